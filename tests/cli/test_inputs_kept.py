@@ -33,6 +33,7 @@ WORDS = {
     "tune": ("tune", "mine.toml", "--law", "pid"),
     "identify": ("identify", "log.csv", "--robot", "mine.toml"),
     "page": ("page", "--scenario", "mine.toml"),
+    "study": ("study", "plan.toml", "--out", "s"),
 }
 """How each command that writes files by name is called with a file that it reads."""
 FOLDERS = {

@@ -41,7 +41,7 @@ def test_long_jobs_say_now_and_then_how_long_they_still_take(capsys, clock):
     out, err = capsys.readouterr()
     assert out == ""
     assert len(err.splitlines()) == 13  # every three seconds
-    assert err.splitlines()[:2] == ["run: 8 %, about 37 s left", "run: 15 %, about 34 s left"]
+    assert err.splitlines()[:3] == ["run: 8 %", "run: 15 %", "run: 22 %, about 31 s left"]
 
 
 def test_a_job_that_tells_nothing_is_not_silent(capsys, monkeypatch):

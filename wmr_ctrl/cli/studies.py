@@ -63,6 +63,8 @@ def study(
     limits and that tracked. If the guard refused every run, the exit code is 1.
     """
     if words[0] in ("plot", "parquet") and len(words) == 2:
+        if report or out:
+            raise click.UsageError("--out and --report belong to a study that is run.")
         from wmr_ctrl.report.study_figures import plot_study
         from wmr_ctrl.simulation.campaign.study_store import write_columns
 
@@ -83,6 +85,7 @@ def study(
     from .check_sentences import unread_k
 
     plan = load_plan(words[0])
+    opt.check_output(report, (".html",), "--report")
     for text in plan.warnings:
         say("warning", text)
     for text in unread_k(plan.loaded, plan.laws, plan.stated):

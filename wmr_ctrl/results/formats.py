@@ -96,7 +96,7 @@ def _loaded(path: str | os.PathLike[str]) -> Run:
     except MissingExtraError:
         raise
     except Exception as error:  # foreign bytes can break a decoder in any way
-        table = Path(path).suffix.lower() == ".csv"
+        table = isinstance(error, json.JSONDecodeError) and Path(path).suffix.lower() == ".csv"
         words = " ".join(f"{type(error).__name__}: {error}".split())[:300]
         detail, other = ("", OTHER_TABLES) if table else (f" ({words})", "")
         raise ResultFileError(

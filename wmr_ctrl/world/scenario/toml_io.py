@@ -188,9 +188,13 @@ def _resolved(source: str, folder: Path, seen: tuple[str, ...]) -> Raw:
         )
     if path.suffix != _SUFFIX and path.suffix:
         raise _no_scenario(source)
-    if "\0" not in source and not path.exists():
-        raise ScenarioError(f"scenario: there is no file {path}.{_beside(path)} Check the path.")
-    return _extended(_parse(read_text(path, "scenario"), path), path.parent, (*seen, mark))
+    try:
+        text = read_text(path, "scenario")
+    except ScenarioError as error:
+        if not os.path.exists(path):
+            error.args = (f"{error}{_beside(path)}",)
+        raise
+    return _extended(_parse(text, path), path.parent, (*seen, mark))
 
 
 @lru_cache
