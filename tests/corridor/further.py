@@ -15,6 +15,9 @@ from tests.corridor import late, sending
 from tests.corridor.adversary import Attacked, worst_pushes
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
+EXACT = {"disturbance.std": 0.0, "sensor.pose_noise": 0.0, "sensor.velocity_noise": [0.0, 0.0]}
+QUICK = {"gains.kanayama.k": [3.57, 64.6, 16.1]}
+"""Of the preset without its noise, and gains with which kanayama keeps close then."""
 PUSHED = {"disturbance.std": 1e-4, "disturbance.truncate": 3.0, "clock.plant": 0.005}
 QUIET = {"clock.plant": 0.005}
 PI = {"base.loop": "pi", "base.kp": 10.0, "base.ki": 20.0, "filter.kind": "none"}
@@ -53,8 +56,8 @@ class Further:
 
 
 def burger(*changes):
-    """A TurtleBot3 with some changes."""
-    return _changed("turtlebot3-burger", *changes)
+    """An exact TurtleBot3 with some changes."""
+    return _changed("turtlebot3-burger", EXACT, QUICK, *changes)
 
 
 def simulated(*changes):

@@ -17,6 +17,7 @@ from tests.corridor.adversary import (
     worst_excursions,
     worst_pushes,
 )
+from tests.corridor.further import EXACT
 from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
@@ -261,7 +262,7 @@ REFUSED = {
     "depends on the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
     "depends on the heading, such as a slope": (
         "turtlebot3-burger",
-        {"slope.angle": 0.01, "slope.direction": 0.5, "filter.kind": "none"},
+        {"slope.angle": 0.01, "slope.direction": 0.5, "filter.kind": "none", **EXACT},
         "prox",
     ),
     "may grow as large as what the loop corrects, beyond the 30.4 mm that the linear loop leaves": (

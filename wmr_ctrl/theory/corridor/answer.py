@@ -123,12 +123,16 @@ class Corridor:
 
     @property
     def _off(self) -> str:
-        least = 0.0 if self.push or self.pose or any(self.velocity) else COARSE
-        return length(max(_counted(self.position), least))
+        return length(max(_counted(self.position), self._least))
 
     @property
     def _turned(self) -> str:
-        return rounded(_counted(self.heading), 2)
+        return rounded(max(_counted(self.heading), self._least), 2)
+
+    @property
+    def _least(self) -> float:
+        """Smallest distance [m] and angle [rad] worth a word: more where nothing disturbs."""
+        return 0.0 if self.push or self.pose or any(self.velocity) else COARSE
 
     @property
     def _from(self) -> str:
