@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
 from wmr_ctrl.control.given import law_of, scenario_of
+from wmr_ctrl.control.laws.given import law_if_any, law_name, law_names
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.export import api_types as types
@@ -42,7 +43,7 @@ ENGINES = ("native", "numpy", "fmu")
 @checks_arguments
 def simulate(
     scenario: str | Path | Scenario,
-    law: str | None = None,
+    law: types.LawGiven | None = None,
     *,
     seed: int = 0,
     engine: str = "native",
@@ -51,7 +52,7 @@ def simulate(
     overrides: types.Overrides | None = None,
     progress: types.Progress | None = None,
 ) -> Run:
-    """Run ``law`` on ``scenario`` and return the Run.
+    """Run ``law`` (a name, a file with LAW, or a Law) on ``scenario`` and return the Run.
 
     ``law`` None is the scenario's own, else kanayama.  ``engine`` is "native" (compiled C), "numpy"
     (the same graphs without a compiler, slower) or "fmu" (our own FMUs of reference, controller and
@@ -69,6 +70,7 @@ def simulate(
     """
     from wmr_ctrl.simulation.engines import check_plant, run_compiled, run_numpy, runnable
 
+    law = law_if_any(law)
     chosen = scenario_of(scenario, overrides, guard)
     law = law_of(chosen, law)
     checked_seeds([seed])
@@ -89,7 +91,7 @@ def simulate(
 @checks_arguments
 def simulate_runs(
     scenario: str | Path | Scenario,
-    law: str | None = None,
+    law: types.LawGiven | None = None,
     seeds: Iterable[int] = range(20),
     *,
     plant: str = "ode",
@@ -114,6 +116,7 @@ def simulate_runs(
     from wmr_ctrl.simulation.engines import check_device, runs_of
 
     check_device(device, plant)
+    law = law_if_any(law)
     chosen = scenario_of(scenario, overrides, guard)
     run = plant, chosen, law_of(chosen, law)
     return runs_of(*run, checked_seeds(seeds), jobs, progress, device)
@@ -122,7 +125,7 @@ def simulate_runs(
 @checks_arguments
 def simulate_many(
     scenario: str | Path | Scenario,
-    law: str | None = None,
+    law: types.LawGiven | None = None,
     seeds: Iterable[int] = range(20),
     overrides: types.Overrides | Sequence[types.Overrides] | None = None,
     *,
@@ -150,7 +153,7 @@ def simulate_many(
     """
     from wmr_ctrl.simulation.engines import check_device, table_of
 
-    listed = checked_seeds(seeds)
+    listed, law = checked_seeds(seeds), law_if_any(law)
     check_device(device, plant)
     if progress:
         progress(0.0)
@@ -224,7 +227,7 @@ def _facts(laws: Sequence[str], quick: bool) -> Facts:
 
 
 @checks_arguments
-def export_fmu(what: str, **options: Unpack[types.ExportOptions]) -> list[Path]:
+def export_fmu(what: types.LawGiven, **options: Unpack[types.ExportOptions]) -> list[Path]:
     """Write FMUs, or files for other simulation tools, and return their paths.
 
     Options as in `wmr_ctrl.export.fmi.fmu_files.export_fmu`: law, scenario, fmi, target, out.
@@ -234,7 +237,9 @@ def export_fmu(what: str, **options: Unpack[types.ExportOptions]) -> list[Path]:
     """
     from wmr_ctrl.export.outputs import write_output
 
-    return write_output(what, options)
+    if (law := options.get("law")) is not None:
+        options["law"] = law_name(law)
+    return write_output(law_name(what), options)
 
 
 @checks_arguments
@@ -244,25 +249,28 @@ def write_page(
     **options: Unpack[types.PageOptions],
 ) -> Path:
     """Write one HTML file that runs the loop live; options of `wmr_ctrl.export.page.write_page`."""
+    if (laws := options.get("laws")) is not None:
+        options["laws"] = law_names(laws)
     return import_module("wmr_ctrl.export.page").write_page(out, scenario_of(scenario), **options)
 
 
 @checks_arguments
 def cosimulate(
     scenario: str | Path | Scenario,
-    law: str | None = None,
+    law: types.LawGiven | None = None,
     **options: Unpack[types.CosimulationOptions],
 ) -> Run:
     """Run reference, controller and plant as FMUs; options as in `wmr_ctrl.export.cosim`."""
     from wmr_ctrl.export.cosim import cosimulate as run_fmus
 
-    return run_fmus(scenario, law, **options)
+    name = law_if_any(law)
+    return run_fmus(scenario, name, **options)
 
 
 @checks_arguments
 def linearize(
     scenario: str | Path | Scenario,
-    law: str | None = None,
+    law: types.LawGiven | None = None,
     at: float | None = None,
     guard: bool = False,
 ) -> LinearReport:
@@ -272,6 +280,7 @@ def linearize(
     """
     from wmr_ctrl.theory.linear import report_linear
 
+    law = law_if_any(law)
     chosen = scenario_of(scenario)
     return report_linear(chosen, law_of(chosen, law), at, guard=guard)
 
@@ -299,7 +308,9 @@ def bench(progress: types.Progress | None = None) -> types.BenchReport:
 
 
 @checks_arguments
-def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") -> CompiledLaw:
+def compile_law(
+    law: types.LawGiven, scenario: str | Path | Scenario = "paper-simulation"
+) -> CompiledLaw:
     """The law's compiled controller, to be called sample by sample.
 
     Write ``u`` (order: ``inputs``), call ``step()``, read the torques (or v, omega).  Raises
@@ -315,19 +326,21 @@ def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") 
     from wmr_ctrl.control.setup import settle
     from wmr_ctrl.simulation.compiled_law import CompiledLaw
 
-    return CompiledLaw(build_law(settle(scenario_of(scenario), law)))
+    name = law_name(law)
+    return CompiledLaw(build_law(settle(scenario_of(scenario), name)))
 
 
 def compile_loop(
     scenario: str | Path | Scenario,
-    law: str,
+    law: types.LawGiven,
     overrides: types.Overrides | None = None,
     guard: bool | None = None,
 ) -> RunnableLoop:
     """The closed loop of ``law`` on ``scenario``, for `sim.batch`.  Errors as in `compile_law`."""
     from wmr_ctrl.simulation.engines import runnable
 
-    return runnable(scenario_of(scenario, overrides, guard), law)
+    name = law_name(law)
+    return runnable(scenario_of(scenario, overrides, guard), name)
 
 
 def law_table() -> list[dict[str, str]]:

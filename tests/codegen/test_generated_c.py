@@ -19,6 +19,7 @@ from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.simulation.memory import REALS, load, opened
 from wmr_ctrl.world.effect import Rate
 from wmr_ctrl.world.model.dynamics import plant, rk4_step
@@ -126,7 +127,7 @@ def test_plant_step_equals_the_virtual_machine() -> None:
 def test_every_operation_has_a_c_form_or_is_refused() -> None:
     x = ca.SX.sym("x")
 
-    with pytest.raises(NotImplementedError, match="operation"):
+    with pytest.raises(ArgumentError, match="operation"):
         definition(kernel("odd", "An operation without C form.", {"x": x}, {"y": ca.erf(x)}))
 
 

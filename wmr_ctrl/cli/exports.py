@@ -34,10 +34,13 @@ WITHOUT_LAW = ("plant", "reference", "guard", "filter")
     "wmr-ctrl export simulink --law mb --out kit",
 )
 @click.argument(
-    "what", metavar="plant|LAW|reference|guard|filter|corridor|closed-loop|ssp|modelica|simulink"
+    "what",
+    metavar="plant|LAW|reference|guard|filter|corridor|closed-loop|ssp|modelica|simulink",
+    callback=opt.one_law,
 )
 @click.option(
     "--law",
+    callback=opt.one_law,
     metavar="NAME",
     help=f"Law for {', '.join(WITH_LAW[:-1])} and {WITH_LAW[-1]}.  {opt.OWN_LAW}",
 )
@@ -140,10 +143,16 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
     "wmr-ctrl codegen filter --scenario mine.toml --ros2 --out node",
     "wmr-ctrl codegen corridor --law prox --scenario mine.toml --out c",
 )
-@click.argument("law", required=False)
+@click.argument("law", required=False, callback=opt.one_law)
 @opt.scenario_option
 @opt.set_option
-@click.option("--law", "watched", metavar="NAME", help="corridor: its law.  " + opt.OWN_LAW)
+@click.option(
+    "--law",
+    "watched",
+    callback=opt.one_law,
+    metavar="NAME",
+    help="corridor: its law.  " + opt.OWN_LAW,
+)
 @click.option("--float32", is_flag=True, help="Single precision throughout.")
 @click.option(
     "--ros2", is_flag=True, help="Write the filter as a ROS 2 node in C that needs only rcl."

@@ -72,8 +72,10 @@ scenario_option = click.option(
 
 
 def one_law(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
-    """The name of one law; which there are is checked where it is used."""
-    names = value.split(",") if value else []
+    """The name of one law, perhaps in a file; which there are is checked where it is used."""
+    from wmr_ctrl.control.laws.given import law_name
+
+    names = value.split(",") if value and not os.path.isfile(value) else []
     if len(names) > 1:
         listed = ", ".join(f'"{name.strip()}"' for name in names)
         raise click.BadParameter(
@@ -82,7 +84,7 @@ def one_law(_: click.Context, __: click.Parameter, value: str | None) -> str | N
             f"for many runs of several write a study: laws = [{listed}] in PLAN.toml, and "
             "`wmr-ctrl study PLAN.toml --out DIR`."
         )
-    return value
+    return law_name(value) if value else value
 
 
 def _seed(_: click.Context, __: click.Parameter, value: str) -> int:
@@ -95,7 +97,7 @@ def _seed(_: click.Context, __: click.Parameter, value: str) -> int:
     return seed
 
 
-LAW = "Control law; see `wmr-ctrl laws`."
+LAW = "Control law; see `wmr-ctrl laws`; or a file with a LAW."
 OWN_LAW = "[default: the scenario's own, else kanayama]"
 law_option = click.option("--law", callback=one_law, metavar="NAME", help=f"{LAW}  {OWN_LAW}")
 
@@ -109,12 +111,13 @@ def laws_option(name: str, text: str) -> Callable[[F], F]:
 
 
 def _each_law(_: click.Context, __: click.Parameter, values: Sequence[str]) -> tuple[str, ...]:
-    names = [name.strip() for value in values for name in value.split(",")]
-    if "all" in names:
-        from wmr_ctrl.control.laws.registry import LAWS
+    from wmr_ctrl.control.laws.given import law_names
+    from wmr_ctrl.control.laws.registry import LAWS
 
-        names += LAWS
-    return tuple(dict.fromkeys(name for name in names if name != "all"))
+    parts = ([value] if os.path.isfile(value) else value.split(",") for value in values)
+    names = [name.strip() for part in parts for name in part]
+    named = law_names(name for name in names if name != "all")
+    return tuple(dict.fromkeys((*named, *(LAWS if "all" in names else ()))))
 
 
 seed_option = click.option(

@@ -6,6 +6,8 @@ from types import MappingProxyType
 
 import casadi as ca
 
+from wmr_ctrl.core.errors import ArgumentError
+
 _OF_ONE = (
     "sign", "sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "tan", "asin", "acos", "atan",
     "sinh", "cosh", "tanh", "floor", "ceil",
@@ -60,10 +62,16 @@ class Dialect:
     pairs_sines: bool = False
 
     def pattern(self, op: int) -> str:
-        """The expression of an operation, with {0} and {1} for its operands."""
+        """The expression of an operation, with {0} and {1} for its operands.
+
+        Raises ArgumentError for one that no graph of ours has.
+        """
         if op not in self.patterns:
-            raise NotImplementedError(
-                f"CasADi operation {op} has no C form in wmr_ctrl.codegen.dialect"
+            name = next(k for k, code in vars(ca).items() if k.startswith("OP_") and code == op)
+            known = ", ".join(dict.fromkeys((*_OF_ONE, *_OF_TWO, "fmin", "fmax", "fabs")))
+            raise ArgumentError(
+                f"the graph of a law, reference or effect has CasADi's operation {name[3:].lower()}"
+                f", of which there is no C. Write it with arithmetic, if_else and {known}."
             )
         return self.patterns[op]
 

@@ -4,6 +4,7 @@ from math import inf, nextafter
 
 import casadi as ca
 
+from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.signals import ASKED, FORCE, TORQUE, VELOCITY
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.world.model.system import Output, Parameters, System, outputs, port, ports, stack
@@ -15,6 +16,7 @@ from .guard.guard import MAPS, Bounds, bounds_of, guarded, linear_first, possibl
 from .guard.monitor import GuardMonitor, LateMotion
 from .laws.context import LawContext
 from .laws.law import TorqueLimited
+from .laws.registry import blamed_law
 from .setup import Setup
 from .velocity import SentVelocity
 
@@ -63,7 +65,13 @@ def law_graph(setup: Setup, in_flight: int | None = None) -> System:
     """
     law = setup.control_law
     build = law.command if setup.takes_velocity and law.command else law.build
-    return build(LawContext(setup, in_flight))
+    with blamed_law(law, build):
+        system = build(LawContext(setup, in_flight))
+        if not isinstance(system, System):
+            raise TypeError(f"it returns {show(system)}, not what context.system(...) gives")
+        if [item.signal for item in system.outputs] not in ([FORCE], [ASKED]):
+            raise ValueError("its System must have one output: FORCE, or ASKED")
+    return system
 
 
 def guard(setup: Setup) -> System:

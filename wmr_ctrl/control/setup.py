@@ -40,9 +40,10 @@ from .laws.law import (
     TorqueLimited,
     commands_predicted,
 )
-from .laws.registry import LAWS
+from .laws.registry import LAWS, blamed_law
 
 KINEMATICS = "kinematics"
+OF_FILE = "The gains of a law in a file are known where it is named, as in --law my_law.py."
 GUARD_ALONE = "guard"
 """Name of a setup without a law."""
 S = TypeVar("S", bound=Section)
@@ -258,7 +259,8 @@ def check_scenario(scenario: Scenario) -> None:
 
 def gains_of(scenario: Scenario, law: Law) -> Section:
     """The law's gains, with the scenario's own; raises on unknown names and bad values."""
-    return build(law.gains, scenario.gains.get(law.name, {}), f"gains.{law.name}")
+    with blamed_law(law, law.gains.relate):
+        return build(law.gains, scenario.gains.get(law.name, {}), f"gains.{law.name}")
 
 
 def gains_by_law(scenario: Scenario) -> dict[str, Section]:
@@ -289,7 +291,7 @@ def check_gains(scenario: Scenario) -> dict[str, Section]:
     laws = [name for name in scenario.gains if name != KINEMATICS]
     for name in laws:
         if name not in LAWS:
-            raise UnknownNameError("section of gains", name, (*LAWS, KINEMATICS))
+            raise UnknownNameError("section of gains", name, (*LAWS, KINEMATICS), OF_FILE)
     return {name: gains_of(scenario, LAWS[name]) for name in laws}
 
 

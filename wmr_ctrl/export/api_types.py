@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TypeAlias, TypedDict
 
 from wmr_ctrl.control.given import Overrides as Overrides
+from wmr_ctrl.control.laws.given import LawGiven as LawGiven
 from wmr_ctrl.world.scenario import Scenario
 
 Progress: TypeAlias = Callable[[float], None]
@@ -14,7 +15,7 @@ Progress: TypeAlias = Callable[[float], None]
 class CommonOptions(TypedDict, total=False):
     """Options of `export_fmu` for FMUs and for an SSP."""
 
-    law: str
+    law: LawGiven
     scenario: str | Path | Scenario
     fmi: str | int
     target: str
@@ -58,7 +59,7 @@ class CosimulationOptions(TypedDict, total=False):
 class PageOptions(TypedDict, total=False):
     """Options of `write_page`, as in `wmr_ctrl.export.page.write_page`."""
 
-    laws: Sequence[str] | None
+    laws: Sequence[LawGiven] | None
     seed: int
     progress: Progress | None
 

@@ -6,6 +6,7 @@ from nav_msgs.msg import Odometry, Path
 from std_msgs.msg import Float64MultiArray
 
 from wmr_ctrl.control.filter.gate import GateSettings
+from wmr_ctrl.control.laws.given import law_name
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.world.scenario import Scenario
@@ -52,7 +53,7 @@ class DriveNode(SafeNode[DriveCore]):
             gate=gate, odometry_frame=str(self.value("odometry_frame")), base_frame=self.frame,
             jump=self.pair("jump"), path=motion == "path",
         )  # fmt: skip
-        setup = settle(scenario, law)
+        setup = settle(scenario, law_name(law))
         if not (setup.takes_velocity or scenario.guard.enabled):
             self.get_logger().warning(
                 "guard.enabled = false: no speed limit is guaranteed for these torques."

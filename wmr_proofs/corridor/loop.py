@@ -21,6 +21,7 @@ from flint import arb
 from wmr_ctrl.control.applied import followed, remembered
 from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.control.laws.observer import FORCE_HAT, OLD_VELOCITY
+from wmr_ctrl.control.laws.registry import blamed_law
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.signals import TAU_APPLIED, TORQUE, Signal, tau_sent
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats, World, carried
@@ -196,7 +197,8 @@ class SampledLoop:
         """The law away from its limits, with the conditions' values and sizes as further memory."""
         inside = self.setup.control_law.inside
         assert inside is not None
-        law = inside(context)
+        with blamed_law(self.setup.control_law, inside):
+            law = inside(context)
         if self.setup.takes_velocity:
             system, limits = sending(self.setup, law, self._asked)
         else:

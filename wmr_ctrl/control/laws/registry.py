@@ -2,43 +2,60 @@
 
 A law's module has a docstring, a `Section` of gains, ``build(context) -> System`` whose output is
 the generalised force, and ``LAW``, the `Law` of all that.  Other packages add theirs
-through the entry-point group ``wmr_ctrl.laws`` (name = law, value = a `Law`).
+through the entry-point group ``wmr_ctrl.laws`` (name = law, value = a `Law`), and users hand over
+a law or its file (`given`).
 """
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 
-from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.core.fields.plugins import load
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.fields.arguments import check_fields
+from wmr_ctrl.core.fields.plugins import blamed, load
+from wmr_ctrl.core.fields.section import Section, quantities
 
 from .law import Law
 
 NAMES = ("pid", "smc", "mb", "nn", "prox", "kanayama", "pursuit")
 GROUP = "wmr_ctrl.laws"
+RESERVED = (
+    *("all", "kinematics", "guard", "filter", "reference", "plant", "corridor"),
+    *("closed-loop", "ssp", "modelica", "simulink", "law"),
+)
+"""Words that mean something else where a law may be named."""
+_REMEDY = "A law in a file is named by its path, such as ./my_law.py."
 
 
 class LawRegistry(Mapping[str, Law]):
-    """Laws by name: ours in the order of NAMES, then those of other packages; loaded on demand."""
+    """Laws by name: ours in the order of NAMES, those handed over, those of other packages."""
+
+    def __init__(self) -> None:
+        self.given: dict[str, Law] = {}
 
     def __getitem__(self, name: str) -> Law:
         """The law called ``name``; raises UnknownNameError with the near names."""
         if name in NAMES:
             law: Law = import_module(f"wmr_ctrl.control.laws.{name}").LAW
             return law
+        if name in self.given:
+            return self.given[name]
         if isinstance(name, str) and name in self.plugins:
             loaded = load(self.plugins[name], GROUP)
             if isinstance(loaded, Law) and loaded.name == name:
+                check_law(loaded, f"the entry point {name!r} of the group {GROUP}")
                 return loaded
             raise ArgumentError(
                 f"the entry point {name!r} of the group {GROUP} gives {loaded!r}: it must be a Law "
                 f"called {name!r}. Let it point to the value LAW of the law's module."
             )
-        raise UnknownNameError("law", name, self)
+        raise UnknownNameError("law", name, self, _REMEDY)
 
     def __iter__(self) -> Iterator[str]:
-        return iter((*NAMES, *(name for name in self.plugins if name not in NAMES)))
+        return iter(dict.fromkeys((*NAMES, *self.given, *self.plugins)))
 
     def __len__(self) -> int:
         return len(tuple(iter(self)))
@@ -50,6 +67,59 @@ class LawRegistry(Mapping[str, Law]):
     def plugins(self) -> dict[str, EntryPoint]:
         """Entry points of other packages' laws, by name."""
         return {point.name: point for point in entry_points(group=GROUP)}
+
+    def add(self, law: Law, where: str = "") -> str:
+        """Keep a law under its name, which is returned; it replaces one that was added before.
+
+        ``where`` it is defined, for errors.  Raises ArgumentError for a law that is not usable or
+        has the name of one of ours.
+        """
+        if law.name in NAMES:
+            ours = import_module(f"wmr_ctrl.control.laws.{law.name}").LAW
+            if law is ours:
+                return law.name
+            place = f"{where}: " if where else ""
+            raise ArgumentError(
+                f"{place}the law is called {law.name!r}, which is the name of a law of wmr_ctrl. "
+                "Give it another name: the first argument of Law(...)."
+            )
+        check_law(law, where)
+        self.given[law.name] = law
+        return law.name
+
+
+def check_law(law: Law, where: str = "") -> None:
+    """Raise ArgumentError, which begins with ``where``, unless a law's fields are what they say."""
+    place = f"{where}: " if where else ""
+    try:
+        check_fields(law)
+    except ArgumentError as error:
+        raise ArgumentError(f"{place}{error}") from None
+    if not re.fullmatch("[A-Za-z][A-Za-z0-9_]*", law.name) or law.name in RESERVED:
+        raise ArgumentError(
+            f"{place}a law cannot be called {law.name!r}. Take a name of letters, digits and "
+            f"underscores that is none of {', '.join(RESERVED)}."
+        )
+    if not issubclass(law.gains, Section):
+        raise ArgumentError(f"{place}the gains of the law {law.name!r} must be a Section.")
+    known = dict(quantities(law.gains))
+    if unknown := [name for name in law.tuned if name not in known]:
+        raise ArgumentError(
+            f"{place}tuned names {unknown[0]!r}, which is none of the gains of {law.name!r}: "
+            f"{', '.join(known) or 'it has none'}."
+        )
+
+
+def blamed_law(law: Law, function: Callable[..., object]) -> AbstractContextManager[None]:
+    """Context in which a function of somebody else's law runs: its errors name file and line.
+
+    What a law says of a scenario, as a ScenarioError, stays as it is.
+    """
+    if law.name in NAMES:
+        return nullcontext()
+    return blamed(
+        f"the law {law.name!r} fails", "Mend the law.", (ScenarioError, ArgumentError), function
+    )
 
 
 LAWS = LawRegistry()

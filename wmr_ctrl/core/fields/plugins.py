@@ -1,33 +1,66 @@
 """Registry entries from other packages' entry points, and errors that name their source."""
 
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
+from traceback import walk_tb
+from types import FunctionType
 from typing import TypeVar
 
 from wmr_ctrl.core.errors import ArgumentError, WmrError
 
-from .problems import show
+from .problems import printable, show
 
 T = TypeVar("T")
 _REMEDY = "Mend or uninstall the package that has it."
 
 
+_LIBRARIES = {*sys.stdlib_module_names, "casadi", "numpy", "wmr_ctrl"}
+LONGEST = 400
+"""Characters of an error that are shown at most."""
+
+
 @contextmanager
 def blamed(
-    what: str, remedy: str, passing: tuple[type[Exception], ...] = (WmrError,)
+    what: str,
+    remedy: str,
+    passing: tuple[type[Exception], ...] = (WmrError,),
+    function: Callable[..., object] | None = None,
 ) -> Iterator[None]:
-    """Turn an error in code of another package into an ArgumentError that begins with ``what``.
+    """Turn an error in code of another author into an ArgumentError that begins with ``what``.
 
-    Those of ``passing`` say enough to a user as they are.
+    It names file and line: where that code failed, else where ``function`` begins.  Errors of
+    ``passing`` say enough to a user as they are.
     """
     try:
         yield
     except passing:
         raise
     except Exception as error:
-        said = str(error).rstrip(".")
-        raise ArgumentError(f"{what}: {type(error).__name__}: {said}. {remedy}") from error
+        words = error.msg if isinstance(error, SyntaxError) else str(error)
+        said = " ".join(printable(words).split())[:LONGEST].rstrip(".")
+        text = ": ".join(filter(None, (type(error).__name__, said)))
+        place = _failed_at(error) or _begin_of(function)
+        raise ArgumentError(f"{what}: {text}{place}. {remedy}") from error
+
+
+def _failed_at(error: Exception) -> str:
+    """Last file and line of an error that are in no library; empty where there is none."""
+    place = ""
+    for frame, line in walk_tb(error.__traceback__):
+        module = str(frame.f_globals.get("__name__", "")).partition(".")[0]
+        if module not in _LIBRARIES:
+            place = f" ({frame.f_code.co_filename}, line {line})"
+    if isinstance(error, SyntaxError) and error.filename:
+        return f" ({error.filename}, line {error.lineno})"
+    return place
+
+
+def _begin_of(function: Callable[..., object] | None) -> str:
+    if not isinstance(function, FunctionType):
+        return ""
+    return f" ({function.__code__.co_filename}, line {function.__code__.co_firstlineno})"
 
 
 def load(point: EntryPoint, group: str) -> object:

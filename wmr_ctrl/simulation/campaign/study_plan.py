@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import TypeAlias
 
 from wmr_ctrl.control.default_law import UNSTATED, default_law
+from wmr_ctrl.control.laws.given import LawGiven, law_names
+from wmr_ctrl.control.laws.law import Law
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.core.fields.files import parse_toml, read_text
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, build, quantities, quantity
-from wmr_ctrl.core.fields.values import SEED_END, Frozen
+from wmr_ctrl.core.fields.values import SEED_END, Frozen, as_list
 from wmr_ctrl.results import PLANTS
 from wmr_ctrl.results.figures import FIGURES, RIGID, SHARES, SUMMED
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override
@@ -107,6 +109,8 @@ def plan_of(raw: Raw, folder: Path = Path()) -> Study:
         if key not in KEYS:
             raise UnknownNameError("key of a plan", key, KEYS)
     given = {key: value for key, value in raw.items() if key not in ("scenario", "seeds")}
+    if (listed := as_list(given.get("laws"))) is not None:
+        given["laws"] = law_names(map(_law_given, listed), folder)
     table = build(PlanTable, given, "")
     fixed = flat(table.set)
     source = _source(raw.get("scenario", "paper-simulation"), folder)
@@ -179,6 +183,13 @@ def flat(table: Raw, head: str = "") -> dict[str, object]:
         path = f"{head}.{key}" if head else key
         rows |= flat(value, path) if isinstance(value, Mapping) else {path: value}
     return rows
+
+
+def _law_given(item: object) -> LawGiven:
+    """An element of ``laws``: a name, a file or a Law; what is neither is refused with the rest."""
+    if isinstance(item, str | Path | Law):
+        return item
+    raise ArgumentError(f"laws: {show(item)} is not a law's name, the path of its file or a Law.")
 
 
 def _source(given: object, folder: Path) -> str | Scenario:

@@ -11,7 +11,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.core.errors import WmrError
+from wmr_ctrl.control.laws.registry import LAWS
+from wmr_ctrl.core.errors import ArgumentError, WmrError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import one_command
 from wmr_ctrl.simulation.batch import check_jobs
@@ -21,6 +22,7 @@ from wmr_ctrl.world.scenario import Scenario
 from .engine import PhaseProgress, build_loop, phase
 from .plan import PlannedCase, Study
 from .study_chunks import (
+    SCHEME,
     THREADS,
     StudyChunk,
     chunk_rows,
@@ -94,6 +96,13 @@ def study(
         plan = load_plan(plan)
     chosen = plan_of(plan) if isinstance(plan, Mapping) else plan
     check_device(device, chosen.plant, here=executor == THREADS)
+    own = [law for law in chosen.laws if law in LAWS.given]
+    if own and isinstance(executor, str) and executor.startswith(SCHEME):
+        raise ArgumentError(
+            f"the workers of {executor} do not know the law {own[0]!r}, which is in a file or an "
+            "object of this process. Install it there as a package with an entry point, or use the "
+            "executor threads or dask."
+        )
     if chosen.plant == "mujoco":
         from wmr_ctrl.simulation.physics.rigid import description, mujoco
 

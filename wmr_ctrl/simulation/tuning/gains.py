@@ -23,7 +23,8 @@ from pathlib import Path
 import numpy as np
 
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.control.laws.registry import LAWS
+from wmr_ctrl.control.laws.given import LawGiven, law_name
+from wmr_ctrl.control.laws.registry import LAWS, NAMES
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import one_command
@@ -31,7 +32,7 @@ from wmr_ctrl.core.fields.section import Section, numbers_in
 from wmr_ctrl.results import atomic_text, check_writable
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.simulation.engines import table_of
+from wmr_ctrl.simulation.engines import runnable, table_of
 from wmr_ctrl.simulation.many import checked_seeds
 from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
 from wmr_ctrl.theory.door import proofs
@@ -132,7 +133,7 @@ class Tuning:
 @one_command()
 def tune(
     scenario: str | Path | Scenario,
-    law: str,
+    law: LawGiven,
     out: str | Path,
     *,
     seeds: Iterable[int] = range(1, 4),
@@ -154,6 +155,7 @@ def tune(
     MissingExtraError without the extra tune, ArgumentError (that file belongs to another search,
     say), ScenarioError, UnknownNameError, ResultFileError.
     """
+    law = law_name(law)
     chosen = scenario_of(scenario)
     if not isinstance(scenario, Scenario):  # the written file states every key
         silent = tuple(item.key for item in inherited(chosen, str(scenario)))
@@ -171,7 +173,9 @@ def tune(
     if merit == search.CORRIDOR:
         _check_corridor(chosen, law)
     target, start, text = check_writable(out), _start(plan), to_toml(chosen, comments=False)
-    digest = search.digest_of(text, law, plan.seeds, weight, plan.hold, merit, _masses(chosen))
+    digest = search.digest_of(
+        text, law, _code_of(chosen, law), plan.seeds, weight, plan.hold, merit, _masses(chosen)
+    )
     tries = search.Trials(target, digest)
     tell, optimiser = progress or (lambda share: None), search.Search(start)
     while optimiser.tried < plan.trials:
@@ -197,6 +201,15 @@ def tune(
     tries.forget()
     tell(1.0)
     return tuning
+
+
+def _code_of(scenario: Scenario, law: str) -> str:
+    """Hash of the law's compiled loop, by which another file of the same name is another search."""
+    return "" if law in NAMES else runnable(_unguarded(scenario), law).compiled.digest
+
+
+def _unguarded(scenario: Scenario) -> Scenario:
+    return replace(scenario, guard=replace(scenario.guard, enabled=False))
 
 
 def with_gains(scenario: Scenario, gains: Mapping[str, Sequence[float]]) -> Scenario:
@@ -229,7 +242,7 @@ def _masses(scenario: Scenario) -> tuple[float, ...]:
 
 def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
     """The scenario unguarded, as it is, then with robots that are not as heavy as believed."""
-    free = replace(scenario, guard=replace(scenario.guard, enabled=False))
+    free = _unguarded(scenario)
     yield 1.0, free
     believed = scenario.believed
     model = replace(scenario.model, m=believed.m, I=believed.I, mu=believed.mu)

@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from wmr_ctrl.control.given import default_law
+from wmr_ctrl.control.laws.law import Law
 from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import WmrError
@@ -64,7 +65,7 @@ def outlook_of(run: Run) -> Outlook | None:
         return None
     if run.law not in LAWS:
         return Outlook(scenario.actuator.tau_max, (), _has_exact_pose(scenario), known=False)
-    return _outlook(scenario, run.law, run.settings.plant_kind)
+    return _outlook(scenario, LAWS[run.law], run.settings.plant_kind)
 
 
 def needed_by(run: Run) -> Floats | None:
@@ -94,7 +95,10 @@ def _scenario(text: str, name: str) -> Scenario:
     return loads_scenario(text, name)
 
 
-_outlook = lru_cache(maxsize=256)(outlook)
+@lru_cache(maxsize=256)
+def _outlook(scenario: Scenario, law: Law, plant: str) -> Outlook:
+    """`outlook`, judged once for each law, of which another may have its name later."""
+    return outlook(scenario, law.name, plant)
 
 
 class CheckVerdict(StrEnum):

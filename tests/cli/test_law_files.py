@@ -1,0 +1,120 @@
+"""Laws that a user hands over: a file with LAW, or a Law; what is wrong in one is told in words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import wmr_ctrl
+from tests.cli.conftest import SHORT
+from tests.docs.test_extending import FILES
+from tests.laws.toys import PLAIN, install
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core.errors import ArgumentError
+
+LAW = FILES["my_law"]
+BRIEF = {"clock.duration": 1.0, "changes": []}
+
+
+@pytest.fixture(autouse=True)
+def forgotten(monkeypatch, tmp_path):
+    """Laws that a test hands over are forgotten after it; it works in a folder of its own."""
+    monkeypatch.setattr(LAWS, "given", {})
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my_law.py").write_text(LAW)
+
+
+def line_of(text: str, part: str) -> int:
+    return next(k for k, line in enumerate(text.splitlines(), start=1) if part in line)
+
+
+WRONG = {
+    "a bracket": ("force = ", "force = (", "never closed", "force ="),
+    "a name": ("context.friction", "frction", "'frction' is not defined", "force ="),
+    "a shape": ('law", force)', 'law", context.pose)', "force has 3 elements", "return"),
+    "a choice": ("    force", "    assert context.v[0] > 0\n    force", "truth value", "assert"),
+    "a gain": ('gain("K")', 'gain("Q")', "known: K", "force ="),
+    "no system": ("return context.system", "context.system", "returns None", "def build"),
+    "another type": ("LAW = Law(", "LAW = dict(name=", "must be a Law", "LAW ="),
+    "an import": ('"""Prop', 'import nowhere\n"""Prop', "No module named 'nowhere'", "nowhere"),
+    "an option": ('unit="', 'unt="', "unexpected keyword", "K: tuple"),
+    "the end": ("LAW = ", "exit()\nLAW = ", "ends the program", None),
+    "no law": ("LAW = ", "law = ", "is called law: name it LAW", None),
+    "a law of ours": ('Law("my_law"', 'Law("pid"', "a law of wmr_ctrl", "LAW ="),
+    "a word of ours": ('Law("my_law"', 'Law("guard"', "cannot be called 'guard'", "LAW ="),
+    "an unknown gain": ("doc=__doc__", 'tuned=("Z",), doc=__doc__', "tuned names 'Z'", "LAW ="),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", WRONG)
+def test_a_fault_names_file_and_line(fault, wmr, tmp_path):
+    old, new, said, line = WRONG[fault]
+    text = LAW.replace(old, new, 1)
+    assert text != LAW
+    (tmp_path / "mine.py").write_text(text)
+
+    result = wmr("run", "paper-simulation-nominal", "--law", "mine.py", *SHORT)
+
+    told = " ".join(result.stderr.split())
+    assert result.exit_code == 2
+    assert said in told
+    assert "mine.py" in told if line is None else f"mine.py, line {line_of(text, line)}" in told
+    assert "This should not happen" not in told
+
+
+def test_a_plug_in_s_fault_names_file_and_line(monkeypatch, wmr):
+    def build(context):
+        return context.fricton
+
+    install(monkeypatch, replace(PLAIN, build=build))
+    result = wmr("run", "paper-simulation-nominal", "--law", "plain", *SHORT)
+
+    where = f"{__file__}, line {build.__code__.co_firstlineno + 1}"
+    assert result.exit_code == 2
+    assert where in " ".join(result.stderr.split())
+
+
+def test_laws_of_one_name_are_not_confused(tmp_path):
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "my_law.py").write_text(LAW.replace("context.friction", "0"))
+
+    def speed(law):
+        return wmr_ctrl.simulate("paper-simulation-nominal", law, overrides=BRIEF)["v1"]
+
+    first, second, again = map(speed, ("./my_law.py", tmp_path / "b" / "my_law.py", "my_law.py"))
+
+    assert np.array_equal(first, again)
+    assert not np.allclose(first, second)
+    plan = {"laws": ["my_law.py", "b/my_law.py"], "seeds": 1, "set": BRIEF}
+    with pytest.raises(ArgumentError, match="two different laws are called 'my_law'"):
+        wmr_ctrl.study(plan, tmp_path / "out")
+
+
+def test_commands_take_files_among_names(wmr, tmp_path):
+    gains = "gains.my_law.K=300,30"
+    both = ("--law", "kanayama,my_law.py", "--set", "clock.duration=1", "--set", gains)
+    compared = wmr("compare", "paper-simulation-nominal", *both)
+    written = wmr("codegen", "my_law.py", "--out", "c")
+    plan = tmp_path / "plans"
+    plan.mkdir()
+    (plan / "mine.py").write_text(LAW)
+    (plan / "p.toml").write_text('laws = ["mine.py"]\nseeds = 1\n[set]\n"clock.duration" = 1.0\n')
+    studied = wmr("study", "plans/p.toml", "--out", "st")
+
+    assert (compared.exit_code, written.exit_code, studied.exit_code) == (0, 0, 0)
+    assert "my_law" in compared.stdout
+    assert (tmp_path / "c" / "wmr_my_law.c").exists()
+    assert "0,my_law," in (tmp_path / "st" / "table.csv").read_text()
+    assert sorted(path.name for path in tmp_path.rglob("*.pyc")) == []
+
+
+def test_python_functions_take_laws():
+    run = wmr_ctrl.simulate("paper-simulation-nominal", PLAIN, overrides=BRIEF)
+
+    assert run.law == "plain"
+    assert wmr_ctrl.linearize("paper-simulation-nominal", PLAIN).law == "plain"
+    assert wmr_ctrl.compile_law(PLAIN, "paper-simulation-nominal").step().shape == (2,)
+    with pytest.raises(ArgumentError, match="law = 3 must be a text, a path or a Law"):
+        wmr_ctrl.simulate("paper-simulation-nominal", 3)
