@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     from wmr_ctrl.export.api_types import ExportOptions
     from wmr_ctrl.world.scenario import Scenario
 
+REFERENCE = "reference"
 WITH_LAW = ("corridor", "closed-loop", "ssp", "simulink")
-WITHOUT_LAW = ("plant", "reference", "guard", "filter")
+WITHOUT_LAW = ("plant", REFERENCE, "guard", "filter")
 """Outputs that hold the law of the option ``--law``, and none."""
 
 
@@ -139,6 +140,7 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
     "Write a law as a C99 package for a robot.",
     "wmr-ctrl codegen nn --out nn_c",
     "wmr-ctrl codegen mb --float32 --out mb_c",
+    "wmr-ctrl codegen reference --scenario mine.toml --out mb_c",
     "wmr-ctrl codegen filter --scenario mine.toml --out filter_c",
     "wmr-ctrl codegen filter --scenario mine.toml --ros2 --out node",
     "wmr-ctrl codegen corridor --law prox --scenario mine.toml --out c",
@@ -179,7 +181,8 @@ def codegen(
 
     Without LAW it is the scenario's own, else kanayama. LAW may be `filter`: the command filter of
     a scenario with filter.kind = "clip", "governor" or "band"; or `corridor`: a monitor that says
-    from when on the robot is in the certified corridor of --law, and whether it has left it.
+    from when on the robot is in the certified corridor of --law, and whether it has left it; or
+    `reference`: the scenario's path, x_d to v2_d_dot at any time, alone or beside a law's package.
 
     The code uses no heap, no input or output and no globals: the caller owns the law's memory.
     """
@@ -192,7 +195,8 @@ def codegen(
         )
     case = opt.load(scenario, assignments)
     law = opt.law_of(case, law)
-    _refuse_unread(f"codegen {law}", ("float32", "ros2") if law == CORRIDOR else ("watched",))
+    unread = {CORRIDOR: ("float32", "ros2"), REFERENCE: ("watched", "ros2")}
+    _refuse_unread(f"codegen {law}", unread.get(law, ("watched",)))
     if law == CORRIDOR:
         watched = opt.law_of(case, watched)
     _note_idle(law, watched, case, scenario, assignments)
@@ -202,6 +206,11 @@ def codegen(
 
         monitor = corridor_monitor(case, watched)
         paths = tuple(write_all(files_of(CORRIDOR, monitor, case), Path(out)))
+    elif law == REFERENCE:
+        from wmr_ctrl.codegen.reference_package import reference_files
+        from wmr_ctrl.results import write_all
+
+        paths = tuple(write_all(reference_files(case, float32=float32), Path(out)))
     elif not ros2:
         paths = write_package(law, Path(out), case, float32=float32)
     elif law != FILTER or float32:
@@ -216,7 +225,9 @@ def codegen(
         paths = write_node(Path(out), case, node_settings(params))
     for path in paths:
         say("wrote", str(path))
-    if others := sorted(path.name for path in {*Path(out).glob("wmr_*.[ch]")} - {*paths}):
+    beside = {path.name for path in {*Path(out).glob("wmr_*.[ch]")} - {*paths}}
+    others = sorted(name for name in beside if REFERENCE not in (law, Path(name).stem[4:]))
+    if others:
         text = f"{out} also holds files of another package: {', '.join(others)}. Delete them, or"
         say("note", f"{text} write each package into a folder of its own.")
     _ask_about_units(law, case)

@@ -40,12 +40,13 @@ FILTER, CORRIDOR = "filter", "corridor"
 _CALL = re.compile(r"\b(?!wmr_)([a-z][a-z0-9]*)\(")
 _ROOT = re.compile(r"\bwmr_(sqrt|hypot|asin|acos)\(")
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
-_TEMPLATES = Path(__file__).parent / "templates"
+TEMPLATES = Path(__file__).parent / "templates"
+"""Folder of the texts of packages."""
 TABLE = 16
 """Members with more elements have their defaults in a table."""
 WORTH_KEEPING = 50
 """Cost (see `Graph.cost`) from which on a filter keeps what hangs on its parameters alone."""
-RECORD = _TEMPLATES / "footprint.json"
+RECORD = TEMPLATES / "footprint.json"
 """Measured footprints of packages."""
 
 
@@ -102,7 +103,7 @@ def files_of(
     """The same of a System that is called ``law``: a law's, the filter, the corridor's monitor."""
     governs = law == FILTER and scenario.filter.kind == "governor"
     context = _context(law, scenario, system, replace(step_kernel(system), whole=governs), float32)
-    engine = text_engine(_TEMPLATES)
+    engine = text_engine(TEMPLATES)
     names = {name.format(law=law): name.format(law="law") for name in FILES}
     if law in (FILTER, CORRIDOR):
         names |= {name: f"{law}_{name}" for name in ("example.c", "README.md")}
@@ -182,8 +183,6 @@ def _context(
     form = "slew" if scenario.filter.slew is not None else scenario.filter.kind
     tabled = law == FILTER and scenario.filter.kind == "band"
     text = cached_definition(replace(step, prepared=prepared > 0), dialect)
-    outputs = [Field(c_name(o.signal), o.signal.size, o.signal.unit, o.signal.meaning, ())
-               for o in system.outputs]  # fmt: skip
     return {
         "law": law, "LAW": law.upper(), "title": system.title, "scenario": scenario.name,
         "period": scenario.clock.control, "float32": float32,
@@ -192,13 +191,13 @@ def _context(
         "largest": largest, "most_angle": dialect.number(math.pi if float32 else largest),
         "remainder": "remainderf" if float32 else "remainder",
         "given": system.u.numel(),
-        "inputs": _fields(item for item in system.inputs if item.signal != MOVED),
-        "state": _fields(system.state),
-        "parameters": _fields(system.params), "outputs": outputs,
+        "inputs": fields_of(item for item in system.inputs if item.signal != MOVED),
+        "state": fields_of(system.state),
+        "parameters": fields_of(system.params), "outputs": signals_of(system.outputs),
         "counts": {"inputs": system.u.numel() - encoders * MOVED.size, "state": system.x.numel(),
                    "parameters": system.p.numel(), "outputs": system.y.numel(),
                    "memory": max(system.x.numel() + tabled + len(made_of) + prepared, 1)},
-        "qualifiers": QUALIFIERS, "flags": _flags_refused(), "kernel": text,
+        "qualifiers": QUALIFIERS, "flags": flags_refused(), "kernel": text,
         "calls": library_calls(text, float32), "operations": step.operations,
         "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
         "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": _margin(law, scenario),
@@ -239,7 +238,7 @@ STARTED = {
 """When a filter may be started, by its form."""
 
 
-def _flags_refused() -> str:
+def flags_refused() -> str:
     """The lines of arithmetic.h on compiler flags, for packages without that file."""
     text = c_texts(HEADER)[HEADER]
     return text[text.index("/* Flags") :].partition("\n\n")[0]
@@ -273,9 +272,16 @@ def library_calls(kernel: str, float32: bool) -> list[str]:
     return ["sqrt"] if _ROOT.search(text) else []
 
 
-def _fields(ports: Iterable[Port]) -> list[Field]:
+def fields_of(ports: Iterable[Port]) -> list[Field]:
+    """Members of a struct of numbers that have values."""
     named = ((p.signal, p.value) for p in ports)
     return [Field(c_name(s), s.size, s.unit, s.meaning, values) for s, values in named]
+
+
+def signals_of(outputs: Iterable[Output]) -> list[Field]:
+    """Members of a struct of results."""
+    named = (item.signal for item in outputs)
+    return [Field(c_name(s), s.size, s.unit, s.meaning, ()) for s in named]
 
 
 def c_name(signal: Signal) -> str:

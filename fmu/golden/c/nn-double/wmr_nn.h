@@ -10,7 +10,12 @@
 extern "C" {
 #endif
 
+#ifndef WMR_REAL
+#define WMR_REAL 8 /* bytes */
 typedef double wmr_real;
+#elif WMR_REAL != 8
+#error "headers of wmr_ctrl differ in precision: generate all with --float32, or none"
+#endif
 
 /* What one sample is given.  theta is 0 along +Y, forward is (-sin theta, cos theta). */
 typedef struct {

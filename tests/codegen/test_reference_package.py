@@ -1,0 +1,96 @@
+"""The path as C: its vectors, the simulator's bits, and a place beside the package of a law."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import subprocess
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import wmr_ctrl
+from wmr_ctrl.cli import root
+from wmr_ctrl.codegen.reference_package import reference_files
+from wmr_ctrl.core.signals import REFERENCE
+from wmr_ctrl.results import write_all
+from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.scenario import load_scenario
+
+STRICT = (
+    "gcc",
+    "-std=c99",
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Werror",
+    "-O1",
+    "-ffp-contract=off",
+)
+POINTS = [[0.0, 0.0], [2.0, 0.5], [3.0, 2.0], [1.0, 3.0]]
+ENDS = [
+    {"reference.kind": "waypoints", "reference.points": POINTS, "reference.at_end": end}
+    for end in ("stop", "continue", "loop")
+]
+KINDS = [{"reference.kind": kind} for kind in REFERENCES if kind != "waypoints"] + ENDS
+
+
+def scenario_of(changes):
+    brief = {"clock.duration": 30.0, "changes": []}
+    return load_scenario("paper-simulation-nominal", {**brief, **changes})
+
+
+def built(folder, *command):
+    subprocess.run([*STRICT, *command, "-lm"], cwd=folder, check=True)
+
+
+@pytest.mark.parametrize("float32", [False, True])
+@pytest.mark.parametrize("changes", KINDS, ids=str)
+def test_its_vectors_hold(changes, float32, tmp_path):
+    write_all(reference_files(scenario_of(changes), float32=float32), tmp_path)
+    built(tmp_path, "reference_check.c", "wmr_reference.c", "-o", "check")
+
+    found = subprocess.run([tmp_path / "check"], capture_output=True, text=True, check=False)
+
+    assert found.returncode == 0, found.stdout
+
+
+@pytest.mark.parametrize("changes", [KINDS[0], ENDS[0], ENDS[2]], ids=str)
+def test_it_has_the_bits_of_a_run(changes, tmp_path):
+    scenario = scenario_of(changes)
+    write_all(reference_files(scenario), tmp_path)
+    built(tmp_path, "-fPIC", "-shared", "wmr_reference.c", "-o", "path.so")
+    library = ct.CDLL(str(tmp_path / "path.so"))
+    parameters, out = (ct.c_double * 100_000)(), (ct.c_double * 7)()
+    library.wmr_reference_defaults(parameters)
+    run = wmr_ctrl.simulate(scenario, "kanayama")
+    rows = []
+    for time in run.time:
+        assert library.wmr_reference_at(parameters, ct.c_double(time), out) == 0
+        rows.append(list(out))
+
+    assert np.array_equal(np.array(rows), np.stack([run[s.name] for s in REFERENCE], axis=1))
+
+
+def test_it_compiles_beside_a_law_and_its_example(wmr_folder):
+    files = ("wmr_kanayama.c", "wmr_reference.c")
+    built(wmr_folder, "example.c", *files, "-o", "example")
+    both = '#include "wmr_reference.h"\n#include "wmr_kanayama.h"\n'
+    same = "typedef char same[sizeof(wmr_reference_outputs) == 7 * sizeof(wmr_real) ? 1 : -1];\n"
+    (wmr_folder / "both.c").write_text(f"{both}{same}")
+
+    built(wmr_folder, "-c", "both.c")
+    assert (
+        subprocess.run([wmr_folder / "example"], check=False, capture_output=True).returncode == 0
+    )
+    assert "wmr_reference.c" in (wmr_folder / "CMakeLists.txt").read_text()
+
+
+@pytest.fixture
+def wmr_folder(tmp_path):
+    """Folder with the packages of a law and of the path."""
+    for what in ("kanayama", "reference"):
+        result = CliRunner().invoke(root, ["codegen", what, "--out", str(tmp_path)])
+        assert result.exit_code == 0, result.stderr
+        assert "another package" not in result.stderr
+    return tmp_path
