@@ -116,5 +116,19 @@ def test_python_functions_take_laws():
     assert run.law == "plain"
     assert wmr_ctrl.linearize("paper-simulation-nominal", PLAIN).law == "plain"
     assert wmr_ctrl.compile_law(PLAIN, "paper-simulation-nominal").step().shape == (2,)
-    with pytest.raises(ArgumentError, match="law = 3 must be a text, a path or a Law"):
+    with pytest.raises(ArgumentError, match="law = 3 must be a text"):
         wmr_ctrl.simulate("paper-simulation-nominal", 3)
+
+
+def test_a_scenario_names_a_file_beside_it(wmr, tmp_path):
+    place = tmp_path / "robots"
+    place.mkdir()
+    (place / "mine.py").write_text(LAW)
+    gains = "[gains.my_law]\nK = [300, 30]\n"
+    text = f'extends = "paper-simulation-nominal"\nlaw = "mine.py"\n{gains}'
+    (place / "mine.toml").write_text(text)
+
+    result = wmr("run", "robots/mine.toml", *SHORT)
+
+    assert result.exit_code == 0, result.stderr
+    assert "my_law on mine" in result.stdout

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from wmr_ctrl.world.scenario import Scenario
 
+from .laws.given import law_name
+
 UNSTATED = "kanayama"
 """The law of a scenario that states none: it needs no model of the robot."""
 
@@ -23,7 +25,8 @@ class DefaultLaw:
 
 def default_law(scenario: Scenario) -> DefaultLaw:
     """The law of a scenario where none is named: its own, else kanayama."""
-    return DefaultLaw(scenario.law or UNSTATED, scenario.law is not None)
+    stated = scenario.law is not None
+    return DefaultLaw(law_name(scenario.law) if scenario.law else UNSTATED, stated)
 
 
 def law_of(scenario: Scenario, law: str | None) -> str:

@@ -33,6 +33,7 @@ from .guard.contradictions import (
 )
 from .guard.price import speed_price
 from .guard.refusals import feasible_guard
+from .laws.given import law_name
 from .laws.law import (
     Law,
     OwnKinematics,
@@ -250,7 +251,7 @@ def check_scenario(scenario: Scenario) -> None:
     Of the guard that is on, what no law's own torque limit changes; UnknownNameError for its law.
     """
     if scenario.law is not None:
-        _ = LAWS[scenario.law]
+        _ = LAWS[law_name(scenario.law)]
     check_gains(scenario)
     _finite_reference(scenario)
     if scenario.guard.enabled:

@@ -207,6 +207,9 @@ def _extended(raw: Raw, folder: Path, seen: tuple[str, ...]) -> Raw:
     reference = raw.get("reference")
     if isinstance(reference, dict) and isinstance(reference.get("file"), str):
         reference["file"] = str(folder / reference["file"])
+    law = raw.get("law")
+    if isinstance(law, str) and law.endswith(".py"):
+        raw["law"] = str(folder / law)
     if "extends" not in raw:
         return raw
     base = raw.pop("extends")
