@@ -10,10 +10,10 @@ import pytest
 
 from tests.fmi.foreign import PLANT, PLANT_MAP
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of
 from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.export.cosim.mapping import PartMap, compiled, input_rows, load_map, output_rows
 from wmr_ctrl.export.cosim.slave import FmuFile
-from wmr_ctrl.export.fmi.units import NamedUnit, unit_of
 from wmr_ctrl.world.scenario import load_scenario, override
 
 SHORT = override(load_scenario("paper-simulation-nominal"), {"clock.duration": 3.0})

@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
+from wmr_ctrl.core.fields.named_units import per_second, unit_of
 from wmr_ctrl.export.cosim.mapping import MapRow
 from wmr_ctrl.export.fmi.blocks import plant_model
 from wmr_ctrl.export.fmi.extra import _seconds
@@ -24,7 +25,6 @@ from wmr_ctrl.export.fmi.files import Sources, write_archive
 from wmr_ctrl.export.fmi.fmu_files import model_of
 from wmr_ctrl.export.fmi.model_description import FmuModel, Role, orders
 from wmr_ctrl.export.fmi.ssp import SAME_AS, _joined
-from wmr_ctrl.export.fmi.units import per_second, unit_of
 from wmr_ctrl.export.fmi.xml import _structure, _unknown, description
 from wmr_ctrl.world.scenario import load_scenario
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from wmr_ctrl.core.errors import ScenarioError, choices
 from wmr_ctrl.core.signals import MEASURED_POSE, POSE, REFERENCE
 
+from .named_units import Stated, stated
 from .problems import show
 
 if TYPE_CHECKING:
@@ -92,5 +93,8 @@ def _moved(value: Any, place: int, frames: str, move: Any) -> Any:
         if len(parts) >= place:
             parts[place - 1] = _moved(parts[place - 1], 1, frames, move)
         return type(value)(parts)
+    if isinstance(value, str):
+        value = stated(value)
     number = isinstance(value, int | float) and not isinstance(value, bool)
-    return move(value, frames) if number else value
+    moved = move(value, frames) if number else value
+    return Stated.of(moved, value.text, value.unit) if isinstance(value, Stated) else moved

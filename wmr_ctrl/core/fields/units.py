@@ -4,6 +4,8 @@ import math
 from collections.abc import Mapping
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
+from .named_units import unit_of
+
 USUAL: Mapping[str, tuple[float, float]] = {
     "m": (0.0, 1000.0),
     "rad": (0.0, 2 * math.pi),
@@ -17,23 +19,23 @@ USUAL: Mapping[str, tuple[float, float]] = {
     "N.m": (0.0, 5000.0),
 }
 """Sizes that are usual of a wheeled robot, by unit; a field may state a range of its own."""
-OTHERS: Mapping[str, tuple[tuple[str, str, float], ...]] = {
-    "m": (("millimetres", "mm", 1e-3), ("centimetres", "cm", 1e-2)),
-    "rad": (("degrees", "deg", math.pi / 180),),
-    "s": (("milliseconds", "ms", 1e-3), ("microseconds", "us", 1e-6)),
-    "m/s": (("millimetres per second", "mm/s", 1e-3), ("kilometres per hour", "km/h", 1 / 3.6)),
+OTHERS: Mapping[str, tuple[tuple[str, str], ...]] = {
+    "m": (("millimetres", "mm"), ("centimetres", "cm")),
+    "rad": (("degrees", "deg"),),
+    "s": (("milliseconds", "ms"), ("microseconds", "us")),
+    "m/s": (("millimetres per second", "mm/s"), ("kilometres per hour", "km/h")),
     "rad/s": (
-        ("degrees per second", "deg/s", math.pi / 180),
-        ("revolutions per minute", "rpm", math.pi / 30),
+        ("degrees per second", "deg/s"),
+        ("revolutions per minute", "rpm"),
     ),
-    "m/s2": (("millimetres per second squared", "mm/s2", 1e-3),),
-    "rad/s2": (("degrees per second squared", "deg/s2", math.pi / 180),),
-    "kg": (("grams", "g", 1e-3),),
-    "kg.m2": (("kilograms times square centimetres", "kg.cm2", 1e-4),),
-    "N.m": (("millinewton metres", "mN.m", 1e-3), ("newton centimetres", "N.cm", 1e-2)),
-    "1": (("per cent", "%", 1e-2),),
+    "m/s2": (("millimetres per second squared", "mm/s2"),),
+    "rad/s2": (("degrees per second squared", "deg/s2"),),
+    "kg": (("grams", "g"),),
+    "kg.m2": (("kilograms times square centimetres", "kg.cm2"),),
+    "N.m": (("millinewton metres", "mN.m"), ("newton centimetres", "N.cm")),
+    "1": (("per cent", "%"),),
 }
-"""Units that may be meant instead: name, symbol, and size in the unit of the key."""
+"""Units that may be meant instead: name and symbol."""
 
 
 def is_usual(value: float, usual: tuple[float, float]) -> bool:
@@ -51,8 +53,8 @@ def meant(value: float, unit: str, usual: tuple[float, float]) -> str:
     here = f" {unit}" if unit != "1" else ""
     return " ".join(
         f"{words.capitalize()}? {value:g} {sign} is {value * size:.4g}{here}."
-        for words, sign, size in OTHERS.get(unit, ())
-        if is_usual(value * size, usual)
+        for words, sign in OTHERS.get(unit, ())
+        if is_usual(value * (size := unit_of(sign).factor / unit_of(unit).factor), usual)
     )
 
 

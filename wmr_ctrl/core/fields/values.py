@@ -13,6 +13,7 @@ from typing import Any, TypeVar, cast
 
 from wmr_ctrl.core.errors import ScenarioError, choices
 
+from .named_units import Stated, fitting, stated
 from .problems import show
 from .units import USUAL, is_usual, meant, written
 
@@ -160,10 +161,17 @@ class Quantity:
         unit = units[index] if len(units) > 1 else units[0]
         return unit, self.usual or USUAL.get(unit)
 
-    def _number(self, value: object, path: str) -> float:
+    def _number(self, value: object, path: str, index: int = 0) -> float:
+        """A number in the unit of the element ``index``; a text has to name one of its kind."""
+        if isinstance(value, str):
+            value = stated(value)
+        if isinstance(value, Stated):
+            if wrong := value.refused(self._measure(index)[0]):
+                raise self.refuse(value.text, path, wrong)
+            value = float(value)
         usual = type(value) in (float, int)  # to ask for Real takes five times as long
         if not usual and (isinstance(value, bool) or not isinstance(value, Real)):
-            raise self.refuse(value, path, "a number")
+            raise self.refuse(value, path, self._as_number(value))
         try:
             number = float(cast("Real", value))
         except OverflowError:
@@ -172,6 +180,12 @@ class Quantity:
         if rule:
             raise self.refuse(value, path, rule, self._meant(number))
         return number
+
+    def _as_number(self, value: object) -> str:
+        unit = self._measure(0)[0]
+        if not isinstance(value, str) or not unit:
+            return "a number"
+        return f'a number, or one with its unit ({fitting(unit)}) in quotes, such as "1 {unit}"'
 
     _optional = _number
 
@@ -187,6 +201,8 @@ class Quantity:
         return value
 
     def _text(self, value: object, path: str) -> str:
+        if isinstance(value, Stated):
+            value = value.text
         if not isinstance(value, str):
             raise self.refuse(value, path, "text in quotes")
         if self.options and value not in self.options:
@@ -212,7 +228,7 @@ class Quantity:
             example = list(self.default or range(1, self.size + 1))
             rule = f"an array of {self.size} numbers, such as {show(example)}"
             raise self.refuse(value, path, rule)
-        return tuple(self._number(item, f"{path}[{i}]") for i, item in enumerate(items, start=1))
+        return tuple(self._number(item, f"{path}[{i + 1}]", i) for i, item in enumerate(items))
 
     def _points(self, value: object, path: str) -> tuple[tuple[float, float], ...]:
         rows = as_list(value)

@@ -28,6 +28,7 @@ from typing import Any
 
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.core.fields.files import parse_toml, read_text
+from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import REQUIRED, Section, build, quantities, quantity
 from wmr_ctrl.core.fields.values import Frozen
@@ -43,7 +44,6 @@ from wmr_ctrl.core.signals import (
     TORQUE_NOISE,
     Signal,
 )
-from wmr_ctrl.export.fmi.units import NamedUnit, unit_of
 from wmr_ctrl.world.scenario import Change, Robot
 from wmr_ctrl.world.scenario.toml_io import naming_file
 

@@ -16,9 +16,9 @@ from weakref import WeakValueDictionary
 
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, UnknownNameError, WmrError
 from wmr_ctrl.core.fields.files import note_input
+from wmr_ctrl.core.fields.named_units import BASE, NamedUnit
 from wmr_ctrl.core.fields.values import may_unpack
 from wmr_ctrl.export.fmi.targets import TARGETS, host
-from wmr_ctrl.export.fmi.units import BASE, NamedUnit
 
 try:
     import fmpy

@@ -12,11 +12,10 @@ from typing import Any
 from wmr_ctrl.codegen.emit import Kernel
 from wmr_ctrl.control.guard.bounds import MASS_KEYS
 from wmr_ctrl.control.numbers import Range
+from wmr_ctrl.core.fields.named_units import per_second
 from wmr_ctrl.core.signals import LARGEST, Signal
 from wmr_ctrl.world.model.system import Port
 from wmr_ctrl.world.scenario import Scenario
-
-from .units import per_second
 
 ARRAY_FROM = 8
 """Vectors of one unit with at least so many elements are arrays in FMI 3."""

@@ -17,6 +17,7 @@ from wmr_ctrl.control.outside import check_plain_loop
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.core import signals
 from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.named_units import units_of
 from wmr_ctrl.export.cosim import mapping
 from wmr_ctrl.export.cosim.slave import FmuFile
 from wmr_ctrl.world.scenario import Scenario, title_of
@@ -33,7 +34,6 @@ from .fmu_files import (
 )
 from .model_description import FmuModel, Role
 from .targets import targets_of
-from .units import units_of
 
 MARGIN = next(signal for signal in signals.DIAGNOSTICS if signal.name == "margin")
 SHOWN = {

@@ -9,11 +9,11 @@ from wmr_ctrl.control.filter.channels import SENT
 from wmr_ctrl.control.filter.governor_step import ODOMETRY
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of, units_of
 from wmr_ctrl.core.signals import ASKED, POSE, REFERENCE, TORQUE, TORQUE_NOISE, VELOCITY
 
 from .files import Sources, render, row_size
 from .model_description import FmuModel, Role, Variable
-from .units import NamedUnit, unit_of, units_of
 
 Attributes = list[tuple[str, str]]
 TERMINALS = (

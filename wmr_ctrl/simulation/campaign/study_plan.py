@@ -5,6 +5,7 @@ import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from numbers import Real
 from pathlib import Path
 from typing import TypeAlias
 
@@ -13,6 +14,7 @@ from wmr_ctrl.control.laws.given import LawGiven, law_names
 from wmr_ctrl.control.laws.law import Law
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.core.fields.files import parse_toml, read_text
+from wmr_ctrl.core.fields.named_units import Stated, with_units
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, build, quantities, quantity
 from wmr_ctrl.core.fields.values import SEED_END, Frozen, as_list
@@ -109,6 +111,7 @@ def plan_of(raw: Raw, folder: Path = Path()) -> Study:
         if key not in KEYS:
             raise UnknownNameError("key of a plan", key, KEYS)
     given = {key: value for key, value in raw.items() if key not in ("scenario", "seeds")}
+    given |= {key: with_units(given[key]) for key in ("set", "grid", "sample") if key in given}
     if (listed := as_list(given.get("laws"))) is not None:
         given["laws"] = law_names(map(_law_given, listed), folder)
     table = build(PlanTable, given, "")
@@ -221,7 +224,7 @@ def _sample(table: Raw) -> SamplePlan:
     ranges = {}
     for key, pair in flat({**rest, **(inner if isinstance(inner, Mapping) else {})}).items():
         items = pair if isinstance(pair, list | tuple) else ()
-        numbers = [float(v) for v in items if isinstance(v, int | float)]
+        numbers = [v if isinstance(v, Stated) else float(v) for v in items if isinstance(v, Real)]
         if len(items) != 2 or len(numbers) != 2 or not numbers[0] < numbers[1]:
             raise ArgumentError(f"sample: {key} = {pair!r} must be a range [low, high].")
         ranges[key] = (numbers[0], numbers[1])

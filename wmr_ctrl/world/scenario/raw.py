@@ -16,6 +16,7 @@ from typing import Any
 
 from wmr_ctrl.core.errors import ScenarioError, choices
 from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.fields.named_units import with_units
 from wmr_ctrl.core.fields.orientation import PAPER, checked_frames, field_inward, field_outward
 from wmr_ctrl.core.fields.problems import UnknownKeyError, show
 from wmr_ctrl.core.fields.section import Section, build, default, quantities
@@ -40,7 +41,7 @@ def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
     for key in raw:
         if key not in known and key not in OTHER_KEYS:
             raise UnknownKeyError(str(key), [*known, *OTHER_KEYS])
-    frames, raw = frames_of(raw), in_frames(raw, PAPER)
+    frames, raw = frames_of(raw), in_frames(raw_with_units(raw), PAPER)
     values: Mapping[str, Any] = raw
     parts: dict[str, Any] = {
         key: build(section, raw[key]) if key in raw else default(section)
@@ -60,6 +61,11 @@ def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
         effects=effects,
         **parts,
     )
+
+
+def raw_with_units(raw: Mapping[str, object]) -> Raw:
+    """A raw scenario whose numbers with a unit are in SI; texts at its top are no numbers."""
+    return {k: value if isinstance(value, str) else with_units(value) for k, value in raw.items()}
 
 
 def _reference(raw: object) -> Reference:
@@ -292,6 +298,7 @@ def apply(raw: Mapping[str, object], overrides: Mapping[str, object]) -> Raw:
         key: parse_value(value) if isinstance(value, str) else _copied(value)
         for key, value in overrides.items()
     }
+    values |= {k: with_units(v) for k, v in values.items() if "." in k or not isinstance(v, str)}
     result = in_frames(copied(raw), values.get("frames", frames_of(raw)))
     result = _with_kind(result, values)
     places = {key: parse_key(key) for key in values}

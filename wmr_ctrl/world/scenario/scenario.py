@@ -7,6 +7,7 @@ from typing import TypeAlias, TypeVar, cast
 
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.fields.named_units import Stated, with_units
 from wmr_ctrl.core.fields.orientation import PAPER, checked_frames, described, field_outward
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, asking, number_of, numbers_in, quantities
@@ -57,13 +58,20 @@ def clean_gains(raw: object) -> Gains:
 
 
 def _gain(value: object, path: str) -> Gain:
+    """A gain; one that was written with its unit keeps it until the law's gains are made."""
+    value = with_units(value)
+    if isinstance(value, Stated):
+        return value
     if isinstance(value, (bool, str)):
         return value
     items = as_list(value)
     if items is None:
         number: float = _NUMBER.clean(value, path)
         return number
-    return tuple(_NUMBER.clean(item, f"{path}[{i}]") for i, item in enumerate(items, start=1))
+    return tuple(
+        item if isinstance(item, Stated) else _NUMBER.clean(item, f"{path}[{i}]")
+        for i, item in enumerate(items, start=1)
+    )
 
 
 ROUNDING = 1e-9

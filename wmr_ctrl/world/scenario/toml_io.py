@@ -34,6 +34,7 @@ from .raw import (
     from_dict,
     in_frames,
     merge,
+    raw_with_units,
     scenario_dict,
     stated_in,
     with_defaults,
@@ -172,7 +173,7 @@ def is_path(source: str) -> bool:
 
 def _parse(text: str, what: str | Path) -> Raw:
     remedy = "`wmr-ctrl scenarios paper-simulation --toml` prints a valid scenario to start from."
-    return parse_toml(text, what, remedy)
+    return raw_with_units(parse_toml(text, what, remedy))
 
 
 def _resolved(source: str, folder: Path, seen: tuple[str, ...]) -> Raw:

@@ -1,0 +1,201 @@
+"""The table of units, and quantities as texts: ``kg.m2/s`` in SI, ``20 ms``, ``2 km/h``.
+
+Every unit of the project is read here: of FMUs, SSP and maps (exponents of the SI base units, as
+those standards want them) and of numbers that a user writes with their unit.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cache
+from typing import Self
+
+from wmr_ctrl.core.errors import ArgumentError
+
+BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899")
+_NEWTON = {"kg": 1, "m": 1, "s": -2}
+_KNOWN: dict[str, tuple[Fraction | int, dict[str, int]]] = {
+    **{name: (1, {name: 1}) for name in BASE},
+    "1": (1, {}),
+    "%": (Fraction(1, 100), {}),
+    "N": (1, _NEWTON),
+    "J": (1, {"kg": 1, "m": 2, "s": -2}),
+    "Nm": (1, {"kg": 1, "m": 2, "s": -2}),
+    "W": (1, {"kg": 1, "m": 2, "s": -3}),
+    "V": (1, {"kg": 1, "m": 2, "s": -3, "A": -1}),
+    "Hz": (1, {"s": -1}),
+    "deg": (PI / 180, {"rad": 1}),
+    "rev": (2 * PI, {"rad": 1}),
+    "rpm": (PI / 30, {"rad": 1, "s": -1}),
+    "g": (Fraction(1, 1000), {"kg": 1}),
+    "lb": (Fraction("0.45359237"), {"kg": 1}),
+    "kgf": (Fraction("9.80665"), _NEWTON),
+    "in": (Fraction("0.0254"), {"m": 1}),
+    "ft": (Fraction("0.3048"), {"m": 1}),
+    "mph": (Fraction("0.44704"), {"m": 1, "s": -1}),
+    "min": (60, {"s": 1}),
+    "h": (3600, {"s": 1}),
+}
+"""Size and exponents; sizes are exact, but for pi, of which 80 digits are known."""
+_PREFIXES = {"k": 10**3, "c": Fraction(1, 100), "m": Fraction(1, 10**3), "u": Fraction(1, 10**6)}
+_PREFIXED = ("m", "g", "s", "N", "Nm", "J", "W", "V", "A", "Hz", "rad")
+_SPELLINGS = str.maketrans({"²": "2", "³": "3", "·": ".", "*": ".", " ": ".", "µ": "u", "μ": "u"})
+_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(\s*[A-Za-z%°µμ].*|\s+1\b.*)")
+KINDS: Mapping[str, tuple[str, str]] = {
+    "m": ("a length", "mm, cm, m, km, in, ft"),
+    "s": ("a time", "us, ms, s, min, h"),
+    "kg": ("a mass", "g, kg, lb"),
+    "rad": ("an angle", "rad, deg, rev"),
+    "1": ("a plain number", "1, %"),
+    "m/s": ("a speed", "m/s, mm/s, km/h, mph"),
+    "rad/s": ("an angular velocity", "rad/s, deg/s, rpm"),
+    "m/s2": ("an acceleration", "m/s2, mm/s2"),
+    "rad/s2": ("an angular acceleration", "rad/s2, deg/s2"),
+    "N": ("a force", "N, mN, kN, kgf"),
+    "N.m": ("a torque", "N m, mN m, N cm"),
+    "kg.m2": ("an inertia", "kg m2, kg cm2, g cm2"),
+    "1/s": ("a rate", "1/s, Hz"),
+}
+"""By unit: what it measures, and how users may write it."""
+_DISPLAY = {"rad": ("deg", float(180 / PI)), "rad/s": ("deg/s", float(180 / PI))}
+
+
+@dataclass(frozen=True)
+class NamedUnit:
+    """A unit's name and exponents of the base units; a value v is factor v + offset in SI."""
+
+    name: str
+    factor: float
+    exponents: dict[str, int] = field(hash=False)
+    offset: float = 0.0
+
+    @property
+    def display(self) -> tuple[str, float] | None:
+        """Display unit and how many of it are one of this unit, or None."""
+        return _DISPLAY.get(self.name)
+
+    def __mul__(self, other: "NamedUnit") -> "NamedUnit":
+        names = {**self.exponents, **other.exponents}
+        total = {key: self.exponents.get(key, 0) + other.exponents.get(key, 0) for key in names}
+        left = {key: exponent for key, exponent in total.items() if exponent}
+        return NamedUnit(f"{self.name}.{other.name}", self.factor * other.factor, left)
+
+    def fits(self, other: "NamedUnit") -> bool:
+        """True if both measure the same kind of quantity; angles count as numbers."""
+        mine, theirs = self.exponents.items(), other.exponents.items()
+        return {key for key, _ in mine ^ theirs} <= {"rad"}
+
+
+@cache
+def unit_of(name: str) -> NamedUnit:
+    """Read a unit such as ``kg.m2/s``; raises ArgumentError for what is not one."""
+    size, exponents = _read(name)
+    return NamedUnit(name, float(size), exponents)
+
+
+@cache
+def _read(name: str) -> tuple[Fraction, dict[str, int]]:
+    """Size in SI, exact but for pi, and exponents."""
+    size, exponents = Fraction(1), dict.fromkeys(BASE, 0)
+    text = re.sub(r"/\(([^()]*)\)", lambda found: "/" + found[1].replace(".", "/"), name)
+    for place, group in enumerate(text.split("/")):
+        for part in group.split("."):
+            match = re.fullmatch(r"([A-Za-z]+|%|1)(-?\d{1,2})?", part)
+            known = _part(match[1]) if match else None
+            if match is None or known is None:
+                raise ArgumentError(
+                    f"unit {name!r} is not known: {part!r} is none of {', '.join(_KNOWN)}, some of "
+                    f"which take {', '.join(_PREFIXES)} before. Write it as in kg.m2/s, with whole "
+                    "exponents."
+                )
+            power = int(match[2] or 1) * (1 if place == 0 else -1)
+            size *= Fraction(known[0]) ** power
+            for key, exponent in known[1].items():
+                exponents[key] += exponent * power
+    return size, {key: value for key, value in exponents.items() if value}
+
+
+def _part(name: str) -> tuple[Fraction | int, dict[str, int]] | None:
+    """Size and exponents of a unit, perhaps with a prefix."""
+    if name in _KNOWN:
+        return _KNOWN[name]
+    if name[0] in _PREFIXES and name[1:] in _PREFIXED:
+        size, exponents = _KNOWN[name[1:]]
+        return size * _PREFIXES[name[0]], exponents
+    return None
+
+
+def fitting(unit: str) -> str:
+    """Units in which a number in ``unit`` may be written."""
+    return KINDS[unit][1] if unit in KINDS else unit
+
+
+class Stated(float):
+    """A number in SI that was written with its unit; ``text`` is how."""
+
+    text: str
+    unit: str
+
+    @classmethod
+    def of(cls, value: float, text: str, unit: str) -> Self:
+        """The number ``value`` [SI] of what was written as ``text`` in ``unit``."""
+        number = cls(value)
+        number.text, number.unit = text, unit
+        return number
+
+    def refused(self, wanted: str) -> str:
+        """Why this cannot be a number in ``wanted``, in words; empty where it can.
+
+        Angles count: rad/s is no 1/s, so that Hz, which may mean turns, is asked about.
+        """
+        mine = _read(self.unit)[1]
+        try:
+            same = mine == _read(wanted)[1]
+        except ArgumentError:
+            same = False  # a law's own unit, or none
+        if same:
+            return ""
+        kinds = {kind: unit for unit, (kind, _) in KINDS.items() if _read(unit)[1] == mine}
+        kind = KINDS[wanted][0] if wanted in KINDS else f"a number in {wanted or 'no unit'}"
+        what = next(iter(kinds), f"a number in {self.unit}")
+        units = fitting(wanted) or "no unit"
+        return f"{kind} (in {units}), not {what}"
+
+
+def stated(text: str) -> str | Stated:
+    """The number of a text such as "20 ms" in SI, correctly rounded; other texts as they are."""
+    match = _QUANTITY.fullmatch(text.strip())
+    if match is None:
+        return text
+    unit = re.sub(r"\s*([/*.·])\s*|\s+", lambda found: found[1] or " ", match[2].strip())
+    unit = unit.replace("^", "").replace("°", "deg").translate(_SPELLINGS)
+    try:
+        value = float(Fraction(match[1]) * _read(unit)[0])
+    except (ArgumentError, OverflowError, ZeroDivisionError):
+        return text
+    return Stated.of(value, text, unit)
+
+
+def with_units(raw: object) -> object:
+    """A raw value in which texts that are a number with its unit are `Stated`."""
+    if isinstance(raw, str):
+        return stated(raw)
+    if isinstance(raw, Mapping):
+        return {key: with_units(value) for key, value in raw.items()}
+    return [with_units(item) for item in raw] if type(raw) in (list, tuple) else raw
+
+
+def per_second(name: str) -> str:
+    """Name of the unit of a quantity's rate: ``m/s2`` for ``m/s``; "" where none is stated."""
+    if not name:
+        return ""
+    if seconds := re.search(r"(?<=/)s(\d*)$", name):
+        return f"{name[: seconds.start()]}s{int(seconds[1] or 1) + 1}"
+    return f"{name}/s"
+
+
+def units_of(names: Iterable[str]) -> list[NamedUnit]:
+    """The different units among ``names``, in the order of their names."""
+    return [unit_of(name) for name in sorted(set(names))]
