@@ -1,6 +1,7 @@
 from .api import compile_law as compile_law
 from .api import cosimulate as cosimulate
 from .api import export_fmu as export_fmu
+from .api import linear_against_run as linear_against_run
 from .api import linearize as linearize
 from .api import prove as prove
 from .api import reproduce as reproduce
@@ -50,6 +51,9 @@ from .results.settings import Settings as Settings
 from .results.table import RunTable as RunTable
 from .results.verdicts import CorridorLeft as CorridorLeft
 from .results.verdicts import Outlook as Outlook
+from .simulation.campaign.against_run import AgainstRun as AgainstRun
+from .simulation.campaign.against_run import LawAgainstRun as LawAgainstRun
+from .simulation.campaign.against_run import Parting as Parting
 from .simulation.campaign.study_run import StudyOutcome as StudyOutcome
 from .simulation.campaign.study_run import study as study
 from .simulation.compiled_law import CompiledLaw as CompiledLaw

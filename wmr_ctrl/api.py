@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.report.write import Verdicts
     from wmr_ctrl.results.ledger import Entry, Ledger
     from wmr_ctrl.results.table import RunTable
+    from wmr_ctrl.simulation.campaign.against_run import AgainstRun
     from wmr_ctrl.simulation.compiled_law import CompiledLaw
     from wmr_ctrl.theory.linear import LinearReport
 
@@ -283,6 +284,33 @@ def linearize(
     law = law_if_any(law)
     chosen = scenario_of(scenario)
     return report_linear(chosen, law_of(chosen, law), at, guard=guard)
+
+
+@checks_arguments
+def linear_against_run(
+    scenario: str | Path | Scenario,
+    laws: Sequence[str] = ("nn",),
+    *,
+    guard: bool | None = None,
+    overrides: types.Overrides | None = None,
+    jobs: int | None = None,
+    progress: types.Progress | None = None,
+) -> AgainstRun:
+    """From which size of start on the linear loop and the compiled run part by 1 % and by 10 %.
+
+    For each law and direction, over 20 s or what the run has, as
+    `wmr_ctrl.simulation.campaign.against_run` measures it; `.plot(path)` draws both answers.
+    ArgumentError where the run leaves its reference by itself.
+
+    >>> found = linear_against_run("paper-simulation-nominal", ["mb"])
+    >>> round(found.laws["mb"].directions["ahead"].one_per_cent, 3)  # m
+    0.083
+    """
+    from wmr_ctrl.simulation.campaign.against_run import against_run
+    from wmr_ctrl.simulation.engines import runnable
+
+    chosen = scenario_of(scenario, overrides, guard)
+    return against_run(runnable, chosen, tuple(laws), jobs, progress)
 
 
 @checks_arguments

@@ -1,10 +1,13 @@
 """``wmr-ctrl reproduce``, ``prove``, ``linearize``, ``bench``: claims judged, proved, measured."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from wmr_ctrl.core.errors import MissingExtraError
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError
 
 from . import options as opt
 from .console import (
@@ -16,6 +19,9 @@ from .console import (
     say,
     width,
 )
+
+if TYPE_CHECKING:
+    from wmr_ctrl.world.scenario import Scenario
 
 SEEDS, QUICK = 20, 3
 
@@ -128,9 +134,13 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
     raise click.exceptions.Exit(code)
 
 
-@opt.command("Print poles, margins, the largest stable sample time.")
+@opt.command(
+    "Print poles, margins, the largest stable sample time.",
+    "wmr-ctrl linearize paper-simulation --law mb",
+    "wmr-ctrl linearize mine.toml --against-run --law mb,nn --plot parting.png",
+)
 @opt.scenario_argument
-@opt.law_option
+@opt.laws_option("laws", opt.LAW + " With --against-run also")
 @opt.set_option
 @click.option(
     "--at",
@@ -145,17 +155,27 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
 )
 @click.option(
     "--plot",
-    metavar="DIR",
-    help="Also draw Bode, Nyquist, poles, sample times and the barrier's pull into the folder DIR.",
+    metavar="DIR|FILE",
+    help="Also draw Bode, Nyquist, poles, sample times and the barrier's pull into the folder DIR, "
+    "or with --against-run both answers into FILE.",
+)
+@click.option(
+    "--against-run",
+    is_flag=True,
+    help="Hold the linear loop against compiled runs: from which size of start on they part by 1 % "
+    "and by 10 %, for each direction.",
 )
 @opt.json_option("Print all figures as one JSON document.")
+@click.pass_context
 def linearize(
+    ctx: click.Context,
     scenario: str,
-    law: str | None,
+    laws: tuple[str, ...],
     assignments: tuple[str, ...],
     at: float | None,
     guard: bool,
     plot: str | None,
+    against_run: bool,
     as_json: bool,
 ) -> None:
     """Linearise the closed loop along the reference, exactly: poles, margins, stability limits.
@@ -163,13 +183,20 @@ def linearize(
     On a circle or a line the loop is time-invariant in error coordinates.  On other references,
     poles and margins are those at one time, which is printed. The spectral radius (without --at)
     and the largest stable period cover a whole period of the reference, or its worst point if it
-    does not repeat.
+    does not repeat. With --against-run, nothing of that: runs from growing starts off the
+    reference, against what the linear loop makes of them.
     """
+    case = opt.load(scenario, assignments)
+    if against_run:
+        if at is not None:
+            raise ArgumentError("--at has no meaning with --against-run, which begins at 0 s.")
+        _against_run(case, laws or (opt.law_of(case, None),), guard, plot, as_json)
+        return
     from wmr_ctrl.theory.linear import report_linear
 
+    law = opt.one_law(ctx, ctx.command.params[1], ",".join(laws) or None)
     if plot:
         opt.check_folder(plot, "--plot")
-    case = opt.load(scenario, assignments)
     chosen = opt.law_of(case, law)
     opt.note_idle(case, scenario, assignments, [chosen])
     with Progress(f"{chosen}, linearised") as progress:
@@ -182,6 +209,22 @@ def linearize(
         click.echo(report.table(width()))
     for path in paths:
         say("wrote", str(path))
+
+
+def _against_run(
+    case: Scenario, laws: tuple[str, ...], guard: bool, plot: str | None, as_json: bool
+) -> None:
+    from wmr_ctrl import api
+
+    opt.check_output(plot, opt.PLOTS, "--plot")
+    with Progress("linear loop against runs") as progress:
+        found = api.linear_against_run(case, laws, guard=guard or None, progress=progress)
+    if as_json:
+        print_json(found.to_json())
+    else:
+        click.echo(found.table())
+    if plot:
+        say("wrote", str(found.plot(plot)))
 
 
 @opt.command("Measure the speed of the generated code, as ratios.")

@@ -12,6 +12,7 @@ from typing import cast
 HOMES = {
     "save_run": "wmr_ctrl.results.formats",
     "draw_linear": "wmr_ctrl.report.linear_figures",
+    "draw_against_run": "wmr_ctrl.report.against_run_figure",
     "plot_run": "wmr_ctrl.report.plot_run",
     "write_run_page": "wmr_ctrl.report.run_page",
     "plot_runs": "wmr_ctrl.report.plot_runs",

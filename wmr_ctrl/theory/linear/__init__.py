@@ -4,6 +4,7 @@ Start with `report_linear` for figures, `closed_loop` for a `control.StateSpace`
 the nonlinear loop; the page docs/linear.md tells what is where.
 """
 
+from .answer import start_off as start_off
 from .linear_report import LinearReport as LinearReport
 from .linear_report import report_linear as report_linear
 from .linearise import Point as Point

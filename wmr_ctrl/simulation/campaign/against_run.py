@@ -1,0 +1,354 @@
+"""From which start on do the linear loop and the run part?  Compiled runs from many starts.
+
+The deviation of a start: the weighted RMS, over the horizon, of the difference between the linear
+answer and the run's, by that of the linear answer itself.  The run's answer is its tracking error
+less that of the run from the reference with the same noise; the error's angle counts by half the
+track, so that the three elements are a displacement of the wheels [m].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+
+from wmr_ctrl.core.errors import ArgumentError, WmrError
+from wmr_ctrl.core.fields.orientation import inward
+from wmr_ctrl.core.late_bound import late_bound
+from wmr_ctrl.core.signals import PLANT_STATE, places
+from wmr_ctrl.results import Floats, Monitor, json_safe
+from wmr_ctrl.simulation.batch import run_logged
+from wmr_ctrl.simulation.memory import Task, laid_out
+from wmr_ctrl.simulation.runnable import RunnableLoop
+from wmr_ctrl.theory.checks.error_coordinates import POSE
+from wmr_ctrl.theory.checks.surroundings import lost_samples, rounded_effects
+from wmr_ctrl.theory.linear.answer import (
+    linear_answer,
+    moved_along,
+    operating_point,
+    start_off,
+    tracking_errors,
+)
+from wmr_ctrl.theory.linear.linearise import Point, law_loop
+from wmr_ctrl.theory.linear.state_space import constant_speed
+from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+Progress = Callable[[float], None]
+DIRECTIONS: Mapping[str, tuple[float, float, float]] = {
+    "ahead": (1.0, 0.0, 0.0), "behind": (-1.0, 0.0, 0.0), "left": (0.0, 1.0, 0.0),
+    "right": (0.0, -1.0, 0.0), "turned left": (0.0, 0.0, 1.0), "turned right": (0.0, 0.0, -1.0),
+}  # fmt: skip
+"""Where the reference is at t = 0, as seen from the robot."""
+HORIZON = 20.0
+"""Seconds of the answers, unless the run is shorter or a change of the robot comes earlier."""
+SETTLED = 5.0
+"""Seconds on the reference after which base and drives are taken as settled."""
+GROWN = 10.0
+"""An unstable linear loop is followed until its answer has grown so many times."""
+LEVELS = {"one_per_cent": 0.01, "ten_per_cent": 0.1}
+SMALLEST, FARTHEST, WIDEST = 1e-4, 5.0, 3.0
+"""Sizes that are tried: the smallest [m or rad], the largest in metres and in radians."""
+COARSE, FINE, ROUNDS = 28, 6, 2
+
+
+@dataclass(frozen=True)
+class Parting:
+    """One direction: deviations at sizes, and an example.
+
+    ``sizes`` (N) in ``unit``; ``one_per_cent`` and ``ten_per_cent``: the size from which on the
+    deviation is larger, None where that is not so, with the ``reason``.  ``linear`` and ``run``
+    (samples, 3): both answers [m, m, rad] from the start of size ``shown``.
+    """
+
+    unit: str
+    sizes: Floats
+    deviations: Floats
+    one_per_cent: float | None
+    ten_per_cent: float | None
+    reason: str | None
+    shown: float
+    linear: Floats
+    run: Floats
+
+
+@dataclass(frozen=True)
+class LawAgainstRun:
+    """One law: the horizon and the period [s], remarks, and a Parting for each direction."""
+
+    law: str
+    seconds: float
+    period: float
+    remarks: tuple[str, ...]
+    directions: Mapping[str, Parting]
+
+
+@dataclass(frozen=True)
+class AgainstRun:
+    """Linear loops against runs on one scenario; ``refused``: reasons of laws without an answer."""
+
+    scenario: str
+    laws: Mapping[str, LawAgainstRun]
+    refused: Mapping[str, str]
+
+    def to_json(self) -> dict[str, object]:
+        """Sizes by law and direction: one_per_cent, ten_per_cent, unit, reason."""
+        names = (*LEVELS, "unit", "reason")
+        found: dict[str, object] = {
+            law: {
+                way: {name: json_safe(vars(item)[name]) for name in names}
+                for way, item in each.directions.items()
+            }
+            for law, each in self.laws.items()
+        }
+        return {**found, **{law: {"refused": text} for law, text in self.refused.items()}}
+
+    def table(self) -> str:
+        """The same as text."""
+        lines = [f"{'law':10}{'reference is':14}{'1 %':>10}{'10 %':>10}"]
+        for law, each in self.laws.items():
+            for way, item in each.directions.items():
+                sizes = (item.one_per_cent, item.ten_per_cent)
+                shown = "".join(f"{'-' if size is None else f'{size:.3g}':>10}" for size in sizes)
+                lines.append(f"{law:10}{way:14}{shown} {item.unit:4} {item.reason or ''}".rstrip())
+        for law, each in self.laws.items():
+            lines += [f"{law}: {text}" for text in each.remarks]
+        lines += [f"{law}: {text}" for law, text in self.refused.items()]
+        return "\n".join(lines)
+
+    def plot(self, path: str | Path) -> Path:
+        """Draw both answers and the deviations into one picture; returns its path."""
+        return cast("Path", late_bound("draw_against_run")(self, Path(path)))
+
+
+def against_run(
+    build: Callable[[Scenario, str], RunnableLoop],
+    scenario: Scenario,
+    laws: Sequence[str],
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> AgainstRun:
+    """Linear loop against run for each law; ``build`` compiles a loop.
+
+    What a law refuses is raised if it is the only one.
+    """
+    found, refused = dict[str, LawAgainstRun](), dict[str, str]()
+    for k, law in enumerate(laws):
+        if progress:
+            progress(k / len(laws))
+        try:
+            found[law] = _of_law(build, scenario, law, jobs)
+        except WmrError as error:
+            if len(laws) == 1:
+                raise
+            refused[law] = str(error)
+    return AgainstRun(scenario.name, found, refused)
+
+
+def _of_law(
+    build: Callable[[Scenario, str], RunnableLoop], scenario: Scenario, law: str, jobs: int | None
+) -> LawAgainstRun:
+    period = scenario.clock.control
+    first = min((item.t for item in scenario.changes if item.t > 0), default=np.inf)
+    wanted = min(HORIZON, scenario.clock.duration, first)
+    samples = max(2, int(wanted / period + 1e-9))
+    at = operating_point(scenario, law)
+    linear = linear_answer(scenario, law, at, samples)
+    weights, remarks = np.array((1.0, 1.0, scenario.robot.l)), _remarks(scenario)
+    grown = np.linalg.norm(linear * weights[:, None] / weights, axis=(1, 2))
+    if (beyond := grown > GROWN * grown[0]).any():
+        samples = max(2, int(beyond.argmax()))
+        remarks += (f"the linear loop is unstable: followed for {samples * period:.3g} s",)
+    runs = _Runs(build, scenario, law, at, samples, jobs)
+    made = {
+        way: _Tried(np.array(vector), linear[:samples] @ np.array(vector), weights)
+        for way, vector in DIRECTIONS.items()
+    }
+    for tried in made.values():
+        tried.sizes = tried.grid()
+    runs.try_all(made.values())
+    for _ in range(ROUNDS):
+        for tried in made.values():
+            tried.sizes = tried.between()
+        runs.try_all(made.values())
+    for tried in made.values():
+        tried.sizes = [tried.example()]
+    runs.try_all(made.values())
+    directions = {way: tried.parting() for way, tried in made.items()}
+    return LawAgainstRun(law, samples * period, period, remarks, directions)
+
+
+def _remarks(scenario: Scenario) -> tuple[str, ...]:
+    """What the linear loop leaves out, in words."""
+    guard = "without the guard, which is on in the run" if scenario.guard.enabled else ""
+    late = takes_velocity(scenario) and scenario.base.delay > 0
+    waits = "without the start's wait, in which no command has come and the base slows"
+    said = (lost_samples(scenario), rounded_effects(scenario), guard, waits * late)
+    return tuple(f"the linear loop is {text}" for text in said if text)
+
+
+class _Tried:
+    """Starts in one direction: what was found at which sizes, and what is to be tried next."""
+
+    def __init__(self, vector: Floats, linear: Floats, weights: Floats) -> None:
+        self.vector, self.linear, self.weights = vector, linear, weights
+        self.sizes: list[float] = []
+        self.found: dict[float, float] = {}
+        self.last = np.empty((0, 3))
+
+    @property
+    def unit(self) -> str:
+        return "rad" if self.vector[2] else "m"
+
+    def grid(self) -> list[float]:
+        largest = WIDEST if self.vector[2] else FARTHEST
+        return [float(size) for size in np.geomspace(SMALLEST, largest, COARSE)]
+
+    def put(self, size: float, answer: Floats | None) -> None:
+        """The deviation at a size; a run that ended early has parted."""
+        if answer is None:
+            self.found[size] = np.inf
+            return
+        apart, whole = (
+            float(np.linalg.norm(item * self.weights))
+            for item in (answer - size * self.linear, size * self.linear)
+        )
+        self.found[size] = apart / whole if whole > 0 else np.inf
+        self.last = answer
+
+    def bracket(self, level: float) -> tuple[float | None, float | None]:
+        """Last size within the level before it is passed, and the next one; None: no such."""
+        inside = None
+        for size, apart in sorted(self.found.items()):
+            if apart <= level:
+                inside = size
+            elif inside is not None:
+                return inside, size
+        return inside, None
+
+    def between(self) -> list[float]:
+        """Sizes between the ends of each bracket."""
+        ends = (self.bracket(level) for level in LEVELS.values())
+        return [
+            float(size)
+            for low, high in ends
+            if low is not None and high is not None
+            for size in np.geomspace(low, high, FINE + 2)[1:-1]
+        ]
+
+    def example(self) -> float:
+        """The size that is drawn: that of ten per cent, or of one, or a middling one."""
+        for level in reversed(LEVELS.values()):
+            low, high = self.bracket(level)
+            if low is not None and high is not None:
+                return low
+        sizes = sorted(self.found)
+        return sizes[len(sizes) // 2]
+
+    def parting(self) -> Parting:
+        sizes = np.array(sorted(self.found))
+        apart, at = np.array([self.found[size] for size in sizes]), dict[str, float | None]()
+        reasons = []
+        for name, level in LEVELS.items():
+            low, high = self.bracket(level)
+            at[name] = low if high is not None else None
+            percent = f"{100 * level:g} %"
+            if low is None:
+                reasons.append(f"never within {percent} ({100 * apart.min():.2g} % at best)")
+            elif high is None:
+                reasons.append(f"within {percent} up to {sizes[-1]:g} {self.unit}")
+        (shown,) = self.sizes
+        return Parting(
+            self.unit, sizes, apart, at["one_per_cent"], at["ten_per_cent"],
+            "; ".join(reasons) or None, shown, shown * self.linear, self.last,
+        )  # fmt: skip
+
+
+class _Runs:
+    """The compiled runs of a law from starts off the point, less that from the point itself."""
+
+    def __init__(
+        self,
+        build: Callable[[Scenario, str], RunnableLoop],
+        scenario: Scenario,
+        law: str,
+        at: Point,
+        samples: int,
+        jobs: int | None,
+    ) -> None:
+        """Compile, settle on the reference, and make the run from there."""
+        period = scenario.clock.control
+        timed = override(scenario, {"clock.duration": samples * period})
+        self.at, self.samples, self.jobs = at, samples, jobs
+        self.desired = sample(scenario, np.arange(samples) * period)[:, :3]
+        self.loop = _remembering(build(timed, law), at)
+        settle = round(SETTLED / period)
+        if constant_speed(scenario) and settle:
+            longer = override(scenario, {"clock.duration": settle * period})
+            self.loop = replace(_settled(replace(self.loop, scenario=longer), at), scenario=timed)
+        (base,) = self.answers([np.zeros(3)])
+        if base is None:
+            raise ArgumentError(
+                f"{law} on {scenario.name} does not stay on its reference: its own run ends before "
+                f"{samples * period:.3g} s, so there is nothing to hold a linear loop against. "
+                "`wmr-ctrl check` says why."
+            )
+        self.base = base
+
+    def answers(self, offs: Sequence[Floats]) -> list[Floats | None]:
+        """Tracking error (samples, 3) from each start; None for a run that ended early."""
+        columns = places(self.loop.compiled.layout.columns)
+        pose = [columns[signal.name].start for signal in PLANT_STATE[:3]]
+
+        def errors(_: int, rows: Floats, seen: Monitor) -> Floats | None:
+            whole = len(rows) == self.samples and bool(np.isfinite(rows).all())
+            return tracking_errors(self.desired, rows[:, pose]) if whole else None
+
+        tasks = [Task(self.loop, 0, _start(self.loop.scenario, self.at, off)) for off in offs]
+        return run_logged(tasks, errors, jobs=self.jobs)
+
+    def try_all(self, directions: Iterable[_Tried]) -> None:
+        """Run every size that is to be tried, in one batch."""
+        asked = [(tried, size) for tried in directions for size in tried.sizes]
+        found = self.answers([size * tried.vector for tried, size in asked]) if asked else []
+        for (tried, size), answer in zip(asked, found, strict=True):
+            tried.put(size, None if answer is None else answer - self.base)
+
+
+def _start(scenario: Scenario, at: Point, off: Floats) -> tuple[float, ...]:
+    x, y, theta, *v = start_off(scenario, at.e + off, at.v).tolist()
+    return (x, y, inward(theta, scenario.frames), *v)
+
+
+def _begun(loop: RunnableLoop, state: Floats) -> RunnableLoop:
+    """The loop that begins in a state."""
+    start = tuple(map(float, state))
+    return replace(loop, compiled=replace(loop.compiled, start=start))
+
+
+def _remembering(loop: RunnableLoop, at: Point) -> RunnableLoop:
+    """The loop whose law begins with the memory of a point."""
+    state, rows = np.array(loop.compiled.start), places(loop.compiled.layout.state)
+    own = places(port.signal for port in law_loop(loop.scenario, loop.law).core.state)
+    for name in own.keys() & rows.keys():
+        state[rows[name]] = at.memory[own[name]]
+    return _begun(loop, state)
+
+
+def _settled(loop: RunnableLoop, at: Point) -> RunnableLoop:
+    """The loop after its own time on the reference, moved back to where that begins."""
+    memory = laid_out([Task(loop, 0, _start(loop.scenario, at, np.zeros(3)))], [], log=True)
+    memory.run()
+    clock, after = loop.scenario.clock, memory.state[:, 0].copy()
+    if len(memory.logged(0)) < clock.samples or not np.isfinite(after).all():
+        return loop
+    start, end = sample(loop.scenario, np.array([0.0, clock.duration]))[:, :3]
+    rows = places(loop.compiled.layout.state)
+    poses = [item.name for item in loop.compiled.layout.state if item.unit == POSE]
+    for place in (slice(3), *(rows[name] for name in poses)):
+        after[place] = moved_along(after[place], start, end)
+    return _begun(loop, after)

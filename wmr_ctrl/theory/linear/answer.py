@@ -1,0 +1,97 @@
+"""The linear loop's answer to a start off the reference, sample by sample.
+
+Also what it takes to hold it against runs: poses of such a start, and tracking errors of a run.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.fields.orientation import outward
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.world.model.kinematics import error_rotation, tracking_error
+from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario
+
+from .linearise import Floats, Point, law_loop, learned_point, on_reference, reference_velocity
+from .state_space import constant_speed
+
+ERROR = 3
+INSTANTS = 100
+"""Times at which a loop is linearised where the desired velocity varies."""
+
+
+def operating_point(scenario: Scenario, law: str) -> Point:
+    """On the reference at t = 0; of a law that adapts at rest, with what it has learned."""
+    return learned_point(scenario, law) or on_reference(scenario, law)
+
+
+def linear_answer(scenario: Scenario, law: str, at: Point, samples: int) -> Floats:
+    """Deviation of the tracking error (samples, 3, 3) by that of the start, linearised near ``at``.
+
+    Sampled with the scenario's clock, with drives, sensors and rare poses in it; estimates and
+    weights move.  Where the desired velocity varies, the loop is linearised on the reference at
+    `INSTANTS` times, with the memory of ``at``.
+    """
+    loop, period = law_loop(scenario, law), scenario.clock.control
+    every, first = loop.around.samples_a_pose(period), _matrix(loop, at, period, 0)
+    varies = not constant_speed(scenario)
+    points, matrices = {0: at}, dict[tuple[int, int], Floats]()
+    state, rows = np.eye(len(first), ERROR), np.empty((samples, ERROR, ERROR))
+    stretch = max(1, samples // INSTANTS)
+    for k in range(samples):
+        rows[k], part = state[:ERROR], k // stretch if varies else 0
+        if part not in points:
+            there = on_reference(scenario, law, (part + 0.5) * stretch * period)
+            points[part] = replace(there, memory=at.memory)
+        key = part, every + k % every
+        if key not in matrices:
+            matrices[key] = _matrix(loop, points[part], period, key[1])
+        state = (matrices[key] if k else first) @ state
+    return rows
+
+
+def _matrix(loop: Loop, at: Point, period: float, place: int) -> Floats:
+    """From one sample to the next; the first pose sets every estimate of it."""
+    return loop.closed(at, period, sample=place, law=loop.linear(at, period, learning=True))
+
+
+@checks_arguments
+def start_off(
+    scenario: Scenario, e: Sequence[float] | Floats, v: Sequence[float] | Floats | None = None
+) -> Floats:
+    """Pose and velocity (5) at t = 0 with tracking error ``e`` (3) [m, m, rad], for `starts`.
+
+    The velocity ``v`` (2) [m/s, rad/s] is the desired one unless given.
+    """
+    wanted = np.asarray(e, dtype=float)
+    pose = sample(scenario, np.zeros(1))[0, :ERROR]
+    pose[2] -= wanted[2]
+    back = np.asarray(ca.evalf(error_rotation(ca.SX(pose[2])))).T @ wanted
+    pose[:2] -= back[:2]
+    pose[2] = outward(float(pose[2]), scenario.frames)
+    own = reference_velocity(scenario, 0.0)[0] if v is None else np.asarray(v, dtype=float)
+    return np.concatenate((pose, own))
+
+
+def tracking_errors(desired: Floats, poses: Floats) -> Floats:
+    """Tracking error (N, 3) [m, m, rad], Eq. (8), of poses by desired ones (N, 3), paper frames."""
+    return np.asarray(_errors()(desired.T, poses.T), dtype=float).T
+
+
+@cache
+def _errors() -> ca.Function:
+    desired, pose = ca.SX.sym("desired", ERROR), ca.SX.sym("pose", ERROR)
+    return ca.Function("e", [desired, pose], [tracking_error(desired, pose)])
+
+
+def moved_along(pose: Floats, start: Floats, end: Floats) -> Floats:
+    """The pose (3) as seen from ``start`` that is ``pose`` as seen from ``end``, paper frames."""
+    turned = float(start[2] - end[2])
+    c, s = np.cos(turned), np.sin(turned)
+    away = np.array([[c, -s], [s, c]]) @ (pose[:2] - end[:2])
+    return np.array([*(start[:2] + away), pose[2] + turned])
