@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import casadi as ca
-import control as ct
 import numpy as np
 import pytest
 
-from analysis.along_reference import TimeInvariant, TimeVarying, along_reference
-from analysis.stepper import stepper
+from tests.linear.stepper import stepper
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.theory.checks.rest import newton
 from wmr_ctrl.theory.linear import (
@@ -21,6 +19,7 @@ from wmr_ctrl.theory.linear import (
     resting_point,
 )
 from wmr_ctrl.theory.linear.linear_report import _pairs
+from wmr_ctrl.theory.linear.state_space import constant_speed
 from wmr_ctrl.world.model.dynamics import plant
 from wmr_ctrl.world.references import Lemniscate, Line, StopAndGo
 from wmr_ctrl.world.scenario import override
@@ -116,15 +115,9 @@ def test_any_system_linearises(nominal):
 
 
 def test_circle_and_line_are_time_invariant_and_others_are_not(nominal):
-    circle = along_reference(nominal, "mb")
-    eight = along_reference(with_reference(nominal, Lemniscate(size=2.0, rate=0.1)), "mb")
-
-    assert isinstance(circle, TimeInvariant)
-    assert isinstance(along_reference(with_reference(nominal, Line()), "mb"), TimeInvariant)
-    assert isinstance(eight, TimeVarying)
-    assert circle(0.0) is circle(33.0)
-    assert isinstance(eight(3.0), ct.StateSpace)
-    assert np.abs(eight(3.0).A - eight(9.0).A).max() > 1e-3
+    assert constant_speed(nominal)
+    assert constant_speed(with_reference(nominal, Line()))
+    assert not constant_speed(with_reference(nominal, Lemniscate(size=2.0, rate=0.1)))
 
 
 def test_the_circle_gives_the_same_matrices_wherever_the_robot_is_on_it(nominal):
@@ -167,10 +160,9 @@ def test_bad_names_are_answered_with_the_known_ones(nominal):
 
 def test_a_reference_that_stops_is_linearised_where_it_moves(nominal):
     stop = with_reference(nominal, StopAndGo(radius=2.0, speed=0.4, period=20.0))
-    moving = along_reference(stop, "mb")
+    moving = closed_loop(stop, "mb", on_reference(stop, "mb", 10.0))
 
-    assert isinstance(moving, TimeVarying)
-    assert (moving(10.0).poles().real < 0).all()
+    assert (moving.poles().real < 0).all()
 
 
 def test_a_resting_point_is_found_to_the_last_digits() -> None:

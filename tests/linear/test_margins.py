@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from analysis.starts import start_at
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.theory import linear
 from wmr_ctrl.theory.linear import (
@@ -111,7 +110,7 @@ def test_a_loop_beyond_its_period_has_no_margins(nominal):
 def test_delay_margin_against_runs_with_a_delay(nominal, delay, rests):
     """The moment's delay margin at 10 ms is 0.0393 s; the native loop agrees on both sides."""
     assert 0.030 < margins_at(nominal, "mb", 1, period=0.01).delay < 0.050
-    start = start_at(nominal, np.array((1e-3, 0.0, 1e-3)))
+    start = linear.start_off(nominal, (1e-3, 0.0, 1e-3))
     late = override(
         nominal,
         {

@@ -7,19 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from analysis.frozen_regressor import (
-    frozen_regressor,
-    largest_stable_square,
-    learning_periods,
-    learning_step,
-    regressor_square,
-)
-from analysis.stepper import stepper
+from tests.linear.stepper import stepper
 from wmr_ctrl.theory.linear import (
     kink_periods,
     largest_learning_period,
     largest_stable_period,
     one_step_period,
+    regressor_square,
     resting_point,
     spectral_radius,
 )
@@ -90,49 +84,19 @@ def test_velocity_swings_about_the_kink_just_above_its_limit(nominal, axis):
     assert (abs(v - u2) < 1e-7).tolist() == [True, False]
 
 
-@pytest.mark.parametrize(
-    ("square", "first", "second"),
-    [
-        (0.01, 0.152, 1.27),
-        (1.0, 0.0362, 0.0140),
-        (4.0, 0.0095, 0.0035),
-        (16.0, 0.0024, 0.00087),
-        (64.0, 0.00060, 0.00022),
-    ],
-)
-def test_limits_with_learning_of_the_audit(nominal, square, first, second):
-    assert learning_periods(nominal, square) == pytest.approx((first, second), rel=2e-2)
-
-
-@pytest.mark.parametrize("axis", [0, 1])
-def test_learning_loop_just_below_and_above_its_limit(nominal, axis):
-    limit = learning_periods(nominal, 1.0)[axis]
-
-    for factor, bounded in ((BELOW, True), (ABOVE, False)):
-        state, step = np.array((1e-3, 0.0)), learning_step(nominal, axis, 1.0, factor * limit)
-        course = []
-        for _ in range(6000):
-            course.append(abs(state[0]))
-            state = step @ state
-        assert bool(max(course[-300:]) < max(course[:300])) is bounded
-
-
-def test_frozen_regressor_bound_of_the_audit(nominal):
+def test_regressor_bound_of_the_audit(nominal):
     """|S|^2 > b M/Gamma with b = a^2 K/(K - a), a = 2, K = 4: 8 * 5.4/800 = 0.054."""
-    bound = largest_stable_square(nominal, 1)
-    stable, unstable = (frozen_regressor(nominal, 1, f * bound) for f in (0.94, 1.12))
+    _, (ahead, turning) = regressor_square(nominal)
 
-    assert bound == pytest.approx(0.054)
-    assert math.isinf(largest_stable_square(nominal, 0))
-    assert (stable.poles().real < 0).all()
-    assert (unstable.poles().real > 0).any()
+    assert turning == pytest.approx(0.054)
+    assert math.isinf(ahead)
 
 
 def test_the_network_of_the_paper_scenario_is_linearly_unstable(nominal):
     """|S|^2 = 0.319 at eta = sqrt 2: no period is stable once the weights move."""
     point = resting_point(nominal, "nn")
 
-    assert regressor_square(nominal) == pytest.approx(0.319, rel=2e-3)
+    assert regressor_square(nominal)[0] == pytest.approx(0.319, rel=2e-3)
     assert largest_learning_period(nominal, "nn", point) == 0.0
     assert grows(nominal, "nn", 0.01, point, "learning", duration=6.0)
 
@@ -144,7 +108,7 @@ def test_a_narrower_network_is_stable_up_to_a_period(nominal):
     point = resting_point(narrow, "nn")
     limit = largest_learning_period(narrow, "nn", point)
 
-    assert regressor_square(narrow) == pytest.approx(0.0070, rel=1e-2)
+    assert regressor_square(narrow)[0] == pytest.approx(0.0070, rel=1e-2)
     assert 0.1 < limit < 0.2
     assert not grows(narrow, "nn", BELOW * limit, point, "learning")
     assert grows(narrow, "nn", ABOVE * limit, point, "learning")

@@ -15,6 +15,7 @@ from .margins import Margins as Margins
 from .margins import margins_at as margins_at
 from .margins import open_loop as open_loop
 from .margins import with_robot as with_robot
+from .margins import worst as worst
 from .nonlinear import law_nlsys as law_nlsys
 from .nonlinear import loop_nlsys as loop_nlsys
 from .nonlinear import plant_nlsys as plant_nlsys
@@ -26,6 +27,7 @@ from .sampled import largest_learning_period as largest_learning_period
 from .sampled import largest_stable_period as largest_stable_period
 from .sampled import one_step_period as one_step_period
 from .sampled import pull_curve as pull_curve
+from .sampled import regressor_square as regressor_square
 from .sampled import spectral_radius as spectral_radius
 from .state_space import SADDLE as SADDLE
 from .state_space import closed_loop as closed_loop

@@ -9,9 +9,11 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
+from wmr_ctrl.control.laws.nn import NetworkGains
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.theory.checks.loop import PERIOD, Loop
+from wmr_ctrl.theory.checks.network import largest_square, square_bound
 from wmr_ctrl.theory.checks.radius import from_pose_to_pose, radius, supremum
 from wmr_ctrl.theory.checks.sample_time import kink_limits
 from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period as largest_stable_period
@@ -71,6 +73,17 @@ def largest_learning_period(scenario: Scenario, law: str, point: Point | None = 
     """
     loop = law_loop(scenario, law)
     return supremum(radius_of(scenario, law, point, "learning"), shortest_tried(loop))
+
+
+@checks_arguments
+def regressor_square(scenario: Scenario) -> tuple[float, Floats]:
+    """Largest |S|^2 of the network of nn over the reference, and its bound for each axis (2).
+
+    Above the bound learning is unstable in continuous time, the leak left out; inf if never.
+    """
+    loop = law_loop(scenario, "nn")
+    bounds = np.array([square_bound(loop, axis) for axis in (0, 1)])
+    return largest_square(loop, loop.setup.own(NetworkGains).eta), bounds
 
 
 @checks_arguments
