@@ -66,8 +66,8 @@ def test_a_study_ends_with_the_shares_of_its_table(tmp_path: Path) -> None:
     """Of the runs that were made, by law, guard and point of the grid."""
     (tmp_path / "plan.toml").write_text(
         'scenario = "far-start"\nlaws = ["mb", "pid"]\nguard = [false, true]\nseeds = 2\n'
-        "set = {clock.duration = 3.0, disturbance.truncate = 3.0}\n"
-        "grid = {limits.v_u1 = [[1.0, 1.5], [1e-3, 1e-3]], limits.v_u2 = [[5e-4, 5e-4]]}\n"
+        "set = {clock.duration = 3.0, disturbance.truncate = 3.0, limits.v_u2 = [5e-4, 5e-4]}\n"
+        "grid = {limits.v_u1 = [[1.0, 1.5], [1e-3, 1e-3]]}\n"
     )
     page = tmp_path / "study.html"
     words = ("study", tmp_path / "plan.toml", "--out", tmp_path / "s", "--json", "--report", page)
