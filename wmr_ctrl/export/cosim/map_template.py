@@ -11,7 +11,7 @@ from typing import Any
 
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.files import note_output
-from wmr_ctrl.export.fmi.units import NamedUnit, unit_of
+from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of
 
 from .mapping import CHANGED, EITHER, GIVEN, TAKEN, UNITS, toml_key
 from .slave import FmuFile
