@@ -66,7 +66,7 @@ def test_equal_values_are_equal_scenarios(tmp_path):
     text = (
         'extends = "paper-simulation-nominal"\ntitle = "5 m"\nframes = "rep103"\n'
         '[robot]\nm = "60000 g"\n[initial]\npose = ["-50 cm", 0, "30 deg"]\n[limits]\n'
-        'v_u1 = ["3.6 km/h", "90 deg/s"]\n[gains.kanayama]\nk = ["2 1/s", 3, "4 1/m2"]\n'
+        'v_u1 = ["3.6 km/h", "90 deg/s"]\n[gains.kanayama]\nk = ["2 1/s", 3, 4]\n'
         '[clock]\nduration = "0.5 min"\n[[changes]]\nt = "10 s"\nm = "70 kg"\n'
     )
     (tmp_path / "a.toml").write_text(text)

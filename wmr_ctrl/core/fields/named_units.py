@@ -184,7 +184,7 @@ def with_units(raw: object) -> object:
         return stated(raw)
     if isinstance(raw, Mapping):
         return {key: with_units(value) for key, value in raw.items()}
-    return [with_units(item) for item in raw] if type(raw) in (list, tuple) else raw
+    return [with_units(item) for item in raw] if isinstance(raw, list | tuple) else raw
 
 
 def per_second(name: str) -> str:
