@@ -17,7 +17,7 @@ from importlib.resources import files
 from multiprocessing import get_context
 from pathlib import Path
 
-from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.core.errors import UnknownNameError, install
 from wmr_ctrl.results import atomic_text, write_all
 from wmr_ctrl.results.ledger import COMMITTED, PROVED, Entry, Ledger, load
 from wmr_ctrl.simulation.batch import deaf_to_interrupts
@@ -164,10 +164,7 @@ def _costs(ids: Sequence[str]) -> Mapping[str, float]:
     return {key: max(known[key].seconds, LEAST_COST) if key in known else new for key in ids}
 
 
-REMEDY = (
-    "Some entries were not checked; install the proving packages with: "
-    "pip install 'wmr_ctrl[proofs]'"
-)
+REMEDY = "Some entries were not checked; install the proving packages with: " + install("proofs")
 ALTERED = {"tried": "functions altered", "caught": "REFUTED then", "open": "left open"}
 
 

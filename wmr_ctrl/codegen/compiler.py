@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
-from wmr_ctrl.core.errors import CacheError, CompilerError
+from wmr_ctrl.core.errors import CacheError, CompilerError, install
 
 from .cache import STORAGE_REMEDY, cache_part
 from .resources import runtime_dir
@@ -120,7 +120,7 @@ TIMEOUT = 600.0
 
 _REMEDY = (
     f"Another compiler can be named in the environment variable {VARIABLE} (`zig cc` after "
-    "`pip install ziglang`); `--engine numpy` runs without one."
+    f"`{install('compiler')}`); `--engine numpy` runs without one."
 )
 _FULL = re.compile("no space left|nospaceleft|disk quota exceeded", re.IGNORECASE)
 _VALUE_SAFE = ("-fno-fast-math", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")

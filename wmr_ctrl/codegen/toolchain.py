@@ -22,7 +22,7 @@ from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from wmr_ctrl.core.errors import CacheError, CompilerError
+from wmr_ctrl.core.errors import CacheError, CompilerError, install
 
 from .cache import Sources, build_cached, cache_dir
 from .compiler import (
@@ -40,7 +40,7 @@ from .compiler import (
 )
 
 _INSTALL = (
-    "Install one with `pip install ziglang` (or, on Debian and Ubuntu, `apt install gcc "
+    f"Install one with `{install('compiler')}` (or, on Debian and Ubuntu, `apt install gcc "
     f"libc6-dev`), or name one in the environment variable {VARIABLE}; `--engine numpy` runs "
     "without a compiler."
 )

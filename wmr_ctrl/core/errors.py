@@ -29,6 +29,11 @@ class UnknownNameError(WmrError, KeyError):
         return BaseException.__new__, (type(self), *self.args)
 
 
+def install(extra: str) -> str:
+    """The command that installs an extra, spelled as in the documentation, for any shell."""
+    return f"pip install 'wmr_ctrl[{extra}]'"
+
+
 class CompilerError(WmrError, RuntimeError):
     """No C compiler was found, or it refused the generated source."""
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.core.errors import MissingExtraError
+from wmr_ctrl.core.errors import MissingExtraError, install
 from wmr_ctrl.core.signals import TIME
 
 from .figures import FIGURES, READINGS, values_of
@@ -139,7 +139,7 @@ def library(name: str, extra: str = "data") -> ModuleType:
         missing = isinstance(error, ModuleNotFoundError)
         fault = "is not installed" if missing else f"cannot be imported ({error})"
         raise MissingExtraError(
-            f"this needs {name.partition('.')[0]}, which {fault}: pip install 'wmr_ctrl[{extra}]'."
+            f"this needs {name.partition('.')[0]}, which {fault}: {install(extra)}."
         ) from None
 
 

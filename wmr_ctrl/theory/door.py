@@ -4,12 +4,13 @@ from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
 
+from wmr_ctrl.core.errors import install
 from wmr_ctrl.results.frames import library
 
 EXTRA = "proofs"
 SOLVERS = ("flint", "z3")
 """Packages of the extra."""
-LEFT_OUT = f"nothing is proved or certified here: pip install 'wmr_ctrl[{EXTRA}]'"
+LEFT_OUT = f"nothing is proved or certified here: {install(EXTRA)}"
 """What a command says that goes on without them."""
 
 

@@ -14,7 +14,7 @@ from wmr_ctrl.codegen.cache import build_cached
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object, default_flags
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.toolchain import find_toolchain, level_flags, zig_command
-from wmr_ctrl.core.errors import CompilerError, UnknownNameError
+from wmr_ctrl.core.errors import CompilerError, UnknownNameError, install
 
 from .files import Sources
 
@@ -143,7 +143,7 @@ def toolchain_for(target: Target) -> Toolchain:
         return _zig(target).with_flags(*level_flags())
     if target.name != host():
         raise CompilerError(
-            f"building for {target.name} needs zig: `pip install ziglang`, or export with "
+            f"building for {target.name} needs zig: `{install('compiler')}`, or export with "
             "--target host."
         )
     return find_toolchain()

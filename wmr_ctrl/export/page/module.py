@@ -12,7 +12,7 @@ from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object
 from wmr_ctrl.codegen.toolchain import level_flags, zig_command
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.compiled import LoopLayout
-from wmr_ctrl.core.errors import CompilerError
+from wmr_ctrl.core.errors import CompilerError, install
 from wmr_ctrl.core.signals import PLANT_STATE
 
 UNIT = ("page.c", *LOOP[1:], "seed.c", "seed.h")
@@ -99,7 +99,7 @@ def toolchain() -> Toolchain:
     if not command:
         raise CompilerError(
             "the page's loops are compiled to WebAssembly by zig, and the Python package ziglang "
-            "is not installed. Install it with `pip install ziglang`."
+            f"is not installed. Install it with `{install('compiler')}`."
         )
     command = (*command, "cc")
     flags = tuple(flag for flag in default_flags(command) if flag not in _HOST_ONLY)

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, WmrError
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, WmrError, install
 from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.simulation.runnable import RunnableLoop
 
@@ -112,8 +112,8 @@ def _painter() -> Worker:
         else:
             return worker
     raise MissingExtraError(
-        f"3-D pictures cannot be rendered here ({'; '.join(reasons)}). Install the extra physics, "
-        "which includes PyOpenGL, and EGL or OSMesa (apt install libegl1 libosmesa6), or set "
+        f"3-D pictures cannot be rendered here ({'; '.join(reasons)}). Install PyOpenGL "
+        f"({install('physics')}), and EGL or OSMesa (apt install libegl1 libosmesa6), or set "
         f"{CHOICE} to what is available; --animate draws the run without any of these."
     )
 

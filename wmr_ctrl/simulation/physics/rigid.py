@@ -19,7 +19,7 @@ from types import ModuleType
 
 import numpy as np
 
-from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ScenarioError
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ScenarioError, install
 from wmr_ctrl.world.scenario import Change, Robot, Scenario
 from wmr_ctrl.world.slope import Slope
 
@@ -123,8 +123,8 @@ def mujoco() -> ModuleType:
         raise ArgumentError(f"MuJoCo does not load: {error}. Correct or clear MUJOCO_GL.") from None
     except ImportError as error:
         raise MissingExtraError(
-            'the plant "mujoco" needs the package mujoco-core, which is not installed. Install the '
-            "extra physics: pip install wmr_ctrl[physics]."
+            'the plant "mujoco" needs the package mujoco-core, which is not installed: '
+            f"{install('physics')}."
         ) from error
 
 
