@@ -201,14 +201,21 @@ def test_no_compiler_at_all_says_what_to_install(monkeypatch):
 
     message = str(caught.value)
     assert "\n" not in message
-    for remedy in ("pip install ziglang", "apt install gcc", "WMR_CTRL_CC", "--engine numpy"):
+    for remedy in (
+        "pip install 'wmr_ctrl[compiler]'",
+        "apt install gcc",
+        "WMR_CTRL_CC",
+        "--engine numpy",
+    ):
         assert remedy in message
 
 
 def test_named_compiler_that_is_missing_is_not_replaced_by_another(monkeypatch):
     monkeypatch.setenv("WMR_CTRL_CC", "no-such-compiler -v")
 
-    with pytest.raises(CompilerError, match=r"WMR_CTRL_CC.*no-such-compiler.*pip install ziglang"):
+    with pytest.raises(
+        CompilerError, match=r"WMR_CTRL_CC.*no-such-compiler.*pip install 'wmr_ctrl.compiler"
+    ):
         find_toolchain()
 
 
@@ -231,7 +238,7 @@ def test_broken_compilers_on_path_are_told(fake, monkeypatch, body, said):
         find_toolchain()
 
     assert "fake 1.0" in str(caught.value) or said == "cannot be loaded"
-    assert "pip install ziglang" in str(caught.value)
+    assert "pip install 'wmr_ctrl[compiler]'" in str(caught.value)
 
 
 @posix
