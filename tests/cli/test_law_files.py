@@ -22,6 +22,7 @@ BRIEF = {"clock.duration": 1.0, "changes": []}
 def forgotten(monkeypatch, tmp_path):
     """Laws that a test hands over are forgotten after it; it works in a folder of its own."""
     monkeypatch.setattr(LAWS, "given", {})
+    monkeypatch.setattr(LAWS, "files", {})
     monkeypatch.chdir(tmp_path)
     (tmp_path / "my_law.py").write_text(LAW)
 
@@ -132,3 +133,4 @@ def test_a_scenario_names_a_file_beside_it(wmr, tmp_path):
 
     assert result.exit_code == 0, result.stderr
     assert "my_law on mine" in result.stdout
+    assert "--law robots/mine.py" in " ".join(result.stderr.split())

@@ -86,13 +86,16 @@ def run(
         from wmr_ctrl.report.animate import check_film
 
         check_film(files["film"], plant)
+    from wmr_ctrl.control.laws.registry import LAWS
+
     case = opt.load(scenario, assignments, guard)
     _check_engine(engine, plant)
     chosen = opt.law_of(case, law)
     opt.note_idle(case, scenario, assignments, [chosen])
     sets = (part for text in assignments for part in ("--set", text))
     guarded = () if guard is None else ("--guard" if guard else "--no-guard",)
-    why = shlex.join(("wmr-ctrl", "check", scenario, *sets, *guarded, "--law", chosen))
+    own = LAWS.spelled(chosen)
+    why = shlex.join(("wmr-ctrl", "check", scenario, *sets, *guarded, "--law", own))
     finished = _simulated(case, chosen, law is not None, seed, engine, plant, why)
     deliver(finished, as_json, verbose, **files)
 

@@ -43,7 +43,9 @@ def law_name(given: LawGiven, folder: str | os.PathLike[str] = ".") -> str:
         return str(given)
     path = Path(folder, given)
     text = read_text(path, "law", (SUFFIX,))
-    return LAWS.add(_law_in(str(path), text), _place(str(path), text))
+    name = LAWS.add(_law_in(str(path), text), _place(str(path), text))
+    LAWS.files[name] = str(path)
+    return name
 
 
 def law_if_any(given: LawGiven | None) -> str | None:

@@ -35,6 +35,7 @@ class LawRegistry(Mapping[str, Law]):
 
     def __init__(self) -> None:
         self.given: dict[str, Law] = {}
+        self.files: dict[str, str] = {}
 
     def __getitem__(self, name: str) -> Law:
         """The law called ``name``; raises UnknownNameError with the near names."""
@@ -68,6 +69,10 @@ class LawRegistry(Mapping[str, Law]):
         """Entry points of other packages' laws, by name."""
         return {point.name: point for point in entry_points(group=GROUP)}
 
+    def spelled(self, name: str) -> str:
+        """What a command line calls the law: its file, else its name."""
+        return self.files.get(name, name)
+
     def add(self, law: Law, where: str = "") -> str:
         """Keep a law under its name, which is returned; it replaces one that was added before.
 
@@ -85,6 +90,7 @@ class LawRegistry(Mapping[str, Law]):
             )
         check_law(law, where)
         self.given[law.name] = law
+        self.files.pop(law.name, None)
         return law.name
 
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import NOT_CHECKED
 from wmr_ctrl.results.verdicts import Warning
@@ -98,7 +99,7 @@ def _linear(loop: Loop) -> Iterator[Warning]:
 
 def checked_by(law: str) -> str:
     """The command that checks a law whatever the work, as a sentence without its full stop."""
-    return f"`wmr-ctrl check --law {law}` has no such limit, and may take minutes"
+    return f"`wmr-ctrl check --law {LAWS.spelled(law)}` has no such limit, and may take minutes"
 
 
 def _unstable(loop: Loop) -> Warning:
