@@ -172,6 +172,22 @@ def test_check_judges_the_scenarios_own_law(wmr):
     assert list(both["verdict"]) == ["pid", "smc"]
 
 
+@pytest.mark.parametrize(
+    ("asked", "laws"),
+    [
+        (("--law", "pid,smc"), None),
+        ((), None),
+        (("--law", "pid"), ["pid"]),
+        (("--law", "pid,smc", "--corridor"), ["pid", "smc"]),
+        (("--corridor",), ["kanayama"]),
+    ],
+)
+def test_check_computes_corridors_where_they_are_asked_for(wmr, asked, laws):
+    found = json.loads(wmr("check", *SHORT_BURGER, *asked, "--json").stdout)["corridor"]
+
+    assert (found and list(found)) == laws
+
+
 SHORT_BURGER = ("turtlebot3-burger", "--set", "clock.duration=0.2")
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from time import sleep
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor, run_corridor
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_proofs.corridor import following
 from wmr_proofs.corridor.along import Along
 from wmr_proofs.corridor.inputs import bounded_inputs
 from wmr_proofs.corridor.masses import certified, mass_courses
@@ -362,3 +365,20 @@ def test_what_pushes_at_each_plant_step_by_chance_is_refused_by_name(monkeypatch
         "the loop with the effect toy gust ([toy_gust]) is not covered: leave out "
         "toy_gust.torque = 1.0"
     )
+
+
+def test_a_whole_run_beyond_its_work_is_not_checked_on_a_machine_of_any_speed(monkeypatch):
+    told = {"clock.control": PERIOD, "clock.duration": 6.0, "changes": HEAVIER}
+    scenario, spent = override(load_scenario("safe-simulation"), told), list[float]()
+    with monkeypatch.context() as patch:
+        patch.setattr(following, "spend", lambda _, work: spent.append(work))
+        certified_run(settle(scenario, "prox"))
+    work, quick = sum(spent), Passing._until
+    monkeypatch.setattr(Passing, "_until", lambda item, now: sleep(1e-3) or quick(item, now))
+
+    enough, less = (find_corridor(scenario, "prox", whole=True, work=w) for w in (work, work - 1))
+
+    assert enough.whole.position is not None
+    assert less.whole.figures["refused"].startswith("not checked: ")
+    assert less.position == enough.position
+    assert "not checked" in less.sentence

@@ -60,8 +60,9 @@ def check(
     work = inf if named and named != tuple(LAWS) else OF_LAW
     opt.note_idle(case, scenario, assignments, laws)
     note_missing_proofs()
-    corridors = corridors or len(named) == 1 or only == "corridor"
     subject = None if as_json else only
+    whole = subject in (None, *named)
+    corridors = corridors or subject == "corridor" or (whole and len(named) == 1)
     answers = about.find_answers(case, laws, taken, subject, work, named, corridors=corridors)
     if as_json:
         print_json(about.document(answers))

@@ -254,7 +254,7 @@ def page(
     It contains the compiled loop of this program and gives the same numbers bit for bit. For the
     paper's simulation it tells a story in five steps. For another scenario it shows that scenario,
     and for a base that takes velocities it compares several ways to limit the commands. The first
-    page takes a minute or two to compile.
+    page takes some 20 s of processor time to compile.
     """
     from wmr_ctrl import api
     from wmr_ctrl.export.page.scenes import is_story

@@ -241,7 +241,7 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
 
 
 def velocity_sender(setup: Setup, core: System, late: Lateness | None = None) -> SentVelocity:
-    """Sender of a law's command on a base that takes velocities, ``late`` as SentVelocity has it."""
+    """Sender of a law's command on a base that takes velocities; ``late`` as in SentVelocity."""
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
     direct = core.outputs[0].signal == ASKED

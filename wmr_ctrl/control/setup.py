@@ -326,7 +326,7 @@ def with_traction_limit(scenario: Scenario) -> Scenario:
 
 
 def with_effects_of(setup: Setup, scenario: Scenario) -> Setup:
-    """The setup on another scenario with the effects that this has, its guard's numbers as before."""
+    """The setup on another scenario, with the effects of that; its guard's numbers stay."""
     present = tuple(item for item in EFFECTS if item.present(scenario))
     return replace(setup, scenario=scenario, effects=present)
 

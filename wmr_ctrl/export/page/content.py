@@ -61,12 +61,14 @@ def content_of(
     """
     loops, phases, steps = PageLoops(), 1, 0
     scenery = list[Plain]()
-    for scene in scenes:
+    for number, scene in enumerate(scenes):
         members = members_of(scene.scenario, laws)
         variants = list(settled_variants(scene.scenario, members))
         setups = [setup for item in variants for setup in item.setups.values()]
         phases = max(phases, 1 + len(scene.scenario.changes))
-        for setup in setups:
+        for count, setup in enumerate(setups):
+            loops.of(setup)
+            progress((number + count / len(setups)) / len(scenes))
             actuator, base = setup.scenario.actuator, setup.scenario.base
             late = actuator.delay + actuator.unmodelled_delay + base.delay
             steps = max(steps, round(late / setup.scenario.clock.plant))

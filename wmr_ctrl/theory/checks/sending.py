@@ -27,7 +27,7 @@ from .sampled_plant import Point, steps_in
 from .surroundings import idle_base
 
 LATE = ("late_steps", "period_steps")
-"""Parameters of a graph that periods share: plant steps of a delay beyond whole ones, and of one."""
+"""Parameters of a graph that periods share: plant steps of a delay beyond whole ones; of one."""
 LONG = 0.1
 """A control period in which laws may change their command much [s]."""
 

@@ -69,6 +69,7 @@ class KnownDrives:
     sent: int
 
 
+@lru_cache(maxsize=64)
 def idle_base(scenario: Scenario) -> Scenario:
     """The scenario with a base that cuts, rounds and loses nothing, and without filter."""
     return override(scenario, IDLE)
