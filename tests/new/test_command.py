@@ -15,7 +15,6 @@ from tests.new.test_parameters import CONTROLLER, NAV2
 from tests.new.test_urdf import PAIR, robot
 from wmr_ctrl import simulate
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.control.laws.kanayama import guided
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import tracked
 from wmr_ctrl.theory.checks import filter_facts
@@ -58,7 +57,7 @@ def test_any_subset_of_findings_makes_a_scenario_that_keeps_its_limits_and_track
         values["robot.I"] = shape * values["robot.m"] * values["robot.l"] ** 2
     items = [Found(key, value, "f: x", Rank.CONTROLLER) for key, value in values.items()]
 
-    made = new_scenario(merged(items), base, "mine", guided)
+    made = new_scenario(merged(items), base, "mine")
 
     raw = tomllib.loads(made.text)
     keys = [key for key, part in raw.items() if not isinstance(part, dict)]

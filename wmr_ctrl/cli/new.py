@@ -29,7 +29,7 @@ NOT_STATED = (
     "Write a scenario of your own robot.",
     "wmr-ctrl new mine.toml",
     "wmr-ctrl new mine.toml --base torque",
-    "wmr-ctrl new mine.toml --from robot.urdf.xacro controllers.yaml nav2_params.yaml",
+    "wmr-ctrl new mine.toml --from robot.urdf control.yaml nav2.yaml",
 )
 @click.argument("paths", metavar="OUT.toml", nargs=-1, required=True)
 @click.option(
@@ -59,7 +59,6 @@ def new(
     Gazebo. Where two disagree, the controller's counts, and both are printed. The file's key
     `assumed` names what nobody stated.
     """
-    from wmr_ctrl.control.laws.kanayama import guided
     from wmr_ctrl.results import atomic_text
     from wmr_ctrl.world.robot_files import read_robot_files
     from wmr_ctrl.world.scenario.new import new_scenario
@@ -73,7 +72,7 @@ def new(
         raise ArgumentError(f"{out} is there already, and is kept. Name another file, or --force.")
     sheet = read_robot_files([*files, *more])
     title = f"{Path(out).stem}, begun by wmr-ctrl new"
-    made = new_scenario(sheet, base or "velocity", title, guided)
+    made = new_scenario(sheet, base or "velocity", title)
     with atomic_text(out) as file:
         file.write(f"{made.text}\n\n# Next: wmr-ctrl check {shlex.quote(out)}\n")
     say("wrote", out)

@@ -29,6 +29,7 @@ PROGRAM = "wmr-ctrl"
 
 EPILOG = """\b
 Examples:
+  wmr-ctrl new mine.toml            a scenario of your own robot
   wmr-ctrl check safe-simulation    what theory and one run say of each law
   wmr-ctrl run far-start --law mb   one run
   wmr-ctrl compare --law prox,mb    laws side by side
@@ -113,8 +114,9 @@ def root(ctx: click.Context) -> None:
     """Simulate, check, prove and deploy controllers for wheeled robots with speed limits.
 
     A scenario (a preset or a TOML file) describes robot, limits and path. Start with `wmr-ctrl
-    scenarios`, then `check`, `run` and `compare`. `reproduce` judges the claims of the paper that
-    the project began with: Z. Chen et al., IEEE Transactions on Industrial Electronics, 2021.
+    new` for your own robot, then `check`, `run` and `compare`. `reproduce` judges the claims of the
+    paper that the project began with: Z. Chen et al., IEEE Transactions on Industrial Electronics,
+    2021.
     """
     if ctx.invoked_subcommand is None:
         click.echo(ctx.get_help())

@@ -19,7 +19,6 @@ from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .context import LawContext
 from .law import Inside, Law, Traits
-from .prox import guide
 from .velocity_loop import CHANGE, VelocityLoopGains, with_command, with_torque
 
 TITLE = "kinematic tracking with limited commands (kanayama)"
@@ -31,15 +30,6 @@ class KanayamaGains(VelocityLoopGains, key="gains.kanayama"):
     k: tuple[float, float, float] = quantity(
         (4.0, 64.0, 16.0), "1/s, 1/m2, 1/m", "kx, ky, kt of the kinematic law", above=0.0
     )
-
-
-def guided(period: float, delay: float, speed: float) -> tuple[float, float, float]:
-    """Gains k whose poles are those of `prox.guide`, for a control period and a delay [s].
-
-    ``speed`` is v1_d [m/s].
-    """
-    kx, ky, across = guide(period, delay, speed).k
-    return kx, ky, across / speed
 
 
 def build(context: LawContext) -> System:

@@ -5,7 +5,7 @@ room, whatever the limits are.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeAlias
@@ -22,7 +22,6 @@ from .scenario import sections
 from .toml_io import loads_scenario
 
 LAW = "kanayama"
-GainsRule: TypeAlias = Callable[[float, float, float], tuple[float, float, float]]
 Value: TypeAlias = float | bool | str | tuple[float, ...]
 OPTIONAL = (
     *("body.radius", "robot.m", "robot.I", "robot.r", "robot.l"),
@@ -57,17 +56,16 @@ HOW: Mapping[str, str] = MappingProxyType(
         "clock.control": "rate of your controller's loop",
         "reference.kind": "`wmr-ctrl scenarios --reference waypoints` shows a path of points",
         "reference.radius": "at half of the speed limit",
-        f"gains.{LAW}.k": "the law's rule for this path and period; `wmr-ctrl tune` betters them",
         "reference.rate": "at a quarter of the turning limit",
     }
 )
 """How to find each value that no file states."""
-OURS = ("law", "base.kind", "filter.kind", "guard.enabled", "guard.alpha", "reference", "gains")
+OURS = ("law", "base.kind", "filter.kind", "guard.enabled", "guard.alpha", "reference")
 """Choices and what follows from them: nothing that could be measured."""
 LIMITS = "limits.v_u1"
 TABLES = (
     *("", "robot", "body", "base", "actuator"),
-    *("limits", "filter", "guard", "clock", "reference", f"gains.{LAW}"),
+    *("limits", "filter", "guard", "clock", "reference"),
 )
 """Tables in the order in which they are written."""
 GRAVITY = 9.81
@@ -89,13 +87,12 @@ class NewScenario:
     nodes: Mapping[str, Found]
 
 
-def new_scenario(sheet: Sheet, base: str, title: str, gains: GainsRule) -> NewScenario:
+def new_scenario(sheet: Sheet, base: str, title: str) -> NewScenario:
     """The scenario of a base that takes "velocity" or "torque" commands.
 
-    ``gains``: rule for the law's k, of the control period, what drives and base are late [s], and
-    the path's speed [m/s].  Raises ScenarioError where a value of a file is impossible.
+    Raises ScenarioError where a value of a file is impossible.
     """
-    values = _values(sheet, base, gains)
+    values = _values(sheet, base)
     nodes = {key: item for key, item in sheet.found.items() if key.startswith(NAMES)}
     found = {key: item for key, item in sheet.found.items() if key.partition("[")[0] in values}
     rest = {key: value for key, value in values.items() if key not in found}
@@ -111,7 +108,7 @@ def new_scenario(sheet: Sheet, base: str, title: str, gains: GainsRule) -> NewSc
     return NewScenario(text, found, assumed, unknown, (*unused, *sheet.overruled), nodes)
 
 
-def _values(sheet: Sheet, base: str, gains: GainsRule) -> dict[str, Value]:
+def _values(sheet: Sheet, base: str) -> dict[str, Value]:
     """Every key of the file with its value, in the order of the file."""
     stated = {key: item.value for key, item in sheet.found.items()}
     sizes = {key: value for key, value in stated.items() if isinstance(value, float)}
@@ -122,18 +119,13 @@ def _values(sheet: Sheet, base: str, gains: GainsRule) -> dict[str, Value]:
     period = sizes.get("clock.control", 0.05 if base == "velocity" else 0.01)
     guess: dict[str, Value] = {"law": LAW, LIMITS: (v, omega), "clock.control": period}
     if base == "velocity":
-        tau, delay = 0.2, 0.05
-        guess |= {"base.kind": base, "base.tau": (tau, tau), "base.delay": delay}
+        guess |= {"base.kind": base, "base.tau": (0.2, 0.2), "base.delay": 0.05}
         guess |= {"filter.kind": "clip", "filter.gain": (0.9, 1.1)}
         guess |= {"filter.d": (_short(0.05 * v), _short(0.05 * omega))}
-        late = delay + tau / 2
     else:
         guess |= _guarded(sizes, v, omega, period)
-        late = 0.0
-    radius = _short(speed / rate)
-    guess |= {"reference.kind": "circle", "reference.radius": radius, "reference.rate": rate}
-    first, second, third = map(_short, gains(period, late, radius * rate))
-    guess[f"gains.{LAW}.k"] = (first, second, third)
+    guess |= {"reference.kind": "circle", "reference.radius": _short(speed / rate)}
+    guess["reference.rate"] = rate
     for key in RAMPS:
         ends = tuple(sizes.get(f"{key}[{axis}]", math.inf) for axis in (1, 2))
         if min(ends) < math.inf:
@@ -215,8 +207,6 @@ def _meaning(table: str, name: str) -> tuple[str, str]:
         return "", "control law"
     if name == "kind" and table == "reference":
         return "", "kind of the desired motion"
-    if table.startswith("gains."):
-        return "1/s, 1/m2, 1/m", "gains along the path, across it, and of the heading"
     known = {**sections(), "reference": REFERENCES["circle"].section}[table]
     what = dict(quantities(known))[name]
     return what.unit, what.doc
