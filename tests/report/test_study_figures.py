@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.container import ErrorbarContainer
 
-from wmr_ctrl.report.study_figures import _bins, _by_group, drawings_of, _indices, _maps
+from wmr_ctrl.report.study_figures import _bins, _by_group, _indices, _maps, drawings_of
 from wmr_ctrl.report.study_table import StudyTable
 from wmr_ctrl.simulation.campaign.study_plan import plan_of
 

@@ -195,7 +195,7 @@ def test_files_that_extend_each_other(tmp_path):
     (tmp_path / "a.toml").write_text('extends = "b.toml"')
     (tmp_path / "b.toml").write_text('extends = "./a.toml"')
 
-    with pytest.raises(ScenarioError, match="leads back to where it came from: .*a.toml -> "):
+    with pytest.raises(ScenarioError, match=r"leads back to where it came from: .*a\.toml -> "):
         load_scenario(tmp_path / "a.toml")
 
 

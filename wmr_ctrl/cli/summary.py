@@ -37,10 +37,10 @@ def summary_text(run: Run, verbose: bool = False) -> str:
         wrapped(f"{name} warned in {said}", hang="  ") for name, said in warned.items() if said
     ]
     remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run, verbose)]
-    exact = filter(None, (promise_of_run(run),))
-    relies = filter(None, (verbose and guard_relies_on(run),))
-    said = (wrapped(run.explanation), *map(wrapped, exact), *remarks, *map(wrapped, relies))
-    return "\n\n".join(("\n".join(head), "\n".join(said), table(rows_of(run, verbose))))
+    said = [wrapped(run.explanation), wrapped(promise_of_run(run)), *remarks]
+    said.append(wrapped(guard_relies_on(run)) if verbose else "")
+    told = "\n".join(filter(None, said))
+    return "\n\n".join(("\n".join(head), told, table(rows_of(run, verbose))))
 
 
 def changes_of(run: Run) -> list[str]:

@@ -6,6 +6,7 @@ import tempfile
 from pathlib import Path
 
 from wmr_ctrl.results import Run, atomic_text, json_safe, summary
+from wmr_ctrl.results.measures import tracked
 from wmr_ctrl.theory.checks.unknown_zero import promise_of_run
 
 from . import drawing
@@ -31,7 +32,7 @@ def write_run_page(run: Run, path: str | os.PathLike[str]) -> None:
         if run.rows:
             overview(run).written([drawn])
         text = page_environment().get_template("run.html.j2").render(
-            run=run, driver=driver(run.law, run.guard), word=WORDS[document["tracked"]],
+            run=run, driver=driver(run.law, run.guard), word=WORDS[tracked(run)],
             kept=not run.monitor.violations, promise=promise_of_run(run),
             relies=guard_relies_on(run), shown=rows[:MOST_ROWS], others=rows[MOST_ROWS:],
             scenario=run.provenance.get("scenario_toml", ""),

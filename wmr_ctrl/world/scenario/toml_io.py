@@ -185,7 +185,8 @@ def _resolved(source: str, folder: Path, seen: tuple[str, ...]) -> Raw:
     if mark in seen:
         way = " -> ".join(Path(one).name for one in (*seen[seen.index(mark) :], mark))
         raise ScenarioError(
-            f"extends = {show(source)} leads back to where it came from: {way}. Take one extends out."
+            f"extends = {show(source)} leads back to where it came from: {way}. Take one of them "
+            "out."
         )
     if path.suffix != _SUFFIX and path.suffix:
         raise _no_scenario(source)
