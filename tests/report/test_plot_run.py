@@ -17,7 +17,7 @@ from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import style
 from wmr_ctrl.report.course import course_of, course_of_tube
 from wmr_ctrl.report.drawing import FAR
-from wmr_ctrl.report.plot_run import plot_run
+from wmr_ctrl.report.plot_run import plot_run, shown_until
 from wmr_ctrl.report.plot_runs import plot_runs
 from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.report.stage import frames
@@ -182,3 +182,37 @@ def test_a_robot_that_turned_once_about_itself_stands_on_its_path_again():
     assert abs(run["e[3]"][-1]) > 6
     assert abs(drawn[-1]) <= 1e3 * tube[1, -1]
     assert rms <= 1e3 * tube[1, -1]
+
+
+@pytest.mark.parametrize(
+    ("moves", "drawn"), [(16.0, 19.0), (70.0, 80.0), (0.0, 80.0), (79.9, 80.0), (40.0, 46.0)]
+)
+def test_a_run_is_drawn_as_long_as_it_moves_and_says_so(moves: float, drawn: float) -> None:
+    """Either speed, true or desired, is motion; another run beside it may move for longer."""
+    times = np.arange(0.0, 80.0, 0.01)
+    for name in ("v1", "omega", "v1_d", "v2_d"):
+        run = build(duration=80.0, **{name: np.where(times < moves, 0.2, 0.001)})
+        assert shown_until(run) == drawn
+    text = "\n".join(item.get_text() for item in plot_run(run).findobj(Text))
+    assert (f"drawn to {drawn:g} s" in text) is (drawn < 80)
+    assert shown_until(run, build(duration=80.0, v1=0.2)) == 80.0
+
+
+@pytest.mark.parametrize(
+    ("preset", "law", "panels"),
+    [
+        ("turtlebot3-burger", "kanayama", ("Changed by the filter", "Distance from")),
+        ("turtlebot3-burger", "mb", ("Changed by the filter", "Barrier function")),
+        ("paper-simulation-nominal", "kanayama", ("Wheel torques", "Distance from")),
+        ("paper-simulation-nominal", "mb", ("Wheel torques", "Barrier function")),
+    ],
+)
+def test_panels_are_those_of_the_base_and_the_law(preset, law, panels) -> None:
+    short = {"clock.duration": 1.0, "metrics.split": 0.5, "metrics.rms_from": 0.2}
+    run = simulate(load_scenario(preset, short), law, engine="numpy")
+    titles = [axes.get_title("left") for axes in plot_run(run).findobj(Axes)]
+    known = ("Changed by", "Wheel torques", "Distance from", "Barrier function")
+    found = [title for title in titles if title.startswith(known)]
+
+    assert len(found) == len(panels)
+    assert all(title.startswith(panel) for title, panel in zip(found, panels, strict=True))
