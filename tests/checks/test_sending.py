@@ -43,10 +43,10 @@ BASES = {
 
 
 def moving(changed: dict[str, object]) -> Scenario:
-    """A Burger without delay, friction and filter that starts on its circle, at its speed."""
+    """An exact Burger without delay, friction, filter; it starts on its circle, at its speed."""
     free = {"filter.kind": "none", "robot.mu": 0.0, "model.mu": 0.0, "base.delay": 0.0}
     length = {"clock.duration": SAMPLES * 0.05}
-    scenario = load_scenario("turtlebot3-burger", free | length | changed)
+    scenario = load_scenario("turtlebot3-burger", EXACT | QUICK | free | length | changed)
     at = sample(scenario, np.zeros(1))[0]
     start = {"initial.pose": at[:3].tolist(), "initial.velocity": at[3:5].tolist()}
     return override(scenario, start)

@@ -95,7 +95,9 @@ def test_overrides_reach_the_printed_scenario(wmr):
 
 
 def test_scenario_as_json(wmr):
-    document = json.loads(wmr("scenarios", "far-start", "--json").stdout)
+    document = json.loads(
+        wmr("scenarios", "far-start", "--set", "disturbance.truncate=inf", "--json").stdout
+    )
 
     assert document["name"] == "far-start"
     assert document["initial"]["pose"] == [-5.0, -5.0, -0.7]

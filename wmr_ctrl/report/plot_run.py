@@ -28,7 +28,7 @@ from wmr_ctrl.results import (
     tau_rms,
 )
 from wmr_ctrl.results.measures import filter_share, heading_error, heading_rms
-from wmr_ctrl.theory.checks.unknown_zero import finest
+from wmr_ctrl.theory.checks.unknown_zero import FINE, finest
 
 from . import course, drawing, style
 
@@ -162,7 +162,7 @@ def _effort(run: Run) -> str:
     return f"wheel torque: peak {peak} N m{f', RMS {style.shown(mean)} N m' if mean else ''}"
 
 
-def _error(value: float | None, unit: str, least: float) -> str:
+def _error(value: float | None, unit: str, least: float = FINE) -> str:
     """An error [m, rad] in a unit that suits it."""
     if value is not None and value < least:
         return f"below {1e3 * least:g} m{unit}"
