@@ -1,4 +1,4 @@
-"""Run every notebook and write its figures into docs/notebooks.
+"""Run every notebook, write its figures into docs/notebooks, and a small one for README.md.
 
 ``python analysis/render.py`` does all, with a name (``05-sample-time``) one.  A cell that raises,
 a fact that no longer holds for one, ends the command with its message.
@@ -11,6 +11,7 @@ import os
 import re
 import shutil
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,9 +19,16 @@ from pathlib import Path
 import nbformat
 from jupyter_client import KernelManager
 from nbclient import NotebookClient
+from PIL import Image
 
 HERE = Path(__file__).resolve().parent
 TARGET = HERE.parent / "docs" / "notebooks"
+FIGURES = HERE / "figures"
+"""One small figure of each notebook, which README.md shows."""
+SHOWN = {"02": 1, "05": 1, "10": 1, "11": 2}
+"""Which figure of a notebook that is, where it is not the first."""
+COLOURS, WIDEST = 48, 720
+"""Colours and pixels of such a figure."""
 INDEX = """\
 # Notebooks: one question each
 
@@ -37,12 +45,15 @@ def notebooks(names: list[str]) -> list[Path]:
 
 
 @contextmanager
-def kernel() -> Iterator[KernelManager]:
-    """A kernel for notebooks in turn: each begins without names, but imports are loaded once."""
+def kernel(folder: Path) -> Iterator[KernelManager]:
+    """A kernel for notebooks in turn: each begins without names, but imports are loaded once.
+
+    It works in ``folder``, where nothing of the repository lies.
+    """
     environment = {**os.environ, "PYTHONPATH": str(HERE.parent), "PYTHONWARNINGS": "ignore"}
     environment["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # figures as outputs
     manager = KernelManager()
-    manager.start_kernel(env=environment, cwd=str(HERE))
+    manager.start_kernel(env=environment, cwd=str(folder))
     try:
         yield manager
     finally:
@@ -82,10 +93,27 @@ def write(book: nbformat.NotebookNode, name: str) -> Path:
 def figures(opening: str, name: str, folder: Path) -> str:
     """A page with the notebook's title and its pictures."""
     title = opening.partition("\n")[0]
-    files = sorted(folder.iterdir(), key=lambda file: int(file.stem.split("_")[-2]))
+    files = _in_order(folder)
     shown = "\n\n".join(f"![Figure]({folder.name}/{file.name})" for file in files)
     said = f"The figures of `analysis/{name}.ipynb`, which has their captions."
     return f"{title}\n\n{said}\n\n{shown}\n"
+
+
+def small_figure(folder: Path, name: str) -> Path:
+    """The figure of a notebook for README.md, in few colours, on white."""
+    files = _in_order(folder)
+    picture = Image.open(files[SHOWN.get(name[:2], 0)])
+    picture.thumbnail((WIDEST, WIDEST))
+    white = Image.new("RGB", picture.size, "white")
+    white.paste(picture, mask=picture.convert("RGBA").getchannel("A"))
+    FIGURES.mkdir(exist_ok=True)
+    target = FIGURES / f"{name[:2]}.png"
+    white.quantize(COLOURS, dither=Image.Dither.NONE).save(target, optimize=True)
+    return target
+
+
+def _in_order(folder: Path) -> list[Path]:
+    return sorted(folder.iterdir(), key=lambda file: int(file.stem.split("_")[-2]))
 
 
 def index() -> Path:
@@ -104,11 +132,13 @@ def index() -> Path:
 def main(names: list[str]) -> None:
     """Render what is named, or everything."""
     sys.stderr.write(f"{index().relative_to(HERE.parent)}\n")
-    with kernel() as manager:
+    with tempfile.TemporaryDirectory() as folder, kernel(Path(folder)) as manager:
         for path in notebooks(names):
             sys.stderr.write(f"{path.stem} ... ")
             sys.stderr.flush()
-            target = write(executed(path, manager), path.stem)
+            book = executed(path, manager)
+            target = write(book, path.stem)
+            small_figure(target.with_name(f"{path.stem}_files"), path.stem)
             sys.stderr.write(f"{target.relative_to(HERE.parent)}\n")
 
 

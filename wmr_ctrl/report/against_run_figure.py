@@ -37,9 +37,9 @@ def draw_against_run(found: AgainstRun, path: Path) -> Path:
                 time = each.period * np.arange(len(item.run))
                 above.plot(time, item.run[:, place] / item.shown, color=colour)
                 above.plot(time, item.linear[:, place] / item.shown, color=MUTED, ls=DASHED, lw=0.9)
-                for direction, dash in ((way, "-"), (back, DOTTED)):
-                    shown = each.directions[direction]
-                    below.loglog(shown.sizes, shown.deviations, color=colour, ls=dash)
+                below.loglog(item.sizes, item.deviations, color=colour)
+                other = each.directions[back]
+                below.loglog(other.sizes, other.deviations, color=colour, ls=DOTTED)
             sizes = [each.directions[way].shown for each in found.laws.values()]
             unit = "rad" if place == 2 else "m"
             shown = f" by {sizes[0]:.2g} {unit}" if len(sizes) == 1 else ""

@@ -8,7 +8,7 @@ track, so that the three elements are a displacement of the wheels [m].
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
@@ -164,21 +164,10 @@ def _of_law(
         samples = max(2, int(beyond.argmax()))
         remarks += (f"the linear loop is unstable: followed for {samples * period:.3g} s",)
     runs = _Runs(build, scenario, law, at, samples, jobs)
-    made = {
-        way: _Tried(np.array(vector), linear[:samples] @ np.array(vector), weights)
+    directions = {
+        way: _parting(runs, np.array(vector), linear[:samples] @ np.array(vector), weights)
         for way, vector in DIRECTIONS.items()
     }
-    for tried in made.values():
-        tried.sizes = tried.grid()
-    runs.try_all(made.values())
-    for _ in range(ROUNDS):
-        for tried in made.values():
-            tried.sizes = tried.between()
-        runs.try_all(made.values())
-    for tried in made.values():
-        tried.sizes = [tried.example()]
-    runs.try_all(made.values())
-    directions = {way: tried.parting() for way, tried in made.items()}
     return LawAgainstRun(law, samples * period, period, remarks, directions)
 
 
@@ -191,81 +180,45 @@ def _remarks(scenario: Scenario) -> tuple[str, ...]:
     return tuple(f"the linear loop is {text}" for text in said if text)
 
 
-class _Tried:
-    """Starts in one direction: what was found at which sizes, and what is to be tried next."""
+def _parting(runs: _Runs, vector: Floats, linear: Floats, weights: Floats) -> Parting:
+    """Runs of growing size in one direction, then more of them where a level is passed."""
+    unit, largest = ("rad", WIDEST) if vector[2] else ("m", FARTHEST)
+    whole, apart = np.linalg.norm(linear * weights), dict[float, float]()
+    answers = dict[float, Floats | None]()
+    sizes = [SMALLEST, *np.geomspace(SMALLEST, largest, COARSE)[1:].tolist()]
+    for _ in range(ROUNDS + 1):
+        made = runs.answers([size * vector for size in sizes])
+        for size, answer in zip(sizes, made, strict=True):
+            off = np.inf if answer is None else np.linalg.norm((answer - size * linear) * weights)
+            apart[size], answers[size] = float(off / (size * whole)), answer
+        ends = [_passed(apart, level) for level in LEVELS.values()]
+        pairs = [(low, high) for low, high in ends if low and high]
+        sizes = [x for pair in pairs for x in np.geomspace(*pair, FINE + 2)[1:-1].tolist()]
+    reasons = list[str]()
+    for level, (inside, beyond) in zip(LEVELS.values(), ends, strict=True):
+        if not inside:
+            least = 100 * min(apart.values())
+            reasons.append(f"never within {100 * level:g} % ({least:.2g} % at best)")
+        elif not beyond:
+            reasons.append(f"within {100 * level:g} % up to {largest:g} {unit}")
+    one, ten = (inside if beyond else None for inside, beyond in ends)
+    shown, tried = pairs[-1][0] if pairs else SMALLEST, sorted(apart)
+    run = answers[shown]
+    return Parting(
+        unit, np.array(tried), np.array([apart[size] for size in tried]), one, ten,
+        "; ".join(reasons) or None, shown, shown * linear, 0 * linear if run is None else run,
+    )  # fmt: skip
 
-    def __init__(self, vector: Floats, linear: Floats, weights: Floats) -> None:
-        self.vector, self.linear, self.weights = vector, linear, weights
-        self.sizes: list[float] = []
-        self.found: dict[float, float] = {}
-        self.last = np.empty((0, 3))
 
-    @property
-    def unit(self) -> str:
-        return "rad" if self.vector[2] else "m"
-
-    def grid(self) -> list[float]:
-        largest = WIDEST if self.vector[2] else FARTHEST
-        return [float(size) for size in np.geomspace(SMALLEST, largest, COARSE)]
-
-    def put(self, size: float, answer: Floats | None) -> None:
-        """The deviation at a size; a run that ended early has parted."""
-        if answer is None:
-            self.found[size] = np.inf
-            return
-        apart, whole = (
-            float(np.linalg.norm(item * self.weights))
-            for item in (answer - size * self.linear, size * self.linear)
-        )
-        self.found[size] = apart / whole if whole > 0 else np.inf
-        self.last = answer
-
-    def bracket(self, level: float) -> tuple[float | None, float | None]:
-        """Last size within the level before it is passed, and the next one; None: no such."""
-        inside = None
-        for size, apart in sorted(self.found.items()):
-            if apart <= level:
-                inside = size
-            elif inside is not None:
-                return inside, size
-        return inside, None
-
-    def between(self) -> list[float]:
-        """Sizes between the ends of each bracket."""
-        ends = (self.bracket(level) for level in LEVELS.values())
-        return [
-            float(size)
-            for low, high in ends
-            if low is not None and high is not None
-            for size in np.geomspace(low, high, FINE + 2)[1:-1]
-        ]
-
-    def example(self) -> float:
-        """The size that is drawn: that of ten per cent, or of one, or a middling one."""
-        for level in reversed(LEVELS.values()):
-            low, high = self.bracket(level)
-            if low is not None and high is not None:
-                return low
-        sizes = sorted(self.found)
-        return sizes[len(sizes) // 2]
-
-    def parting(self) -> Parting:
-        sizes = np.array(sorted(self.found))
-        apart, at = np.array([self.found[size] for size in sizes]), dict[str, float | None]()
-        reasons = []
-        for name, level in LEVELS.items():
-            low, high = self.bracket(level)
-            at[name] = low if high is not None else None
-            percent = f"{100 * level:g} %"
-            if low is None:
-                reasons.append(f"never within {percent} ({100 * apart.min():.2g} % at best)")
-            elif high is None:
-                reasons.append(f"within {percent} up to {sizes[-1]:g} {self.unit}")
-        (shown,) = self.sizes
-        return Parting(
-            self.unit, sizes, apart, at["one_per_cent"], at["ten_per_cent"],
-            "; ".join(reasons) or None, shown, shown * self.linear, self.last,
-        )  # fmt: skip
+def _passed(apart: Mapping[float, float], level: float) -> tuple[float | None, float | None]:
+    """Last size within a level before it is passed, and the next one; None: no such."""
+    inside = None
+    for size, share in sorted(apart.items()):
+        if share <= level:
+            inside = size
+        elif inside:
+            return inside, size
+    return inside, None
 
 
 class _Runs:
@@ -284,12 +237,13 @@ class _Runs:
         period = scenario.clock.control
         timed = override(scenario, {"clock.duration": samples * period})
         self.at, self.samples, self.jobs = at, samples, jobs
-        self.desired = sample(scenario, np.arange(samples) * period)[:, :3]
+        self.desired = sample(scenario, period * np.arange(float(samples)))[:, :3]
         self.loop = _remembering(build(timed, law), at)
         settle = round(SETTLED / period)
         if constant_speed(scenario) and settle:
             longer = override(scenario, {"clock.duration": settle * period})
             self.loop = replace(_settled(replace(self.loop, scenario=longer), at), scenario=timed)
+        self.base = np.zeros((samples, 3))
         (base,) = self.answers([np.zeros(3)])
         if base is None:
             raise ArgumentError(
@@ -300,23 +254,16 @@ class _Runs:
         self.base = base
 
     def answers(self, offs: Sequence[Floats]) -> list[Floats | None]:
-        """Tracking error (samples, 3) from each start; None for a run that ended early."""
+        """Tracking error (samples, 3) by start, less that without any; None: the run ended."""
         columns = places(self.loop.compiled.layout.columns)
         pose = [columns[signal.name].start for signal in PLANT_STATE[:3]]
 
         def errors(_: int, rows: Floats, seen: Monitor) -> Floats | None:
             whole = len(rows) == self.samples and bool(np.isfinite(rows).all())
-            return tracking_errors(self.desired, rows[:, pose]) if whole else None
+            return tracking_errors(self.desired, rows[:, pose]) - self.base if whole else None
 
         tasks = [Task(self.loop, 0, _start(self.loop.scenario, self.at, off)) for off in offs]
         return run_logged(tasks, errors, jobs=self.jobs)
-
-    def try_all(self, directions: Iterable[_Tried]) -> None:
-        """Run every size that is to be tried, in one batch."""
-        asked = [(tried, size) for tried in directions for size in tried.sizes]
-        found = self.answers([size * tried.vector for tried, size in asked]) if asked else []
-        for (tried, size), answer in zip(asked, found, strict=True):
-            tried.put(size, None if answer is None else answer - self.base)
 
 
 def _start(scenario: Scenario, at: Point, off: Floats) -> tuple[float, ...]:
