@@ -5,6 +5,7 @@ A page in the tree shows the figures alone; the site puts them among the noteboo
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 from pathlib import Path
@@ -19,16 +20,23 @@ LINK = re.compile(r"(\]\(\d\d-[\w-]+)\.ipynb\b")
 def page(notebook: Path, pages: Path) -> str:
     """Markdown of a notebook's prose, with the figures that `analysis/render.py` drew."""
     cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
-    name = notebook.stem
+    folder = pages / f"{notebook.stem}_files"
+    figures = iter(sorted(folder.glob("*.png"), key=order))
     parts = []
-    for place, cell in enumerate(cells):
+    for cell in cells:
+        source = "".join(cell["source"])
         if cell["cell_type"] == "markdown":
-            parts.append("".join(cell["source"]))
-        figures = sorted((pages / f"{name}_files").glob(f"{name}_{place}_*.png"))
-        parts += [f"![Figure]({name}_files/{figure.name})" for figure in figures]
+            parts.append(source)
+        for figure in itertools.islice(figures, source.count("plt.show()")):
+            parts.append(f"![Figure]({folder.name}/{figure.name})")
     title, _, body = "\n\n".join(parts).partition("\n\n")
     body = LINK.sub(r"\1.md", body).strip().removesuffix("## Facts")
     return f"{title}\n\nThe code is in `analysis/{notebook.name}`.\n\n{body}\n"
+
+
+def order(figure: Path) -> list[int]:
+    """Numbers at the end of a figure's name: its cell, and its place among that cell's."""
+    return [int(number) for number in figure.stem.rsplit("_", 2)[-2:]]
 
 
 def _read(app: Sphinx, name: str, source: list[str]) -> None:

@@ -57,6 +57,14 @@ def test_every_part_is_asked_for_by_a_page(tables):
     assert set(re.findall(r"\{made-from\} ([\w-]+)", text)) == set(tables.TABLES)
 
 
+def test_documentation_can_be_read():
+    """A budget of words: a page that does not fit proposes what to leave out."""
+    made = ("ledger.md", "lemmas.md", "api.md")
+    pages = [path for path in DOCS.rglob("*.md") if path.name not in made]
+
+    assert sum(len(path.read_text("utf-8").split()) for path in pages) <= 45_000
+
+
 def test_a_page_of_a_notebook_has_all_its_prose_and_figures(monkeypatch):
     monkeypatch.syspath_prepend(str(DOCS / "_site"))
     page = pytest.importorskip("notebooks", reason="needs the extra docs").page
