@@ -44,7 +44,7 @@ nitpick_ignore_regex = [
     ("py:class", r"(.*\.)?S|tuple\[.*"),
     # Annotations name classes by the file that they are in; the pages have public names.
     ("py:class", r"wmr_ctrl\.[a-z_0-9]+\..*"),
-    ("py:class", r"types\.(Overrides|Progress)|concurrent\.futures\..*"),
+    ("py:class", r"types\.(LawGiven|Overrides|Progress)|concurrent\.futures\..*"),
 ]
 suppress_warnings = ["config.cache"]
 

@@ -79,7 +79,7 @@ def _range(bounds: Range) -> str:
 
 def usual_sizes() -> str:
     """Beyond which size a value is asked about, and what else it may have been meant in."""
-    rows = ((u, written(USUAL[u]), ", ".join(sign for _, sign, _ in OTHERS[u])) for u in USUAL)
+    rows = ((u, written(USUAL[u]), ", ".join(sign for _, sign in OTHERS.get(u, ()))) for u in USUAL)
     return table(("unit", "usual size", "asked for"), rows)
 
 

@@ -51,10 +51,11 @@ def test_every_law_has_its_gains_and_every_command_its_line(tables):
     assert all(f"`wmr-ctrl {name}`" in tables.command_table() for name in root.commands)
 
 
-def test_every_part_is_asked_for_by_a_page(tables):
+def test_every_part_is_asked_for_by_a_page_and_can_be_written(tables):
     text = "".join(path.read_text("utf-8") for path in DOCS.rglob("*.md"))
 
     assert set(re.findall(r"\{made-from\} ([\w-]+)", text)) == set(tables.TABLES)
+    assert all(write().strip() for write in tables.TABLES.values())
 
 
 def test_documentation_can_be_read():
