@@ -22,6 +22,7 @@ from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core import errors, signals
 from wmr_ctrl.core.fields.section import REQUIRED, Section, quantities
 from wmr_ctrl.core.fields.units import OTHERS, USUAL, written
+from wmr_ctrl.core.fields.unstated import Unknown, Unstated
 from wmr_ctrl.core.fields.values import Quantity, Range
 from wmr_ctrl.core.paper import equations, symbols
 from wmr_ctrl.core.signals import Signal
@@ -60,7 +61,11 @@ def fields(cls: type[Section]) -> str:
 
 
 def _field(name: str, what: Quantity) -> tuple[str, ...]:
-    default = "must be given" if what.default is REQUIRED else code(number(what.default))
+    unknown = what.default is REQUIRED or isinstance(what.default, Unknown)
+    follows = isinstance(what.default, Unstated)
+    default = code(number(what.default))
+    if unknown or follows:
+        default = "must be given, see above" if unknown else "follows"
     usual = f"usual {written(what.usual)}" if what.usual else ""
     sides = filter(None, (_range(what.bounds), usual))
     allowed = ", ".join(map(code, what.options)) or "; ".join(sides)

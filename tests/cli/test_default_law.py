@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
@@ -49,6 +50,8 @@ def test_an_unknown_law_is_refused_with_its_neighbours_and_its_file(tmp_path):
 
 def test_gains_that_nobody_chose_are_not_objected_to():
     plain = load_scenario("paper-simulation-nominal", {"law": "kanayama", **NOISY})
+    others = {law: gains for law, gains in plain.gains.items() if law != "kanayama"}
+    plain = replace(plain, gains=others)
     unstated = override(plain, {"law": None})
     stated = override(unstated, {"gains.kanayama.wo": 5.0})
 

@@ -10,6 +10,7 @@ from math import inf
 import click
 import pytest
 
+from tests.papers_robot import paper
 from wmr_ctrl import api, simulate
 from wmr_ctrl.cli import check_sentences
 from wmr_ctrl.cli.options import _each_law
@@ -54,14 +55,14 @@ def asked(monkeypatch: pytest.MonkeyPatch, run: Run) -> list[tuple[str, int]]:
 
 def test_every_law_is_compared_with_the_seed_that_was_given(asked) -> None:
     list(compare._simulated(["far-start"], ["pid", "mb"], 7, (), None))
-    runs._simulated(Scenario(), "prox", True, 5, "numpy", "ode", "why")
+    runs._simulated(paper(), "prox", True, 5, "numpy", "ode", "why")
 
     assert asked == [("pid", 7), ("mb", 7), ("prox", 5)]
 
 
 def test_before_a_run_objections_are_warnings_and_notes_are_notes(asked, monkeypatch, capsys):
     monkeypatch.setattr(checks, "warnings_heard", lambda *_: (ONE, NOTED))
-    runs._simulated(Scenario(), "prox", True, 0, "numpy", "ode", "why")
+    runs._simulated(paper(), "prox", True, 0, "numpy", "ode", "why")
     said = capsys.readouterr().err
 
     assert "warning: 1 objection of theory (robot.m): why --only robot.m\n" in said
@@ -123,7 +124,7 @@ class Silent:
 
 
 def answers(law: str = "pid", **changes: object) -> check.Answers:
-    found = check.find_answers(Scenario(), (law,), (), "corridor")
+    found = check.find_answers(paper(), (law,), (), "corridor")
     return replace(found, **changes)
 
 
@@ -168,19 +169,19 @@ def test_grip_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checks, "grip_warnings", lambda _: (OTHER,))
     monkeypatch.setattr(checks, "stability", lambda *_: Stability(0.0, inf, None, None, 1e-4))
     monkeypatch.setattr(check, "_runs", lambda *_: {})
-    found = check.find_answers(Scenario(), ("pid",), (), None)
+    found = check.find_answers(paper(), ("pid",), (), None)
 
     assert found.warned["pid"] == (ONE, replace(OTHER, objects=False))
 
 
 def test_a_law_is_run_for_two_million_steps_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = {"clock.control": 0.03, "clock.plant": 0.001, "clock.duration": 3000.0}
-    long = override(Scenario(), {**clock, "metrics.split": 2500.0})
+    long = override(paper(), {**clock, "metrics.split": 2500.0})
     short = check._short(long)
 
     assert short.clock.duration == pytest.approx(66_666 * 0.03)  # of 2000 s, whole periods
     assert short.metrics.split == pytest.approx(33_333 * 0.03)
-    assert check._short(Scenario()) == Scenario()
+    assert check._short(paper()) == paper()
     made: list[Scenario] = []
     monkeypatch.setattr(api, "simulate", lambda scenario, _: made.append(scenario))
     check._runs(long, ("pid", "mb"), Silent())
@@ -195,7 +196,7 @@ def test_changes_are_announced_in_plain_words() -> None:
         "coefficient of 0.15.",
     ]
     run = simulate(load_scenario("paper-simulation", SHORT | later), "pid", engine="numpy")
-    case = override(Scenario(), later)
+    case = override(paper(), later)
     checked = list(check.head(replace(answers(), scenario=case)))
 
     assert [item.sentence for item in case.changes] == told
@@ -213,7 +214,7 @@ def test_every_key_of_a_change_has_words() -> None:
 
 @pytest.mark.parametrize(("share", "said"), [(0.5, True), (1.0, False)])
 def test_that_a_run_of_a_check_ends_early_is_said(run: Run, share: float, said: bool) -> None:
-    lasts = replace(run.settings, duration=share * Scenario().clock.duration)
+    lasts = replace(run.settings, duration=share * paper().clock.duration)
     head = "\n".join(check.head(answers(runs={"pid": replace(run, settings=lasts)})))
 
     assert ("for 2000000 plant steps only" in " ".join(head.split())) is said
@@ -225,10 +226,10 @@ def test_a_start_that_a_push_may_take_outside_has_to_come_back_first(
 ) -> None:
     """Before the first late command acts, a push adds to the speed at the start."""
     late = {"guard.enabled": True, "actuator.delay": 0.02, "disturbance.truncate": 3.0}
-    gained = early_speed(settle(override(Scenario(), late), None).guard)
-    most = Scenario().limits.v_u1
+    gained = early_speed(settle(override(paper(), late), None).guard)
+    most = paper().limits.v_u1
     start = {"initial.velocity": [0.0, -(most[1] - gained[1] - room)]}
-    text = check_sentences.promise(settle(override(Scenario(), late | start), None))
+    text = check_sentences.promise(settle(override(paper(), late | start), None))
 
     assert gained[1] > 2e-3
     assert text.startswith("Guarded")

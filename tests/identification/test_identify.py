@@ -10,13 +10,13 @@ import pytest
 import wmr_ctrl.identification.identification as identifying
 from benchmarks.own_plant import log_of, simulate
 from tests.identification.conftest import KNOWN, STEP, TRUTH
+from tests.papers_robot import paper, paper_toml
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.estimate import PHYSICAL, searched
 from wmr_ctrl.identification.fit import SKIPPED, WATCHED, events_of, packed
 from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
 from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.logs.samples import Samples
-from wmr_ctrl.world.scenario import Scenario, loads_scenario
 
 MAIN = ("m", "I", "delay", "lag")
 
@@ -162,7 +162,7 @@ def test_the_guard_has_room_for_the_delay_and_lag_that_creeping_tyres_hide():
 def test_the_scenario_loads_and_its_numbers_are_the_estimates(found):
     text = found.to_toml()
 
-    scenario = loads_scenario(text)
+    scenario = paper_toml(text)
 
     assert scenario == found.scenario
     assert scenario.robot.m == found.parameters["m"].value
@@ -183,7 +183,7 @@ def test_gradient_and_likelihood_agree():
         t, np.cumsum(rng.normal(size=(200, 2)) * 1e-3, axis=0), np.array([1e-8, 1e-7]),
         t, rng.normal(size=(200, 2)), np.array([0, 90]),
     )  # fmt: skip
-    filter_ = CompiledFilter(Scenario())
+    filter_ = CompiledFilter(paper())
     values = dict.fromkeys(("s1", "n1", "n2"), 1.0) | {"q1": 3.0, "q2": 0.5, "s2": 0.3, "time": 0.5}
     values |= {"m": 30.0, "I": 1.6, "Fc": 12.0, "Fv": 6.0, "c": 3.0, "Mv": 0.3}
     values |= {"delay": 0.033, "lag": 0.05}
@@ -230,7 +230,7 @@ def test_the_filter_is_the_kalman_filter_of_a_linear_robot():
     t, tau = np.arange(120) * T, rng.normal(size=(120, 2))
     seen = np.cumsum(rng.normal(size=(120, 2)) * 2e-3, axis=0)
     log = Samples(t, seen, np.array(var), t, tau, np.array([0]))
-    filter_ = CompiledFilter(Scenario())
+    filter_ = CompiledFilter(paper())
     values = dict.fromkeys(("Fc", "Fv", "c", "Mv", "s1", "s2"), 0.0)
     values |= {"m": m, "I": inertia, "delay": 0.0, "lag": 5e-4, "q1": q[0], "q2": q[1], "time": 1.0,
                "n1": 1.0, "n2": 1.0}  # fmt: skip

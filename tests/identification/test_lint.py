@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 from benchmarks.own_plant import log_of
 from tests.identification.conftest import KNOWN, POSED, TRUTH
+from tests.papers_robot import paper
 from wmr_ctrl.cli import root
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.identification import identify
@@ -24,7 +25,7 @@ from wmr_ctrl.identification.logs.log import (
 )
 from wmr_ctrl.identification.logs.samples import motion_of, wheels
 from wmr_ctrl.world.encoder import COUNTS
-from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario import override
 
 T, RIGHT, LEFT = "t [s]", "wheel_counts[1] [1]", "wheel_counts[2] [1]"
 TAU, TAU_LEFT = "tau_right [N.m]", "tau_left [N.m]"
@@ -119,7 +120,7 @@ def test_a_fault_is_told_by_name(posed, fault):
 
 
 def test_good_logs_are_not_accused(driven):
-    scenario = override(Scenario(), KNOWN)
+    scenario = override(paper(), KNOWN)
     for robot in range(4):
         log = of_columns("log", log_of(driven, robot, POSED))
         lint.check_log(log)
@@ -132,7 +133,7 @@ def test_good_logs_are_not_accused(driven):
 def test_poses_tell_the_size_of_the_wheels(driven):
     log = of_columns("log", log_of(driven, 0, POSED))
     samples = motion_of(
-        log, override(Scenario(), KNOWN | {"robot.r": 1.0, "robot.l": 1.0}), COUNTS.name
+        log, override(paper(), KNOWN | {"robot.r": 1.0, "robot.l": 1.0}), COUNTS.name
     )
 
     r, turn = lint.pose_ratios(log, samples)

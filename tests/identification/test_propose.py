@@ -9,6 +9,7 @@ import pytest
 
 from benchmarks.own_plant import Drives, log_of, simulate
 from tests.identification.conftest import KNOWN, STEP, TRUTH
+from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.propose import (
@@ -19,7 +20,6 @@ from wmr_ctrl.identification.propose import (
     _shapes,
     propose,
 )
-from wmr_ctrl.world.scenario import Scenario
 
 FLOOR = 3.0
 
@@ -58,7 +58,7 @@ def test_drives_have_size_one_begin_and_end_at_rest_and_differ():
 def test_a_followed_drive_comes_to_the_wanted_speeds_with_the_torques_of_friction():
     robot = {"m": 30.0, "I": 3.0, "Fc": 12.0, "Fv": 0.0, "c": 0.0, "Mv": 0.0}
     robot |= {"delay": 0.02, "lag": 0.02}
-    scenario, wanted = Scenario(), np.tile([0.3, 0.5], (400, 1))
+    scenario, wanted = paper(), np.tile([0.3, 0.5], (400, 1))
 
     motion, torque = _followed_drive(scenario, [robot], wanted)
 

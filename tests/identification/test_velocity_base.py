@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.papers_robot import paper_toml
 from wmr_ctrl import RecordedDrive, identify, simulate
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.core.errors import ArgumentError
@@ -17,7 +18,6 @@ from wmr_ctrl.identification.logs.samples import AxisLog
 from wmr_ctrl.identification.propose import propose
 from wmr_ctrl.identification.speed_loop import foretold
 from wmr_ctrl.report.identified import write_identification
-from wmr_ctrl.world.scenario import loads_scenario
 
 FIRST = {"tau": [0.25, 0.15], "gain": [0.95, 1.05], "delay": 0.03}
 PI = {"loop": "pi", "kp": 150.0, "ki": 600.0, "delay": 0.04}
@@ -126,7 +126,7 @@ def test_commands_that_are_lost_are_named_where_delays_are_undetermined(found):
 
 
 def test_the_scenario_runs_behind_its_filter(found):
-    scenario = loads_scenario(found.to_toml())
+    scenario = paper_toml(found.to_toml())
 
     assert scenario == found.scenario
     assert scenario.filter.kind == "clip"

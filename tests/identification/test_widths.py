@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.papers_robot import paper
 from wmr_ctrl.identification import widths
 from wmr_ctrl.identification.fit import COUNTED, LogProblem
 from wmr_ctrl.identification.kalman import LOGARITHMIC, NAMES
@@ -15,7 +16,7 @@ from wmr_ctrl.identification.logs.log import of_columns
 from wmr_ctrl.identification.logs.samples import Samples, motion_of
 from wmr_ctrl.identification.refuted import guard_bounds, tolerance_sentence, usable_speeds
 from wmr_ctrl.identification.widths import errors_of, intervals_of, plant_step
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 T_14 = 2.1448
 """Student's t of 14 degrees of freedom at 0.975; at 0.9875 it is 2.5096."""
@@ -61,7 +62,7 @@ def test_a_stretch_begins_after_five_steps_without_a_row(steps: float, first: li
     names = ("v1_measured", "omega_measured", "tau_right", "tau_left")
     log = of_columns("log", {"t": t.tolist(), **{name: t.tolist() for name in names}})
 
-    assert motion_of(log, Scenario(), "v1_measured").first.tolist() == first
+    assert motion_of(log, paper(), "v1_measured").first.tolist() == first
 
 
 def white_fit(period: float, duration: float = 60.0) -> SimpleNamespace:
@@ -93,7 +94,7 @@ def test_a_guard_stands_wider_masses_larger_pushes_and_creeping_tread(delay, lat
         "m": (10.0, 8.0, 12.0), "I": (1.0, 0.5, 3.0), "delay": ((low + high) / 2, low, high),
         "lag": (0.002, -0.001, 0.005),
     }  # fmt: skip
-    counted = override(Scenario(), {"encoder.counts": 4000})
+    counted = override(paper(), {"encoder.counts": 4000})
     found = guard_bounds(white_fit(0.01), intervals, counted, None)
     power = 2.5096 / T_14
 

@@ -13,14 +13,16 @@ import wmr_ctrl.identification.identification as identifying
 from benchmarks.own_plant import log_of
 from tests.identification.conftest import TRUTH
 from tests.identification.test_velocity_base import FIRST, steps
+from tests.papers_robot import paper
 from wmr_ctrl import identify
 from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.fields.unstated import Unknown
 from wmr_ctrl.identification.estimate import bare_scenario
 from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.stated import believed
-from wmr_ctrl.world.scenario import Scenario, inherited, load_scenario, loads_scenario, override
+from wmr_ctrl.world.scenario import inherited, load_scenario, loads_scenario, override
 from wmr_ctrl.world.scenario.toml_io import preset_names
 
 VELOCITY = [name for name in preset_names() if load_scenario(name).base.kind == "velocity"]
@@ -44,13 +46,13 @@ def test_limits_that_nobody_stated_are_those_of_the_log_and_are_called_assumed(s
     file.write_text(silent.to_toml())
 
     scenario = load_scenario(file)
-    taken = [item.key for item in inherited(scenario, str(file))]
+    taken = [item.key for item in inherited(scenario)]
 
     for limit, fastest in zip(scenario.limits.v_u1, FASTEST, strict=True):
         assert 0.85 * fastest < limit < fastest
     assert scenario.filter.kind == "clip"
-    wanted = ("robot.m", "robot.I", "robot.r", "robot.l", "limits.v_u1", "limits.v_u2")
-    assert {*wanted, "robot.mu", "initial.pose", "reference.kind"} <= {*taken}
+    assert {*taken} == {"limits.v_u1", "limits.v_u2", "reference.kind"}
+    assert isinstance(scenario.robot.m, Unknown)
     assert any("nobody stated limits.v_u1" in text for text in silent.remarks)
     assert "seen in the log, not your limit" in file.read_text()
 
@@ -58,11 +60,8 @@ def test_limits_that_nobody_stated_are_those_of_the_log_and_are_called_assumed(s
 def test_what_nobody_stated_is_not_written(silent):
     written = tomllib.loads(silent.to_toml())
 
-    assert written["robot"] == {"mu": 0.0}
-    assert not {"reference", "initial", "sensor", "body", "gains"} & {*written}
-    assert set(written["assumed"]) == {
-        *("limits.v_u1", "limits.v_u2", "robot.mu", "disturbance.std")
-    }
+    assert not {"robot", "initial", "sensor", "body", "gains"} & {*written}
+    assert {*written["assumed"]} == {"limits.v_u1", "limits.v_u2", "reference.kind"}
 
 
 def test_what_was_stated_is_written_though_it_is_as_by_default_and_is_not_assumed():
@@ -216,7 +215,7 @@ def test_every_base_that_is_included_can_be_put_on_the_clock_of_a_log(name, rate
 
 
 def test_known_guards_and_delays_do_not_stop_a_log_of_another_clock():
-    known = override(Scenario(), {
+    known = override(paper(), {
         "guard.delay": [0.0, 0.01], "actuator.delay": 0.007, "sensor.pose_delay": 0.03,
         "encoder.counts": 2048, "encoder.window": 0.05,
     })  # fmt: skip
@@ -236,7 +235,7 @@ def test_wheels_of_the_paper_are_not_taken_for_known(driven, tmp_path):
         identify(log, known=tmp_path / "known.toml", overrides={"encoder.counts": TRUTH.counts})
 
 
-def test_numbers_of_a_preset_that_a_file_extends_are_used_and_are_called_assumed(tmp_path):
+def test_numbers_of_a_preset_that_a_file_extends_are_used(tmp_path):
     known = tmp_path / "known.toml"
     known.write_text(
         'extends = "turtlebot3-burger"\n[limits]\nv_u1 = [0.3, 0.6]\nv_u2 = [0.2, 0.5]\n'
@@ -247,7 +246,7 @@ def test_numbers_of_a_preset_that_a_file_extends_are_used_and_are_called_assumed
     again.write_text(found.to_toml())
 
     assert found.scenario.robot.r == load_scenario("turtlebot3-burger").robot.r
-    assert {"robot.m", "robot.r"} <= {*found.scenario.assumed}
+    assert not {"robot.m", "robot.r"} & {*found.scenario.assumed}
     assert "limits.v_u1" not in found.scenario.assumed
     assert load_scenario(again).assumed == found.scenario.assumed
     assert identify(LOG, base="velocity", known=again).scenario.limits == found.scenario.limits
@@ -267,7 +266,8 @@ def test_a_guard_keeps_to_the_speeds_and_torques_of_the_log(driven, found):
     """`found` knows wheels and counts alone."""
     scenario, log = found.scenario, log_of(driven, 0)
 
-    assert {"limits.v_u1", "limits.v_u2", "actuator.tau_max"} == {*scenario.assumed}
+    assumed = {"limits.v_u1", "limits.v_u2", "actuator.tau_max", "reference.kind"}
+    assert assumed == {*scenario.assumed}
     most = [max(map(abs, log[f"tau_{side} [N.m]"])) for side in ("right", "left")]
     assert 0.9 * min(most) < scenario.actuator.tau_max <= min(most)
     assert scenario.guard.enabled
@@ -295,7 +295,7 @@ def test_limits_beyond_the_log_widen_a_guard_or_switch_it_off(found, far, enable
 
 
 def test_the_limits_of_a_saved_run_are_stated_ones():
-    scenario, sure = believed(SimpleNamespace(base=Scenario()), None, {})
+    scenario, sure = believed(SimpleNamespace(base=paper()), None, {})
 
-    assert scenario == Scenario()
+    assert scenario == paper()
     assert "limits.v_u1" in sure

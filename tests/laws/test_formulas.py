@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.papers_robot import paper
 from wmr_ctrl.control.barrier.stable import stable_barrier
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.laws.context import LawContext
@@ -18,7 +19,7 @@ from wmr_ctrl.control.laws.prox import ProxGains, guide
 from wmr_ctrl.control.laws.pursuit import point_ahead
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.model.system import System
-from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario import override
 
 T, M, INERTIA, R, HALF = 0.01, 50.0, 5.4, 0.1, 0.25
 DRIVING = {"x_d": 0.1, "y_d": 0.2, "theta_d": 0.3, "v1_d": 0.4, "v2_d": 0.2, "x": 0.08, "y": 0.15,
@@ -26,7 +27,7 @@ DRIVING = {"x_d": 0.1, "y_d": 0.2, "theta_d": 0.3, "v1_d": 0.4, "v2_d": 0.2, "x"
 
 
 def graph(law: str, **changed: object) -> System:
-    return law_graph(settle(override(Scenario(), changed), law))
+    return law_graph(settle(override(paper(), changed), law))
 
 
 def at(system: System, given: Mapping[str, float], memory: Mapping[str, list[float]] | None = None):
@@ -112,7 +113,7 @@ def test_the_guides_observer_slows_with_period_and_delay_together(period, delay)
 
 
 def test_pursuit_looks_no_farther_round_than_its_widest_angle() -> None:
-    context = LawContext(settle(Scenario(), "pursuit"))
+    context = LawContext(settle(paper(), "pursuit"))
     point, way = point_ahead(context)
     symbols = ca.vertcat(*(item.sym for item in context.inputs), context.parameters.ports and
                          ca.vertcat(*(item.sym for item in context.parameters.ports)))  # fmt: skip
@@ -148,7 +149,7 @@ def test_a_first_command_is_counted_from_the_measured_velocity_and_later_ones_fr
 
 @pytest.mark.parametrize("v", [0.9999995, 1.0, 1.7, -1.0, -5.0])
 def test_beyond_the_limit_barriers_are_those_just_inside(v: float) -> None:
-    context = LawContext(settle(Scenario(), "mb"))
+    context = LawContext(settle(paper(), "mb"))
     V1 = context.barrier[0].V1
     ports = context.parameters.ports
     clip = ca.Function("clip", [ca.vertcat(*(i.sym for i in (*context.inputs, *ports)))], [V1])

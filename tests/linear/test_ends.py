@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.papers_robot import paper
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.linear import margins
@@ -19,7 +20,7 @@ from wmr_ctrl.theory.linear.nonlinear import (
     start_of,
 )
 from wmr_ctrl.world.references import sample
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 
 def test_the_worse_of_two_margins_is_the_nearer_to_one() -> None:
@@ -39,7 +40,7 @@ def test_a_disk_of_alpha_stands_its_gain_and_its_phase() -> None:
 
 
 def test_a_robot_that_differs_is_believed_to_be_what_it_was() -> None:
-    scenario = override(Scenario(), {"model.m": 45.0})
+    scenario = override(paper(), {"model.m": 45.0})
     other = with_robot(scenario, m=2.0, I=0.5, mu=3.0)
 
     assert (other.robot.m, other.robot.I, other.robot.mu) == pytest.approx((100.0, 2.7, 0.24))
@@ -59,7 +60,7 @@ def test_late_loops_are_sampled_and_each_number_is_half_off_either_way(
     monkeypatch.setattr(margins, "margins_at", margins_of)
     monkeypatch.setattr(margins, "on_reference", lambda *_: None)
     monkeypatch.setattr(margins, "largest_stable_period", lambda *_: 0.5)
-    errors = model_errors(override(Scenario(), changed), "mb")
+    errors = model_errors(override(paper(), changed), "mb")
 
     assert [(e.parameter, e.factor) for e in errors] == [
         (name, factor) for name in ("m", "I", "mu") for factor in (0.5, 1.5)
@@ -71,7 +72,7 @@ def test_late_loops_are_sampled_and_each_number_is_half_off_either_way(
 
 
 def test_where_no_time_is_asked_for_it_is_where_the_reference_drives_fastest() -> None:
-    scenario = override(Scenario(), {"reference.kind": "stop-and-go"})
+    scenario = override(paper(), {"reference.kind": "stop-and-go"})
     v = sample(scenario, np.linspace(0.0, scenario.reference.cycle, 1001))[:, 3]
 
     assert sample(scenario, np.array([instant(scenario, None)]))[0, 3] == pytest.approx(
@@ -81,7 +82,7 @@ def test_where_no_time_is_asked_for_it_is_where_the_reference_drives_fastest() -
 
 
 def test_a_loop_that_learns_nothing_starts_without_the_laws_memory() -> None:
-    scenario = Scenario()
+    scenario = paper()
     start = [*scenario.initial.pose, *scenario.initial.velocity]
 
     assert start_of(scenario, "pid", "frozen").tolist() == start
@@ -90,7 +91,7 @@ def test_a_loop_that_learns_nothing_starts_without_the_laws_memory() -> None:
 
 
 def test_clocks_of_readings_are_those_that_were_asked_for() -> None:
-    scenario = Scenario()
+    scenario = paper()
 
     assert [reference_nlsys(scenario, sampled).dt for sampled in (False, True)] == [0, 0.01]
     assert [law_nlsys(scenario, "pid", sampled).dt for sampled in (False, True)] == [0, 0.01]
@@ -98,7 +99,7 @@ def test_clocks_of_readings_are_those_that_were_asked_for() -> None:
 
 def test_read_continuously_a_memory_changes_in_a_second_by_its_change_over_a_period() -> None:
 
-    system = law_graph(settle(Scenario(), "pid"))
+    system = law_graph(settle(paper(), "pid"))
     read = continuous_reading(system)
     given = (np.linspace(0.1, 0.5, system.u.numel()), [0.3, -0.2, 1.0], system.p0)
     after, rate = (

@@ -8,12 +8,13 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.papers_robot import paper
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.export.modelica.package import Member, _assignments, _changes
 from wmr_ctrl.export.modelica.statements import _PATTERNS, constant, literal
-from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario import override
 
 NAMES = vars(math) | {"abs": abs, "min": min, "max": max, "sign": np.sign}
 LOGICAL = (ca.OP_AND, ca.OP_OR, ca.OP_NOT)
@@ -49,7 +50,7 @@ def test_a_number_is_finite_and_in_parentheses_where_it_is_negative(value, text)
 
 def test_a_change_holds_from_its_time_until_that_of_the_next() -> None:
     rows = [{"t": 10.0, "m": 30.0, "mu": 9.0}, {"t": 20.0, "m": 40.0}]
-    members, now = _changes(override(Scenario(), {"changes": rows}))
+    members, now = _changes(override(paper(), {"changes": rows}))
     numbers = {item.name: item.value[0] for item in members}
     first = "(if time < changes_1_t then robot_m else changes_1_m)"
 
@@ -72,7 +73,7 @@ def test_a_unit_is_one_or_one_for_all_or_one_for_each(unit: str, text: str) -> N
 
 
 def test_results_follow_the_memory_in_order() -> None:
-    law = controller(settle(Scenario(), "pid"))
+    law = controller(settle(paper(), "pid"))
     places = _assignments(law)
     first = len(law.x0) + 1
 

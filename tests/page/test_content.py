@@ -6,12 +6,13 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.papers_robot import paper
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.export.page.content import Content, Plain, _in_the_dark, content_of
 from wmr_ctrl.export.page.controls import controls_of
 from wmr_ctrl.export.page.scenes import scenes
 from wmr_ctrl.report.style import look
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 T, H = 0.01, 0.001
 
@@ -65,7 +66,7 @@ def test_the_robot_is_drawn_as_wide_as_it_is(content: Content) -> None:
 
 
 def test_a_slider_spans_a_fifth_to_five_times_its_value_within_its_bounds() -> None:
-    scenario = override(Scenario(), {"guard.brake_share": 0.5, "robot.m": 40.0})
+    scenario = override(paper(), {"guard.brake_share": 0.5, "robot.m": 40.0})
     keys = ("robot.m", "robot.I", "robot.g", "limits.v_u1", "limits.v_u2", "guard.brake_share",
             "guard.f_min", "disturbance.push", "gains.mb.rho", "sensor.pose_period")  # fmt: skip
     signals, values = [], {}

@@ -7,11 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.simulation.physics.film import _Scenery
 from wmr_ctrl.simulation.physics.rigid import description
 from wmr_ctrl.simulation.physics.run import Coupling
-from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario import override
 
 H = 0.001
 
@@ -33,7 +34,7 @@ class Body:
 
 def watched(slips, wheels, tilts, margins) -> Coupling:
     coupling = object.__new__(Coupling)
-    coupling.body, coupling.scenario = Body(slips, wheels, tilts, margins), Scenario()
+    coupling.body, coupling.scenario = Body(slips, wheels, tilts, margins), paper()
     coupling.clock = SimpleNamespace(substeps=1, plant=H)
     coupling.loop = SimpleNamespace(
         sampled=lambda state: [0.0], acting=lambda held: (), ends=lambda state, reached: False
@@ -81,6 +82,6 @@ def test_a_band_is_as_wide_as_at_the_wider_end_of_each_piece() -> None:
 
 
 def test_tyres_need_steps_of_five_milliseconds_at_most() -> None:
-    description(override(Scenario(), {"clock.plant": 0.005}))
+    description(override(paper(), {"clock.plant": 0.005}))
     with pytest.raises(ScenarioError, match=r"clock\.plant = 0\.01 s is too long for tyres"):
-        description(override(Scenario(), {"clock.plant": 0.01}))
+        description(override(paper(), {"clock.plant": 0.01}))

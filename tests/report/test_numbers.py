@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from tests.papers_robot import paper
 from tests.results.conftest import build
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import comparison_figures, course, scene
@@ -156,7 +157,7 @@ def test_errors_of_the_last_ten_seconds_are_those() -> None:
 def test_a_corridor_is_that_of_the_runs_own_guard_until_the_robot_changes(
     monkeypatch: pytest.MonkeyPatch, guard: bool
 ) -> None:
-    told = {"scenario_toml": to_toml(override(Scenario(), {"guard.enabled": not guard}))}
+    told = {"scenario_toml": to_toml(override(paper(), {"guard.enabled": not guard}))}
     run = build(rows=80, labels={"law": "mb", "guard": guard}, provenance=told)
     asked = []
 
@@ -195,7 +196,7 @@ def test_cases_along_an_axis_of_the_comparison_are_in_their_order():
 
 def test_a_course_has_what_is_to_be_kept_out_of():
     shapes = [[1.0, 1.0, 0.3], [[-1.0, -2.0], [3.0, -2.0], [3.0, -1.0]]]
-    text = to_toml(override(Scenario(), {"reference.keep_out": shapes, "body.radius": 0.2}))
+    text = to_toml(override(paper(), {"reference.keep_out": shapes, "body.radius": 0.2}))
 
     assert course_of(build(duration=1.0, provenance={"scenario_toml": text})).keep_out == (
         (1.0, 1.0, 0.3), ((-1.0, -2.0), (3.0, -2.0), (3.0, -1.0)),

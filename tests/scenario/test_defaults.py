@@ -10,6 +10,7 @@ from pathlib import Path
 
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.fields.section import REQUIRED, Section, quantities
+from wmr_ctrl.core.fields.unstated import Unstated
 from wmr_ctrl.core.fields.values import Quantity
 from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references import REFERENCES
@@ -36,7 +37,8 @@ def line(key: str, what: Quantity) -> str:
     said += [f"usual {what.usual[0]:g} to {what.usual[1]:g}"] if what.usual else []
     said += [f"multiple of {what.multiple_of}, {what.most} at most"] * bool(what.multiple_of)
     said += [f"an orientation ({what.orientation:+d})"] * bool(what.orientation)
-    default = "required" if what.default is REQUIRED else what.default
+    unstated = what.default is REQUIRED or isinstance(what.default, Unstated)
+    default = "-" if unstated else what.default
     return "; ".join([f"{key} = {default} [{what.unit}]", *said])
 
 

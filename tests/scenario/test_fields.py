@@ -8,6 +8,7 @@ from dataclasses import FrozenInstanceError, fields
 import numpy as np
 import pytest
 
+from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.core.fields.problems import UnknownKeyError
 from wmr_ctrl.core.fields.section import build, quantity
@@ -97,7 +98,10 @@ def test_required_field():
 
 
 def test_scenario_made_in_python_is_checked_and_frozen():
-    scenario = Scenario(robot=Robot(m=60), gains={"mb": {"rho": [15, 57.6], "on": True, "x": "y"}})
+    scenario = paper(
+        robot=Robot(m=60, I=5.4, mu=0.0, r=0.1, l=0.2),
+        gains={"mb": {"rho": [15, 57.6], "on": True, "x": "y"}},
+    )
 
     assert scenario.gains == {"mb": {"rho": (15.0, 57.6), "on": True, "x": "y"}}
     assert type(scenario.robot.m) is float
@@ -107,9 +111,9 @@ def test_scenario_made_in_python_is_checked_and_frozen():
     with pytest.raises(ScenarioError, match=r"^limits"):
         Scenario(limits=Robot())
     with pytest.raises(ScenarioError, match=r"^changes"):
-        Scenario(changes=(3,))
+        paper(changes=(3,))
     with pytest.raises(ScenarioError, match=r"^reference"):
-        Scenario(reference=Limits())
+        paper(reference=Limits())
 
 
 def test_frozen_mapping():

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import wmr_ctrl
+from tests.papers_robot import paper_toml
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.orientation import ORIENTATIONS, inward, outward
 from wmr_ctrl.core.fields.section import quantities
@@ -19,8 +20,14 @@ from wmr_ctrl.core.signals import POSE
 from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.results.compare import compare
 from wmr_ctrl.simulation.runnable import _stated
-from wmr_ctrl.world.scenario import from_dict, load_scenario, override, scenario_dict, to_toml
-from wmr_ctrl.world.scenario.toml_io import loads_scenario
+from wmr_ctrl.world.scenario import (
+    from_dict,
+    load_scenario,
+    loads_scenario,
+    override,
+    scenario_dict,
+    to_toml,
+)
 
 angles = st.floats(-1e6, 1e6)
 HEADED = """
@@ -38,7 +45,7 @@ duration = 1.0
 
 
 def headed(yaw=0.1, heading=0.3):
-    return loads_scenario(HEADED.format(yaw=yaw, heading=heading))
+    return paper_toml(HEADED.format(yaw=yaw, heading=heading))
 
 
 @given(angles)
@@ -167,7 +174,7 @@ def test_starts_and_ends_of_many_runs_count_so_too():
 
 
 def test_a_notebook_shows_orientations_as_the_file_counts_them():
-    yaw = loads_scenario('frames = "rep103"\n[body]\nuphill = 0.25\n')
+    yaw = paper_toml('frames = "rep103"\n[body]\nuphill = 0.25\n')
     shown = re.findall(r">body.uphill</td><td[^>]*>([^<]*)</td>", yaw._repr_html_())
 
     assert [float(text) for text in shown] == [pytest.approx(0.25)]

@@ -10,7 +10,7 @@ import pytest
 
 from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.world.references import Circle, Line, Waypoints
-from wmr_ctrl.world.scenario import Change, Robot, load_scenario, override, parse_assignments
+from wmr_ctrl.world.scenario import Change, load_scenario, override, parse_assignments
 from wmr_ctrl.world.scenario.raw import parse_key, parse_value
 
 
@@ -66,14 +66,14 @@ def test_assignments():
         ({"robot.m": "60"}, lambda s: s.robot.m == 60.0),
         ({"robot.m": 60}, lambda s: s.robot.m == 60.0),
         ({"robot.m": np.float64(60)}, lambda s: s.robot.m == 60.0),
-        ({"robot": "{m = 60}"}, lambda s: s.robot == Robot(m=60)),
+        ({"robot": "{m = 60}"}, lambda s: (s.robot.m, s.robot.r) == (60.0, 0.1)),
         ({"limits.v_u2": "0.7,1.2"}, lambda s: s.limits.v_u2 == (0.7, 1.2)),
         ({"limits.v_u2": np.array([0.7, 1.2])}, lambda s: s.limits.v_u2 == (0.7, 1.2)),
         ({"filter.tau": np.array([0.1, 0.2])}, lambda s: s.filter.tau == (0.1, 0.2)),
         ({"limits.v_u2[1]": "0.7"}, lambda s: s.limits.v_u2 == (0.7, 1.3)),
         ({"limits.v_u1": "2,2", "limits.v_u2": "1.5,1.5"}, lambda s: s.limits.v_u2 == (1.5, 1.5)),
-        ({"model.mu": "0.12"}, lambda s: s.believed == Robot(mu=0.12)),
-        ({"gains.mb.rho": "20,60"}, lambda s: s.gains == {"mb": {"rho": (20.0, 60.0)}}),
+        ({"model.mu": "0.12"}, lambda s: s.believed.mu == 0.12),
+        ({"gains.mb.rho": "20,60"}, lambda s: s.gains["mb"] == {"rho": (20.0, 60.0)}),
         ({"changes": "[]"}, lambda s: s.changes == ()),
         ({"changes[1].m": "30"}, lambda s: s.changes == (Change(t=40.0, m=30.0, I=7.0, mu=0.15),)),
         (
@@ -133,7 +133,7 @@ def test_odd_value_is_refused_in_words(key, value):
         ({"changes[3].t": 3}, r"^changes\[3\]\.t does not exist"),
         ({"changes[1].t": 90}, r"^changes\[1\]\.t = 90\.0 s must be before the run's end"),
         ({"clock.duration": 10, "changes[1].m": 9}, r"^changes\[1\]\.t = 40\.0 s must be before"),
-        ({"gains.mb.rho[1]": 3}, r"^gains\.mb\.rho\[1\] cannot be .*Give the whole array"),
+        ({"gains.nn.sigma[1]": 3}, r"^gains\.nn\.sigma\[1\] cannot be .*Give the whole array"),
         ({"robot.m.x": 3}, r"^robot\.m\.x does not exist"),
         ({"limits.v_u2": "1.6,1"}, r"^limits\.v_u2\[1\] = 1\.6 must be below limits\.v_u1\[1\]"),
         ({"reference.kind": "lin"}, r'^reference\.kind = "lin" is not a kind.*near: line'),
@@ -172,7 +172,7 @@ def test_tables_that_are_given_stay_as_they_were() -> None:
 @pytest.mark.parametrize(
     ("key", "said"),
     [
-        ("gains.nn.rho1[2]", "because gains.nn.rho1 is not stated here. Give the whole array."),
+        ("gains.nn.sigma[2]", "because gains.nn.sigma is not stated here. Give the whole array."),
         ("guard.dbar[1]", "because guard.dbar is not stated here. Give the whole array."),
         ("robot.m[1]", "robot.m is 50.0, which has no parts."),
         ("limits.v_u1[3]", "index 3 is outside an array of 2"),

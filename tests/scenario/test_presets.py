@@ -11,7 +11,6 @@ from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.world.references import Circle, Line
 from wmr_ctrl.world.scenario import (
     Change,
-    Scenario,
     from_dict,
     load_scenario,
     loads_scenario,
@@ -75,7 +74,6 @@ def test_what_all_presets_share(name):
     assert scenario.disturbance.truncate == math.inf
     assert scenario.actuator.ideal
     assert scenario.actuator.tau_max == math.inf
-    assert scenario.gains == {}
     assert (scenario.split, scenario.metrics.rms_from) == (40.0, 2.0)
 
 
@@ -98,12 +96,6 @@ def test_simulations():
     assert simulation("paper-simulation-no-switch") == (1.0, ())
     assert simulation("paper-simulation-noise-free") == (0.0, SWITCH)
     assert simulation("paper-simulation-nominal") == (0.0, ())
-
-
-def test_defaults_are_the_simulation_without_the_switch():
-    preset = load_scenario("paper-simulation-no-switch")
-
-    assert Scenario(name=preset.name, title=preset.title, law="nn") == preset
 
 
 def test_experiment():

@@ -9,6 +9,7 @@ import tomlkit
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.papers_robot import HEAD, paper, paper_toml
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references import (
     REFERENCES,
@@ -38,9 +39,9 @@ from wmr_ctrl.world.scenario import (
 from wmr_ctrl.world.scenario.scenario import SECTIONS
 from wmr_ctrl.world.scenario.sections import Clock, Metrics
 
-FULL = Scenario(
+FULL = paper(
     title='odd "title" with = and # and é',
-    robot=Robot(m=63.25, v_s=1e-300),
+    robot=Robot(m=63.25, I=5.4, mu=0.08, r=0.1, l=0.25, v_s=1e-300),
     model=Model(mu=0.0, I=1 / 3),
     gains={"mb": {"rho": (1.0, 2.0)}, "nn": {"on": False, "way": "x", "eta": math.pi}, "pid": {}},
     disturbance=Disturbance(std=0.1 + 0.2, truncate=3.0),
@@ -95,7 +96,7 @@ gains = st.dictionaries(
 
 @given(gains, finite, st.text(max_size=20))
 def test_any_gains_numbers_and_titles_load_back_equal(gains, heading, title):
-    scenario = Scenario(title=title, gains=gains, reference=Line(heading=heading))
+    scenario = paper(title=title, gains=gains, reference=Line(heading=heading))
 
     assert loads_scenario(to_toml(scenario), scenario.name) == scenario
 
@@ -108,7 +109,7 @@ def test_every_field_is_printed_with_unit_and_meaning():
             assert any(
                 name in line and f"[{what.unit}] {what.doc}" in line for line in text.splitlines()
             )
-    assert "#" not in to_toml(Scenario(), comments=False)
+    assert "#" not in to_toml(paper(), comments=False)
 
 
 def test_gains_of_the_laws_are_printed_where_they_are_told():
@@ -116,12 +117,12 @@ def test_gains_of_the_laws_are_printed_where_they_are_told():
         "mb": {"rho": ((15.0, 57.6), "1/s", "decay rates")},
         "nn": {"eta": (1.5, "1", "width"), "integrator": ("explicit", "", "update of the weights")},
     }
-    scenario = Scenario(gains={"mb": {"rho": (1.0, 2.0)}, "mine": {"k": 3.0}})
+    scenario = paper(gains={"mb": {"rho": (1.0, 2.0)}, "mine": {"k": 3.0}})
     text = to_toml(scenario, gains_docs=docs)
 
     assert "rho = [1.0, 2.0] # [1/s] decay rates" in text
     assert "eta = 1.5 # [1] width" in text
-    assert loads_scenario(text).gains == {
+    assert paper_toml(text).gains == {
         "mb": {"rho": (1.0, 2.0)},
         "nn": {"eta": 1.5, "integrator": "explicit"},
         "mine": {"k": 3.0},
@@ -129,10 +130,10 @@ def test_gains_of_the_laws_are_printed_where_they_are_told():
 
 
 def test_text_can_be_edited_by_tomlkit():
-    document = tomlkit.parse(to_toml(Scenario()))
+    document = tomlkit.parse(to_toml(paper()))
     document["robot"]["m"] = 61.0
 
-    assert loads_scenario(tomlkit.dumps(document)).robot.m == 61.0
+    assert paper_toml(tomlkit.dumps(document)).robot.m == 61.0
 
 
 def test_file_of_a_user_extends_a_preset(tmp_path):
@@ -141,7 +142,7 @@ def test_file_of_a_user_extends_a_preset(tmp_path):
     scenario = load_scenario(str(file))
 
     assert scenario.name == "heavier"
-    assert scenario.robot == Robot(m=70.0)
+    assert (scenario.robot.m, scenario.robot.I) == (70.0, 5.4)
     assert scenario.changes == load_scenario("paper-simulation").changes
 
 
@@ -149,46 +150,48 @@ def test_files_extend_files_next_to_them(tmp_path):
     (tmp_path / "sub").mkdir()
     (tmp_path / "way.csv").write_text("x,y\n0,0\n1,0\n2,1\n")
     (tmp_path / "base.toml").write_text(
-        'title = "base"\n[reference]\nkind = "waypoints"\nfile = "way.csv"\n[robot]\nm = 60.0\n'
+        f'title = "base"\n{HEAD}[reference]\nkind = "waypoints"\nfile = "way.csv"\n'
+        "[robot]\nm = 60.0\n"
     )
     (tmp_path / "sub" / "child.toml").write_text('extends = "../base.toml"\n[robot]\nI = 6.0\n')
     scenario = load_scenario(tmp_path / "sub" / "child.toml")
 
     assert scenario.reference == Waypoints(points=((0, 0), (1, 0), (2, 1)))
-    assert scenario.robot == Robot(m=60.0, I=6.0)
+    assert (scenario.robot.m, scenario.robot.I) == (60.0, 6.0)
     assert scenario.title == "base"
 
 
 def test_another_kind_replaces_the_extended_reference():
     text = 'extends = "fast-reference"\n[reference]\nkind = "circle"\nradius = 3.0\n'
 
-    assert loads_scenario(text).reference == Circle(radius=3.0)
+    assert paper_toml(text).reference == Circle(radius=3.0)
 
 
 def test_same_kind_keeps_the_rest_of_the_extended_reference():
     text = 'extends = "fast-reference"\n[reference]\norigin = [0.0, 1.0]\n'
 
-    assert loads_scenario(text).reference == Line(speed=0.9, origin=(0.0, 1.0))
+    assert paper_toml(text).reference == Line(speed=0.9, origin=(0.0, 1.0))
 
 
 def test_a_shorter_run_drops_the_changes_that_it_does_not_reach():
     text = 'extends = "paper-simulation"\n[clock]\nduration = 30.0\n'
 
-    assert loads_scenario(text).changes == ()
+    assert paper_toml(text).changes == ()
 
 
 @pytest.mark.parametrize(("duration", "left"), [(39.99, 0), (40.0, 0), (40.01, 1)])
 def test_a_change_at_the_very_end_is_not_reached(duration, left):
     text = f'extends = "paper-simulation"\n[clock]\nduration = {duration}\n'
 
-    assert len(loads_scenario(text).changes) == left
+    assert len(paper_toml(text).changes) == left
     changed = override(load_scenario("paper-simulation"), {"clock.duration": duration})
     assert len(changed.changes) == left
 
 
 def test_points_of_a_file_that_is_extended_take_the_place_of_the_other(tmp_path):
     (tmp_path / "way.csv").write_text("0,0\n1,0\n2,1\n")
-    (tmp_path / "base.toml").write_text('[reference]\nkind = "waypoints"\nfile = "way.csv"\n')
+    base = f'{HEAD}[reference]\nkind = "waypoints"\nfile = "way.csv"\n'
+    (tmp_path / "base.toml").write_text(base)
     (tmp_path / "points.toml").write_text(
         'extends = "base.toml"\n[reference]\npoints = [[0, 0], [3, 0]]\n'
     )
@@ -203,7 +206,7 @@ def test_points_of_a_file_that_is_extended_take_the_place_of_the_other(tmp_path)
 def test_none_takes_back_what_the_extended_scenario_says():
     text = 'extends = "far-start-friction-overestimated"\n[model]\nmu = "none"\n'
 
-    assert loads_scenario(text).believed.mu == 0.08
+    assert paper_toml(text).believed.mu == 0.08
 
 
 def test_a_preset_s_title_is_shown_of_its_own_numbers_alone(tmp_path):
@@ -217,7 +220,7 @@ def test_a_preset_s_title_is_shown_of_its_own_numbers_alone(tmp_path):
         assert title_of(load_scenario(name, quiet)) == title_of(override(own, quiet)) == title
         assert title_of(load_scenario(file, quiet)) == title
         assert title_of(load_scenario(file, {**quiet, "title": "Mine"})) == "Mine"
-    assert title_of(loads_scenario("")) == ""
+    assert title_of(paper_toml("")) == ""
 
 
 def test_a_preset_wins_over_a_file_of_its_name(tmp_path, monkeypatch):

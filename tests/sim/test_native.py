@@ -17,6 +17,7 @@ from tests import oracle
 from tests.equal_runs import runs_equal
 from tests.matrix import headed, quick, turns
 from tests.oracle import noise
+from tests.papers_robot import paper_toml
 from wmr_ctrl.api import (
     compile_law,
     export_fmu,
@@ -29,7 +30,7 @@ from wmr_ctrl.results import Run
 from wmr_ctrl.simulation.compiled_law import seconds_of
 from wmr_ctrl.simulation.runnable import provenance, settings_of
 from wmr_ctrl.world.registry import Disturbance
-from wmr_ctrl.world.scenario import Scenario, load_scenario, loads_scenario, preset_names
+from wmr_ctrl.world.scenario import Scenario, load_scenario, preset_names
 
 CHANGES = [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}, {"t": 4.5, "m": 40.0, "I": 4.0, "mu": 0.05}]
 SHORT = {"clock.duration": 6.0, "changes": CHANGES}
@@ -306,4 +307,4 @@ def test_a_run_keeps_the_numbers_of_its_scenario_and_no_comments() -> None:
     assert (kept.tolerance, kept.rms_from, kept.split, kept.radius) == (0.3, 7.0, 9.0, 0.2)
     assert kept.keep_out == ((5.0, 5.0, 1.0),)
     assert "#" not in text
-    assert loads_scenario(text, scenario.name) == scenario
+    assert paper_toml(text, scenario.name) == scenario

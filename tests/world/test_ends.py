@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.signals import MEASURED_VELOCITY, Signal
 from wmr_ctrl.world.command_delay import COMMAND_DELAY
@@ -29,7 +30,7 @@ BASE = {"base.kind": "velocity", "base.tau": [0.1, 0.1]}
 
 
 def based(**changed: object) -> Scenario:
-    return override(Scenario(), {**BASE, **changed})
+    return override(paper(), {**BASE, **changed})
 
 
 def stepped(system: System, u, x) -> list[np.ndarray]:
@@ -49,9 +50,9 @@ def test_five_hundred_commands_may_be_under_way(count: int, possible: bool) -> N
 
 
 def test_a_jitter_of_a_whole_period_overtakes_nothing() -> None:
-    assert override(Scenario(), {"actuator.jitter": T}).actuator.jitter == T
+    assert override(paper(), {"actuator.jitter": T}).actuator.jitter == T
     with pytest.raises(ScenarioError, match="could otherwise overtake"):
-        override(Scenario(), {"actuator.jitter": T + H})
+        override(paper(), {"actuator.jitter": T + H})
 
 
 @pytest.mark.parametrize(("limits", "most"), [((1.0, 3.0), 3.0), ((3.0, 1.0), 3.0)])
@@ -80,20 +81,20 @@ def test_a_base_stops_between_commands_where_its_time_out_is_shorter(
 
 def test_less_than_one_count_is_nearest_to_one() -> None:
     with pytest.raises(ScenarioError, match=r"The nearest is 1\."):
-        override(Scenario(), {"encoder.counts": 0.4})
+        override(paper(), {"encoder.counts": 0.4})
 
 
 def test_what_tyres_keep_is_the_least_of_all_phases() -> None:
     changes = [{"t": 1.0, "m": 20.0, "mu": 0.02}, {"t": 2.0, "m": 80.0, "mu": 0.2}]
-    scenario = override(Scenario(), {"changes": changes})
+    scenario = override(paper(), {"changes": changes})
     alone = [
-        grip(override(Scenario(), {f"robot.{name}": change[name] for name in ("m", "mu")})).keep
+        grip(override(paper(), {f"robot.{name}": change[name] for name in ("m", "mu")})).keep
         for change in changes
     ]
 
-    assert grip(scenario).keep == pytest.approx(min(grip(Scenario()).keep, *alone))
-    assert min(alone) < 0.9 * grip(Scenario()).keep
-    assert grip(scenario).spin == grip(Scenario()).spin
+    assert grip(scenario).keep == pytest.approx(min(grip(paper()).keep, *alone))
+    assert min(alone) < 0.9 * grip(paper()).keep
+    assert grip(scenario).spin == grip(paper()).spin
 
 
 @pytest.mark.parametrize("axis", [0, 1])
@@ -114,7 +115,7 @@ def test_only_commands_and_drives_are_under_way() -> None:
     )
 
     with pytest.raises(ArgumentError, match="has a transport"):
-        late.system(Scenario())
+        late.system(paper())
 
 
 @pytest.mark.parametrize("old", [0, 1, 3])
@@ -130,8 +131,8 @@ def test_an_age_is_told_from_the_first_velocity_on_that_is_no_older_than_the_sta
 
 def test_a_mean_is_off_by_the_rounding_of_the_way_and_what_is_late_by_nothing() -> None:
     """2^-53 of u1 times the duration in each step, and as much for the difference."""
-    scenario = override(Scenario(), {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01})
-    late = override(Scenario(), {"sensor.velocity_age": 0.01})
+    scenario = override(paper(), {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01})
+    late = override(paper(), {"sensor.velocity_age": 0.01})
     share = 2 * 2.0**-53 * scenario.clock.duration / H
 
     assert VELOCITY_MEAN.bounded(scenario).nbar == pytest.approx((share * 1.0, share * 1.5))
@@ -150,19 +151,19 @@ def test_random_numbers_come_in_pairs() -> None:
 
 @pytest.mark.parametrize("key", ["lag", "delay", "unmodelled_delay", "jitter"])
 def test_drives_are_ideal_only_where_nothing_of_them_is_late(key: str) -> None:
-    assert Scenario().actuator.ideal
-    assert not override(Scenario(), {f"actuator.{key}": 0.01}).actuator.ideal
+    assert paper().actuator.ideal
+    assert not override(paper(), {f"actuator.{key}": 0.01}).actuator.ideal
 
 
 def test_at_rest_the_adversary_pushes_forward() -> None:
-    system = push(override(Scenario(), {"disturbance.push": [8.0, 2.0]}))
+    system = push(override(paper(), {"disturbance.push": [8.0, 2.0]}))
     for v, omega, force in ((0.0, 0.0, (8.0, 2.0)), (-0.1, 0.0, (-8.0, 2.0)), (0.2, -1, (8, -2))):
         right, left = stepped(system, [v, omega], [])[0]
         assert ((right + left) / 0.1, 0.25 * (right - left) / 0.1) == pytest.approx(force)
 
 
 def way(**changed: object) -> Waypoints:
-    return override(Scenario(), {"reference.kind": "waypoints", **changed}).reference
+    return override(paper(), {"reference.kind": "waypoints", **changed}).reference
 
 
 def test_of_many_points_half_of_the_tolerance_is_for_those_left_out() -> None:
@@ -194,7 +195,7 @@ def test_a_closed_path_may_name_its_first_point_once_more() -> None:
 
 @pytest.mark.parametrize("speed", [0.21, 0.37, 0.53])
 def test_where_it_stops_it_never_drives_back(speed: float) -> None:
-    scenario = override(Scenario(), {
+    scenario = override(paper(), {
         "reference.kind": "waypoints", "reference.speed": speed, "reference.tolerance": 0.1,
         "reference.points": [[0.0, 0.0], [1.0, 0.3], [1.7, 1.9]], "clock.duration": 40.0,
     })  # fmt: skip

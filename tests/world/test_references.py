@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.signals import REFERENCE
 from wmr_ctrl.world.references import (
@@ -25,7 +26,7 @@ from wmr_ctrl.world.references import (
 )
 from wmr_ctrl.world.references import sample as sample_scenario
 from wmr_ctrl.world.references.waypoints import profile_of, waypoint_path
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.scenario.sections import Clock
 
 HOOK = ((0.0, 0.0), (1.0, 0.2), (2.0, 1.5), (1.0, 2.5), (-0.5, 2.0), (-1.0, 0.5))
@@ -59,7 +60,7 @@ def name_of(reference):
 
 def graph_of(reference):
     """Symbols t and p with the reference's expression, and the numbers of p."""
-    scenario = Scenario(reference=reference)
+    scenario = paper(reference=reference)
     system = scenario.reference_kind.build(scenario)
     assert not system.state
     return system.u, system.p, system.y, ca.DM(system.p0)
@@ -67,7 +68,7 @@ def graph_of(reference):
 
 def sample(reference, times):
     """A reference that is a function of time alone, at times (N,) [s]: (N, 7)."""
-    return sample_scenario(Scenario(reference=reference), times)
+    return sample_scenario(paper(reference=reference), times)
 
 
 def instants(reference, count=400, seed=0):
@@ -77,7 +78,7 @@ def instants(reference, count=400, seed=0):
 
 
 def test_at_no_time_there_are_no_samples():
-    assert sample_scenario(Scenario(), np.empty(0)).shape == (0, 7)
+    assert sample_scenario(paper(), np.empty(0)).shape == (0, 7)
 
 
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
@@ -86,7 +87,7 @@ def test_has_seven_finite_outputs_and_matching_parameters(reference):
 
     assert found.shape == (400, len(REFERENCE))
     assert np.isfinite(found).all()
-    kind = Scenario(reference=reference).reference_kind
+    kind = paper(reference=reference).reference_kind
     for signal, values in kind.numbers(reference):
         assert len(values) == signal.size == len(signal.elements)
         assert all(type(value) is float for value in values)
@@ -261,7 +262,7 @@ def test_rounded_square_keeps_its_shape():
     ids=str,
 )
 def test_bounds_of_the_velocities(reference, bounds):
-    found = reference_bounds(Scenario(reference=reference))
+    found = reference_bounds(paper(reference=reference))
 
     for value, expected in zip(found, bounds, strict=True):
         if expected is not None:
@@ -269,7 +270,7 @@ def test_bounds_of_the_velocities(reference, bounds):
 
 
 def test_bounds_cover_the_run_only():
-    short = Scenario(reference=StopAndGo(speed=0.4, period=10.0), clock=Clock(duration=2.5))
+    short = paper(reference=StopAndGo(speed=0.4, period=10.0), clock=Clock(duration=2.5))
 
     assert reference_bounds(short)[1] == pytest.approx(0.2)
 

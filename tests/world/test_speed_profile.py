@@ -9,12 +9,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from tests.papers_robot import paper, paper_toml
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references import Waypoints
 from wmr_ctrl.world.references import sample as sample_scenario
 from wmr_ctrl.world.references.point_files import read_poses
 from wmr_ctrl.world.references.waypoints import profile_of
-from wmr_ctrl.world.scenario import Scenario, load_scenario, loads_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 ZIGZAG = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.5), (4.0, 1.5), (4.5, -1.0))
 FAST = {"speed": 0.9, "omega_max": 0.7, "a_max": 0.4, "alpha_max": 0.6}
@@ -29,7 +30,7 @@ PATHS = (
 
 
 def sample(reference, times):
-    return sample_scenario(Scenario(reference=reference), np.asarray(times, dtype=float))
+    return sample_scenario(paper(reference=reference), np.asarray(times, dtype=float))
 
 
 def limits_of(reference):
@@ -109,7 +110,7 @@ def test_a_lap_ends_as_it_begins():
 def test_the_example_of_the_list_of_keys_runs():
     from wmr_ctrl.world.references.waypoints import EXAMPLE
 
-    assert loads_scenario(EXAMPLE).reference.arrival > 5
+    assert paper_toml(EXAMPLE).reference.arrival > 5
 
 
 PATH = """\

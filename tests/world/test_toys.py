@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
+from tests.papers_robot import paper_toml
 from wmr_ctrl.api import (
     compile_loop,
     cosimulate,
@@ -200,17 +201,17 @@ def test_a_clothoid_is_one():
 
 
 def test_its_table_is_read_checked_and_written():
-    scenario = loads_scenario("[toy_slope]\nangle = 0.1\n")
+    scenario = paper_toml("[toy_slope]\nangle = 0.1\n")
 
     assert scenario.table("toy_slope").angle == 0.1
     assert loads_scenario(to_toml(scenario)).effects == scenario.effects
     assert "rise of the ground" in to_toml(scenario)
     with pytest.raises(UnknownKeyError, match=r"toy_slope\.angel"):
-        loads_scenario("[toy_slope]\nangel = 0.1\n")
+        paper_toml("[toy_slope]\nangel = 0.1\n")
     with pytest.raises(UnknownKeyError, match="toy_slop"):
-        loads_scenario("[toy_slop]\nangle = 0.1\n")
+        paper_toml("[toy_slop]\nangle = 0.1\n")
     with pytest.raises(ScenarioError, match=r"toy_slope\.angle = -1"):
-        loads_scenario("[toy_slope]\nangle = -1\n")
+        paper_toml("[toy_slope]\nangle = -1\n")
 
 
 def test_a_stream_depends_on_its_name_alone():

@@ -49,12 +49,12 @@ def check(
     """
     from wmr_ctrl.control.laws import LAWS
     from wmr_ctrl.theory.checks.budget import OF_LAW
-    from wmr_ctrl.world.scenario import inherited, parse_assignments
+    from wmr_ctrl.world.scenario import inherited
 
     from . import check_answers as about
 
     case = opt.load(scenario, assignments, guard)
-    taken = inherited(case, scenario, parse_assignments(assignments))
+    taken = inherited(case)
     named = chosen or ((only,) if only and only in LAWS else ())
     laws = named or (opt.law_of(case, None),)
     work = inf if named and named != tuple(LAWS) else OF_LAW

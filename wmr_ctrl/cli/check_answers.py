@@ -8,6 +8,8 @@ from operator import attrgetter
 from typing import NamedTuple
 
 from wmr_ctrl import api
+from wmr_ctrl.control.controller import lacking
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.errors import ArgumentError, CompilerError
 from wmr_ctrl.core.fields.units import rounded
@@ -28,6 +30,7 @@ from wmr_ctrl.world.phases import robots_in_words
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.scenario.toml_io import InheritedValue
 from wmr_ctrl.world.scenario.units import unit_questions
+from wmr_ctrl.world.scenario.unstated import unknown_keys
 
 from . import check_sentences
 from .console import Progress, say, table, wrapped
@@ -99,6 +102,11 @@ def find_answers(
     return Answers(case, setups[laws[0]], taken, warned, stable, tubes, runs)
 
 
+def laws_for(scenario: Scenario) -> tuple[str, ...]:
+    """Laws that the stated numbers of the robot are enough for."""
+    return tuple(law for law in LAWS if not lacking(scenario, law))
+
+
 def _stability(scenario: Scenario, law: str, work: float) -> checks.Stability | None:
     try:
         with budget(work):
@@ -149,7 +157,7 @@ def document(answers: Answers) -> dict[str, object]:
     return {
         "scenario": case.name,
         "valid": True,
-        "grip": {**asdict(grip(case)), "reference": checks.reference_torque(case)},
+        "grip": _grip(case),
         "warnings": warnings,
         "inherited": {item.key: item.value for item in answers.taken},
         "nominal_duration": {law: run.settings.duration for law, run in runs.items()},
@@ -174,6 +182,13 @@ def document(answers: Answers) -> dict[str, object]:
         "robots": [{"from": t, "robot": words} for t, words in robots_in_words(case)],
         "corridor": {law: tube.figures for law, tube in answers.tubes.items()} or None,
     }
+
+
+def _grip(case: Scenario) -> dict[str, float | None]:
+    """Torques of the tyres' grip [N m], null where the robot is not known."""
+    known = not unknown_keys(case)
+    torques = {**asdict(grip(case)), "reference": checks.reference_torque(case)}
+    return {name: torque if known else None for name, torque in torques.items()}
 
 
 def _merged(answers: Answers) -> Iterator[tuple[str | None, checks.Warning]]:
@@ -207,6 +222,8 @@ def head(answers: Answers) -> Iterator[str]:
     if answers.taken:
         listed = ", ".join(item.key for item in answers.taken)
         yield wrapped(f"Not stated, so assumed (--only inherited): {listed}.")
+    if unknown := unknown_keys(case):
+        yield wrapped(f"Not stated, and of no effect on the motion here: {', '.join(unknown)}.")
     if any(run.settings.duration < case.clock.duration for run in answers.runs.values()):
         yield wrapped(f"Each law is run for {MOST_STEPS} plant steps only, not to the end.")
     shared = _shared(answers)

@@ -11,6 +11,7 @@ from wmr_ctrl.control.setup import KINEMATICS, Setup, gains_of, settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.fields.units import length, rounded, sized
+from wmr_ctrl.core.fields.unstated import Unstated
 from wmr_ctrl.results import Run, driving, percent, speeds, tracked
 from wmr_ctrl.results.measures import arrival, guard_share, tracking
 from wmr_ctrl.theory.checks import Stability, filter_advice, filter_facts
@@ -255,9 +256,8 @@ def inherited_robot(taken: Sequence[InheritedValue]) -> str:
         return ""
     listed = ", ".join(f"{item.key} = {item.value} {item.unit}".rstrip(" 1") for item in taken)
     return (
-        f"Nobody stated {listed}: these values are those of the paper's robot, of the preset that "
-        "the file extends, or are called assumed in the file. State your own; `wmr-ctrl scenarios "
-        "paper-simulation --toml` prints all keys with their meaning."
+        f"Nobody stated {listed}: the file calls these values assumed. State your own; `wmr-ctrl "
+        "scenarios paper-simulation --toml` prints all keys with their meaning."
     )
 
 
@@ -268,7 +268,11 @@ def idle_keys(case: Scenario) -> tuple[str, ...]:
     for section in (*off, Guard if takes_velocity(case) else Filter):
         values = vars(case.section(section))
         named = ((name, what.default) for name, what in quantities(section))
-        keys |= {f"{section.KEY}.{name}": None for name, own in named if values[name] != own}
+        keys |= {
+            f"{section.KEY}.{name}": None
+            for name, own in named
+            if values[name] != own and not isinstance(values[name], Unstated)
+        }
     return tuple(key for key in keys if key not in SAFE_ANYWAY)
 
 

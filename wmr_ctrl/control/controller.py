@@ -8,6 +8,9 @@ from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.signals import ASKED, FORCE, TORQUE, VELOCITY
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.world.model.system import Output, Parameters, System, outputs, port, ports, stack
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario.scenario import MissingKeysError, sections
+from wmr_ctrl.world.scenario.unstated import missing_text, unknown_keys
 
 from .applied import Applied, Lateness, remembered
 from .guard.bounds import ROUNDING, pair_of
@@ -17,7 +20,7 @@ from .guard.monitor import GuardMonitor, LateMotion
 from .laws.context import LawContext
 from .laws.law import TorqueLimited
 from .laws.registry import blamed_law
-from .setup import Setup
+from .setup import Setup, settle
 from .velocity import SentVelocity
 
 
@@ -55,7 +58,7 @@ def unfiltered_controller(setup: Setup) -> System:
 
     It gives v_asked, and is told v_sent, which what it asks for does not depend on.
     """
-    return velocity_sender(setup, law_graph(setup)).asking()
+    return _checked(setup, velocity_sender(setup, law_graph(setup)).asking())
 
 
 def law_graph(setup: Setup, in_flight: int | None = None) -> System:
@@ -205,7 +208,7 @@ def wheel_limit(setup: Setup, p: Parameters) -> ca.SX:
 def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     core = law_graph(setup)
     if setup.takes_velocity:
-        return velocity_sender(setup, core).system()
+        return _checked(setup, velocity_sender(setup, core).system())
     p = Parameters(setup, core.params)
     asked, known = core.outputs[0].expr, remembered(core)
     state, update, shown = [*core.state], [core.update], [*core.diagnostics]
@@ -246,3 +249,32 @@ def velocity_sender(setup: Setup, core: System, late: Lateness | None = None) ->
     asked = core.outputs[0].expr
     direct = core.outputs[0].signal == ASKED
     return SentVelocity(setup, core, p, asked if direct else _reached(setup, p, asked), late)
+
+
+def lacking(scenario: Scenario, law: str) -> tuple[str, ...]:
+    """Keys of the robot that a law's controller reads and nobody states."""
+    if not unknown_keys(scenario):
+        return ()
+    setup = settle(scenario, law)
+    return _unknown_in(setup, velocity_sender(setup, law_graph(setup)).system())
+
+
+def _unknown_in(setup: Setup, system: System) -> tuple[str, ...]:
+    """Keys of the robot that nobody states, and on which this System of a controller depends."""
+    scenario = setup.scenario
+    unknown, result = unknown_keys(scenario), ca.vertcat(system.update, system.y)
+    read = []
+    for item in system.params if unknown else ():
+        table, _, name = item.signal.name.partition(".")
+        believed = table == "model" and vars(scenario.model)[name] is None
+        key = f"robot.{name}" if believed else item.signal.name
+        if key in unknown and ca.depends_on(result, item.sym):
+            read.append(key)
+    return tuple(dict.fromkeys(read))
+
+
+def _checked(setup: Setup, system: System) -> System:
+    """The controller; raises MissingKeysError where it depends on what nobody states."""
+    if lacks := _unknown_in(setup, system):
+        raise MissingKeysError(f"law {setup.name}: {missing_text(lacks, sections())}")
+    return system

@@ -4,6 +4,7 @@ Everything that is built or judged for a run is handed this value; nothing below
 itself.  Numbers keep their scenario keys, so a graph's parameters can be filled without the graph.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from typing import TypeVar
@@ -22,6 +23,7 @@ from wmr_ctrl.world.scenario import Scenario, override, preset_names
 from wmr_ctrl.world.scenario.units import asking_about_units
 from wmr_ctrl.world.speed_loop import takes_velocity
 
+from .basis import ANY_BASIS, basis_of
 from .filter.filter import derived_numbers
 from .filter.hypotheses import check_velocity_base
 from .guard.bounds import GuardNumbers, assumptions, derived_guard
@@ -35,6 +37,7 @@ from .guard.price import speed_price
 from .guard.refusals import feasible_guard
 from .laws.given import law_name
 from .laws.law import (
+    Basis,
     Law,
     OwnKinematics,
     Predicting,
@@ -259,9 +262,23 @@ def check_scenario(scenario: Scenario) -> None:
 
 
 def gains_of(scenario: Scenario, law: Law) -> Section:
-    """The law's gains, with the scenario's own; raises on unknown names and bad values."""
+    """The law's gains: the scenario's own, else by the law's rule, else the law's defaults.
+
+    Raises on unknown names and bad values.
+    """
+    stated = scenario.gains.get(law.name, {})
     with blamed_law(law, law.gains.relate):
-        return build(law.gains, scenario.gains.get(law.name, {}), f"gains.{law.name}")
+        followed = _followed(law.rule, scenario, stated)
+        return build(law.gains, {**followed, **stated}, f"gains.{law.name}")
+
+
+def _followed(
+    rule: Callable[[Basis], Mapping[str, object]], scenario: Scenario, stated: Mapping[str, object]
+) -> Mapping[str, object]:
+    """Gains by a rule, where the scenario does not state all of them."""
+    if rule(ANY_BASIS).keys() <= stated.keys():
+        return {}
+    return rule(basis_of(scenario))
 
 
 def gains_by_law(scenario: Scenario) -> dict[str, Section]:
@@ -272,7 +289,9 @@ def gains_by_law(scenario: Scenario) -> dict[str, Section]:
 
 def kinematic_gains(scenario: Scenario) -> KinematicGains:
     """k_1, k_2, k_3 of Eq. (7)."""
-    return build(KinematicGains, scenario.gains.get(KINEMATICS, {}), f"gains.{KINEMATICS}")
+    stated = scenario.gains.get(KINEMATICS, {})
+    followed = _followed(lambda basis: {"k": basis.k}, scenario, stated)
+    return build(KinematicGains, {**followed, **stated}, f"gains.{KINEMATICS}")
 
 
 def with_kinematics(scenario: Scenario, law: Law | None) -> Scenario:

@@ -2,15 +2,21 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.world.scenario import Scenario, inherited, override, scenario_dict
-from wmr_ctrl.world.scenario.raw import stated_in
-from wmr_ctrl.world.scenario.toml_io import KIND, OF_A_ROBOT, named_keys
+from wmr_ctrl.core.fields.section import default
+from wmr_ctrl.core.fields.unstated import Unknown
+from wmr_ctrl.world.scenario import Scenario, from_dict, override, scenario_dict
+from wmr_ctrl.world.scenario.raw import apply, merge, stated_in
+from wmr_ctrl.world.scenario.scenario import MissingKeysError
+from wmr_ctrl.world.scenario.sections import Robot
+from wmr_ctrl.world.scenario.toml_io import raw_of
+from wmr_ctrl.world.scenario.unstated import KIND
 
 from .logs.log import Log
 from .logs.samples import Samples, held_speeds
@@ -18,6 +24,14 @@ from .logs.samples import Samples, held_speeds
 LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
 BARRIER_FROM = 0.8
 """Share of a limit from which the barrier acts."""
+STAND_IN: Mapping[str, object] = {
+    "robot": {"m": 50.0, "I": 5.4, "mu": 0.08, "r": 0.1, "l": 0.25},
+    "limits": {"v_u1": [1.0, 1.5], "v_u2": [0.8, 1.3]},
+    "reference": {"kind": "circle"},
+}
+"""What a log is read with until it says better; what nobody stated is not written."""
+SHARE_OF_TURNING = 6.0
+"""Limit of turning over the rate of the path that is written where nobody states one."""
 LEAST_SEEN = 1e-3
 """Least speed that counts as motion [m/s, rad/s]."""
 MOST_FAR = 2.0
@@ -29,22 +43,23 @@ NOT_SHOWN = "the log does not show that it holds up to limits.v_u1"
 def believed(
     raw: Log, known: str | Path | Scenario | None, overrides: Mapping[str, object]
 ) -> tuple[Scenario, set[str]]:
-    """The scenario with the known numbers, and the keys that it states, or a preset in it.
+    """The scenario with the known numbers, and the keys that it states, or what it extends.
 
-    Numbers of a preset that a file extends are assumed.
+    Those of `STAND_IN` are assumed where nobody states them.
     """
     given = known if known is not None else raw.base
-    scenario = scenario_of(given if given is not None else Scenario(), overrides, guard=False)
     stated = set(overrides)
     for key, value in overrides.items():
         stated |= {f"{key}.{name}" for name in (value if isinstance(value, Mapping) else ())}
     if isinstance(given, Scenario):
+        scenario = scenario_of(given, overrides, guard=False)
         stated |= stated_in(scenario_dict(given))
-    elif given is not None:
-        stated |= named_keys(str(given))
-        silent = {item.key for item in inherited(scenario, str(given), overrides)}
-        return replace(scenario, assumed=tuple(sorted(silent))), stated - {*scenario.assumed}
-    silent = {*scenario.assumed, *({*OF_A_ROBOT, KIND} - stated)}
+    else:
+        source = {} if given is None else raw_of(str(given))
+        whole = apply(merge(STAND_IN, source), overrides)
+        scenario = scenario_of(from_dict(whole, "identified"), {}, guard=False)
+        stated |= stated_in(source)
+    silent = {*scenario.assumed, *(stated_in(STAND_IN) - stated)}
     return replace(scenario, assumed=tuple(sorted(silent))), stated - silent
 
 
@@ -100,16 +115,29 @@ def within_reach(scenario: Scenario, far: Sequence[float], remarks: list[str]) -
 
 
 def written(scenario: Scenario) -> Scenario:
-    """The scenario, in which what has its default need not be called assumed: it is left out."""
-    base, pi = Scenario(), {"robot.m", "robot.l"} if scenario.base.loop == "pi" else set()
+    """The scenario without what nobody stated and nothing depends on; its path is within limits.
+
+    What has its default need not be called assumed: it is left out.
+    """
+    robot = {key.partition(".")[2] for key in scenario.assumed if key.startswith("robot.")}
+    placeholders = {k: v for k, v in vars(default(Robot)).items() if k in robot}
+    with suppress(MissingKeysError):
+        scenario = replace(scenario, robot=replace(scenario.robot, **placeholders))
+    if KIND in scenario.assumed:
+        speed, turning = scenario.limits.v_u1
+        path = {"radius": 2 * speed / turning, "rate": turning / SHARE_OF_TURNING}
+        digits = {f"reference.{key}": float(f"{value:.3g}") for key, value in path.items()}
+        scenario = replace(override(scenario, digits), assumed=scenario.assumed)
 
     def differs(key: str) -> bool:
         table, _, name = key.partition(".")
         if key == KIND:
-            return scenario.reference_kind.name != base.reference_kind.name
-        return vars(scenario.table(table))[name] != vars(base.table(table))[name]
+            return True
+        value = vars(scenario.table(table))[name]
+        usual = vars(default(type(scenario.table(table))))[name]
+        return not isinstance(value, Unknown) and value != usual
 
-    return replace(scenario, assumed=tuple(k for k in scenario.assumed if k in pi or differs(k)))
+    return replace(scenario, assumed=tuple(filter(differs, scenario.assumed)))
 
 
 def rounded_down(value: float) -> float:

@@ -68,6 +68,10 @@ class Remark:
     text: str
 
 
+ROUNDED = 1e-9
+"""Torque [N m] that is rounding alone."""
+
+
 def percent(share: float) -> str:
     """A share as "12.3 %": three digits, never as a power of ten from 1 % on."""
     return f"{float(f'{100 * share:.3g}'):g} %"
@@ -204,7 +208,7 @@ def _chatters(run: Run) -> Iterator[str]:
     limit = outlook.tau_max if np.isfinite(outlook.tau_max) else 0.0
     pushed = float(np.sqrt(np.mean(run["noise_right"] ** 2 + run["noise_left"] ** 2) / 2))
     peak = OF_PEAK * float(np.abs(torque).max())
-    allowed = max(CHATTER * needed, CHATTER * pushed, OF_LIMIT * limit, peak)
+    allowed = max(CHATTER * needed, CHATTER * pushed, OF_LIMIT * limit, peak, ROUNDED)
     windows = (rows_of(run, part(run.settings)) for part in (working, at_rest))
     judged = [rows for rows in windows if rows is not None]
     extra, period = torque - run.needed, run.settings.control

@@ -10,6 +10,7 @@ the error would drive it further that way.
 from functools import partial
 
 from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.fields.unstated import unknown
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.symbolic import ca
 
@@ -24,9 +25,14 @@ INTEGRAL = Signal("f_integral", "N, N.m", "integral force of the speed loop", 2)
 class PiLoopGains(Section, key="base"):
     """Gains of the PI loop: of both wheels together, at their rim."""
 
-    kp: float = quantity(150.0, "N.s/m", "gain of the PI loop, both wheels together", above=0)
+    kp: float = quantity(
+        unknown(3.0), "N.s/m", "gain of the PI loop, both wheels together; default: 3 m", above=0
+    )
     ki: float = quantity(
-        300.0, "N/m", "integral gain of the PI loop, both wheels together", minimum=0
+        unknown(6.0),
+        "N/m",
+        "integral gain of the PI loop, both wheels together; default: 6 m",
+        minimum=0,
     )
     antiwindup: bool = quantity(True, "1", "stop the integral while the wheels are at their limit")
 

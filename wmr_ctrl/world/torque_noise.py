@@ -23,7 +23,7 @@ _UNBOUNDED = (
 class TorqueNoise(Section, key="disturbance"):
     """Standard deviation and truncation of the noise."""
 
-    std: float = quantity(1.0, "N.m", "standard deviation of the torque on each wheel", minimum=0)
+    std: float = quantity(0.0, "N.m", "standard deviation of the torque on each wheel", minimum=0)
     truncate: float = quantity(
         math.inf,
         "1",

@@ -11,6 +11,8 @@ the command overshoots the margin.
 Choose it to have something plain and good to compare with, or behind the guard.
 """
 
+from collections.abc import Mapping
+
 import casadi as ca
 
 from wmr_ctrl.core.fields.section import quantity
@@ -18,8 +20,8 @@ from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .context import LawContext
-from .law import Inside, Law, Traits
-from .velocity_loop import CHANGE, VelocityLoopGains, with_command, with_torque
+from .law import Basis, Inside, Law, Traits
+from .velocity_loop import CHANGE, VelocityLoopGains, loop_rule, with_command, with_torque
 
 TITLE = "kinematic tracking with limited commands (kanayama)"
 
@@ -62,6 +64,14 @@ def wanted_velocity(context: LawContext) -> ca.SX:
     return ca.vertcat(v1_d * ca.cos(e3) + kx * e1, v2_d + v1_d * (ky * e2 + kt * ca.sin(e3)))
 
 
+def rule(basis: Basis) -> Mapping[str, object]:
+    """Gains that follow from the base and its path."""
+    kx, ky, turning = basis.k
+    return {"k": (kx, ky, turning / basis.speed), **loop_rule(basis)}
+
+
 TRAITS = Traits(model=True, observer=True)
 TUNED = ("k", "rate", "wo", "a_max")
-LAW = Law("kanayama", KanayamaGains, build, TRAITS, __doc__, TUNED, build_command, inside)
+LAW = Law(
+    "kanayama", KanayamaGains, build, TRAITS, __doc__, TUNED, build_command, inside, rule=rule
+)

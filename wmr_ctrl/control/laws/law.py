@@ -55,6 +55,40 @@ class Inside:
 
 
 @dataclass(frozen=True)
+class Basis:
+    """A robot on its base and path, in the numbers from which gains follow that nobody states.
+
+    ``k`` [1/s, 1/m2, 1/s], ``rho`` [1/s] and ``wo`` [1/s] are those of `prox.guide`; ``speed`` of
+    the path [m/s]; believed ``mass`` [kg, kg m2]; ``weight`` times the wheels' radius [N m];
+    ``limits`` of the speeds and the largest rate ``accel`` of commands [m/s2, rad/s2].
+    """
+
+    k: tuple[float, float, float]
+    rho: tuple[float, float]
+    wo: float
+    speed: float
+    mass: tuple[float, float]
+    weight: float
+    limits: tuple[float, float]
+    accel: tuple[float, float]
+
+    @property
+    def rate(self) -> tuple[float, float]:
+        """Decay rate of a velocity loop [1/s], half of that of its square."""
+        return self.rho[0] / 2, self.rho[1] / 2
+
+    @property
+    def damping(self) -> tuple[float, float]:
+        """Force over velocity with that rate [N s/m, N m s/rad]."""
+        return self.rate[0] * self.mass[0], self.rate[1] * self.mass[1]
+
+
+def no_rule(_: Basis) -> Mapping[str, object]:
+    """Gains that follow from the basis: none."""
+    return {}
+
+
+@dataclass(frozen=True)
 class Law:
     """A control law: name, gains, graph, traits and its file's docstring.
 
@@ -63,6 +97,7 @@ class Law:
     given, is the law for a base that takes velocities, whose output is the velocity
     `ASKED`; a law without it drives such a base through an adapter (`control/velocity.py`).
     ``inside(context)`` is the law away from its limits, for those that have a corridor.
+    ``rule(basis)`` gives those gains that depend on the robot, where a scenario states none.
     """
 
     name: str
@@ -73,6 +108,7 @@ class Law:
     tuned: tuple[str, ...] = ()
     command: Callable[[LawContext], System] | None = None
     inside: Callable[[LawContext], Inside] | None = None
+    rule: Callable[[Basis], Mapping[str, object]] = no_rule
 
     @property
     def title(self) -> str:

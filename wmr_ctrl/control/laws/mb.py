@@ -9,13 +9,15 @@ exp(-rho T) of a whole period, which no period makes overshoot; barrier = "smoot
 well below the stable limit.
 """
 
+from collections.abc import Mapping
+
 import casadi as ca
 
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.world.model.system import System
 
 from .context import LawContext
-from .law import BarrierChoice, Inside, Law, Traits
+from .law import BarrierChoice, Basis, Inside, Law, Traits
 
 
 class ModelBasedGains(BarrierChoice, key="gains.mb"):
@@ -55,5 +57,10 @@ def decay_rate(context: LawContext) -> ca.SX:
     return -ca.expm1(-rho * context.period) / context.period
 
 
+def rule(basis: Basis) -> Mapping[str, object]:
+    """The rate that follows from the period and the path."""
+    return {"rho": basis.rho}
+
+
 TRAITS = Traits(auxiliary=True, barrier=True, model=True, theorem=1)
-LAW = Law("mb", ModelBasedGains, build, TRAITS, __doc__, tuned=("rho",), inside=inside)
+LAW = Law("mb", ModelBasedGains, build, TRAITS, __doc__, tuned=("rho",), inside=inside, rule=rule)

@@ -10,6 +10,7 @@ Choose it when mass and friction are unknown or change.
 
 import itertools
 import math
+from collections.abc import Mapping
 
 import casadi as ca
 
@@ -18,7 +19,7 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.model.system import Output, System, ports
 
 from .context import AXES, LawContext
-from .law import BarrierChoice, Law, Traits
+from .law import BarrierChoice, Basis, Law, Traits
 
 NODES = 64
 LANES = 8
@@ -127,5 +128,12 @@ def dot(left: ca.SX, right: ca.SX) -> ca.SX:
     return partial[0]
 
 
+def rule(basis: Basis) -> Mapping[str, object]:
+    """Gains that follow from the robot and its path."""
+    rho1 = [rho * mass for rho, mass in zip(basis.rho, basis.mass, strict=True)]
+    learning = [gain * rho / 4 for gain, rho in zip(rho1, basis.rho, strict=True)]
+    return {"rho1": rho1, "Gamma": learning, "regressor": "q"}
+
+
 TRAITS = Traits(auxiliary=True, barrier=True, theorem=2, estimates=True)
-LAW = Law("nn", NetworkGains, build, TRAITS, __doc__, tuned=("rho1", "Gamma"))
+LAW = Law("nn", NetworkGains, build, TRAITS, __doc__, tuned=("rho1", "Gamma"), rule=rule)

@@ -6,6 +6,8 @@ backward difference, giving a generalised force before B1^-1 (of the meanings tr
 believable wheel torques).  Choose it only to compare with: it knows no velocity limit.
 """
 
+from collections.abc import Mapping
+
 import casadi as ca
 
 from wmr_ctrl.core.fields.section import quantity
@@ -13,7 +15,7 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.model.system import System, port
 
 from .context import LawContext
-from .law import Law, OwnKinematics, Traits
+from .law import Basis, Law, OwnKinematics, Traits
 
 Z_OLD = Signal("z_previous", "m/s, rad/s", "velocity error of the previous sample", 2)
 STARTED = Signal("started", "1", "0 before the first sample, then 1")
@@ -37,4 +39,9 @@ def build(context: LawContext) -> System:
     return context.system("PID", force, (old, started), ca.vertcat(z, 1))
 
 
-LAW = Law("pid", PidGains, build, Traits(auxiliary=True), __doc__, tuned=("Kp", "Kd"))
+def rule(basis: Basis) -> Mapping[str, object]:
+    """Gains that follow from the robot and its path."""
+    return {"Kp": basis.damping, "Kd": (0.0, 0.0)}
+
+
+LAW = Law("pid", PidGains, build, Traits(auxiliary=True), __doc__, tuned=("Kp", "Kd"), rule=rule)

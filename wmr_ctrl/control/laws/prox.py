@@ -23,7 +23,7 @@ where it is below actuator.tau_max.  Choose it for slow control periods, for unk
 behind the guard.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import log1p
 
@@ -36,6 +36,7 @@ from wmr_ctrl.world.model.system import System
 from .context import AXES, LawContext
 from .law import (
     BarrierChoice,
+    Basis,
     Inside,
     Law,
     OwnKinematics,
@@ -46,6 +47,8 @@ from .law import (
 from .observer import Observer
 from .prediction import ahead
 
+GRIP = 0.4
+"""Torque of a wheel that tyres just pass on, over the weight times the wheels' radius."""
 TRANSPORTS = ("two-part", "level")
 """Part of the target's way that the velocity is carried along: the reference's share, or all."""
 
@@ -174,5 +177,10 @@ def mixture(v: ca.SX, target: ca.SX, shares: tuple[ca.SX, ca.SX]) -> ca.SX:
     return shares[0] * v + shares[1] * target
 
 
+def rule(basis: Basis) -> Mapping[str, object]:
+    """Gains that follow from the robot and its path."""
+    return {"rho": basis.rho, "wo": basis.wo, "tau_max": GRIP * basis.weight}
+
+
 TRAITS = Traits(auxiliary=True, barrier=True, model=True, observer=True)
-LAW = Law("prox", ProxGains, build, TRAITS, __doc__, tuned=("rho", "wo"), inside=inside)
+LAW = Law("prox", ProxGains, build, TRAITS, __doc__, tuned=("rho", "wo"), inside=inside, rule=rule)

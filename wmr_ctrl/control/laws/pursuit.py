@@ -17,6 +17,8 @@ drives forwards.
 No barrier and no theorem.  Choose it to compare with what most robots with ROS run.
 """
 
+from collections.abc import Mapping
+
 import casadi as ca
 
 from wmr_ctrl.core.fields.section import quantity
@@ -25,7 +27,7 @@ from wmr_ctrl.world.scenario.sections import check_intervals
 
 from . import velocity_loop
 from .context import LawContext
-from .law import Law, Traits
+from .law import Basis, Law, Traits
 
 TITLE = "regulated pure pursuit"
 TINY = 1e-6
@@ -99,6 +101,18 @@ def point_ahead(context: LawContext) -> tuple[ca.SX, ca.SX]:
     return ca.vertcat(e1 + chord * ca.cos(towards), e2 + chord * ca.sin(towards)), way
 
 
+def rule(basis: Basis) -> Mapping[str, object]:
+    """Gains that follow from the base and its limits."""
+    v, omega = basis.limits
+    return {
+        "distance": (0.6 * v, 1.8 * v),
+        "radius": 1.8 * v,
+        "slowest": 0.5 * v,
+        "turn": 0.8 * omega,
+        **velocity_loop.loop_rule(basis),
+    }
+
+
 TRAITS = Traits(model=True, observer=True)
 TUNED = ("lookahead", "k", "rate", "wo", "a_max")
-LAW = Law("pursuit", PursuitGains, build, TRAITS, __doc__, TUNED, build_command)
+LAW = Law("pursuit", PursuitGains, build, TRAITS, __doc__, TUNED, build_command, rule=rule)

@@ -6,6 +6,8 @@ with it says nothing about [32] itself.  s = v_c0 - v; mass and friction are est
 zero.  Choose it to compare with: it tracks best of the four because it ignores the velocity limit.
 """
 
+from collections.abc import Mapping
+
 import casadi as ca
 
 from wmr_ctrl.core.fields.section import Section, quantity
@@ -13,7 +15,7 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.model.system import Output, System, port
 
 from .context import LawContext
-from .law import Law, Traits
+from .law import Basis, Law, Traits
 
 MASS = Signal("m_hat", "kg, kg.m2", "estimated mass and inertia, after the sample's update", 2)
 FRICTION = Signal("F_hat", "N, N.m", "estimated Coulomb friction, after the sample's update", 2)
@@ -50,5 +52,18 @@ def build(context: LawContext) -> System:
     )
 
 
+def rule(basis: Basis) -> Mapping[str, object]:
+    """Gains that follow from the robot and its path."""
+    m, inertia = basis.mass
+    return {
+        "K": basis.damping,
+        "eta": tuple(0.02 * gain for gain in basis.damping),
+        "boundary": 0.1 * basis.limits[0],
+        "g_m": 0.01 * m,
+        "g_F": 0.1 * m,
+        "axis_scale": (1.0, inertia / m),
+    }
+
+
 TRAITS = Traits(auxiliary=True, estimates=True, integrates=True)
-LAW = Law("smc", SmcGains, build, TRAITS, __doc__, tuned=("K", "eta"))
+LAW = Law("smc", SmcGains, build, TRAITS, __doc__, tuned=("K", "eta"), rule=rule)

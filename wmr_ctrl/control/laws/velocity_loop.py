@@ -21,7 +21,7 @@ from wmr_ctrl.core.signals import ASKED, SENT_BEFORE, Signal
 from wmr_ctrl.world.model.system import System, port
 
 from .context import LawContext
-from .law import Predicting
+from .law import Basis, Predicting
 from .observer import STARTED, Observer
 from .prediction import ahead
 
@@ -48,6 +48,11 @@ class VelocityLoopGains(Predicting, key="gains"):
     a_max: tuple[float, float] = quantity(
         (2.0, 6.0), "m/s2, rad/s2", "largest rate of the command", above=0.0
     )
+
+
+def loop_rule(basis: Basis) -> dict[str, object]:
+    """Gains of the loop that follow from the base and its path."""
+    return {"rate": basis.rate, "wo": basis.wo, "a_max": basis.accel}
 
 
 def cut(values: ca.SX, most: ca.SX) -> ca.SX:

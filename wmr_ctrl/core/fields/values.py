@@ -16,6 +16,7 @@ from wmr_ctrl.core.errors import ScenarioError, choices
 from .named_units import Stated, fitting, stated
 from .problems import show
 from .units import USUAL, is_usual, meant, written
+from .unstated import Unstated
 
 SEED_END = 2**63
 """Seeds are whole numbers from 0 up, below this."""
@@ -116,6 +117,8 @@ class Quantity:
 
     def clean(self, value: object, path: str) -> Any:
         """Return ``value`` in the field's own type, or raise ScenarioError naming ``path``."""
+        if isinstance(value, Unstated):
+            return value
         if self.kind == "optional" and (
             value is None or (isinstance(value, str) and value == "none")
         ):
@@ -126,7 +129,8 @@ class Quantity:
 
     def refuse(self, value: object, path: str, rule: str, asked: str = "") -> ScenarioError:
         """Build the error: path and value, the rule, what the field is, its default, a question."""
-        has_default = self.default is not None and isinstance(self.default, (bool, float, int, str))
+        plain = isinstance(self.default, bool | float | int | str)
+        has_default = plain and not isinstance(self.default, Unstated)
         remedy = f"; the default is {show(self.default)}" if has_default else ""
         unit = f" [{self.unit}]" if self.unit else ""
         said = f"{path} = {show(value)} must be {rule}: {self.doc}{unit}{remedy}."

@@ -39,7 +39,7 @@ from wmr_ctrl.theory.door import proofs
 from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references import reference_bounds
 from wmr_ctrl.world.references.curves import Lemniscate, Line
-from wmr_ctrl.world.scenario import Scenario, inherited, override
+from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
 from wmr_ctrl.world.speed_loop import takes_velocity
 
@@ -157,9 +157,6 @@ def tune(
     """
     law = law_name(law)
     chosen = scenario_of(scenario)
-    if not isinstance(scenario, Scenario):  # the written file states every key
-        silent = tuple(item.key for item in inherited(chosen, str(scenario)))
-        chosen = replace(chosen, assumed=silent)
     plan = search.TuningPlan(
         scenario=chosen,
         law=law,

@@ -169,6 +169,36 @@ def _stepped(system: System, period: float, times: Floats) -> Floats:
     return np.array(rows)
 
 
+_STARTS: dict[tuple[object, ...], tuple[tuple[float, ...], tuple[float, ...]]] = {}
+
+
+def start_of(scenario: Scenario) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Pose (3,) [m, m, rad] and velocity (2,) [m/s, rad/s] of the desired motion at t = 0.
+
+    Those of rest at the origin where it is not finite, which is refused elsewhere.
+    """
+    key = type(scenario.reference), scenario.reference, scenario.clock.control
+    if key not in _STARTS:
+        row = sample(scenario, np.zeros(1))[0]
+        numbers = tuple(map(float, row if np.isfinite(row).all() else np.zeros(len(REFERENCE))))
+        _STARTS[key] = numbers[:3], numbers[3:5]
+    return _STARTS[key]
+
+
+_FASTEST: dict[tuple[object, ...], float] = {}
+
+
+def fastest_of(scenario: Scenario) -> float:
+    """Largest |v1_d| [m/s] of the desired motion, on a grid over a cycle or the run; 0 if none."""
+    reference, clock = scenario.reference, scenario.clock
+    key = type(reference), reference, clock.control, clock.duration
+    if key not in _FASTEST:
+        times = np.linspace(0.0, min(clock.duration, reference.cycle), 201)
+        speeds = np.abs(sample(scenario, times)[:, 3])
+        _FASTEST[key] = float(np.max(speeds[np.isfinite(speeds)], initial=0.0))
+    return _FASTEST[key]
+
+
 def reference_bounds(scenario: Scenario) -> tuple[float, float, float]:
     """Return min v1_d [m/s], max v1_d [m/s] and max |v2_d| [rad/s] over the run.
 

@@ -126,6 +126,12 @@ class Filter(Section, key="filter"):
                 "1e6, too wide for any guarantee. Narrow the interval."
             )
 
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """Keys of the robot that the filter depends on."""
+        rims = self.channels == "wheels" or self.wheel_speed or self.loop == "pi"
+        return ("robot.l",) if self.kind != "none" and rims else ()
+
     def interval(self, name: str) -> tuple[float, float]:
         """Bounds called ``name``, which the loop counts on and `relate` has seen."""
         low, high = getattr(self, name)

@@ -20,13 +20,16 @@ from wmr_ctrl.core.fields.named_units import with_units
 from wmr_ctrl.core.fields.orientation import PAPER, checked_frames, field_inward, field_outward
 from wmr_ctrl.core.fields.problems import UnknownKeyError, show
 from wmr_ctrl.core.fields.section import Section, build, default, quantities
+from wmr_ctrl.core.fields.unstated import Unknown, Unstated
 from wmr_ctrl.core.fields.values import as_list
-from wmr_ctrl.world.references import REFERENCES, Reference, Waypoints
+from wmr_ctrl.world.references import REFERENCES, Line, Reference, Waypoints
 
-from .scenario import OTHER_KEYS, SECTIONS, Scenario, sections
+from .scenario import OTHER_KEYS, SECTIONS, MissingKeysError, Scenario, sections
 from .sections import Change
 
 Raw = dict[str, object]
+STAND_IN = Line()
+"""In the place of a reference that is refused, to see what else is wrong."""
 Step = str | int
 
 
@@ -37,30 +40,37 @@ def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
     """
     if not isinstance(raw, Mapping):
         raise ScenarioError("A scenario must be a table of tables.")
-    known = sections()
+    known, errors = sections(), list[ScenarioError]()
     for key in raw:
         if key not in known and key not in OTHER_KEYS:
-            raise UnknownKeyError(str(key), [*known, *OTHER_KEYS])
+            errors.append(UnknownKeyError(str(key), [*known, *OTHER_KEYS]))
     frames, raw = frames_of(raw), in_frames(raw_with_units(raw), PAPER)
     values: Mapping[str, Any] = raw
-    parts: dict[str, Any] = {
-        key: build(section, raw[key]) if key in raw else default(section)
-        for key, section in known.items()
-        if key in raw or key in SECTIONS
-    }
+    parts: dict[str, Any] = {}
+    for key, section in known.items():
+        if key in raw:
+            parts[key] = _built(section, raw[key], errors)
+        elif key in SECTIONS:
+            parts[key] = default(section)
     effects = {key: parts.pop(key) for key in list(parts) if key not in SECTIONS}
-    return Scenario(
-        name=name,
-        title=values.get("title", ""),
-        law=values.get("law"),
-        frames=frames,
-        assumed=values.get("assumed", ()),
-        gains=values.get("gains", {}),
-        reference=_reference(raw.get("reference", {})),
-        changes=_changes(raw.get("changes", [])),
-        effects=effects,
-        **parts,
-    )
+    try:
+        return _whole(
+            errors,
+            name=name,
+            title=values.get("title", ""),
+            law=values.get("law"),
+            frames=frames,
+            assumed=values.get("assumed", ()),
+            gains=values.get("gains", {}),
+            reference=_reference(raw.get("reference", {}), errors),
+            changes=_changes(raw.get("changes", [])),
+            effects=effects,
+            **parts,
+        )
+    except ScenarioError as error:
+        if not errors or error is errors[0]:
+            raise
+    raise errors[0]
 
 
 def raw_with_units(raw: Mapping[str, object]) -> Raw:
@@ -68,10 +78,61 @@ def raw_with_units(raw: Mapping[str, object]) -> Raw:
     return {k: value if isinstance(value, str) else with_units(value) for k, value in raw.items()}
 
 
-def _reference(raw: object) -> Reference:
+def _whole(errors: list[ScenarioError], **parts: Any) -> Scenario:
+    """The scenario of its parts; else the first of the errors, with the others behind it."""
+    try:
+        scenario = Scenario(**parts)
+    except MissingKeysError as error:
+        errors.append(error)
+    if errors:
+        first, *others = dict.fromkeys(map(str, errors))
+        errors[0].args = (" ".join((first, *others)),)
+        raise errors[0]
+    return scenario
+
+
+def _built(section: type[Section], raw: object, errors: list[ScenarioError]) -> Section:
+    """The section of a raw table; where it is refused, of those of its values that are not."""
+    try:
+        return build(section, raw)
+    except ScenarioError as error:
+        whole = error
+    known, good = dict(quantities(section)), {}
+    alone = list[ScenarioError]()
+    for name, value in raw.items() if isinstance(raw, Mapping) else ():
+        path = f"{section.KEY}.{name}"
+        try:
+            if name not in known:
+                raise UnknownKeyError(path, known)
+            known[name].clean(value, path)
+            good[name] = value
+        except ScenarioError as error:
+            alone.append(error)
+            if name in known and isinstance(known[name].default, Unknown):
+                good[name] = known[name].default * 1  # stated, if wrongly
+    of_one = str(whole) in map(str, alone)
+    errors += alone if of_one else [whole]
+    with suppress(ScenarioError):
+        return build(section, good)
+    return default(section)
+
+
+def _reference(raw: object, errors: list[ScenarioError]) -> Reference | None:
+    """The desired motion; None where no kind is stated, or where it is refused."""
+    try:
+        return _of_kind(raw)
+    except ScenarioError as error:
+        errors.append(error)
+        stated = isinstance(raw, Mapping) and "kind" in raw
+        return STAND_IN if stated else None
+
+
+def _of_kind(raw: object) -> Reference | None:
     if not isinstance(raw, Mapping):
         raise ScenarioError(f"reference = {show(raw)} must be a table, written as [reference].")
-    name = raw.get("kind", "circle")
+    if "kind" not in raw:
+        return None
+    name = raw["kind"]
     if not isinstance(name, str) or name not in REFERENCES:
         near = choices(name if isinstance(name, str) else "", REFERENCES)
         raise ScenarioError(f"reference.kind = {show(name)} is not a kind of reference; {near}.")
@@ -137,8 +198,12 @@ def in_frames(raw: Mapping[str, object], frames: object) -> Raw:
 
 
 def _section_dict(section: Section) -> Raw:
-    """A section's fields that have a value, arrays as lists."""
-    return {key: _plain(value) for key, value in vars(section).items() if value is not None}
+    """A section's fields that are stated, arrays as lists."""
+    return {
+        key: _plain(value)
+        for key, value in vars(section).items()
+        if value is not None and not isinstance(value, Unstated)
+    }
 
 
 def _plain(value: object) -> object:
@@ -220,7 +285,7 @@ def _table(raw: Mapping[str, object], key: str) -> Mapping[str, object]:
     return table if isinstance(table, Mapping) else {}
 
 
-def _kind(raw: Mapping[str, object], default: object = "circle") -> object:
+def _kind(raw: Mapping[str, object], default: object = None) -> object:
     return _table(raw, "reference").get("kind", default)
 
 
@@ -315,7 +380,7 @@ def _with_kind(raw: Raw, values: dict[str, object]) -> Raw:
     reference = raw.get("reference")
     table = dict(reference) if isinstance(reference, Mapping) else {}
     kind = values.get("reference.kind")
-    if isinstance(kind, str) and kind != table.get("kind", "circle"):
+    if isinstance(kind, str) and kind != table.get("kind"):
         table = {"kind": kind}
     if "reference.file" in values:
         table.pop("points", None)
@@ -348,6 +413,8 @@ def _assign(raw: Raw, steps: list[Step], value: object, key: str) -> None:
         place = items[int(step)]
     last = steps[-1]
     if isinstance(last, str) and isinstance(place, dict):
+        if isinstance(value, Mapping) and isinstance(place.get(last), Mapping):
+            value = _over(place[last], value)
         place[last] = value
     else:
         _list_at(place, last, isinstance(value, Mapping), value, key)[int(last)] = value

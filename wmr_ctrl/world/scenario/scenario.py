@@ -11,11 +11,12 @@ from wmr_ctrl.core.fields.named_units import Stated, with_units
 from wmr_ctrl.core.fields.orientation import PAPER, checked_frames, described, field_outward
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, asking, number_of, numbers_in, quantities
+from wmr_ctrl.core.fields.unstated import Unknown, Unstated
 from wmr_ctrl.core.fields.values import Frozen, Quantity, Range, as_list, check_multiple
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results.frames import table_html
-from wmr_ctrl.world.references import REFERENCES, Circle, Reference
+from wmr_ctrl.world.references import REFERENCES, Reference
 from wmr_ctrl.world.references.kind import ReferenceKind
 from wmr_ctrl.world.registry import EFFECTS, Actuator, Base, Disturbance, Sensor
 
@@ -32,6 +33,7 @@ from .sections import (
     Model,
     Robot,
 )
+from .unstated import KIND, following, missing_keys, missing_text
 
 Gain: TypeAlias = float | bool | str | tuple[float, ...]
 Gains: TypeAlias = Mapping[str, Mapping[str, Gain]]
@@ -74,6 +76,10 @@ def _gain(value: object, path: str) -> Gain:
     )
 
 
+class MissingKeysError(ScenarioError):
+    """Keys that a scenario needs and does not state, all in one message."""
+
+
 ROUNDING = 1e-9
 """Share by which a difference of two times may miss a third."""
 S = TypeVar("S", bound=Section)
@@ -94,7 +100,8 @@ def sections() -> dict[str, type[Section]]:
 class Scenario:
     """A robot, what its laws believe, limits, gains, a start, a reference, and what disturbs it.
 
-    The defaults are Section V of the paper without the change of parameters at 40 s.  SI units.
+    It must state limits.v_u1, a reference, and of the robot what its base needs (`unstated`); all
+    other defaults belong to no robot.  SI units.
     ``gains`` holds those that the scenario names, by law and gain; numbers are floats, arrays
     tuples of floats.  A law's other gains are the law's own defaults.  ``effects`` holds the
     sections of effects that have a table of their own, by its key; see `section`.  ``frames`` says
@@ -115,7 +122,7 @@ class Scenario:
     limits: Limits = field(default_factory=Limits)
     gains: Gains = field(default_factory=Frozen)
     initial: Initial = field(default_factory=Initial)
-    reference: Reference = field(default_factory=Circle)
+    reference: Reference = field(default=cast("Reference", None))
     disturbance: Disturbance = field(default_factory=Disturbance)
     sensor: Sensor = field(default_factory=Sensor)
     actuator: Actuator = field(default_factory=Actuator)
@@ -135,6 +142,10 @@ class Scenario:
         object.__setattr__(self, "gains", clean_gains(self.gains))
         object.__setattr__(self, "changes", tuple(self.changes))
         object.__setattr__(self, "effects", Frozen(self.effects))
+        if missing := missing_keys(self):
+            raise MissingKeysError(missing_text(missing, sections()))
+        for key, section in following(self):
+            object.__setattr__(self, key, section)
         with asking(("clock", self.clock)):
             _relate(self)
 
@@ -151,6 +162,8 @@ class Scenario:
             for name, what in quantities(type(part)):
                 value = field_outward(getattr(part, name), what.orientation, self.frames)
                 text = "–" if value is None else str(value)
+                if isinstance(value, Unstated):
+                    text = "not stated" if isinstance(value, Unknown) else f"{text}, not stated"
                 rows.append((f"{key}.{name}", text, what.unit, described(what.doc, self.frames)))
         return table_html(repr(self)[1:-1], rows, ("field", "value", "unit", "meaning"))
 
@@ -248,7 +261,7 @@ def _check_types(scenario: Scenario) -> None:
     if scenario.law is not None and not isinstance(scenario.law, str):
         raise ScenarioError(f"law = {show(scenario.law)} must be a law's name in quotes.")
     checked_frames(scenario.frames)
-    if REFERENCES.of(scenario.reference) is None:
+    if scenario.reference is not None and REFERENCES.of(scenario.reference) is None:
         raise ScenarioError(f"reference must be one of the kinds {', '.join(REFERENCES)}.")
     if not isinstance(scenario.effects, Mapping):
         raise ScenarioError(f"effects = {show(scenario.effects)} must map tables to sections.")
@@ -268,7 +281,7 @@ def _assumed(raw: object) -> tuple[str, ...]:
     if keys is None:
         raise ScenarioError(f'assumed = {show(raw)} must be an array of keys, as in ["robot.m"].')
     known = {f"{table}.{name}" for table, cls in sections().items() for name, _ in quantities(cls)}
-    known.add("reference.kind")
+    known.add(KIND)
     for key in keys:
         if key not in known:
             raise ScenarioError(f"assumed: {show(key)} is no key such as robot.m.")

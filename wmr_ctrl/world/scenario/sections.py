@@ -6,22 +6,36 @@ from collections.abc import Mapping
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import REQUIRED, Section, quantity
 from wmr_ctrl.core.fields.units import plain
+from wmr_ctrl.core.fields.unstated import Unstated, derived, unknown
 from wmr_ctrl.core.fields.values import check_multiple
 
 CHANGING = {"m": "kg", "I": "kg m2", "mu": ""}
 """Fields of the robot that may change during a run, with their units in words."""
 MOST_SAMPLES, MOST_SUBSTEPS = 10_000_000, 100_000
+BARRIER_FROM = 0.85
+"""Share of a limit from which the barrier acts where nobody states it."""
+ENDLESS = 60.0
+"""Duration [s] of a run whose desired motion never comes to rest."""
 
 
 class Robot(Section, key="robot"):
-    """Parameters of the plant, Eqs. (1)-(6): a two-wheeled robot with its mass on the axle."""
+    """Parameters of the plant, Eqs. (1)-(6): a two-wheeled robot with its mass on the axle.
 
-    m: float = quantity(50.0, "kg", "mass", above=0, usual=(0.02, 5000))
-    I: float = quantity(5.4, "kg.m2", "moment of inertia about the vertical", above=0)
-    mu: float = quantity(0.08, "1", "coefficient of Coulomb friction", minimum=0, usual=(0, 1))
-    r: float = quantity(0.1, "m", "radius of the driving wheels", above=0, usual=(0.003, 1))
+    A base that takes torques needs m, I, mu, r and l.  One that takes velocities needs those that
+    something else reads; while nobody states them, placeholders stand for the others, which no
+    motion depends on.
+    """
+
+    m: float = quantity(unknown(1.0), "kg", "mass", above=0, usual=(0.02, 5000))
+    I: float = quantity(unknown(1.0), "kg.m2", "moment of inertia about the vertical", above=0)
+    mu: float = quantity(
+        unknown(0.0), "1", "coefficient of Coulomb friction", minimum=0, usual=(0, 1)
+    )
+    r: float = quantity(
+        unknown(1.0), "m", "radius of the driving wheels", above=0, usual=(0.003, 1)
+    )
     l: float = quantity(
-        0.25, "m", "half the track: axle's midpoint to wheel", above=0, usual=(0.005, 3)
+        unknown(1.0), "m", "half the track: axle's midpoint to wheel", above=0, usual=(0.005, 3)
     )
     g: float = quantity(9.81, "m/s2", "gravity", above=0)
     v_s: float = quantity(0.01, "m/s", "speed that smooths friction, mu m g tanh(v1/v_s)", above=0)
@@ -42,13 +56,14 @@ class Model(Section, key="model"):
 class Body(Section, key="body"):
     """Rigid-body parameters beside mass, inertia, friction, wheels and track of [robot].
 
-    The plane model does not read it.  Casters slide without friction.
+    The plane model does not read it.  Casters slide without friction.  What is left out is in
+    proportion to the robot: height 1.2 r, caster 1.2 l, wheel_width 0.4 r, wheel_mass 0.03 m.
     """
 
     tyre: float = quantity(0.8, "1", "friction between tyre and ground", above=0)
     grip: float = quantity(0.02, "s", "time in which a sliding tread is stopped", minimum=0.005)
-    height: float = quantity(0.12, "m", "centre of mass above the ground", above=0)
-    caster: float = quantity(0.3, "m", "axle to the casters in front and behind", above=0)
+    height: float = quantity(unknown(1.2), "m", "centre of mass above the ground", above=0)
+    caster: float = quantity(unknown(1.2), "m", "axle to the casters in front and behind", above=0)
     caster_gap: float = quantity(5e-4, "m", "casters above the ground", minimum=0)
     flatness: float = quantity(
         0.55, "1", "ratio of the inertia in pitch and roll to that in yaw", minimum=0.5
@@ -57,12 +72,14 @@ class Body(Section, key="body"):
         "sphere", "1", "tyre: point contact, or line contact that scrubs in turns",
         options=("sphere", "cylinder"),
     )  # fmt: skip
-    wheel_width: float = quantity(0.04, "m", "width of a cylinder's tread", above=0)
+    wheel_width: float = quantity(unknown(0.4), "m", "width of a cylinder's tread", above=0)
     radius: float | None = quantity(
         None, "m", "distance from the axle's midpoint to the body's farthest point, for keep_out",
         above=0,
     )  # fmt: skip
-    wheel_mass: float = quantity(1.5, "kg", "mass of each wheel, part of robot.m", above=0)
+    wheel_mass: float = quantity(
+        unknown(0.03), "kg", "mass of each wheel, part of robot.m", above=0
+    )
     slope: float = quantity(
         0.0, "rad", "rise of the ground; the plane model has slope.angle", minimum=0,
         maximum=math.pi / 4,
@@ -81,10 +98,13 @@ class Limits(Section, key="limits"):
     """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20)."""
 
     v_u1: tuple[float, float] = quantity(
-        (1.0, 1.5), "m/s, rad/s", "limits of |v1| and |omega|", above=0
+        unknown((1.0, 1.0)), "m/s, rad/s", "limits of |v1| and |omega|", above=0
     )
     v_u2: tuple[float, float] = quantity(
-        (0.8, 1.3), "m/s, rad/s", "thresholds above which the barrier acts", above=0
+        derived((0.85, 0.85)),
+        "m/s, rad/s",
+        "thresholds above which the barrier acts; default: 0.85 v_u1",
+        above=0,
     )
     clip: float = quantity(
         1e-6, "m/s, rad/s", "barrier terms see |v| clipped to v_u1 - clip", above=0
@@ -92,6 +112,9 @@ class Limits(Section, key="limits"):
 
     def relate(self) -> None:
         """Each axis needs v_u2 < v_u1 and clip < v_u1 - v_u2."""
+        if isinstance(self.v_u2, Unstated):
+            follows = derived(BARRIER_FROM * limit for limit in self.v_u1)
+            object.__setattr__(self, "v_u2", follows)
         rows = zip(self.v_u1, self.v_u2, ("m/s", "rad/s"), strict=True)
         for axis, (high, low, unit) in enumerate(rows, 1):
             if not low < high:
@@ -107,27 +130,39 @@ class Limits(Section, key="limits"):
 
 
 class Initial(Section, key="initial"):
-    """Pose and velocity at t = 0; the velocity may lie outside the limits."""
+    """Pose and velocity at t = 0; the velocity may lie outside the limits.
+
+    What is left out is the desired motion's at t = 0; behind a guard whose velocities are late the
+    robot then starts at rest.
+    """
 
     pose: tuple[float, float, float] = quantity(
-        (-0.5, -0.5, -0.7), "m, m, rad", "x, y, theta (theta is 0 along +Y)", orientation=3
+        derived((0.0, 0.0, 0.0)), "m, m, rad", "x, y, theta (theta is 0 along +Y)", orientation=3
     )
-    velocity: tuple[float, float] = quantity((0.0, 0.0), "m/s, rad/s", "v1, omega")
+    velocity: tuple[float, float] = quantity(derived((0.0, 0.0)), "m/s, rad/s", "v1, omega")
 
 
 class Clock(Section, key="clock"):
-    """Control period (zero-order hold), plant step (RK4) and duration of a run."""
+    """Control period (zero-order hold), plant step (RK4) and duration of a run.
+
+    Without a duration a run ends when the desired motion comes to rest, or after 60 s where it
+    never does.
+    """
 
     control: float = quantity(0.01, "s", "period of the control law", minimum=1e-9, usual=(1e-4, 1))
     plant: float = quantity(
         0.001, "s", "step of the plant's integration", minimum=1e-9, usual=(1e-6, 0.1)
     )
-    duration: float = quantity(80.0, "s", "length of a run", minimum=1e-9)
+    duration: float = quantity(derived(ENDLESS), "s", "length of a run", minimum=1e-9)
 
     @property
     def substeps(self) -> int:
         """Plant steps in one control period."""
         return round(self.control / self.plant)
+
+    def covering(self, time: float) -> float:
+        """Shortest duration [s] of whole control periods that is not below a ``time`` [s]."""
+        return derived(self.control * max(1, math.ceil(time / self.control - 1e-9)))
 
     @property
     def samples(self) -> int:
@@ -136,6 +171,8 @@ class Clock(Section, key="clock"):
 
     def relate(self) -> None:
         """The control period is a whole number of plant steps, the run one of control periods."""
+        if isinstance(self.duration, Unstated):
+            object.__setattr__(self, "duration", self.covering(self.duration))
         period, last = self.control, self.duration
         check_multiple("clock.control", period, "clock.plant", self.plant, MOST_SUBSTEPS, 1)
         check_multiple("clock.duration", last, "clock.control", period, MOST_SAMPLES, 1)
@@ -144,9 +181,8 @@ class Clock(Section, key="clock"):
 class Metrics(Section, key="metrics"):
     """Split of a run into before and after, start of the torque's RMS, tolerance of tracking.
 
-    The default tolerance is a tenth of the paper's robot's track, 0.5 m: what a wheel's width or a
-    doorway leaves.  It is ten times what a good law leaves, and less than a law that lost its
-    reference leaves.
+    The default tolerance is what a doorway leaves.  It is ten times what a good law leaves, and
+    less than a law that lost its reference leaves.
     """
 
     split: float | None = quantity(

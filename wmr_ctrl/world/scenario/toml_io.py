@@ -41,15 +41,10 @@ from .raw import (
 )
 from .scenario import OTHER_KEYS, Scenario, sections
 from .sections import Change, Model
+from .unstated import KIND
 
 _SUFFIX = ".toml"
 _PRESETS = files("wmr_ctrl.world.scenario") / "presets"
-OF_A_ROBOT = (
-    *("robot.m", "robot.I", "robot.mu", "robot.r", "robot.l", "limits.v_u1"),
-    *("initial.pose", "disturbance.std"),
-)
-"""Fields that one robot does not share with another."""
-KIND = "reference.kind"
 
 
 @lru_cache(maxsize=1)
@@ -225,7 +220,7 @@ def _extended(raw: Raw, folder: Path, seen: tuple[str, ...]) -> Raw:
 
 @dataclass(frozen=True, slots=True)
 class InheritedValue:
-    """A field that no file of the user states: key, value in effect, unit, meaning."""
+    """A field that nobody states: key, value in effect, unit, meaning."""
 
     key: str
     value: object
@@ -233,36 +228,26 @@ class InheritedValue:
     doc: str
 
 
-def inherited(
-    scenario: Scenario, source: str, overridden: Iterable[str] = ()
-) -> tuple[InheritedValue, ...]:
-    """Fields that describe the robot and that neither the file ``source`` nor overrides state.
-
-    Files that it extends count as stating, except what they call assumed; presets do not.  Empty
-    for a preset: it is whole.
-    """
-    if not is_path(source):
-        return ()
-    stated = stated_keys(source, overridden)
+def inherited(scenario: Scenario) -> tuple[InheritedValue, ...]:
+    """Fields that the scenario calls assumed."""
     values = []
-    for key in dict.fromkeys((*OF_A_ROBOT, *scenario.assumed)):
+    for key in scenario.assumed:
         table, _, name = key.partition(".")
-        if key != KIND and (key not in stated or key in scenario.assumed):
-            what = dict(quantities(sections()[table]))[name]
-            value = field_outward(
-                getattr(scenario.table(table), name), what.orientation, scenario.frames
-            )
-            doc = described(what.doc, scenario.frames)
-            values.append(InheritedValue(key, value, what.unit, doc))
-    if KIND in scenario.assumed or not any(key.startswith("reference.") for key in stated):
-        kind = scenario.reference_kind.name
-        values.append(InheritedValue(KIND, kind, "", "kind of the desired motion"))
+        if key == KIND:
+            kind = scenario.reference_kind.name
+            values.append(InheritedValue(KIND, kind, "", "kind of the desired motion"))
+            continue
+        what = dict(quantities(sections()[table]))[name]
+        stated = getattr(scenario.table(table), name)
+        value = field_outward(stated, what.orientation, scenario.frames)
+        doc = described(what.doc, scenario.frames)
+        values.append(InheritedValue(key, value, what.unit, doc))
     return tuple(values)
 
 
-def named_keys(source: str) -> set[str]:
-    """Fields that a preset or a file states, or anything that it extends."""
-    return stated_in(_resolved(source, Path(), ()))
+def raw_of(source: str) -> Raw:
+    """What a preset or a file states, or anything that it extends."""
+    return _resolved(source, Path(), ())
 
 
 def stated_keys(source: str, overridden: Iterable[str] = ()) -> set[str]:
@@ -346,7 +331,7 @@ def _sparse(raw: Mapping[str, Any], scenario: Scenario, only: Container[str]) ->
                 for name, value in part.items()
                 if f"{table}.{name}" in only or usual.get(name) != value
             }
-        if table == "reference" and (part or "reference.kind" in only or kind["kind"] != "circle"):
+        if table == "reference":
             part = kind | part
         if part or table in (*scenario.effects, "changes"):
             sparse[table] = part

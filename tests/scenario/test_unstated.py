@@ -1,0 +1,137 @@
+"""What must be stated is asked for at once; what is not known does not matter; the rest follows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from wmr_ctrl import simulate
+from wmr_ctrl.control.controller import lacking
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.unstated import Unknown, Unstated, unknown
+from wmr_ctrl.theory.checks import stability
+from wmr_ctrl.world.scenario import Scenario, from_dict, loads_scenario, override, to_toml
+
+ROBOT = {"m": 12.0, "I": 0.6, "mu": 0.05, "r": 0.08, "l": 0.2}
+LIMITS = {"v_u1": [0.6, 1.2]}
+CIRCLE = {"kind": "circle", "radius": 1.0, "rate": 0.25}
+TORQUE = {"robot": ROBOT, "limits": LIMITS, "reference": CIRCLE}
+VELOCITY = {"base": {"kind": "velocity"}, "limits": LIMITS, "reference": CIRCLE}
+REQUIRED = ("limits.v_u1", "reference.kind", *(f"robot.{name}" for name in ROBOT))
+
+
+@pytest.mark.parametrize("key", REQUIRED)
+def test_each_missing_key_is_named_with_its_unit_and_meaning(key):
+    table, _, name = key.partition(".")
+    part = {k: v for k, v in TORQUE[table].items() if k != name}
+
+    with pytest.raises(ScenarioError, match=rf"missing: {key}( \[.*\])?: \w+"):
+        from_dict({**TORQUE, table: part})
+
+
+def test_all_missing_keys_stand_in_one_message_with_what_else_is_wrong():
+    with pytest.raises(ScenarioError) as nothing:
+        Scenario()
+    with pytest.raises(ScenarioError) as wrong:
+        loads_scenario("[robot]\nm = -3\nweight = 4\n[limit]\nv = 1\n")
+
+    assert all(key in str(nothing.value) for key in REQUIRED)
+    assert all(
+        part in str(wrong.value) for part in ("robot.m = -3", "robot.weight", "limit is not")
+    )
+    assert all(key in str(wrong.value) for key in REQUIRED if key != "robot.m")
+    assert "robot.m [kg]" not in str(wrong.value)
+
+
+@pytest.mark.parametrize(
+    ("more", "needed"),
+    [
+        ({}, ()),
+        ({"encoder": {"counts": 1024}}, ("r", "l")),
+        ({"filter": {"kind": "clip", "channels": "wheels"}}, ("l",)),
+        ({"base": {"kind": "velocity", "loop": "pi"}}, tuple(ROBOT)),
+        ({"base": {"kind": "velocity", "w_max": 9.0}}, ("r", "l")),
+        ({"disturbance": {"push": [1.0, 0.1]}}, tuple(ROBOT)),
+        ({"actuator": {"tau_max": 2.0}}, tuple(ROBOT)),
+    ],
+)
+def test_a_base_that_takes_velocities_needs_what_something_reads(more, needed):
+    if not needed:
+        assert isinstance(from_dict({**VELOCITY, **more}).robot.m, Unknown)
+        return
+    with pytest.raises(ScenarioError) as missing:
+        from_dict({**VELOCITY, **more})
+    assert [name for name in ROBOT if f"robot.{name} [" in str(missing.value)] == [
+        name for name in ROBOT if name in needed
+    ]
+
+
+@pytest.mark.parametrize("law", ["kanayama", "pursuit"])
+def test_no_motion_depends_on_a_placeholder(law):
+    """To the bit where it is a power of two, which rounds nothing."""
+    scenario = override(
+        from_dict(VELOCITY), {"clock.duration": 3.0, "initial.pose": [0.1, -0.2, -1]}
+    )
+    others = {
+        name: unknown(factor) for name, factor in zip("mIrl", (4.0, 0.25, 0.5, 2.0), strict=True)
+    }
+    other = replace(scenario, robot=replace(scenario.robot, **others))
+    first, second = (simulate(item, law) for item in (scenario, other))
+
+    assert lacking(scenario, law) == ()
+    for name in ("x", "y", "theta", "v1", "omega"):
+        assert np.array_equal(first[name], second[name])
+
+
+@pytest.mark.parametrize("law", ["mb", "nn", "pid", "prox"])
+def test_a_law_that_reads_the_robot_asks_for_it(law):
+    with pytest.raises(ScenarioError, match=rf"law {law}: .*robot\.m \[kg\]"):
+        simulate(from_dict(VELOCITY), law)
+
+
+def test_what_is_not_stated_is_not_shown_as_known():
+    scenario = from_dict(VELOCITY)
+    text = to_toml(scenario)
+
+    assert "\n# m = ..." in text
+    assert "\n# v_u2 = ..." in text
+    assert "not stated" in scenario._repr_html_()
+    assert loads_scenario(text, scenario.name) == scenario
+
+
+def test_what_is_left_out_follows():
+    scenario = from_dict(TORQUE)
+    path = {"kind": "waypoints", "points": [[0, 0], [1, 0], [2, 1]]}
+    along = from_dict({**TORQUE, "reference": path})
+
+    assert scenario.limits.v_u2 == pytest.approx((0.51, 1.02))
+    assert scenario.initial.pose == pytest.approx((0.0, 0.0, -np.pi / 2))
+    assert scenario.initial.velocity == pytest.approx((0.25, 0.25))
+    assert scenario.clock.duration == 60.0
+    assert 0 <= along.clock.duration - along.reference.arrival < along.clock.control
+    assert (scenario.disturbance.std, scenario.changes) == (0.0, ())
+    halved = override(scenario, {"limits.v_u1": [0.3, 0.6]})
+    assert halved.limits.v_u2 == pytest.approx((0.255, 0.51))
+    assert isinstance(halved.limits.v_u2, Unstated)
+
+
+@pytest.mark.parametrize("period", [0.005, 0.05])
+@pytest.mark.parametrize("law", ["kanayama", "mb", "prox"])
+def test_gains_that_nobody_states_are_stable_at_the_period(law, period):
+    scenario = override(from_dict(TORQUE), {"clock.control": period})
+
+    assert stability(scenario, law).period > period
+
+
+def test_gains_follow_the_robot_unless_they_are_stated():
+    light = from_dict(TORQUE)
+    heavy = override(light, {"robot.m": 24.0})
+    stated = override(heavy, {"gains.pid.Kp": [5.0, 5.0]})
+
+    assert settle(heavy, "pid").gains.Kp[0] == pytest.approx(2 * settle(light, "pid").gains.Kp[0])
+    assert settle(stated, "pid").gains.Kp == (5.0, 5.0)
+    assert all(settle(light, law).gains for law in LAWS)

@@ -1,0 +1,137 @@
+"""What a scenario must state, and what follows where it is left out."""
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from wmr_ctrl.core.errors import WmrError
+from wmr_ctrl.core.fields.section import Section, quantities
+from wmr_ctrl.core.fields.unstated import Unknown, Unstated, derived
+from wmr_ctrl.world.effect import EffectRole
+from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.references.kind import start_of
+from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.speed_loop import takes_velocity
+from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER
+
+if TYPE_CHECKING:
+    from .scenario import Scenario
+
+KIND = "reference.kind"
+LIMITS = "limits.v_u1"
+
+
+def missing_keys(scenario: "Scenario") -> tuple[str, ...]:
+    """Keys that the scenario needs and does not state, in the order of its tables."""
+    needed = [*needed_of_robot(scenario), LIMITS]
+    keys = [key for key in needed if isinstance(_value(scenario, key), Unknown)]
+    return (*keys, *(() if scenario.reference else (KIND,)))
+
+
+def unknown_keys(scenario: "Scenario") -> tuple[str, ...]:
+    """Keys of [robot] that nobody states, as nothing in the loop depends on them."""
+    values = vars(scenario.robot).items()
+    return tuple(f"robot.{name}" for name, value in values if isinstance(value, Unknown))
+
+
+def missing_text(keys: tuple[str, ...], known: Mapping[str, type[Section]]) -> str:
+    """All missing keys in one sentence, each with unit and meaning."""
+    words = []
+    for key in keys:
+        table, _, name = key.partition(".")
+        if key == KIND:
+            words.append(f"{KIND}: kind of the desired motion ({', '.join(REFERENCES)})")
+        else:
+            what = dict(quantities(known[table]))[name]
+            words.append(f"{key} [{what.unit}]: {what.doc}")
+    head, them = ("These keys are", "them") if len(keys) > 1 else ("A key is", "it")
+    return (
+        f"{head} missing: {'; '.join(words)}. Nobody can know {them} for you: state {them}, or "
+        "extend a preset or file that does."
+    )
+
+
+def needed_of_robot(scenario: "Scenario") -> list[str]:
+    """Keys of [robot] on which the loop depends, whichever law drives.
+
+    A base that takes torques depends on all.  One that takes velocities follows its command by a
+    first order whatever its mass, unless something exerts a force or limits one; beyond that it
+    depends on what the graphs of sensors and commands read.
+    """
+    unknown = list(unknown_keys(scenario))
+    if not unknown or not takes_velocity(scenario):
+        return unknown
+    acting = [item for item in EFFECTS if item.active(scenario)]
+    if any(item.role in FORCING or _other_loop(item) for item in acting) or _limited(scenario):
+        return unknown
+    read = set(scenario.filter.reads)
+    for effect in acting:
+        if effect is not FIRST_ORDER:
+            read |= {port.signal.name for port in effect.build(scenario).params}
+    return [key for key in unknown if key in read]
+
+
+FORCING = (EffectRole.DISTURBANCE, EffectRole.DRIVE)
+
+
+def _other_loop(effect: Any) -> bool:
+    return effect.role is EffectRole.LOOP and effect is not FIRST_ORDER
+
+
+def _limited(scenario: "Scenario") -> bool:
+    actuator = scenario.actuator
+    return actuator.tau_max < float("inf") or actuator.traction
+
+
+def _value(scenario: "Scenario", key: str) -> object:
+    table, _, name = key.partition(".")
+    return vars(getattr(scenario, table))[name]
+
+
+def following(scenario: "Scenario") -> Iterator[tuple[str, Section]]:
+    """Yield the tables in which something is left out that follows from other tables."""
+    robot, clock, initial = scenario.robot, scenario.clock, scenario.initial
+    sizes = {"height": (1.2, robot.r), "caster": (1.2, robot.l), "wheel_width": (0.4, robot.r),
+             "wheel_mass": (0.03, robot.m)}  # fmt: skip
+    yield from _replaced("body", scenario.body, _shares(scenario.body, sizes))
+    gains = {"kp": (3.0, robot.m), "ki": (6.0, robot.m)}
+    yield from _replaced("base", scenario.base, _shares(scenario.base, gains))
+    if isinstance(clock.duration, Unstated) and scenario.reference.arrival is not None:
+        lasting = {"duration": clock.covering(scenario.reference.arrival)}
+        yield from _replaced("clock", clock, lasting)
+    start: dict[str, object] = {}
+    if isinstance(initial.pose, Unstated) or isinstance(initial.velocity, Unstated):
+        try:
+            pose, velocity = start_of(scenario)
+        except WmrError:
+            return  # said where the reference is checked
+        if isinstance(initial.pose, Unstated):
+            start["pose"] = derived(pose)
+        if isinstance(initial.velocity, Unstated):
+            start["velocity"] = derived((0.0, 0.0) if _starts_at_rest(scenario) else velocity)
+    yield from _replaced("initial", initial, start)
+
+
+def _starts_at_rest(scenario: "Scenario") -> bool:
+    """True behind a guard that hears late: what it hears counts from rest on."""
+    if not scenario.guard.enabled:
+        return False
+    bounds = (item.bounded(scenario) for item in EFFECTS.present(scenario))
+    return any(any(item.age) or any(item.window) for item in bounds if item is not None)
+
+
+def _shares(section: Section, shares: Mapping[str, tuple[float, float]]) -> dict[str, object]:
+    """Fields of a section that are left out, each a share of a size that is known."""
+    values = vars(section)
+    return {
+        name: derived(share * size)
+        for name, (share, size) in shares.items()
+        if isinstance(values[name], Unstated) and not isinstance(size, Unknown)
+    }
+
+
+def _replaced(
+    key: str, section: Section, values: Mapping[str, object]
+) -> Iterator[tuple[str, Section]]:
+    if any(vars(section)[name] != value for name, value in values.items()):
+        yield key, dataclasses.replace(section, **values)  # type: ignore[type-var]
