@@ -56,8 +56,9 @@ def check(
     case = opt.load(scenario, assignments, guard)
     taken = inherited(case)
     named = chosen or ((only,) if only and only in LAWS else ())
-    laws = named or (opt.law_of(case, None),)
-    work = inf if named and named != tuple(LAWS) else OF_LAW
+    every = named == tuple(LAWS)
+    laws = about.laws_for(case) if every else named or (opt.law_of(case, None),)
+    work = inf if named and not every else OF_LAW
     opt.note_idle(case, scenario, assignments, laws)
     note_missing_proofs()
     subject = None if as_json else only
