@@ -28,6 +28,8 @@ NAMES = "ros."
 """Beginning of keys of frames and topics, for this project's ROS 2 nodes."""
 COMMANDS, ODOMETRY = "ros.cmd_vel", "ros.odom"
 BASE_FRAME, ODOMETRY_FRAME, STAMPED = "ros.base_frame", "ros.odometry_frame", "ros.stamped"
+LARGEST = 1e9
+"""Largest size of a number, in SI units."""
 STEP = 1e-3
 """Control periods are multiples of this time [s], the plant's step."""
 ALIKE = 0.01
@@ -189,7 +191,7 @@ def number(value: object, place: str) -> float | None:
             )
         with suppress(ValueError):
             value = float(value)
-    if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > 1e9:
+    if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > LARGEST:
         raise ScenarioError(f"{place} = {show(value)} must be a number of usual size.")
     return None if math.isnan(value) else float(value)
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import io
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.problems import printable, show
+
+from .found import LARGEST
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -89,7 +90,7 @@ def numbers(item: Element, path: str, name: str, place: str, count: int) -> tupl
         return (0.0,) * count
     with contextlib.suppress(ValueError):
         result = tuple(map(float, value.split()))
-        if len(result) == count and all(abs(x) < math.inf for x in result):
+        if len(result) == count and all(abs(x) <= LARGEST for x in result):
             return result
-    many = "a finite number" if count == 1 else f"{count} finite numbers"
-    raise ScenarioError(f"{place}: {path} {name} = {show(value)} must be {many}.")
+    many = "a number" if count == 1 else f"{count} numbers"
+    raise ScenarioError(f"{place}: {path} {name} = {show(value)} must be {many} of usual size.")
