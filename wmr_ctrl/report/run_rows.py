@@ -69,10 +69,11 @@ def takes_velocities(run: Run) -> bool:
 
 
 def _torque(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
-    least, most = (_number(figures[key], "N m") for key in ("tau_rms", "tau_peak"))
+    mean, most = figures["tau_rms"], _number(figures["tau_peak"], "N m")
     at_limit, when = figures["saturated_share"], results.labouring(run)
     limited = f"; at its limit in {results.percent(at_limit)} of the {when}" if at_limit else ""
-    yield "wheel torque", f"{least} RMS, at most {most}{limited}"
+    rms = "" if mean is None else f"{_number(mean, 'N m')} RMS, "
+    yield "wheel torque", f"{rms}at most {most}{limited}"
 
 
 def _details(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
