@@ -273,7 +273,7 @@ def _cells(answers: Answers, law: str) -> Iterator[str]:
     shares = run and guard_share(run)
     drive = (run and tracking(run)["drive"]) or {}
     away, tube = drive.get("position_rms"), answers.tubes.get(law)
-    most = tube and tube.position
+    most = None if tube is None else tube.position
     yield answers.verdict(law).removeprefix("holds-").replace("-", " ")
     if limits is None:
         yield "not checked" if law in answers.stable else NONE

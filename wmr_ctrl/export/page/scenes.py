@@ -39,7 +39,8 @@ class PageMember:
 
     def settled(self, scenario: Scenario) -> Setup:
         """Setup of this robot; raises as `settle` does."""
-        return settle(override(scenario, self.overrides), self.law)
+        own = override(scenario, self.overrides) if self.overrides else scenario
+        return settle(own, self.law)
 
 
 UNLIMITED = 1e3

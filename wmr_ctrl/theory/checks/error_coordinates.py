@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
+from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -26,6 +27,7 @@ from wmr_ctrl.world.scenario import Scenario
 Floats = NDArray[np.float64]
 POSE, SPEED = "m, m, rad", "m/s, rad/s"
 """Units by which the memory of a pose and of a velocity is known."""
+Steps: TypeAlias = tuple[ca.Function, ca.Function, ca.Function, ca.Function]
 ROBOT, COMMAND, HELD = 5, 2, 4
 """Sizes: tracking error with v1 and omega; a command; what disturbs over a sample."""
 
@@ -41,25 +43,35 @@ class World:
     that of its gradient per time, for steps without length.
     """
 
+    step: ca.Function
+    slopes: ca.Function
+    rates: ca.Function
+    rate_slopes: ca.Function
+
     def __init__(self, setup: Setup, like: World | None = None) -> None:
         """Differentiate; plant steps and parameters are those of another World, if it is given."""
         self.setup, graphs = setup, PlantlessGraphs(setup)
-        for item in like.ports if like else ():
-            graphs.parameters.take(item.signal.name)
-        moved = None if like else _quiet(graphs.plant_step(), graphs.draws(Rate.STEP))
-        self.fast, self.slow, self.ports = graphs.fast, graphs.slow, graphs.parameters.ports
+        if like is None:
+            moved = _quiet(graphs.plant_step(), graphs.draws(Rate.STEP))
+        else:
+            for item in like.ports:
+                graphs.parameters.take(item.signal.name)
+        self.ports: tuple[Port, ...] = graphs.parameters.ports
+        self.fast, self.slow = graphs.fast, graphs.slow
         self.size, self.held = len(names_of(self.fast)), graphs.u.sym.numel()
         self.rows, self.slow_rows = (
             places(item.signal for item in part) for part in (self.fast, self.slow)
         )
         x, m = (stack(item.sym for item in part) for part in (self.fast, self.slow))
         self._sense(graphs, x, m)
-        if like:
+        if like is None:
+            each: Steps = self._stepping(graphs, x, moved)
+        else:
             assert [item.signal for item in self.ports] == [item.signal for item in like.ports]
-            self.step, self.slopes, self.rates, self.rate_slopes = (
-                like.step, like.slopes, like.rates, like.rate_slopes,
-            )  # fmt: skip
-            return
+            each = like.step, like.slopes, like.rates, like.rate_slopes
+        self.step, self.slopes, self.rates, self.rate_slopes = each
+
+    def _stepping(self, graphs: PlantlessGraphs, x: ca.SX, moved: ca.SX) -> Steps:
         u, p, h = graphs.u.sym, graphs.p, graphs.parameters.take("clock.plant")
         z, v_d, theta = ca.SX.sym("z", self.size), ca.SX.sym("v_d", 2), ca.SX.sym("theta")
         desired, angle = ca.vertcat(0, 0, theta), theta - z[2]
@@ -69,13 +81,12 @@ class World:
         step = ca.vertcat(tracking_error(desired, after[:3]), after[3:])
         slopes = ca.densify(ca.jacobian(step, ca.vertcat(z, u)))
         given = [graphs.step.clock.sym, z, theta, u, p, v_d]
-        self.step, self.slopes, self.rates, self.rate_slopes = (
-            ca.Function(name, given, [ca.densify(item)])
-            for name, item in (
-                ("step", step), ("slopes", slopes), ("rates", _slope(step, h)),
-                ("rate_slopes", _slope(slopes, h)),
-            )
-        )  # fmt: skip
+        return (
+            ca.Function("step", given, [ca.densify(step)]),
+            ca.Function("slopes", given, [slopes]),
+            ca.Function("rates", given, [ca.densify(_slope(step, h))]),
+            ca.Function("rate_slopes", given, [ca.densify(_slope(slopes, h))]),
+        )
 
     def _sense(self, graphs: PlantlessGraphs, x: ca.SX, m: ca.SX) -> None:
         shown = ca.vertcat(graphs.measured[: ROBOT + HELD], *graphs.sample.following)
