@@ -25,9 +25,9 @@ from .items import (
 from .reroll import Place, fused, reroll, shared_rooms
 
 _STEP = "    "
-MOST_BRANCHED = 6_000
-"""Operations up to which branches are looked for: the tables of a path of hundreds of points have
-more, and to look would take minutes and nest too deeply."""
+MOST_BRANCHED = 4_000
+"""Choices up to which branches are looked for: the tables of a path of hundreds of points have more,
+and to look would take minutes and nest too deeply."""
 FEWEST = 4
 """Exponentials that are worth an array."""
 
@@ -35,7 +35,7 @@ FEWEST = 4
 def body(graph: Graph, dialect: Dialect) -> list[str]:
     """Statements of a function that computes the graph: branches, loops, and results last."""
     items: list[Item] = [*statements(graph)]
-    if len(graph.nodes) <= MOST_BRANCHED:
+    if sum(node.op == SELECT for node in graph.nodes) <= MOST_BRANCHED:
         items = branched(graph, items)
     if dialect.exp_batch:
         items = batch_exponentials(graph, items)
