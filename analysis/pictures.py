@@ -234,8 +234,10 @@ def identified() -> Figure:
     docs = ROOT / "docs"
     page = (docs / "identify.md").read_text(encoding="utf-8")
     (known,) = re.findall(r"<!-- file: known.toml -->\n```\w+\n(.*?)```", page, re.S)
-    scenario = loads_scenario(known)
-    found = wmr_ctrl.identify(docs / "robot-log.csv", known=scenario)
+    with tempfile.TemporaryDirectory() as folder:
+        sheet = Path(folder) / "known.toml"
+        sheet.write_text(known, encoding="utf-8")
+        found = wmr_ctrl.identify(docs / "robot-log.csv", known=sheet)
     with house_style():
         return drawing_of(found, found.traces()).figure()
 
