@@ -36,7 +36,6 @@ from wmr_ctrl.simulation.campaign import PAPER_LAWS
 from wmr_ctrl.simulation.campaign.engine import run_campaign
 from wmr_ctrl.simulation.campaign.paper_runs import paper_plan
 from wmr_ctrl.world.effect import Bound
-from wmr_ctrl.world.scenario import loads_scenario
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
