@@ -68,14 +68,15 @@ def start_off(
 
     The velocity ``v`` (2) [m/s, rad/s] is the desired one unless given.
     """
-    wanted = np.asarray(e, dtype=float)
-    pose = sample(scenario, np.zeros(1))[0, :ERROR]
-    pose[2] -= wanted[2]
-    back = np.asarray(ca.evalf(error_rotation(ca.SX(pose[2])))).T @ wanted
-    pose[:2] -= back[:2]
+    pose = _placed(sample(scenario, np.zeros(1))[0, :ERROR], np.asarray(e, dtype=float))
     pose[2] = outward(float(pose[2]), scenario.frames)
     own = reference_velocity(scenario, 0.0)[0] if v is None else np.asarray(v, dtype=float)
     return np.concatenate((pose, own))
+
+
+def _placed(desired: Floats, e: Floats) -> Floats:
+    """Pose (3) with a tracking error by a desired one: Eq. (8) backwards."""
+    return desired - np.asarray(ca.evalf(error_rotation(ca.SX(desired[2] - e[2])))).T @ e
 
 
 def tracking_errors(desired: Floats, poses: Floats) -> Floats:
@@ -90,8 +91,5 @@ def _errors() -> ca.Function:
 
 
 def moved_along(pose: Floats, start: Floats, end: Floats) -> Floats:
-    """The pose (3) as seen from ``start`` that is ``pose`` as seen from ``end``, paper frames."""
-    turned = float(start[2] - end[2])
-    c, s = np.cos(turned), np.sin(turned)
-    away = np.array([[c, -s], [s, c]]) @ (pose[:2] - end[:2])
-    return np.array([*(start[:2] + away), pose[2] + turned])
+    """The pose (3) that is to ``start`` what ``pose`` is to ``end``, paper frames."""
+    return _placed(start, tracking_errors(end[None], pose[None])[0])
