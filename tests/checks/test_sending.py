@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.corridor.further import EXACT, QUICK
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli.check_sentences import stable
 from wmr_ctrl.codegen.functions import loop_functions

@@ -26,8 +26,10 @@ from .reroll import Place, fused, reroll, shared_rooms
 
 _STEP = "    "
 MOST_BRANCHED = 4_000
-"""Choices up to which branches are looked for: the tables of a path of hundreds of points have more,
-and to look would take minutes and nest too deeply."""
+"""Choices up to which branches are looked for.
+
+The tables of a path of hundreds of points have more: to look would take minutes and nest too deeply.
+"""
 FEWEST = 4
 """Exponentials that are worth an array."""
 

@@ -310,7 +310,7 @@ def shown_until(*runs: Run) -> float:
         ]
         last = max(last, float(np.max(run.time, where=np.any(moving, axis=0), initial=0.0)))
     soon = float(math.ceil(AFTER * last + 1.0))
-    return soon if 0 < last and soon < SHORT * end else end
+    return soon if last > 0 and soon < SHORT * end else end
 
 
 def time_axes(part: SubFigure, run: Run, title: str, end: float | None = None) -> Axes:

@@ -39,7 +39,12 @@ _KNOWN: dict[str, tuple[Fraction | int, dict[str, int]]] = {
     "h": (3600, {"s": 1}),
 }
 """Size and exponents; sizes are exact, but for pi, of which 80 digits are known."""
-_PREFIXES = {"k": 10**3, "c": Fraction(1, 100), "m": Fraction(1, 10**3), "u": Fraction(1, 10**6)}
+_PREFIXES: Mapping[str, Fraction | int] = {
+    "k": 10**3,
+    "c": Fraction(1, 100),
+    "m": Fraction(1, 10**3),
+    "u": Fraction(1, 10**6),
+}
 _PREFIXED = ("m", "g", "s", "N", "Nm", "J", "W", "V", "A", "Hz", "rad")
 _SPELLINGS = str.maketrans({"²": "2", "³": "3", "·": ".", "*": ".", " ": ".", "µ": "u", "μ": "u"})
 _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(\s*[A-Za-z%°µμ].*|\s+1\b.*)")
