@@ -28,7 +28,7 @@ _STEP = "    "
 MOST_BRANCHED = 4_000
 """Choices up to which branches are looked for.
 
-The tables of a path of hundreds of points have more: to look would take minutes and nest too deeply.
+A path of hundreds of points has more: to look would take minutes and nest too deeply.
 """
 FEWEST = 4
 """Exponentials that are worth an array."""
