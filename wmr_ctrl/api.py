@@ -289,7 +289,7 @@ def linearize(
 @checks_arguments
 def linear_against_run(
     scenario: str | Path | Scenario,
-    laws: Sequence[str] = ("nn",),
+    laws: Sequence[types.LawGiven] | None = None,
     *,
     guard: bool | None = None,
     overrides: types.Overrides | None = None,
@@ -298,9 +298,9 @@ def linear_against_run(
 ) -> AgainstRun:
     """From which size of start on the linear loop and the compiled run part by 1 % and by 10 %.
 
-    For each law and direction, over 20 s or what the run has, as
-    `wmr_ctrl.simulation.campaign.against_run` measures it; `.plot(path)` draws both answers.
-    ArgumentError where the run leaves its reference by itself.
+    For each law (as in `simulate`) and direction, over 20 s or what the run has; docs/linear.md
+    says how it is measured.  `.plot(path)` draws both answers.  ArgumentError where the run leaves
+    its reference by itself.
 
     >>> found = linear_against_run("paper-simulation-nominal", ["mb"])
     >>> round(found.laws["mb"].directions["ahead"].one_per_cent, 3)  # m
@@ -310,7 +310,8 @@ def linear_against_run(
     from wmr_ctrl.simulation.engines import runnable
 
     chosen = scenario_of(scenario, overrides, guard)
-    return against_run(runnable, chosen, tuple(laws), jobs, progress)
+    names = tuple(law_names(laws)) if laws else (law_of(chosen, None),)
+    return against_run(runnable, chosen, names, jobs, progress)
 
 
 @checks_arguments
