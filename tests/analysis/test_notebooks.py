@@ -132,6 +132,7 @@ def executed(tmp_path_factory):
             file.write_text(scenario, encoding="utf-8")
             text, count = re.subn(r'"SCENARIO = \\"[\w-]+\\"', r'"SCENARIO = \"mine.toml\"', text)
             assert count == 1
+            text = text.replace("CELLS = 150", "CELLS = 40")
         copy.write_text(text, encoding="utf-8")
         book = render.executed(copy, manager)
         return "".join(o.get("text", "") for c in book.cells for o in c.get("outputs", ()))
