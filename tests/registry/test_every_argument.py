@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
+from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, WmrError
 from wmr_ctrl.core.fields.arguments import hints_of
 from wmr_ctrl.results.drive import drive_of
@@ -28,6 +29,7 @@ GOOD: dict[str, dict[str, object]] = {
     "cosimulate": {"scenario": SCENARIO, "law": "no law"},
     "export_fmu": {"what": "guard", "out": "fmus"},
     "identify": {"log": "no log"},
+    "linear_against_run": {"scenario": "no scenario"},
     "linearize": {"scenario": "no scenario", "law": LAW},
     "load_drive": {"path": "drive.mcap"},
     "load_run": {"path": "run.npz"},
@@ -126,7 +128,7 @@ def test_missing_and_unknown_arguments(name):
 
 
 METHODS = [
-    (wmr_ctrl.Scenario, method) for method in ("table", "section", "number", "value")
+    (paper, method) for method in ("table", "section", "number", "value")
 ] + [
     (RUN, method) for method in ("__getitem__", "signal", "save", "plot", "animate", "film")
 ] + [

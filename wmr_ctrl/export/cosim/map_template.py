@@ -48,7 +48,8 @@ def _part(part: str, fmu: FmuFile) -> Iterator[str]:
     yield f"# Map of {Path(fmu.path).name} ({fmu.description.modelName})."
     yield "# Remove the first # of a row that fits."
     yield f"[{part}]"
-    step = getattr(fmu.description.defaultExperiment, "stepSize", None)
+    default = fmu.description.defaultExperiment
+    step = default.stepSize if default else None
     yield f"{'' if step else '# '}step = {step or 0.005}  # s, communication step of the FMU"
     if not all(fmu.unit(name) for name in (*inputs, *outputs)):
         yield '# units = "SI"  # if all variables for which the FMU gives no unit are in SI units'
