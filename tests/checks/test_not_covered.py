@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from math import inf
 
 import pytest
 
@@ -80,7 +81,8 @@ def test_behind_a_guard_a_delay_endangers_the_path_alone(told, lag, kept):
 
 @pytest.mark.parametrize("law", ["pid", "mb"])
 def test_guard_counts_on_bounded_noise(told, law):
-    (warning,) = told(law, {"guard.enabled": True}, scenario="far-start")
+    unbounded = {"guard.enabled": True, "disturbance.truncate": inf}
+    (warning,) = told(law, unbounded, scenario="far-start")
 
     assert warning.key == "disturbance.truncate"
     assert warning.sentence.endswith("Set disturbance.truncate = 3 for a guarantee.")

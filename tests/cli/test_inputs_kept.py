@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 import pytest
 
+from tests.papers_robot import HEAD
 from wmr_ctrl.cli import root
 from wmr_ctrl.core.errors import ResultFileError, WmrError
 from wmr_ctrl.core.fields.files import note_input, one_command, read_text
@@ -62,9 +63,9 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, short_run) -> Path:
     """An empty folder, now the working one, with a scenario on a path of its own, plan and log."""
     monkeypatch.chdir(tmp_path)
     Path("path.csv").write_text("x,y\n0,0\n1,0\n2,1\n")
-    Path("robot.toml").write_text('[reference]\nkind = "waypoints"\nfile = "path.csv"\n')
+    Path("robot.toml").write_text(HEAD + '[reference]\nkind = "waypoints"\nfile = "path.csv"\n')
     Path("mine.toml").write_text('extends = "robot.toml"\nclock.duration = 0.2\n')
-    Path("circle.toml").write_text("clock.duration = 0.2\n")
+    Path("circle.toml").write_text(HEAD + "clock.duration = 0.2\n")
     Path("plan.toml").write_text('scenario = "mine.toml"\nlaws = ["pid"]\nseeds = 1\n')
     assert short_run("--out", "saved.csv").exit_code == 0
     shutil.copy("saved.csv", "log.csv")

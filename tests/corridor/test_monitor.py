@@ -168,7 +168,7 @@ def test_what_cannot_be_watched_is_refused(case, law, words):
 
 
 @pytest.mark.parametrize(
-    "line", [("corridor",), ("prox", "--law", "prox"), ("corridor", "--law", "prox", "--float32")]
+    "line", [("prox", "--law", "prox"), ("corridor", "--law", "prox", "--float32")]
 )
 def test_the_option_that_does_not_belong_there_is_named(line, tmp_path):
     done = CliRunner().invoke(root, ["codegen", *line, "--out", str(tmp_path / "c")])

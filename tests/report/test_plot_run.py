@@ -185,7 +185,7 @@ def test_a_robot_that_turned_once_about_itself_stands_on_its_path_again():
 
 
 @pytest.mark.parametrize(
-    ("moves", "drawn"), [(16.0, 19.0), (70.0, 80.0), (0.0, 80.0), (79.9, 80.0), (40.0, 46.0)]
+    ("moves", "drawn"), [(16.0, 19.0), (70.0, 80.0), (0.0, 80.0), (79.9, 80.0), (41.0, 47.0)]
 )
 def test_a_run_is_drawn_as_long_as_it_moves_and_says_so(moves: float, drawn: float) -> None:
     """Either speed, true or desired, is motion; another run beside it may move for longer."""

@@ -15,7 +15,7 @@ from wmr_ctrl.results.oscillation import oscillation
 
 MakeRun = Callable[..., Run]
 CLIP = next(signal for signal in GUARD_DIAGNOSTICS if signal.name == "clip_active")
-CYCLES = {"gains.prox": {"rho": [42.9, 21.74], "wo": 10.0}}
+CYCLES = {"gains.prox": {"rho": [42.9, 21.74], "wo": 10.0, "tau_max": 20.0}}
 """Gains of prox, with k1 = 16.8, that make it cycle where drives are late."""
 AT_100_MS = {"clock.control": 0.1}
 LATE = {**AT_100_MS, "actuator.delay": 0.05}

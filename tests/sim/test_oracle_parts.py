@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from typing import Any
 
 import numpy as np
@@ -13,10 +13,13 @@ from tests.oracle import actuator, noise
 from tests.oracle.plant import Plant, limited_force, plants, wheel_torques
 from tests.oracle.references import reference_of
 from tests.oracle.sensing import Sensors as OracleSensor
+from tests.papers_robot import paper
 from wmr_ctrl.world.references import Circle, Lemniscate, Line, RoundedSquare, StopAndGo, Waypoints
 from wmr_ctrl.world.registry import Actuator, Disturbance, Sensor
-from wmr_ctrl.world.scenario import Change, Robot
+from wmr_ctrl.world.scenario import Change
 from wmr_ctrl.world.scenario.sections import Clock
+
+PAPER = paper().robot
 
 # -- noise ----
 
@@ -103,7 +106,7 @@ def test_circle_is_the_papers() -> None:
 
 
 def test_plant_without_friction_accelerates_as_newton_says() -> None:
-    plant = Plant(Robot(mu=0.0))
+    plant = Plant(replace(PAPER, mu=0.0))
     state = (0.0, 0.0, 0.0, 0.0, 0.0)
     for _ in range(1000):
         state = plant.step(state, (1.5, 0.5), 0.001)
@@ -115,7 +118,7 @@ def test_plant_without_friction_accelerates_as_newton_says() -> None:
 
 
 def test_plant_step_converges_with_the_fourth_order() -> None:
-    plant = Plant(Robot(mu=0.0))
+    plant = Plant(replace(PAPER, mu=0.0))
     start, torque = (0.0, 0.0, 0.3, 0.5, 1.0), (3.0, 1.0)
 
     def error(steps: int) -> float:
@@ -131,7 +134,7 @@ def test_plant_step_converges_with_the_fourth_order() -> None:
 
 
 def test_change_holds_from_the_first_plant_step_that_starts_with_it() -> None:
-    schedule = plants(Robot(), (Change(t=0.0035, m=60.0), Change(t=0.3, mu=0.2)), Clock())
+    schedule = plants(PAPER, (Change(t=0.0035, m=60.0), Change(t=0.3, mu=0.2)), Clock())
 
     assert [first for first, _ in schedule] == [0, 4, 300]
     last = schedule[-1][1].robot
@@ -139,7 +142,7 @@ def test_change_holds_from_the_first_plant_step_that_starts_with_it() -> None:
 
 
 def test_torque_limit_serves_the_thrust_first() -> None:
-    robot, most = Robot(), 2.0 * 5.0 / 0.1
+    robot, most = PAPER, 2.0 * 5.0 / 0.1
 
     assert limited_force((30.0, 2.0), 5.0, robot) == (30.0, 2.0)
     assert limited_force((500.0, 2.0), 5.0, robot) == (most, 0.0)

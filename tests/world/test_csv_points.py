@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
+from tests.papers_robot import HEAD
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references.point_files import read_points
 from wmr_ctrl.world.references.spline import simplified
@@ -118,7 +119,7 @@ def test_a_planners_path_is_thinned_within_the_tolerance(tmp_path, at_end):
         points = np.column_stack([3 * np.cos(turn), 2 * np.sin(turn)])
     np.savetxt(tmp_path / "way.csv", points, delimiter=",")
     (tmp_path / "mine.toml").write_text(
-        '[reference]\nkind = "waypoints"\nfile = "way.csv"\n'
+        f'{HEAD}[reference]\nkind = "waypoints"\nfile = "way.csv"\n'
         f'tolerance = 0.05\nat_end = "{at_end}"\n'
     )
     path = waypoint_path(load_scenario(tmp_path / "mine.toml").reference)

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.papers_robot import paper, paper_toml
+from tests.papers_robot import HEAD, paper, paper_toml
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references import Waypoints
 from wmr_ctrl.world.references import sample as sample_scenario
@@ -130,7 +130,9 @@ poses:
 def test_a_path_message_gives_its_points(tmp_path):
     pytest.importorskip("yaml")
     (tmp_path / "way.yaml").write_text(PATH)
-    (tmp_path / "mine.toml").write_text('[reference]\nkind = "waypoints"\nfile = "way.yaml"\n')
+    (tmp_path / "mine.toml").write_text(
+        f'{HEAD}[reference]\nkind = "waypoints"\nfile = "way.yaml"\n'
+    )
 
     points = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
     assert read_poses(tmp_path / "way.yaml") == points

@@ -402,7 +402,11 @@ def parse_key(key: str) -> list[Step]:
 
 
 def _assign(raw: Raw, steps: list[Step], value: object, key: str) -> None:
-    """Put a value in its place; missing tables are made, and an element after a list's last."""
+    """Put a value in its place; missing tables are made, and an element after a list's last.
+
+    A table of the scenario keeps what ``value`` does not state, since it may be required; gains of
+    a law are replaced as a whole.
+    """
     place: object = raw
     for step, following in pairwise(steps):
         fresh: object = {} if isinstance(following, str) else []
@@ -413,9 +417,8 @@ def _assign(raw: Raw, steps: list[Step], value: object, key: str) -> None:
         place = items[int(step)]
     last = steps[-1]
     if isinstance(last, str) and isinstance(place, dict):
-        if isinstance(value, Mapping) and isinstance(place.get(last), Mapping):
-            value = _over(place[last], value)
-        place[last] = value
+        merged = place is raw and last != "gains" and isinstance(place.get(last), Mapping)
+        place[last] = _over(place[last], value) if merged and isinstance(value, Mapping) else value
     else:
         _list_at(place, last, isinstance(value, Mapping), value, key)[int(last)] = value
 

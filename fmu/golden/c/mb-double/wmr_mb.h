@@ -38,7 +38,7 @@ typedef struct {
     wmr_real clock_control; /* [s] period of the control law */
     wmr_real gains_mb_rho[2]; /* [1/s] decay rate of V1 per axis, Eq. (9) */
     wmr_real limits_v_u1[2]; /* [m/s, rad/s] limits of |v1| and |omega| */
-    wmr_real limits_v_u2[2]; /* [m/s, rad/s] thresholds above which the barrier acts */
+    wmr_real limits_v_u2[2]; /* [m/s, rad/s] thresholds above which the barrier acts; default: 0.85 v_u1 */
     wmr_real limits_clip; /* [m/s, rad/s] barrier terms see |v| clipped to v_u1 - clip */
     wmr_real gains_kinematics_k[3]; /* [1/s, 1/m2, 1/s] k_1, k_2, k_3 of Eq. (7), paper Section V */
     wmr_real model_m; /* [kg] mass */
