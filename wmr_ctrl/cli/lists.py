@@ -79,6 +79,7 @@ def _list(rows: list[dict[str, str]], as_json: bool) -> None:
 def reference_text(kind: str) -> str:
     """Description of a kind of reference, its fields with defaults, and a table to begin with."""
     from wmr_ctrl.core.errors import UnknownNameError
+    from wmr_ctrl.core.fields.unstated import Unstated
     from wmr_ctrl.world.references import REFERENCES
     from wmr_ctrl.world.scenario import quantities
 
@@ -87,7 +88,9 @@ def reference_text(kind: str) -> str:
     entry = REFERENCES[kind]
     fields = dict(quantities(entry.section))
     values = {
-        name: json.dumps(what.default) for name, what in fields.items() if what.default is not None
+        name: json.dumps(what.default)
+        for name, what in fields.items()
+        if what.default is not None and not isinstance(what.default, Unstated)
     }
     rows = [
         (name, values.get(name, "-"), f"{what.doc} [{what.unit}]") for name, what in fields.items()
@@ -101,6 +104,7 @@ def reference_text(kind: str) -> str:
 
 def _print(name: str, as_json: bool, complete: bool, assignments: tuple[str, ...]) -> None:
     from wmr_ctrl.world.scenario import scenario_dict, title_of, to_toml
+    from wmr_ctrl.world.scenario.toml_io import MARK
 
     scenario = load(name, assignments)
     if as_json:
@@ -111,7 +115,8 @@ def _print(name: str, as_json: bool, complete: bool, assignments: tuple[str, ...
         click.echo(f"# {_left_out(scenario)}")
         scenario = replace(scenario, changes=())
         scenario = replace(scenario, title=title_of(scenario))
-    click.echo(to_toml(scenario, gains_docs=gains_docs()), nl=False)
+    click.echo(f"# Lines with {MARK} are of this scenario's robot, path and gains: look at each.")
+    click.echo(to_toml(scenario, gains_docs=gains_docs(scenario), marked=True), nl=False)
 
 
 def _left_out(scenario: Scenario) -> str:
@@ -127,16 +132,18 @@ def _left_out(scenario: Scenario) -> str:
     )
 
 
-def gains_docs() -> Docs:
-    """Default, unit and meaning of every gain, by law; the kinematic loop's first."""
-    from wmr_ctrl.control.laws import LAWS
-    from wmr_ctrl.control.setup import KINEMATICS
-    from wmr_ctrl.world.model.kinematics import KinematicGains
+def gains_docs(scenario: Scenario) -> Docs:
+    """Default, unit and meaning of every gain, by law; the kinematic loop's first.
+
+    The default of gains that follow from the robot is None.
+    """
+    from wmr_ctrl.control.setup import following_gains
     from wmr_ctrl.world.scenario import quantities
 
-    tables: dict[str, type] = {KINEMATICS: KinematicGains}
-    tables |= {law: LAWS[law].gains for law in LAWS}
     return {
-        law: {name: (what.default, what.unit, what.doc) for name, what in quantities(gains)}
-        for law, gains in tables.items()
+        law: {
+            name: (None if name in following_gains(law) else what.default, what.unit, what.doc)
+            for name, what in quantities(type(gains))
+        }
+        for law, gains in scenario.gains_by_law().items()
     }

@@ -287,6 +287,11 @@ def gains_by_law(scenario: Scenario) -> dict[str, Section]:
     return {KINEMATICS: kinematic_gains(scenario)} | laws
 
 
+def following_gains(law: str) -> frozenset[str]:
+    """Names of the gains that follow from robot, base and path where nobody states them."""
+    return frozenset({"k"} if law == KINEMATICS else LAWS[law].rule(ANY_BASIS))
+
+
 def kinematic_gains(scenario: Scenario) -> KinematicGains:
     """k_1, k_2, k_3 of Eq. (7)."""
     stated = scenario.gains.get(KINEMATICS, {})

@@ -105,6 +105,8 @@ def rule(basis: Basis) -> Mapping[str, object]:
     """Gains that follow from the base and its limits."""
     v, omega = basis.limits
     return {
+        "lookahead": max(1.5, 6 / basis.wo),
+        "k": min(1.0, basis.k[0]),
         "distance": (0.6 * v, 1.8 * v),
         "radius": 1.8 * v,
         "slowest": 0.5 * v,

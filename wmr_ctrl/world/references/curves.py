@@ -9,16 +9,32 @@ import math
 from collections.abc import Mapping
 
 from wmr_ctrl.core.fields.section import quantity
+from wmr_ctrl.core.fields.unstated import derived
 from wmr_ctrl.core.symbolic import ca
 
-from .kind import Reference, ReferenceKind, speeds, timed
+from .kind import Pair, Reference, ReferenceKind, driven, speeds, timed
+
+EIGHT_TURNS = 3.2
+"""Fastest turning of the figure of eight over the rate of its phase; its speed is sqrt(2) times."""
 
 
 class Circle(Reference):
-    """Circle through the origin, as in Section V: x = R sin wt, y = R - R cos wt."""
+    """Circle through the origin, as in Section V: x = R sin wt, y = R - R cos wt.
 
-    radius: float = quantity(2.0, "m", "radius of the desired circle", minimum=1e-6)
-    rate: float = quantity(0.1, "rad/s", "angular rate of the desired motion; negative: backwards")
+    What is left out follows: half of the limit of speed, a quarter of that of turning at most.
+    """
+
+    radius: float = quantity(derived(1.0), "m", "radius of the desired circle", minimum=1e-6)
+    rate: float = quantity(
+        derived(0.1), "rad/s", "angular rate of the desired motion; negative: backwards"
+    )
+
+    def sized(self, limits: Pair, accel: Pair) -> Mapping[str, float]:
+        """Radius and rate of a circle that the robot can follow."""
+        speed, rate = driven(limits)
+        if radius := self.stated("radius"):
+            rate = min(rate, speed / radius)
+        return {"rate": rate, "radius": speed / abs(self.stated("rate") or rate)}
 
 
 def circle(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
@@ -30,13 +46,20 @@ def circle(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
 
 
 class Line(Reference):
-    """Straight line at constant speed along (-sin heading, cos heading)."""
+    """Straight line at constant speed along (-sin heading, cos heading).
 
-    speed: float = quantity(0.2, "m/s", "speed of the desired motion")
+    A speed that is left out is half of the limit.
+    """
+
+    speed: float = quantity(derived(0.1), "m/s", "speed of the desired motion")
     heading: float = quantity(
         -math.pi / 2, "rad", "orientation of the desired line, 0 along +Y", orientation=1
     )
     origin: tuple[float, float] = quantity((0.0, 0.0), "m", "desired position x, y at t = 0")
+
+    def sized(self, limits: Pair, accel: Pair) -> Mapping[str, float]:
+        """Speed."""
+        return {"speed": driven(limits)[0]}
 
 
 def line(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
@@ -48,13 +71,23 @@ def line(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
 
 
 class StopAndGo(Reference):
-    """The circle with a speed that rises from 0 and falls to 0 again in every period."""
+    """The circle with a speed that rises from 0 and falls to 0 again in every period.
 
-    radius: float = quantity(2.0, "m", "radius of the desired circle", minimum=1e-6)
+    What is left out follows: half of the limit of speed, a quarter of that of turning at most.
+    """
+
+    radius: float = quantity(derived(1.0), "m", "radius of the desired circle", minimum=1e-6)
     speed: float = quantity(
-        0.4, "m/s", "largest speed of the desired motion; the mean is half of it", above=0
+        derived(0.1), "m/s", "largest speed of the desired motion; the mean is half of it", above=0
     )
     period: float = quantity(10.0, "s", "time from one stop to the next", minimum=1e-6)
+
+    def sized(self, limits: Pair, accel: Pair) -> Mapping[str, float]:
+        """Speed and radius of a circle that the robot can follow."""
+        speed, rate = driven(limits)
+        if radius := self.stated("radius"):
+            speed = min(speed, rate * radius)
+        return {"speed": speed, "radius": (self.stated("speed") or speed) / rate}
 
     @property
     def cycle(self) -> float:
@@ -74,20 +107,31 @@ def stop_and_go(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
 
 
 class Lemniscate(Reference):
-    """Figure of eight (of Gerono): x = a sin wt, y = a sin wt cos wt."""
+    """Figure of eight (of Gerono): x = a sin wt, y = a sin wt cos wt.
+
+    What is left out follows: half of the limit of speed, a quarter of that of turning at most.
+    """
 
     size: float = quantity(
-        2.0,
+        derived(1.0),
         "m",
         "half the width of the desired figure of eight; the height equals it",
         minimum=1e-6,
     )
     rate: float = quantity(
-        0.1,
+        derived(0.1),
         "rad/s",
         "rate of the phase along the figure of eight; one lap is 2 pi/rate",
         minimum=1e-6,
     )
+
+    def sized(self, limits: Pair, accel: Pair) -> Mapping[str, float]:
+        """Size and rate of an eight that the robot can follow."""
+        speed, turning = driven(limits)
+        rate, across = turning / EIGHT_TURNS, speed / math.sqrt(2)
+        if size := self.stated("size"):
+            rate = min(rate, across / size)
+        return {"rate": rate, "size": across / (self.stated("rate") or rate)}
 
     @property
     def cycle(self) -> float:

@@ -15,6 +15,7 @@ import numpy as np
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.plugins import blamed
 from wmr_ctrl.core.fields.section import Section, number_of, quantities, quantity
+from wmr_ctrl.core.fields.unstated import Unstated
 from wmr_ctrl.core.signals import REFERENCE, SAMPLE, TIME, Signal
 from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.model.evaluate import Floats, evaluated
@@ -26,11 +27,14 @@ if TYPE_CHECKING:
 
 GRID = 2001
 MOST_SAMPLES = 20_000
+DRIVEN = 0.5, 0.25
+"""Shares of the limits of speed and turning for which a path is sized where nobody does."""
 AT_ONCE = 64
 """Times at once: a function that is mapped over very many has a copy of all numbers for each."""
 Numbers: TypeAlias = tuple[tuple[Signal, tuple[float, ...]], ...]
 """Signals of a reference's parameters, each with its values; their names begin with ``ref_``."""
 Raw: TypeAlias = dict[str, object]
+Pair: TypeAlias = tuple[float, float]
 Trajectory: TypeAlias = "Callable[[ca.SX, Mapping[str, ca.SX]], ca.SX]"
 """From time [s] and the parameters' symbols by name to the reference (7, 1)."""
 
@@ -42,6 +46,15 @@ class Reference(Section, key="reference"):
         (), "m", "obstacles: circles [x, y, r], polygons [[x, y], ...]", kind="shapes"
     )
 
+    def stated(self, name: str) -> float | None:
+        """Value of a number; None where it is left out."""
+        value: float = vars(self)[name]
+        return None if isinstance(value, Unstated) else value
+
+    def sized(self, limits: Pair, accel: Pair) -> Mapping[str, float]:
+        """Values of fields that are left out, for limits of the speeds and of their rates, SI."""
+        return {}
+
     @property
     def cycle(self) -> float:
         """Time after which the desired velocities repeat [s]; inf if they never do."""
@@ -51,6 +64,11 @@ class Reference(Section, key="reference"):
     def arrival(self) -> float | None:
         """Time at which the desired motion comes to rest for good [s]; None if it never does."""
         return None
+
+
+def driven(limits: Pair) -> Pair:
+    """Speed and turning [m/s, rad/s] of a path that nobody sizes, from their limits."""
+    return DRIVEN[0] * limits[0], DRIVEN[1] * limits[1]
 
 
 def field_numbers(reference: Reference) -> Numbers:

@@ -1,32 +1,51 @@
 """Square with smoothed corners, a closed spline path: the curvature grows and falls like sin^2."""
 
+from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
 
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantity
+from wmr_ctrl.core.fields.unstated import derived
 
-from .kind import Numbers, Reference, ReferenceKind, timed
+from .kind import Numbers, Pair, Reference, ReferenceKind, driven, timed
 from .spline import Array, SplinePath, fit, path_numbers, trajectory
 
 CORNER_STEPS = 6
+SIDE, CORNER_TURNS = 3.75, 2.0
+"""Side over corner of a square that nobody sizes; turning in a corner, times corner over speed."""
 GROWTH = 2.5
 """Ratio of neighbouring steps along a side, away from a corner: ripples die out in them."""
 
 
 class RoundedSquare(Reference):
-    """Square with smoothed corners, counter-clockwise from the middle of its lower side."""
+    """Square with smoothed corners, counter-clockwise from the middle of its lower side.
 
-    side: float = quantity(3.0, "m", "side of the square", minimum=1e-6)
+    What is left out follows: half of the limit of speed, a quarter of that of turning at most.
+    """
+
+    side: float = quantity(derived(3.0), "m", "side of the square", minimum=1e-6)
     corner: float = quantity(
-        0.8, "m", "length of side that a corner takes at each end; at most side/2", minimum=1e-6
+        derived(0.8), "m", "length of side that a corner takes at each end; at most side/2", minimum=1e-6
     )
-    speed: float = quantity(0.2, "m/s", "speed, nearly constant", minimum=1e-6)
+    speed: float = quantity(derived(0.1), "m/s", "speed, nearly constant", minimum=1e-6)
+
+    def sized(self, limits: Pair, accel: Pair) -> Mapping[str, float]:
+        """Speed, corners and side of a square that the robot can follow."""
+        speed, turning = driven(limits)
+        corner, side = self.stated("corner"), self.stated("side")
+        if corner or side:
+            corner = corner or side / SIDE
+            speed = min(speed, turning * corner / CORNER_TURNS)
+        else:
+            corner = CORNER_TURNS * (self.stated("speed") or speed) / turning
+        return {"speed": speed, "corner": corner, "side": SIDE * corner}
 
     def relate(self) -> None:
         """Two corners must fit on a side."""
-        if self.corner > self.side / 2:
+        known = self.stated("corner") and self.stated("side")
+        if known and self.corner > self.side / 2:
             raise ScenarioError(
                 f"reference.corner = {self.corner!r} must be at most half of reference.side = "
                 f"{self.side!r} m: two corners share a side. Lower corner or raise side."

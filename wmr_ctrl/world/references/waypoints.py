@@ -21,11 +21,12 @@ import numpy as np
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import quantity
+from wmr_ctrl.core.fields.unstated import derived
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.symbolic import ca
 
 from . import spline
-from .kind import Numbers, Raw, Reference, ReferenceKind, timed
+from .kind import Numbers, Pair, Raw, Reference, ReferenceKind, timed
 from .point_files import SAME, read_points, read_poses
 from .speed_profile import PathLimits, SpeedProfile, fastest
 
@@ -45,6 +46,8 @@ speed = 0.3
 tolerance = 0.2
 at_end = "stop"
 """
+RISE = 2.5
+"""Time in which a path that nobody sizes reaches its speeds [s]."""
 STOP, CONTINUE, LOOP = "stop", "continue", "loop"
 _ROWS = (
     ("ref_start", "s", "times at which the speed's rows begin"),
@@ -59,7 +62,8 @@ class Waypoints(Reference):
 
     With ``at_end = "stop"`` the desired motion begins and ends at rest; with ``"continue"`` it
     begins at speed and goes straight on past the end; with ``"loop"`` the path is closed and
-    repeated.  A closed path returns from the last point to the first.
+    repeated.  A closed path returns from the last point to the first.  Speeds that are left out are
+    half of their limits, reached within 2.5 s or as fast as the base's own ramps admit.
     """
 
     points: tuple[tuple[float, float], ...] = quantity(
@@ -68,11 +72,11 @@ class Waypoints(Reference):
         f"x, y of each point, in the order of travel; more than {MOST_POINTS} need tolerance",
         kind="points",
     )
-    speed: float = quantity(0.2, "m/s", "speed wherever no limit is lower", minimum=1e-6)
+    speed: float = quantity(derived(0.1), "m/s", "speed wherever no limit is lower", minimum=1e-6)
     v_max: float | None = quantity(None, "m/s", "largest v1_d, instead of speed", minimum=1e-6)
-    omega_max: float = quantity(1.0, "rad/s", "largest |v2_d|", minimum=1e-6)
-    a_max: float = quantity(0.2, "m/s2", "largest rate of v1_d", minimum=1e-6)
-    alpha_max: float = quantity(1.0, "rad/s2", "largest rate of v2_d", minimum=1e-6)
+    omega_max: float = quantity(derived(0.1), "rad/s", "largest |v2_d|", minimum=1e-6)
+    a_max: float = quantity(derived(0.1), "m/s2", "largest rate of v1_d", minimum=1e-6)
+    alpha_max: float = quantity(derived(0.1), "rad/s2", "largest rate of v2_d", minimum=1e-6)
     tolerance: float | None = quantity(
         None,
         "m",
@@ -82,6 +86,13 @@ class Waypoints(Reference):
     )
     at_end: str = quantity(STOP, "1", "what follows the last point", options=(STOP, CONTINUE, LOOP))
     closed: bool = quantity(False, "1", "whether the path returns to its first point")
+
+    def sized(self, limits: Pair, accel: Pair) -> Mapping[str, float]:
+        """Speeds and their rates that leave the limits room."""
+        speed, turning = (0.5 * limit for limit in limits)
+        rates = (min(v / RISE, a) for v, a in zip((speed, turning), accel, strict=True))
+        own = dict(zip(("a_max", "alpha_max"), rates, strict=True))
+        return {"speed": speed, "omega_max": turning, **own}
 
     def relate(self) -> None:
         """The path must exist: enough points, none twice in a row, no turning on the spot."""

@@ -181,8 +181,8 @@ class Clock(Section, key="clock"):
 class Metrics(Section, key="metrics"):
     """Split of a run into before and after, start of the torque's RMS, tolerance of tracking.
 
-    The default tolerance is what a doorway leaves.  It is ten times what a good law leaves, and
-    less than a law that lost its reference leaves.
+    The default tolerance is what a doorway leaves: 0.2 robot.l, or where that is not stated the way
+    of 0.05 s at limits.v_u1.
     """
 
     split: float | None = quantity(
@@ -190,7 +190,7 @@ class Metrics(Section, key="metrics"):
     )
     rms_from: float = quantity(2.0, "s", "start of the torque's RMS", minimum=0)
     tolerance: float = quantity(
-        0.05, "m",
+        derived(0.05), "m",
         "largest RMS position error, in the drive and at the end, that counts as tracked", above=0,
     )  # fmt: skip
 
