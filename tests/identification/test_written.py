@@ -51,7 +51,7 @@ def test_limits_that_nobody_stated_are_those_of_the_log_and_are_called_assumed(s
     for limit, fastest in zip(scenario.limits.v_u1, FASTEST, strict=True):
         assert 0.85 * fastest < limit < fastest
     assert scenario.filter.kind == "clip"
-    assert {*taken} == {"limits.v_u1", "limits.v_u2", "reference.kind"}
+    assert {*taken} == {"limits.v_u1", "reference.kind"}
     assert isinstance(scenario.robot.m, Unknown)
     assert any("nobody stated limits.v_u1" in text for text in silent.remarks)
     assert "seen in the log, not your limit" in file.read_text()
@@ -61,7 +61,7 @@ def test_what_nobody_stated_is_not_written(silent):
     written = tomllib.loads(silent.to_toml())
 
     assert not {"robot", "initial", "sensor", "body", "gains"} & {*written}
-    assert {*written["assumed"]} == {"limits.v_u1", "limits.v_u2", "reference.kind"}
+    assert {*written["assumed"]} == {"limits.v_u1", "reference.kind"}
 
 
 def test_what_was_stated_is_written_though_it_is_as_by_default_and_is_not_assumed():
@@ -76,7 +76,7 @@ def test_what_was_stated_is_written_though_it_is_as_by_default_and_is_not_assume
 
 
 def test_one_limit_that_is_stated_leaves_the_other_to_the_log():
-    found = identify(LOG, base="velocity", overrides={"limits.v_u1[1]": 0.3, "limits.v_u2[1]": 0.2})
+    found = identify(LOG, base="velocity", overrides={"limits.v_u1[1]": 0.3})
 
     assert found.scenario.limits.v_u1[0] == 0.3
     assert found.scenario.limits.v_u1[1] < FASTEST[1]
@@ -266,7 +266,7 @@ def test_a_guard_keeps_to_the_speeds_and_torques_of_the_log(driven, found):
     """`found` knows wheels and counts alone."""
     scenario, log = found.scenario, log_of(driven, 0)
 
-    assumed = {"limits.v_u1", "limits.v_u2", "actuator.tau_max", "reference.kind"}
+    assumed = {"limits.v_u1", "actuator.tau_max", "reference.kind"}
     assert assumed == {*scenario.assumed}
     most = [max(map(abs, log[f"tau_{side} [N.m]"])) for side in ("right", "left")]
     assert 0.9 * min(most) < scenario.actuator.tau_max <= min(most)

@@ -87,7 +87,7 @@ CASES = {
     "gain table": ("[gains]\nrho = 1", "gains.rho = 1 must be a table of gains"),
     "gain depth": ("[gains.mb.rho]\na = 1", "gains.mb.rho = a table must be a number"),
     "corner": (
-        "[reference]\nkind='rounded-square'\ncorner=2",
+        "[reference]\nkind='rounded-square'\nside=3.0\ncorner=2",
         "reference.corner = 2.0 must be at most",
     ),
     "no points": ("[reference]\nkind='waypoints'", "reference.points has 0 different point(s)"),

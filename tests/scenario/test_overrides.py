@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
-from wmr_ctrl.world.references import Circle, Line, Waypoints
+from wmr_ctrl.world.references import Circle, Line
 from wmr_ctrl.world.scenario import Change, load_scenario, override, parse_assignments
 from wmr_ctrl.world.scenario.raw import parse_key, parse_value
 
@@ -84,7 +84,7 @@ def test_assignments():
         ({"changes[1].mu": "none"}, lambda s: s.changes == (Change(t=40.0, m=65.0, I=7.0),)),
         ({"clock.duration": "10"}, lambda s: s.changes == () and s.clock.samples == 1000),
         ({"clock.duration": "50"}, lambda s: len(s.changes) == 1),
-        ({"reference.kind": "line"}, lambda s: s.reference == Line()),
+        ({"reference.kind": "line"}, lambda s: s.reference == Line(speed=0.5)),
         (
             {"reference.kind": "line", "reference.speed": "1"},
             lambda s: s.reference == Line(speed=1),
@@ -93,8 +93,8 @@ def test_assignments():
             {"reference.speed": "1", "reference.kind": "line"},
             lambda s: s.reference == Line(speed=1),
         ),
-        ({"reference.kind": "circle"}, lambda s: s.reference == Circle()),
-        ({"reference.radius": "3"}, lambda s: s.reference == Circle(radius=3)),
+        ({"reference.kind": "circle"}, lambda s: s.reference == Circle(radius=2, rate=0.1)),
+        ({"reference.radius": "3"}, lambda s: s.reference == Circle(radius=3, rate=0.1)),
         ({"title": "my run"}, lambda s: s.title == "my run"),
         ({"actuator.tau_max": "inf"}, lambda s: s.actuator.tau_max == math.inf),
         ({"metrics.split": "10"}, lambda s: s.split == 10.0),
@@ -159,8 +159,8 @@ def test_a_file_of_points_is_found_from_where_one_stands(tmp_path, monkeypatch):
     )
     again = override(scenario, {"reference.file": "way.csv", "reference.speed": "0.3"})
 
-    assert scenario.reference == Waypoints(points=((0, 0), (1, 0), (2, 1)))
-    assert again.reference == Waypoints(points=((0, 0), (1, 0), (2, 1)), speed=0.3)
+    assert scenario.reference.points == again.reference.points == ((0, 0), (1, 0), (2, 1))
+    assert again.reference.speed == 0.3
 
 
 def test_tables_that_are_given_stay_as_they_were() -> None:

@@ -156,15 +156,16 @@ def test_files_extend_files_next_to_them(tmp_path):
     (tmp_path / "sub" / "child.toml").write_text('extends = "../base.toml"\n[robot]\nI = 6.0\n')
     scenario = load_scenario(tmp_path / "sub" / "child.toml")
 
-    assert scenario.reference == Waypoints(points=((0, 0), (1, 0), (2, 1)))
+    assert scenario.reference.points == ((0, 0), (1, 0), (2, 1))
     assert (scenario.robot.m, scenario.robot.I) == (60.0, 6.0)
     assert scenario.title == "base"
 
 
 def test_another_kind_replaces_the_extended_reference():
     text = 'extends = "fast-reference"\n[reference]\nkind = "circle"\nradius = 3.0\n'
+    reference = paper_toml(text).reference
 
-    assert paper_toml(text).reference == Circle(radius=3.0)
+    assert (type(reference), reference.radius) == (Circle, 3.0)
 
 
 def test_same_kind_keeps_the_rest_of_the_extended_reference():

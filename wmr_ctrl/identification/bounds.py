@@ -5,7 +5,7 @@ Each parameter gets a verdict, mixtures get words, and seconds are named.
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -202,7 +202,8 @@ class BaseIdentification(ABC):
 
     ``parameters`` maps a name to (value, low, high, verdict, seconds), SI units; ``bounds`` are the
     numbers for the guard or the filter; ``score`` says how well the held-out third was predicted;
-    ``scenario`` can be run as it is.
+    ``scenario`` can be run as it is.  It has stand-ins for ``missing``, keys that a scenario must
+    state and that neither the log nor anybody tells; the file is written without them.
     """
 
     name: str
@@ -211,6 +212,7 @@ class BaseIdentification(ABC):
     remarks: tuple[str, ...]
     score: Score
     scenario: Scenario
+    missing: tuple[str, ...] = field(default=(), kw_only=True)
     words: Mapping[str, str] = field(default_factory=dict, kw_only=True)
     """Keys that the written scenario has though they are as by default, with words on some."""
     places: ClassVar[Mapping[str, tuple[str, ...]]] = {}
@@ -239,11 +241,16 @@ class BaseIdentification(ABC):
         return {name: (WORDS[name], UNITS[name]) for name in self.parameters}
 
     def to_toml(self) -> str:
-        """The scenario, with the interval and verdict of each number beside it."""
+        """The scenario without what is missing, with the interval and verdict of each number."""
+        assumed = [key for key in self.scenario.assumed if key not in self.missing]
         ours = (key for key, names in self.places.items() if {*names} & {*self.parameters})
-        only = {*self.words, *ours, *self.scenario.assumed}
-        document = tomlkit.parse(to_toml(self.scenario, only=only))
-        for key in self.scenario.assumed:
+        only = {*self.words, *ours, *assumed}
+        stated = replace(self.scenario, assumed=tuple(assumed))
+        document = tomlkit.parse(to_toml(stated, only=only))
+        for key in self.missing:
+            table, name = key.split(".")
+            document[table].remove(name)
+        for key in assumed:
             table, name = key.split(".")
             entry = document[table][name]
             said = self.words.get(key) or "assumed, nobody stated it"

@@ -14,6 +14,8 @@ from wmr_ctrl.results import Run
 from wmr_ctrl.results.drive import RecordedDrive
 from wmr_ctrl.world.encoder import COUNTS, Encoder
 from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario.scenario import sections
+from wmr_ctrl.world.scenario.unstated import missing_text
 from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
 
 from .bounds import (
@@ -62,6 +64,8 @@ from .stated import (
     LEAST_SEEN,
     NOT_SHOWN,
     believed,
+    not_found,
+    undetermined,
     with_limits,
     within_reach,
     written,
@@ -179,7 +183,14 @@ def identify(
 
     fit = _of_torques if base == "torque" else of_velocities
     identified = fit(raw.name, samples, scenario, remarks, tell)
-    result = written(identified.scenario)
+    vague = [key for key in undetermined(identified.parameters) if key in sure]
+    kept = {key: scenario.value(key)[0] for key in vague}
+    result = written(override(identified.scenario, kept))
+    missing = not_found(sure, samples, identified.parameters)
+    if missing:
+        remarks = [*identified.remarks, missing_text(missing, sections())]
+        result = replace(result, assumed=tuple(dict.fromkeys((*result.assumed, *missing))))
+        identified = replace(identified, remarks=tuple(remarks), missing=missing)
     words |= {key: NOT_SHOWN for key in result.assumed if key.startswith(("filter.", "guard."))}
     identified = replace(identified, scenario=result, words=words)
     if progress:

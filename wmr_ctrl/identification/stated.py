@@ -14,24 +14,21 @@ from wmr_ctrl.core.fields.unstated import Unknown
 from wmr_ctrl.world.scenario import Scenario, from_dict, override, scenario_dict
 from wmr_ctrl.world.scenario.raw import apply, merge, stated_in
 from wmr_ctrl.world.scenario.scenario import MissingKeysError
-from wmr_ctrl.world.scenario.sections import Robot
+from wmr_ctrl.world.scenario.sections import BARRIER_FROM, Robot
 from wmr_ctrl.world.scenario.toml_io import raw_of
 from wmr_ctrl.world.scenario.unstated import KIND
 
+from .bounds import UNDETERMINED, Estimate
 from .logs.log import Log
 from .logs.samples import Samples, held_speeds
 
 LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
-BARRIER_FROM = 0.8
-"""Share of a limit from which the barrier acts."""
 STAND_IN: Mapping[str, object] = {
     "robot": {"m": 50.0, "I": 5.4, "mu": 0.08, "r": 0.1, "l": 0.25},
-    "limits": {"v_u1": [1.0, 1.5], "v_u2": [0.8, 1.3]},
+    "limits": {"v_u1": [1.0, 1.5]},
     "reference": {"kind": "circle"},
 }
 """What a log is read with until it says better; what nobody stated is not written."""
-SHARE_OF_TURNING = 6.0
-"""Limit of turning over the rate of the path that is written where nobody states one."""
 LEAST_SEEN = 1e-3
 """Least speed that counts as motion [m/s, rad/s]."""
 MOST_FAR = 2.0
@@ -54,12 +51,13 @@ def believed(
     if isinstance(given, Scenario):
         scenario = scenario_of(given, overrides, guard=False)
         stated |= stated_in(scenario_dict(given))
+        silent = {*scenario.assumed}
     else:
         source = {} if given is None else raw_of(str(given))
         whole = apply(merge(STAND_IN, source), overrides)
         scenario = scenario_of(from_dict(whole, "identified"), {}, guard=False)
         stated |= stated_in(source)
-    silent = {*scenario.assumed, *(stated_in(STAND_IN) - stated)}
+        silent = {*scenario.assumed, *(stated_in(STAND_IN) - stated)}
     return replace(scenario, assumed=tuple(sorted(silent))), stated - silent
 
 
@@ -75,10 +73,9 @@ def with_limits(
     for axis, (seen, unit) in enumerate(zip(held_speeds(samples), ("m/s", "rad/s"), strict=True)):
         if not {LIMITS, f"{LIMITS}[{axis + 1}]"} & sure and seen > LEAST_SEEN:
             high[axis] = rounded_down(seen)
-            follows = float(f"{BARRIER_FROM * high[axis]:.3g}")
-            low[axis] = min(low[axis], follows) if BARRIER in sure else follows
+            low[axis] = min(low[axis], float(f"{BARRIER_FROM * high[axis]:.3g}"))
             shown.append(f"{LIMITS}[{axis + 1}] = {high[axis]:g} {unit}")
-            limits = {LIMITS: high, BARRIER: low}
+            limits = {LIMITS: high, **({BARRIER: low} if BARRIER in sure else {})}
     torques = np.abs(samples.command).max(axis=0)
     if base == "torque" and TORQUE not in sure and torques.any():
         limits[TORQUE] = rounded_down(float(torques[torques > 0].min()))
@@ -86,10 +83,10 @@ def with_limits(
     if shown:
         remarks.append(
             f"nobody stated {', '.join(shown)}: this much is seen in the log, and is not your "
-            "limit. State yours, as in --set limits.v_u1=0.5,1.2 --set limits.v_u2=0.4,1."
+            "limit. State yours, as in --set limits.v_u1=0.5,1.2."
         )
     words = dict.fromkeys(sure, "") | dict.fromkeys({LIMITS, TORQUE} & {*limits}, SEEN)
-    assumed = [key for key in limits if key != BARRIER or key not in sure]
+    assumed = [key for key in limits if key != BARRIER]
     limited = override(scenario, limits)
     return replace(limited, assumed=(*limited.assumed, *assumed)), words
 
@@ -115,7 +112,7 @@ def within_reach(scenario: Scenario, far: Sequence[float], remarks: list[str]) -
 
 
 def written(scenario: Scenario) -> Scenario:
-    """The scenario without what nobody stated and nothing depends on; its path is within limits.
+    """The scenario without what nobody stated and nothing depends on.
 
     What has its default need not be called assumed: it is left out.
     """
@@ -123,11 +120,6 @@ def written(scenario: Scenario) -> Scenario:
     placeholders = {k: v for k, v in vars(default(Robot)).items() if k in robot}
     with suppress(MissingKeysError):
         scenario = replace(scenario, robot=replace(scenario.robot, **placeholders))
-    if KIND in scenario.assumed:
-        speed, turning = scenario.limits.v_u1
-        path = {"radius": 2 * speed / turning, "rate": turning / SHARE_OF_TURNING}
-        digits = {f"reference.{key}": float(f"{value:.3g}") for key, value in path.items()}
-        scenario = replace(override(scenario, digits), assumed=scenario.assumed)
 
     def differs(key: str) -> bool:
         table, _, name = key.partition(".")
@@ -138,6 +130,23 @@ def written(scenario: Scenario) -> Scenario:
         return not isinstance(value, Unknown) and value != usual
 
     return replace(scenario, assumed=tuple(filter(differs, scenario.assumed)))
+
+
+def undetermined(parameters: Mapping[str, Estimate]) -> list[str]:
+    """Keys of the robot's mass and inertia where a log was read for them and does not show them."""
+    fitted = {"robot.m": parameters.get("m"), "robot.I": parameters.get("I")}
+    return [key for key, item in fitted.items() if item and item.verdict == UNDETERMINED]
+
+
+def not_found(
+    sure: set[str], samples: Samples, parameters: Mapping[str, Estimate]
+) -> tuple[str, ...]:
+    """Keys that a scenario must state, and that neither the log shows nor anybody states."""
+    still = [f"{LIMITS}[{axis}]" for axis in (1, 2) if held_speeds(samples)[axis - 1] <= LEAST_SEEN]
+    missing = [key for key in undetermined(parameters) if key not in sure]
+    if LIMITS not in sure and not sure.issuperset(still):
+        missing.append(LIMITS)
+    return tuple(missing)
 
 
 def rounded_down(value: float) -> float:
