@@ -7,6 +7,7 @@ The state is the fast one (the plant, then what moves with it at each step) foll
 one.  Compiled loops and FMUs are made from these graphs and know no System by name.
 """
 
+import math
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, cast
@@ -40,6 +41,7 @@ from wmr_ctrl.world.model.kinematics import tracking_error
 from wmr_ctrl.world.model.system import Parameters, Port, System, port, stack, values
 from wmr_ctrl.world.phases import demanded
 from wmr_ctrl.world.references.kind import reference
+from wmr_ctrl.world.scenario.unstated import unknown_keys
 from wmr_ctrl.world.speed_loop import EXERTED
 
 from .controller import watched_controller, wheel_limit
@@ -237,9 +239,15 @@ class LoopGraphs(Graphs):
             ca.vertcat(*map(p.take, KEYS)),
             *(self.sample.column(part) for part in (REFERENCE[3:5], REFERENCE[5:])),
         )
+        needed += self._nothing
         at_limit = peak >= AT_LIMIT * wheel_limit(self.setup, p)
         summed = (*sums, *squares, 1, ca.sumsqr(needed), at_limit)
         return ca.vertcat(*summed, peak, known["clip_active"], least, self._beyond(least))
+
+    @property
+    def _nothing(self) -> float:
+        """What is added to torques: NaN where the robot that they are of is not known."""
+        return math.nan if unknown_keys(self.setup.scenario) else 0.0
 
     def _beyond(self, least: ca.SX) -> ca.SX:
         """1 where d_least (2,) contradicts the guard's bounds; no guard is on a velocity base."""
@@ -261,6 +269,7 @@ class LoopGraphs(Graphs):
         if self.setup.takes_velocity:
             every_state = (item for system in drives for item in system.state)
             exerted = next(item.sym for item in every_state if item.signal == EXERTED)
+            exerted = exerted + self._nothing
             known |= {signal.name: exerted[i] for i, signal in enumerate(TORQUE)}
         disturbances = rate.effects(EffectRole.DISTURBANCE)
         rate.disturb(disturbances)

@@ -18,6 +18,7 @@ from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import OURS as OUR_EFFECTS
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.scenario.scenario import sections
+from wmr_ctrl.world.scenario.unstated import unknown_keys
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .guard.bounds import LATENESS
@@ -49,8 +50,9 @@ def structure_of(setup: Setup) -> Hashable:
     shape = tuple(scenario.value(key) for item in setup.effects for key in item.shape)
     guard = (scenario.guard.enabled, scenario.guard.map)
     sent = (scenario.filter, scenario.clock, scenario.base)  # the filter counts in samples
+    silent = bool(unknown_keys(scenario))  # whose torques are NaN
     steps = _steps(setup), setup.predicted, sent if setup.takes_velocity else None
-    return parts, sizes, tables, shape, guard, steps, _form(setup.gains), _form(setup.kinematics)
+    return parts, sizes, tables, shape, guard, steps, silent, _form(setup.gains), _form(setup.kinematics)
 
 
 def _steps(setup: Setup) -> Hashable:

@@ -11,12 +11,13 @@ from wmr_ctrl.control.numbers import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.fields.section import number_of, quantities
-from wmr_ctrl.core.signals import LARGEST, POSE, VELOCITY, Signal
+from wmr_ctrl.core.signals import LARGEST, POSE, TORQUE, VELOCITY, Signal
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.model.system import Output, Parameters, Port, port, stack
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import Change, Scenario
 from wmr_ctrl.world.scenario.scenario import SECTIONS
+from wmr_ctrl.world.scenario.unstated import unknown_keys
 
 from .model_description import (
     TIME,
@@ -55,12 +56,13 @@ def closed_loop_model(setup: Setup) -> FmuModel:
     seed = Variable(SEED.name, SEED.unit, SEED.meaning, Role.FIXED, 0.0, 0.0, MOST, integer=True)
     numbers = parameter_rows((*ports, *absent), ranges)
     parameters = [TIME, *numbers, seed, *_changes(scenario)]
+    nothing = TORQUE if unknown_keys(scenario) else ()  # of a robot that is not known
+    columns = [item for item in loop.columns if item not in nothing]
     outputs = [
-        *output_rows((*loop.columns[1:], MAX_ABS_V), discrete=True),
+        *output_rows((*columns[1:], MAX_ABS_V), discrete=True),
         *output_rows((VIOLATIONS,), discrete=True, integer=True),
     ]
     rows = (*parameters, *outputs)
-    columns = set(loop.columns)
     reached = [item for item in loop.plant.outputs if item.signal in columns]
     # Columns of the log that the plant shows of a state, be a sample taken there or not.
     shown = {"x": loop.plant.x}, {"y": stack(item.expr for item in reached)}

@@ -23,6 +23,7 @@ from wmr_ctrl.world.phases import needed_torque
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor
 from wmr_ctrl.world.scenario import Scenario, loads_scenario
+from wmr_ctrl.world.scenario.unstated import unknown_keys
 
 from . import grip_warnings, warnings_heard
 from .torques import GRIP
@@ -69,9 +70,12 @@ def outlook_of(run: Run) -> Outlook | None:
 
 
 def needed_by(run: Run) -> Floats | None:
-    """Wheel torques (rows, 2) [N m] that the desired motion needs; None as `outlook_of`."""
+    """Wheel torques (rows, 2) [N m] that the desired motion needs.
+
+    None as `outlook_of`, and where the robot is not known.
+    """
     scenario = scenario_of_run(run)
-    if scenario is None:
+    if scenario is None or unknown_keys(scenario):
         return None
     desired, rates = (
         np.stack([run[name] for name in names], axis=1)
