@@ -32,7 +32,7 @@ FLAG = "changes nothing: a flag is read as 0 or not 0"
 EQUIVALENT: dict[tuple[str, str], str] = {
     ("wmr_ctrl.world.model.kinematics:constraint", "* 9/8"): ANY_SCALE,
     ("wmr_ctrl.world.model.kinematics:constraint", "* -1"): ANY_SCALE,
-    ("wmr_ctrl.control.barrier.lyapunov:conditions", "* 9/8"): FLAG,
+    ("wmr_proofs.paper_functions:conditions", "* 9/8"): FLAG,
     ("wmr_ctrl.control.guard.guard:feasible", "* 9/8"): FLAG,
     ("wmr_ctrl.control.barrier.printed:h", "* 9/8"): FLAG,
     ("wmr_ctrl.control.barrier.printed:h", "* -1"): FLAG,

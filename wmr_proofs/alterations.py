@@ -23,10 +23,7 @@ from .claims import forget
 from .statement import Statement
 from .traced import Traced
 
-PRODUCT = tuple(
-    f"wmr_ctrl.{part}."
-    for part in ("barrier", "control", "filter", "guard", "laws", "model", "world")
-)
+PRODUCT = ("wmr_ctrl.control.", "wmr_ctrl.world.", "wmr_proofs.paper_functions")
 TOOLS = ("wmr_ctrl.world.model.graph", "wmr_ctrl.world.model.system")
 """Modules that only carry expressions."""
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.control.barrier.lyapunov import position_lyapunov
 from wmr_ctrl.control.barrier.stable import stable_minimiser
 from wmr_ctrl.control.setup import kinematic_gains
 from wmr_ctrl.theory.linear import SADDLE, kinematic_loop, start_off
 from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.world.references import sample
+from wmr_proofs.paper_functions import position_lyapunov
 
 CERTIFIED = 0.4
 """2/k2: V2 at the saddle."""

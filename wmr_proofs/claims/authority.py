@@ -7,10 +7,10 @@ from functools import partial
 import casadi as ca
 
 from wmr_ctrl.control.barrier import printed as barrier
-from wmr_ctrl.control.barrier.lyapunov import authority_limit
 from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Ball, Point, Ring, Table
+from wmr_proofs.paper_functions import authority_limit
 from wmr_proofs.regions import at, axis_case, off_target_cases, open_cases
 from wmr_proofs.relation import above, at_least, equal
 from wmr_proofs.statement import Statement

@@ -3,9 +3,9 @@
 import casadi as ca
 
 from wmr_ctrl.control.barrier import printed as barrier
-from wmr_ctrl.control.barrier.lyapunov import total_barrier
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Both, Refute, Ring
+from wmr_proofs.paper_functions import total_barrier
 from wmr_proofs.regions import all_cases, at, open_cases, paired_cases, target_cases
 from wmr_proofs.relation import above, at_least, equal
 from wmr_proofs.statement import Statement

@@ -9,12 +9,12 @@ from typing import Any
 import casadi as ca
 
 from wmr_ctrl.control.barrier import stable
-from wmr_ctrl.control.barrier.lyapunov import smooth_f, smooth_lyapunov
 from wmr_ctrl.control.barrier.proximal import resolvent
 from wmr_ctrl.control.barrier.stable import Barrier, smooth_barrier
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Ring
+from wmr_proofs.paper_functions import smooth_f, smooth_lyapunov
 from wmr_proofs.regions import POSITIVE, Case
 from wmr_proofs.relation import at_least, equal
 from wmr_proofs.statement import Statement

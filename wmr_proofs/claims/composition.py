@@ -11,7 +11,6 @@ from itertools import pairwise
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier.lyapunov import target_rate
 from wmr_ctrl.control.guard.delay import Tails, delayed_push, push
 from wmr_ctrl.control.guard.lateness import Times, lateness
 from wmr_ctrl.control.laws.prediction import acts_for, slowed
@@ -19,6 +18,7 @@ from wmr_ctrl.world.pose_sensor import corrected, reckoned
 from wmr_ctrl.world.references import curves
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ring
+from wmr_proofs.paper_functions import target_rate
 from wmr_proofs.regions import POSITIVE, Case, target_cases
 from wmr_proofs.relation import Relation, above, at_least, between, equal, every, when, within
 from wmr_proofs.statement import Statement

@@ -3,12 +3,12 @@
 import casadi as ca
 
 from wmr_ctrl.control.barrier import printed as barrier
-from wmr_ctrl.control.barrier.lyapunov import target_rate, total_barrier
 from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import regions
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Refute, Ring
+from wmr_proofs.paper_functions import target_rate, total_barrier
 from wmr_proofs.regions import at
 from wmr_proofs.relation import above, at_least, equal
 from wmr_proofs.statement import Statement

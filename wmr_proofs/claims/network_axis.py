@@ -6,10 +6,10 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier import lyapunov as analysis
 from wmr_ctrl.control.laws import nn
 from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.world.model.dynamics import acceleration
+from wmr_proofs import paper_functions as analysis
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, stacked, symbols
 

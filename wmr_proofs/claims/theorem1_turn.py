@@ -2,7 +2,7 @@
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier import lyapunov as analysis
+from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import POSITIVE, Case, at

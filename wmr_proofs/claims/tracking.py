@@ -2,8 +2,8 @@
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier import lyapunov as analysis
 from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
+from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import FREE, POSITIVE, Case, at

@@ -11,10 +11,9 @@ large number.
 
 import casadi as ca
 
+from wmr_ctrl.control.barrier.printed import a_term, f, lyapunov, minimiser
+from wmr_ctrl.control.barrier.proximal import resolvent
 from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
-
-from .printed import a_term, f, lyapunov, minimiser
-from .proximal import resolvent
 
 
 def total_barrier(v: ca.SX, c: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
