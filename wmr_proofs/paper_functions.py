@@ -1,6 +1,6 @@
-"""Lyapunov functions, rates and bounds of the paper's proofs that no law evaluates, as graphs.
+"""The paper's functions that no run evaluates, as graphs: Lyapunov functions, bounds, matrices.
 
-Eqs. (31), (62) and kin, and those of the proof of Theorem 1, Eqs. (39)-(56).  Nothing here becomes
+Eqs. (1), (2), (4), (31), (62) and kin, and the proof of Theorem 1's, Eqs. (39)-(56).  None becomes
 C: one function for each equation that exists to prove something about the laws, in the paper's
 letters, on the same symbols as the laws' own graphs.
 
@@ -9,11 +9,13 @@ for |e2| at the start t0 of the window of length T; v1dmin <= v1d <= v1dmax; l >
 large number.
 """
 
+import itertools
+
 import casadi as ca
 
 from wmr_ctrl.control.barrier.printed import a_term, f, lyapunov, minimiser
 from wmr_ctrl.control.barrier.proximal import resolvent
-from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
+from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate, velocity_map
 
 
 def total_barrier(v: ca.SX, c: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
@@ -173,3 +175,32 @@ def ball_radius(eps0: ca.SX, l: ca.SX, k: ca.SX) -> ca.SX:
     rest = square_rest(eps0**2, eps0**2, k)
     ahead = ca.sqrt(rest / k[0]) + eps0 / (2 * k[0])
     return (1 + l) * (ahead + 2 * threshold(eps0, k))
+
+
+def mass_matrix(m: ca.SX, inertia: ca.SX) -> ca.SX:
+    """M = diag(m, m, I), Eq. (2)."""
+    return ca.diag(ca.vertcat(m, m, inertia))
+
+
+def input_matrix(theta: ca.SX, r: ca.SX, half_track: ca.SX) -> ca.SX:
+    """B(q), 3x2, Eq. (1): wheel torques (right, left) to forces along x, y and the moment."""
+    s, c = ca.sin(theta), ca.cos(theta)
+    return ca.vertcat(ca.horzcat(-s, -s), ca.horzcat(c, c), ca.horzcat(half_track, -half_track)) / r
+
+
+def projected(
+    theta: ca.SX, m: ca.SX, inertia: ca.SX, r: ca.SX, half_track: ca.SX
+) -> tuple[ca.SX, ca.SX]:
+    """(H' M H, H' B), Eq. (4): from which `dynamics.reduced_mass` and `wheel_to_force` result."""
+    h = velocity_map(theta)
+    return h.T @ mass_matrix(m, inertia) @ h, h.T @ input_matrix(theta, r, half_track)
+
+
+def corner_centres(dimensions: int, node: float) -> list[tuple[float, ...]]:
+    """Centres in the order of `corner_basis`: the first dimension varies slowest, -node first."""
+    return list(itertools.product((-node, node), repeat=dimensions))
+
+
+def gaussian_basis(z: ca.SX, eta: ca.SX, centres: list[tuple[float, ...]]) -> ca.SX:
+    """S(Z) by its definition, one exponential a node: what `corner_basis` must equal."""
+    return ca.vertcat(*(ca.exp(-ca.sumsqr(z - ca.DM(centre)) / (eta * eta)) for centre in centres))

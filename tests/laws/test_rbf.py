@@ -7,7 +7,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from wmr_ctrl.control.laws.nn import corner_basis, corner_centres, dot, gaussian_basis
+from wmr_ctrl.control.laws.nn import corner_basis, dot
+from wmr_proofs.paper_functions import corner_centres, gaussian_basis
 
 
 def functions(eta: float, node: float) -> tuple[ca.Function, ca.Function]:

@@ -13,7 +13,6 @@ from wmr_ctrl.core.signals import PLANT_STATE, PSI
 from wmr_ctrl.world.model.dynamics import (
     force_to_wheel,
     plant,
-    projected,
     reduced_mass,
     rk4_step,
     wheel_to_force,
@@ -27,6 +26,7 @@ from wmr_ctrl.world.model.kinematics import (
     velocity_map,
 )
 from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.paper_functions import projected
 
 ANGLES = np.linspace(-7.0, 7.0, 29)
 SCENARIO = load_scenario("paper-simulation-nominal")

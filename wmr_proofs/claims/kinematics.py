@@ -7,6 +7,7 @@ from wmr_ctrl.world.model.dynamics import KEYS, plant
 from wmr_ctrl.world.model.friction import friction
 from wmr_ctrl.world.model.kinematics import constraint, error_rate, pose_rate, velocity_map
 from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs import paper_functions
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Ring
 from wmr_proofs.regions import POSITIVE, Case
@@ -84,10 +85,10 @@ def projection(mutation: Mutation) -> Statement:
     """
     t = symbols("theta m I r l lam v1 v2 vdot1 vdot2 tau1 tau2 F1 F2 F3", "m I r l")
     theta, v, tau = t.theta, stacked(t, "v", 2), stacked(t, "tau", 2)
-    h, mass = velocity_map(theta), dynamics.mass_matrix(t.m, t.I)
+    h, mass = velocity_map(theta), paper_functions.mass_matrix(t.m, t.I)
     h_dot = ca.reshape(ca.jtimes(ca.vec(h), theta, v[1]), 3, 2)
     inner = mass @ (h @ stacked(t, "vdot", 2) + h_dot @ v) + stacked(t, "F", 3)
-    push = dynamics.input_matrix(theta, t.r, t.l) @ tau + constraint(theta) * t.lam
+    push = paper_functions.input_matrix(theta, t.r, t.l) @ tau + constraint(theta) * t.lam
     reduced = dynamics.reduced_mass(t.m, t.I) * stacked(t, "vdot", 2)
     right = reduced + h.T @ stacked(t, "F", 3) - mutation * dynamics.wheel_to_force(t.r, t.l, tau)
     return Statement(t, every(h.T @ (inner - push), right))
@@ -101,10 +102,10 @@ def eq04_reduced(mutation: Mutation) -> Statement:
     """
     t = symbols("theta m I r l omega", "m I r l") | column("tau", 2)
     theta, tau = t.theta, stacked(t, "tau", 2)
-    mass, push = dynamics.projected(theta, t.m, t.I, t.r, t.l)
+    mass, push = paper_functions.projected(theta, t.m, t.I, t.r, t.l)
     h = velocity_map(theta)
     h_dot = ca.reshape(ca.jtimes(ca.vec(h), theta, t.omega), 3, 2)
-    coriolis = h.T @ dynamics.mass_matrix(t.m, t.I) @ h_dot
+    coriolis = h.T @ paper_functions.mass_matrix(t.m, t.I) @ h_dot
     masses = every(mass, ca.diag(dynamics.reduced_mass(mutation * t.m, t.I)))
     forces = every(push @ tau, dynamics.wheel_to_force(t.r, t.l, tau))
     return Statement(t, (*masses, *forces, *every(coriolis, ca.SX(2, 2))))

@@ -87,7 +87,7 @@ def basis_product(mutation: Mutation) -> Statement:
     """
     t = column("z", DIMENSIONS) | symbols("eta")
     z = stacked(t, "z", DIMENSIONS)
-    plain = nn.gaussian_basis(z, t.eta, nn.corner_centres(DIMENSIONS, mutation))
+    plain = analysis.gaussian_basis(z, t.eta, analysis.corner_centres(DIMENSIONS, mutation))
     return Statement(t, every(nn.corner_basis(z, t.eta, ca.SX(1)), plain))
 
 

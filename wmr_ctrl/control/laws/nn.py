@@ -8,7 +8,6 @@ q = (v - v_c1)/A in (0, 1] instead of its unbounded inverse, barrier = "smooth" 
 Choose it when mass and friction are unknown or change.
 """
 
-import itertools
 import math
 from collections.abc import Mapping
 
@@ -90,11 +89,6 @@ def _adapted(context: LawContext, axis: int, weights: ca.SX, basis: ca.SX) -> ca
     return (1 - leak) * weights - learning * basis
 
 
-def corner_centres(dimensions: int, node: float) -> list[tuple[float, ...]]:
-    """Centres in the order of `corner_basis`: the first dimension varies slowest, -node first."""
-    return list(itertools.product((-node, node), repeat=dimensions))
-
-
 def corner_basis(z: ca.SX, eta: ca.SX, node: ca.SX) -> ca.SX:
     """S(Z), 2^n x 1, for Z (n x 1), width eta and corner coordinate node (units of Z).
 
@@ -112,11 +106,6 @@ def corner_basis(z: ca.SX, eta: ca.SX, node: ca.SX) -> ca.SX:
         low, high = ca.if_else(flag, far, 1), ca.if_else(flag, 1, far)
         basis = [value * low for value in basis] + [value * high for value in basis]
     return ca.vertcat(*basis)
-
-
-def gaussian_basis(z: ca.SX, eta: ca.SX, centres: list[tuple[float, ...]]) -> ca.SX:
-    """S(Z) by its definition, one exponential a node: what `corner_basis` must equal."""
-    return ca.vertcat(*(ca.exp(-ca.sumsqr(z - ca.DM(centre)) / (eta * eta)) for centre in centres))
 
 
 def dot(left: ca.SX, right: ca.SX) -> ca.SX:

@@ -17,7 +17,7 @@ from wmr_ctrl.core.signals import (
 from wmr_ctrl.core.symbolic import ca
 
 from .friction import friction
-from .kinematics import pose_rate, velocity_map
+from .kinematics import pose_rate
 from .system import Number, Output, Parameters, System, ports, stack
 
 if TYPE_CHECKING:
@@ -26,25 +26,6 @@ if TYPE_CHECKING:
 NAMES = ("m", "I", "mu", "r", "l", "g", "v_s")
 KEYS = tuple(f"robot.{name}" for name in NAMES)
 """Numbers of the robot."""
-
-
-def mass_matrix(m: ca.SX, inertia: ca.SX) -> ca.SX:
-    """M = diag(m, m, I), Eq. (2)."""
-    return ca.diag(ca.vertcat(m, m, inertia))
-
-
-def input_matrix(theta: ca.SX, r: ca.SX, half_track: ca.SX) -> ca.SX:
-    """B(q), 3x2, Eq. (1): wheel torques (right, left) to forces along x, y and the moment."""
-    s, c = ca.sin(theta), ca.cos(theta)
-    return ca.vertcat(ca.horzcat(-s, -s), ca.horzcat(c, c), ca.horzcat(half_track, -half_track)) / r
-
-
-def projected(
-    theta: ca.SX, m: ca.SX, inertia: ca.SX, r: ca.SX, half_track: ca.SX
-) -> tuple[ca.SX, ca.SX]:
-    """(H' M H, H' B), Eq. (4): from which `reduced_mass` and `wheel_to_force` result."""
-    h = velocity_map(theta)
-    return h.T @ mass_matrix(m, inertia) @ h, h.T @ input_matrix(theta, r, half_track)
 
 
 def reduced_mass(m: ca.SX, inertia: ca.SX) -> ca.SX:
