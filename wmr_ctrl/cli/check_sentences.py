@@ -8,6 +8,7 @@ from wmr_ctrl.control.guard.price import early_speed, speed_price
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.laws.law import OwnKinematics
 from wmr_ctrl.control.setup import KINEMATICS, Setup, gains_of, settle
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.fields.units import length, rounded, sized
@@ -36,39 +37,7 @@ PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 
 NOT_THE_PATH = "tracking of the path is not"
 SHARED_K = "gains.kinematics.k"
-REMEDIES = {
-    "law": "start nearer, switch guard or filter on, or take one that knows the limit",
-    "model": "correct model.m, model.I or model.mu, start nearer, or use nn",
-    "model.m": "lower the gains (`wmr-ctrl tune`), or state the mass more accurately",
-    "reference": "ask for a slower one that moves forwards, or raise its limit",
-    "base.gain": "have the base's driver divide commands by it",
-    "clock.control": "shorten clock.control, or lower the gains (`wmr-ctrl tune`)",
-    "clock.plant": "shorten clock.plant, or raise robot.v_s",
-    "disturbance.std": "try several seeds, start nearer, or switch the guard on",
-    "disturbance.truncate": "set it to 3",
-    "initial.velocity": "start well inside the limits",
-    SHARED_K: "raise it, or use a law that knows or learns friction",
-    "gains.nn.eta": "lower gains.nn.eta, or raise gains.nn.rho1",
-    "actuator.delay": "lower the gains, or shorten clock.control and the delay",
-    "actuator.tau_max": "raise the torque limit, or ask for a slower reference",
-    "body.wheel_mass": "state the mass of one of its wheels",
-    "guard.dbar": "state true bounds; where they cost too much speed, drive slower",
-    "guard.alpha": "lower guard.alpha, or measure the velocity better",
-    "filter.age": "raise it to the measured velocity's age, or drop filter.odometry",
-    "filter.kind": "set a filter.kind that holds for the base",
-    "filter.trust": "make the filter's intervals cover the base",
-    "limit-violated": "switch guard or filter on, start nearer, or slow the reference",
-    "not-tracked": "see the other findings; or change gains or metrics.tolerance",
-    "goal-not-reached": "see the other findings; or change gains or clock.duration",
-    "too-fast": "ask for a slower reference, or raise limits.v_u1",
-    "oscillates": "lower the gains, or shorten clock.control and the delay",
-    "chatter": "lower the gains, measure better, or raise limits.v_u2 if it is close",
-    "saturated": "raise actuator.tau_max, or ask for a slower reference",
-    "guard-holds-back": "raise guard.alpha or shorten clock.control, or drive slower",
-    "slipped": "limit the wheel torques: actuator.tau_max or actuator.traction",
-    "bounds-left": "widen guard.dbar, or guard.M_min and guard.M_max",
-    "obstacle": "choose another path, or start elsewhere",
-}
+REMEDIES: Mapping[str, str] = data(__package__, "remedies.toml")
 """Remedies for objections and remarks, by key."""
 SAFE_ANYWAY = ("disturbance.std", "disturbance.truncate", "base.timeout")
 """Keys of which nobody expects more: noise of size 0, its cut, a stop that no loss brings about."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.signals import ASKED, TORQUE, VELOCITY
 from wmr_ctrl.world.encoder import MOVED
 from wmr_ctrl.world.model.system import System
@@ -23,26 +24,12 @@ TOLERANCES = {False: 1e-12, True: 2e-4}
 class Situation:
     """A run's operating point: error e1, e2 [m], e3 [rad]; velocities as shares of their limits."""
 
-    error: tuple[float, float, float]
-    desired: tuple[float, float]
-    measured: tuple[float, float]
+    error: list[float]
+    desired: list[float]
+    measured: list[float]
 
 
-SITUATIONS = (
-    Situation((0.5, -0.4, 0.7), (0.2, 0.07), (0.005, -0.01)),  # nearly at rest, some way off
-    Situation((0.004, -0.003, 0.002), (0.2, 0.07), (0.21, 0.06)),  # tracking
-    Situation((0.0005, -0.0003, 0.0002), (0.01, 0.01), (0.008, 0.012)),  # at a crawl
-    Situation((0.001, 0.002, 0.001), (0.9, 0.93), (0.803, 0.869)),  # target beyond v_u2
-    Situation((0.001, 1.2, 0.3), (0.9, 0.93), (0.803, 0.9)),  # turning as fast as it may
-    Situation((-0.12, -0.06, -0.3), (0.2, 0.07), (-0.93, -0.95)),  # backwards
-    Situation((6.0, -5.0, 1.0), (0.2, 0.07), (0.97, -0.97)),  # far away, fast
-    Situation((-5.0, 6.0, -2.5), (0.2, 0.07), (0.3, 0.2)),  # far away, the other side
-    Situation((0.2, 0.3, 0.3), (0.2, 0.07), (0.6, 0.6)),  # v_c0 beyond v_u2, v not
-    Situation((0.15, 0.2, 0.2), (0.5, 0.5), (0.9995, 0.9995)),  # next to both limits
-    Situation((0.05, 0.06, 0.1), (0.9, 0.9), (1.05, 1.04)),  # beyond both limits
-    Situation((-0.15, -0.1, -0.2), (0.2, 0.07), (-1.03, -1.05)),  # beyond them backwards
-    Situation((6.0, 0.0, 1.3), (0.2, 0.07), (0.94, -0.58)),  # far ahead, turning away, fast
-)
+SITUATIONS = [Situation(**row) for row in data(__package__, "vectors.toml")["situation"]]
 
 
 @dataclass(frozen=True)

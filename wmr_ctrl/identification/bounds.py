@@ -11,6 +11,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 import tomlkit
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.world.scenario import Scenario, to_toml
 
 from .fit import LAG_LEAST
@@ -32,25 +33,10 @@ WORDS = {
     "delay1": "delay of v", "delay2": "delay of omega",
     "accel1": "acceleration limit of v", "accel2": "acceleration limit of omega",
 }  # fmt: skip
-UNITS = {
-    "m": "kg", "I": "kg.m2", "Fc": "N", "Fv": "N.s/m", "c": "N", "Mv": "N.m.s/rad", "delay": "s",
-    "lag": "s", "gain1": "1", "gain2": "1", "wn1": "rad/s", "wn2": "rad/s", "zeta1": "1",
-    "zeta2": "1", "tau1": "s", "tau2": "s", "delay1": "s", "delay2": "s", "accel1": "m/s2",
-    "accel2": "rad/s2",
-}  # fmt: skip
-BECAUSE = {
-    frozenset({"Fc", "c"}): "the wheels never turned against each other",
-    frozenset({"Fc", "Fv"}): "the log knows one speed",
-    frozenset({"c", "Fv"}): "the log knows one speed",
-    frozenset({"Mv", "c"}): "the log knows one rate of turning",
-    frozenset({"delay", "lag"}): "torques changed too slowly or too little",
-    frozenset({"m", "delay"}): "the robot hardly accelerated",
-    frozenset({"m", "lag"}): "the robot hardly accelerated",
-    frozenset({"I", "delay"}): "the robot hardly turned faster or slower",
-    frozenset({"tau1", "delay1"}): "v_command changed too slowly or too little",
-    frozenset({"tau2", "delay2"}): "omega_command changed too slowly or too little",
-}
-"""Pairs that cannot be separated, and what the log lacks then."""
+_DATA = data(__package__, "bounds.toml")
+UNITS: Mapping[str, str] = _DATA["units"]
+BECAUSE: Mapping[str, list[list[str]]] = _DATA["because"]
+"""Pairs that cannot be separated, by what the log lacks then."""
 SMALL, PART = 0.03, 0.35
 LEAST_LATE = {"delay": 0.0, "lag": LAG_LEAST}
 GRID_POINTS, SPREAD = 13, 3.5
@@ -317,7 +303,9 @@ def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iter
         mixed = [names[k] for k in np.argsort(-np.abs(vector)) if abs(vector[k]) > PART]
         if value > SMALL or len(mixed) < 2 or not set(mixed) & vague:
             continue
-        why = next((text for pair, text in BECAUSE.items() if pair <= set(mixed)), "")
+        known = set(mixed)
+        lacking = (text for text, pairs in BECAUSE.items() for pair in pairs if known >= set(pair))
+        why = next(lacking, "")
         listed = " and ".join((", ".join(WORDS[n] for n in mixed[:-1]), WORDS[mixed[-1]]))
         yield f"{listed} cannot be separated" + (f": {why}." if why else " by this log.")
 

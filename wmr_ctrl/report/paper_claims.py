@@ -1,12 +1,11 @@
 """The paper's claims: their tests, and the verdicts by one rule for every claim."""
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from importlib.resources import files
 from typing import Any
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.paper import EVALUATIONS, PAPER_TIMES
 from wmr_ctrl.results.table import RunTable, Spread, ratios, spread
 
@@ -194,7 +193,10 @@ def load_claims() -> tuple[PaperClaim, ...]:
 
     Raises KeyError where a claim has no committed verdict, ValueError where a verdict has no claim.
     """
-    entries, verdicts = _data("claims")["claim"], _data("verdicts")
+    entries, verdicts = (
+        data(__package__, "claims.toml")["claim"],
+        data(__package__, "verdicts.toml"),
+    )
     orphans = set(verdicts) - {entry["id"] for entry in entries}
     if orphans:
         raise ValueError(f"verdicts.toml names claims that do not exist: {sorted(orphans)}")
@@ -292,9 +294,4 @@ def load_readings() -> list[dict[str, object]]:
 
     Entries have ``topic``, ``said``, ``reading``, ``why`` and the scenario's ``keys``.
     """
-    return list(_data("readings")["reading"])
-
-
-def _data(name: str) -> dict[str, Any]:
-    text = files("wmr_ctrl.report").joinpath(f"{name}.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
+    return list(data(__package__, "readings.toml")["reading"])

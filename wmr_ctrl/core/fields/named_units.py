@@ -11,32 +11,18 @@ from fractions import Fraction
 from functools import cache
 from typing import Self
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ArgumentError
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899")
-_NEWTON = {"kg": 1, "m": 1, "s": -2}
-_KNOWN: dict[str, tuple[Fraction | int, dict[str, int]]] = {
-    **{name: (1, {name: 1}) for name in BASE},
-    "1": (1, {}),
-    "%": (Fraction(1, 100), {}),
-    "N": (1, _NEWTON),
-    "J": (1, {"kg": 1, "m": 2, "s": -2}),
-    "Nm": (1, {"kg": 1, "m": 2, "s": -2}),
-    "W": (1, {"kg": 1, "m": 2, "s": -3}),
-    "V": (1, {"kg": 1, "m": 2, "s": -3, "A": -1}),
-    "Hz": (1, {"s": -1}),
-    "deg": (PI / 180, {"rad": 1}),
-    "rev": (2 * PI, {"rad": 1}),
-    "rpm": (PI / 30, {"rad": 1, "s": -1}),
-    "g": (Fraction(1, 1000), {"kg": 1}),
-    "lb": (Fraction("0.45359237"), {"kg": 1}),
-    "kgf": (Fraction("9.80665"), _NEWTON),
-    "in": (Fraction("0.0254"), {"m": 1}),
-    "ft": (Fraction("0.3048"), {"m": 1}),
-    "mph": (Fraction("0.44704"), {"m": 1, "s": -1}),
-    "min": (60, {"s": 1}),
-    "h": (3600, {"s": 1}),
+UNITS = data(__package__, "units.toml")
+_KNOWN: Mapping[str, tuple[Fraction, dict[str, int]]] = {
+    **{name: (Fraction(1), {name: 1}) for name in BASE},
+    **{
+        name: (Fraction(row["size"]) * (PI if "pi" in row else 1), row["exponents"])
+        for name, row in UNITS["known"].items()
+    },
 }
 """Size and exponents; sizes are exact, but for pi, of which 80 digits are known."""
 _PREFIXES: Mapping[str, Fraction | int] = {
@@ -48,21 +34,7 @@ _PREFIXES: Mapping[str, Fraction | int] = {
 _PREFIXED = ("m", "g", "s", "N", "Nm", "J", "W", "V", "A", "Hz", "rad")
 _SPELLINGS = str.maketrans({"²": "2", "³": "3", "·": ".", "*": ".", " ": ".", "µ": "u", "μ": "u"})
 _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(\s*[A-Za-z%°µμ].*|\s+1\b.*)")
-KINDS: Mapping[str, tuple[str, str]] = {
-    "m": ("a length", "mm, cm, m, km, in, ft"),
-    "s": ("a time", "us, ms, s, min, h"),
-    "kg": ("a mass", "g, kg, lb"),
-    "rad": ("an angle", "rad, deg, rev"),
-    "1": ("a plain number", "1, %"),
-    "m/s": ("a speed", "m/s, mm/s, km/h, mph"),
-    "rad/s": ("an angular velocity", "rad/s, deg/s, rpm"),
-    "m/s2": ("an acceleration", "m/s2, mm/s2"),
-    "rad/s2": ("an angular acceleration", "rad/s2, deg/s2"),
-    "N": ("a force", "N, mN, kN, kgf"),
-    "N.m": ("a torque", "N m, mN m, N cm"),
-    "kg.m2": ("an inertia", "kg m2, kg cm2, g cm2"),
-    "1/s": ("a rate", "1/s, Hz"),
-}
+KINDS: Mapping[str, tuple[str, str]] = UNITS["kinds"]
 """By unit: what it measures, and how users may write it."""
 _DISPLAY = {"rad": ("deg", float(180 / PI)), "rad/s": ("deg/s", float(180 / PI))}
 

@@ -4,37 +4,11 @@ import math
 from collections.abc import Mapping
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
-from .named_units import unit_of
+from .named_units import UNITS, unit_of
 
-USUAL: Mapping[str, tuple[float, float]] = {
-    "m": (0.0, 1000.0),
-    "rad": (0.0, 2 * math.pi),
-    "s": (0.0, 36_000.0),
-    "m/s": (0.0, 15.0),
-    "rad/s": (0.0, 20.0),
-    "m/s2": (0.0, 50.0),
-    "rad/s2": (0.0, 200.0),
-    "kg": (0.0, 5000.0),
-    "kg.m2": (0.0, 10_000.0),
-    "N.m": (0.0, 5000.0),
-}
+USUAL: Mapping[str, tuple[float, float]] = UNITS["usual"]
 """Sizes that are usual of a wheeled robot, by unit; a field may state a range of its own."""
-OTHERS: Mapping[str, tuple[tuple[str, str], ...]] = {
-    "m": (("millimetres", "mm"), ("centimetres", "cm")),
-    "rad": (("degrees", "deg"),),
-    "s": (("milliseconds", "ms"), ("microseconds", "us")),
-    "m/s": (("millimetres per second", "mm/s"), ("kilometres per hour", "km/h")),
-    "rad/s": (
-        ("degrees per second", "deg/s"),
-        ("revolutions per minute", "rpm"),
-    ),
-    "m/s2": (("millimetres per second squared", "mm/s2"),),
-    "rad/s2": (("degrees per second squared", "deg/s2"),),
-    "kg": (("grams", "g"),),
-    "kg.m2": (("kilograms times square centimetres", "kg.cm2"),),
-    "N.m": (("millinewton metres", "mN.m"), ("newton centimetres", "N.cm")),
-    "1": (("per cent", "%"),),
-}
+OTHERS: Mapping[str, list[tuple[str, str]]] = UNITS["others"]
 """Units that may be meant instead: name and symbol."""
 
 

@@ -1,10 +1,9 @@
 """The paper as data: numbered equations, symbols, citation."""
 
-import tomllib
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
-from typing import Any
+
+from wmr_ctrl.core.data import data
 
 CITATION = (
     "Z. Chen, Y. Liu, W. He, H. Qiao, and H. Ji, “Adaptive-Neural-Network-Based Trajectory "
@@ -46,14 +45,10 @@ class Symbol:
 @lru_cache(maxsize=1)
 def equations() -> tuple[Equation, ...]:
     """All equations in order."""
-    return tuple(Equation(**row) for row in _data("equations.toml")["equation"])
+    return tuple(Equation(**row) for row in data(__package__, "equations.toml")["equation"])
 
 
 @lru_cache(maxsize=1)
 def symbols() -> tuple[Symbol, ...]:
     """All symbols, by subject."""
-    return tuple(Symbol(**row) for row in _data("symbols.toml")["symbol"])
-
-
-def _data(name: str) -> dict[str, Any]:
-    return tomllib.loads(files("wmr_ctrl.core.paper").joinpath(name).read_text(encoding="utf-8"))
+    return tuple(Symbol(**row) for row in data(__package__, "symbols.toml")["symbol"])

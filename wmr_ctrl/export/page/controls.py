@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from wmr_ctrl.control.numbers import ranges_of
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import Scenario
 
@@ -21,34 +22,11 @@ class Group:
     key: str
     title: str
     hint: str
-    keys: tuple[str, ...]
+    keys: list[str]
 
 
-GROUPS = (
-    Group("limits", "Limits", "The threshold v_u2 moves with its limit.", ("limits.v_u",)),
-    Group(
-        "robot", "Robot", "The true robot. What the laws believe is set below.",
-        ("robot.m", "robot.I", "robot.mu", "actuator.tau_max"),
-    ),
-    Group(
-        "base", "Speed loop of the base", "The true base, which nobody knows exactly.", ("base.",)
-    ),
-    Group(
-        "filter", "What the filter counts on", "Its promise holds for bases within these bounds.",
-        ("filter.tau", "filter.gain", "filter.d", "filter.odometry", "filter.slew"),
-    ),
-    Group(
-        "world", "Noise and pushes", "A push always acts in the direction of motion.",
-        ("disturbance.", "sensor."),
-    ),
-    Group("believed", "What the laws believe", "The guard does not use it.", ("model.",)),
-    Group("gains", "Gains", "Of the laws that are shown.", ("gains.",)),
-    Group(
-        "guard", "What the guard relies on",
-        "Its promise holds for masses, disturbances and errors within these bounds.", ("guard.",),
-    ),
-    Group("reference", "Reference", "", ("ref_",)),
-)  # fmt: skip
+_DATA = data(__package__, "controls.toml")
+GROUPS = [Group(**group) for group in _DATA["group"]]
 """In the order in which they are listed; a parameter belongs to the first that names it."""
 HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.unmodelled_delay", "robot.g",
           "robot.v_s", "base.delay", "base.timeout", "base.tau_believed",
@@ -56,30 +34,7 @@ HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.unmodelled_delay"
 """Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
 OF_FIRST_ORDER = ("filter.gain", "filter.d")
 """Parameters that filters of other loops ignore, or use only in what is computed beforehand."""
-SPANS: Mapping[str, Span] = {
-    "robot.m": (10.0, 150.0),
-    "robot.mu": (0.0, 0.4),
-    "model.mu": (0.0, 0.4),
-    "disturbance.std": (0.0, 10.0),
-    "disturbance.truncate": (0.5, 10.0),
-    "disturbance.push[1]": (0.0, 300.0),
-    "disturbance.push[2]": (0.0, 60.0),
-    "sensor.velocity_noise[1]": (0.0, 0.2),
-    "sensor.velocity_noise[2]": (0.0, 0.4),
-    "sensor.pose_noise": (0.0, 0.2),
-    "sensor.correction": (0.0, 1.0),
-    "actuator.tau_max": (1.0, 100.0),
-    "base.gain[1]": (0.8, 1.25),
-    "base.gain[2]": (0.8, 1.25),
-    "filter.gain[1]": (0.8, 1.25),
-    "filter.gain[2]": (0.8, 1.25),
-    "guard.nbar[1]": (0.0, 0.2),
-    "guard.nbar[2]": (0.0, 0.4),
-    "guard.f_min[1]": (0.0, 100.0),
-    "guard.f_min[2]": (0.0, 20.0),
-    "guard.f_speed[1]": (0.0, 0.2),
-    "guard.f_speed[2]": (0.0, 0.4),
-}
+SPANS: Mapping[str, Span] = _DATA["spans"]
 """Ranges other than a fifth to five times the value."""
 ALONG: Mapping[str, tuple[str, ...]] = {
     "limits.v_u1[1]": ("limits.v_u2[1]",),
@@ -130,7 +85,7 @@ def controls_of(
 def _group(name: str) -> str | None:
     if name.startswith(HIDDEN):
         return None
-    return next((item.key for item in GROUPS if name.startswith(item.keys)), None)
+    return next((item.key for item in GROUPS if name.startswith(tuple(item.keys))), None)
 
 
 def _control(

@@ -9,10 +9,8 @@ There what is to be seen is the filter: the same law asks for all of the limit, 
 clipped, smoothed as is usual, or filtered in each way that the scenario's numbers admit.
 """
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib.resources import files
 
 from wmr_ctrl.control.filter.band import check_beat
 from wmr_ctrl.control.filter.filter import worthwhile_slew
@@ -20,6 +18,7 @@ from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.laws.velocity_loop import VelocityLoopGains
 from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.values import multiple
 from wmr_ctrl.report.style import DASH_DOT, DASHED, DASHES, DOTTED, Dash, Look, look
@@ -147,9 +146,8 @@ class PageScene:
 
 def story() -> tuple[PageScene, ...]:
     """Steps of the story, from the file beside this one: presets with overrides."""
-    text = files("wmr_ctrl.export.page").joinpath("story.toml").read_text(encoding="utf-8")
     steps = []
-    for step in tomllib.loads(text)["step"]:
+    for step in data(__package__, "story.toml")["step"]:
         own = load_scenario(step.pop("preset"), step.pop("overrides", {}))
         steps.append(PageScene(scenario=own, **{**step, "shown": tuple(step["shown"])}))
     return tuple(steps)

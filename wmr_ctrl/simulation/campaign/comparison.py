@@ -4,11 +4,10 @@ Both bases are the paper's simulation with its noise cut at 3 standard deviation
 torque for 10 ms, the other for 100 ms.  The seeds were not used to choose anything.
 """
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from importlib.resources import files
 from types import MappingProxyType
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
 
@@ -26,12 +25,7 @@ BASE, FAR_START, OUTSIDE, PUSHED = "base", "far start", "start outside", "advers
 
 
 def _factors() -> Iterator[tuple[str, Overrides]]:
-    text = (
-        files("wmr_ctrl.simulation.campaign")
-        .joinpath("comparison.toml")
-        .read_text(encoding="utf-8")
-    )
-    table = tomllib.loads(text)
+    table = data(__package__, "comparison.toml")
     for name, changed in table.items():
         yield name, {**table.get(changed.pop("with", ""), {}), **changed}
 

@@ -9,25 +9,22 @@ from itertools import islice
 from statistics import mean
 from typing import TypeAlias, TypeGuard
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.problems import show
 
 Value: TypeAlias = float | bool | str | tuple[float, ...]
-SEPARATION, SEPARATION_FACTOR, HALF_TRACK = "separation", "separation factor", "robot.l"
-RADIUS, RADIUS_FACTOR, PERIOD = "robot.r", "radius factor", "clock.control"
+PERIOD = "clock.control"
 MULTIPLIED = {
-    SEPARATION: (HALF_TRACK, 0.5, SEPARATION_FACTOR),
-    RADIUS: (RADIUS, 1.0, RADIUS_FACTOR),
+    "separation": ("robot.l", 0.5, "separation factor"),
+    "robot.r": ("robot.r", 1.0, "radius factor"),
 }
 """Our key, share and multiplier of a length."""
 PAIRS = ("limits.v_u1", "base.accel", "base.decel")
 """Keys with a value for each axis, of which the smallest of several counts."""
-V, OMEGA = "limits.v_u1[1]", "limits.v_u1[2]"
-UP, TURN_UP, DOWN, TURN_DOWN = "base.accel[1]", "base.accel[2]", "base.decel[1]", "base.decel[2]"
 NAMES = "ros."
 """Beginning of keys of frames and topics, for this project's ROS 2 nodes."""
-COMMANDS, ODOMETRY = "ros.cmd_vel", "ros.odom"
-BASE_FRAME, ODOMETRY_FRAME, STAMPED = "ros.base_frame", "ros.odometry_frame", "ros.stamped"
+NAMED = data(__package__, "names.toml")
 LARGEST = 1e9
 """Largest size of a number, in SI units."""
 STEP = 1e-3
@@ -98,7 +95,8 @@ def merged(items: Sequence[Found]) -> Sheet:
             overruled.append(item)
     for key in factors:
         del found[key]
-    for up, down in ((UP, DOWN), (TURN_UP, TURN_DOWN)):
+    for axis in (1, 2):
+        up, down = f"base.accel[{axis}]", f"base.decel[{axis}]"
         if up in found:
             found.setdefault(down, replace(found[up], key=down))
     for key in PAIRS:

@@ -10,28 +10,13 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from . import found as our
-from .found import Found, Rank, read_table
+from .found import NAMED, Found, Rank, Table, read_table
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
 
 DIAMETER = "wheel_diameter"
-TABLE = {
-    our.SEPARATION: ("wheel_separation",),
-    our.RADIUS: ("wheel_radius", f"half of {DIAMETER}"),
-    our.V: ("max_linear_velocity", "min_linear_velocity"),
-    our.OMEGA: ("max_angular_velocity", "min_angular_velocity"),
-    our.UP: ("max_linear_acceleration",),
-    our.TURN_UP: ("max_angular_acceleration",),
-    our.DOWN: ("min_linear_acceleration",),
-    our.TURN_DOWN: ("min_angular_acceleration",),
-    our.PERIOD: ("update_rate", "odom_publish_frequency"),
-    our.BASE_FRAME: ("robot_base_frame", "child_frame_id"),
-    our.ODOMETRY_FRAME: ("odometry_frame", "frame_id"),
-    our.COMMANDS: ("cmd_vel", "topic", "command_topic"),
-    our.ODOMETRY: ("odom", "odom_topic", "odometry_topic"),
-}
-"""Names of elements, or what a remapping names."""
+TABLE: Table = NAMED["gazebo"]
 
 
 def drives(root: Element) -> list[Element]:

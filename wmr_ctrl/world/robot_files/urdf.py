@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.problems import show
 
-from .found import RADIUS, SEPARATION, Found, Rank, rounded
+from .found import Found, Rank, rounded
 from .xml_text import numbers
 
 if TYPE_CHECKING:
@@ -66,8 +66,8 @@ def read(root: Element, file: str, named: Sequence[str] = ()) -> Iterator[Found]
     for key, value, where in (
         ("robot.m", sum(masses), f"{weighed}, their sum"),
         ("robot.I", inertia, f"{weighed}, about the axle's middle"),
-        (SEPARATION, track, source),
-        (RADIUS, float(np.mean(radii)), source),
+        ("separation", track, source),
+        ("robot.r", float(np.mean(radii)), source),
     ):
         if value > 0:
             yield Found(key, rounded(value), where, Rank.DESCRIPTION)

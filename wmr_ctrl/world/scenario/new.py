@@ -7,11 +7,11 @@ room, whatever the limits are.
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TypeAlias
 
 import tomlkit
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.problems import printable
 from wmr_ctrl.core.fields.section import quantities
@@ -29,36 +29,7 @@ OPTIONAL = (
 )
 RAMPS = OPTIONAL[-2:]
 """Keys that a base that takes velocities does without, unless a file states them."""
-IDENTIFY = "`wmr-ctrl identify LOG{}` measures it"
-HOW: Mapping[str, str] = MappingProxyType(
-    {
-        "law": "`wmr-ctrl laws` lists the others",
-        "base.kind": "(v, omega), as cmd_vel has them",
-        "robot.m": "put it on scales as it drives, with battery and load",
-        "robot.I": "m l^2; " + IDENTIFY.format(""),
-        "robot.mu": "force of a spring balance at slow towing, over its weight",
-        "robot.r": "tape measure: the way of one turn, over 2 pi",
-        "robot.l": "tape measure: half the distance between the middles of both treads",
-        "limits.v_u1": "data sheet, or the fastest that you allow",
-        "base.tau": "give a step, read the time to 63 %; " + IDENTIFY.format(" --base velocity"),
-        "base.delay": "time from command to first motion; " + IDENTIFY.format(" --base velocity"),
-        "base.accel": "inf is none; step commands, read the slope of the speed",
-        "base.decel": "inf is none; step commands, read the slope of the speed",
-        "actuator.tau_max": "data sheet of motor and gear: stall torque at the wheel",
-        "filter.kind": '"governor" allows more speed once base and odometry are known',
-        "filter.gain": "10 % either way; drive 5 m by odometry, measure it by tape",
-        "filter.d": "5 % of the limits; speed on your steepest slope, less that on the level",
-        "guard.enabled": "the limits are kept while the bounds below hold",
-        "guard.mass_margin": "20 % for the load that comes and goes",
-        "guard.dbar": "3 % of its weight or less: your steepest slope, or a push; spring balance",
-        "guard.nbar": "2 % of the limits; standing still, the largest speed that it measures",
-        "guard.alpha": "at most 0.3/T, less where torques would swing",
-        "clock.control": "rate of your controller's loop",
-        "reference.kind": "`wmr-ctrl scenarios --reference waypoints` shows a path of points",
-        "reference.radius": "at half of the speed limit",
-        "reference.rate": "at a quarter of the turning limit",
-    }
-)
+HOW: Mapping[str, str] = data(__package__, "new.toml")
 """How to find each value that no file states."""
 OURS = ("law", "base.kind", "filter.kind", "guard.enabled", "guard.alpha", "reference")
 """Choices and what follows from them: nothing that could be measured."""
