@@ -34,7 +34,7 @@ HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.unmodelled_delay"
 """Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
 OF_FIRST_ORDER = ("filter.gain", "filter.d")
 """Parameters that filters of other loops ignore, or use only in what is computed beforehand."""
-SPANS: Mapping[str, Span] = _DATA["spans"]
+SPANS: Mapping[str, Span] = {key: (low, high) for key, (low, high) in _DATA["spans"].items()}
 """Ranges other than a fifth to five times the value."""
 ALONG: Mapping[str, tuple[str, ...]] = {
     "limits.v_u1[1]": ("limits.v_u2[1]",),
