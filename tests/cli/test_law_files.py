@@ -133,4 +133,3 @@ def test_a_scenario_names_a_file_beside_it(wmr, tmp_path):
 
     assert result.exit_code == 0, result.stderr
     assert "my_law on mine" in result.stdout
-    assert "--law robots/mine.py" in " ".join(result.stderr.split())
