@@ -22,7 +22,9 @@ from wmr_ctrl.core.fields.unstated import Unknown
 from wmr_ctrl.identification.estimate import bare_scenario
 from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.stated import believed
+from wmr_ctrl.world.robot_files.found import Found, Rank, merged
 from wmr_ctrl.world.scenario import inherited, load_scenario, loads_scenario, override
+from wmr_ctrl.world.scenario.new import new_scenario
 from wmr_ctrl.world.scenario.toml_io import preset_names
 
 VELOCITY = [name for name in preset_names() if load_scenario(name).base.kind == "velocity"]
@@ -260,6 +262,19 @@ def test_limits_of_an_earlier_log_are_not_stated_ones(silent, tmp_path):
 
     assert found.scenario.limits.v_u1[0] > 1.5 * silent.scenario.limits.v_u1[0]
     assert found.scenario.filter.kind == "clip"
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.3, 0.9, 2.0])
+def test_a_log_completes_a_scenario_whatever_its_limits(speed, tmp_path):
+    """One begun by `new` states v_u1 alone."""
+    limits = [speed, 2 * speed]
+    items = [Found("limits.v_u1", tuple(limits), "f: x", Rank.CONTROLLER)]
+    (tmp_path / "mine.toml").write_text(new_scenario(merged(items), "velocity", "mine").text)
+
+    found = identify(LOG, base="velocity", known=tmp_path / "mine.toml")
+
+    assert tomllib.loads(found.to_toml())["limits"] == {"v_u1": limits}
+    assert not {"base.tau", "base.delay", "limits.v_u1"} & {*found.scenario.assumed}
 
 
 def test_a_guard_keeps_to_the_speeds_and_torques_of_the_log(driven, found):

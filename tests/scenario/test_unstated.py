@@ -47,6 +47,13 @@ def test_all_missing_keys_stand_in_one_message_with_what_else_is_wrong():
     assert "robot.m [kg]" not in str(wrong.value)
 
 
+def test_what_is_stated_is_not_missing_though_it_contradicts_another_key():
+    with pytest.raises(ScenarioError, match=r"v_u2\[1\] = 0.7 must be below") as error:
+        from_dict({**TORQUE, "limits": {**LIMITS, "v_u2": [0.7, 1.0]}})
+
+    assert "missing" not in str(error.value)
+
+
 @pytest.mark.parametrize(
     ("more", "needed"),
     [

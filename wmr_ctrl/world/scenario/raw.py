@@ -112,8 +112,10 @@ def _built(section: type[Section], raw: object, errors: list[ScenarioError]) -> 
                 good[name] = known[name].default * 1  # stated, if wrongly
     of_one = str(whole) in map(str, alone)
     errors += alone if of_one else [whole]
-    with suppress(ScenarioError):
-        return build(section, good)
+    required = {key: good[key] for key in good if isinstance(known[key].default, Unknown)}
+    for values in (good, required):
+        with suppress(ScenarioError):
+            return build(section, values)
     return default(section)
 
 
