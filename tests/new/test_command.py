@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import tomllib
+from warnings import catch_warnings, simplefilter
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -13,7 +15,7 @@ from hypothesis import strategies as st
 from tests.cli.conftest import wmr  # noqa: F401
 from tests.new.test_parameters import CONTROLLER, NAV2
 from tests.new.test_urdf import PAIR, robot
-from wmr_ctrl import simulate
+from wmr_ctrl import command_filter, simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import tracked
@@ -90,6 +92,28 @@ def test_file_is_checked_and_lists_what_is_assumed(base, wmr, tmp_path):  # noqa
         assert key in checked.stdout
     assert "kanayama   holds" in checked.stdout
     assert "guaranteed" in checked.stdout
+
+
+def test_what_rests_on_assumed_values_says_so_until_they_are_stated(wmr, tmp_path):  # noqa: F811
+    file, unstated = tmp_path / "mine.toml", "Nobody stated"
+    assert wmr("new", file).exit_code == 0
+    keys = tomllib.loads(file.read_text(encoding="utf-8"))["assumed"]
+    for assumed in (True, False):
+        made = wmr("codegen", "filter", "--scenario", file, "--out", tmp_path / f"c{assumed}")
+        header = (tmp_path / f"c{assumed}" / "wmr_filter.h").read_text(encoding="utf-8")
+        run = simulate(str(file), "kanayama")
+        with catch_warnings(record=True) as heard:
+            simplefilter("always")
+            command_filter(str(file))
+
+        assert run.remarks == ()
+        assert ("Nothing needs to be done" in run.explanation) is not assumed
+        assert all((key in run.explanation) is assumed for key in keys)
+        assert all((key in header) is assumed for key in keys if not key.startswith("limits"))
+        for text in (header, made.stderr, " ".join(str(item.message) for item in heard)):
+            assert (unstated in text) is assumed
+        text = file.read_text(encoding="utf-8")
+        file.write_text(re.sub("^assumed = .*", "", text, flags=re.MULTILINE), encoding="utf-8")
 
 
 def test_files_are_read_and_told(wmr, tmp_path):  # noqa: F811

@@ -117,7 +117,7 @@ def _note_idle(
 
 
 def _ask_about_units(what: str, case: Scenario) -> None:
-    """Ask about a filter's numbers that look like another unit."""
+    """Ask about a filter's numbers that look like another unit, or that nobody stated."""
     from wmr_ctrl.codegen.package import FILTER
     from wmr_ctrl.control.filter.filter import filter_questions
 

@@ -185,6 +185,7 @@ def _context(
     text = cached_definition(replace(step, prepared=prepared > 0), dialect)
     return {
         "law": law, "LAW": law.upper(), "title": system.title, "scenario": scenario.name,
+        "assumed": ", ".join(scenario.assumed),
         "period": scenario.clock.control, "float32": float32,
         "bits": "uint32_t" if float32 else "uint64_t",
         "real": "float" if float32 else "double", "limit": f"{'FLT' if float32 else 'DBL'}_MAX",

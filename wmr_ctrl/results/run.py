@@ -170,7 +170,7 @@ class Run:
     def explanation(self) -> str:
         """The outcome as a sentence: what, when, which axis, and the remedy.
 
-        It says that nothing needs to be done only if there are no `remarks`.
+        It says that nothing needs to be done only without `remarks` and assumed keys.
         """
         lost = self._lost_reference() if self.outcome is Outcome.NON_FINITE else None
         if lost is None:
@@ -223,6 +223,8 @@ class Run:
             return f" But {in_short(self.remarks)}."
         if self.outlook is None or not self.outlook.known:
             return " Its log shows no fault; its law or scenario, unknown here, was not checked."
+        if self.outlook.assumed:
+            return f" That holds for assumed {', '.join(self.outlook.assumed)}: measure them."
         return " Nothing needs to be done."
 
     def _lost_reference(self) -> float | None:

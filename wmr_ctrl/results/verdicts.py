@@ -32,7 +32,7 @@ class Outlook:
     ``tau_max``: torque limit of each wheel [N m], inf for none; ``warnings``: what theory says;
     ``exact_pose``: whether the pose is perfect while velocities come from encoders; ``known``:
     whether the law is, and so was checked; ``barrier``: speeds [m/s, rad/s] at which that of the
-    law begins, None for a law without.
+    law begins, None for a law without; ``assumed``: keys that nobody stated.
     """
 
     tau_max: float
@@ -40,6 +40,7 @@ class Outlook:
     exact_pose: bool
     known: bool = True
     barrier: tuple[float, float] | None = None
+    assumed: tuple[str, ...] = ()
 
     @property
     def objections(self) -> tuple[Warning, ...]:

@@ -186,10 +186,13 @@ def filter_system(scenario: Scenario) -> System:
 
 
 def filter_questions(scenario: Scenario) -> Iterator[str]:
-    """Questions about numbers of a filter that look like another unit."""
+    """Questions about numbers of a filter that look like another unit, or that nobody stated."""
     for key, question in unit_questions(scenario):
         if key.startswith(UNITS_COUNT):
             yield question
+    if assumed := [key for key in scenario.assumed if key.startswith(("filter.", "limits."))]:
+        keys = ", ".join(assumed)
+        yield f"Nobody stated {keys}: the limits are kept only while these values hold. Measure."
 
 
 def called_filter(scenario: Scenario) -> System:
@@ -323,7 +326,7 @@ class CommandFilter:
 def command_filter(scenario: Scenario | str) -> CommandFilter:
     """The command filter of a scenario with a section [filter], as an object with memory.
 
-    Warns of numbers that look like another unit, such as milliseconds, as `check` does.
+    Warns of numbers that look like another unit, such as milliseconds, and of assumed ones.
     Raises ScenarioError if no filter is set, or if its limit cannot be kept.
     """
     settings = load_scenario(scenario) if isinstance(scenario, str) else scenario

@@ -46,7 +46,8 @@ def outlook(scenario: Scenario, law: str, plant: str = "ode") -> Outlook:
     begins = scenario.limits.v_u2 if LAWS[law].traits.barrier else None
     asked = law != default_law(scenario).name
     warned = (*warnings_heard(setup, asked), *grip)
-    return Outlook(setup.tau_max, warned, _has_exact_pose(scenario), barrier=begins)
+    exact, assumed = _has_exact_pose(scenario), scenario.assumed
+    return Outlook(setup.tau_max, warned, exact, barrier=begins, assumed=assumed)
 
 
 def _has_exact_pose(scenario: Scenario) -> bool:
