@@ -296,7 +296,7 @@ def _check_heading(name: str, theta: Floats, moved: Floats, way: Floats) -> None
     if abs(angle) < 20:
         raise LogError(
             f"{name}: theta is the angle to +X (REP 103), and ours is 0 along +Y. Subtract pi/2 "
-            "from it, or name the column psi and leave theta out."
+            "from it, or leave the poses out."
         )
     if abs(angle - 90) > 20:
         raise LogError(
