@@ -133,6 +133,14 @@ def test_controller_counts_and_both_are_told(tmp_path):
     assert {("limits.v_u1[1]", 0.3), ("limits.v_u1[2]", 1.5), ("clock.control", 0.05)} <= told
 
 
+def test_half_of_a_pair_that_a_controller_names_is_refused(tmp_path):
+    for lost in ("l_joint", "r_joint"):
+        (tmp_path / "c.yaml").write_text(CONTROLLER.replace(lost, "x_joint"), encoding="utf-8")
+        (tmp_path / "r.urdf").write_text(robot(PAIR), encoding="utf-8")
+        with pytest.raises(ScenarioError, match=r"r.urdf has ._joint, but no joint x_joint"):
+            read_robot_files([tmp_path / "r.urdf", tmp_path / "c.yaml"])
+
+
 RADIUS = "wheel_radius: 0.2"
 BOMB = "".join(
     f"{other}: &{other} [{','.join([f'*{one}'] * 9)}]\n"
@@ -144,6 +152,8 @@ FAULTS = {
     "is not YAML": "a: [",
     "is stated twice": CONTROLLER.replace(RADIUS, f"{RADIUS}\n      {RADIUS}"),
     "must be above 0": CONTROLLER.replace(RADIUS, "wheel_radius: -0.2"),
+    "angular.z.max_velocity = -2 must be above": CONTROLLER.replace("y: 2.0", "y: -2.0"),
+    "must be three numbers": NAV2.replace("[2.5, 0.0, 3.2]", "[2.5, 3.2]"),
     "must be a number": CONTROLLER.replace(RADIUS, "wheel_radius: [0.2]"),
     "of usual size": CONTROLLER.replace(RADIUS, "wheel_radius: .inf"),
     "substitution": CONTROLLER.replace(RADIUS, 'wheel_radius: "$(var r)"'),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -78,6 +78,8 @@ def new(
     say("wrote", out)
     if base is None:
         say("note", NOT_STATED)
+    for note in _notes(made):
+        say("note", note)
     if as_json:
         print_json(_json(made))
         return
@@ -96,11 +98,29 @@ def _json(made: NewScenario) -> dict[str, object]:
     }
 
 
+def _notes(made: NewScenario) -> Iterator[str]:
+    """Sizes on which files disagree, and limits that hold the faster direction back."""
+    from wmr_ctrl.world.robot_files.found import SMALLER
+    from wmr_ctrl.world.scenario.new import LIMITS
+
+    for other in made.unused:
+        mine = made.found.get(other.key)
+        if mine and other.key.startswith("robot."):
+            also = f"{other.text} ({other.source})"
+            yield f"{other.key} is {mine.text} ({mine.source}), or {also}. Measure it."
+    limits = made.found.get(LIMITS)
+    if limits and SMALLER in limits.source:
+        yield (
+            f"{LIMITS} = {limits.text} holds forward and backward, so the slower of both counts. "
+            "State a larger one if that is safe both ways."
+        )
+
+
 def _text(made: NewScenario) -> str:
     from wmr_ctrl.world.robot_files import shown
     from wmr_ctrl.world.scenario.new import HOW
 
-    stated = {"found": (*made.found.values(), *made.nodes.values()), "not used": made.unused}
+    stated = {"found": made.found.values(), "not used": made.unused}
     rows = [
         (it.key, it.text, f"{label}: {it.source}") for label, its in stated.items() for it in its
     ]

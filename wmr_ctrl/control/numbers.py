@@ -52,7 +52,17 @@ def structure_of(setup: Setup) -> Hashable:
     sent = (scenario.filter, scenario.clock, scenario.base)  # the filter counts in samples
     silent = bool(unknown_keys(scenario))  # whose torques are NaN
     steps = _steps(setup), setup.predicted, sent if setup.takes_velocity else None
-    return parts, sizes, tables, shape, guard, steps, silent, _form(setup.gains), _form(setup.kinematics)
+    return (
+        parts,
+        sizes,
+        tables,
+        shape,
+        guard,
+        steps,
+        silent,
+        _form(setup.gains),
+        _form(setup.kinematics),
+    )
 
 
 def _steps(setup: Setup) -> Hashable:

@@ -27,7 +27,10 @@ class RoundedSquare(Reference):
 
     side: float = quantity(derived(3.0), "m", "side of the square", minimum=1e-6)
     corner: float = quantity(
-        derived(0.8), "m", "length of side that a corner takes at each end; at most side/2", minimum=1e-6
+        derived(0.8),
+        "m",
+        "length of side that a corner takes at each end; at most side/2",
+        minimum=1e-6,
     )
     speed: float = quantity(derived(0.1), "m/s", "speed, nearly constant", minimum=1e-6)
 

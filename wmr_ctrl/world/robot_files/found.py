@@ -25,6 +25,8 @@ PAIRS = ("limits.v_u1", "base.accel", "base.decel")
 NAMES = "ros."
 """Beginning of keys of frames and topics, for this project's ROS 2 nodes."""
 NAMED = data(__package__, "names.toml")
+SMALLER = "smaller size of"
+"""Words in the source of a limit that differs between forward and backward."""
 LARGEST = 1e9
 """Largest size of a number, in SI units."""
 STEP = 1e-3
@@ -158,18 +160,18 @@ def _is_name(value: object) -> TypeGuard[bool | str]:
 
 def _combined(key: str, stated: dict[str, float], where: str, rank: Rank) -> Iterator[Found]:
     """One value of all that are stated for a key, with words on how they differ."""
-    slowest = key.startswith(PAIRS)
+    slowest, is_limit = key.startswith(PAIRS), key.startswith(PAIRS[0])
     for name, value in stated.items():
-        if value < 0 and not slowest:
+        if value < 0 and (not slowest or (is_limit and "max" in name)):
             raise ScenarioError(f"{where}{name} = {value:g} must be above 0.")
     sizes = [abs(value) for value in stated.values() if value]
     if not sizes:
         return
     note = ""
-    if key.startswith(PAIRS[0]) and 0.0 in stated.values():
+    if is_limit and 0.0 in stated.values():
         note = " (one side is 0: it moves one way only, but limits.v_u1 holds both ways)"
     elif len(set(sizes)) > 1:
-        note = f" ({'smaller size' if slowest else 'mean'} of {', '.join(f'{s:g}' for s in sizes)})"
+        note = f" ({SMALLER if slowest else 'mean of'} {', '.join(f'{s:g}' for s in sizes)})"
     value, source = min(sizes) if slowest else mean(sizes), f"{where}{' and '.join(stated)}{note}"
     if key == PERIOD:
         source, value = f"{source}: {value:g} Hz", STEP * max(1, round(1 / (value * STEP)))

@@ -13,6 +13,8 @@ from wmr_ctrl.core.fields.yaml_text import yaml_document
 from .found import NAMED, Found, Rank, number, read_table, rounded
 from .parameter_files import Flat
 
+VECTORS = ("max_velocity", "min_velocity", "max_accel", "max_decel")
+
 
 def reads(node: str) -> bool:
     """True for a node of nav2 that says something on the robot."""
@@ -24,6 +26,11 @@ def read(node: str, params: Flat, file: str) -> Iterator[Found]:
     """Limits, ramps, period, size, frames and topics of one node."""
     where, last = f"{file}: {node}.", node.rpartition("/")[2]
     if last == "velocity_smoother":
+        for name in filter(params.__contains__, VECTORS):
+            if not isinstance(params[name], list) or len(params[name]) != 3:
+                raise ScenarioError(
+                    f"{where}{name} = {show(params[name])} must be three numbers: x, y, theta."
+                )
         yield from read_table(params, NAMED["smoother"], where, Rank.SMOOTHER)
         return
     if last == "controller_server":

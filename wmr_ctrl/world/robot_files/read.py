@@ -82,7 +82,14 @@ def _description(text: str, file: Path, named: Sequence[str]) -> Iterator[Found]
     if root.tag == "robot" and root.find("link") is not None:
         driven = [*named, *(name for drive in drives for name in gazebo.joints(drive))]
         there = {item.get("name") for item in root.iterchildren("joint")}
-        yield from urdf.read(root, file.name, [name for name in driven if name in there])
+        known = [name for name in driven if name in there]
+        if len(known) == 1:
+            lost = ", ".join(name for name in driven if name not in there)
+            raise ScenarioError(
+                f"{file.name} has {known[0]}, but no joint {lost}, which the controller names. "
+                "Correct one of the files."
+            )
+        yield from urdf.read(root, file.name, known)
     elif not drives:
         raise ScenarioError(
             f"{file.name} is of no known kind: it has neither a <robot> with links nor a "

@@ -292,7 +292,9 @@ def to_toml(
         raw = _sparse(raw, scenario, only)
     document = tomlkit.document()
     document.add("title", tomlkit.item(scenario.title))
-    _add_or_tell(document, "law", scenario.law, f"{mark}law that drives where none is named" * comments)
+    _add_or_tell(
+        document, "law", scenario.law, f"{mark}law that drives where none is named" * comments
+    )
     if comments or "frames" in raw:
         note = "how orientations are stated: paper (0 along +Y), rep103 (0 along +X)"
         _add(document, "frames", scenario.frames, note * comments)
@@ -306,7 +308,9 @@ def to_toml(
             continue
         table = tomlkit.table()
         if key == "reference":
-            _add(table, "kind", raw[key]["kind"], f"{mark}one of {', '.join(REFERENCES)}" * comments)
+            _add(
+                table, "kind", raw[key]["kind"], f"{mark}one of {', '.join(REFERENCES)}" * comments
+            )
         part = scenario.model if key == "model" else scenario.table(key)
         _fields(table, part, raw[key], comments, scenario.frames, only is None, mark)
         document.add(key, table)

@@ -92,7 +92,9 @@ def following(scenario: "Scenario") -> Iterator[tuple[str, Section]]:
     """Yield the tables in which something is left out that follows from other tables."""
     robot, clock, initial = scenario.robot, scenario.clock, scenario.initial
     room = (0.05, scenario.limits.v_u1[0]) if isinstance(robot.l, Unknown) else (0.2, robot.l)
-    yield from _replaced("metrics", scenario.metrics, _shares(scenario.metrics, {"tolerance": room}))
+    yield from _replaced(
+        "metrics", scenario.metrics, _shares(scenario.metrics, {"tolerance": room})
+    )
     sizes = {"height": (1.2, robot.r), "caster": (1.2, robot.l), "wheel_width": (0.4, robot.r),
              "wheel_mass": (0.03, robot.m)}  # fmt: skip
     yield from _replaced("body", scenario.body, _shares(scenario.body, sizes))
@@ -100,7 +102,9 @@ def following(scenario: "Scenario") -> Iterator[tuple[str, Section]]:
     yield from _replaced("base", scenario.base, _shares(scenario.base, gains))
     accel = tuple(map(min, scenario.base.accel, scenario.base.decel))
     path = scenario.reference.sized(scenario.limits.v_u1, (accel[0], accel[1]))
-    left = {k: derived(v) for k, v in path.items() if isinstance(vars(scenario.reference)[k], Unstated)}
+    left = {
+        k: derived(v) for k, v in path.items() if isinstance(vars(scenario.reference)[k], Unstated)
+    }
     yield from _replaced("reference", scenario.reference, left)
     if isinstance(clock.duration, Unstated) and scenario.reference.arrival is not None:
         lasting = {"duration": clock.covering(scenario.reference.arrival)}
