@@ -22,7 +22,7 @@ from wmr_ctrl.results import tracked
 from wmr_ctrl.theory.checks import filter_facts
 from wmr_ctrl.world.robot_files.found import Found, Rank, merged
 from wmr_ctrl.world.scenario import loads_scenario
-from wmr_ctrl.world.scenario.new import new_scenario
+from wmr_ctrl.world.scenario.new import LAW, new_scenario
 
 MOST_KEYS = 25
 BASES = ("velocity", "torque")
@@ -114,6 +114,33 @@ def test_what_rests_on_assumed_values_says_so_until_they_are_stated(wmr, tmp_pat
             assert (unstated in text) is assumed
         text = file.read_text(encoding="utf-8")
         file.write_text(re.sub("^assumed = .*", "", text, flags=re.MULTILINE), encoding="utf-8")
+
+
+def test_all_laws_are_those_that_the_stated_robot_is_enough_for(wmr, tmp_path):  # noqa: F811
+    file = tmp_path / "mine.toml"
+    assert wmr("new", file).exit_code == 0
+
+    made = wmr("compare", file, "--law", "all")
+    alone = wmr("compare", file, "--law", "kanayama,mb")
+
+    assert made.exit_code == 0, made.stderr
+    head, *rows = made.stdout.splitlines()
+    assert {row.split()[0] for row in rows[1:] if row.endswith("completed")} >= {LAW, "pursuit"}
+    assert "mb" in made.stderr
+    assert "peak" not in head, "nobody commands its torques"
+    assert alone.exit_code == 2, "a law that is named is not left out"
+    assert "robot.m" in alone.stderr
+
+
+def test_gains_that_fit_rounding_are_not_advised(wmr, tmp_path):  # noqa: F811
+    file, tuned = tmp_path / "mine.toml", ("--out", tmp_path / "tuned.toml", "--trials", 2)
+    assert wmr("new", file).exit_code == 0
+    pushed = ("--set", "sensor.pose_noise=0.01", "--set", "sensor.pose_period=0.1")
+
+    for more, nothing in (((), True), (pushed, False)):
+        made = wmr("tune", file, "--law", LAW, *tuned, *more)
+        assert made.exit_code == 0, made.stderr
+        assert ("There was nothing to tune" in made.stdout) is nothing
 
 
 def test_files_are_read_and_told(wmr, tmp_path):  # noqa: F811

@@ -12,7 +12,7 @@ import click
 from wmr_ctrl.core.errors import ArgumentError
 
 from . import options as opt
-from .console import DIFFERENCE, Progress, print_json, table, wrapped, write_file
+from .console import DIFFERENCE, Progress, print_json, say, table, wrapped, write_file
 from .runs import animate_option, plot_option
 
 if TYPE_CHECKING:
@@ -23,15 +23,17 @@ if TYPE_CHECKING:
 LEAST = 1e-3
 """Smaller figures [m/s, rad/s, N m] are not written out."""
 HEADER = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
+TORQUES = ("tau_peak", "torque_change_rms")
 COLUMNS = (
     ("tracking_drive_rms", 1e3),
     ("tracking_drive_max", 1e3),
     ("max_abs_v1", 1.0),
     ("max_abs_v2", 1.0),
-    ("tau_peak", 1.0),
-    ("torque_change_rms", 1.0),
+    *((name, 1.0) for name in TORQUES),
 )
 """Figures of the table's columns, and their factor."""
+UNTOLD = "-"
+"""A figure that a run does not have."""
 
 
 @opt.command(
@@ -83,7 +85,7 @@ def compare(
     compared: pose, velocities, commands, torques and wheels.
     """
     if laws:
-        runs = dict(zip(laws, _simulated(sources, laws, seed, assignments, guard), strict=True))
+        runs = dict(_simulated(sources, laws, seed, assignments, guard))
     else:
         from wmr_ctrl.results import Run
 
@@ -116,9 +118,11 @@ def _simulated(
     seed: int,
     assignments: Sequence[str],
     guard: bool | None,
-) -> Iterator[Run]:
+) -> Iterator[tuple[str, Run]]:
     from wmr_ctrl import api
     from wmr_ctrl.control.laws.registry import LAWS
+
+    from .check_answers import laws_for
 
     if len(sources) > 1:
         raise ArgumentError(
@@ -129,10 +133,15 @@ def _simulated(
     scenario = opt.load(source, assignments, guard)
     for name in names:
         LAWS[name]  # raises for a name that is none, before anything runs
+    if {*LAWS} <= {*names}:
+        possible = laws_for(scenario)
+        if lost := [name for name in LAWS if name not in possible]:
+            say("note", f"without {', '.join(lost)}, which need what the scenario does not state.")
+        names = [name for name in names if name not in lost]
     opt.note_idle(scenario, source, assignments, names)
     for name in names:
         with Progress(f"{name} on {scenario.name}"):
-            yield api.simulate(scenario, name, seed=seed)
+            yield name, api.simulate(scenario, name, seed=seed)
 
 
 def _loaded(sources: Sequence[str], topics: Mapping[str, str]) -> dict[str, Run | RecordedDrive]:
@@ -162,6 +171,7 @@ def _difference(runs: dict[str, Run], tolerance: float) -> Comparison:
 
 def comparison_text(runs: dict[str, Run]) -> str:
     """Figures of runs by name as a table, a line of what its columns are, and the remarks."""
+    from wmr_ctrl.report.run_rows import takes_velocities
     from wmr_ctrl.results import driving, labouring
 
     from .summary import changes_of
@@ -171,13 +181,17 @@ def comparison_text(runs: dict[str, Run]) -> str:
 
     about = (
         f"RMS, max: distance from the desired position over the {each(driving)} [mm]. |v1|, "
-        f"|omega|: largest over the run, limits {each(_limits)}. peak: largest wheel torque of the "
-        f"run; change: its RMS from sample to sample over the {each(labouring)} [N m]."
+        f"|omega|: largest over the run, limits {each(_limits)}."
     )
+    if not all(map(takes_velocities, runs.values())):
+        about += (
+            " peak: largest wheel torque of the run; change: its RMS from sample to sample over "
+            f"the {each(labouring)} [N m]."
+        )
     said = dict.fromkeys(text for run in runs.values() for text in changes_of(run))
     lines = [
         *map(wrapped, said),
-        table([_row(name, run) for name, run in runs.items()], HEADER),
+        table(*_told([_row(name, run) for name, run in runs.items()])),
         "",
         wrapped(about),
     ]
@@ -193,16 +207,26 @@ def _limits(run: Run) -> str:
     return f"{linear:g} m/s and {angular:g} rad/s"
 
 
+def _told(rows: list[tuple[str, ...]]) -> tuple[list[tuple[str, ...]], tuple[str, ...]]:
+    """Rows and header without the columns that no run has."""
+    kept = [k for k in range(len(HEADER)) if any(row[k] != UNTOLD for row in rows)]
+    first, *others = (tuple(row[k] for k in kept) for row in (HEADER, *rows))
+    return others, first
+
+
 def _row(name: str, run: Run) -> tuple[str, ...]:
+    from wmr_ctrl.report.run_rows import takes_velocities
     from wmr_ctrl.results.figures import FIGURES, values_of
     from wmr_ctrl.theory.checks.outlook import scenario_of_run
     from wmr_ctrl.theory.checks.unknown_zero import finest
 
     values: dict[str, Any] = values_of(run, [FIGURES[figure] for figure, _ in COLUMNS])
     least = finest(scenario_of_run(run))
+    if takes_velocities(run):  # nobody commands its torques
+        values |= dict.fromkeys(TORQUES)
     known = ((figure, factor, values[figure]) for figure, factor in COLUMNS)
     cells = (
-        "-" if value is None else
+        UNTOLD if value is None else
         _shown(factor * value, factor * least if figure.startswith("tracking") else LEAST)
         for figure, factor, value in known
     )  # fmt: skip

@@ -126,6 +126,12 @@ WORSE = (
 )
 
 
+ROUNDING = (
+    "There was nothing to tune: the first objective is rounding. Do not take these gains; state "
+    "what disturbs your robot, its noise, delays and pushes."
+)
+
+
 def _seeds(_context: click.Context, _option: click.Parameter, value: str) -> range:
     """Seeds A up to B - 1, as A:B."""
     first, _, end = value.partition(":")
@@ -243,12 +249,15 @@ def _text(better: Tuning) -> str:
     import numpy as np
 
     from wmr_ctrl.core.fields.units import length
+    from wmr_ctrl.simulation.tuning.gains import FLOOR
     from wmr_ctrl.simulation.tuning.search import CORRIDOR
     from wmr_ctrl.world.speed_loop import takes_velocity
 
     first, last = better.objective
     lines = [f"{key} = {', '.join(f'{v:g}' for v in value)}" for key, value in better.gains.items()]
     lines.append(f"objective on the training seeds: {first.sentence} before, {last.sentence} after")
+    if first.metres < FLOOR:
+        lines.append(wrapped(ROUNDING))
     if better.plan.merit == CORRIDOR:
         before, after = ("none" if most is None else length(most) for most in better.corridor)
         lines.append(f"certified corridor: {before} before, {after} after")
