@@ -141,6 +141,11 @@ def test_gains_that_fit_rounding_are_not_advised(wmr, tmp_path):  # noqa: F811
         made = wmr("tune", file, "--law", LAW, *tuned, *more)
         assert made.exit_code == 0, made.stderr
         assert ("There was nothing to tune" in made.stdout) is nothing
+    begun, found = (tomllib.loads(path.read_text(encoding="utf-8")) for path in (file, tuned[1]))
+    gains, sensor = found.pop("gains"), found.pop("sensor")
+    assert {*gains[LAW]} >= {"k", "rate"}
+    assert {*sensor} == {"pose_noise", "pose_period"}, "what nobody stated is not written"
+    assert {key: found[key] for key in begun} == begun
 
 
 def test_files_are_read_and_told(wmr, tmp_path):  # noqa: F811

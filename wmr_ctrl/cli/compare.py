@@ -32,8 +32,6 @@ COLUMNS = (
     *((name, 1.0) for name in TORQUES),
 )
 """Figures of the table's columns, and their factor."""
-UNTOLD = "-"
-"""A figure that a run does not have."""
 
 
 @opt.command(
@@ -183,7 +181,10 @@ def comparison_text(runs: dict[str, Run]) -> str:
         f"RMS, max: distance from the desired position over the {each(driving)} [mm]. |v1|, "
         f"|omega|: largest over the run, limits {each(_limits)}."
     )
-    if not all(map(takes_velocities, runs.values())):
+    head, *rows = (HEADER, *(_row(name, run) for name, run in runs.items()))
+    if all(map(takes_velocities, runs.values())):
+        head, *rows = ((*row[:-3], row[-1]) for row in (head, *rows))
+    else:
         about += (
             " peak: largest wheel torque of the run; change: its RMS from sample to sample over "
             f"the {each(labouring)} [N m]."
@@ -191,7 +192,7 @@ def comparison_text(runs: dict[str, Run]) -> str:
     said = dict.fromkeys(text for run in runs.values() for text in changes_of(run))
     lines = [
         *map(wrapped, said),
-        table(*_told([_row(name, run) for name, run in runs.items()])),
+        table(rows, head),
         "",
         wrapped(about),
     ]
@@ -207,13 +208,6 @@ def _limits(run: Run) -> str:
     return f"{linear:g} m/s and {angular:g} rad/s"
 
 
-def _told(rows: list[tuple[str, ...]]) -> tuple[list[tuple[str, ...]], tuple[str, ...]]:
-    """Rows and header without the columns that no run has."""
-    kept = [k for k in range(len(HEADER)) if any(row[k] != UNTOLD for row in rows)]
-    first, *others = (tuple(row[k] for k in kept) for row in (HEADER, *rows))
-    return others, first
-
-
 def _row(name: str, run: Run) -> tuple[str, ...]:
     from wmr_ctrl.report.run_rows import takes_velocities
     from wmr_ctrl.results.figures import FIGURES, values_of
@@ -226,7 +220,7 @@ def _row(name: str, run: Run) -> tuple[str, ...]:
         values |= dict.fromkeys(TORQUES)
     known = ((figure, factor, values[figure]) for figure, factor in COLUMNS)
     cells = (
-        UNTOLD if value is None else
+        "-" if value is None else
         _shown(factor * value, factor * least if figure.startswith("tracking") else LEAST)
         for figure, factor, value in known
     )  # fmt: skip

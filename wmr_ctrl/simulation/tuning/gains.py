@@ -354,4 +354,5 @@ def _document(tuning: Tuning) -> str:
         f"root of the mean of {search.MEASURED[plan.merit]}^2{effort}: {first.sentence} before, "
         f"{last.sentence} after",
     ]  # fmt: skip
-    return "".join(f"# {line}\n" for line in head) + "\n" + to_toml(tuning.scenario)
+    text = to_toml(tuning.scenario, only=tuning.scenario.assumed)
+    return "".join(f"# {line}\n" for line in head) + f"\n{text}"
