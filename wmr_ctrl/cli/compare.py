@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 LEAST = 1e-3
 """Smaller figures [m/s, rad/s, N m] are not written out."""
-HEADER = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
+HEADER: tuple[str, ...] = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
 TORQUES = ("tau_peak", "torque_change_rms")
 COLUMNS = (
     ("tracking_drive_rms", 1e3),
@@ -181,9 +181,9 @@ def comparison_text(runs: dict[str, Run]) -> str:
         f"RMS, max: distance from the desired position over the {each(driving)} [mm]. |v1|, "
         f"|omega|: largest over the run, limits {each(_limits)}."
     )
-    head, *rows = (HEADER, *(_row(name, run) for name, run in runs.items()))
+    rows = [HEADER, *(_row(name, run) for name, run in runs.items())]
     if all(map(takes_velocities, runs.values())):
-        head, *rows = ((*row[:-3], row[-1]) for row in (head, *rows))
+        rows = [(*row[:-3], row[-1]) for row in rows]
     else:
         about += (
             " peak: largest wheel torque of the run; change: its RMS from sample to sample over "
@@ -192,7 +192,7 @@ def comparison_text(runs: dict[str, Run]) -> str:
     said = dict.fromkeys(text for run in runs.values() for text in changes_of(run))
     lines = [
         *map(wrapped, said),
-        table(rows, head),
+        table(rows[1:], rows[0]),
         "",
         wrapped(about),
     ]

@@ -14,6 +14,7 @@ from .found import NAMED, Found, Rank, number, read_table, rounded
 from .parameter_files import Flat
 
 VECTORS = ("max_velocity", "min_velocity", "max_accel", "max_decel")
+"""Parameters of the smoother that must have x, y and theta."""
 
 
 def reads(node: str) -> bool:
@@ -27,9 +28,10 @@ def read(node: str, params: Flat, file: str) -> Iterator[Found]:
     where, last = f"{file}: {node}.", node.rpartition("/")[2]
     if last == "velocity_smoother":
         for name in filter(params.__contains__, VECTORS):
-            if not isinstance(params[name], list) or len(params[name]) != 3:
+            given = params[name]
+            if not isinstance(given, list) or len(given) != 3:
                 raise ScenarioError(
-                    f"{where}{name} = {show(params[name])} must be three numbers: x, y, theta."
+                    f"{where}{name} = {show(given)} must be three numbers: x, y, theta."
                 )
         yield from read_table(params, NAMED["smoother"], where, Rank.SMOOTHER)
         return

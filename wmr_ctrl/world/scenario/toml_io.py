@@ -283,8 +283,8 @@ def to_toml(
 
     ``gains_docs`` tells the laws' gains: those that the scenario does not name are then printed
     too, at their defaults, so that the text holds every gain of a run.  ``only``: keys that are
-    written, beside those whose values are not the defaults.  ``marked``: comments on values that are
-    no defaults begin with `MARK`.
+    written, beside those whose values are not the defaults.  ``marked``: comments on values that
+    are no defaults begin with `MARK`.
     """
     mark = f"{MARK} " * marked
     raw: dict[str, Any] = scenario_dict(scenario)
