@@ -7,8 +7,11 @@ The state is the fast one (the plant, then what moves with it at each step) foll
 one.  Compiled loops and FMUs are made from these graphs and know no System by name.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, cast
 
@@ -122,17 +125,25 @@ class Graphs:
         """The fast state after a step of everything but the plant."""
         return ca.vertcat(self.plant.x, *self.step.following)
 
-    def _join_sensors(self, setup: Setup, *, external_plant: bool) -> list[System]:
-        """Plant and wirings of both rates, with the sensors' readings; returns these."""
-        self.parameters = Parameters(setup)
+    def _join_sensors(
+        self, setup: Setup, *, external_plant: bool, like: Graphs | None = None
+    ) -> list[System]:
+        """Plant and wirings of both rates, with the sensors' readings; returns these.
+
+        Plant, steps and parameters' symbols are those of graphs ``like`` it, if they are given.
+        """
+        taken = like.parameters.ports if like else ()
+        known = (replace(item, value=setup.value(item.signal.name)) for item in taken)
+        self.parameters = Parameters(setup, known)
         sample = Wiring(setup, self.parameters, Rate.SAMPLE, {})
         sensors = sample.effects(EffectRole.SENSOR)
         self.rolling = rolling_of(sensors)
         rolling = self.rolling if external_plant else self.rolling[:1]
-        self.plant = plant(setup.scenario, rolling=rolling)
+        self.plant = like.plant if like else plant(setup.scenario, rolling=rolling)
         true: Named = {item.signal.name: item.sym for item in self.plant.state}
         sample.known |= {SKID.name: ca.SX(0), **true}
-        self.sample, self.step = sample, Wiring(setup, self.parameters, Rate.STEP, true)
+        self.sample = sample
+        self.step = like.step if like else Wiring(setup, self.parameters, Rate.STEP, true)
         if any(item.signal == TRAVEL for system in sensors for item in system.inputs):
             now, mark = sample.column((PATH, POSE[2])), port(TRAVELLED)
             way = ca.if_else(sample.clock.sym > 0, now - mark.sym, ca.SX.zeros(2))
@@ -300,6 +311,15 @@ class PlantlessGraphs(Graphs):
         self.steady = not (drives or gusts)
         self._join_drives(drives, gusts, pushed=True)
         self.parameters.take("limits.v_u1")
+
+
+class SensedGraphs(Graphs):
+    """Sensors and disturbances of a sample, with plant and steps of graphs ``like`` it."""
+
+    def __init__(self, setup: Setup, like: Graphs) -> None:
+        sensors = self._join_sensors(setup, external_plant=True, like=like)
+        self.sample.measure(sensors)
+        self.sample.disturb(self.sample.effects(EffectRole.DISTURBANCE))
 
 
 def rolling_of(sensors: Sequence[System]) -> tuple[Signal, ...]:

@@ -27,7 +27,8 @@ from .laws.registry import NAMES
 from .setup import KINEMATICS, Setup
 
 ALWAYS_READ = frozenset((
-    "disturbance.std", "disturbance.truncate", "sensor.pose_noise", "sensor.velocity_noise",
+    "disturbance.std", "disturbance.truncate", "sensor.pose_noise", "sensor.pose_period",
+    "sensor.velocity_noise",
 ))  # fmt: skip
 """Keys of numbers of which graphs are the same where they are 0 or infinite."""
 

@@ -16,10 +16,13 @@ from wmr_ctrl.core.errors import CompilerError, install
 from wmr_ctrl.core.signals import PLANT_STATE
 
 UNIT = ("page.c", *LOOP[1:], "seed.c", "seed.h")
-FLAGS = ("-O2", "-g0", "-fno-inline", "-target", "wasm32-wasi")
+FLAGS = (
+    "-O2", "-Xclang", "-O1", "-g0", "-fno-inline", "-U__SIZEOF_INT128__", "-target", "wasm32-wasi",
+)  # fmt: skip
+"""Without numbers of 128 bits, whose product -O2 finds, and zig compiles a library of its own for;
+zig by itself makes -O2 of -O1."""
 LINKING = (
-    "-target", "wasm32-freestanding", "-nostdlib", "-rtlib=compiler-rt", "-s", "-Wl,--no-entry",
-    "-Wl,--strip-all",
+    "-target", "wasm32-freestanding", "-nostdlib", "-s", "-Wl,--no-entry", "-Wl,--strip-all",
 )  # fmt: skip
 """Without a C library, which zig would compile for half a minute: loops need its headers only."""
 _HOST_ONLY = ("-shared", "-fPIC", "-fvisibility=hidden", "-mcpu=baseline", "-O3")

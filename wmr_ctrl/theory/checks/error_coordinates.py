@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.control.laws.registry import LAWS
-from wmr_ctrl.control.loop import PlantlessGraphs
+from wmr_ctrl.control.loop import Graphs, PlantlessGraphs, SensedGraphs
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.core.signals import places
+from wmr_ctrl.core.signals import DISTURBING, MEASURED, places
 from wmr_ctrl.world.effect import Rate
 from wmr_ctrl.world.model.graph import unrounded
 from wmr_ctrl.world.model.kinematics import error_rotation, pose_rate, tracking_error
@@ -50,15 +50,17 @@ class World:
 
     def __init__(self, setup: Setup, like: World | None = None) -> None:
         """Differentiate; plant steps and parameters are those of another World, if it is given."""
-        self.setup, graphs = setup, PlantlessGraphs(setup)
+        self.setup = setup
         if like is None:
-            moved = _quiet(graphs.plant_step(), graphs.draws(Rate.STEP))
+            full = PlantlessGraphs(setup)
+            self.held, moved = full.u.sym.numel(), _quiet(full.plant_step(), full.draws(Rate.STEP))
+            self.graphs: Graphs = full
         else:
-            for item in like.ports:
-                graphs.parameters.take(item.signal.name)
+            self.held, self.graphs = like.held, SensedGraphs(setup, like.graphs)
+        graphs = self.graphs
         self.ports: tuple[Port, ...] = graphs.parameters.ports
         self.fast, self.slow = graphs.fast, graphs.slow
-        self.size, self.held = len(names_of(self.fast)), graphs.u.sym.numel()
+        self.size = len(names_of(self.fast))
         self.rows, self.slow_rows = (
             places(item.signal for item in part) for part in (self.fast, self.slow)
         )
@@ -71,7 +73,7 @@ class World:
             each = like.step, like.slopes, like.rates, like.rate_slopes
         self.step, self.slopes, self.rates, self.rate_slopes = each
 
-    def _stepping(self, graphs: PlantlessGraphs, x: ca.SX, moved: ca.SX) -> Steps:
+    def _stepping(self, graphs: Graphs, x: ca.SX, moved: ca.SX) -> Steps:
         u, p, h = graphs.u.sym, graphs.p, graphs.parameters.take("clock.plant")
         z, v_d, theta = ca.SX.sym("z", self.size), ca.SX.sym("v_d", 2), ca.SX.sym("theta")
         desired, angle = ca.vertcat(0, 0, theta), theta - z[2]
@@ -88,8 +90,10 @@ class World:
             ca.Function("rate_slopes", given, [ca.densify(_slope(slopes, h))]),
         )
 
-    def _sense(self, graphs: PlantlessGraphs, x: ca.SX, m: ca.SX) -> None:
-        shown = ca.vertcat(graphs.measured[: ROBOT + HELD], *graphs.sample.following)
+    def _sense(self, graphs: Graphs, x: ca.SX, m: ca.SX) -> None:
+        shown = ca.vertcat(
+            graphs.sample.column((*MEASURED, *DISTURBING)), *graphs.sample.following
+        )
         shown = unrounded(_quiet(shown, graphs.draws(Rate.SAMPLE)), every := ca.vertcat(x, m))
         e, T = ca.SX.sym("e", 3), graphs.parameters.take("clock.control")
         slopes, level = ca.jacobian(shown, every), ca.SX.zeros(3)
