@@ -74,13 +74,16 @@ def test_a_start_has_the_error_that_is_asked_for(nominal):
     assert run["e"][0] == pytest.approx(e, abs=1e-12)
 
 
-def test_a_reference_that_changes_its_speed_is_followed(nominal):
+@pytest.mark.parametrize(("law", "left"), [("mb", 0.1), ("kanayama", 0.005)])
+def test_a_reference_that_changes_its_speed_is_followed(nominal, law, left):
+    """Also by a law that remembers the speed that it told last."""
     found = wmr_ctrl.linear_against_run(
-        nominal, ["mb"], overrides={"reference.kind": "lemniscate", "clock.duration": 10.0}
-    ).laws["mb"]
+        nominal, [law], overrides={"reference.kind": "lemniscate", "clock.duration": 10.0}
+    ).laws[law]
 
     assert all(item.ten_per_cent is not None for item in found.directions.values())
-    assert found.directions["left"].one_per_cent > 0.1
+    assert found.directions["left"].one_per_cent > left
+    assert found.remarks == ()
 
 
 def test_the_command_for_a_base_that_takes_velocities(tmp_path):

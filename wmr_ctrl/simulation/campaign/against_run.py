@@ -198,7 +198,7 @@ def _parting(runs: _Runs, vector: Floats, linear: Floats, weights: Floats) -> Pa
     for level, (inside, beyond) in zip(LEVELS.values(), ends, strict=True):
         if not inside:
             least = 100 * min(apart.values())
-            reasons.append(f"never within {100 * level:g} % ({least:.2g} % at best)")
+            reasons.append(f"never within {100 * level:g} % ({least:.3g} % at best)")
         elif not beyond:
             reasons.append(f"within {100 * level:g} % up to {largest:g} {unit}")
     one, ten = (inside if beyond else None for inside, beyond in ends)

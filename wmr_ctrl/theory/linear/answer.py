@@ -35,7 +35,7 @@ def linear_answer(scenario: Scenario, law: str, at: Point, samples: int) -> Floa
 
     Sampled with the scenario's clock, with drives, sensors and rare poses in it; estimates and
     weights move.  Where the desired velocity varies, the loop is linearised on the reference at
-    `INSTANTS` times, with the memory of ``at``.
+    `INSTANTS` times; what an adaptive law has learned there is that of ``at``.
     """
     loop, period = law_loop(scenario, law), scenario.clock.control
     every, first = loop.around.samples_a_pose(period), _matrix(loop, at, period, 0)
@@ -47,7 +47,7 @@ def linear_answer(scenario: Scenario, law: str, at: Point, samples: int) -> Floa
         rows[k], part = state[:ERROR], k // stretch if varies else 0
         if part not in points:
             there = on_reference(scenario, law, (part + 0.5) * stretch * period)
-            points[part] = replace(there, memory=at.memory)
+            points[part] = replace(there, memory=at.memory) if loop.traits.estimates else there
         key = part, every + k % every
         if key not in matrices:
             matrices[key] = _matrix(loop, points[part], period, key[1])
