@@ -14,6 +14,8 @@ CHANGING = {"m": "kg", "I": "kg m2", "mu": ""}
 MOST_SAMPLES, MOST_SUBSTEPS = 10_000_000, 100_000
 BARRIER_FROM = 0.85
 """Share of a limit from which the barrier acts where nobody states it."""
+REST = 2.0
+"""Seconds at the goal of a run whose duration nobody states."""
 ENDLESS = 60.0
 """Duration [s] of a run whose desired motion never comes to rest."""
 
@@ -145,8 +147,8 @@ class Initial(Section, key="initial"):
 class Clock(Section, key="clock"):
     """Control period (zero-order hold), plant step (RK4) and duration of a run.
 
-    Without a duration a run ends when the desired motion comes to rest, or after 60 s where it
-    never does.
+    Without a duration a run ends 2 s after the desired motion comes to rest, or after 60 s where
+    it never does.
     """
 
     control: float = quantity(0.01, "s", "period of the control law", minimum=1e-9, usual=(1e-4, 1))
@@ -159,6 +161,10 @@ class Clock(Section, key="clock"):
     def substeps(self) -> int:
         """Plant steps in one control period."""
         return round(self.control / self.plant)
+
+    def beyond(self, arrival: float) -> float:
+        """Duration [s] that shows whether the robot stays at a goal reached at ``arrival`` [s]."""
+        return self.covering(arrival + max(REST, self.control))
 
     def covering(self, time: float) -> float:
         """Shortest duration [s] of whole control periods that is not below a ``time`` [s]."""

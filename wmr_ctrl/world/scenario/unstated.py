@@ -107,7 +107,7 @@ def following(scenario: "Scenario") -> Iterator[tuple[str, Section]]:
     }
     yield from _replaced("reference", scenario.reference, left)
     if isinstance(clock.duration, Unstated) and scenario.reference.arrival is not None:
-        lasting = {"duration": clock.covering(scenario.reference.arrival)}
+        lasting = {"duration": clock.beyond(scenario.reference.arrival)}
         yield from _replaced("clock", clock, lasting)
     start: dict[str, object] = {}
     if isinstance(initial.pose, Unstated) or isinstance(initial.velocity, Unstated):
