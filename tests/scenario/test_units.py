@@ -25,6 +25,7 @@ SLIPS = {
     "deg/s": ({"limits.v_u1[2]": 70}, "Degrees per second? 70 deg/s is 1.222 rad/s."),
     "rpm": ({"limits.v_u1[2]": 70}, "Revolutions per minute? 70 rpm is 7.33 rad/s."),
     "mm": ({"robot.r": 80}, "Millimetres? 80 mm is 0.08 m."),
+    "kg cm2": ({"robot.I": 5.4e4}, "54000 kg.cm2 is 5.4 kg.m2."),
     "mm/s": (LINE | {"reference.speed": 300}, "Millimetres per second? 300 mm/s is 0.3 m/s."),
     "g": ({"model.m": 50_000}, "Grams? 50000 g is 50 kg."),
     "%": ({"robot.mu": 8}, "Per cent? 8 % is 0.08."),

@@ -8,10 +8,14 @@ from itertools import pairwise
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import Section, put_first, questions
 from wmr_ctrl.core.fields.units import USUAL, meant
+from wmr_ctrl.core.fields.unstated import Unstated
 from wmr_ctrl.world.references import Waypoints
 
 from .scenario import Scenario, sections
+from .sections import Robot
 
+INERTIA = 50.0
+"""Usual inertias are m l^2, times or over this at most."""
 LONGEST_WAY = 3600.0
 """Time [s] that the way to a goal usually takes at most."""
 
@@ -20,6 +24,7 @@ def unit_questions(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Yield key and question of each value that is unusual in its unit, first those of sections."""
     for path, part in _parts(scenario):
         yield from questions(part, path)
+    yield from _inertia(scenario.robot)
     if isinstance(scenario.reference, Waypoints):
         yield from _way(scenario.reference)
 
@@ -30,6 +35,20 @@ def _parts(scenario: Scenario) -> Iterator[tuple[str, Section]]:
     yield "reference", scenario.reference
     for i, change in enumerate(scenario.changes, start=1):
         yield f"changes[{i}]", change
+
+
+def _inertia(robot: Robot) -> Iterator[tuple[str, str]]:
+    """Ask about an inertia that does not fit the mass and the track."""
+    if any(isinstance(value, Unstated) for value in (robot.m, robot.I, robot.l)):
+        return
+    about = robot.m * robot.l**2
+    usual = (about / INERTIA, about * INERTIA)
+    if not usual[0] <= robot.I <= usual[1]:
+        sentence = (
+            f"robot.I = {robot.I:g} kg m2 is unusual for robot.m = {robot.m:g} kg and robot.l = "
+            f"{robot.l:g} m (usual: about m l^2 = {about:.3g} kg m2). "
+        )
+        yield "robot.I", (sentence + meant(robot.I, "kg.m2", usual)).strip()
 
 
 def _way(reference: Waypoints) -> Iterator[tuple[str, str]]:
