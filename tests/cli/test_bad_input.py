@@ -21,6 +21,7 @@ CASES = {
         "no law is named 'mbb' (near: mb",
     ),
     "page's scenario": (("page", "--out", "a.html", "--scenario", "far"), "near: far-start"),
+    "page's argument": (("page", "--out", "a.html", "far-start"), "is given by --scenario"),
     "page's suffix": (("page", "--out", "a.png"), "must end in .html"),
     "page's folder": (("page", "--out", "none/a.html"), "none' does not exist"),
     "option": (("run", "--sed", "1"), "--seed"),  # which is near

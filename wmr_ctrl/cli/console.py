@@ -144,7 +144,10 @@ def _told(error: Exception) -> tuple[str, int]:
         case click.Abort():
             return "Interrupted.", INTERRUPTED
         case click.UsageError(ctx=click.Context() as ctx):
-            return f"{error.format_message()} See '{ctx.command_path} --help'.", WRONG_INPUT
+            text = error.format_message().removesuffix(".")
+            if "extra argument" in text and any("--scenario" in p.opts for p in ctx.command.params):
+                text += ": a scenario is given by --scenario"
+            return f"{text}. See '{ctx.command_path} --help'.", WRONG_INPUT
         case click.ClickException():
             return error.format_message(), WRONG_INPUT
         case WmrError():
