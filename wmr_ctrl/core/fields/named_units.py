@@ -33,7 +33,9 @@ _PREFIXES: Mapping[str, Fraction | int] = {
 }
 _PREFIXED = ("m", "g", "s", "N", "Nm", "J", "W", "V", "A", "Hz", "rad")
 _SPELLINGS = str.maketrans({"²": "2", "³": "3", "·": ".", "*": ".", " ": ".", "µ": "u", "μ": "u"})
-_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(\s*[A-Za-z%°µμ].*|\s+1\b.*)")
+_QUANTITY = re.compile(
+    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(\s*[A-Za-z%°µμ].*|\s+1\b.*)"
+)
 KINDS: Mapping[str, tuple[str, str]] = UNITS["kinds"]
 """By unit: what it measures, and how users may write it."""
 _DISPLAY = {"rad": ("deg", float(180 / PI)), "rad/s": ("deg/s", float(180 / PI))}
@@ -150,7 +152,7 @@ def stated(text: str) -> str | Stated:
     unit = unit.replace("^", "").replace("°", "deg").translate(_SPELLINGS)
     try:
         value = float(Fraction(match[1]) * _read(unit)[0])
-    except (ArgumentError, OverflowError, ZeroDivisionError):
+    except (ArgumentError, OverflowError, ValueError):  # of digits beyond what Python reads
         return text
     return Stated.of(value, text, unit)
 

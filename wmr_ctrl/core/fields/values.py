@@ -175,7 +175,7 @@ class Quantity:
             value = float(value)
         usual = type(value) in (float, int)  # to ask for Real takes five times as long
         if not usual and (isinstance(value, bool) or not isinstance(value, Real)):
-            raise self.refuse(value, path, self._as_number(value))
+            raise self.refuse(value, path, self._as_number(value, index))
         try:
             number = float(cast("Real", value))
         except OverflowError:
@@ -185,8 +185,8 @@ class Quantity:
             raise self.refuse(value, path, rule, self._meant(number))
         return number
 
-    def _as_number(self, value: object) -> str:
-        unit = self._measure(0)[0]
+    def _as_number(self, value: object, index: int) -> str:
+        unit = self._measure(index)[0]
         if not isinstance(value, str) or not unit:
             return "a number"
         return f'a number, or one with its unit ({fitting(unit)}) in quotes, such as "1 {unit}"'
