@@ -125,6 +125,13 @@ def test_gazebo(tmp_path):
     }  # fmt: skip
 
 
+def test_gz_limits_of_both_axes_count_where_they_are_smaller(tmp_path):
+    both = "<max_velocity>1</max_velocity><min_velocity>-0.5</min_velocity><max_acceleration>1.5<"
+    text = GZ.replace("<max_linear_velocity>", f"{both}/max_acceleration><max_linear_velocity>")
+    found = values(tmp_path, text, name="{}.sdf")
+    assert (found["limits.v_u1"], found["base.accel"]) == ((0.5, 0.5), (1.5, 1.5))
+
+
 def test_controller_counts_and_both_are_told(tmp_path):
     sheet = read(tmp_path, NAV2, CONTROLLER, name="{}.yaml")
 
@@ -149,6 +156,9 @@ BOMB = "".join(
 FAULTS = {
     "is of no known kind": "a: {ros__parameters: {b: 1}}",
     "no known kind": "- 1",
+    "no node of it is a diff_drive": "car: {ros__parameters: {wheelbase: 1.0, wheel_radius: 0.3}}",
+    "has two differential drives, base and other": CONTROLLER
+    + "other: {ros__parameters: {wheel_separation: 1.0}}",
     "is not YAML": "a: [",
     "is stated twice": CONTROLLER.replace(RADIUS, f"{RADIUS}\n      {RADIUS}"),
     "must be above 0": CONTROLLER.replace(RADIUS, "wheel_radius: -0.2"),

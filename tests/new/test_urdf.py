@@ -132,6 +132,29 @@ def test_four_wheels_drive_and_casters_do_not(tmp_path):
     assert "(not caster_left_joint, caster_right_joint)" in found["robot.l"].source
 
 
+def test_wheels_that_are_steered_drive_no_side(tmp_path):
+    """Casters larger than the driven wheels, and the front of a car."""
+    for x in (0.2, 0.3):
+        turned = [
+            f'<link name="{side}"/><joint name="{side}_turns" type="{kind}"><parent link="base"/>'
+            f'<child link="{side}"/>{origin((0.5, y, 0), (0, 0, 0))}<axis xyz="0 0 1"/></joint>'
+            f'<link name="{side}_fork"/>{joined(side, side + "_fork")}'
+            + wheel(f"{side}_wheel", -x, 0, x, f"{side}_fork")
+            for side, y, kind in (("left", 0.4, "continuous"), ("right", -0.4, "revolute"))
+        ]
+        found = read(tmp_path, robot(*turned, PAIR)).found
+        assert (found["robot.l"].value, found["robot.r"].value) == (0.2, 0.1)
+
+
+def test_wheels_that_the_controller_names_need_no_mirror(tmp_path):
+    control = "d: {ros__parameters: {left_wheel_names: [l_joint], right_wheel_names: [r_joint]}}"
+    (tmp_path / "control.yaml").write_text(control, encoding="utf-8")
+    (tmp_path / "r.urdf").write_text(robot(wheel("l", 0, 0.2), wheel("r", 0.01, -0.3)))
+    assert read_robot_files([tmp_path / "r.urdf", tmp_path / "control.yaml"]).found[
+        "robot.l"
+    ].value == pytest.approx(0.25)
+
+
 PAIR = wheel("l", 0, 0.2) + wheel("r", 0, -0.2)
 NEGATIVE = '<link name="b"><inertial><mass value="-1"/></inertial></link>' + joined("base", "b")
 CIRCLE = '<link name="a"/><link name="b"/>' + joined("a", "b") + joined("b", "a")

@@ -11,7 +11,7 @@ from .parameter_files import Flat
 TABLE: Table = NAMED["controller"]
 AXES: dict[str, Table] = NAMED["axes"]
 """Limits of an axis, which ``has_..._limits`` may switch off."""
-SIGNS = (*TABLE["separation"], *TABLE["separation factor"], *TABLE["robot.r"])
+SIGNS = (*TABLE["separation"], *TABLE["separation factor"], "left_wheel_names")
 
 
 def is_controller(params: Flat) -> bool:

@@ -46,10 +46,14 @@ def read_robot_files(files: Sequence[str | os.PathLike[str]]) -> Sheet:
 
 def _parameters(text: str, file: str, named: list[str]) -> Iterator[Found]:
     """Values of a YAML file; the controller's wheel joints go to ``named``."""
-    known = False
+    known, drive = False, ""
     for node, params in nodes(yaml_document(text, file)):
         if controllers.is_controller(params):
-            known = True
+            if drive:
+                raise ScenarioError(
+                    f"{file} has two differential drives, {drive} and {node}. Keep the robot's own."
+                )
+            known, drive = True, node
             named += [
                 str(name)
                 for key, given in params.items()

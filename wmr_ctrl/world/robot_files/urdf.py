@@ -29,6 +29,7 @@ MIRRORED = 5e-3
 """Largest distance [m] between a wheel's place and the mirror image of its partner's."""
 ALIKE = 0.02
 """Share by which radii or tracks of wheels that drive together may differ."""
+TURNING = ("revolute", "continuous")
 INERTIAS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 Pose: TypeAlias = tuple[np.ndarray, np.ndarray]
 """Rotation (3, 3) and position (3,) [m]."""
@@ -51,7 +52,7 @@ def read(root: Element, file: str, named: Sequence[str] = ()) -> Iterator[Found]
     """
     links, joints = _named(root, "link", file), _named(root, "joint", file)
     poses = _poses(links, joints, file)
-    wheels, others = _driven(_wheels(links, joints, poses, file, named), file)
+    wheels, others = _driven(_wheels(links, joints, poses, file, named), file, bool(named))
     source = f"{file}: {', '.join(wheel.name for wheel in wheels)}{others}"
     middle = np.mean([wheel.place for wheel in wheels], axis=0)
     masses, inertia = [], 0.0
@@ -138,17 +139,31 @@ def _wheels(
     file: str,
     named: Sequence[str],
 ) -> list[Wheel]:
-    """Joints that turn without end about an axis to the side, or those that are named."""
-    wheels = []
+    """Joints that turn without end about an axis to the side, or those that are named.
+
+    A wheel that is steered, or turns with a caster, drives no side of a robot.
+    """
+    wheels, steered = [], _steered(joints)
     for name, joint in joints.items():
-        if name in named if named else joint.get("type") == "continuous":
-            child = joint.find("child").get("link", "")
+        child = joint.find("child").get("link", "")
+        free = joint.get("type") == "continuous" and child not in steered
+        if name in named if named else free:
             axis = np.array(numbers(joint, "axis", "xyz", f"{file}: joint {name}", 3))
             along, size = poses[child][0] @ axis, float(np.linalg.norm(axis))
             if size and abs(along[1]) >= SIDEWAYS * size:
                 radius = _radius(links[child], f"{file}: link {child}")
                 wheels.append(Wheel(name, poses[child][1], radius))
     return wheels
+
+
+def _steered(joints: dict[str, Element]) -> set[str]:
+    """Links below a joint that turns."""
+    ends = [(j.find("parent").get("link"), j.find("child").get("link"), j) for j in joints.values()]
+    turned: set[str] = {child for _, child, joint in ends if joint.get("type") in TURNING}
+    below: set[str] = set()
+    while more := {c for parent, c, _ in ends if parent in turned | below} - below:
+        below |= more
+    return below
 
 
 def _radius(link: Element, place: str) -> float:
@@ -162,8 +177,13 @@ def _radius(link: Element, place: str) -> float:
     return 0.0
 
 
-def _driven(wheels: list[Wheel], file: str) -> tuple[list[Wheel], str]:
-    """Wheels of the largest mirrored pair and of those like it, and words on the others."""
+def _driven(wheels: list[Wheel], file: str, named: bool) -> tuple[list[Wheel], str]:
+    """Wheels of the largest mirrored pair and of those like it, and words on the others.
+
+    Wheels that a controller names all drive, where they are on both sides.
+    """
+    if named and len({np.sign(wheel.place[1]) for wheel in wheels}) == 2:
+        return wheels, ""
     paired = [
         wheel
         for wheel in wheels
