@@ -56,7 +56,7 @@ def test_what_is_stated_is_not_missing_though_it_contradicts_another_key():
 
 @pytest.mark.parametrize("v_u1", ["3 m", [1.0], [1.0, "1 m"], [-1.0, 1.0], [0.5, 1e-6]])
 def test_what_is_stated_wrongly_is_not_called_missing(v_u1):
-    with pytest.raises(ScenarioError, match="^limits.v_u") as caught:
+    with pytest.raises(ScenarioError, match=r"^limits\.v_u") as caught:
         from_dict({**TORQUE, "limits": {"v_u1": v_u1, "v_u2": [0.2, 2.4]}})
     assert "missing" not in str(caught.value)
 

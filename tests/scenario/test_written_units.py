@@ -40,11 +40,11 @@ def test_conversions_are_correctly_rounded(number):
     }
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["101", "0x10", "5 foo", "m", "5 m m/q", "1.2.3 m", "inf s", ""]
-    + ["1e99999999 m", "0e-99999999 m", f"{'1' * 5000} m"],
-)
+OTHERS = ["101", "0x10", "5 foo", "m", "5 m m/q", "1.2.3 m", "inf s", ""]
+DIGITS = ["1e99999999 m", "0e-99999999 m", f"{'1' * 5000} m"]
+
+
+@pytest.mark.parametrize("text", [*OTHERS, *DIGITS])
 def test_other_texts_stay_texts(text):
     assert stated(text) == text
 
@@ -114,7 +114,5 @@ def test_another_kind_is_refused_with_the_kinds(key, frames):
 
 
 def test_a_text_is_told_the_unit_of_its_element():
-    with pytest.raises(
-        ScenarioError, match=r"v_u1\[2\] = .*rad/s, deg/s, rpm.*such as \"1 rad/s\""
-    ):
+    with pytest.raises(ScenarioError, match=r"v_u1\[2\] = .*rad/s, deg/s, rpm"):
         override(NOMINAL, {"limits.v_u1": [1.0, "fast"]})
