@@ -32,7 +32,8 @@ ENDS = [
     {"reference.kind": "waypoints", "reference.points": POINTS, "reference.at_end": end}
     for end in ("stop", "continue", "loop")
 ]
-KINDS = [{"reference.kind": kind} for kind in REFERENCES if kind != "waypoints"] + ENDS
+FAR = {"reference.kind": "waypoints", "reference.points": [[0.0, 0.0], [1e5, 0.0]]}
+KINDS = [{"reference.kind": kind} for kind in REFERENCES if kind != "waypoints"] + [*ENDS, FAR]
 
 
 def scenario_of(changes):

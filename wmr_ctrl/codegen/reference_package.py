@@ -36,12 +36,13 @@ def reference_files(scenario: Scenario, *, float32: bool = False) -> dict[str, s
     dialect = single_precision.package_dialect(float32)
     path = kernel("path", "The desired motion.", {"u": system.u, "p": system.p}, {"y": system.y})
     text, arrival = cached_definition(path, dialect), scenario.reference.arrival
-    vectors, tolerance = _vectors(scenario, system, float32)
+    largest = single_precision.LARGEST_SINGLE if float32 else LARGEST
+    vectors, tolerance = _vectors(scenario, system, float32, largest)
     context = {
         "law": "reference", "title": system.title, "scenario": scenario.name, "kind": kind,
         "float32": float32, "real": "float" if float32 else "double",
         "limit": f"{'FLT' if float32 else 'DBL'}_MAX", "number": dialect.number,
-        "largest": single_precision.LARGEST_SINGLE if float32 else LARGEST,
+        "largest": largest,
         "end": "" if arrival is None else f", and the robot stands from {arrival:.6g} s on",
         "parameters": fields_of(system.params), "bytes": (4 if float32 else 8) * system.p.numel(),
         "outputs": signals_of(system.outputs), "tables": 16,
@@ -56,7 +57,7 @@ def reference_files(scenario: Scenario, *, float32: bool = False) -> dict[str, s
 
 
 def _vectors(
-    scenario: Scenario, system: System, float32: bool
+    scenario: Scenario, system: System, float32: bool, largest: float
 ) -> tuple[list[tuple[float, Floats]], float]:
     """Times with the motion that CasADi's virtual machine computes, and the largest error."""
     real, end = np.float32 if float32 else np.float64, scenario.reference.arrival
@@ -67,6 +68,6 @@ def _vectors(
     graph = system.function("reference", [system.y])
     motion = np.array([graph(max(t, 0.0), [], numbers).full().ravel() for t in times])
     drift = 4 * float(np.finfo(real).eps) * times.max() * np.abs(motion[:, 3:5]).max()
-    known = np.isfinite(motion).all(axis=1)
+    known = np.isfinite(motion).all(axis=1) & (times <= largest)
     rows = list(zip(times[known].tolist(), motion[known], strict=True))
     return rows, TOLERANCES[float32] + drift
