@@ -41,7 +41,7 @@ FOUND = st.fixed_dictionaries(
         "limits.v_u1[1]": between(0.05, 4),
         "limits.v_u1[2]": between(0.2, 6),
         "base.accel[1]": between(0.1, 20),
-        "base.accel[2]": between(0.3, 30),
+        "base.accel[2]": between(0.1, 30),
         "base.decel[1]": between(0.1, 20),
         "base.timeout": between(0.11, 2),
         "clock.control": st.integers(5, 100).map(lambda n: round(n * 1e-3, 3)),

@@ -86,7 +86,13 @@ def _values(sheet: Sheet, base: str) -> dict[str, Value]:
     pair = stated.get(LIMITS, tuple(sizes.get(f"{LIMITS}[{i}]", 0.3 * i) for i in (1, 2)))
     assert isinstance(pair, tuple)
     v, omega = pair
-    speed, rate = _short(0.5 * v), _short(0.25 * omega)
+    for key in RAMPS:
+        ends = tuple(sizes.get(f"{key}[{axis}]", math.inf) for axis in (1, 2))
+        if min(ends) < math.inf:
+            stated[key] = ends
+    ramps = [stated[key] for key in RAMPS if base == "velocity" and key in stated]
+    reached = [min(ends) for ends in zip((math.inf, math.inf), *ramps, strict=True)]
+    speed, rate = _short(min(0.5 * v, reached[0])), _short(min(0.25 * omega, reached[1]))
     period = sizes.get("clock.control", 0.05 if base == "velocity" else 0.01)
     guess: dict[str, Value] = {"law": LAW, LIMITS: (v, omega), "clock.control": period}
     if base == "velocity":
@@ -97,10 +103,6 @@ def _values(sheet: Sheet, base: str) -> dict[str, Value]:
         guess |= _guarded(sizes, v, omega, period)
     guess |= {"reference.kind": "circle", "reference.radius": _short(speed / rate)}
     guess["reference.rate"] = rate
-    for key in RAMPS:
-        ends = tuple(sizes.get(f"{key}[{axis}]", math.inf) for axis in (1, 2))
-        if min(ends) < math.inf:
-            stated[key] = ends
     optional = OPTIONAL if base == "velocity" else OPTIONAL[:1]
     values = guess | {key: stated[key] for key in stated if key in guess or key in optional}
     return dict(sorted(values.items(), key=lambda item: TABLES.index(item[0].rpartition(".")[0])))
