@@ -91,9 +91,7 @@ class World:
         )
 
     def _sense(self, graphs: Graphs, x: ca.SX, m: ca.SX) -> None:
-        shown = ca.vertcat(
-            graphs.sample.column((*MEASURED, *DISTURBING)), *graphs.sample.following
-        )
+        shown = ca.vertcat(graphs.sample.column((*MEASURED, *DISTURBING)), *graphs.sample.following)
         shown = unrounded(_quiet(shown, graphs.draws(Rate.SAMPLE)), every := ca.vertcat(x, m))
         e, T = ca.SX.sym("e", 3), graphs.parameters.take("clock.control")
         slopes, level = ca.jacobian(shown, every), ca.SX.zeros(3)
