@@ -17,7 +17,8 @@ from wmr_ctrl.core.signals import PLANT_STATE
 
 UNIT = ("page.c", *LOOP[1:], "seed.c", "seed.h")
 FLAGS = (
-    "-O2", "-Xclang", "-O1", "-g0", "-fno-inline", "-U__SIZEOF_INT128__", "-target", "wasm32-wasi",
+    "-O2", "-Xclang", "-O1", "-g0", "-fno-inline", "-fno-stack-protector", "-U__SIZEOF_INT128__",
+    "-target", "wasm32-wasi",
 )  # fmt: skip
 """Without numbers of 128 bits, whose product -O2 finds, and zig compiles a library of its own for;
 zig by itself makes -O2 of -O1."""
