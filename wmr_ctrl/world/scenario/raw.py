@@ -97,24 +97,26 @@ def _built(section: type[Section], raw: object, errors: list[ScenarioError]) -> 
         return build(section, raw)
     except ScenarioError as error:
         whole = error
-    known, good, stated = dict(quantities(section)), {}, {}
+    known, good, needed = dict(quantities(section)), {}, {}
     alone = list[ScenarioError]()
     for name, value in raw.items() if isinstance(raw, Mapping) else ():
         path = f"{section.KEY}.{name}"
         try:
             if name not in known:
                 raise UnknownKeyError(path, known)
-            if isinstance(known[name].default, Unknown):
-                stated[name] = known[name].default * 1  # no longer unknown, if wrong
             known[name].clean(value, path)
             good[name] = value
         except ScenarioError as error:
             alone.append(error)
+        if name in known and isinstance(known[name].default, Unknown):
+            needed[name] = known[name].default * 1  # stated, if wrongly
     of_one = str(whole) in map(str, alone)
     errors += alone if of_one else [whole]
-    with suppress(ScenarioError):
-        return build(section, stated | good)
-    return build(section, stated)
+    required = needed | {key: good[key] for key in needed.keys() & good.keys()}
+    for values in (needed | good, required):
+        with suppress(ScenarioError):
+            return build(section, values)
+    return build(section, needed)
 
 
 def _reference(raw: object, errors: list[ScenarioError]) -> Reference | None:

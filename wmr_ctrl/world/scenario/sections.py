@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import REQUIRED, Section, quantity
 from wmr_ctrl.core.fields.units import plain
-from wmr_ctrl.core.fields.unstated import Unstated, derived, unknown
+from wmr_ctrl.core.fields.unstated import Unknown, Unstated, derived, unknown
 from wmr_ctrl.core.fields.values import check_multiple
 
 CHANGING = {"m": "kg", "I": "kg m2", "mu": ""}
@@ -117,6 +117,8 @@ class Limits(Section, key="limits"):
         if isinstance(self.v_u2, Unstated):
             follows = derived(BARRIER_FROM * limit for limit in self.v_u1)
             object.__setattr__(self, "v_u2", follows)
+        if isinstance(self.v_u1, Unknown):
+            return  # said where it is asked for
         rows = zip(self.v_u1, self.v_u2, ("m/s", "rad/s"), strict=True)
         for axis, (high, low, unit) in enumerate(rows, 1):
             if not low < high:
