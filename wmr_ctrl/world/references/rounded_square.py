@@ -39,7 +39,7 @@ class RoundedSquare(Reference):
         speed, turning = driven(limits)
         corner, side = self.stated("corner"), self.stated("side")
         if corner or side:
-            corner = corner or side / SIDE
+            corner = corner or (side or 0.0) / SIDE
             speed = min(speed, turning * corner / CORNER_TURNS)
         else:
             corner = CORNER_TURNS * (self.stated("speed") or speed) / turning
