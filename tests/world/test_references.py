@@ -29,27 +29,28 @@ from wmr_ctrl.world.references.waypoints import profile_of, waypoint_path
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.scenario.sections import Clock
 
+SIZED = {"speed": 0.2, "omega_max": 1.0, "a_max": 0.2, "alpha_max": 1.0}
 HOOK = ((0.0, 0.0), (1.0, 0.2), (2.0, 1.5), (1.0, 2.5), (-0.5, 2.0), (-1.0, 0.5))
 EIGHT = ((0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (1.0, -1.0), (0.0, 0.0), (-1.0, 1.0), (-2.0, 0.0))
 LAPS = (
     Lemniscate(size=1.5, rate=0.3),
-    RoundedSquare(),
+    RoundedSquare(side=3.0, corner=0.8, speed=0.2),
     RoundedSquare(side=2.0, corner=1.0, speed=0.5),
-    Waypoints(points=HOOK, speed=0.3, at_end="loop"),
-    Waypoints(points=(*EIGHT, (-1.0, -1.0)), speed=0.4, at_end="loop"),
-    Waypoints(points=((0, 0), (2, 0), (1, 2)), at_end="loop"),
+    Waypoints(points=HOOK, at_end="loop", **SIZED | {"speed": 0.3}),
+    Waypoints(points=(*EIGHT, (-1.0, -1.0)), at_end="loop", **SIZED | {"speed": 0.4}),
+    Waypoints(points=((0, 0), (2, 0), (1, 2)), at_end="loop", **SIZED),
 )
 ALL = (
-    Circle(),
+    Circle(radius=2.0, rate=0.1),
     Circle(radius=0.5, rate=-0.7),
     Line(),
     Line(speed=0.9, heading=2.3, origin=(1.0, -2.0)),
     StopAndGo(),
     StopAndGo(radius=1.0, speed=1.2, period=3.0),
-    Waypoints(points=HOOK),
-    Waypoints(points=EIGHT, speed=0.5, at_end="continue"),
-    Waypoints(points=HOOK, tolerance=0.1, closed=True),
-    Waypoints(points=((1, 1), (2, 3))),
+    Waypoints(points=HOOK, **SIZED),
+    Waypoints(points=EIGHT, at_end="continue", **SIZED | {"speed": 0.5}),
+    Waypoints(points=HOOK, tolerance=0.1, closed=True, **SIZED),
+    Waypoints(points=((1, 1), (2, 3)), **SIZED),
     *LAPS,
 )
 
@@ -172,7 +173,7 @@ def test_numbers_are_parameters_of_the_graph(reference):
 
 def test_circle_is_the_papers():
     times = np.linspace(0, 80, 801)
-    found = sample(Circle(), times)
+    found = sample(Circle(radius=2.0, rate=0.1), times)
     paper = np.column_stack(
         [2 * np.sin(0.1 * times), 2 - 2 * np.cos(0.1 * times), 0.1 * times - math.pi / 2]
     )
@@ -214,7 +215,10 @@ def test_stop_and_go_really_stops_and_starts_again():
 
 
 def test_waypoints_are_passed_in_order():
-    for reference in (Waypoints(points=EIGHT), Waypoints(points=HOOK, at_end="loop")):
+    for reference in (
+        Waypoints(points=EIGHT, **SIZED),
+        Waypoints(points=HOOK, at_end="loop", **SIZED),
+    ):
         path, profile = waypoint_path(reference), profile_of(reference)
         assert (np.diff(path.knots) > 0).all()
         points = np.array(reference.points)
@@ -225,7 +229,7 @@ def test_waypoints_are_passed_in_order():
 
 
 def test_an_open_path_goes_straight_on_after_its_end():
-    reference = Waypoints(points=HOOK, speed=0.3, at_end="continue")
+    reference = Waypoints(points=HOOK, at_end="continue", **SIZED)
     end = reference.cycle
     at, later = sample(reference, np.array([end, end + 2.0]))
     ahead = at[:2] + 2.0 * at[3] * np.array([-math.sin(at[2]), math.cos(at[2])])
@@ -252,8 +256,8 @@ def test_rounded_square_keeps_its_shape():
 @pytest.mark.parametrize(
     ("reference", "bounds"),
     [
-        (Circle(), (0.2, 0.2, 0.1)),
-        (Circle(rate=-0.1), (-0.2, -0.2, 0.1)),
+        (Circle(radius=2.0, rate=0.1), (0.2, 0.2, 0.1)),
+        (Circle(radius=2.0, rate=-0.1), (-0.2, -0.2, 0.1)),
         (Line(speed=0.9), (0.9, 0.9, 0.0)),
         (StopAndGo(radius=2.0, speed=0.4, period=10.0), (0.0, 0.4, 0.2)),
         # v1^2 = (a w)^2 (c^2 + (2 c^2 - 1)^2) with c = cos wt: least at c^2 = 3/8.

@@ -24,7 +24,7 @@ PATHS = (
     Waypoints(points=ZIGZAG, **FAST),
     Waypoints(points=ZIGZAG, tolerance=0.15, **FAST),
     Waypoints(points=ZIGZAG, tolerance=0.15, at_end="loop", **FAST),
-    Waypoints(points=ZIGZAG, at_end="continue", v_max=0.4),
+    Waypoints(points=ZIGZAG, at_end="continue", v_max=0.4, **FAST),
     Waypoints(points=ZIGZAG, tolerance=2.0, closed=True),
 )
 
