@@ -18,6 +18,7 @@ from wmr_ctrl import identify
 from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.unstated import Unknown
 from wmr_ctrl.identification.estimate import bare_scenario
 from wmr_ctrl.identification.logs.log import LogError
@@ -289,6 +290,29 @@ def test_a_guard_keeps_to_the_speeds_and_torques_of_the_log(driven, found):
     assert scenario.guard.dbar == found.bounds.dbar
     written = tomllib.loads(found.to_toml())
     assert {*written["robot"]} == {"m", "I", "mu", "r", "l"}
+
+
+def test_what_neither_log_nor_user_tells_is_left_out_of_the_file(tmp_path):
+    """A drive straight ahead says nothing about the inertia and the limit of turning."""
+    rng, v, rows = np.random.default_rng(0), 0.0, []
+    for t in np.arange(0.0, 20.0, 0.01):
+        torque = 0.6 + 0.9 * np.sin(2 * t) + 0.5 * np.sign(np.sin(5.3 * t))
+        rows.append((t, v + 1e-3 * rng.uniform(-1, 1), 5e-4 * rng.uniform(-1, 1), torque, torque))
+        v += 0.01 * (2 * torque / 0.1 - 4 * np.tanh(v / 0.01) - 12 * v + 0.3 * rng.normal()) / 20
+    names = ("t [s]", "v1_measured [m/s]", "omega_measured [rad/s]", "tau_right [N.m]")
+    names = (*names, "tau_left [N.m]")
+    log = dict(zip(names, np.array(rows).T.tolist(), strict=True))
+    wheels = {"robot.r": 0.1, "robot.l": 0.2}
+    found = identify(log, overrides=wheels)
+    known = identify(log, overrides={**wheels, "robot.I": 0.7, "limits.v_u1": [1, 2]})
+
+    assert {"robot.I", "limits.v_u1"} <= {*found.missing}
+    assert any("missing" in text and "robot.I [kg.m2]" in text for text in found.remarks)
+    (tmp_path / "mine.toml").write_text(found.to_toml())
+    with pytest.raises(ScenarioError, match=r"missing: .*robot\.I .*limits\.v_u1"):
+        load_scenario(tmp_path / "mine.toml")
+    assert not {"robot.I", "limits.v_u1"} & {*known.missing}
+    assert known.scenario.robot.I == 0.7
 
 
 @pytest.mark.parametrize(("far", "enabled"), [(1.0, True), (1.5, True), (2.1, False)])

@@ -85,7 +85,7 @@ def _scenario() -> Iterator[str]:
     kinds = {f'reference (kind = "{kind}")': REFERENCES[kind].section for kind in REFERENCES}
     for place, section in {**sections(), "changes": Change, **kinds}.items():
         yield from (f"scenario: {place}.{name}" for name, _ in quantities(section))
-    for law, gains in gains_docs().items():
+    for law, gains in gains_docs(load_scenario("paper-simulation")).items():
         yield from (f"scenario: gains.{law}.{name}" for name in gains)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -13,8 +14,19 @@ from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated, unknown
+from wmr_ctrl.results import measures
 from wmr_ctrl.theory.checks import stability
-from wmr_ctrl.world.scenario import Scenario, from_dict, loads_scenario, override, to_toml
+from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.references.kind import reference_bounds
+from wmr_ctrl.world.scenario import (
+    Scenario,
+    from_dict,
+    load_scenario,
+    loads_scenario,
+    override,
+    to_toml,
+)
+from wmr_ctrl.world.scenario.toml_io import MARK
 
 ROBOT = {"m": 12.0, "I": 0.6, "mu": 0.05, "r": 0.08, "l": 0.2}
 LIMITS = {"v_u1": [0.6, 1.2]}
@@ -117,12 +129,64 @@ def test_what_is_not_stated_is_not_shown_as_known():
     assert loads_scenario(text, scenario.name) == scenario
 
 
+def test_a_file_that_lacks_keys_is_a_base_for_others(tmp_path):
+    (tmp_path / "part.toml").write_text("[robot]\nm = 12.0\nI = 0.6\n[limits]\nv_u2 = [0.3, 0.4]\n")
+    rest = "[robot]\nmu = 0.05\nr = 0.08\nl = 0.2\n[limits]\nv_u1 = [0.6, 1.2]\n"
+    whole = f'extends = "part.toml"\n{rest}[reference]\nkind = "line"\n'
+    (tmp_path / "whole.toml").write_text(whole)
+
+    assert load_scenario(tmp_path / "whole.toml").robot.m == 12.0
+    with pytest.raises(ScenarioError, match=r"^These keys are missing: robot\.mu .*limits\.v_u1"):
+        load_scenario(tmp_path / "part.toml")
+    with pytest.raises(ScenarioError, match=r"^limits\.v_u2\[1\] = 0\.7 must") as wrong:
+        from_dict({**TORQUE, "limits": {**LIMITS, "v_u2": [0.7, 0.4]}})
+    assert "missing" not in str(wrong.value)
+
+
+STATED = {"radius": 0.5, "rate": 0.05, "size": 0.5, "side": 1.0, "corner": 0.2, "speed": 0.01}
+
+
+@pytest.mark.parametrize("kind", REFERENCES)
+@pytest.mark.parametrize("limits", [(0.6, 1.2), (0.02, 3.0), (3.0, 0.3)])
+def test_a_path_that_nobody_sizes_leaves_the_limits_room(kind, limits):
+    cls = REFERENCES[kind].section
+    own = {"points": [[0, 0], [1, 0], [2, 1]]} if kind == "waypoints" else {}
+    names = [name for name, _ in cls.QUANTITIES if name in STATED]
+    for more in ({}, *({name: STATED[name]} for name in names if name != "rate")):
+        path = {"kind": kind, **own, **more}
+        made = from_dict({**VELOCITY, "limits": {"v_u1": limits}, "reference": path})
+        _, fastest, turning = reference_bounds(made)
+        assert fastest < 0.501 * limits[0]
+        assert turning < 0.51 * limits[1]
+        assert all(getattr(made.reference, name) == value for name, value in more.items())
+
+
+def test_torques_of_a_robot_that_is_not_known_are_no_numbers():
+    run = simulate(from_dict(VELOCITY), "kanayama", overrides={"clock.duration": 1.0})
+
+    assert np.isnan(run["tau_right"]).all()
+    assert measures.torque_needed_rms(run) is None
+    assert np.isfinite(run["v1"]).all()
+
+
+def test_values_that_are_no_defaults_are_marked():
+    """What is not marked may be left out."""
+    scenario = load_scenario("turtlebot3-burger")
+    lines = to_toml(scenario, marked=True).splitlines()
+    kept = [line for line in lines if MARK in line or line.startswith("[") or "=" not in line]
+
+    assert not any(line.startswith(("plant =", 'kind = "none"')) for line in kept)
+    assert from_dict(tomllib.loads("\n".join(kept)), scenario.name) == replace(scenario, title="")
+
+
 def test_what_is_left_out_follows():
     scenario = from_dict(TORQUE)
     path = {"kind": "waypoints", "points": [[0, 0], [1, 0], [2, 1]]}
     along = from_dict({**TORQUE, "reference": path})
 
     assert scenario.limits.v_u2 == pytest.approx((0.51, 1.02))
+    assert scenario.metrics.tolerance == pytest.approx(0.04)
+    assert from_dict(VELOCITY).metrics.tolerance == pytest.approx(0.03)
     assert scenario.initial.pose == pytest.approx((0.0, 0.0, -np.pi / 2))
     assert scenario.initial.velocity == pytest.approx((0.25, 0.25))
     assert scenario.clock.duration == 60.0

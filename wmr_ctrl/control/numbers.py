@@ -51,19 +51,9 @@ def structure_of(setup: Setup) -> Hashable:
     shape = tuple(scenario.value(key) for item in setup.effects for key in item.shape)
     guard = (scenario.guard.enabled, scenario.guard.map)
     sent = (scenario.filter, scenario.clock, scenario.base)  # the filter counts in samples
-    silent = bool(unknown_keys(scenario))  # whose torques are NaN
     steps = _steps(setup), setup.predicted, sent if setup.takes_velocity else None
-    return (
-        parts,
-        sizes,
-        tables,
-        shape,
-        guard,
-        steps,
-        silent,
-        _form(setup.gains),
-        _form(setup.kinematics),
-    )
+    told = guard, bool(unknown_keys(scenario))  # torques of what is unknown are NaN
+    return parts, sizes, tables, shape, told, steps, _form(setup.gains), _form(setup.kinematics)
 
 
 def _steps(setup: Setup) -> Hashable:

@@ -293,7 +293,10 @@ def to_toml(
     document = tomlkit.document()
     document.add("title", tomlkit.item(scenario.title))
     _add_or_tell(
-        document, "law", scenario.law, f"{mark}law that drives where none is named" * comments
+        document,
+        "law",
+        scenario.law,
+        f"{mark * bool(scenario.law)}law that drives where none is named" * comments,
     )
     if comments or "frames" in raw:
         note = "how orientations are stated: paper (0 along +Y), rep103 (0 along +X)"

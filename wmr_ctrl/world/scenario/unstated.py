@@ -101,11 +101,10 @@ def following(scenario: "Scenario") -> Iterator[tuple[str, Section]]:
     gains = {"kp": (3.0, robot.m), "ki": (6.0, robot.m)}
     yield from _replaced("base", scenario.base, _shares(scenario.base, gains))
     accel = tuple(map(min, scenario.base.accel, scenario.base.decel))
-    path = scenario.reference.sized(scenario.limits.v_u1, (accel[0], accel[1]))
-    left = {
-        k: derived(v) for k, v in path.items() if isinstance(vars(scenario.reference)[k], Unstated)
-    }
-    yield from _replaced("reference", scenario.reference, left)
+    path, given = scenario.reference, vars(scenario.reference)
+    sized = path.sized(scenario.limits.v_u1, (accel[0], accel[1])).items()
+    left = {name: derived(value) for name, value in sized if isinstance(given[name], Unstated)}
+    yield from _replaced("reference", path, left)
     if isinstance(clock.duration, Unstated) and scenario.reference.arrival is not None:
         lasting = {"duration": clock.beyond(scenario.reference.arrival)}
         yield from _replaced("clock", clock, lasting)
