@@ -12,6 +12,7 @@ A push f ends at the speed d = s f/M.
 from functools import partial
 
 from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.fields.unstated import derived
 from wmr_ctrl.core.symbolic import ca
 
 from .effect import Bound, Effect, EffectRole, Rate, Scenario
@@ -23,7 +24,7 @@ class FirstOrderGains(Section, key="base"):
     """Time constants and gains of the first-order loop, per axis."""
 
     tau: tuple[float, float] = quantity(
-        (0.2, 0.2), "s", "time constants of the first-order loop", above=0, usual=(0, 5)
+        derived((0.2, 0.2)), "s", "time constants of the first-order loop", above=0, usual=(0, 5)
     )
     gain: tuple[float, float] = quantity(
         (1.0, 1.0),

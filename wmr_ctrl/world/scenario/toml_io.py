@@ -42,7 +42,7 @@ from .raw import (
 )
 from .scenario import OTHER_KEYS, Scenario, sections
 from .sections import Change
-from .unstated import KIND
+from .unstated import KIND, guessed_keys
 
 _SUFFIX = ".toml"
 _PRESETS = files("wmr_ctrl.world.scenario") / "presets"
@@ -230,9 +230,9 @@ class InheritedValue:
 
 
 def inherited(scenario: Scenario) -> tuple[InheritedValue, ...]:
-    """Fields that the scenario calls assumed."""
+    """Fields that the scenario calls assumed, and those of the base that nobody states."""
     values = []
-    for key in scenario.assumed:
+    for key in dict.fromkeys((*scenario.assumed, *guessed_keys(scenario))):
         table, _, name = key.partition(".")
         if key == KIND:
             kind = scenario.reference_kind.name

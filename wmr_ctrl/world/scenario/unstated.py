@@ -34,6 +34,15 @@ def unknown_keys(scenario: "Scenario") -> tuple[str, ...]:
     return tuple(f"robot.{name}" for name, value in values if isinstance(value, Unknown))
 
 
+def guessed_keys(scenario: "Scenario") -> tuple[str, ...]:
+    """Keys of the base's own speed loop that the motion depends on and nobody states."""
+    if not takes_velocity(scenario):
+        return ()
+    base, own = vars(scenario.base), {"first-order": ("tau",), "pi": ("kp", "ki")}
+    names = own.get(scenario.base.loop, ())
+    return tuple(f"base.{name}" for name in names if isinstance(base[name], Unstated))
+
+
 def missing_text(keys: tuple[str, ...], known: Mapping[str, type[Section]]) -> str:
     """All missing keys in one sentence, each with unit and meaning."""
     words = []
