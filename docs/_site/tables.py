@@ -19,6 +19,7 @@ from wmr_ctrl import extend
 from wmr_ctrl.cli.lists import gains_docs
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.setup import following_gains
 from wmr_ctrl.core import errors, signals
 from wmr_ctrl.core.fields.section import REQUIRED, Section, quantities
 from wmr_ctrl.core.fields.units import OTHERS, USUAL, written
@@ -31,7 +32,7 @@ from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.remarks import SHORT
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import preset_titles
+from wmr_ctrl.world.scenario import load_scenario, preset_titles
 from wmr_ctrl.world.scenario.scenario import sections
 from wmr_ctrl.world.scenario.sections import Change
 
@@ -108,9 +109,12 @@ def gains() -> str:
         + (f"{LAWS[law].title}.\n\n" if law in LAWS else "The velocities of Eq. (7).\n\n")
         + table(
             header,
-            ((code(k), code(number(d)), unit, doc) for k, (d, unit, doc) in rows.items()),
+            (
+                (code(k), "follows" if k in following_gains(law) else code(number(d)), unit, doc)
+                for k, (d, unit, doc) in rows.items()
+            ),
         )
-        for law, rows in gains_docs().items()
+        for law, rows in gains_docs(load_scenario("paper-simulation")).items()
     )
 
 
