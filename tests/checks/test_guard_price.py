@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import pytest
@@ -29,7 +30,13 @@ def test_delay_lag_and_jitter_are_covered(told):
 
 
 def test_a_reference_too_fast_for_a_late_velocity_names_what_no_guard_can_beat(told):
-    late = {**ON, "guard.M_min": [45.0, 4.86], "guard.dbar": [60.0, 15.0], "clock.control": 0.1}
+    late = {
+        **ON,
+        "guard.M_min": [45.0, 4.86],
+        "guard.dbar": [60.0, 15.0],
+        "clock.control": 0.1,
+        "disturbance.truncate": math.inf,
+    }
     more = {"sensor.velocity_window": 0.1}
     (warning,) = told("pid", {**late, **more}, scenario="fast-reference", key="guard.dbar")
 
@@ -55,7 +62,13 @@ def test_a_start_that_a_push_can_carry_out_before_the_first_command(told, start,
 
 @pytest.mark.parametrize(("period", "warned"), [(0.01, False), (0.1, True)])
 def test_a_reference_faster_than_the_guard_allows(told, period, warned):
-    wide = {**ON, "guard.M_min": [25.0, 2.7], "guard.dbar": [60.0, 15.0], "clock.control": period}
+    wide = {
+        **ON,
+        "guard.M_min": [25.0, 2.7],
+        "guard.dbar": [60.0, 15.0],
+        "clock.control": period,
+        "disturbance.truncate": math.inf,
+    }
     found = told("prox", wide, scenario="fast-reference", key="guard.dbar")
 
     assert bool(found) is warned

@@ -100,7 +100,7 @@ def test_a_small_displacement_on_a_circle_goes_the_way_of_the_matrices(effects) 
 def test_so_it_does_where_poses_are_late_filtered_or_rare(age, correction, every) -> None:
     """On a line; the rest is where the robot settles: it is behind by what it drives meanwhile."""
     pose = {"sensor.pose_delay": age, "sensor.correction": correction, "reference.kind": "line",
-            "sensor.pose_period": every * T}  # fmt: skip
+            "reference.speed": 0.2, "sensor.pose_period": every * T}  # fmt: skip
     seen = spread(still(pose))
 
     assert by_matrices(still(pose), seen[0], every) == pytest.approx(seen, abs=0.2 * age + 1e-3)

@@ -49,7 +49,8 @@ LITTLE = {"disturbance.std": 0.02, "sensor.pose_noise": 1e-5, "actuator.tau_max"
           "sensor.velocity_noise": [2e-5, 2e-4]}  # fmt: skip
 LATE = {"actuator.delay": 0.01, "actuator.lag": 0.01, "sensor.correction": 0.6,
         "sensor.pose_noise": 1e-4, "corridor.start": [0.0, 0.0, 5e-3]}  # fmt: skip
-STOPS = {"reference.kind": "stop-and-go", "reference.period": 4.0, "reference.speed": 0.2,
+STOPS = {"reference.kind": "stop-and-go", "reference.radius": 2.0,
+         "reference.period": 4.0, "reference.speed": 0.2,
          "robot.mu": 0.02, "disturbance.std": 0.003, "sensor.pose_noise": 0.0,
          "sensor.velocity_noise": [0.0, 0.0], "actuator.tau_max": 10.0}  # fmt: skip
 FAST = {**EIGHT, "reference.rate": 0.5, "disturbance.std": 0.0, "actuator.tau_max": 20.0,

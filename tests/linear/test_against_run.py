@@ -78,7 +78,14 @@ def test_a_start_has_the_error_that_is_asked_for(nominal):
 def test_a_reference_that_changes_its_speed_is_followed(nominal, law, left):
     """Also by a law that remembers the speed that it told last."""
     found = wmr_ctrl.linear_against_run(
-        nominal, [law], overrides={"reference.kind": "lemniscate", "clock.duration": 10.0}
+        nominal,
+        [law],
+        overrides={
+            "reference.kind": "lemniscate",
+            "reference.size": 2.0,
+            "reference.rate": 0.1,
+            "clock.duration": 10.0,
+        },
     ).laws[law]
 
     assert all(item.ten_per_cent is not None for item in found.directions.values())

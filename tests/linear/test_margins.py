@@ -32,7 +32,7 @@ LAWS = ("pid", "smc", "mb", "nn")
 @pytest.fixture(scope="module")
 def line(nominal):
     """On a straight line thrust and moment are decoupled."""
-    return replace(nominal, reference=Line())
+    return replace(nominal, reference=Line(speed=0.2))
 
 
 def thrust_loop():

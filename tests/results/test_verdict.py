@@ -94,7 +94,14 @@ def test_the_motion_needs_friction_on_a_line_and_half_of_it_a_wheel() -> None:
 
 def test_without_friction_the_motion_needs_what_accelerates_it() -> None:
     """Both wheels together m v1', their difference I omega'."""
-    free = {"reference.kind": "lemniscate", "robot.mu": 0.0, "changes": [], "clock.duration": 1.0}
+    free = {
+        "reference.kind": "lemniscate",
+        "reference.size": 2.0,
+        "reference.rate": 0.1,
+        "robot.mu": 0.0,
+        "changes": [],
+        "clock.duration": 1.0,
+    }
     run = simulate("paper-simulation", "kanayama", overrides=free)
     robot = scenario_of("paper-simulation").robot
 
