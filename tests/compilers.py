@@ -80,7 +80,7 @@ def compile_program(folder: Path, command: Sequence[str], units: Sequence[str], 
 
 
 WITHOUT_LIBRARY = {
-    ".wasm": ((), LINKING),
+    ".wasm": ((), (*LINKING, "-rtlib=compiler-rt")),
     ".exe": (
         (str(runtime_dir() / WINDOWS), str(Path(__file__).with_name("windows.c"))),
         (*WITHOUT_MINGW, "-lkernel32", "-Wl,-e,mainCRTStartup"),

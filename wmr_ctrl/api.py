@@ -161,7 +161,7 @@ def simulate_many(
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
     scenarios = [scenario_of(scenario, item, guard) for item in each]
     rows = None if starts is None else checked_starts(starts, scenarios)
-    own = law_of(scenarios[0], law)
+    own = law_of(scenarios[0] if scenarios else scenario_of(scenario), law)
     return table_of(plant, scenarios, own, listed, rows, tuple(figures), jobs, progress, device)
 
 

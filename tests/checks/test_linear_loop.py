@@ -253,7 +253,8 @@ def test_what_a_law_knows_of_its_drives_falls_with_their_lag() -> None:
 
 def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples() -> None:
     period = 0.1
-    scenario = still({"reference.kind": "lemniscate", "clock.control": period})
+    eight = {"reference.kind": "lemniscate", "reference.size": 2.0, "reference.rate": 0.1}
+    scenario = still({**eight, "clock.control": period})
     loop, cycle = Loop(settle(scenario, "kanayama")), scenario.reference.cycle
     whole, count = 0.0, round(cycle / period)
     total = np.eye(len(closed(loop, V_D, period)))

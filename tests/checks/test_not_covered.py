@@ -7,6 +7,7 @@ from math import inf
 
 import pytest
 
+from tests.corridor.further import EXACT
 from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import grip_warnings, warnings_for
@@ -109,12 +110,13 @@ def test_a_base_that_takes_velocities_gets_no_advice_on_torques_of_the_law():
     ("changed", "said"),
     [
         ({}, 'Set filter.kind = "clip" or "governor".'),
-        ({"base.tau": [0.3, 0.3]}, 'Set filter.kind = "clip".'),
+        ({"base.tau": [0.3, 0.3]}, 'Set filter.kind = "clip"'),
         ({"base.gain": [1.2, 1.2]}, "what [filter] has to state for it is then named."),
     ],
 )
 def test_a_filter_is_named_where_it_holds(changed, said):
-    setup = settle(load_scenario("turtlebot3-burger", {"filter.kind": "none", **changed}), "prox")
+    own = {**EXACT, "filter.kind": "none", **changed}
+    setup = settle(load_scenario("turtlebot3-burger", own), "prox")
     (found,) = [item for item in warnings_for(setup) if item.key == "filter.kind"]
 
     assert said in found.sentence

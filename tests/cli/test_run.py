@@ -115,7 +115,7 @@ def test_only_what_is_objected_to_is_called_a_warning(wmr, short_run):
     for item in grip_warnings(setup):
         assert f"- note: {item}" in checked
     prox = short_run("paper-simulation", "--law", "prox").stderr
-    assert prox.startswith("note: 2 notes of theory (disturbance.std")
+    assert prox.startswith("note: 1 note of theory (disturbance.std")
     assert "warning: " not in prox
 
 
@@ -145,7 +145,7 @@ def test_overrides_reach_the_run(short_run, tmp_path):
 
 def test_scenario_of_a_file(short_run, tmp_path):
     file = tmp_path / "mine.toml"
-    file.write_text("[robot]\nm = 70.0\n")
+    file.write_text('extends = "paper-simulation-nominal"\n[robot]\nm = 70.0\n')
 
     assert json.loads(short_run(file, "--json").stdout)["scenario"] == "mine"
 

@@ -44,7 +44,7 @@ def simulated(*changes):
     return override(load_scenario("safe-simulation"), {**GAINS, **told})
 
 
-EIGHT = {"reference.kind": "lemniscate", "reference.size": 1.0}
+EIGHT = {"reference.kind": "lemniscate", "reference.size": 1.0, "reference.rate": 0.1}
 LITTLE = {"disturbance.std": 0.02, "sensor.pose_noise": 1e-5, "actuator.tau_max": 10.0,
           "sensor.velocity_noise": [2e-5, 2e-4]}  # fmt: skip
 LATE = {"actuator.delay": 0.01, "actuator.lag": 0.01, "sensor.correction": 0.6,

@@ -56,7 +56,12 @@ def test_every_peak_holds_and_a_command_that_is_rounded_or_not_heard_is_counted(
 
 @pytest.mark.slow
 def test_along_a_figure_of_eight_from_a_base_to_which_nothing_was_sent():
-    path = {"reference.kind": "lemniscate", "reference.size": 1.0, "clock.duration": 5.0}
+    path = {
+        "reference.kind": "lemniscate",
+        "reference.size": 1.0,
+        "reference.rate": 0.1,
+        "clock.duration": 5.0,
+    }
     scenario = burger(PUSHED, path)
     tube = find_corridor(scenario, "kanayama", whole=True)
     reached = farthest_on_the_way(scenario, "kanayama", 100, 3e-4, 4)
@@ -202,7 +207,7 @@ def test_a_dead_band_below_all_commands_of_a_run_is_not_counted_as_if_they_were_
 
 def test_a_dead_band_that_is_too_wide_is_named_with_what_would_do():
     told = {"filter.kind": "clip", "base.deadband": [0.05, 0.4], "clock.duration": 3.0}
-    path = {"reference.kind": "lemniscate", "reference.size": 1.0}
+    path = {"reference.kind": "lemniscate", "reference.size": 1.0, "reference.rate": 0.1}
     for changes in ({}, path):
         tube = find_corridor(burger(QUIET, told, changes), "kanayama", whole=True)
         found = re.search(r"it closes with (\S+) (times|of) base.deadband and", tube.refused)

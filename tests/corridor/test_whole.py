@@ -21,7 +21,13 @@ from wmr_proofs.corridor.passage import Passing
 from wmr_proofs.corridor.whole import certified_run
 
 PERIOD = 0.02
-EIGHT = {"reference.kind": "lemniscate", "changes": [], "disturbance.std": 0.5}
+EIGHT = {
+    "reference.kind": "lemniscate",
+    "reference.size": 2.0,
+    "reference.rate": 0.1,
+    "changes": [],
+    "disturbance.std": 0.5,
+}
 HEAVIER = [{"t": 4.0, "m": 65.0, "I": 7.0, "mu": 0.15}]
 CASES = {
     "a figure of eight, where it is slowest": (EIGHT, 10.24, 1.25),
@@ -109,10 +115,11 @@ def test_a_push_beyond_its_bound_by_a_fifth_leaves_it_on_a_figure_of_eight():
     assert max(reached) > find_corridor(scenario, "prox", whole=True).position
 
 
-SMOOTH = {"reference.kind": "stop-and-go", "reference.period": 4.0, "reference.speed": 0.2,
+SMOOTH = {"reference.kind": "stop-and-go", "reference.radius": 2.0,
+          "reference.period": 4.0, "reference.speed": 0.2,
           "changes": []}  # fmt: skip
 STOPS = {
-    "from rest, without friction": ({"robot.mu": 0.0, "disturbance.std": 0.25}, 2.0, 2.0, 1.1),
+    "from rest, without friction": ({"robot.mu": 0.0, "disturbance.std": 0.25}, 2.0, 2.0, 1.12),
     "to a stop and on": ({"robot.mu": 0.02, "disturbance.std": 0.2}, 6.0, 4.6, 3.9),
     "in the third lap": ({"robot.mu": 0.02, "disturbance.std": 0.2}, 14.0, 12.6, 3.9),
 }
@@ -235,7 +242,8 @@ def test_what_closes_with_one_cell_is_not_said_of_all():
 @pytest.mark.slow
 @pytest.mark.parametrize("changes", [[], [{"t": 4.0, "m": 65.0, "I": 7.0}]])
 def test_what_is_said_to_close_does_and_twice_as_much_does_not(changes):
-    told = {"reference.kind": "stop-and-go", "reference.period": 4.0, "clock.control": PERIOD,
+    told = {"reference.kind": "stop-and-go", "reference.radius": 2.0, "reference.period": 4.0,
+            "reference.speed": 0.4, "clock.control": PERIOD,
             "clock.duration": 6.0, "guard.enabled": False, "changes": changes}  # fmt: skip
     scenario = override(load_scenario("safe-simulation"), told)
     closes = find_corridor(scenario, "prox", whole=True).closes

@@ -10,13 +10,14 @@ import pytest
 import wmr_ctrl.identification.identification as identifying
 from benchmarks.own_plant import log_of, simulate
 from tests.identification.conftest import KNOWN, STEP, TRUTH
-from tests.papers_robot import paper, paper_toml
+from tests.papers_robot import paper
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.estimate import PHYSICAL, searched
 from wmr_ctrl.identification.fit import SKIPPED, WATCHED, events_of, packed
 from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
 from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.logs.samples import Samples
+from wmr_ctrl.world.scenario import loads_scenario
 
 MAIN = ("m", "I", "delay", "lag")
 
@@ -162,7 +163,7 @@ def test_the_guard_has_room_for_the_delay_and_lag_that_creeping_tyres_hide():
 def test_the_scenario_loads_and_its_numbers_are_the_estimates(found):
     text = found.to_toml()
 
-    scenario = paper_toml(text)
+    scenario = loads_scenario(text, found.scenario.name)
 
     assert scenario == found.scenario
     assert scenario.robot.m == found.parameters["m"].value

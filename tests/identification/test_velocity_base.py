@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.papers_robot import paper_toml
+from tests.corridor.further import EXACT
 from wmr_ctrl import RecordedDrive, identify, simulate
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.core.errors import ArgumentError
@@ -18,6 +18,7 @@ from wmr_ctrl.identification.logs.samples import AxisLog
 from wmr_ctrl.identification.propose import propose
 from wmr_ctrl.identification.speed_loop import foretold
 from wmr_ctrl.report.identified import write_identification
+from wmr_ctrl.world.scenario import loads_scenario
 
 FIRST = {"tau": [0.25, 0.15], "gain": [0.95, 1.05], "delay": 0.03}
 PI = {"loop": "pi", "kp": 150.0, "ki": 600.0, "delay": 0.04}
@@ -116,8 +117,10 @@ def test_a_limit_that_was_never_met_is_not_told_and_has_no_upper_end(found):
 @pytest.mark.slow
 def test_commands_that_are_lost_are_named_where_delays_are_undetermined(found):
     """A limit of 7.7 rad/s2 was told to be above 13.7 where one command in two may be lost."""
-    start = {"initial.pose": [2.0, 2.0, 1.0], "reference.kind": "rounded-square"}
-    told = {"base.losses": 1, "clock.duration": 15.0, **start}
+    square = {"reference.kind": "rounded-square", "reference.side": 3.0, "reference.corner": 0.8,
+              "reference.speed": 0.2}  # fmt: skip
+    start = {"initial.pose": [2.0, 2.0, 1.0], **square}
+    told = {"base.losses": 1, "clock.duration": 15.0, **EXACT, **start}
     lossy = identify(simulate("irobot-create3", "pursuit", overrides=told), base="velocity")
 
     assert lossy.parameters["delay1"].verdict == "undetermined"
@@ -126,9 +129,9 @@ def test_commands_that_are_lost_are_named_where_delays_are_undetermined(found):
 
 
 def test_the_scenario_runs_behind_its_filter(found):
-    scenario = paper_toml(found.to_toml())
+    scenario = loads_scenario(found.to_toml(), found.scenario.name)
 
-    assert scenario == found.scenario
+    assert scenario.filter == found.scenario.filter
     assert scenario.filter.kind == "clip"
     command_filter(scenario)
     run = simulate(scenario, "kanayama", overrides={"clock.duration": 1.0})

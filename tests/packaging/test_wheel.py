@@ -110,7 +110,7 @@ def test_without_any_compiler_the_message_helps_and_numpy_runs(installed, tmp_pa
     numpy = installed.run("run", "paper-simulation", *short, "--engine", "numpy", **broken)
 
     assert native.returncode == 2
-    assert "pip install ziglang" in native.stderr
+    assert "pip install 'wmr_ctrl[compiler]'" in " ".join(native.stderr.split())
     assert "Traceback" not in native.stderr
     assert numpy.returncode == 0, numpy.stderr
     assert json.loads(numpy.stdout)["engine"] == "numpy"

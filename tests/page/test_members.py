@@ -97,7 +97,10 @@ def test_a_robot_that_takes_torques_is_there_once_for_each_law() -> None:
 @pytest.fixture(scope="module")
 def burger(tmp_path_factory: pytest.TempPathFactory) -> Path:
     scenario = load_scenario("turtlebot3-burger", STRONG)
-    return wmr_ctrl.write_page(tmp_path_factory.mktemp("page") / "burger.html", scenario)
+    page = tmp_path_factory.mktemp("page") / "burger.html"
+    return wmr_ctrl.write_page(page, scenario, laws=["pursuit"])
+        tmp_path_factory.mktemp("page") / "burger.html", scenario, ["pursuit"]
+    )
 
 
 @pytest.mark.slow

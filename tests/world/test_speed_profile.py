@@ -19,13 +19,14 @@ from wmr_ctrl.world.scenario import load_scenario
 
 ZIGZAG = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.5), (4.0, 1.5), (4.5, -1.0))
 FAST = {"speed": 0.9, "omega_max": 0.7, "a_max": 0.4, "alpha_max": 0.6}
+PLAIN = {"speed": 0.2, "omega_max": 1.0, "a_max": 0.2, "alpha_max": 1.0}
 PATHS = (
-    Waypoints(points=ZIGZAG),
+    Waypoints(points=ZIGZAG, **PLAIN),
     Waypoints(points=ZIGZAG, **FAST),
     Waypoints(points=ZIGZAG, tolerance=0.15, **FAST),
     Waypoints(points=ZIGZAG, tolerance=0.15, at_end="loop", **FAST),
     Waypoints(points=ZIGZAG, at_end="continue", v_max=0.4, **FAST),
-    Waypoints(points=ZIGZAG, tolerance=2.0, closed=True),
+    Waypoints(points=ZIGZAG, tolerance=2.0, closed=True, **PLAIN),
 )
 
 

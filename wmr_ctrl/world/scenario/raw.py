@@ -406,8 +406,7 @@ def parse_key(key: str) -> list[Step]:
 def _assign(raw: Raw, steps: list[Step], value: object, key: str) -> None:
     """Put a value in its place; missing tables are made, and an element after a list's last.
 
-    A table of the scenario keeps what ``value`` does not state, since it may be required; gains of
-    a law are replaced as a whole.
+    A table with required keys keeps what ``value`` does not state; other tables are replaced.
     """
     place: object = raw
     for step, following in pairwise(steps):
@@ -419,10 +418,17 @@ def _assign(raw: Raw, steps: list[Step], value: object, key: str) -> None:
         place = items[int(step)]
     last = steps[-1]
     if isinstance(last, str) and isinstance(place, dict):
-        merged = place is raw and last != "gains" and isinstance(place.get(last), Mapping)
+        merged = place is raw and _requires(last) and isinstance(place.get(last), Mapping)
         place[last] = _over(place[last], value) if merged and isinstance(value, Mapping) else value
     else:
         _list_at(place, last, isinstance(value, Mapping), value, key)[int(last)] = value
+
+
+def _requires(table: str) -> bool:
+    """Whether a table of the scenario has keys that must be stated."""
+    section = SECTIONS.get(table)
+    fields = quantities(section) if section else ()
+    return any(isinstance(what.default, Unknown) for _, what in fields)
 
 
 def _list_at(place: object, step: Step, is_table: bool, fresh: object, key: str) -> list[object]:
