@@ -99,8 +99,6 @@ def burger(tmp_path_factory: pytest.TempPathFactory) -> Path:
     scenario = load_scenario("turtlebot3-burger", STRONG)
     page = tmp_path_factory.mktemp("page") / "burger.html"
     return wmr_ctrl.write_page(page, scenario, laws=["pursuit"])
-        tmp_path_factory.mktemp("page") / "burger.html", scenario, ["pursuit"]
-    )
 
 
 @pytest.mark.slow
