@@ -110,7 +110,7 @@ def test_a_base_that_takes_velocities_gets_no_advice_on_torques_of_the_law():
     ("changed", "said"),
     [
         ({}, 'Set filter.kind = "clip" or "governor".'),
-        ({"base.tau": [0.3, 0.3]}, 'Set filter.kind = "clip"'),
+        ({"base.tau": [0.3, 0.3]}, 'Set filter.kind = "clip".'),
         ({"base.gain": [1.2, 1.2]}, "what [filter] has to state for it is then named."),
     ],
 )

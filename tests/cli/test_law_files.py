@@ -125,11 +125,12 @@ def test_a_scenario_names_a_file_beside_it(wmr, tmp_path):
     place = tmp_path / "robots"
     place.mkdir()
     (place / "mine.py").write_text(LAW)
-    gains = "[gains.my_law]\nK = [300, 30]\n"
-    text = f'extends = "paper-simulation-nominal"\nlaw = "mine.py"\n{gains}'
+    weak = "[gains.my_law]\nK = [300, 30]\n[actuator]\ntau_max = 1.0\n"
+    text = f'extends = "paper-simulation-nominal"\nlaw = "mine.py"\n{weak}'
     (place / "mine.toml").write_text(text)
 
     result = wmr("run", "robots/mine.toml", *SHORT)
 
     assert result.exit_code == 0, result.stderr
     assert "my_law on mine" in result.stdout
+    assert "--law robots/mine.py" in " ".join(result.stderr.split())

@@ -254,10 +254,11 @@ def test_only_filter_lists_what_is_asked_of_its_numbers(monkeypatch):
 
 
 def test_check_says_what_concerns_all_laws_once(wmr):
-    weak = ("--law", "pid,smc", "--set", "actuator.tau_max=1")
+    weak = ("--law", "pid,smc", "--set", "actuator.tau_max=1", "-v")
     found = wmr("check", "paper-simulation", *weak).stdout
 
     assert found.count("actuator.tau_max = 1 N m gives") == 1
+    assert found.index("all laws") < found.index("actuator.tau_max = 1") < found.index("\npid\n")
 
 
 def test_check_runs_no_law_for_longer_than_it_says(wmr, monkeypatch):

@@ -119,7 +119,7 @@ SMOOTH = {"reference.kind": "stop-and-go", "reference.radius": 2.0,
           "reference.period": 4.0, "reference.speed": 0.2,
           "changes": []}  # fmt: skip
 STOPS = {
-    "from rest, without friction": ({"robot.mu": 0.0, "disturbance.std": 0.25}, 2.0, 2.0, 1.12),
+    "from rest, without friction": ({"robot.mu": 0.0, "disturbance.std": 0.25}, 2.0, 2.0, 1.1),
     "to a stop and on": ({"robot.mu": 0.02, "disturbance.std": 0.2}, 6.0, 4.6, 3.9),
     "in the third lap": ({"robot.mu": 0.02, "disturbance.std": 0.2}, 14.0, 12.6, 3.9),
 }

@@ -71,5 +71,5 @@ def check(
         click.echo(about.listed(about.about(answers, only)))
     else:
         details = ("", about.listed(about.findings(answers))) if verbose else ()
-        lines = (*about.head(answers), "", *about.law_table(answers), *details)
+        lines = (*about.head(answers, verbose), "", *about.law_table(answers), *details)
         click.echo("\n".join(lines))

@@ -208,14 +208,17 @@ class Held(NamedTuple):
     objects: bool
 
 
-def head(answers: Answers) -> Iterator[str]:
-    """Questions about units, the promise, and what concerns the scenario whatever the law."""
+def head(answers: Answers, detailed: bool = False) -> Iterator[str]:
+    """Questions about units, the promise, and what concerns the scenario whatever the law.
+
+    Where all `findings` follow, ``detailed``, it leaves out what they have.
+    """
     case = answers.scenario
     yield wrapped(check_sentences.valid(case))
     yield from (wrapped(question) for _, question in unit_questions(case))
     yield from (wrapped(item.sentence) for item in case.changes)
     yield wrapped(check_sentences.promise(answers.setup))
-    if zero := unknown_zero(answers.setup):
+    if not detailed and (zero := unknown_zero(answers.setup)):
         yield wrapped(f"{zero.key}: {zero}")
     if case.reference.arrival is not None:
         yield wrapped(check_sentences.rest(case.reference.arrival, case.clock.duration))
@@ -226,8 +229,7 @@ def head(answers: Answers) -> Iterator[str]:
         yield wrapped(f"Not stated, and of no effect on the motion here: {', '.join(unknown)}.")
     if any(run.settings.duration < case.clock.duration for run in answers.runs.values()):
         yield wrapped(f"Each law is run for {MOST_STEPS} plant steps only, not to the end.")
-    shared = _shared(answers)
-    if shared:
+    if not detailed and (shared := _shared(answers)):
         yield "\nWhatever the law:"
         yield from _items(item for item in shared if item.objects)
         yield from _items(item for item in shared if not item.objects)

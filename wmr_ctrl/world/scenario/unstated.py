@@ -139,12 +139,12 @@ def _starts_at_rest(scenario: "Scenario") -> bool:
 
 
 def _shares(section: Section, shares: Mapping[str, tuple[float, float]]) -> dict[str, object]:
-    """Fields of a section that are left out, each a share of a size that is known."""
+    """Fields of a section that are left out, each a share of a size, or of its placeholder."""
     values = vars(section)
     return {
         name: derived(share * size)
         for name, (share, size) in shares.items()
-        if isinstance(values[name], Unstated) and not isinstance(size, Unknown)
+        if isinstance(values[name], Unstated)
     }
 
 
