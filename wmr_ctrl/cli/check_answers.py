@@ -2,10 +2,11 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from itertools import groupby
 from math import inf
 from operator import attrgetter
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from wmr_ctrl import api
 from wmr_ctrl.control.controller import lacking
@@ -43,12 +44,23 @@ NONE, FINDINGS = "-", "findings"
 """Cell of a table that has no value; column of the keys of objections and notes."""
 
 
+Item = TypeVar("Item")
+
+
 class Note(NamedTuple):
     """A finding on a law, on all of several (None) or on the scenario (""), by key or subject."""
 
     law: str | None
     key: str
     text: str
+
+
+class Held(NamedTuple):
+    """What theory or a run holds against a law: its key, its words, whether it is an objection."""
+
+    key: str
+    text: str
+    objects: bool
 
 
 @dataclass(frozen=True)
@@ -69,6 +81,31 @@ class Answers:
     def verdict(self, law: str) -> CheckVerdict:
         """The verdict on a law, in a word."""
         return verdict(self.warned[law], self.runs.get(law))
+
+    @cached_property
+    def held(self) -> Mapping[str, Sequence[Held]]:
+        """All that is held against each law, but for what the head of the output says."""
+        said = {Held("assumption-void", self.setup.void, False)}
+        said |= {Held(text.partition(" ")[0], text, False) for text in void_effects(self.setup)}
+        said |= {Held(*question, True) for question in unit_questions(self.scenario)}
+        found = dict[str, Sequence[Held]]()
+        for law, warnings in self.warned.items():
+            seen = _seen(self, law)
+            held = [Held(w.key, w.sentence, w.objects) for w in warnings if w.equation != GRIP]
+            held += [Held(item.key, item.text, item.key not in IN_PART) for item in seen]
+            found[law] = [item for item in held if item not in said]
+        return found
+
+    @cached_property
+    def shared(self) -> Sequence[Held]:
+        """What is held against each of several laws in the same words."""
+        return _in_each(self.held.values())
+
+
+def _in_each(lists: Iterable[Sequence[Item]]) -> list[Item]:
+    """Items that stand in each of several lists."""
+    first, *others = lists
+    return [item for item in first if others and all(item in other for other in others)]
 
 
 def find_answers(
@@ -193,19 +230,10 @@ def _grip(case: Scenario) -> dict[str, float | None]:
 
 def _merged(answers: Answers) -> Iterator[tuple[str | None, checks.Warning]]:
     """Every warning once, with its law: None where it concerns all of several."""
-    first, *others = answers.warned.values()
-    shared = [item for item in first if others and all(item in each for each in others)]
+    shared = _in_each(answers.warned.values())
     yield from ((None, item) for item in shared)
     for law, warnings in answers.warned.items():
         yield from ((law, item) for item in warnings if item not in shared)
-
-
-class Held(NamedTuple):
-    """What theory or a run holds against a law: its key, its words, whether it is an objection."""
-
-    key: str
-    text: str
-    objects: bool
 
 
 def head(answers: Answers, detailed: bool = False) -> Iterator[str]:
@@ -229,10 +257,10 @@ def head(answers: Answers, detailed: bool = False) -> Iterator[str]:
         yield wrapped(f"Not stated, and of no effect on the motion here: {', '.join(unknown)}.")
     if any(run.settings.duration < case.clock.duration for run in answers.runs.values()):
         yield wrapped(f"Each law is run for {MOST_STEPS} plant steps only, not to the end.")
-    if not detailed and (shared := _shared(answers)):
+    if not detailed and answers.shared:
         yield "\nWhatever the law:"
-        yield from _items(item for item in shared if item.objects)
-        yield from _items(item for item in shared if not item.objects)
+        yield from _items(item for item in answers.shared if item.objects)
+        yield from _items(item for item in answers.shared if not item.objects)
 
 
 def _items(held: Iterable[Held]) -> Iterator[str]:
@@ -303,26 +331,9 @@ def _reasons(answers: Answers, law: str) -> Iterator[str]:
         yield key if key in objected else f"({key})"
 
 
-def _held(answers: Answers, law: str) -> list[Held]:
-    """All that is held against a law, but for what the head of the output says."""
-    void = {Held("assumption-void", answers.setup.void, False)}
-    void |= {Held(text.partition(" ")[0], text, False) for text in void_effects(answers.setup)}
-    asked = {Held(*question, True) for question in unit_questions(answers.scenario)}
-    held = [Held(w.key, w.sentence, w.objects) for w in answers.warned[law] if w.equation != GRIP]
-    held += [Held(item.key, item.text, item.key not in IN_PART) for item in _seen(answers, law)]
-    return [item for item in held if item not in void | asked]
-
-
-def _shared(answers: Answers) -> list[Held]:
-    """What is held against each of several laws in the same words."""
-    first, *others = (_held(answers, law) for law in answers.warned)
-    return [item for item in first if others and all(item in each for each in others)]
-
-
 def _own(answers: Answers, law: str) -> list[Held]:
     """What is held against a law and not against all."""
-    shared = _shared(answers)
-    return [item for item in _held(answers, law) if item not in shared]
+    return [item for item in answers.held[law] if item not in answers.shared]
 
 
 def _seen(answers: Answers, law: str) -> list[Remark]:
