@@ -71,9 +71,7 @@ def simulate(
     """
     from wmr_ctrl.simulation.engines import check_plant, run_compiled, run_numpy, runnable
 
-    law = law_if_any(law)
-    chosen = scenario_of(scenario, overrides, guard)
-    law = law_of(chosen, law)
+    chosen, law = _chosen(scenario, law, overrides, guard)
     checked_seeds([seed])
     check_plant(plant, engine)
     if plant == "mujoco":
@@ -117,10 +115,20 @@ def simulate_runs(
     from wmr_ctrl.simulation.engines import check_device, runs_of
 
     check_device(device, plant)
-    law = law_if_any(law)
+    chosen, law = _chosen(scenario, law, overrides, guard)
+    return runs_of(plant, chosen, law, checked_seeds(seeds), jobs, progress, device)
+
+
+def _chosen(
+    scenario: str | Path | Scenario,
+    law: types.LawGiven | None,
+    overrides: types.Overrides | None = None,
+    guard: bool | None = None,
+) -> tuple[Scenario, str]:
+    """The scenario and the law's name; a law is read first, so that a scenario may name it."""
+    named = law_if_any(law)
     chosen = scenario_of(scenario, overrides, guard)
-    run = plant, chosen, law_of(chosen, law)
-    return runs_of(*run, checked_seeds(seeds), jobs, progress, device)
+    return chosen, law_of(chosen, named)
 
 
 @checks_arguments
@@ -281,9 +289,7 @@ def linearize(
     """
     from wmr_ctrl.theory.linear import report_linear
 
-    law = law_if_any(law)
-    chosen = scenario_of(scenario)
-    return report_linear(chosen, law_of(chosen, law), at, guard=guard)
+    return report_linear(*_chosen(scenario, law), at, guard=guard)
 
 
 @checks_arguments
