@@ -37,8 +37,6 @@ from wmr_ctrl.simulation.many import checked_seeds
 from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
 from wmr_ctrl.theory.door import proofs
 from wmr_ctrl.world.model.kinematics import KinematicGains
-from wmr_ctrl.world.references import reference_bounds
-from wmr_ctrl.world.references.curves import Lemniscate, Line
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
 from wmr_ctrl.world.speed_loop import takes_velocity
@@ -56,8 +54,6 @@ _ERRORS = ("tracking_drive_rms", "torque_change_rms")
 """Figures that are judged, less is better; of a base that takes velocities the first."""
 FLOOR = 1e-6
 """A smaller error [m] or change of torque [N m] is as good as none."""
-SHARE = 0.7
-"""Share of the speed limits that the references of the test ask for at most."""
 WORSE = 0.05
 """Share by which a figure may grow before it is worse: medians of few runs differ by as much."""
 
@@ -307,7 +303,7 @@ def judged(
     chosen, listed = scenario_of(scenario), tuple(seeds)
     own, cases = chosen.reference_kind.name, []
     for kind in dict.fromkeys((own, *REFERENCES)):
-        on = chosen if kind == own else _sized(override(chosen, {"reference.kind": kind}))
+        on = chosen if kind == own else override(chosen, {"reference.kind": kind})
         cases += [(kind, ratio, case) for ratio, case in _robots(on)]
     names = [figure.name for figure in FIGURES.plugins]
     table = _table([case for _, _, case in cases], law, listed, jobs, names)
@@ -324,21 +320,6 @@ def judged(
             **middle,
         }
     )
-
-
-def _sized(scenario: Scenario) -> Scenario:
-    """The scenario with its line or lemniscate slowed down to `SHARE` of the limits, if beyond."""
-    reference, (linear, angular) = scenario.reference, scenario.limits.v_u1
-    _, fastest, turning = reference_bounds(scenario)
-    slower = min(1.0, SHARE * linear / fastest)
-    if isinstance(reference, Line):
-        return override(scenario, {"reference.speed": slower * reference.speed})
-    if not isinstance(reference, Lemniscate):
-        return scenario
-    rate = min(1.0, SHARE * angular / turning)
-    size = min(1.0, slower / rate)
-    values = {"size": size * reference.size, "rate": rate * reference.rate}
-    return override(scenario, {f"reference.{key}": value for key, value in values.items()})
 
 
 def _document(tuning: Tuning) -> str:
