@@ -14,11 +14,13 @@ import tomlkit
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.problems import printable
-from wmr_ctrl.core.fields.section import quantities
+from wmr_ctrl.core.fields.section import default, quantities
 from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.references.kind import driven
 from wmr_ctrl.world.robot_files import NAMES, Found, Sheet
 
 from .scenario import sections
+from .sections import Robot
 from .toml_io import loads_scenario
 
 LAW = "kanayama"
@@ -39,7 +41,6 @@ TABLES = (
     *("limits", "filter", "guard", "clock", "reference"),
 )
 """Tables in the order in which they are written."""
-GRAVITY = 9.81
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ def _values(sheet: Sheet, base: str) -> dict[str, Value]:
             stated[key] = ends
     ramps = [stated[key] for key in RAMPS if base == "velocity" and key in stated]
     reached = [min(ends) for ends in zip((math.inf, math.inf), *ramps, strict=True)]
-    speed, rate = _short(min(0.5 * v, reached[0])), _short(min(0.25 * omega, reached[1]))
+    speed, rate = (_short(min(ends)) for ends in zip(driven((v, omega)), reached, strict=True))
     period = sizes.get("clock.control", 0.05 if base == "velocity" else 0.01)
     guess: dict[str, Value] = {"law": LAW, LIMITS: (v, omega), "clock.control": period}
     if base == "velocity":
@@ -120,7 +121,8 @@ def _guarded(sizes: Mapping[str, float], v: float, omega: float, period: float) 
         l = 0.2 if inertia is None else math.sqrt(inertia / m)
     if inertia is None:
         inertia = m * l * l
-    r, thrust = sizes.get("robot.r", 0.08), 0.5 * m * GRAVITY
+    r, g = sizes.get("robot.r", 0.08), default(Robot).g
+    thrust = 0.5 * m * g
     errors, axes = (0.02 * v, 0.02 * omega), ((m, 1.0, v), (inertia, l, omega))
     swing = max(mass * error / arm for (mass, arm, _), error in zip(axes, errors, strict=True))
     alpha = 0.3 * min(1 / period, thrust / swing)
@@ -128,7 +130,7 @@ def _guarded(sizes: Mapping[str, float], v: float, omega: float, period: float) 
     return {
         "robot.m": _short(m),
         "robot.I": _short(inertia),
-        "robot.mu": min(0.02, _short(0.1 * alpha * v / GRAVITY)),
+        "robot.mu": min(0.02, _short(0.1 * alpha * v / g)),
         "robot.r": r,
         "robot.l": _short(l),
         "actuator.tau_max": _short(thrust * r / 2),
