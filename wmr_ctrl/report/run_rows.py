@@ -30,9 +30,10 @@ def is_foreign(run: Run) -> bool:
 def rows_of(run: Run, verbose: bool = False) -> list[Row]:
     """The figures that matter for the base of a run, at most `MOST_ROWS`; or all."""
     figures = results.summary(run)
-    shown = [*islice(_rows(run, figures), MOST_ROWS)]
-    others = chain(_rows(run, figures), _details(run, figures)) if verbose else ()
-    return [*shown, *(row for row in others if row not in shown)]
+    rows = _rows(run, figures)
+    if not verbose:
+        return [*islice(rows, MOST_ROWS)]
+    return [*dict.fromkeys(chain(rows, _details(run, figures)))]
 
 
 def guard_relies_on(run: Run) -> str:
