@@ -13,6 +13,7 @@ import pytest
 from tests.papers_robot import paper
 from wmr_ctrl import api, simulate
 from wmr_ctrl.cli import check_sentences
+from wmr_ctrl.cli.console import short_number
 from wmr_ctrl.cli.options import _each_law
 from wmr_ctrl.control.guard.price import early_speed
 from wmr_ctrl.control.laws import LAWS
@@ -86,7 +87,7 @@ def test_a_run_that_an_fmu_ended_exits_with_3(monkeypatch, capsys, run: Run) -> 
     [(0.0, "0"), (9e-4, "<0.001"), (-9e-4, "<0.001"), (1e-3, "0.001"), (-1.5, "-1.5"), (2, "2")],
 )
 def test_three_digits_as_long_as_they_say_something(value: float, text: str) -> None:
-    assert compare._shown(value) == text
+    assert short_number(value) == text
 
 
 def test_a_row_has_millimetres_then_si_units(run: Run) -> None:
@@ -96,7 +97,7 @@ def test_a_row_has_millimetres_then_si_units(run: Run) -> None:
         *figures["max_abs_v"], figures["tau_peak"], figures["torque_change_rms"],
     )  # fmt: skip
 
-    assert compare._row("pid", run) == ("pid", *map(compare._shown, values), run.outcome.value)
+    assert compare._row("pid", run) == ("pid", *map(short_number, values), run.outcome.value)
 
 
 def test_a_comparison_judges_the_drive_and_names_every_limit(run: Run) -> None:
@@ -108,7 +109,7 @@ def test_a_comparison_judges_the_drive_and_names_every_limit(run: Run) -> None:
     assert "limits 1 m/s and 1.5 rad/s or 0.9 m/s and 1.4 rad/s." in text
     assert "over the last half or drive (0.05 to 0.1 s) [N m]" in text
     judged = figures_of(stops)["tracking"]["drive"]["position_rms"]
-    assert compare._row("mb", stops)[1] == compare._shown(1e3 * judged)
+    assert compare._row("mb", stops)[1] == short_number(1e3 * judged)
     changed = dict(summary.rows_of(stops, verbose=True))["wheel torque, change"]
     assert changed.endswith("RMS per sample, drive (0.05 to 0.1 s)")
 

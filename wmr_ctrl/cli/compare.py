@@ -12,7 +12,17 @@ import click
 from wmr_ctrl.core.errors import ArgumentError
 
 from . import options as opt
-from .console import DIFFERENCE, Progress, print_json, say, table, wrapped, write_file
+from .console import (
+    DIFFERENCE,
+    LEAST,
+    Progress,
+    print_json,
+    say,
+    short_number,
+    table,
+    wrapped,
+    write_file,
+)
 from .runs import animate_option, plot_option
 
 if TYPE_CHECKING:
@@ -20,8 +30,6 @@ if TYPE_CHECKING:
     from wmr_ctrl.results.compare import Comparison
     from wmr_ctrl.results.drive import RecordedDrive
 
-LEAST = 1e-3
-"""Smaller figures [m/s, rad/s, N m] are not written out."""
 HEADER: tuple[str, ...] = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
 TORQUES = ("tau_peak", "torque_change_rms")
 COLUMNS = (
@@ -221,12 +229,7 @@ def _row(name: str, run: Run) -> tuple[str, ...]:
     known = ((figure, factor, values[figure]) for figure, factor in COLUMNS)
     cells = (
         "-" if value is None else
-        _shown(factor * value, factor * least if figure.startswith("tracking") else LEAST)
+        short_number(factor * value, factor * least if figure.startswith("tracking") else LEAST)
         for figure, factor, value in known
     )  # fmt: skip
     return (name, *cells, run.outcome.value)
-
-
-def _shown(value: float, least: float = LEAST) -> str:
-    """Three digits, as long as they say something: a long number breaks its neighbours' words."""
-    return f"<{least:g}" if 0 < abs(value) < least else f"{value:.3g}"

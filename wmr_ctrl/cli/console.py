@@ -91,6 +91,15 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
     return textwrap.dedent("\n".join(lines)).strip("\n")
 
 
+LEAST = 1e-3
+"""Smaller figures are not written out."""
+
+
+def short_number(value: float, least: float = LEAST) -> str:
+    """Three digits, as long as they say something: a long number breaks its neighbours' words."""
+    return f"<{least:g}" if 0 < abs(value) < least else f"{value:.3g}"
+
+
 def note_missing_proofs() -> None:
     """Say on stderr that corridors are left out, where the extra proofs is not installed."""
     from wmr_ctrl.theory.door import LEFT_OUT, is_open

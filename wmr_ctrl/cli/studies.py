@@ -11,7 +11,7 @@ import click
 from wmr_ctrl.core.fields.values import SEED_END
 
 from . import options as opt
-from .console import DIFFERENCE, Progress, print_json, resumable, say, table, wrapped
+from .console import DIFFERENCE, Progress, print_json, resumable, say, short_number, table, wrapped
 
 if TYPE_CHECKING:
     from wmr_ctrl.simulation.campaign.study_run import StudyOutcome
@@ -240,10 +240,6 @@ def tune(
         click.echo(_text(better))
 
 
-def _least(value: float) -> str:
-    return "<0.001" if 0 < value < 1e-3 else f"{value:.3g}"
-
-
 def _text(better: Tuning) -> str:
     """Gains, the objective, and figures of the test seeds before and after."""
     import numpy as np
@@ -263,8 +259,8 @@ def _text(better: Tuning) -> str:
         lines.append(f"certified corridor: {before} before, {after} after")
     v1, omega = better.scenario.limits.v_u1
     both = better.before, better.after
-    position = [[_least(1e3 * value) for value in test["tracking_drive_rms"]] for test in both]
-    change = [[_least(value) for value in test["torque_change_rms"]] for test in both]
+    position = [[*map(short_number, 1e3 * test["tracking_drive_rms"])] for test in both]
+    change = [[*map(short_number, test["torque_change_rms"])] for test in both]
     fastest = [np.maximum(test["max_abs_v1"] / v1, test["max_abs_v2"] / omega) for test in both]
     names = {"tracking_drive_rms": "position", "torque_change_rms": "torque", "lost": "runs"}
     columns = {
