@@ -6,6 +6,7 @@ import json
 import math
 import re
 import tomllib
+from importlib.util import find_spec
 from warnings import catch_warnings, simplefilter
 
 import pytest
@@ -130,6 +131,22 @@ def test_all_laws_are_those_that_the_stated_robot_is_enough_for(wmr, tmp_path): 
     assert "peak" not in head, "nobody commands its torques"
     assert alone.exit_code == 2, "a law that is named is not left out"
     assert "robot.m" in alone.stderr
+
+
+def test_commands_that_need_the_robot_ask_for_it_and_others_do_not(wmr, tmp_path):  # noqa: F811
+    file = tmp_path / "mine.toml"
+    assert wmr("new", file).exit_code == 0
+    needing = [("linearize", file, "--law", "mb"), ("run", file, "--law", "mb")]
+    needing += [("run", file, "--plant", "mujoco")] if find_spec("mujoco") else []
+
+    for words in needing:
+        made = wmr(*words)
+        assert made.exit_code == 2, words
+        assert "robot.m [kg]" in made.stderr, words
+
+    made = wmr("linearize", file, "--against-run", "--json")
+    assert made.exit_code == 0, made.stderr
+    assert json.loads(made.stdout)[LAW]["ahead"]["ten_per_cent"] > 0
 
 
 def test_gains_that_fit_rounding_are_not_advised(wmr, tmp_path):  # noqa: F811

@@ -259,8 +259,9 @@ class _Runs:
         pose = [columns[signal.name].start for signal in PLANT_STATE[:3]]
 
         def errors(_: int, rows: Floats, seen: Monitor) -> Floats | None:
-            whole = len(rows) == self.samples and bool(np.isfinite(rows).all())
-            return tracking_errors(self.desired, rows[:, pose]) - self.base if whole else None
+            poses = rows[:, pose]
+            whole = len(rows) == self.samples and bool(np.isfinite(poses).all())
+            return tracking_errors(self.desired, poses) - self.base if whole else None
 
         tasks = [Task(self.loop, 0, _start(self.loop.scenario, self.at, off)) for off in offs]
         return run_logged(tasks, errors, jobs=self.jobs)

@@ -21,6 +21,8 @@ import numpy as np
 
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ScenarioError, install
 from wmr_ctrl.world.scenario import Change, Robot, Scenario
+from wmr_ctrl.world.scenario.scenario import MissingKeysError, sections
+from wmr_ctrl.world.scenario.unstated import missing_text, unknown_keys
 from wmr_ctrl.world.slope import Slope
 
 CHASSIS, RIGHT, LEFT = "chassis", "right", "left"
@@ -79,9 +81,11 @@ def gravity(scenario: Scenario) -> tuple[float, float, float]:
 def description(scenario: Scenario) -> str:
     """The robot on its ground as MJCF, at rest over the origin and looking along +Y.
 
-    Raises ScenarioError for numbers that no rigid body has, a step that is too long for one, or the
-    plane model's slope, which would pull on level ground.
+    Raises ScenarioError for numbers that no rigid body has or that nobody states, a step that is
+    too long for one, or the plane model's slope, which would pull on level ground.
     """
+    if unknown := unknown_keys(scenario):
+        raise MissingKeysError(f"the rigid body: {missing_text(unknown, sections())}")
     robot, body, steep = scenario.robot, scenario.body, scenario.section(Slope).angle
     if steep:
         raise ScenarioError(

@@ -13,11 +13,12 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.applied import Lateness, remembered
-from wmr_ctrl.control.controller import law_graph, velocity_sender
+from wmr_ctrl.control.controller import law_graph, unfiltered_controller, velocity_sender
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.signals import ASKED, SENT_BEFORE, Signal, places
 from wmr_ctrl.world.model.system import Output, Port, System
 from wmr_ctrl.world.scenario import Robot
+from wmr_ctrl.world.scenario.unstated import unknown_keys
 
 from .budget import counted
 from .error_coordinates import Floats
@@ -192,5 +193,10 @@ def _made_for(loop: SendingLoop, period: float | None, delay: float) -> SendingL
 
 @lru_cache(maxsize=128)
 def loop_of(setup: Setup) -> Loop:
-    """The Loop of a setup, built once."""
+    """The Loop of a setup, built once.
+
+    Raises MissingKeysError where the law reads a number of the robot that nobody states.
+    """
+    if unknown_keys(setup.scenario):
+        unfiltered_controller(setup)
     return SendingLoop(setup) if setup.takes_velocity else Loop(setup)
