@@ -321,13 +321,13 @@ def test_a_robot_outside_the_masses_that_are_counted_has_no_corridor(told, whole
     assert "set cells = 0" in refused
 
 
-def test_more_courses_of_masses_than_are_followed_are_refused():
+def test_too_many_mass_histories_are_refused():
     told = {**LOADED, "corridor.cells": 3, "changes": [*LOADED["changes"], {"t": 6.0, "m": 60.0}]}
     refused = certified_run(
         settle(override(load_scenario("safe-simulation"), told), "prox")
     ).refused
 
-    assert "corridor.cells = 3 with changes makes 729 courses" in refused
+    assert "corridor.cells = 3 with changes needs 729 mass/inertia histories" in refused
 
 
 def test_what_stays_free_counts_on_the_corridor_that_there_is():

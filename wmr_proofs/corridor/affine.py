@@ -1,4 +1,4 @@
-"""Affine forms: what a graph makes of a box as a linear map of its inputs and an error, at once.
+"""Affine forms: enclosures of a graph over a box, as a linear map of its inputs plus an error.
 
     y = c + L xi + r',     |xi_k| <= 1,  |r'| <= r
 
@@ -90,7 +90,7 @@ class AffineGraph:
         self._key = function.serialize()
 
     def __call__(self, center: Floats, radius: Floats) -> Spanned:
-        """Over boxes (C, inputs)."""
+        """Enclose the graph over C boxes: ``center`` and ``radius`` (C, inputs)."""
         return self._boxes(center, radius)
 
     @cached_property
@@ -102,7 +102,7 @@ class OverBoxes:
     """A rule over boxes, as one function of CasADi."""
 
     def __init__(self, count: int, rule: Rule) -> None:
-        """Of so many inputs."""
+        """Compose the rule once for ``count`` inputs."""
         self.count = count
         center, radius = ca.SX.sym("center", count), ca.SX.sym("radius", count)
         given = []
@@ -119,7 +119,7 @@ class OverBoxes:
         self._function = ca.Function("over", [box], [numbers])
 
     def __call__(self, center: Floats, radius: Floats) -> Spanned:
-        """Of boxes (C, inputs)."""
+        """Evaluate the rule on C boxes: ``center`` and ``radius`` (C, inputs)."""
         given, count = np.hstack([center, radius]), self._function.numel_out(0)
         box, answer = np.empty(given.shape[1]), np.empty(count)
         result = np.empty((len(given), count))
@@ -136,7 +136,7 @@ class OverBoxes:
 
 @lru_cache(maxsize=64)
 def _over_boxes(serialized: str) -> OverBoxes:
-    """Of a graph, for all that have the same."""
+    """Compile the affine evaluation of a serialised graph, once for equal graphs."""
     function = ca.Function.deserialize(serialized)
     graph = read(function, ["i"], ("y",))
     return OverBoxes(function.numel_in(0), lambda given: _walked(graph, given))
@@ -194,7 +194,7 @@ def _secant(low: ca.SX, high: ca.SX, at_low: ca.SX, at_high: ca.SX) -> ca.SX:
 
 
 def _abs(a: Form) -> Form:
-    """By its secant, over which |x| is at its ends, and below which at 0."""
+    """Enclose |x| by its secant: the largest error above is at an end, below it at 0."""
     low, high = a.range
     across = ca.logic_and(low < 0, high > 0)
     slope = ca.if_else(across, _secant(low, high, -low, high), ca.if_else(low >= 0, 1.0, -1.0))
@@ -229,7 +229,7 @@ def _picked(truth: Truth, a: Form, b: Form, other: Form) -> Form:
 
 
 def _tanh(a: Form) -> Form:
-    """By the one of some slopes that leaves least, at the ends and where tanh has that slope."""
+    """Enclose tanh: bound the errors of some slopes at ends and tangent points, keep the best."""
     low, high = a.range
     at_low, at_high = ca.tanh(low), ca.tanh(high)
     mean = _secant(low, high, at_low, at_high)
@@ -258,7 +258,7 @@ def _curve(
     slope: Callable[[ca.SX], ca.SX],
     bend: Callable[[ca.SX, ca.SX], ca.SX],
 ) -> Callable[[Form], Form]:
-    """By the tangent at c; ``bend``: the largest |f''| on an interval."""
+    """Enclose a smooth function by its tangent at c; ``bend``: largest |f''| on an interval."""
 
     def rule(a: Form) -> Form:
         k, value = slope(a.c), f(a.c)
@@ -289,7 +289,7 @@ def _below(strict: bool) -> Callable[[Form, Form], Truth]:
 
 
 def _truth(value: Truth | Form) -> Truth:
-    """Of a number: whether it is not 0."""
+    """Truth value of a number: certainly not 0, certainly 0, or undecided."""
     if isinstance(value, Truth):
         return value
     low, high = value.range

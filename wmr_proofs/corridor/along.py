@@ -1,9 +1,9 @@
-"""A law's loop along the scenario's whole run: undisturbed, and what deviates from that by rows.
+"""The nominal trajectory of a law's loop over a whole run, and matrices of the deviations from it.
 
-What may disturb a sample is a column each, of what the loop makes of it: pushes, errors of what is
-measured, and what the linear part leaves of the law's force, each of any sign.  They are carried
-along by the sample's own matrix.  All else that a sample adds, remainders, the radii of the
-matrices and every rounding, is a box.  Columns that have become old are counted into that box.
+Each disturbance of a sample is a generator (a column): pushes, measurement errors, and the
+linearisation remainder of the law's force, each with either sign.  The sample's matrix propagates
+them.  Everything else that a sample adds is a box: remainders, the radii of the matrices, and
+rounding.  Order reduction: generators that have become old are added to that box.
 """
 
 from dataclasses import replace
@@ -81,7 +81,7 @@ class Along:
         return f"at t = {time:.4g} s, where v_d = {v:.3g} m/s and w_d = {w:.3g} rad/s"
 
     def chunks(self) -> list[tuple[int, int]]:
-        """First and last samples of what is looked at together.
+        """First and last samples of the chunks that share one bound of the second derivatives.
 
         The first sample is alone, and so is one in which the robot changes.
         """
@@ -95,18 +95,18 @@ class Along:
 
     @cached_property
     def batch(self) -> int:
-        """Samples that are followed at once."""
+        """Samples of a block, which are propagated together."""
         period = self.setup.scenario.clock.control
         return min(BATCH_MOST, max(1, round(BATCH_TIME / period)))
 
     def count_from(self, k: int) -> int:
-        """The same from a sample on: fewer while what a change of the robot led to is not over."""
+        """Samples of a block that begins at ``k``: fewer soon after a change of the robot."""
         lately = any(moved <= k < moved + self.memory for moved in self.motion.moved)
         return max(1, self.batch // (1 + lately))
 
     @cached_property
     def young(self) -> int:
-        """Samples that keep all their columns."""
+        """Samples that keep all their generators."""
         blocks = max(1, round(YOUNG / self.setup.scenario.clock.control / self.batch))
         return min(self.memory, blocks * self.batch)
 
@@ -121,7 +121,7 @@ class Along:
 
     @cached_property
     def pairs(self) -> list[tuple[int, int]]:
-        """Of the robot's errors, those whose product bends law or step."""
+        """Pairs of the robot's errors with a mixed second derivative in law or plant step."""
         both = [self.loop.law_curve.bends, self.loop.step_curve.bends]
         result = {(min(i, j), max(i, j)) for item in both for _, i, j in item.tolist() if i != j}
         return sorted((i, j) for i, j in result if j < ROBOT)
@@ -133,7 +133,7 @@ class Along:
 
     @cached_property
     def lasting(self) -> list[int]:
-        """Components of the state of which boxes become columns: those that last."""
+        """Components of the state that persist; their boxes become generators."""
         first = len(self.loop.names) + COMMAND * self.loop.queue
         lasting = np.abs(np.diag(self.halfway.A.middle[0])) > ROUNDED
         return [*range(len(self.loop.names)), *(first + np.flatnonzero(lasting[first:])).tolist()]
@@ -149,14 +149,14 @@ class Along:
 
     @cached_property
     def ratios(self) -> Floats:
-        """Of these sizes, by pairs."""
+        """Ratio of the typical sizes of each pair of errors."""
         sizes = self.typical.sum(axis=1)
         sizes = sizes + 1e-6 * sizes.max()
         return np.array([sizes[a] / sizes[b] for a, b in self.pairs])
 
     @cached_property
     def memory(self) -> int:
-        """Samples after which a column counts as old."""
+        """Samples after which a generator counts as old."""
         n = len(self.motion.v_d)
         speeds = np.abs(self.motion.v_d[1:, 0])
         moving = 1 + np.flatnonzero(speeds >= 0.3 * speeds.max())
@@ -203,23 +203,23 @@ class Along:
         return law, step
 
     def law_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
-        """Of the law's variables and numbers over some samples."""
+        """Ranges of the law's variables and numbers over some samples."""
         by, numbers = hull(self._law_by(np.arange(first, last)), 0), self.loop.law_numbers
         spread = self.laps.spread[first:last].max()
         return by, widened(hull(numbers[first:last], 0), spread)
 
     def step_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
-        """Of a plant step's variables and numbers over all plant steps of some samples."""
+        """Ranges of a plant step's variables and numbers over all plant steps of some samples."""
         by, numbers = self._step_by(np.arange(first, last)), self.loop.step_numbers[first:last]
         one, other = (hull(item.reshape(-1, item.shape[2]), 0) for item in (by, numbers))
         return one, widened(other, self.laps.spread[first:last].max())
 
     def _law_numbers(self, at: IntArray) -> MidRadius:
-        """Numbers of the law at some samples, and in laps that these stand for."""
+        """Numbers of the law at some samples, and in laps that these represent."""
         return MidRadius(self.loop.law_numbers[at], self.laps.spread[at, None])
 
     def _step_numbers(self, at: IntArray) -> MidRadius:
-        """The same of all plant steps of each."""
+        """Numbers of all plant steps of each sample, and in laps that these represent."""
         return widened(hull(self.loop.step_numbers[at], 1), self.laps.spread[at, None])
 
     def jump(self, k: int, other: int) -> tuple[Floats, Floats]:
@@ -245,7 +245,7 @@ class Along:
         return np.flatnonzero(differs) + 1
 
     def held(self, first: int, last: int) -> Stretch:
-        """Matrices that stand for each of some samples."""
+        """Matrices that enclose those of each of some samples."""
         loop = self.loop
         law = loop.law_curve.slopes(*(item[None, :] for item in self.law_range(first, last)))
         step = loop.step_curve.slopes(*(item[None, :] for item in self.step_range(first, last)))
@@ -255,14 +255,14 @@ class Along:
         return stretch(self.loop, *self._slopes(at), self.knots)
 
     def _slopes(self, at: IntArray) -> tuple[MidRadius, MidRadius]:
-        """Of the law at samples and of the plant step in all of a sample's steps."""
+        """Slopes of the law at samples, and of the plant step over all steps of each sample."""
         loop = self.loop
         by = MidRadius(self._law_by(at)), self._law_numbers(at)
         steps = hull(self._step_by(at), 1), self._step_numbers(at)
         return loop.law_curve.slopes(*by), loop.step_curve.slopes(*steps)
 
     def matrices(self, first: int, last: int) -> Stretch:
-        """Matrices by slopes that are kept, if nothing forbids it, for more samples each time."""
+        """Matrices from cached slopes; each new cache entry covers more samples than the last."""
         for begin, end, law, step in self._kept:
             if begin <= first and last <= end:
                 part = slice(first - begin, last - begin)
@@ -288,7 +288,7 @@ class Along:
         return bool(np.abs(v).min() < most or v.min() < 0 < v.max())
 
     def secant_stretch(self, first: int, last: int, wide: tuple[Floats, Floats]) -> Stretch:
-        """The same by secants over boxes of law's and plant step's variables."""
+        """Matrices of some samples by secants over boxes of law and plant step variables."""
         loop, at = self.loop, np.arange(first, last)
         law_by, outs = self._law_by(at), self.outs[first:last, None]
         numbers = self._law_numbers(at)
@@ -314,7 +314,7 @@ class Along:
 
     @cached_property
     def off(self) -> Floats:
-        """Of each sample, undisturbed: distance of the chord from the path, directions' (n, r)."""
+        """Offsets of the nominal trajectory (n, r): chord to path, then by direction."""
         first = len(self.loop.names)
         off = np.abs(self.fine[:, :, :2] @ self.rows[first : first + DIRECTIONS, :2].T).max(axis=1)
         return np.hstack([self.motion.aside[:, None], off])
@@ -326,7 +326,7 @@ class Along:
 
     @cached_property
     def turned(self) -> Floats:
-        """The same of the heading (n)."""
+        """Heading offset of the nominal trajectory in each sample (n) [rad]."""
         return np.asarray(np.abs(self.fine[:, :, 2]).max(axis=1) * UP + self.motion.turned)
 
 

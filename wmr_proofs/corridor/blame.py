@@ -1,4 +1,4 @@
-"""Which term of a plant step grows as large as what the loop corrects, in words."""
+"""Name the term of a plant step that grows as large as the loop's correction."""
 
 from contextlib import suppress
 
@@ -16,7 +16,7 @@ PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
 
 
 def blamed(along: Along, reach: Floats, k: int) -> str:
-    """The product of two errors that adds most to what a plant step leaves, in words."""
+    """Sentence on the product of two errors with the largest share of a plant step's remainder."""
     curve, nz = along.loop.step_curve, len(along.loop.names)
     bends = _bends_near(along, reach, k)
     row, i, j = curve.bends.T
@@ -32,7 +32,7 @@ def blamed(along: Along, reach: Floats, k: int) -> str:
 
 
 def _bends_near(along: Along, reach: Floats, k: int) -> Floats:
-    """Of a plant step, on the largest part of the box that has any."""
+    """Second derivatives of a plant step, on the largest part of the box that has bounds."""
     by, numbers = along.step_range(k, k + 1)
     wide, nz = np.zeros(by.middle.shape), len(along.loop.names)
     for share in PARTS:

@@ -1,4 +1,4 @@
-"""Some samples of a passage at once: what their rows make of all that disturbs them."""
+"""Blocks: some samples of a flowpipe at once, and how disturbances reach their outputs."""
 
 from dataclasses import dataclass
 
@@ -60,7 +60,7 @@ def inputs_of(here: Stretch, inputs: Inputs, at: IntArray) -> tuple[Floats, Floa
 def blocks_of(
     here: Stretch, inputs: Inputs, at: IntArray, which: tuple[Floats, Floats, IntArray]
 ) -> list[FollowedBlock]:
-    """Of the places ``at`` (blocks, J).
+    """Blocks of the samples at the places ``at`` (blocks, J) of a stretch.
 
     ``which``: rows (r, n) of the state and of the fast state, and which of the law's outputs.
     """

@@ -1,4 +1,4 @@
-"""Columns of what disturbed each of the last samples, carried along by the loop's matrices."""
+"""Generators of a flowpipe: disturbances of recent samples, propagated by the loop."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class CarriedColumns:
 
     @property
     def sizes(self) -> Floats:
-        """Of each number of the state (n), with rounding."""
+        """Largest size of each number of the state (n), with rounding."""
         return sizes_of(self.values, self.weight) * UP
 
     def later(self, P: Floats, oldest: int) -> tuple[CarriedColumns, Floats]:
@@ -52,7 +52,7 @@ class CarriedColumns:
         return replace(self, born=born, values=values[..., lost:], weight=weight), gone
 
     def and_more(self, *new: CarriedColumns) -> CarriedColumns:
-        """With younger ones."""
+        """These columns and younger ones."""
         every = (self, *new)
         born, values, weight = (
             np.concatenate([getattr(item, name) for item in every], axis=-1)
@@ -66,10 +66,10 @@ class CarriedColumns:
         return CarriedColumns(self.born[part], values, weight, self.ends)
 
     def thinned(self, first: int, last: int, apart: int) -> tuple[CarriedColumns, Floats]:
-        """Of those born from ``first`` until ``last`` one in so many, with the ends.
+        """Order reduction: keep one in ``apart`` of the samples born from ``first`` to ``last``.
 
-        Each of the samples is a share of these, with one sign, and a rest: also sizes (n) of what
-        is beside these, as a box.
+        The first and the last stay.  Each sample between is interpolated with one sign; the rest is
+        returned as a box, its sizes (n).
         """
         begin, end = np.searchsorted(self.born, (first, last + 1)).tolist()
         count = end - begin
@@ -85,7 +85,7 @@ class CarriedColumns:
         return result, sizes_of(off, old.weight)
 
     def with_more(self, share: float, more: float, other: CarriedColumns | None) -> CarriedColumns:
-        """With larger weights of all that is not known, and at least those of others, if alike."""
+        """These columns with remainder weights grown, and no smaller than ``other``'s."""
         result = replace(self, weight=self.weight.copy())
         result.bent[:] = result.bent * share + more
         if other is not None and np.array_equal(other.born, self.born):
@@ -93,7 +93,7 @@ class CarriedColumns:
         return result
 
     def older(self, samples: int) -> CarriedColumns:
-        """The same, born so much later."""
+        """These columns, born ``samples`` later."""
         return replace(self, born=self.born + samples)
 
     def sums(self, rows: Floats, sizes: Floats) -> tuple[Floats, Floats]:
@@ -124,7 +124,7 @@ def _shares(born: tuple[int, ...], apart: int) -> tuple[IntArray, Floats]:
 
 
 def sizes_of(values: Floats, weight: Floats) -> Floats:
-    """Of each number of the state (n)."""
+    """Largest size of each number of the state (n)."""
     return np.asarray(np.abs(values).reshape(len(values), -1) @ weight.ravel())
 
 

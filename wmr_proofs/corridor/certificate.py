@@ -154,7 +154,7 @@ class Certifier:
             raise NoCorridorError(text)
 
     def linear(self, inputs: Inputs) -> Peaks:
-        """Peaks of the linear loop, with what does not vanish on the reference."""
+        """Peaks of the linear loop, with the residuals that remain on the reference."""
         rest, nothing = self._rest(inputs), np.zeros(COMMAND)
         return self._peaks(inputs, rest, self._law_rest(inputs, nothing), nothing)
 
@@ -222,7 +222,7 @@ class Certifier:
         )
 
     def _reckoned(self, inputs: Inputs, peaks: Peaks) -> Inputs:
-        """With the errors of a pose that is reckoned for as many samples as none comes."""
+        """Inputs that include the dead-reckoning errors of the samples without a pose."""
         measured = peaks.fast[:ROBOT] + np.array([0.0, 0.0, 0.0, *inputs.velocity])
         return self.reckoning.added(inputs, measured, peaks.fast) if inputs.missing else inputs
 
@@ -270,8 +270,10 @@ class Certifier:
         )
 
     def _given(self, inputs: Inputs, law: Floats, changes: Floats) -> Floats:
-        """Inputs, what the law adds, and what is off of what acts for commands that change so much,
-        in the order of the gains' columns.
+        """Inputs of the gains, in the order of their columns.
+
+        Pushes, the law's remainders, overlap errors of commands that change by ``changes``, and
+        measurement errors.
         """
         error = np.array([inputs.pose, *inputs.reckoned, *inputs.velocity])
         late = (self.loop.overlap.off * changes * UP).ravel()

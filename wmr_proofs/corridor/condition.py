@@ -1,4 +1,4 @@
-"""Conditions on which the loop's graphs are what the certificate takes them for."""
+"""Conditions under which the loop equals the certified model."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ AXES = ("linear", "angular")
 
 @dataclass(frozen=True)
 class Condition:
-    """Something of which |value| <= most keeps the loop's graphs what they are.
+    """A bound |value| <= most under which the loop equals the certified model.
 
     ``inner``: its size is one that the certificate chose, and no limit of anything.
     ``measured``: the axis whose error of the measured velocity a first sample adds to the value.

@@ -63,12 +63,12 @@ def _tanh_of(x: Floats) -> MidRadius:
 
 
 def exponential(a: MidRadius) -> MidRadius:
-    """Of arguments within EXPONENT."""
+    """Exponentials of arguments within EXPONENT."""
     return _between(*(_exp_of(end) for end in _ends(a)))
 
 
 def hyperbolic_tangent(a: MidRadius) -> MidRadius:
-    """Of any arguments."""
+    """Hyperbolic tangents of any arguments."""
     return _between(*(_tanh_of(end) for end in _ends(a)))
 
 

@@ -76,7 +76,7 @@ class _Program:
 
     @cached_property
     def _at_once(self) -> Callable[[Balls], Balls]:
-        """The same as one Python function of what is given."""
+        """The whole program as one Python function of constants and inputs."""
         count = len(self._constants) + len(self._inputs)
         lines = [f"[{', '.join(f'x{k}' for k in range(count))}] = given"]
         operations = dict[str, Callable[..., arb]]()

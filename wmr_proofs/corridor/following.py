@@ -1,9 +1,8 @@
-"""Sets of deviations carried over some samples of a passage at once, and checked in each.
+"""Propagation of a flowpipe over one block of samples, by a guess that is then verified.
 
-What a sample that begins with deviations X adds to the law's force and beside it follows from X,
-and what its plant steps add from a box Z of what the fast state reaches within it.  All of it is
-guessed for the samples of a block, and then has to hold what comes of it (ledger:
-corridor.passage).
+The remainders of the law in a sample follow from the deviations X at its begin, those of its plant
+steps from a box Z that the fast state stays in within the sample.  All remainders of a block are
+guessed; the guess holds if it contains the remainders that it implies (ledger: corridor.passage).
 """
 
 from dataclasses import dataclass
@@ -35,7 +34,7 @@ GUESSED, GROWN = 1.003, 1.02
 
 @dataclass(frozen=True)
 class _Until:
-    """Part of a block that does not depend on the guess, with what was carried into it.
+    """Part of a block's bounds that does not depend on the guess.
 
     ``linear``, ``after`` (J, rows): of the rows at samples' ends, by what disturbs alone and in
     all; ``inner``: of inner ones.  ``through`` (n): all columns' sizes by those of the last matrix.
@@ -50,10 +49,10 @@ class _Until:
 
 
 class Following(Remainders):
-    """Columns and boxes that deviations are within, and what becomes of them in a block."""
+    """A set of deviations (generators and boxes), and its propagation over a block."""
 
     def __init__(self, along: Along, inputs: Inputs, start: Floats) -> None:
-        """From a start off by |e| <= ``start`` (3)."""
+        """Begin with initial deviations |e| <= ``start`` (3)."""
         super().__init__(along, inputs)
         n = along.states.shape[1]
         each = 2 * COMMAND + len(along.lasting)
@@ -76,7 +75,7 @@ class Following(Remainders):
         self.last = self.before = Guess(*nothing)
 
     def _begin_estimate(self) -> None:
-        """A run's first estimate of the pose is the measured one, not one that is reckoned."""
+        """Set the initial error of the pose estimate, which begins as the measured pose."""
         loop = self.loop
         first = COMMAND + loop.memory - loop.filter
         place = len(self.pending) - loop.acting - loop.filter
@@ -127,10 +126,10 @@ class Following(Remainders):
         *,
         first: bool = True,
     ) -> tuple[tuple[Floats, Floats], Floats]:
-        """From what rows reach before a block, by what disturbs alone and in all, to its end.
+        """Propagate the bounds of the rows, by disturbances alone and in all, to a block's end.
 
-        And of each sample the numbers of RunBounds (J, 5).  OtherBoxError where boxes of secants
-        are left, or on a ``first`` try wider than they need be.
+        Also returns the numbers of RunBounds of each sample (J, 5).  OtherBoxError where boxes of
+        secants are left, or on a ``first`` try wider than they need be.
         """
         self.tried = now.k + now.count
         spend(0, COST + self.carried.weight.size / COLUMNS)
@@ -231,7 +230,7 @@ class Following(Remainders):
         return extra, most
 
     def _carry(self, now: Instant, answer: Guess, until: _Until) -> None:
-        """All columns to the end of a block, with its own; all else as a box."""
+        """Propagate all generators over a block and add its own; the rest becomes a box."""
         new, beside = self._added(now, answer.force, answer.box)
         self.carried, gone = self._moved(self.carried, now, new)
         box = (gone + beside + np.abs(now.block.chain[-1]) @ self.pending) * UP
@@ -243,7 +242,7 @@ class Following(Remainders):
     def _moved(
         self, carried: CarriedColumns, now: Instant, new: CarriedColumns
     ) -> tuple[CarriedColumns, Floats]:
-        """Columns at the end of a block, with its own; sizes (n) of what is left of the old."""
+        """Generators at the end of a block, with its own; sizes (n) of those dropped."""
         along, last = self.along, now.k + now.count
         columns, gone = carried.later(now.block.chain[-1], last + 1 - along.memory)
         for age, apart in along.spacings:
@@ -252,13 +251,13 @@ class Following(Remainders):
         return columns.and_more(new), gone
 
     def _rest(self, box: Floats) -> Floats:
-        """Of a box the components that do not last."""
+        """The box without the components that persist."""
         rest = box.copy()
         rest[self.along.lasting] = 0.0
         return rest
 
     def _added(self, now: Instant, force: Floats, box: Floats) -> tuple[CarriedColumns, Floats]:
-        """Columns at its end of what a block adds, and what is beside them, as a box (n)."""
+        """Generators that a block adds, at its end, and the box (n) beside them."""
         lasting, (known, first) = self.along.lasting, now.block.ends
         law, boxes = range(first, first + COMMAND), first + COMMAND
         places = [*range(known), *law, *(boxes + k for k in lasting), *range(known, first)]
@@ -272,7 +271,7 @@ class Following(Remainders):
         return new, np.einsum("njm,jm->n", np.abs(columns[..., boxes:]), rest)
 
     def _conditions(self, law: Floats, now: Instant) -> tuple[Floats, Floats]:
-        """Share of the condition that is used most in each sample, and its number."""
+        """Largest use of a condition in each sample (share of its bound), and its index."""
         along = self.along
         level = now.most(along.levels) + law[:, COMMAND:]
         shares = np.full(level.shape, np.inf)

@@ -60,11 +60,11 @@ class LoopGains:
 
     @property
     def starts(self) -> bool:
-        """Whether they are those of a start off the reference."""
+        """True if an initial deviation is among the inputs."""
         return bool(self.state.start.any())
 
     def nearer(self, share: float) -> LoopGains:
-        """The same from a share of the start, whose responses are linear."""
+        """Gains for a share of the initial deviation, in which the responses are linear."""
         fast, state, law = (
             replace(item, start=item.start * share * UP)
             for item in (self.fast, self.state, self.law)
@@ -165,7 +165,7 @@ def _summed(
 
 
 def _weighed(course: Floats, size: Floats, scale: Floats) -> Floats:
-    """Weighed norms (samples, inputs) of what is rounded as sums of a ``size`` are."""
+    """Weighted norms (samples, inputs) of sums of a given ``size``, with their rounding."""
     norms: Floats = ((np.abs(course) + ROUNDING * size) / scale[:, None]).max(axis=1)
     return norms
 

@@ -1,6 +1,6 @@
-"""Bounded inputs of the loop, and what must not be reached: from the scenario's effects and guard.
+"""Bounded inputs and conditions of the certified loop, from the scenario's effects and guard.
 
-What has no bound here, or no place in the loop that is certified, is refused by name.
+An effect without a bound, or one that the certified loop does not model, is refused by name.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 
 class NoCorridorError(ArithmeticError):
-    """Why there is no certificate, as a clause; shares of inputs and start with which there is."""
+    """No certificate: the reason as a clause, and shares of inputs and start that have one."""
 
     def __init__(self, text: str, closes: float | None = None, near: float = 1.0) -> None:
         super().__init__(text)
@@ -99,7 +99,7 @@ class Inputs:
 
     @property
     def measured(self) -> Floats:
-        """Errors of what is measured of the robot: pose and velocity (5)."""
+        """Measurement errors of pose and velocity (5)."""
         place = (self.pose + self.reckoned[:2]) * (1 + 1e-15)
         return np.array([*place, self.reckoned[2], *self.velocity])
 
@@ -110,7 +110,7 @@ class Inputs:
 
 
 def bounded_inputs(setup: Setup) -> Inputs:
-    """The inputs of a setup; NoCorridorError for what has no bound or no place here."""
+    """Inputs of a setup; NoCorridorError for an effect without a bound or outside the model."""
     scenario = setup.scenario
     push, acting = np.zeros(2), [item for item in setup.effects if item.active(scenario)]
     covered = (
@@ -171,13 +171,13 @@ def _missing(scenario: Scenario) -> int:
 
 
 def without_pose(scenario: Scenario, losses: int) -> int:
-    """Samples in a row without a pose, where so many poses in a row are lost."""
+    """Samples in a row without a pose, if ``losses`` poses in a row are lost."""
     period = scenario.section(PoseSensor).pose_period
     return max(1, round(period / scenario.clock.control)) * (1 + losses) - 1
 
 
 def check_covered(setup: Setup) -> None:
-    """NoCorridorError for a base or a law of which there is no loop to certify."""
+    """Raise NoCorridorError for a base or a law that the certificate does not cover."""
     if setup.control_law.inside is None:
         able = ", ".join(name for name, law in LAWS.items() if law.inside is not None)
         raise NoCorridorError(f"only {able} have one, away from their limits")
@@ -239,7 +239,7 @@ def check_size(loop: SampledLoop) -> None:
 
 
 def _in_the_step(effect: Effect, scenario: Scenario) -> bool:
-    """True for what is part of a plant step's graph: a force by heading and velocity alone.
+    """True for an effect inside the plant step's graph: a force of heading and velocity alone.
 
     That graph is read at one place and time, with random numbers 0.
     """

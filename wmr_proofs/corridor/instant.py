@@ -1,4 +1,4 @@
-"""Samples of a passage, and what a passage certifies."""
+"""Samples of a flowpipe, and the bounds that it certifies."""
 
 from __future__ import annotations
 
@@ -47,18 +47,18 @@ class Instant:
 
     @property
     def count(self) -> int:
-        """Of the samples."""
+        """Number of samples in the block."""
         return len(self.block.at)
 
     def most(self, course: Floats) -> Floats:
-        """Of a course by samples (n, ...) the numbers of these (J, ...)."""
+        """Largest entries of a per-sample array (n, ...) for this block's samples (J, ...)."""
         if not self.held:
             return course[self.k : self.k + self.count]
         most = course[self.k : self.end].max(axis=0)
         return np.broadcast_to(most, (self.count, *most.shape))
 
     def least(self, course: Floats) -> Floats:
-        """The same with the least of them."""
+        """Smallest entries of a per-sample array (n, ...) for this block's samples (J, ...)."""
         return -self.most(-course)
 
 
@@ -77,16 +77,16 @@ class Guess:
 
     @property
     def parts(self) -> tuple[Floats, Floats, Floats]:
-        """All of them."""
+        """Force, box and plant-step remainders."""
         return self.force, self.box, self.left
 
     @property
     def weights(self) -> Floats:
-        """Of a block's columns (J, ...)."""
+        """Weights of a block's generators (J, ...)."""
         return np.hstack([self.force, self.box])
 
     def going_on(self, before: Guess, count: int) -> Guess:
-        """For a block of so many samples, what grew to these from the block before."""
+        """Extrapolate from the block before to a block of ``count`` samples."""
         parts = []
         for old, part in zip(before.parts, self.parts, strict=True):
             if len(old) == len(part) == count:

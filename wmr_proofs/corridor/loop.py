@@ -77,7 +77,7 @@ class Curve:
         return rows
 
     def remainders(self, products: Floats) -> Floats:
-        """Sizes (outputs, n, n) of what the linear part leaves of each output, by pairs of inputs.
+        """Linearisation remainders of each output, by pairs of inputs (outputs, n, n).
 
         ``products`` (n, n): the largest products of two inputs' deviations from the point, squares
         of the box's sizes on the diagonal.  OpenBoxError where the box crosses a condition.

@@ -1,6 +1,6 @@
-"""Corridor of a law on a scenario, of all masses that its guard counts on where they are cut up.
+"""Corridor of a law for all masses that the guard assumes, cell by cell if ``corridor.cells``.
 
-Where there is none: the share of pushes and errors with which there is one.
+If no corridor exists, it finds the share of pushes and errors that has one.
 """
 
 import math
@@ -31,7 +31,7 @@ from .peaks import Tube
 Body: TypeAlias = "tuple[float | None, float | None]"
 """Mass and inertia."""
 MOST_COURSES = 64
-"""Courses of mass and inertia that a whole run with changes is followed for."""
+"""Most histories of mass and inertia of a whole run with changes."""
 MOST_CELLS = 16
 """Cells of masses up to which what closes with less is tried in each."""
 SHARES = 12
@@ -129,7 +129,7 @@ def refused_open(text: str) -> Iterator[None]:
 
 
 def with_inputs(known: Corridor, inputs: Inputs, *, first: bool) -> Corridor:
-    """With the sizes of a cell's inputs; NoCorridorError where its push is not the first cell's."""
+    """Add a cell's inputs to the answer; NoCorridorError if its push is not the first cell's."""
     push = float(max(inputs.push))
     if not first and push != known.push:
         raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
@@ -161,7 +161,7 @@ def _cells(setup: Setup, count: int) -> tuple[Floats, Floats]:
 
 
 def mass_courses(setup: Setup) -> list[tuple[Setup, Floats]]:
-    """The same for a whole run: a change of mass or inertia leads from any cell to any other.
+    """Cells for a whole run: at a change of mass or inertia, any cell may follow any other.
 
     NoCorridorError for more courses than are followed.
     """
@@ -173,8 +173,8 @@ def mass_courses(setup: Setup) -> list[tuple[Setup, Floats]]:
     total = count ** (2 * moves)
     if total > MOST_COURSES:
         raise NoCorridorError(
-            f"corridor.cells = {count} with changes makes {total} courses of mass and inertia, "
-            f"and {MOST_COURSES} are followed at most"
+            f"corridor.cells = {count} with changes needs {total} mass/inertia histories; the "
+            f"limit is {MOST_COURSES}"
         )
     middles, widths = _cells(setup, count)
     courses = product(product(*middles.tolist()), repeat=moves)
@@ -274,7 +274,7 @@ def _others(certifier: Certifier, inputs: Inputs) -> str:
 
 
 def _enough_cells(setup: Setup, count: int) -> int | None:
-    """So many parts or a few more, up to MOST_CELLS, with which all close; None if unknown."""
+    """Fewest parts per axis, at least ``count``, with which all cells close; None if unknown."""
     for parts in range(count, math.isqrt(MOST_CELLS) + 1):
         finer = settle(override(setup.scenario, {"corridor.cells": parts}), setup.name)
         with suppress(NoCorridorError):
@@ -310,7 +310,7 @@ def _oftener(certifier: Certifier, inputs: Inputs) -> str:
 
 
 def _nearer(certifier: Certifier, share: float) -> Certifier:
-    """The same from a share of its start."""
+    """The certifier for a share of its initial deviation."""
     other = copy(certifier)
     other.gains = certifier.gains.nearer(share)
     return other

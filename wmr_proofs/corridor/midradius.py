@@ -18,7 +18,7 @@ ROUNDED, OUTWARD, SMALLEST = 2.0**-52, 1 + 2.0**-48, 1e-300
 
 
 def rounding(count: int) -> float:
-    """Share of its size by which a sum of so many products can err, in whatever order."""
+    """Relative rounding error of a sum of ``count`` products, in any order of summation."""
     return (count + 2) * ROUNDED
 
 
@@ -99,7 +99,7 @@ def _rounded(middle: Floats, radius: Floats) -> MidRadius:
 
 
 def widened(a: MidRadius, more: Floats | float) -> MidRadius:
-    """With so much added to its radius."""
+    """The span with ``more`` added to its radius."""
     return MidRadius(a.middle, (a.radius + more) * OUTWARD)
 
 

@@ -116,7 +116,7 @@ def monitor(setup: Setup, latch: Latch, *, measured: bool) -> System:
 
 
 def _numbers(setup: Setup, latch: Latch, measured: bool) -> list[tuple[Signal, Floats]]:
-    """The monitor's own parameters: what is measured amiss leaves that much less of the box."""
+    """Parameters of the monitor; measurement errors shrink its box."""
     n, errors, slack = len(latch.level), latch.inputs.velocity, np.zeros(len(latch.level))
     off = latch.inputs.pose if measured else 0.0
     if measured:

@@ -1,4 +1,4 @@
-"""The sampled loop along any motion of its reference: what it does undisturbed, and its slopes.
+"""The sampled loop along any motion of its reference: nominal trajectory and slopes.
 
 The motion is given by the reference's numbers at the samples.  Between two of them a robot that
 keeps its place moves at one velocity ``way``, which ends at the later pose but for ``gap``.  Where
@@ -90,7 +90,7 @@ def motion_of(scenario: Scenario) -> RunMotion:
 
 @dataclass(frozen=True)
 class Laps:
-    """Of ``lap`` samples each; 0: there are none.
+    """Laps of a repeating reference, ``lap`` samples each; 0: it does not repeat.
 
     ``end`` (n): the sample until which each sample's laps go, 0 where there are none.  ``spread``
     (n): how far the reference's numbers are off at most in later laps.
@@ -108,7 +108,7 @@ class Laps:
 
 
 def laps_of(motion: RunMotion, lap: int) -> tuple[Laps, RunMotion]:
-    """Those of a motion, and the motion with its distances as large as in any later lap."""
+    """Laps of a motion, and the motion with each distance enlarged to the largest of later laps."""
     n = len(motion.v_d)
     numbers = np.hstack([motion.v_d, motion.rate, motion.way[:-1], motion.way[1:]])
     most = np.column_stack([motion.gap, motion.reckoned, motion.aside, motion.turned])
@@ -171,7 +171,7 @@ class MovingCurve:
     def __init__(
         self, name: str, by: ca.SX, numbers: ca.SX, output: ca.SX, steep: tuple[slice, float]
     ) -> None:
-        """Differentiate; ``steep``: the outputs in which friction counts, and what is little."""
+        """Differentiate; ``steep``: outputs with friction, and a size negligible there."""
         self.steep, self.little = steep
         self.by, self.numbers, self.output = by, numbers, output
         self.name, self.shape = name, (output.numel(), by.numel())
@@ -305,7 +305,7 @@ class MovingLoop(SampledLoop):
         return lambda x: evaluated(self._sample, x, law, steps)[0].ravel()
 
     def undisturbed(self) -> tuple[Floats, Floats, Floats]:
-        """In doubles: state at n + 1 samples, fast state at plant steps, outputs of the law."""
+        """Nominal trajectory: state at n + 1 samples, fast state at plant steps, law's outputs."""
         n, graph = len(self.motion.v_d), self._sample
         state, law, steps = (np.zeros(graph.nnz_in(k)) for k in range(3))
         answers = [np.zeros(graph.nnz_out(k)) for k in range(3)]

@@ -1,8 +1,8 @@
-"""Overlap: while a command takes over, the one before it may still act, wholly or in part.
+"""Overlap: plant steps in which the previous command may still act, wholly or in part.
 
-Behind drives with jitter either of the two acts for some plant steps; behind a ramp of the firmware
-what acts is on its way from the one to the other (ledger: corridor.jitter, corridor.ramp).  What is
-taken to act is a mean of both, and by how much it is off follows from their difference.
+With jitter in the drives, either command acts for some plant steps.  With a ramp in the firmware,
+the velocity moves from one command to the next (ledger: corridor.jitter, corridor.ramp).  The model
+uses a mean of both commands; its error is a share of their difference.
 """
 
 import math
@@ -19,7 +19,7 @@ ROOM = 1.5
 
 @dataclass(frozen=True)
 class Overlap:
-    """Of each plant step after a command's arrival, as long as there is any.
+    """Overlap error in each plant step after a command's arrival.
 
     ``share`` (n): of the earlier command in what is taken to act; ``off`` (n, 2): by which share of
     the change that is off at most; ``most`` (2): the largest change for which this holds.

@@ -1,4 +1,4 @@
-"""A passage: sets of deviations carried over a whole run (ledger: corridor.passage)."""
+"""Reachable deviations along a run (a flowpipe), block by block (ledger: corridor.passage)."""
 
 from contextlib import suppress
 from copy import copy
@@ -38,10 +38,10 @@ Reached: TypeAlias = "tuple[Floats, Floats]"
 
 
 class Passing(Following):
-    """One passage of a loop under bounded inputs; ``run`` makes it."""
+    """Flowpipe of a loop under bounded inputs; ``run`` computes it."""
 
     def __init__(self, along: Along, inputs: Inputs, start: Floats, first: int = 0) -> None:
-        """From a start off by |e| <= ``start`` (3), or from a later sample, there without any."""
+        """Begin with deviations |e| <= ``start`` (3), or at a later sample ``first`` with none."""
         super().__init__(along, inputs, start if first == 0 else np.zeros(3))
         self._result, self._first, self._done = list[Floats](), first, first
         self._again = 0
@@ -50,9 +50,9 @@ class Passing(Following):
         self._reach = np.zeros(len(self.rows)), self.row_sizes @ self.pending
 
     def run(self, until: int | None = None) -> RunBounds:
-        """On over all samples, or ``until`` one of them; of all that are done.
+        """Propagate over all samples, or ``until`` one of them; bounds of all done so far.
 
-        NoCorridorError at the first at which a condition is broken: ``tried`` is the one after.
+        Raises NoCorridorError at the first sample with a broken condition; ``tried`` is the next.
         """
         for first, last in self.along.chunks():
             if until is None:
@@ -71,7 +71,7 @@ class Passing(Following):
         return RunBounds(position, linear, heading, share, worst.astype(int))
 
     def _chunk(self, k: int, last: int, reach: Reached, result: list[Floats]) -> Reached:
-        """Samples whose bends are taken together."""
+        """Propagate over samples that share one bound of the second derivatives."""
         if self.along.is_slow(k, last, reach[1]):
             return self._slowly(k, last, reach, result)
         here, before = self.along.matrices(k, last), k
@@ -101,7 +101,7 @@ class Passing(Following):
         return reach
 
     def _slowly(self, first: int, last: int, reach: Reached, result: list[Floats]) -> Reached:
-        """Some samples by secants over boxes, which are made wider where they are left."""
+        """Propagate by secants over boxes, which grow if a deviation leaves them."""
         k, tries, most = first, 0, self.along.brief
         foreseen, guess = self._foreseen(first, last), None
         while k < last:
@@ -143,7 +143,7 @@ class Passing(Following):
             self._blocks.append((now, self.last, tuple(self.bends)))
 
     def _expected(self, k: int, count: int) -> list[Floats]:
-        """Boxes of secants for some samples, by what was reached in the ones before."""
+        """Secant boxes for some samples, extrapolated from the samples before."""
         before = slice(k - 2 * count, k - count), slice(k - count, k)
         result = []
         for seen, latest in zip(self._sizes, self.latest, strict=True):
@@ -156,7 +156,7 @@ class Passing(Following):
         return result
 
     def _foreseen(self, first: int, last: int) -> list[Instant]:
-        """Blocks by secants over boxes for what was reached a lap before, if there was one."""
+        """Secant blocks over boxes sized by the deviations a lap earlier, if there was one."""
         lap, count = self.along.laps.lap, self.along.brief
         last -= (last - first) % count
         before = slice(first - lap, last - lap)
@@ -170,7 +170,7 @@ class Passing(Following):
     def _slow_blocks(
         self, first: int, last: int, count: int, wide: tuple[Floats, Floats]
     ) -> list[Instant]:
-        """So many samples each by secants over boxes."""
+        """Secant blocks of ``count`` samples each over boxes ``wide``."""
         here = self.along.secant_stretch(first, last, wide)
         at = np.arange(last - first).reshape(-1, count)
         blocks = blocks_of(here, self.inputs, at, self.which)
@@ -247,9 +247,9 @@ class Passing(Following):
         self.commands = (self.commands + heard) * UP
 
     def _held(self, k: int) -> tuple[Reached, Floats] | None:
-        """Samples from ``k`` on in which nothing changes, by one set that no block leaves.
+        """Bound the constant samples from ``k`` on by one invariant set.
 
-        None where there are few, or where no such set is shown (ledger: corridor.passage).
+        None if there are few, or if no such set is found (ledger: corridor.passage).
         """
         along, count = self.along, self.along.batch
         begin, end = along.steady_until(k)

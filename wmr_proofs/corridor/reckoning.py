@@ -1,4 +1,4 @@
-"""Poses that are reckoned where none comes: how far they move off the robot.
+"""Dead reckoning between poses: its error bound.
 
 Let e be the tracking error and e + y that of the pose that the law is shown.  A sample without a
 pose takes both by the same map f of error and measured velocity, but for what f misses of the
@@ -103,6 +103,6 @@ class Reckoning:
         return np.concatenate(sums)[:count]
 
     def _gathered(self, each: Floats, count: int) -> Floats:
-        """The same of what every sample adds with any signs."""
+        """Sizes (count, 3) of sums of errors that every sample adds with either sign."""
         ways = np.cumsum(self._powers[:-1], axis=0) @ each * UP
         return self._summed(ways, count)

@@ -1,4 +1,4 @@
-"""Remainders of the linear parts of law and plant step in samples of a passage."""
+"""Linearisation remainders of law and plant step in the samples of a flowpipe."""
 
 import numpy as np
 
@@ -22,10 +22,10 @@ than that makes them anew."""
 
 
 class Remainders:
-    """By bends on a box, which serves as long as no deviation leaves it, or by secants."""
+    """Remainder bounds by second derivatives on a box, kept while it fits, or by secants."""
 
     def __init__(self, along: Along, inputs: Inputs) -> None:
-        """Of one loop under bounded inputs."""
+        """Begin without any deviation, for one loop under bounded inputs."""
         self.along, self.inputs, self.loop = along, inputs, along.loop
         self.nz = len(self.loop.names)
         self.error = inputs.measured
@@ -85,7 +85,7 @@ class Remainders:
         return now.here.secants is None and bool(left)
 
     def _law_added(self, reach: Floats, state: Floats, now: Instant) -> Floats:
-        """Largest errors of the linear part of what the law sends, with doubles' rounding."""
+        """Largest linearisation remainders of the law's outputs, with rounding."""
         loop, queue = self.loop, self.nz + COMMAND * self.loop.queue
         own, acting = np.split(state[:, queue:], [loop.memory], axis=1)
         robot = state[:, :ROBOT] + self.error

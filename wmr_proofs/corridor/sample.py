@@ -48,7 +48,7 @@ class SampleMatrices:
     """
 
     def __init__(self, loop: SampledLoop) -> None:
-        """x' = free x + outputs l + push d with l = law x; the same for the fast state within."""
+        """Compose x' = free x + outputs l + push d, l = law x, for sample and plant step."""
         nz, nq, nm, na = len(loop.names), COMMAND * loop.queue, loop.memory, loop.acting
         self.n = n = nz + nq + nm + na
         self.acting = na

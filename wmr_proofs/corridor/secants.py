@@ -1,4 +1,4 @@
-"""Secants: linear parts of a graph over boxes about points, and what they leave, at many places.
+"""Secants: linear maps that enclose a graph over boxes, with remainders, at many places.
 
 Where friction turns over, slopes at a point say little about a box.  There an affine form of the
 graph over the box (`wmr_proofs.corridor.affine`) serves instead: f(x) = c + S (x - x_c) + off, with
@@ -24,9 +24,9 @@ LEAST = 1e-9
 
 @dataclass(frozen=True)
 class Secants:
-    """Of C boxes: ``slopes`` (C, outputs, n), for deviations up to ``wide`` (C, n) from any point.
+    """Secants over C boxes: ``slopes`` (C, outputs, n) for deviations up to ``wide`` (C, n).
 
-    ``left`` (C, outputs): sizes of what they leave.
+    ``left`` (C, outputs): sizes of their remainders.
     """
 
     slopes: MidRadius
@@ -45,10 +45,9 @@ class SecantCurve:
     def over(
         self, by: MidRadius, numbers: MidRadius, wide: Floats, points: Floats, values: Floats
     ) -> Secants:
-        """Over boxes ``wide`` (C, n) about spans ``by`` (C, n), under ``numbers`` (C, m).
+        """Secants over boxes ``wide`` (C, n) about spans ``by`` (C, n), under ``numbers`` (C, m).
 
-        ``points`` (C, P, n) are those of the undisturbed loop, ``values`` (C, P, outputs) what the
-        graph makes of them.
+        ``points`` (C, P, n): the nominal trajectory; ``values`` (C, P, outputs): the graph there.
         """
         n = self.count
         wide = wide + LEAST

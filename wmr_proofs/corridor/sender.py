@@ -1,8 +1,8 @@
-"""Loop of a base that takes velocities: what is sent to it, and the base, where nothing cuts.
+"""Loop of a base that takes velocities: its command and its plant step, away from all limits.
 
-What is sent is the graph that the controller is made from, without its filter (ledger:
-corridor.filter); the base is its plant step without what `idle_base` leaves out, each of which is a
-condition on what is sent, or a bounded error of it.
+The command is the graph of the controller without its filter (ledger: corridor.filter).  The base
+is its plant step without the effects that `idle_base` leaves out; each of these is a condition on
+the command or a bounded error of it.
 """
 
 from collections.abc import Iterator

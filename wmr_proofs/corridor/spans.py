@@ -81,7 +81,7 @@ class MidRadiusGraph:
 def _series_or_balls(
     series: Callable[[MidRadius], MidRadius], most: float, ball: Callable[[arb], arb]
 ) -> Callable[[MidRadius], MidRadius]:
-    """By a series up to its largest argument, beyond that in balls, element by element."""
+    """Use a series up to its largest argument, and balls beyond it, element by element."""
     return lambda a: series(a) if (a.most <= most).all() else a.by_balls(ball)
 
 

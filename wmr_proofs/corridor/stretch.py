@@ -47,7 +47,7 @@ class Stretch:
 
 
 def stretch(loop: MovingLoop, law: MidRadius, step: MidRadius, knots: list[int]) -> Stretch:
-    """From the slopes of the law and of a plant step in each sample; ``knots`` begin with 0."""
+    """Compose a Stretch from the slopes of law and plant step; ``knots`` begin with 0."""
     nz, nq, nm, na = len(loop.names), COMMAND * loop.queue, loop.memory, loop.acting
     n, count = nz + nq + nm + na, len(law.middle)
     order = [*range(ROBOT), *range(nz + nq, nz + nq + nm), *range(nz, nz + nq), *range(n - na, n)]
@@ -112,7 +112,7 @@ def _course(step: MidRadius, n: int, acting: list[int]) -> MidRadius:
 
 
 def _closed(course: MidRadius, outputs: MidRadius, n: int) -> MidRadius:
-    """The same with the command that the law makes of the state."""
+    """Rows of the fast state by the state alone: the law's command is substituted."""
     shape, command = course.middle.shape, slice(n, n + COMMAND)
     middle, radius = (x.reshape(len(x), -1, shape[-1]) for x in (course.middle, course.radius))
     law, share = outputs[:, :COMMAND], rounding(COMMAND + 1)
@@ -126,7 +126,7 @@ def _closed(course: MidRadius, outputs: MidRadius, n: int) -> MidRadius:
 
 
 def _within(course: MidRadius, n: int, first: int, last: int) -> Within:
-    """Of the time at which a step begins, and until another one does.
+    """Rows from the begin of plant step ``first`` until the begin of ``last``.
 
     Inner points are no larger than the chord's ends and what they are off the chord.
     """
@@ -145,7 +145,7 @@ def _within(course: MidRadius, n: int, first: int, last: int) -> Within:
 
 
 def forgets(A: Floats, x: Floats, left: float, longest: int) -> int:
-    """Samples, at most so many, until a share of pushes ``x`` is left, were A the same always."""
+    """Samples until pushes ``x`` decay to a share ``left`` under A; at most ``longest``."""
     scale, later = np.zeros(len(A)), x
     for _ in range(200):
         scale, later = scale + np.abs(later).sum(axis=1), A @ later

@@ -1,4 +1,4 @@
-"""Corridor of a law over a scenario's whole run, along any path, with what the robot changes."""
+"""Corridor of a law over a whole run: along any path, with changes of the robot."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -154,7 +154,7 @@ def _closing(refused: Passing, start: Floats) -> float | None:
 
 
 def _least(refused: Passing, start: Floats, places: list[int], halved: int) -> int | None:
-    """Fewest halvings, at least so many, with which a passage about each of some samples passes."""
+    """Fewest halvings, at least ``halved``, with which a flowpipe exists near all ``places``."""
     along, inputs = refused.along, refused.inputs
     for k in places if inputs.any else ():
         most, trial = LEAST + 1, halved
@@ -168,7 +168,7 @@ def _least(refused: Passing, start: Floats, places: list[int], halved: int) -> i
 
 
 def _hearing(refused: Passing, start: Floats) -> str:
-    """Part of dead band and quantum that has a corridor, where no share of the inputs has one."""
+    """Clause on the share of dead band and quantum that has a corridor, if no inputs have one."""
     along, inputs = refused.along, refused.inputs
     tried = [f"1/{2**LEAST} of pushes and errors"] * inputs.any
     if inputs.dead.any() or inputs.command.any():
@@ -181,7 +181,7 @@ def _hearing(refused: Passing, start: Floats) -> str:
 
 
 def _passes(along: Along, inputs: Inputs, start: Floats, k: int) -> bool:
-    """True where a passage about a sample is not refused."""
+    """True if a flowpipe about a sample exists."""
     beyond = round(BEYOND / along.setup.scenario.clock.control)
     passing = Passing(along, inputs, start, max(0, k - along.memory))
     try:
