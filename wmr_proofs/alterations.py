@@ -123,7 +123,7 @@ def functions_of(claim: Claim, first: Sequence[str] = ()) -> tuple[str, ...]:
 
 
 def _read(claim: Claim, names: Sequence[str]) -> set[str]:
-    """Those of the functions whose results the graph reads: each has a symbol as its factor."""
+    """Functions whose results the graph reads: each has a symbol as its factor."""
     marks = {name: ca.SX.sym(f"result {k}") for k, name in enumerate(names)}
     changes = {name: partial(_marked, mark) for name, mark in marks.items()}
     statement = built(claim, changes, marks) if marks else None

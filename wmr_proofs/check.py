@@ -81,7 +81,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
 
 
 def graph_hash(claim: Claim) -> str:
-    """Hash of what is claimed and altered on which graph now, and by which method; see `Entry`."""
+    """Hash of claim, alterations, graph and method as they are now; see `Entry`."""
     if claim.statement is None:
         return ""
     assert claim.method is not None

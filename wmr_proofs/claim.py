@@ -29,7 +29,7 @@ Written = TypeVar("Written", bound=Callable[..., Statement | None])
 
 
 class Mutation(float):
-    """The sign 1 of a statement as it is claimed; -1 of the same with one sign or constant altered.
+    """Sign of a statement: 1 as claimed, -1 with one sign or constant altered.
 
     The method that proves a claim must refute its mutation.
     """

@@ -1,4 +1,4 @@
-"""Graph: what is compiled, as a list of nodes, and the one walker that evaluates it.
+"""Graph of the compiled function as a list of nodes, and the one walker that evaluates it.
 
 The nodes are those of `wmr_ctrl.world.model.graph`, which the emitter of C is given: a choice is
 one node ``choose``, so that a method never looks at a branch that is not taken, and a quotient by a

@@ -1,4 +1,4 @@
-"""Relations of expressions: what a claim says is made of them."""
+"""Relations between expressions, of which claims are made."""
 
 from dataclasses import dataclass
 

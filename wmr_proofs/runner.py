@@ -258,7 +258,7 @@ def provenance(ledger: Ledger, committed: Ledger, anew: bool) -> str:
 
 
 def summary(ledger: Ledger, committed: Ledger, complete: bool, anew: bool) -> list[str]:
-    """Counts, where they come from, differences from the committed ledger, what is missing."""
+    """Counts and their source, differences from the committed ledger, and missing extras."""
     counts = ", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items())
     lines = [counts, provenance(ledger, committed, anew)]
     others = differences(ledger, committed, complete)

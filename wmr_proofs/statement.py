@@ -1,4 +1,4 @@
-"""Statement: what a claim says, as relations between expressions of the product's own graphs.
+"""Statement of a claim: relations between expressions of the product's own graphs.
 
 Where it speaks of computed numbers, every operation that rounds becomes an input of its own, any
 number that is within the unit of rounding of the exact result of that operation on numbers so

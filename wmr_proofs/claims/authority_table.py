@@ -1,4 +1,4 @@
-"""The table behind the authority entries: where it looks is chosen in doubles, what it says is not.
+"""The table behind the authority entries: its cells are chosen in doubles and checked exactly.
 
 Each row and each link is checked exactly, and so is that they join and reach both ends.
 """
@@ -35,7 +35,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Numbers:
-    """The same function in plain doubles, only to choose where to look; the checks are exact."""
+    """The function in plain doubles, only to choose the cells; the checks are exact."""
 
     u1: float
     u2: float

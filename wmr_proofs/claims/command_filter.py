@@ -1,4 +1,4 @@
-"""The command filter: its limit on bases with a first-order speed loop, and what it never refuses.
+"""The command filter: its limit on bases with a first-order speed loop; 0 is never refused.
 
 One axis, all numbers symbols.  tau, K and d may vary while a command acts, so the speed is v(t) =
 E v_0 + (1 - E) m with E = exp(-int dt/tau) and m a mean of K u + d (filter.mean).
@@ -30,7 +30,7 @@ def sound(b: FirstOrder) -> tuple[Relation, ...]:
 
 
 class FilterAxis(Named):
-    """Symbols of one axis: the filter's numbers, a command, and what the base makes of it.
+    """Symbols of one axis: the filter's numbers, a command, and the base's response.
 
     e is exp(-H/tau_min), E the share of the old speed that is left.
     """

@@ -30,7 +30,7 @@ AXES = rows(axis=(0, 1), id=("linear", "angular"))
 
 
 def named_axes(angular: str = "-angular") -> tuple[dict[str, Any], ...]:
-    """Both axes for entries of which the angular one's id ends so."""
+    """Both axes; the id of the angular entry has this ending."""
     return rows(axis=(0, 1), of=("", angular), where=("linear", "angular"))
 
 

@@ -128,7 +128,7 @@ def delay_bound(mutation: Mutation) -> Statement:
 
 
 class Jittering(EffectGraph):
-    """Drives with jitter: a period's steps, its most, what is drawn and the phase are ``free``."""
+    """Drives with jitter: steps of a period, largest jitter, draws and phase are ``free``."""
 
     def __init__(self) -> None:
         super().__init__(jitter.JITTER, (("actuator.jitter", 0.01),))

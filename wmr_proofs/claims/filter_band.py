@@ -1,4 +1,4 @@
-"""The band of the command filter: what its forecasts bound, and what it admits.
+"""The band of the command filter: bounds by its forecasts, and the commands that it admits.
 
 Tables of a few pieces and the tail: every piece of longer ones is reckoned alike.
 """
@@ -120,7 +120,7 @@ class BandStep(BandAxis):
 
     @property
     def stated(self) -> tuple[Relation, ...]:
-        """The same; ``after`` bounds what is a period younger, and is high at most, or steep."""
+        """Hypotheses on forecasts; ``after`` bounds the next one, by height or by slope."""
         own, high = self.table.after, self.table.high
         over = [own[i] - high[PIECES + i] for i in range(own.numel())]
         last = [high[k] for k in range(own.numel() - 1, high.numel())]
@@ -142,7 +142,7 @@ class BandStep(BandAxis):
         return tuple(self.within(self.forecast, part, way) for part in parts for way in (1, -1))
 
     def inside(self, *parts: int) -> tuple[Relation, ...]:
-        """The same, and that of -v with 0 sent."""
+        """Goals for v, and for -v with 0 sent."""
         stop = self.forecast.changed(ca.SX(0), self.table)
         return (*self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts))
 

@@ -26,7 +26,7 @@ claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
 def _sizes(a: BandAxis) -> tuple[Relation, ...]:
-    """Bounds of what is known, and of both commands, in sizes of c."""
+    """Bounds of the known part and of both commands, in units of c."""
     s, c, numbers = a.symbols, a.c, range(a.size)
     columns = (s[f"{word}{i + 1}"] for word in ("over", "under") for i in numbers)
     sizes = (*columns, s.past_over, s.past_under)

@@ -1,4 +1,4 @@
-"""The band of the command filter as a whole: what it sends, in time and at any time."""
+"""The band of the command filter as a whole: its output at timely samples and at any time."""
 
 import casadi as ca
 
@@ -25,7 +25,7 @@ BANDED = {
 
 
 def _whole(axis: int) -> tuple[BandGovernor, Symbols, dict[str, ca.SX]]:
-    """The band's graph, its inputs by name, and its ends and what a stop leaves as cuts."""
+    """The band's graph, its inputs by name, and as cuts its ends and the remainder after a stop."""
     graph = BandGovernor(load_scenario("paper-simulation", BANDED))
     cuts = {f"end {i} {k}": end for i, pair in enumerate(graph.ends) for k, end in enumerate(pair)}
     cuts |= {f"stop {i}": most for i, most in enumerate(graph.stopping)} | {"sound": graph.sound}

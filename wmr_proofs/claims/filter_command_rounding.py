@@ -56,7 +56,7 @@ class Limited:
 
     @property
     def stated(self) -> tuple[Relation, ...]:
-        """l > 0; the limits on their sides of 0, those of the wheels of at most M in size."""
+        """Hypotheses: l > 0, each limit on its side of 0, wheel limits at most M in size."""
         given = [above(self.symbols.l)]
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             for size in (high, -low):
@@ -101,7 +101,7 @@ def wheels(mutation: Mutation) -> Statement:
 
 
 def _kept(on: str, scale: str, spare: float, axes: bool) -> Statement:
-    """What is computed is within its limits: v and omega (``axes``), or the wheels."""
+    """Goal: the computed command is within the limits of v, omega (``axes``) or of the wheels."""
     a = Limited(on)
     if on == "both":  # before v and omega are cut
         sent = one_first(a.asked, a.channels, *a.ends, FIRST[scale])
@@ -217,7 +217,7 @@ def slew_limit(mutation: Mutation) -> Statement:
 
 
 def _slow(s: Symbols) -> tuple[Relation, ...]:
-    """The command before and the one that is wanted are within the limit but for roundings."""
+    """Hypothesis: previous and wanted command are within the limit, except for rounding."""
     hi = s.hi
     wanted = within(s.wanted, hi * (1 + BEYOND))
     return (above(hi), *within(s.last, hi * (1 + OVER)), *wanted)

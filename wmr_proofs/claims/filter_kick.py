@@ -86,7 +86,7 @@ class HeldStep:
     """
 
     def __init__(self, behind: bool) -> None:
-        """Of ``behind`` also the speed behind the step is one of them."""
+        """With ``behind`` the speed behind the step is a symbol, too."""
         self.robot = robot = plant(load_scenario(PRESET))
         t = scalars((*robot.inputs, *robot.state, *robot.params)) | symbols("step", "step")
         self.m, _, self.mu, r, l, self.g, self.v_s = (t[key] for key in KEYS)

@@ -224,7 +224,7 @@ class GuardAxis(Named):
         return tuple(at_least(self[name]) for name in names[: 2 if self.lateness < LATE else 4])
 
     def during(self, longer: float = 1) -> tuple[Relation, ...]:
-        """0 <= t <= T, M_min <= M <= M_max; of what is late 0 <= since <= J, t <= T + J - since."""
+        """Hypotheses 0 <= t <= T, M_min <= M <= M_max, late 0 <= since <= J, t <= T + J - since."""
         b, mass, since, t = self.bounds, self.mass, self.since, self.t
         masses = between(b.M_min, mass, b.M_max)
         if self.lateness < LATE:
@@ -239,7 +239,7 @@ class GuardAxis(Named):
         return mean if self.lateness < LATE else ca.fmax(mean, speed + self("rest_", way))
 
     def seen(self, way: int, more: ca.SX | float = 0, *during: Relation) -> tuple[Relation, ...]:
-        """Hypotheses on `start`; ``more`` is what a broken bound adds until then."""
+        """Hypotheses on `start`; ``more``: the addition by a broken bound until then."""
         if not self.lateness:
             return (*self.measured, *during)
         most, arrived = self.reached(way) + more, self.arrived
@@ -260,7 +260,7 @@ class GuardAxis(Named):
         return start + self.t * push / self.mass
 
     def kept(self, way: int, longer: float) -> tuple[Relation, ...]:
-        """Why inside stays inside; a factor above 1 lets alpha T, or what acts, be larger."""
+        """Goal: inside stays inside; a factor above 1 enlarges alpha T or the acting force."""
         if not self.lateness:
             return (*self.feasible(1, longer), *self.measured, *self.inside, *self.during())
         u1, arrived, brakes = self.u1, self.arrived, at_least(self.bounds.braking, self.net)

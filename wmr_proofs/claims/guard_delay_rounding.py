@@ -57,7 +57,7 @@ class QueuedAxis(RoundedAxis):
 
     @property
     def stated(self) -> tuple[Relation, ...]:
-        """The theorem's hypotheses with room for the rounding, but for those of the caps."""
+        """Hypotheses of the theorem with room for rounding, without those on the caps."""
         b, less = self.bounds, self.u1 * (1 - 4 * self.held_back)
         counted = (b.dbar, b.nbar, b.f_min, b.f_speed, self.ahead, self.back)
         return (

@@ -1,4 +1,4 @@
-"""Rounding of what is counted of commands under way: their sums, one command after the other.
+"""Rounding in the sums over commands in transit, one command after the other.
 
 What is computed before the last command is cut off and stands for any number, so what is shown of
 one command more holds for any queue.

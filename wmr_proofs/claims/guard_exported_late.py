@@ -1,4 +1,4 @@
-"""The guard as it is exported where velocities are late and drives slow: what it counts, and how.
+"""The exported guard with late velocities and slow drives: the sums that it takes, and how.
 
 Sums and pushes are written down here of one piece of time after the other, as the entries about
 pieces have them (guard.late.piece, guard.late.tail, guard.varying.*).  How long a piece is, and
@@ -59,7 +59,7 @@ class LateAssembled(Assembled):
 
     @cached_property
     def axes(self) -> tuple[tuple[ca.SX, Bounds, InFlight | None], ...]:
-        """Of each axis the measured velocity, its bounds, and what is under way.
+        """Measured velocity, bounds and commands in transit of each axis.
 
         u1 is v_u1 less (1 + n) 2^-44 of it, n the commands and the periods of the lag.
         """

@@ -1,4 +1,4 @@
-"""The exported guard's flag as it is rounded, and what is around that guard.
+"""The exported guard's flag with rounding, and the parts around the guard.
 
 The flag has no tolerance, so that its own rounding is all that separates the published 1 from the
 theorem's conditions.  Around the guard are runs without it, what is kept as applied, and what is

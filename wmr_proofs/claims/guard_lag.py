@@ -1,4 +1,4 @@
-"""The guard behind a lag that varies: what may be felt, and that the limit is kept all the same.
+"""The guard behind a varying lag: bounds of the acting force, and the limit that is still kept.
 
 Exponentials are symbols with what is true of them; the sums may be those of any number of commands.
 That the push felt stays below Z is by hand (guard.varying.lag).

@@ -1,4 +1,4 @@
-"""The sampled-data law on its own graph: what a push does to a sample, and what is left of it.
+"""The sampled-data law on its own graph: the effect of a push on a sample, and its decay.
 
 v+, friction and the observer's force stand as free numbers with what other entries say of them.
 """
@@ -171,7 +171,7 @@ def limit(mutation: Mutation, axis: int) -> Statement:
 
 
 def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relation:
-    """Goal: the excess of a size over ``to`` is at most a share of what it was."""
+    """Goal: the excess of a size over ``to`` shrinks to at most a share of itself."""
     return at_least(share * ca.fmax(before - to, 0), ca.fmax(after - to, 0))
 
 

@@ -1,4 +1,4 @@
-"""The sampled-data law with a wrong mass and a target that is held: what the loop comes to."""
+"""The sampled-data law with a wrong mass and a constant target: the limit of the loop."""
 
 from collections.abc import Mapping
 from fractions import Fraction
@@ -55,7 +55,7 @@ def sampled_before(axis: int) -> Both:
     sure = ("clock.control", inertia, "robot.r", "robot.l")
 
     def values(n: Mapping[str, Any]) -> dict[str, Any]:
-        """Both hypotheses solved."""
+        """Values that solve both hypotheses."""
         asked = n[f"f_hat{of}"] - n[inertia] * n["a"] * n["w"] / n["clock.control"]
         left, pushed = n["tau_applied[2]"], n["robot.r"] * asked
         dragged, turned = n["robot.r"] * n.get("drag", 0), pushed / n["robot.l"]

@@ -58,7 +58,7 @@ class Held:
 
     @property
     def unit(self) -> str:
-        """Of that velocity."""
+        """Unit of the velocity."""
         return ("m/s", "rad/s")[self.axis]
 
     @property

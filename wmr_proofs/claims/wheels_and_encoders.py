@@ -35,7 +35,7 @@ class EffectGraph(Named):
     def __init__(
         self, effect: Effect, numbers: Iterable[tuple[str, object]], tables: str = ""
     ) -> None:
-        """The bound's numbers of ``tables`` are symbols, beside those of its own section."""
+        """Take the bound's numbers of ``tables`` and of its own section as symbols."""
         self.effect, self.scenario = effect, load_scenario("paper-simulation", dict(numbers))
         self.system = effect.build(self.scenario)
         self.parameters = Parameters(self.scenario, self.system.params)
@@ -90,7 +90,7 @@ ORDERS, PLACES = "<=>", ("least", "inside", "largest")
 
 
 def wheel_cases(axis: int, misread: bool) -> tuple[Case, ...]:
-    """Signs of what a bound on other wheels has between bars, times places of two limited numbers.
+    """Cases of a bound on other wheels: signs of absolute values, places of two clamped numbers.
 
     Misread speeds: c = mean 1/(1 + radius_i) for v1, or c (1 + track) for omega, below, at or above
     1, and 1/(1 + radius_i) = c (1 +- e).  Torques: each 1 + radius_i below, at or above 1 for the

@@ -88,7 +88,7 @@ class IntervalArithmetic(Arithmetic):
         return self.count
 
     def _name(self, op: str, args: list[Interval]) -> int:
-        """The same name for the same operation on the same quantities, so that forms can meet."""
+        """Name of an operation on quantities; equal operations share it, so that forms can meet."""
         name: tuple[Hashable, ...] = (op, *[arg.key or ("number", arg.lo) for arg in args])
         if op == "sub" and (op, name[2], name[1]) in self.known:
             return -self.known[op, name[2], name[1]]

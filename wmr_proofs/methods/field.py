@@ -205,7 +205,7 @@ class Algebra:
         return total
 
     def polynomial_sign(self, poly: Any) -> str | None:
-        """``+ - 0 +0 -0`` (the latter two: or zero), None where coefficients do not tell."""
+        """Sign ``+ - 0 +0 -0`` (the last two: or zero), None if the coefficients leave it open."""
         if poly == 0:
             return "0"
         positive = negative = strict = False

@@ -75,7 +75,7 @@ class RingArithmetic(Arithmetic):
         return ask(("above", gap)) if op == "lt" else not ask(("above", -gap))
 
     def _stated(self, op: str, left: Any, right: Any) -> bool | None:
-        """Of ``left < constant`` by hypothesis; where it is false, ``left`` is at least that."""
+        """Bound of ``left`` by a hypothesis ``left < constant``, or by its negation if false."""
         if op != "lt" or right.number is None:
             return None
         for value, truth in self.fixed.items():

@@ -186,7 +186,7 @@ def decide(statement: Statement, method: Z3) -> Finding:
 
 
 def _fitting(statement: Statement, points: Sequence[Point]) -> list[Point]:
-    """Those of the points that have all that the graph reads."""
+    """Points that have all inputs of the graph."""
     return [point for point in points if set(statement.graph.input_names) <= set(point)]
 
 
@@ -196,7 +196,7 @@ def _evidence(answers: Sequence[Answer]) -> dict[str, Any]:
 
 
 def _engines(answers: Sequence[Answer]) -> dict[str, list[str]]:
-    """Engine of each question that the first did not close at once, if there are any."""
+    """Engine for each question that the first engine left open."""
     names = [answer.engine for answer in answers]
     while names and not names[-1]:
         names.pop()

@@ -133,7 +133,7 @@ class Both(Method):
     all_refute: bool = False
 
     def decide(self, statement: Statement) -> Finding:
-        """Their common verdict, with the evidence of both; what they do not agree on is OPEN.
+        """Common verdict with the evidence of both; OPEN if they disagree.
 
         A counterexample of either refutes, unless both have to find one.
         """
