@@ -30,12 +30,12 @@ TRIED = ("* 9/8", "* -1")
 ANY_SCALE = "changes nothing: A(q)' q' = 0 says the same for any multiple of A"
 FLAG = "changes nothing: a flag is read as 0 or not 0"
 EQUIVALENT: dict[tuple[str, str], str] = {
-    ("wmr_ctrl.world.model.kinematics:constraint", "* 9/8"): ANY_SCALE,
-    ("wmr_ctrl.world.model.kinematics:constraint", "* -1"): ANY_SCALE,
+    ("wmr_proofs.paper_functions:constraint", "* 9/8"): ANY_SCALE,
+    ("wmr_proofs.paper_functions:constraint", "* -1"): ANY_SCALE,
     ("wmr_proofs.paper_functions:conditions", "* 9/8"): FLAG,
     ("wmr_ctrl.control.guard.guard:feasible", "* 9/8"): FLAG,
-    ("wmr_ctrl.control.barrier.printed:h", "* 9/8"): FLAG,
-    ("wmr_ctrl.control.barrier.printed:h", "* -1"): FLAG,
+    ("wmr_proofs.paper_barrier:h", "* 9/8"): FLAG,
+    ("wmr_proofs.paper_barrier:h", "* -1"): FLAG,
 }
 """(function, change) of alterations that nothing could notice, with the reason."""
 

@@ -23,7 +23,12 @@ from .claims import forget
 from .statement import Statement
 from .traced import Traced
 
-PRODUCT = ("wmr_ctrl.control.", "wmr_ctrl.world.", "wmr_proofs.paper_functions")
+PRODUCT = (
+    "wmr_ctrl.control.",
+    "wmr_ctrl.world.",
+    "wmr_proofs.paper_functions",
+    "wmr_proofs.paper_barrier",
+)
 TOOLS = ("wmr_ctrl.world.model.graph", "wmr_ctrl.world.model.system")
 """Modules that only carry expressions."""
 

@@ -13,9 +13,20 @@ import itertools
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier.printed import a_term, f, lyapunov, minimiser
 from wmr_ctrl.control.barrier.proximal import resolvent
-from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate, velocity_map
+from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
+
+from .paper_barrier import a_term, f, lyapunov, minimiser
+
+
+def velocity_map(theta: ca.SX) -> ca.SX:
+    """H(q), 3x2, Eq. (5): q' = H v with v = (v1, omega), Eq. (6) (printed transposed)."""
+    return ca.vertcat(ca.horzcat(-ca.sin(theta), 0), ca.horzcat(ca.cos(theta), 0), ca.horzcat(0, 1))
+
+
+def constraint(theta: ca.SX) -> ca.SX:
+    """A(q), 3x1, Eq. (3): A' q' = 0, no sideways motion (printed as A q' = 0)."""
+    return ca.vertcat(ca.cos(theta), ca.sin(theta), 0)
 
 
 def total_barrier(v: ca.SX, c: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:

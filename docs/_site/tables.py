@@ -25,7 +25,6 @@ from wmr_ctrl.core.fields.section import REQUIRED, Section, quantities
 from wmr_ctrl.core.fields.units import OTHERS, USUAL, written
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated
 from wmr_ctrl.core.fields.values import Quantity, Range
-from wmr_ctrl.core.paper import equations, symbols
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.outcomes import Outcome
@@ -35,6 +34,7 @@ from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import load_scenario, preset_titles
 from wmr_ctrl.world.scenario.scenario import sections
 from wmr_ctrl.world.scenario.sections import Change
+from wmr_proofs.paper import equations, symbols
 
 
 def summary(thing: object) -> str:

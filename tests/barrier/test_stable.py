@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.control.barrier.stable import stable_barrier, stable_minimiser
+from wmr_proofs import paper_barrier as barrier
 
 LIMITS = ((1.0, 0.8), (1.5, 1.3), (0.7, 0.1), (3.0, 1.2), (1.0, 0.99))
 

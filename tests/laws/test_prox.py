@@ -8,13 +8,13 @@ import pytest
 
 from tests.checks.asking import closed
 from wmr_ctrl.api import simulate
-from wmr_ctrl.control.barrier.printed import f, lyapunov, minimiser
 from wmr_ctrl.control.barrier.proximal import resolvent
 from wmr_ctrl.control.laws.prox import ProxGains, guide, prox_step
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import Run
 from wmr_ctrl.theory.checks.loop import Loop
 from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.paper_barrier import f, lyapunov, minimiser
 
 U1, U2 = 1.0, 0.8
 c, k, v, c_next, E = (ca.SX.sym(name) for name in ("c", "k", "v", "c_next", "E"))

@@ -18,15 +18,13 @@ from wmr_ctrl.world.model.dynamics import (
     wheel_to_force,
 )
 from wmr_ctrl.world.model.kinematics import (
-    constraint,
     error_rate,
     error_rotation,
     pose_rate,
     tracking_error,
-    velocity_map,
 )
 from wmr_ctrl.world.scenario import load_scenario
-from wmr_proofs.paper_functions import projected
+from wmr_proofs.paper_functions import constraint, projected, velocity_map
 
 ANGLES = np.linspace(-7.0, 7.0, 29)
 SCENARIO = load_scenario("paper-simulation-nominal")

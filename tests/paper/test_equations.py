@@ -12,7 +12,8 @@ import pytest
 
 import wmr_ctrl
 import wmr_proofs
-from wmr_ctrl.core.paper import CITATION, equations, symbols
+from wmr_ctrl.core.paper import CITATION
+from wmr_proofs.paper import equations, symbols
 
 TAG = re.compile(r"Eqs?\.\s*((?:\(\d+\)[\s,\-]*(?:and\s+)?)+)")
 ITEM = re.compile(r"\((\d+)\)(?:-\((\d+)\))?")

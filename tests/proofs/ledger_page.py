@@ -5,8 +5,8 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from wmr_ctrl.core.paper import equations
 from wmr_ctrl.results.ledger import Entry, Ledger, load
+from wmr_proofs.paper import equations
 
 HEAD = """\
 # The ledger

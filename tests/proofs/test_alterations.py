@@ -10,11 +10,11 @@ from collections.abc import Callable
 import pytest
 
 from tests.proofs.anew import altered, claim_of, verdict
-from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.control.barrier import stable as stable_barrier
 from wmr_ctrl.control.laws import mb, nn
 from wmr_ctrl.results.ledger import load
 from wmr_ctrl.world.model import dynamics, kinematics
+from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.check import graph_hash
 from wmr_proofs.claims import all_claims
 

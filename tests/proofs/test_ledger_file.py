@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from tests.proofs.ledger_page import GUARANTEES, page
-from wmr_ctrl.core.paper import equations
 from wmr_ctrl.results.ledger import PUBLIC_KEYS, VERDICTS, Entry, Ledger, load
 from wmr_proofs.comparison import differences, exit_code, stale
+from wmr_proofs.paper import equations
 
 ROOT = Path(__file__).parents[2]
 ONE = Entry("a", (1,), "claim", "printed", "PROVED", graph_hash="00")

@@ -6,9 +6,9 @@ from functools import lru_cache
 from importlib import import_module
 from importlib.resources import files
 
-from wmr_ctrl.core.paper import equations
 from wmr_ctrl.results.ledger import DEFINITION
 from wmr_proofs.claim import PRINTED, Claim
+from wmr_proofs.paper import equations
 
 THEMES = (
     ("Motion of the robot", "kinematics"),

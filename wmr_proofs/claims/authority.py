@@ -6,8 +6,8 @@ from functools import partial
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.results.ledger import HAND
+from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Ball, Point, Ring, Table
 from wmr_proofs.paper_functions import authority_limit

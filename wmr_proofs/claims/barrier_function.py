@@ -2,7 +2,7 @@
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier import printed as barrier
+from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Both, Refute, Ring
 from wmr_proofs.paper_functions import total_barrier

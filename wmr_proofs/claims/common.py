@@ -6,13 +6,13 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.control.barrier.stable import SERIES_BELOW, Barrier, stable_barrier
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.model.system import Port
 from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import rows
 from wmr_proofs.relation import Relation, above
 from wmr_proofs.symbols import Named, Symbols, exchanged, symbols

@@ -4,8 +4,8 @@ from functools import reduce
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.control.barrier.stable import SmoothAxis
+from wmr_proofs import paper_barrier as barrier
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3

@@ -5,11 +5,12 @@ import casadi as ca
 from wmr_ctrl.world.model import dynamics, kinematics
 from wmr_ctrl.world.model.dynamics import KEYS, plant
 from wmr_ctrl.world.model.friction import friction
-from wmr_ctrl.world.model.kinematics import constraint, error_rate, pose_rate, velocity_map
+from wmr_ctrl.world.model.kinematics import error_rate, pose_rate
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs import paper_functions
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Ring
+from wmr_proofs.paper_functions import constraint, velocity_map
 from wmr_proofs.regions import POSITIVE, Case
 from wmr_proofs.relation import equal, every
 from wmr_proofs.statement import Statement

@@ -16,8 +16,8 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.world.model.dynamics import acceleration
+from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case

@@ -4,8 +4,8 @@ from fractions import Fraction
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
+from wmr_proofs import paper_barrier as barrier
 from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ball, Refute, Ring

@@ -2,7 +2,7 @@
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier import printed as barrier
+from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ring
 from wmr_proofs.regions import all_cases, target_cases

@@ -6,11 +6,11 @@ V1(.; c) lies above its chords and, by w^2/2, above its minimum at v_c1.
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier.printed import f, lyapunov, minimiser
 from wmr_ctrl.control.barrier.proximal import level_share, resolvent, transported
 from wmr_ctrl.control.barrier.stable import smooth_barrier, stable_barrier
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
+from wmr_proofs.paper_barrier import f, lyapunov, minimiser
 from wmr_proofs.paper_functions import smooth_f, smooth_lyapunov
 from wmr_proofs.relation import Relation, above, at_least, between, equal, nonnegative, when
 from wmr_proofs.statement import Statement
