@@ -5,7 +5,6 @@ Each shows the desired pose too.  A film of the rigid body has its figures below
 
 import json
 import math
-import os
 import shutil
 import subprocess
 import tempfile
@@ -17,6 +16,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.results import Run, atomic_path
 from wmr_ctrl.results.drive import RecordedDrive
@@ -41,9 +41,7 @@ FILM_RATE = 30
 _GIF_COLOURS = 48
 
 
-def animate_runs(
-    runs: Sequence[Run], path: str | os.PathLike[str], progress: PhaseProgress | None = None
-) -> None:
+def animate_runs(runs: Sequence[Run], path: AnyPath, progress: PhaseProgress | None = None) -> None:
     """Animate one run or several at once: a .html (with play and slider), .gif or .mp4 file.
 
     Raises as `Run.animate`, and ArgumentError for runs that one picture cannot show (`scene_of`).
@@ -55,7 +53,7 @@ def animate_runs(
 
 def animate_drives(
     drives: Sequence[RecordedDrive],
-    path: str | os.PathLike[str],
+    path: AnyPath,
     progress: PhaseProgress | None = None,
 ) -> None:
     """The same of drives, which have no desired pose and no limits; errors as `scene_of_drives`."""
@@ -77,7 +75,7 @@ def _animate(
             _write_frames(frames(scene), FRAME, scratch, suffix, advance)
 
 
-def check_film(path: str | os.PathLike[str], plant: str) -> None:
+def check_film(path: AnyPath, plant: str) -> None:
     """Raise, before anything is computed, where a run on ``plant`` cannot be filmed there.
 
     ArgumentError for the plane model, ResultFileError for the file, MissingExtraError without
@@ -94,7 +92,7 @@ def check_film(path: str | os.PathLike[str], plant: str) -> None:
 
 
 def write_moments(
-    run: Run, moments: Moments, path: str | os.PathLike[str], progress: PhaseProgress | None = None
+    run: Run, moments: Moments, path: AnyPath, progress: PhaseProgress | None = None
 ) -> None:
     """Write the film of a run on tyres, whole or not at all; errors as `Run.film` says."""
     target, size, count = Path(path), (WIDTH, _height(moments)), len(moments.rows)
@@ -102,7 +100,7 @@ def write_moments(
         _write_frames(_captioned(run, moments), size, scratch, target.suffix.lower(), advance)
 
 
-def _film_target(path: str | os.PathLike[str], suffixes: tuple[str, ...], what: str) -> Path:
+def _film_target(path: AnyPath, suffixes: tuple[str, ...], what: str) -> Path:
     target = target_of(path, suffixes, what)
     if target.suffix.lower() == ".mp4":
         find_ffmpeg()

@@ -29,7 +29,7 @@ def scenario_behind(run: Run) -> Scenario | None:
     return loads_scenario(text) if text else None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Course:
     """Waypoints and goal [m], shapes that are kept out, half the robot's track [m] where known."""
 

@@ -1,7 +1,6 @@
 """Helpers of the figures: a figure as a value, axes placed by inches, marks, thinned traces."""
 
 import math
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from wmr_ctrl.core.errors import ResultFileError
+from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.results import Floats, Settings, atomic_path, check_writable, robots_over
 
 from .style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look, shown
@@ -27,7 +27,7 @@ POINTS = 1500
 """Points of a drawn trace; more cannot be told apart on a page."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Drawing:
     """One figure: the name of its files, width and height [inch], and its drawing function.
 
@@ -68,9 +68,7 @@ def save_figure(figure: Figure, path: Path) -> None:
         figure.savefig(scratch, metadata=metadata)
 
 
-def target_of(
-    path: str | os.PathLike[str], suffixes: Sequence[str], what: str, *, write: bool = True
-) -> Path:
+def target_of(path: AnyPath, suffixes: Sequence[str], what: str, *, write: bool = True) -> Path:
     """The path of a file to be written; ``what`` says which suffixes are known.
 
     Raises ResultFileError for another suffix or, unless ``write`` is off, where nothing can be
@@ -90,13 +88,13 @@ def target_of(
 PICTURES = (".png", ".svg", ".pdf")
 
 
-def picture_targets(path: str | os.PathLike[str] | None, are_drawn: str) -> list[Path]:
+def picture_targets(path: AnyPath | None, are_drawn: str) -> list[Path]:
     """The path of a picture, or none; ``are_drawn``: such as "runs are drawn"; as `target_of`."""
     known = f"{are_drawn} as {', '.join(PICTURES)}"
     return [] if path is None else [target_of(path, PICTURES, known)]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Padding:
     """Space around the axes of a panel [inch]."""
 

@@ -192,7 +192,7 @@ def _draw_limits(figure: Figure, table: RunTable) -> None:
 _CEILING = 2.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _StressCase:
     """A scenario, the title of its axes, how long it is shown [s], and whether e1 is."""
 

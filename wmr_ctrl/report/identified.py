@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 from collections import Counter
 from functools import partial
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
 
+from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.results import atomic_text
 
 from . import drawing
@@ -32,8 +32,8 @@ FORETOLD = {"guard": "predicted over at most 1 s", "filter": "predicted from com
 
 def write_identification(
     result: BaseIdentification,
-    page: str | os.PathLike[str] | None = None,
-    plot: str | os.PathLike[str] | None = None,
+    page: AnyPath | None = None,
+    plot: AnyPath | None = None,
     drive: ProposedDrive | None = None,
 ) -> None:
     """Write one page of HTML that needs nothing but itself, or the picture in it, or both.

@@ -43,7 +43,7 @@ RULE = (
 """The rule, for readers."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TestSpec:
     """One number of the runs, and the bound that it must keep in every seed.
 
@@ -106,7 +106,7 @@ class TestSpec:
         return (low is None or value >= low) and (high is None or value <= high)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PaperClaim:
     """A claim of the paper with its tests; every text is a plain sentence or two.
 
@@ -126,7 +126,7 @@ class PaperClaim:
     never: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Measured:
     """A test with its value in each seed."""
 
@@ -151,7 +151,7 @@ class Measured:
         return spread(self.values.values())
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Quoted:
     """A test in a sentence: its median, or by the format another reading of the runs at hand.
 
@@ -173,7 +173,7 @@ class Quoted:
         return f"{shown(factor * (self.test.spread.median or 0.0), digits)}{unit}"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Judged:
     """A claim, its tests with their values, and the verdict that follows from them."""
 

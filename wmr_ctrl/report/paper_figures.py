@@ -27,7 +27,7 @@ PANEL_SIZE = (4.7, 2.9)
 SHEET_SIZE = (11.7, 15.6)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Panel:
     """One panel: its letter in the paper, a name for files, a title, and its drawing function.
 
@@ -47,7 +47,7 @@ class Panel:
         return {law: run for law, run in group.items() if self.laws is None or law in self.laws}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Trace:
     """A quantity over time and how it is shown.
 
@@ -92,7 +92,7 @@ class Trace:
         drawing.mark_switch(rest, run.settings)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class WholeTrace:
     """A quantity over the whole run on one scale.
 

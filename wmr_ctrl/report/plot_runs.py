@@ -4,7 +4,6 @@ Of runs: paths, distance from the reference, both velocities.  Of drives: the pa
 else their bags have, over time.
 """
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import ceil
@@ -15,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
+from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.results import Floats, Run, distance
 from wmr_ctrl.results.drive import (
     COMMANDS,
@@ -39,7 +39,7 @@ _SIZE = (8.3, 7.0)
 _HEAD = 0.55
 
 
-def plot_runs(runs: Sequence[Run], path: str | os.PathLike[str]) -> None:
+def plot_runs(runs: Sequence[Run], path: AnyPath) -> None:
     """Draw runs over each other into a .png, .svg or .pdf file; as `Run.plot` and `scene_of`."""
     targets = drawing.picture_targets(path, "runs are drawn")
     scene_of(runs, 1)
@@ -121,9 +121,7 @@ Drives: TypeAlias = Sequence[tuple[RecordedDrive, str]]
 Panel: TypeAlias = Callable[[SubFigure], None]
 
 
-def plot_drives(
-    drives: Sequence[RecordedDrive], path: str | os.PathLike[str] | None = None
-) -> Figure:
+def plot_drives(drives: Sequence[RecordedDrive], path: AnyPath | None = None) -> Figure:
     """Draw drives over each other, into a .png, .svg or .pdf file too; as `RecordedDrive.plot`.
 
     What none of them has is left out, and named.

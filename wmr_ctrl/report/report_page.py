@@ -28,7 +28,7 @@ from .tables import headed, ranged, scenario_table, stress_table
 _ALWAYS_COUNTED = (Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Facts:
     """Contents of a report beside the runs' numbers.
 

@@ -41,7 +41,7 @@ _SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "
 ABSENT = "–"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Look:
     """A law's plot style: colour, dash pattern, marker, and its short name."""
 

@@ -18,7 +18,7 @@ _KILO = {"m": "mm", "rad": "mrad"}
 """Units in which errors are short to read; the files keep metres and radians."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TextTable:
     """A table for readers: its headings, and rows whose first cell names them.
 
@@ -67,7 +67,7 @@ def ranged(values: Spread, factor: float = 1.0, digits: int = 3) -> str:
     return middle if low == high else f"{middle} ({low} … {high})"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Line:
     """A row of a scenario's table: a figure, what it is called, and whether less of it is better.
 

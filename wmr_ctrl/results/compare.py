@@ -31,7 +31,7 @@ _WIDTH = 42
 """Longest value of a fact that is shown whole; a scenario's text is not."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Fact:
     """A property that two runs do not share: its name, and its value in either as text."""
 
@@ -40,7 +40,7 @@ class Fact:
     in_b: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ColumnDifference:
     """Difference of one logged number in two runs, over the samples that they share.
 
@@ -60,7 +60,7 @@ class ColumnDifference:
         return min(self.largest, self.relative) <= tolerance
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Comparison:
     """Two runs or drives side by side.
 

@@ -16,6 +16,7 @@ import numpy as np
 from wmr_ctrl.core import signals
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError, UnknownNameError
 from wmr_ctrl.core.fields.arguments import check_fields, checks_arguments
+from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.fields.orientation import inward
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.late_bound import late_bound
@@ -157,7 +158,7 @@ class RecordedDrive:
         }  # fmt: skip
 
     @checks_arguments
-    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+    def plot(self, path: AnyPath | None = None) -> Figure:
         """Draw all columns on one page; with ``path`` (.png, .svg or .pdf) also write it there.
 
         Returns matplotlib's figure, which notebooks show.  Raises ResultFileError for a path that
@@ -166,7 +167,7 @@ class RecordedDrive:
         return cast("Figure", late_bound("plot_drives")([self], path))
 
     @checks_arguments
-    def animate(self, path: str | os.PathLike[str]) -> None:
+    def animate(self, path: AnyPath) -> None:
         """Film the robot on its path into a .gif, .mp4 or .html file.
 
         Raises ArgumentError, by name, where poses or velocities are missing, ResultFileError,
@@ -175,7 +176,7 @@ class RecordedDrive:
         late_bound("animate_drives")([self], path)
 
     @checks_arguments
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: AnyPath) -> None:
         """Write a .csv log that `identify` reads: t and the columns, with gaps where one has none.
 
         Raises ResultFileError for another suffix or where the file cannot be written.

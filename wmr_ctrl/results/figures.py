@@ -30,7 +30,7 @@ SHARES = ("violated", "tracked")
 """Figures that are 0 or 1 a run: their mean is a share of the runs."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Sum:
     """Rule that makes a figure from the loop's sums over a window, named with "+" between.
 
@@ -44,7 +44,7 @@ class Sum:
     count: int = 1
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Figure:
     """A number of a run: name, SI unit, meaning, and how to take it (None where it has none).
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import IO
 
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.core.fields.files import note_output
+from wmr_ctrl.core.fields.files import AnyPath, note_output
 
 _REMEDIES = {
     errno.EACCES: "Choose a folder that you may write to.",
@@ -23,7 +23,7 @@ _REMEDIES = {
 
 
 @contextmanager
-def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+def atomic_path(path: AnyPath) -> Iterator[Path]:
     """A scratch path beside ``path``, of the same suffix, that replaces it when all went well.
 
     For writers that want a path; see :func:`atomic_write` for those that want a file.  Whatever
@@ -43,7 +43,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 @contextmanager
-def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
+def atomic_write(path: AnyPath) -> Iterator[IO[bytes]]:
     """An open file of bytes that becomes ``path`` when all went well.
 
     Raises ResultFileError where the file cannot be written; other exceptions pass unchanged.
@@ -53,7 +53,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
 
 
 @contextmanager
-def atomic_text(path: str | os.PathLike[str]) -> Iterator[IO[str]]:
+def atomic_text(path: AnyPath) -> Iterator[IO[str]]:
     """The same for text, in UTF-8."""
     with atomic_path(path) as scratch, scratch.open("w", encoding="utf-8", newline="\n") as file:
         yield file
@@ -94,7 +94,7 @@ def write_all(files: Mapping[str, str], folder: Path) -> list[Path]:
     return [folder / name for name in files]
 
 
-def check_writable(path: str | os.PathLike[str]) -> Path:
+def check_writable(path: AnyPath) -> Path:
     """The file that writing to ``path`` would replace, links followed; nothing is touched.
 
     Raises ResultFileError where it is plain beforehand that it cannot be written, or if the same
@@ -126,7 +126,7 @@ def _objection(target: Path) -> str:
     return ""
 
 
-def _refusal(path: str | os.PathLike[str], error: OSError | ValueError) -> ResultFileError:
+def _refusal(path: AnyPath, error: OSError | ValueError) -> ResultFileError:
     number = getattr(error, "errno", None)
     reason = os.strerror(number) if number else str(error)
     remedy = _REMEDIES.get(number or 0, "Choose another path.")

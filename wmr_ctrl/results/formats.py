@@ -21,7 +21,7 @@ import numpy as np
 
 from wmr_ctrl.core.errors import MissingExtraError, ResultFileError, WmrError
 from wmr_ctrl.core.fields.arguments import checks_arguments
-from wmr_ctrl.core.fields.files import note_input
+from wmr_ctrl.core.fields.files import AnyPath, note_input
 from wmr_ctrl.core.fields.values import may_unpack
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.suffixes import RUNS
@@ -40,7 +40,7 @@ _JSON_MEMBER, _JSON_KEY = "run.json", b"wmr_ctrl"
 
 
 @checks_arguments
-def save_run(run: Run, path: str | os.PathLike[str]) -> None:
+def save_run(run: Run, path: AnyPath) -> None:
     """Write ``run`` to a file whose suffix is one of `RUNS`, whole or not at all.
 
     Raises ResultFileError for another suffix or where the file cannot be written,
@@ -53,7 +53,7 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
 
 
 @checks_arguments
-def load_run(path: str | os.PathLike[str]) -> Run:
+def load_run(path: AnyPath) -> Run:
     """Read a run that `Run.save` wrote; it compares equal to the one that was saved.
 
     Raises ResultFileError where the file is missing, damaged, or something else: a robot's own bag
@@ -70,7 +70,7 @@ def load_run(path: str | os.PathLike[str]) -> Run:
         ) from error
 
 
-def _of_a_robot(path: str | os.PathLike[str]) -> bool:
+def _of_a_robot(path: AnyPath) -> bool:
     try:
         return os.path.exists(path) and is_bag(Path(path)) and not holds_run(Path(path))
     except WmrError:  # it cannot be opened
@@ -81,7 +81,7 @@ OTHER_TABLES = "; a log is read by `wmr-ctrl identify`, a path by reference.file
 """What else a .csv may be."""
 
 
-def _loaded(path: str | os.PathLike[str]) -> Run:
+def _loaded(path: AnyPath) -> Run:
     _, decode = _FORMATS[check_suffix(path)]
     note_input(path, "run")
     try:
@@ -105,7 +105,7 @@ def _loaded(path: str | os.PathLike[str]) -> Run:
         ) from error
 
 
-def check_suffix(path: str | os.PathLike[str]) -> str:
+def check_suffix(path: AnyPath) -> str:
     """The lower-case suffix of ``path``; raises ResultFileError unless runs can be saved so."""
     suffix = Path(path).suffix.lower()
     if suffix not in _FORMATS:
@@ -116,7 +116,7 @@ def check_suffix(path: str | os.PathLike[str]) -> str:
     return suffix
 
 
-def check_format(path: str | os.PathLike[str]) -> None:
+def check_format(path: AnyPath) -> None:
     """Raise MissingExtraError where the format of ``path`` needs a package that is not there."""
     module, extra = _NEEDS.get(check_suffix(path), ("numpy", ""))
     library(module, extra)

@@ -21,7 +21,7 @@ AT_LIMIT = 1 - 1e-9
 """Share of the torque limit that is the limit, but for rounding."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Rises:
     """Increases from one sample to the next: their number, their sum, the largest of them."""
 

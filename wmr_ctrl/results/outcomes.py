@@ -27,7 +27,7 @@ _GUARDED = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RigidMonitor:
     """Extremes and events of a rigid body, over t = 0 and every plant step.
 
@@ -45,7 +45,7 @@ class RigidMonitor:
     least_tip_margin: float = 1.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Monitor:
     """Extremes and events of a run, over t = 0 and every plant step.
 

@@ -60,7 +60,7 @@ SHORT = {
 CALMER = "Lower the law's gains, or shorten clock.control and the drives' delay."
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Remark:
     """One finding: a key for scripts, and a text that says what, by how much, and the remedy."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import operator
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.core.fields.arguments import check_fields, checks_arguments
+from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import REFERENCE, TIME, Signal, places
 
@@ -96,7 +96,7 @@ class Run:
         return run_html(self)
 
     @checks_arguments
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: AnyPath) -> None:
         """Write the run to a file, in the format of its suffix; `wmr_ctrl.load_run` reads it back.
 
         Raises ResultFileError, or MissingExtraError for .parquet without pyarrow and .mcap without
@@ -105,7 +105,7 @@ class Run:
         late_bound("save_run")(self, path)
 
     @checks_arguments
-    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+    def plot(self, path: AnyPath | None = None) -> Figure:
         """Draw the run on one page; with ``path`` (.png, .svg or .pdf) also write it there.
 
         Returns matplotlib's figure, which notebooks show.  Raises ResultFileError for a path that
@@ -114,7 +114,7 @@ class Run:
         return cast("Figure", late_bound("plot_run")(self, path))
 
     @checks_arguments
-    def animate(self, path: str | os.PathLike[str]) -> None:
+    def animate(self, path: AnyPath) -> None:
         """Film the robot on its path into a .gif, .mp4 or .html file.
 
         Raises ResultFileError, ArgumentError for a run without any sample, MissingExtraError for
@@ -123,7 +123,7 @@ class Run:
         late_bound("animate_runs")([self], path)
 
     @checks_arguments
-    def film(self, path: str | os.PathLike[str]) -> None:
+    def film(self, path: AnyPath) -> None:
         """Film a run on the rigid body in three dimensions, into a .gif or .mp4 file.
 
         The run is made once more for it.  Raises ResultFileError, ArgumentError for a run on the

@@ -34,7 +34,7 @@ ROUNDING = 1e-6
 """Share of the largest force that may be an error of integration and rounding."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class CountedNumbers:
     """Numbers that a guard counts on or leaves; None where they are not known.
 
@@ -54,7 +54,7 @@ class CountedNumbers:
     alpha: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Settings(CountedNumbers):
     """Clocks, limits and windows under which a run was made.
 
@@ -144,7 +144,7 @@ def admitted(dbar: Pair, largest: Pair) -> Pair:
     return dbar[0] + ROUNDING * largest[0], dbar[1] + ROUNDING * largest[1]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Assumptions(CountedNumbers):
     """A guard's assumptions on the motion; ``dbar`` is always known.
 

@@ -36,7 +36,7 @@ SHOWN = (*HEADS, "position_rms", "ise_total", "max_abs_v1", "max_abs_v2")
 """Columns that notebooks show."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Spread:
     """``count`` numbers in short: median, extremes, quartiles, mean and standard deviation.
 

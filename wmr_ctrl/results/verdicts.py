@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from wmr_ctrl.core.fields.units import length
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Warning:
     """A sentence that names the problem, its size and the remedy.
 

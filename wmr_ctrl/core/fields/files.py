@@ -11,11 +11,13 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
+from typing import TypeAlias
 
 from wmr_ctrl.core.errors import ResultFileError, ScenarioError
 
 from .problems import printable
 
+AnyPath: TypeAlias = str | os.PathLike[str]
 LARGEST_FILE = 1_000_000
 """Bytes; a scenario is far smaller."""
 TOML = (".toml",)
@@ -40,7 +42,7 @@ def one_command() -> Iterator[None]:
         _COMMAND.reset(token)
 
 
-def note_input(file: str | os.PathLike[str], what: str) -> None:
+def note_input(file: AnyPath, what: str) -> None:
     """Record that the command reads ``file``; ``what`` it is, for the message.
 
     Raises ResultFileError if the command writes it.  Nothing is recorded outside of a command.
@@ -52,7 +54,7 @@ def note_input(file: str | os.PathLike[str], what: str) -> None:
             _refuse_same(output, Path(file), what)
 
 
-def note_output(file: str | os.PathLike[str]) -> None:
+def note_output(file: AnyPath) -> None:
     """Record that the command writes ``file``.  Raises ResultFileError if it reads it."""
     if (command := _COMMAND.get()) is not None:
         inputs, outputs = command

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import partialmethod
 from itertools import combinations, islice
 from numbers import Real
-from typing import Any, TypeVar, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 from wmr_ctrl.core.errors import ScenarioError, choices
 
@@ -40,6 +40,7 @@ LARGEST = 1e12
 LONGEST = 1_000_000
 """Elements of an array; a path has some thousand points."""
 V = TypeVar("V")
+Pair: TypeAlias = tuple[float, float]
 
 
 class Frozen(Mapping[str, V]):
@@ -110,7 +111,7 @@ class Quantity:
     kind: str
     size: int = 0
     options: tuple[str, ...] = ()
-    usual: tuple[float, float] | None = None
+    usual: Pair | None = None
     multiple_of: str = ""
     most: int = 0
     orientation: int = 0
@@ -159,7 +160,7 @@ class Quantity:
                     f"{here}). {asked}"
                 )
 
-    def _measure(self, index: int) -> tuple[str, tuple[float, float] | None]:
+    def _measure(self, index: int) -> tuple[str, Pair | None]:
         """Unit of an element, and the range of sizes that is usual of it."""
         units = [unit.strip() for unit in self.unit.split(",")]
         unit = units[index] if len(units) > 1 else units[0]
@@ -234,13 +235,13 @@ class Quantity:
             raise self.refuse(value, path, rule)
         return tuple(self._number(item, f"{path}[{i + 1}]", i) for i, item in enumerate(items))
 
-    def _points(self, value: object, path: str) -> tuple[tuple[float, float], ...]:
+    def _points(self, value: object, path: str) -> tuple[Pair, ...]:
         rows = as_list(value)
         if rows is None:
             raise self.refuse(value, path, "an array of [x, y] pairs")
         return tuple(self._point(row, f"{path}[{i}]") for i, row in enumerate(rows, start=1))
 
-    def _point(self, row: object, path: str) -> tuple[float, float]:
+    def _point(self, row: object, path: str) -> Pair:
         pair = as_list(row)
         if pair is None or len(pair) != 2:
             raise self.refuse(row, path, "a pair [x, y]")
@@ -283,10 +284,10 @@ class Quantity:
         return Frozen({name: self._number(item, f"{path}.{name}") for name, item in table.items()})
 
 
-def _crossing(corners: Sequence[tuple[float, float]]) -> tuple[int, int] | None:
+def _crossing(corners: Sequence[Pair]) -> tuple[int, int] | None:
     """Numbers, from 1, of two corners after which sides of a polygon cross; None without any."""
 
-    def turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    def turn(a: Pair, b: Pair, c: Pair) -> float:
         return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
     sides = list(enumerate(zip(corners, (*corners[1:], corners[0]), strict=True), start=1))

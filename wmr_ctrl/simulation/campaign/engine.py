@@ -21,7 +21,7 @@ from .plan import PlannedCase, PlannedRun
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Refusal:
     """A guard's words where it cannot keep its limits under the bounds of a case."""
 

@@ -36,7 +36,7 @@ MOST_SEEDS_EACH = 10_000
 """Seeds of a study that names no number of its own: at most these are asked for."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PlannedCase:
     """Common to all seeds: scenario (a preset's name, or the thing itself), law, guard, changes.
 

@@ -92,7 +92,7 @@ def run_rigid_comparison(
 MUJOCO, ODE = "mujoco", "ode"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RigidClaim:
     """A sentence and a law: whether it holds in every run, and the numbers, least and greatest."""
 
@@ -102,7 +102,7 @@ class RigidClaim:
     numbers: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Expected:
     """A number of each run on tyres that lies between two bounds, or is expected to.
 

@@ -14,6 +14,7 @@ from wmr_ctrl.control.filter.peak_gain import less_damped, overshoot, peak_gains
 from wmr_ctrl.control.filter.rounding_ranges import unproved_roundings
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.results.settings import Pair
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.torque_noise import SIGMAS, unbounded
@@ -57,14 +58,14 @@ class FilterFacts:
     kind: str
     statement: str
     gain: float
-    usable_speed: tuple[float, float]
-    delay_cost: tuple[float, float] | None
-    gain_cost: tuple[float, float] | None
+    usable_speed: Pair
+    delay_cost: Pair | None
+    gain_cost: Pair | None
     broken: tuple[str, ...]
-    overshoot: tuple[float, float] | None = None
-    overshoot_cost: tuple[float, float] | None = None
-    rise: tuple[float, float] | None = None
-    rise_cost: tuple[float, float] | None = None
+    overshoot: Pair | None = None
+    overshoot_cost: Pair | None = None
+    rise: Pair | None = None
+    rise_cost: Pair | None = None
 
 
 def filter_facts(setup: Setup) -> FilterFacts | None:
@@ -76,7 +77,7 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
     (low, high), (first, last) = stated.gain, stated.delay
     statement = STATEMENTS[stated.kind]
     if stated.loop != "first-order":  # where a command acts is no matter to a clip, nor to a band
-        late: tuple[float, float] | None = (0.0, 0.0)
+        late: Pair | None = (0.0, 0.0)
         strong = None
         if stated.kind == "clip":
             peaks = [peak.gain for peak in peak_gains(scenario)]
@@ -103,7 +104,7 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
     return FilterFacts(stated.kind, statement, high, usable, delayed, stronger, broken)
 
 
-def usable_speed(scenario: Scenario) -> tuple[float, float]:
+def usable_speed(scenario: Scenario) -> Pair:
     """Speeds at rest [m/s, rad/s] of the weakest base that the filter is stated for.
 
     The filter's own graph drives it, each axis by itself: the smallest gain, pushed back by d, with
@@ -153,7 +154,7 @@ def _governed(
     return v
 
 
-def rise_times(scenario: Scenario) -> tuple[float, float] | None:
+def rise_times(scenario: Scenario) -> Pair | None:
     """Times [s] after which a filter sends NEARLY all of its limits; None where it never does.
 
     Of commands far beyond them, from rest, each axis by itself; between samples on a line.
@@ -173,9 +174,9 @@ def rise_times(scenario: Scenario) -> tuple[float, float] | None:
 
 def _swung(
     scenario: Scenario,
-    usable: tuple[float, float],
-    of: Callable[[Scenario], tuple[float, float] | None],
-) -> tuple[float, float] | None:
+    usable: Pair,
+    of: Callable[[Scenario], Pair | None],
+) -> Pair | None:
     """The loss of ``of`` where steps of v, and of omega, overshoot by one per cent more."""
     key = "damping" if scenario.filter.loop == "second-order" else "kp"
     least, most = scenario.filter.interval(key)
@@ -203,10 +204,10 @@ def _steps(scenario: Scenario) -> int:
 
 def _cost(
     scenario: Scenario,
-    usable: tuple[float, float],
+    usable: Pair,
     overrides: dict[str, list[float]],
-    of: Callable[[Scenario], tuple[float, float] | None] | None = None,
-) -> tuple[float, float] | None:
+    of: Callable[[Scenario], Pair | None] | None = None,
+) -> Pair | None:
     """Loss of usable speed by a harder statement; None where the filter does not take that."""
     try:
         less = (of or usable_speed)(override(scenario, overrides))

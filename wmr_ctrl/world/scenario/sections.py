@@ -7,7 +7,7 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import REQUIRED, Section, quantity
 from wmr_ctrl.core.fields.units import plain
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated, derived, unknown
-from wmr_ctrl.core.fields.values import check_multiple
+from wmr_ctrl.core.fields.values import Pair, check_multiple
 
 CHANGING = {"m": "kg", "I": "kg m2", "mu": ""}
 """Fields of the robot that may change during a run, with their units in words."""
@@ -99,10 +99,8 @@ class Body(Section, key="body"):
 class Limits(Section, key="limits"):
     """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20)."""
 
-    v_u1: tuple[float, float] = quantity(
-        unknown((1.0, 1.0)), "m/s, rad/s", "limits of |v1| and |omega|", above=0
-    )
-    v_u2: tuple[float, float] = quantity(
+    v_u1: Pair = quantity(unknown((1.0, 1.0)), "m/s, rad/s", "limits of |v1| and |omega|", above=0)
+    v_u2: Pair = quantity(
         derived((0.85, 0.85)),
         "m/s, rad/s",
         "thresholds above which the barrier acts; default: 0.85 v_u1",
@@ -143,7 +141,7 @@ class Initial(Section, key="initial"):
     pose: tuple[float, float, float] = quantity(
         derived((0.0, 0.0, 0.0)), "m, m, rad", "x, y, theta (theta is 0 along +Y)", orientation=3
     )
-    velocity: tuple[float, float] = quantity(derived((0.0, 0.0)), "m/s, rad/s", "v1, omega")
+    velocity: Pair = quantity(derived((0.0, 0.0)), "m/s, rad/s", "v1, omega")
 
 
 class Clock(Section, key="clock"):
@@ -274,46 +272,44 @@ class Guard(Section, key="guard"):
         0.1, "1", "share by which M_min and M_max extend beyond the model's mass", minimum=0,
         below=1,
     )  # fmt: skip
-    M_min: tuple[float, float] | None = quantity(
+    M_min: Pair | None = quantity(
         None, "kg, kg.m2", "smallest possible mass and inertia", above=0, size=2
     )
-    M_max: tuple[float, float] | None = quantity(
+    M_max: Pair | None = quantity(
         None, "kg, kg.m2", "largest possible mass and inertia", above=0, size=2
     )
-    dbar: tuple[float, float] | None = quantity(
+    dbar: Pair | None = quantity(
         None, "N, N.m", "bound of the disturbance force", minimum=0, size=2
     )
-    d_model: tuple[float, float] = quantity(
+    d_model: Pair = quantity(
         (0.0, 0.0), "N, N.m", "added to a dbar that is derived from the noise", minimum=0
     )
-    nbar: tuple[float, float] | None = quantity(
+    nbar: Pair | None = quantity(
         None, "m/s, rad/s", "bound of the velocity's error", minimum=0, size=2
     )
-    delay: tuple[float, float] | None = quantity(
+    delay: Pair | None = quantity(
         None, "s", "bounds of a command's delay, which may vary", minimum=0, maximum=10, size=2,
         usual=(0, 2),
     )  # fmt: skip
-    lag: tuple[float, float] | None = quantity(
+    lag: Pair | None = quantity(
         None, "s", "bounds of the drives' time constant, which may vary; equal bounds: constant",
         minimum=0, size=2, usual=(0, 2),
     )  # fmt: skip
     alpha: float | None = quantity(
         None, "1/s", "fastest rate of approach to the limit, at most 1/T", above=0
     )
-    brake: tuple[float, float] | None = quantity(
+    brake: Pair | None = quantity(
         None, "N, N.m", "largest force with which the guard brakes", minimum=0, size=2
     )
     brake_share: float = quantity(
         0.5, "1", "share of spare wheel torque for linear braking", minimum=0, maximum=1
     )
-    f_min: tuple[float, float] = quantity(
+    f_min: Pair = quantity(
         (0.0, 0.0), "N, N.m", "friction that certainly acts above f_speed", minimum=0
     )
-    f_speed: tuple[float, float] = quantity(
-        (0.0, 0.0), "m/s, rad/s", "speed above which f_min acts", minimum=0
-    )
+    f_speed: Pair = quantity((0.0, 0.0), "m/s, rad/s", "speed above which f_min acts", minimum=0)
 
-    def masses(self, m: float, inertia: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    def masses(self, m: float, inertia: float) -> tuple[Pair, Pair]:
         """Smallest, largest mass and inertia [kg, kg m2]: stated, or of a model by mass_margin."""
         low, high = 1.0 - self.mass_margin, 1.0 + self.mass_margin
         return self.M_min or (low * m, low * inertia), self.M_max or (high * m, high * inertia)

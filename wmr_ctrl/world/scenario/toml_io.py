@@ -19,7 +19,7 @@ from tomlkit.items import Table
 
 from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.core.fields.arguments import checks_arguments
-from wmr_ctrl.core.fields.files import decode, parse_toml, read_text
+from wmr_ctrl.core.fields.files import AnyPath, decode, parse_toml, read_text
 from wmr_ctrl.core.fields.orientation import PAPER, described, field_outward
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, quantities
@@ -108,9 +108,7 @@ def _preset_text(name: str) -> str:
 
 
 @checks_arguments
-def load_scenario(
-    name_or_path: str | os.PathLike[str], overrides: Mapping[str, object] | None = None
-) -> Scenario:
+def load_scenario(name_or_path: AnyPath, overrides: Mapping[str, object] | None = None) -> Scenario:
     """Return a preset, or the scenario of a TOML file, with ``overrides`` applied.
 
     A text is a path if it ends in ``.toml``, contains a separator, or names an existing file and
@@ -150,9 +148,7 @@ def naming_file(source: object, overrides: Iterable[str] = ()) -> Iterator[None]
 
 
 @checks_arguments
-def loads_scenario(
-    text: str | bytes, name: str = "unnamed", folder: str | os.PathLike[str] = "."
-) -> Scenario:
+def loads_scenario(text: str | bytes, name: str = "unnamed", folder: AnyPath = ".") -> Scenario:
     """Return the scenario of TOML text; relative files in it are relative to ``folder``."""
     if isinstance(text, bytes):
         text = decode(text, name)
@@ -219,7 +215,7 @@ def _extended(raw: Raw, folder: Path, seen: tuple[str, ...]) -> Raw:
     return merge(in_frames(extended, raw.get("frames", frames_of(extended))), raw)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class InheritedValue:
     """A field that nobody states: key, value in effect, unit, meaning."""
 
