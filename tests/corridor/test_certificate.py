@@ -380,10 +380,8 @@ def test_what_a_refusal_says_to_set_for_rare_poses_has_a_corridor(period, more):
 
 def test_without_ball_arithmetic_it_is_not_checked(monkeypatch):
     monkeypatch.setattr(room, "is_open", lambda: False)
-    room._of.cache_clear()
 
     assert "NOT_CHECKED" in find_corridor(load_scenario("safe-simulation"), "prox").sentence
-    room._of.cache_clear()
 
 
 def test_a_first_command_counts_from_the_measured_velocity():

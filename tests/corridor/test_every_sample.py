@@ -14,10 +14,11 @@ import pytest
 from tests.corridor.further import burger
 from tests.corridor.one_by_one import HEADING, ROUND, SIDES, of_base, of_torques
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.theory.corridor import certified_corridor, find_corridor, run_corridor
+from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
 from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_proofs.corridor import passage, remainders
 from wmr_proofs.corridor.along import Along
+from wmr_proofs.corridor.asked import run_corridor
 from wmr_proofs.corridor.inputs import bounded_inputs
 from wmr_proofs.corridor.instant import Guess
 from wmr_proofs.corridor.passage import Passing

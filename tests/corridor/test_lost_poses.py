@@ -11,9 +11,8 @@ from tests.corridor.adversary import DIRECTIONS, worst_errors, worst_pushes
 from tests.corridor.further import farthest_lost, lossy, simulated
 from tests.corridor.late import farthest_unseen
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.theory import corridor as room
 from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor
-from wmr_proofs.corridor import reckoning
+from wmr_proofs.corridor import asked, reckoning
 
 SAMPLES = 200
 NOISY = {"disturbance.std": 0.0, "sensor.velocity_noise": [1e-3, 4e-3]}
@@ -67,11 +66,11 @@ def test_over_any_number_of_samples_more_than_are_summed_up_cost_no_less():
     kept = reckoning.MOST_ROW_SAMPLES
     reckoning.MOST_ROW_SAMPLES = 5
     try:
-        room._of.cache_clear()
+        asked._found.cache_clear()
         apart = [find_corridor(simulated(lossy(times)), "prox").position for times in (5, 9, 12)]
     finally:
         reckoning.MOST_ROW_SAMPLES = kept
-        room._of.cache_clear()
+        asked._found.cache_clear()
 
     assert corridors[0] == apart[0]
     assert corridors[0] < corridors[1] < corridors[2]

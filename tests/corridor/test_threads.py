@@ -11,7 +11,7 @@ from flint import ctx
 
 from wmr_ctrl.theory import corridor
 from wmr_ctrl.world.scenario import load_scenario
-from wmr_proofs.corridor import latch, masses, whole
+from wmr_proofs.corridor import asked, latch, masses, whole
 
 MADE_BY = ((masses, "certified"), (whole, "certified_run"), (latch, "monitor_of"),
            (latch, "left_by"))  # fmt: skip
@@ -30,7 +30,7 @@ def together(monkeypatch):
         return corridor.Corridor("prox", refused="nothing is certified here")
 
     def forget():
-        for kept in (corridor._of, corridor._of_run, corridor._course_of):
+        for kept in (asked._found, asked._of_run, asked._course_of):
             kept.cache_clear()
 
     for module, name in MADE_BY:
@@ -48,7 +48,7 @@ def test_one_thread_certifies_at_a_time(together, monkeypatch):
     tasks = [
         lambda: corridor.find_corridor(scenario, "prox"),
         lambda: corridor.certified_corridor(scenario, "prox"),
-        lambda: corridor.run_corridor(scenario, "prox"),
+        lambda: asked.run_corridor(scenario, "prox"),
         lambda: corridor.corridor_course(scenario, "prox", whole=False),
         lambda: corridor.corridor_monitor(scenario, "prox"),
         lambda: corridor.left_corridor(run),
@@ -64,7 +64,7 @@ def test_one_thread_certifies_at_a_time(together, monkeypatch):
 def test_a_precision_that_others_left_changes_no_figure():
     scenario, found = load_scenario("safe-simulation"), []
     for bits in (53, 30, 300):
-        corridor._of.cache_clear()
+        asked._found.cache_clear()
         with ctx.workprec(bits):
             found.append(corridor.find_corridor(scenario, "mb"))
             assert ctx.prec == bits

@@ -16,8 +16,9 @@ from wmr_ctrl.control.filter.filter import CommandFilter, passing_commands
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.report.course import course_of_tube
-from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor, run_corridor
+from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor
 from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_proofs.corridor.asked import run_corridor
 from wmr_proofs.corridor.certificate import Certifier
 
 LOOSE = {"poses in part": 1.35, "poses mostly": 1.15, "a ramp, poses": 1.65,

@@ -10,11 +10,12 @@ import pytest
 from tests.corridor.adversary import TRIED, attack, worst_on_the_way
 from tests.world.toys import GUST
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.theory.corridor import find_corridor, run_corridor
+from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_proofs.corridor import following
 from wmr_proofs.corridor.along import Along
+from wmr_proofs.corridor.asked import run_corridor
 from wmr_proofs.corridor.inputs import bounded_inputs
 from wmr_proofs.corridor.masses import certified, mass_courses
 from wmr_proofs.corridor.passage import Passing

@@ -9,8 +9,8 @@ from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.export.page.content import content_of
 from wmr_ctrl.export.page.scenes import PageScene, story
 from wmr_ctrl.results import Run
-from wmr_ctrl.theory.corridor import run_corridor
 from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_proofs.corridor.asked import run_corridor
 
 STEPS = {step.key: step for step in story()}
 

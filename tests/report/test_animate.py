@@ -17,9 +17,9 @@ from wmr_ctrl.report.animate import animate_runs
 from wmr_ctrl.report.course import band
 from wmr_ctrl.report.scene import BODY, outline, scene_of, with_tubes
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.theory.corridor import run_corridor
 from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
+from wmr_proofs.corridor.asked import run_corridor
 
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
 

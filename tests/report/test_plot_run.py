@@ -22,9 +22,9 @@ from wmr_ctrl.report.plot_runs import plot_runs
 from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.report.stage import frames
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.theory.corridor import run_corridor
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import load_scenario, override, to_toml
+from wmr_proofs.corridor.asked import run_corridor
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")

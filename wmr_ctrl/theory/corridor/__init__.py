@@ -4,20 +4,12 @@ Start with `find_corridor`; docs/explanation/corridor.md has the theorem and its
 """
 
 import math
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
-from dataclasses import replace
-from functools import lru_cache
-from threading import RLock
-
-import numpy as np
 
 from wmr_ctrl.control.laws.registry import LAWS
-from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.verdicts import CorridorLeft as CorridorLeft
-from wmr_ctrl.theory.checks.budget import OverBudgetError, budget
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.door import LEFT_OUT, is_open, proofs
 from wmr_ctrl.world.model.system import System
@@ -29,24 +21,8 @@ from .clearance import Clearance as Clearance
 from .clearance import find_clearance
 
 NOT_CHECKED = f"NOT_CHECKED: {LEFT_OUT}"
-TOO_MUCH = (
-    "not checked: over the whole run it takes more work than is allowed here; "
-    "wmr_ctrl.corridor(scenario, law, whole=True) has no such limit"
-)
-BITS = 53
-"""Python-flint's precision where a certificate asks for none of its own."""
-_ONE = RLock()
-
-
-@contextmanager
-def _alone() -> Iterator[None]:
-    """For one thread: python-flint has one precision for all, which others may have left as any."""
-    with _ONE, ExitStack() as stack:
-        if is_open():
-            from flint import ctx
-
-            stack.enter_context(ctx.workprec(BITS))
-        yield
+ASKED = "corridor.asked"
+"""Module of wmr_proofs that works them out."""
 
 
 @checks_arguments
@@ -61,28 +37,18 @@ def find_corridor(
     (`wmr_ctrl.theory.checks.budget`), it is refused as "not checked".  Without python-flint (the
     extra ``proofs``) its ``refused`` is NOT_CHECKED.
     """
-    with _alone():
-        return _of(settle(scenario, law), whole, work)
+    setup = settle(scenario, law)
+    if not is_open():
+        clear = find_clearance(setup.scenario, None)
+        return Corridor(setup.name, refused=NOT_CHECKED, clearance=clear)
+    answer: Corridor = proofs(ASKED).corridor_of(setup, whole, work)
+    return answer
 
 
 def certified_corridor(scenario: Scenario, law: str) -> Corridor:
     """The corridor for good, without a search for smaller inputs that would have one."""
-    certified = proofs("corridor.masses").certified
-
-    with _alone():
-        return certified(settle(scenario, law), closing=False)
-
-
-def run_corridor(scenario: Scenario, law: str) -> Corridor:
-    """The Corridor of the scenario's whole run, with its ``course``; where there is none, at once.
-
-    That takes some seconds.
-    """
-    setup = settle(scenario, law)
-    if not is_open():
-        return Corridor(law, refused=NOT_CHECKED)
-    with _alone():
-        return _of_run(setup)
+    answer: Corridor = proofs(ASKED).certified_corridor(settle(scenario, law))
+    return answer
 
 
 def corridor_course(scenario: Scenario, law: str, *, whole: bool = True) -> Corridor | None:
@@ -93,8 +59,7 @@ def corridor_course(scenario: Scenario, law: str, *, whole: bool = True) -> Corr
     which takes some seconds, and is left out without ``whole``.
     """
     setup = settle(scenario, law)
-    with _alone():
-        return None if not is_open() else _course_of(setup, whole)
+    return proofs(ASKED).course_of(setup, whole) if is_open() else None
 
 
 def corridor_monitor(scenario: Scenario, law: str) -> System:
@@ -103,10 +68,7 @@ def corridor_monitor(scenario: Scenario, law: str) -> System:
     Raises ScenarioError where there is no corridor, or none that can be watched,
     MissingExtraError without the extra proofs.
     """
-    monitor_of = proofs("corridor.latch").monitor_of
-
-    with _alone():
-        return monitor_of(scenario, law)
+    return proofs(ASKED).monitor_of(scenario, law)
 
 
 def is_covered(run: Run) -> bool:
@@ -126,58 +88,4 @@ def left_corridor(run: Run) -> CorridorLeft | None:
     foreign = any(item.present(scenario) for item in EFFECTS.plugins)
     if not is_open() or (is_covered(run) and not foreign):
         return None
-    left_by = proofs("corridor.latch").left_by
-
-    with _alone():
-        return left_by(run, scenario)
-
-
-@lru_cache(maxsize=16)
-def _of_run(setup: Setup) -> Corridor:
-    certified_run = proofs("corridor.whole").certified_run
-
-    return certified_run(setup, closing=False)
-
-
-@lru_cache(maxsize=16)
-def _course_of(setup: Setup, whole: bool) -> Corridor | None:
-    certified = proofs("corridor.masses").certified
-
-    tube = certified(setup, closing=False)
-    begun = tube.position is not None and not tube.late  # no run begins with what is late
-    if whole and (not begun or tube.until is not None):
-        run = _of_run(setup)
-        if run.course is not None:
-            return run
-    if not begun:
-        return None
-    return replace(tube, course=np.array([[tube.position], [tube.heading]], dtype=float))
-
-
-def _within(setup: Setup, work: float) -> Corridor:
-    """The corridor of the whole run; "not checked" where that takes more than this work."""
-    certified_run = proofs("corridor.whole").certified_run
-
-    try:
-        with budget(work):
-            return certified_run(setup)
-    except OverBudgetError:
-        return Corridor(setup.name, refused=TOO_MUCH, run=setup.scenario.clock.duration)
-
-
-@lru_cache(maxsize=256)
-def _of(setup: Setup, whole: bool, work: float) -> Corridor:
-    tube = Corridor(setup.name, refused=NOT_CHECKED)
-    if is_open():
-        is_steady = proofs("corridor.inputs").is_steady
-        certified = proofs("corridor.masses").certified
-
-        steady = is_steady(setup)
-        tube = certified(setup) if steady or not whole else _within(setup, work)
-        ends = tube.until is not None or bool(tube.late)
-        if whole and steady and tube.position is not None and ends:
-            tube = replace(tube, whole=_within(setup, work))
-    of_run = None if tube.whole is None else tube.whole.position
-    position = None if tube.late and tube.run is None else tube.position  # no run begins like that
-    width = position if of_run is None else of_run
-    return replace(tube, clearance=find_clearance(setup.scenario, width))
+    return proofs(ASKED).left_by(run, scenario)
