@@ -169,11 +169,13 @@ fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
     if (s && nvr && !value) {
         return status_of(wmr_say(s, WMR_ERROR, "the array of values is missing."));
     }
-    for (size_t i = 0; i < nvr && status == WMR_OK; ++i) {
+    wmr_status worst = status;
+    for (size_t i = 0; i < nvr && status <= WMR_WARNING; ++i) {
         const double number = value[i];
         status = wmr_set(s, WMR_INTEGER, vr ? vr + i : NULL, 1, &number, 1);
+        worst = status > worst ? status : worst;
     }
-    return status_of(status);
+    return status_of(worst);
 }
 
 /* No variable is a Boolean or a string. */

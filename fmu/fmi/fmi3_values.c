@@ -50,11 +50,13 @@ fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference refs[], 
 {
     wmr_instance *s = wmr_legal(instance, &SET);
     wmr_status status = s ? check_integers(s, count, values, length) : WMR_ERROR;
-    for (size_t i = 0; i < count && status == WMR_OK; ++i) {
+    wmr_status worst = status;
+    for (size_t i = 0; i < count && status <= WMR_WARNING; ++i) {
         const double number = (double)values[i];
         status = wmr_set(s, WMR_INTEGER, refs ? refs + i : NULL, 1, &number, 1);
+        worst = status > worst ? status : worst;
     }
-    return status_of(status);
+    return status_of(worst);
 }
 
 static fmi3Status none_of_them(fmi3Instance instance, const wmr_call *call, size_t count)

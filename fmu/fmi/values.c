@@ -16,6 +16,33 @@ static const int SETTABLE[] = {
     0                                     /* WMR_CALCULATED */
 };
 
+/* In model exchange solvers set states and tunable parameters with the inputs. */
+static int settable(const wmr_instance *s, uint32_t ref)
+{
+    const int role = wmr_variables[ref].role;
+    const int state = role == WMR_START && ref < WMR_X + WMR_CONTINUOUS_STATES;
+    const int solved = s->state.interface == WMR_MODEL_EXCHANGE && (state || role == WMR_TUNABLE);
+    return (SETTABLE[role] | (solved ? SETTABLE[WMR_INPUT] : 0)) & s->state.mode;
+}
+
+/* A value that cannot be set now: the one that is there already may be written again. */
+static wmr_status check_same(wmr_instance *s, uint32_t ref, const double *values)
+{
+    const wmr_variable *v = &wmr_variables[ref];
+    const double *now = s->state.values + ref;
+    if (v->role != WMR_FIXED && v->role != WMR_TUNABLE && v->role != WMR_START) {
+        return wmr_say(s, WMR_ERROR, "%s cannot be set now.", v->name);
+    }
+    for (uint32_t i = 0; i < v->size; ++i) {
+        if (!(values[i] == now[i])) {
+            return wmr_say(s, WMR_ERROR, "%s is fixed by now: it is %.17g and cannot become %.17g.",
+                           v[i].name, now[i], values[i]);
+        }
+    }
+    return wmr_say(s, WMR_WARNING, "%s is fixed by now, and was set to the value that it has.",
+                   v->name);
+}
+
 int64_t wmr_length(wmr_instance *s, wmr_type type, const uint32_t *refs, size_t count)
 {
     int64_t total = 0;
@@ -83,8 +110,8 @@ static wmr_status check_variable(wmr_instance *s, uint32_t ref, const double *va
 {
     const wmr_variable *v = &wmr_variables[ref];
     wmr_status status = WMR_OK;
-    if (!(SETTABLE[v->role] & s->state.mode)) {
-        return wmr_say(s, WMR_ERROR, "%s cannot be set now.", v->name);
+    if (!settable(s, ref)) {
+        return check_same(s, ref, values);
     }
     for (uint32_t i = 0; i < v->size && status == WMR_OK; ++i) {
         status = check_value(s, v + i, values[i]);
@@ -96,13 +123,15 @@ wmr_status wmr_set(wmr_instance *s, wmr_type type, const uint32_t *refs, size_t 
                    const double *values, size_t length)
 {
     wmr_status status = check_length(s, wmr_length(s, type, refs, count), values, length);
+    wmr_status worst = status;
     const double *value = values;
-    for (size_t i = 0; i < count && status == WMR_OK; ++i) {
+    for (size_t i = 0; i < count && status <= WMR_WARNING; ++i) {
         status = check_variable(s, refs[i], value);
+        worst = status > worst ? status : worst;
         value += wmr_variables[refs[i]].size;
     }
-    if (status != WMR_OK) {
-        return status;
+    if (worst > WMR_WARNING) {
+        return worst;
     }
     for (size_t i = 0; i < count; ++i) {
         const size_t size = wmr_variables[refs[i]].size;
@@ -110,5 +139,5 @@ wmr_status wmr_set(wmr_instance *s, wmr_type type, const uint32_t *refs, size_t 
         values += size;
     }
     s->state.stale = 1;
-    return WMR_OK;
+    return worst;
 }

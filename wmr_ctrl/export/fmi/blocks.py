@@ -7,6 +7,8 @@ outputs that are no states, and the diagnostics.
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import MappingProxyType
 
 import casadi as ca
@@ -209,8 +211,16 @@ def _model(
         _derivatives(z, w) if derived else (),
         layout,
         dependencies=_dependencies(z, w, layout),
-        graph=whole.serialize(),
+        graph=_saved(whole),
     )
+
+
+def _saved(function: ca.Function) -> str:
+    """The file that `casadi.Function.load` reads, which is text."""
+    with TemporaryDirectory() as folder:
+        file = Path(folder, "evaluate.casadi")
+        function.save(str(file))
+        return file.read_text(encoding="ascii")
 
 
 def _dependencies(

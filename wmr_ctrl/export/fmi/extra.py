@@ -23,7 +23,7 @@ from .model_description import FmuModel, Role
 
 EXTRA = "extra/org.wmr-ctrl"
 GRAPH = f"{EXTRA}/evaluate.casadi"
-"""The serialised function of a single block."""
+"""The function of a single block, for `casadi.Function.load`."""
 RESULT = f"{EXTRA}/reference.csv"
 """The reference result."""
 STARTS = f"{EXTRA}/reference.ssv"

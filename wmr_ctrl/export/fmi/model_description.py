@@ -153,7 +153,7 @@ class FmuModel:
     ``tables``: named integer or float arrays for C;
     ``dependencies``: by the row of a calculated variable the rows that it depends on (True:
     linearly, by a constant), None where all depend on all;
-    ``graph``: the serialised CasADi function.
+    ``graph``: the CasADi function, as a file that `casadi.Function.load` reads.
     """
 
     what: str
