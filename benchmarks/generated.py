@@ -8,7 +8,6 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.api import compile_loop
 from wmr_ctrl.codegen.build import build_law, build_loop
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup as Settled
@@ -17,7 +16,7 @@ from wmr_ctrl.core.compiled import CompiledLoop, elements
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.simulation.batch import run_tasks
 from wmr_ctrl.simulation.compiled_law import CompiledLaw
-from wmr_ctrl.simulation.engines import runnable_of
+from wmr_ctrl.simulation.engines import runnable, runnable_of
 from wmr_ctrl.simulation.memory import Task, laid_out, load, opened, vector_sets
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 
@@ -130,7 +129,7 @@ def batch(name: str | None = None, control: float = 1e-3) -> Candidate:
 
     ``name``: of the vector instructions, else the best of this processor.
     """
-    loop = compile_loop(scenario(control), "nn")
+    loop = runnable(scenario(control), "nn")
     sets = vector_sets(loop.compiled.library)
     vectors = next((item for item in sets if name in (None, item.name)), None)
     if vectors is None:

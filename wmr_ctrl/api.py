@@ -26,7 +26,7 @@ from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.simulation.campaign.engine import PhaseProgress
 from wmr_ctrl.simulation.campaign.study_run import study as study
 from wmr_ctrl.simulation.many import checked_seeds, checked_starts
-from wmr_ctrl.simulation.runnable import RunnableLoop, versions
+from wmr_ctrl.simulation.runnable import versions
 from wmr_ctrl.world.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -363,19 +363,6 @@ def compile_law(
 
     name = law_name(law)
     return CompiledLaw(build_law(settle(scenario_of(scenario), name)))
-
-
-def compile_loop(
-    scenario: str | Path | Scenario,
-    law: types.LawGiven,
-    overrides: types.Overrides | None = None,
-    guard: bool | None = None,
-) -> RunnableLoop:
-    """The closed loop of ``law`` on ``scenario``, for `sim.batch`.  Errors as in `compile_law`."""
-    from wmr_ctrl.simulation.engines import runnable
-
-    name = law_name(law)
-    return runnable(scenario_of(scenario, overrides, guard), name)
 
 
 def law_table() -> list[dict[str, str]]:

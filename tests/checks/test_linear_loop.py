@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from tests.checks.asking import closed
-from wmr_ctrl.api import compile_loop, simulate
+from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.simulation.memory import laid_out
 from wmr_ctrl.theory.checks.loop import Loop
 from wmr_ctrl.theory.checks.radius import (
@@ -111,7 +112,7 @@ def finals(scenario: Scenario, law: str, samples: int) -> np.ndarray:
 
     Flags stay as they are; the pose afterwards is seen as tracking error.
     """
-    ready = compile_loop(scenario, law)
+    ready = runnable(scenario, law)
     ports, columns = ready.compiled.layout.state, []
     size, units = len(elements(ports)), [item.unit for item in ports for _ in item.elements]
     theta = sample(scenario, np.array([samples * T]))[0][2]

@@ -12,17 +12,19 @@ import numpy as np
 import pytest
 
 from tests.matrix import headed, quick, turns
-from wmr_ctrl.api import compile_loop, simulate, simulate_many, simulate_runs
+from wmr_ctrl.api import simulate, simulate_many, simulate_runs
 from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import vector_sets
 from wmr_ctrl.codegen.toolchain import Unit
 from wmr_ctrl.control.given import scenario_of
+from wmr_ctrl.control.given import scenario_of as given
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor, split_columns
 from wmr_ctrl.results.frames import summary
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.simulation.batch import run_logged, run_tasks
+from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.simulation.memory import Task, aligned, laid_out
 from wmr_ctrl.simulation.memory import vector_sets as usable
 
@@ -34,7 +36,7 @@ every_law = pytest.mark.parametrize("law", NAMES)
 def tasks_of(
     name: str, law: str, seeds: range, overrides: dict[str, object], vectors: str | None = None
 ) -> list[Task]:
-    loop = compile_loop(scenario_of(name, overrides), law)
+    loop = runnable(scenario_of(name, overrides), law)
     if vectors and vectors not in names_of(loop.compiled.library):
         pytest.skip(f"NOT RUN: this processor has no {vectors}")
     return [Task(loop, seed, vectors=vectors) for seed in seeds]
@@ -246,7 +248,7 @@ def test_runs_have_the_seeds_that_were_asked_for() -> None:
 
 def test_a_loop_is_compiled_with_the_guard_where_it_is_asked_for() -> None:
     guards = (None, True, False)
-    loops = [compile_loop("paper-simulation", "mb", SHORT, guard) for guard in guards]
+    loops = [runnable(given("paper-simulation", SHORT, guard), "mb") for guard in guards]
 
     assert [loop.scenario.guard.enabled for loop in loops] == [False, True, False]
 

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.api import compile_loop, simulate
+from wmr_ctrl.api import simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.laws.context import LawContext
@@ -18,6 +18,7 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.results.frames import summary
 from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.simulation.many import planned_tasks, tabulated
 from wmr_ctrl.simulation.memory import Task
 from wmr_ctrl.world.model.system import System
@@ -27,7 +28,7 @@ SHORT = {"clock.duration": 4.0, "changes": []}
 
 def many(overrides: list[dict[str, object]], seeds: list[int], starts: object = None) -> RunTable:
     scenarios = [scenario_of("paper-simulation", {**SHORT, **item}) for item in overrides]
-    build = partial(compile_loop, law="mb")
+    build = partial(runnable, law="mb")
     return tabulated(planned_tasks(build, scenarios, seeds, starts, None))
 
 
@@ -47,7 +48,7 @@ def test_a_torque_that_is_no_number_is_the_largest(monkeypatch: pytest.MonkeyPat
     entry = EntryPoint("blind", f"{__name__}:BLIND", "wmr_ctrl.laws")
     monkeypatch.setitem(LAWS.plugins, "blind", entry)
     scenario = scenario_of("paper-simulation", {**SHORT, "disturbance.std": 0.0})
-    table = tabulated([Task(compile_loop(scenario, "blind"), 0)])
+    table = tabulated([Task(runnable(scenario, "blind"), 0)])
     run = simulate(scenario, "blind")
 
     assert table["outcome"].tolist() == [run.outcome] == ["non-finite"]

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from tests.world import toys
-from wmr_ctrl.api import compile_loop, export_fmu, simulate
+from wmr_ctrl.api import export_fmu, simulate
 from wmr_ctrl.cli import root
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
@@ -18,6 +18,7 @@ from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields import plugins
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import BODY_FORCE, REFERENCE, TIME, TORQUE, TORQUE_NOISE, Signal
+from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.theory.checks.loop import Loop
 from wmr_ctrl.theory.checks.stable_ranges import largest_period
 from wmr_ctrl.theory.checks.surroundings import rounded_effects
@@ -114,14 +115,14 @@ def test_one_of_the_same_name_replaces_the_graph(registered):
 def test_what_is_no_bound_names_its_effect(registered, bound):
     registered(replace(SHAKE, bound=lambda scenario: Bound(**bound)))
     with pytest.raises(ArgumentError, match=rf"shake \(\[shake\]\).*{next(iter(bound))} = "):
-        compile_loop(shaking(**{"guard.enabled": True}), "mb")
+        runnable(shaking(**{"guard.enabled": True}), "mb")
 
 
 @pytest.mark.parametrize("returned", [None, "none", (1.0, 2.0)])
 def test_a_bound_is_a_bound(registered, returned):
     registered(replace(SHAKE, bound=lambda scenario: returned))
     with pytest.raises(ArgumentError, match=r"shake.*not a Bound"):
-        compile_loop(shaking(), "mb")
+        runnable(shaking(), "mb")
 
 
 # -- functions that fail ------------------------------------------------------------------
@@ -143,7 +144,7 @@ def test_an_error_in_an_effect_names_it(registered, field):
 def test_an_effect_builds_a_system(registered, built):
     registered(replace(SHAKE, build=lambda scenario: built))
     with pytest.raises(ArgumentError, match=r"shake.*not a System"):
-        compile_loop(shaking(), "mb")
+        runnable(shaking(), "mb")
 
 
 # -- what a role has a place for ----------------------------------------------------------
@@ -152,7 +153,7 @@ def test_an_effect_builds_a_system(registered, built):
 def test_a_disturbance_writes_no_command(registered):
     registered(replace(SHAKE, build=lambda scenario: shaken(scenario, TORQUE)))
     with pytest.raises(ArgumentError, match=r"shake .*writes 'tau_right'.*thrust"):
-        compile_loop(shaking(), "mb")
+        runnable(shaking(), "mb")
 
 
 @pytest.mark.parametrize("signal", [TORQUE[0], REFERENCE[0], Signal("foo", "1", "nothing")])
@@ -163,7 +164,7 @@ def test_an_effect_reads_what_its_role_is_told(registered, signal):
 
     registered(replace(SHAKE, build=build))
     with pytest.raises(ArgumentError, match=f"shake .*reads '{signal.name}'"):
-        compile_loop(shaking(), "mb")
+        runnable(shaking(), "mb")
 
 
 def test_random_numbers_are_of_a_kind_that_there_is(registered):
@@ -173,7 +174,7 @@ def test_random_numbers_are_of_a_kind_that_there_is(registered):
 
     registered(replace(SHAKE, build=build))
     with pytest.raises(ArgumentError, match="poisson"):
-        compile_loop(shaking(), "mb")
+        runnable(shaking(), "mb")
 
 
 @pytest.mark.parametrize("name", ["x", "V1", "tau_right", "shake_now"])
@@ -185,7 +186,7 @@ def test_a_diagnostic_has_a_name_of_its_own(registered, name):
 
     registered(replace(SHAKE, build=build, rate=Rate.SAMPLE))
     with pytest.raises(ArgumentError, match=f"diagnostic '{name}'"):
-        compile_loop(shaking(), "mb")
+        runnable(shaking(), "mb")
 
 
 # -- outputs that hold reference, controller and plant alone --------------------------------
@@ -327,7 +328,7 @@ def reference(*changed: Output, inputs: tuple = ()) -> object:
 def test_a_reference_gives_the_seven_signals_in_order(monkeypatch, kind):
     monkeypatch.setitem(REFERENCES.__dict__, "plugins", (kind,))
     with pytest.raises(ArgumentError, match=r"toy-clothoid.*x_d, y_d, theta_d"):
-        compile_loop(scenario_of("paper-simulation", {"reference.kind": "toy-clothoid"}), "mb")
+        runnable(scenario_of("paper-simulation", {"reference.kind": "toy-clothoid"}), "mb")
 
 
 def test_what_a_reference_reads_elsewhere_is_checked_anew(monkeypatch):
@@ -346,9 +347,9 @@ def test_what_a_reference_reads_elsewhere_is_checked_anew(monkeypatch):
     kind = replace(toys.CLOTHOID, build=build)
     monkeypatch.setitem(REFERENCES.__dict__, "plugins", (kind,))
     own = {**SHORT, "reference.kind": "toy-clothoid"}
-    compile_loop(scenario_of("paper-simulation", own), "mb")
+    runnable(scenario_of("paper-simulation", own), "mb")
     with pytest.raises(ScenarioError, match="not finite"):
-        compile_loop(scenario_of("paper-simulation", {**own, "robot.mu": 0.0}), "mb")
+        runnable(scenario_of("paper-simulation", {**own, "robot.mu": 0.0}), "mb")
 
 
 def test_a_unit_that_is_none_is_told_with_its_field(registered, tmp_path):

@@ -11,7 +11,6 @@ from fmpy import simulate_fmu
 
 from tests.papers_robot import paper_toml
 from wmr_ctrl.api import (
-    compile_loop,
     cosimulate,
     export_fmu,
     simulate,
@@ -23,6 +22,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.problems import UnknownKeyError
 from wmr_ctrl.results import Run
+from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.world.scenario import loads_scenario, to_toml
 
 SHORT = {"clock.duration": 1.5, "disturbance.std": 0.5, "disturbance.truncate": 3.0}
@@ -224,7 +224,7 @@ def test_a_stream_depends_on_its_name_alone():
 
 def test_structures_of_foreign_effects_are_never_shared():
     one, other = (
-        compile_loop(scenario_of("paper-simulation", {**SHORT, "toy_slope.angle": a}), LAW)
+        runnable(scenario_of("paper-simulation", {**SHORT, "toy_slope.angle": a}), LAW)
         for a in (0.01, 0.02)
     )
 

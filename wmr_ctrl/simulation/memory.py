@@ -206,7 +206,7 @@ def laid_out(
     if not (log or chosen.sums):
         raise ArgumentError(
             "this loop was compiled for runs with a log alone. Ask for a log, or compile it by "
-            "`compile_loop`."
+            "`wmr_ctrl.simulation.engines.runnable`."
         )
     padded = [*runs, *[runs[-1]] * (chosen.lanes - len(runs))]
     added = aligned(len(windows), chosen.sums, chosen.lanes)
