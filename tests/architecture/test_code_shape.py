@@ -28,7 +28,7 @@ FOLLOWS_FROM_A_VALUE = {
         "clean",
         "default",
     },  # what a field's kind says, known at run time
-    "wmr_ctrl.core.data": {"data"},  # what a file of ours holds
+    "wmr_ctrl.core.data": {"data", "with_tuples"},  # what a file of ours holds
     "wmr_ctrl.export.cosim.slave": {"variable"},  # a value of FMPy, which has no types
 }
 NUMBERS_OF_ANY_KIND = {"wmr_proofs", "codegen"}

@@ -3,9 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
 
-from wmr_ctrl.core.data import data
+from wmr_ctrl.core.data import data, with_tuples
 from wmr_ctrl.core.paper import EVALUATIONS, PAPER_TIMES
 from wmr_ctrl.results.table import RunTable, Spread, ratios, spread
 
@@ -203,16 +202,11 @@ def load_claims() -> tuple[PaperClaim, ...]:
     return tuple(
         PaperClaim(
             **{name: value for name, value in entry.items() if name != "test"},
-            tests=tuple(map(_test, entry["test"])),
+            tests=tuple(TestSpec(**with_tuples(test)) for test in entry["test"]),
             expected=Verdict(verdicts[entry["id"]]),
         )
         for entry in entries
     )
-
-
-def _test(entry: dict[str, Any]) -> TestSpec:
-    values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()}
-    return TestSpec(**values)
 
 
 @dataclass(frozen=True)

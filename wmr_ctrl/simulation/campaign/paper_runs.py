@@ -1,12 +1,12 @@
 """Runs of the paper's Sections V and VI: which scenarios, with which laws, over which seeds."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.results.windows import WINDOWS, named
 
-from .plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
+from .plan import MOST_SEEDS_EACH, PlannedRun, studies_in
 
 PAPER_LAWS = ("pid", "smc", "mb", "nn")
 """The four laws of the paper's Sections V and VI, in its order."""
@@ -14,51 +14,7 @@ BARRIER_LAWS = ("mb", "nn")
 """The laws that Theorems 1 and 2 are about."""
 QUICK_SEEDS = 3
 """Seeds of a campaign that is only to be seen working."""
-FEW = 5
-"""Seeds of a study whose result hardly depends on the noise."""
-IDEAL = "paper-simulation-nominal"
-"""Neither noise nor a change, and a model that is exact: what Theorems 1 and 2 assume."""
-FARTHER: Overrides = {"initial.pose": [-20.0, 10.0, 2.0]}
-_FAST: Overrides = {"initial.velocity": [0.99, -1.485]}
-_STARTS: Mapping[str, tuple[str, Overrides]] = {
-    "as-stated": ("the paper's start", {}),
-    "as-stated-fast-start": ("a start at 0.99 of both limits", _FAST),
-    "as-stated-far-start": ("the far start", {"initial.pose": [-5.0, -5.0, -0.7]}),
-    "as-stated-farther-start": ("a start 22 m away", FARTHER),
-}
-_FINE: Overrides = {"clock.control": 1e-4, "clock.plant": 1e-4, "clock.duration": 2.0}
-"""Nearly continuous time: a tenth of it changes the fifth digit of |v|/limit."""
-
-
-def _as_stated(name: str, start: str, overrides: Overrides) -> Study:
-    title = f"The theorems' own case, from {start}: no noise, the exact model, samples of 0.1 ms"
-    return Study(IDEAL, 1, name, title, BARRIER_LAWS, {**_FINE, **overrides})
-
-
-AS_STATED = tuple(_STARTS)
-"""Names of the studies that come as near to the theorems' hypotheses as a simulation can."""
-STUDIES = (
-    Study("paper-simulation"),
-    Study("paper-simulation-no-switch"),
-    Study("paper-simulation-noise-free", seeds=1),
-    Study(IDEAL, seeds=1),
-    Study("paper-experiment"),
-    Study("paper-experiment-literal", seeds=FEW),
-    Study("far-start"),
-    Study("far-start-friction-overestimated"),
-    Study("far-start-drop"),
-    Study("outside-start", seeds=FEW),
-    Study("fast-reference", seeds=FEW),
-    *(_as_stated(name, *start) for name, start in _STARTS.items()),
-    Study(
-        IDEAL,
-        1,
-        "farther-start-1ms",
-        "A start 22 m away: no noise, the exact model, samples of 1 ms",
-        BARRIER_LAWS,
-        {**FARTHER, "clock.control": 1e-3, "clock.plant": 1e-3, "clock.duration": 5.0},
-    ),
-)
+STUDIES = studies_in("paper_runs.toml")
 """Runs for Sections V and VI, their controls, the theorems as stated, and their ends."""
 
 

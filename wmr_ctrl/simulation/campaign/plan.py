@@ -18,6 +18,7 @@ from warnings import catch_warnings, filterwarnings
 import numpy as np
 from numpy.typing import NDArray
 
+from wmr_ctrl.core.data import data, with_tuples
 from wmr_ctrl.results.figures import Figure
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override, scenario_dict
@@ -242,3 +243,15 @@ class Study:
             "stop": self.stop and {**vars(self.stop), "share": self.stop.share},
             "figures": list(self.figures),
         }
+
+
+def studies_in(file: str) -> tuple[Study, ...]:
+    """Studies of a TOML file here; ``with`` names one that a study is like where it is silent."""
+    known: dict[str, dict[str, Any]] = {}
+    for row in data(__package__, file)["study"]:
+        like = known.get(row.get("with", ""), {})
+        changes = {**like.get("overrides", {}), **row.get("overrides", {})}
+        whole = {**like, **row, "overrides": changes}
+        whole.pop("with", None)
+        known[whole.get("name", whole["scenario"])] = whole
+    return tuple(Study(**with_tuples(row)) for row in known.values())

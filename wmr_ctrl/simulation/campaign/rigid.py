@@ -7,57 +7,34 @@ A slope has a key of its own on either plant, since one inclines the ground and 
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wmr_ctrl.core.data import data, with_tuples
 from wmr_ctrl.results import PLANTS, Floats
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
 
 from .engine import Campaign, PhaseProgress, run_campaign
-from .plan import Overrides, Study
+from .plan import Overrides, Study, studies_in
 
 RIGID_SEEDS = (2100, 2101, 2102, 2103, 2104)
 """Seeds with which nothing about the body was chosen."""
-_LIMIT: Overrides = {"actuator.tau_max": 10.0}
 _STEEP = math.radians(5.0)
 _SLOPE: Mapping[str, Overrides] = {
     "ode": {"slope.angle": _STEEP, "slope.direction": math.pi / 2},
     "mujoco": {"body.slope": _STEEP},
 }
-
-AS_PRINTED, LIMITED = "no torque limit, as printed", "torque limit 10 N m"
-ENCODERS = "encoders of 4096 counts, no torque limit"
-GUARDED = "guard with alpha = 5/s, no torque limit"
-SLOPED = "slope of 5 degrees, torque limit 10 N m"
-STEPS = {h: f"plant step of {1e3 * h:g} ms, torque limit 10 N m" for h in (5e-4, 2e-3)}
-OURS_TOO = ("mb", "nn", "prox")
+AS_PRINTED, SLOPED = "no torque limit, as printed", "slope of 5 degrees, torque limit 10 N m"
+TABLES = "rigid.toml"
 
 
 def _studies(plant: str) -> tuple[Study, ...]:
     """Studies, spins and falls first."""
-    paper, steady = "paper-simulation", "paper-simulation-no-switch"
-    guarded = {"guard.alpha": 5.0, "disturbance.truncate": 3.0}
-    ours = [
-        (ENCODERS, paper, {"encoder.counts": 4096}),
-        (LIMITED, paper, _LIMIT),
-        *((name, paper, {**_LIMIT, "clock.plant": h}) for h, name in STEPS.items()),
-        (GUARDED, steady, guarded),
-        (SLOPED, steady, {**_LIMIT, **_SLOPE[plant]}),
-    ]
-    return (
-        Study(paper, name=AS_PRINTED, laws=("pid", "smc", "mb", "nn")),
-        *(
-            Study(
-                preset,
-                name=name,
-                laws=OURS_TOO,
-                overrides=changes,
-                guards=(True if name == GUARDED else None,),
-            )
-            for name, preset, changes in ours
-        ),
+    return tuple(
+        replace(one, overrides={**one.overrides, **_SLOPE[plant]}) if one.name == SLOPED else one
+        for one in studies_in(TABLES)
     )
 
 
@@ -89,7 +66,7 @@ def run_rigid_comparison(
     return Campaign(RunTable(both), done[-1].runs)
 
 
-MUJOCO, ODE = "mujoco", "ode"
+MUJOCO = "mujoco"
 
 
 @dataclass(frozen=True)
@@ -106,14 +83,14 @@ class RigidClaim:
 class _Expected:
     """A number of each run on tyres that lies between two bounds, or is expected to.
 
-    ``of`` takes it from a run and the run of the same seed in the case and plant ``beside`` (none:
-    the run itself).
+    ``of``, one of `NUMBERS`, takes it from a run and the run of the same seed in the case and plant
+    ``beside`` (none: the run itself).
     """
 
     text: str
     laws: tuple[str, ...]
     case: str
-    of: Callable[[RunTable, RunTable], Floats]
+    of: str
     unit: str = ""
     beside: tuple[str, str] | None = None
     least: float = float("-inf")
@@ -126,7 +103,7 @@ class _Expected:
         others = rows.where(case=case, law=law, plant=plant)
         _, here, there = np.intersect1d(mine["seed"], others["seed"], return_indices=True)
         with np.errstate(divide="ignore", invalid="ignore"):
-            numbers = self.of(mine.at(here), others.at(there))
+            numbers = NUMBERS[self.of](mine.at(here), others.at(there))
         return np.where(np.isfinite(numbers), numbers, np.nan).tolist()
 
 
@@ -134,7 +111,7 @@ def rigid_claims(rows: RunTable) -> tuple[RigidClaim, ...]:
     """Each sentence for each of its laws that was run."""
     return tuple(
         _judged(claim, law, numbers)
-        for claim in _CLAIMS
+        for claim in (_Expected(**with_tuples(row)) for row in data(__package__, TABLES)["claim"])
         for law in claim.laws
         if (numbers := claim.numbers(rows, law))
     )
@@ -152,52 +129,13 @@ def _judged(claim: _Expected, law: str, numbers: Sequence[float]) -> RigidClaim:
     return RigidClaim(claim.text, law, holds, f"{both}{claim.unit}{few}")
 
 
-def _ise_apart(rows: RunTable, others: RunTable) -> Floats:
-    """Distance of two ISE as a share of the second [%]."""
-    return 100 * np.abs(rows["ise_total"] / others["ise_total"] - 1)
-
-
-def _growth(rows: RunTable, _: RunTable) -> Floats:
-    """e1 after the change of parameters over that before."""
-    return rows[E1] / rows[E1_BEFORE]
-
-
-def _stays_up(text: str, case: str) -> _Expected:
-    def ratio(rows: RunTable, _: RunTable) -> Floats:
-        return np.where(np.isnan(rows["tipped"]), rows["limit_ratio"], np.nan)
-
-    words = f"{text} it stays up and within its limits"
-    return _Expected(words, OURS_TOO, case, ratio, " of the limit", most=1.0)
-
-
-def _late_e1(rows: RunTable, _: RunTable) -> Floats:
-    return 1e3 * rows[E1]
-
-
-_PLANE, _BODY = (LIMITED, ODE), (LIMITED, MUJOCO)
-_ISE = "With 10 N m the ISE is within 5 % of the plane model’s"
-_LATE = "With 10 N m the late e₁ is within 0.2 mm of the plane model’s"
-_GROWN = "After the change e₁ is more than 10 times that before"
-_LEARNT = "After the change e₁ is less than 3 times that before"
-_FALLS = "As printed, without a torque limit, the robot falls over"
-_UPHILL = "On a slope of 5 degrees e₁ is {} mm"
-_STEP = "With plant steps of {:g} ms the ISE is within 1 % of that with 1 ms"
-_CLAIMS = (
-    _Expected(_ISE, OURS_TOO, LIMITED, _ise_apart, " %", _PLANE, most=5.0),
-    _Expected(
-        _LATE, OURS_TOO, LIMITED, lambda a, b: 1e3 * np.abs(a[E1] - b[E1]), " mm", _PLANE, most=0.2
-    ),
-    _Expected(_GROWN, ("mb",), LIMITED, _growth, least=10.0),
-    _Expected(_LEARNT, ("nn",), LIMITED, _growth, most=3.0),
-    _Expected(_FALLS, ("mb", "nn"), AS_PRINTED, lambda rows, _: rows["tipped"], " s"),
-    _stays_up("With encoders", ENCODERS),
-    _stays_up("With a torque limit of 10 N m", LIMITED),
-    _stays_up("With the guard’s bound on acceleration", GUARDED),
-    _Expected(_UPHILL.format("above 5"), ("mb",), SLOPED, _late_e1, " mm", least=5.0),
-    _Expected(_UPHILL.format("below 2"), ("nn", "prox"), SLOPED, _late_e1, " mm", most=2.0),
-    *(
-        _Expected(_STEP.format(1e3 * h), OURS_TOO, name, _ise_apart, " %", _BODY, most=1.0)
-        for h, name in STEPS.items()
-    ),
-)
-"""Claims on every seed."""
+NUMBERS: Mapping[str, Callable[[RunTable, RunTable], Floats]] = {
+    "ise apart": lambda rows, others: 100 * np.abs(rows["ise_total"] / others["ise_total"] - 1),
+    "late e1 apart": lambda rows, others: 1e3 * np.abs(rows[E1] - others[E1]),
+    "late e1": lambda rows, _: 1e3 * rows[E1],
+    "growth": lambda rows, _: rows[E1] / rows[E1_BEFORE],
+    "tipped": lambda rows, _: rows["tipped"],
+    "upright": lambda rows, _: np.where(np.isnan(rows["tipped"]), rows["limit_ratio"], np.nan),
+}
+"""Distance of two ISE [%] and of two late e1 [mm], late e1 [mm] and its growth, time of the fall
+[s], and largest |v|/limit of a run that stays up."""
