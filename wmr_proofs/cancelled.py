@@ -22,14 +22,13 @@ from z3 import z3util
 from .claim import CLAIMED, Claim
 from .claims import forget
 from .graph import ProvedGraph, UndecidedError
-from .methods.portfolio import ask
+from .methods.portfolio import Portfolio
 from .methods.smt import Problem, posed
 from .methods.spec import Z3, Ball, Both, Method, Ring, described
 from .regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case
 from .statement import Statement
 
-SOON = Z3(effort=20, seconds=30)
-AT_ONCE = Z3(effort=2, seconds=4)
+SOON, AT_ONCE = Z3(effort=20), Z3(effort=2)
 Signs = Mapping[str, int]
 """A sum of inputs, each with the sign 1 or -1."""
 DECLARED = " as declared"
@@ -51,7 +50,7 @@ def undefined(claim: Claim) -> tuple[int, str]:
         return 0, ""
     inputs, context = raw.terms.inputs, raw.terms.context
     known = [*raw.base, *_within(claim.method, inputs, context)]
-    left = [term for term in gone if ask([*known, term], SOON).word != "unsat"]
+    left = [term for term in gone if Portfolio(SOON).ask([*known, term]).word != "unsat"]
     if isinstance(claim.method, Ring):
         cases = claim.method.cases
         left = [term for term in left if not _never(term, raw.base, inputs, context, cases)]
@@ -144,7 +143,7 @@ def _never(
         known = [_DOMAINS[domain](free[name]) for name, domain in case.numbers.items()]
         known += [_DOMAINS[d](inputs[n]) for n, d in case.declared.items() if n in inputs]
         here = [z3.simplify(z3.substitute(item, *put)) for item in (*base, term)]
-        if ask([*known, *here], SOON).word != "unsat":
+        if Portfolio(SOON).ask([*known, *here]).word != "unsat":
             return False
     return True
 
@@ -194,7 +193,7 @@ def _positive_in(signs: Signs, case: Case) -> bool:
     key = f"{total.sexpr()} {[(name, domains[name]) for _, name in read]}"
     if key not in _SIGNS:  # many regions have the same chart of these inputs
         known = [_DOMAINS[domains[name]](symbol) for symbol, name in read]
-        _SIGNS[key] = ask([*known, z3.Not(total > 0)], AT_ONCE).word == "unsat"
+        _SIGNS[key] = Portfolio(AT_ONCE).ask([*known, z3.Not(total > 0)]).word == "unsat"
     return _SIGNS[key]
 
 

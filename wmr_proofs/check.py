@@ -32,7 +32,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     The verdict is found and the product's functions are searched anew in any case; an earlier
     entry, ``known``, says what to try first.  Three things are taken from it where graphs, method
     and versions are the same: other solvers' word; that what CasADi cancels is defined; what
-    altering functions did, where the functions are the same, too.
+    altering each function did.
     """
     if claim.statement is None or claim.method is None:
         return _entry(claim, claim.verdict)
@@ -52,7 +52,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     entered, now = _hash(claimed, altered, claim.method), spec.versions(claim.method)
     same = known if known and known.is_about(entered, now) else None
     functions = functions_of(claim, tuple(known.altered) if known else ())
-    then = same.altered if same and set(same.altered) == set(functions) else {}
+    then = same.altered if same else {}
     verdict, reason = _guarded(finding, mutated, functions)
     asked = {**now, **(spec.versions(Z3()) if find_spec("z3") else {})}
     cancelled = same.cancelled if same else None

@@ -3,7 +3,7 @@
 The function builds the relations; the first paragraph of its docstring is the claim's wording (but
 for the period that ends it), the second what it means for a robot:
 
-    claim = Claims(by=Z3(effort=150))
+    claim = Claims(by=Z3())
 
     @claim("guard.anchor", given="2 nbar <= u1")
     def anchor(mutation: Mutation) -> Statement:

@@ -194,22 +194,26 @@ def run_prove(
 def run_export(folder: Path, only: Iterable[str] = ()) -> None:
     """Write the obligations of the z3 entries that ``only`` names, and say how many.
 
-    SMT-LIB 2 files, for whoever trusts another solver more.  Raises ResultFileError where a file
-    cannot be written.
+    SMT-LIB 2 files with the expected answers, for other solvers.  Raises ResultFileError where a
+    file cannot be written.
     """
     from .claim import CLAIMED
     from .claims import all_claims
-    from .methods.obligations import obligations, uses_z3
+    from .methods.obligations import of_entry, uses_z3
 
     readme = files("wmr_proofs").joinpath("obligations.md").read_text(encoding="utf-8")
     write_all({"README.md": readme}, folder)
     wanted, count = set(selected(tuple(only))), 0
     for claim in all_claims():
-        if claim.id not in wanted or claim.statement is None or not uses_z3(claim.method):
+        entry = _committed().get(claim.id)
+        if claim.id not in wanted or entry is None or not claim.statement:
+            continue
+        if not uses_z3(claim.method):
             continue
         texts = {
-            f"{item.name}.smt2": f"; {claim.id}, {item.name}: {item.wanted} is needed\n{item.text}"
-            for item in obligations(claim.statement(CLAIMED))
+            f"{item.name}.smt2": f"; {claim.id} ({entry.verdict}), {item.name}: expected "
+            f"{item.wanted}\n(set-info :status {item.wanted})\n{item.text}"
+            for item in of_entry(claim.statement(CLAIMED), entry)
         }
         count += len(write_all(texts, folder / claim.id))
     sys.stdout.write(f"{count} obligations in {folder}; its README.md says how to check them.\n")

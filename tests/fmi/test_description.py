@@ -7,8 +7,8 @@ import re
 import zipfile
 from pathlib import Path
 
-import fmpy
 import casadi as ca
+import fmpy
 import numpy as np
 import pytest
 from fmpy import read_model_description, simulate_fmu

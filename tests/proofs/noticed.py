@@ -107,5 +107,5 @@ def short_budget(method: Method, seconds: int = 2) -> Method:
     if isinstance(method, Ball):
         return replace(method, budget=min(method.budget, 200 * seconds))
     if isinstance(method, Z3):
-        return replace(method, effort=min(method.effort, seconds), seconds=seconds)
+        return replace(method, effort=min(method.effort, 3 * seconds))
     return replace(method, quick=True) if isinstance(method, Ring) else method

@@ -7,6 +7,7 @@ from fractions import Fraction
 import casadi as ca
 import pytest
 
+from wmr_ctrl.results.ledger import OPEN, load
 from wmr_proofs.methods.spec import Z3, Ball, Both, Refute, Ring, Table
 from wmr_proofs.regions import POSITIVE, Case, at
 from wmr_proofs.relation import above, at_least, equal
@@ -116,25 +117,29 @@ def test_a_free_symbol_is_refused() -> None:
         _ = Statement({"x": x}, (equal(x * y),)).graph
 
 
-def test_z3_is_asked_again_only_where_the_clock_stopped_it(monkeypatch) -> None:
+def test_z3_tries_each_engine_again_with_more_work_until_the_effort_is_spent(monkeypatch) -> None:
     import z3
 
     from wmr_proofs.methods import portfolio
 
-    asked, hour = [], [0.0]
+    asked = []
 
-    def attempt(engine: str, terms: list[object], _: int, patience: float) -> tuple[object, None]:
+    def attempt(self, engine: str, terms: list[object], size: tuple[float, float]) -> tuple:
         assert terms
-        asked.append((engine, patience))
-        hour.append(hour[-1] + (patience if engine == "cases" else patience / 2))
+        asked.append((engine, size))
+        self.spent += size[0] if engine == "cases" else size[0] / 2  # the others have no more
         return z3.unknown, None
 
-    monkeypatch.setattr(portfolio, "attempt", attempt)
-    monkeypatch.setattr(portfolio, "monotonic", lambda: hour[-1])
+    monkeypatch.setattr(portfolio.Portfolio, "attempt", attempt)
+    spent = 2 + 15 + 8 * 2 / 2
 
-    assert Z3().decide(about("x", lambda x: ([at_least(x * x)], []))).verdict == "OPEN"
-    again = [("cases", patience) for patience in portfolio.PATIENCE[1:]]
-    assert asked == [*((engine, portfolio.PATIENCE[0]) for engine in portfolio.ENGINES), *again]
+    for effort, rounds in ((spent, 2), (1000, 3)):
+        asked.clear()
+        statement = about("x", lambda x: ([at_least(x * x)], []))
+        assert Z3(effort=effort).decide(statement).verdict == "OPEN"
+        first, *later = portfolio.ATTEMPTS[:rounds]
+        expected = [*((engine, first) for engine in portfolio.ENGINES)]
+        assert asked == [*expected, *(("cases", size) for size in later)]
 
 
 def test_what_z3_does_hangs_on_nothing_that_was_asked_before(monkeypatch) -> None:
@@ -157,3 +162,25 @@ def test_what_z3_does_hangs_on_nothing_that_was_asked_before(monkeypatch) -> Non
     assert len(first) > 1
     steps(4)
     assert steps(2) == first
+
+
+def test_z3_ends_within_its_effort_and_tells_what_it_tried():
+    x = symbols("x y z w")
+    powers = [x[name] ** 4 * x[other] ** 2 for name, other in ("xy", "yz", "zw", "wx")]
+    hard = Statement(x, (at_least(sum(powers) - 4 * x["x"] * x["y"] * x["z"] * x["w"] + 2),))
+    method = Z3(effort=3)
+
+    finding = method.decide(hard)
+
+    assert finding.verdict == OPEN
+    assert finding.evidence["work"] <= 1.05 * method.effort
+    assert "of 3 million units" in finding.evidence["tried"]
+
+
+def test_entries_need_at_most_two_thirds_of_the_effort():
+    work = {
+        entry.id: entry.evidence["work"] for entry in load().entries if "work" in entry.evidence
+    }
+
+    assert len(work) > 300
+    assert {key for key, spent in work.items() if spent > 2 / 3 * Z3().effort} == set()

@@ -21,7 +21,7 @@ COMMANDS = (
     "every command of real numbers (what is no number counts as 0, which "
     "tests/filter/test_package.py tries)"
 )
-claim = Claims(by=Z3(effort=60))
+claim = Claims(by=Z3())
 
 
 def sound(b: FirstOrder) -> tuple[Relation, ...]:

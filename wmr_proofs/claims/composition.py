@@ -28,12 +28,11 @@ from .common import OFF_EDGES, LawGraph, barrier_axis
 from .guard_axis import DELAYED, GuardAxis
 from .guard_sent import only
 
-HARD = Z3(effort=150)
 DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
 POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
 DIRECTION = "; that theta_d is the path's direction at one instant is up to the double for pi"
 MOTIONS = ({"kind": "circle", "more": DIRECTION}, {"kind": "line", "more": ""})
-claim = Claims(by=HARD)
+claim = Claims(by=Z3())
 
 
 @claim("law.mass", (4,), given="any values", by=Ring())
@@ -143,7 +142,7 @@ def friction(mutation: Mutation) -> Statement:
     return Statement(t, goals, (at_least(taken * free),))
 
 
-piece_claim = Claims(by=Z3(effort=150))
+piece_claim = Claims(by=Z3())
 
 
 @piece_claim(

@@ -24,7 +24,7 @@ from .drive_bounds import Jittering
 from .guard_axis import NUMBERS
 from .wheels_and_encoders import EffectGraph
 
-claim = Claims(by=Z3(effort=150))
+claim = Claims(by=Z3())
 
 NOTHING = FirstOrder(*(ca.SX(0) for _ in range(6)))
 SCALES = (

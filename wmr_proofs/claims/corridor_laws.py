@@ -21,7 +21,7 @@ from .common import BARRIERS
 from .guard_axis import NUMBERS
 from .prox import Step
 
-claim = Claims(by=Z3(effort=150))
+claim = Claims(by=Z3())
 
 
 @claim(

@@ -14,7 +14,7 @@ from wmr_proofs.symbols import symbols
 
 from .wheels_and_encoders import EffectGraph
 
-claim = Claims(by=Z3(effort=150))
+claim = Claims(by=Z3())
 
 
 @claim(

@@ -33,13 +33,13 @@ HEAVIEST = {"robot.m": 1, "guard.M_max[1]": 1, "robot.g": 1}
 ALONG = at(**HEAVIEST, sine=1, **{"slope.offset": 0}, along=1, across=0)
 """Straight uphill."""
 HEAVY = "coefficients >= 0, 0 < m <= guard.M_max; l, g > 0"
-claim = Claims(by=Z3(effort=150))
+claim = Claims(by=Z3())
 
 
 @claim(
     "world.slope",
     given="0 < m <= guard.M_max, g > 0, sin(angle) >= 0; |sine|, |cosine| of the heading <= 1",
-    by=Z3(effort=150, points=(ALONG,)),
+    by=Z3(points=(ALONG,)),
 )
 def world_slope(mutation: Mutation) -> Statement:
     """a slope pulls with at most m g sin(angle), and turns with at most |offset| times that.
@@ -218,7 +218,7 @@ def world_push(mutation: Mutation) -> Statement:
     return g.states(*within(force, mutation(1, 0.9) * size), given=sides)
 
 
-command_claim = Claims(by=Z3(effort=150))
+command_claim = Claims(by=Z3())
 
 
 @command_claim("world.command-delay.bound", given="any delay")

@@ -21,7 +21,7 @@ from wmr_proofs.symbols import symbols
 from .command_filter import COMMANDS, INTERVALS, highest
 from .common import elements_of
 
-claim = Claims(by=Z3(effort=60))
+claim = Claims(by=Z3())
 STATED = {
     "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
     "filter.d": (0.05, 0.05), "filter.odometry": (0.02, 0.02),
@@ -187,7 +187,7 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
     "filter.carried-{id}",
     given=f"{ASSEMBLED}; sent at most the step's limit (filter.sent)",
     premises="filter.sent-{id} filter.drive",
-    by=lambda side, axis: Z3(effort=60, points=tight(side, axis)),
+    by=lambda side, axis: Z3(points=tight(side, axis)),
     over=SIDES,
 )
 def carried(mutation: Mutation, side: int, axis: int) -> Statement:

@@ -23,7 +23,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, stacked, symbols
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
-claim = Claims(by=Z3(effort=100))
+claim = Claims(by=Z3())
 WAYS = rows(way=(1, -1), word=("over", "under"), sign=("", "-"))
 
 

@@ -22,7 +22,7 @@ WIDER = 2.0**-44
 LEVEL = PAST - 2.0**-47
 """Share of c within which a command that is held keeps the speed, whatever was rounded."""
 SIZES = f"{TABLES}, high <= 5; |u|, |to| <= 2 c, |over|, |under|, |past| <= 4 c"
-claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+claim = Claims(by=Z3(), premises="assumption.libm")
 
 
 def _sizes(a: BandAxis) -> tuple[Relation, ...]:

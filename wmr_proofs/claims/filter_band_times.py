@@ -16,7 +16,7 @@ from .command_filter import COMMANDS
 from .common import AXES, elements_of
 from .filter_band import WAYS
 
-claim = Claims(by=Z3(effort=100))
+claim = Claims(by=Z3())
 BANDED = {
     "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
     "filter.frequency": (4.0, 5.0), "clock.control": 0.1,

@@ -32,7 +32,7 @@ OVER = 2.0**-29
 """Share of its limit by which rounding may carry a command that changes slowly beyond it."""
 SLOWEST = 2.0**-20
 """Least change in a period of a command that changes slowly, as a share of its limit."""
-claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+claim = Claims(by=Z3(), premises="assumption.libm")
 
 
 class Limited:

@@ -34,7 +34,7 @@ from wmr_proofs.traced import Traced, expression, functions_for_traced, traced
 from .common import AXES, PRESET, scalars
 from .wheels_and_encoders import EffectGraph
 
-claim = Claims(by=Z3(effort=60))
+claim = Claims(by=Z3())
 STAGES = ("half", "again", "end")
 BASE = {"base.kind": "velocity", "changes": ()}
 

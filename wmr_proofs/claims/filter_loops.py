@@ -20,7 +20,7 @@ from .command_filter import COMMANDS
 from .common import AXES, elements_of
 from .filter_assembled import STATED
 
-claim = Claims(by=Z3(effort=60))
+claim = Claims(by=Z3())
 LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0)}
 """Settings for the structure of the clip of linear loops; its numbers are symbols."""
 

@@ -32,7 +32,7 @@ OFF, AIMED_OFF = 64 * UNIT, 208 * UNIT
 odometry divides, and by what share of V this may move it."""
 A_PIECE = 2.0**-14
 """Least share of the way that the base goes while a command may act, for each piece of the time."""
-claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+claim = Claims(by=Z3(), premises="assumption.libm")
 
 
 def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:

@@ -28,7 +28,7 @@ GONE = (
     "where it is negative"
 )
 SETTINGS = gate.GateSettings()
-claim = Claims(by=Z3(effort=60))
+claim = Claims(by=Z3())
 
 
 class GateStep:

@@ -15,9 +15,9 @@ from wmr_proofs.symbols import Named, symbols
 
 from .common import PRESET, scalars
 from .guard_axis import DELAYED, LATE, NUMBERS, GuardAxis
-from .guard_sample import NUMBERS_FREE, solver
+from .guard_sample import NUMBERS_FREE
 
-claim = Claims(by=solver)
+claim = Claims(by=Z3())
 
 
 @claim("guard.axes", given="T > 0")
@@ -44,7 +44,7 @@ def axes(mutation: Mutation) -> Statement:
     over=(
         {"name": "promise", "a": GuardAxis(), "which": "without delay (delay = 0 in the claim)"},
         {"name": "promise-late", "a": GuardAxis(DELAYED), "which": "behind a delay"},
-        {"name": "late.promise", "a": GuardAxis(LATE), "effort": 400,
+        {"name": "late.promise", "a": GuardAxis(LATE),
          "which": "with jitter; and 2 net mixed <= M_min (u1 - 2 nbar)"},
     ),
 )  # fmt: skip
@@ -226,7 +226,7 @@ class MappedWheels(Named):
         return MAPS[name](self.pair("force"), self.symbols.phi, self.symbols.half, safe)
 
 
-map_claim = Claims(by=Z3(effort=150))
+map_claim = Claims(by=Z3())
 
 
 @map_claim("wheels.reach", (4,), given="r, l > 0")

@@ -124,7 +124,7 @@ MET = (
 CAPS = "brakes >= |net| + 2 kept K, largest >= max(net, -2 kept K) + 2 kept K"
 SPARE = f"{WHEELS} 2^-53 K"
 AIM = "M_min alpha (u1 (1 - kept) - f_speed)"
-claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+claim = Claims(by=Z3(), premises="assumption.libm")
 
 
 @claim("guard.delay.rounding.brakes", given=f"{RANGE}; {MET}{ROUNDS}", aim=AIM)
@@ -237,7 +237,7 @@ def anchor(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.delay.rounding.force-{word}",
-    by=Z3(effort=100, first=("Brown's order",)),
+    by=Z3(first=("Brown's order",)),
     given=f"{RANGE}; {CAPS}; |y - v| <= nbar + 2^-53 |v|; v+ <= max({{sign}}v, f_speed) + "
     f"(1 + kept/64) {{word}} + u1 kept/8 and v+ <= u1{{known}}{ROUNDS}",
     premises="assumption.libm guard.delay.rounding.caps{premises}",

@@ -54,7 +54,7 @@ class Queue(Named):
         return (at_least(time), *grown, *(at_least(self[name]) for name in names))
 
 
-claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+claim = Claims(by=Z3(), premises="assumption.libm")
 
 
 @claim("guard.delay.rounding.read", given=f"any torques, r, l > 0{ROUNDS}")

@@ -16,13 +16,14 @@ from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import CLAIMED, Claims, Mutation, rows
+from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when
 from wmr_proofs.statement import Statement, instance, valued
 from wmr_proofs.symbols import symbols
 
 from .common import PRESET, named_ports, scalars
 from .guard_axis import DELAYED, NUMBERS, GuardAxis
-from .guard_sample import anchor, solver, upper
+from .guard_sample import anchor, upper
 from .guard_sample import feasible as not_empty
 from .guard_sent import added, caps, room
 
@@ -33,7 +34,7 @@ UNDER_WAY = (
     "ahead or -v + back, where ahead + back <= delay (largest + net)/M_min is what is under way "
     "(guard.delay.command, guard.delay.queue, guard.delay.lemma)"
 )
-claim = Claims(by=solver)
+claim = Claims(by=Z3())
 
 
 def setup(kind: str, delay: int, guarded: bool = True, **more: float) -> Setup:

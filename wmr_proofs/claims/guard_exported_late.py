@@ -31,18 +31,18 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.system import System
 from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, every, positive
 from wmr_proofs.statement import Statement
 
 from .guard_exported import ON_MAPS, PERIOD, Assembled, exported, setup
-from .guard_sample import solver
 
 STEADY = {
     "sensor.velocity_window": PERIOD, "actuator.delay": 0.5 * PERIOD, "actuator.lag": 0.4 * PERIOD,
 }  # fmt: skip
 VARYING = STEADY | {"actuator.lag_spread": 0.25}
 JITTER = {"actuator.jitter": 0.5 * PERIOD}
-claim = Claims(by=solver)
+claim = Claims(by=Z3())
 
 
 class LateAssembled(Assembled):

@@ -13,6 +13,7 @@ from wmr_ctrl.world.lag import ACTING, LAG
 from wmr_ctrl.world.model.dynamics import force_to_wheel
 from wmr_ctrl.world.model.system import Parameters
 from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, within
 from wmr_proofs.statement import Statement, valued
 from wmr_proofs.symbols import Symbols, symbols
@@ -21,7 +22,6 @@ from .common import scalars
 from .guard_delay_rounding import QueuedAxis
 from .guard_exported import PERIOD, Assembled, setup
 from .guard_rounding import DOUBLE
-from .guard_sample import solver
 
 NEAR = 2.0**-50
 SIGNS = (
@@ -29,7 +29,7 @@ SIGNS = (
     "(1 + n) 2^-44), {n} commands under way; no overflow, no underflow"
 )
 DELAYS = ({"late": "", "n": 0}, {"late": "-late", "n": 2})
-claim = Claims(by=solver, given=SIGNS)
+claim = Claims(by=Z3(), given=SIGNS)
 
 
 class Flag(Assembled):
@@ -134,7 +134,7 @@ def reach(mutation: Mutation, n: int) -> Statement:
     return e.computes(computed, free, [goal], given)
 
 
-watched_claim = Claims(by=solver)
+watched_claim = Claims(by=Z3())
 
 
 @watched_claim(
@@ -195,7 +195,6 @@ def applied(mutation: Mutation) -> Statement:
 
 @watched_claim(
     "guard.delay.rounding.kept",
-    by=solver(100),
     given="n = 1 to 5 commands under way; alpha T <= 1 + 2^-50, v_u1, T, alpha > 0; both axes",
 )
 def kept(mutation: Mutation) -> Statement:

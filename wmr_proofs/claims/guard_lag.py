@@ -10,12 +10,13 @@ import casadi as ca
 
 from wmr_ctrl.control.guard.delay import integral, moved, push, waiting
 from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, at_least, between, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
 from .guard_axis import LAGGING, GuardAxis
-from .guard_sample import HARD, SIGNS, left, on
+from .guard_sample import SIGNS, left, on
 from .guard_sent import larger, spares
 
 EXPONENTIALS = (
@@ -27,7 +28,7 @@ MORE = (
     "J) S (guard.varying.more)"
 )
 LAGS = "varying.", "varying.steady."
-claim = Claims(by=HARD)
+claim = Claims(by=Z3())
 
 
 def exponentials(a: GuardAxis) -> tuple[Relation, ...]:
@@ -64,7 +65,7 @@ def varying_moved(mutation: Mutation) -> Statement:
     return Statement(t, (rises_with, *lies), given)
 
 
-@claim("guard.varying.integral", given="where every age counts in full; exponentials free", by=HARD)
+@claim("guard.varying.integral", given="where every age counts in full; exponentials free")
 def varying_integral(mutation: Mutation) -> Statement:
     """b Z + its integral = b Z0 + h p + (b - a)(1 - exp(-h/a)) max(p - Z0, 0).
 

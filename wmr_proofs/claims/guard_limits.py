@@ -17,10 +17,10 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
 from .guard_axis import AT_ONCE, DELAYED, LATE, GuardAxis
-from .guard_sample import FREE, HARD, NUMBERS_FREE, upper
+from .guard_sample import FREE, NUMBERS_FREE, upper
 from .guard_sent import FEASIBLE, only
 
-claim = Claims(by=Z3(effort=150))
+claim = Claims(by=Z3())
 
 
 @claim("guard.too-fast", given=f"{FREE}brake >= dbar - f_min, but alpha T <= 1.01")
@@ -118,7 +118,7 @@ def uncapped(_: Mutation) -> Statement:
     return Statement(a.symbols, (goal,), (*a.feasible(), *sent, whole, at_least(a.periods)))
 
 
-@claim("guard.late.unmixed", given="0 < J <= T", by=HARD)
+@claim("guard.late.unmixed", given="0 < J <= T")
 def unmixed(_: Mutation) -> Statement:
     """guard.late.upper, for the guard of a constant delay of the largest lateness.
 
@@ -135,7 +135,7 @@ def unmixed(_: Mutation) -> Statement:
     return Statement(a.symbols, (at_least(a.u1, end),), given, a.cuts)
 
 
-@claim("guard.varying.unvaried", given="0 < a < b", by=HARD)
+@claim("guard.varying.unvaried", given="0 < a < b")
 def unvaried(_: Mutation) -> Statement:
     """guard.varying.steady.upper, for a guard that takes the lag for constant.
 

@@ -163,7 +163,7 @@ FORCE_WAYS: tuple[dict[str, Any], ...] = (
     {"word": "back", "way": -1, "sign": "-", "premises": " guard.{name}.force-ahead",
      "known": "; lo(y) = -hi(-y) by guard.{name}.force-ahead"},
 )  # fmt: skip
-claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+claim = Claims(by=Z3(), premises="assumption.libm")
 
 
 @claim(

@@ -30,7 +30,7 @@ CAPS = (
     "mixed (largest + net) <= M_min (u1 - 2 nbar) (guard.late.caps)"
 )
 _AT_ONCE: dict[str, Any] = {
-    "a": GuardAxis(AT_ONCE), "effort": 150, "caps": NUMBERS_FREE, "enough": "{caps}", "rests": "",
+    "a": GuardAxis(AT_ONCE), "caps": NUMBERS_FREE, "enough": "{caps}", "rests": "",
     "capped": "", "seen": "|y - v| <= nbar", "inside": "{caps}; |v| <= u1, {seen}", "kept": "",
     "acts": "M_min <= M <= M_max", "v": "{sign}v", "where": "", "counts": "", "filled": "",
     "spare": "(brakes - net) M_min >= M_max D", "late": "", "steady": "",
@@ -47,7 +47,7 @@ _DELAYED = _AT_ONCE | {
     "filled": "; lo <= hi (guard.{at}feasible)", "spare": "brakes - net >= D", "late": " + delay",
 }  # fmt: skip
 _LATE = _DELAYED | {
-    "a": GuardAxis(LATE), "effort": 400, "caps": CAPS, "capped": "guard.late.caps", "v": "v+",
+    "a": GuardAxis(LATE), "caps": CAPS, "capped": "guard.late.caps", "v": "v+",
     "seen": "v+ when it may first take over <= max(max(m, f_speed) + mean, f_speed + rest), m the "
     "mean that was measured as y to within nbar (guard.late.mean)",
     "acts": "it takes over up to J later and acts up to T + J - that, M_min <= M <= M_max",
@@ -58,8 +58,6 @@ _LAGGING = _LATE | {
     "a": GuardAxis(LAGGING), "seen": "guard.{at}counts", "filled": "", "v": "what is reached",
     "counts": "guard.{at}counts",
 }  # fmt: skip
-HARD = Z3(effort=400)
-"""For a room of more than one line."""
 STEADY = {"steady": "; the delay does not vary, J = 0"}
 KINDS: dict[str, dict[str, Any]] = {
     "": _AT_ONCE,
@@ -86,12 +84,7 @@ def on(*kinds: str, back: bool = False) -> list[dict[str, Any]]:
     return [KINDS[kind] | way | {"at": kind} for way in ways for kind in kinds]
 
 
-def solver(effort: int = 150) -> Z3:
-    """The method, with the effort that a table states."""
-    return Z3(effort=effort)
-
-
-claim = Claims(by=solver)
+claim = Claims(by=Z3())
 
 
 @claim("guard.{at}feasible", given="{enough}{steady}", premises="{rests}", over=on(*KINDS))

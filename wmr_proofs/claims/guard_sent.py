@@ -10,12 +10,13 @@ import casadi as ca
 from wmr_ctrl.control.guard.delay import InFlight, Tails, in_flight
 from wmr_ctrl.control.guard.lateness import AT_ONCE, Tail
 from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, at_least, between, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, symbols
 
 from .guard_axis import DELAYED, LATE, GuardAxis
-from .guard_sample import CAPS, HARD, SIGNS, on, solver
+from .guard_sample import CAPS, SIGNS, on
 
 FEASIBLE = (
     f"{SIGNS}, late > 0, 2 net (1 + alpha late) <= M_min alpha (u1 - f_speed), net = dbar - f_min, "
@@ -29,7 +30,7 @@ COUNTED = (
     "each way, as no command weighs more in the mean (tests/guard/test_lateness.py)"
 )
 JITTERS = "; mixed (largest + net) <= M_min (u1 - 2 nbar)"
-claim = Claims(by=HARD)
+claim = Claims(by=Z3())
 
 
 def only(a: GuardAxis, place: int = 0) -> InFlight:
@@ -47,14 +48,13 @@ def larger(one: ca.SX, other: ca.SX) -> ca.SX:
 @claim(
     "guard.{name}",
     given="{given}",
-    by=solver,
     over=(
         {"name": "delay.caps", "a": GuardAxis(DELAYED), "given": FEASIBLE, "shared": 1.01,
-         "effort": 150, "told": ""},
+         "told": ""},
         {"name": "late.caps", "a": GuardAxis(LATE), "given": JITTERY, "shared": 1.01,
-         "effort": 400, "told": JITTERS},
+         "told": JITTERS},
         {"name": "late.mixed", "a": GuardAxis(LATE), "given": JITTERY, "mixed": 0.99,
-         "effort": 400, "told": f"{JITTERS} (altered in another place)"},
+         "told": f"{JITTERS} (altered in another place)"},
     ),
 )  # fmt: skip
 def caps(mutation: Mutation, a: GuardAxis, shared: float = 1, mixed: float = 1) -> Statement:
@@ -70,7 +70,6 @@ def caps(mutation: Mutation, a: GuardAxis, shared: float = 1, mixed: float = 1) 
 
 @claim(
     "guard.delay.command{suffix}",
-    by=solver,
     given="one command; |F_j| <= largest, |y - v| <= nbar, M_min <= M <= M_max; {caps}",
     over=(
         {**on("delay.")[0], "suffix": "", "place": 0, "which": "first axis"},
@@ -98,7 +97,7 @@ def command(mutation: Mutation, place: int) -> Statement:
     return Statement(a.symbols, tuple(goals), (*a.stated, *a.measured, *a.during(), *sent, *during))
 
 
-@claim("guard.delay.queue", by=solver, given="any forces and times")
+@claim("guard.delay.queue", given="any forces and times")
 def queue(mutation: Mutation) -> Statement:
     """n commands under way add up: their sums ahead and back are those of n - 1 and of the last
     one, both axes, n = 1 to 5.
@@ -239,7 +238,6 @@ def late_room(mutation: Mutation) -> Statement:
 @claim(
     "guard.{at}room",
     given="{sums}; {caps}",
-    by=solver,
     premises="{capped} guard.{one}",
     over=(
         on("delay.")[0]

@@ -37,7 +37,7 @@ def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
     return 1 / (t.u1 - size) - tangent
 
 
-map_claim = Claims(by=Z3(effort=150))
+map_claim = Claims(by=Z3())
 
 
 def smooth_or_not(*equations: int) -> tuple[dict[str, object], ...]:
@@ -134,7 +134,6 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
     return Statement(t, (at_least(u1 - m, x), at_least(x, m - u1)), given, {"d": root(beyond, k)})
 
 
-HARD = Z3(effort=150)
 Goals: TypeAlias = tuple[Relation, ...]
 NONE = Symbols()
 
@@ -170,7 +169,7 @@ class Step:
         return Statement(t | self.free | more, goals, (*plain, *given), cuts)
 
 
-claim = Claims(by=HARD, given="0 < v_u2 < v_u1, 0 < E < 1")
+claim = Claims(by=Z3(), given="0 < v_u2 < v_u1, 0 < E < 1")
 
 
 @claim("prox.inside{key}", over=BARRIERS)
@@ -273,7 +272,7 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     "prox.rises",
     given="0 < E < 1; V1i(v*; c_m) <= V1i(v; c), S(v*; c+) <= S(v*; c_m) + |c+ - c_m|, V1i(v+; "
     "c+) <= E^2 V1i(v*; c+)",
-    by=HARD,
+    by=Z3(),
     premises="prox.decay prox.decay-smooth transport.level transport.level-smooth transport.root",
 )
 def rises(mutation: Mutation) -> Statement:

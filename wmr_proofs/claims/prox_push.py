@@ -82,7 +82,7 @@ class Sampled(Named):
         return equal(self.mass * (self.v - self.old), self.period * pushed)
 
 
-claim = Claims(by=Z3(effort=150))
+claim = Claims(by=Z3())
 
 
 @claim(

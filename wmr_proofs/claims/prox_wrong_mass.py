@@ -27,7 +27,7 @@ GENTLE = {"L": "0.07", "least": "1/10", "p": "1/5", "s": "60", "g": "0.993"}
 MASSES = "target held, M/M^ anywhere in [3/5, 8/5] and another one in each sample"
 LOOP = "prox.loop-force prox.loop-force-angular prox.loop-observer prox.loop-observer-angular"
 BELIEFS = rows(key=("", "-gentle"), numbers=(FAST, GENTLE))
-claim = Claims(by=Z3(effort=150))
+claim = Claims(by=Z3())
 
 
 @claim(
@@ -67,7 +67,7 @@ def sampled_before(axis: int) -> Both:
 
     numbers = dict.fromkeys(names, FREE) | dict.fromkeys((*sure, "rate"), POSITIVE)
     case = Case("after the first sample", numbers, values, {"started": POSITIVE})
-    return Both(Z3(effort=150), Ring((case,)))
+    return Both(Z3(), Ring((case,)))
 
 
 @claim(

@@ -68,7 +68,7 @@ START = {
 NEAR = "k = (10, 5, 4), v1d = 0.2, v2d = 0.1, v = v_c0, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4"
 TOP = at(e1=0, e2="7/10", e3=0, u21="4/5", u22="13/10", level="2/5", v1d="1/5", v2d="1/10", **GAINS)
 FACING = at(e1=1, e2=0, e3=0, k1=1, k2=1, k3=1, v1d=1, v2d=0, x1=2, x2=0)
-claim = Claims(by=Z3(effort=150))
+claim = Claims(by=Z3())
 
 
 @claim("strict.falls", (31,), given=NEAR)
@@ -155,7 +155,7 @@ def argument(mutation: Mutation) -> Statement:
     "level.inside",
     (31,),
     given="0 < v1d <= v_u21, |v2d| < v_u22, k2 > 0",
-    by=Z3(effort=150, points=(TOP,)),
+    by=Z3(points=(TOP,)),
 )
 def level_set(mutation: Mutation) -> Statement:
     """V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) gives |p1| <= v_u21, |p2| <= v_u22, cos e3 >
@@ -176,7 +176,7 @@ def level_set(mutation: Mutation) -> Statement:
     (31,),
     given="k2 > 0; level.pull with y = k1 e1 and y = k3 sin e3, where level.inside has |p1| <= "
     "v_u21, |p2| <= v_u22; k1, k3 > 0",
-    by=Z3(effort=150, points=(FACING,)),
+    by=Z3(points=(FACING,)),
     premises="level.pull level.rate level.argument level.inside lemma.integration",
 )
 def level_invariant(mutation: Mutation) -> Statement:

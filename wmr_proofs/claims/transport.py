@@ -53,7 +53,7 @@ class Carried:
         return Statement(t, goals, (*known, at_least(1, share), *given), self.cuts)
 
 
-claim = Claims(by=Z3(effort=150))
+claim = Claims(by=Z3())
 
 
 @claim("transport.share", given="V0 >= w^2/2, D1 >= 0, any w", premises="eq81")

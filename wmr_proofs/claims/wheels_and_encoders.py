@@ -134,8 +134,7 @@ def _wheel_case(axis: int, misread: bool, orders: Any, places: Any) -> Case:
     return Case(f"{' '.join(orders)}; {', '.join(places)}", numbers, values)
 
 
-HARD = Z3(effort=150)
-claim = Claims(by=HARD)
+claim = Claims(by=Z3())
 
 
 @claim(
@@ -179,7 +178,7 @@ def _shares(g: EffectGraph) -> tuple[Relation, ...]:
 @claim(
     "world.wheels.misread-{name}",
     given=INSIDE,
-    by=lambda axis: Both(HARD, Ring(wheel_cases(axis, True))),
+    by=lambda axis: Both(Z3(), Ring(wheel_cases(axis, True))),
     over=rows(axis=(0, 1), name=("v1", "omega"), off=MISREAD),
 )
 def misread_speed(mutation: Mutation, axis: int) -> Statement:
@@ -206,7 +205,7 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
 @claim(
     "world.wheels.{name}",
     given=SIZES,
-    by=lambda axis: Both(HARD, Ring(wheel_cases(axis, False))),
+    by=lambda axis: Both(Z3(), Ring(wheel_cases(axis, False))),
     over=rows(axis=(0, 1), name=("thrust", "moment"), off=MISMADE),
 )
 def wheels_thrust(mutation: Mutation, axis: int) -> Statement:

@@ -1,13 +1,16 @@
 """The queries that a verdict of z3 rests on, as SMT-LIB 2 text for any other solver."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 import z3
 
+from wmr_ctrl.results.ledger import REFUTED, Entry
 from wmr_proofs.statement import Statement
 
+from .point import judged
 from .smt import Problem, posed
 from .spec import Z3, Both, Method
 
@@ -17,11 +20,32 @@ COMMANDS = frozenset({"assert", "echo", "exit", "pop", "push", "reset"})
 
 @dataclass(frozen=True)
 class Obligation:
-    """One query: a name, its text in SMT-LIB 2, and the answer that the claim needs."""
+    """One query: a name, its text in SMT-LIB 2, and the expected answer."""
 
     name: str
     text: str
     wanted: str
+
+
+def of_entry(statement: Statement, entry: Entry) -> Iterator[Obligation]:
+    """Obligations of a claim whose verdict is known.
+
+    Those of a refuted claim are the goals that its counterexample violates, and its hypotheses:
+    both are expected to be satisfiable.
+    """
+    every = obligations(statement)
+    if entry.verdict != REFUTED:
+        yield from every
+        return
+    point = {
+        name: value if value.endswith("pi") else Fraction(value)
+        for name, value in (entry.counterexample or {}).items()
+    }
+    _, kept = judged(statement, point)
+    broken = {f"goal-{number}" for number, holds in enumerate(kept, 1) if not holds}
+    for item in every:
+        if item.name in broken or item.wanted == "sat":
+            yield replace(item, wanted="sat")
 
 
 def obligations(

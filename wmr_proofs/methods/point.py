@@ -125,15 +125,21 @@ def judge(statement: Statement, point: Mapping[str, Any]) -> tuple[bool, bool]:
 
     A goal that cannot be told from its bound counts as holding: no refutation rests on it.
     """
+    met, kept = judged(statement, point)
+    return met, all(kept)
+
+
+def judged(statement: Statement, point: Mapping[str, Any]) -> tuple[bool, tuple[bool, ...]]:
+    """`judge` with the truth of each goal."""
     try:
         values = evaluate(statement, point)
     except (UndecidedError, ZeroDivisionError):
-        return False, True
+        return False, (True,) * len(statement.goals)
     goals = len(statement.goals)
     given = zip(statement.given_kinds, values[goals:], strict=True)
     asked = zip(statement.goal_kinds, values[:goals], strict=True)
     met = all(_certain(kind, v, False) for kind, v in given)
-    return met, all(_certain(kind, v, True) for kind, v in asked)
+    return met, tuple(_certain(kind, v, True) for kind, v in asked)
 
 
 def certainly(statement: Statement, point: Mapping[str, Any]) -> bool:

@@ -1,9 +1,7 @@
-"""z3's engines for the reals as a portfolio: each asked by name, the patient attempts last."""
+"""z3's engines for the reals as a portfolio: each asked by name, the long attempts last."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from math import inf
-from time import monotonic
 from typing import Any
 
 import z3
@@ -25,62 +23,84 @@ ENGINES: Mapping[str, Callable[[z3.Context], Any]] = {
 variables are taken, and case distinction over linear arithmetic, whose luck with one seed says
 little about the next.  Left to itself, z3 goes from one to the next by the clock: a busy machine
 ends in another one, which may never come back."""
-PATIENCE = (0.5, 4, 30, 240)
-"""Seconds of the clock for the attempts of each engine: what one closes at once, the other may work
-on without an end, and some of its steps count little in z3's own units.  An attempt goes the same
-way each time and on every machine, so that a slow one needs a longer attempt, not another verdict;
-what closes now closes in seconds."""
+ATTEMPTS = ((2.0, 5.0), (15.0, 30.0), (60.0, 120.0))
+"""Rounds of attempts with each engine: most work [millions of units], and seconds of the clock.
+
+The work decides.  The clock ends an attempt that z3 does not count, which no entry needs.
+"""
+KNOWN = ATTEMPTS[1]
+"""Attempt with the engine that answered the same question before."""
+WEIGHT = {name: 6.0 if name.startswith("cases") else 1.0 for name in ENGINES}
+"""Units that one of z3's counts for: one of case distinction takes some six times as long.  With
+it 60 million units are about 30 s of a processor."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """sat, unsat or unknown; a model where there is one; the engine, unless the first at once."""
+    """sat, unsat or unknown; a model if there is one; the engine, unless the first one soon."""
 
     word: str
     model: Any = None
     engine: str = ""
 
 
-def ask(terms: list[Any], method: Z3, place: int = 0) -> Answer:
-    """Answer of one of z3's engines within the method's effort; ``place`` of the question."""
-    tried = dict.fromkeys(ENGINES, 0.0)
-    for engine, patience in _attempts(method, method.first[place : place + 1]):
-        if patience <= tried[engine]:
-            continue
-        tried[engine], started = patience, monotonic()
-        answer, model = attempt(engine, terms, method.effort, patience)
-        if answer != z3.unknown:
-            easy = engine == next(iter(ENGINES)) and patience == PATIENCE[0]
-            return Answer(str(answer), model, "" if easy else engine)
-        if monotonic() - started < 0.9 * patience:  # it has no more to try, or no more effort
-            tried[engine] = inf
-    return Answer("unknown")
+class Portfolio:
+    """All questions on one statement, which share the method's ``effort``.
 
+    ``spent``: millions of units so far; ``tried``: engines that were asked, in order.
+    """
 
-def _attempts(method: Z3, known: Sequence[str]) -> Iterator[tuple[str, float]]:
-    """Engines and seconds: the one that closed it before, to the end, then all, ever longer."""
-    longest = [patience for patience in PATIENCE if patience <= method.seconds]
-    yield from ((engine, longest[-1]) for engine in known if engine in ENGINES)
-    yield from ((engine, patience) for patience in longest for engine in ENGINES)
+    def __init__(self, method: Z3) -> None:
+        self.method, self.spent, self.tried = method, 0.0, dict[str, None]()
 
+    def ask(self, terms: list[Any], place: int = 0) -> Answer:
+        """Answer of the first engine that finds one; ``place`` of the question in its statement."""
+        over = set[str]()
+        for engine, size in self._attempts(place):
+            if engine in over or self._left <= 0:
+                continue
+            before = self.spent
+            answer, model = self.attempt(engine, terms, size)
+            if answer != z3.unknown:
+                soon = engine == next(iter(ENGINES)) and size == ATTEMPTS[0]
+                return Answer(str(answer), model, "" if soon else engine)
+            if self.spent - before < 0.9 * size[0]:  # the engine has no more to try
+                over.add(engine)
+        return Answer("unknown")
 
-def other_models(terms: list[Any], method: Z3) -> Iterator[Any]:
-    """The model of each engine that finds one soon."""
-    for engine in ENGINES:
-        _, model = attempt(engine, terms, method.effort, PATIENCE[1])
-        if model is not None:
-            yield model
+    def other_models(self, terms: list[Any]) -> Iterator[Any]:
+        """The model of each engine that finds one soon."""
+        for engine in ENGINES:
+            if self._left > 0:
+                _, model = self.attempt(engine, terms, ATTEMPTS[0])
+                if model is not None:
+                    yield model
 
+    def attempt(self, engine: str, terms: list[Any], size: tuple[float, float]) -> tuple[Any, Any]:
+        """z3's answer and model, in a context of its own, so that each attempt goes the same way.
 
-def attempt(engine: str, terms: list[Any], effort: int, patience: float) -> tuple[Any, Any]:
-    """z3's answer and model; in a context of its own, so that it goes the same way each time."""
-    context = z3.Context()
-    solver = ENGINES[engine](context)
-    solver.set("rlimit", 1_000_000 * effort)
-    solver.set("timeout", int(1000 * patience))
-    solver.add(*(term.translate(context) for term in terms))
-    answer = solver.check()
-    return answer, solver.model() if answer == z3.sat else None
+        ``size``: most work [millions of units] and seconds.
+        """
+        context, (work, seconds) = z3.Context(), size
+        solver = ENGINES[engine](context)
+        counts = 1e6 / WEIGHT[engine]
+        solver.set("rlimit", max(1, int(counts * min(work, self._left))))
+        solver.set("timeout", int(1000 * seconds))
+        solver.add(*(term.translate(context) for term in terms))
+        answer = solver.check()
+        known = dict(iter(solver.statistics()))
+        self.spent += known.get("rlimit count", 0) / counts
+        self.tried[engine] = None
+        return answer, solver.model() if answer == z3.sat else None
+
+    @property
+    def _left(self) -> float:
+        return self.method.effort - self.spent
+
+    def _attempts(self, place: int) -> Iterator[tuple[str, tuple[float, float]]]:
+        """Engines and sizes: the one that answered before, then all, ever longer."""
+        yield from ((name, KNOWN) for name in self.method.first[place : place + 1] if name)
+        yield from ((name, size) for size in ATTEMPTS for name in ENGINES)
 
 
 def _by_cells(context: z3.Context, **options: int) -> Any:

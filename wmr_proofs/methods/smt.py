@@ -22,8 +22,11 @@ from wmr_proofs.relation import ABOVE, EQUAL
 from wmr_proofs.statement import Statement, behind
 
 from .point import first_violation, judge
-from .portfolio import Answer, ask, other_models
+from .portfolio import Answer, Portfolio
 from .spec import Z3, Finding, Point
+
+WORK = "work"
+"""Key of the evidence: millions of units that z3 spent on the statement, see `portfolio`."""
 
 
 class TermArithmetic(Arithmetic):
@@ -169,20 +172,20 @@ def decide(statement: Statement, method: Z3) -> Finding:
         problem = posed(statement)
     except UndecidedError as error:
         return Finding(OPEN, {"not posed": str(error)})
-    answers: list[Answer] = []
+    answers, engines = list[Answer](), Portfolio(method)
     for place, wrong in enumerate(problem.wrong):
         terms = [*problem.base, wrong]
-        answers.append(ask(terms, method, place))
-        found = _broken_at(statement, problem, terms, answers[-1].model, method)
-        if found is None and answers[-1].word == "sat":  # maybe by what is not defined there
+        answers.append(engines.ask(terms, place))
+        found = _broken_at(statement, problem, terms, answers[-1].model, engines)
+        if found is None and answers[-1].word == "sat":  # perhaps where an operation is undefined
             defined = [*terms, *map(z3.Not, problem.undefined)]
-            model = ask(defined, method, place).model
-            found = _broken_at(statement, problem, defined, model, method)
+            model = engines.ask(defined, place).model
+            found = _broken_at(statement, problem, defined, model, engines)
         if found is not None:
-            return Finding(REFUTED, _evidence(answers), found)
+            return Finding(REFUTED, _evidence(answers, engines), found)
     if {answer.word for answer in answers} <= {"unsat"}:
-        return _unless_undefined_or_vacuous(statement, problem, method, answers)
-    return Finding(OPEN, _evidence(answers))
+        return _unless_undefined_or_vacuous(statement, problem, engines, answers)
+    return Finding(OPEN, {**_evidence(answers, engines), **_effort(engines)})
 
 
 def _fitting(statement: Statement, points: Sequence[Point]) -> list[Point]:
@@ -190,9 +193,16 @@ def _fitting(statement: Statement, points: Sequence[Point]) -> list[Point]:
     return [point for point in points if set(statement.graph.input_names) <= set(point)]
 
 
-def _evidence(answers: Sequence[Answer]) -> dict[str, Any]:
+def _evidence(answers: Sequence[Answer], engines: Portfolio) -> dict[str, Any]:
     words = sorted({answer.word for answer in answers})
-    return {"queries": len(answers), "z3": " ".join(words), **_engines(answers)}
+    known = {"queries": len(answers), "z3": " ".join(words), **_engines(answers)}
+    return {**known, WORK: round(engines.spent, 1)}
+
+
+def _effort(engines: Portfolio) -> dict[str, str]:
+    """What an open statement cost: engines that were asked, and the work of them all."""
+    spent = f"{engines.spent:.3g} of {engines.method.effort:g} million units"
+    return {"tried": f"{', '.join(engines.tried)}: {spent} of z3's work"}
 
 
 def _engines(answers: Sequence[Answer]) -> dict[str, list[str]]:
@@ -229,40 +239,44 @@ def posed(statement: Statement, but: Container[int] = ()) -> Problem:
 
 
 def _unless_undefined_or_vacuous(
-    statement: Statement, problem: Problem, method: Z3, answers: list[Answer]
+    statement: Statement, problem: Problem, engines: Portfolio, answers: list[Answer]
 ) -> Finding:
     base, goals, domains = problem.base, len(answers), len(problem.undefined)
-    known = {**_evidence(answers), "domains": domains}
+    known = {**_evidence(answers, engines), "domains": domains}
     for place, out in enumerate(problem.undefined, goals):
-        answers.append(ask([*base, out], method, place))
+        answers.append(engines.ask([*base, out], place))
     words = {answer.word for answer in answers[goals:]}
     if not words <= {"unsat"}:
-        return Finding(OPEN, {**known, "undefined": " ".join(sorted(words))})
-    answers.append(ask(base, method, goals + domains))
+        return Finding(OPEN, {**known, "undefined": " ".join(sorted(words)), **_effort(engines)})
+    answers.append(engines.ask(base, goals + domains))
     if answers[-1].word != "sat":
-        return Finding(OPEN, {**known, "hypotheses": answers[-1].word})
-    met = _met(statement, problem.terms, base, answers[-1].model, method)
-    points = chain(_fitting(statement, method.points), met)
-    exact = (point for point in points if judge(statement, point)[0])
-    known |= {"hypotheses": "satisfiable", **_engines(answers)}
-    return Finding(PROVED, known, next(exact, None))
+        return Finding(OPEN, {**known, "hypotheses": answers[-1].word, **_effort(engines)})
+    met = _met(statement, problem.terms, base, answers[-1].model, engines)
+    points = chain(_fitting(statement, engines.method.points), met)
+    point = next((point for point in points if judge(statement, point)[0]), None)
+    known |= {"hypotheses": "satisfiable", **_engines(answers), WORK: round(engines.spent, 1)}
+    return Finding(PROVED, known, point)
 
 
 def _broken_at(
-    statement: Statement, problem: Problem, terms: list[Any], model: Any, method: Z3
+    statement: Statement, problem: Problem, terms: list[Any], model: Any, engines: Portfolio
 ) -> Point | None:
     """The first exact counterexample among the points of models."""
-    return first_violation(statement, _met(statement, problem.terms, terms, model, method))
+    return first_violation(statement, _met(statement, problem.terms, terms, model, engines))
 
 
 def _met(
-    statement: Statement, arithmetic: TermArithmetic, terms: list[Any], model: Any, method: Z3
+    statement: Statement,
+    arithmetic: TermArithmetic,
+    terms: list[Any],
+    model: Any,
+    engines: Portfolio,
 ) -> Iterator[Point]:
     """Points of a model, if there is one, then of each engine's: some have roots, some do not."""
     if model is None:
         return
     yield from _points(statement, arithmetic, model)
-    for other in other_models(terms, method):
+    for other in engines.other_models(terms):
         yield from _points(statement, arithmetic, other)
 
 

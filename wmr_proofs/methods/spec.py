@@ -69,10 +69,10 @@ class Ring(Method):
 class Z3(Method):
     """z3 on the graph: its engines for the reals, one after the other.
 
-    ``effort`` bounds each of them, in millions of z3's own units of work: what is found does not
-    depend on how busy a machine is.  A million takes half a second or less, as a rule; ``seconds``
-    bounds by the clock what counts little.  ``first`` names, for one question of the statement
-    after the other, the engine that closed it before, or none: it is asked before the others.
+    ``effort`` bounds them all together on one statement, in millions of units of work: whether an
+    answer is found does not depend on how busy a machine is.  The default is about 30 s of a
+    processor.  ``first`` names for each question of the statement the engine that answered it
+    before, or none; it is asked first.
     """
 
     ENGINE: ClassVar[str] = "smt.decide"
@@ -80,8 +80,7 @@ class Z3(Method):
     TRUSTED: ClassVar[tuple[str, ...]] = ("z3",)
     NEEDS: ClassVar[tuple[str, ...]] = ("z3", "flint")
 
-    effort: int = 60
-    seconds: float = 240
+    effort: float = 60
     first: tuple[str, ...] = ()
     points: Sequence[Point] = ()
 
@@ -148,7 +147,7 @@ class Both(Method):
 
 
 def described(value: Any) -> Any:
-    """Fingerprint of a method for records, regions and boxes included; no engine order."""
+    """Fingerprint of a method for records, with regions and boxes, without limits of work."""
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, (str, int)):
@@ -156,7 +155,8 @@ def described(value: Any) -> Any:
     if isinstance(value, Case):
         return value.described()
     if isinstance(value, Method):
-        told = [f.name for f in fields(value) if f.name != "first" or isinstance(value, Both)]
+        limits = () if isinstance(value, Both) else ("first", "effort")
+        told = [f.name for f in fields(value) if f.name not in limits]
         return [type(value).__name__, *((name, described(vars(value)[name])) for name in told)]
     if isinstance(value, Mapping):
         return [(str(key), described(item)) for key, item in value.items()]
