@@ -17,7 +17,6 @@ from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.world.scenario import load_scenario, preset_names
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 FOREIGN = {
     "auxiliary": r"\(7\)|kinematic|\be2\b|\bk\[2\]|v_c0",
@@ -66,7 +65,7 @@ def test_the_plain_law_tracks_and_states_nothing() -> None:
     ("law", "name", "guard"), rotated(["plain", *LAWS], preset_names(), [False, True])
 )
 def test_no_warning_speaks_of_what_a_law_has_not(law: str, name: str, guard: bool) -> None:
-    guarded = guard and not takes_velocity(load_scenario(name))
+    guarded = guard and not load_scenario(name).takes_velocity
     assert spoken(warned(law, name, **{"guard.enabled": guarded}), law) == []
 
 

@@ -17,7 +17,6 @@ from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.theory.checks.sample_time import sample_time
 from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.world.scenario import load_scenario, preset_names
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 KINDS = ("circle", "line", "lemniscate", "rounded-square", "stop-and-go")
 
@@ -43,7 +42,7 @@ def test_every_reference_is_judged(kind, law):
 
 def test_stability_is_told_by_two_keys_alone():
     """So that tests of other keys need not ask for it."""
-    robots = [name for name in preset_names() if not takes_velocity(load_scenario(name))]
+    robots = [name for name in preset_names() if not load_scenario(name).takes_velocity]
     for name, law in zip(robots[::4], cycle(LAWS), strict=False):
         found = sample_time(loop_of(settle(load_scenario(name), law)))
         assert {warning.key for warning in found} <= set(STABILITY)

@@ -27,7 +27,6 @@ from wmr_ctrl.world.scenario import Scenario, override, parse_assignments, title
 from wmr_ctrl.world.scenario.command_filter import Filter
 from wmr_ctrl.world.scenario.sections import Guard
 from wmr_ctrl.world.scenario.toml_io import InheritedValue, stated_keys
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .console import wrapped
 
@@ -234,7 +233,7 @@ def idle_keys(case: Scenario) -> tuple[str, ...]:
     """Keys that are not as by default and do nothing, as what they belong to is switched off."""
     off = [effect.section for effect in EFFECTS if not effect.active(case)]
     keys = dict[str, None]()
-    for section in (*off, Guard if takes_velocity(case) else Filter):
+    for section in (*off, Guard if case.takes_velocity else Filter):
         values = vars(case.section(section))
         named = ((name, what.default) for name, what in quantities(section))
         keys |= {

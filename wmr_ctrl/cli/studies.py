@@ -247,7 +247,6 @@ def _text(better: Tuning) -> str:
     from wmr_ctrl.core.fields.units import length
     from wmr_ctrl.simulation.tuning.gains import FLOOR
     from wmr_ctrl.simulation.tuning.search import CORRIDOR
-    from wmr_ctrl.world.speed_loop import takes_velocity
 
     first, last = better.objective
     lines = [f"{key} = {', '.join(f'{v:g}' for v in value)}" for key, value in better.gains.items()]
@@ -270,7 +269,7 @@ def _text(better: Tuning) -> str:
         "torque change\n[N m]": map(" -> ".join, zip(*change, strict=True)),
         "worst\n|v|/limit": ("{:.2f} -> {:.2f}".format(*two) for two in zip(*fastest, strict=True)),
     }
-    if takes_velocity(better.scenario):
+    if better.scenario.takes_velocity:
         del columns["mass"], columns["torque change\n[N m]"]
     said = []
     for row in better.after.records():

@@ -4,7 +4,6 @@ from wmr_ctrl.world.effect import total
 from wmr_ctrl.world.references.kind import fastest_of
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .laws.law import Basis
 from .laws.prox import guide
@@ -30,7 +29,7 @@ def basis_of(scenario: Scenario) -> Basis:
     bounds = (item.bounded(scenario) for item in EFFECTS.present(scenario))
     bound = total([item for item in bounds if item is not None])
     late = bound.delay + bound.lag[1] + max(bound.age) + max(bound.window) / 2
-    if takes_velocity(scenario):
+    if scenario.takes_velocity:
         late += max(base.tau_believed or base.tau) / 2
     speed = max(fastest_of(scenario), SLOWEST * limits[0])
     fit = guide(scenario.clock.control, late, speed)

@@ -19,7 +19,6 @@ from wmr_ctrl.world.registry import OURS as OUR_EFFECTS
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.scenario.scenario import sections
 from wmr_ctrl.world.scenario.unstated import unknown_keys
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .guard.bounds import LATENESS
 from .laws import LAWS
@@ -114,7 +113,7 @@ def clock_of(scenario: Scenario) -> dict[str, Range]:
 
     So it does where it sends velocities, behind a filter or a delay.
     """
-    if scenario.actuator.ideal and not takes_velocity(scenario):
+    if scenario.actuator.ideal and not scenario.takes_velocity:
         return {}
     return {f"clock.{key}": (getattr(scenario.clock, key),) * 2 for key in ("control", "plant")}
 

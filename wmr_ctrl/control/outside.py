@@ -5,7 +5,6 @@ from wmr_ctrl.core.signals import TORQUE_NOISE
 from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Effect, EffectRole
 from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .setup import Setup
 
@@ -39,7 +38,7 @@ def _is_noise(effect: Effect, scenario: Scenario) -> bool:
 
 def check_takes_torques(scenario: Scenario, holder: str) -> None:
     """Raise ScenarioError where the base takes velocities, of which ``holder`` knows nothing."""
-    if takes_velocity(scenario):
+    if scenario.takes_velocity:
         off = "" if scenario.filter.kind == "none" else ' and filter.kind = "none"'
         raise ScenarioError(
             f'base.kind = "velocity": {holder} only for robots that take wheel torques. Runs, '

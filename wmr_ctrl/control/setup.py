@@ -21,7 +21,6 @@ from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import Scenario, override, preset_names
 from wmr_ctrl.world.scenario.units import asking_about_units
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .basis import ANY_BASIS, basis_of
 from .filter.filter import derived_numbers
@@ -87,7 +86,7 @@ class Setup:
     @property
     def takes_velocity(self) -> bool:
         """True where the base takes velocities."""
-        return takes_velocity(self.scenario)
+        return self.scenario.takes_velocity
 
     @property
     def commanded(self) -> tuple[Signal, ...]:
@@ -198,7 +197,7 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     counts on bounds that the scenario breaks.
     """
     chosen = None if law is None else LAWS[law]
-    if scenario.filter.kind != "none" and not takes_velocity(scenario):
+    if scenario.filter.kind != "none" and not scenario.takes_velocity:
         raise ScenarioError(
             f'filter.kind = "{scenario.filter.kind}": the command filter is for bases that take '
             "velocities, and this robot takes torques, which the guard limits. Set base.kind = "
@@ -234,7 +233,7 @@ def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) 
     )
     if scenario.guard.enabled:
         refuse_contradictions(scenario, bound)
-    if takes_velocity(scenario):
+    if scenario.takes_velocity:
         check_velocity_base(scenario, gains, bound)
     return Setup(scenario, chosen, gains, kinematic_gains(scenario), guard, present)
 

@@ -16,7 +16,7 @@ from wmr_ctrl.world.encoder import COUNTS, Encoder
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.scenario.scenario import sections
 from wmr_ctrl.world.scenario.unstated import missing_text
-from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
+from wmr_ctrl.world.speed_loop import KINDS, BaseKind
 
 from .bounds import (
     DETERMINED,
@@ -152,7 +152,7 @@ def identify(
     raw = log_of(log, topics)
     if base == "torque" or torque_constant is not None:
         raw = with_torques(raw, torque_constant)
-    if raw.base is not None and takes_velocity(raw.base) != (base == "velocity"):
+    if raw.base is not None and raw.base.takes_velocity != (base == "velocity"):
         kind = raw.base.section(BaseKind).kind
         raise ArgumentError(
             f'{raw.name}: the base of this run takes a {kind} (base.kind). Give base = "{kind}", '

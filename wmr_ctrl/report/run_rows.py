@@ -199,10 +199,8 @@ def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 def _rims(run: Run) -> Iterator[Row]:
     """The faster wheel at the samples, where the scenario of a run limits it."""
-    from wmr_ctrl.world.speed_loop import takes_velocity
-
     case, first = scenario_of_run(run), run.monitor.first_violation
-    if case is None or not takes_velocity(case) or (limit := case.filter.wheel_speed) is None:
+    if case is None or not case.takes_velocity or (limit := case.filter.wheel_speed) is None:
         return
     most = float(np.max(abs(run["v1"]) + case.robot.l * abs(run["omega"]), initial=0.0))
     broken = most > limit * (1 + 1e-9) or (first is not None and first[1] == 3)

@@ -16,7 +16,6 @@ from wmr_ctrl.results.settings import CountedNumbers, first_beyond, largest_push
 from wmr_ctrl.version import __version__
 from wmr_ctrl.world.phases import robots_in_words
 from wmr_ctrl.world.scenario import Scenario, to_toml
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
 """Signals, columns and monitor, as an engine leaves them."""
@@ -40,7 +39,7 @@ def assemble_run(
     """
     (signals, columns, seen), guard = log, scenario.guard.enabled
     signals, columns = _stated(signals, columns, scenario.frames)
-    least = None if takes_velocity(scenario) else largest_push(columns)
+    least = None if scenario.takes_velocity else largest_push(columns)
     left = first_beyond(columns, bounds)
     monitor = replace(seen, bounds_left=left, d_least=least)
     known = {item.name: getattr(bounds, item.name) for item in fields(CountedNumbers)}

@@ -13,7 +13,6 @@ from .delay import queued
 from .effect import Bound, Effect, EffectRole, Rate, Scenario
 from .history import MOST_REMEMBERED
 from .model.system import Output, Parameters, System, ports
-from .speed_loop import takes_velocity
 
 
 class CommandDelay(Section, key="base"):
@@ -36,7 +35,7 @@ def check(scenario: Scenario) -> None:
     """Not more commands are under way than a controller may keep, and torques are not late too."""
     late, period = scenario.section(CommandDelay).delay, scenario.clock.control
     check_count("base.delay", late, "clock.control", period, MOST_REMEMBERED)
-    if not takes_velocity(scenario):
+    if not scenario.takes_velocity:
         return
     drives = scenario.actuator
     for name in ("delay", "unmodelled_delay", "jitter"):

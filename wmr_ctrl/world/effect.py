@@ -46,7 +46,6 @@ from wmr_ctrl.core.signals import (
 )
 
 from .model.system import NORMAL, UNIFORM, System
-from .speed_loop import takes_velocity
 
 if TYPE_CHECKING:
     from . import scenario
@@ -220,7 +219,7 @@ class Effect:
 
     def active(self, scenario: Scenario) -> bool:
         """True where it makes a difference."""
-        if self.role in (EffectRole.COMMAND, EffectRole.LOOP) and not takes_velocity(scenario):
+        if self.role in (EffectRole.COMMAND, EffectRole.LOOP) and not scenario.takes_velocity:
             return False
         if self.acts is not None:
             return bool(self._call("acts", self.acts, scenario))

@@ -35,14 +35,9 @@ class BaseKind(Section, key="base"):
     loop: str = quantity("first-order", "1", "speed loop of the base", options=LOOPS)
 
 
-def takes_velocity(scenario: Scenario) -> bool:
-    """True for a base that takes (v, omega), false for one that takes wheel torques."""
-    return scenario.section(BaseKind).kind == "velocity"
-
-
 def has_loop(scenario: Scenario, loop: str) -> bool:
     """True where this kind of speed loop drives the base."""
-    return takes_velocity(scenario) and scenario.section(BaseKind).loop == loop
+    return scenario.takes_velocity and scenario.section(BaseKind).loop == loop
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,6 @@ from .model.system import (
     ports,
     stack,
 )
-from .speed_loop import takes_velocity
 from .velocity_mean import VelocityMean
 
 NUMBERS = Signal("velocity_loss", "1", "uniform numbers on [-1, 1)", 2)
@@ -75,7 +74,7 @@ def bound(scenario: Scenario) -> Bound:
 
 def acts(scenario: Scenario) -> bool:
     """True where velocities are lost, or late on a base whose filter asks for their age."""
-    late = scenario.section(VelocityMean).velocity_age > 0 and takes_velocity(scenario)
+    late = scenario.section(VelocityMean).velocity_age > 0 and scenario.takes_velocity
     return scenario.section(VelocityLoss).velocity_losses > 0 or late
 
 

@@ -17,7 +17,6 @@ import casadi as ca
 
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.world.model.system import System
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .context import LawContext
 from .law import Basis, Inside, Law, Traits
@@ -47,7 +46,7 @@ def inside(context: LawContext) -> Inside:
         within[name] = values, most
         return values
 
-    build = with_command if takes_velocity(context.scenario) else with_torque
+    build = with_command if context.scenario.takes_velocity else with_torque
     law = build(context, TITLE, wanted_velocity, whole)
     return Inside(law, within, from_measured=frozenset({CHANGE}))
 

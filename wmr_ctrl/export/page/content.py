@@ -17,7 +17,6 @@ from wmr_ctrl.report.style import unit_text
 from wmr_ctrl.theory.corridor import corridor_course
 from wmr_ctrl.version import __version__
 from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .controls import GROUPS, Control, controls_of
 from .module import PageLoop, PageLoops, Room
@@ -90,7 +89,7 @@ def content_of(
         "version": __version__,
         "seed": seed,
         "body": {"size": size, "wheel": wheel, "track": scale * TRACK},
-        "filtered": takes_velocity(scenes[0].scenario),
+        "filtered": scenes[0].scenario.takes_velocity,
         "laws": [_look(member) for member in members],
         "names": names,
         "loops": [_loop(item) for item in loops],

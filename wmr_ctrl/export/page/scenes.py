@@ -23,7 +23,6 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.values import multiple
 from wmr_ctrl.report.style import DASH_DOT, DASHED, DASHES, DOTTED, Dash, Look, look
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override, preset_titles, title_of
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,7 @@ WAYS: Mapping[str, tuple[str, str, Dash, str]] = {
 
 def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...]:
     """Robots of a scenario's page for these laws; raises ScenarioError where none can drive."""
-    if not takes_velocity(scenario):
+    if not scenario.takes_velocity:
         return tuple(PageMember(law, law, look(law), LAWS[law].title) for law in laws)
     several = len(laws) > 1
     members = []
@@ -162,7 +161,7 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
     """The story for ``laws`` where a scenario is the one it begins with, else one scene of it."""
     steps = story()
     if scenario != steps[0].scenario:
-        most = MOST_WAYS if takes_velocity(scenario) else MOST_SHOWN
+        most = MOST_WAYS if scenario.takes_velocity else MOST_SHOWN
         shown = tuple(member.name for member in members_of(scenario, laws))[:most]
         return (PageScene("own", _own_title(scenario), "", scenario, shown),)
     return tuple(
@@ -219,7 +218,7 @@ def settled_variants(scenario: Scenario, members: Sequence[PageMember]) -> Itera
     """
     own = Variant(scenario.guard.enabled, scenario.clock.control, scenario.actuator.delay)
     yield SettledVariant(own, {member.name: member.settled(scenario) for member in members})
-    if takes_velocity(scenario):
+    if scenario.takes_velocity:
         return
     for variant in _others(scenario, own, members[0].law):
         try:

@@ -36,7 +36,6 @@ from wmr_ctrl.theory.linear.linearise import Point, law_loop
 from wmr_ctrl.theory.linear.state_space import constant_speed
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Scenario, override
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 Progress = Callable[[float], None]
 DIRECTIONS: Mapping[str, tuple[float, float, float]] = {
@@ -174,7 +173,7 @@ def _of_law(
 def _remarks(scenario: Scenario) -> tuple[str, ...]:
     """What the linear loop leaves out, in words."""
     guard = "without the guard, which is on in the run" if scenario.guard.enabled else ""
-    late = takes_velocity(scenario) and scenario.base.delay > 0
+    late = scenario.takes_velocity and scenario.base.delay > 0
     waits = "without the start's wait, in which no command has come and the base slows"
     said = (lost_samples(scenario), rounded_effects(scenario), guard, waits * late)
     return tuple(f"the linear loop is {text}" for text in said if text)

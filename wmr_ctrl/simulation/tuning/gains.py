@@ -39,7 +39,6 @@ from wmr_ctrl.theory.door import proofs
 from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from . import search
 
@@ -89,7 +88,7 @@ class Tuning:
     def worse(self) -> tuple[WorseFigure, ...]:
         """Figures of the test that are worse after than before, in the order of the table."""
         v1, omega = self.scenario.limits.v_u1
-        judged_by = _ERRORS[:1] if takes_velocity(self.scenario) else _ERRORS
+        judged_by = _ERRORS[:1] if self.scenario.takes_velocity else _ERRORS
         allowed = {name: np.maximum((1 + WORSE) * self.before[name], FLOOR) for name in judged_by}
         allowed |= {
             "max_abs_v1": np.maximum(self.before["max_abs_v1"], v1),
@@ -230,7 +229,7 @@ def _start(plan: search.TuningPlan) -> dict[str, tuple[float, ...]]:
 
 def _masses(scenario: Scenario) -> tuple[float, ...]:
     """True over believed masses of the training and the test, beside 1."""
-    return () if takes_velocity(scenario) else MASSES
+    return () if scenario.takes_velocity else MASSES
 
 
 def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
@@ -254,7 +253,7 @@ def _costs(
         for name in ("tracking_drive_rms", "torque_change_rms", "stop")
     )
     completed = (stop == 0) & np.isfinite(reached)
-    weight = 0.0 if takes_velocity(plan.scenario) else plan.weight
+    weight = 0.0 if plan.scenario.takes_velocity else plan.weight
     squares = (weight * np.nan_to_num(change)) ** 2
     costs = []
     for k, gains in enumerate(sets):

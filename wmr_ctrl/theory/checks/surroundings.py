@@ -19,7 +19,6 @@ from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
 from wmr_ctrl.world.registry import EFFECTS, OURS
 from wmr_ctrl.world.scenario import Model, Robot, Scenario, override
-from wmr_ctrl.world.speed_loop import takes_velocity
 from wmr_ctrl.world.velocity_loss import VelocityLoss
 
 from .error_coordinates import COMMAND, Floats, World, world_of
@@ -85,7 +84,7 @@ class Surroundings:
 
     def __init__(self, scenario: Scenario) -> None:
         """Nothing is differentiated yet."""
-        self._sends = sends = takes_velocity(scenario)
+        self._sends = sends = scenario.takes_velocity
         scenario = idle_base(scenario) if sends else scenario
         self.scenario, self._worlds = scenario, dict[tuple[object, ...], World]()
         present = [item for item in EFFECTS.present(scenario) if "clock.control" in item.shape]
@@ -310,7 +309,7 @@ def lost_samples(scenario: Scenario) -> str:
     """Words on lost poses, velocities and commands, which the linear loop leaves out, if any."""
     poses, base = scenario.section(PoseSensor).pose_dropout, scenario.base
     counts = {"velocities": scenario.section(VelocityLoss).velocity_losses}
-    counts |= {"commands": base.losses} if takes_velocity(scenario) else {}
+    counts |= {"commands": base.losses} if scenario.takes_velocity else {}
     lost = [f"{poses:.0%} of the poses"] * (poses > 0)
     lost += [f"{name} up to {count} in a row" for name, count in counts.items() if count]
     return f"as if nothing were lost, though {' and '.join(lost)} may be" if lost else ""
@@ -325,7 +324,7 @@ def rounded_effects(scenario: Scenario) -> str:
         if rounds(ca.vertcat(system.update, system.y), ca.vertcat(*seen, system.x)):
             rounding.append(f"[{item.section.KEY}]")
     texts = [f"as if there were no rounding in {' and '.join(rounding)}"] if rounding else []
-    if takes_velocity(scenario) and max(scenario.base.deadband) > 0:
+    if scenario.takes_velocity and max(scenario.base.deadband) > 0:
         texts.append("as if base.deadband let every command pass")
     return " and ".join(texts)
 

@@ -19,7 +19,6 @@ from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.theory.checks.radius import largest_radius
 from wmr_ctrl.theory.checks.stable_ranges import largest_period, largest_stable_delay, stable_masses
 from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .linearise import (
     Floats,
@@ -110,13 +109,13 @@ class LinearReport:
     @property
     def cuts(self) -> tuple[str, str]:
         """Places at which the loop is cut for margins."""
-        sends = takes_velocity(self.scenario)
+        sends = self.scenario.takes_velocity
         return ("v command", "omega command") if sends else ("thrust", "moment")
 
     @property
     def rest(self) -> float | None:
         """Distance from the reference [m] at rest, of a base that takes velocities."""
-        sends = takes_velocity(self.scenario)
+        sends = self.scenario.takes_velocity
         return float(np.hypot(*self.point.e[:2])) if sends else None
 
     @property

@@ -34,7 +34,6 @@ from wmr_ctrl.theory.checks.surroundings import surroundings
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 MARGINAL = 1e-7
 """Real parts up to this [1/s] count as zero: an estimate without leak, a reference that stands."""
@@ -131,13 +130,13 @@ def law_loop(scenario: Scenario, law: str) -> Loop:
 
 def sent_names(scenario: Scenario) -> list[str]:
     """Names of what a law sends: a generalised force, or a velocity."""
-    return element_names(COMMAND) if takes_velocity(scenario) else FORCES
+    return element_names(COMMAND) if scenario.takes_velocity else FORCES
 
 
 def check_reading(scenario: Scenario, period: float | None) -> None:
     """Raise ArgumentError for a period that is none, or for none where a base needs one."""
     check_period(period)
-    if period is None and takes_velocity(scenario):
+    if period is None and scenario.takes_velocity:
         raise ArgumentError(
             'base.kind = "velocity": what is sent depends on the period, so there is no continuous '
             "loop. State period=, such as scenario.clock.control."
@@ -183,7 +182,7 @@ def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     if not 0.0 <= t < np.inf:
         raise ArgumentError(f"t = {t:g} s must be a time of the reference, from 0 s on.")
     v_d, v_d_dot = reference_velocity(scenario, t)
-    if takes_velocity(scenario):
+    if scenario.takes_velocity:
         return _driving(scenario, law, v_d, float(sample(scenario, np.array([t]))[0][2]))
     loop = law_loop(scenario, law).over(0)
     start = Point(np.zeros(3), v_d, v_d, v_d_dot, np.array(loop.core.x0), np.zeros(2))
@@ -199,7 +198,7 @@ def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     an error (ArgumentError).
     """
     start, around = on_reference(scenario, law, t), surroundings(alone(scenario))
-    if takes_velocity(scenario):
+    if scenario.takes_velocity:
         return start
     point = rest(law_loop(scenario, law).over(0), around, start, scenario.clock.control)
     if point is None:

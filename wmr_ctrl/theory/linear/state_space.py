@@ -19,7 +19,6 @@ from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.world.model.system import Output, System, port
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .linearise import (
     DISTURBANCES,
@@ -77,7 +76,7 @@ def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> c
 
 def late(scenario: Scenario) -> bool:
     """True if only a sampled loop can show the drives or sensors, or what is sent."""
-    if takes_velocity(scenario):
+    if scenario.takes_velocity:
         return True
     return is_sampled(settle(unguarded(scenario), "pid"))  # the same for every law
 

@@ -176,6 +176,11 @@ class Scenario:
         return cast("Mapping[str, Section]", late_bound("gains_by_law")(self))
 
     @property
+    def takes_velocity(self) -> bool:
+        """True for a base that takes (v, omega), false for one that takes wheel torques."""
+        return self.base.kind == "velocity"
+
+    @property
     def believed(self) -> Robot:
         """The robot as the laws believe it to be; no change ever alters it."""
         given = {key: value for key, value in vars(self.model).items() if value is not None}

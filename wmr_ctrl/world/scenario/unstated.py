@@ -11,7 +11,6 @@ from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.references.kind import start_of
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.speed_loop import takes_velocity
 from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ def unknown_keys(scenario: "Scenario") -> tuple[str, ...]:
 
 def guessed_keys(scenario: "Scenario") -> tuple[str, ...]:
     """Keys of the base's own speed loop that the motion depends on and nobody states."""
-    if not takes_velocity(scenario):
+    if not scenario.takes_velocity:
         return ()
     base, own = vars(scenario.base), {"first-order": ("tau",), "pi": ("kp", "ki")}
     names = own.get(scenario.base.loop, ())
@@ -68,7 +67,7 @@ def needed_of_robot(scenario: "Scenario") -> list[str]:
     depends on what the graphs of sensors and commands read.
     """
     unknown = list(unknown_keys(scenario))
-    if not unknown or not takes_velocity(scenario):
+    if not unknown or not scenario.takes_velocity:
         return unknown
     acting = [item for item in EFFECTS if item.active(scenario)]
     if any(item.role in FORCING or _other_loop(item) for item in acting) or _limited(scenario):
