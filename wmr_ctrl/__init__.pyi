@@ -19,9 +19,9 @@ from .core.errors import DeviceError as DeviceError
 from .core.errors import MissingExtraError as MissingExtraError
 from .core.errors import ResultFileError as ResultFileError
 from .core.errors import ScenarioError as ScenarioError
+from .core.errors import UnknownKeyError as UnknownKeyError
 from .core.errors import UnknownNameError as UnknownNameError
 from .core.errors import WmrError as WmrError
-from .core.fields.problems import UnknownKeyError as UnknownKeyError
 from .export.cosim.slave import FmuError as FmuError
 from .export.fmi.targets import PartlyBuiltError as PartlyBuiltError
 from .identification import identify as identify

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
-from wmr_ctrl.core.fields.problems import UnknownKeyError
+from wmr_ctrl.core.errors import ScenarioError, UnknownKeyError, UnknownNameError
 from wmr_ctrl.core.fields.section import build, quantity
 from wmr_ctrl.core.fields.values import Frozen
 from wmr_ctrl.world.references import REFERENCES

@@ -19,8 +19,7 @@ from wmr_ctrl.api import (
 )
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError
-from wmr_ctrl.core.fields.problems import UnknownKeyError
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownKeyError
 from wmr_ctrl.results import Run
 from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.world.scenario import loads_scenario, to_toml

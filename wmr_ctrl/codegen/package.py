@@ -17,7 +17,7 @@ from wmr_ctrl.control.filter.filter import called_filter, derived_numbers
 from wmr_ctrl.control.filter.rounding_ranges import check_single_precision
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.core.fields.problems import printable
+from wmr_ctrl.core.errors import printable
 from wmr_ctrl.core.signals import LARGEST, VELOCITY, Signal, places
 from wmr_ctrl.results import write_all
 from wmr_ctrl.world.encoder import ENCODER, MOVED, Encoder, reader

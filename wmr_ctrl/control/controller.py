@@ -4,7 +4,7 @@ from math import inf, nextafter
 
 import casadi as ca
 
-from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.errors import show
 from wmr_ctrl.core.signals import ASKED, FORCE, TORQUE, VELOCITY
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.world.model.system import Output, Parameters, System, outputs, port, ports, stack

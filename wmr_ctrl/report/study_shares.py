@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.errors import show
 from wmr_ctrl.results import Outcome, percent
 
 from .study_table import StudyTable

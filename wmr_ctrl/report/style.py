@@ -14,7 +14,7 @@ import matplotlib as mpl
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.colors import to_rgb
 
-from wmr_ctrl.core.fields.problems import printable
+from wmr_ctrl.core.errors import printable
 
 PAPER = "#ffffff"
 """Background of drawings and pages."""

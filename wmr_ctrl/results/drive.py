@@ -14,11 +14,10 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from wmr_ctrl.core import signals
-from wmr_ctrl.core.errors import ArgumentError, ResultFileError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, ResultFileError, UnknownNameError, show
 from wmr_ctrl.core.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.fields.orientation import inward
-from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import Signal
 

@@ -14,8 +14,7 @@ from contextlib import contextmanager
 from itertools import islice
 from typing import TypeVar
 
-from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.errors import ArgumentError, show
 from wmr_ctrl.core.fields.values import MOST_JOBS
 from wmr_ctrl.results import Floats, Monitor
 from wmr_ctrl.results.windows import windows_of

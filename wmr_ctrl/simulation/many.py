@@ -7,9 +7,8 @@ from typing import SupportsIndex, TypeVar
 
 import numpy as np
 
-from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError, show
 from wmr_ctrl.core.fields.orientation import inward
-from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.values import MOST_SEEDS, SEED_END
 from wmr_ctrl.results import Monitor, Run, split_columns
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of

@@ -25,9 +25,8 @@ from enum import Enum
 from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError, show
 from wmr_ctrl.core.fields.plugins import blamed
-from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, quantities
 from wmr_ctrl.core.signals import (
     COMMAND,

@@ -15,7 +15,7 @@ import numpy as np
 from wmr_ctrl.control.guard.bounds import aim, net, pair_of, slope
 from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.errors import show
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.signals import PLANT_STATE
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, Floats

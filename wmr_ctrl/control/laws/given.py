@@ -10,10 +10,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import TypeAlias
 
-from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError, show
 from wmr_ctrl.core.fields.files import read_text
 from wmr_ctrl.core.fields.plugins import blamed
-from wmr_ctrl.core.fields.problems import show
 
 from .law import Law
 from .registry import LAWS

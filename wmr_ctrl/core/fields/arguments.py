@@ -12,9 +12,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
-
-from .problems import show
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, show
 
 LOOKED_AT = 1000
 """Elements of a collection whose type is looked at; there may be millions of seeds."""

@@ -13,9 +13,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TypeAlias
 
-from wmr_ctrl.core.errors import ResultFileError, ScenarioError
-
-from .problems import printable
+from wmr_ctrl.core.errors import ResultFileError, ScenarioError, printable
 
 AnyPath: TypeAlias = str | os.PathLike[str]
 LARGEST_FILE = 1_000_000

@@ -7,11 +7,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from wmr_ctrl.core.errors import ScenarioError, choices
+from wmr_ctrl.core.errors import ScenarioError, choices, show
 from wmr_ctrl.core.signals import MEASURED_POSE, POSE, REFERENCE
 
 from .named_units import Stated, stated
-from .problems import show
 
 if TYPE_CHECKING:
     import numpy as np

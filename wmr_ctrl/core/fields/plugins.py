@@ -8,9 +8,7 @@ from traceback import walk_tb
 from types import FunctionType
 from typing import TypeVar
 
-from wmr_ctrl.core.errors import ArgumentError, WmrError
-
-from .problems import printable, show
+from wmr_ctrl.core.errors import ArgumentError, WmrError, printable, show
 
 T = TypeVar("T")
 _REMEDY = "Mend or uninstall the package that has it."

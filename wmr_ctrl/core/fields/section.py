@@ -12,10 +12,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, ClassVar, TypeVar, cast, dataclass_transform
 
-from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
+from wmr_ctrl.core.errors import ScenarioError, UnknownKeyError, UnknownNameError, show
 from wmr_ctrl.core.signals import Signal
 
-from .problems import UnknownKeyError, show
 from .values import Quantity, Range, kind_of
 
 REQUIRED = dataclasses.MISSING

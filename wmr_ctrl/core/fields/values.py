@@ -11,10 +11,9 @@ from itertools import combinations, islice
 from numbers import Real
 from typing import Any, TypeAlias, TypeVar, cast
 
-from wmr_ctrl.core.errors import ScenarioError, choices
+from wmr_ctrl.core.errors import ScenarioError, choices, show
 
 from .named_units import Stated, fitting, stated
-from .problems import show
 from .units import USUAL, is_usual, meant, written
 from .unstated import Unstated
 

@@ -3,9 +3,8 @@
 import math
 from typing import Any
 
-from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.errors import ScenarioError, show
 
-from .problems import show
 from .values import MOST_NODES
 
 

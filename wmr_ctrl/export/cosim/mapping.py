@@ -26,10 +26,9 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
-from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, show
 from wmr_ctrl.core.fields.files import parse_toml, read_text
 from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of
-from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import REQUIRED, Section, build, quantities, quantity
 from wmr_ctrl.core.fields.values import Frozen
 from wmr_ctrl.core.signals import (

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Protocol, TypeVar, runtime_checkable
 
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError
-from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, show
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.figures import FIGURES, values_of
 from wmr_ctrl.results.table import REFUSED, RunTable, table_of_rows

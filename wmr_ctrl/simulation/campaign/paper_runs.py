@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 
-from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.errors import ArgumentError, show
 from wmr_ctrl.results.windows import WINDOWS, named
 
 from .plan import MOST_SEEDS_EACH, PlannedRun, studies_in

@@ -12,10 +12,9 @@ from typing import TypeAlias
 from wmr_ctrl.control.default_law import UNSTATED, default_law
 from wmr_ctrl.control.laws.given import LawGiven, law_names
 from wmr_ctrl.control.laws.law import Law
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError, show
 from wmr_ctrl.core.fields.files import parse_toml, read_text
 from wmr_ctrl.core.fields.named_units import Stated, with_units
-from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, build, quantities, quantity
 from wmr_ctrl.core.fields.values import SEED_END, Frozen, as_list
 from wmr_ctrl.results import PLANTS

@@ -18,9 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.errors import ScenarioError, show
 from wmr_ctrl.core.fields.files import read_text
-from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.yaml_text import yaml_document
 
 Point = tuple[float, float]

@@ -18,8 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.errors import ScenarioError, show
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.core.fields.unstated import derived
 from wmr_ctrl.core.signals import Signal

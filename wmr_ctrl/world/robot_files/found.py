@@ -10,8 +10,7 @@ from statistics import mean
 from typing import TypeAlias, TypeGuard
 
 from wmr_ctrl.core.data import data
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.errors import ScenarioError, show
 
 Value: TypeAlias = float | bool | str | tuple[float, ...]
 PERIOD = "clock.control"

@@ -6,8 +6,7 @@ Source: Nav2 documentation, Configuration Guide.
 import math
 from collections.abc import Iterator
 
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.errors import ScenarioError, show
 from wmr_ctrl.core.fields.yaml_text import yaml_document
 
 from .found import NAMED, Found, Rank, number, read_table, rounded

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.errors import ScenarioError, show
 
 from .found import Found, Rank, rounded
 from .xml_text import numbers

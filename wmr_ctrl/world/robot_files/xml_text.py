@@ -7,8 +7,7 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.problems import printable, show
+from wmr_ctrl.core.errors import ScenarioError, printable, show
 
 from .found import LARGEST
 

@@ -12,8 +12,7 @@ from typing import TypeAlias
 import tomlkit
 
 from wmr_ctrl.core.data import data
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.problems import printable
+from wmr_ctrl.core.errors import ScenarioError, printable
 from wmr_ctrl.core.fields.section import default, quantities
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.references.kind import driven

@@ -14,11 +14,10 @@ from itertools import pairwise
 from numbers import Real
 from typing import Any
 
-from wmr_ctrl.core.errors import ScenarioError, choices
+from wmr_ctrl.core.errors import ScenarioError, UnknownKeyError, choices, show
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.named_units import with_units
 from wmr_ctrl.core.fields.orientation import PAPER, checked_frames, field_inward, field_outward
-from wmr_ctrl.core.fields.problems import UnknownKeyError, show
 from wmr_ctrl.core.fields.section import Section, build, default, quantities
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated
 from wmr_ctrl.core.fields.values import as_list

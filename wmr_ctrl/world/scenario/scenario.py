@@ -5,11 +5,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias, TypeVar, cast
 
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError, show
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.named_units import Stated, with_units
 from wmr_ctrl.core.fields.orientation import PAPER, checked_frames, described, field_outward
-from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, asking, number_of, numbers_in, quantities
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated
 from wmr_ctrl.core.fields.values import Frozen, Quantity, Range, as_list, check_multiple

@@ -17,11 +17,10 @@ from typing import Any, TypeAlias
 import tomlkit
 from tomlkit.items import Table
 
-from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
+from wmr_ctrl.core.errors import ScenarioError, UnknownNameError, show
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import AnyPath, decode, parse_toml, read_text
 from wmr_ctrl.core.fields.orientation import PAPER, described, field_outward
-from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, quantities
 from wmr_ctrl.core.fields.unstated import Unstated
 from wmr_ctrl.core.suffixes import RUNS
