@@ -57,7 +57,7 @@ def test_the_table_by_columns_has_the_numbers_of_the_text(wmr, plan, tmp_path):
     told = wmr("study", "parquet", folder)
 
     assert nothing.exit_code == 2
-    assert "no finished study" in " ".join(nothing.stderr.split())
+    assert "there is no folder" in " ".join(nothing.stderr.split())
     assert told.exit_code == 0, told.stderr
     columns = parquet.read_table(folder / "table.parquet").to_pydict()
     with (folder / "table.csv").open(newline="") as file:

@@ -170,6 +170,11 @@ def plot_reference(axes: Axes, x: Floats, y: Floats) -> None:
     axes.plot(x, y, ls="", marker="o", ms=2.6, mfc=INK, mec="white", mew=0.6, zorder=3.5)
 
 
+def mark_start(axes: Axes, x: Floats, y: Floats) -> None:
+    """A ring at the first point of a path (N,) [m]."""
+    axes.plot(x[0], y[0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
+
+
 SLENDER = 12.0
 """A path this many times longer than wide is drawn on two scales: else all of it is one line."""
 

@@ -155,7 +155,7 @@ def _draw_paths(
         line = drawing.thin_path(*path, points)
         axes.plot(*line, color=look(law).colour, ls=look(law).dash, lw=1.1)
     drawing.plot_reference(axes, *drawing.thin_path(*desired, dots))
-    axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
+    drawing.mark_start(axes, run["x"], run["y"])
     places = np.concatenate(seen)
     return places.min(axis=0), places.max(axis=0)
 

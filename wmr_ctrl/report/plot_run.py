@@ -114,7 +114,7 @@ def _path(part: SubFigure, run: Run, tube: Floats | None) -> None:
         axes.fill(*edges, color=colour, alpha=course.FAINT, lw=0, zorder=1.4)
     drawing.plot_reference(axes, *drawing.thin_path(run["x_d"], run["y_d"], 64))
     axes.plot(*drawing.thin_path(run["x"], run["y"], 3000), color=colour, lw=1.2)
-    axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=style.INK, ms=4.5, zorder=4)
+    drawing.mark_start(axes, run["x"], run["y"])
     drawing.finish_path(axes, ["dots: reference, ring: start", *course.course_of(run).draw(axes)])
 
 

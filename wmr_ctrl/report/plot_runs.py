@@ -79,7 +79,7 @@ def _path(part: SubFigure, lines: Lines) -> None:
     for run, colour, dash in lines.values():
         x, y = drawing.thin_path(run["x"], run["y"], 3000)
         axes.plot(x, y, color=colour, ls=dash, lw=1.2, alpha=0.85)
-        axes.plot(x[0], y[0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
+        drawing.mark_start(axes, x, y)
     drawing.plot_reference(axes, *drawing.thin_path(longest["x_d"], longest["y_d"], 64))
     drawing.finish_path(axes, ["dots: reference, ring: start", *course_of(longest).draw(axes)])
 
@@ -171,7 +171,7 @@ def _drive_paths(lines: Drives, part: SubFigure) -> None:
         if drive.has(POSES):
             x, y = (drive.columns[name] for name in POSES[:2])
             axes.plot(*drawing.thin_path(x, y, 3000), color=colour, lw=1.2, alpha=0.85)
-            axes.plot(x[0], y[0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
+            drawing.mark_start(axes, x, y)
     drawing.finish_path(axes, ["ring: start"])
 
 

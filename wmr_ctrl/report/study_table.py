@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.simulation.campaign.study_store import counted_reasons
+from wmr_ctrl.simulation.campaign.study_store import counted_reasons, finished_study
 
 Floats = NDArray[np.float64]
 PlainPlan: TypeAlias = Mapping[str, Any]
@@ -103,45 +103,21 @@ def _keys(plan: Mapping[str, Any]) -> list[str]:
 
 def read_study(folder: Path) -> StudyTable:
     """The table in a study's folder; raises ResultFileError where none is finished."""
-    try:
+    with finished_study(folder):
         plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
         with (folder / "columns.csv").open(encoding="utf-8", newline="") as file:
             units = {row["name"]: row["unit"] for row in csv.DictReader(file)}
-        wanted = ["index", *_keys(plan), *plan["figures"]]
         with (folder / "table.csv").open(encoding="utf-8", newline="") as file:
-            reader = csv.reader(file)
-            places = {name: place for place, name in enumerate(next(reader))}
-            lists: dict[str, list[float]] = {name: [] for name in wanted}
-            group, ended, refusal = [], [], []
-            for row in reader:
-                ended.append(row[places["outcome"]])
-                refusal.append(row[places["refusal"]])
-                guarded = ", guarded" if row[places["guard"]] == "true" else ""
-                group.append(row[places["law"]] + guarded)
-                for name, values in lists.items():
-                    values.append(_number(row[places[name]]))
-    except (OSError, KeyError, ValueError, StopIteration) as error:
-        raise ResultFileError(_unfinished(folder, error)) from error
-    if not group:
-        raise ResultFileError(f"{str(folder)!r}: the study's table has no row.")
-    numbers = {name: np.array(values) for name, values in lists.items()}
-    group_of, ended_as, refused = (np.array(column) for column in (group, ended, refusal))
-    return StudyTable(plan, numbers, group_of, ended_as, refused, units)
-
-
-def _unfinished(folder: Path, error: Exception) -> str:
-    """Cause and remedy where no study is found."""
-    if not folder.exists():
-        why = f"there is no folder {str(folder)!r}."
-    elif isinstance(error, OSError) and error.filename:
-        reason = "is missing" if isinstance(error, FileNotFoundError) else "cannot be read"
-        why = f"{str(folder)!r} holds no finished study: {Path(error.filename).name} {reason}."
-    else:
-        why = f"{str(folder)!r} holds no finished study: its files are damaged or not a study's."
-    return (
-        f"{why} Name the folder that `wmr-ctrl study PLAN.toml --out DIR` wrote, once the study "
-        "has run to its end."
-    )
+            head, *rows = csv.reader(file)
+        if not rows:
+            raise ResultFileError(f"{str(folder)!r}: the study's table has no row.")
+        cells = dict(zip(head, zip(*rows, strict=True), strict=True))
+        wanted = ("index", *_keys(plan), *plan["figures"])
+        numbers = {name: np.array([*map(_number, cells[name])]) for name in wanted}
+        pairs = zip(cells["law"], cells["guard"], strict=True)
+        group = [f"{law}, guarded" if guard == "true" else law for law, guard in pairs]
+        ended, refusal = np.array(cells["outcome"]), np.array(cells["refusal"])
+    return StudyTable(plan, numbers, np.array(group), ended, refusal, units)
 
 
 def _number(cell: str) -> float:

@@ -213,6 +213,32 @@ def _same_study(folder: Path, plan: Study, facts: Mapping[str, str]) -> None:
         )
 
 
+@contextmanager
+def finished_study(folder: Path) -> Iterator[None]:
+    """Context of reading a study's files; raises ResultFileError where none is finished."""
+    try:
+        yield
+    except ResultFileError:
+        raise
+    except (OSError, KeyError, ValueError, StopIteration) as error:
+        raise ResultFileError(_unfinished(folder, error)) from error
+
+
+def _unfinished(folder: Path, error: Exception) -> str:
+    """Cause and remedy where no study is found."""
+    if not folder.exists():
+        why = f"there is no folder {str(folder)!r}."
+    elif isinstance(error, OSError) and error.filename:
+        reason = "is missing" if isinstance(error, FileNotFoundError) else "cannot be read"
+        why = f"{str(folder)!r} holds no finished study: {Path(error.filename).name} {reason}."
+    else:
+        why = f"{str(folder)!r} holds no finished study: its files are damaged or not a study's."
+    return (
+        f"{why} Name the folder that `wmr-ctrl study PLAN.toml --out DIR` wrote, once the study "
+        "has run to its end."
+    )
+
+
 def write_columns(folder: str | Path) -> Path:
     """Write table.parquet beside a study's table.csv, whole or not at all; returns its path.
 
@@ -239,15 +265,10 @@ def write_columns(folder: str | Path) -> Path:
 
 
 def _kinds(folder: Path) -> dict[str, str]:
-    try:
+    with finished_study(folder):
         plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
         with (folder / "table.csv").open(newline="", encoding="utf-8") as file:
             names = next(csv.reader(file))
-    except (OSError, ValueError, KeyError, StopIteration):
-        raise ResultFileError(
-            f"{str(folder)!r} holds no finished study. Name the folder of `wmr-ctrl study --out`, "
-            "once it has its table.csv."
-        ) from None
     kinds = dict.fromkeys(names, "double") | dict.fromkeys(TEXTS, "string")
     kinds |= dict.fromkeys(COUNTS, "int64") | {"guard": "bool"}
     for key, values in plan["grid"].items():
