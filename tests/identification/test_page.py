@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import re
 from importlib import import_module
-from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.identification.kalman import INDEX, NAMES
 from wmr_ctrl.report.identified import write_identification
 from wmr_ctrl.report.style import shown
 
@@ -30,17 +28,6 @@ def test_traces_foretell_as_the_score_says(found):
     assert shares == pytest.approx(found.score.foretold, abs=0.03)
     largest = np.nanmax(np.abs(traces.residual), axis=0)
     assert (largest <= np.array(found.bounds.dbar) * (1 + 1e-12)).all()
-
-
-def test_the_likelihood_is_largest_where_delay_and_lag_were_identified(found):
-    (surface,) = found.surfaces()
-    i, j = np.unravel_index(surface.values.argmax(), surface.values.shape)
-
-    assert surface.names == ("delay", "lag")
-    for name, at, values in (("delay", i, surface.x), ("lag", j, surface.y)):
-        assert abs(values[at] - found.parameters[name].value) <= np.diff(values).max()
-    assert -0.2 < surface.values.max() <= 1e-6
-    assert surface.values.min() < -3
 
 
 def test_the_page_has_every_number_and_needs_nothing_else(found, tmp_path):
@@ -63,22 +50,3 @@ def test_another_suffix_is_refused_and_nothing_is_written(found, tmp_path):
     with pytest.raises(ResultFileError, match=r"\.png, \.svg, \.pdf"):
         write_identification(found, tmp_path / "fit.html", tmp_path / "fit.gif")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_surface_is_the_loss_of_likelihood_about_the_fit(monkeypatch) -> None:
-    """A parabola with other widths along delay and lag, whose top is where the fit is."""
-    theta = np.zeros(len(NAMES))
-    theta[INDEX["delay"]], theta[INDEX["lag"]] = 0.03, 0.05
-
-    def read(x, *, slopes):
-        off = x[INDEX["delay"]] - 0.03, x[INDEX["lag"]] - 0.05
-        return SimpleNamespace(nll=np.array([7.0, 1e4 * off[0] ** 2 + 1e3 * off[1] ** 2]))
-
-    fit = SimpleNamespace(theta=theta, nll=7.0, problem=SimpleNamespace(read=read))
-    values = {name: SimpleNamespace(value=theta[INDEX[name]]) for name in ("delay", "lag")}
-    monkeypatch.setattr(module, "standard_errors", lambda _: (np.full(len(NAMES), 1e-3), None))
-    (found,) = module.Identification.surfaces(SimpleNamespace(fit=fit, parameters=values))
-
-    along, across = found.x[:, None] - 0.03, found.y[None, :] - 0.05
-    assert found.values == pytest.approx(-(1e4 * along**2 + 1e3 * across**2), abs=1e-9)
-    assert (theta[INDEX["delay"]], theta[INDEX["lag"]]) == (0.03, 0.05)

@@ -86,7 +86,9 @@ def test_values_of_blocks_that_step_are_told_with_the_time_of_the_step(ends):
     """30 and 36 by their logarithms, and a delay by itself."""
     found = changed(np.where(np.arange(15) < ends, np.log(30.0), np.log(36.0)))
 
-    assert found == pytest.approx({"m": 2.0 * ends, "delay": 2.0 * ends})
+    times = {name: item.time for name, item in found.items()}
+    assert times == pytest.approx({"m": 2.0 * ends, "delay": 2.0 * ends})
+    assert found["delay"].values == pytest.approx((math.log(30.0), math.log(36.0)))
 
 
 @pytest.mark.parametrize(("step", "told"), [(0.0, []), (0.047, []), (0.0495, ["m"])])

@@ -14,11 +14,10 @@ import tomlkit
 from wmr_ctrl.core.data import data
 from wmr_ctrl.world.scenario import Scenario, to_toml
 
-from .fit import LAG_LEAST
+from .judgement import Judgement
 from .kalman import BLOCKS
 from .logs.log import COMMAND, Floats
 from .speed_loop import AXES, Fits
-from .widths import Fitted, changes
 
 DETERMINED, ROUGHLY, UNDETERMINED = "determined", "roughly", "undetermined"
 SHARES = (0.1, 0.3)
@@ -27,20 +26,23 @@ WORDS = {
     "m": "mass", "I": "moment of inertia", "Fc": "Coulomb friction of the body",
     "Fv": "friction of speed", "c": "Coulomb friction of each wheel", "Mv": "friction of turning",
     "delay": "delay of commands", "lag": "lag of the drives",
-    "gain1": "gain of v", "wn1": "natural frequency of v", "zeta1": "damping of v",
-    "tau1": "time constant of v", "gain2": "gain of omega", "wn2": "natural frequency of omega",
-    "zeta2": "damping of omega", "tau2": "time constant of omega",
-    "delay1": "delay of v", "delay2": "delay of omega",
-    "accel1": "acceleration limit of v", "accel2": "acceleration limit of omega",
+}  # fmt: skip
+WORDS |= {
+    f"{name}{axis}": f"{words} of {speed}"
+    for name, words in {
+        "gain": "gain", "wn": "natural frequency", "zeta": "damping", "tau": "time constant",
+        "delay": "delay", "accel": "acceleration limit",
+        "decel": "deceleration limit", "dead": "dead band",
+        "offset": "offset", "sat": "saturation", "back": "gain backward over forward",
+        "curve": "growth of the gain", "then": "gain after over before its change", "bias": "bias",
+    }.items()
+    for axis, speed in ((1, "v"), (2, "omega"))
 }  # fmt: skip
 _DATA = data(__package__, "bounds.toml")
 UNITS: Mapping[str, str] = _DATA["units"]
 BECAUSE: Mapping[str, list[list[str]]] = _DATA["because"]
 """Pairs that cannot be separated, by what the log lacks then."""
 SMALL, PART = 0.03, 0.35
-LEAST_LATE = {"delay": 0.0, "lag": LAG_LEAST}
-GRID_POINTS, SPREAD = 13, 3.5
-"""Points either way in the likelihood's picture, and half its width in standard errors."""
 
 
 class Estimate(NamedTuple):
@@ -94,21 +96,6 @@ class Traces:
     foretold: Floats
     residual: Floats
     held_out_from: float
-
-
-@dataclass(frozen=True)
-class Surface:
-    """Log-likelihood (X, Y) less that of the fit, over values of two parameters, x (X,), y (Y,)."""
-
-    names: tuple[str, str]
-    x: Floats
-    y: Floats
-    values: Floats
-
-
-def grid_about(value: float, error: float, least: float) -> Floats:
-    """Values about an estimate, ``SPREAD`` standard errors either way."""
-    return np.linspace(max(value - SPREAD * error, least), value + SPREAD * error, GRID_POINTS)
 
 
 @dataclass(frozen=True)
@@ -201,6 +188,8 @@ class BaseIdentification(ABC):
     missing: tuple[str, ...] = field(default=(), kw_only=True)
     words: Mapping[str, str] = field(default_factory=dict, kw_only=True)
     """Keys that the written scenario has though they are as by default, with words on some."""
+    judgements: tuple[Judgement, ...] = field(default=(), kw_only=True)
+    """How well each axis is explained, if it was driven."""
     places: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     """Keys of the scenario, and the parameters whose intervals stand beside them."""
 
@@ -212,15 +201,13 @@ class BaseIdentification(ABC):
             "bounds": self.bounds.to_json(),
             "remarks": list(self.remarks),
             "score": asdict(self.score),
+            "explained": {item.axis: item.explained for item in self.judgements},
+            "diagnosis": [row for item in self.judgements for row in item.diagnosis()],
         }
 
     @abstractmethod
     def traces(self) -> Traces:
         """Measured and predicted speeds, and residuals."""
-
-    @abstractmethod
-    def surfaces(self) -> tuple[Surface, ...]:
-        """Likelihood over pairs of parameters that the log hardly separates."""
 
     def described(self) -> dict[str, tuple[str, str]]:
         """Words and unit of each parameter."""
@@ -310,33 +297,31 @@ def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iter
         yield f"{listed} cannot be separated" + (f": {why}." if why else " by this log.")
 
 
-def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
+def loop_remarks(
+    fits: Fits, estimates: Mapping[str, Estimate], judgements: Sequence[Judgement | None]
+) -> list[str]:
     """Remarks on the parameters of a speed loop that a log determines, and does not."""
     remarks = [
         "gains are against the log's own measured speeds: an error in a wheel's radius or "
         "track affects both, and no log of wheels shows it. Add it to filter.gain."
     ]
-    for axis, fit, column in zip(AXES, fits, COMMAND, strict=True):
-        if fit is None:
+    for axis, fit, judgement, column in zip(AXES, fits, judgements, COMMAND, strict=True):
+        if fit is None or judgement is None:
             remarks.append(f"{column} is constant, so the log says nothing about that axis.")
-        elif "accel" not in fit.names:
+            continue
+        remarks += [item.text for item in judgement.findings if item.key]
+        least = estimates[f"accel{axis}"].low
+        if "accel" not in fit.names and judgement.plain:
             unit = ("m/s2", "rad/s2")[axis - 1]
             remarks.append(
                 f"no acceleration limit shows in {column}: if there is one, and every command came "
-                f"after the same delay, it is above {estimates[f'accel{axis}'].low:.3g} {unit}."
+                f"after the same delay, it is above {least:.3g} {unit}."
             )
     for axis, fit in zip(AXES, fits, strict=True):
         if fit is not None:
             names = [f"{name}{axis}" for name in fit.names]
             unsure = {name for name in names if estimates[name].verdict != DETERMINED}
             remarks += mixtures(names, fit.fisher.sum(axis=0), unsure)
-            shown = np.diag(fit.fisher.sum(axis=0)) > 0
-            fitted = Fitted(fit.theta, shown, fit.gradient, fit.fisher)
-            for name, time in changes(fitted, names, fit.log).items():
-                remarks.append(
-                    f"{name} was not the same before about {time:.3g} s as after it: take a log of "
-                    "each state, or state bounds for both."
-                )
     vague = [name for name, item in estimates.items() if item.verdict == UNDETERMINED and
              not name.startswith("accel")]  # fmt: skip
     if vague:

@@ -1,7 +1,7 @@
 """From samples to estimates: starts, the model that is taken, intervals, the score."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -12,6 +12,8 @@ from wmr_ctrl.world.scenario import Scenario, from_dict, scenario_dict
 from wmr_ctrl.world.scenario.scenario import multiples
 
 from .bounds import (
+    DETERMINED,
+    ROUGHLY,
     SHARES,
     UNDETERMINED,
     Estimate,
@@ -26,10 +28,11 @@ from .fit import (
     LogProblem,
     scored,
 )
+from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats
 from .logs.samples import AxisLog, Samples, differenced, speeds, wheels
-from .speed_loop import AXES, RANGES, Fits, LoopFit, forecast, likelihoods
+from .speed_loop import AXES, LINEAR, Fits, LoopFit, forecast
 from .widths import (
     PHYSICAL,
     WIDEST,
@@ -60,6 +63,8 @@ REPLACED = (
 )
 """Tables and keys of what is known that the identified numbers take the place of."""
 FREE_RUN = 1.0
+UNSURE = 0.1
+"""Share by which numbers of a loop are widened that explains its log in part."""
 
 
 def first_guess(log: Samples) -> tuple[dict[str, float], float]:
@@ -296,36 +301,66 @@ def free_runs(
     return foretold[:, 2:4], mean[begin, 2:4]
 
 
-def least_acceleration(fit: LoopFit) -> float:
-    """Lower end of the limit's interval where no ramp shows [m/s2 or rad/s2]: by the likelihood."""
-    limits = np.geomspace(*RANGES["accel"], 60)
-    fall = -likelihoods(fit, {"accel": limits})
-    fine = np.flatnonzero(fall > ACCEPTED)
-    return float(limits[min(fine[-1] + 1, len(limits) - 1)]) if fine.size else float(limits[0])
-
-
-def loop_estimates(fits: Fits, period: float) -> dict[str, Estimate]:
+def loop_estimates(
+    fits: Fits, judgements: Sequence[Judgement | None], period: float
+) -> dict[str, Estimate]:
     """Value, interval and verdict of each parameter of both axes."""
     estimates = {}
-    for axis, fit in zip(AXES, fits, strict=True):
-        if fit is None:
+    for axis, fit, judgement in zip(AXES, fits, judgements, strict=True):
+        if fit is None or judgement is None:
             continue
-        halves = fit.half_widths(plant_step(period) / 2).tolist()
-        for (name, value), half in zip(fit.values.items(), halves, strict=True):
-            if name == "delay":
-                low, high, share = max(value - half, 0.0), value + half, half / max(value, period)
-            else:
-                half = min(half, WIDEST)
-                low, high = value * math.exp(-half), value * math.exp(half)
-                share = half
-            shares = fit.fisher[:, fit.names.index(name), fit.names.index(name)]
-            seconds = informative_seconds(fit.log.t, shares)
-            item = Estimate(value, low, high, verdict(share, 1.0), seconds, share)
-            estimates[f"{name}{axis}"] = item
+        for name in fit.values:
+            if name != "when":
+                estimates[f"{name}{axis}"] = _estimate(fit, judgement, name, period)
         if "accel" not in fit.names:
-            least = least_acceleration(fit)
+            # A command that is ramped drives no speed faster than its ramp, times the gain.
+            known = judgement.explained == EXPLAINED
+            least = fit.steepest / fit.values.get("gain", 1.0) if known else 0.0
             estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, UNDETERMINED, share=9.0)
     return estimates
+
+
+def _estimate(fit: LoopFit, judgement: Judgement, name: str, period: float) -> Estimate:
+    """A parameter whose interval is as wide as the judgement of its fit makes it."""
+    value, in_part = fit.values[name], judgement.explained != EXPLAINED
+    low, high = _interval(fit, name, period)
+    more = judgement.share * (1 + in_part) + UNSURE * (in_part and name in ("tau", "wn", "zeta"))
+    if name == "delay":
+        low, high = low - period * in_part, high + period * in_part
+    elif name not in LINEAR:
+        low, high = low / (1 + more), high * (1 + more)
+    least, most = judgement.reached(name, value)
+    size, own = max(abs(value), period if name == "delay" else 1e-12), (high - low) / 2
+    low, high = min(low, least), max(high, most)
+    low = max(low, 0.0) if name == "delay" else low
+    # A structure that is known makes a number another, not unknown.
+    share = ((high - low) / 2 if in_part else own) / size
+    word, seconds, several = verdict(share, 1.0), (0.0, 0.0), (least, most) != (value, value)
+    if name in fit.names:
+        place = fit.names.index(name)
+        seconds = informative_seconds(fit.log.t, fit.fisher[:, place, place])
+        several |= bool(fit.alone[place])
+    if judgement.explained == NOT_EXPLAINED:
+        word = NOT_EXPLAINED
+    elif fit.at_end(name):
+        word = UNDETERMINED
+    elif word == DETERMINED and (in_part or several):
+        word = ROUGHLY
+    return Estimate(value, low, high, word, seconds, share)
+
+
+def _interval(fit: LoopFit, name: str, period: float) -> tuple[float, float]:
+    """95 % interval by the fit alone; a dead band's is between two commands of the log."""
+    value = fit.values[name]
+    if name not in fit.names:
+        sizes = np.unique(np.abs(fit.log.sent))
+        place = int(np.clip(np.searchsorted(sizes, value), 1, len(sizes) - 1))
+        return float(sizes[place - 1]), float(sizes[place])
+    half = float(fit.half_widths(plant_step(period) / 2)[fit.names.index(name)])
+    if name in LINEAR:
+        return value - half, value + half
+    wide = math.exp(min(half, WIDEST / 3))
+    return value / wide, value * wide
 
 
 def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:

@@ -20,14 +20,11 @@ from wmr_ctrl.world.speed_loop import KINDS, BaseKind
 
 from .bounds import (
     DETERMINED,
-    LEAST_LATE,
     UNDETERMINED,
     BaseIdentification,
     Estimate,
     GuardBounds,
-    Surface,
     Traces,
-    grid_about,
     informative_seconds,
     mixtures,
     sizes,
@@ -71,7 +68,7 @@ from .stated import (
     written,
 )
 from .velocity_base import of_velocities
-from .widths import intervals_of, standard_errors
+from .widths import intervals_of
 
 Progress = Callable[[float], None]
 USUAL = {"torque": 60, "velocity": 18}
@@ -113,18 +110,6 @@ class Identification(BaseIdentification):
         began = problem.log.t < problem.log.t[0] + FREE_RUN
         foretold[began] = np.nan
         return Traces(problem.log.t, mean[:, 2:4], foretold, force, self.score.held_out_from)
-
-    def surfaces(self) -> tuple[Surface]:
-        """Likelihood over delay and lag, all else as it was fitted."""
-        theta = self.fit.theta.copy()
-        errors = dict(zip(NAMES, standard_errors(self.fit)[0].tolist(), strict=True))
-        pair = "delay", "lag"
-        x, y = (grid_about(self.parameters[n].value, errors[n], LEAST_LATE[n]) for n in pair)
-        values = np.empty((len(x), len(y)))
-        for i, j in np.ndindex(values.shape):
-            theta[[INDEX[name] for name in pair]] = x[i], y[j]
-            values[i, j] = -self.fit.problem.read(theta, slopes=False).nll.sum()
-        return (Surface(pair, x, y, np.asarray(values + self.fit.nll)),)
 
 
 @checks_arguments

@@ -142,24 +142,22 @@ def held_out(
     trained = before if same else fitted_part(white, -np.inf, cut, tell, white)
     bounds = guard_bounds(trained, intervals_of(before), scenario, colour)
     unexplained = [item.against(bounds) for item in contradictions(white, bounds, cut)]
-    return trained, (*changed(fit, tell), *unexplained)
+    return trained, (*changed(fit), *unexplained)
 
 
-def changed(fit: Fit, tell: Callable[[], None]) -> Iterator[str]:
+def changed(fit: Fit) -> Iterator[str]:
     """Sentences on a mass, an inertia or a delay that was another in a part of the log."""
     fitted = Fitted(fit.theta, fit.inside, fit.last.gradient, fit.last.fisher)
-    steps = changes(fitted, NAMES, fit.problem.log)
-    times = {name: time for name, time in steps.items() if name in CONSTANT}
-    parts = {
-        time: [intervals_of(fitted_part(fit, *span, tell, fit))
-               for span in ((-np.inf, time), (time, np.inf))]
-        for time in dict.fromkeys(times.values())
-    }  # fmt: skip
-    for name, time in times.items():
-        pair = (part[name] for part in parts[time])
-        before, after = (f"{x:.3g} ({low:.3g} to {high:.3g})" for x, low, high in pair)
-        unit = UNITS[name]
-        yield f"{name} was {before} {unit} until about {time:.3g} s and {after} {unit} after it"
+    for name, change in changes(fitted, NAMES, fit.problem.log).items():
+        if name not in CONSTANT:
+            continue
+        sides = []
+        for x, half in zip(change.values, change.halves, strict=True):
+            ends = np.array([x, x - half, x + half])
+            ends = ends if name == "delay" else np.exp(ends)
+            sides.append("{:.3g} ({:.3g} to {:.3g})".format(*ends))
+        before, after = (f"{side} {UNITS[name]}" for side in sides)
+        yield f"{name} was {before} until about {change.time:.3g} s and {after} after it"
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,14 @@
 """Speed loop of one axis of a base: the speeds that follow from its commands, and its fit to a log.
 
-    command, late by a delay  ->  ramp  ->  loop  ->  speed
-    first-order    tau v' = K u - v
-    pi             v' = 2 zeta wn (u - v) + f,   f' = wn^2 (u - v)
-    second-order   v'' = wn^2 (K u - v) - 2 zeta wn v'
+    command, late by a delay  ->  shape  ->  ramp  ->  gain  ->  loop  ->  speed
+    first-order    tau v' = w - v
+    pi             v' = 2 zeta wn (w - v) + f,   f' = wn^2 (w - v)
+    second-order   v'' = wn^2 (w - v) - 2 zeta wn v'
 
-The ramp is that of `world.command_ramp`.  What a fit leaves over is an autoregressive process, by
-whose inverse residuals and slopes are whitened.
+The ramp is that of `world.command_ramp`.  The shape of a command u is 0 below a dead band, else
+|u| less an offset, at most its saturation.  Behind the ramp, w = K u (1 + curve |u|) + bias; K is
+``back`` times as large backwards, and ``then`` times from a time ``when`` on.  What a fit leaves
+over is an autoregressive process, by whose inverse residuals and slopes are whitened.
 """
 
 from __future__ import annotations
@@ -34,25 +36,42 @@ from .logs.samples import LONGEST_DELAY, AxisLog
 from .widths import FLOOR, errors_of
 
 AXES = (1, 2)
-STEP = 0.01
+STEP, BEFORE = 5e-3, 0.7
+"""Longest step of a loop, and time for which it runs before a stretch of the log [s]."""
 LOOPS: Mapping[str, tuple[str, ...]] = {
     "first-order": ("gain", "tau", "delay"),
     "pi": ("wn", "zeta", "delay"),
     "second-order": ("gain", "wn", "zeta", "delay"),
 }
-"""Parameters of each loop; all but the delay are searched as logarithms."""
-PLACE = {"gain": 0, "tau": 1, "wn": 1, "zeta": 2, "accel": 3, "delay": 4}
+"""Parameters of each loop."""
+NEUTRAL = {
+    "gain": 1.0, "first": 1.0, "zeta": 1.0, "accel": math.inf, "decel": math.nan, "back": 1.0,
+    "curve": 0.0, "bias": 0.0, "offset": 0.0, "dead": 0.0, "sat": math.inf, "delay": 0.0,
+    "then": 1.0, "when": math.inf,
+}  # fmt: skip
+"""A set of parameters that changes nothing, by columns; decel is nan where it is as accel."""
+NUMBERS = 11
+"""Columns that the compiled steps take."""
+PLACE = {name: place for place, name in enumerate(NEUTRAL)} | {"tau": 1, "wn": 1}
 """Columns of a set of parameters."""
+LINEAR = ("delay", "curve", "bias")
+"""Parameters that are searched as they are; all others as logarithms."""
 ORDER = 6
 """Order of the autoregression."""
-RANGES = {"gain": (0.02, 50.0), "tau": (5e-3, 20.0), "wn": (0.05, 60.0), "zeta": (0.02, 2.0),
-          "accel": (0.01, 1e3)}  # fmt: skip
+RANGES = {"gain": (1e-3, 2e3), "tau": (5e-3, 20.0), "wn": (0.05, 60.0), "zeta": (0.02, 2.0),
+          "accel": (0.01, 1e3), "decel": (0.01, 1e3), "back": (0.02, 50.0), "then": (0.02, 50.0),
+          "offset": (1e-4, 10.0), "sat": (1e-3, 1e3), "curve": (-1e3, 1e3), "bias": (-1e3, 1e3),
+          "delay": (0.0, LONGEST_DELAY)}  # fmt: skip
+NEAR_END = 0.98
 ENOUGH = 0.01
 MOST_VAGUE = 0.5
 """Half-width of a logarithm from which on a number is no reason for a richer loop."""
 SMOOTHED = 0.1
 """Time over which deviations are averaged before the largest counts as a push [s]: shorter ones
 are the sensors'."""
+ALONE, ALONE_WIDER = 0.6, 4.0
+"""Share of the information in one block from which on errors are not by leaving out blocks, and
+half-width over standard error then."""
 AT_ONCE = 16
 """Sets of parameters that are followed at once through a whole log."""
 
@@ -60,89 +79,80 @@ AT_ONCE = 16
 @cache
 def _follower(loop: str) -> ct._NamedFuncPointer:
     """Compiled steps of (ramped, v, second state), for many sets of parameters."""
-    u, v, inner, p = (
+    w, v, inner, p = (
         port(Signal(name, "1", name, size))
-        for name, size in (("u", 1), ("v", 1), ("inner", 1), ("p", 3))
+        for name, size in (("w", 1), ("v", 1), ("inner", 1), ("p", 2))
     )
-    gain, first, second = p.sym[0], p.sym[1], p.sym[2]
-    a, b = 2 * second * first, first**2
-    rate = {
-        "first-order": ca.vertcat((gain * u.sym - v.sym) / first, 0),
-        "pi": ca.vertcat(a * (u.sym - v.sym) + inner.sym, b * (u.sym - v.sym)),
-        "second-order": ca.vertcat(inner.sym, b * (gain * u.sym - v.sym) - a * inner.sym),
+    first, second = p.sym[0], p.sym[1]
+    a, b, error = 2 * second * first, first**2, w.sym - v.sym
+    rates = {
+        "first-order": ca.vertcat(error / first, 0),
+        "pi": ca.vertcat(a * error + inner.sym, b * error),
+        "second-order": ca.vertcat(inner.sym, b * error - a * inner.sym),
     }[loop]
-    system = System("loop", loop, inputs=(u,), state=(v, inner), params=(p,), update=rate)
-    x, h, numbers, sent = (ca.SX.sym(*item) for item in (("x", 3), ("h",), ("p", 4), ("sent", 3)))
-    parts = h * sent[2] * numbers[3], h * (1 - sent[2]) * numbers[3]
-    middle = _ramped(x[0], sent[0], parts[0])
-    ramped = ca.if_else(sent[2] < 1, _ramped(middle, sent[1], parts[1]), middle)
-    # A ramp that ends within its part of the piece rests at the end: the exact mean of both.
-    first_mean, last_mean = (
-        b - (b - a) * ca.fabs(b - a) / (2 * ca.fmax(most, 1e-30))
-        for a, b, most in ((x[0], middle, parts[0]), (middle, ramped, parts[1]))
-    )
-    acting = sent[2] * first_mean + (1 - sent[2]) * ca.if_else(sent[2] < 1, last_mean, 0)
+    system = System("loop", loop, inputs=(w,), state=(v, inner), params=(p,), update=rates)
+    sizes = (("x", 3), ("h",), ("p", NUMBERS), ("sent",))
+    x, h, numbers, sent = (ca.SX.sym(*item) for item in sizes)
+    gain, _, _, accel, decel, back, curve, bias, offset, dead, most = ca.vertsplit(numbers)
+    size = ca.fmin(ca.fmax(ca.fabs(sent) - offset, 0), most)
+    shaped = ca.if_else(ca.fabs(sent) < dead, 0, ca.sign(sent) * size)
+    rate = ca.if_else(x[0] * (shaped - x[0]) < 0, decel, accel)
+    stopped = moved(x[0], shaped, h * accel, h * decel)
+    # A ramp rests at 0 until its step ends, and these steps are longer.
+    left = ca.fmax(1 - ca.fabs(stopped - x[0]) / (h * rate), 0) * h * accel
+    ramped = ca.if_else(stopped == shaped, stopped, moved(stopped, shaped, left, left))
+    # One that ends within a step rests at its end: the mean of both.
+    way = ramped - x[0]
+    acting = ramped - way * ca.fabs(way) / (2 * h * rate)
+    own = gain * ca.if_else(acting < 0, back, 1) * (1 + curve * ca.fabs(acting))
     after = ca.substitute(
         rk4_step(system, h),
-        ca.vertcat(u.sym, system.x, system.p),
-        ca.vertcat(acting, x[1:], numbers[:3]),
+        ca.vertcat(w.sym, system.x, system.p),
+        ca.vertcat(own * acting + bias, x[1:], numbers[1:3]),
     )
     step = kernel(
         "step",
-        "State after a piece of time in which two commands act, one after the other.",
+        "State after a step with one command.",
         {"x": x, "sent": sent, "h": h, "p": numbers},
         {"next": ca.vertcat(ramped, after)},
     )
-    sizes = {"STATE": 3, "SENT": 3, "NUMBERS": 4, "SPEED": 1}
-    return ct.CDLL(str(lanes_library("follow_loop.c", sizes, [step]))).wmr_follow_loop
-
-
-def _ramped(now: ca.SX, wanted: ca.SX, most: ca.SX) -> ca.SX:
-    """The command after a piece: a ramp rests at 0 until its step ends, and pieces are no steps."""
-    stopped = moved(now, wanted, most, most)
-    left = ca.fmax(most - ca.fabs(stopped - now), 0)
-    return ca.if_else(stopped == wanted, stopped, moved(stopped, wanted, left, left))
+    places = {"STATE": 3, "NUMBERS": NUMBERS, "SPEED": 1}
+    return ct.CDLL(str(lanes_library("follow_loop.c", places, [step]))).wmr_follow_loop
 
 
 def foretold(log: AxisLog, loop: str, sets: Floats) -> Floats:
-    """Speeds (N, P) that follow from the commands alone, for parameters (P, 5).
+    """Speeds (N, P) that follow from the commands alone, for parameters (P, 14) as in NEUTRAL.
 
-    A set is gain, two numbers of the loop (tau, or wn and zeta), acceleration limit, delay.
+    Each stretch begins at rest, BEFORE its first row.
     """
-    count = len(sets)
-    gap = np.diff(log.t, prepend=log.t[0])
-    gap[log.first] = 0.0
-    parts = np.maximum(np.ceil(gap / STEP - 1e-9), 1).astype(int)
-    parts[log.first] = 0
-    ends = np.cumsum(parts)
-    piece = np.repeat(np.arange(len(parts)), parts)
-    h = gap[piece] / parts[piece]
-    begin = log.t[piece] - h * (ends[piece] - np.arange(len(piece)))
-    delays, late = np.unique(sets[:, 4], return_inverse=True)
-    command = np.ascontiguousarray(log.commands(begin, h, delays).swapaxes(0, 1))
-    late, numbers = late.astype(np.int32), np.ascontiguousarray(sets[:, :4].T)
-    result = np.empty((len(log.t), count))
+    if len(sets) > AT_ONCE:
+        parts = np.array_split(sets, math.ceil(len(sets) / AT_ONCE))
+        return np.hstack([foretold(log, loop, part) for part in parts])
+    accel, decel, delays = (sets[:, PLACE[name]] for name in ("accel", "decel", "delay"))
+    sets = np.column_stack((sets[:, :4], np.where(np.isnan(decel), accel, decel), sets[:, 5:]))
+    numbers, count = np.ascontiguousarray(sets[:, :NUMBERS].T), len(sets)
+    h = log.period / math.ceil(log.period / STEP - 1e-9)
+    result = []
     for low, high in zip(log.first, [*log.first[1:], len(log.t)], strict=True):
-        first, last = ends[low], ends[high - 1]
-        begun = log.speed[min(low + 1, high - 1)]
-        x = np.stack((begun / sets[:, 0], np.full(count, begun), np.zeros(count)))
-        path = np.empty((last - first + 1, count))
-        path[0] = begun
-        arrays = (h[first:], command[first:], late, numbers, x, path[1:])
+        t = log.t[low:high]
+        edges = np.arange(t[0] - BEFORE, t[-1] + 1.5 * h, h)
+        sent = log.mean_command(edges[:-1], edges[1:])
+        path = np.zeros((len(edges), count))
         _follower(loop)(
-            *map(ct.c_int64, (last - first, count, len(delays))),
-            *(ct.c_void_p(item.ctypes.data) for item in arrays),
-        )
-        place = ends[low:high] - first
+            ct.c_int64(len(sent)), ct.c_int64(count), ct.c_double(h),
+            *(ct.c_void_p(item.ctypes.data) for item in (sent, numbers, path[1:])),
+        )  # fmt: skip
+        path = np.cumsum(path, axis=0) * h if log.of_way else path
+        place = (t[:, None] - delays - edges[0]) / h
+        row = np.minimum(place.astype(int), len(edges) - 2)
+        seen, later = (np.take_along_axis(path, row + more, axis=0) for more in (0, 1))
+        seen = seen + (place - row) * (later - seen)
         if log.of_way:
-            mean = (path[1:] + path[:-1]) / 2 * h[first:last, None]
-            way = np.concatenate((np.zeros((1, count)), np.cumsum(mean, axis=0)))[place]
-            result[low:high] = np.diff(way, axis=0, prepend=way[:1]) / np.maximum(
-                gap[low:high, None], 1e-9
-            )
-        else:
-            result[low:high] = path[place]
-    return result
+            gap = np.diff(t, prepend=t[0] - log.period)[:, None]
+            seen = np.diff(seen, axis=0, prepend=seen[:1]) / gap
+        result.append(seen)
+    changed = log.t[:, None] >= sets[:, PLACE["when"]]
+    return np.vstack(result) * np.where(changed, sets[:, PLACE["then"]], 1.0)
 
 
 @dataclass(frozen=True)
@@ -150,7 +160,7 @@ class LoopFit:
     """A fit of one loop: its parameters as searched by ``names``, and its residuals.
 
     ``gradient`` (B, n) and ``fisher`` (B, n, n) of minus the log of the likelihood, by blocks of
-    time; ``left`` (N,): speed less what was foretold.
+    time; ``left`` (N,): speed less what was foretold; ``fixed``: numbers that were not searched.
     """
 
     log: AxisLog
@@ -161,25 +171,63 @@ class LoopFit:
     nll: float
     gradient: Floats = field(repr=False)
     fisher: Floats = field(repr=False)
+    fixed: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def bic(self) -> float:
         """The criterion of Schwarz."""
-        return 2 * self.nll + len(self.theta) * math.log(max(int(self.log.in_fit.sum()), 2))
+        count = len(self.theta) + len(self.fixed)
+        return 2 * self.nll + count * math.log(max(int(self.log.in_fit.sum()), 2))
+
+    @property
+    def squares(self) -> float:
+        """Sum of the squares of what is left over."""
+        return float(np.sum(self.left[self.log.in_fit] ** 2))
 
     @property
     def values(self) -> dict[str, float]:
         """Parameters in SI units."""
-        return {
-            name: float(x if name == "delay" else math.exp(x))
-            for name, x in zip(self.names, self.theta, strict=True)
-        }
+        return values_of(self.names, self.theta) | dict(self.fixed)
 
     @property
     def vague(self) -> bool:
         """True where a number of the loop or its limit is hardly determined: there are too many."""
         half = self.half_widths(0.0)
-        return any(h > MOST_VAGUE for n, h in zip(self.names, half, strict=True) if n != "delay")
+        if self.values.get("accel", 0.0) * self.log.period > np.ptp(self.log.sent):
+            return True
+        return any(h > MOST_VAGUE for n, h in zip(self.names, half, strict=True) if n not in LINEAR)
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """Parameters that are searched beside those of the loop."""
+        return tuple(name for name in self.names if name not in LOOPS[self.loop])
+
+    @property
+    def forecast(self) -> Floats:
+        """Speed (N,) that follows from the commands."""
+        return np.asarray(self.log.speed - self.left)
+
+    @property
+    def fastest(self) -> float:
+        """Largest speed that the log shows and the fit explains, but for a hundredth of rows."""
+        return float(np.quantile(np.abs(self.forecast[self.log.in_fit]), 0.99))
+
+    @property
+    def steepest(self) -> float:
+        """Steepest motion that follows from the commands [m/s2, rad/s2], beyond a fiftieth."""
+        rates = np.abs(np.diff(self.forecast)) / np.diff(self.log.t)
+        return max(float(np.quantile(rates, 0.98)), 0.02)
+
+    @property
+    def bias(self) -> float:
+        """Mean of what is left over."""
+        return float(self.left[self.log.in_fit].mean())
+
+    def at_end(self, name: str) -> bool:
+        """True where a parameter ended at an end of its range: that is no result."""
+        low, high = RANGES.get(name, (-math.inf, math.inf))
+        value = self.values[name]
+        return value > NEAR_END * high or (name not in LINEAR and value * NEAR_END < low)
 
     def deviation(self) -> Floats:
         """Speed less its forecast (N,), averaged over SMOOTHED; 0 where nothing counts."""
@@ -194,23 +242,44 @@ class LoopFit:
     def half_widths(self, least_delay: float) -> Floats:
         """Half-widths (n,) of 95 % intervals of the searched parameters."""
         shown = np.diag(self.fisher.sum(axis=0)) > 0
-        floor = [least_delay if name == "delay" else FLOOR for name in self.names]
-        half = np.maximum(errors_of(self.gradient, self.fisher, shown), floor)
-        return np.where(shown, half, np.inf)
+        least = dict.fromkeys(LINEAR, 0.0) | {"delay": least_delay}
+        floor = [least.get(name, FLOOR) for name in self.names]
+        half = errors_of(self.gradient, self.fisher, shown)
+        # To leave out a block that has nearly all information says nothing.
+        half = np.where(self.alone, ALONE_WIDER * self.standard_errors(), half)
+        return np.where(shown, np.maximum(half, floor), np.inf)
+
+    @property
+    def alone(self) -> np.ndarray:
+        """Parameters (n,) of which one block of time has more than `ALONE` of the information."""
+        blocks = np.diagonal(self.fisher, axis1=1, axis2=2)
+        return np.asarray(blocks.max(axis=0) > ALONE * np.maximum(blocks.sum(axis=0), 1e-300))
 
 
 Fits = tuple[LoopFit | None, LoopFit | None]
 
 
-def set_of(names: tuple[str, ...], theta: Floats) -> Floats:
-    """Gain, two numbers of the loop, acceleration limit and delay of searched parameters."""
-    by = {n: x if n == "delay" else math.exp(x) for n, x in zip(names, theta, strict=True)}
-    loop = (by["tau"], 1.0) if "tau" in by else (by["wn"], by["zeta"])
-    return np.array([by.get("gain", 1.0), *loop, by.get("accel", math.inf), by["delay"]])
+def values_of(names: tuple[str, ...], theta: Floats) -> dict[str, float]:
+    """Searched parameters in SI units."""
+    pairs = zip(names, theta.tolist(), strict=True)
+    return {name: x if name in LINEAR else math.exp(x) for name, x in pairs}
+
+
+def set_of(values: Mapping[str, float]) -> Floats:
+    """A set of parameters (14,): those that are not given change nothing."""
+    numbers = np.array(list(NEUTRAL.values()))
+    for name, value in values.items():
+        numbers[PLACE[name]] = value
+    return numbers
+
+
+def searched(values: Mapping[str, float], names: tuple[str, ...]) -> Floats:
+    """Parameters as they are searched."""
+    return np.array([values[n] if n in LINEAR else math.log(values[n]) for n in names])
 
 
 def _bounded(names: tuple[str, ...], theta: Floats) -> Floats:
-    ends = [(0.0, LONGEST_DELAY) if n == "delay" else tuple(np.log(RANGES[n])) for n in names]
+    ends = [RANGES[n] if n in LINEAR else tuple(np.log(RANGES[n])) for n in names]
     return np.clip(theta, *np.array(ends).T)
 
 
@@ -238,22 +307,27 @@ def finest(log: AxisLog) -> float:
 
 
 def fitted(
-    log: AxisLog, loop: str, names: tuple[str, ...], theta: Floats, passes: int, plain: int = 0
-) -> LoopFit:
+    log: AxisLog, loop: str, names: tuple[str, ...], theta: Floats, passes: int, plain: int = 0,
+    fixed: Mapping[str, float] | None = None,
+) -> LoopFit:  # fmt: skip
     """Scoring from ``theta``, damped until each step lowers minus the log-likelihood.
 
-    The first ``plain`` passes are least squares of what is left itself, which lead from farther.
+    The first ``plain`` passes are least squares of what is left itself, which lead from farther;
+    the whole fit is one if all passes are.  ``fixed``: numbers that are not searched.
     """
-    damping, done = 1e-3, False
+    damping, done, fixed = 1e-3, False, dict(fixed or {})
     edges = np.linspace(log.t[0], log.t[-1] + 1e-9, BLOCKS + 1)
     block = np.searchsorted(edges, log.t, "right") - 1
+    spread = max(float(np.std(log.speed[log.in_fit])), 1e-9)
+    wide = {"delay": 1e-4, "bias": 1e-3 * spread, "curve": 1e-3 / spread}
+    steps = np.diag([wide.get(name, 1e-3) for name in names])
 
     def deviation(many: list[Floats]) -> Floats:
-        return log.speed[:, None] - foretold(log, loop, np.array([set_of(names, x) for x in many]))
+        sets = [set_of(values_of(names, x) | fixed) for x in many]
+        return log.speed[:, None] - foretold(log, loop, np.array(sets))
 
     theta = _bounded(names, theta)
     for turn in range(passes):
-        steps = np.diag([1e-4 if name == "delay" else 1e-3 for name in names])
         inside = [np.where(theta + s > _bounded(names, theta + s), -1, 1) for s in steps]
         apart = deviation([theta, *(theta + s * w for s, w in zip(steps, inside, strict=True))])
         left = apart[:, 0]
@@ -268,7 +342,7 @@ def fitted(
         blocks = [(along[place == b], white[place == b]) for b in range(BLOCKS)]
         gradient = np.array([slopes.T @ rest / sigma**2 for slopes, rest in blocks])
         fisher = np.array([slopes.T @ slopes / sigma**2 for slopes, _ in blocks])
-        result = LoopFit(log, loop, names, theta, left, nll, gradient, fisher)
+        result = LoopFit(log, loop, names, theta, left, nll, gradient, fisher, fixed)
         if done or turn == passes - 1:
             break
         total, pull = fisher.sum(axis=0), gradient.sum(axis=0)
@@ -281,7 +355,7 @@ def fitted(
         best = int(np.argmin(squares))
         gained = (float(np.sum(white**2)) - squares[best]) / (2 * sigma**2)
         if not gained > 0:
-            if turn >= plain:
+            if turn >= plain or plain == passes:
                 break
             plain = turn
             continue
@@ -290,24 +364,6 @@ def fitted(
     return result
 
 
-def likelihoods(fit: LoopFit, changes: Mapping[str, Floats]) -> Floats:
-    """Log-likelihoods (K,) less that of the fit, of parameters that take other values (K,).
-
-    Parameters are in SI units; what is left over is whitened as that of the fit is.
-    """
-    whiten, whole = whitener(fit.left, fit.log.in_fit)
-    now = max(float(np.mean(whiten(fit.left)[whole] ** 2)), finest(fit.log) ** 2)
-    count = len(next(iter(changes.values())))
-    falls = []
-    for part in np.array_split(np.arange(count), math.ceil(count / AT_ONCE)):
-        sets = np.tile(set_of(fit.names, fit.theta), (len(part), 1))
-        for name, values in changes.items():
-            sets[:, PLACE[name]] = values[part]
-        left = whiten(fit.log.speed[:, None] - foretold(fit.log, fit.loop, sets))[whole]
-        falls.append((np.mean(left**2, axis=0) / now - 1) * whole.sum() / 2)
-    return -np.concatenate(falls)
-
-
 def forecast(fit: LoopFit, log: AxisLog) -> Floats:
     """Speeds (N,) that a fit foretells on another log, from its commands alone."""
-    return foretold(log, fit.loop, np.array([set_of(fit.names, fit.theta)]))[:, 0]
+    return foretold(log, fit.loop, set_of(fit.values)[None])[:, 0]

@@ -84,15 +84,22 @@ class Fitted(NamedTuple):
         return self.theta + step, errors_of(gradient + fisher @ step, fisher, free)
 
 
-def changes(fit: Fitted, names: Sequence[str], log: Samples | AxisLog) -> dict[str, float]:
-    """Parameters of ``names`` that were not the same all along, and the time [s] that shows it
-    best.
+class Change(NamedTuple):
+    """A parameter that was another before a time [s] than after it, with both half-widths."""
+
+    time: float
+    values: tuple[float, float]
+    halves: tuple[float, float]
+
+
+def changes(fit: Fitted, names: Sequence[str], log: Samples | AxisLog) -> dict[str, Change]:
+    """Parameters of ``names`` that were not the same all along, at the time that shows it best.
 
     All but delays are logarithms.  The log is cut where blocks end; values of both parts are apart
     by APART times both half-widths and by what matters: a twentieth, or a control period.
     """
     count, best = len(fit.fisher), np.full(len(names), APART)
-    ends, times = np.linspace(log.t[0], log.t[-1], count + 1), {}
+    ends, found = np.linspace(log.t[0], log.t[-1], count + 1), {}
     least = [log.period if name.startswith("delay") else math.log(1.05) for name in names]
     for block in range(LEAST_BLOCKS, count - LEAST_BLOCKS + 1):
         try:
@@ -102,8 +109,10 @@ def changes(fit: Fitted, names: Sequence[str], log: Samples | AxisLog) -> dict[s
         for k in np.flatnonzero(fit.free).tolist():
             apart, both = abs(after[k] - before[k]), wide[k] + narrow[k]
             if apart > least[k] and apart > best[k] * both:
-                best[k], times[names[k]] = apart / both, float(ends[block])
-    return times
+                best[k] = apart / both
+                pair, halves = (before[k], after[k]), (wide[k], narrow[k])
+                found[names[k]] = Change(float(ends[block]), pair, halves)
+    return found
 
 
 def half_widths(fit: Fit) -> Floats:

@@ -19,12 +19,10 @@ from .style import INK, LIMIT, MUTED, PAPER, page_environment, picture
 
 if TYPE_CHECKING:
     from wmr_ctrl.identification import BaseIdentification
-    from wmr_ctrl.identification.bounds import Surface, Traces
+    from wmr_ctrl.identification.bounds import Traces
     from wmr_ctrl.identification.propose import ProposedDrive
 
 BLUE = "#1f77c9"
-LEVELS = {3.0: "95 %", 4.61: "99 %"}
-"""Falls of the log-likelihood that bound regions of two numbers at these confidences."""
 _MARGINS = drawing.Padding(left=0.62, right=0.18, bottom=0.42, top=0.5)
 _AXES = (("v₁", "m/s", "thrust", "N"), ("ω", "rad/s", "moment", "N m"))
 FORETOLD = {"guard": "predicted over at most 1 s", "filter": "predicted from commands"}
@@ -38,9 +36,9 @@ def write_identification(
 ) -> None:
     """Write one page of HTML that needs nothing but itself, or the picture in it, or both.
 
-    Speeds as measured and predicted, residuals with dbar or d, intervals, likelihood over delay and
-    lag; on the page a ``drive`` that was proposed, too.  Each file whole or not at all.  Raises
-    ResultFileError for another suffix or where a file cannot be written.
+    Speeds as measured and predicted, residuals with dbar or d, and intervals; on the page a
+    ``drive`` that was proposed, too.  Each file whole or not at all.  Raises ResultFileError for
+    another suffix or where a file cannot be written.
     """
     targets = drawing.picture_targets(plot, "an identification is drawn")
     traces = result.traces()
@@ -55,8 +53,7 @@ def write_identification(
 
 def drawing_of(result: BaseIdentification, traces: Traces) -> drawing.Drawing:
     """The picture."""
-    size = (8.3, 9.4) if result.bounds.section == "guard" else (8.3, 11.8)
-    return drawing.Drawing("fit", size, partial(_draw, result=result, traces=traces))
+    return drawing.Drawing("fit", (8.3, 9.4), partial(_draw, result=result, traces=traces))
 
 
 def _page(
@@ -73,17 +70,11 @@ def _page(
 
 
 def _draw(figure: Figure, result: BaseIdentification, traces: Traces) -> None:
-    surfaces = result.surfaces()
-    rows = (1, 1, 0.9, 1.25) if len(surfaces) < 2 else (1, 1, 0.9, 1.25, 1.25)
-    grid = figure.add_gridspec(len(rows), 2, height_ratios=rows, hspace=0.0, wspace=0.0)
+    grid = figure.add_gridspec(4, 2, height_ratios=(1, 1, 0.9, 1.25), hspace=0.0, wspace=0.0)
     for axis in (0, 1):
         _speeds(figure.add_subfigure(grid[axis, :]), result, traces, axis)
         _residuals(figure.add_subfigure(grid[2, axis]), result, traces, axis)
-    beside = len(surfaces) < 2
-    _intervals(figure.add_subfigure(grid[3, 0] if beside else grid[3, :]), result)
-    for axis, surface in enumerate(surfaces):
-        place = grid[3, 1] if beside else grid[4, axis]
-        _likelihood(figure.add_subfigure(place), result, surface)
+    _intervals(figure.add_subfigure(grid[3, :]), result)
 
 
 def _speeds(part: SubFigure, result: BaseIdentification, traces: Traces, axis: int) -> None:
@@ -136,26 +127,3 @@ def _intervals(part: SubFigure, result: BaseIdentification) -> None:
     axes.set_xlim(0.05, 8 * max(*shares, 30.0))
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     drawing.rows_of(axes, list(items))
-
-
-def _likelihood(part: SubFigure, result: BaseIdentification, surface: Surface) -> None:
-    """Regions of two parameters by the fall of the likelihood, with the intervals."""
-    names = surface.names
-    units = [result.described()[name][1] for name in names]
-    scales = [1e3 if unit == "s" else 1.0 for unit in units]
-    labels = [f"{n} [{'ms' if u == 's' else u}]" for n, u in zip(names, units, strict=True)]
-    title = f"{names[0]} and {names[1]}: likelihood, and the intervals as a cross"
-    drawing.heading(part, title, below=0.22)
-    axes = drawing.one_axes(part, drawing.Padding(left=0.62, right=0.18, bottom=0.42, top=0.34))
-    x, y = scales[0] * surface.x, scales[1] * surface.y
-    fall = -surface.values.T
-    levels = [level for level in LEVELS if fall.min() < level < fall.max()]
-    if levels:
-        lines = axes.contour(x, y, fall, levels=levels, colors=[BLUE], linewidths=(1.3, 0.8))
-        axes.clabel(lines, fmt=LEVELS, fontsize=6.5)
-    first, second = (result.parameters[name] for name in names)
-    a, b = scales
-    axes.plot([a * first.low, a * first.high], [b * second.value] * 2, color=INK, lw=0.9)
-    axes.plot([a * first.value] * 2, [b * second.low, b * second.high], color=INK, lw=0.9)
-    axes.plot(a * first.value, b * second.value, "o", color=INK, ms=3.5)
-    axes.set(xlabel=labels[0], ylabel=labels[1])

@@ -326,7 +326,8 @@ def seen_by(log: Log) -> str:
 
 FACTORS = {
     57.29577951308232: "degrees for radians", 9.549296585513721: "revolutions a minute for rad/s",
-    1000.0: "millimetres for metres", 4.0: "a quarter of the counts in a turn (or all four edges)",
+    1000.0: "millimetres for metres", 100.0: "per cent for a share", 3.6: "km/h for m/s",
+    4.0: "a quarter of the counts in a turn (or all four edges)",
 }  # fmt: skip
 NEAR = 0.08
 """Tolerance within which a ratio is named after one of these factors."""
@@ -334,8 +335,9 @@ NEAR = 0.08
 
 def unit_of(ratio: float) -> str | None:
     """Units that are mistaken for each other where two columns have this ratio."""
-    for factor, word in FACTORS.items():
-        for power, sense in ((1.0, word), (-1.0, " for ".join(reversed(word.split(" for "))))):
-            if abs(ratio / factor**power - 1) < NEAR:
-                return sense
-    return None
+    size = max(ratio, 1 / ratio) if ratio > 0 else 0.0
+    factor = min(FACTORS, key=lambda item: abs(size / item - 1))
+    if abs(size / factor - 1) > NEAR:
+        return None
+    word = FACTORS[factor]
+    return word if ratio > 1 else " for ".join(reversed(word.split(" for ")))

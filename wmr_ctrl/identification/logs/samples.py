@@ -148,25 +148,15 @@ class AxisLog:
             self, t=self.t[:n], speed=self.speed[:n], in_fit=self.in_fit[:n], first=first
         )
 
-    def commands(self, begin: Floats, length: Floats, delays: Floats) -> Floats:
-        """Commands (3, K, P) over pieces of time (K,), each late by delays (P,).
-
-        At the beginning, at the end, and the share of the piece for which the first one acts.
-        """
+    def mean_command(self, begin: Floats, end: Floats) -> Floats:
+        """Mean of the commands from ``begin`` to ``end`` [s], both of one shape."""
         done = np.concatenate(([0.0], np.cumsum(self.sent[:-1] * np.diff(self.sent_t))))
 
         def until(t: Floats) -> Floats:
             at = np.maximum(np.searchsorted(self.sent_t, t, "right") - 1, 0)
             return np.asarray(done[at] + self.sent[at] * (t - self.sent_t[at]))
 
-        start = begin[:, None] - delays
-        end = start + length[:, None]
-        mean = (until(end) - until(start)) / length[:, None]
-        at = np.searchsorted(self.sent_t, np.stack((start, end - 1e-12)), "right") - 1
-        before, after = self.sent[np.maximum(at, 0)]
-        apart = np.where(before == after, 1.0, before - after)
-        share = np.where(before == after, 1.0, np.clip((mean - after) / apart, 0, 1))
-        return np.stack((before, after, share))
+        return (until(end) - until(begin)) / (end - begin)
 
 
 def axis_log(log: Samples, axis: int) -> AxisLog:
@@ -205,9 +195,8 @@ def shifted_gain(log: AxisLog) -> tuple[float, float, float]:
     shifts = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(log.period, 0.01))
     some = np.flatnonzero(log.in_fit)
     some = some[:: max(1, len(some) // ENOUGH_ROWS)]
-    step = np.full(len(some), log.period)
-    before, after, share = log.commands(log.t[some] - log.period, step, shifts)
-    u, v = share * before + (1 - share) * after, log.speed[some][:, None]
+    end = log.t[some][:, None] - shifts
+    u, v = log.mean_command(end - log.period, end), log.speed[some][:, None]
     gains = np.sum(u * v, axis=0) / np.maximum(np.sum(u * u, axis=0), 1e-300)
     shares = 1 - np.sum((v - gains * u) ** 2, axis=0) / max(float(np.sum(v * v)), 1e-300)
     k = int(np.argmax(shares))

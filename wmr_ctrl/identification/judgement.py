@@ -1,0 +1,308 @@
+"""Whether a fit of one axis explains its log, and by how much its intervals must be wider if not.
+
+Asked are: do commands tell more of the residual; is the gain one, by speed, direction and time; is
+each number the same all along, and each delay; what stays, and is it better than a constant.  All
+are effects, in shares of the speed: they need no distribution.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.special import stdtrit
+
+from .kalman import BLOCKS
+from .logs.log import Floats
+from .residual import told
+from .speed_loop import LINEAR, LoopFit, foretold, set_of, whitener
+from .widths import Fitted, changes
+
+LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explained"
+MORE_TOLD, MOST_TOLD = 0.03, 0.12
+"""Share of the speed's rms that commands tell beyond a model that explains it in part, or not."""
+BY_OTHER = 2.0
+"""Factor by which the other axis must add to what commands tell to be named."""
+APART, LEAST_APART = 2.0, 0.03
+"""Half-widths, and share of the gain, by which a group's gain is another."""
+FEWEST, SLOWEST = 40, 0.1
+"""Rows of a group; speed that counts over the quick ones'."""
+PER_DOUBLE = 1.7
+"""Growth of the gain from a speed to its double over that from slow rows to fast ones."""
+MOST_STAYS, LEAST_VARIANCE = 0.3, 0.5
+"""Largest deviation over the largest speed, and least share of the variance, of what explains."""
+BETWEEN, WINDOW, FEWEST_CHANGES = 0.25, 0.35, 8
+"""Time between changes of a command that are looked at, and after one [s]."""
+LEAST_SCATTER, LATER = 0.003, 2e-4
+GAINS = (1 / 3, 3.0)
+"""Gains that units can be right for."""
+GROUP_KEYS = {
+    "slow": "curve", "middling": "curve", "fast": "curve", "forward": "sides", "backward": "sides",
+    "early": "change", "halfway": "change", "late": "change",
+}  # fmt: skip
+"""Groups of rows, and the key of what a gain that differs there would be."""
+AXES, UNITS, RATES = ("v", "omega"), ("m/s", "rad/s"), ("m/s2", "rad/s2")
+Reach = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a log says of a fit: a place in `LEVELS`, a sentence, a key of the contract if any, and
+    parameters that are not one number, from least to most.
+    """
+
+    text: str
+    key: str = ""
+    level: int = 0
+    reach: Reach = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """How well a fit of an axis explains its log.
+
+    ``share``: rms of what commands tell beyond it, over the speed's; ``r2``: share of the variance
+    that it explains.
+    """
+
+    axis: str
+    share: float
+    r2: float
+    findings: tuple[Finding, ...]
+
+    @property
+    def explained(self) -> str:
+        """One of `LEVELS`."""
+        told = (self.share > MORE_TOLD) + (self.share > MOST_TOLD)
+        least = 2 if self.r2 < LEAST_VARIANCE else 0
+        return LEVELS[max([told, least, *(item.level for item in self.findings)])]
+
+    @property
+    def sentence(self) -> str:
+        """One line for the table."""
+        more = f"{100 * self.share:.1f} % of its rms more" if self.share > 0.005 else "nothing more"
+        told = f"{100 * self.r2:.1f} % of the variance; commands tell {more}"
+        return "; ".join((
+            f"{self.axis}: {self.explained} ({told})",
+            *(item.text for item in self.findings if not item.key),
+        ))  # fmt: skip
+
+    @property
+    def plain(self) -> bool:
+        """True where a loop with nothing beside it explains the log."""
+        return self.explained == EXPLAINED and not any(item.key for item in self.findings)
+
+    def reached(self, name: str, value: float) -> tuple[float, float]:
+        """Least and largest value of a parameter, and of its own estimate."""
+        ends = [item.reach[name] for item in self.findings if name in item.reach]
+        return min([value, *(low for low, _ in ends)]), max([value, *(high for _, high in ends)])
+
+    def diagnosis(self) -> list[dict[str, str]]:
+        """Findings that have a key, as plain data."""
+        return [{"key": item.key, "axis": self.axis, "text": item.text}
+                for item in self.findings if item.key]  # fmt: skip
+
+
+def judged(fit: LoopFit, other: LoopFit | None, axis: int) -> Judgement:
+    """What the residual says of a fit of an axis (0, 1), beside that of the other one."""
+    inside, name = fit.log.in_fit, AXES[axis]
+    variance = max(float(np.var(fit.log.speed[inside])), 1e-300)
+    r2 = 1 - float(np.mean(fit.left[inside] ** 2)) / variance
+    findings = [*_structures(fit, axis), *_unit(fit, axis)]
+    share = told(fit, None if other is None else other.forecast)
+    if not any(item.key == "unit" for item in findings):
+        if share > max(MORE_TOLD, BY_OTHER * told(fit)):
+            more = f"{100 * share:.1f} % of its rms beyond the model"
+            findings.append(Finding(f"{AXES[1 - axis]} changes {name} by {more}", "coupling"))
+        checks = (_by_groups, _over_time, _late, _stays)
+        findings += [item for check in checks for item in check(fit, axis)]
+    return Judgement(name, share, r2, tuple(findings))
+
+
+def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
+    """Structures beside the loop that the fit has, in words."""
+    values, name, unit, rate = fit.values, AXES[axis], UNITS[axis], RATES[axis]
+    gain, top = values.get("gain", 1.0), float(np.abs(fit.log.sent).max())
+    half = dict(zip(fit.names, fit.half_widths(0.0).tolist(), strict=True))
+
+    def hull(*shares: float) -> Reach:
+        return {"gain": (gain * max(min(shares), 0.05), gain * max(shares))}
+
+    def by(member: str) -> tuple[float, float]:
+        wide = math.exp(min(half[member], 3.0))
+        return values[member] / wide, values[member] * wide
+
+    if "decel" in values:
+        up, down = (f"{values[key]:.3g} {rate}" for key in ("accel", "decel"))
+        yield Finding(f"{name} speeds up by at most {up} and slows down by at most {down}", "decel")
+    if "dead" in values:
+        yield Finding(f"{name}: commands below {values['dead']:.3g} {unit} do nothing", "dead-band")
+    if "offset" in values:
+        less = f"{values['offset']:.3g} {unit}"
+        text = f"the gain is 0 up to {less} and {gain:.3g} beyond: the base subtracts {less}"
+        lost = max(1 - values["offset"] / top, 0.2)
+        yield Finding(f"{name}: {text}. No key says that", "offset", 0, hull(lost, 1.0))
+    if "sat" in values:
+        most = f"{gain * values['sat']:.3g} {unit}"
+        text = f"{name} ends at {most} whatever is commanded above"
+        yield Finding(text, "saturation", 0, hull(min(values["sat"] / top, 1.0), 1.0))
+    if "back" in values:
+        ways = f"{gain:.3g} forward and {gain * values['back']:.3g} backward"
+        yield Finding(f"{name}: the gain is {ways}", "sides", 0, hull(1.0, *by("back")))
+    if "curve" in values:
+        ends = [1 + (values["curve"] + side * half["curve"]) * top for side in (-1, 1)]
+        fast = f"{gain * (1 + values['curve'] * top):.3g} at {top:.3g} {unit}"
+        text = f"{name}: the gain is {gain:.3g} near 0 and {fast} of command"
+        yield Finding(text, "curve", 0, hull(1.0, *ends))
+    if "then" in values:
+        text = f"{name}: the gain became {values['then']:.3g} times itself at about"
+        why = f"{values['when']:.3g} s: battery, load, floor? The file holds both"
+        yield Finding(f"{text} {why}", "change", 1, hull(1.0, *by("then")))
+    if "bias" in values:
+        push = f"{values['bias']:.3g} {unit}"
+        yield Finding(f"{name} is {push} off, whatever is commanded", "bias")
+
+
+def _unit(fit: LoopFit, axis: int) -> Iterator[Finding]:
+    gain = fit.values.get("gain", 1.0)
+    if not GAINS[0] < gain < GAINS[1]:
+        text = f"{AXES[axis]}: the speed is {gain:.3g} times the command; check both units"
+        yield Finding(text, "unit", 2)
+
+
+def _stays(fit: LoopFit, axis: int) -> Iterator[Finding]:
+    most = float(np.abs(fit.deviation()).max())
+    if most > MOST_STAYS * fit.fastest:
+        yield Finding(
+            f"deviations up to {most:.2g} of {fit.fastest:.2g} {UNITS[axis]} stay", level=1
+        )
+
+
+def _by_groups(fit: LoopFit, axis: int) -> Iterator[Finding]:
+    """Groups of rows with another gain."""
+    gain = fit.values.get("gain", 1.0)
+    for group, off, half in _group_gains(fit):
+        if abs(off) > max(APART * half, LEAST_APART):
+            reach = {"gain": (gain * max(1 + off - half, 0.05), gain * (1 + off + half))}
+            text = f"{AXES[axis]}: the gain is {100 * off:+.1f} % off where the log is {group}"
+            yield Finding(text, GROUP_KEYS[group], 1, reach)
+
+
+def _group_gains(fit: LoopFit) -> Iterator[tuple[str, float, float]]:
+    """Relative errors of the gain in groups of rows, with half-widths by leaving out blocks."""
+    log, y = fit.log, fit.forecast
+    block = np.minimum((log.t - log.t[0]) / (log.t[-1] - log.t[0]) * BLOCKS, BLOCKS - 1).astype(int)
+    size = np.abs(y)
+    moves = log.in_fit & (size > SLOWEST * np.quantile(size[log.in_fit], 0.95))
+    if moves.sum() < FEWEST:
+        return
+    (slow, fast), (early, late) = (np.quantile(x[moves], (1 / 3, 2 / 3)) for x in (size, log.t))
+    groups = (
+        size <= slow, (size > slow) & (size <= fast), size > fast, y > 0, y < 0,
+        log.t <= early, (log.t > early) & (log.t <= late), log.t > late,
+    )  # fmt: skip
+    for name, group in zip(GROUP_KEYS, groups, strict=True):
+        rows = group & moves
+        if rows.sum() < FEWEST:
+            continue
+        pull = np.bincount(block[rows], (y * fit.left)[rows], BLOCKS)
+        weight = np.bincount(block[rows], (y * y)[rows], BLOCKS)
+        own = np.flatnonzero(weight > 1e-3 * weight.sum())
+        if len(own) > 2:
+            without = (pull.sum() - pull[own]) / (weight.sum() - weight[own])
+            yield name, float(pull.sum() / weight.sum()), _jackknife(without)
+
+
+def bent(fit: LoopFit) -> float:
+    """Share by which the gain may grow from the fastest motion to its double, at 95 %."""
+    gains = {name: (off, half) for name, off, half in _group_gains(fit)}
+    if not {"slow", "fast"} <= {*gains}:
+        return 1.0
+    (slow, narrow), (fast, wide) = gains["slow"], gains["fast"]
+    return PER_DOUBLE * (abs(fast - slow) + math.hypot(narrow, wide))
+
+
+def _jackknife(values: Floats) -> float:
+    """Half-width of a 95 % interval by values (K,) that leave out a block each."""
+    count = len(values)
+    spread = (count - 1) / count * float(np.sum((values - values.mean()) ** 2))
+    return float(stdtrit(count - 1, 0.975)) * math.sqrt(spread)
+
+
+def _over_time(fit: LoopFit, axis: int) -> Iterator[Finding]:
+    """Parameters that were not the same all along, when, and what they reached."""
+    shown = np.diag(fit.fisher.sum(axis=0)) > 0
+    whole = Fitted(fit.theta, shown, fit.gradient, fit.fisher)
+    for name, change in changes(whole, fit.names, fit.log).items():
+        if name in ("bias", "curve"):
+            continue
+        middle = fit.theta[fit.names.index(name)]
+        pairs = list(zip(change.values, change.halves, strict=True))
+        ends = [np.clip(x + side * half, middle - 3, middle + 3)
+                for x, half in pairs for side in (-1, 1)]  # fmt: skip
+        reach = max(min(ends), 0.0), max(ends)
+        if name not in LINEAR:
+            reach = math.exp(min(ends)), math.exp(max(ends))
+        text = f"{name}{axis + 1} was not the same before about {change.time:.3g} s as after it"
+        advice = "take a log of each state, or state bounds for both"
+        yield Finding(f"{text}: {advice}", "change", 1, {name: reach})
+
+
+def _late(fit: LoopFit, axis: int) -> Iterator[Finding]:
+    """Delays that differ from one change of the command to the next."""
+    ends = _scatter(fit)
+    if ends is not None:
+        low, high = (max(fit.values["delay"] + end, 0.0) for end in ends)
+        text = (
+            f"{AXES[axis]}: the delay differs from change to change, {1e3 * low:.0f} to "
+            f"{1e3 * high:.0f} ms: commands logged by a timer, or lost. Log them when they are sent"
+        )
+        yield Finding(text, "delay", 1, {"delay": (low, high + 0.15 * fit.log.period)})
+
+
+def _scatter(fit: LoopFit) -> tuple[float, float] | None:
+    """Delays of single changes less the fit's [s], from least to most.
+
+    None if they differ no more than noise makes them, or there are too few.
+    """
+    log, steps = fit.log, np.diff(fit.log.sent)
+    times = log.sent_t[1:][steps != 0]
+    times = times[np.diff(times, prepend=-np.inf) > BETWEEN]
+    times = times[np.diff(times, append=np.inf) > BETWEEN]
+    if "accel" in fit.names or len(times) < FEWEST_CHANGES or np.mean(steps != 0) > 0.2:
+        return None
+    delays, variances = _single_delays(fit, times)
+    if len(delays) < FEWEST_CHANGES:
+        return None
+    low, high = np.quantile(delays, (0.1, 0.9))
+    variance, chance = ((high - low) / 2.56) ** 2, 1.3 * float(np.median(variances))
+    spread = math.sqrt(max(variance - chance, 0.0))
+    by_chance = variance < chance * (1 + 5 * math.sqrt(2 / len(delays)))
+    if by_chance or spread < max(0.2 * log.period, LEAST_SCATTER):
+        return None
+    least, most = np.quantile(delays, (0.05, 0.95))
+    return float(least), float(most)
+
+
+def _single_delays(fit: LoopFit, times: Floats) -> tuple[list[float], list[float]]:
+    """Delays less the fit's of changes at some times [s], and their variances by noise."""
+    log, late = fit.log, fit.values["delay"]
+    whiten, whole = whitener(fit.left, log.in_fit)
+    later = foretold(log, fit.loop, set_of(fit.values | {"delay": late + LATER})[None])[:, 0]
+    along, left = whiten((later - fit.forecast) / LATER), whiten(fit.left)
+    first, last = (np.searchsorted(log.t, times + more) for more in (0.0, late + WINDOW))
+    spans = list(zip(first.tolist(), last.tolist(), strict=True))
+    quiet = whole.copy()
+    for low, high in spans:
+        quiet[low:high] = False
+    quiet = quiet if quiet.sum() > FEWEST else whole
+    noise = max(2.2 * float(np.median(np.abs(left[quiet]))) ** 2, 1e-12)
+    delays, variances = [], []
+    for low, high in spans:
+        weight = float(np.sum(along[low:high] ** 2))
+        if high - low > 2 and whole[low:high].all() and noise < weight * log.period**2:
+            delays.append(float(along[low:high] @ left[low:high]) / weight)
+            variances.append(noise / weight)
+    return delays, variances

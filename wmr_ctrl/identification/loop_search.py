@@ -1,0 +1,217 @@
+"""Structures beside the loop of an axis that a log may ask for, tried one by one.
+
+Source: bases as people log them: ramps that differ up and down, dead bands, offsets, saturation, a
+gain by direction, by speed or from a time on, a constant push.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from .logs.samples import AxisLog, shifted_gain
+from .residual import explainable
+from .speed_loop import (
+    LINEAR,
+    LOOPS,
+    MOST_VAGUE,
+    RANGES,
+    LoopFit,
+    fitted,
+    foretold,
+    searched,
+    set_of,
+)
+
+SIDED = ("back", "curve", "then")
+"""Members of a gain, which a PI loop does not have."""
+MOST = 3
+LEAST_EXPLAINABLE = 0.05
+"""Share of the residual's squares that must be explainable for members to be tried."""
+LESS_BIC, LESS_BIC_ROW, LESS_SQUARES = 10.0, 0.01, 0.9
+"""By how much the criterion falls at least, per row too, and what may be left of the squares."""
+LEAST_GAIN = 0.05
+"""Least share of its gain that may be left to a base before or after a time."""
+SQUARES_WIN = 0.8
+"""Share of the squares of the likelihood's fit below which least squares are taken: its
+autoregression can swallow a slow misfit."""
+PASSES, PLAIN = 15, 3
+SPEEDS = (0.03, 0.1, 0.3)
+"""Time constants that fits are started from [s]."""
+GAIN_OF_BIC = 4.0
+SCREENED, SCREEN_SECONDS = 12, 30.0
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Member:
+    """A structure: names that are searched, and which are not; starts from a fit."""
+
+    names: tuple[str, ...]
+    fixed: tuple[str, ...]
+    starts: Callable[[LoopFit], Sequence[Values]]
+
+
+def _sent(fit: LoopFit, shares: tuple[float, ...]) -> list[float]:
+    """Quantiles of the sizes of commands that are not 0."""
+    size = np.abs(fit.log.sent[fit.log.sent != 0])
+    return np.unique(np.quantile(size, shares)).tolist() if size.size else []
+
+
+def _slowing(fit: LoopFit) -> Sequence[Values]:
+    now = fit.values.get("accel", fit.steepest)
+    return [{"accel": now, "decel": now * share} for share in (0.25, 0.5, 2.0, 4.0)]
+
+
+def _cuts(fit: LoopFit) -> Sequence[Values]:
+    """Gains before and after some times, each by least squares."""
+    log, y, starts = fit.log, fit.forecast, []
+    for time in np.quantile(log.t[log.in_fit], np.arange(0.1, 0.91, 0.04)).tolist():
+        sides = [log.in_fit & side for side in (log.t < time, log.t >= time)]
+        before, after = (y[k] @ log.speed[k] / max(y[k] @ y[k], 1e-300) for k in sides)
+        if min(before, after) > LEAST_GAIN:
+            gain = fit.values.get("gain", 1.0) * float(before)
+            starts.append({"gain": gain, "when": time, "then": float(after / before)})
+    return starts
+
+
+MENU: Mapping[str, Member] = {
+    "decel": Member(("accel", "decel"), (), _slowing),
+    "dead-band": Member((), ("dead",), lambda fit: [
+        {"dead": x * (1 + 1e-9)} for x in _sent(fit, tuple(np.arange(0.02, 0.5, 0.02)))
+    ]),
+    "offset": Member(("offset",), (), lambda fit: [
+        {"offset": share * x} for x in _sent(fit, (0.5,)) for share in (0.05, 0.1, 0.2, 0.4)
+    ]),
+    "saturation": Member(("sat",), (), lambda fit: [
+        {"sat": x} for x in _sent(fit, (0.3, 0.5, 0.65, 0.8, 0.9))
+    ]),
+    "sides": Member(("back",), (), lambda fit: [{"back": x} for x in (0.8, 0.95, 1.05, 1.25)]),
+    "curve": Member(("curve",), (), lambda fit: [
+        {"curve": share / x} for x in _sent(fit, (0.95,)) for share in (-0.3, -0.05, 0.05, 0.3)
+    ]),
+    "change": Member(("then",), ("when",), _cuts),
+    "bias": Member(("bias",), (), lambda fit: [{"bias": fit.bias}]),
+}  # fmt: skip
+"""Structures by the key of their diagnosis."""
+
+
+def axis_fit(
+    log: AxisLog, tell: Callable[[], None], loops: tuple[str, ...] = tuple(LOOPS)
+) -> LoopFit:
+    """The likeliest loop of one axis, with the structures that its log asks for."""
+    fit = plain = best_loop(log, tell, loops)
+    for _ in range(MOST):
+        better = _one_more(fit, tell) if explainable(fit) > LEAST_EXPLAINABLE else None
+        if better is None:
+            break
+        fit = better
+    if fit is not plain:
+        again = best_loop(log, tell, loops, fit)
+        fit = again if again.bic < fit.bic - GAIN_OF_BIC else fit
+    squared = _again(fit, fit.loop, fit.values, PASSES, PASSES)
+    return squared if squared.squares < SQUARES_WIN * fit.squares else fit
+
+
+def best_loop(
+    log: AxisLog, tell: Callable[[], None], loops: tuple[str, ...], beside: LoopFit | None = None
+) -> LoopFit:
+    """The likeliest loop by the criterion of Schwarz, with a ramp where it earns one.
+
+    All are tried on the first part of the log, the best three on all of it; a simpler one stays
+    unless a richer one gains by more than chance and its numbers are determined.  ``beside``: a fit
+    whose members are kept.
+    """
+    part, tried = log.until(log.t[0] + SCREEN_SECONDS), []
+    members = () if beside is None else beside.members
+    fixed = {} if beside is None else dict(beside.fixed)
+    for ramp, loop in product((False, True), loops):
+        if (ramp and members) or (loop == "pi" and {*members} & {*SIDED}):
+            continue
+        names = (*LOOPS[loop], *(("accel",) if ramp else ()), *members)
+        starts = [fixed | item for item in _starts(log, names, beside)]
+        speeds = foretold(part, loop, np.array([set_of(item) for item in starts]))
+        squares = np.sum((speeds - part.speed[:, None])[part.in_fit] ** 2, axis=0)
+        near = [searched(starts[k], names) for k in np.argsort(squares)[:2]]
+        fits = [fitted(part, loop, names, x, SCREENED, SCREENED - 4, fixed) for x in near]
+        tried.append(min(fits, key=lambda item: item.nll))
+        tell()
+    few = sorted(tried, key=lambda item: (item.vague, item.bic))[:3]
+    best: LoopFit | None = None
+    for item in sorted(few, key=lambda item: len(item.theta)):
+        fit = fitted(log, item.loop, item.names, item.theta, 2 * PASSES, fixed=fixed)
+        tell()
+        if best is None or (not fit.vague and fit.bic < best.bic - GAIN_OF_BIC):
+            best = fit
+    assert best is not None
+    return best
+
+
+def _starts(log: AxisLog, names: tuple[str, ...], beside: LoopFit | None) -> list[dict[str, float]]:
+    wide = max(round(0.1 / log.period), 1)
+    slopes = np.abs(log.speed[wide:] - log.speed[:-wide])[log.in_fit[wide:]] / (wide * log.period)
+    steepest = max(float(np.quantile(slopes, 0.98)), 0.02)
+    gain = max(shifted_gain(log)[0], RANGES["gain"][0])
+    grid: dict[str, Sequence[float]] = {
+        "gain": (gain, 1.25 * gain) if "accel" in names else (gain,),
+        "tau": SPEEDS, "wn": [1 / x for x in SPEEDS], "zeta": (0.35, 1.0),
+        "delay": (0.01, 0.06, 0.15), "accel": (0.7 * steepest, 1.1 * steepest, 2 * steepest),
+    }  # fmt: skip
+    if beside is not None:
+        grid |= {name: (beside.values[name],) for name in ("gain", *beside.members)
+                 if name in beside.values}  # fmt: skip
+    combinations = product(*(grid[name] for name in names))
+    return [dict(zip(names, values, strict=True)) for values in combinations]
+
+
+def _one_more(fit: LoopFit, tell: Callable[[], None]) -> LoopFit | None:
+    """The likeliest fit with one member more that earns its place."""
+    tried = []
+    for key, member in MENU.items():
+        ours = (*member.names, *member.fixed)
+        if {*ours} <= {*fit.names, *fit.fixed} or (fit.loop == "pi" and {*ours} & {*SIDED}):
+            continue
+        starts = [{**fit.values, **start} for start in member.starts(fit)]
+        if not starts:
+            continue
+        one = _again(fit, fit.loop, _nearest(fit.log, fit.loop, starts), PASSES, PLAIN, member)
+        if member.fixed:
+            one = _refined(one, member.fixed[0], [item[member.fixed[0]] for item in starts])
+        tell()
+        most = 1.0 if key == "decel" else LESS_SQUARES
+        half = dict(zip(one.names, one.half_widths(0.0).tolist(), strict=True))
+        linear = [name for name in member.names if name in LINEAR]
+        sure = all(half[name] < MOST_VAGUE * abs(one.values[name]) for name in linear)
+        if sure and (fit.vague or not one.vague) and one.squares <= most * fit.squares:
+            tried.append(one)
+    best = min(tried, key=lambda item: item.bic, default=None)
+    least = max(LESS_BIC, LESS_BIC_ROW * fit.log.in_fit.sum())
+    return best if best is not None and best.bic < fit.bic - least else None
+
+
+def _nearest(log: AxisLog, loop: str, sets: list[dict[str, float]]) -> dict[str, float]:
+    """The set of parameters whose speeds are nearest to those of the log."""
+    left = foretold(log, loop, np.array([set_of(item) for item in sets])) - log.speed[:, None]
+    return sets[int(np.argmin(np.sum(left[log.in_fit] ** 2, axis=0)))]
+
+
+def _again(
+    fit: LoopFit, loop: str, values: Values, passes: int, plain: int = 0,
+    more: Member | None = None,
+) -> LoopFit:  # fmt: skip
+    """A fit from other values, with one member more."""
+    names = (*LOOPS[loop], *fit.members, *(more.names if more else ()))
+    names = tuple(dict.fromkeys(names))
+    kept = {*fit.fixed, *(more.fixed if more else ())}
+    fixed = {name: values[name] for name in kept}
+    return fitted(fit.log, loop, names, searched(values, names), passes, plain, fixed)
+
+
+def _refined(fit: LoopFit, name: str, starts: list[float]) -> LoopFit:
+    """The fit with a number that is not searched taken between the starts beside it."""
+    near = np.unique(starts)
+    at = int(np.argmin(np.abs(near - fit.fixed[name])))
+    ends = near[max(at - 1, 0)], near[min(at + 1, len(near) - 1)]
+    sets = [{**fit.values, name: float(x)} for x in np.linspace(*ends, 23)]
+    return _again(fit, fit.loop, _nearest(fit.log, fit.loop, sets), PASSES)
