@@ -93,7 +93,7 @@ static void make_messages(filter_node *n)
     diagnostic_msgs__msg__DiagnosticArray__init(&n->told);
     diagnostic_msgs__msg__DiagnosticStatus__Sequence__init(&n->told.status, 1);
     status = n->told.status.data;
-    diagnostic_msgs__msg__KeyValue__Sequence__init(&status->values, 3 + 2 * WMR_REASONS);
+    diagnostic_msgs__msg__KeyValue__Sequence__init(&status->values, 4 + 2 * WMR_REASONS);
     rosidl_runtime_c__String__assign(&status->name, rcl_node_get_fully_qualified_name(&n->node));
 #if WMR_STAMPED
     rosidl_runtime_c__String__assign(&n->sent.header.frame_id, WMR_BASE_FRAME);

@@ -108,15 +108,19 @@ static void publish_diagnostics(filter_node *n)
     if (n->useless[0] || flags & WMR_ERRORS) {
         status->level = diagnostic_msgs__msg__DiagnosticStatus__ERROR;
         n->useless[0] ? strcpy(text, n->useless) : (char *)named(wmr_flags, WMR_FLAGS, flags & WMR_ERRORS, text);
-    } else if (flags & WMR_WARNINGS || n->passing) {
+    } else if (flags & WMR_WARNINGS || n->passing || n->more_parts) {
         status->level = diagnostic_msgs__msg__DiagnosticStatus__WARN;
-        flags & WMR_WARNINGS ? named(wmr_flags, WMR_FLAGS, flags & WMR_WARNINGS, text)
-                             : named(wmr_happenings, WMR_HAPPENINGS, n->passing, text);
+        strcpy(text, "other-parts");
+        if (flags & WMR_WARNINGS) {
+            named(wmr_flags, WMR_FLAGS, flags & WMR_WARNINGS, text);
+        } else if (n->passing) {
+            named(wmr_happenings, WMR_HAPPENINGS, n->passing, text);
+        }
     } else if (n->doubtful[0]) {
         status->level = diagnostic_msgs__msg__DiagnosticStatus__WARN;
         strcpy(text, n->doubtful);
     }
-    n->passing = 0;
+    n->passing = n->more_parts = 0;
     rosidl_runtime_c__String__assign(&status->message, text);
     put(pair++, "flags", named(wmr_flags, WMR_FLAGS, flags, text));
     for (int k = 0; k < 2; ++k) {
@@ -130,6 +134,8 @@ static void publish_diagnostics(filter_node *n)
             put(pair++, text, number);
         }
     }
+    snprintf(number, ROOM, "%lld", (long long)n->with_parts);
+    put(pair, "commands with other parts", number);
     stamp_it(&n->told.header.stamp, ros_time(n));
     (void)!rcl_publish(&n->diagnostics, &n->told, NULL);
 }
@@ -164,12 +170,45 @@ static void answer(filter_node *n, int64_t answered, int64_t stamp, const wmr_mo
     }
 }
 
-static void tell_refusal(filter_node *n, const char *what, int64_t reason, const wmr_moment *now)
+/* A message of a topic, for what is said of its refusal. */
+typedef struct {
+    const char *what, *frame;
+    int64_t stamp, timeout;
+} received;
+
+/* What came and what is wanted, behind the reason. */
+static const char *explained(const received *message, int64_t reason, const wmr_moment *now, char *text)
 {
+    const double late = (double)(now->ros - message->stamp) * 1e-9;
+
+    if (reason == WMR_WRONG_FRAME) {
+        snprintf(text, ROOM, ": it is '%s', wanted is '%s'", message->frame, WMR_BASE_FRAME);
+    } else if (reason == WMR_TOO_OLD) {
+        snprintf(text, ROOM, ": %.3g s by its stamp, at most %.3g s (%s_timeout)", late,
+            (double)message->timeout * 1e-9, message->what);
+    } else if (reason == WMR_FUTURE) {
+        snprintf(text, ROOM, ": its stamp is %.3g s ahead of this node's clock", -late);
+    } else {
+        text[0] = '\0';
+    }
+    return text;
+}
+
+static void tell_refusal(filter_node *n, const received *message, int64_t reason, const wmr_moment *now)
+{
+    char text[ROOM];
+
     if (reason && now->steady - n->refused_at > SECOND) {
         n->refused_at = now->steady;
-        RCUTILS_LOG_WARN_NAMED(NAME, "%s refused: %s", what, wmr_reason(reason));
+        RCUTILS_LOG_WARN_NAMED(
+            NAME, "%s refused: %s%s", message->what, wmr_reason(reason), explained(message, reason, now, text));
     }
+}
+
+/* Whether a twist asks for what two driven wheels cannot do. */
+static int has_other_parts(const geometry_msgs__msg__Twist *twist)
+{
+    return twist->linear.y != 0.0 || twist->linear.z != 0.0 || twist->angular.x != 0.0 || twist->angular.y != 0.0;
 }
 
 static void on_command(filter_node *n)
@@ -178,13 +217,25 @@ static void on_command(filter_node *n)
     const double velocity[] = {TWIST(n->in).linear.x, TWIST(n->in).angular.z};
 #if WMR_STAMPED
     const int64_t stamp = ns_of(&n->in.header.stamp);
-    const int64_t framed = wmr_frame_fits(WMR_BASE_FRAME, n->in.header.frame_id.data, 0);
+    const char *frame = n->in.header.frame_id.data;
 #else
-    const int64_t stamp = 0, framed = 1;
+    const int64_t stamp = 0;
+    const char *frame = WMR_BASE_FRAME;
 #endif
-    const int64_t reason = wmr_filter_core_command(&n->core, velocity, framed, stamp, &now);
+    const received message = {"command", frame, stamp, WMR_COMMAND_TIMEOUT};
+    const int64_t framed = wmr_frame_fits(WMR_BASE_FRAME, frame, 0);
+    int64_t reason;
 
-    tell_refusal(n, "command", reason, &now);
+    if (has_other_parts(&TWIST(n->in))) {
+        ++n->with_parts;
+        n->more_parts = 1;
+    }
+    if (WMR_REFUSES_PARTS && has_other_parts(&TWIST(n->in))) {
+        tell_refusal(n, &message, wmr_intake_refuse(&n->core.commands, WMR_OTHER_PARTS), &now);
+        return;
+    }
+    reason = wmr_filter_core_command(&n->core, velocity, framed, stamp, &now);
+    tell_refusal(n, &message, reason, &now);
     if (WMR_AT_ONCE && !reason && wmr_filter_core_due(&n->core, stamp, &now)) {
         answer(n, 1, stamp, &now);
     }
@@ -197,10 +248,11 @@ static void on_odometry(filter_node *n)
     const geometry_msgs__msg__Quaternion *turn = &n->odometry.pose.pose.orientation;
     const double velocity[] = {twist->linear.x, twist->angular.z};
     const double quaternion[] = {turn->x, turn->y, turn->z, turn->w};
-    const int64_t framed = wmr_frame_fits(WMR_BASE_FRAME, n->odometry.child_frame_id.data, 0);
-    const int64_t stamp = ns_of(&n->odometry.header.stamp);
+    const char *frame = n->odometry.child_frame_id.data;
+    const int64_t framed = wmr_frame_fits(WMR_BASE_FRAME, frame, 0), stamp = ns_of(&n->odometry.header.stamp);
+    const received message = {"odometry", frame, stamp, WMR_ODOMETRY_TIMEOUT};
 
-    tell_refusal(n, "odometry", wmr_filter_core_odometry(&n->core, velocity, quaternion, framed, stamp, &now), &now);
+    tell_refusal(n, &message, wmr_filter_core_odometry(&n->core, velocity, quaternion, framed, stamp, &now), &now);
 }
 
 static void on_stop(filter_node *n)

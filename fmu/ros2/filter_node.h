@@ -39,6 +39,7 @@ typedef struct {
     rosgraph_msgs__msg__Clock clock;
     diagnostic_msgs__msg__DiagnosticArray told;
     int64_t simulated_now, grave, passing, refused_at;
+    int64_t more_parts, with_parts; /* whether, and how many, commands had parts that the base cannot follow */
     char useless[ROOM], doubtful[ROOM]; /* what was last found in the graph; empty where all is well */
 } filter_node;
 

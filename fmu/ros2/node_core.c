@@ -101,6 +101,7 @@ const char *wmr_reason(int64_t reason)
         "repeated or out of order",
         "not a rotation",
         "without a stamp",
+        "other parts of the twist",
     };
     return words[reason];
 }

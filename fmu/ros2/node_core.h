@@ -31,6 +31,7 @@ enum {
     WMR_REPEATED,
     WMR_NO_ROTATION,
     WMR_NO_STAMP,
+    WMR_OTHER_PARTS,
     WMR_REASONS
 };
 

@@ -103,7 +103,8 @@ class Beside(Base):
 
 
 def main(scenario: str, name: str) -> None:
-    given = ["-p", f"scenario:={scenario}", "-p", "law:=kanayama", "-p", "odometry:=required"]
+    own = {"drive": "law:=kanayama", "filter": "odometry:=required"}
+    given = ["-p", f"scenario:={scenario}", "-p", own[name]]
     given += AT_ONCE
     rclpy.init(args=["--ros-args", *given])
     node = (DriveNode if name == "drive" else FilterNode)()

@@ -14,7 +14,7 @@ from wmr_ctrl.ros2.parameters import FILTER
 from wmr_ctrl.world.scenario import load_scenario
 
 STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
-WORDS = {"stamped": "true", "odometry": "watched", "base_frame": "base_link", "trigger": "timer"}
+WORDS = {"stamped": "true", "odometry": "watched", "trigger": "timer"}
 
 
 def word(name):

@@ -37,7 +37,7 @@ def test_launch_files_name_what_there_is(node):
     assert (launched.get("pkg"), launched.get("exec")) == ("wmr_ctrl_ros", node)
     assert launched.get("name") == f"wmr_{node}"
     named = {item.get("name") for item in launched.iter("param")} - {None}
-    assert named == NO_DEFAULT & set(TABLES[node]) - {"autostart"}
+    assert named == NO_DEFAULT & set(TABLES[node]) - {"autostart"} | {"base_frame"}
 
 
 @pytest.fixture(scope="module")

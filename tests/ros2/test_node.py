@@ -34,6 +34,8 @@ REFUSED = [
     (["scenario:={}", "rise:=[1.0]"], "must have two"),
     (["scenario:={}", "fall:=[0.0, 1.0]"], "must be positive"),
     (["scenario:={}", "trigger:=never"], "must be one of timer, command"),
+    (["scenario:={}", "comand_timeout:=0.5"], "near: command_timeout"),
+    (["scenario:={}", "other_parts:=drop"], "must be one of count, refuse"),
     (["scenario:={}", "-r", "__ns:=/1bad"], "ROS 2 refuses the arguments"),
     (["scenario:={}", "--params-file", "nowhere.yaml"], "nowhere.yaml"),
 ]
@@ -57,6 +59,7 @@ def JOBS():
         both = in_both(script, SCENARIO, (), settings)
         jobs |= {f"{name}, {node}": job for node, job in both.items()}
     jobs["interrupted"] = Job("interrupted.py", SCENARIO)
+    jobs["reconfigured"] = Job("reconfigured.py", SCENARIO)
     jobs["useless, Python"] = Job("useless.py", SCENARIO)
     jobs["useless, C"] = Job("useless.py", SCENARIO, (), ("discovery_time=60.0",))
     return jobs
@@ -106,6 +109,22 @@ def test_without_odometry_that_counts_the_base_comes_to_rest(seen, fault):
     assert found["falls"] <= bar(found, 0.1)
     assert found["zero"] <= bar(found, 0.1 + 0.25)
     assert any("no-odometry" in text for text in found["said"])
+
+
+def test_a_refusal_names_the_frame_that_came_and_the_one_that_is_wanted(report):
+    said = report("faults, Python")["odometry"]["of a laser"]["said"]
+
+    assert any("it is 'laser', wanted is 'base_link'" in text for text in said), said
+
+
+def test_parameters_change_between_cleanup_and_configure_alone(report):
+    found = report("reconfigured")
+
+    assert found["changed while active"] is False
+    assert found["changed after cleanup"] is True
+    assert found["first"] > 0.8
+    assert 0 < found["second"] <= 0.45
+    assert found["other parts"] == ["other-parts"]
 
 
 @pytest.mark.parametrize("what", ["command", "odometry"])

@@ -10,6 +10,7 @@ compiles faster code or compiles faster; the results have the same bits.
 import ctypes
 import functools
 import importlib.util
+import logging
 import os
 import shlex
 import shutil
@@ -45,6 +46,8 @@ _INSTALL = (
     "without a compiler."
 )
 _ON_PATH = ("cc", "gcc", "clang")
+BUILDS = logging.getLogger(__name__)
+"""Log of libraries that the cache lacks and that are compiled."""
 _PROBE = (files("wmr_ctrl.codegen") / "probe.c").read_text(encoding="utf-8")
 
 
@@ -78,6 +81,7 @@ def build_library(
     chosen = (toolchain or find_toolchain()).with_flags(*flags)
 
     def compile_in(folder: Path) -> Path:
+        BUILDS.info("compiling %s with %s", name, chosen.name)
         out = folder / f"{name}{library_suffix()}"
         paths = [folder / unit for unit in sources if unit.endswith(".c")]
         return compile_library(chosen, paths, out, include=[folder], timeout=timeout)

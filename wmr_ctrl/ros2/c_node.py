@@ -16,7 +16,7 @@ from wmr_ctrl.world.scenario import Scenario
 from .diagnosis import ERRORS, WARNINGS
 from .filter_core import core_files
 from .native import HAPPENINGS, in_ns
-from .parameters import FILTER, TRIGGERS, Default
+from .parameters import FILTER, OTHER_PARTS, TRIGGERS, Default
 
 LIBRARIES = ("rcl", "rcl_yaml_param_parser", "rcutils", "rmw", "rosidl_runtime_c")
 INTERFACES = (
@@ -41,12 +41,15 @@ GIVEN = tuple(name for name in FILTER if name not in ("scenario", "autostart"))
 class NodeSettings:
     """Settings compiled into the node: its gate, ``frame`` of base and commands, kind of message.
 
+    Without a ``frame`` it is the scenario's ros.base_frame.
+
     ``at_once``: a command is answered when it comes, where one is due.  ``discovery``: how long
     others are looked for before it starts [s].
     """
 
     gate: GateSettings = field(default_factory=GateSettings)
-    frame: str = "base_link"
+    frame: str = ""
+    refuses_parts: bool = False
     stamped: bool = True
     at_once: bool = False
     discovery: float = float(FILTER["discovery_time"].default)  # type: ignore[arg-type]
@@ -58,20 +61,28 @@ def node_settings(given: Sequence[str]) -> NodeSettings:
     Raises ArgumentError for a name that is none, or a value that is not of its kind.
     """
     values = dict(_parsed(word) for word in given)
-    trigger = values.pop("trigger", TRIGGERS[0])
-    if trigger not in TRIGGERS:
-        raise ArgumentError(f"trigger = {trigger!r} must be one of {', '.join(TRIGGERS)}.")
+    trigger = _one_of("trigger", str(values.pop("trigger", TRIGGERS[0])))
     settings = NodeSettings(at_once=trigger == "command")
     settings = replace(
         settings,
         frame=str(values.pop("base_frame", settings.frame)),
         stamped=bool(values.pop("stamped", settings.stamped)),
         discovery=float(values.pop("discovery_time", settings.discovery)),  # type: ignore[arg-type]
+        refuses_parts=_one_of("other_parts", str(values.pop("other_parts", "count"))) == "refuse",
     )
     pairs = {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}
     known = {item.name for item in fields(GateSettings)}
     assert known.issuperset(pairs)
     return replace(settings, gate=GateSettings(**pairs))  # type: ignore[arg-type]
+
+
+CHOICES = {"trigger": TRIGGERS, "other_parts": OTHER_PARTS}
+
+
+def _one_of(name: str, value: str) -> str:
+    if value not in CHOICES[name]:
+        raise ArgumentError(f"{name} = {value!r} must be one of {', '.join(CHOICES[name])}.")
+    return value
 
 
 def _parsed(word: str) -> tuple[str, Default]:
@@ -153,7 +164,8 @@ def _header(scenario: Scenario, settings: NodeSettings) -> str:
         "WMR_STAMPED": int(settings.stamped),
         "WMR_AT_ONCE": int(settings.at_once),
         "WMR_DISCOVERY": f"INT64_C({in_ns(settings.discovery)})",
-        "WMR_BASE_FRAME": _quoted(settings.frame),
+        "WMR_BASE_FRAME": _quoted(settings.frame or scenario.ros.base_frame),
+        "WMR_REFUSES_PARTS": int(settings.refuses_parts),
         "WMR_KEPT": _quoted(kept(scenario, settings)),
         "WMR_FLAGS": len(GATE_FLAGS),
         "WMR_ERRORS": masked(ERRORS),

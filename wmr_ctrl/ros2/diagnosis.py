@@ -15,12 +15,13 @@ from .drive_core import (
 )
 
 OK, WARN, ERROR = 0, 1, 2
-ERRORS = {"too-fast", "unsound", STOPPED, NOT_FINITE}
+TOO_FAST, NO_COMMAND, MORE_PARTS = "too-fast", "no-command", "other-parts"
+ERRORS = {TOO_FAST, "unsound", STOPPED, NOT_FINITE}
 WARNINGS = {
-    "no-command", NO_ODOMETRY, "bounds-left", BACK, FORTH, FROZEN, JUMPED, MISSED, NO_PATH,
-    NEW_PATH,
+    NO_COMMAND, NO_ODOMETRY, "bounds-left", BACK, FORTH, FROZEN, JUMPED, MISSED, NO_PATH,
+    NEW_PATH, MORE_PARTS,
 }  # fmt: skip
-PASSING = {MISSED, BACK, FORTH, FROZEN}
+PASSING = {MISSED, BACK, FORTH, FROZEN, MORE_PARTS}
 """Flags of a moment, which diagnostics tell for a second and the log not at each change."""
 TOLD = {ARRIVED}
 """Flags that are reported though they are no fault."""

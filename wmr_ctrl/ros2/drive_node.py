@@ -15,6 +15,7 @@ from .drive_core import DriveCore, DriveSettings
 from .graph import KEPT, LATEST, SURE
 from .node import SafeNode, guarded, stamp_of
 from .parameters import DRIVE, REFERENCES
+from .refusals import Received
 from .twists import command_kind, twist_message
 
 SIDES = ("right", "left")
@@ -48,7 +49,7 @@ class DriveNode(SafeNode[DriveCore]):
             command_timeout=late, odometry_timeout=late, odometry="required",
             rise=self.pair("rise"), fall=self.pair("fall"), excess=self.pair("excess"),
         )  # fmt: skip
-        self.frame, self.stamped = str(self.value("base_frame")), bool(self.value("stamped"))
+        self.frame, self.stamped = self.frame_of(scenario), bool(self.value("stamped"))
         settings = DriveSettings(
             gate=gate, odometry_frame=str(self.value("odometry_frame")), base_frame=self.frame,
             jump=self.pair("jump"), path=motion == "path",
@@ -104,10 +105,15 @@ class DriveNode(SafeNode[DriveCore]):
         place, turn = pose.position, pose.orientation
         where, moved = (place.x, place.y), (twist.linear.x, twist.angular.z)
         numbers = (*where, turn.x, turn.y, turn.z, turn.w, *moved)
-        reason, sent = self.core.odometry(
-            numbers, stamp_of(message), message.header.frame_id, message.child_frame_id, self.now()
-        )
-        self.refused("odometry", reason)
+        stamp, frame, child = stamp_of(message), message.header.frame_id, message.child_frame_id
+        now, settings = self.now(), self.core.settings
+        reason, sent = self.core.odometry(numbers, stamp, frame, child, now)
+        seen = Received(
+            f"{frame} -> {child}", f"{settings.odometry_frame} -> {settings.base_frame}", stamp,
+            now.ros, settings.gate.odometry_timeout, "odometry_timeout",
+            "odometry_frame or base_frame",
+        )  # fmt: skip
+        self.refused("odometry", seen.explained(reason))
         if sent:
             self.sent(sent)
 

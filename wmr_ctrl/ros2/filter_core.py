@@ -26,6 +26,7 @@ from .native import (
     IntakeStruct,
     functions_of,
     in_ns,
+    node_functions,
     reason_words,
 )
 
@@ -121,6 +122,17 @@ class FilterCore:
     def scale(self, share: float) -> None:
         """Pass on another share."""
         self._core.scale = share
+
+    @property
+    def measured(self) -> tuple[float, float]:
+        """Velocity of the newest odometry that counts [m/s, rad/s]."""
+        return self._core.measured[0], self._core.measured[1]
+
+    def refuse_other_parts(self) -> str:
+        """Count a command that is refused for its other parts; the reason."""
+        (reason,) = (k for k, word in enumerate(reason_words()) if word.startswith("other parts"))
+        node_functions()["intake_refuse"](byref(self._core.commands), c_int64(reason))
+        return reason_words()[reason]
 
     def start(self) -> None:
         """Begin anew: no command, no odometry, nothing latched."""

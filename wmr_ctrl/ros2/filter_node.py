@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
-from rcl_interfaces.msg import SetParametersResult
-from rclpy.parameter import Parameter
 
 from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.world.scenario import Scenario
 
+from .diagnosis import MORE_PARTS, TOO_FAST
 from .filter_core import FilterCore
 from .graph import LATEST, SURE
 from .node import SafeNode, guarded, stamp_of
-from .parameters import FILTER, SCALE, SPEED_SCALE, TRIGGERS
-from .twists import command_kind, twist_message
+from .parameters import FILTER, OTHER_PARTS, SCALE, SPEED_SCALE, TRIGGERS
+from .refusals import Received
+from .twists import command_kind, other_parts, twist_message
 
 
 class FilterNode(SafeNode[FilterCore]):
@@ -26,8 +28,8 @@ class FilterNode(SafeNode[FilterCore]):
     def __init__(self) -> None:
         """Declare the parameters."""
         super().__init__("wmr_filter", FILTER)
-        self.declare(SPEED_SCALE, SCALE, read_only=False)
-        self.add_on_set_parameters_callback(self._on_parameters)
+        self.declare(SPEED_SCALE, SCALE)
+        self._with_other_parts = 0
 
     def build(self, scenario: Scenario) -> tuple[FilterCore, float]:
         """The gate and its intakes."""
@@ -37,7 +39,12 @@ class FilterNode(SafeNode[FilterCore]):
             odometry=str(self.value("odometry")),
             rise=self.pair("rise"), fall=self.pair("fall"), excess=self.pair("excess"),
         )  # fmt: skip
-        self.frame, self.stamped = str(self.value("base_frame")), bool(self.value("stamped"))
+        self.frame, self.stamped = self.frame_of(scenario), bool(self.value("stamped"))
+        self.limits, self.settings = scenario.limits.v_u1, settings
+        parts = str(self.value("other_parts"))
+        if parts not in OTHER_PARTS:
+            raise WmrError(f"other_parts = {parts!r} must be one of {', '.join(OTHER_PARTS)}.")
+        self._refuses_parts = parts == "refuse"
         trigger = str(self.value("trigger"))
         if trigger not in TRIGGERS:
             raise WmrError(f"trigger = {trigger!r} must be one of {', '.join(TRIGGERS)}.")
@@ -65,16 +72,39 @@ class FilterNode(SafeNode[FilterCore]):
         for name, intake in (("command", self.core.commands), ("odometry", self.core.odometry)):
             shown |= {f"{name}s taken": str(intake.taken)}
             shown |= {f"{name}s {reason}": str(n) for reason, n in intake.refused.items()}
-        return shown
+        return shown | {"commands with other parts": str(self._with_other_parts)}
+
+    def causes(self, flags: Collection[str]) -> list[str]:
+        """Also the speed that is too fast."""
+        assert self.core
+        causes = super().causes(flags)
+        if TOO_FAST in flags:
+            v, omega = self.core.measured
+            beyond = [a + b for a, b in zip(self.limits, self.settings.excess, strict=True)]
+            causes.append(
+                f"odometry says {v:.3g} m/s and {omega:.3g} rad/s, at most {beyond[0]:g} m/s and "
+                f"{beyond[1]:g} rad/s (limits.v_u1 and the parameter excess)"
+            )
+        return causes
 
     @guarded
     def _on_command(self, message: TwistStamped | Twist) -> None:
         assert self.core
         twist = message.twist if self.stamped else message
         stamp, frame = (stamp_of(message), message.header.frame_id) if self.stamped else (0, "")
-        value = twist.linear.x, twist.angular.z
-        reason, sent = self.core.command(value, stamp, frame, self.now())
-        self.refused("command", reason)
+        now, parts = self.now(), other_parts(twist)
+        if parts:
+            self._with_other_parts += 1
+            self.passing(MORE_PARTS)
+        if parts and self._refuses_parts:
+            reason = self.core.refuse_other_parts()
+            self.refused("command", f"{reason}: {', '.join(parts)} (parameter other_parts)")
+            return
+        reason, sent = self.core.command((twist.linear.x, twist.angular.z), stamp, frame, now)
+        seen = Received(
+            frame, self.frame, stamp, now.ros, self.settings.command_timeout, "command_timeout"
+        )
+        self.refused("command", seen.explained(reason))
         if sent:
             self.sent(sent)
 
@@ -83,17 +113,17 @@ class FilterNode(SafeNode[FilterCore]):
         assert self.core
         turn, twist = message.pose.pose.orientation, message.twist.twist
         value, rotation = (twist.linear.x, twist.angular.z), (turn.x, turn.y, turn.z, turn.w)
-        stamp, frame = stamp_of(message), message.child_frame_id
-        self.refused("odometry", self.core.measure(value, rotation, stamp, frame, self.now()))
+        stamp, frame, now = stamp_of(message), message.child_frame_id, self.now()
+        reason = self.core.measure(value, rotation, stamp, frame, now)
+        seen = Received(
+            frame, self.frame, stamp, now.ros, self.settings.odometry_timeout, "odometry_timeout"
+        )
+        self.refused("odometry", seen.explained(reason))
 
-    def _on_parameters(self, changed: list[Parameter]) -> SetParametersResult:
-        answer = SetParametersResult(successful=False, reason="it failed: see the log")
-        self._scale(changed, answer)
-        return answer
-
-    @guarded
-    def _scale(self, changed: list[Parameter], answer: SetParametersResult) -> None:
-        for item in changed:
-            if item.name == SPEED_SCALE and self.core:
-                self.core.scale = float(item.value)
-        answer.successful, answer.reason = True, ""
+    def change(self, key: str, value: object) -> str:
+        """Also the share of commands that is passed on, at any time."""
+        if key != SPEED_SCALE:
+            return super().change(key, value)
+        assert self.core
+        self.core.scale = float(value)  # type: ignore[arg-type]
+        return ""

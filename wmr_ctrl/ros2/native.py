@@ -14,7 +14,7 @@ NS = 1e-9
 """Second of a nanosecond."""
 HAPPENINGS = ("time-back", "time-forth", "frozen")
 """Happenings of time, in the order of their bits."""
-REASONS = 9
+REASONS = 10
 """Number of words of ``wmr_reason``."""
 NODE_CORE = ("node_core.h", "node_core.c")
 

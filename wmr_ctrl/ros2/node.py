@@ -6,28 +6,35 @@ ends in a command that may be sent.
 
 from __future__ import annotations
 
+import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
+from difflib import get_close_matches
 from functools import partial, wraps
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar, cast
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
+from wmr_ctrl.codegen.toolchain import BUILDS
 from wmr_ctrl.control.filter.gate import Gated
 from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 from . import diagnosis, graph
 from .clocks import Clocks, Moment
+from .drive_core import NO_ODOMETRY
 from .graph import KEPT
 from .parameters import Declared, Table
 
@@ -93,11 +100,13 @@ class SafeNode(LifecycleNode, Generic[C]):
         self._held = False  # by a ~/stop that failed: zeros until ~/reset
         self._grave: tuple[str, ...] = ()
         self._passing: set[str] = set()
+        self._last_refused: dict[str, str] = {}
+        self.add_on_set_parameters_callback(self._on_parameters)
 
-    def declare(self, key: str, stated: Declared, *, read_only: bool = True) -> None:
+    def declare(self, key: str, stated: Declared) -> None:
         """Declare a parameter.  Raises WmrError where what is given for it cannot be."""
         shown = ParameterDescriptor(
-            description=stated.text, additional_constraints=stated.constraints, read_only=read_only
+            description=stated.text, additional_constraints=stated.constraints
         )
         if stated.range:
             low, high = stated.range
@@ -131,6 +140,21 @@ class SafeNode(LifecycleNode, Generic[C]):
         """Further values of the diagnostics."""
         return {}
 
+    def change(self, key: str, value: object) -> str:
+        """Take a parameter while the node is configured; the reason if it cannot change then."""
+        return f"{key} can change only while the node is not configured: clean it up first"
+
+    def causes(self, flags: Collection[str]) -> list[str]:
+        """Numbers and names behind some flags, each as a clause."""
+        waited = {"odometry": NO_ODOMETRY in flags, "command": diagnosis.NO_COMMAND in flags}
+        refused = {what: reason for what, reason in self._last_refused.items() if reason}
+        return [f"{what} refused: {refused[what]}" for what in waited.keys() & refused.keys()
+                if waited[what]]  # fmt: skip
+
+    def frame_of(self, scenario: Scenario) -> str:
+        """Frame of commands and child frame of odometry: the parameter's, else the scenario's."""
+        return str(self.value("base_frame")) or scenario.ros.base_frame
+
     # -- lifecycle ----------------------------------------------------------------------------
 
     def value(self, name: str) -> object:
@@ -149,6 +173,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         """Read the scenario and compile; a sentence in the log where that fails."""
         path = str(self.value("scenario"))
         try:
+            self._refuse_undeclared()
             if not path:
                 raise WmrError(
                     "the parameter scenario is not set: the limits to keep have no default. Name a "
@@ -156,7 +181,8 @@ class SafeNode(LifecycleNode, Generic[C]):
                     "scenario:=mine.toml."
                 )
             scenario = load_scenario(path)
-            self.core, self.period = self.build(scenario)
+            with _telling_of_builds(self.get_logger(), path):
+                self.core, self.period = self.build(scenario)
             self._connect()
             self._look()
         except WmrError as error:
@@ -169,6 +195,19 @@ class SafeNode(LifecycleNode, Generic[C]):
             f"period {scenario.clock.control:g} s"
         )
         return super().on_configure(state)
+
+    def _refuse_undeclared(self) -> None:
+        """Raise WmrError for a parameter that was given and that the node does not have."""
+        given = self._parameter_overrides  # rclpy has no public name for them
+        own = [name for name in given if not name.startswith("qos_overrides.")]
+        for name in own:
+            if not self.has_parameter(name):
+                known = [key for key in self._parameters if "." not in key]
+                near = "".join(f", near: {key}" for key in get_close_matches(name, known, 1))
+                raise WmrError(
+                    f"{name} is not a parameter of this node{near}. It has "
+                    f"{', '.join(sorted(known))}."
+                )
 
     def _look(self) -> None:
         """Raise WmrError where somebody else commands the base, or nothing of a sender is heard."""
@@ -245,7 +284,8 @@ class SafeNode(LifecycleNode, Generic[C]):
         return now
 
     def refused(self, what: str, reason: str) -> None:
-        """Tell of a message that does not count."""
+        """Tell of a message that does not count; "" for one that does."""
+        self._last_refused[what] = reason
         if reason:
             self.get_logger().warning(f"{what} refused: {reason}", throttle_duration_sec=1.0)
 
@@ -277,6 +317,10 @@ class SafeNode(LifecycleNode, Generic[C]):
             if sent:
                 self.sent(sent)
 
+    def passing(self, flag: str) -> None:
+        """Report a flag of this moment with the next diagnostics."""
+        self._passing.add(flag)
+
     def sent(self, gated: Gated) -> None:
         """Send what the core decided, and tell what is grave about it when that changes."""
         if not self.active:
@@ -286,7 +330,8 @@ class SafeNode(LifecycleNode, Generic[C]):
         grave = diagnosis.grave(gated.flags)
         if grave != self._grave:
             self._grave = grave
-            log, text = self.get_logger(), ", ".join(grave) or "driving"
+            log, text = self.get_logger(), "; ".join([", ".join(grave) or "driving",
+                                                      *self.causes(grave)])  # fmt: skip
             log.error(text) if diagnosis.ERRORS & set(grave) else log.info(text)
             self._on_second()
 
@@ -338,7 +383,46 @@ class SafeNode(LifecycleNode, Generic[C]):
         several = graph.doubtful(self, self.out, topics)
         flags, self._passing = {*self.core.last.flags, *self._passing}, set()
         problem, self._problem = self._problem, ""
-        return diagnosis.judged(flags, problem, grave, several)
+        level, text = diagnosis.judged(flags, problem, grave, several)
+        return level, "; ".join([text, *self.causes(sorted(flags))])
+
+    def _on_parameters(self, changed: list[Parameter]) -> SetParametersResult:
+        answer = SetParametersResult(successful=True)
+        self._take_parameters(changed, answer)
+        return answer
+
+    @guarded
+    def _take_parameters(self, changed: list[Parameter], answer: SetParametersResult) -> None:
+        answer.successful, answer.reason = False, "it failed: see the log"
+        reasons = [self.change(item.name, item.value) for item in changed] if self.core else []
+        answer.reason = "; ".join(filter(None, reasons))
+        answer.successful = not answer.reason
+
+
+class _Told(logging.Handler):
+    """Log records of compilers as lines of a node's log."""
+
+    def __init__(self, log: RcutilsLogger, path: str) -> None:
+        super().__init__(logging.INFO)
+        self._log, self._path = log, path
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Tell of a build, and how to make it beforehand."""
+        remedy = f"`python -m wmr_ctrl.ros2 prepare {self._path}` does it beforehand"
+        self._log.info(f"{record.getMessage()}; {remedy}, with this node's parameters")
+
+
+@contextmanager
+def _telling_of_builds(log: RcutilsLogger, path: str) -> Iterator[None]:
+    """Within, builds that the cache lacks go into the node's log."""
+    handler, before = _Told(log, path), BUILDS.level
+    BUILDS.addHandler(handler)
+    BUILDS.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        BUILDS.removeHandler(handler)
+        BUILDS.setLevel(before)
 
 
 def stamp_of(message: object) -> int:

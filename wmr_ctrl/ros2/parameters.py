@@ -1,4 +1,7 @@
-"""Parameters of the nodes: defaults, descriptions, ranges.  All are read-only but `SPEED_SCALE`."""
+"""Parameters of the nodes: defaults, descriptions, ranges.
+
+All but `SPEED_SCALE` may change only while a node is not configured.
+"""
 
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -23,6 +26,7 @@ POSITIVE = "two numbers above 0"
 SECONDS = (0.001, 60.0)
 """Range of a time-out [s]."""
 TRIGGERS = ("timer", "command")
+OTHER_PARTS = ("count", "refuse")
 REFERENCES = ("scenario", "path")
 
 _SHARED: Table = {
@@ -37,7 +41,9 @@ _SHARED: Table = {
         "s; how long configure looks for nodes that would void the promise",
         range=(0.0, 60.0),
     ),
-    "base_frame": Declared("base_link", "child frame of odometry, frame of commands"),
+    "base_frame": Declared(
+        "", "child frame of odometry, frame of commands; empty: ros.base_frame of the scenario"
+    ),
     "stamped": Declared(True, "TwistStamped commands; false: Twist"),
     "autostart": Declared(True, "configure and activate at once; false: by a lifecycle manager"),
 }
@@ -53,6 +59,10 @@ FILTER: Table = {
     "trigger": Declared(
         "timer", "when a command is answered: by the timer, or at once where one is due",
         f"one of {', '.join(TRIGGERS)}",
+    ),
+    "other_parts": Declared(
+        "count", "what is done with commands that ask for linear.y, angular.x and so on",
+        f"one of {', '.join(OTHER_PARTS)}",
     ),
     **_SHARED,
 }  # fmt: skip

@@ -12,6 +12,16 @@ def command_kind(stamped: bool) -> type[TwistStamped] | type[Twist]:
     return TwistStamped if stamped else Twist
 
 
+OTHER_PARTS = ("linear.y", "linear.z", "angular.x", "angular.y")
+"""Parts of a twist that a base with two driven wheels cannot follow."""
+
+
+def other_parts(twist: Twist) -> list[str]:
+    """Names of such parts that are not 0."""
+    values = twist.linear.y, twist.linear.z, twist.angular.x, twist.angular.y
+    return [name for name, value in zip(OTHER_PARTS, values, strict=True) if value != 0]
+
+
 def twist_message(
     node: Node, frame: str, stamped: bool, command: tuple[float, float], earliest: int = 0
 ) -> TwistStamped | Twist:

@@ -31,6 +31,7 @@ from .sections import (
     Metrics,
     Model,
     Robot,
+    Ros,
 )
 from .unstated import KIND, following, missing_keys, missing_text
 
@@ -133,6 +134,7 @@ class Scenario:
     clock: Clock = field(default_factory=Clock)
     metrics: Metrics = field(default_factory=Metrics)
     corridor: CorridorSettings = field(default_factory=CorridorSettings)
+    ros: Ros = field(default_factory=Ros)
 
     def __post_init__(self) -> None:
         """Freeze what is inside and check the relations between the sections."""

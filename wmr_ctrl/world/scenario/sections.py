@@ -96,6 +96,14 @@ class Body(Section, key="body"):
     )  # fmt: skip
 
 
+class Ros(Section, key="ros"):
+    """Names that the nodes of ROS 2 take where no parameter states them."""
+
+    base_frame: str = quantity(
+        "base_link", "1", "frame of commands and child frame of odometry; empty: any"
+    )
+
+
 class Limits(Section, key="limits"):
     """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20)."""
 

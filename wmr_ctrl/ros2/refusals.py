@@ -1,0 +1,33 @@
+"""Sentences on refused messages: what came, what is wanted, and the parameter that decides."""
+
+from dataclasses import dataclass
+
+from .native import NS
+
+
+@dataclass(frozen=True)
+class Received:
+    """What a refusal tells of a message.
+
+    ``frame`` is the message's, ``wanted`` the node's by the parameters ``named``; ``stamp`` and
+    ``now`` [ns] are the message's time and the node's; ``timeout`` [s] has the name ``patience``.
+    """
+
+    frame: str
+    wanted: str
+    stamp: int
+    now: int
+    timeout: float
+    patience: str
+    named: str = "base_frame"
+
+    def explained(self, reason: str) -> str:
+        """The reason with what came and what is wanted; "" if there is none."""
+        late = NS * (self.now - self.stamp)
+        more = {
+            "wrong frame": f"it is {self.frame!r}, wanted is {self.wanted!r} (set {self.named})",
+            "too old": f"{late:.3g} s by its stamp, at most {self.timeout:g} s ({self.patience})",
+            "from the future": f"its stamp is {-late:.3g} s ahead of this node's clock: "
+            "synchronise the clocks of both machines",
+        }
+        return f"{reason}: {more[reason]}" if reason in more else reason
