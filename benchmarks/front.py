@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks.parts import page_parser, renew
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.prox import guide
-from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results import RunTable
 from wmr_ctrl.simulation.tuning import judged, tune
 from wmr_ctrl.theory.checks import stability
 from wmr_ctrl.world.scenario import Scenario

@@ -22,7 +22,7 @@ from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.prox import Guide, guide
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.units import rounded
-from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results import RunTable
 from wmr_ctrl.simulation.tuning import tune
 from wmr_ctrl.theory.corridor import Corridor, find_corridor
 from wmr_ctrl.world.scenario import Scenario, override

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from wmr_ctrl.results.frames import library
+from wmr_ctrl.core.errors import library
 
 from .inputs import tracking_rows
 from .setup import Case, Setup

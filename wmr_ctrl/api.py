@@ -32,8 +32,8 @@ from wmr_ctrl.world.scenario import Scenario
 if TYPE_CHECKING:
     from wmr_ctrl.report.report_page import Facts
     from wmr_ctrl.report.write import Verdicts
+    from wmr_ctrl.results import RunTable
     from wmr_ctrl.results.ledger import Entry, Ledger
-    from wmr_ctrl.results.table import RunTable
     from wmr_ctrl.simulation.campaign.against_run import AgainstRun
     from wmr_ctrl.simulation.compiled_law import CompiledLaw
     from wmr_ctrl.theory.linear import LinearReport
@@ -196,7 +196,7 @@ def reproduce(
     from wmr_ctrl.report.paper_claims import Evidence, judge_all
     from wmr_ctrl.report.report_page import Reproduction
     from wmr_ctrl.report.write import check_folder, file_names, write_reproduction
-    from wmr_ctrl.results.table import RunTable
+    from wmr_ctrl.results import RunTable
     from wmr_ctrl.simulation.batch import check_jobs
     from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign
     from wmr_ctrl.simulation.campaign.comparison import comparison_plan, run_comparison

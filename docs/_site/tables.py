@@ -26,13 +26,12 @@ from wmr_ctrl.core.fields.units import OTHERS, USUAL, written
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated
 from wmr_ctrl.core.fields.values import Quantity, Range
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results import FIGURES
 from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.remarks import SHORT
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import load_scenario, preset_titles
-from wmr_ctrl.world.scenario.scenario import sections
+from wmr_ctrl.world.scenario import load_scenario, preset_titles, sections
 from wmr_ctrl.world.scenario.sections import Change
 from wmr_proofs.paper import equations, symbols
 

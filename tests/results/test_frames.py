@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from tests.equal_runs import runs_equal
-from wmr_ctrl.core.errors import MissingExtraError
+from wmr_ctrl.core.errors import MissingExtraError, library
 from wmr_ctrl.results import load_run
-from wmr_ctrl.results.frames import library, table_html
+from wmr_ctrl.results.frames import table_html
 
 pandas = pytest.importorskip("pandas")
 

@@ -28,10 +28,8 @@ from wmr_ctrl.theory.checks.velocity_guard import void_effects
 from wmr_ctrl.theory.corridor import Corridor, find_corridor
 from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.phases import robots_in_words
-from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario import Scenario, override, unit_questions, unknown_keys
 from wmr_ctrl.world.scenario.toml_io import InheritedValue
-from wmr_ctrl.world.scenario.units import unit_questions
-from wmr_ctrl.world.scenario.unstated import unknown_keys
 
 from . import check_sentences
 from .console import Progress, say, table, wrapped

@@ -26,9 +26,8 @@ from .console import (
 from .runs import animate_option, plot_option
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results import Run
+    from wmr_ctrl.results import RecordedDrive, Run
     from wmr_ctrl.results.compare import Comparison
-    from wmr_ctrl.results.drive import RecordedDrive
 
 HEADER: tuple[str, ...] = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
 TORQUES = ("tau_peak", "torque_change_rms")
@@ -218,7 +217,7 @@ def _limits(run: Run) -> str:
 
 def _row(name: str, run: Run) -> tuple[str, ...]:
     from wmr_ctrl.report.run_rows import takes_velocities
-    from wmr_ctrl.results.figures import FIGURES, values_of
+    from wmr_ctrl.results import FIGURES, values_of
     from wmr_ctrl.theory.checks.outlook import scenario_of_run
     from wmr_ctrl.theory.checks.unknown_zero import finest
 

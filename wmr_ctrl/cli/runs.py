@@ -131,8 +131,8 @@ def show_saved(
     folder, .mcap or .db3; extra `logs`). For a bag, the columns are listed with their rates, gaps
     and ranges, and then the missing ones. A bag has no desired motion, so there is no verdict.
     """
+    from wmr_ctrl.results import RecordedDrive
     from wmr_ctrl.results.bag_topics import load_source
-    from wmr_ctrl.results.drive import RecordedDrive
 
     saved = load_source(file, opt.roles(topics))
     if isinstance(saved, RecordedDrive):

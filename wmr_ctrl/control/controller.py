@@ -8,9 +8,7 @@ from wmr_ctrl.core.errors import show
 from wmr_ctrl.core.signals import ASKED, FORCE, TORQUE, VELOCITY
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.world.model.system import Output, Parameters, System, outputs, port, ports, stack
-from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.scenario.scenario import MissingKeysError, sections
-from wmr_ctrl.world.scenario.unstated import missing_text, unknown_keys
+from wmr_ctrl.world.scenario import MissingKeysError, Scenario, missing_text, sections, unknown_keys
 
 from .applied import Applied, Lateness, remembered
 from .guard.bounds import ROUNDING, pair_of

@@ -44,7 +44,7 @@ from wmr_ctrl.world.model.kinematics import tracking_error
 from wmr_ctrl.world.model.system import Parameters, Port, System, port, stack, values
 from wmr_ctrl.world.phases import demanded
 from wmr_ctrl.world.references.kind import reference
-from wmr_ctrl.world.scenario.unstated import unknown_keys
+from wmr_ctrl.world.scenario import unknown_keys
 from wmr_ctrl.world.speed_loop import EXERTED
 
 from .controller import watched_controller, wheel_limit

@@ -16,9 +16,7 @@ from wmr_ctrl.core.signals import LARGEST
 from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import OURS as OUR_EFFECTS
-from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.scenario.scenario import sections
-from wmr_ctrl.world.scenario.unstated import unknown_keys
+from wmr_ctrl.world.scenario import Scenario, sections, unknown_keys
 
 from .guard.bounds import LATENESS
 from .laws import LAWS

@@ -19,8 +19,7 @@ from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references.kind import check_finite
 from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import Scenario, override, preset_names
-from wmr_ctrl.world.scenario.units import asking_about_units
+from wmr_ctrl.world.scenario import Scenario, asking_about_units, override, preset_names
 
 from .basis import ANY_BASIS, basis_of
 from .filter.filter import derived_numbers

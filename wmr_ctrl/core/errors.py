@@ -6,7 +6,9 @@ That of a scenario begins with the path of a key.  Values stand in messages as `
 import difflib
 import reprlib
 from collections.abc import Iterable, Mapping, Sequence
+from importlib import import_module
 from numbers import Rational, Real
+from types import ModuleType
 
 DEEPEST = 3
 """Arrays within arrays whose elements a message shows."""
@@ -75,6 +77,18 @@ class MissingExtraError(WmrError, ImportError):
 
 class ArgumentError(WmrError, ValueError):
     """An argument of the command line or of the Python interface is out of its range."""
+
+
+def library(name: str, extra: str = "data") -> ModuleType:
+    """A module of an optional package; raises MissingExtraError where it is not installed."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        missing = isinstance(error, ModuleNotFoundError)
+        fault = "is not installed" if missing else f"cannot be imported ({error})"
+        raise MissingExtraError(
+            f"this needs {name.partition('.')[0]}, which {fault}: {install(extra)}."
+        ) from None
 
 
 def choices(name: str, known: Iterable[str]) -> str:

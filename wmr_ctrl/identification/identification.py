@@ -10,12 +10,9 @@ import numpy as np
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.arguments import checks_arguments
-from wmr_ctrl.results import Run
-from wmr_ctrl.results.drive import RecordedDrive
+from wmr_ctrl.results import RecordedDrive, Run
 from wmr_ctrl.world.encoder import COUNTS, Encoder
-from wmr_ctrl.world.scenario import Scenario, override
-from wmr_ctrl.world.scenario.scenario import sections
-from wmr_ctrl.world.scenario.unstated import missing_text
+from wmr_ctrl.world.scenario import Scenario, missing_text, override, sections
 from wmr_ctrl.world.speed_loop import KINDS, BaseKind
 
 from .bounds import (

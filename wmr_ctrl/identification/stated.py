@@ -11,9 +11,8 @@ import numpy as np
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.core.fields.section import default
 from wmr_ctrl.core.fields.unstated import Unknown
-from wmr_ctrl.world.scenario import Scenario, from_dict, override, scenario_dict
+from wmr_ctrl.world.scenario import MissingKeysError, Scenario, from_dict, override, scenario_dict
 from wmr_ctrl.world.scenario.raw import apply, merge, stated_in
-from wmr_ctrl.world.scenario.scenario import MissingKeysError
 from wmr_ctrl.world.scenario.sections import BARRIER_FROM, Robot
 from wmr_ctrl.world.scenario.toml_io import raw_of
 from wmr_ctrl.world.scenario.unstated import KIND

@@ -18,8 +18,7 @@ from PIL import Image, ImageDraw, ImageFont
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.fields.units import length
-from wmr_ctrl.results import Run, atomic_path
-from wmr_ctrl.results.drive import RecordedDrive
+from wmr_ctrl.results import RecordedDrive, Run, atomic_path
 from wmr_ctrl.simulation.campaign import PhaseProgress, phase
 from wmr_ctrl.simulation.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
-from wmr_ctrl.results.table import REFUSED, RunTable
+from wmr_ctrl.results import REFUSED, RunTable
 from wmr_ctrl.results.windows import LATE, seconds
 from wmr_ctrl.simulation.campaign.comparison import AWAY, BASE, BASES, swept
 

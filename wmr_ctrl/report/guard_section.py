@@ -10,8 +10,7 @@ import numpy as np
 from wmr_ctrl.control.guard.bounds import mass_range, net, pair_of
 from wmr_ctrl.control.guard.price import speed_price, usable_speed
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results import Outcome
-from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results import FIGURES, Outcome
 from wmr_ctrl.results.table import REFUSED, RunTable, median
 from wmr_ctrl.simulation.campaign import comparison
 from wmr_ctrl.world.phases import largest_friction

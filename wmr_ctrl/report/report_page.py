@@ -9,9 +9,8 @@ from pathlib import Path
 from jinja2 import Environment
 
 from wmr_ctrl.core.paper import CITATION, PAPER_TIMES
-from wmr_ctrl.results import atomic_text
+from wmr_ctrl.results import RunTable, atomic_text
 from wmr_ctrl.results.ledger import load
-from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, seconds
 from wmr_ctrl.simulation.campaign import Campaign
 from wmr_ctrl.simulation.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST

@@ -8,8 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from wmr_ctrl.results import PLANTS, Run
-from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results import PLANTS, Run, RunTable
 from wmr_ctrl.simulation.campaign import Campaign
 from wmr_ctrl.simulation.campaign.rigid import (
     AS_PRINTED,

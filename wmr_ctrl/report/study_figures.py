@@ -17,8 +17,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from wmr_ctrl.core.errors import library
 from wmr_ctrl.results.figures import SHARES
-from wmr_ctrl.results.frames import library
 from wmr_ctrl.simulation.campaign.plan import SOBOL, SamplePlan
 
 from . import style

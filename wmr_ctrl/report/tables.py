@@ -4,8 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from wmr_ctrl.results import Settings
-from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results import FIGURES, Settings
 from wmr_ctrl.results.table import RunTable, Spread
 from wmr_ctrl.results.windows import LATE, WINDOWS, named, robots_over, seconds, windows_of
 from wmr_ctrl.simulation.campaign import Campaign

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.core.paper import CITATION
-from wmr_ctrl.results import atomic_text, check_writable, json_safe, make_folder
-from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results import FIGURES, atomic_text, check_writable, json_safe, make_folder
 from wmr_ctrl.results.table import STATISTICS, RunTable
 from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign, PhaseProgress, phase
 from wmr_ctrl.simulation.campaign.comparison import COMPARED

@@ -1,5 +1,8 @@
 """A finished run: its log, outcome, figures of merit and files; the committed ledger of proofs."""
 
+from .drive import RecordedDrive as RecordedDrive
+from .figures import FIGURES as FIGURES
+from .figures import values_of as values_of
 from .files import atomic_path as atomic_path
 from .files import atomic_text as atomic_text
 from .files import check_writable as check_writable
@@ -32,6 +35,9 @@ from .run import split_columns as split_columns
 from .settings import PLANTS as PLANTS
 from .settings import Assumptions as Assumptions
 from .settings import Settings as Settings
+from .table import REFUSED as REFUSED
+from .table import RunTable as RunTable
+from .table import table_of_rows as table_of_rows
 from .windows import driving as driving
 from .windows import labouring as labouring
 from .windows import robots_over as robots_over

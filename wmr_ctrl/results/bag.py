@@ -19,12 +19,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError, library
 from wmr_ctrl.core.fields.files import note_input
 from wmr_ctrl.core.fields.orientation import outward
 
 from . import drive
-from .frames import library
 from .run import Floats, Run
 
 if TYPE_CHECKING:

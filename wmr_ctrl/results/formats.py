@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from wmr_ctrl.core.errors import MissingExtraError, ResultFileError, WmrError
+from wmr_ctrl.core.errors import MissingExtraError, ResultFileError, WmrError, library
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import AnyPath, note_input
 from wmr_ctrl.core.fields.values import may_unpack
@@ -29,7 +29,6 @@ from wmr_ctrl.core.suffixes import RUNS
 from .bag import holds_run, is_bag, rows_of_mcap, run_as_mcap
 from .drive import NEVER
 from .files import atomic_write
-from .frames import library
 from .outcomes import Monitor, Outcome
 from .run import Floats, Run, split_columns
 from .settings import Settings

@@ -9,13 +9,11 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from html import escape
-from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.core.errors import MissingExtraError, install
+from wmr_ctrl.core.errors import library
 from wmr_ctrl.core.signals import TIME
 
 from .figures import FIGURES, READINGS, values_of
@@ -129,18 +127,6 @@ def labels(run: Run) -> dict[str, object]:
         "scenario": run.scenario, "law": run.law, "guard": int(run.guard), "seed": run.seed,
         "engine": run.engine, "outcome": run.outcome.value,
     }  # fmt: skip
-
-
-def library(name: str, extra: str = "data") -> ModuleType:
-    """A module of an optional package; raises MissingExtraError where it is not installed."""
-    try:
-        return import_module(name)
-    except ImportError as error:
-        missing = isinstance(error, ModuleNotFoundError)
-        fault = "is not installed" if missing else f"cannot be imported ({error})"
-        raise MissingExtraError(
-            f"this needs {name.partition('.')[0]}, which {fault}: {install(extra)}."
-        ) from None
 
 
 def run_html(run: Run) -> str:

@@ -8,8 +8,7 @@ from wmr_ctrl.codegen.functions import loop_functions
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.compiled import CompiledLoop
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.results import PLANTS, Run
-from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results import PLANTS, Run, RunTable
 from wmr_ctrl.world.scenario import Scenario
 
 from .batch import Progress

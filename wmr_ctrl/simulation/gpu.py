@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.core.compiled import elements
-from wmr_ctrl.core.errors import CompilerError, DeviceError
+from wmr_ctrl.core.errors import CompilerError, DeviceError, library
 from wmr_ctrl.core.signals import PLANT_STATE
-from wmr_ctrl.results.frames import library
 
 from .memory import LONG, Results, Task
 

@@ -10,9 +10,8 @@ import numpy as np
 from wmr_ctrl.core.errors import ArgumentError, show
 from wmr_ctrl.core.fields.orientation import inward
 from wmr_ctrl.core.fields.values import MOST_SEEDS, SEED_END
-from wmr_ctrl.results import Monitor, Run, split_columns
+from wmr_ctrl.results import Monitor, Run, RunTable, split_columns, table_of_rows
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
-from wmr_ctrl.results.table import RunTable, table_of_rows
 from wmr_ctrl.world.scenario import Scenario
 
 from .batch import Floats, Progress, run_logged, run_tasks

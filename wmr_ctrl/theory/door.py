@@ -4,8 +4,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
 
-from wmr_ctrl.core.errors import install
-from wmr_ctrl.results.frames import library
+from wmr_ctrl.core.errors import install, library
 
 EXTRA = "proofs"
 SOLVERS = ("flint", "z3")

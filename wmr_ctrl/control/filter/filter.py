@@ -19,9 +19,8 @@ from wmr_ctrl.core.fields.units import meant, rounded
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.model.system import Output, System, port, stack, values
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import Scenario, asking_about_units, load_scenario, unit_questions
 from wmr_ctrl.world.scenario.command_filter import Filter
-from wmr_ctrl.world.scenario.units import asking_about_units, unit_questions
 
 from .band import NAMES, BandGovernor, check_beat
 from .channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING

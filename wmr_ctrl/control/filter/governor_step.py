@@ -12,9 +12,8 @@ from wmr_ctrl.control.guard.lateness import Times
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
 from wmr_ctrl.world.model.system import Output, Parameters, System, port
-from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario, asking_about_units
 from wmr_ctrl.world.scenario.command_filter import MOST_PERIODS
-from wmr_ctrl.world.scenario.units import asking_about_units
 
 from .channels import (
     AXES,

@@ -15,9 +15,8 @@ from wmr_ctrl.core.signals import LARGEST, POSE, TORQUE, VELOCITY, Signal
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.model.system import Output, Parameters, Port, port, stack
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import Change, Scenario
+from wmr_ctrl.world.scenario import Change, Scenario, unknown_keys
 from wmr_ctrl.world.scenario.scenario import SECTIONS
-from wmr_ctrl.world.scenario.unstated import unknown_keys
 
 from .model_description import (
     TIME,

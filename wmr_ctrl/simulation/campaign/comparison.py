@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 from wmr_ctrl.core.data import data
-from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
 
 from .engine import PhaseProgress, run_campaign

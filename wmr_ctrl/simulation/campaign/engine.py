@@ -7,9 +7,7 @@ from types import MappingProxyType
 from typing import Protocol, TypeVar, runtime_checkable
 
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, show
-from wmr_ctrl.results import Run
-from wmr_ctrl.results.figures import FIGURES, values_of
-from wmr_ctrl.results.table import REFUSED, RunTable, table_of_rows
+from wmr_ctrl.results import FIGURES, REFUSED, Run, RunTable, table_of_rows, values_of
 from wmr_ctrl.simulation.batch import check_jobs
 from wmr_ctrl.simulation.many import run_each
 from wmr_ctrl.simulation.runnable import RunnableLoop

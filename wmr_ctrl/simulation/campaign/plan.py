@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.core.data import data, with_tuples
+from wmr_ctrl.core.errors import library
 from wmr_ctrl.results.figures import Figure
-from wmr_ctrl.results.frames import library
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override, scenario_dict
 
 from .intervals import StopRule

@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wmr_ctrl.core.data import data, with_tuples
-from wmr_ctrl.results import PLANTS, Floats
-from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results import PLANTS, Floats, RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
 
 from .engine import Campaign, PhaseProgress, run_campaign

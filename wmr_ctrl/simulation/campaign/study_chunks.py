@@ -11,10 +11,9 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
-from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, library
+from wmr_ctrl.results import REFUSED
 from wmr_ctrl.results.figures import SHARES
-from wmr_ctrl.results.frames import library
-from wmr_ctrl.results.table import REFUSED
 from wmr_ctrl.simulation.batch import cores, deaf_to_interrupts
 from wmr_ctrl.simulation.many import tabulated
 from wmr_ctrl.simulation.memory import Task

@@ -19,8 +19,7 @@ from wmr_ctrl.core.fields.section import Section, build, quantities, quantity
 from wmr_ctrl.core.fields.values import SEED_END, Frozen, as_list
 from wmr_ctrl.results import PLANTS
 from wmr_ctrl.results.figures import FIGURES, RIGID, SHARES, SUMMED
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
-from wmr_ctrl.world.scenario.scenario import sections
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override, sections
 from wmr_ctrl.world.scenario.toml_io import is_path, naming_file, stated_keys
 
 from .intervals import StopRule

@@ -21,11 +21,9 @@ import numpy as np
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
-from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.results import atomic_path, atomic_text
-from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.core.errors import ResultFileError, library
+from wmr_ctrl.results import FIGURES, atomic_path, atomic_text
 from wmr_ctrl.results.files import atomic_write
-from wmr_ctrl.results.frames import library
 from wmr_ctrl.world.scenario import Section, quantities
 
 from .plan import CORRIDOR, Study

@@ -20,9 +20,15 @@ from types import ModuleType
 import numpy as np
 
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ScenarioError, install
-from wmr_ctrl.world.scenario import Change, Robot, Scenario
-from wmr_ctrl.world.scenario.scenario import MissingKeysError, sections
-from wmr_ctrl.world.scenario.unstated import missing_text, unknown_keys
+from wmr_ctrl.world.scenario import (
+    Change,
+    MissingKeysError,
+    Robot,
+    Scenario,
+    missing_text,
+    sections,
+    unknown_keys,
+)
 from wmr_ctrl.world.slope import Slope
 
 CHASSIS, RIGHT, LEFT = "chassis", "right", "left"

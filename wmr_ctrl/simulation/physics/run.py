@@ -9,10 +9,9 @@ import numpy as np
 
 from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.signals import RIGID as RIGID_COLUMNS
-from wmr_ctrl.results import RigidMonitor, Run, split_columns, tracked
+from wmr_ctrl.results import RigidMonitor, Run, RunTable, split_columns, table_of_rows, tracked
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
 from wmr_ctrl.results.outcomes import STOP_REASONS
-from wmr_ctrl.results.table import RunTable, table_of_rows
 from wmr_ctrl.simulation.coupled import Coupled
 from wmr_ctrl.simulation.figures import final_state
 from wmr_ctrl.simulation.many import not_summed

@@ -29,9 +29,7 @@ from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import one_command
 from wmr_ctrl.core.fields.section import Section, numbers_in
-from wmr_ctrl.results import atomic_text, check_writable
-from wmr_ctrl.results.figures import FIGURES
-from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results import FIGURES, RunTable, atomic_text, check_writable
 from wmr_ctrl.simulation.engines import runnable, table_of
 from wmr_ctrl.simulation.many import checked_seeds
 from wmr_ctrl.theory.corridor import certified_corridor, find_corridor

@@ -12,9 +12,8 @@ import numpy as np
 
 from wmr_ctrl.control.laws.law import Law
 from wmr_ctrl.control.laws.registry import LAWS
-from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, show
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, library, show
 from wmr_ctrl.results import Floats, atomic_text
-from wmr_ctrl.results.frames import library
 from wmr_ctrl.world.scenario import Scenario
 
 MOST_TRIALS = 100_000

@@ -22,8 +22,7 @@ from wmr_ctrl.world.encoder import Encoder
 from wmr_ctrl.world.phases import needed_torque
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor
-from wmr_ctrl.world.scenario import Scenario, loads_scenario
-from wmr_ctrl.world.scenario.unstated import unknown_keys
+from wmr_ctrl.world.scenario import Scenario, loads_scenario, unknown_keys
 
 from . import grip_warnings, warnings_heard
 from .torques import GRIP

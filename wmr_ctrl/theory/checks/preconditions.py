@@ -10,7 +10,7 @@ from wmr_ctrl.control.laws.law import WHOLE
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.world.phases import phases, steepness
 from wmr_ctrl.world.references import reference_bounds
-from wmr_ctrl.world.scenario.units import unit_questions
+from wmr_ctrl.world.scenario import unit_questions
 
 from .loop import Loop
 from .warning import FORCE_UNITS, SPEEDS, UNITS, joined

@@ -17,8 +17,7 @@ from wmr_ctrl.control.controller import law_graph, unfiltered_controller, veloci
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.signals import ASKED, SENT_BEFORE, Signal, places
 from wmr_ctrl.world.model.system import Output, Port, System
-from wmr_ctrl.world.scenario import Robot
-from wmr_ctrl.world.scenario.unstated import unknown_keys
+from wmr_ctrl.world.scenario import Robot, unknown_keys
 
 from .budget import counted
 from .error_coordinates import Floats

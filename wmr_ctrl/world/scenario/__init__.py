@@ -20,7 +20,9 @@ from .raw import from_dict as from_dict
 from .raw import override as override
 from .raw import parse_assignments as parse_assignments
 from .raw import scenario_dict as scenario_dict
+from .scenario import MissingKeysError as MissingKeysError
 from .scenario import Scenario as Scenario
+from .scenario import sections as sections
 from .sections import Change as Change
 from .sections import Guard as Guard
 from .sections import Model as Model
@@ -32,3 +34,7 @@ from .toml_io import preset_names as preset_names
 from .toml_io import preset_titles as preset_titles
 from .toml_io import title_of as title_of
 from .toml_io import to_toml as to_toml
+from .units import asking_about_units as asking_about_units
+from .units import unit_questions as unit_questions
+from .unstated import missing_text as missing_text
+from .unstated import unknown_keys as unknown_keys
