@@ -12,8 +12,9 @@ from wmr_ctrl.codegen.build import build_law, build_loop
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup as Settled
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.compiled import CompiledLoop, elements
+from wmr_ctrl.core.compiled import CompiledLoop
 from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.signals import elements
 from wmr_ctrl.simulation.batch import run_tasks
 from wmr_ctrl.simulation.compiled_law import CompiledLaw
 from wmr_ctrl.simulation.engines import runnable, runnable_of

@@ -11,7 +11,8 @@ import numpy as np
 
 from wmr_ctrl.codegen.build import Program, build_loop, program_of
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.core.compiled import CompiledLoop, elements
+from wmr_ctrl.core.compiled import CompiledLoop
+from wmr_ctrl.core.signals import elements
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.simulation.engines import runnable_of
 from wmr_ctrl.simulation.memory import Memory, Task, laid_out, noise_key

@@ -12,7 +12,7 @@ from tests.bits.cases import CASES, SEED, case
 from tests.matrix import headed, turns
 from wmr_ctrl.api import export_fmu
 from wmr_ctrl.control.laws.registry import NAMES
-from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.core.signals import elements
 from wmr_ctrl.simulation.memory import Task, laid_out
 
 AFTER = {"x", "y", "theta", "v1", "omega", "psi"}

@@ -14,7 +14,7 @@ from tests.matrix import headed, turns
 from wmr_ctrl.codegen.build import build_batch, vector_sets
 from wmr_ctrl.codegen.compiler import UNFUSED
 from wmr_ctrl.control.laws.registry import NAMES
-from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.core.signals import elements
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.simulation.batch import run_logged
 from wmr_ctrl.simulation.engines import runnable_of

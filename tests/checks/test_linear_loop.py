@@ -10,7 +10,7 @@ import pytest
 from tests.checks.asking import closed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.core.signals import elements
 from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.simulation.memory import laid_out
 from wmr_ctrl.theory.checks.loop import Loop

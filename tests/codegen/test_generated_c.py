@@ -18,8 +18,8 @@ from wmr_ctrl.codegen.kernels import loop_kernels
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.signals import elements
 from wmr_ctrl.simulation.memory import REALS, load, opened
 from wmr_ctrl.world.effect import Rate
 from wmr_ctrl.world.model.dynamics import plant, rk4_step

@@ -17,9 +17,9 @@ from pathlib import Path
 from wmr_ctrl.control.loop import WINDOW, Graphs, LoopGraphs, PlantlessGraphs
 from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.core.compiled import CompiledLoop, LawLayout, LoopLayout, elements
+from wmr_ctrl.core.compiled import CompiledLoop, LawLayout, LoopLayout
 from wmr_ctrl.core.errors import CompilerError
-from wmr_ctrl.core.signals import PLANT_STATE, Signal
+from wmr_ctrl.core.signals import PLANT_STATE, Signal, elements
 from wmr_ctrl.world.model.system import values
 
 from . import kernels

@@ -1,6 +1,5 @@
 """A compiled loop as plain data, for those who run it and must not wait for CasADi."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 from .signals import Signal
@@ -53,8 +52,3 @@ class CompiledLoop:
     phase_start: tuple[int, ...]
     start: tuple[float, ...]
     delay_steps: int
-
-
-def elements(signals: Iterable[Signal]) -> tuple[str, ...]:
-    """Names of all elements of some signals, in order."""
-    return tuple(name for signal in signals for name in signal.elements)

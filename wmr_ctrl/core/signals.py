@@ -44,6 +44,11 @@ def places(signals: Iterable[Signal]) -> dict[str, slice]:
     return {item.name: slice(*pair) for item, pair in zip(listed, ends, strict=True)}
 
 
+def elements(signals: Iterable[Signal]) -> tuple[str, ...]:
+    """Names of all elements of some signals, in order."""
+    return tuple(name for signal in signals for name in signal.elements)
+
+
 LARGEST = 1e12
 """Largest size of any input or parameter, in the SI unit of each: up to here every law's
 force and memory stay finite.  Stands for `unlimited` too."""

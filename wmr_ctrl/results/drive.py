@@ -19,7 +19,7 @@ from wmr_ctrl.core.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.fields.orientation import inward
 from wmr_ctrl.core.late_bound import late_bound
-from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.core.signals import Signal, elements
 
 from .files import atomic_write
 from .run import Floats, Run
@@ -28,15 +28,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def names_of(scalars: Sequence[Signal]) -> tuple[str, ...]:
-    """Names of scalar signals."""
-    return tuple(signal.name for signal in scalars)
-
-
 WHEEL_ANGLES = Signal("wheel_angle", "rad", "angles of the wheels (right, left)", 2)
 WHEEL_ANGLE, WHEEL_SPEEDS = WHEEL_ANGLES.elements, signals.WHEEL_SPEED.elements
 POSES, SPEEDS, COMMANDS, TORQUES = map(
-    names_of, (signals.MEASURED_POSE, signals.MEASURED_VELOCITY, signals.COMMAND, signals.TORQUE)
+    elements, (signals.MEASURED_POSE, signals.MEASURED_VELOCITY, signals.COMMAND, signals.TORQUE)
 )
 UNITS: Mapping[str, str] = {
     name: unit
@@ -209,7 +204,7 @@ def drive_of(run: Run, name: str = "") -> RecordedDrive:
 
 
 def _told(run: Run) -> Iterator[tuple[str, Floats]]:
-    for seen, true in ((POSES, names_of(signals.POSE)), (SPEEDS, names_of(signals.VELOCITY))):
+    for seen, true in ((POSES, elements(signals.POSE)), (SPEEDS, elements(signals.VELOCITY))):
         own = seen if seen[0] in run else true
         for name, source in zip(seen, own, strict=True):
             turned = name == POSES[2]

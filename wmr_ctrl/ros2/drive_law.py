@@ -15,7 +15,6 @@ import numpy as np
 from wmr_ctrl.control.controller import controller, unfiltered_controller
 from wmr_ctrl.control.filter.channels import SENT
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.orientation import theta_of
 from wmr_ctrl.core.signals import (
@@ -27,6 +26,7 @@ from wmr_ctrl.core.signals import (
     TRACKING_ERROR,
     VELOCITY,
     Signal,
+    elements,
 )
 from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.model.evaluate import evaluated

@@ -5,10 +5,10 @@ import timeit
 
 import numpy as np
 
-from wmr_ctrl.core.compiled import CompiledLoop, elements
+from wmr_ctrl.core.compiled import CompiledLoop
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.paper import EVALUATIONS
-from wmr_ctrl.core.signals import LARGEST
+from wmr_ctrl.core.signals import LARGEST, elements
 from wmr_ctrl.results import Floats
 
 from .memory import opened

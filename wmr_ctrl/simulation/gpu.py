@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.errors import CompilerError, DeviceError, library
-from wmr_ctrl.core.signals import PLANT_STATE
+from wmr_ctrl.core.signals import PLANT_STATE, elements
 
 from .memory import LONG, Results, Task
 

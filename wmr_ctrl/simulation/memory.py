@@ -17,9 +17,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.core.compiled import LoopLayout, elements
+from wmr_ctrl.core.compiled import LoopLayout
 from wmr_ctrl.core.errors import ArgumentError, CompilerError, UnknownNameError
-from wmr_ctrl.core.signals import PLANT_STATE
+from wmr_ctrl.core.signals import PLANT_STATE, elements
 
 from .runnable import RunnableLoop
 

@@ -7,9 +7,8 @@ from functools import cache
 import casadi as ca
 
 from wmr_ctrl.control.guard.guard import linear_first
-from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.core.signals import FORCE, GUARD_DIAGNOSTICS, VELOCITY, Signal
+from wmr_ctrl.core.signals import FORCE, GUARD_DIAGNOSTICS, VELOCITY, Signal, elements
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.world.scenario import Robot
 

@@ -15,8 +15,8 @@ from wmr_ctrl.control.laws.context import own_diagnostics
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.core import signals
-from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.signals import elements
 from wmr_ctrl.export.fmi.blocks import guard_model, parallel
 from wmr_ctrl.export.fmi.fmu_files import model_of, scenario_given, write_fmu
 from wmr_ctrl.export.fmi.model_description import FmuModel, Role

@@ -9,9 +9,8 @@ from wmr_ctrl.codegen.kernels import FINDINGS, loop_constants, loop_kernels
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.numbers import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.fields.section import number_of, quantities
-from wmr_ctrl.core.signals import LARGEST, POSE, TORQUE, VELOCITY, Signal
+from wmr_ctrl.core.signals import LARGEST, POSE, TORQUE, VELOCITY, Signal, elements
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.model.system import Output, Parameters, Port, port, stack
 from wmr_ctrl.world.registry import EFFECTS

@@ -8,10 +8,9 @@ from typing import Any
 from wmr_ctrl.codegen.build import numbers_of, phases_of
 from wmr_ctrl.control.numbers import fields_of
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.fields.units import length
-from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.core.signals import Signal, elements
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
 from wmr_ctrl.report.style import unit_text
 from wmr_ctrl.theory.corridor import corridor_course

@@ -13,7 +13,7 @@ import numpy as np
 
 from wmr_ctrl.core.errors import ArgumentError, WmrError
 from wmr_ctrl.core.fields.files import note_input
-from wmr_ctrl.core.signals import POSE, TIME, VELOCITY
+from wmr_ctrl.core.signals import POSE, TIME, VELOCITY, elements
 from wmr_ctrl.core.suffixes import RUN_FILE, RUNS
 from wmr_ctrl.results import Floats, Run, drive
 from wmr_ctrl.results.bag import is_bag
@@ -27,8 +27,8 @@ MOST_BYTES = 2**31
 WHEEL_ANGLE, WHEEL_SPEED = drive.WHEEL_ANGLE, drive.WHEEL_SPEEDS
 COMMAND, TORQUES = drive.COMMANDS, drive.TORQUES
 CURRENT = ("current_right", "current_left")
-SPEEDS = (drive.SPEEDS, drive.names_of(VELOCITY))
-POSES = (drive.POSES, drive.names_of(POSE))
+SPEEDS = (drive.SPEEDS, elements(VELOCITY))
+POSES = (drive.POSES, elements(POSE))
 KNOWN: Mapping[str, str] = {
     TIME.name: "s",
     **drive.UNITS,

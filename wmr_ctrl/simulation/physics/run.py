@@ -7,8 +7,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.signals import RIGID as RIGID_COLUMNS
+from wmr_ctrl.core.signals import elements
 from wmr_ctrl.results import RigidMonitor, Run, RunTable, split_columns, table_of_rows, tracked
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
 from wmr_ctrl.results.outcomes import STOP_REASONS
