@@ -109,20 +109,17 @@ def promise(setup: Setup) -> str:
     if setup.void:
         why = (*void_effects(setup), *(item.sentence for item in setup.broken))
         return f"Guarded, but {limits} are not guaranteed: {' '.join(why)}{assumed}"
+    # All but what may not be there at all has to stay within the bounds.
+    named = {"masses": True, "pushes": any(setup.value("guard.dbar")),
+             "errors": any(setup.value("guard.nbar"))}  # fmt: skip
+    held = joined(name for name, there in named.items() if there)
     starts = zip(case.initial.velocity, early_speed(setup.guard), case.limits.v_u1, strict=True)
     late = any(abs(speed) + gained > most for speed, gained, most in starts)
     return (
         f"Guarded: {limits} are guaranteed{', once the speed is back from its start,' * late} "
-        f"{while_exact}while {_held(setup)} stay within {_whose(case, 'guard')} bounds "
+        f"{while_exact}while {held} stay within {_whose(case, 'guard')} bounds "
         f"(--only guard); {NOT_THE_PATH}."
     )
-
-
-def _held(setup: Setup) -> str:
-    """What has to stay within the guard's bounds: all but what may not be there at all."""
-    named = {"masses": True, "pushes": any(setup.value("guard.dbar")),
-             "errors": any(setup.value("guard.nbar"))}  # fmt: skip
-    return joined(name for name, there in named.items() if there)
 
 
 def _whose(scenario: Scenario, table: str) -> str:
@@ -150,7 +147,10 @@ def guard_lines(setup: Setup) -> Iterator[str]:
     if not setup.scenario.guard.enabled:
         return
     known = assumption_sources(setup.scenario, setup.guard, setup.effects)
-    parts = [_masses(known) + _differs(setup), *(_bound(known[name]) for name in PER_AXIS)]
+    parts = [_masses(known) + _differs(setup)]
+    for name, (first, second) in PER_AXIS.items():
+        a, b = known[name].value
+        parts.append(f"{name} {a:.4g} {first}, {b:.4g} {second}{_made(known[name])}")
     parts += [_late(known[name]) for name in ("delay", "lag")]
     ages = [known[name] for name in ("age", "window") if any(known[name].value)]
     parts += [f"{item.name} {_digits(item.value)} s{_made(item)}" for item in ages]
@@ -336,11 +336,6 @@ def _differs(setup: Setup) -> str:
         if setup.value(f"robot.{name}") != setup.value(f"model.{name}")
     ]
     return f", and the robot has {', '.join(texts)}" if texts else ""
-
-
-def _bound(item: SourcedNumber) -> str:
-    (a, b), (first, second) = item.value, PER_AXIS[item.name]
-    return f"{item.name} {a:.4g} {first}, {b:.4g} {second}{_made(item)}"
 
 
 def _late(item: SourcedNumber) -> str:

@@ -81,21 +81,14 @@ def new(
     for note in _notes(made):
         say("note", note)
     if as_json:
-        print_json(_json(made))
+        every = {**made.found, **made.nodes}
+        found = {key: {"value": it.value, "source": it.source} for key, it in every.items()}
+        print_json({"found": found, "assumed": dict(made.assumed), "unknown": list(made.unknown)})
         return
     click.echo(_text(made))
     if made.nodes:
         click.echo(f"\n{wrapped(_for_nodes(made.nodes), hang='  ')}")
     click.echo(f"\nwmr-ctrl check {shlex.quote(out)}")
-
-
-def _json(made: NewScenario) -> dict[str, object]:
-    every = {**made.found, **made.nodes}
-    return {
-        "found": {key: {"value": it.value, "source": it.source} for key, it in every.items()},
-        "assumed": dict(made.assumed),
-        "unknown": list(made.unknown),
-    }
 
 
 def _notes(made: NewScenario) -> Iterator[str]:

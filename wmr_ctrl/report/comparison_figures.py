@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from itertools import product
 from typing import TypeAlias
 
 from matplotlib.axes import Axes
@@ -40,10 +41,18 @@ def _name(axes: Axes, title: str) -> None:
 def _draw_violations(figure: Figure, rows: RunTable) -> None:
     padding = drawing.Padding(left=2.75, right=0.15, bottom=0.44, top=0.74)
     factors, bases = rows.different("case"), rows.different("base")
+    step = 0.84 / len(rows.laws)
     panels = drawing.row_of_axes(figure, padding, [1.0] * len(bases), 0.2)
     for place, (axes, base) in enumerate(zip(panels, bases, strict=True)):
         drawing.rows_of(axes, factors if place == 0 else [""] * len(factors))
-        _fill(axes, rows, base)
+        for row, factor in enumerate(factors):
+            if factor not in rows.where(base=base).different("case"):
+                axes.annotate("first base only", (0, row), xytext=(12, 0), va="center", size=6.5,
+                              textcoords="offset points", color=MUTED)  # fmt: skip
+            for law, guard in product(rows.laws, (False, True)):
+                height = row - 0.42 + step * (rows.laws.index(law) + 0.5)
+                runs = rows.where(case=factor, law=law, base=base, guard=guard)
+                drawing.dots(axes, runs["violations"], height, law, step, filled=not guard)
         _name(axes, f"torque held for {base}")
         axes.set(xscale="symlog", xlabel="plant steps beyond a limit", xlim=(-0.6, 2e5))
         ticks = {0: "0", 1: "1", 10: "10", 100: "100", 1e3: "10³", 1e4: "10⁴", 1e5: "10⁵"}
@@ -53,19 +62,6 @@ def _draw_violations(figure: Figure, rows: RunTable) -> None:
     drawing.heading(figure, "Plant steps beyond a velocity limit", marks)
 
 
-def _fill(axes: Axes, rows: RunTable, base: str) -> None:
-    step = 0.84 / len(rows.laws)
-    for row, factor in enumerate(rows.different("case")):
-        if factor not in rows.where(base=base).different("case"):
-            axes.annotate("first base only", (0, row), xytext=(12, 0), textcoords="offset points",
-                          va="center", size=6.5, color=MUTED)  # fmt: skip
-        for place, law in enumerate(rows.laws):
-            height = row - 0.42 + step * (place + 0.5)
-            for guard in (False, True):
-                runs = rows.where(case=factor, law=law, base=base, guard=guard)
-                drawing.dots(axes, runs["violations"], height, law, step, filled=not guard)
-
-
 def _draw_position(figure: Figure, rows: RunTable) -> None:
     padding = drawing.Padding(left=0.78, right=0.15, bottom=0.42, top=0.74)
     bases = rows.different("base")
@@ -73,9 +69,8 @@ def _draw_position(figure: Figure, rows: RunTable) -> None:
     for axes, base in zip(panels, bases, strict=True):
         drawing.law_rows(axes, rows.laws)
         for place, law in enumerate(rows.laws):
-            for guard in (False, True):
+            for guard, height in ((False, place - 0.2), (True, place + 0.2)):
                 runs = rows.where(case=BASE, law=law, base=base, guard=guard)
-                height = place + (0.2 if guard else -0.2)
                 drawing.dots(axes, 1e3 * runs[AWAY], height, law, filled=not guard)
         axes.set(xscale="log", xlabel="RMS distance [mm]", xlim=(0.1, 5000.0))
         drawing.plain_ticks(axes, (1,))
@@ -132,7 +127,11 @@ def _draw_lines(figure: Figure, rows: RunTable, places: Places, gap: float, labe
             _line(axes, rows, points, law, guard)
         _name(axes, name)
         _ticks(axes, [x for x, _, _ in points], label)
-        _mark_refused(axes, rows, points, guard)
+        for x, base, factor in points:  # where the guard refuses every law
+            runs = rows.where(case=factor, base=base, guard=guard)
+            if runs.rows and (runs["outcome"] == REFUSED).all():
+                axes.text(x, 0.5, "refused", rotation=90, ha="center", va="center", size=7,
+                          color=MUTED, transform=axes.get_xaxis_transform())  # fmt: skip
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, 0.3), max(high, 30.0))
     panels[0].set_ylabel("ISE [m² s + rad² s]")
@@ -163,12 +162,3 @@ def _ticks(axes: Axes, places: Sequence[float], label: str) -> None:
     axes.xaxis.set_major_locator(FixedLocator(list(places)))
     axes.set_xticks(list(places), names)
     axes.set_xlim(0.85 * places[0], 1.18 * places[-1])
-
-
-def _mark_refused(axes: Axes, rows: RunTable, points: Points, guard: bool) -> None:
-    """Say where the guard refuses every law."""
-    for x, base, factor in points:
-        runs = rows.where(case=factor, base=base, guard=guard)
-        if runs.rows and (runs["outcome"] == REFUSED).all():
-            axes.text(x, 0.5, "refused", rotation=90, ha="center", va="center", size=7,
-                      color=MUTED, transform=axes.get_xaxis_transform())  # fmt: skip

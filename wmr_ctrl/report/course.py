@@ -13,20 +13,15 @@ from matplotlib.patches import Patch, Polygon
 from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.obstacles import Shape
+from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.corridor import corridor_course, is_covered
 from wmr_ctrl.world.references import Waypoints
-from wmr_ctrl.world.scenario import Scenario, loads_scenario, override
+from wmr_ctrl.world.scenario import override
 
 from .style import GRID, INK, LIMIT, MUTED
 
 MOST_WAYPOINTS = 60
 """More would hide the path that they are on."""
-
-
-def scenario_behind(run: Run) -> Scenario | None:
-    """The scenario that the run says it was made from, if it says so."""
-    text = run.provenance.get("scenario_toml")
-    return loads_scenario(text) if text else None
 
 
 @dataclass(frozen=True)
@@ -55,7 +50,7 @@ class Course:
 
 def course_of(run: Run) -> Course:
     """The course of a run, as far as the run knows its scenario."""
-    scenario, goal = scenario_behind(run), None
+    scenario, goal = scenario_of_run(run), None
     if run.settings.arrival is not None and run.settings.arrival <= run.time[-1]:
         goal = float(run["x_d"][-1]), float(run["y_d"][-1])
     if scenario is None:
@@ -96,7 +91,7 @@ def course_behind(run: Run) -> Floats | None:
     Where one corridor does not hold for all of the run, as past a change of the robot, each sample
     has its own, that of the whole run.
     """
-    scenario = scenario_behind(run)
+    scenario = scenario_of_run(run)
     if scenario is None or run.law not in LAWS:
         return None
     tube = corridor_course(override(scenario, {"guard.enabled": run.guard}), run.law)

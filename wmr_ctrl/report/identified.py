@@ -46,7 +46,15 @@ def write_identification(
         drawn = Path(folder, "fit.svg")
         drawing_of(result, traces).written([*targets, drawn])
         if page is not None:
-            text = _page(result, traces, picture(drawn), drive)
+            image, section = picture(drawn), result.bounds.section
+            text = page_environment().get_template("identified.html.j2").render(
+                result=result, scenario=result.scenario, section=section, drive=drive,
+                verdicts=Counter(item.verdict for item in result.parameters.values()),
+                visited=np.nanmax(np.abs(traces.measured), axis=0).tolist(),
+                seconds=float(np.ptp(traces.t)),
+                picture=lambda name: image,
+                guarded=section == "guard",
+            )  # fmt: skip
             with atomic_text(drawing.target_of(page, (".html",), "the page is .html")) as file:
                 file.write(text)
 
@@ -54,19 +62,6 @@ def write_identification(
 def drawing_of(result: BaseIdentification, traces: Traces) -> drawing.Drawing:
     """The picture."""
     return drawing.Drawing("fit", (8.3, 9.4), partial(_draw, result=result, traces=traces))
-
-
-def _page(
-    result: BaseIdentification, traces: Traces, image: str, drive: ProposedDrive | None
-) -> str:
-    return page_environment().get_template("identified.html.j2").render(
-        result=result, scenario=result.scenario, section=result.bounds.section, drive=drive,
-        verdicts=Counter(item.verdict for item in result.parameters.values()),
-        visited=np.nanmax(np.abs(traces.measured), axis=0).tolist(),
-        seconds=float(np.ptp(traces.t)),
-        picture=lambda name: image,
-        guarded=result.bounds.section == "guard",
-    )  # fmt: skip
 
 
 def _draw(figure: Figure, result: BaseIdentification, traces: Traces) -> None:

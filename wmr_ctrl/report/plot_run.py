@@ -28,6 +28,7 @@ from wmr_ctrl.results import (
     tau_rms,
 )
 from wmr_ctrl.results.measures import filter_share, heading_error, heading_rms
+from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.checks.unknown_zero import FINE, finest
 
 from . import course, drawing, style
@@ -134,7 +135,7 @@ def _figures(run: Run) -> list[str]:
     begin = max(0.0, end - 10.0)
     errors = e_rms(run, begin, end) or (None, None, None)
     angle, turns = heading_rms(run, begin, end) or (None, False)
-    say = partial(_error, least=finest(course.scenario_behind(run)))
+    say = partial(_error, least=finest(scenario_of_run(run)))
     e1, e2, e3 = map(say, (*errors[:2], angle), ("m", "m", "rad"))
     before, after = style.shown(square["before"]), style.shown(square["after"])
     parts = f" (before {run.settings.split:g} s {before}, after {after})"
@@ -225,7 +226,7 @@ def _plot_pair(axes: Axes, run: Run, rows: dict[str, Floats], alpha: float = 1.0
 
 def _torques(part: SubFigure, run: Run) -> None:
     """Commanded torques: samples and their mean, with the drives' limit."""
-    scenario = course.scenario_behind(run)
+    scenario = scenario_of_run(run)
     limit = scenario.actuator.tau_max if scenario else math.inf
     unit, scale = ("mN m", 1e3) if (tau_peak(run, START) or 1.0) < SMALL else ("N m", 1.0)
     limit *= scale

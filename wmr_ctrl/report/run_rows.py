@@ -148,7 +148,8 @@ def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     unit = f"m2 s + rad2 s{', with whole turns' if turns else ''}"
     yield "ISE", f"{_digits(ise['total'])} {unit}"
     windows = [(window, values) for window, values in figures["e_rms"].items() if values]
-    if _changes_there(run):
+    changes = any(time == split for time, _ in run.settings.robots)
+    if changes or scenario_of_run(run) is None:
         before, after = (results.robots_over(run.settings, *span)
                          for span in ((0.0, split), (split, run.settings.duration)))  # fmt: skip
         yield f"ISE before {split:g} s", _about(_digits(ise["before"]), before)
@@ -173,12 +174,6 @@ def _without_turns(run: Run, window: str) -> str:
     begin, end = map(float, window.split("-"))
     angle, turns = heading_rms(run, begin, end) or (0.0, False)
     return f"; {_small(angle, 'rad')} without whole turns" if turns else ""
-
-
-def _changes_there(run: Run) -> bool:
-    """True if the robot changes at the time that splits the run, as far as is known."""
-    split, robots = run.settings.split, run.settings.robots
-    return scenario_of_run(run) is None or any(time == split for time, _ in robots)
 
 
 def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:

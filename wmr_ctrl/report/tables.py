@@ -88,17 +88,15 @@ class _Line:
         """The label with the windows of a run in place, and its unit."""
         windows, period = windows_of(settings), settings.control
         times = {name: (period * a, period * b) for name, (a, b) in windows.items()}
-        spans = {name: _window(settings, *ends) for name, ends in times.items()}
+        robots = {name: robots_over(settings, *ends) for name, ends in times.items()}
+        spans = {
+            name: f"{seconds(*ends)}{': ' * bool(robots[name])}{robots[name]}"
+            for name, ends in times.items()
+        }
         label = self.label.format(**spans, split=windows["before"][1])
         unit = FIGURES[self.figure].unit
         shown_unit = _KILO.get(unit, unit_text(unit))
         return f"{label} [{shown_unit}]" if shown_unit else label
-
-
-def _window(settings: Settings, start: float, end: float) -> str:
-    """A window of time [s], with the robot there where that changes."""
-    robots = robots_over(settings, start, end)
-    return f"{seconds(start, end)}{': ' * bool(robots)}{robots}"
 
 
 _LINES = (

@@ -91,24 +91,22 @@ def content_of(
         "filtered": scenes[0].scenario.takes_velocity,
         "laws": [_look(member) for member in members],
         "names": names,
-        "loops": [_loop(item) for item in loops],
+        "loops": [
+            {
+                "name": item.name,
+                "columns": elements(item.layout.columns),
+                "state": elements(item.layout.state),
+                "parameters": elements(item.layout.parameters),
+                "findings": item.layout.findings,
+                "start": item.start,
+            }
+            for item in loops
+        ],
         "groups": [{"key": g.key, "title": g.title, "hint": g.hint} for g in GROUPS],
         "scenes": scenery,
     }
     mass = scenes[0].scenario.robot.m
     return Content(tuple(loops), Room(phases, steps), data, mass)
-
-
-def _loop(loop: PageLoop) -> Plain:
-    layout = loop.layout
-    return {
-        "name": loop.name,
-        "columns": elements(layout.columns),
-        "state": elements(layout.state),
-        "parameters": elements(layout.parameters),
-        "findings": layout.findings,
-        "start": loop.start,
-    }
 
 
 def _scene(

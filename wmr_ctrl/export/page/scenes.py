@@ -96,16 +96,11 @@ def _ways(scenario: Scenario, law: str) -> Iterator[tuple[str, Mapping[str, obje
             if changed.filter.kind == "band":
                 check_beat(changed)
         except ScenarioError:
-            if way == _own_way(scenario):
+            own_filter = scenario.filter
+            if way == ("slew" if own_filter.slew else own_filter.kind):  # the scenario's own way
                 raise
             continue
         yield way, changes
-
-
-def _own_way(scenario: Scenario) -> str:
-    """The way that the scenario itself limits commands."""
-    own = scenario.filter
-    return "slew" if own.slew else own.kind
 
 
 def _is_swinging(scenario: Scenario) -> bool:

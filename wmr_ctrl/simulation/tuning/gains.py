@@ -163,8 +163,10 @@ def tune(
     if merit == search.CORRIDOR:
         _check_corridor(chosen, law)
     target, start, text = check_writable(out), _start(plan), to_toml(chosen, comments=False)
+    # Another file of the same name is another search, by its compiled loop.
+    code = "" if law in NAMES else runnable(_unguarded(chosen), law).compiled.digest
     digest = search.digest_of(
-        text, law, _code_of(chosen, law), plan.seeds, weight, plan.hold, merit, _masses(chosen)
+        text, law, code, plan.seeds, weight, plan.hold, merit, _masses(chosen)
     )
     tries = search.Trials(target, digest)
     tell, optimiser = progress or (lambda share: None), search.Search(start)
@@ -191,11 +193,6 @@ def tune(
     tries.forget()
     tell(1.0)
     return tuning
-
-
-def _code_of(scenario: Scenario, law: str) -> str:
-    """Hash of the law's compiled loop, by which another file of the same name is another search."""
-    return "" if law in NAMES else runnable(_unguarded(scenario), law).compiled.digest
 
 
 def _unguarded(scenario: Scenario) -> Scenario:

@@ -221,7 +221,9 @@ class Assembly:
 
     def plant(self, delay: float, sample: int | None) -> SampledPlant:
         """All of it, but for what shows in nothing, and for the way, which has no origin."""
-        seen, size = self._seen(sample), self.world.size
+        after, size = 0 if sample is None else sample - self.every, self.world.size
+        kept = 0 <= after < len(self.steady)
+        seen = self.steady[after] if kept else self.sensed(self.every + after)
         whole, part = divided(delay, self.period)
         queue = whole + (part > 0)
         ends = np.cumsum([0, size, COMMAND * queue, seen.shape[1] - size]).tolist()
@@ -251,13 +253,6 @@ class Assembly:
             rows[:, : ends[-1]], rows[:, ends[-1] :], pushed, sensed[:ROBOT], names
         )
         return self._reduced(plant, self.steady, slow)
-
-    def _seen(self, sample: int | None) -> Floats:
-        """What is `sensed` in a sample, or in one with a pose."""
-        after = 0 if sample is None else sample - self.every
-        return (
-            self.steady[after] if 0 <= after < len(self.steady) else self.sensed(self.every + after)
-        )
 
     def rates(self) -> tuple[Floats, Floats, Floats, tuple[str, ...]]:
         """Slopes of rates: the gradient of a plant step, by its length."""

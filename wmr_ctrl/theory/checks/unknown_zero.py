@@ -131,7 +131,8 @@ def unknown_zero(setup: Setup) -> Warning | None:
     if not found or not is_guarded(setup):
         return None
     by = "filter" if setup.takes_velocity else "guard"
-    named = joined(f"{item.key} = {_digits(setup.value(item.key))}" for item in found)
+    values = {item.key: ", ".join(f"{v:g}" for v in setup.value(item.key)) for item in found}
+    named = joined(f"{key} = [{digits}]" for key, digits in values.items())
     return Warning(
         KEY,
         f"With {named} the {by} assumes that {exactness(setup)}, which is true of no robot. "
@@ -139,10 +140,6 @@ def unknown_zero(setup: Setup) -> Warning | None:
         "docs/filter.md" if setup.takes_velocity else "guard, docs/guarantee.md",
         objects=False,
     )
-
-
-def _digits(values: tuple[float, ...]) -> str:
-    return f"[{', '.join(f'{value:g}' for value in values)}]"
 
 
 def is_undisturbed(scenario: Scenario) -> bool:

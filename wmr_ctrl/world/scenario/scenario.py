@@ -297,7 +297,9 @@ def _assumed(raw: object) -> tuple[str, ...]:
 def _relate(scenario: Scenario) -> None:
     """Check changes against the run's end, and effects against the rest of the scenario."""
     _changes(scenario.changes, scenario.clock.duration)
-    _multiples(scenario)
+    for key, other, most in multiples():
+        (value,), (unit,) = scenario.value(key), scenario.value(other)
+        check_multiple(key, value, other, unit, most)
     clock = scenario.clock
     for effect in EFFECTS:
         effect.relate(scenario)
@@ -327,13 +329,6 @@ def multiples() -> Iterator[tuple[str, str, int]]:
         for name, what in quantities(sections()[part]):
             if what.multiple_of:
                 yield f"{part}.{name}", what.multiple_of, what.most
-
-
-def _multiples(scenario: Scenario) -> None:
-    """Times that are a multiple of another time are one."""
-    for key, other, most in multiples():
-        (value,), (unit,) = scenario.value(key), scenario.value(other)
-        check_multiple(key, value, other, unit, most)
 
 
 def _changes(changes: tuple[Change, ...], duration: float) -> None:

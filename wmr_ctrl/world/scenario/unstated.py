@@ -2,7 +2,8 @@
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from operator import attrgetter
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.core.fields.section import Section, quantities
@@ -23,7 +24,7 @@ LIMITS = "limits.v_u1"
 def missing_keys(scenario: "Scenario") -> tuple[str, ...]:
     """Keys that the scenario needs and does not state, in the order of its tables."""
     needed = [*needed_of_robot(scenario), LIMITS]
-    keys = [key for key in needed if isinstance(_value(scenario, key), Unknown)]
+    keys = [key for key in needed if isinstance(attrgetter(key)(scenario), Unknown)]
     return (*keys, *(() if scenario.reference else (KIND,)))
 
 
@@ -69,31 +70,17 @@ def needed_of_robot(scenario: "Scenario") -> list[str]:
     unknown = list(unknown_keys(scenario))
     if not unknown or not scenario.takes_velocity:
         return unknown
-    acting = [item for item in EFFECTS if item.active(scenario)]
-    if any(item.role in FORCING or _other_loop(item) for item in acting) or _limited(scenario):
+    others = [item for item in EFFECTS if item.active(scenario) and item is not FIRST_ORDER]
+    limited = scenario.actuator.tau_max < float("inf") or scenario.actuator.traction
+    if limited or any(item.role in FORCING for item in others):
         return unknown
     read = set(scenario.filter.reads)
-    for effect in acting:
-        if effect is not FIRST_ORDER:
-            read |= {port.signal.name for port in effect.build(scenario).params}
+    for effect in others:
+        read |= {port.signal.name for port in effect.build(scenario).params}
     return [key for key in unknown if key in read]
 
 
-FORCING = (EffectRole.DISTURBANCE, EffectRole.DRIVE)
-
-
-def _other_loop(effect: Any) -> bool:
-    return effect.role is EffectRole.LOOP and effect is not FIRST_ORDER
-
-
-def _limited(scenario: "Scenario") -> bool:
-    actuator = scenario.actuator
-    return actuator.tau_max < float("inf") or actuator.traction
-
-
-def _value(scenario: "Scenario", key: str) -> object:
-    table, _, name = key.partition(".")
-    return vars(getattr(scenario, table))[name]
+FORCING = (EffectRole.DISTURBANCE, EffectRole.DRIVE, EffectRole.LOOP)
 
 
 def following(scenario: "Scenario") -> Iterator[tuple[str, Section]]:
