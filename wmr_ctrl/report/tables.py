@@ -4,9 +4,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.results import FIGURES, Settings
 from wmr_ctrl.results.table import RunTable, Spread
-from wmr_ctrl.results.windows import LATE, WINDOWS, named, robots_over, seconds, windows_of
+from wmr_ctrl.results.windows import robots_over, seconds, windows_of
 from wmr_ctrl.simulation.campaign import Campaign
 
 from .paper_claims import STAND_IN_LAW
@@ -99,33 +100,7 @@ class _Line:
         return f"{label} [{shown_unit}]" if shown_unit else label
 
 
-_LINES = (
-    _Line("position_rms_last_quarter", "RMS distance, {last_quarter}", short=True),
-    _Line("position_max", "largest distance, {last_quarter}", short=True),
-    _Line("position_rms", "RMS distance, {all}"),
-    *(
-        _Line(
-            f"{figure}_rms_{named(span)}",
-            f"RMS {text}, {seconds(*span)}",
-            change=span != LATE,
-            short=span == LATE and figure == "e1",
-        )
-        for figure, text in (("d", "distance"), ("e1", "e₁"), ("e2", "e₂"), ("e3", "e₃"))
-        for span in WINDOWS
-    ),
-    _Line("ise_total", "ISE, {all}", short=True),
-    _Line("ise_before", "ISE, {before}", change=True),
-    _Line("ise_after", "ISE, {after}", change=True),
-    _Line("ise_position", "ISE without θ"),
-    _Line("max_abs_v1", "largest |v₁|", better=False),
-    _Line("max_abs_omega", "largest |ω|", better=False),
-    _Line("violated", "seeds that broke a limit", short=True),
-    _Line("tau_peak", "peak wheel torque", short=True),
-    _Line("tau_rms", "RMS wheel torque, {torque}"),
-    _Line("V1_rises", "rises of V₁ in the first {split} samples", better=False),
-    _Line("W1_end", "‖W₁‖ at the end", better=False),
-    _Line("W2_end", "‖W₂‖ at the end", better=False),
-)
+_LINES = tuple(_Line(**row) for row in data(__package__, "lines.toml")["line"])
 
 
 def scenario_table(campaign: Campaign, scenario: str, short: bool = False) -> TextTable:

@@ -9,9 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ArgumentError
 
-from .settings import UNCOVERED, WIDER, Event
+from .settings import Event
 
 DIVERGENCE = 1e3
 """A run ends where |v1| [m/s] or |omega| [rad/s] reaches this."""
@@ -21,10 +22,7 @@ _AXES = {
     2: ("angular velocity omega", "rad/s"),
     3: ("speed of a wheel (filter.wheel_speed)", "m/s"),
 }
-_GUARDED = (
-    "The velocity limit was broken although the guard was on, first by the {violation}; {steps} "
-    "beyond a limit ({extremes}). {cause}"
-)
+_SAID = data(__package__, "outcomes.toml")
 
 
 @dataclass(frozen=True)
@@ -128,7 +126,7 @@ class Outcome(StrEnum):
 
         ``guard``: whether the velocity guard was on.
         """
-        text = _GUARDED if guard and self is Outcome.LIMIT_VIOLATED else _SENTENCES[self]
+        text = _SAID["guarded" if guard and self is Outcome.LIMIT_VIOLATED else self]
         linear, angular = monitor.max_abs_v
         count, first = monitor.violations, monitor.first_violation
         outside = first is not None and first[0] == 0.0
@@ -142,6 +140,7 @@ class Outcome(StrEnum):
             extremes=f"largest |v1| {linear:.4g} m/s, largest |omega| {angular:.4g} rad/s",
             failure=monitor.failure,
             cause=_cause(outside, guard),
+            unexplained=_SAID["unexplained"],
             **_rigid(monitor.rigid),
         )
 
@@ -149,59 +148,14 @@ class Outcome(StrEnum):
 def _cause(outside: bool, guard: bool) -> str:
     """Reason why a limit was broken, with the remedy; a start outside may not be the only one."""
     if not outside:
-        return UNCOVERED if guard else f"Switch {_UNGUARDED}"
+        return _SAID["uncovered"] if guard else f"Switch {_SAID['unguarded']}"
     text = "The run started outside the limits: start inside them."
-    return text if guard else f"{text} If it breaks them then, too: switch {_UNGUARDED}"
-
-
-_UNGUARDED = (
-    "the guard on (on a base that takes velocities: the filter, without filter.trust), or ask for "
-    "a slower reference."
-)
-_NOT_COVERED = f"its guarantee does not cover this run. {WIDER}"
-
-_SENTENCES = {
-    Outcome.COMPLETED: (
-        "The run completed and both velocities stayed within their limits ({extremes})."
-    ),
-    Outcome.BOUNDS_LEFT: (
-        "The run completed within its limits ({extremes}), but the {left} moved in a way that the "
-        "guard's bounds do not explain, so " + _NOT_COVERED
-    ),
-    Outcome.LIMIT_VIOLATED: (
-        "The velocity limit was broken, first by the {violation}; {steps} beyond a limit "
-        "({extremes}). {cause}"
-    ),
-    Outcome.DIVERGED: (
-        "The run ended early because of the {stop}: it reached {bound} {unit}, which counts as "
-        "diverged. Shorten clock.control, lower the law's gains, or start nearer to the reference."
-    ),
-    Outcome.NON_FINITE: (
-        "The run ended early because of the {stop}: it was no longer a finite number. Shorten "
-        "clock.control and clock.plant, and look for gains or torques that overflow."
-    ),
-    Outcome.TIPPED: (
-        "The robot fell over: at t = {tipped} s it tilted by more than body.tilt_max. {slip} "
-        "Limit the wheel torques (actuator.tau_max or actuator.traction; `wmr-ctrl check` names "
-        "the largest torque without spin or fall), start nearer to the reference, or lower the "
-        "centre of mass."
-    ),
-    Outcome.SLIPPED: (
-        "The run completed within its velocity limits ({extremes}), but the wheels slipped: from t "
-        "= {slipped} s on, by at most {most} m/s. The assumptions of laws and guard did not hold "
-        "there. Limit the wheel torques (actuator.tau_max or actuator.traction; `wmr-ctrl check` "
-        "names the largest torque without spin)."
-    ),
-    Outcome.FAILED: "The run ended early: {failure}",
-}
+    return text if guard else f"{text} If it breaks them then, too: switch {_SAID['unguarded']}"
 
 
 def beyond_bounds(monitor: Monitor) -> str:
     """Sentence on motion beyond the guard's bounds, of a run with a graver outcome."""
-    return (
-        f"The {_place(monitor.bounds_left)} moved in a way that the guard's bounds do not explain, "
-        f"so {_NOT_COVERED}"
-    )
+    return f"The {_place(monitor.bounds_left)} {_SAID['unexplained']}"
 
 
 def outcome_of(monitor: Monitor, guard: bool = False) -> Outcome:

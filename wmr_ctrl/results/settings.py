@@ -24,12 +24,6 @@ COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
 """Numbers of Settings and Assumptions that a guard counts on."""
 TIGHTER = "state a smaller guard.dbar or a larger guard.M_min if they are true"
 """Remedy where a guard holds back more than it must."""
-UNCOVERED = (
-    "The run left what the guard assumes: compare guard.dbar, M_min, M_max and nbar with the "
-    "robot, state the drives' delay and lag in full."
-)
-WIDER = "Widen guard.dbar, or guard.M_min and guard.M_max, unless a remark names another cause."
-"""Remedy where a run moved in a way that these numbers do not explain."""
 ROUNDING = 1e-6
 """Share of the largest force that may be an error of integration and rounding."""
 

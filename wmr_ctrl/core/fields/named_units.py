@@ -25,13 +25,7 @@ _KNOWN: Mapping[str, tuple[Fraction, dict[str, int]]] = {
     },
 }
 """Size and exponents; sizes are exact, but for pi, of which 80 digits are known."""
-_PREFIXES: Mapping[str, Fraction | int] = {
-    "k": 10**3,
-    "c": Fraction(1, 100),
-    "m": Fraction(1, 10**3),
-    "u": Fraction(1, 10**6),
-}
-_PREFIXED = ("m", "g", "s", "N", "Nm", "J", "W", "V", "A", "Hz", "rad")
+_PREFIXES = {name: Fraction(size) for name, size in UNITS["prefixed"]["sizes"].items()}
 _SPELLINGS = str.maketrans({"²": "2", "³": "3", "·": ".", "*": ".", " ": ".", "µ": "u", "μ": "u"})
 _QUANTITY = re.compile(
     r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(\s*[A-Za-z%°µμ].*|\s+1\b.*)"
@@ -96,11 +90,11 @@ def _read(name: str) -> tuple[Fraction, dict[str, int]]:
     return size, {key: value for key, value in exponents.items() if value}
 
 
-def _part(name: str) -> tuple[Fraction | int, dict[str, int]] | None:
+def _part(name: str) -> tuple[Fraction, dict[str, int]] | None:
     """Size and exponents of a unit, perhaps with a prefix."""
     if name in _KNOWN:
         return _KNOWN[name]
-    if name[0] in _PREFIXES and name[1:] in _PREFIXED:
+    if name[0] in _PREFIXES and name[1:] in UNITS["prefixed"]["units"]:
         size, exponents = _KNOWN[name[1:]]
         return size * _PREFIXES[name[0]], exponents
     return None

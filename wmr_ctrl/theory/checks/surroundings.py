@@ -11,6 +11,7 @@ import numpy as np
 
 from wmr_ctrl.control.applied import followed
 from wmr_ctrl.control.setup import Setup, with_effects_of
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.signals import SAMPLE, STEP, TIME
 from wmr_ctrl.world.model.dynamics import force_to_wheel
 from wmr_ctrl.world.model.graph import rounds
@@ -32,13 +33,7 @@ from .sampled_plant import (
     steps_in,
 )
 
-IDLE = {
-    "base.quantum": [0.0, 0.0], "base.deadband": [0.0, 0.0], "base.w_max": math.inf,
-    "base.accel": [math.inf, math.inf], "base.decel": [math.inf, math.inf],
-    "base.jerk": [math.inf, math.inf], "base.losses": 0, "base.timeout": math.inf,
-    "base.antiwindup": False, "actuator.tau_max": math.inf, "filter.kind": "none",
-    "sensor.velocity_losses": 0,
-}  # fmt: skip
+IDLE = data(__package__, "idle.toml")
 """Numbers of a base that leaves every command as it is, and gives every torque."""
 
 MANY = 16.0
