@@ -74,7 +74,9 @@ class Emulated:
 
     def __init__(self, firmware: Path, board: Board, *, float32: bool) -> None:
         self.real = np.float32 if float32 else np.float64
-        self.reply = struct.Struct(f"<i2{'f' if float32 else 'd'}I")
+        header = next(firmware.parent.glob("wmr_*.h")).read_text(encoding="utf-8")
+        acted = "wmr_real guard_acted;" in header
+        self.reply = struct.Struct(f"<i{2 + acted}{'f' if float32 else 'd'}I")
         self.process = subprocess.Popen(
             [EMULATOR, "-M", board.machine, "-kernel", str(firmware), "-icount", "shift=0",
              "-serial", "stdio", "-monitor", "none", "-display", "none"],
@@ -93,7 +95,7 @@ class Emulated:
     def step(self, inputs: np.ndarray, counts: Sequence[int] = ()) -> tuple[int, np.ndarray, int]:
         """Status, torques [N m], and instructions of one sample."""
         self._write(b"S" + packed(inputs, counts, self.real))
-        status, right, left, ticks = self.reply.unpack(self._read(self.reply.size))
+        status, right, left, *_, ticks = self.reply.unpack(self._read(self.reply.size))
         return status, np.array([right, left]), ticks * INSTRUCTIONS_PER_TICK
 
     def deepest_stack(self) -> int:
@@ -127,7 +129,7 @@ class HostBuild:
         self.real = np.float32 if float32 else np.float64
         self._step = loaded[f"wmr_{law}_step"]
         self.parameters, self.memory = np.zeros(256, self.real), np.zeros(1024, self.real)
-        self.outputs = np.zeros(2, self.real)
+        self.outputs = np.zeros(3, self.real)  # of a guarded law the last tells whether it acted
         self._start = loaded[f"wmr_{law}_start"]
         loaded[f"wmr_{law}_defaults"](_pointer(self.parameters))
         self.reset()
@@ -141,7 +143,7 @@ class HostBuild:
         given = np.frombuffer(packed(inputs, counts, self.real), np.uint8)
         arrays = (self.parameters, self.memory, given, self.outputs)
         status = self._step(*(_pointer(item) for item in arrays))
-        return status, self.outputs.astype(float)
+        return status, self.outputs[:2].astype(float)
 
 
 def _pointer(array: np.ndarray) -> ct.c_void_p:

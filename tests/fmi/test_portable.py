@@ -79,7 +79,7 @@ def library_by(monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("what", "version"), [(w, v) for w in ("plant", "nn", "closed-loop") for v in (2, 3)]
 )
-def test_exactly_the_standards_functions_are_exported(library_by, what, version):
+def test_the_standards_functions_and_the_scenarios_hash_are_exported(library_by, what, version):
     listed = subprocess.run(
         [tool("nm"), "-D", "--defined-only", str(library_by("cc", what, version))],
         capture_output=True,
@@ -87,7 +87,8 @@ def test_exactly_the_standards_functions_are_exported(library_by, what, version)
         check=True,
     )
     names = {line.split()[-1].partition("@")[0] for line in listed.stdout.splitlines()}
-    assert names - {"_init", "_fini"} == wanted_functions(version)
+    own = {f"wmr_{what.replace('-', '_')}_scenario_hash"}
+    assert names - {"_init", "_fini"} == wanted_functions(version) | own
 
 
 @linux

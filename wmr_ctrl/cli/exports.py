@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, TypedDict, cast
 from warnings import catch_warnings
 
 import click
+
+from wmr_ctrl.codegen.resources import LAYOUTS
 
 from . import options as opt
 from .console import Progress, note_missing_proofs, say
@@ -20,6 +22,13 @@ REFERENCE = "reference"
 WITH_LAW = ("corridor", "closed-loop", "ssp", "simulink")
 WITHOUT_LAW = ("plant", REFERENCE, "guard", "filter")
 """Outputs that hold the law of the option ``--law``, and none."""
+
+
+class PackageOptions(TypedDict):
+    """Options of every package of C."""
+
+    float32: bool
+    layout: str | None
 
 
 @opt.command(
@@ -144,6 +153,7 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
     "wmr-ctrl codegen filter --scenario mine.toml --out filter_c",
     "wmr-ctrl codegen filter --scenario mine.toml --ros2 --out node",
     "wmr-ctrl codegen corridor --law prox --scenario mine.toml --out c",
+    "wmr-ctrl codegen prox --float32 --layout arduino --out wmr_prox",
 )
 @click.argument("law", required=False, callback=opt.one_law)
 @opt.scenario_option
@@ -156,6 +166,11 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
     help="corridor: its law.  " + opt.OWN_LAW,
 )
 @click.option("--float32", is_flag=True, help="Single precision throughout.")
+@click.option(
+    "--layout",
+    type=click.Choice(LAYOUTS),
+    help="Arrange the files as a library of this tool, all names with the package's prefix.",
+)
 @click.option(
     "--ros2", is_flag=True, help="Write the filter as a ROS 2 node in C that needs only rcl."
 )
@@ -173,20 +188,22 @@ def codegen(
     assignments: tuple[str, ...],
     watched: str | None,
     float32: bool,
+    layout: str | None,
     ros2: bool,
     params: tuple[str, ...],
     out: str,
 ) -> None:
     """Write a law as C99: header, source, example, test vectors and build files.
 
-    Without LAW it is the scenario's own, else kanayama. LAW may be `filter`: the command filter of
+    Without LAW it is the scenario's own, else kanayama. A law of a base that takes velocities has
+    the scenario's command filter inside. LAW may be `filter`: the command filter of
     a scenario with filter.kind = "clip", "governor" or "band"; or `corridor`: a monitor that says
     from when on the robot is in the certified corridor of --law, and whether it has left it; or
     `reference`: the scenario's path, x_d to v2_d_dot at any time, alone or beside a law's package.
 
     The code uses no heap, no input or output and no globals: the caller owns the law's memory.
     """
-    from wmr_ctrl.codegen.package import CORRIDOR, FILTER, files_of, write_package
+    from wmr_ctrl.codegen.package import CORRIDOR, FILTER
 
     opt.check_folder(out, "--out")
     if params and not ros2:
@@ -199,30 +216,25 @@ def codegen(
     _refuse_unread(f"codegen {law}", unread.get(law, ("watched",)))
     if law == CORRIDOR:
         watched = opt.law_of(case, watched)
+    if layout and {path.stem for path in Path(out).glob("src/wmr_*.c")} - {f"wmr_{law}"}:
+        raise click.BadParameter(
+            f"{out} is the library of another package. Name a folder of its own, such as "
+            f"{Path(out).parent / f'wmr_{law}'}.",
+            param_hint="--out",
+        )
     _note_idle(law, watched, case, scenario, assignments)
-    if watched is not None:
-        from wmr_ctrl.results import write_all
-        from wmr_ctrl.theory.corridor import corridor_monitor
-
-        monitor = corridor_monitor(case, watched)
-        paths = tuple(write_all(files_of(CORRIDOR, monitor, case), Path(out)))
-    elif law == REFERENCE:
-        from wmr_ctrl.codegen.reference_package import reference_files
-        from wmr_ctrl.results import write_all
-
-        paths = tuple(write_all(reference_files(case, float32=float32), Path(out)))
-    elif not ros2:
-        paths = write_package(law, Path(out), case, float32=float32)
-    elif law != FILTER or float32:
+    if not ros2:
+        paths = _packaged(law, watched, case, Path(out), {"float32": float32, "layout": layout})
+    elif law != FILTER or float32 or layout:
         raise click.BadParameter(
             "the node in C is available for the command filter in double precision only: write "
-            "`codegen filter --ros2`, without --float32.",
+            "`codegen filter --ros2`, without --float32 and --layout.",
             param_hint="--ros2",
         )
     else:
         from wmr_ctrl.ros2.c_node import node_settings, write_node
 
-        paths = write_node(Path(out), case, node_settings(params))
+        paths = [*write_node(Path(out), case, node_settings(params))]
     for path in paths:
         say("wrote", str(path))
     beside = {path.name for path in {*Path(out).glob("wmr_*.[ch]")} - {*paths}}
@@ -231,6 +243,25 @@ def codegen(
         text = f"{out} also holds files of another package: {', '.join(others)}. Delete them, or"
         say("note", f"{text} write each package into a folder of its own.")
     _ask_about_units(law, case)
+
+
+def _packaged(
+    law: str, watched: str | None, case: Scenario, out: Path, options: PackageOptions
+) -> list[Path]:
+    """Write a package of C; ``watched``: law of the monitor, else None."""
+    from wmr_ctrl.codegen.package import CORRIDOR, files_of, package_files
+    from wmr_ctrl.codegen.reference_package import reference_files
+    from wmr_ctrl.results import write_all
+
+    if watched is not None:
+        from wmr_ctrl.theory.corridor import corridor_monitor
+
+        files = files_of(CORRIDOR, corridor_monitor(case, watched), case, **options)
+    elif law == REFERENCE:
+        files = reference_files(case, **options)
+    else:
+        files = package_files(law, case, **options)
+    return write_all(files, out)
 
 
 @opt.command(

@@ -12,23 +12,35 @@ from typing import Any
 import casadi as ca
 import jinja2
 
-from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.controller import controller, refusing_controller
+from wmr_ctrl.control.filter.channels import ELAPSED, FLAGS
 from wmr_ctrl.control.filter.filter import called_filter, derived_numbers
 from wmr_ctrl.control.filter.rounding_ranges import check_single_precision
-from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.errors import printable
-from wmr_ctrl.core.signals import LARGEST, VELOCITY, Signal, places
+from wmr_ctrl.core.signals import (
+    COMMAND,
+    GUARD_ACTED,
+    GUARD_DIAGNOSTICS,
+    LARGEST,
+    ODOMETRY_AGE,
+    REFUSED,
+    VELOCITY,
+    Signal,
+    places,
+)
 from wmr_ctrl.results import write_all
 from wmr_ctrl.world.encoder import ENCODER, MOVED, Encoder, reader
 from wmr_ctrl.world.model.system import Output, Port, System, stack
 from wmr_ctrl.world.references import Circle
-from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario, scenario_hash
+from wmr_ctrl.world.speed_loop_first_order import FirstOrderGains
 
 from . import single_precision
 from .dialect import HEADER
 from .emit import QUALIFIERS, Kernel, split
 from .kernels import controller_kernel
+from .layouts import arranged
 from .resources import c_texts
 from .source import cached_definition
 from .vectors import SAMPLES, TOLERANCES, vectors_of
@@ -46,6 +58,10 @@ TABLE = 16
 """Members with more elements have their defaults in a table."""
 WORTH_KEEPING = 50
 """Cost (see `Graph.cost`) from which on a filter keeps what hangs on its parameters alone."""
+CHANGED = 64
+"""Bit of a filter's flags in C: flags of the compiler have changed the arithmetic."""
+HIDDEN = (MOVED, REFUSED)
+"""Inputs of a kernel that the C around it makes."""
 RECORD = TEMPLATES / "footprint.json"
 """Measured footprints of packages."""
 
@@ -74,35 +90,44 @@ class Field:
 
 
 def package_files(
-    law: str, scenario: Scenario, *, float32: bool = False, counting: bool = True
+    law: str,
+    scenario: Scenario,
+    *,
+    float32: bool = False,
+    counting: bool = True,
+    layout: str | None = None,
 ) -> dict[str, str]:
     """File name to text of the package of ``law`` with the numbers of ``scenario`` as defaults.
 
-    The law "filter" is the command filter of a scenario that has one.  ``counting``: where the
-    scenario has encoders, it is given counts, not velocities.
+    The law "filter" is the command filter of a scenario that has one; a law of a base that takes
+    velocities has that filter inside.  ``counting``: where the scenario has encoders, it is given
+    counts, not velocities.  ``layout``: one of LAYOUTS, None for a folder without tool.
 
     Raises ScenarioError or UnknownNameError as building the law does, ArgumentError for encoders
     whose velocity needs more than counts.
     """
-    if law == FILTER:
-        if float32 and scenario.filter.kind == "governor":
-            check_single_precision(scenario)
-        system = called_filter(scenario)
-    else:
-        check_takes_torques(scenario, "C packages of laws are written")
-        setup = settle(scenario, law)
-        system = packaged(setup) if counting else controller(setup)
-    if float32 and (scenario.guard.enabled or law == FILTER):
-        system = single_precision.with_margin(system, _margin(law, scenario))
-    return files_of(law, system, scenario, float32=float32)
+    setup = None if law == FILTER else settle(scenario, law)
+    filters = scenario.filter.kind != "none" and (setup is None or setup.takes_velocity)
+    if float32 and filters and scenario.filter.kind == "governor":
+        check_single_precision(scenario)
+    system = called_filter(scenario) if setup is None else packaged(setup, counting=counting)
+    if float32 and (scenario.guard.enabled or filters):
+        system = single_precision.with_margin(system, _margin(scenario, filters))
+    return files_of(law, system, scenario, float32=float32, layout=layout)
 
 
 def files_of(
-    law: str, system: System, scenario: Scenario, *, float32: bool = False
+    law: str,
+    system: System,
+    scenario: Scenario,
+    *,
+    float32: bool = False,
+    layout: str | None = None,
 ) -> dict[str, str]:
     """The same of a System that is called ``law``: a law's, the filter, the corridor's monitor."""
-    governs = law == FILTER and scenario.filter.kind == "governor"
-    context = _context(law, scenario, system, replace(step_kernel(system), whole=governs), float32)
+    governs = scenario.filter.kind == "governor" and FLAGS in _signals(system.outputs)
+    step = replace(step_kernel(system), whole=governs)
+    context = {**_context(law, scenario, system, step, float32), "layout": layout}
     engine = text_engine(TEMPLATES)
     names = {name.format(law=law): name.format(law="law") for name in FILES}
     if law in (FILTER, CORRIDOR):
@@ -110,16 +135,22 @@ def files_of(
     files = {
         name: engine.get_template(f"{source}.j2").render(context) for name, source in names.items()
     }
-    return files | ({} if float32 else c_texts(HEADER))
+    files |= {} if float32 else c_texts(HEADER)
+    return files if layout is None else arranged(files, layout, engine, context)
 
 
-def packaged(setup: Setup) -> System:
-    """The controller; where the scenario has encoders, it is given counts, not velocities.
+def packaged(setup: Setup, *, counting: bool = True) -> System:
+    """The controller, whose last output says of a guard or filter whether it acted.
 
-    Its last input is then how far counts have moved, which the C around it takes from them.
+    Where the scenario has encoders it is given counts, not velocities: its last input is then how
+    far counts have moved, which the C around it takes from them.
     """
-    core = controller(setup)
-    if ENCODER not in setup.effects:
+    core = refusing_controller(setup) if setup.takes_velocity else controller(setup)
+    if setup.scenario.guard.enabled and not setup.takes_velocity:
+        (active,) = (i.expr for i in core.diagnostics if i.signal == GUARD_DIAGNOSTICS[0])
+        acted = Output(GUARD_ACTED, ca.logic_or(active[0], active[1]))
+        core = replace(core, outputs=(*core.outputs, acted))
+    if ENCODER not in setup.effects or not counting:
         return core
     front = reader(setup.scenario)
     known = {item.signal.name: item for item in core.params}
@@ -159,29 +190,37 @@ def prepared_from(step: Kernel) -> tuple[tuple[int, ...], int]:
 
 
 def write_package(
-    law: str, out: Path, scenario: Scenario, *, float32: bool = False
+    law: str,
+    out: Path,
+    scenario: Scenario,
+    *,
+    float32: bool = False,
+    layout: str | None = None,
 ) -> tuple[Path, ...]:
     """Write the package into the folder ``out`` (made if need be) and return the files' paths.
 
     All files appear, or none where one of them cannot be written: it raises
     ResultFileError.
     """
-    return tuple(write_all(package_files(law, scenario, float32=float32), out))
+    return tuple(write_all(package_files(law, scenario, float32=float32, layout=layout), out))
 
 
 def _context(
     law: str, scenario: Scenario, system: System, step: Kernel, float32: bool
 ) -> Mapping[str, Any]:
-    own, guarded = frozenset({"expm1"} if law == FILTER else ()), scenario.guard.enabled
-    dialect = single_precision.package_dialect(float32, own=own)
+    shown, given = _signals(system.outputs), _signals(system.inputs)
+    sends, guarded, filters = COMMAND[0] in shown, GUARD_ACTED in shown, FLAGS in shown
+    dialect = single_precision.package_dialect(float32)
     largest = single_precision.LARGEST_SINGLE if float32 else LARGEST
-    periods = single_precision.PERIODS.get((law, guarded), ())
-    given = [item.signal for item in system.inputs]
+    periods = () if sends else single_precision.PERIODS.get((law, guarded), ())
+    at = {name: place.start for name, place in places(given).items()}
+    inputs = sum(signal.size for signal in given if signal not in HIDDEN)
+    later = [at[s.name] for s in (ODOMETRY_AGE, ELAPSED) if sends and s in given]
     encoders, half = MOVED in given, 2 ** (scenario.section(Encoder).bits - 1)
     vectors = vectors_of(system, scenario.limits, float32=float32, half=half)
     made_of, prepared = prepared_from(step) if law == FILTER else ((), 0)
     form = "slew" if scenario.filter.slew is not None else scenario.filter.kind
-    tabled = law == FILTER and scenario.filter.kind == "band"
+    tabled = filters and scenario.filter.kind == "band"
     text = cached_definition(replace(step, prepared=prepared > 0), dialect)
     return {
         "law": law, "LAW": law.upper(), "title": system.title, "scenario": scenario.name,
@@ -190,35 +229,37 @@ def _context(
         "bits": "uint32_t" if float32 else "uint64_t",
         "real": "float" if float32 else "double", "limit": f"{'FLT' if float32 else 'DBL'}_MAX",
         "largest": largest, "most_angle": dialect.number(math.pi if float32 else largest),
-        "remainder": "remainderf" if float32 else "remainder",
-        "given": system.u.numel(),
-        "inputs": fields_of(item for item in system.inputs if item.signal != MOVED),
+        "remainder": "fmodf" if float32 else "remainder",
+        "given": system.u.numel(), "changed": CHANGED, "scenario_hash": scenario_hash(scenario),
+        "inputs": fields_of(item for item in system.inputs if item.signal not in HIDDEN),
         "state": fields_of(system.state),
         "parameters": fields_of(system.params), "outputs": signals_of(system.outputs),
-        "counts": {"inputs": system.u.numel() - encoders * MOVED.size, "state": system.x.numel(),
+        "counts": {"inputs": inputs, "state": system.x.numel(),
                    "parameters": system.p.numel(), "outputs": system.y.numel(),
                    "memory": max(system.x.numel() + tabled + len(made_of) + prepared, 1)},
         "qualifiers": QUALIFIERS, "flags": flags_refused(), "kernel": text,
         "calls": library_calls(text, float32), "operations": step.operations,
         "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
-        "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": _margin(law, scenario),
+        "tolerance": TOLERANCES[float32], "guarded": guarded, "sends": sends,
+        "margin": _margin(scenario, filters), "timed": ELAPSED in given,
+        "checked": min([inputs, *later]),
+        "endless": [i for i, p in enumerate(system.p0) if math.isinf(p)],
         "periods": [f"{1e3 * period:g} ms" for period in periods],
         "footprint": known_footprint(law, float32, guarded, step.operations),
         "nearest": nearest_footprint(law, float32, guarded, step.operations),
         "library": f"wmr_{law}", "robot": _robot(scenario), "filters": law == FILTER,
-        "watches": law == CORRIDOR,
+        "watches": law == CORRIDOR, "out": "command" if sends else "torque",
         "queued": any(item.signal.name == "corridor_sent0" for item in system.state),
-        "governs": law == FILTER and scenario.filter.kind == "governor",
+        "governs": filters and scenario.filter.kind == "governor",
         "first_order": scenario.filter.loop == "first-order", "gain": scenario.filter.gain[1],
         "made_of": made_of, "prepared": prepared, "tabled": tabled,
         "made_of_all": made_of == tuple(range(system.p.numel())),
         "tables": TABLE, "form": form,
         "untimely": UNTIMELY.get(form, ""), "started": STARTED.get(form, ""),
         "idle": ["filter_d"] if form == "slew" else [],
-        "derived": [*map(c_name_of, derived_numbers(scenario))] if law == FILTER else [],
+        "derived": [*map(c_name_of, derived_numbers(scenario))] if filters else [],
         "encoders": encoders, "half": half,
-        "at": {name: place.start for name, place in places(given).items()},
-        "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
+        "at": at, "velocities": [signal.name for signal in given if signal in VELOCITY],
     }  # fmt: skip
 
 
@@ -245,9 +286,13 @@ def flags_refused() -> str:
     return text[text.index("/* Flags") :].partition("\n\n")[0]
 
 
-def _margin(law: str, scenario: Scenario) -> float:
+def _signals(items: Iterable[Port | Output]) -> list[Signal]:
+    return [item.signal for item in items]
+
+
+def _margin(scenario: Scenario, filters: bool) -> float:
     """Share of the limits that a package in single precision stays away from them."""
-    banded = law == FILTER and scenario.filter.kind == "band"
+    banded = filters and scenario.filter.kind == "band"
     return single_precision.BAND_MARGIN if banded else single_precision.MARGIN
 
 
@@ -260,7 +305,7 @@ def _robot(scenario: Scenario) -> Mapping[str, str | float]:
     return {
         **{name: getattr(robot, name) for name in ("m", "I", "mu", "r", "l", "g")},
         "path": f"a circle of {circle.radius:g} m{other}",
-        "radius": circle.radius, "rate": circle.rate,
+        "radius": circle.radius, "rate": circle.rate, "tau": scenario.section(FirstOrderGains).tau,
         "x": x, "y": y, "theta": theta, "v1": v1, "omega": omega,
     }  # fmt: skip
 

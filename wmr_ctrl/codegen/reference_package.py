@@ -6,11 +6,12 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import LARGEST, TIME
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.references.kind import reference
-from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario, scenario_hash
 
 from . import single_precision
 from .dialect import HEADER
 from .emit import QUALIFIERS, kernel
+from .layouts import arranged
 from .package import TEMPLATES, fields_of, flags_refused, library_calls, signals_of, text_engine
 from .resources import c_texts
 from .source import cached_definition
@@ -22,8 +23,10 @@ EARLY, LATE = (-1e3, -1e-3), (1.517, 3.143, 9.871)
 """Times before the start [s], and beyond the end as multiples of it."""
 
 
-def reference_files(scenario: Scenario, *, float32: bool = False) -> dict[str, str]:
-    """File name to text of the package of a scenario's path.
+def reference_files(
+    scenario: Scenario, *, float32: bool = False, layout: str | None = None
+) -> dict[str, str]:
+    """File name to text of the package of a scenario's path; ``layout`` as of `package_files`.
 
     ArgumentError for a reference of another package that is no function of time alone.
     """
@@ -39,8 +42,11 @@ def reference_files(scenario: Scenario, *, float32: bool = False) -> dict[str, s
     largest = single_precision.LARGEST_SINGLE if float32 else LARGEST
     vectors, tolerance = _vectors(scenario, system, float32, largest)
     context = {
-        "law": "reference", "title": system.title, "scenario": scenario.name, "kind": kind,
+        "law": "reference", "LAW": "REFERENCE", "filters": False, "sends": False,
+        "library": "wmr_reference", "layout": layout,
+        "title": system.title, "scenario": scenario.name, "kind": kind,
         "float32": float32, "real": "float" if float32 else "double",
+        "scenario_hash": scenario_hash(scenario),
         "limit": f"{'FLT' if float32 else 'DBL'}_MAX", "number": dialect.number,
         "largest": largest,
         "end": "" if arrival is None else f", and the robot stands from {arrival:.6g} s on",
@@ -53,7 +59,8 @@ def reference_files(scenario: Scenario, *, float32: bool = False) -> dict[str, s
     }  # fmt: skip
     engine = text_engine(TEMPLATES)
     files = {name: engine.get_template(f"{name}.j2").render(context) for name in FILES}
-    return files | ({} if float32 else c_texts(HEADER))
+    files |= {} if float32 else c_texts(HEADER)
+    return files if layout is None else arranged(files, layout, engine, context)
 
 
 def _vectors(

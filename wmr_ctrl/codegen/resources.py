@@ -4,6 +4,8 @@ from pathlib import Path
 
 from wmr_ctrl.core.errors import WmrError
 
+LAYOUTS = ("arduino", "platformio", "esp-idf", "zephyr")
+"""Tools as whose libraries a package can be arranged."""
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 

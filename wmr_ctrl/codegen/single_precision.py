@@ -49,8 +49,8 @@ LARGEST_CONSTANT = 1e18
 """Larger finite constants are lowered to this in single precision: their squares must be finite."""
 
 _CALL = re.compile(r"\bwmr_([a-z0-9]+)\(")
-_OWN = frozenset({"min", "max", "sign"})
-"""Functions that every package has of its own."""
+_OWN = frozenset({"min", "max", "sign", "expm1"})
+"""Functions that every package has of its own: small C libraries lack expm1f."""
 _NAMES = {"abs": "fabs"}
 """Deviating names of the C library."""
 
@@ -71,18 +71,18 @@ class SingleDialect(Dialect):
         return f"({self.real}){truth}"
 
 
-def package_dialect(float32: bool, *, own: frozenset[str] = frozenset()) -> Dialect:
+def package_dialect(float32: bool) -> Dialect:
     """The dialect of a package in double or single precision.
 
-    The latter has literals of float and the C library's functions, ``expf(`` for ``wmr_exp(``, but
-    for those that are ``own``.
+    The latter has literals of float and the C library's functions, ``expf(`` for ``wmr_exp(``,
+    except those of _OWN.
     """
     if not float32:
         return replace(SCALAR, real="wmr_real", exp_batch=0, packs_stores=False)
 
     def called(found: re.Match[str]) -> str:
         name = found[1]
-        return found[0] if name in own | _OWN else f"{_NAMES.get(name, name)}f("
+        return found[0] if name in _OWN else f"{_NAMES.get(name, name)}f("
 
     patterns = {
         op: re.sub(r"\b(\d\.\d)\b", r"\1f", _CALL.sub(called, pattern))

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmr_ctrl.control.filter.channels import ELAPSED
 from wmr_ctrl.core.data import data
-from wmr_ctrl.core.signals import ASKED, TORQUE, VELOCITY
+from wmr_ctrl.core.signals import ASKED, ODOMETRY_AGE, REFUSED, TORQUE, VELOCITY, places
 from wmr_ctrl.world.encoder import MOVED
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario.sections import Limits
@@ -68,6 +69,10 @@ def vectors_of(
     counts = np.zeros((len(inputs), 0), int)
     if MOVED in known:
         inputs, counts = _with_counts(inputs, system, half)
+    if REFUSED in known:  # nothing is late, nothing refused
+        at = places(item.signal for item in system.inputs)
+        for signal in (signal for signal in (ODOMETRY_AGE, ELAPSED, REFUSED) if signal in known):
+            inputs = np.insert(inputs, at[signal.name].start, 0.0, axis=1)
     if float32:
         inputs, p = (values.astype(np.float32).astype(np.float64) for values in (inputs, p))
     torques = np.empty((len(inputs), system.y.numel()))

@@ -59,6 +59,11 @@ def unfiltered_controller(setup: Setup) -> System:
     return _checked(setup, velocity_sender(setup, law_graph(setup)).asking())
 
 
+def refusing_controller(setup: Setup) -> System:
+    """`controller` of a base that takes velocities for C, with inputs that may be refused."""
+    return _checked(setup, velocity_sender(setup, law_graph(setup)).refusing())
+
+
 def law_graph(setup: Setup, in_flight: int | None = None) -> System:
     """The law by itself, whose output is the generalised force (N, N m).
 

@@ -12,7 +12,7 @@ acted is worked back from the command that was sent, behind filter and known del
 observer does not wind up.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -30,13 +30,15 @@ from wmr_ctrl.world.velocity_loss import VELOCITY_LOSS
 from .applied import Lateness, followed, is_partial
 from .filter.channels import (
     BOUNDS_LEFT,
+    ELAPSED,
     FLAGS,
+    REFUSED,
     SENT,
     has_bit,
     usable_command,
     within,
 )
-from .filter.filter import filter_system
+from .filter.filter import called_filter, filter_system
 from .filter.governor_step import ODOMETRY
 from .setup import Setup
 
@@ -112,13 +114,18 @@ class SentVelocity:
         """The velocity that is sent (2,), the filter's flags and its next state."""
         if self.filter is None:
             return self.asked, ca.SX(0), ca.SX(0, 1)
-        known = {signals.ASKED: self.asked, ODOMETRY: self.v}
-        known |= {item.signal: item.sym for item in self.age}
-        inputs = stack(known.get(item.signal, ca.SX(0)) for item in self.filter.inputs)
-        p = stack(self.p.take(item.signal.name) for item in self.filter.params)
-        graph = self.filter.function("filter", [self.filter.update, self.filter.y])
-        following, y = graph(inputs, self.filter.x, p)
-        rows = signals.places(item.signal for item in self.filter.outputs)
+        told = {item.signal: item.sym for item in self.age}
+        return self._through(self.filter, {signals.ASKED: self.asked, **told})
+
+    def _through(
+        self, own: System, told: Mapping[signals.Signal, ca.SX]
+    ) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Velocity sent (2,), flags and next state of the filter ``own``; inputs not told are 0."""
+        known = {ODOMETRY: self.v, **told}
+        inputs = stack(known.get(item.signal, ca.SX(0)) for item in own.inputs)
+        p = stack(self.p.take(item.signal.name) for item in own.params)
+        following, y = own.function("filter", [own.update, own.y])(inputs, own.x, p)
+        rows = signals.places(item.signal for item in own.outputs)
         sent, flags = (y[rows[signal.name]] for signal in (SENT, FLAGS))
         return sent, flags, following
 
@@ -139,6 +146,37 @@ class SentVelocity:
         update = ca.vertcat(self._learnt(sent), *following, filtering)
         law = self._around(memory, self.age, held, update, outputs(signals.COMMAND, sent))
         return replace(law, diagnostics=diagnostics)
+
+    def refusing(self) -> System:
+        """`system` for C on a robot, where inputs may be no numbers and samples late.
+
+        Further inputs are the odometry's age and the time passed, where the filter uses them, and
+        ``refused``: then (0, 0) is asked for, the law keeps its memory, and no odometry is used.
+        Outputs are the command and, of a filter, its flags and whether it changed the command.
+        """
+        refused = port(signals.REFUSED)
+        asked = ca.if_else(refused.sym, 0, self.asked)
+        told: tuple[Port, ...] = ()
+        held: tuple[Port, ...] = ()
+        shown: tuple[Output, ...] = ()
+        sent, filtering = asked, ca.SX(0, 1)
+        if self.filter is not None:
+            own = called_filter(self.setup.scenario)
+            given = (signals.ODOMETRY_AGE, ELAPSED)
+            told, held = tuple(p for p in own.inputs if p.signal in given), own.state
+            known = {item.signal: item.sym for item in told} | {signals.ASKED: asked}
+            if signals.ODOMETRY_AGE in known:
+                age = known[signals.ODOMETRY_AGE]
+                known[signals.ODOMETRY_AGE] = ca.if_else(refused.sym, -1, age)
+            sent, flags, filtering = self._through(own, known)
+            flags += ca.if_else(refused.sym, REFUSED, 0)
+            changed = ca.logic_or(sent[0] != asked[0], sent[1] != asked[1])
+            shown = (Output(FLAGS, flags), Output(signals.GUARD_ACTED, changed))
+        memory, following = self._remembering(sent)
+        learnt = ca.if_else(refused.sym, self.core.x, self._learnt(sent))
+        update = ca.vertcat(learnt, *following, filtering)
+        command = (*outputs(signals.COMMAND, sent), *shown)
+        return self._around(memory, (*told, refused), held, update, command)
 
     def asking(self) -> System:
         """The same without the filter: it asks for a velocity, and is told the command sent.

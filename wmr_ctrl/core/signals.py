@@ -145,6 +145,8 @@ GUARD_DIAGNOSTICS = (
     Signal("feasible", "1", "1 where the guard's bounds leave a safe force at every state, else 0"),
 )
 """Diagnostics of a guarded controller beside its law's."""
+GUARD_ACTED = Signal("guard_acted", "1", "1 where the guard or filter acted, else 0")
+REFUSED = Signal("refused", "1", "1 where an input was refused, else 0")
 D_HAT = Signal("d_hat", "N, N.m", "disturbance as the observer estimates it", 2)
 
 WHEEL_SPEED = Signal("wheel_speed", "rad/s", "speed of the wheels (right, left)", 2)

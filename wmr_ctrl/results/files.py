@@ -86,7 +86,9 @@ def write_all(files: Mapping[str, str], folder: Path) -> list[Path]:
 
     Raises ResultFileError.
     """
-    with new_folder(folder), ExitStack() as together:
+    with ExitStack() as together:
+        for inner in sorted({(folder / name).parent for name in files} | {folder}):
+            together.enter_context(new_folder(inner))
         for name, text in files.items():
             file = together.enter_context(atomic_text(folder / name))
             file.write(text)

@@ -11,7 +11,7 @@ from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.control.filter.gate import GATE_FLAGS, GateSettings
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.results import write_all
-from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario, scenario_hash
 
 from .diagnosis import ERRORS, WARNINGS
 from .filter_core import core_files
@@ -150,9 +150,10 @@ def kept(scenario: Scenario, settings: NodeSettings) -> str:
     """The limits that a node keeps, in one line."""
     (v, omega), own, gate = scenario.limits.v_u1, scenario.filter, settings.gate
     return (
-        f"{scenario.name}: filter {own.kind}, limits {v:g} m/s and {omega:g} rad/s, period "
-        f"{scenario.clock.control:g} s, command_timeout {gate.command_timeout:g} s, odometry "
-        f"{gate.odometry}, odometry_timeout {gate.odometry_timeout:g} s"
+        f"{scenario.name}, hash {scenario_hash(scenario)}: filter {own.kind}, limits {v:g} m/s "
+        f"and {omega:g} rad/s, period {scenario.clock.control:g} s, command_timeout "
+        f"{gate.command_timeout:g} s, odometry {gate.odometry}, "
+        f"odometry_timeout {gate.odometry_timeout:g} s"
     )
 
 

@@ -30,7 +30,7 @@ from std_srvs.srv import Trigger
 from wmr_ctrl.codegen.toolchain import BUILDS
 from wmr_ctrl.control.filter.gate import Gated
 from wmr_ctrl.core.errors import WmrError
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import Scenario, load_scenario, scenario_hash
 
 from . import diagnosis, graph
 from .clocks import Clocks, Moment
@@ -190,9 +190,9 @@ class SafeNode(LifecycleNode, Generic[C]):
             return TransitionCallbackReturn.FAILURE
         (v, omega), settings = scenario.limits.v_u1, scenario.filter
         self.get_logger().info(
-            f"{Path(path).name}: filter {settings.kind}, guard {scenario.guard.enabled}, limits "
-            f"{v:g} m/s and {omega:g} rad/s, gain {settings.gain}, push {settings.d}, "
-            f"period {scenario.clock.control:g} s"
+            f"{Path(path).name}, hash {scenario_hash(scenario)}: filter {settings.kind}, guard "
+            f"{scenario.guard.enabled}, limits {v:g} m/s and {omega:g} rad/s, gain "
+            f"{settings.gain}, push {settings.d}, period {scenario.clock.control:g} s"
         )
         return super().on_configure(state)
 

@@ -1,6 +1,5 @@
 """A compiled loop that is ready to run, and the Run that is made of an engine's results."""
 
-import hashlib
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -15,7 +14,7 @@ from wmr_ctrl.results import Assumptions, Monitor, Run, Settings, outcome_of
 from wmr_ctrl.results.settings import CountedNumbers, first_beyond, largest_push
 from wmr_ctrl.version import __version__
 from wmr_ctrl.world.phases import robots_in_words
-from wmr_ctrl.world.scenario import Scenario, to_toml
+from wmr_ctrl.world.scenario import Scenario, scenario_hash, to_toml
 
 Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
 """Signals, columns and monitor, as an engine leaves them."""
@@ -77,7 +76,7 @@ def provenance(scenario: Scenario) -> Mapping[str, str]:
     text = to_toml(scenario, comments=False)
     return {
         **versions(),
-        "scenario_hash": hashlib.sha256(text.encode()).hexdigest()[:16],
+        "scenario_hash": scenario_hash(scenario),
         "scenario_toml": text,
     }
 

@@ -18,6 +18,7 @@ from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.source import sources as kernel_sources
 from wmr_ctrl.results import atomic_path, new_folder
+from wmr_ctrl.world.scenario import scenario_hash
 
 from .model_description import KINDS, RUNTIME, FmuModel, Variable, orders
 
@@ -83,12 +84,15 @@ def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources
         *(layer / name for name in (*COMMON, f"kind_{model.kind}.c")),
         *sorted(layer.glob(f"fmi{version}*.c")),
         *sorted((layer / "headers").glob(f"fmi{version}*.h")),
-        *(runtime / name for name in (*RUNTIME[model.kind], HEADER)),
+        *(runtime / name for name in (*RUNTIME[model.kind], HEADER, "export.h")),
     ]
     files |= {path.name: path.read_text(encoding="utf-8") for path in paths}
     pairs = orders(model)
     rows = [(v, row_size(v, arrays and version == 3)) for v in model.variables]
-    files["model.c"] = render("model.c", identifier=model.identifier, rows=rows, orders=pairs)
+    files["model.c"] = render(
+        "model.c", identifier=model.identifier, rows=rows, orders=pairs,
+        scenario_hash=scenario_hash(model.scenario),
+    )  # fmt: skip
     if model.tables:
         tables = [_table(name, rows) for name, rows in model.tables.items()]
         files["loop_tables.h"] = render("loop_tables.h", tables=tables)

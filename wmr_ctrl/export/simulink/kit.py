@@ -13,7 +13,7 @@ from typing import Any
 from wmr_ctrl.codegen.package import c_name, comment, package_files, packaged, text_engine
 from wmr_ctrl.control.given import law_of
 from wmr_ctrl.control.numbers import ranges_of
-from wmr_ctrl.control.outside import check_plain_loop
+from wmr_ctrl.control.outside import check_plain_loop, check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.signals import LARGEST, REFERENCE, Signal
 from wmr_ctrl.results import write_all
@@ -51,6 +51,7 @@ def kit_files(law: str, scenario: Scenario) -> dict[str, str]:
     Raises ArgumentError for effects that a loop of reference, law and plant would miss, and
     ScenarioError or UnknownNameError as building the law does.
     """
+    check_takes_torques(scenario, "Simulink kits are written")
     setup = settle(scenario, law)
     check_plain_loop(setup, "the Simulink kit")
     sources = package_files(law, scenario)

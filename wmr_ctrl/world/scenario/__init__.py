@@ -32,6 +32,7 @@ from .toml_io import load_scenario as load_scenario
 from .toml_io import loads_scenario as loads_scenario
 from .toml_io import preset_names as preset_names
 from .toml_io import preset_titles as preset_titles
+from .toml_io import scenario_hash as scenario_hash
 from .toml_io import title_of as title_of
 from .toml_io import to_toml as to_toml
 from .units import asking_about_units as asking_about_units

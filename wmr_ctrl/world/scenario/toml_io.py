@@ -3,6 +3,7 @@
 What is written is complete, each field with its unit and meaning as a comment.
 """
 
+import hashlib
 import os
 import tomllib
 from collections.abc import Container, Iterable, Iterator, Mapping
@@ -324,6 +325,13 @@ def to_toml(
         for line in (head, *fields):
             document.add(tomlkit.comment(line))
     return tomlkit.dumps(document)
+
+
+@lru_cache(maxsize=64)
+def scenario_hash(scenario: Scenario) -> str:
+    """First 16 digits of the SHA-256 of the scenario as TOML without comments."""
+    text = to_toml(scenario, comments=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def _sparse(raw: Mapping[str, Any], scenario: Scenario, only: Container[str]) -> dict[str, Any]:

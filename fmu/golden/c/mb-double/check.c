@@ -20,7 +20,7 @@ int main(void)
         }
         memcpy(&in, wmr_inputs[k], sizeof wmr_inputs[k]);
         if (wmr_mb_step(&parameters, &memory, &in, &out)) {
-            printf("sample %d: the result is not finite\n", k);
+            printf("sample %d: refused\n", k);
             return 1;
         }
         for (int i = 0; i < 2; ++i) {

@@ -4,6 +4,7 @@
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "arithmetic.h"
@@ -32,6 +33,19 @@ typedef char wmr_state_is_a_vector
 typedef char wmr_outputs_are_a_vector
     [sizeof(wmr_mb_outputs) == 2 * sizeof(wmr_real) ? 1 : -1];
 
+
+/* Whether sums, products, quotients, constants and NaN are what the formulas take them for.  Compilers have no macro
+   for every flag that changes them; volatile numbers are not known before this runs. */
+static int arithmetic_is_exact(void)
+{
+    volatile double one = 1, tiny = 1e-30, ten = 10, five = 5, none = (double)NAN;
+    const double a = one, b = tiny, nan = none;
+    volatile double sum = (a + b) - a, product = ten * 0.1, quotient = five / 3;
+    volatile int differs = nan != nan, outside = !(nan >= -1 && nan <= 1);
+    return sum == 0 && product == 1 && quotient == (double)5 / 3 && differs && outside;
+}
+
+const char wmr_mb_scenario_hash[17] = "5fbd9225065870b2";
 
 /* One sample: model-based (MB).
    451 operations. */
@@ -589,22 +603,36 @@ static void drop_turns(wmr_real *theta_d, wmr_real *theta)
     }
 }
 
+/* The next memory and the outputs; 0 if one of them is not finite. */
+static int computed(const wmr_real *given, const wmr_mb_state *state,
+                    const wmr_mb_parameters *parameters, wmr_real *next, wmr_mb_outputs *outputs)
+{
+    wmr_step(given, (const wmr_real *)state, (const wmr_real *)parameters, next, (wmr_real *)outputs);
+    return all_within((const wmr_real *)outputs, 2, DBL_MAX)
+        && all_within(next, 1, DBL_MAX);
+}
+
 int wmr_mb_step(const wmr_mb_parameters *parameters, wmr_mb_state *state,
                  const wmr_mb_inputs *inputs, wmr_mb_outputs *outputs)
 {
+    if (!arithmetic_is_exact()) {
+        memset(outputs, 0, sizeof *outputs);
+        return WMR_ARITHMETIC_CHANGED;
+    }
     wmr_real given[12], next[1] = {0};
+    int status = 0;
     memcpy(given, inputs, 12 * sizeof *given);
     drop_turns(&given[2], &given[9]);
-    if (!all_within(given, 12, 1000000000000.0)) {
-        memset(outputs, 0, sizeof *outputs);
-        return 1;
+    if (status == 0 && !all_within(given, 12, 1000000000000.0)) {
+        status = 1;
     }
-    wmr_step(given, (const wmr_real *)state, (const wmr_real *)parameters, next, (wmr_real *)outputs);
-    if (!all_within((const wmr_real *)outputs, 2, DBL_MAX)
-        || !all_within(next, sizeof next / sizeof *next, DBL_MAX)) {
+    if (status == 0 && !computed(given, state, parameters, next, outputs)) {
+        status = 1;
+    }
+    if (status != 0) {
         memset(outputs, 0, sizeof *outputs);
-        return 1;
+        return status;
     }
     memcpy(state, next, sizeof next);
-    return 0;
+    return status;
 }

@@ -4,6 +4,7 @@
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 /* Flags that let a compiler compute other values than those written, or assume that none is NaN.  Before
@@ -46,6 +47,19 @@ typedef char wmr_outputs_are_a_vector
 
 static inline wmr_real wmr_min(wmr_real a, wmr_real b) { return a < b ? a : b; }
 static inline wmr_real wmr_max(wmr_real a, wmr_real b) { return a > b ? a : b; }
+
+/* Whether sums, products, quotients, constants and NaN are what the formulas take them for.  Compilers have no macro
+   for every flag that changes them; volatile numbers are not known before this runs. */
+static int arithmetic_is_exact(void)
+{
+    volatile float one = 1, tiny = 1e-30f, ten = 10, five = 5, none = (float)NAN;
+    const float a = one, b = tiny, nan = none;
+    volatile float sum = (a + b) - a, product = ten * 0.1f, quotient = five / 3;
+    volatile int differs = nan != nan, outside = !(nan >= -1 && nan <= 1);
+    return sum == 0 && product == 1 && quotient == (float)5 / 3 && differs && outside;
+}
+
+const char wmr_nn_scenario_hash[17] = "5fbd9225065870b2";
 
 /* One sample: adaptive network (NN).
    1294 operations. */
@@ -739,32 +753,53 @@ static int all_within(const wmr_real *values, size_t count, wmr_real most)
     return 1;
 }
 
+/* The remainder that is nearest to 0, exactly; not every C library for small processors has remainderf. */
+static wmr_real within_turn(wmr_real angle, wmr_real turn)
+{
+    const wmr_real rest = fmodf(angle, turn);
+    return rest > turn / 2 ? rest - turn : rest < -turn / 2 ? rest + turn : rest;
+}
+
 /* Angles without their whole turns. */
 static void drop_turns(wmr_real *theta_d, wmr_real *theta)
 {
     const wmr_real turn = 6.283185307179586f, apart = *theta_d - *theta;
     if (!all_within(theta, 1, 3.141592653589793f) || !all_within(&apart, 1, 3.141592653589793f)) {
-        *theta = remainderf(*theta, turn);
-        *theta_d = *theta + remainderf(apart, turn);
+        *theta = within_turn(*theta, turn);
+        *theta_d = *theta + within_turn(apart, turn);
     }
+}
+
+/* The next memory and the outputs; 0 if one of them is not finite. */
+static int computed(const wmr_real *given, const wmr_nn_state *state,
+                    const wmr_nn_parameters *parameters, wmr_real *next, wmr_nn_outputs *outputs)
+{
+    wmr_step(given, (const wmr_real *)state, (const wmr_real *)parameters, next, (wmr_real *)outputs);
+    return all_within((const wmr_real *)outputs, 2, FLT_MAX)
+        && all_within(next, 128, FLT_MAX);
 }
 
 int wmr_nn_step(const wmr_nn_parameters *parameters, wmr_nn_state *state,
                  const wmr_nn_inputs *inputs, wmr_nn_outputs *outputs)
 {
+    if (!arithmetic_is_exact()) {
+        memset(outputs, 0, sizeof *outputs);
+        return WMR_ARITHMETIC_CHANGED;
+    }
     wmr_real given[12], next[128] = {0};
+    int status = 0;
     memcpy(given, inputs, 12 * sizeof *given);
     drop_turns(&given[2], &given[9]);
-    if (!all_within(given, 12, 1000000.0f)) {
-        memset(outputs, 0, sizeof *outputs);
-        return 1;
+    if (status == 0 && !all_within(given, 12, 1000000.0f)) {
+        status = 1;
     }
-    wmr_step(given, (const wmr_real *)state, (const wmr_real *)parameters, next, (wmr_real *)outputs);
-    if (!all_within((const wmr_real *)outputs, 2, FLT_MAX)
-        || !all_within(next, sizeof next / sizeof *next, FLT_MAX)) {
+    if (status == 0 && !computed(given, state, parameters, next, outputs)) {
+        status = 1;
+    }
+    if (status != 0) {
         memset(outputs, 0, sizeof *outputs);
-        return 1;
+        return status;
     }
     memcpy(state, next, sizeof next);
-    return 0;
+    return status;
 }

@@ -10,12 +10,20 @@
 extern "C" {
 #endif
 
+/* Within this header wmr_real is the type of its own numbers; elsewhere in a file that includes packages of both
+   precisions it is that of the first one. */
+typedef float wmr_nn_real;
 #ifndef WMR_REAL
 #define WMR_REAL 4 /* bytes */
 typedef float wmr_real;
-#elif WMR_REAL != 4
-#error "headers of wmr_ctrl differ in precision: generate all with --float32, or none"
 #endif
+#define wmr_real wmr_nn_real
+
+/* Returned by every call if the compiler was given flags that change what is computed, such as -ffast-math. */
+#define WMR_ARITHMETIC_CHANGED 3
+
+/* First digits of the SHA-256 of the scenario that this was generated from, as in a saved run's scenario_hash. */
+extern const char wmr_nn_scenario_hash[17];
 
 /* What one sample is given.  theta is 0 along +Y, forward is (-sin theta, cos theta). */
 typedef struct {
@@ -73,6 +81,8 @@ void wmr_nn_start(wmr_nn_state *state);
    is not finite: then the torques are 0 and the memory stays as it was. */
 int wmr_nn_step(const wmr_nn_parameters *parameters, wmr_nn_state *state,
                  const wmr_nn_inputs *inputs, wmr_nn_outputs *outputs);
+
+#undef wmr_real
 
 #ifdef __cplusplus
 }

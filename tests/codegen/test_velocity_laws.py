@@ -1,0 +1,217 @@
+"""Laws of bases that take velocities as C: the run's commands, refused samples, guard_acted."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.codegen.test_package import WARNINGS, needs, run
+from tests.matrix import turns
+from wmr_ctrl import simulate
+from wmr_ctrl.codegen.package import packaged, write_package
+from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.filter.channels import ELAPSED
+from wmr_ctrl.control.filter.channels import REFUSED as NO_NUMBER
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.signals import GUARD_ACTED, GUARD_DIAGNOSTICS, ODOMETRY_AGE, REFUSED, places
+from wmr_ctrl.export.fmi.files import sources_of
+from wmr_ctrl.export.fmi.fmu_files import model_of
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import (
+    Scenario,
+    load_scenario,
+    loads_scenario,
+    override,
+    scenario_hash,
+    to_toml,
+)
+
+BURGER = "turtlebot3-burger"
+NO_FILTER: Mapping[str, object] = {"filter.kind": "none"}
+BAND: Mapping[str, object] = {
+    "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
+    "filter.frequency": (8.0, 9.0), "filter.delay": (0.02, 0.02), "filter.trust": True,
+}  # fmt: skip
+FORMS: Mapping[str, Mapping[str, object]] = {
+    "governor": {}, "clip": {"filter.kind": "clip"}, "none": NO_FILTER, "band": BAND,
+}  # fmt: skip
+LAWS = ("kanayama", "pursuit", "prox", "nn")
+LIMIT = 1 + 1e-9
+
+
+def burger(form: str, **stated: object) -> Scenario:
+    if form == "band":  # which must not state odometry
+        text = re.sub(r"(?m)^odometry = .*$", "", to_toml(load_scenario(BURGER), comments=False))
+        return override(loads_scenario(text), {**FORMS[form], **stated})
+    return load_scenario(BURGER, {**FORMS[form], **stated})
+
+
+def stepped(system: System, rows: np.ndarray) -> np.ndarray:
+    """Outputs of a System, sample by sample."""
+    graph = system.function("step", [system.update, system.y])
+    x, shown = np.array(system.x0), []
+    for row in rows:
+        after, y = graph(row, x, system.p0)
+        x = after.full().ravel()
+        shown.append(y.full().ravel())
+    return np.array(shown)
+
+
+def motions(count: int = 40) -> np.ndarray:
+    """Samples of a law's twelve inputs, some far from the path and some at the limit."""
+    draw = np.random.default_rng(3)
+    rows = draw.uniform(-1, 1, (count, 12)) * 0.15
+    rows[:, 3] += 0.1
+    rows[::5, 7:9] += 1.0
+    return rows
+
+
+@pytest.mark.parametrize(("law", "form"), turns(LAWS, tuple(FORMS), shown=4))
+def test_commands_are_those_of_the_run(law: str, form: str) -> None:
+    """With nothing refused and nothing late it is the run's controller, to the bit."""
+    setup = settle(burger(form), law)
+    plain, packed = controller(setup), packaged(setup)
+    rows = motions()
+    at = places(item.signal for item in packed.inputs)
+    told = rows[:, : plain.u.numel()]
+    for signal in (ODOMETRY_AGE, ELAPSED, REFUSED):
+        if signal.name in at:
+            told = np.insert(told, at[signal.name].start, 0.0, axis=1)
+    wanted, found = stepped(plain, rows[:, : plain.u.numel()]), stepped(packed, told)
+    assert np.array_equal(wanted, found[:, :2])
+    last = [item.signal for item in packed.outputs][-1]
+    assert (last == GUARD_ACTED) == (form != "none")
+    if form != "none":
+        assert 0 < found[:, -1].mean() < 1
+        assert set(found[:, -1]) == {0, 1}
+
+
+class Package:
+    """A package of a burger's law as a library of this machine."""
+
+    def __init__(self, law: str, scenario: Scenario, folder: Path, *, float32: bool) -> None:
+        write_package(law, folder, scenario, float32=float32)
+        command = ["cc", *WARNINGS, "-O1", "-ffp-contract=off", "-shared", "-fPIC"]
+        run([*command, f"wmr_{law}.c", "-lm", "-o", "law.so"], folder)
+        loaded = ct.CDLL(str(folder / "law.so"))
+        self.real = np.float32 if float32 else np.float64
+        self._step, self.hash = loaded[f"wmr_{law}_step"], loaded[f"wmr_{law}_scenario_hash"]
+        self.parameters, self.memory = np.zeros(2048, self.real), np.zeros(1024, self.real)
+        self.outputs = np.zeros(4, self.real)
+        loaded[f"wmr_{law}_defaults"](pointer(self.parameters))
+        loaded[f"wmr_{law}_start"](pointer(self.memory))
+
+    def step(self, inputs: np.ndarray) -> tuple[int, np.ndarray]:
+        given = np.array(inputs, self.real)
+        arrays = (self.parameters, self.memory, given, self.outputs)
+        status = self._step(*(pointer(item) for item in arrays))
+        return status, self.outputs.astype(float)
+
+
+def pointer(array: np.ndarray) -> ct.c_void_p:
+    return ct.c_void_p(array.ctypes.data)
+
+
+@pytest.mark.parametrize(
+    ("law", "form", "float32"), turns(LAWS, ("governor", "clip", "band"), [False, True], shown=4)
+)
+def test_refused_samples_keep_the_limit(law: str, form: str, float32: bool, tmp_path: Path) -> None:
+    """Each third sample has NaN, infinity or a number too large somewhere; the base is sluggish."""
+    needs("cc")
+    scenario = burger(form)
+    package = Package(law, scenario, tmp_path, float32=float32)
+    later = 2 if form == "governor" else 1
+    draw, v, limits = np.random.default_rng(5), np.zeros(2), np.array(scenario.limits.v_u1)
+    tau, gain = scenario.filter.tau or (0.1, 0.1), scenario.filter.gain[1]
+    fades = np.exp(-scenario.clock.control / np.array(tau if form == "governor" else (0.1, 0.1)))
+    refusals = set()
+    for k, row in enumerate(np.tile(motions(60), (4, 1))):
+        row[3] = 0.3
+        row[10:12] = v
+        wrong = k % 3 == 2
+        if wrong:
+            place = draw.choice([0, 1, 3, 4, 5, 6, 7, 8, 10, 11])  # an angle has no bound
+            row[place] = draw.choice([np.nan, np.inf, -np.inf, 2e12])
+        status, out = package.step(np.append(row, np.zeros(later)))
+        refusals.add((status, int(out[2]) & NO_NUMBER))
+        assert status == int(wrong)
+        assert np.isfinite(out).all()
+        assert np.all(np.abs(out[:2]) <= limits * (1.5 if form == "governor" else 1) + 1e-6)
+        v = gain * out[:2] + (v - gain * out[:2]) * fades
+        if form != "band":  # whose base is of second order
+            assert np.all(np.abs(v) <= limits * LIMIT), k
+    assert refusals == {(0, 0), (1, NO_NUMBER)}
+    assert bytes(ct.string_at(package.hash)).decode() == scenario_hash(scenario)
+
+
+@pytest.mark.parametrize("form", ["band", "governor"])
+def test_parameters_that_are_no_numbers_send_zeros(form: str, tmp_path: Path) -> None:
+    """A band stays at rest until the next start: its memory does not know of the stop."""
+    needs("cc")
+    package = Package("kanayama", burger(form), tmp_path, float32=False)
+    row = np.append(motions(3)[1], np.zeros(2 if form == "governor" else 1))
+    assert package.step(row)[0] == 0
+    right = package.parameters.copy()
+    package.parameters[2] = np.nan
+    status, out = package.step(row)
+    assert not out[:2].any()
+    assert (status, out[2]) == ((1, 32) if form == "band" else (0, 32))
+    package.parameters[:] = right
+    status, out = package.step(row)
+    assert (status, out[2]) == (1, 32) if form == "band" else status == 0
+
+
+@pytest.mark.parametrize("float32", [False, True])
+@pytest.mark.parametrize("form", FORMS)
+def test_package_of_a_velocity_base_passes_its_vectors(
+    form: str, float32: bool, tmp_path: Path
+) -> None:
+    needs("gcc")
+    scenario = burger(form, **({"encoder.counts": 4096} if form == "clip" else {}))
+    write_package("kanayama", tmp_path, scenario, float32=float32)
+    command = ["gcc", *WARNINGS, "-O2", "-ffp-contract=off", "-Wdouble-promotion"]
+    run([*command, "-c", "wmr_kanayama.c"], tmp_path)
+    for program in ("check", "example"):
+        plain = [word for word in command if word != "-Wdouble-promotion"]
+        run([*plain, f"{program}.c", "wmr_kanayama.o", "-lm", "-o", program], tmp_path)
+    assert "largest error" in run(["./check"], tmp_path)
+    assert float(run(["./example"], tmp_path).split()[1]) < 0.05
+
+
+def test_guard_acted_is_what_the_guard_did(tmp_path: Path) -> None:
+    """Of a robot that takes torques: 1 in samples in which the run's guard changed the force."""
+    scenario = load_scenario("safe-simulation")
+    setup = settle(scenario, "prox")
+    system, plain = packaged(setup), controller(setup)
+    (active,) = (i.expr for i in plain.diagnostics if i.signal == GUARD_DIAGNOSTICS[0])
+    graph = plain.function("guard", [plain.update, active])
+    rows = np.random.default_rng(1).normal(size=(60, 12))
+    rows[:, 10] *= 0.5
+    found, x, wanted = stepped(system, rows)[:, -1], np.array(plain.x0), []
+    for row in rows:
+        after, acted = graph(row, x, plain.p0)
+        x = after.full().ravel()
+        wanted.append(float(acted.full().any()))
+    assert [item.signal for item in system.outputs][-1] == GUARD_ACTED
+    assert found.tolist() == wanted
+    assert 0 < sum(wanted) < len(wanted)
+    unguarded = packaged(settle(load_scenario("paper-simulation"), "prox"))
+    assert GUARD_ACTED not in [item.signal for item in unguarded.outputs]
+
+
+def test_package_and_fmu_carry_the_hash_of_a_saved_run(tmp_path: Path) -> None:
+    needs("cc")
+    scenario = load_scenario("paper-simulation", {"clock.duration": 1.0})
+    told = simulate(scenario, "mb").provenance["scenario_hash"]
+    write_package("mb", tmp_path, scenario)
+    text = (tmp_path / "wmr_mb.c").read_text(encoding="utf-8")
+    assert f'wmr_mb_scenario_hash[17] = "{told}";' in text
+    made = sources_of(model_of("closed-loop", "mb", scenario), 3).files["model.c"]
+    assert f'_scenario_hash[17] = "{told}";' in made
+    run(["cc", "-std=c99", "-c", "wmr_mb.c", "-o", "mb.o"], tmp_path)
+    assert told.encode() in (tmp_path / "mb.o").read_bytes()
