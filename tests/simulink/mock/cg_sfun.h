@@ -64,6 +64,10 @@ int main(void)
         return 5;
     }
     mdlInitializeSampleTimes(&block);
+    mdlSetWorkWidths(&block);
+    if (!block.many) {
+        return 6;
+    }
     for (int k = 0; k < WMR_VECTORS; ++k) {
         const wmr_real *number = wmr_inputs[k];
         if (k % WMR_SAMPLES == 0) {

@@ -32,7 +32,7 @@ typedef struct {
 #define mxGetPr(a) ((a)->numbers)
 
 typedef struct {
-    int_T parameters, given, inputs, outputs, works, times, options, compliance;
+    int_T parameters, given, inputs, outputs, works, times, options, compliance, many;
     int_T input_width[MOCK_PORTS], output_width[MOCK_PORTS], feeds[MOCK_PORTS];
     int_T work_width[MOCK_PORTS], work_use[MOCK_PORTS], tunable[MOCK_PORTS];
     const char *work_name[MOCK_PORTS];
@@ -66,6 +66,7 @@ typedef struct {
 #else
 #define ssSetOperatingPointCompliance(S, how) ((S)->compliance = (how))
 #endif
+#define ssSupportsMultipleExecInstances(S, yes) ((S)->many = (yes))
 #define ssSetOptions(S, flags) ((S)->options = (flags))
 #define ssSetSampleTime(S, i, period_) ((S)->period = (period_))
 #define ssSetOffsetTime(S, i, offset_) ((S)->offset = (offset_))

@@ -32,7 +32,7 @@
 typedef char wmr_needs_doubles_compile_without_fsingle_precision_constant
     [sizeof(1.0) == sizeof(double) ? 1 : -1];
 
-#if DBL_MANT_DIG != 53
+#if defined(DBL_MANT_DIG) && DBL_MANT_DIG != 53 /* analysers may not know it */
 #error "this arithmetic needs doubles of 64 bits"
 #endif
 #if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD == 2
