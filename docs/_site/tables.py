@@ -143,7 +143,7 @@ GROUPS: Mapping[str, str] = {
     "Torque and force": "TORQUE TORQUE_NOISE BODY_FORCE TAU_APPLIED FORCE",
     "Commands to a base that takes velocities": "COMMAND ASKED SENT_BEFORE",
     "Error and diagnostics": "TRACKING_ERROR DIAGNOSTICS D_HAT",
-    "Guard and monitor": "GUARD_DIAGNOSTICS",
+    "Guard and monitor": "GUARD_DIAGNOSTICS GUARD_ACTED REFUSED",
     "Rigid body": "RIGID",
 }
 """Heading to names of `wmr_ctrl.core.signals`; a test holds that none is missing."""

@@ -81,6 +81,7 @@ OTHER: Mapping[str, Any] = {
     "reference.tolerance": 0.001,
     "reference.omega_max": 0.5,
     "reference.alpha_max": 0.5,
+    "ros.base_frame": "base_footprint",
 }
 """Values that the rule of `other` does not give."""
 

@@ -46,6 +46,7 @@ WITHOUT_EFFECT = {
     "corridor.cells",
     "corridor.losses",
     "guard.trust",
+    "ros.base_frame",
     *(f"body.{name}" for name, _ in quantities(Body)),
 }
 """Fields that no run on the plane model depends on."""
