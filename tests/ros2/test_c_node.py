@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
 
 import pytest
 from click.testing import CliRunner
 
+from tests.ros2.conftest import OVER_DDS
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.ros2.c_node import GIVEN, NodeSettings, node_files, node_settings
+from wmr_ctrl.ros2.c_node import (
+    GIVEN,
+    NAME,
+    NodeSettings,
+    node_files,
+    node_settings,
+    write_node,
+)
 from wmr_ctrl.ros2.parameters import FILTER
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -92,3 +102,18 @@ def test_options_that_do_not_go_together_are_refused(tmp_path, words, said):
     assert done.exit_code == 2
     assert said in " ".join(done.output.split())
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+@OVER_DDS
+def test_command_of_the_readme_links_as_written(ros, tmp_path):
+    write_node(tmp_path, load_scenario("paper-simulation", STATED))
+    readme = (tmp_path / "README.md").read_text(encoding="utf-8")
+    (command,) = re.findall(r"```sh\n(.*?)```", readme, re.S)
+    environment = {**os.environ, "PREFIX": str(ros.parent.parent)}
+    done = subprocess.run(
+        ["bash", "-e", "-c", command],
+        cwd=tmp_path, env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / NAME).is_file()
