@@ -22,7 +22,7 @@ from .core.errors import ScenarioError as ScenarioError
 from .core.errors import UnknownKeyError as UnknownKeyError
 from .core.errors import UnknownNameError as UnknownNameError
 from .core.errors import WmrError as WmrError
-from .export.cosim.slave import FmuError as FmuError
+from .export.cosim.fmu_file import FmuError as FmuError
 from .export.fmi.targets import PartlyBuiltError as PartlyBuiltError
 from .identification import identify as identify
 from .identification.bounds import BaseIdentification as BaseIdentification

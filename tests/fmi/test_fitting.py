@@ -147,7 +147,7 @@ def test_messages_of_fmi_2_have_their_values(exported, tmp_path):
         ct.CFUNCTYPE(None, ct.c_void_p, ct.c_char_p, ct.c_int, ct.c_char_p, ct.c_char_p, ct.c_int)(
             at
         )(slave._callbacks.componentEnvironment, *said)
-    assert [slave.messages for slave in slaves] == [["a step of 0 s"], ["a step of 1 s"]]
+    assert [[*slave.messages] for slave in slaves] == [["a step of 0 s"], ["a step of 1 s"]]
     for slave in slaves:
         slave.end()
 

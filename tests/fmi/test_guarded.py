@@ -207,4 +207,4 @@ def test_a_guard_steps_by_itself_behind_a_controller_that_has_none(on, foreign, 
     setup = settle(load_scenario("safe-simulation", {"guard.enabled": on}), "mb")
     case = CosimSetup(setup, setup, setup if bare else None, foreign, {}, {}, at_once=False)
 
-    assert case.guarded is apart
+    assert (case.limiter == "guard") is apart

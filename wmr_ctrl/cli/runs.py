@@ -177,6 +177,8 @@ def _simulated(
 
 def deliver(run: Run, as_json: bool, verbose: bool, **files: str | None) -> None:
     """Write a new run's files and print it; then exit with code 3 where an FMU ended it."""
+    if run.monitor.failure and not run.rows:  # nothing can be drawn
+        files = {name: file for name, file in files.items() if name in ("out", "report")}
     write_run(run, **files)
     show(run, as_json, verbose)
     if run.monitor.failure:
@@ -244,6 +246,12 @@ def show(run: Run, as_json: bool, verbose: bool = False) -> None:
     is_flag=True,
     help="With jacobi: build the controller for torques that act one control period late.",
 )
+@click.option(
+    "--compile",
+    "compile_sources",
+    is_flag=True,
+    help="Build the C sources of an FMU that has no library for this platform.",
+)
 @opt.seed_option
 @opt.set_option
 @save_option
@@ -267,8 +275,10 @@ def cosim(
     """Run reference, controller and plant as FMUs, and print how it went.
 
     SCENARIO is the name of a preset or a TOML file. With --guard the velocity guard limits the
-    torques of --controller, too. An FMU that fails ends the run: the message names it, the time and
-    the call, and the exit code is 3; what was simulated until then is printed and saved as usual.
+    torques of --controller, too; on a base that takes velocities the scenario's filter limits its
+    commands. What FMUs print goes to stderr. An FMU that fails ends the run: the message names it,
+    the time and the call, and the exit code is 3; what was simulated until then is printed and
+    saved as usual.
     """
     from wmr_ctrl import api
     from wmr_ctrl.export.cosim.fitting import law_within

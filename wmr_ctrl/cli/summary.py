@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
+from itertools import product
 
 import click
 
@@ -10,7 +11,7 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.report.run_rows import guard_relies_on, is_foreign, rows_of
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.drive import NEVER, RecordedDrive, drive_of
-from wmr_ctrl.results.frames import FMUS
+from wmr_ctrl.results.frames import FAULTS, FMUS
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.checks.unknown_zero import promise_of_run
 
@@ -32,14 +33,13 @@ def summary_text(run: Run, verbose: bool = False) -> str:
     if is_foreign(run):
         labels["plant"] = f"{labels['plant']}; watched every {run.settings.plant:g} s"
     head += [wrapped(f"{name}: {label}", hang="  ") for name, label in labels.items() if label]
-    warned = {name: run.provenance.get(f"warned_{name}") for name in FMUS}
-    head += [
-        wrapped(f"{name} warned in {said}", hang="  ") for name, said in warned.items() if said
-    ]
+    for name, fault in product(FMUS, FAULTS):
+        if said := run.provenance.get(f"{fault}_{name}"):
+            head.append(wrapped(f"{name} {fault} in {said}", hang="  "))
     remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run, verbose)]
-    said = [wrapped(run.explanation), wrapped(promise_of_run(run)), *remarks]
-    said.append(wrapped(guard_relies_on(run)) if verbose else "")
-    told = "\n".join(filter(None, said))
+    verdict = [wrapped(run.explanation), wrapped(promise_of_run(run)), *remarks]
+    verdict.append(wrapped(guard_relies_on(run)) if verbose else "")
+    told = "\n".join(filter(None, verdict))
     return "\n\n".join(("\n".join(head), told, table(rows_of(run, verbose))))
 
 
@@ -56,6 +56,7 @@ def _unsaid(run: Run, verbose: bool) -> Iterator[str]:
     """
     told = (run.outcome.value, results.OBJECTED)
     texts = [(item.key, item.text) for item in run.remarks if item.key not in told]
+    texts = [(key, text) for key, text in texts if text not in run.explanation]
     texts += [(w.key, w.sentence) for w in (run.outlook.objections if run.outlook else ())]
     lines = (f"{key}: {(not verbose and remedy(key)) or text}" for key, text in texts)
     yield from dict.fromkeys(lines)

@@ -25,6 +25,7 @@ from wmr_ctrl.core.signals import (
     LARGEST,
     LOG_HEAD,
     MEASURED,
+    ODOMETRY_AGE,
     PATH,
     POSE,
     PSI,
@@ -172,6 +173,16 @@ class Graphs:
         new = ca.vertcat(self.acting, own, step)
         return ca.vertcat(ca.substitute(moved, old, new), *self.step.following)
 
+    def _know_exerted(self, drives: list[System]) -> None:
+        """Make known, as the torques of a sample, what the speed loop exerted before it.
+
+        NaN where the robot that they are of is not known.
+        """
+        every_state = (item for system in drives for item in system.state)
+        exerted = next(item.sym for item in every_state if item.signal == EXERTED)
+        nothing = math.nan if unknown_keys(self.sample.setup.scenario) else 0.0
+        self.sample.known |= {item.name: exerted[i] + nothing for i, item in enumerate(TORQUE)}
+
     def draws(self, rate: Rate) -> ca.SX:
         """Random numbers of one rate."""
         return stack(item.draw.port.sym for item in self.streams if item.rate is rate)
@@ -250,15 +261,11 @@ class LoopGraphs(Graphs):
             ca.vertcat(*map(p.take, KEYS)),
             *(self.sample.column(part) for part in (REFERENCE[3:5], REFERENCE[5:])),
         )
-        needed += self._nothing
+        if unknown_keys(self.setup.scenario):
+            needed += math.nan
         at_limit = peak >= AT_LIMIT * wheel_limit(self.setup, p)
         summed = (*sums, *squares, 1, ca.sumsqr(needed), at_limit)
         return ca.vertcat(*summed, peak, known["clip_active"], least, self._beyond(least))
-
-    @property
-    def _nothing(self) -> float:
-        """What is added to torques: NaN where the robot that they are of is not known."""
-        return math.nan if unknown_keys(self.setup.scenario) else 0.0
 
     def _beyond(self, least: ca.SX) -> ca.SX:
         """1 where d_least (2,) contradicts the guard's bounds; no guard is on a velocity base."""
@@ -278,10 +285,7 @@ class LoopGraphs(Graphs):
         shown = known | {true.name: known[seen.name] for true, seen in measured}
         known |= rate.run(self.controller, shown)
         if self.setup.takes_velocity:
-            every_state = (item for system in drives for item in system.state)
-            exerted = next(item.sym for item in every_state if item.signal == EXERTED)
-            exerted = exerted + self._nothing
-            known |= {signal.name: exerted[i] for i, signal in enumerate(TORQUE)}
+            self._know_exerted(drives)
         disturbances = rate.effects(EffectRole.DISTURBANCE)
         rate.disturb(disturbances)
         rate.add((port(TORQUE_BEFORE),), rate.column(TORQUE))
@@ -295,8 +299,10 @@ class LoopGraphs(Graphs):
 class PlantlessGraphs(Graphs):
     """The loop without reference, controller and plant, which are coupled from outside.
 
-    ``measured``: what the sensors show, what disturbs over the sample, and ``columns`` of the log;
-    ``steady``: whether what acts is the same in all steps of a sample.
+    ``measured``: what the sensors show, what disturbs over the sample, ``columns`` of the log, and
+    the age of the odometry where it varies (``dated``);
+    ``steady``: whether what acts is the same in all steps of a sample; ``calm``: or would be if the
+    drives were elsewhere, too.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -306,9 +312,15 @@ class PlantlessGraphs(Graphs):
         self.sample.disturb(disturbances)
         drives, gusts = self.step.drives(), self.step.effects(EffectRole.DISTURBANCE)
         pushed = pushes([*disturbances, *gusts])
-        self.columns = (*(BODY_FORCE if pushed else ()), *self.sample.shown)
-        self.measured = self.sample.column((*MEASURED, *DISTURBING, *self.columns))
-        self.steady = not (drives or gusts)
+        exerted = TORQUE if setup.takes_velocity else ()
+        if exerted:
+            self._know_exerted(drives)
+        self.columns = (*(BODY_FORCE if pushed else ()), *self.sample.shown, *exerted)
+        self.dated = setup.takes_velocity and ODOMETRY_AGE.name in self.sample.known
+        age = (ODOMETRY_AGE,) if self.dated else ()
+        self.measured = self.sample.column((*MEASURED, *DISTURBING, *self.columns, *age))
+        self.calm = not gusts
+        self.steady = not drives and self.calm
         self._join_drives(drives, gusts, pushed=True)
         self.parameters.take("limits.v_u1")
 

@@ -53,6 +53,7 @@ class CosimulationOptions(TypedDict, total=False):
     delay_known: bool
     seed: int
     fmi: int
+    compile_sources: bool
     progress: Progress | None
 
 

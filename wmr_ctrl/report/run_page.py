@@ -33,7 +33,7 @@ def write_run_page(run: Run, path: str | os.PathLike[str]) -> None:
             overview(run).written([drawn])
         text = page_environment().get_template("run.html.j2").render(
             run=run, driver=driver(run.law, run.guard), word=WORDS[tracked(run)],
-            kept=not run.monitor.violations, promise=promise_of_run(run),
+            kept=document["kept"], promise=promise_of_run(run),
             relies=guard_relies_on(run), shown=rows[:MOST_ROWS], others=rows[MOST_ROWS:],
             scenario=run.provenance.get("scenario_toml", ""),
             made={k: v for k, v in run.provenance.items() if "\n" not in v},

@@ -183,6 +183,8 @@ def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
         verdict = "kept" if run.rows == run.settings.samples else "kept until it ended"
         if value is None or (value > limit and figures["violations"]):
             verdict = "BROKEN"
+        elif figures["kept"] is None and run.rows == run.settings.samples:
+            verdict = "NOT KNOWN, as the pose contradicts it"
         elif value < limit:
             verdict += f", {results.percent(1 - value / limit)} to spare"
         yield f"largest {name}", f"{_number(value, unit)}, limit {limit:g} {unit}: {verdict}"

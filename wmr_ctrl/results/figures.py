@@ -18,6 +18,7 @@ from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.core.fields.plugins import blamed, loaded
 
 from . import measures
+from .consistency import kept
 from .windows import WINDOWS, Span, named
 
 if TYPE_CHECKING:
@@ -85,6 +86,7 @@ READINGS: Mapping[str, Callable[[Run], object]] = {
     "saturated_share": measures.saturated_share,
     "max_abs_v": attrgetter("monitor.max_abs_v"),
     "violations": attrgetter("monitor.violations"),
+    "kept": kept,
     "rigid": _rigid,
     "d_least": attrgetter("monitor.d_least"),
     "dbar": attrgetter("settings.dbar"),

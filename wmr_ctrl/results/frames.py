@@ -31,10 +31,12 @@ if TYPE_CHECKING:
 ABSENT = "–"
 PROVENANCE = ("version", "scenario_hash", "kernel_hash")
 """The keys of a run's provenance that the summary repeats."""
-FMUS = ("reference", "controller", "guard", "plant")
-"""Parts of a run that coupled FMUs."""
-COUPLED = ("master", "delay", *(f"{what}_{part}" for what in ("fmu", "warned") for part in FMUS))
-"""Keys of such a run that it repeats: who stepped, names and hashes of files, who warned."""
+FMUS = ("reference", "controller", "guard", "filter", "plant")
+FAULTS = ("warned", "lagged")
+"""Parts of a run that coupled FMUs, and what is told of their steps."""
+COUPLED = ("master", "delay", *(f"{what}_{part}" for what in ("fmu", *FAULTS) for part in FMUS))
+"""Keys of such a run that it repeats: who stepped, names and hashes of files, who warned or
+reached the end of its steps late."""
 
 
 @np.errstate(over="ignore", invalid="ignore")

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import measures
+from .consistency import CONTRADICTS, JUMP, contradictions
 from .obstacles import nearest
 from .oscillation import fast_swing_rms, oscillation
 from .outcomes import Outcome, beyond_bounds
@@ -52,6 +53,8 @@ SHORT = {
     "obstacle": "it touched an obstacle",
     "corridor-left": "it left its certified corridor",
     "exact-pose": "its pose was exact",
+    CONTRADICTS: "its pose contradicts its speeds",
+    JUMP: "its pose jumped in the first step",
     OBJECTED: "theory objects",
     NOT_CHECKED: "its stability was not checked",
     "assumption-void": "an assumption of the guarantee is void",
@@ -85,7 +88,8 @@ def speeds(pair: Sequence[float]) -> str:
 def remarks_on(run: Run) -> tuple[Remark, ...]:
     """All that is to be said against a run; empty only if all is well."""
     others = (Remark(key, text) for key, part in _PARTS.items() for text in part(run))
-    return (*_outcome(run), *others)
+    apart = (Remark(key, text) for key, text in contradictions(run).items())
+    return (*_outcome(run), *apart, *others)
 
 
 def in_short(remarks: tuple[Remark, ...]) -> str:
@@ -295,7 +299,8 @@ def _held_back(run: Run) -> Iterator[str]:
 
 
 def _void(run: Run) -> Iterator[str]:
-    if run.guard and run.settings.void:
+    late = run.provenance.get("master") == "jacobi" and "v_command" in run.columns
+    if (run.guard or late) and run.settings.void:
         yield run.settings.void
 
 

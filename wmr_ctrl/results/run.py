@@ -18,6 +18,7 @@ from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import REFERENCE, TIME, Signal, places
 
+from .consistency import contradictions
 from .outcomes import Monitor, Outcome, outcome_of
 from .settings import Settings
 
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from .verdicts import CorridorLeft, Outlook
 
 Floats: TypeAlias = NDArray[np.float64]
+_WITHHELD = (Outcome.COMPLETED, Outcome.BOUNDS_LEFT, Outcome.LIMIT_VIOLATED)
+"""Ends of which the sentence is withheld where the plant contradicts itself."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -172,6 +175,10 @@ class Run:
 
         It says that nothing needs to be done only without `remarks` and assumed keys.
         """
+        apart = contradictions(self)
+        if apart and self.outcome in _WITHHELD:
+            also = "".join(f" {text}" for text in apart.values())
+            return f"The run completed, but the plant contradicts itself.{also}"
         lost = self._lost_reference() if self.outcome is Outcome.NON_FINITE else None
         if lost is None:
             return self.outcome.sentence(self.monitor, self.guard) + self._judged()

@@ -1,6 +1,7 @@
 """Refusals before the first step: what a scenario asks for and the given FMUs cannot do."""
 
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 
 from wmr_ctrl.codegen.build import first_step_at
@@ -9,13 +10,15 @@ from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.signals import SENT_BEFORE, TAU_APPLIED
 from wmr_ctrl.export.fmi.blocks import law_model
 from wmr_ctrl.export.fmi.extra import GRAPH
 from wmr_ctrl.export.fmi.model_description import FmuModel
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario.unstated import unknown_keys
 
-from .mapping import STATE
+from .mapping import COMMANDED, DISTURBED, STATE, TORQUES, WHEELS, PartMap
 from .parts import Part
 
 _REACHING = {
@@ -61,19 +64,23 @@ def check_structure(path: str | Path, model: FmuModel) -> None:
 
 
 def unguarded(path: str | Path, setup: Setup) -> Setup | None:
-    """The setup of a controller of ours that was made without the guard that ``setup`` has.
+    """The setup of a controller of ours that was made without the guard or filter of ``setup``.
 
-    None where it has that guard, or is another one's.  Raises ArgumentError for a law that
-    remembers what it commanded, since a guard elsewhere changes that behind its back.
+    None where it has that, or is another one's.  Raises ArgumentError for a law that remembers what
+    it commanded, since a guard or filter elsewhere changes that behind its back.
     """
-    bare = settle(override(setup.scenario, {"guard.enabled": False}), setup.name)
+    velocity = setup.takes_velocity
+    off: dict[str, object] = {"filter.kind": "none"} if velocity else {"guard.enabled": False}
+    bare = settle(override(setup.scenario, off), setup.name)
     if _graph_in(path) != law_model(bare).graph:
         return None
-    if remembered(law_graph(bare)):
+    law = law_graph(bare)
+    relies = any(item.signal in (SENT_BEFORE, TAU_APPLIED) for item in law.inputs)
+    if remembered(law) or relies or (velocity and setup.control_law.traits.integrates):
+        what, where = ("velocity", "filter") if velocity else ("torque", "guard")
         raise ArgumentError(
-            f"{path} contains no guard, and {setup.name} relies on the torque that it commanded, "
-            "which a guard outside it would change. Export it with the guard (guard.enabled = "
-            "true), or leave it out."
+            f"{path} contains no {where}, and {setup.name} relies on the {what} that it commanded, "
+            f"which a {where} outside it would change. Export it with the {where}, or leave it out."
         )
     return bare
 
@@ -87,6 +94,18 @@ def _graph_in(path: str | Path) -> str:
 def check_parts(setup: Setup, plant: Part) -> None:
     """Raise ArgumentError where a foreign plant leaves out a part of the scenario."""
     scenario = setup.scenario
+    if plant.is_base and not setup.takes_velocity:
+        raise ArgumentError(
+            f"the map gives velocities to {plant.slave.path}, and the scenario's robot takes "
+            "torques. Map torque_right and torque_left, or take a scenario with base.kind = "
+            '"velocity".'
+        )
+    commands = (*(COMMANDED if setup.takes_velocity else ()), *TORQUES)
+    if plant.foreign and not plant.is_base and plant.uses.isdisjoint((*TORQUES, *DISTURBED)):
+        raise ArgumentError(
+            f"the map's [plant.inputs] gives {plant.slave.path} no command. Add rows for "
+            f"{', '.join(commands)}."
+        )
     lost = [
         f"[{item.section.KEY}]"
         for item in setup.with_role(EffectRole.DISTURBANCE)
@@ -100,7 +119,23 @@ def check_parts(setup: Setup, plant: Part) -> None:
         raise ArgumentError(
             f"the disturbance does not reach {plant.slave.path}. Map torque_right and torque_left, "
             "which include it (and thrust and moment, where it acts on the body), or remove it "
-            f"from the scenario: {', '.join(lost)}."
+            f"from the scenario: {', '.join(lost)} (disturbance.std = 0)."
+        )
+
+
+def check_sizes(scenario: Scenario, plant: Part, maps: Mapping[str, PartMap]) -> None:
+    """Raise ArgumentError where what a map gives follows from sizes that nobody states."""
+    rows = [name for part in maps.values() for side in (part.inputs, part.outputs) for name in side]
+    rows += plant.uses if "plant" in maps else ()
+    wheels = {"w_right", "w_left", *WHEELS}.intersection(rows)
+    torques = plant.foreign and not plant.is_base
+    needed = {"robot.r", "robot.l"} if wheels else set()
+    missing = [key for key in unknown_keys(scenario) if torques or key in needed]
+    if missing:
+        raise ArgumentError(
+            f"the map gives {', '.join(sorted(wheels)) or 'torques'}, which follow from "
+            f"{', '.join(missing)}, and nobody states {'it' if len(missing) == 1 else 'them'}. "
+            "State the robot's sizes, or map v_command and omega_command."
         )
 
 

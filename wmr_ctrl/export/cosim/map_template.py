@@ -13,10 +13,9 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.files import note_output
 from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of
 
+from .fmu_file import FLOATS, NO_NUMBERS, FmuFile
 from .mapping import CHANGED, EITHER, GIVEN, TAKEN, UNITS, toml_key
-from .slave import FmuFile
 
-_REAL = ("Real", "Float64")
 _MOST = 8
 """Candidates that a comment names."""
 
@@ -42,7 +41,7 @@ def write_map_template(
 
 
 def _part(part: str, fmu: FmuFile) -> Iterator[str]:
-    theirs = {name: v for name, v in fmu.variables.items() if v.type in _REAL and not v.dimensions}
+    theirs = dict(fmu.numbers)
     inputs = {name: v for name, v in theirs.items() if v.causality == "input"}
     outputs = {name: v for name, v in theirs.items() if v.causality == "output"}
     yield f"# Map of {Path(fmu.path).name} ({fmu.description.modelName})."
@@ -55,8 +54,11 @@ def _part(part: str, fmu: FmuFile) -> Iterator[str]:
         yield '# units = "SI"  # if all variables for which the FMU gives no unit are in SI units'
     yield f"[{part}.inputs]  # theirs = ours"
     ours = {name: UNITS[name] for name in TAKEN[part]}
-    for name in inputs:
-        yield _row(name, fmu.unit(name), ours, fmu.unit(name))
+    for name, variable in inputs.items():
+        if variable.type == "Boolean":
+            yield f"# {toml_key(name)} = true  # Boolean"
+        else:
+            yield _row(name, fmu.unit(name), ours, fmu.unit(name))
     yield f"[{part}.outputs]  # ours = theirs"
     known = {name: fmu.unit(name) for name in outputs}
     filled: set[str] = set()
@@ -75,9 +77,10 @@ def _part(part: str, fmu: FmuFile) -> Iterator[str]:
         for name in CHANGED:
             yield _row(name, CHANGED[name], parameters, all(parameters.values()))
     yield f"[{part}.start]  # start values of the FMU, where other ones are wanted"
-    for name, variable in theirs.items():
+    for name, variable in fmu.variables.items():
         if variable.initial == "exact" and variable.causality in ("output", "parameter"):
-            yield f"# {toml_key(name)} = {_number(variable.start)}  # {_unit_text(fmu.unit(name))}"
+            unit = _unit_text(fmu.unit(name)) if variable.type in FLOATS else variable.type
+            yield f"# {toml_key(name)} = {_start(variable)}  # {unit}"
 
 
 def _row(
@@ -120,5 +123,10 @@ def _unit_text(unit: NamedUnit | str | None) -> str:
     return f"[{name}]" if name else "the FMU gives no unit"
 
 
-def _number(start: str | None) -> str:
-    return str(float(start)) if start else "0.0"
+def _start(variable: Any) -> str:
+    """A variable's start value in TOML, as its description says; of an array a list."""
+    if variable.type not in FLOATS:
+        words = variable.start or "0"
+        return words if variable.type not in NO_NUMBERS else json.dumps(variable.start or "")
+    numbers = [float(word) for word in (variable.start or "0").split()]
+    return str(numbers if variable.shape else numbers[0])

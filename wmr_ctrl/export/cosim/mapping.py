@@ -8,8 +8,9 @@ names on the left, rows of ``inputs`` theirs.  A plain string is a renaming; uni
     units = "SI"                       # of variables that state none; left out, each row states it
     [plant.inputs]
     motorR = "torque_right"
+    enable = true                      # a constant: { offset = 1 }
     [plant.outputs]
-    x = "position.x"
+    x = "position[1]"                  # an array's element
     psi = { terms = { heading = 1.0 }, unit = "deg" }
     w_right = { terms = { wheelR = 1.0 }, unit = "rpm" }
     w_left = { terms = { wheelL = 1.0 }, unit = "rpm" }
@@ -29,11 +30,13 @@ from typing import Any
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, show
 from wmr_ctrl.core.fields.files import parse_toml, read_text
 from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of
-from wmr_ctrl.core.fields.section import REQUIRED, Section, build, quantities, quantity
+from wmr_ctrl.core.fields.section import Section, build, quantities, quantity
 from wmr_ctrl.core.fields.values import Frozen
 from wmr_ctrl.core.signals import (
     BODY_FORCE,
+    COMMAND,
     FORCE,
+    ODOMETRY_AGE,
     PATH,
     PLANT_STATE,
     REFERENCE,
@@ -52,6 +55,9 @@ READY = ("psi", "w_right", "w_left")
 """Usual heading and speeds of the wheels, from which theta, v1 and omega follow."""
 DISTURBED = ("torque_right", "torque_left")
 """Torques with the disturbance in them."""
+COMMANDED = tuple(s.name for s in COMMAND)
+WHEELS = ("w_right_command", "w_left_command")
+"""Velocities that a base takes, and speeds of its wheels that are the same."""
 CHANGED = {f"robot.{name}": what.unit for name, what in quantities(Change) if name != "t"}
 """Units of what a scenario may change of a plant, by its key."""
 UNITS = {
@@ -61,29 +67,30 @@ UNITS = {
     **dict.fromkeys((*TAU_APPLIED.elements, *DISTURBED), "N.m"),
     **dict(zip(FORCE.elements, FORCE.units, strict=True)),
     **dict(zip(READY, ("rad", "rad/s", "rad/s"), strict=True)),
+    **{s.name: s.unit for s in (*COMMAND, ODOMETRY_AGE)},
+    **dict.fromkeys(WHEELS, "rad/s"),
 }
 """Units of our quantities; the force (thrust, moment) may stand in the place of both torques."""
 UnitOf = Callable[[str], NamedUnit | str | None]
 """From the name of their variable to its unit: as the FMU defines it, its mere name, or nothing."""
 DESIRED = tuple(s.name for s in REFERENCE)
 NOISES = tuple(s.name for s in TORQUE_NOISE)
-DRIVEN = (*TORQUES, *NOISES, *(s.name for s in BODY_FORCE), *DISTURBED)
+DRIVEN = (*TORQUES, *NOISES, *(s.name for s in BODY_FORCE), *DISTURBED, *COMMANDED, *WHEELS)
 """Sources of a plant."""
-SEEN = (*DESIRED, *STATE, *TAU_APPLIED.elements, *READY)
+SEEN = (*DESIRED, *STATE, *TAU_APPLIED.elements, ODOMETRY_AGE.name, *READY)
 """Sources of a controller."""
 TAKEN = {"plant": DRIVEN, "controller": SEEN}
 """Quantities of ours that inputs of each part may be made of."""
 GIVEN = {
     "plant": (*STATE, *READY, PATH.name, SKID.name),
-    "controller": (*TORQUES, *FORCE.elements),
+    "controller": (*TORQUES, *FORCE.elements, *COMMANDED, *WHEELS),
 }
 """Quantities of ours that outputs of each part may give."""
 EITHER = {
     "plant": ((("theta",), ("psi",)), (("v1", "omega"), ("w_right", "w_left"))),
-    "controller": ((TORQUES, FORCE.elements),),
+    "controller": ((TORQUES, FORCE.elements), (COMMANDED, WHEELS)),
 }
 """Outputs of which a map gives the one or the other."""
-_INSTEAD = {"plant": READY, "controller": FORCE.elements}
 _PARAMETERS = "plant.parameters"
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -112,7 +119,7 @@ class PartMap(Section):
     inputs: Mapping[str, object] = _table("row of each input of the FMU")
     outputs: Mapping[str, object] = _table("row of each quantity of ours")
     parameters: Mapping[str, object] = _table("row of each key that a scenario changes")
-    start: Mapping[str, float] = _table("start values of the FMU", "numbers")
+    start: Mapping[str, object] = _table("start values of the FMU")
     step: float | None = quantity(None, "s", "communication step of the FMU", above=0)
     units: str = quantity(
         "stated",
@@ -126,7 +133,7 @@ class MapEntry(Section):
     """A row as a table: target = sum of coefficient * source + offset."""
 
     terms: Mapping[str, float] = quantity(
-        REQUIRED, "1", "coefficient of each source", kind="numbers"
+        Frozen(), "1", "coefficient of each source", kind="numbers"
     )
     offset: float = quantity(0.0, "1", "what is added, in the target's unit")
     unit: str = quantity("", "1", "unit of the FMU's variables")
@@ -209,9 +216,13 @@ class _Row:
         self.target, self.theirs, self.units = target, theirs, units
         sides = TAKEN if inward else GIVEN
         self.ours = tuple(CHANGED) if table == _PARAMETERS else sides[table.partition(".")[0]]
-        if not isinstance(raw, str | Mapping):
-            raise ArgumentError(f"{key} = {show(raw)} must be a name, or a table with terms.")
-        self.entry = build(MapEntry, {"terms": {raw: 1.0}} if isinstance(raw, str) else raw, key)
+        if not isinstance(raw, str | float | int | Mapping):
+            raise ArgumentError(
+                f"{key} = {show(raw)} must be a name, a constant, or a table with terms."
+            )
+        if not isinstance(raw, Mapping):
+            raw = {"terms": {raw: 1.0}} if isinstance(raw, str) else {"offset": float(raw)}
+        self.entry = build(MapEntry, raw, key)
         if not self.entry.terms and "offset" not in raw:
             raise ArgumentError(f"{key}: no terms. Name a source, or state the constant as offset.")
         ours = [name for name in (self.entry.terms if inward else [target]) if name in UNITS]
@@ -278,18 +289,24 @@ def toml_key(name: str) -> str:
 def controller_outputs(
     part: PartMap, theirs: UnitOf, robot: Robot, asked: Sequence[str] = TORQUES
 ) -> list[MapRow]:
-    """Rows that give what is ``asked``, torques or the force, from a foreign controller's outputs.
+    """Rows that give what is ``asked`` from a foreign controller's outputs: torques, the force, or
+    the velocity of a base that takes one.
 
-    Each follows from the other: thrust and moment are those of the torques at robot.r and robot.l.
+    Torques and force follow from each other, a velocity from the wheels' speeds, at robot.r and
+    robot.l.
     """
     by_target = {row.target: row for row in output_rows(part, theirs, "controller")}
-    given = TORQUES if FORCE.elements[0] not in by_target else FORCE.elements
-    _check_complete(by_target, given, "controller")
+    bases = COMMANDED if tuple(asked) == COMMANDED else TORQUES
+    instead = WHEELS if bases == COMMANDED else FORCE.elements
+    given = bases if instead[0] not in by_target else instead
+    _check_complete(by_target, given, "controller", instead)
     first, second = (by_target[name] for name in given)
     if tuple(asked) == tuple(given):
         return [first, second]
     r, half_track = robot.r, robot.l
-    if given == TORQUES:
+    if given == WHEELS:
+        sums, differences = (r / 2, r / 2), (r / 2 / half_track, -r / 2 / half_track)
+    elif given == TORQUES:
         sums, differences = (1 / r, 1 / r), (half_track / r, -half_track / r)
     else:
         sums, differences = (r / 2, r / 2 / half_track), (r / 2, -r / 2 / half_track)
@@ -314,7 +331,7 @@ def plant_outputs(
         turn = robot.r / (2 * robot.l)
         by_target["v1"] = _combined("v1", {right: robot.r / 2, left: robot.r / 2})
         by_target["omega"] = _combined("omega", {right: turn, left: -turn})
-    _check_complete(by_target, STATE, "plant")
+    _check_complete(by_target, STATE, "plant", READY)
     if rolling and PATH.name not in by_target:
         raise ArgumentError(
             f"a sensor of the scenario measures the distance that the wheels roll, and the map's "
@@ -332,10 +349,12 @@ def _combined(target: str, parts: Mapping[MapRow, float]) -> MapRow:
     return MapRow(target, terms, sum(share * row.offset for row, share in parts.items()))
 
 
-def _check_complete(rows: Mapping[str, MapRow], wanted: Sequence[str], part: str) -> None:
+def _check_complete(
+    rows: Mapping[str, MapRow], wanted: Sequence[str], part: str, instead: Sequence[str]
+) -> None:
     missing = sorted(set(wanted) - rows.keys())
     if missing:
         raise ArgumentError(
             f"the map's [{part}.outputs] does not give {', '.join(missing)}. Add a row for each, "
-            f"or for the ready names {', '.join(_INSTEAD[part])} from which they follow."
+            f"or for the ready names {', '.join(instead)} from which they follow."
         )

@@ -6,6 +6,9 @@ before: the torque acts one step later, as under every master that copies connec
 stepped.  Reference and controller step once in a control period, our plant once in each of its own
 steps, with the torque held: so the monitor sees what the native one sees.
 
+On a base that takes velocities the controller sends one in the place of torques.  Its speed loop is
+one of the drives, unless the plant takes velocities itself.
+
 Sensors, disturbances, drives and monitor are the compiled ones of the loop: they draw the same
 random numbers and watch the same limits.
 """
@@ -21,9 +24,10 @@ from wmr_ctrl.control.loop import PlantlessGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.simulation.coupled import Coupled
 from wmr_ctrl.world.scenario import Change, Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .mapping import DESIRED, STATE
-from .parts import GuardedController, Part, limiter, ready
+from .parts import GuardedController, Part, limiter, ready, wheels_of
 
 Progress = Callable[[float], None]
 _ROWS_PER_REPORT = 100
@@ -43,7 +47,7 @@ class Parts:
 class Measurement:
     """Measured pose and velocity of a sample, torque and body force that disturb.
 
-    ``logged``: further columns of the log, see `Outside.columns`.
+    ``logged``: further columns of the log, see `Outside.columns`; ``age``: of the odometry [s].
     """
 
     pose: tuple[float, ...]
@@ -51,14 +55,15 @@ class Measurement:
     noise: tuple[float, ...]
     pushed: tuple[float, ...]
     logged: tuple[float, ...]
+    age: float = 0.0
 
 
 class Outside(Coupled):
     """Effects between controller and plant of one run; its counters move with every call.
 
     ``columns``: signals of the log that effects bring; ``steady``: whether what acts stays the same
-    over a sample; ``rolling``: what the sensors ask of the plant beside its state; ``ended``:
-    whether the run ends before its first step.
+    over a sample; ``calm``: whether what disturbs does; ``rolling``: what the sensors ask of the
+    plant beside its state; ``ended``: whether the run ends before its first step.
     """
 
     def __init__(self, setup: Setup, seed: int) -> None:
@@ -66,11 +71,13 @@ class Outside(Coupled):
         graphs = PlantlessGraphs(setup)
         super().__init__(build_outside(setup, graphs), seed, setup.scenario.clock.plant)
         self.columns, self.steady, self.rolling = graphs.columns, graphs.steady, graphs.rolling
+        self.calm, self._dated = graphs.calm, graphs.dated
 
     def sample(self, state: Sequence[float]) -> Measurement:
         """The next control sample, for the plant's state at it."""
         shown = tuple(self.sampled(state))
-        return Measurement(shown[0:3], shown[3:5], shown[5:7], shown[7:9], shown[9:])
+        *logged, age = shown[9:] if self._dated else (*shown[9:], 0.0)
+        return Measurement(shown[0:3], shown[3:5], shown[5:7], shown[7:9], tuple(logged), age)
 
     def step(self, torque: Sequence[float], now: Measurement) -> tuple[float, ...]:
         """Torques that act over the next plant step, disturbing torques, force on the body."""
@@ -81,19 +88,24 @@ class Master:
     """One co-simulation: rows of the log, and the monitor's readings after each plant step."""
 
     def __init__(self, scenario: Scenario, parts: Parts, outside: Outside) -> None:
-        """Everything is initialised already; the first step begins at t = 0."""
+        """Nothing is read yet, so that parts may be initialised later."""
         self.scenario, self.clock, self.parts = scenario, scenario.clock, parts
         self.outside = outside
-        self.stride = self.clock.substeps if parts.plant.foreign and outside.steady else 1
-        start = (*scenario.initial.pose, *scenario.initial.velocity)
-        self.state = (*start, *tuple(parts.plant.read())[len(start) :])
+        self.steady = outside.calm if parts.plant.is_base else outside.steady
+        self.stride = self.clock.substeps if parts.plant.foreign and self.steady else 1
+        self.state: tuple[float, ...] = (*scenario.initial.pose, *scenario.initial.velocity)
         self.applied: Sequence[float] = (0.0, 0.0)
         step = self.clock.plant
         self.changes = [(first_step_at(item.t, step), item) for item in scenario.changes]
         self.rows: list[tuple[float, ...]] = []
 
+    def start(self) -> None:
+        """Read what parts that are initialised show at t = 0."""
+        self.state += tuple(self.parts.plant.read())[len(self.state) :]
+
     def run(self, progress: Progress | None) -> None:
-        """All control samples, or those before the run must end."""
+        """All control samples, or those before the run must end, of parts that are initialised."""
+        self.start()
         ended = self.outside.ended
         for k in range(self.clock.samples):
             if ended:
@@ -121,15 +133,18 @@ class Master:
         return self.drive(k, torque, now)
 
     def limited(self, given: Sequence[float]) -> Sequence[float]:
-        """Torques within actuator.tau_max: ours keep it themselves, others by the drives."""
-        if not self.parts.controller.foreign:
+        """Torques within actuator.tau_max: ours keep it themselves, others by the drives.
+
+        A base that takes velocities limits its torques itself.
+        """
+        if not self.parts.controller.foreign or takes_velocity(self.scenario):
             return given[:2]
         robot, tau_max = self.scenario.robot, self.scenario.actuator.tau_max
         return np.asarray(limiter()(given[:2], robot.r, robot.l, tau_max)).ravel().tolist()
 
     def seen(self, desired: Sequence[float], now: Measurement) -> list[float]:
         """Inputs of the controller, in the order of SEEN."""
-        shown = [*desired, *now.pose, *now.velocity, *self.applied]
+        shown = [*desired, *now.pose, *now.velocity, *self.applied, now.age]
         if self.parts.controller.wants_ready:
             shown += ready((*now.pose, *now.velocity), self.scenario.robot)
         return shown
@@ -146,18 +161,19 @@ class Master:
         head = (t, *self.state[: len(STATE)], *desired, *torque, *now.noise, *now.logged)
         self.rows.append((*head, *further))
 
-    def drive(self, k: int, torque: Sequence[float], now: Measurement) -> bool:
+    def drive(self, k: int, sent: Sequence[float], now: Measurement) -> bool:
         """The plant over one control period; True if the run must end within it."""
         acted: list[Sequence[float]] = []
-        ended = False
+        ended, is_base = False, self.parts.plant.is_base
         for start, end in self.cuts(k * self.clock.substeps):
             for _ in range(start, end):
-                acting = self.outside.step(torque, now)
-            if not self.outside.steady or not acted:
+                acting = self.outside.step(sent, now)
+            if not self.steady or not acted:
                 acted.append(acting[:2])
                 right, left, noise_right, noise_left, *pushed = acting
                 disturbed = (right + noise_right, left + noise_left)
-                self.parts.plant.write((*acting[:4], *pushed, *disturbed))
+                commanded = (*sent, *wheels_of(sent, self.scenario.robot)) if is_base else ()
+                self.parts.plant.write((*acting[:4], *pushed, *disturbed, *commanded))
             ended = self.move(start, end)
             if ended:
                 break
@@ -187,10 +203,11 @@ class Master:
 class Jacobi(Master):
     """All parts step with what was known before; the first torque that acts is zero."""
 
-    def __init__(self, scenario: Scenario, parts: Parts, outside: Outside) -> None:
-        super().__init__(scenario, parts, outside)
-        self.desired = list(parts.reference.read())
-        self.now = outside.sample(self.state)
+    def start(self) -> None:
+        """Read what all parts show at t = 0."""
+        super().start()
+        self.desired = list(self.parts.reference.read())
+        self.now = self.outside.sample(self.state)
         self.shown = self.seen(self.desired, self.now)
         self.given: Sequence[float] = (0.0, 0.0)
 

@@ -6,18 +6,31 @@ from functools import cache
 
 import casadi as ca
 
+from wmr_ctrl.control.filter.channels import BOUNDS_LEFT, FLAGS, SENT
+from wmr_ctrl.control.filter.governor_step import ODOMETRY
 from wmr_ctrl.control.guard.guard import linear_first
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.core.signals import FORCE, GUARD_DIAGNOSTICS, VELOCITY, Signal, elements
+from wmr_ctrl.core.signals import (
+    ASKED,
+    FORCE,
+    GUARD_DIAGNOSTICS,
+    ODOMETRY_AGE,
+    VELOCITY,
+    Signal,
+    elements,
+)
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.world.scenario import Robot
 
 from . import mapping
 from .slave import Slave
 
-GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY))
-"""Sources of a guard."""
-_VELOCITY = tuple(mapping.SEEN.index(signal.name) for signal in VELOCITY)
+GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY), ODOMETRY_AGE.name)
+FILTERED = (*ASKED.elements, *ODOMETRY.elements, ODOMETRY_AGE.name)
+"""Sources of a guard, and of a command filter."""
+FILTERING = (*GUARD_DIAGNOSTICS, ASKED, FLAGS)
+"""What a command filter tells as a part of its own, named as in laws that contain one."""
+_SHOWN = tuple(mapping.SEEN.index(item.name) for item in (*VELOCITY, ODOMETRY_AGE))
 _ASKED = len(FORCE.elements)
 
 
@@ -26,7 +39,7 @@ class Part:
 
     ``write`` takes the values of ``sources``; ``read`` gives those of ``targets``; ``uses`` are the
     sources that the inputs are made of; ``foreign``: somebody else's, described by a map, of which
-    what is read must be finite.
+    what is read must be finite; ``is_base``: a plant that takes velocities.
     """
 
     def __init__(
@@ -44,6 +57,7 @@ class Part:
         theirs = list(dict.fromkeys(name for row in outputs for name, _ in row.terms))
         self.uses = frozenset(name for row in inputs for name, _ in row.terms)
         self.wants_ready = not self.uses.isdisjoint(mapping.READY)
+        self.is_base = not self.uses.isdisjoint((*mapping.COMMANDED, *mapping.WHEELS))
         self._inward = mapping.compiled(inputs, sources) if inputs else None
         self._write = slave.writer([row.target for row in inputs])
         self._read, self._outward = slave.reader(theirs), mapping.compiled(outputs, theirs)
@@ -96,25 +110,46 @@ class GuardedController:
         own = controller.targets[_ASKED:]
         self._own = [_ASKED + i for i, name in enumerate(own) if name not in guard.targets]
         self.targets = (*guard.targets, *(controller.targets[i] for i in self._own))
-        self._velocity: tuple[float, ...] = ()
+        self._shown: tuple[float, ...] = ()
+        self._asked: Sequence[float] = ()
         self._told: list[float] = []
 
     def write(self, values: Sequence[float]) -> None:
         """Set the controller's inputs; the guard takes the same velocity."""
         self.controller.write(values)
-        self._velocity = tuple(values[i] for i in _VELOCITY)
+        self._shown = tuple(values[i] for i in _SHOWN)
 
     def step(self, t: float, h: float) -> None:
         """The controller, then the guard on the force asked for."""
         self.controller.step(t, h)
         given = self.controller.read()
         self._told = [given[i] for i in self._own]
-        self.guard.write((*given[:_ASKED], *self._velocity))
+        self._asked = given[:_ASKED]
+        self.guard.write((*self._asked, *self._shown))
         self.guard.step(t, h)
 
     def read(self) -> Sequence[float]:
         """Torques and diagnostics of the guard, then those of the controller."""
         return [*self.guard.read(), *self._told]
+
+
+class FilteredController(GuardedController):
+    """A controller with the command filter behind it, in the guard's place."""
+
+    def __init__(self, controller: Part, guard: Part) -> None:
+        """``controller`` gives the velocity that it asks for first."""
+        super().__init__(controller, guard)
+        told = elements(FILTERING)
+        self._own = [i for i in self._own if controller.targets[i] not in told]
+        own = (controller.targets[i] for i in self._own)
+        self.targets = (*mapping.COMMANDED, *told, *own)
+
+    def read(self) -> Sequence[float]:
+        """Velocity sent, diagnostics of the filter, then those of the controller."""
+        *sent, flags = self.guard.read()
+        changed = (float(one != other) for one, other in zip(sent, self._asked, strict=True))
+        agrees = float(not int(flags) & BOUNDS_LEFT)
+        return [*sent, *changed, 0.0, 0.0, agrees, *self._asked, flags, *self._told]
 
 
 def reference_part(slave: Slave) -> Part:
@@ -125,7 +160,14 @@ def reference_part(slave: Slave) -> Part:
 def guard_part(slave: Slave) -> Part:
     """Our guard FMU."""
     shown = (*mapping.TORQUES, *elements(GUARD_DIAGNOSTICS))
-    return Part(slave, mapping.identity(GUARDED), mapping.identity(shown), GUARDED)
+    return Part(slave, mapping.identity(GUARDED[:-1]), mapping.identity(shown), GUARDED)
+
+
+def filter_part(slave: Slave) -> Part:
+    """Our command filter FMU: it reads odometry where it is a governor."""
+    inputs = [name for name in FILTERED if name in slave.variables]
+    shown = (*SENT.elements, FLAGS.name)
+    return Part(slave, mapping.identity(inputs), mapping.identity(shown), FILTERED)
 
 
 def controller_part(
@@ -137,7 +179,7 @@ def controller_part(
 ) -> Part:
     """Ours, by its own names, or one with a map; the diagnostics are read where they exist.
 
-    ``asked``: what it gives, the torques of both wheels or, for a guard, the force.
+    ``asked``: what it gives, the torques of both wheels, for a guard the force, or the velocity.
     """
     if part is None:
         known = {name for name, v in slave.variables.items() if v.causality == "input"}
@@ -182,9 +224,14 @@ def _check_variables(slave: Slave, names: Sequence[str]) -> None:
 
 def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:
     """psi [rad] and the wheels' speeds (right, left) [rad/s] of a state."""
-    _, _, theta, v1, omega = state
+    return state[2] + math.pi / 2, *wheels_of(state[3:], robot)
+
+
+def wheels_of(velocity: Sequence[float], robot: Robot) -> tuple[float, float]:
+    """Speeds of the wheels (right, left) [rad/s] at a velocity [m/s, rad/s]."""
+    v1, omega = velocity
     turn = robot.l * omega
-    return theta + math.pi / 2, (v1 + turn) / robot.r, (v1 - turn) / robot.r
+    return (v1 + turn) / robot.r, (v1 - turn) / robot.r
 
 
 @cache

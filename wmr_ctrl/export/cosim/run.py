@@ -12,12 +12,11 @@ import numpy as np
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.given import law_of
 from wmr_ctrl.control.laws.context import own_diagnostics
-from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.core import signals
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.core.signals import elements
-from wmr_ctrl.export.fmi.blocks import guard_model, parallel
+from wmr_ctrl.export.fmi.blocks import filter_model, guard_model, parallel
 from wmr_ctrl.export.fmi.fmu_files import model_of, scenario_given, write_fmu
 from wmr_ctrl.export.fmi.model_description import FmuModel, Role
 from wmr_ctrl.export.fmi.targets import targets_of
@@ -28,13 +27,20 @@ from wmr_ctrl.world.model.kinematics import tracking_error
 from wmr_ctrl.world.scenario import Change, Scenario
 
 from . import fitting, parts
-from .mapping import NOISES, TORQUES, MapRow, PartMap, load_map, parameter_rows
+from .diverted import diverted
+from .fmu_file import FmuError
+from .mapping import COMMANDED, NOISES, TORQUES, MapRow, PartMap, load_map, parameter_rows
 from .master import HEAD, MASTERS, Master, Outside, Parts, Progress
-from .slave import FmuError, Slave
+from .slave import Slave
 
 UNTOLD = (
     "Under the master jacobi each torque acts one control period later than the guard is told, and "
     "the least disturbance counts that as a push."
+)
+UNFILTERED = (
+    "Under the master jacobi each command acts one control period later than the filter is told. "
+    "Its limits hold only where filter.delay counts that period, too: state it larger by "
+    "clock.control, or step the parts in order (the master gauss-seidel)."
 )
 TELL = "Build the controller for it: --know-delay, or delay_known=True."
 IN_ORDER = "No such delay is possible here: step the parts in order (the master gauss-seidel)."
@@ -44,8 +50,8 @@ IN_ORDER = "No such delay is possible here: step the parts in order (the master 
 class CosimSetup:
     """FMUs of a co-simulation: those that are given, and what the others are exported from.
 
-    ``setup`` stands around all parts; ``own`` is what our controller or guard is built for;
-    ``bare`` is ``setup`` without guard, where that is a part behind a controller of ours.
+    ``setup`` stands around all parts; ``own`` is what our controller, guard or filter is built for;
+    ``bare`` is ``setup`` without guard or filter, where that is a part behind a controller of ours.
     ``foreign``: the controller is somebody else's; ``files``: those that are given; ``maps``: those
     of foreign parts; ``at_once``: all parts step at once.
     """
@@ -59,15 +65,20 @@ class CosimSetup:
     at_once: bool
 
     @property
-    def guarded(self) -> bool:
-        """True if the guard is a part of its own."""
-        return self.setup.scenario.guard.enabled and (self.foreign or self.bare is not None)
+    def limiter(self) -> str:
+        """Which is a part of its own: "guard", "filter" or neither, ""."""
+        scenario = self.setup.scenario
+        if not self.foreign and self.bare is None:
+            return ""
+        if self.setup.takes_velocity:
+            return "filter" if scenario.filter.kind != "none" else ""
+        return "guard" if scenario.guard.enabled else ""
 
     @cached_property
     def diagnostics(self) -> tuple[signals.Signal, ...]:
         """Signals that the controller publishes beside those of all laws."""
         if self.foreign:
-            return signals.GUARD_DIAGNOSTICS
+            return parts.FILTERING if self.setup.takes_velocity else signals.GUARD_DIAGNOSTICS
         return own_diagnostics(watched_controller(self.own))
 
     @cached_property
@@ -85,7 +96,8 @@ class CosimSetup:
         }
         if self.at_once:
             models = {part: parallel(model) for part, model in models.items()}
-        return models | ({"guard": guard_model(self.own)} if self.guarded else {})
+        limiters = {"guard": guard_model, "filter": lambda own: filter_model(own.scenario)}
+        return models | {self.limiter: limiters[self.limiter](self.own)} if self.limiter else models
 
 
 def cosimulate(
@@ -99,6 +111,7 @@ def cosimulate(
     delay_known: bool = False,
     seed: int = 0,
     fmi: int = 2,
+    compile_sources: bool = False,
     progress: Progress | None = None,
 ) -> Run:
     """Co-simulate reference, controller and plant FMUs through FMPy and return the Run.
@@ -107,13 +120,16 @@ def cosimulate(
     refused beside somebody else's controller.  ``plant``, ``controller``: FMU files to use in place
     of those that are exported from ``scenario`` and ``law``, in version ``fmi`` (2 or 3).  With
     guard.enabled the guard stands behind somebody else's controller as a further FMU, and behind
-    one of ours that was exported without it.  ``map_file``: TOML map of the names and units of FMUs
-    that are not ours, see ``cosim.mapping``.
+    one of ours that was exported without it; on a base that takes velocities so does the filter.
+    ``map_file``: TOML map of the names and units of FMUs that are not ours, see ``cosim.mapping``.
+    ``compile_sources``: build the sources of an FMU that has no library for this machine.
 
     ``master``: "gauss-seidel" (equals the native loop) or "jacobi" (the torque acts one step
     later); for the latter with ``delay_known`` the controller is built for drives that are one
     control period later than the scenario's, so that guard and observer count with what this master
     does; the loop is then the native one with that delay.
+
+    What libraries print goes to standard error.
 
     The Run has engine "fmu", and its monitor saw every step of our plant; of a plant with a map,
     its communication steps.  Raises ArgumentError where an FMU cannot do what the scenario asks
@@ -129,8 +145,8 @@ def cosimulate(
     checked_seeds([seed])
     files = {"controller": controller, "plant": plant}
     case = _cosim_setup(scenario, law, files, map_file, delay_known, at_once=master == "jacobi")
-    with tempfile.TemporaryDirectory(prefix="wmr_cosim_") as folder:
-        slaves = _slaves(case, fmi, Path(folder))
+    with diverted(), tempfile.TemporaryDirectory(prefix="wmr_cosim_") as folder:
+        slaves = _slaves(case, fmi, Path(folder), compile_sources)
         try:
             return _run(case, slaves, master, seed, progress)
         finally:
@@ -164,24 +180,29 @@ def _cosim_setup(
         )
     case = scenario_given(scenario)
     setup = settle(case, law_of(case, law or within))
-    check_takes_torques(setup.scenario, "co-simulation couples FMUs")
+    if delay_known and setup.takes_velocity:
+        raise ArgumentError(
+            "delay_known is for robots that take torques. On a base that takes velocities state "
+            "base.delay and filter.delay larger by clock.control, or step the parts in order."
+        )
     own = one_period_later(setup) if delay_known else setup
     foreign = theirs or "controller" in maps
     bare = None
-    if controller is not None and not foreign and setup.scenario.guard.enabled:
+    limited = setup.scenario.guard.enabled or setup.scenario.filter.kind != "none"
+    if controller is not None and not foreign and limited:
         bare = fitting.unguarded(controller, setup)
     return CosimSetup(setup, own, bare, foreign, files, maps, at_once)
 
 
-def _slaves(case: CosimSetup, fmi: int, folder: Path) -> dict[str, Slave]:
+def _slaves(case: CosimSetup, fmi: int, folder: Path, compiled: bool) -> dict[str, Slave]:
     slaves: dict[str, Slave] = {}
-    guard = ("guard",) if case.guarded else ()
-    for name in ("reference", "controller", *guard, "plant"):
+    for name in filter(None, ("reference", "controller", case.limiter, "plant")):
         given = case.files.get(name)
         path = Path(given) if given is not None else folder / f"{name}.fmu"
         if given is None:
             write_fmu(case.models[name], fmi, targets_of("host"), path, result=False, level=0)
-        slaves[name] = Slave(path, name, folder / name, ours=given is None)
+        ours = given is None
+        slaves[name] = Slave(path, name, folder / name, ours=ours, compiled=compiled and not ours)
     return slaves
 
 
@@ -197,11 +218,15 @@ def _run(
         _changer(scenario, slaves["plant"], maps.get("plant")),
     )
     fitting.check_parts(case.setup, coupled.plant)
+    fitting.check_sizes(scenario, coupled.plant, maps)
     giver = coupled.controller
     for part in (coupled.plant, giver if isinstance(giver, parts.Part) else giver.controller):
         fitting.check_step(scenario, part)
-    fitting.check_spans(scenario, coupled.plant, outside.steady)
+    steady = outside.calm if coupled.plant.is_base else outside.steady
+    fitting.check_spans(scenario, coupled.plant, steady)
+    all_starts: dict[str, Mapping[str, object]] = {}
     for name, slave in slaves.items():
+        starts: Mapping[str, object]
         if name in maps:
             starts = maps[name].start
         else:  # an FMU of ours that may come from another scenario gets this one's numbers
@@ -209,21 +234,27 @@ def _run(
             single = (v for v in case.models[name].variables if not (v.array or v.integer))
             given = (v for v in single if v.parameter or v.role is Role.START)
             starts = {v.name: v.start for v in given}
-        slave.begin(scenario.clock.duration, starts)
-    fitting.check_start(scenario, coupled.plant)
+        all_starts[name] = starts
     loop: Master = MASTERS[master](scenario, coupled, outside)
     facts = {"master": master, **{f"fmu_{name}": slave.label for name, slave in slaves.items()}}
     facts |= {"delay": "known to the controller"} if case.own is not case.setup else {}
     failure = ""
     try:
+        for name, slave in slaves.items():
+            slave.begin(scenario.clock.duration, all_starts[name])
+        fitting.check_start(scenario, coupled.plant)
         loop.run(progress)
     except FmuError as error:
         failure = str(error)
-    facts |= {f"warned_{name}": slave.warnings for name, slave in slaves.items() if slave.warnings}
+    for name, slave in slaves.items():
+        facts |= {f"{what}_{name}": told for what, told in slave.faults.items()}
     named = slaves["controller"].description.modelName
     law = named if case.foreign else case.setup.name
-    logged_signals = (*signals.LOG_HEAD, *case.diagnostics, *outside.columns)
-    logged = (logged_signals, _columns(logged_signals, _table(loop)), outside.monitor(failure))
+    sent = signals.COMMAND if case.setup.takes_velocity else ()
+    further = (item for item in outside.columns if item not in signals.TORQUE)
+    logged_signals = (*signals.LOG_HEAD, *case.diagnostics, *sent, *further)
+    table = _table(loop, case.setup.commanded)
+    logged = (logged_signals, _columns(logged_signals, table), outside.monitor(failure))
     run = assemble_run(scenario, law, seed, "fmu", logged, facts, _assumed(case))
     if not coupled.plant.foreign:
         return run
@@ -231,10 +262,13 @@ def _run(
 
 
 def _assumed(case: CosimSetup) -> Assumptions:
-    """The guard's assumptions; void where its torques act a period later than it is told."""
+    """Assumptions of guard or filter; void where what it sends acts later than it is told."""
     assumed = case.own.assumptions
     if not case.at_once or case.own is not case.setup:
         return assumed
+    if case.setup.takes_velocity:
+        filtered = case.setup.scenario.filter.kind != "none"
+        return replace(assumed, void=UNFILTERED if filtered else "")
     remedy = TELL
     try:
         one_period_later(case.setup)
@@ -249,11 +283,14 @@ def _controller(
     """The controller, with the guard behind it where that is a part of its own."""
     names = elements((*signals.DIAGNOSTICS, *case.diagnostics))
     slave, robot = slaves["controller"], case.setup.scenario.robot
-    asked = signals.FORCE.elements if case.guarded else TORQUES
+    asked = COMMANDED if case.setup.takes_velocity else TORQUES
+    asked = signals.FORCE.elements if case.limiter == "guard" else asked
     part = parts.controller_part(slave, case.maps.get("controller"), robot, names, asked)
-    if not case.guarded:
-        return part
-    return parts.GuardedController(part, parts.guard_part(slaves["guard"]))
+    if case.limiter == "filter":
+        return parts.FilteredController(part, parts.filter_part(slaves["filter"]))
+    if case.limiter == "guard":
+        return parts.GuardedController(part, parts.guard_part(slaves["guard"]))
+    return part
 
 
 def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable[[Change], None]:
@@ -289,14 +326,18 @@ def _setter(slave: Slave, row: MapRow) -> Callable[[float], None]:
     return lambda value: write([(value - row.offset) / share])
 
 
-def _table(loop: Master) -> dict[str, np.ndarray]:
+def _table(loop: Master, commanded: Sequence[signals.Signal]) -> dict[str, np.ndarray]:
     """Columns by element name, with heading and tracking error of the true pose."""
     effects, further = elements(loop.outside.columns), loop.parts.controller.targets[2:]
-    names = (*HEAD, *TORQUES, *NOISES, *effects, *further)
+    names = (*HEAD, *elements(commanded), *NOISES, *effects, *further)
     rows = np.array(loop.rows, dtype=float).reshape(len(loop.rows), len(names))
     table = {name: rows[:, i] for i, name in enumerate(names)}
     table[signals.PSI.name] = table["theta"] + np.pi / 2
-    errors = np.asarray(_error()(rows[:, 6:9].T, rows[:, 1:4].T))
+    if loop.parts.plant.is_base:  # its torques are its own
+        table |= dict.fromkeys(TORQUES, np.full(len(rows), np.nan))
+    errors = np.zeros((3, 0))
+    if len(rows):
+        errors = np.asarray(_error()(rows[:, 6:9].T, rows[:, 1:4].T))
     return table | {name: errors[i] for i, name in enumerate(signals.TRACKING_ERROR.elements)}
 
 

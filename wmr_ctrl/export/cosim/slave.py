@@ -1,36 +1,38 @@
 """One FMU in co-simulation, through FMPy: read, write and step with arrays made once."""
 
 import ctypes as ct
-import hashlib
-import os
-import subprocess
+import math
 import sys
-import zipfile
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import chdir, suppress
-from functools import cached_property, partial
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 from weakref import WeakValueDictionary
 
-from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, UnknownNameError, WmrError
-from wmr_ctrl.core.fields.files import note_input
-from wmr_ctrl.core.fields.named_units import BASE, NamedUnit
-from wmr_ctrl.core.fields.values import may_unpack
-from wmr_ctrl.export.fmi.targets import TARGETS, host
+import fmpy
+import numpy as np
+from fmpy import fmi2, fmi3
+from fmpy.simulation import apply_start_values
 
-try:
-    import fmpy
-    from fmpy import fmi2, fmi3
-except (ImportError, OSError) as error:
-    raise MissingExtraError(
-        f"this needs FMPy, which cannot be imported ({error}): pip install --force-reinstall fmpy."
-    ) from None
+from wmr_ctrl.core.errors import ArgumentError, WmrError, show
+
+from .fmu_file import FLOATS, NO_NUMBERS, FmuError, FmuFile, Number
+from .library_file import build_sources, place_of, try_to_load
 
 _WARNING = 1  # the highest status of a call that did what it should
 _NEAR = 1e-3
 """Share of a step by which the time that an FMU says it reached may be off."""
+_MOST_HEARD = 3
+"""Messages that an error repeats."""
+_TYPES: Mapping[str, Any] = {
+    "Real": ct.c_double, "Float64": ct.c_double, "Float32": ct.c_float, "Integer": ct.c_int32,
+    "Int8": ct.c_int8, "UInt8": ct.c_uint8, "Int16": ct.c_int16, "UInt16": ct.c_uint16,
+    "Int32": ct.c_int32, "UInt32": ct.c_uint32, "Int64": ct.c_int64, "UInt64": ct.c_uint64,
+}  # fmt: skip
+"""C types of numbers, by FMI's names."""
 Read = Callable[[], list[float]]
 Write = Callable[[Sequence[float]], None]
 
@@ -51,139 +53,52 @@ def _heard(environment: int | None, *logged: Any) -> None:
 _LOGGER = fmi2.fmi2CallbackLoggerTYPE(_heard)
 
 
-class FmuError(WmrError, RuntimeError):
-    """An FMU refused a call or could not be loaded; the message names it and says when."""
+class Values:
+    """Variables of one type, each once, as the arrays that the FMU's functions take.
 
-
-class FmuFile:
-    """Variables, units and name of an FMU.  Raises FmuError for a file that is none.
-
-    ``name`` is how messages call it; ``checked``: against FMI's schema.
+    ``begins``: place of each variable's first number, by its value reference.
     """
 
-    def __init__(self, path: str | Path, name: str, *, checked: bool = True) -> None:
-        self.name, self.path = name, os.fspath(path)
-        if checked:  # others this command wrote
-            note_input(path, name)
-        try:
-            with zipfile.ZipFile(self.path) as archive:
-                unpacked = sum(item.file_size for item in archive.infolist())
-            if not may_unpack(os.path.getsize(self.path), unpacked):
-                raise ArgumentError(
-                    f"it is {unpacked / 1e6:.0f} MB unpacked, which is implausible for its size. "
-                    "Check where it comes from."
-                )
-            self.description = fmpy.read_model_description(self.path, validate=checked)
-        except Exception as error:  # FMPy raises bare Exceptions
-            raise self.unusable(error) from error
-        self.variables = {v.name: v for v in self.description.modelVariables}
+    def __init__(self, fmu: Any, version: int, kind: str, variables: Iterable[Any]) -> None:
+        own = {v.valueReference: v for v in variables}
+        sizes = [math.prod(v.shape or ()) for v in own.values()]
+        self.begins = dict(zip(own, np.cumsum([0, *sizes]).tolist(), strict=False))
+        self.arrays = any(v.shape for v in own.values())
+        starts = [n for v, size in zip(own.values(), sizes, strict=True) for n in _starts(v, size)]
+        count, length = len(own), sum(sizes)
+        enumerated = {2: "Integer", 3: "Int64"}[version]
+        name = enumerated if kind == "Enumeration" else kind
+        boolean = ct.c_int32 if version == 2 else ct.c_bool
+        self.numbers = ((boolean if kind == "Boolean" else _TYPES[name]) * length)()
+        self.kind, self.whole = kind, name not in FLOATS
+        for place, start in enumerate(starts):
+            self.assign(place, start)
+        given = fmu.component, (ct.c_uint32 * count)(*own), count, self.numbers
+        size = () if version == 2 else (length,)
+        verbs = (getattr(fmu.dll, f"fmi{version}{verb}{name}") for verb in ("Get", "Set"))
+        self.get, self.put = (partial(call, *given, *size) for call in verbs)
 
-    def unusable(self, error: Exception) -> FmuError:
-        """Error to raise for a file that cannot be loaded."""
-        return FmuError(f"the FMU {self.path} ({self.name}) cannot be used: {_reason(error)}")
+    def assign(self, place: int, value: float) -> None:
+        """Take a number: the nearest whole one, or for a Boolean whether it is at least 0.5.
 
-    @property
-    def label(self) -> str:
-        """Its model's name, its file, version of FMI and the beginning of the file's SHA-256."""
-        digest = hashlib.sha256(Path(self.path).read_bytes()).hexdigest()[:16]
-        said = self.description
-        return f"{said.modelName} ({Path(self.path).name}, FMI {said.fmiVersion}, sha256 {digest})"
-
-    def unit(self, name: str) -> NamedUnit | str | None:
-        """Unit that the model description gives a variable: as it defines it, by name, or None."""
-        variable = self.variable(name)
-        declared = variable.declaredType
-        own = variable.unit or (declared.unit if declared is not None else None)
-        return self._defined.get(own, own) if own else None
-
-    @cached_property
-    def _defined(self) -> dict[str, NamedUnit]:
-        """Units that the model description defines by base units."""
-        units = {}
-        for item in self.description.unitDefinitions:
-            name, base = str(item.name), item.baseUnit
-            if base is not None:
-                exponents = {key: int(getattr(base, key)) for key in BASE if getattr(base, key)}
-                units[name] = NamedUnit(name, float(base.factor), exponents, float(base.offset))
-        return units
-
-    def variable(self, name: str) -> Any:
-        """A real variable's description; raises UnknownNameError or ArgumentError."""
-        if name not in self.variables:
-            raise UnknownNameError(f"variable of the FMU {self.path}", name, self.variables)
-        variable = self.variables[name]
-        if variable.type not in ("Real", "Float64"):
-            raise ArgumentError(
-                f"{name} of the FMU {self.path} is of type {variable.type}; only real "
-                "variables can be used. Map another variable."
-            )
-        if variable.dimensions:
-            raise ArgumentError(
-                f"{name} of the FMU {self.path} is an array; only single numbers can be used. Map "
-                "another variable."
-            )
-        return variable
+        Raises ValueError where the type does not hold it.
+        """
+        if self.kind == "Boolean":
+            value = value >= 0.5 if math.isfinite(value) else math.nan
+        wanted = round(value) if self.whole and math.isfinite(value) else value
+        if self.whole and not math.isfinite(value):
+            raise ValueError(f"{value} is no value of type {self.kind}")
+        self.numbers[place] = wanted
+        if self.whole and self.numbers[place] != wanted:
+            raise ValueError(f"{wanted} does not fit into type {self.kind}")
 
 
-def _reason(error: Exception) -> str:
-    """Fault of a file that cannot be loaded, and its remedy; our own errors name both."""
-    if isinstance(error, WmrError):
-        return str(error)
-    if isinstance(error, FileNotFoundError):
-        return "there is no such file. Check the path."
-    if isinstance(error, IsADirectoryError):
-        return "it is a folder. Name the file, which ends in .fmu."
-    if isinstance(error, zipfile.BadZipFile):
-        return f"it is no whole zip archive, which every FMU is ({error}). Copy or export it again."
-    if isinstance(error, KeyError):
-        return f"it lacks a part ({error.args[0]}). Export it again."
-    if isinstance(error, (AttributeError, TypeError)):
-        return "its modelDescription.xml is none of FMI 2.0 or 3.0. Export it again."
-    said = str(error).rstrip(".")
-    return f"{said}. Export it again, for co-simulation by FMI 2.0 or 3.0 on this platform."
-
-
-def _place(folder: Path, version: int, model: str) -> Path:
-    """Place of this machine's library in an unpacked FMU.
-
-    In FMI 2 a processor's own folder comes before the one that FMPy takes, which may hold another
-    processor's library.
-    """
-    name = model + fmpy.sharedLibraryExtension
-    if version == 3:
-        return Path("binaries", fmpy.platform_tuple, name)
-    own = (Path("binaries", target.fmi2, name) for target in TARGETS if target.name == host())
-    there = (place for place in own if (folder / place).is_file())
-    return next(there, Path("binaries", fmpy.platform, name))
-
-
-def _try_to_load(folder: Path, inside: Path) -> None:
-    """Raise ArgumentError unless a process of its own can load an unpacked FMU's library.
-
-    One that is cut off or overwritten ends the process that loads it instead of raising.
-    """
-    here, library = inside.parent.name, folder.absolute() / inside
-    if not library.is_file():
-        others = sorted(item.name for item in folder.glob("binaries/*") if any(item.iterdir()))
-        raise ArgumentError(
-            f"it has no {inside.as_posix()}, and this platform is {here}; it is built for "
-            f"{', '.join(others) or 'no platform'}. Export it for {here}."
-        )
-    load = [sys.executable, "-I", "-S", "-c", "import ctypes as c, sys; c.CDLL(sys.argv[1])"]
-    done = subprocess.run(
-        [*load, str(library)], cwd=library.parent, capture_output=True, text=True, check=False
-    )
-    if done.returncode:
-        *_, said = ("", *done.stderr.strip().splitlines())
-        _, ours, why = said.removeprefix("OSError: ").rpartition(f"{library}: ")
-        if done.returncode != 1:
-            why = "the process that tried was ended by it, so it is damaged or cut off"
-        elif ours and "No such file" in why:  # the loader's word for another processor's
-            why = "it is for another processor"
-        raise ArgumentError(
-            f"its library {inside.as_posix()} cannot be loaded on this machine: {why}. "
-            f"Copy the file again, or export it again for {here}."
-        )
+def _starts(variable: Any, size: int) -> list[float]:
+    """Start values of a variable's elements as its description says, 0 where it says none."""
+    words = str(variable.start or "").split()
+    named = {"true": 1.0, "false": 0.0}
+    numbers = [named[word] if word in named else float(word) for word in words]
+    return numbers if len(numbers) == size else numbers[:1] * size or [0.0] * size
 
 
 class Slave(FmuFile):
@@ -193,17 +108,24 @@ class Slave(FmuFile):
     """
 
     def __init__(
-        self, path: str | Path, name: str, folder: str | Path, *, ours: bool = False
+        self,
+        path: str | Path,
+        name: str,
+        folder: str | Path,
+        *,
+        ours: bool = False,
+        compiled: bool = False,
     ) -> None:
         """Unpack ``path`` below ``folder`` and create one instance.
 
         ``ours``: this process wrote it, so that it is neither compared with FMI's schema nor loaded
-        by another process first.
+        by another process first; ``compiled``: its sources are built where it has no library for
+        this machine.
         """
         super().__init__(path, name, checked=not ours)
-        self.time = 0.0
-        self.messages: list[str] = []
-        self._warned, self._first = 0, ""
+        self.time, self._begun = 0.0, False
+        self.messages: deque[str] = deque(maxlen=10 * _MOST_HEARD)
+        self._faults: dict[str, tuple[int, str]] = {}
         self.version = 2 if self.description.fmiVersion == "2.0" else 3
         self._flags, self._last = [ct.c_bool() for _ in range(3)], ct.c_double()
         self._answers = [*map(ct.byref, self._flags), ct.byref(self._last)]
@@ -214,9 +136,11 @@ class Slave(FmuFile):
                 raise ArgumentError(text)
             model = interface.modelIdentifier
             fmpy.extract(self.path, str(folder))
-            place = _place(Path(folder), self.version, model)
+            place = place_of(Path(folder), self.version, model)
+            if compiled:
+                build_sources(Path(folder), place, self.description)
             if not ours and sys.executable:
-                _try_to_load(Path(folder), place)
+                try_to_load(Path(folder), place)
             with chdir("."):  # FMPy stays in another folder if it cannot load the library
                 self._fmu = (fmi2.FMU2Slave if self.version == 2 else fmi3.FMU3Slave)(
                     guid=self.description.guid,
@@ -234,7 +158,20 @@ class Slave(FmuFile):
                 )
             ) from error
         except Exception as error:  # FMPy raises bare Exceptions
-            raise self.unusable(error) from error
+            raise self.unusable(error, self._refusal) from error
+
+    @property
+    def _refusal(self) -> str:
+        """What it said of itself before it was refused, and the clocks that may be the cause."""
+        said = "; ".join(dict.fromkeys([*self.messages][-_MOST_HEARD:]))
+        clocks = [v.name for v in self.variables.values() if v.type == "Clock"]
+        parts = [f" It said: {said.rstrip('.')}."] if said else []
+        if clocks:
+            parts.append(
+                f" It has clocks ({', '.join(clocks[:_MOST_HEARD])}), which need event mode, and "
+                "this master has none: export it without clocks."
+            )
+        return "".join(parts)
 
     def _instantiate(self) -> None:
         if self.version == 3:
@@ -255,7 +192,7 @@ class Slave(FmuFile):
         """Keep a message, which both versions of FMI give last."""
         self.messages.append((logged[-1] or b"").decode(errors="replace"))
 
-    def begin(self, stop: float, values: Mapping[str, float]) -> None:
+    def begin(self, stop: float, values: Mapping[str, Any]) -> None:
         """Set start values and initialise at t = 0 s."""
         try:
             if self.version == 2:
@@ -266,50 +203,84 @@ class Slave(FmuFile):
                 self.set(values)
                 self._fmu.enterInitializationMode(startTime=0.0, stopTime=stop)
             self._fmu.exitInitializationMode()
+            self._begun = True
         except WmrError:
             raise
         except Exception as error:  # FMPy raises bare Exceptions
             raise self.failure("initialisation", error) from error
 
-    def set(self, values: Mapping[str, float]) -> None:
-        """Set variables by name."""
+    def set(self, values: Mapping[str, Any]) -> None:
+        """Set variables by name, of any type; arrays also as lists.  Raises ArgumentError."""
         for name, value in values.items():
-            self.writer([name])([value])
+            known = self.variables.get(name)
+            if known is None or not (known.shape or known.type in NO_NUMBERS):
+                kind = self.variable(name).type
+                if not isinstance(value, (int, float)):
+                    raise ArgumentError(f"{name} is of type {kind}, and {show(value)} is not.")
+                if kind not in FLOATS and not float(value).is_integer():
+                    raise ArgumentError(f"{name} is of type {kind}: {value} is no whole number.")
+                self.writer([name])([value])
+                continue
+            try:
+                apply_start_values(self._fmu, self.description, {name: value})
+            except Exception as error:  # FMPy raises bare Exceptions
+                raise ArgumentError(
+                    f"{name} of the FMU {self.path}, of type {known.type}, cannot be set to "
+                    f"{show(value)}: {error}."
+                ) from error
 
     def reader(self, names: Iterable[str]) -> Read:
-        """A function that reads these variables at once."""
-        get, buffer = self._bound("Get", names)
+        """A function that reads these numbers at once."""
+        parts, places = self._bound(names)
+        found = [(part.numbers, place) for part, place in places]
 
         def read() -> list[float]:
-            if get() > _WARNING:
+            if any(part.get() > _WARNING for part in parts):
                 raise self.failure("reading its outputs")
-            return buffer[:]
+            return [float(numbers[place]) for numbers, place in found]
 
         return read
 
     def writer(self, names: Iterable[str]) -> Write:
-        """A function that writes these variables at once."""
-        put, buffer = self._bound("Set", names)
+        """A function that writes these numbers at once; other elements of arrays stay."""
+        listed = tuple(names)
+        parts, places = self._bound(listed)
+        unread = [part for part in parts if part.arrays]
 
         def write(values: Sequence[float]) -> None:
-            buffer[:] = values
-            if put() > _WARNING:
+            while unread and self._begun:
+                if unread.pop().get() > _WARNING:
+                    raise self.failure("reading its arrays")
+            for name, (part, place), value in zip(listed, places, values, strict=True):
+                try:
+                    part.assign(place, value)
+                except ValueError as error:
+                    raise self.failure(f"setting {name}", error) from error
+            if any(part.put() > _WARNING for part in parts):
                 raise self.failure("setting its inputs")
 
         return write
 
-    def _bound(self, verb: str, names: Iterable[str]) -> tuple[Callable[[], int], Any]:
-        """The C function itself, whose types FMPy has set, on these variables; their buffer."""
-        refs = [self.variable(name).valueReference for name in names]
-        count, buffer = len(refs), (ct.c_double * len(refs))()
-        name = f"fmi2{verb}Real" if self.version == 2 else f"fmi3{verb}Float64"
-        given = (self._fmu.component, (ct.c_uint32 * count)(*refs), count, buffer)
-        length = () if self.version == 2 else (count,)
-        return partial(getattr(self._fmu.dll, name), *given, *length), buffer
+    def _bound(self, names: Iterable[str]) -> tuple[list[Values], list[tuple[Values, int]]]:
+        """Arrays of these numbers by type, and where each number is."""
+        numbers = [self.number(name) for name in names]
+        kinds = dict.fromkeys(item.variable.type for item in numbers)
+        parts = {
+            kind: Values(self._fmu, self.version, kind,
+                         [n.variable for n in numbers if n.variable.type == kind])
+            for kind in kinds
+        }  # fmt: skip
+
+        def place(number: Number) -> tuple[Values, int]:
+            part = parts[number.variable.type]
+            return part, part.begins[number.variable.valueReference] + number.index
+
+        return list(parts.values()), list(map(place, numbers))
 
     def step(self, t: float, h: float) -> None:
         """One communication step from t [s] over h [s]."""
         self.time = t
+        self.messages.clear()
         dll, instance = self._fmu.dll, self._fmu.component
         if self.version == 2:
             status = dll.fmi2DoStep(instance, t, h, 1)
@@ -319,27 +290,32 @@ class Slave(FmuFile):
         if status > _WARNING:
             raise self.failure("doStep")
         if status == _WARNING:
-            self._warned += 1
-            self._first = self._first or f"t = {t:.9g} s: {'; '.join(self.messages[-1:])}"
+            self._told("warned", t, "; ".join([*self.messages][-1:]))
         if self._flags[1].value or self._flags[2].value:
             raise self.failure("doStep, which it ended early")
-        reached, end = self._last.value, t + h
-        if self.version == 3 and not abs(reached - end) <= _NEAR * h:
-            raise self.failure(f"doStep to {end:.9g} s, of which it reached {reached:.9g}")
+        behind = t + h - self._last.value
+        if self.version == 3 and behind > _NEAR * h:
+            self._told("lagged", t, f"{behind:.9g} s behind the step's end")
+
+    def _told(self, what: str, t: float, words: str) -> None:
+        """Count a step with a fault that ends no run; the first one is told in ``words``."""
+        count, first = self._faults.get(what, (0, f"first at t = {t:.9g} s: {words}"))
+        self._faults[what] = count + 1, first
+
+    @property
+    def faults(self) -> Mapping[str, str]:
+        """Faults of its steps, ``warned`` and ``lagged``: in how many, and the first."""
+        return {what: f"{count} steps, {first}" for what, (count, first) in self._faults.items()}
 
     @property
     def takes_any_step(self) -> bool:
         """Whether its communication steps may differ in size, as its description says."""
         return bool(self.description.coSimulation.canHandleVariableCommunicationStepSize)
 
-    @property
-    def warnings(self) -> str:
-        """In how many steps it warned, and when and of what first; empty if it never did."""
-        return f"{self._warned} steps, first at {self._first}" if self._warned else ""
-
     def failure(self, what: str, error: Exception | None = None) -> FmuError:
         """Error to raise where it fails in ``what``: a sentence with file, part and time."""
-        reason = str(error) if error is not None else "; ".join(self.messages[-1:])
+        said = dict.fromkeys([*self.messages][-_MOST_HEARD:])
+        reason = "; ".join([*([str(error).rstrip(".")] if error is not None else []), *said])
         cause = f"{': ' if reason else ''}{reason.strip()}".rstrip(".")
         return FmuError(
             f"the FMU {self.path} ({self.name}) failed at t = {self.time:.9g} s in {what}{cause}."

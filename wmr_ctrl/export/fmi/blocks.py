@@ -79,9 +79,17 @@ def plant_model(scenario: Scenario) -> FmuModel:
 
 
 def law_model(setup: Setup) -> FmuModel:
-    """One control law, watched: reference, pose and velocity in, torques and diagnostics out."""
-    law, system = setup.control_law, _sampled(asking_controller(setup))
-    return _model(law.name, f"Control law: {law.title}", setup.scenario, system)
+    """One control law, watched: reference, pose and velocity in, torques and diagnostics out.
+
+    Of a base that takes velocities the command comes out, behind the filter if there is one; such a
+    law has no derivatives, and as a filter counts in periods the period is fixed.
+    """
+    law, system = setup.control_law, asking_controller(setup)
+    if setup.takes_velocity:
+        return _counting(
+            law.name, setup.scenario, replace(system, title=f"control law: {law.title}")
+        )
+    return _model(law.name, f"Control law: {law.title}", setup.scenario, _sampled(system))
 
 
 def guard_model(setup: Setup) -> FmuModel:
@@ -126,7 +134,8 @@ def _counting(what: str, scenario: Scenario, system: System) -> FmuModel:
     p, T = Parameters(scenario, system.params), scenario.clock.control
     p.take("clock.control")
     fixed, timed = {"clock.control": (T, T)}, _sampled(replace(system, params=p.ports))
-    return _model(what, system.title.capitalize(), scenario, timed, fixed=fixed, derived=False)
+    title = f"{system.title[0].upper()}{system.title[1:]}"
+    return _model(what, title, scenario, timed, fixed=fixed, derived=False)
 
 
 def reference_model(scenario: Scenario) -> FmuModel:

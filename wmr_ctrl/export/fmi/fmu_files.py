@@ -62,6 +62,8 @@ def export_fmu(
     be built are in the files all the same (PartlyBuiltError, at the end).
     """
     case = scenario_given(scenario)
+    if what in ("plant", "guard", "corridor"):
+        check_takes_torques(case, f"the {what} is exported")
     model = model_of(what, law_of(case, law), case)
     paths, lost = [], list[PartlyBuiltError]()
     for version in versions_of(fmi):
@@ -93,8 +95,6 @@ def versions_of(fmi: str | int) -> tuple[int, ...]:
 
 def model_of(what: str, law: str, scenario: Scenario) -> FmuModel:
     """The model called ``what``; raises UnknownNameError with the near names."""
-    if what not in ("reference", "filter", "closed-loop"):
-        check_takes_torques(scenario, "parts of the loop are exported")
     match what:
         case "plant":
             return blocks.plant_model(scenario)

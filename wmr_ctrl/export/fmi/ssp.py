@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from wmr_ctrl.control.given import law_of
-from wmr_ctrl.control.outside import check_plain_loop
+from wmr_ctrl.control.outside import check_plain_loop, check_takes_torques
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.core import signals
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.named_units import units_of
 from wmr_ctrl.export.cosim import mapping
-from wmr_ctrl.export.cosim.slave import FmuFile
+from wmr_ctrl.export.cosim.fmu_file import FmuFile
 from wmr_ctrl.world.scenario import Scenario, title_of
 
 from .blocks import parallel
@@ -51,6 +51,7 @@ SAME_AS = {
     "torque_left": signals.TORQUE[1].name,
 }
 """Quantities that are others here: torques act as they are commanded, and there is no noise."""
+REALS = ("Real", "Float64")
 INNER = ("startElement", "startConnector", "endElement", "endConnector")
 """Attributes of a connection between two parts; one to the whole system has three of them."""
 SET = "scenario"
@@ -114,6 +115,7 @@ def export_ssp(
     case = scenario_given(scenario)
     law = law_of(case, law)
     setup = settle(case, law)
+    check_takes_torques(case, "an SSP package is written")
     check_plain_loop(setup, "an SSP package")
     own = one_period_later(setup) if delay_known else setup
     maps = mapping.load_map(map_file) if map_file is not None else {}
@@ -165,10 +167,17 @@ def _theirs(name: str, path: str | Path, part: mapping.PartMap | None, setup: Se
             f"guard.enabled is true, but the guard is part of our controllers and not in {path}. "
             "Set guard.enabled = false."
         )
-    unit = FmuFile(path, name).unit
-    inputs = mapping.input_rows(part, unit, name)
+    file = FmuFile(path, name)
+    inputs = mapping.input_rows(part, file.unit, name)
     ours = mapping.controller_outputs if name == "controller" else mapping.plant_outputs
-    outputs = ours(part, unit, setup.scenario.robot)
+    outputs = ours(part, file.unit, setup.scenario.robot)
+    named = (*(row.target for row in inputs), *(key for row in outputs for key, _ in row.terms))
+    for key in (*named, *part.start):
+        if key not in file.variables or file.variables[key].type not in REALS:
+            raise ArgumentError(
+                f"{name}: {key} is no real variable of {path}, and a package connects and sets "
+                "only those. Map another one, or use cosim."
+            )
     for row in (*inputs, *outputs):
         if len(row.terms) != 1:
             raise ArgumentError(

@@ -7,6 +7,7 @@ from wmr_ctrl.control.filter.hypotheses import broken_hypotheses
 from wmr_ctrl.control.setup import Setup, bound_of, settle
 from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.results import Run
+from wmr_ctrl.results.consistency import contradictions
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.world.effect import EffectRole, Pair
 from wmr_ctrl.world.pose_sensor import PoseSensor
@@ -170,6 +171,8 @@ def promise_of_run(run: Run) -> str:
         return ""
     if not is_guarded(setup):
         return f"In this scenario {words}."
-    broken = setup.void or broken_hypotheses(scenario, setup.bound)
+    late = setup.takes_velocity and run.provenance.get("master") == "jacobi"
+    void = setup.void or late or contradictions(run)
+    broken = void or broken_hypotheses(scenario, setup.bound)
     by = "filter" if setup.takes_velocity else "guard"
     return f"{f'The {by} assumes that' if broken else 'The limits are guaranteed while'} {words}."

@@ -1,0 +1,166 @@
+"""An FMU's file: its variables with types and units, and why one cannot be used."""
+
+import hashlib
+import os
+import re
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+from lxml import etree
+
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, WmrError
+from wmr_ctrl.core.fields.files import note_input
+from wmr_ctrl.core.fields.named_units import BASE, NamedUnit
+from wmr_ctrl.core.fields.values import may_unpack
+
+_READ = re.compile(r"2\.0|3\.0(\.\d+)?")
+"""Versions of FMI."""
+_ELEMENT = re.compile(r"(.+)\[(\d+(?:,\d+)*)\]")
+_MOST_LISTED = 64
+"""Elements of an array that a list of names has at most."""
+FLOATS = ("Real", "Float64", "Float32")
+NO_NUMBERS = ("String", "Binary", "Clock")
+
+
+class FmuError(WmrError, RuntimeError):
+    """An FMU refused a call or could not be loaded; the message names it and says when."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of an FMU: a variable, or the element of an array at ``index``, from 0."""
+
+    variable: Any
+    index: int = 0
+
+
+class FmuFile:
+    """Variables, units and name of an FMU.  Raises FmuError for a file that is none.
+
+    ``name`` is how messages call it; ``checked``: against FMI's schema.
+    """
+
+    def __init__(self, path: str | Path, name: str, *, checked: bool = True) -> None:
+        self.name, self.path = name, os.fspath(path)
+        if checked:  # others this command wrote
+            note_input(path, name)
+        try:
+            with zipfile.ZipFile(self.path) as archive:
+                unpacked = sum(item.file_size for item in archive.infolist())
+                if not may_unpack(os.path.getsize(self.path), unpacked):
+                    raise ArgumentError(
+                        f"it is {unpacked / 1e6:.0f} MB unpacked, which is implausible for its "
+                        "size. Check where it comes from."
+                    )
+                root = etree.fromstring(archive.read("modelDescription.xml"))
+            _check_version(root.get("fmiVersion"))
+            self.description = fmpy.read_model_description(self.path, validate=checked)
+        except Exception as error:  # FMPy raises bare Exceptions
+            raise self.unusable(error) from error
+        self.variables = {v.name: v for v in self.description.modelVariables}
+
+    def unusable(self, error: Exception, further: str = "") -> FmuError:
+        """Error to raise for a file that cannot be loaded; ``further`` sentences end it."""
+        reason = f"{_reason(error)}{further}"
+        return FmuError(f"the FMU {self.path} ({self.name}) cannot be used: {reason}")
+
+    @property
+    def label(self) -> str:
+        """Its model's name, its file, version of FMI and the beginning of the file's SHA-256."""
+        digest = hashlib.sha256(Path(self.path).read_bytes()).hexdigest()[:16]
+        said = self.description
+        return f"{said.modelName} ({Path(self.path).name}, FMI {said.fmiVersion}, sha256 {digest})"
+
+    def unit(self, name: str) -> NamedUnit | str | None:
+        """Unit that the model description gives a variable: as it defines it, by name, or None."""
+        variable = self.variable(name)
+        declared = variable.declaredType
+        own = variable.unit or (declared.unit if declared is not None else None)
+        return self._defined.get(own, own) if own else None
+
+    @cached_property
+    def _defined(self) -> dict[str, NamedUnit]:
+        """Units that the model description defines by base units."""
+        units = {}
+        for item in self.description.unitDefinitions:
+            name, base = str(item.name), item.baseUnit
+            if base is not None:
+                exponents = {key: int(getattr(base, key)) for key in BASE if getattr(base, key)}
+                units[name] = NamedUnit(name, float(base.factor), exponents, float(base.offset))
+        return units
+
+    def variable(self, name: str) -> Any:
+        """Description of the variable behind a `number`."""
+        return self.number(name).variable
+
+    def number(self, name: str) -> Number:
+        """A number by the name of its variable, or as an array's ``name[1]``, ``name[1,2]``.
+
+        Raises UnknownNameError, or ArgumentError for an array or a variable that is no number.
+        """
+        part = _ELEMENT.fullmatch(name) if name not in self.variables else None
+        owner = part[1] if part else name
+        if owner not in self.variables:
+            raise UnknownNameError(f"variable of the FMU {self.path}", name, self.variables)
+        variable = self.variables[owner]
+        if variable.type in NO_NUMBERS:
+            raise ArgumentError(
+                f"{name} of the FMU {self.path} is of type {variable.type}, which is no number. "
+                "Map another variable."
+            )
+        shape = tuple(variable.shape or ())
+        place = tuple(int(i) - 1 for i in part[2].split(",")) if part else ()
+        pairs = zip(place, shape, strict=False)
+        inside = len(place) == len(shape) and all(0 <= i < n for i, n in pairs)
+        if not inside:
+            size = f"an array of {' x '.join(map(str, shape))}" if shape else "no array"
+            first, last = (",".join(map(str, side)) for side in ((1,) * len(shape), shape))
+            hint = f"Name one number, {owner}[{first}] to {owner}[{last}]" if shape else "Leave out"
+            raise ArgumentError(
+                f"{name} of the FMU {self.path}: {owner} is {size}. {hint}"
+                f"{'' if shape else ' the brackets'}."
+            )
+        return Number(variable, int(np.ravel_multi_index(place, shape)) if shape else 0)
+
+    @property
+    def numbers(self) -> Iterator[tuple[str, Any]]:
+        """Names that `number` takes, with their variables: of long arrays the first elements."""
+        for name, variable in self.variables.items():
+            if variable.type not in NO_NUMBERS and variable.causality != "independent":
+                shape = tuple(variable.shape or ())
+                for place in list(np.ndindex(*shape))[:_MOST_LISTED]:
+                    tail = f"[{','.join(str(i + 1) for i in place)}]" if shape else ""
+                    yield f"{name}{tail}", variable
+
+
+def _check_version(version: str | None) -> None:
+    """Raise ArgumentError for a version of FMI that is not read."""
+    if version is not None and not _READ.fullmatch(version):
+        raise ArgumentError(
+            f"it is of FMI {version}, and only 2.0 and 3.0 are read. Export it by one of these, "
+            "for co-simulation."
+        )
+
+
+def _reason(error: Exception) -> str:
+    """Fault of a file that cannot be loaded, and its remedy; our own errors name both."""
+    if isinstance(error, WmrError):
+        return str(error)
+    if isinstance(error, FileNotFoundError):
+        return "there is no such file. Check the path."
+    if isinstance(error, IsADirectoryError):
+        return "it is a folder. Name the file, which ends in .fmu."
+    if isinstance(error, zipfile.BadZipFile):
+        return f"it is no whole zip archive, which every FMU is ({error}). Copy or export it again."
+    if isinstance(error, KeyError):
+        return f"it lacks a part ({error.args[0]}). Export it again."
+    if isinstance(error, (AttributeError, TypeError)):
+        return "its modelDescription.xml is none of FMI 2.0 or 3.0. Export it again."
+    said = str(error).rstrip(".")
+    return f"{said}. Export it again, for co-simulation by FMI 2.0 or 3.0 on this platform."
