@@ -24,7 +24,6 @@ from wmr_ctrl.control.loop import PlantlessGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.simulation.coupled import Coupled
 from wmr_ctrl.world.scenario import Change, Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .mapping import DESIRED, STATE
 from .parts import GuardedController, Part, limiter, ready, wheels_of
@@ -137,7 +136,7 @@ class Master:
 
         A base that takes velocities limits its torques itself.
         """
-        if not self.parts.controller.foreign or takes_velocity(self.scenario):
+        if not self.parts.controller.foreign or self.scenario.takes_velocity:
             return given[:2]
         robot, tau_max = self.scenario.robot, self.scenario.actuator.tau_max
         return np.asarray(limiter()(given[:2], robot.r, robot.l, tau_max)).ravel().tolist()

@@ -17,7 +17,6 @@ from wmr_ctrl.control.filter import filter_system
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .files import render
 from .model_description import FmuModel, Role
@@ -43,7 +42,7 @@ NOTE = f". Plain C of one sample, and how to call it: {INTERFACE}"
 def plain_code(model: FmuModel) -> dict[str, str]:
     """The package of a law or the filter, whose ports are those of the FMU, and its interface."""
     law, scenario = model.what, model.scenario
-    if law != FILTER and (law not in LAWS or takes_velocity(scenario)):
+    if law != FILTER and (law not in LAWS or scenario.takes_velocity):
         return {}
     package = package_files(law, scenario, counting=False)
     system = filter_system(scenario) if law == FILTER else controller(settle(scenario, law))
