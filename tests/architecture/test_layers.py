@@ -29,7 +29,7 @@ THIRD_PARTY = {
     "simulation": {"cma", "filelock", "jinja2", "mujoco", "numpy", "scipy"},
     "identification": {"casadi", "numpy", "scipy", "tomlkit"},
     "report": {"PIL", "jinja2", "matplotlib", "numpy"},
-    "export": {"casadi", "fmpy", "numpy"},
+    "export": {"casadi", "fmpy", "lxml", "numpy"},
     "api": set(),
     "extend": {"lazy_loader"},
     "ros2": {"numpy", "rclpy", *ROS_MESSAGES},

@@ -49,6 +49,7 @@ def test_foreign_plant_with_other_names_units_and_sampling(foreign, mapped):
     )
     assert run.provenance["fmu_controller"].startswith("wmr_nn (")
     assert run.law == "nn"
+    assert summary(run)["kept"] is True
 
 
 def test_foreign_controller_drives_our_plant(foreign, mapped):

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import fmpy
 import numpy as np
+from fmpy.model_description import ModelVariable
 from lxml import etree
 
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, WmrError
@@ -36,7 +36,7 @@ class FmuError(WmrError, RuntimeError):
 class Number:
     """A number of an FMU: a variable, or the element of an array at ``index``, from 0."""
 
-    variable: Any
+    variable: ModelVariable
     index: int = 0
 
 
@@ -95,7 +95,7 @@ class FmuFile:
                 units[name] = NamedUnit(name, float(base.factor), exponents, float(base.offset))
         return units
 
-    def variable(self, name: str) -> Any:
+    def variable(self, name: str) -> ModelVariable:
         """Description of the variable behind a `number`."""
         return self.number(name).variable
 
@@ -129,7 +129,7 @@ class FmuFile:
         return Number(variable, int(np.ravel_multi_index(place, shape)) if shape else 0)
 
     @property
-    def numbers(self) -> Iterator[tuple[str, Any]]:
+    def numbers(self) -> Iterator[tuple[str, ModelVariable]]:
         """Names that `number` takes, with their variables: of long arrays the first elements."""
         for name, variable in self.variables.items():
             if variable.type not in NO_NUMBERS and variable.causality != "independent":

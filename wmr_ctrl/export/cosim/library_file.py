@@ -3,17 +3,15 @@
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import fmpy
+from fmpy.model_description import ModelDescription
 
-from wmr_ctrl.codegen.compiler import TIMEOUT, run_command
-from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.export.fmi.targets import TARGETS, host
 
-_WITHOUT_PREFIX = ("FMI2_OVERRIDE_FUNCTION_PREFIX", "FMI3_OVERRIDE_FUNCTION_PREFIX")
-"""Macros by which sources leave the model's name out of their functions' names."""
+_WITHOUT_PREFIX = "-DFMI2_OVERRIDE_FUNCTION_PREFIX -DFMI3_OVERRIDE_FUNCTION_PREFIX"
+"""Flags by which sources leave the model's name out of their functions' names."""
 
 
 def place_of(folder: Path, version: int, model: str) -> Path:
@@ -74,36 +72,23 @@ def _why_none(folder: Path, inside: Path) -> str:
     )
 
 
-def build_sources(folder: Path, inside: Path, description: Any) -> None:
-    """Build an unpacked FMU's C sources into its library for this machine, unless it has one.
+def build_sources(folder: Path, inside: Path, description: ModelDescription) -> None:
+    """Build an unpacked FMU's sources into its library for this machine, unless it has one.
 
-    Raises ArgumentError where it has none or they cannot be built, CompilerError without compiler.
+    By FMPy, which calls CMake.  Raises ArgumentError where there are none, or that fails.
     """
     if (folder / inside).is_file():
         return
-    sets = [part for one in description.buildConfigurations[:1] for part in one.sourceFileSets]
-    if not sets:
+    if not description.buildConfigurations:
         raise ArgumentError(
             f"{_why_none(folder, inside)} It names no sources that could be built instead."
         )
-    if foreign := sorted({part.language for part in sets if "++" in (part.language or "")}):
-        raise ArgumentError(f"its sources are {foreign[0]}, and only C is built. Build it there.")
-    chain, own = find_toolchain(), folder / "sources"
-    defined = [f"{d.name}={d.value}" if d.value else d.name
-               for part in sets for d in part.preprocessorDefinitions]  # fmt: skip
-    flags = ["-O2", "-shared", "-w", *([] if inside.suffix == ".dll" else ["-fPIC"])]
-    flags += [f"-D{item}" for item in (*_WITHOUT_PREFIX, *defined)]
-    folders = [own, Path(fmpy.__file__).parent / "c-code"]
-    flags += [f"-I{item.absolute()}" for item in folders]
-    files = [str((own / name).absolute()) for part in sets for name in part.sourceFiles]
-    library = (folder / inside).absolute()
-    library.parent.mkdir(parents=True, exist_ok=True)
-    command = [*chain.command, *flags, *files, "-o", str(library), "-lm"]
-    done = run_command(command, timeout=TIMEOUT, folder=own)
-    if done.how:
-        lines = [line for line in done.output.splitlines() if "error" in line]
-        said = (lines or [done.output[-200:]])[0].strip()
+    try:
+        from fmpy.build import build_platform_binary
+
+        build_platform_binary(folder, cmake_options={"CMAKE_C_FLAGS:STRING": _WITHOUT_PREFIX})
+    except Exception as error:  # FMPy raises bare Exceptions
         raise ArgumentError(
-            f"its sources cannot be built by {chain.name}, which {done.how}: {said}. Export it for "
-            f"{inside.parent.name}."
-        )
+            f"its sources cannot be built by CMake ({error}), whose messages, if it is installed, "
+            f"are on standard error. Export it for {inside.parent.name}."
+        ) from error

@@ -51,6 +51,7 @@ from wmr_ctrl.world.scenario.toml_io import naming_file
 
 STATE = tuple(s.name for s in PLANT_STATE)
 TORQUES = tuple(s.name for s in TORQUE)
+SPEEDS = STATE[3:]
 READY = ("psi", "w_right", "w_left")
 """Usual heading and speeds of the wheels, from which theta, v1 and omega follow."""
 DISTURBED = ("torque_right", "torque_left")
@@ -296,22 +297,9 @@ def controller_outputs(
     robot.l.
     """
     by_target = {row.target: row for row in output_rows(part, theirs, "controller")}
-    bases = COMMANDED if tuple(asked) == COMMANDED else TORQUES
-    instead = WHEELS if bases == COMMANDED else FORCE.elements
-    given = bases if instead[0] not in by_target else instead
-    _check_complete(by_target, given, "controller", instead)
-    first, second = (by_target[name] for name in given)
-    if tuple(asked) == tuple(given):
-        return [first, second]
-    r, half_track = robot.r, robot.l
-    if given == WHEELS:
-        sums, differences = (r / 2, r / 2), (r / 2 / half_track, -r / 2 / half_track)
-    elif given == TORQUES:
-        sums, differences = (1 / r, 1 / r), (half_track / r, -half_track / r)
-    else:
-        sums, differences = (r / 2, r / 2 / half_track), (r / 2, -r / 2 / half_track)
-    shares = zip(asked, (sums, differences), strict=True)
-    return [_combined(name, {first: a, second: b}) for name, (a, b) in shares]
+    instead = _follow(by_target, asked, robot)
+    _check_complete(by_target, asked, "controller", instead)
+    return [by_target[name] for name in asked]
 
 
 def plant_outputs(
@@ -326,11 +314,7 @@ def plant_outputs(
     if "psi" in by_target:
         psi = by_target.pop("psi")
         by_target["theta"] = MapRow("theta", psi.terms, psi.offset - math.pi / 2)
-    if {"w_right", "w_left"} <= by_target.keys():
-        right, left = by_target.pop("w_right"), by_target.pop("w_left")
-        turn = robot.r / (2 * robot.l)
-        by_target["v1"] = _combined("v1", {right: robot.r / 2, left: robot.r / 2})
-        by_target["omega"] = _combined("omega", {right: turn, left: -turn})
+    _follow(by_target, SPEEDS, robot)
     _check_complete(by_target, STATE, "plant", READY)
     if rolling and PATH.name not in by_target:
         raise ArgumentError(
@@ -340,6 +324,27 @@ def plant_outputs(
         )
     further = [item.name for item in rolling if item.name in by_target]
     return [by_target[name] for name in (*STATE, *further)]
+
+
+def _follow(rows: dict[str, MapRow], wanted: Sequence[str], robot: Robot) -> Sequence[str]:
+    """Add the two rows that are ``wanted`` where those that they follow from are there.
+
+    Returns the names of these.
+    """
+    r, half_track = robot.r, robot.l
+    halves = (r / 2, r / 2), (r / 2 / half_track, -r / 2 / half_track)
+    ways: Mapping[Sequence[str], tuple[Sequence[str], Sequence[tuple[float, float]]]] = {
+        SPEEDS: (READY[1:], halves),
+        COMMANDED: (WHEELS, halves),
+        TORQUES: (FORCE.elements, ((halves[0][0], halves[1][0]), (halves[0][0], halves[1][1]))),
+        FORCE.elements: (TORQUES, ((1 / r, 1 / r), (half_track / r, -half_track / r))),
+    }
+    instead, shares = ways[wanted]
+    if rows.keys().isdisjoint(wanted) and rows.keys() >= {*instead}:
+        first, second = (rows[name] for name in instead)
+        for name, (a, b) in zip(wanted, shares, strict=True):
+            rows[name] = _combined(name, {first: a, second: b})
+    return instead
 
 
 def _combined(target: str, parts: Mapping[MapRow, float]) -> MapRow:

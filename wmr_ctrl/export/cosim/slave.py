@@ -27,12 +27,10 @@ _NEAR = 1e-3
 """Share of a step by which the time that an FMU says it reached may be off."""
 _MOST_HEARD = 3
 """Messages that an error repeats."""
-_TYPES: Mapping[str, Any] = {
-    "Real": ct.c_double, "Float64": ct.c_double, "Float32": ct.c_float, "Integer": ct.c_int32,
-    "Int8": ct.c_int8, "UInt8": ct.c_uint8, "Int16": ct.c_int16, "UInt16": ct.c_uint16,
-    "Int32": ct.c_int32, "UInt32": ct.c_uint32, "Int64": ct.c_int64, "UInt64": ct.c_uint64,
+_TYPES: Mapping[str, str] = {
+    "Real": "double", "Float64": "double", "Float32": "float", "Integer": "int32",
 }  # fmt: skip
-"""C types of numbers, by FMI's names."""
+"""C types of numbers whose names in FMI are others."""
 Read = Callable[[], list[float]]
 Write = Callable[[Sequence[float]], None]
 
@@ -68,8 +66,9 @@ class Values:
         count, length = len(own), sum(sizes)
         enumerated = {2: "Integer", 3: "Int64"}[version]
         name = enumerated if kind == "Enumeration" else kind
-        boolean = ct.c_int32 if version == 2 else ct.c_bool
-        self.numbers = ((boolean if kind == "Boolean" else _TYPES[name]) * length)()
+        boolean = {2: "int32", 3: "bool"}[version]
+        c_type = boolean if kind == "Boolean" else _TYPES.get(name, name.lower())
+        self.numbers = (getattr(ct, f"c_{c_type}") * length)()
         self.kind, self.whole = kind, name not in FLOATS
         for place, start in enumerate(starts):
             self.assign(place, start)
@@ -192,7 +191,7 @@ class Slave(FmuFile):
         """Keep a message, which both versions of FMI give last."""
         self.messages.append((logged[-1] or b"").decode(errors="replace"))
 
-    def begin(self, stop: float, values: Mapping[str, Any]) -> None:
+    def begin(self, stop: float, values: Mapping[str, object]) -> None:
         """Set start values and initialise at t = 0 s."""
         try:
             if self.version == 2:
@@ -209,7 +208,7 @@ class Slave(FmuFile):
         except Exception as error:  # FMPy raises bare Exceptions
             raise self.failure("initialisation", error) from error
 
-    def set(self, values: Mapping[str, Any]) -> None:
+    def set(self, values: Mapping[str, object]) -> None:
         """Set variables by name, of any type; arrays also as lists.  Raises ArgumentError."""
         for name, value in values.items():
             known = self.variables.get(name)

@@ -1,0 +1,106 @@
+"""A foreign plant that contradicts itself: found where it does, not where it merely lags."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from wmr_ctrl import simulate
+from wmr_ctrl.cli.summary import summary_text
+from wmr_ctrl.results import Outcome, summary
+from wmr_ctrl.results.consistency import CONTRADICTS, JUMP, contradictions, kept
+from wmr_ctrl.world.scenario import load_scenario
+
+CASES = (("safe-simulation", "prox"), ("turtlebot3-burger", "kanayama"))
+RNG = np.random.default_rng(5)
+
+
+@pytest.fixture(scope="module", params=CASES, ids=str)
+def run(request):
+    name, law = request.param
+    return simulate(load_scenario(name, {"clock.duration": 20.0}), law)
+
+
+def foreign(run, **columns):
+    """The run as somebody else's plant would have made it, with other columns."""
+    settings = replace(run.settings, plant_kind="fmu")
+    return replace(run, settings=settings, columns={**run.columns, **columns})
+
+
+def late(values, count):
+    return np.concatenate([np.repeat(values[:1], count, axis=0), values[:-count]])
+
+
+def noisy(values, size):
+    return values + size * RNG.standard_normal(len(values))
+
+
+ALIKE = {
+    "as it is": lambda run: {},
+    "pose late": lambda run: {name: late(run[name], 1) for name in ("x", "y", "psi")},
+    "speeds late by two": lambda run: {name: late(run[name], 2) for name in ("v1", "omega")},
+    "angle within a turn": lambda run: {"psi": (run["psi"] + np.pi) % (2 * np.pi) - np.pi},
+    "another point of the robot": lambda run: {
+        "x": run["x"] + 0.1 * np.cos(run["psi"]), "y": run["y"] + 0.1 * np.sin(run["psi"])
+    },
+    "noise": lambda run: {
+        "x": noisy(run["x"], 1e-3), "y": noisy(run["y"], 1e-3), "psi": noisy(run["psi"], 1e-3),
+        "v1": noisy(run["v1"], 0.01), "omega": noisy(run["omega"], 0.01),
+    },
+    "wheels that slip a little": lambda run: {"v1": 1.03 * run["v1"], "omega": 1.03 * run["omega"]},
+}  # fmt: skip
+APART = {
+    "wheels in revolutions a second": lambda run: {
+        "v1": run["v1"] / (2 * np.pi), "omega": run["omega"] / (2 * np.pi)},
+    "speed of another sign": lambda run: {"v1": -run["v1"]},
+    "turn of another sign": lambda run: {"omega": -run["omega"]},
+    "degrees": lambda run: {"psi": np.degrees(run["psi"])},
+    "millimetres": lambda run: {"x": 1e3 * run["x"], "y": 1e3 * run["y"]},
+    "axes swapped": lambda run: {"x": run["y"], "y": run["x"]},
+    "heading off by a quarter": lambda run: {"psi": run["psi"] + np.pi / 2},
+    "pose that stands": lambda run: {name: 0 * run[name] + 1 for name in ("x", "y", "psi")},
+    "speeds of 0": lambda run: {"v1": 0 * run["v1"], "omega": 0 * run["omega"]},
+    "a speed 15 % too small": lambda run: {"v1": 0.85 * run["v1"]},
+    "a jump later on": lambda run: {"x": run["x"] + 0.5 * (run.time > 7)},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("how", ALIKE)
+def test_agreeing_outputs_are_not_blamed(run, how):
+    told = foreign(run, **ALIKE[how](run))
+    assert contradictions(told) == {}
+    assert kept(told) is summary(told)["kept"] is True
+
+
+@pytest.mark.parametrize("how", APART)
+def test_pose_that_contradicts_the_speeds_is_told(run, how):
+    told = foreign(run, **APART[how](run))
+    assert CONTRADICTS in contradictions(told)
+    assert kept(told) is summary(told)["kept"] is None
+    assert told.outcome is Outcome.COMPLETED
+    text = " ".join(summary_text(told).split())
+    assert "plant contradicts itself" in text
+    assert "stayed within" not in text
+    assert kept(replace(told, settings=run.settings)) is True  # our own plant is not asked
+
+
+def test_a_jump_in_the_first_step_is_told_by_itself(run):
+    """Outputs that are 0 until the first step; what follows agrees."""
+    told = foreign(run, **{n: np.r_[0.0, run[n][1:]] for n in ("x", "y", "psi", "v1", "omega")})
+    assert list(contradictions(told)) == [JUMP]
+    assert [item.key for item in told.remarks if item.key in (JUMP, CONTRADICTS)] == [JUMP]
+    assert kept(told) is None
+
+
+def test_broken_limits_and_runs_without_samples(run):
+    broken = replace(run.monitor, violations=3, first_violation=(1.0, 1))
+    over = replace(run, monitor=broken, outcome=Outcome.LIMIT_VIOLATED)
+    empty = {name: column[:0] for name, column in run.columns.items()}
+    failed = replace(run.monitor, failure="the FMU failed")
+    ended = replace(run, monitor=failed, outcome=Outcome.FAILED, columns=empty)
+
+    assert kept(over) is False
+    assert kept(ended) is None
+    assert contradictions(replace(ended, settings=foreign(run).settings)) == {}
