@@ -109,13 +109,15 @@ def based(changes: Mapping[str, Any]) -> Scenario:
 
 
 def other(key: str, what: Quantity, value: Any) -> Any:
-    """Another value of a field: an option, a flag, or each number a little larger."""
+    """Another value of a field: an option, flag or name, or each number a little larger."""
     if key in OTHER:
         return OTHER[key]
     if what.options:
         return next(option for option in what.options if option != value)
     if isinstance(value, bool):
         return not value
+    if isinstance(value, str):
+        return f"{value}_too"
     if isinstance(value, tuple):
         return [number * (1.15 + 0.1 * i) + 0.02 for i, number in enumerate(value)]
     return min(value * 1.15 + 0.02, 1.0) if what.bounds.maximum == 1 else value * 1.15 + 0.002

@@ -76,7 +76,7 @@ def test_units_may_be_those_of_the_si(foreign, mapped):
     text = UNSTATED.format(units='units = "SI"', omega='{ terms = { wheelL = 1.0 }, unit = "rpm" }')
     part = load_map(mapped(text))["plant"]
     rows = output_rows(part, file.unit, "plant")
-    assert [row.plain for row in rows] == [True, True, True, True, False]
+    assert [row.terms[0][1] == 1.0 and not row.offset for row in rows] == [True] * 4 + [False]
     assert rows[-1].terms == (("wheelL", pytest.approx(np.pi / 30)),)
     with pytest.raises(ScenarioError, match=r'plant\.units = "mm" is not known'):
         load_map(mapped(text.replace('"SI"', '"mm"')))

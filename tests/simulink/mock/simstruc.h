@@ -68,7 +68,6 @@ typedef struct {
 #endif
 #define ssSupportsMultipleExecInstances(S, yes) ((S)->many = (yes))
 #define ssSetOptions(S, flags) ((S)->options = (flags))
-#define ssSupportsMultipleExecInstances(S, yes) ((void)(yes))
 #define ssSetSampleTime(S, i, period_) ((S)->period = (period_))
 #define ssSetOffsetTime(S, i, offset_) ((S)->offset = (offset_))
 #define ssGetDWork(S, i) ((void *)(S)->work[i])

@@ -18,8 +18,9 @@ from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.scenario.unstated import unknown_keys
 
-from .mapping import COMMANDED, DISTURBED, STATE, TORQUES, WHEELS, PartMap
+from .mapping import COMMANDED, DISTURBED, READY, STATE, TORQUES, WHEELS, PartMap
 from .parts import Part
+from .slave import Slave
 
 _REACHING = {
     "noise_right": {"noise_right", "torque_right"},
@@ -28,6 +29,8 @@ _REACHING = {
     "moment": {"moment"},
 }
 """Inputs of a plant by what a disturbance writes: one of them must be mapped."""
+ROLLING = ("robot.r", "robot.l")
+"""Sizes by which speeds of wheels are those of the robot."""
 _NEAR = 1e-6
 """Largest distance of a foreign plant's start from the scenario's [m, rad, m/s, rad/s]."""
 
@@ -43,13 +46,13 @@ def law_within(path: str | Path | None) -> str | None:
     return next((law for law in LAWS if f'modelName="wmr_{law}"' in described), None)
 
 
-def check_structure(path: str | Path, model: FmuModel) -> None:
+def check_structure(slave: Slave, model: FmuModel) -> None:
     """Raise ArgumentError unless the FMU is ``model`` but for its numbers.
 
     An FMU of ours carries the graph that it was made from; numbers are set before a run, but
     guard, drives and options of a law are part of the graph.
     """
-    graph = _graph_in(path)
+    path, graph = slave.path, _graph_in(slave.path)
     if not graph:
         raise ArgumentError(
             f"the FMU {path} is not one of ours. Give a map of its names and units (--map "
@@ -57,9 +60,9 @@ def check_structure(path: str | Path, model: FmuModel) -> None:
         )
     if graph != model.graph:
         raise ArgumentError(
-            f"the FMU {path} is not the {model.what} of this scenario: they differ in more than "
-            "numbers (the law or its options, guard, drives), or another version made it. "
-            "Export it from this scenario, or leave it out."
+            f"the FMU {path} ({slave.description.modelName}) is not the {model.what} of this "
+            "scenario: they differ in more than numbers (the law or its options, guard, drives), "
+            "or another version made it. Export it from this scenario, or leave it out."
         )
 
 
@@ -100,11 +103,10 @@ def check_parts(setup: Setup, plant: Part) -> None:
             "torques. Map torque_right and torque_left, or take a scenario with base.kind = "
             '"velocity".'
         )
-    commands = (*(COMMANDED if setup.takes_velocity else ()), *TORQUES)
-    if plant.foreign and not plant.is_base and plant.uses.isdisjoint((*TORQUES, *DISTURBED)):
+    if not plant.is_base and plant.uses.isdisjoint((*TORQUES, *DISTURBED)):
         raise ArgumentError(
             f"the map's [plant.inputs] gives {plant.slave.path} no command. Add rows for "
-            f"{', '.join(commands)}."
+            f"{', '.join((*COMMANDED * setup.takes_velocity, *TORQUES))}."
         )
     lost = [
         f"[{item.section.KEY}]"
@@ -125,17 +127,15 @@ def check_parts(setup: Setup, plant: Part) -> None:
 
 def check_sizes(scenario: Scenario, plant: Part, maps: Mapping[str, PartMap]) -> None:
     """Raise ArgumentError where what a map gives follows from sizes that nobody states."""
-    rows = [name for part in maps.values() for side in (part.inputs, part.outputs) for name in side]
-    rows += plant.uses if "plant" in maps else ()
-    wheels = {"w_right", "w_left", *WHEELS}.intersection(rows)
+    given = {name for part in maps.values() for name in part.outputs}
+    wheels = {*READY[1:], *WHEELS} & (given | plant.uses)
     torques = plant.foreign and not plant.is_base
-    needed = {"robot.r", "robot.l"} if wheels else set()
-    missing = [key for key in unknown_keys(scenario) if torques or key in needed]
-    if missing:
+    sizes = [k for k in unknown_keys(scenario) if torques or (wheels and k in ROLLING)]
+    if sizes:
         raise ArgumentError(
             f"the map gives {', '.join(sorted(wheels)) or 'torques'}, which follow from "
-            f"{', '.join(missing)}, and nobody states {'it' if len(missing) == 1 else 'them'}. "
-            "State the robot's sizes, or map v_command and omega_command."
+            f"{', '.join(sizes)}, and nobody states them. State the robot's sizes, or map "
+            "v_command and omega_command."
         )
 
 

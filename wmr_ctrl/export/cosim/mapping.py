@@ -23,7 +23,6 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -104,11 +103,6 @@ class MapRow:
     terms: tuple[tuple[str, float], ...]
     offset: float = 0.0
 
-    @property
-    def plain(self) -> bool:
-        """True for a mere renaming."""
-        return self.offset == 0.0 and len(self.terms) == 1 and self.terms[0][1] == 1.0
-
 
 def _table(doc: str, kind: str = "mapping") -> Any:
     return quantity(Frozen(), "", doc, kind=kind)
@@ -167,8 +161,6 @@ def compiled(
 ) -> Callable[[Sequence[float]], Sequence[float]]:
     """A function from the values of ``sources`` to those of the rows' targets."""
     place = {name: i for i, name in enumerate(sources)}
-    if len(rows) > 1 and all(row.plain for row in rows):
-        return itemgetter(*(place[row.terms[0][0]] for row in rows))
     table = [([(place[name], factor) for name, factor in row.terms], row.offset) for row in rows]
     return lambda values: [
         sum(values[i] * factor for i, factor in terms) + offset for terms, offset in table

@@ -1,6 +1,7 @@
 """The three parts of a co-simulation: reference, controller and plant, in our names and units."""
 
 import math
+from collections import deque
 from collections.abc import Iterator, Sequence
 from functools import cache
 
@@ -25,6 +26,9 @@ from wmr_ctrl.world.scenario import Robot
 from . import mapping
 from .slave import Slave
 
+GUARD_SHOWN = (*mapping.TORQUES, *elements(GUARD_DIAGNOSTICS))
+FILTER_SHOWN = (*SENT.elements, FLAGS.name)
+"""What is read of a guard, and of a command filter."""
 GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY), ODOMETRY_AGE.name)
 FILTERED = (*ASKED.elements, *ODOMETRY.elements, ODOMETRY_AGE.name)
 """Sources of a guard, and of a command filter."""
@@ -58,20 +62,17 @@ class Part:
         self.uses = frozenset(name for row in inputs for name, _ in row.terms)
         self.wants_ready = not self.uses.isdisjoint(mapping.READY)
         self.is_base = not self.uses.isdisjoint((*mapping.COMMANDED, *mapping.WHEELS))
-        self._inward = mapping.compiled(inputs, sources) if inputs else None
+        self._inward = mapping.compiled(inputs, sources)
         self._write = slave.writer([row.target for row in inputs])
         self._read, self._outward = slave.reader(theirs), mapping.compiled(outputs, theirs)
-        plain = all(row.plain for row in outputs)
-        self._same = plain and theirs == [row.terms[0][0] for row in outputs]
 
     def write(self, values: Sequence[float]) -> None:
         """Set the inputs from our quantities."""
-        if self._inward is not None:
-            self._write(self._inward(values))
+        self._write(self._inward(values))
 
     def read(self) -> Sequence[float]:
         """Our quantities from the outputs; raises FmuError where one must be finite and is not."""
-        values = self._read() if self._same else self._outward(self._read())
+        values = self._outward(self._read())
         if self.foreign and not all(map(math.isfinite, values)):
             pairs = zip(self.targets, values, strict=True)
             lost = (f"{name} = {value}" for name, value in pairs if not math.isfinite(value))
@@ -80,17 +81,14 @@ class Part:
 
     def step(self, t: float, h: float) -> None:
         """One step, or several of the FMU's own size."""
-        for _ in self.steps(t, h, t + h):
-            continue
+        deque(self.steps(t, h, t + h), maxlen=0)
 
     def steps(self, t: float, h: float, end: float) -> Iterator[float]:
         """The same, stopping after each with the time that was reached; the last is ``end``."""
         count = 1 if self.step_size is None else max(1, round(h / self.step_size))
-        for i in range(1, count):
-            self.slave.step(t + (i - 1) * (h / count), h / count)
-            yield t + i * (h / count)
-        self.slave.step(t + (count - 1) * (h / count), h / count)
-        yield end
+        for i in range(count):
+            self.slave.step(t + i * (h / count), h / count)
+            yield t + (i + 1) * (h / count) if i + 1 < count else end
 
 
 class GuardedController:
@@ -152,22 +150,23 @@ class FilteredController(GuardedController):
         return [*sent, *changed, 0.0, 0.0, agrees, *self._asked, flags, *self._told]
 
 
-def reference_part(slave: Slave) -> Part:
-    """Our reference FMU."""
-    return Part(slave, [], mapping.identity(mapping.DESIRED), ())
+def own_part(
+    slave: Slave, sources: Sequence[str], outputs: Sequence[str], more: Sequence[str] = ()
+) -> Part:
+    """One of ours, by its own names: those of ``sources`` that it takes, and what it gives.
 
-
-def guard_part(slave: Slave) -> Part:
-    """Our guard FMU."""
-    shown = (*mapping.TORQUES, *elements(GUARD_DIAGNOSTICS))
-    return Part(slave, mapping.identity(GUARDED[:-1]), mapping.identity(shown), GUARDED)
-
-
-def filter_part(slave: Slave) -> Part:
-    """Our command filter FMU: it reads odometry where it is a governor."""
-    inputs = [name for name in FILTERED if name in slave.variables]
-    shown = (*SENT.elements, FLAGS.name)
-    return Part(slave, mapping.identity(inputs), mapping.identity(shown), FILTERED)
+    ``more``: outputs that are read where they exist.
+    """
+    known = slave.variables
+    missing = [name for name in outputs if name not in known]
+    if missing:
+        raise ArgumentError(
+            f"the FMU {slave.path} ({slave.name}) has no {', '.join(missing)}. If it is not one of "
+            "ours, give a map of its names and units (--map FILE.toml)."
+        )
+    inputs = [name for name in sources if name in known and known[name].causality == "input"]
+    shown = (*outputs, *(name for name in more if name in known))
+    return Part(slave, mapping.identity(inputs), mapping.identity(shown), sources)
 
 
 def controller_part(
@@ -182,11 +181,7 @@ def controller_part(
     ``asked``: what it gives, the torques of both wheels, for a guard the force, or the velocity.
     """
     if part is None:
-        known = {name for name, v in slave.variables.items() if v.causality == "input"}
-        inputs = [name for name in mapping.SEEN if name in known]
-        outputs = (*asked, *(name for name in diagnostics if name in slave.variables))
-        _check_variables(slave, outputs[:2])
-        return Part(slave, mapping.identity(inputs), mapping.identity(outputs), mapping.SEEN)
+        return own_part(slave, mapping.SEEN, asked, diagnostics)
     theirs = mapping.input_rows(part, slave.unit, "controller")
     given = mapping.controller_outputs(part, slave.unit, robot, asked)
     return Part(slave, theirs, given, mapping.SEEN, part.step, foreign=True)
@@ -201,25 +196,10 @@ def plant_part(
     """
     if part is None:
         shown = (*mapping.STATE, *(item.name for item in rolling[:1]))
-        _check_variables(slave, (*shown, *mapping.TORQUES))
-        inputs = [
-            name
-            for name in mapping.DRIVEN
-            if name in slave.variables and name not in mapping.DISTURBED
-        ]
-        return Part(slave, mapping.identity(inputs), mapping.identity(shown), mapping.DRIVEN)
+        return own_part(slave, mapping.DRIVEN, shown)
     theirs = mapping.input_rows(part, slave.unit, "plant")
     given = mapping.plant_outputs(part, slave.unit, robot, rolling)
     return Part(slave, theirs, given, mapping.DRIVEN, part.step, foreign=True)
-
-
-def _check_variables(slave: Slave, names: Sequence[str]) -> None:
-    missing = [name for name in names if name not in slave.variables]
-    if missing:
-        raise ArgumentError(
-            f"the FMU {slave.path} ({slave.name}) has no {', '.join(missing)}. If it is not one of "
-            "ours, give a map of its names and units (--map FILE.toml)."
-        )
 
 
 def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:

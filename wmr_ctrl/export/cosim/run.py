@@ -29,7 +29,7 @@ from wmr_ctrl.world.scenario import Change, Scenario
 from . import fitting, parts
 from .diverted import diverted
 from .fmu_file import FmuError
-from .mapping import COMMANDED, NOISES, TORQUES, MapRow, PartMap, load_map, parameter_rows
+from .mapping import COMMANDED, DESIRED, NOISES, TORQUES, MapRow, PartMap, load_map, parameter_rows
 from .master import HEAD, MASTERS, Master, Outside, Parts, Progress
 from .slave import Slave
 
@@ -212,7 +212,7 @@ def _run(
     scenario, maps = case.setup.scenario, case.maps
     outside = Outside(case.setup, seed)
     coupled = Parts(
-        parts.reference_part(slaves["reference"]),
+        parts.own_part(slaves["reference"], (), DESIRED),
         _controller(case, slaves),
         parts.plant_part(slaves["plant"], maps.get("plant"), scenario.robot, outside.rolling),
         _changer(scenario, slaves["plant"], maps.get("plant")),
@@ -224,24 +224,20 @@ def _run(
         fitting.check_step(scenario, part)
     steady = outside.calm if coupled.plant.is_base else outside.steady
     fitting.check_spans(scenario, coupled.plant, steady)
-    all_starts: dict[str, Mapping[str, object]] = {}
-    for name, slave in slaves.items():
-        starts: Mapping[str, object]
-        if name in maps:
-            starts = maps[name].start
-        else:  # an FMU of ours that may come from another scenario gets this one's numbers
-            fitting.check_structure(slave.path, case.models[name])
-            single = (v for v in case.models[name].variables if not (v.array or v.integer))
-            given = (v for v in single if v.parameter or v.role is Role.START)
-            starts = {v.name: v.start for v in given}
-        all_starts[name] = starts
+    starts = {name: part.start for name, part in maps.items()}
+    for name in slaves.keys() - maps.keys():
+        # an FMU of ours that may come from another scenario gets this one's numbers
+        fitting.check_structure(slaves[name], case.models[name])
+        single = (v for v in case.models[name].variables if not (v.array or v.integer))
+        given = (v for v in single if v.parameter or v.role is Role.START)
+        starts[name] = {v.name: v.start for v in given}
     loop: Master = MASTERS[master](scenario, coupled, outside)
     facts = {"master": master, **{f"fmu_{name}": slave.label for name, slave in slaves.items()}}
     facts |= {"delay": "known to the controller"} if case.own is not case.setup else {}
     failure = ""
     try:
         for name, slave in slaves.items():
-            slave.begin(scenario.clock.duration, all_starts[name])
+            slave.begin(scenario.clock.duration, starts[name])
         fitting.check_start(scenario, coupled.plant)
         loop.run(progress)
     except FmuError as error:
@@ -286,11 +282,13 @@ def _controller(
     asked = COMMANDED if case.setup.takes_velocity else TORQUES
     asked = signals.FORCE.elements if case.limiter == "guard" else asked
     part = parts.controller_part(slave, case.maps.get("controller"), robot, names, asked)
-    if case.limiter == "filter":
-        return parts.FilteredController(part, parts.filter_part(slaves["filter"]))
-    if case.limiter == "guard":
-        return parts.GuardedController(part, parts.guard_part(slaves["guard"]))
-    return part
+    if not case.limiter:
+        return part
+    behind, sources, shown = {
+        "guard": (parts.GuardedController, parts.GUARDED, parts.GUARD_SHOWN),
+        "filter": (parts.FilteredController, parts.FILTERED, parts.FILTER_SHOWN),
+    }[case.limiter]
+    return behind(part, parts.own_part(slaves[case.limiter], sources, shown))
 
 
 def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable[[Change], None]:

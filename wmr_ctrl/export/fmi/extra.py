@@ -41,9 +41,9 @@ NOTE = f". Plain C of one sample, and how to call it: {INTERFACE}"
 
 def plain_code(model: FmuModel) -> dict[str, str]:
     """The package of a law or the filter, whose ports are those of the FMU, and its interface."""
-    law, scenario = model.what, model.scenario
-    if law != FILTER and (law not in LAWS or scenario.takes_velocity):
+    if model.what not in (*LAWS, FILTER):
         return {}
+    law, scenario = model.what, model.scenario
     package = package_files(law, scenario, counting=False)
     system = filter_system(scenario) if law == FILTER else controller(settle(scenario, law))
     shown = {
