@@ -5,7 +5,6 @@ import os
 import re
 import zipfile
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -30,14 +29,6 @@ NO_NUMBERS = ("String", "Binary", "Clock")
 
 class FmuError(WmrError, RuntimeError):
     """An FMU refused a call or could not be loaded; the message names it and says when."""
-
-
-@dataclass(frozen=True)
-class Number:
-    """A number of an FMU: a variable, or the element of an array at ``index``, from 0."""
-
-    variable: ModelVariable
-    index: int = 0
 
 
 class FmuFile:
@@ -97,10 +88,10 @@ class FmuFile:
 
     def variable(self, name: str) -> ModelVariable:
         """Description of the variable behind a `number`."""
-        return self.number(name).variable
+        return self.number(name)[0]
 
-    def number(self, name: str) -> Number:
-        """A number by the name of its variable, or as an array's ``name[1]``, ``name[1,2]``.
+    def number(self, name: str) -> tuple[ModelVariable, int]:
+        """A number's variable, and its place from 0 in an array's ``name[1]``, ``name[1,2]``.
 
         Raises UnknownNameError, or ArgumentError for an array or a variable that is no number.
         """
@@ -116,17 +107,11 @@ class FmuFile:
             )
         shape = tuple(variable.shape or ())
         place = tuple(int(i) - 1 for i in part[2].split(",")) if part else ()
-        pairs = zip(place, shape, strict=False)
-        inside = len(place) == len(shape) and all(0 <= i < n for i, n in pairs)
-        if not inside:
-            size = f"an array of {' x '.join(map(str, shape))}" if shape else "no array"
+        if place not in np.ndindex(*shape):
             first, last = (",".join(map(str, side)) for side in ((1,) * len(shape), shape))
-            hint = f"Name one number, {owner}[{first}] to {owner}[{last}]" if shape else "Leave out"
-            raise ArgumentError(
-                f"{name} of the FMU {self.path}: {owner} is {size}. {hint}"
-                f"{'' if shape else ' the brackets'}."
-            )
-        return Number(variable, int(np.ravel_multi_index(place, shape)) if shape else 0)
+            hint = f"an array: name {owner}[{first}] to {owner}[{last}]" if shape else "one number"
+            raise ArgumentError(f"{name} of the FMU {self.path}: {owner} is {hint}.")
+        return variable, int(np.ravel_multi_index(place, shape)) if shape else 0
 
     @property
     def numbers(self) -> Iterator[tuple[str, ModelVariable]]:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import chdir, suppress
 from functools import partial
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
 from typing import Any
 from weakref import WeakValueDictionary
@@ -19,7 +20,7 @@ from fmpy.simulation import apply_start_values
 
 from wmr_ctrl.core.errors import ArgumentError, WmrError, show
 
-from .fmu_file import FLOATS, NO_NUMBERS, FmuError, FmuFile, Number
+from .fmu_file import FLOATS, FmuError, FmuFile
 from .library_file import build_sources, place_of, try_to_load
 
 _WARNING = 1  # the highest status of a call that did what it should
@@ -62,7 +63,6 @@ class Values:
         sizes = [math.prod(v.shape or ()) for v in own.values()]
         self.begins = dict(zip(own, np.cumsum([0, *sizes]).tolist(), strict=False))
         self.arrays = any(v.shape for v in own.values())
-        starts = [n for v, size in zip(own.values(), sizes, strict=True) for n in _starts(v, size)]
         count, length = len(own), sum(sizes)
         enumerated = {2: "Integer", 3: "Int64"}[version]
         name = enumerated if kind == "Enumeration" else kind
@@ -70,8 +70,9 @@ class Values:
         c_type = boolean if kind == "Boolean" else _TYPES.get(name, name.lower())
         self.numbers = (getattr(ct, f"c_{c_type}") * length)()
         self.kind, self.whole = kind, name not in FLOATS
-        for place, start in enumerate(starts):
-            self.assign(place, start)
+        if self.arrays:  # of which an element may be written before another can be read
+            for place, start in enumerate(chain(*map(_starts, own.values(), sizes))):
+                self.assign(place, start)
         given = fmu.component, (ct.c_uint32 * count)(*own), count, self.numbers
         size = () if version == 2 else (length,)
         verbs = (getattr(fmu.dll, f"fmi{version}{verb}{name}") for verb in ("Get", "Set"))
@@ -80,13 +81,9 @@ class Values:
     def assign(self, place: int, value: float) -> None:
         """Take a number: the nearest whole one, or for a Boolean whether it is at least 0.5.
 
-        Raises ValueError where the type does not hold it.
+        Raises ValueError or OverflowError where the type does not hold it.
         """
-        if self.kind == "Boolean":
-            value = value >= 0.5 if math.isfinite(value) else math.nan
-        wanted = round(value) if self.whole and math.isfinite(value) else value
-        if self.whole and not math.isfinite(value):
-            raise ValueError(f"{value} is no value of type {self.kind}")
+        wanted = value >= 0.5 if self.kind == "Boolean" else round(value) if self.whole else value
         self.numbers[place] = wanted
         if self.whole and self.numbers[place] != wanted:
             raise ValueError(f"{wanted} does not fit into type {self.kind}")
@@ -209,24 +206,20 @@ class Slave(FmuFile):
             raise self.failure("initialisation", error) from error
 
     def set(self, values: Mapping[str, object]) -> None:
-        """Set variables by name, of any type; arrays also as lists.  Raises ArgumentError."""
+        """Set variables by name, of any type; arrays also as lists."""
         for name, value in values.items():
             known = self.variables.get(name)
-            if known is None or not (known.shape or known.type in NO_NUMBERS):
-                kind = self.variable(name).type
-                if not isinstance(value, (int, float)):
-                    raise ArgumentError(f"{name} is of type {kind}, and {show(value)} is not.")
-                if kind not in FLOATS and not float(value).is_integer():
-                    raise ArgumentError(f"{name} is of type {kind}: {value} is no whole number.")
-                self.writer([name])([value])
-                continue
             try:
+                if known is None:
+                    self.writer([name])([float(str(value))])
+                    continue
+                if known.type not in FLOATS and isinstance(value, float) and value % 1:
+                    raise ValueError(f"it is of type {known.type}, and {value} is no whole number")
                 apply_start_values(self._fmu, self.description, {name: value})
+            except WmrError:
+                raise
             except Exception as error:  # FMPy raises bare Exceptions
-                raise ArgumentError(
-                    f"{name} of the FMU {self.path}, of type {known.type}, cannot be set to "
-                    f"{show(value)}: {error}."
-                ) from error
+                raise self.failure(f"setting {name} to {show(value)}", error) from error
 
     def reader(self, names: Iterable[str]) -> Read:
         """A function that reads these numbers at once."""
@@ -253,7 +246,7 @@ class Slave(FmuFile):
             for name, (part, place), value in zip(listed, places, values, strict=True):
                 try:
                     part.assign(place, value)
-                except ValueError as error:
+                except (ValueError, OverflowError) as error:
                     raise self.failure(f"setting {name}", error) from error
             if any(part.put() > _WARNING for part in parts):
                 raise self.failure("setting its inputs")
@@ -262,19 +255,13 @@ class Slave(FmuFile):
 
     def _bound(self, names: Iterable[str]) -> tuple[list[Values], list[tuple[Values, int]]]:
         """Arrays of these numbers by type, and where each number is."""
-        numbers = [self.number(name) for name in names]
-        kinds = dict.fromkeys(item.variable.type for item in numbers)
+        wanted = [self.number(name) for name in names]
         parts = {
-            kind: Values(self._fmu, self.version, kind,
-                         [n.variable for n in numbers if n.variable.type == kind])
-            for kind in kinds
-        }  # fmt: skip
-
-        def place(number: Number) -> tuple[Values, int]:
-            part = parts[number.variable.type]
-            return part, part.begins[number.variable.valueReference] + number.index
-
-        return list(parts.values()), list(map(place, numbers))
+            kind: Values(self._fmu, self.version, kind, [v for v, _ in wanted if v.type == kind])
+            for kind in dict.fromkeys(v.type for v, _ in wanted)
+        }
+        places = [(parts[v.type], parts[v.type].begins[v.valueReference] + i) for v, i in wanted]
+        return list(parts.values()), places
 
     def step(self, t: float, h: float) -> None:
         """One communication step from t [s] over h [s]."""

@@ -172,12 +172,12 @@ def _theirs(name: str, path: str | Path, part: mapping.PartMap | None, setup: Se
     ours = mapping.controller_outputs if name == "controller" else mapping.plant_outputs
     outputs = ours(part, file.unit, setup.scenario.robot)
     named = (*(row.target for row in inputs), *(key for row in outputs for key, _ in row.terms))
-    for key in (*named, *part.start):
-        if key not in file.variables or file.variables[key].type not in REALS:
-            raise ArgumentError(
-                f"{name}: {key} is no real variable of {path}, and a package connects and sets "
-                "only those. Map another one, or use cosim."
-            )
+    reals = {key for key, variable in file.variables.items() if variable.type in REALS}
+    for key in {*named, *part.start} - reals:
+        raise ArgumentError(
+            f"{name}: {key} is no real variable of {path}, and a package connects and sets only "
+            "those. Map another one, or use cosim."
+        )
     for row in (*inputs, *outputs):
         if len(row.terms) != 1:
             raise ArgumentError(
