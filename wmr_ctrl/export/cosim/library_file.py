@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import fmpy
 from fmpy.model_description import ModelDescription
@@ -86,7 +87,9 @@ def build_sources(folder: Path, inside: Path, description: ModelDescription) -> 
     try:
         from fmpy.build import build_platform_binary
 
-        build_platform_binary(folder, cmake_options={"CMAKE_C_FLAGS:STRING": _WITHOUT_PREFIX})
+        flags = {"CMAKE_C_FLAGS:STRING": _WITHOUT_PREFIX}
+        with TemporaryDirectory() as place:
+            build_platform_binary(folder, place, cmake_options=flags)
     except Exception as error:  # FMPy raises bare Exceptions
         raise ArgumentError(
             f"its sources cannot be built by CMake ({error}), whose messages, if it is installed, "
