@@ -28,7 +28,8 @@ def test_code_has_one_function_for_hints():
     home = ROOT / "wmr_ctrl" / "core" / "errors.py"
     found = {path for path in CODE if "pip install" in path.read_text("utf-8")}
 
-    assert found == {home, ROOT / "wmr_ctrl" / "export" / "cosim" / "__init__.py"}  # FMPy is no extra
+    cosim = ROOT / "wmr_ctrl" / "export" / "cosim"
+    assert found == {home, cosim / "__init__.py"}  # FMPy is no extra
     assert install("tune") == "pip install 'wmr_ctrl[tune]'"
 
 

@@ -272,6 +272,17 @@ def test_a_file_that_cannot_be_used_is_told_why(packed, mapped, given, words):
         cosimulate(SHORT, "pid", plant=packed("odd", **given), map_file=text)
 
 
+def test_a_description_that_breaks_the_rules_is_told_and_read(plant, packed, mapped):
+    """PythonFMU writes whole numbers as continuous variables, and importers take them."""
+    text = mapped(TYPED)
+    odd = packed("rules", described=[('"steps"', '"steps" variability="continuous"')])
+    run, same = (cosimulate(SHORT, "pid", plant=file, map_file=text) for file in (odd, plant))
+    assert np.array_equal(run["v1"], same["v1"])
+    told = run.provenance["invalid_plant"]
+    assert re.search('"steps" .* is of type Int8 and must have variability', told)
+    assert f"plant invalid in {told}" in " ".join(summary_text(run).split())
+
+
 def test_sources_are_built_where_the_library_is_missing(plant, packed, mapped):
     text = mapped(MAP.format(mode=0, mass='"grams"'))
     bare, nothing = packed("bare", "", sources=True), packed("nothing", "")

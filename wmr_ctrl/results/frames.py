@@ -32,11 +32,11 @@ ABSENT = "–"
 PROVENANCE = ("version", "scenario_hash", "kernel_hash")
 """The keys of a run's provenance that the summary repeats."""
 FMUS = ("reference", "controller", "guard", "filter", "plant")
-FAULTS = ("warned", "lagged")
-"""Parts of a run that coupled FMUs, and what is told of their steps."""
+FAULTS = ("warned", "lagged", "invalid")
+"""Parts of a run that coupled FMUs, and what is told of them."""
 COUPLED = ("master", "delay", *(f"{what}_{part}" for what in ("fmu", *FAULTS) for part in FMUS))
-"""Keys of such a run that it repeats: who stepped, names and hashes of files, who warned or
-reached the end of its steps late."""
+"""Keys of such a run that it repeats: who stepped, names and hashes of files, who warned,
+reached the end of its steps late, or has a description that breaks FMI's rules."""
 
 
 @np.errstate(over="ignore", invalid="ignore")

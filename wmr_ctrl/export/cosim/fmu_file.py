@@ -10,7 +10,7 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
-from fmpy.model_description import ModelVariable
+from fmpy.model_description import ModelVariable, ValidationError
 from lxml import etree
 
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, WmrError
@@ -34,11 +34,12 @@ class FmuError(WmrError, RuntimeError):
 class FmuFile:
     """Variables, units and name of an FMU.  Raises FmuError for a file that is none.
 
-    ``name`` is how messages call it; ``checked``: against FMI's schema.
+    ``name`` is how messages call it; ``checked``: against FMI's schema; ``invalid``: where it does
+    not follow that, and how.
     """
 
     def __init__(self, path: str | Path, name: str, *, checked: bool = True) -> None:
-        self.name, self.path = name, os.fspath(path)
+        self.name, self.path, self.invalid = name, os.fspath(path), ""
         if checked:  # others this command wrote
             note_input(path, name)
         try:
@@ -51,7 +52,11 @@ class FmuFile:
                     )
                 root = etree.fromstring(archive.read("modelDescription.xml"))
             _check_version(root.get("fmiVersion"))
-            self.description = fmpy.read_model_description(self.path, validate=checked)
+            try:
+                self.description = fmpy.read_model_description(self.path, validate=checked)
+            except ValidationError as error:  # as exporters write it, and importers accept it
+                self.invalid = f"its modelDescription.xml, read all the same: {error.problems[0]}"
+                self.description = fmpy.read_model_description(self.path, validate=False)
         except Exception as error:  # FMPy raises bare Exceptions
             raise self.unusable(error) from error
         self.variables = {v.name: v for v in self.description.modelVariables}

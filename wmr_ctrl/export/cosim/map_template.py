@@ -16,7 +16,7 @@ from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of
 from .fmu_file import FLOATS, NO_NUMBERS, FmuFile
 from .mapping import CHANGED, EITHER, GIVEN, TAKEN, UNITS, toml_key
 
-_MOST = 8
+_MOST = 12
 """Candidates that a comment names."""
 
 

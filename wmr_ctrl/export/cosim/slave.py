@@ -290,8 +290,11 @@ class Slave(FmuFile):
 
     @property
     def faults(self) -> Mapping[str, str]:
-        """Faults of its steps, ``warned`` and ``lagged``: in how many, and the first."""
-        return {what: f"{count} steps, {first}" for what, (count, first) in self._faults.items()}
+        """Faults that end no run: of steps that ``warned`` and ``lagged`` their number and the
+        first; where it is ``invalid``.
+        """
+        told = {what: f"{count} steps, {first}" for what, (count, first) in self._faults.items()}
+        return told | ({"invalid": self.invalid} if self.invalid else {})
 
     @property
     def takes_any_step(self) -> bool:
