@@ -291,6 +291,8 @@ def test_sources_are_built_where_the_library_is_missing(plant, packed, mapped):
     assert (
         np.abs(built["x"] - cosimulate(SHORT, "pid", plant=plant, map_file=text)["x"]).max() < 1e-9
     )
+    with pytest.raises(ArgumentError, match="Name a plant or a controller"):
+        cosimulate(SHORT, "pid", compile_sources=True)
     with pytest.raises(FmuError, match="names no sources"):
         cosimulate(SHORT, "pid", plant=nothing, **given)
 

@@ -144,6 +144,11 @@ def cosimulate(
         )
     checked_seeds([seed])
     files = {"controller": controller, "plant": plant}
+    if compile_sources and not any(files.values()):
+        raise ArgumentError(
+            "compile_sources builds the sources of a given FMU. Name a plant or a controller, or "
+            "leave it out."
+        )
     case = _cosim_setup(scenario, law, files, map_file, delay_known, at_once=master == "jacobi")
     with diverted(), tempfile.TemporaryDirectory(prefix="wmr_cosim_") as folder:
         slaves = _slaves(case, fmi, Path(folder), compile_sources)
