@@ -125,7 +125,7 @@ def test_good_logs_are_not_accused(driven):
         log = of_columns("log", log_of(driven, robot, POSED))
         lint.check_log(log)
         samples = motion_of(log, scenario, COUNTS.name)
-        lint.check_motion("log", samples, TRUTH.l)
+        lint.check_motion("log", samples, TRUTH.l, 10.0)
         lint.check_torques("log", samples, TRUTH.l)
         lint.check_poses("log", log, samples)
 

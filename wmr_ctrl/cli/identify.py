@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     "wmr-ctrl identify run.npz --out mine.toml",
     "wmr-ctrl identify log.csv --set encoder.counts=2048 --out mine.toml",
     "wmr-ctrl identify log.csv --robot known.toml --out mine.toml --json",
-    "wmr-ctrl identify log.csv --base velocity --out mine.toml",
+    "wmr-ctrl identify log.csv --base velocity --out mine.toml --nav2 nav2.yaml",
+    "wmr-ctrl identify step1.csv step2.csv step3.csv --base velocity",
     "wmr-ctrl identify drive/ --topics odom=/base/odom --out mine.toml",
 )
-@click.argument("log")
+@click.argument("logs", nargs=-1, required=True, metavar="LOG...")
 @click.option(
     "--base",
     type=click.Choice(["torque", "velocity"]),
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 )
 @opt.new_file("--plot", "Draw the fit", *opt.PLOTS)
 @opt.new_file("--report", "Write a report with all results", ".html")
+@opt.new_file("--nav2", "Write nav2's delay and acceleration parameters", ".yaml")
 @opt.new_file("--propose", "Write a more informative drive, as t, v, omega", ".csv")
 @click.option(
     "--floor",
@@ -53,7 +55,7 @@ if TYPE_CHECKING:
 )
 @opt.json_option("Print parameters, bounds, remarks and score as one JSON document.")
 def identify(
-    log: str,
+    logs: tuple[str, ...],
     base: str,
     out: str | None,
     robot: str | None,
@@ -62,11 +64,12 @@ def identify(
     torque_constant: float | None,
     plot: str | None,
     report: str | None,
+    nav2: str | None,
     propose: str | None,
     floor: float,
     as_json: bool,
 ) -> None:
-    """Fit mass, inertia, friction, delay and lag to LOG, with 95 % intervals.
+    """Fit mass, inertia, friction, delay and lag to LOGs, with 95 % intervals.
 
     With --base velocity, fit the base's own speed loop: gain, time constant (or frequency and
     damping), delay, acceleration limit and peak gain. The log then needs v_command [m/s] and
@@ -75,17 +78,26 @@ def identify(
     LOG is a CSV file, a ROS 2 bag (its folder, .mcap or .db3; extra `logs`) or a saved run. Columns
     of a CSV file have the names of a run's columns, with units: t [s], wheel_counts[1] [1] (right),
     wheel_counts[2] [1] (left), tau_right [N.m], tau_left [N.m]; or v1_measured [m/s] and
-    omega_measured [rad/s]. For each parameter the output says whether the log determines it:
-    "determined", "roughly" or "undetermined". The scenario written by --out is for check, run, tune
-    and codegen, and has the numbers for a guard. A faulty log ends with a message and exit code 2.
+    omega_measured [rad/s]. Several logs count as one. For each parameter the output says whether
+    they determine it: "determined", "roughly", "undetermined", or "not explained" where no model
+    that is known explains them. The scenario written by --out is for check, run, tune and codegen;
+    it extends that of --robot and has what was found. A faulty log ends with exit code 2.
     """
+    from pathlib import Path
+
+    from wmr_ctrl.core.errors import ArgumentError
     from wmr_ctrl.identification import identify as identify_log
-    from wmr_ctrl.results import atomic_text
+    from wmr_ctrl.identification.nav2 import nav2_of
     from wmr_ctrl.world.scenario import parse_assignments
 
-    with Progress(f"identify {log}") as progress:
+    if out and robot and Path(out).resolve() == Path(robot).resolve():
+        raise ArgumentError(
+            f"--out {out} would overwrite --robot {robot}, which stays as it is: what is written "
+            "extends it. Give --out another name."
+        )
+    with Progress(f"identify {', '.join(logs)}") as progress:
         result = identify_log(
-            log,
+            logs[0] if len(logs) == 1 else logs,
             base=base,
             known=robot,
             overrides=parse_assignments(assignments),
@@ -93,19 +105,16 @@ def identify(
             torque_constant=torque_constant,
             progress=progress,
         )
-    if out:
-        with atomic_text(out) as file:
-            file.write(result.to_toml())
-        say("wrote", out)
     drive = None
+    if out:
+        _write(out, result.to_toml(Path(out).resolve().parent))
+    if nav2:
+        _write(nav2, nav2_of(result))
     if propose:
         from wmr_ctrl.identification.propose import propose as propose_drive
 
-        with Progress("the next drive", measured=False):
-            drive = propose_drive(result, floor)
-        with atomic_text(propose) as file:
-            file.write(drive.to_csv())
-        say("wrote", propose)
+        drive = propose_drive(result, floor)
+        _write(propose, drive.to_csv())
     if plot or report:
         from wmr_ctrl.report.identified import write_identification
 
@@ -119,6 +128,14 @@ def identify(
         click.echo(_text(result))
 
 
+def _write(path: str, text: str) -> None:
+    from wmr_ctrl.results import atomic_text
+
+    with atomic_text(path) as file:
+        file.write(text)
+    say("wrote", path)
+
+
 def _text(result: BaseIdentification) -> str:
     from wmr_ctrl.identification.bounds import UNITS
 
@@ -127,6 +144,7 @@ def _text(result: BaseIdentification) -> str:
         for name, item in result.parameters.items()
     ]
     lines = [table(rows, ("", "value", "95 % interval", "unit", "by this log")), ""]
+    lines += [wrapped(item.sentence, hang="  ") for item in result.judgements]
     stretches = [
         f"{name} {item.seconds[0]:.3g} to {item.seconds[1]:.3g} s"
         for name, item in result.parameters.items()

@@ -5,19 +5,20 @@ Each parameter gets a verdict, mixtures get words, and seconds are named.
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-import tomlkit
 
 from wmr_ctrl.core.data import data
-from wmr_ctrl.world.scenario import Scenario, to_toml
+from wmr_ctrl.world.scenario import Scenario
 
 from .judgement import Judgement
 from .kalman import BLOCKS
 from .logs.log import COMMAND, Floats
 from .speed_loop import AXES, Fits
+from .written import toml_of
 
 DETERMINED, ROUGHLY, UNDETERMINED = "determined", "roughly", "undetermined"
 SHARES = (0.1, 0.3)
@@ -43,6 +44,25 @@ UNITS: Mapping[str, str] = _DATA["units"]
 BECAUSE: Mapping[str, list[list[str]]] = _DATA["because"]
 """Pairs that cannot be separated, by what the log lacks then."""
 SMALL, PART = 0.03, 0.35
+
+
+class Origin(NamedTuple):
+    """A preset or a file that a scenario extends, and what it states, by key."""
+
+    source: str = ""
+    values: Mapping[str, object] = {}
+
+
+class LeftOut(NamedTuple):
+    """A stretch of a log that no fit counts [s], and why."""
+
+    begin: float
+    end: float
+    reason: str
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        return {"from": self.begin, "to": self.end, "reason": self.reason}
 
 
 class Estimate(NamedTuple):
@@ -190,6 +210,14 @@ class BaseIdentification(ABC):
     """Keys that the written scenario has though they are as by default, with words on some."""
     judgements: tuple[Judgement, ...] = field(default=(), kw_only=True)
     """How well each axis is explained, if it was driven."""
+    origin: Origin = field(default_factory=Origin, kw_only=True)
+    """What the written scenario extends."""
+    seconds: float = field(default=0.0, kw_only=True)
+    """Length of the log [s]."""
+    range: Mapping[str, tuple[float, float]] = field(default_factory=dict, kw_only=True)
+    """Least and largest speed of each axis that the log holds for a while."""
+    left_out: tuple[LeftOut, ...] = field(default=(), kw_only=True)
+    """Stretches that no fit counts."""
     places: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     """Keys of the scenario, and the parameters whose intervals stand beside them."""
 
@@ -203,49 +231,21 @@ class BaseIdentification(ABC):
             "score": asdict(self.score),
             "explained": {item.axis: item.explained for item in self.judgements},
             "diagnosis": [row for item in self.judgements for row in item.diagnosis()],
+            "range": {axis: list(ends) for axis, ends in self.range.items()},
+            "left_out": [item.to_json() for item in self.left_out],
         }
 
     @abstractmethod
     def traces(self) -> Traces:
         """Measured and predicted speeds, and residuals."""
 
+    def to_toml(self, folder: Path | None = None) -> str:
+        """The scenario as a file in ``folder`` has it: what it extends, and what was found."""
+        return toml_of(self, folder)
+
     def described(self) -> dict[str, tuple[str, str]]:
         """Words and unit of each parameter."""
         return {name: (WORDS[name], UNITS[name]) for name in self.parameters}
-
-    def to_toml(self) -> str:
-        """The scenario without what is missing, with the interval and verdict of each number."""
-        assumed = [key for key in self.scenario.assumed if key not in self.missing]
-        ours = (key for key, names in self.places.items() if {*names} & {*self.parameters})
-        only = {*self.words, *ours, *assumed}
-        stated = replace(self.scenario, assumed=tuple(assumed))
-        document = tomlkit.parse(to_toml(stated, only=only))
-        for key in self.missing:
-            table, name = key.split(".")
-            document[table].remove(name)
-        for key in assumed:
-            table, name = key.split(".")
-            entry = document[table][name]
-            said = self.words.get(key) or "assumed, nobody stated it"
-            entry.comment(f"{entry.trivia.comment.lstrip('# ')}: {said}")
-        for key, names in self.places.items():
-            table, place = key.split(".")
-            said = "; ".join(
-                f"{name} {item.low:.6g} to {item.high:.6g} {UNITS[name]}, {item.verdict}"
-                for name in names
-                if (item := self.parameters.get(name))
-            )
-            if not said or place not in document.get(table, {}):
-                continue
-            entry = document[table][place]
-            entry.comment(f"{entry.trivia.comment.lstrip('# ')}: {said}")
-        limit = {"guard": "guard.dbar", "filter": "filter.d"}[self.bounds.section]
-        head = [
-            f"from the log {self.name} by wmr-ctrl identify, with 95 % intervals as comments",
-            f"{limit}: {self.bounds.sentence}",
-            *self.remarks,
-        ]
-        return "".join(f"# {line}\n" for line in head) + "\n" + tomlkit.dumps(document)
 
 
 def verdict(half: float, size: float) -> str:

@@ -47,12 +47,13 @@ from .logs.log import (
     TORQUES,
     Log,
     LogError,
+    joined,
     log_of,
     seen_by,
     with_counts,
     with_torques,
 )
-from .logs.samples import Samples, held_speeds, motion_of
+from .logs.samples import Samples, held_range, held_speeds, motion_of
 from .refuted import explaining, guard_bounds, held_out, usable_speeds
 from .stated import (
     LEAST_SEEN,
@@ -68,8 +69,11 @@ from .velocity_base import of_velocities
 from .widths import intervals_of
 
 Progress = Callable[[float], None]
+OneLog = str | Path | Run | RecordedDrive | Mapping[str, list[float]]
 USUAL = {"torque": 60, "velocity": 18}
 """Passes through a log that an identification usually takes, for the progress shown."""
+SHORTEST = {"torque": 10.0, "velocity": 2.0}
+"""Least length of a log [s]."""
 ROBOT = ("robot.r", "robot.l")
 COUNTED = "encoder.counts"
 
@@ -111,7 +115,7 @@ class Identification(BaseIdentification):
 
 @checks_arguments
 def identify(
-    log: str | Path | Run | RecordedDrive | Mapping[str, list[float]],
+    log: OneLog | Sequence[OneLog],
     *,
     base: str = "torque",
     known: str | Path | Scenario | None = None,
@@ -122,32 +126,23 @@ def identify(
 ) -> BaseIdentification:
     """Identify a robot from a CSV file, a bag, a drive, a run, or columns by ``name [unit]``.
 
+    Several logs of one robot count as one.
     ``base`` is what the base takes: "torque", or "velocity" (v, omega).
     ``known`` is a scenario with what is known (robot.r, robot.l, encoder.counts, limits);
     ``overrides`` are applied to it; ``topics`` names a bag's topics by role; ``torque_constant``
     [N.m/A] turns motor currents into torques.  Raises LogError for a faulty or uninformative log,
     ScenarioError, ArgumentError, ResultFileError, MissingExtraError, CompilerError.
     """
-    if base not in KINDS:
-        raise ArgumentError(f"base = {base!r} must be one of {', '.join(KINDS)}.")
     commands = TORQUES if base == "torque" else COMMAND
-    raw = log_of(log, topics)
-    if base == "torque" or torque_constant is not None:
-        raw = with_torques(raw, torque_constant)
-    if raw.base is not None and raw.base.takes_velocity != (base == "velocity"):
-        kind = raw.base.section(BaseKind).kind
-        raise ArgumentError(
-            f'{raw.name}: the base of this run takes a {kind} (base.kind). Give base = "{kind}", '
-            f"on the command line --base {kind}."
-        )
-    scenario, sure = believed(raw, known, overrides or {})
+    raw = _one_log(log, base, topics, torque_constant)
+    scenario, sure, origin = believed(raw, known, overrides or {})
     raw, counts = with_counts(raw, scenario.section(Encoder).counts if COUNTED in sure else None)
     if counts is not None:
         scenario, sure = override(scenario, {COUNTED: counts}), {*sure, COUNTED}
     lint.check_log(raw, commands)
     remarks = list(raw.remarks)
     samples, scenario = _samples(raw, scenario, sure, remarks, commands)
-    lint.check_motion(raw.name, samples, scenario.robot.l)
+    lint.check_motion(raw.name, samples, scenario.robot.l, SHORTEST[base])
     if base == "torque":
         lint.check_torques(raw.name, samples, scenario.robot.l)
     lint.check_poses(raw.name, raw, samples)
@@ -165,19 +160,53 @@ def identify(
 
     fit = _of_torques if base == "torque" else of_velocities
     identified = fit(raw.name, samples, scenario, remarks, tell)
+    found = _finished(identified, scenario, sure, samples)
+    words |= {key: NOT_SHOWN for key in found.scenario.assumed
+              if key.startswith(("filter.", "guard."))}  # fmt: skip
+    if progress:
+        progress(1.0)
+    return replace(
+        found, words=words, origin=origin, range=held_range(samples),
+        seconds=float(samples.t[-1] - samples.t[0]),
+    )  # fmt: skip
+
+
+def _one_log(
+    log: OneLog | Sequence[OneLog],
+    base: str,
+    topics: Mapping[str, str] | None,
+    torque_constant: float | None,
+) -> Log:
+    """All logs as one, of a base that takes what the caller says."""
+    if base not in KINDS:
+        raise ArgumentError(f"base = {base!r} must be one of {', '.join(KINDS)}.")
+    several = log if isinstance(log, list | tuple) else (log,)
+    if not several:
+        raise ArgumentError("no log is given. Give at least one.")
+    raw = joined([log_of(item, topics) for item in several])
+    if raw.base is not None and raw.base.takes_velocity != (base == "velocity"):
+        kind = raw.base.section(BaseKind).kind
+        raise ArgumentError(
+            f'{raw.name}: the base of this run takes a {kind} (base.kind). Give base = "{kind}", '
+            f"on the command line --base {kind}."
+        )
+    if base == "torque" or torque_constant is not None:
+        return with_torques(raw, torque_constant)
+    return raw
+
+
+def _finished(
+    identified: BaseIdentification, scenario: Scenario, sure: set[str], samples: Samples
+) -> BaseIdentification:
+    """The results with what is known for what was not found, and the keys that are missing."""
     vague = [key for key in undetermined(identified.parameters) if key in sure]
     kept = {key: scenario.value(key)[0] for key in vague}
     result = written(override(identified.scenario, kept))
-    missing = not_found(sure, samples, identified.parameters)
+    missing, remarks = not_found(sure, samples, identified.parameters), identified.remarks
     if missing:
-        remarks = [*identified.remarks, missing_text(missing, sections())]
+        remarks = (*remarks, missing_text(missing, sections()))
         result = replace(result, assumed=tuple(dict.fromkeys((*result.assumed, *missing))))
-        identified = replace(identified, remarks=tuple(remarks), missing=missing)
-    words |= {key: NOT_SHOWN for key in result.assumed if key.startswith(("filter.", "guard."))}
-    identified = replace(identified, scenario=result, words=words)
-    if progress:
-        progress(1.0)
-    return identified
+    return replace(identified, scenario=result, remarks=remarks, missing=missing)
 
 
 def _samples(
@@ -312,8 +341,8 @@ def _scenario(
     most = min(bounds.dbar[0], bounds.dbar[1] / half_track) * r / 2
     rolling = 2 * max(values["c"], 0.0) / weight
     delay = max(round(values["delay"] / step), 0) * step
+    base = replace(base, title=f"identified from {name}")
     result = override(base, {
-        "title": f"identified from {name}",
         "robot.m": values["m"], "robot.I": values["I"], "robot.mu": max(values["Fc"], 0.0) / weight,
         "resistance.viscous": [max(values["Fv"], 0.0), max(values["Mv"], 0.0)],
         "resistance.rolling": [rolling, rolling],

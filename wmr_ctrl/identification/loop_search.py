@@ -181,9 +181,9 @@ def _one_more(fit: LoopFit, tell: Callable[[], None]) -> LoopFit | None:
         tell()
         most = 1.0 if key == "decel" else LESS_SQUARES
         half = dict(zip(one.names, one.half_widths(0.0).tolist(), strict=True))
-        linear = [name for name in member.names if name in LINEAR]
-        sure = all(half[name] < MOST_VAGUE * abs(one.values[name]) for name in linear)
-        if sure and (fit.vague or not one.vague) and one.squares <= most * fit.squares:
+        sizes = {name: abs(one.values[name]) if name in LINEAR else 1.0 for name in member.names}
+        sure = all(half[name] < MOST_VAGUE * size for name, size in sizes.items())
+        if sure and not one.too_steep and one.squares <= most * fit.squares:
             tried.append(one)
     best = min(tried, key=lambda item: item.bic, default=None)
     least = max(LESS_BIC, LESS_BIC_ROW * fit.log.in_fit.sum())

@@ -193,9 +193,14 @@ class LoopFit:
     def vague(self) -> bool:
         """True where a number of the loop or its limit is hardly determined: there are too many."""
         half = self.half_widths(0.0)
-        if self.values.get("accel", 0.0) * self.log.period > np.ptp(self.log.sent):
-            return True
-        return any(h > MOST_VAGUE for n, h in zip(self.names, half, strict=True) if n not in LINEAR)
+        return self.too_steep or any(
+            h > MOST_VAGUE for n, h in zip(self.names, half, strict=True) if n not in LINEAR
+        )
+
+    @property
+    def too_steep(self) -> bool:
+        """True where the largest step of the command passes the ramp within a row."""
+        return bool(self.values.get("accel", 0.0) * self.log.period > np.ptp(self.log.sent))
 
     @property
     def members(self) -> tuple[str, ...]:

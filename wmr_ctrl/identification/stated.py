@@ -17,9 +17,10 @@ from wmr_ctrl.world.scenario.sections import BARRIER_FROM, Robot
 from wmr_ctrl.world.scenario.toml_io import raw_of
 from wmr_ctrl.world.scenario.unstated import KIND
 
-from .bounds import UNDETERMINED, Estimate
+from .bounds import UNDETERMINED, Estimate, Origin
 from .logs.log import Log
 from .logs.samples import Samples, held_speeds
+from .written import values_in
 
 LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
 STAND_IN: Mapping[str, object] = {
@@ -38,12 +39,12 @@ NOT_SHOWN = "the log does not show that it holds up to limits.v_u1"
 
 def believed(
     raw: Log, known: str | Path | Scenario | None, overrides: Mapping[str, object]
-) -> tuple[Scenario, set[str]]:
-    """The scenario with the known numbers, and the keys that it states, or what it extends.
+) -> tuple[Scenario, set[str], Origin]:
+    """The scenario with the known numbers, the keys that it states, and what it extends.
 
     Those of `STAND_IN` are assumed where nobody states them.
     """
-    given = known if known is not None else raw.base
+    given, origin = known if known is not None else raw.base, Origin()
     stated = set(overrides)
     for key, value in overrides.items():
         stated |= {f"{key}.{name}" for name in (value if isinstance(value, Mapping) else ())}
@@ -55,9 +56,12 @@ def believed(
         source = {} if given is None else raw_of(str(given))
         whole = apply(merge(STAND_IN, source), overrides)
         scenario = scenario_of(from_dict(whole, "identified"), {}, guard=False)
+        if given is not None:
+            own = scenario_dict(from_dict(merge(STAND_IN, source), "identified"))
+            origin = Origin(str(given), values_in(own, source))
         stated |= stated_in(source)
         silent = {*scenario.assumed, *(stated_in(STAND_IN) - stated)}
-    return replace(scenario, assumed=tuple(sorted(silent))), stated - silent
+    return replace(scenario, assumed=tuple(sorted(silent))), stated - silent, origin
 
 
 def with_limits(

@@ -17,9 +17,9 @@ from .bounds import UNDETERMINED, Estimate, FilterBounds
 from .estimate import bare_scenario
 from .judgement import NOT_EXPLAINED, Judgement, bent
 from .logs.log import COMMAND
-from .logs.samples import Samples
+from .logs.samples import Samples, held_speeds
 from .speed_loop import SMOOTHED, Fits, LoopFit
-from .stated import MOST_FAR, rounded_down
+from .stated import LEAST_SEEN, MOST_FAR, rounded_down
 
 PLACES = {
     "base.tau": ("tau1", "tau2"), "base.gain": ("gain1", "gain2"),
@@ -60,17 +60,17 @@ class Base:
 
     def far(self, limits: Sequence[float]) -> list[float]:
         """By how much limits are beyond the fastest motion of the log, as shares of it."""
-        return [
-            0.0 if fit is None else max(limit / rounded_down(fit.fastest) - 1, 0.0)
-            for fit, limit in zip(self.fits, limits, strict=True)
-        ]
+        held = held_speeds(self.log)
+        return [max(limit / max(v, LEAST_SEEN) - 1, 0.0) if fit else 0.0
+                for fit, limit, v in zip(self.fits, limits, held, strict=True)]  # fmt: skip
 
 
 def scenario_of_base(
     name: str, scenario: Scenario, found: Base, remarks: list[str]
 ) -> tuple[FilterBounds, Scenario]:
     """The scenario of the base, whose filter is on where its numbers can be met."""
-    base, log, estimates = bare_scenario(scenario, found.log, remarks), found.log, found.estimates
+    log, estimates = found.log, found.estimates
+    base = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")
     step, far = base.clock.plant, found.far(base.limits.v_u1)
     d1, d2 = (0.0 if fit is None else _deviation(fit) * (1 + share)
               for fit, share in zip(found.fits, far, strict=True))  # fmt: skip
@@ -82,7 +82,7 @@ def scenario_of_base(
     decel = [item.get("decel", most) for item, most in zip(values, accel, strict=True)]
     ends = min([late, *(item.low for item in delays)]), max([late, *(i.high for i in delays)])
     result = override(base, {
-        "title": f"identified from {name}", "robot.mu": 0.0, "base.kind": "velocity",
+        "robot.mu": 0.0, "base.kind": "velocity",
         "base.delay": late, "base.accel": accel, "base.decel": decel,
         "base.deadband": [item.get("dead", 0.0) for item in values], "guard.enabled": False,
         "filter.kind": "none", "filter.delay": list(ends),

@@ -13,7 +13,7 @@ from wmr_ctrl.world.encoder import COUNTS
 from .log import POSES, TORQUES, Floats, Log, LogError, unit_of
 from .samples import LONGEST_SHIFT, Samples, differenced, speeds, wheels
 
-FEWEST_ROWS, SHORTEST_LOG, LEAST_MOVING = 50, 10.0, 0.2
+FEWEST_ROWS, LEAST_MOVING = 50, 0.2
 SLOW = 0.01
 """Speed of a wheel below which it counts as standing [m/s]."""
 STEPS = (5e-4, 0.5)
@@ -97,11 +97,11 @@ def check_counters(log: Log) -> None:
         )
 
 
-def check_motion(name: str, log: Samples, half_track: float) -> None:
-    """The log is long enough and moves."""
+def check_motion(name: str, log: Samples, half_track: float, shortest: float) -> None:
+    """The log is long enough [s] and moves."""
     span = log.t[-1] - log.t[0]
-    if span < SHORTEST_LOG:
-        raise LogError(f"{name}: {span:.3g} s is too short; drive for {SHORTEST_LOG:g} s or more.")
+    if span < shortest:
+        raise LogError(f"{name}: {span:.3g} s is too short; drive for {shortest:g} s or more.")
     speed = np.abs(wheels(speeds(log), half_track)).max(axis=1)
     share = float(np.mean(speed > SLOW))
     if share < LEAST_MOVING:

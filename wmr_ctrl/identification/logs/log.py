@@ -21,6 +21,8 @@ from wmr_ctrl.results.bag_topics import load_source
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import Scenario, loads_scenario
 
+BETWEEN = 10.0
+"""Time between logs that count as one [s]."""
 MOST_NAMED = 12
 """Columns that a message names."""
 MOST_BYTES = 2**31
@@ -92,6 +94,35 @@ def log_of(
     if isinstance(given, drive.RecordedDrive):
         return _of_drive(given)
     return of_columns("log", given)
+
+
+def joined(logs: Sequence[Log]) -> Log:
+    """Several logs of one robot as one: at rest, without commands, between them.
+
+    Raises LogError where no column is in all of them.
+    """
+    if len(logs) == 1:
+        return logs[0]
+    names = [name for name in logs[0].columns if all(log.has([name]) for log in logs)]
+    if not names:
+        raise LogError("no column is in all of these logs. Give logs with the same columns.")
+    times: dict[str, list[Floats]] = {name: [] for name in names}
+    columns: dict[str, list[Floats]] = {name: [] for name in names}
+    begin = 0.0
+    for log in logs:
+        ends = [log.times[name][[0, -1]] for name in names]
+        first, last = min(low for low, _ in ends), max(high for _, high in ends)
+        for name in names:
+            rest = [begin - BETWEEN / 2] if name in (*COMMAND, *TORQUES) else []
+            times[name].append(np.concatenate((rest, log.times[name] - first + begin)))
+            columns[name].append(np.concatenate((np.zeros(len(rest)), log.columns[name])))
+        begin += last - first + BETWEEN
+    clocks, values = (
+        {name: np.concatenate(parts) for name, parts in of.items()} for of in (times, columns)
+    )
+    remarks = dict.fromkeys(text for log in logs for text in log.remarks)
+    name = ", ".join(log.name for log in logs)
+    return Log(name, clocks, values, logs[0].base, tuple(remarks))
 
 
 def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:

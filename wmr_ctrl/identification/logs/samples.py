@@ -29,7 +29,10 @@ HELD = 0.2
 """Time for which a speed is held that a log shows [s]."""
 
 COUNTED_FROM = 1.0
-"""Time at the start of each stretch that does not count [s]."""
+"""Time at the start of each stretch that does not count [s], except one that begins at rest."""
+
+RESTS, STILL = 0.3, 0.05
+"""Time at rest at the start of a stretch [s], and what counts as rest, over the quickest motion."""
 
 
 @dataclass(frozen=True)
@@ -109,12 +112,19 @@ def speeds(log: Samples, over: float = 0.1) -> Floats:
     return np.asarray((log.seen[later] - log.seen[sooner]) / span[:, None])
 
 
-def held_speeds(log: Samples) -> tuple[float, float]:
-    """Largest |v1| and |omega| [m/s, rad/s] held for `HELD`: single readings do not count."""
-    speed = np.abs(speeds(log))
+def held_range(log: Samples) -> dict[str, tuple[float, float]]:
+    """Least and largest v and omega [m/s, rad/s] held for `HELD`: single readings do not count."""
+    speed = speeds(log)
     rows = min(round(HELD / float(np.median(np.diff(log.t)))) + 1, len(speed))
-    held = np.lib.stride_tricks.sliding_window_view(speed, rows, axis=0).min(axis=-1)
-    v, omega = held.max(axis=0).tolist()
+    held = np.lib.stride_tricks.sliding_window_view(speed, rows, axis=0)
+    low, high = held.max(axis=-1).min(axis=0), held.min(axis=-1).max(axis=0)
+    pairs = zip(low.tolist(), high.tolist(), strict=True)
+    return dict(zip(("v", "omega"), pairs, strict=True))
+
+
+def held_speeds(log: Samples) -> tuple[float, float]:
+    """Largest |v1| and |omega| [m/s, rad/s] held for `HELD`."""
+    v, omega = (max(-low, high, 0.0) for low, high in held_range(log).values())
     return v, omega
 
 
@@ -166,8 +176,15 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
         step = np.diff(log.t, prepend=log.t[0] - 1.0)
         speed = np.diff(speed, prepend=speed[0]) / step
     since = log.t - log.t[log.first][np.searchsorted(log.first, np.arange(len(log.t)), "right") - 1]
-    in_fit = (since > COUNTED_FROM) & (log.t - LONGEST_DELAY > log.command_t[0])
     sent = log.command[:, axis]
+    in_fit = (since > COUNTED_FROM) & (log.t - LONGEST_DELAY > log.command_t[0])
+    still = STILL * float(np.quantile(np.abs(speed), 0.98))
+    for low, high in zip(log.first, [*log.first[1:], len(log.t)], strict=True):
+        # What begins at rest has no motion of before.
+        rows = slice(low, low + int(np.sum(since[low:high] < RESTS)))
+        acting = np.searchsorted(log.command_t, log.t[rows], "right") - 1
+        if not sent[np.maximum(acting, 0)].any() and (np.abs(speed[rows]) <= still).all():
+            in_fit[low:high] = since[low:high] > 0
     return AxisLog(
         log.t, speed, in_fit, log.command_t, sent, log.first, not log.of_speed, log.period
     )

@@ -1,0 +1,41 @@
+"""Parameters of nav2 that a base's delay and accelerations bound."""
+
+import math
+
+from wmr_ctrl.core.errors import ArgumentError
+
+from .bounds import DETERMINED, ROUGHLY, BaseIdentification
+
+
+def nav2_of(result: BaseIdentification) -> str:
+    """YAML text for nav2's MPPI controller and its velocity smoother.
+
+    What the log does not show is a comment.  Raises ArgumentError for a base that takes torques.
+    """
+    if result.bounds.section != "filter":
+        raise ArgumentError(
+            f"{result.name}: nav2 sends velocities, and this base takes torques. Identify it with "
+            "--base velocity, from a log of v_command and omega_command."
+        )
+    values = {name: item.value for name, item in result.parameters.items()
+              if item.verdict in (DETERMINED, ROUGHLY)}  # fmt: skip
+    up = [values.get(f"accel{axis}", math.inf) for axis in (1, 2)]
+    down = [values.get(f"decel{axis}", most) for axis, most in zip((1, 2), up, strict=True)]
+    late = max(values.get(f"delay{axis}", math.inf) for axis in (1, 2))
+    slow = [values.get(f"dead{axis}", 0.0) for axis in (1, 2)]
+    lines = [f"# from {result.name} by wmr-ctrl identify", "controller_server:"]
+    lines += ["  ros__parameters:", "    FollowPath:"]
+    lines += [_line("      model_delay", [late]), _line("      ax_max", up[:1])]
+    lines += [_line("      ax_min", [-down[0]]), _line("      az_max", [min(up[1], down[1])])]
+    lines += ["velocity_smoother:", "  ros__parameters:"]
+    lines.append(_line("    max_accel", [up[0], 0.0, up[1]]))
+    lines.append(_line("    max_decel", [-down[0], 0.0, -down[1]]))
+    lines.append(_line("    deadband_velocity", [slow[0], 0.0, slow[1]]))
+    return "\n".join([*lines, ""])
+
+
+def _line(name: str, values: list[float]) -> str:
+    if not all(map(math.isfinite, values)):
+        return name.replace(name.lstrip(), f"# {name.lstrip()}: the log shows none")
+    shown = [float(f"{value:.4g}") for value in values]
+    return f"{name}: {shown if len(shown) > 1 else shown[0]}"
