@@ -45,7 +45,7 @@ FOLDERS = {
 }
 """The same of commands that write a folder, and a file of it."""
 READS_NOTHING = ("prove", "bench", "reproduce")
-SUFFIXES = (".csv", ".npz", ".svg", ".png", ".html", ".toml", ".gif")
+SUFFIXES = (".csv", ".npz", ".svg", ".png", ".html", ".toml", ".gif", ".yaml")
 
 
 def outputs(metavar: str) -> Iterator[object]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
@@ -85,16 +86,10 @@ def identify(
     """
     from pathlib import Path
 
-    from wmr_ctrl.core.errors import ArgumentError
     from wmr_ctrl.identification import identify as identify_log
     from wmr_ctrl.identification.nav2 import nav2_of
     from wmr_ctrl.world.scenario import parse_assignments
 
-    if out and robot and Path(out).resolve() == Path(robot).resolve():
-        raise ArgumentError(
-            f"--out {out} would overwrite --robot {robot}, which stays as it is: what is written "
-            "extends it. Give --out another name."
-        )
     with Progress(f"identify {', '.join(logs)}") as progress:
         result = identify_log(
             logs[0] if len(logs) == 1 else logs,
@@ -107,14 +102,14 @@ def identify(
         )
     drive = None
     if out:
-        _write(out, result.to_toml(Path(out).resolve().parent))
+        _write(out, lambda: result.to_toml(Path(out).resolve().parent))
     if nav2:
-        _write(nav2, nav2_of(result))
+        _write(nav2, lambda: nav2_of(result))
     if propose:
         from wmr_ctrl.identification.propose import propose as propose_drive
 
         drive = propose_drive(result, floor)
-        _write(propose, drive.to_csv())
+        _write(propose, drive.to_csv)
     if plot or report:
         from wmr_ctrl.report.identified import write_identification
 
@@ -128,11 +123,11 @@ def identify(
         click.echo(_text(result))
 
 
-def _write(path: str, text: str) -> None:
+def _write(path: str, text: Callable[[], str]) -> None:
     from wmr_ctrl.results import atomic_text
 
     with atomic_text(path) as file:
-        file.write(text)
+        file.write(text())
     say("wrote", path)
 
 
