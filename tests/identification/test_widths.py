@@ -98,8 +98,8 @@ def test_a_guard_stands_wider_masses_larger_pushes_and_creeping_tread(delay, lat
     found = guard_bounds(white_fit(0.01), intervals, counted, None)
     power = 2.5096 / T_14
 
-    assert found.masses[0] == pytest.approx((10 * 0.8**power, 10 * 1.2**power), rel=1e-4)
-    assert found.masses[1] == pytest.approx((0.5**power, 3**power), rel=1e-4)
+    assert found.masses[0] == pytest.approx((10 * 0.8**power, 10 * 1.2**power), rel=1e-3)
+    assert found.masses[1] == pytest.approx((0.5**power, 3**power), rel=1e-3)
     assert found.dbar == pytest.approx((2 * 4.5, 3 * 3.0))
     assert found.delay == pytest.approx(late)
     assert found.lag == pytest.approx((0.0, 0.010))

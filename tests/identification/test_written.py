@@ -151,14 +151,6 @@ def test_a_filter_rests_on_what_is_assumed_between_the_speeds_of_a_log():
     assert {"filter.gain", "filter.d"} <= {*found.scenario.assumed}
 
 
-def test_a_governor_needs_a_log_with_its_own_commands():
-    """It sends far more than its limit for moments: here that is in the log, else it is a clip."""
-    slow = {"limits__v_u1": [0.018, 0.06], "limits__v_u2": [0.01, 0.05]}
-
-    assert of_velocities(**slow).scenario.filter.kind == "governor"
-    assert any("a governor would send up to" in text for text in of_velocities().remarks)
-
-
 def offset_log(seed=0):
     """A base that drives by 0.1 m/s and 0.4 rad/s less than it is told."""
     log = steps(FIRST, 24.0, seed)

@@ -67,6 +67,7 @@ from .stated import (
 )
 from .velocity_base import of_velocities
 from .widths import intervals_of
+from .written import four_digits
 
 Progress = Callable[[float], None]
 OneLog = str | Path | Run | RecordedDrive | Mapping[str, list[float]]
@@ -336,6 +337,7 @@ def _scenario(
     ``far`` (2,): each limit over the largest speed of the log.
     """
     r, half_track, step = base.robot.r, base.robot.l, base.clock.plant
+    values = {name: four_digits(x) for name, x in values.items()}
     weight = values["m"] * base.robot.g
     std = max(bounds.q[0], bounds.q[1] / half_track) * r / math.sqrt(2)
     most = min(bounds.dbar[0], bounds.dbar[1] / half_track) * r / 2

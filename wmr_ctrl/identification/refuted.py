@@ -29,6 +29,7 @@ from .kalman import BLOCKS, INDEX, NAMES
 from .logs.log import Floats
 from .logs.samples import Samples
 from .widths import Fitted, changes, intervals_of
+from .written import four_digits, outward
 
 SPANS = (0.0, 0.1, 0.2, 0.4, 0.8)
 """Halves of the windows over which the guard's monitor looks at a log [s]; 0: one sample."""
@@ -82,13 +83,17 @@ def guard_bounds(
     # The guard lets a delay vary by one control period at most.
     wide = latest - early > period
     late = (early, latest) if wide else (early, min(latest + CREEP, early + period))
+    lightest, heaviest, pushes, noises = (
+        (four_digits(float(v), way), four_digits(float(w), way))
+        for (v, w), way in ((low, math.floor), *((x, math.ceil) for x in (high, dbar, nbar)))
+    )
     return GuardBounds(
-        (float(low[0]), float(low[1])),
-        (float(high[0]), float(high[1])),
-        (float(dbar[0]), float(dbar[1])),
-        (float(nbar[0]), float(nbar[1])),
+        lightest,
+        heaviest,
+        pushes,
+        noises,
         late,
-        (max(intervals["lag"][1], 0.0), intervals["lag"][2] + CREEP_LAG),
+        outward(max(intervals["lag"][1], 0.0), intervals["lag"][2] + CREEP_LAG),
         (float(q[0]), float(q[1])),
         tolerance_sentence(white, colour),
         wide,
@@ -229,7 +234,7 @@ def explaining(white: Fit, bounds: GuardBounds) -> GuardBounds:
     """The bounds, with dbar as large as the guard's monitor needs it to be over the whole log."""
     dbar = list(bounds.dbar)
     for item in contradictions(white, bounds):
-        dbar[item.axis] = item.push * (1 + 1e-9)
+        dbar[item.axis] = four_digits(item.push * (1 + 1e-9), math.ceil)
     return replace(bounds, dbar=(dbar[0], dbar[1]))
 
 

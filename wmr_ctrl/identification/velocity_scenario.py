@@ -20,6 +20,7 @@ from .logs.log import COMMAND
 from .logs.samples import Samples, held_speeds
 from .speed_loop import SMOOTHED, Fits, LoopFit
 from .stated import LEAST_SEEN, MOST_FAR, rounded_down
+from .written import four_digits, outward
 
 PLACES = {
     "base.tau": ("tau1", "tau2"), "base.gain": ("gain1", "gain2"),
@@ -51,13 +52,6 @@ class Base:
         """Fits of the axes that were driven."""
         return [fit for fit in self.fits if fit is not None]
 
-    @property
-    def plain(self) -> bool:
-        """True where a loop of first order with nothing beside it explains both axes."""
-        first_order = all(fit.loop == "first-order" and "accel" not in fit.names
-                          for fit in self.seen)  # fmt: skip
-        return first_order and all(item is not None and item.plain for item in self.judgements)
-
     def far(self, limits: Sequence[float]) -> list[float]:
         """By how much limits are beyond the fastest motion of the log, as shares of it."""
         held = held_speeds(self.log)
@@ -72,15 +66,16 @@ def scenario_of_base(
     log, estimates = found.log, found.estimates
     base = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")
     step, far = base.clock.plant, found.far(base.limits.v_u1)
-    d1, d2 = (0.0 if fit is None else _deviation(fit) * (1 + share)
+    d1, d2 = (0.0 if fit is None else outward(0.0, _deviation(fit) * (1 + share))[1]
               for fit, share in zip(found.fits, far, strict=True))  # fmt: skip
     both = [fit or found.seen[0] for fit in found.fits]
-    values = [fit.values for fit in both]
+    values = [{name: four_digits(x) for name, x in fit.values.items()} for fit in both]
     delays = [estimates[key] for key in ("delay1", "delay2") if key in estimates]
     late = max(round(float(np.mean([item.value for item in delays])) / step), 0) * step
     accel = [item.get("accel", math.inf) for item in values]
     decel = [item.get("decel", most) for item, most in zip(values, accel, strict=True)]
-    ends = min([late, *(item.low for item in delays)]), max([late, *(i.high for i in delays)])
+    lows, highs = [item.low for item in delays], [item.high for item in delays]
+    ends = outward(min(late, *lows), max(late, *highs))
     result = override(base, {
         "robot.mu": 0.0, "base.kind": "velocity",
         "base.delay": late, "base.accel": accel, "base.decel": decel,
@@ -100,6 +95,7 @@ def scenario_of_base(
                  for item in values]  # fmt: skip
         more = max(x * (bent(fit) + y) for fit, x, y in zip(both, far, grows, strict=True))
         hull["gain"] = hull["gain"][0], hull["gain"][1] * (1 + more)
+    hull = {name: outward(*pair) for name, pair in hull.items()}
     if loop == "pi":
         own += ["robot.I"] if {"robot.m", "robot.l"} & {*base.assumed} else []
         result = _of_pi(result, values, hull, (d1, d2))
@@ -118,8 +114,7 @@ def scenario_of_base(
         f"{log.t[-1] - log.t[0]:.3g} s, on this floor, with this load: no bound that is proved"
     )
     bounds = FilterBounds(loop, (peak[0], peak[1]), (d1, d2), ends, sentence)
-    quickest = hull["tau"][0] if found.plain else None
-    return bounds, _filtered(result, found, peaks, quickest, remarks)
+    return bounds, _filtered(result, found, peaks, remarks)
 
 
 def _deviation(fit: LoopFit) -> float:
@@ -131,19 +126,14 @@ def _filtered(
     result: Scenario,
     found: Base,
     peaks: list[PeakGain],
-    quickest: float | None,
     remarks: list[str],
 ) -> Scenario:
-    """The scenario with the filter that its log supports; without one, bounds are assumed.
-
-    ``quickest`` as in `_filter_kind`.
-    """
+    """The scenario with the filter that its log supports; without one, bounds are assumed."""
     off = replace(result, assumed=(*result.assumed, *UNFOUNDED))
     if reason := _against(result, found):
         remarks.append(f"the filter is off: {reason}")
         return off
-    kind = _filter_kind(result, found.seen, peaks, quickest, remarks)
-    stated = override(result, {"filter.kind": kind})
+    stated = override(result, {"filter.kind": "clip"})
     try:
         settle(stated, None)
         check_filter(stated)
@@ -195,34 +185,6 @@ def _against(stated: Scenario, found: Base) -> str:
     return ""
 
 
-def _filter_kind(
-    stated: Scenario,
-    fits: list[LoopFit],
-    peaks: list[PeakGain],
-    quickest: float | None,
-    remarks: list[str],
-) -> str:
-    """The filter that sends no command beyond those whose effect the log shows, and a remark.
-
-    ``quickest``: least time constant [s] of a base that a governor can be used for.
-    """
-    if quickest is None:
-        return "clip"
-    limits, known = stated.limits.v_u1, [_largest_command(fit) for fit in fits]
-    sent = _largest_sent(stated, peaks)
-    # A governor sends most where it takes over at full speed backwards.
-    rise = 2 / math.expm1(min(stated.clock.control / quickest, 700.0))
-    sent = [u + rise * V / item.gain for u, V, item in zip(sent, limits, peaks, strict=True)]
-    if all(u <= most for u, most in zip(sent, known, strict=True)):
-        return "governor"
-    remarks.append(
-        f"the filter is a clip: a governor would send up to {sent[0]:.3g} m/s and {sent[1]:.3g} "
-        "rad/s for moments, and the log shows what the base does with commands up to "
-        f"{known[0]:.3g} m/s and {known[1]:.3g} rad/s."
-    )
-    return "clip"
-
-
 def _never_sent(
     stated: Scenario, fits: list[LoopFit], peaks: list[PeakGain], remarks: list[str]
 ) -> bool:
@@ -243,12 +205,6 @@ def _never_sent(
 def _largest_sent(stated: Scenario, peaks: list[PeakGain]) -> list[float]:
     """Largest command of each axis that a clip sends [m/s, rad/s]."""
     return [(V - item.push) / item.gain for V, item in zip(stated.limits.v_u1, peaks, strict=True)]
-
-
-def _largest_command(fit: LoopFit) -> float:
-    """Largest command whose effect the log shows: one that ended too soon counts in part."""
-    followed = float(np.abs(fit.log.speed - fit.left)[fit.log.in_fit].max())
-    return min(float(np.abs(fit.log.sent).max()), followed / fit.values.get("gain", 1.0))
 
 
 def _said_of(loop: str, m: float) -> list[str]:

@@ -89,13 +89,14 @@ def values_in(raw: Mapping[str, object], source: Mapping[str, object]) -> dict[s
     return {key: _at(raw, key) for key in stated_in(source)}
 
 
-def outward(low: float, high: float) -> tuple[float, float]:
-    """An interval with four digits, nowhere narrower."""
-    return _rounded(low, math.floor), _rounded(high, math.ceil)
-
-
-def _rounded(value: float, way: Callable[[float], int]) -> float:
+def four_digits(value: float, way: Callable[[float], int] = round) -> float:
+    """A number with four digits."""
     if not math.isfinite(value) or not value:
         return value
     step = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - DIGITS)
-    return float(f"{way(value / step * (1 - 1e-12 * (way is math.ceil))) * step:.{DIGITS}g}")
+    return float(f"{way(round(value / step, 6)) * step:.{DIGITS}g}")
+
+
+def outward(low: float, high: float) -> tuple[float, float]:
+    """An interval with four digits, narrower by no more than roundings."""
+    return four_digits(low, math.floor), four_digits(high, math.ceil)
