@@ -253,7 +253,7 @@ def scored(kind: str, seed: int) -> Score:
     shown = found.to_json()
     explained = {*dict(shown["explained"]).values()}
     score.told = sorted({f"{row['key']} {row['axis']}" for row in shown["diagnosis"]})
-    score.accused = explained != {"explained"} or bool(shown["left_out"])
+    score.accused = explained != {"explained"} or bool(shown.get("left_out"))
     scenario = loads_scenario(found.to_toml())
     if scenario.filter.kind == "none":
         return score

@@ -53,18 +53,6 @@ class Origin(NamedTuple):
     values: Mapping[str, object] = {}
 
 
-class LeftOut(NamedTuple):
-    """A stretch of a log that no fit counts [s], and why."""
-
-    begin: float
-    end: float
-    reason: str
-
-    def to_json(self) -> dict[str, object]:
-        """Plain data."""
-        return {"from": self.begin, "to": self.end, "reason": self.reason}
-
-
 class Estimate(NamedTuple):
     """A value with its 95 % interval, whether the log determines it, the seconds with half of the
     information, and the half-width as a share of what the verdict compares it with.
@@ -216,8 +204,6 @@ class BaseIdentification(ABC):
     """Length of the log [s]."""
     range: Mapping[str, tuple[float, float]] = field(default_factory=dict, kw_only=True)
     """Least and largest speed of each axis that the log holds for a while."""
-    left_out: tuple[LeftOut, ...] = field(default=(), kw_only=True)
-    """Stretches that no fit counts."""
     places: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     """Keys of the scenario, and the parameters whose intervals stand beside them."""
 
@@ -232,7 +218,6 @@ class BaseIdentification(ABC):
             "explained": {item.axis: item.explained for item in self.judgements},
             "diagnosis": [row for item in self.judgements for row in item.diagnosis()],
             "range": {axis: list(ends) for axis, ends in self.range.items()},
-            "left_out": [item.to_json() for item in self.left_out],
         }
 
     @abstractmethod
