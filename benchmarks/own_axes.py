@@ -14,7 +14,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-STEP = 1e-3
+STEP, PARTS = 1e-3, 8
+"""Step of a base [s], and parts of it in which a loop of second order moves."""
 NONE = math.inf
 
 
@@ -116,13 +117,15 @@ class Base:
         if a.loop == "first-order":
             self.v[axis] = v + (goal - v) * -math.expm1(-STEP / a.first)
             return
-        damped, stiff = 2 * a.zeta * a.first, a.first**2
-        if a.loop == "second-order":
-            self.rate[axis] += STEP * (stiff * (goal - v) - damped * self.rate[axis])
-            self.v[axis] = v + STEP * self.rate[axis]
-        else:
-            self.v[axis] = v + STEP * (damped * (r + push - v) + self.rate[axis])
-            self.rate[axis] += STEP * stiff * (r - v)
+        damped, stiff, h = 2 * a.zeta * a.first, a.first**2, STEP / PARTS
+        for _ in range(PARTS):
+            if a.loop == "second-order":
+                self.rate[axis] += h * (stiff * (goal - v) - damped * self.rate[axis])
+                v += h * self.rate[axis]
+            else:
+                v += h * (damped * (r + push - v) + self.rate[axis])
+                self.rate[axis] += h * stiff * (r - v)
+        self.v[axis] = v
 
     def _ramp(self, axis: int, wanted: float) -> float:
         a, now = self.truth.axes[axis], self.ramped[axis]

@@ -296,7 +296,7 @@ def test_a_fit_on_exact_numbers_finds_them():
 @pytest.mark.slow
 @pytest.mark.parametrize("robots", [3, 6])
 def test_intervals_cover(robots):
-    """At 95 % fewer than 4 of 6 come about once in 450; `benchmarks.identify` tries hundreds."""
+    """At 95 % fewer than 4 of 6 come about once in 450; `benchmarks.intervals` tries hundreds."""
     columns = simulate(TRUTH, robots, 40.0, seed=100, step=2e-3)
     hits = dict.fromkeys(MAIN, 0)
     for robot in range(robots):

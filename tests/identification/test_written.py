@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import yaml
 
 import wmr_ctrl.identification.identification as identifying
 from benchmarks.own_plant import log_of
@@ -20,9 +23,11 @@ from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.unstated import Unknown
+from wmr_ctrl.export.nav2 import nav2_of
 from wmr_ctrl.identification.estimate import bare_scenario
 from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.stated import believed
+from wmr_ctrl.identification.written import outward
 from wmr_ctrl.world.robot_files.found import Found, Rank, merged
 from wmr_ctrl.world.scenario import inherited, load_scenario, loads_scenario, override
 from wmr_ctrl.world.scenario.new import new_scenario
@@ -329,3 +334,90 @@ def test_the_limits_of_a_saved_run_are_stated_ones():
 
     assert scenario == paper()
     assert "limits.v_u1" in sure
+
+
+def test_what_is_written_extends_the_users_file_and_has_found_keys_alone(tmp_path):
+    known, out = tmp_path / "robot" / "data sheet.toml", tmp_path / "out"
+    known.parent.mkdir()
+    out.mkdir()
+    text = "[robot]\nr = 0.05\nl = 0.12\n[base]\ndelay = 0.5\n[limits]\nclip = 1e-5\n"
+    known.write_text(text)
+    found = identify(LOG, base="velocity", known=known)
+    (out / "mine.toml").write_text(found.to_toml(out))
+
+    scenario, table = load_scenario(out / "mine.toml"), tomllib.loads(found.to_toml(out))
+
+    assert replace(scenario, name="identified") == found.scenario
+    assert table["extends"] == "../robot/data sheet.toml"
+    assert not {"robot", "initial", "sensor"} & {*table}
+    assert {*table["limits"]} == {"v_u1"}
+    assert "limits.v_u1" in scenario.assumed
+    interval = r"tau1 0\.\d+ to 0\.\d+ s, determined; tau2 .*; from log, 12 s"
+    assert re.search(rf"tau = \[0\.\d{{1,4}}, 0\.\d{{1,4}}\] .*{interval}", found.to_toml())
+
+
+def test_a_preset_is_extended_by_its_name():
+    table = tomllib.loads(identify(LOG, base="velocity", known="turtlebot3-burger").to_toml())
+
+    assert table["extends"] == "turtlebot3-burger"
+    assert not {"robot", "limits"} & {*table}
+
+
+@pytest.mark.parametrize(
+    ("value", "digits"), [(1234.56, (1234.0, 1235.0)), (-0.0123456, (-0.01235, -0.01234)),
+                          (0.25, (0.25, 0.25)), (0.0, (0.0, 0.0)), (math.inf, (math.inf,) * 2)]
+)  # fmt: skip
+def test_intervals_are_rounded_outward_to_four_digits(value, digits):
+    assert outward(value, value) == digits
+
+
+def test_short_logs_count_as_one_and_rest_between(tmp_path):
+    """Six short logs: at rest, then a step of both commands."""
+    whole, rng, several = steps(FIRST, 2.5), np.random.default_rng(4), []
+    for _ in range(6):
+        log = {"t [s]": whole["t [s]"]}
+        for axis, (name, sent) in enumerate(
+            (
+                ("v1_measured [m/s]", "v_command [m/s]"),
+                ("omega_measured [rad/s]", "omega_command [rad/s]"),
+            )
+        ):
+            level = rng.choice([-1, 1]) * rng.uniform(0.2, 0.5)
+            t = np.array(log["t [s]"])
+            rises = np.maximum(t - 0.5 - FIRST["delay"], 0.0) / FIRST["tau"][axis]
+            log[sent] = (level * (t >= 0.5)).tolist()
+            speed = FIRST["gain"][axis] * level * -np.expm1(-rises)
+            log[name] = (speed + 0.002 * rng.normal(size=len(t))).tolist()
+        several.append(log)
+    found = identify(several, base="velocity")
+
+    for axis in (1, 2):
+        for name in ("gain", "tau", "delay"):
+            item, true = found.parameters[f"{name}{axis}"], FIRST[name]
+            true = true if name == "delay" else true[axis - 1]
+            assert item.verdict in ("determined", "roughly"), name
+            assert item.value == pytest.approx(true, rel=0.05, abs=0.002), name
+    one = identify(several[:1], base="velocity")
+    assert one.scenario.filter.kind == "none"
+    assert one.to_toml()
+    with pytest.raises(LogError, match="no column is in all"):
+        identify([several[0], {"t [s]": [0.0, 1.0], "v1 [m/s]": [0.0, 0.0],
+                               "omega [rad/s]": [0.0, 0.0]}], base="velocity")  # fmt: skip
+
+
+def test_parameters_of_nav2_are_numbers_of_one_type(silent):
+    parameters = yaml.safe_load(nav2_of(silent))
+
+    follow = parameters["controller_server"]["ros__parameters"]["FollowPath"]
+    smoother = parameters["velocity_smoother"]["ros__parameters"]
+    assert follow == {"model_delay": pytest.approx(FIRST["delay"], abs=2e-3)}
+    assert smoother == {"deadband_velocity": [0.0, 0.0, 0.0]}
+    assert "# max_accel: the log shows none" in nav2_of(silent)
+    ramped = replace(silent, parameters=silent.parameters | {
+        name: silent.parameters["gain1"]._replace(value=value)
+        for name, value in {"accel1": 1.0, "accel2": 2.0, "decel1": 3.0, "decel2": 1.5}.items()
+    })  # fmt: skip
+    smoother = yaml.safe_load(nav2_of(ramped))["velocity_smoother"]["ros__parameters"]
+    assert smoother["max_accel"] == [1.0, 0.0, 2.0]
+    assert smoother["max_decel"] == [-3.0, 0.0, -1.5]
+    assert {type(x) for x in smoother["max_accel"]} == {float}

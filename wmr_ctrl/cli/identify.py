@@ -86,8 +86,8 @@ def identify(
     """
     from pathlib import Path
 
+    from wmr_ctrl.export.nav2 import nav2_of
     from wmr_ctrl.identification import identify as identify_log
-    from wmr_ctrl.identification.nav2 import nav2_of
     from wmr_ctrl.world.scenario import parse_assignments
 
     with Progress(f"identify {', '.join(logs)}") as progress:

@@ -306,12 +306,13 @@ def loop_estimates(
 ) -> dict[str, Estimate]:
     """Value, interval and verdict of each parameter of both axes."""
     estimates = {}
+    sure = all(item is None or item.explained == EXPLAINED for item in judgements)
     for axis, fit, judgement in zip(AXES, fits, judgements, strict=True):
         if fit is None or judgement is None:
             continue
         for name in fit.values:
             if name != "when":
-                estimates[f"{name}{axis}"] = _estimate(fit, judgement, name, period)
+                estimates[f"{name}{axis}"] = _estimate(fit, judgement, name, period, sure)
         if "accel" not in fit.names:
             # A command that is ramped drives no speed faster than its ramp, times the gain.
             known = judgement.explained == EXPLAINED
@@ -320,8 +321,11 @@ def loop_estimates(
     return estimates
 
 
-def _estimate(fit: LoopFit, judgement: Judgement, name: str, period: float) -> Estimate:
-    """A parameter whose interval is as wide as the judgement of its fit makes it."""
+def _estimate(fit: LoopFit, judgement: Judgement, name: str, period: float, sure: bool) -> Estimate:
+    """A parameter whose interval is as wide as the judgement of its fit makes it.
+
+    ``sure``: the other axis is explained, too, so that no structure can be its doing.
+    """
     value, in_part = fit.values[name], judgement.explained != EXPLAINED
     low, high = _interval(fit, name, period)
     more = judgement.share * (1 + in_part) + UNSURE * (in_part and name in ("tau", "wn", "zeta"))
@@ -339,7 +343,7 @@ def _estimate(fit: LoopFit, judgement: Judgement, name: str, period: float) -> E
     if name in fit.names:
         place = fit.names.index(name)
         seconds = informative_seconds(fit.log.t, fit.fisher[:, place, place])
-        several |= bool(fit.alone[place])
+        several |= bool(fit.alone[place]) or (name in fit.members and not sure)
     if judgement.explained == NOT_EXPLAINED:
         word = NOT_EXPLAINED
     elif fit.at_end(name):

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from .kalman import BLOCKS
-from .logs.log import Floats
+from .logs.log import Floats, unit_of
 from .residual import told
 from .speed_loop import LINEAR, LoopFit, foretold, set_of, whitener
 from .widths import Fitted, changes
@@ -31,13 +31,13 @@ FEWEST, SLOWEST = 40, 0.1
 """Rows of a group; speed that counts over the quick ones'."""
 PER_DOUBLE = 1.7
 """Growth of the gain from a speed to its double over that from slow rows to fast ones."""
-MOST_STAYS, LEAST_VARIANCE = 0.3, 0.5
+MOST_STAYS, LEAST_VARIANCE = 0.4, 0.5
 """Largest deviation over the largest speed, and least share of the variance, of what explains."""
 BETWEEN, WINDOW, FEWEST_CHANGES = 0.25, 0.35, 8
 """Time between changes of a command that are looked at, and after one [s]."""
-LEAST_SCATTER, LATER = 0.003, 2e-4
-GAINS = (1 / 3, 3.0)
-"""Gains that units can be right for."""
+LEAST_SCATTER, LATER, BY_NOISE = 0.003, 2e-4, 2.0
+GAINS, ANY_GAIN = (1 / 3, 3.0), 0.4
+"""Gains that units can be right for, and how far a base's own gain may be from 1 else."""
 GROUP_KEYS = {
     "slow": "curve", "middling": "curve", "fast": "curve", "forward": "sides", "backward": "sides",
     "early": "change", "halfway": "change", "late": "change",
@@ -168,8 +168,9 @@ def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
 def _unit(fit: LoopFit, axis: int) -> Iterator[Finding]:
     gain = fit.values.get("gain", 1.0)
     if not GAINS[0] < gain < GAINS[1]:
-        text = f"{AXES[axis]}: the speed is {gain:.3g} times the command; check both units"
-        yield Finding(text, "unit", 2)
+        sense = unit_of(gain, ANY_GAIN)
+        hint = f"perhaps {sense}" if sense else "check both units"
+        yield Finding(f"{AXES[axis]}: the speed is {gain:.3g} times the command: {hint}", "unit", 2)
 
 
 def _stays(fit: LoopFit, axis: int) -> Iterator[Finding]:
@@ -277,7 +278,7 @@ def _scatter(fit: LoopFit) -> tuple[float, float] | None:
     if len(delays) < FEWEST_CHANGES:
         return None
     low, high = np.quantile(delays, (0.1, 0.9))
-    variance, chance = ((high - low) / 2.56) ** 2, 1.3 * float(np.median(variances))
+    variance, chance = ((high - low) / 2.56) ** 2, BY_NOISE * float(np.median(variances))
     spread = math.sqrt(max(variance - chance, 0.0))
     by_chance = variance < chance * (1 + 5 * math.sqrt(2 / len(delays)))
     if by_chance or spread < max(0.2 * log.period, LEAST_SCATTER):

@@ -37,8 +37,6 @@ LATE_POINTS = 5, 3
 """Delays and lags in their intervals for which the force that acted is worked out."""
 CONSTANT = ("m", "I", "delay")
 """Numbers that must not change within a log."""
-WIDENED = (1.05, 1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0)
-"""Factors on the range of masses that are tried where a motion is not explained."""
 CREEP, CREEP_LAG = 0.01, 0.005
 """By how much creeping tread may hide delay and lag [s], which no log of wheels tells: m/(2 C)
 for 30 kg on tyres of 1500 N s/m, and by how much fits of such logs miss the lag on average."""
@@ -169,30 +167,21 @@ def changed(fit: Fit) -> Iterator[str]:
 class Unexplained:
     """Motion that bounds do not explain: of an axis (0, 1), seen at ``t`` over ``window`` [s].
 
-    ``push`` [N, N m] is what dbar would have to be at least, ``masses`` a range that would do in
-    its place; None where none within a factor of 3 does.
+    ``push`` [N, N m] is what dbar would have to be at least.
     """
 
     axis: int
     t: float
     window: float
     push: float
-    masses: tuple[float, float] | None
 
     def against(self, bounds: GuardBounds) -> str:
         """The motion and the bounds that it contradicts, in a sentence."""
-        speed, unit, mass = (("v1", "N", "kg"), ("omega", "N m", "kg m2"))[self.axis]
-        number = self.axis + 1
-        instead = ""
-        if self.masses is not None:
-            low, high = self.masses
-            instead = (
-                f", or guard.M_min[{number}] = {low:.3g} and M_max[{number}] = {high:.3g} {mass}"
-            )
+        speed, unit = (("v1", "N"), ("omega", "N m"))[self.axis]
         return (
             f"at {self.t:.4g} s {speed} changed over {self.window:.2g} s as no push of "
-            f"guard.dbar[{number}] = {bounds.dbar[self.axis]:.3g} {unit} explains with these "
-            f"masses, this delay and this lag; it takes {self.push:.3g} {unit}{instead}"
+            f"guard.dbar[{self.axis + 1}] = {bounds.dbar[self.axis]:.3g} {unit} explains with "
+            f"these masses, this delay and this lag; it takes {self.push:.3g} {unit}"
         )
 
 
@@ -215,18 +204,9 @@ def contradictions(
         k = int(np.argmax(most))
         if most[k] <= bounds.dbar[axis]:
             continue
-        least, heaviest = bounds.masses[axis]
-        ranges = [(least / f, heaviest * f) for f in WIDENED]
-        enough = (
-            item
-            for item in ranges
-            if all((window.least(item) <= bounds.dbar[axis]).all() for window in windows)
-        )
         at = int(np.argmax(pushes[k]))
         length = 2 * float(windows[k].period[at])
-        largest.append(
-            Unexplained(axis, float(windows[k].t[at]), length, most[k], next(enough, None))
-        )
+        largest.append(Unexplained(axis, float(windows[k].t[at]), length, most[k]))
     return tuple(largest)
 
 

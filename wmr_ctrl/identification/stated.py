@@ -33,6 +33,8 @@ LEAST_SEEN = 1e-3
 """Least speed that counts as motion [m/s, rad/s]."""
 MOST_FAR = 2.0
 """Largest ratio of a limit to a speed, or of two commands, over which a log is extrapolated."""
+DROPPED = ("gust", "wheels", "slope", "motor", "push", "changes")
+"""Tables that no file which extends another one can take back."""
 SEEN = "seen in the log, not your limit"
 NOT_SHOWN = "the log does not show that it holds up to limits.v_u1"
 
@@ -56,7 +58,7 @@ def believed(
         source = {} if given is None else raw_of(str(given))
         whole = apply(merge(STAND_IN, source), overrides)
         scenario = scenario_of(from_dict(whole, "identified"), {}, guard=False)
-        if given is not None:
+        if given is not None and not {*source} & {*DROPPED}:
             own = scenario_dict(from_dict(merge(STAND_IN, source), "identified"))
             origin = Origin(str(given), values_in(own, source))
         stated |= stated_in(source)

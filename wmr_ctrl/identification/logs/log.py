@@ -364,11 +364,11 @@ NEAR = 0.08
 """Tolerance within which a ratio is named after one of these factors."""
 
 
-def unit_of(ratio: float) -> str | None:
-    """Units that are mistaken for each other where two columns have this ratio."""
+def unit_of(ratio: float, near: float = NEAR) -> str | None:
+    """Units that are mistaken for each other where two columns have about this ratio."""
     size = max(ratio, 1 / ratio) if ratio > 0 else 0.0
     factor = min(FACTORS, key=lambda item: abs(size / item - 1))
-    if abs(size / factor - 1) > NEAR:
+    if abs(size / factor - 1) > near:
         return None
     word = FACTORS[factor]
     return word if ratio > 1 else " for ".join(reversed(word.split(" for ")))

@@ -3,8 +3,8 @@
 import math
 
 from wmr_ctrl.core.errors import ArgumentError
-
-from .bounds import DETERMINED, ROUGHLY, BaseIdentification
+from wmr_ctrl.identification import BaseIdentification
+from wmr_ctrl.identification.bounds import DETERMINED, ROUGHLY
 
 
 def nav2_of(result: BaseIdentification) -> str:
