@@ -369,17 +369,16 @@ def _interval(fit: LoopFit, name: str, period: float) -> tuple[float, float]:
 
 def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
     """Score of a fit of the rest on the last third, from commands alone."""
-    t, shares = axes[0].t, []
+    shares = []
     for axis, fit in zip(axes, trained, strict=True):
-        if fit is None:
-            shares.append((math.nan, math.nan))
+        rest = (axis.t >= cut) & axis.in_fit
+        if fit is None or not rest.any():
+            shares.append([math.nan, math.nan])
             continue
-        rest = (t >= cut) & axis.in_fit
-        seen = axis.speed
-        turn = np.floor((t - t[0]) / FREE_RUN)
-        held = seen[np.searchsorted(turn, turn)]
-        total = max(float(np.sum((seen - seen[rest].mean())[rest] ** 2)), 1e-12)
-        apart = [float(np.sum((item - seen)[rest] ** 2)) for item in (forecast(fit, axis), held)]
-        shares.append((1 - apart[0] / total, 1 - apart[1] / total))
-    ours, constant = zip(*shares, strict=True)
-    return Score((ours[0], ours[1]), (constant[0], constant[1]), cut)
+        turn = np.floor((axis.t - axis.t[0]) / FREE_RUN)
+        held, seen = axis.speed[np.searchsorted(turn, turn)][rest], axis.speed[rest]
+        total = max(float(np.sum((seen - seen.mean()) ** 2)), 1e-12)
+        pair = forecast(fit, axis)[rest], held
+        shares.append([1 - float(np.sum((item - seen) ** 2)) / total for item in pair])
+    (v, held_v), (omega, held_omega) = shares
+    return Score((v, omega), (held_v, held_omega), cut)

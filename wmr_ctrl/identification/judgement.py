@@ -12,13 +12,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.special import stdtrit
 
 from .kalman import BLOCKS
 from .logs.log import Floats, unit_of
 from .residual import told
 from .speed_loop import LINEAR, LoopFit, foretold, set_of, whitener
-from .widths import Fitted, changes
+from .widths import Fitted, blocks_of, changes
 
 LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explained"
 MORE_TOLD, MOST_TOLD = 0.03, 0.12
@@ -192,10 +191,9 @@ def _by_groups(fit: LoopFit, axis: int) -> Iterator[Finding]:
 
 
 def _group_gains(fit: LoopFit) -> Iterator[tuple[str, float, float]]:
-    """Relative errors of the gain in groups of rows, with half-widths by leaving out blocks."""
+    """Relative errors of the gain in groups of rows, with half-widths of their intervals."""
     log, y = fit.log, fit.forecast
-    block = np.minimum((log.t - log.t[0]) / (log.t[-1] - log.t[0]) * BLOCKS, BLOCKS - 1).astype(int)
-    size = np.abs(y)
+    size, block = np.abs(y), blocks_of(log.t)
     moves = log.in_fit & (size > SLOWEST * np.quantile(size[log.in_fit], 0.95))
     if moves.sum() < FEWEST:
         return
@@ -206,14 +204,13 @@ def _group_gains(fit: LoopFit) -> Iterator[tuple[str, float, float]]:
     )  # fmt: skip
     for name, group in zip(GROUP_KEYS, groups, strict=True):
         rows = group & moves
-        if rows.sum() < FEWEST:
-            continue
-        pull = np.bincount(block[rows], (y * fit.left)[rows], BLOCKS)
-        weight = np.bincount(block[rows], (y * y)[rows], BLOCKS)
-        own = np.flatnonzero(weight > 1e-3 * weight.sum())
-        if len(own) > 2:
-            without = (pull.sum() - pull[own]) / (weight.sum() - weight[own])
-            yield name, float(pull.sum() / weight.sum()), _jackknife(without)
+        noise = max(float(np.mean(fit.left[rows] ** 2)), 1e-18) if rows.sum() >= FEWEST else 0.0
+        pull, weight = (np.bincount(block[rows], y[rows] * x[rows], BLOCKS) for x in (fit.left, y))
+        if noise and np.sum(weight > 1e-3 * weight.sum()) > 2:
+            shares = weight[:, None, None] / noise
+            one = Fitted(np.zeros(1), np.ones(1, bool), -pull[:, None] / noise, shares)
+            (off,), (half,) = one.of(slice(None))
+            yield name, float(off), float(half)
 
 
 def bent(fit: LoopFit) -> float:
@@ -223,13 +220,6 @@ def bent(fit: LoopFit) -> float:
         return 1.0
     (slow, narrow), (fast, wide) = gains["slow"], gains["fast"]
     return PER_DOUBLE * (abs(fast - slow) + math.hypot(narrow, wide))
-
-
-def _jackknife(values: Floats) -> float:
-    """Half-width of a 95 % interval by values (K,) that leave out a block each."""
-    count = len(values)
-    spread = (count - 1) / count * float(np.sum((values - values.mean()) ** 2))
-    return float(stdtrit(count - 1, 0.975)) * math.sqrt(spread)
 
 
 def _over_time(fit: LoopFit, axis: int) -> Iterator[Finding]:
@@ -295,11 +285,7 @@ def _single_delays(fit: LoopFit, times: Floats) -> tuple[list[float], list[float
     along, left = whiten((later - fit.forecast) / LATER), whiten(fit.left)
     first, last = (np.searchsorted(log.t, times + more) for more in (0.0, late + WINDOW))
     spans = list(zip(first.tolist(), last.tolist(), strict=True))
-    quiet = whole.copy()
-    for low, high in spans:
-        quiet[low:high] = False
-    quiet = quiet if quiet.sum() > FEWEST else whole
-    noise = max(2.2 * float(np.median(np.abs(left[quiet]))) ** 2, 1e-12)
+    noise = max(2.2 * float(np.median(np.abs(left[whole]))) ** 2, 1e-12)
     delays, variances = [], []
     for low, high in spans:
         weight = float(np.sum(along[low:high] ** 2))

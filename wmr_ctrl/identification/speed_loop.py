@@ -33,7 +33,7 @@ from .fit import FINEST
 from .kalman import BLOCKS
 from .logs.log import Floats
 from .logs.samples import LONGEST_DELAY, AxisLog
-from .widths import FLOOR, errors_of
+from .widths import FLOOR, blocks_of, errors_of
 
 AXES = (1, 2)
 STEP, BEFORE = 5e-3, 0.7
@@ -321,8 +321,7 @@ def fitted(
     the whole fit is one if all passes are.  ``fixed``: numbers that are not searched.
     """
     damping, done, fixed = 1e-3, False, dict(fixed or {})
-    edges = np.linspace(log.t[0], log.t[-1] + 1e-9, BLOCKS + 1)
-    block = np.searchsorted(edges, log.t, "right") - 1
+    block = blocks_of(log.t)
     spread = max(float(np.std(log.speed[log.in_fit])), 1e-9)
     wide = {"delay": 1e-4, "bias": 1e-3 * spread, "curve": 1e-3 / spread}
     steps = np.diag([wide.get(name, 1e-3) for name in names])
