@@ -40,7 +40,6 @@ PASSES, PLAIN = 15, 3
 SPEEDS = (0.03, 0.1, 0.3)
 """Time constants that fits are started from [s]."""
 GAIN_OF_BIC = 4.0
-SCREENED, SCREEN_SECONDS = 12, 30.0
 Values = Mapping[str, float]
 
 
@@ -119,32 +118,23 @@ def best_loop(
 ) -> LoopFit:
     """The likeliest loop by the criterion of Schwarz, with a ramp where it earns one.
 
-    All are tried on the first part of the log, the best three on all of it; a simpler one stays
-    unless a richer one gains by more than chance and its numbers are determined.  ``beside``: a fit
-    whose members are kept.
+    A simpler one stays unless a richer one gains by more than chance and its numbers are
+    determined.  ``beside``: a fit whose members are kept.
     """
-    part, tried = log.until(log.t[0] + SCREEN_SECONDS), []
     members = () if beside is None else beside.members
     fixed = {} if beside is None else dict(beside.fixed)
+    tried = []
     for ramp, loop in product((False, True), loops):
         if (ramp and members) or (loop == "pi" and {*members} & {*SIDED}):
             continue
         names = (*LOOPS[loop], *(("accel",) if ramp else ()), *members)
-        starts = [fixed | item for item in _starts(log, names, beside)]
-        speeds = foretold(part, loop, np.array([set_of(item) for item in starts]))
-        squares = np.sum((speeds - part.speed[:, None])[part.in_fit] ** 2, axis=0)
-        near = [searched(starts[k], names) for k in np.argsort(squares)[:2]]
-        fits = [fitted(part, loop, names, x, SCREENED, SCREENED - 4, fixed) for x in near]
-        tried.append(min(fits, key=lambda item: item.nll))
+        start = _nearest(log, loop, [fixed | item for item in _starts(log, names, beside)])
+        tried.append(fitted(log, loop, names, searched(start, names), 2 * PASSES, PASSES, fixed))
         tell()
-    few = sorted(tried, key=lambda item: (item.vague, item.bic))[:3]
-    best: LoopFit | None = None
-    for item in sorted(few, key=lambda item: len(item.theta)):
-        fit = fitted(log, item.loop, item.names, item.theta, 2 * PASSES, fixed=fixed)
-        tell()
-        if best is None or (not fit.vague and fit.bic < best.bic - GAIN_OF_BIC):
+    best, *richer = sorted(tried, key=lambda item: len(item.theta))
+    for fit in richer:
+        if not fit.vague and fit.bic < best.bic - GAIN_OF_BIC:
             best = fit
-    assert best is not None
     return best
 
 

@@ -21,7 +21,9 @@ def explainable(fit: LoopFit) -> float:
     later = np.where(log.t[:, None] >= np.quantile(log.t[log.in_fit], CUTS), y[:, None], 0.0)
     x = np.column_stack((_columns(fit, None), later, np.ones(len(y))))[log.in_fit]
     left = fit.left[log.in_fit]
-    rest = left - x @ np.linalg.lstsq(x, left, rcond=None)[0]
+    squares = x.T @ x
+    ridge = 1e-9 * np.diag(np.diag(squares) + 1e-12)
+    rest = left - x @ np.linalg.solve(squares + ridge, x.T @ left)
     by_chance = 2 * x.shape[1] / len(left)
     return 1 - float(rest @ rest) / max(float(left @ left), 1e-300) - by_chance
 

@@ -36,8 +36,6 @@ from .logs.samples import LONGEST_DELAY, AxisLog
 from .widths import FLOOR, blocks_of, errors_of
 
 AXES = (1, 2)
-STEP, BEFORE = 5e-3, 0.7
-"""Longest step of a loop, and time for which it runs before a stretch of the log [s]."""
 LOOPS: Mapping[str, tuple[str, ...]] = {
     "first-order": ("gain", "tau", "delay"),
     "pi": ("wn", "zeta", "delay"),
@@ -123,7 +121,7 @@ def _follower(loop: str) -> ct._NamedFuncPointer:
 def foretold(log: AxisLog, loop: str, sets: Floats) -> Floats:
     """Speeds (N, P) that follow from the commands alone, for parameters (P, 14) as in NEUTRAL.
 
-    Each stretch begins at rest, BEFORE its first row.
+    Each stretch begins at rest, some time before its first row.
     """
     if len(sets) > AT_ONCE:
         parts = np.array_split(sets, math.ceil(len(sets) / AT_ONCE))
@@ -131,12 +129,9 @@ def foretold(log: AxisLog, loop: str, sets: Floats) -> Floats:
     accel, decel, delays = (sets[:, PLACE[name]] for name in ("accel", "decel", "delay"))
     sets = np.column_stack((sets[:, :4], np.where(np.isnan(decel), accel, decel), sets[:, 5:]))
     numbers, count = np.ascontiguousarray(sets[:, :NUMBERS].T), len(sets)
-    h = log.period / math.ceil(log.period / STEP - 1e-9)
     result = []
-    for low, high in zip(log.first, [*log.first[1:], len(log.t)], strict=True):
-        t = log.t[low:high]
-        edges = np.arange(t[0] - BEFORE, t[-1] + 1.5 * h, h)
-        sent = log.mean_command(edges[:-1], edges[1:])
+    for t, edges, sent in log.stretches:
+        h = float(edges[1] - edges[0])
         path = np.zeros((len(edges), count))
         _follower(loop)(
             ct.c_int64(len(sent)), ct.c_int64(count), ct.c_double(h),
@@ -358,13 +353,15 @@ def fitted(
         squares = [float(np.sum(whiten(item)[whole] ** 2)) for item in deviation(tried).T]
         best = int(np.argmin(squares))
         gained = (float(np.sum(white**2)) - squares[best]) / (2 * sigma**2)
-        if not gained > 0:
-            if turn >= plain or plain == passes:
-                break
+        last = turn >= plain or plain == passes
+        if not gained > 0 and last:
+            break
+        if not gained > ENOUGH and not last:
             plain = turn
+        if not gained > 0:
             continue
         theta, damping = tried[best], min(max(damping * (0.01, 1.0, 1e3)[best], 1e-8), 1e6)
-        done = turn >= plain and gained < ENOUGH
+        done = last and gained < ENOUGH
     return result
 
 

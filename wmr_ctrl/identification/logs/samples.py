@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,9 @@ ENOUGH_ROWS = 20_000
 
 HELD = 0.2
 """Time for which a speed is held that a log shows [s]."""
+
+STEP, BEFORE = 5e-3, 0.7
+"""Longest step of a loop, and time for which it runs before a stretch of the log [s]."""
 
 COUNTED_FROM = 1.0
 """Time at the start of each stretch that does not count [s], except one that begins at rest."""
@@ -157,6 +161,19 @@ class AxisLog:
         return replace(
             self, t=self.t[:n], speed=self.speed[:n], in_fit=self.in_fit[:n], first=first
         )
+
+    @cached_property
+    def stretches(self) -> list[tuple[Floats, Floats, Floats]]:
+        """Of each stretch its times (n,), edges (K + 1,) of even steps, and mean commands (K,).
+
+        The steps begin BEFORE its first time.
+        """
+        h, result = self.period / math.ceil(self.period / STEP - 1e-9), []
+        for low, high in zip(self.first, [*self.first[1:], len(self.t)], strict=True):
+            t = self.t[low:high]
+            edges = np.arange(t[0] - BEFORE, t[-1] + 1.5 * h, h)
+            result.append((t, edges, self.mean_command(edges[:-1], edges[1:])))
+        return result
 
     def mean_command(self, begin: Floats, end: Floats) -> Floats:
         """Mean of the commands from ``begin`` to ``end`` [s], both of one shape."""
