@@ -100,18 +100,30 @@ def test_a_bag_tells_what_its_columns_tell(driven, read, tmp_path):
     assert_same_samples(other, columns)
 
 
-def test_currents_tell_what_torques_tell_once_an_ampere_is_known(driven, read):
-    log, k = log_of(driven, 0), 0.5
+@pytest.mark.parametrize(
+    ("name", "known"),
+    [
+        ("current_{} [A]", {"torque_constant": 0.5}),
+        ("voltage_{} [V]", {"torque_constant": 1.0, "resistance": 2.0}),
+        ("voltage_{} [mV]", {"torque_constant": 1000.0, "resistance": 2e6}),
+    ],
+)
+def test_currents_and_voltages_tell_what_torques_tell_once_the_motor_is_known(
+    driven, read, name, known
+):
+    log = log_of(driven, 0)
     for side in ("right", "left"):
         torque = log.pop(f"tau_{side} [N.m]")
-        log[f"current_{side} [A]"] = [value / k for value in torque]
+        scale = 1e3 if "mV" in name else 1.0
+        log[name.format(side)] = [2 * scale * value for value in torque]
 
     with pytest.raises(LogError, match="--torque-constant"):
         identify(log, overrides=KNOWN)
     torques, _, _ = read(log_of(driven, 0), overrides=KNOWN)
-    other, _, remarks = read(log, overrides=KNOWN, torque_constant=k)
+    other, _, remarks = read(log, overrides=KNOWN, **known)
 
-    assert any("currents" in text for text in remarks)
+    assert any(f"torques are {name.split('_')[0]}" in text for text in remarks)
+    assert any("viscous friction" in text for text in remarks) is ("V]" in name)
     assert_same_samples(other, torques)
 
 

@@ -168,12 +168,14 @@ SAME = (
     ("v1", "m/s", 1.0, ("mm/s", 1e3)),
     ("tau_right", "N.m", 1.0, ("N.mm", 1e3), ("Nm", 1.0), ("N m", 1.0)),
     ("current_right", "A", 1.0, ("mA", 1e3)),
+    ("voltage_right", "V", 1.0, ("mV", 1e3)),
     ("wheel_counts[1]", "1", 7.0, ("counts", 7.0), ("ticks", 7.0)),
 )
 """A column, a size in our unit, and the same size in others."""
 TOGETHER = {
     "x": ("y", "theta"), "theta": ("x", "y"), "omega": ("v1",), "v1": ("omega",),
     "tau_right": ("tau_left",), "current_right": ("current_left",),
+    "voltage_right": ("voltage_left",),
     "wheel_speed[1]": ("wheel_speed[2]",), "wheel_counts[1]": ("wheel_counts[2]",),
 }  # fmt: skip
 

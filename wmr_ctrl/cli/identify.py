@@ -43,6 +43,12 @@ if TYPE_CHECKING:
     metavar="K",
     help="Torque at a wheel per ampere [N.m/A], for current_right [A] and current_left [A].",
 )
+@click.option(
+    "--resistance",
+    type=float,
+    metavar="R",
+    help="Of a motor [ohm], beside --torque-constant, for voltage_right [V] and voltage_left [V].",
+)
 @opt.new_file("--plot", "Draw the fit", *opt.PLOTS)
 @opt.new_file("--report", "Write a report with all results", ".html")
 @opt.new_file("--nav2", "Write nav2's delay and acceleration parameters", ".yaml")
@@ -63,6 +69,7 @@ def identify(
     assignments: tuple[str, ...],
     topics: str | None,
     torque_constant: float | None,
+    resistance: float | None,
     plot: str | None,
     report: str | None,
     nav2: str | None,
@@ -98,6 +105,7 @@ def identify(
             overrides=parse_assignments(assignments),
             topics=opt.roles(topics),
             torque_constant=torque_constant,
+            resistance=resistance,
             progress=progress,
         )
     drive = None

@@ -123,6 +123,7 @@ def identify(
     overrides: Mapping[str, object] | None = None,
     topics: Mapping[str, str] | None = None,
     torque_constant: float | None = None,
+    resistance: float | None = None,
     progress: Progress | None = None,
 ) -> BaseIdentification:
     """Identify a robot from a CSV file, a bag, a drive, a run, or columns by ``name [unit]``.
@@ -131,11 +132,14 @@ def identify(
     ``base`` is what the base takes: "torque", or "velocity" (v, omega).
     ``known`` is a scenario with what is known (robot.r, robot.l, encoder.counts, limits);
     ``overrides`` are applied to it; ``topics`` names a bag's topics by role; ``torque_constant``
-    [N.m/A] turns motor currents into torques.  Raises LogError for a faulty or uninformative log,
+    [N.m/A] turns motor currents into torques, and with a motor's ``resistance`` [ohm] voltages.
+    Raises LogError for a faulty or uninformative log,
     ScenarioError, ArgumentError, ResultFileError, MissingExtraError, CompilerError.
     """
     commands = TORQUES if base == "torque" else COMMAND
-    raw = _one_log(log, base, topics, torque_constant)
+    raw = _one_log(log, base, topics)
+    if base == "torque" or torque_constant is not None:
+        raw = with_torques(raw, torque_constant, resistance)
     scenario, sure, origin = believed(raw, known, overrides or {})
     raw, counts = with_counts(raw, scenario.section(Encoder).counts if COUNTED in sure else None)
     if counts is not None:
@@ -172,12 +176,7 @@ def identify(
     )  # fmt: skip
 
 
-def _one_log(
-    log: OneLog | Sequence[OneLog],
-    base: str,
-    topics: Mapping[str, str] | None,
-    torque_constant: float | None,
-) -> Log:
+def _one_log(log: OneLog | Sequence[OneLog], base: str, topics: Mapping[str, str] | None) -> Log:
     """All logs as one, of a base that takes what the caller says."""
     if base not in KINDS:
         raise ArgumentError(f"base = {base!r} must be one of {', '.join(KINDS)}.")
@@ -191,8 +190,6 @@ def _one_log(
             f'{raw.name}: the base of this run takes a {kind} (base.kind). Give base = "{kind}", '
             f"on the command line --base {kind}."
         )
-    if base == "torque" or torque_constant is not None:
-        return with_torques(raw, torque_constant)
     return raw
 
 

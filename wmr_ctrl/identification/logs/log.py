@@ -29,6 +29,7 @@ MOST_BYTES = 2**31
 WHEEL_ANGLE, WHEEL_SPEED = drive.WHEEL_ANGLE, drive.WHEEL_SPEEDS
 COMMAND, TORQUES = drive.COMMANDS, drive.TORQUES
 CURRENT = ("current_right", "current_left")
+VOLTAGE = ("voltage_right", "voltage_left")
 SPEEDS = (drive.SPEEDS, elements(VELOCITY))
 POSES = (drive.POSES, elements(POSE))
 KNOWN: Mapping[str, str] = {
@@ -36,6 +37,7 @@ KNOWN: Mapping[str, str] = {
     **drive.UNITS,
     **dict.fromkeys(COUNTS.elements, "1"),
     **dict.fromkeys(CURRENT, "A"),
+    **dict.fromkeys(VOLTAGE, "V"),
     **{signal.name: signal.unit for signal in (*POSE, *VELOCITY)},
 }
 """Columns that are read, and the unit of each."""
@@ -43,7 +45,8 @@ UNITS: Mapping[str, tuple[str, float]] = {
     "ms": ("s", 1e-3), "us": ("s", 1e-6), "ns": ("s", 1e-9), "mm": ("m", 1e-3), "cm": ("m", 1e-2),
     "deg": ("rad", math.pi / 180), "deg/s": ("rad/s", math.pi / 180),
     "rpm": ("rad/s", math.pi / 30), "mm/s": ("m/s", 1e-3), "N.mm": ("N.m", 1e-3),
-    "mA": ("A", 1e-3), "counts": ("1", 1.0), "ticks": ("1", 1.0), "N m": ("N.m", 1.0),
+    "mA": ("A", 1e-3), "mV": ("V", 1e-3),
+    "counts": ("1", 1.0), "ticks": ("1", 1.0), "N m": ("N.m", 1.0),
     "Nm": ("N.m", 1.0), "": ("", 1.0),
 }  # fmt: skip
 """Units that a header may name instead, and what they are in ours."""
@@ -260,6 +263,7 @@ def _of_table(name: str, header: Sequence[str], table: Floats) -> Log:
         WHEEL_SPEED,
         TORQUES,
         CURRENT,
+        VOLTAGE,
         COMMAND,
         *SPEEDS,
         *POSES,
@@ -282,34 +286,41 @@ def of_columns(name: str, columns: Mapping[str, Sequence[float]]) -> Log:
     return _of_table(name, list(columns), table)
 
 
-def with_torques(log: Log, constant: float | None) -> Log:
-    """The log with torques made of motor currents, by newton metres at a wheel per ampere.
+def with_torques(log: Log, constant: float | None, resistance: float | None = None) -> Log:
+    """The log with torques made of motor currents or voltages.
 
-    Raises ArgumentError where that is not positive, or there are no currents; LogError where there
-    are currents alone and it is not given.
+    ``constant``: newton metres at a wheel per ampere; ``resistance`` of a motor [ohm], for
+    voltages.  Raises ArgumentError where one is not positive, or has nothing to act on; LogError
+    where there are currents or voltages alone and one is not given.
     """
-    if constant is None:
-        if log.has(CURRENT) and not log.has(TORQUES):
+    source = next((names for names in (CURRENT, VOLTAGE) if log.has(names)), None)
+    for name, value in {"torque_constant": constant, "resistance": resistance}.items():
+        if value is not None and not 0 < value < math.inf:
+            raise ArgumentError(f"{name} = {value:g} must be positive and finite.")
+        if value is not None and (source is None or (name == "resistance" and source == CURRENT)):
+            needs = VOLTAGE if name == "resistance" else (*CURRENT, *VOLTAGE)
+            raise ArgumentError(f"{name} is for {' or '.join(needs)}, which {log.name} lacks.")
+    if constant is None or (source == VOLTAGE and resistance is None):
+        if source is not None and not log.has(TORQUES):
             raise LogError(
-                f"{log.name} has motor currents but no torques. Give the torque at the wheel per "
-                "ampere, gear included, as in --torque-constant 0.6. If you do not know it, give "
-                "1: delay and lag come out right, but m, I and friction come out divided by that "
-                "torque, so do not run such a scenario."
+                f"{log.name} has no torques but {' and '.join(source)}. Give the torque at the "
+                "wheel per ampere, gear included, as in --torque-constant 0.6, and for voltages "
+                "the motor's --resistance too. If you do not know them, give 1: delay and lag come "
+                "out right, but m, I and friction come out divided by that torque, so do not run "
+                "such a scenario."
             )
         return log
-    if not 0 < constant < math.inf:
-        raise ArgumentError(f"torque_constant = {constant:g} N.m/A must be positive and finite.")
-    if not log.has(CURRENT):
-        raise ArgumentError(
-            f"torque_constant is for motor currents, and {log.name} has no {' and '.join(CURRENT)}."
-        )
+    factor = constant if source == CURRENT else constant / (resistance or 1.0)
     times, columns = dict(log.times), dict(log.columns)
-    for torque, current in zip(TORQUES, CURRENT, strict=True):
-        times[torque], columns[torque] = log.times[current], constant * log.columns[current]
+    for torque, name in zip(TORQUES, source or (), strict=True):
+        times[torque], columns[torque] = log.times[name], factor * log.columns[name]
     said = (
-        f"torques are currents times {constant:g} N.m/A: an error of that factor scales m, I and "
-        "all frictions, and no interval contains it; delay and lag do not depend on it."
+        f"torques are {' and '.join(source or ())} times {factor:.4g}: an error of that factor "
+        "scales m, I and all frictions, and no interval contains it; delay and lag do not depend "
+        "on it."
     )
+    if source == VOLTAGE:
+        said += " What the motors induce as they turn counts as viscous friction."
     return replace(log, times=times, columns=columns, remarks=(*log.remarks, said))
 
 
