@@ -105,7 +105,7 @@ def test_a_bag_tells_what_its_columns_tell(driven, read, tmp_path):
     [
         ("current_{} [A]", {"torque_constant": 0.5}),
         ("voltage_{} [V]", {"torque_constant": 1.0, "resistance": 2.0}),
-        ("voltage_{} [mV]", {"torque_constant": 1000.0, "resistance": 2e6}),
+        ("voltage_{} [mV]", {"torque_constant": 1000.0, "resistance": 2e3}),
     ],
 )
 def test_currents_and_voltages_tell_what_torques_tell_once_the_motor_is_known(

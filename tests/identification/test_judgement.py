@@ -13,6 +13,7 @@ from wmr_ctrl.identification.judgement import judged
 from wmr_ctrl.identification.logs.samples import AxisLog
 from wmr_ctrl.identification.loop_search import axis_fit
 from wmr_ctrl.identification.speed_loop import fitted, searched
+from wmr_ctrl.world.scenario import loads_scenario
 
 T, PERIOD, TAU, LATE = 40.0, 0.02, 0.12, 0.04
 NAMES = ("gain", "tau", "delay")
@@ -142,14 +143,25 @@ def columns(log, other):
     }
 
 
-def test_noise_that_no_command_explains_is_not_explained_and_has_no_filter():
-    rng = np.random.default_rng(5)
+@pytest.mark.parametrize(
+    "speed",
+    [
+        lambda log, rng: 0.3 * rng.normal(size=len(log.t)),
+        lambda log, rng: np.sin(3 * log.t),
+        lambda log, rng: 0 * log.t,
+        lambda log, rng: 1e-9 * log.speed,
+        lambda log, rng: 1e9 * log.speed,
+        lambda log, rng: 1 / (log.speed + 1e-3),
+    ],
+)
+def test_speeds_that_no_command_explains_have_no_numbers_and_no_filter(speed):
     log = driven()
-    noise = replace(log, speed=0.3 * rng.normal(size=len(log.t)))
-    found = identify(columns(noise, driven(seed=1)), base="velocity")
+    odd = replace(log, speed=speed(log, np.random.default_rng(5)))
+    found = identify(columns(odd, driven(seed=1)), base="velocity")
 
     assert found.to_json()["explained"] == {"v": "not explained", "omega": "explained"}
-    assert {item.verdict for name, item in found.parameters.items() if name == "gain1"} == {
-        "not explained"
-    }
+    assert found.parameters["gain1"].verdict == "not explained"
+    assert found.parameters["gain2"].verdict == "determined"
     assert found.scenario.filter.kind == "none"
+    assert any("the filter is off" in text for text in found.remarks)
+    assert loads_scenario(replace(found, missing=()).to_toml()).base == found.scenario.base

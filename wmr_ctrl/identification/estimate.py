@@ -32,7 +32,7 @@ from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats
 from .logs.samples import AxisLog, Samples, differenced, speeds, wheels
-from .speed_loop import AXES, LINEAR, Fits, LoopFit, forecast
+from .speed_loop import AXES, LINEAR, RANGES, Fits, LoopFit, forecast
 from .widths import (
     PHYSICAL,
     WIDEST,
@@ -328,7 +328,9 @@ def _estimate(fit: LoopFit, judgement: Judgement, name: str, period: float, sure
     """
     value, in_part = fit.values[name], judgement.explained != EXPLAINED
     low, high = _interval(fit, name, period)
-    more = judgement.share * (1 + in_part) + UNSURE * (in_part and name in ("tau", "wn", "zeta"))
+    more = min(judgement.share, 1.0) * (1 + in_part) + UNSURE * (
+        in_part and name in ("tau", "wn", "zeta")
+    )
     if name == "delay":
         low, high = low - period * in_part, high + period * in_part
     elif name not in LINEAR:
@@ -362,7 +364,8 @@ def _interval(fit: LoopFit, name: str, period: float) -> tuple[float, float]:
         return float(sizes[place - 1]), float(sizes[place])
     half = float(fit.half_widths(plant_step(period) / 2)[fit.names.index(name)])
     if name in LINEAR:
-        return value - half, value + half
+        low, high = RANGES[name]
+        return max(value - half, low), min(value + half, high)
     wide = math.exp(min(half, WIDEST / 3))
     return value / wide, value * wide
 

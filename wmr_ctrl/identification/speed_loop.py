@@ -226,7 +226,7 @@ class LoopFit:
     def at_end(self, name: str) -> bool:
         """True where a parameter ended at an end of its range: that is no result."""
         low, high = RANGES.get(name, (-math.inf, math.inf))
-        value = self.values[name]
+        value = self.values.get(name, 1.0)
         return value > NEAR_END * high or (name not in LINEAR and value * NEAR_END < low)
 
     def deviation(self) -> Floats:

@@ -63,13 +63,14 @@ def of_velocities(
         if drives:
             check_following(name, column, *shifted_gain(axis), log.period)
     fits = same_loop(axes, driven, tell)
-    for fit, column in zip(fits, COMMAND, strict=True):
-        if fit is not None:
-            check_following(name, column, fit.values.get("gain", 1.0), 0.0, 1.0, log.period)
     judgements: list[Judgement | None] = [
         judged(fit, other, axis) if fit else None
         for axis, (fit, other) in enumerate(zip(fits, fits[::-1], strict=True))
     ]
+    for fit, judgement, column in zip(fits, judgements, COMMAND, strict=True):
+        if fit and judgement and not fit.at_end("gain"):
+            gain = fit.values.get("gain", 1.0)
+            check_following(name, column, gain, 0.0, judgement.r2, log.period)
     estimates = loop_estimates(fits, judgements, log.period)
     remarks += loop_remarks(fits, estimates, judgements)
     found = Base(log, fits, judgements, estimates)

@@ -46,6 +46,8 @@ def _two_errors(gradient: Floats, fisher: Floats, free: np.ndarray) -> tuple[Flo
             continue
         lacking = whole - own + 1e-9 * np.diag(np.diag(whole))
         moved.append(np.linalg.solve(lacking, gradient[block][free]))
+    if not moved:
+        return by_fisher, left
     count = len(moved)
     spread = np.array(moved) - np.mean(moved, axis=0)
     left[free] = np.sqrt((count - 1) / count * (spread**2).sum(axis=0))

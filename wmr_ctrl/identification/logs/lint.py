@@ -312,7 +312,8 @@ def check_log(log: Log, commands: tuple[str, ...] = TORQUES) -> None:
     check_counters(log)
     if log.has(commands) and not any(np.ptp(log.columns[name]) > 0 for name in commands):
         raise LogError(
-            f"{log.name}: {' and '.join(commands)} are constant, so nothing can be identified."
+            f"{log.name}: {' and '.join(commands)} are constant, so nothing can be identified. "
+            "Change both by steps, at different times."
         )
 
 
@@ -324,8 +325,8 @@ def check_following(
         return
     if gain < 0:
         raise LogError(
-            f"{name}: the speed goes against {column}: one of the two has the wrong sign. Positive "
-            "is forward, and anticlockwise."
+            f"{name}: the speed goes against {column}: one of the two has the wrong sign, or right "
+            "and left are swapped. Positive is forward, and anticlockwise."
         )
     if sense := unit_of(gain):
         raise LogError(

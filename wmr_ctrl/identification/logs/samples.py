@@ -122,7 +122,7 @@ def held_range(log: Samples) -> dict[str, tuple[float, float]]:
     rows = min(round(HELD / float(np.median(np.diff(log.t)))) + 1, len(speed))
     held = np.lib.stride_tricks.sliding_window_view(speed, rows, axis=0)
     low, high = held.max(axis=-1).min(axis=0), held.min(axis=-1).max(axis=0)
-    pairs = zip(low.tolist(), high.tolist(), strict=True)
+    pairs = zip(np.minimum(low, high).tolist(), np.maximum(low, high).tolist(), strict=True)
     return dict(zip(("v", "omega"), pairs, strict=True))
 
 
@@ -232,6 +232,7 @@ def shifted_gain(log: AxisLog) -> tuple[float, float, float]:
     end = log.t[some][:, None] - shifts
     u, v = log.mean_command(end - log.period, end), log.speed[some][:, None]
     gains = np.sum(u * v, axis=0) / np.maximum(np.sum(u * u, axis=0), 1e-300)
-    shares = 1 - np.sum((v - gains * u) ** 2, axis=0) / max(float(np.sum(v * v)), 1e-300)
+    shares = 1 - np.sum((v - gains * u) ** 2, axis=0) / max(float(np.sum(v * v)), 1e-12)
+    shares *= bool(v.any())
     k = int(np.argmax(shares))
     return float(gains[k]), float(shifts[k]), float(shares[k])
