@@ -20,7 +20,7 @@ from .speed_loop import LINEAR, LoopFit, foretold, set_of, whitener
 from .widths import Fitted, blocks_of, changes
 
 LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explained"
-MORE_TOLD, MOST_TOLD = 0.03, 0.12
+MORE_TOLD, MOST_TOLD = 0.04, 0.12
 """Share of the speed's rms that commands tell beyond a model that explains it in part, or not."""
 BY_OTHER = 2.0
 """Factor by which the other axis must add to what commands tell to be named."""

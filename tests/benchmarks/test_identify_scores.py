@@ -1,0 +1,37 @@
+"""Logs of own bases, as the benchmark of `identify` scores them: two fast, all kinds slow."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.identify import BAD, GOOD, KINDS, first_seed, scored, summary
+
+
+def test_a_good_base_is_explained_and_its_filter_keeps_limits_beyond_the_log():
+    score = scored("first", first_seed("first"))
+
+    assert (score.determined, score.missed, score.accused, score.told) == (6, [], False, [])
+    assert 0.5 < score.held < score.largest <= 1.0
+    assert score.largest_beyond <= 1.0
+
+
+def test_a_fault_is_named_and_breaks_no_limit():
+    score = scored("ramps apart", first_seed("ramps apart"))
+
+    assert {name.split(" ")[0] for name in score.told} == {"decel"}
+    assert max(score.largest, score.largest_beyond) <= 1.0
+    told = summary([score])
+    assert (told["missed"], told["broken"], told["driven"], told["logs"]) == (0.0, 0, 1, 1)
+
+
+def test_half_of_36_kinds_have_faults():
+    assert (len(GOOD), len(BAD), len(KINDS)) == (12, 24, 36)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [*GOOD, *BAD])
+def test_no_kind_breaks_a_limit(kind):
+    score = scored(kind, first_seed(kind))
+
+    assert max(score.largest or 0.0, score.largest_beyond or 0.0) <= 1.0
+    assert kind in BAD or not score.accused
