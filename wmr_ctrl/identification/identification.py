@@ -336,19 +336,21 @@ def _scenario(
     r, half_track, step = base.robot.r, base.robot.l, base.clock.plant
     values = {name: four_digits(x) for name, x in values.items()}
     weight = values["m"] * base.robot.g
-    std = max(bounds.q[0], bounds.q[1] / half_track) * r / math.sqrt(2)
+    std = four_digits(max(bounds.q[0], bounds.q[1] / half_track) * r / math.sqrt(2))
     most = min(bounds.dbar[0], bounds.dbar[1] / half_track) * r / 2
-    rolling = 2 * max(values["c"], 0.0) / weight
+    rolling = four_digits(2 * max(values["c"], 0.0) / weight)
     delay = max(round(values["delay"] / step), 0) * step
     base = replace(base, title=f"identified from {name}")
     result = override(base, {
-        "robot.m": values["m"], "robot.I": values["I"], "robot.mu": max(values["Fc"], 0.0) / weight,
+        "robot.m": values["m"], "robot.I": values["I"],
+        "robot.mu": four_digits(max(values["Fc"], 0.0) / weight),
         "resistance.viscous": [max(values["Fv"], 0.0), max(values["Mv"], 0.0)],
         "resistance.rolling": [rolling, rolling],
         "actuator.delay": min(max(delay, 0.0), bounds.delay[1]), "actuator.lag": values["lag"],
-        "disturbance.std": std, "disturbance.truncate": most / std * (1 - 1e-9),
+        "disturbance.std": std, "disturbance.truncate": four_digits(most / std, math.floor),
         **{f"guard.{key}": list(pair) for key, (pair, _) in bounds.pairs().items()},
-        "guard.dbar": [max(x, 1.0) * d for x, d in zip(far, bounds.dbar, strict=True)],
+        "guard.dbar": [four_digits(max(x, 1.0) * d, math.ceil)
+                       for x, d in zip(far, bounds.dbar, strict=True)],
         **({"guard.delay": None} if bounds.wide else {}),
     })  # fmt: skip
     founded, result = result, replace(result, assumed=(*result.assumed, "guard.dbar"))
