@@ -71,7 +71,7 @@ def turned_by(angle):
 
 
 CORRUPTIONS = {
-    "not a number": (lambda log: in_row(log, 300, "RIGHT", np.nan), "first in row 301"),
+    "not a number": (lambda log: in_row(log, 300, "RIGHT", np.inf), "first in row 301"),
     "time goes back": (lambda log: put(log, T=np.where(log[T] > 12, log[T] - 5, log[T])), "back"),
     "time twice": (lambda log: in_row(log, 500, "T", log[T][499]), "row before, first row 501"),
     "milliseconds": (lambda log: put(log, T=1e3 * log[T]), "milliseconds"),

@@ -16,7 +16,7 @@ from wmr_ctrl.world.scenario import Scenario
 
 from .judgement import Judgement
 from .kalman import BLOCKS
-from .logs.log import COMMAND, Floats
+from .logs.log import COMMAND, Floats, LeftOut, Note
 from .speed_loop import AXES, Fits
 from .written import toml_of
 
@@ -198,6 +198,10 @@ class BaseIdentification(ABC):
     """Keys that the written scenario has though they are as by default, with words on some."""
     judgements: tuple[Judgement, ...] = field(default=(), kw_only=True)
     """How well each axis is explained, if it was driven."""
+    notes: tuple[Note, ...] = field(default=(), kw_only=True)
+    """What was noticed of the log before it was fitted."""
+    left_out: tuple[LeftOut, ...] = field(default=(), kw_only=True)
+    """Stretches that no fit counts."""
     origin: Origin = field(default_factory=Origin, kw_only=True)
     """What the written scenario extends."""
     seconds: float = field(default=0.0, kw_only=True)
@@ -216,7 +220,11 @@ class BaseIdentification(ABC):
             "remarks": list(self.remarks),
             "score": asdict(self.score),
             "explained": {item.axis: item.explained for item in self.judgements},
-            "diagnosis": [row for item in self.judgements for row in item.diagnosis()],
+            "diagnosis": [
+                *(note._asdict() for note in self.notes),
+                *(row for item in self.judgements for row in item.diagnosis()),
+            ],
+            "left_out": [item.to_json() for item in self.left_out],
             "range": {axis: list(ends) for axis, ends in self.range.items()},
         }
 

@@ -11,6 +11,7 @@ from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.results import RecordedDrive, Run
+from wmr_ctrl.world.command_loss import CommandLoss
 from wmr_ctrl.world.encoder import COUNTS, Encoder
 from wmr_ctrl.world.scenario import Scenario, missing_text, override, sections
 from wmr_ctrl.world.speed_loop import KINDS, BaseKind
@@ -53,6 +54,7 @@ from .logs.log import (
     with_counts,
     with_torques,
 )
+from .logs.rows import Rows, usable
 from .logs.samples import Samples, held_range, held_speeds, motion_of
 from .refuted import explaining, guard_bounds, held_out, usable_speeds
 from .stated import (
@@ -76,7 +78,7 @@ USUAL = {"torque": 60, "velocity": 18}
 SHORTEST = {"torque": 10.0, "velocity": 2.0}
 """Least length of a log [s]."""
 ROBOT = ("robot.r", "robot.l")
-COUNTED = "encoder.counts"
+COUNTED, TIMEOUT = "encoder.counts", "base.timeout"
 
 
 PLACES = {
@@ -147,6 +149,8 @@ def identify(
     lint.check_log(raw, commands)
     remarks = list(raw.remarks)
     samples, scenario = _samples(raw, scenario, sure, remarks, commands)
+    rows = _usable(samples, scenario, sure, base)
+    samples, remarks = rows.samples, [*remarks, *(note.text for note in rows.notes)]
     lint.check_motion(raw.name, samples, scenario.robot.l, SHORTEST[base])
     if base == "torque":
         lint.check_torques(raw.name, samples, scenario.robot.l)
@@ -168,10 +172,15 @@ def identify(
     found = _finished(identified, scenario, sure, samples)
     words |= {key: NOT_SHOWN for key in found.scenario.assumed
               if key.startswith(("filter.", "guard."))}  # fmt: skip
+    if rows.timeout is not None and TIMEOUT not in sure:
+        words[TIMEOUT] = ""
+        stopping = override(found.scenario, {TIMEOUT: round(rows.timeout, 3)})
+        found = replace(found, scenario=stopping)
     if progress:
         progress(1.0)
     return replace(
         found, words=words, origin=origin, range=held_range(samples),
+        notes=(*raw.notes, *rows.notes), left_out=rows.left_out,
         seconds=float(samples.t[-1] - samples.t[0]),
     )  # fmt: skip
 
@@ -236,6 +245,12 @@ def _samples(
     if source not in (COUNTS.name, "wheel_speed"):
         remarks.append(f"the motion is read from {source}; encoder counts are more precise.")
     return samples, scenario
+
+
+def _usable(samples: Samples, scenario: Scenario, sure: set[str], base: str) -> Rows:
+    if base == "torque":
+        return Rows(samples)
+    return usable(samples, scenario.section(CommandLoss).timeout if TIMEOUT in sure else None)
 
 
 def _by_poses(

@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -57,6 +58,26 @@ class LogError(WmrError, ValueError):
     """A log that cannot be read, or that tells that something is wrong with it."""
 
 
+class Note(NamedTuple):
+    """What was noticed of a log: a key of ``diagnosis``, the axis if it is of one, a sentence."""
+
+    key: str
+    axis: str
+    text: str
+
+
+class LeftOut(NamedTuple):
+    """A stretch of a log that no fit counts [s], and why."""
+
+    begin: float
+    end: float
+    reason: str
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        return {"from": self.begin, "to": self.end, "reason": self.reason}
+
+
 @dataclass(frozen=True)
 class Log:
     """Columns by name, each with its own times: a log may have several clocks' rates.
@@ -70,6 +91,7 @@ class Log:
     columns: Mapping[str, Floats]
     base: Scenario | None = None
     remarks: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     def has(self, names: Sequence[str]) -> bool:
         """True if all of these columns are there."""
@@ -252,7 +274,7 @@ def _of_table(name: str, header: Sequence[str], table: Floats) -> Log:
     t = table[:, names.index(TIME.name)] * scales[names.index(TIME.name)]
     times, columns = {}, {}
     for k, column in enumerate(names):
-        there = ~empty[:, k]
+        there = ~(empty[:, k] | np.isnan(table[:, k]))
         if column in KNOWN and column != TIME.name and there.any():
             if column in columns:
                 raise LogError(f"{name}: two columns are named {column}. Rename one.")

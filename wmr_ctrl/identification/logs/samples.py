@@ -46,7 +46,7 @@ class Samples:
     ``t`` (N,) [s] and ``seen`` (N, 2): way [m] and turn [rad], or both speeds (``of_speed``), with
     variances (2,) that are known of each; ``command_t`` (M,) [s] and ``command`` (M, 2): torques
     [N m] or speeds, each held until the next; ``first``: indices of t at which a stretch without
-    gap begins.
+    gap begins; ``use`` (N, 2): readings that count, all where it is None.
     """
 
     t: Floats
@@ -56,6 +56,7 @@ class Samples:
     command: Floats
     first: NDArray[np.int64]
     of_speed: bool = False
+    use: NDArray[np.bool_] | None = None
 
     @property
     def period(self) -> float:
@@ -75,6 +76,7 @@ class Samples:
             self.command,
             np.concatenate(([0], first)).astype(np.int64),
             self.of_speed,
+            None if self.use is None else self.use[low:high],
         )
 
 
@@ -202,6 +204,8 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
         acting = np.searchsorted(log.command_t, log.t[rows], "right") - 1
         if not sent[np.maximum(acting, 0)].any() and (np.abs(speed[rows]) <= still).all():
             in_fit[low:high] = since[low:high] > 0
+    if log.use is not None:
+        in_fit &= log.use[:, axis]
     return AxisLog(
         log.t, speed, in_fit, log.command_t, sent, log.first, not log.of_speed, log.period
     )

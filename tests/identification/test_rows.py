@@ -1,0 +1,128 @@
+"""Rows that say nothing about a base are left out, and commands that cease end; good logs stay."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.signal import lfilter
+
+from wmr_ctrl import identify
+from wmr_ctrl.identification.logs.rows import usable
+from wmr_ctrl.identification.logs.samples import Samples
+
+T, INNER = 0.02, 20
+LATE = 0.04
+NAMES = ("v_command [m/s]", "omega_command [rad/s]", "v1_measured [m/s]", "omega_measured [rad/s]")
+
+
+def drive(seed=0, seconds=40.0, noise=0.003, tau=0.1, held=0.8, timeout=None, silent=(), off=()):
+    """Times, commands and speeds (N, 2) of a first-order base; nan where commands cease."""
+    rng, count = np.random.default_rng(seed), round(seconds / T)
+    rows = max(round(held / T), 1)
+    sent = rng.uniform(-0.5, 0.5, (count // rows + 1, 2)).repeat(rows, axis=0)[:count]
+    t = np.arange(count) * T
+    acting, heard = sent.copy(), np.ones(count, bool)
+    for begin, end in silent:
+        heard[(t >= begin) & (t < end)] = False
+        held_until = begin + timeout if timeout else end
+        acting[(t >= begin) & (t < end)] = sent[t < begin][-1]
+        acting[(t >= held_until) & (t < end)] = 0.0
+    alive = np.ones(count)
+    for begin, end in off:
+        alive[(t >= begin) & (t < end)] = 0.0
+    fine = (0.97 * acting * alive[:, None]).repeat(INNER, axis=0)
+    fine = np.vstack((np.zeros((round(LATE / T) * INNER, 2)), fine))[: count * INNER]
+    share = -math.expm1(-T / INNER / tau)
+    v = lfilter([0.0, share], [1.0, share - 1.0], fine, axis=0)[::INNER]
+    return t, np.where(heard[:, None], sent, np.nan), v + noise * rng.normal(size=v.shape)
+
+
+def samples(t, sent, v):
+    heard = np.isfinite(sent[:, 0])
+    return Samples(t, v, np.zeros(2), t[heard], sent[heard], np.array([0]), of_speed=True)
+
+
+@settings(max_examples=25)
+@given(
+    seed=st.integers(0, 10**6), noise=st.sampled_from([0.0, 0.001, 0.01, 0.04]),
+    tau=st.sampled_from([0.005, 0.05, 0.2]), held=st.sampled_from([0.1, 0.8, 3.0]),
+    quantum=st.sampled_from([None, 0.01, 0.04]),
+)  # fmt: skip
+def test_nothing_of_a_good_log_is_left_out(seed, noise, tau, held, quantum):
+    t, sent, v = drive(seed, 12.0, noise, tau, held)
+    v = v if quantum is None else np.round(v / quantum) * quantum
+
+    rows = usable(samples(t, sent, v))
+
+    assert rows.notes == rows.left_out == ()
+    assert rows.timeout is None
+    assert rows.samples.use.all()
+    assert np.array_equal(rows.samples.seen, v)
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 10**6), share=st.sampled_from([0.01, 0.08]), size=st.floats(1.0, 9.0))
+def test_readings_that_no_acceleration_explains_are_left_out_with_their_times(seed, share, size):
+    t, sent, v = drive(seed)
+    rng = np.random.default_rng(seed)
+    zero, far = rng.random(len(t)) < share, rng.choice(np.arange(50, len(t) - 50), 5, replace=False)
+    spoilt = np.where(zero[:, None], 0.0, v)
+    spoilt[far, 0] = size * rng.choice([-1, 1], 5)
+
+    rows = usable(samples(t, spoilt * 0 + sent, spoilt))
+
+    moves = np.abs(v) > 0.1
+    missed = rows.samples.use & moves & zero[:, None]
+    assert missed.sum() < 0.1 * (moves & zero[:, None]).sum() + 2
+    assert (~rows.samples.use[far, 0]).sum() >= 4
+    assert (~rows.samples.use & ~zero[:, None])[:, 1].sum() <= 2
+    assert np.abs(rows.samples.seen - v)[far, 0].max() < 0.3
+    assert {note.key for note in rows.notes} == {"readings"}
+    left = [(item.begin, item.end) for item in rows.left_out]
+    assert all(any(a <= t[k] <= b for a, b in left) for k in far[~rows.samples.use[far, 0]])
+
+
+@pytest.mark.parametrize("timeout", [0.3, 0.5, 1.2])
+def test_a_silence_shows_when_the_base_stops(timeout):
+    silent = [(6.0, 10.0), (14.0, 18.0), (25.0, 30.0), (37.0, 40.0)]
+
+    rows = usable(samples(*drive(3, timeout=timeout, silent=silent)))
+    other = usable(samples(*drive(3, silent=silent)))
+
+    assert rows.timeout == pytest.approx(timeout, abs=0.041)
+    assert other.timeout is None
+    assert "goes on" in other.notes[0].text
+    assert [note.key for note in (*rows.notes, *other.notes)] == ["timeout"] * 2
+
+
+def test_stretches_with_the_drivers_off_are_left_out():
+    rows = usable(samples(*drive(4, seconds=60.0, off=[(12.0, 20.0), (40.0, 52.0)])))
+    t, use = rows.samples.t, rows.samples.use[:, 0]
+
+    assert [note.key for note in rows.notes] == ["drivers-off"] * 2
+    for begin, end in ((12.2, 20.0), (40.2, 52.0)):
+        assert not use[(t > begin) & (t < end)].any()
+    assert use[(t > 22.0) & (t < 39.0)].all()
+
+
+def test_what_was_left_out_is_told_and_the_base_is_found_all_the_same():
+    t, sent, v = drive(5, timeout=0.5, silent=[(6.0, 10.0), (20.0, 24.0)], off=[(28.0, 34.0)])
+    v[np.random.default_rng(0).random(len(t)) < 0.07] = 0.0
+    heard = np.isfinite(sent[:, 0])
+    columns = dict(zip(NAMES, (*np.where(heard[:, None], sent, np.nan).T, *v.T), strict=True))
+    log = {"t [s]": t, **columns}
+
+    found = identify({key: row.tolist() for key, row in log.items()}, base="velocity")
+
+    told = found.to_json()
+    assert {row["key"] for row in told["diagnosis"]} >= {"readings", "drivers-off", "timeout"}
+    assert any(row["reason"] == "commanded but at rest" for row in told["left_out"])
+    for axis in (1, 2):
+        assert found.parameters[f"gain{axis}"].value == pytest.approx(0.97, rel=0.01)
+        assert found.parameters[f"delay{axis}"].value == pytest.approx(LATE, abs=0.005)
+    assert found.scenario.value("base.timeout")[0] == pytest.approx(0.5, abs=0.041)
+    assert "timeout = 0.5" in found.to_toml()

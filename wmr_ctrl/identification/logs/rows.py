@@ -1,0 +1,247 @@
+"""Rows and commands of a log that a fit may use: odd readings, drivers off, commands that cease.
+
+What a row says is compared with a quick first-order fit; readings that are left out are replaced by
+a straight line between their neighbours, so that whatever looks at speeds sees none of them.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..speed_loop import LOOPS, LoopFit, fitted
+from .log import Floats, LeftOut, Note
+from .samples import AxisLog, Samples, axis_log, shifted_gain
+
+Mask = NDArray[np.bool_]
+AXES, UNITS = ("v", "omega"), ("m/s", "rad/s")
+LOOP, PASSES = "first-order", 8
+MOST_ODD = 0.15
+"""Share of readings beyond which they are the log and no faults of it."""
+FAR, LEAST_FAR, STEPS_FAR = 8.0, 0.12, 2.5
+"""Distance of an odd reading from its neighbours: deviations, of the quick speeds, and steps."""
+ZERO_DEVIATIONS, ZERO_FAR = 5.0, 0.05
+"""The same for a reading of exactly 0."""
+BACK = 0.6
+"""Share of the distance by which the reading itself must go out and come back."""
+NEIGHBOURS, ODD_ROWS, ZERO_ROWS = 7, 2, 5
+"""Rows of a median, and the longest run of odd readings, and of zeros among them."""
+REST, LEAST_EXPECTED, LEAST_CHANGES = 2.0, 0.25, 2
+"""Time at rest [s], speed expected over the quick ones', and changes of command in it, from which
+on the drivers are off.
+"""
+BEFORE_OFF, BEHIND_OFF = 0.3, 1.0
+"""Time before and behind it that is left out, too [s]."""
+LEAST_SILENCE, PERIODS_SILENT = 0.3, 6.0
+"""Shortest silence of commands that is none of their period [s], and in periods."""
+LIKELIER = 20.0
+"""Gain of twice the log-likelihood from which on a time-out is taken."""
+COARSE, FINE, LONGEST_TIMEOUT = 0.1, 0.02, 4.0
+"""Steps of the search for a time-out, and its longest [s]."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Samples as a fit may use them, what was left out, and what was noticed.
+
+    ``samples.use`` (N, 2) says which readings count, and ``samples.command`` has the zeros that a
+    base inserts ``timeout`` [s] after its last command, None where no command ceases.
+    """
+
+    samples: Samples
+    timeout: float | None = None
+    left_out: tuple[LeftOut, ...] = ()
+    notes: tuple[Note, ...] = ()
+
+
+def usable(samples: Samples, timeout: float | None = None) -> Rows:
+    """Rows and commands of a base that takes velocities.
+
+    ``timeout``: the base's own [s], where it is known.
+    """
+    notes: list[Note] = []
+    left_out: list[LeftOut] = []
+    driven = [axis for axis in (0, 1) if np.std(samples.command[:, axis]) > 1e-3]
+    seen, use = samples.seen.copy(), np.ones(samples.seen.shape, bool)
+    for axis in driven if samples.of_speed else ():
+        log = axis_log(samples, axis)
+        if log.in_fit.sum() < 5 * NEIGHBOURS:
+            continue
+        odd = odd_readings(log.speed, quick_fit(log).left)
+        if not odd.any():
+            continue
+        share, when = float(odd.mean()), samples.t[np.argmax(odd)]
+        text = (
+            f"{odd.sum()} readings of {AXES[axis]} are single rows far off ({100 * share:.2g} %, "
+            f"the first at {when:.4g} s)"
+        )
+        if share > MOST_ODD:
+            text += ": so many are no faults of single rows, and they stay"
+        else:
+            text += " and left out"
+            use[odd, axis] = False
+            kept = ~odd
+            seen[odd, axis] = np.interp(samples.t[odd], samples.t[kept], seen[kept, axis])
+            left_out += _stretches(samples.t, odd, f"readings of {AXES[axis]} far off")
+        notes.append(Note("readings", AXES[axis], f"{text}."))
+    rows = replace(samples, seen=seen, use=use)
+    rows, timeout = _with_silences(rows, driven, timeout, notes)
+    for begin, end in off_stretches(rows):
+        use[(rows.t >= begin) & (rows.t <= end)] = False
+        left_out.append(LeftOut(begin, end, "commanded but at rest"))
+        text = f"commanded but at rest from {begin + BEFORE_OFF:.3g} to {end - BEHIND_OFF:.3g} s"
+        notes.append(Note("drivers-off", "", f"{text}: drivers off? Left out."))
+    return Rows(rows, timeout, tuple(left_out), tuple(notes))
+
+
+def quick_fit(log: AxisLog) -> LoopFit:
+    """A first-order loop by least squares."""
+    gain, shift, _ = shifted_gain(log)
+    start = math.log(max(abs(gain), 1e-3)), math.log(0.1), min(max(shift - 0.05, 0.005), 0.3)
+    return fitted(log, LOOP, LOOPS[LOOP], np.array(start), PASSES, PASSES)
+
+
+def odd_readings(speed: Floats, left: Floats) -> Mask:
+    """Readings (N,) that leave their neighbours and come back at once.
+
+    ``left`` (N,) is what a fit leaves over: what it explains is not odd.
+    """
+    quick = float(np.quantile(np.abs(speed), 0.95))
+    steps = np.abs(np.diff(speed))
+    steps = steps[steps > 1e-9 * quick]
+    quantum = STEPS_FAR * float(np.median(steps)) if len(steps) > 10 else 0.0
+    odd, rest, place = np.zeros(len(speed), bool), left.copy(), np.arange(len(speed))
+    zero = (speed == 0) & (np.abs(speed - left) > max(ZERO_FAR * quick, quantum))
+    for _ in range(3):
+        padded = np.pad(rest, NEIGHBOURS // 2, "edge")
+        near = np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS)
+        off = rest - np.median(near, axis=1)
+        spread = 1.4826 * float(np.median(np.abs(off - np.median(off))))
+        far = np.abs(off) > max(FAR * spread, LEAST_FAR * quick, quantum)
+        far |= zero & (np.abs(off) > max(ZERO_DEVIATIONS * spread, ZERO_FAR * quick, quantum))
+        far |= odd
+        before = np.maximum.accumulate(np.where(far, -1, place))
+        after = np.minimum.accumulate(np.where(far, len(speed), place)[::-1])[::-1]
+        inside = far & ~odd & (before >= 0) & (after < len(speed))
+        k = place[inside]
+        low, high, run = before[k], after[k], after[k] - before[k] - 1
+        lost = zero[k] & (run <= ZERO_ROWS)
+        lost &= np.minimum(np.abs(speed[low]), np.abs(speed[high])) > 0.8 * ZERO_FAR * quick
+        back = run <= ODD_ROWS
+        for values in (speed, rest):
+            out, home = values[k] - values[low], values[k] - values[high]
+            back &= (np.minimum(np.abs(out), np.abs(home)) >= BACK * np.abs(off[k])) & (
+                out * home > 0
+            )
+        new = k[lost | back]
+        if not new.size:
+            break
+        odd[new] = True
+        rest[odd] = np.interp(place[odd], place[~odd], left[~odd])
+    return odd
+
+
+def off_stretches(rows: Samples) -> list[tuple[float, float]]:
+    """Begin and end [s] of stretches at rest in spite of commands that move the base elsewhere."""
+    t, resting = rows.t, np.ones(len(rows.t), bool)
+    at = np.searchsorted(rows.command_t, t - 0.2, "right") - 1
+    sent = np.abs(np.where((at >= 0)[:, None], rows.command[np.maximum(at, 0)], 0.0))
+    expected = np.zeros(len(t))
+    for axis in (0, 1):
+        speed, command = np.abs(axis_log(rows, axis).speed), sent[:, axis]
+        quick = float(np.quantile(speed, 0.95))
+        if not (quick > 0 and command.any()):
+            continue
+        edges = np.unique(np.quantile(command[command > 0], np.linspace(0, 1, 9)))
+        kind = np.searchsorted(edges, command, "right")
+        usual = np.zeros(len(edges) + 1)
+        for level in range(1, len(usual)):
+            like = speed[kind == level]
+            usual[level] = np.median(like) if like.size > 5 else 0.0
+        expected = np.maximum(expected, usual[kind] / quick)
+        still = speed[command == 0]
+        noise = 2 * float(np.quantile(still, 0.9)) if still.size > 20 else 0.0
+        resting &= speed <= np.clip(noise, 0.01 * quick, 0.04 * quick)
+    found = []
+    changed = np.any(np.diff(sent, axis=0, prepend=sent[:1]) != 0, axis=1)
+    for low, high in _runs(resting, max(round(0.2 / float(np.median(np.diff(t)))), 1)):
+        if t[high - 1] - t[low] <= REST or changed[low:high].sum() < LEAST_CHANGES:
+            continue
+        if expected[low:high].mean() > LEAST_EXPECTED:
+            found.append((float(t[low]) - BEFORE_OFF, float(t[high - 1]) + BEHIND_OFF))
+    return found
+
+
+def _with_silences(
+    rows: Samples, driven: list[int], known: float | None, notes: list[Note]
+) -> tuple[Samples, float | None]:
+    """The samples with zeros where the base stops by itself, and after which silence it does."""
+    sent = rows.command_t
+    usual = float(np.median(np.diff(sent)))
+    silent = np.diff(sent, append=max(rows.t[-1], sent[-1]))
+    silent = np.where(silent > max(PERIODS_SILENT * usual, LEAST_SILENCE), silent, 0.0)
+    silent[~rows.command.any(axis=1)] = 0.0
+    if not silent.any():
+        return rows, None
+    count = f"commands cease {np.sum(silent > 0)} times"
+    if known is not None and math.isfinite(known):
+        return _stopped(rows, silent, known), known
+    scores: dict[float, float] = {}
+
+    def score(timeout: float) -> float:
+        if timeout not in scores:
+            scores[timeout] = _misfit(_stopped(rows, silent, timeout), driven)
+        return scores[timeout]
+
+    longest = min(LONGEST_TIMEOUT, float(np.median(silent[silent > 0])))
+    best = min((*np.arange(COARSE, longest, COARSE).tolist(), math.inf), key=score)
+    if not score(best) < score(math.inf) - LIKELIER:
+        text = f"{count}, and the base goes on with the last one."
+        notes.append(Note("timeout", "", text))
+        return rows, None
+    near = np.arange(max(best - COARSE, FINE), best + COARSE + FINE / 2, FINE)
+    best = min(near.tolist(), key=score)
+    text = f"{count}; the base stops {best:.2f} s after the last one: base.timeout"
+    notes.append(Note("timeout", "", f"{text}."))
+    return _stopped(rows, silent, best), best
+
+
+def _misfit(rows: Samples, driven: list[int]) -> float:
+    """Minus twice the log-likelihood of a quick fit."""
+    total = 0.0
+    for axis in driven:
+        log = axis_log(rows, axis)
+        if log.in_fit.any():
+            left = quick_fit(log).left[log.in_fit]
+            total += len(left) * math.log(max(float(np.mean(left**2)), 1e-300))
+    return total
+
+
+def _stopped(rows: Samples, silent: Floats, timeout: float) -> Samples:
+    """The samples with a zero command ``timeout`` [s] into each longer silence (M,) [s]."""
+    long = silent > timeout
+    times = np.concatenate((rows.command_t, rows.command_t[long] + timeout))
+    order = np.argsort(times, kind="stable")
+    zeros = np.zeros((int(long.sum()), 2))
+    return replace(
+        rows, command_t=times[order], command=np.concatenate((rows.command, zeros))[order]
+    )
+
+
+def _runs(mask: Mask, bridge: int = 0) -> list[tuple[int, int]]:
+    """Begin and end of runs of True; gaps of at most ``bridge`` rows are bridged."""
+    ends = np.flatnonzero(np.diff(np.concatenate(([0], mask.astype(int), [0]))))
+    runs: list[tuple[int, int]] = []
+    for low, high in zip(ends[::2].tolist(), ends[1::2].tolist(), strict=True):
+        if runs and low - runs[-1][1] < bridge:
+            runs[-1] = (runs[-1][0], high)
+        else:
+            runs.append((low, high))
+    return runs
+
+
+def _stretches(t: Floats, mask: Mask, reason: str) -> Iterator[LeftOut]:
+    for low, high in _runs(mask):
+        yield LeftOut(float(t[low]), float(t[high - 1]), reason)
