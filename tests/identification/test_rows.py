@@ -11,11 +11,14 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter
 
 from wmr_ctrl import identify
+from wmr_ctrl.identification.logs.log import of_columns
+from wmr_ctrl.identification.logs.mended import mended, unwrapped
 from wmr_ctrl.identification.logs.rows import usable
 from wmr_ctrl.identification.logs.samples import Samples
 
 T, INNER = 0.02, 20
 LATE = 0.04
+NAMES_OF_COUNTS = ("wheel_counts[1]", "wheel_counts[2]")
 NAMES = ("v_command [m/s]", "omega_command [rad/s]", "v1_measured [m/s]", "omega_measured [rad/s]")
 
 
@@ -107,6 +110,55 @@ def test_stretches_with_the_drivers_off_are_left_out():
     for begin, end in ((12.2, 20.0), (40.2, 52.0)):
         assert not use[(t > begin) & (t < end)].any()
     assert use[(t > 22.0) & (t < 39.0)].all()
+
+
+@settings(max_examples=40)
+@given(
+    seed=st.integers(0, 10**6), fast=st.floats(1.0, 40.0), start=st.integers(-(10**6), 10**6),
+    modulus=st.sampled_from([2**12, 2**15, 2**16, 2**32, 5000, 9000, 1234, 36000]),
+)  # fmt: skip
+def test_counters_go_on_where_they_wrap_at_any_modulus(seed, fast, start, modulus):
+    rng = np.random.default_rng(seed)
+    speed = np.convolve(rng.uniform(-fast, fast, 60).repeat(50), np.ones(20) / 20, "same")
+    counts = np.floor(np.cumsum([speed, -0.7 * speed], axis=1) + start).astype(np.int64)
+    t = 0.02 * np.arange(counts.shape[1])
+    log = of_columns("log", {"t": t, **dict(zip(NAMES_OF_COUNTS, counts % modulus, strict=True))})
+
+    read = unwrapped(log)
+
+    for name, true in zip(NAMES_OF_COUNTS, counts, strict=True):
+        wraps = int(np.sum(np.diff(true // modulus) != 0))
+        if wraps == 0 or wraps >= 2 or modulus in (2**12, 2**15, 2**16, 2**32, 5000, 9000, 36000):
+            assert read.columns[name] - read.columns[name][0] == pytest.approx(
+                true - true[0], abs=0.001 * modulus * wraps
+            )
+
+
+@pytest.mark.parametrize("scatter", [1e-3, 3e-3])
+def test_an_even_clock_is_taken_where_only_stamps_scatter(scatter):
+    rng, even = np.random.default_rng(1), T * np.arange(2000)
+    true = even + scatter * rng.uniform(-1, 1, len(even))
+    turn = [np.floor(300 * np.cumsum(np.sin(rate * even))) for rate in (0.7, 1.1)]
+    at_true = [np.floor(np.interp(true, even, row)) for row in turn]
+    counts, irregular = (dict(zip(NAMES_OF_COUNTS, rows, strict=True)) for rows in (turn, at_true))
+
+    read = mended(of_columns("log", {"t": true, **counts}))
+    kept = mended(of_columns("log", {"t": true, **irregular}))
+
+    assert read.times[NAMES_OF_COUNTS[0]] == pytest.approx(even, abs=0.2 * scatter)
+    assert [note.key for note in read.notes] == ["clocks"]
+    assert np.array_equal(kept.times[NAMES_OF_COUNTS[0]], true)
+
+
+def test_rows_at_the_time_of_the_row_before_are_left_out_if_they_are_few():
+    t = np.sort(np.concatenate((np.arange(500) * T, [1.0, 2.0, 3.0])))
+    log = of_columns("log", {"t": t, "v1": np.arange(503.0), "omega": np.zeros(503)})
+
+    read = mended(log)
+
+    assert (np.diff(read.times["v1"]) > 0).all()
+    assert read.columns["v1"][50:52].tolist() == [50.0, 52.0]
+    assert [note.key for note in read.notes] == ["clocks"]
 
 
 def test_what_was_left_out_is_told_and_the_base_is_found_all_the_same():

@@ -13,7 +13,7 @@ from wmr_ctrl.core.errors import ScenarioError, WmrError
 from wmr_ctrl.core.fields import values
 from wmr_ctrl.export.cosim.slave import FmuFile
 from wmr_ctrl.results import load_run
-from wmr_ctrl.world.references.point_files import read_poses
+from wmr_ctrl.world.references.point_files import read_points
 from wmr_ctrl.world.scenario import load_scenario
 
 MOST = 100_000
@@ -68,7 +68,7 @@ def test_a_path_with_more_values_than_it_has_letters(tmp_path, text):
     (tmp_path / "way.yaml").write_text(text)
 
     with pytest.raises(ScenarioError, match=f"more than {values.MOST_NODES} values"):
-        read_poses(tmp_path / "way.yaml")
+        read_points(tmp_path / "way.yaml")
 
 
 LONG = 1e6

@@ -42,6 +42,11 @@ GOOD = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
         "# x_mm,y_cm\n0,0\n1000,50\n2000,-100\n",
         "t,y,theta,x\n0,0,1,0\n1,0.5,1,1\n2,-1,1,2\n",
         "# x,y,theta\n0,0,1\n1,0.5,1\n2,-1,1\n",
+        "# s_m; x_m; y_m; psi_rad\n0; 0; 0; 0\n1; 1; 0.5; 0\n2; 2; -1; 0\n",
+        "x_ref_m; y_ref_m; width_m\n0; 0; 1\n1; 0.5; 1\n2; -1; 1\n",
+        "time,pose.position.x,pose.position.y\n0,0,0\n1,1,0.5\n2,2,-1\n",
+        "x,y,mode\n0,0,a\n0,0,a\n1,0.5,b\n2,-1,c\n2,-1,c\n",
+        "# x [m]  y [m]\n0 0\n1 0.5\n2 -1\n",
     ],
 )
 def test_usual_ways_to_write_points(tmp_path, text):
@@ -52,29 +57,55 @@ def test_usual_ways_to_write_points(tmp_path, text):
 
 
 @pytest.mark.parametrize(
+    "text",
+    [
+        "- {name: A, x: 0, y: 0}\n- {x: 1, y: 0.5}\n- {x: 2, y: -1}\n",
+        "---\npose: {position: {x: 0, y: 0}}\n---\npose: {position: {x: 1, y: 0.5}}\n---\n"
+        "pose: {position: {x: 2, y: -1}}\n---\n",
+        "header: {frame_id: map}\nposes:\n- pose: {position: {x: 0, y: 0}}\n"
+        "- pose: {position: {x: 1, y: 0.5}}\n- pose: {position: {x: 2, y: -1}}\n---\n",
+        "goals:\n- pose: {position: {x: 0, y: 0}}\n- position: {x: 1, y: 0.5}\n- {x: 2, y: -1}\n",
+        "waypoints:\n- [0, 0, 0.1]\n- [1, 0.5, 0]\n- [2, -1, 0]\n",
+        "waypoints:\n  a: [0, 0, 0.1]\n  b: [1, 0.5, 0]\n  c: [2, -1, 0]\n",
+        "node:\n  ros__parameters:\n    waypoints: [0, 0, 0.1, 1, 0.5, 0, 2, -1, 0.3]\n",
+        '{"type": "FeatureCollection", "features": [{"geometry": {"coordinates": [0, 0]}}, '
+        '{"geometry": {"coordinates": [1, 0.5]}}, {"geometry": {"coordinates": [2, -1]}}]}',
+        '{"features": [{"geometry": {"coordinates": [[0, 0], [1, 0.5], [2, -1]]}}]}',
+    ],
+)
+def test_usual_ways_of_navigation_stacks(tmp_path, text):
+    pytest.importorskip("yaml")
+    file = tmp_path / "way.geojson"
+    file.write_text(text)
+
+    assert read_points(file) == GOOD
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("0,0\n", "way.csv holds 1 point(s), but a path needs at least 2"),
-        ("x,y\n0,0\n", "way.csv holds 1 point(s), but a path needs at least 2"),
-        ("", "way.csv holds 0 point(s), but a path needs at least 2"),
-        ("x,y\n", "way.csv holds 0 point(s), but a path needs at least 2"),
-        ("0,0\n1,nan\n", "way.csv, row 2, column 2: nan is not a finite number"),
-        ("0,0\ninf,1\n", "way.csv, row 2, column 1: inf is not a finite number"),
-        ("x,y\n0,0\n\n1,east\n", 'way.csv, row 4, column 2: "east" is not a number'),
-        ("0,north\n1,1\n", 'way.csv, row 1, column 2: "north" is not a number'),
-        ("0,0\n1,\n", 'way.csv, row 2, column 2: "" is not a number'),
-        ("0,0\n1\n", "way.csv, row 2 has 1 column(s)"),
-        ("0,0,0\n1,1,1\n", "way.csv, row 1 has 3 columns, and nothing says which are x and y"),
-        ("0,5,1,5\n1,5,1,0\n", "way.csv, row 1 has 4 columns, and nothing says which"),
-        ("x,y,z\n0,0,0\n1,1\n", "way.csv, row 3 has 2 column(s), and the header 3"),
-        ("y,x\n0,0\n1,nan\n", "way.csv, row 3, column 2: nan is not a finite number"),
-        ("# a\nx [in],y [in]\n0,0\n1,1\n", 'way.csv, row 2: the header says "x [in]", "y [in]"'),
-        ("# x,y\ny,x\n0,0\n1,1\n", "way.csv, row 2: the header contradicts the one above it"),
-        ("x,x\n0,0\n1,1\n", 'way.csv, row 1: the header says "x", "x", but one x and one y are'),
-        ("x,y [M]\n0,0\n1,1\n", 'way.csv, row 1: the header says "x", "y [M]"'),
-        ("x [m),y\n0,0\n1,1\n", 'way.csv, row 1: the header says "x [m)", "y"'),
-        ("lat,lon\n0,0\n1,1\n", 'way.csv, row 1: the header says "lat", "lon"'),
-        ("0,0\n1,1\n1,1\n", "way.csv, rows 2 and 3 are the same point (1.0, 1.0)"),
+        ("0,0\n", "way.csv holds 1 different point(s), but a path needs at least 2"),
+        ("x,y\n0,0\n", "way.csv holds 1 different point(s), but a path needs at least 2"),
+        ("", "way.csv: no column is named x or y. There are no names"),
+        ("x,y\n", "way.csv holds 0 different point(s), but a path needs at least 2"),
+        ("0,0\n1,nan\n", "way.csv, line 2: nan is not a finite number"),
+        ("0,0\ninf,1\n", "way.csv, line 2: inf is not a finite number"),
+        ("x,y\n0,0\n\n1,east\n", 'way.csv, line 4, column y: "east" is not a number'),
+        ("0,north\n1,1\n", 'way.csv, line 1, column y: "north" is not a number'),
+        ("0,0\n1,\n", "way.csv, line 2: nan is not a finite number"),
+        ("0,0\n1\n", "way.csv, line 2 is cut off"),
+        ("0,0\n1\n2,3\n", "way.csv, line 2: it has another number of cells than the 2"),
+        ("0,0,0\n1,1,1\n", "way.csv: no column is named x or y. There are 1, 2, 3."),
+        ("0,5,1,5\n1,5,1,0\n", "way.csv: no column is named x or y. There are 1, 2, 3, 4."),
+        ("x,y,z\n0,0,0\n1,1\n", "way.csv, line 3 is cut off"),
+        ("y,x\n0,0\n1,nan\n", "way.csv, line 3: nan is not a finite number"),
+        ("x,x\n0,0\n1,1\n", "way.csv: two columns are named x"),
+        ("x,y [M]\n0,0\n1,1\n", 'way.csv: column y is in "M", which does not fit it'),
+        ("x,y [s]\n0,0\n1,1\n", 'way.csv: column y is in "s", which does not fit it'),
+        ("x,y [%]\n0,0\n1,1\n", "way.csv: column y is in per cent"),
+        ("x_mm [m],y\n0,0\n1,1\n", "way.csv: the name of column x_mm says mm, and its unit m"),
+        ("x [m),y\n0,0\n1,1\n", "way.csv: no column is named x. There are x [m), y."),
+        ("lat,lon\n0,0\n1,1\n", "way.csv: no column is named x or y. There are lat, lon."),
         ("0,0\n1,1e13\n", "reference.points[2][2] = 10000000000000.0 must be at most 1e+12"),
     ],
 )

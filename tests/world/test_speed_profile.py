@@ -13,7 +13,7 @@ from tests.papers_robot import HEAD, paper, paper_toml
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references import Waypoints
 from wmr_ctrl.world.references import sample as sample_scenario
-from wmr_ctrl.world.references.point_files import read_poses
+from wmr_ctrl.world.references.point_files import read_points
 from wmr_ctrl.world.references.waypoints import profile_of
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -136,21 +136,21 @@ def test_a_path_message_gives_its_points(tmp_path):
     )
 
     points = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
-    assert read_poses(tmp_path / "way.yaml") == points
+    assert read_points(tmp_path / "way.yaml") == points
     assert load_scenario(tmp_path / "mine.toml").reference.points == points
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("poses: 3", "has no list of poses"),
+        ("poses: 3", "pose 1"),
         ("a: [", "is not YAML"),
         ("[" * 5000 + "]" * 5000, "is nested too deeply"),
         ("poses: [{x: 1}]", "pose 1"),
-        ("poses: [{x: 1, y: .nan}]", "pose 1, y"),
-        ("poses: [{x: 1, y: true}]", "pose 1, y"),
-        ("poses: [{x: 1, y: 2}, {x: 1, y: 2}]", "1 different position"),
-        ("", "has no list of poses"),
+        ("poses: [{x: 1, y: .nan}]", "pose 1: "),
+        ("poses: [{x: 1, y: true}]", "pose 1: "),
+        ("poses: [{x: 1, y: 2}, {x: 1, y: 2}]", "1 different point"),
+        ("", "0 different point"),
     ],
 )
 def test_errors_name_the_pose(tmp_path, text, message):
@@ -158,5 +158,5 @@ def test_errors_name_the_pose(tmp_path, text, message):
     (tmp_path / "way.yaml").write_text(text)
 
     with pytest.raises(ScenarioError, match=r"way\.yaml") as caught:
-        read_poses(tmp_path / "way.yaml")
+        read_points(tmp_path / "way.yaml")
     assert message in str(caught.value)

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 )
 @opt.set_option
 @opt.topics_option
+@opt.columns_option
 @click.option(
     "--torque-constant",
     type=float,
@@ -68,6 +69,7 @@ def identify(
     robot: str | None,
     assignments: tuple[str, ...],
     topics: str | None,
+    columns: tuple[str, ...],
     torque_constant: float | None,
     resistance: float | None,
     plot: str | None,
@@ -97,6 +99,7 @@ def identify(
     from wmr_ctrl.identification import identify as identify_log
     from wmr_ctrl.world.scenario import parse_assignments
 
+    logs, named = opt.logs_and_columns(logs, columns)
     with Progress(f"identify {', '.join(logs)}") as progress:
         result = identify_log(
             logs[0] if len(logs) == 1 else logs,
@@ -104,6 +107,7 @@ def identify(
             known=robot,
             overrides=parse_assignments(assignments),
             topics=opt.roles(topics),
+            columns=named,
             torque_constant=torque_constant,
             resistance=resistance,
             progress=progress,

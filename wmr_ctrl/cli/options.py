@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -64,6 +65,13 @@ topics_option = click.option(
     "--topics",
     metavar="ROLE=NAME,...",
     help="For a bag: topics as odom=, cmd=, joints= and effort=, wheel joints as right= and left=.",
+)
+_PAIR = re.compile(r"[\w\[\]]+=.+")
+columns_option = click.option(
+    "--columns",
+    multiple=True,
+    metavar="OURS=THEIRS",
+    help='For a table: which column is which, such as v_command=cmd_v "t=time_ms [ms]".',
 )
 scenario_argument = click.argument("scenario", metavar="[SCENARIO]", default=SCENARIO)
 scenario_option = click.option(
@@ -131,6 +139,21 @@ def roles(topics: str | None) -> dict[str, str]:
     if bad := ["".join(pair) for pair in pairs if not all(pair)]:
         raise ArgumentError(f"--topics: {bad[0]!r} must be ROLE=NAME, such as odom=/base/odom.")
     return {role.strip(): name.strip() for role, _, name in pairs}
+
+
+def logs_and_columns(
+    words: Sequence[str], columns: Sequence[str]
+) -> tuple[tuple[str, ...], dict[str, str]]:
+    """Logs, and columns by our names, among the words of a command and those of ``--columns``.
+
+    Pairs are separated by blanks; raises ArgumentError for what is no pair.
+    """
+    more = [word for word in words if columns and _PAIR.match(word) and not Path(word).exists()]
+    pairs = [part for word in (*columns, *more) for part in re.split(r"\s+(?=[\w\[\]]+=)", word)]
+    if bad := [part for part in pairs if not _PAIR.match(part)]:
+        raise ArgumentError(f"--columns: {bad[0]!r} must be OURS=THEIRS, such as t=time_ms.")
+    named = {name.strip(): theirs.strip() for name, _, theirs in (p.partition("=") for p in pairs)}
+    return tuple(word for word in words if word not in more), named
 
 
 def new_file(name: str, text: str, *suffixes: str, required: bool = False) -> Callable[[F], F]:

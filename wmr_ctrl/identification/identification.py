@@ -54,6 +54,7 @@ from .logs.log import (
     with_counts,
     with_torques,
 )
+from .logs.mended import mended
 from .logs.rows import Rows, usable
 from .logs.samples import Samples, held_range, held_speeds, motion_of
 from .refuted import explaining, guard_bounds, held_out, usable_speeds
@@ -124,6 +125,7 @@ def identify(
     known: str | Path | Scenario | None = None,
     overrides: Mapping[str, object] | None = None,
     topics: Mapping[str, str] | None = None,
+    columns: Mapping[str, str] | None = None,
     torque_constant: float | None = None,
     resistance: float | None = None,
     progress: Progress | None = None,
@@ -133,21 +135,23 @@ def identify(
     Several logs of one robot count as one.
     ``base`` is what the base takes: "torque", or "velocity" (v, omega).
     ``known`` is a scenario with what is known (robot.r, robot.l, encoder.counts, limits);
-    ``overrides`` are applied to it; ``topics`` names a bag's topics by role; ``torque_constant``
+    ``overrides`` are applied to it; ``topics`` names a bag's topics by role, and ``columns`` a
+    table's columns by ours, perhaps with a unit; ``torque_constant``
     [N.m/A] turns motor currents into torques, and with a motor's ``resistance`` [ohm] voltages.
     Raises LogError for a faulty or uninformative log,
     ScenarioError, ArgumentError, ResultFileError, MissingExtraError, CompilerError.
     """
     commands = TORQUES if base == "torque" else COMMAND
-    raw = _one_log(log, base, topics)
+    raw = _one_log(log, base, topics, columns)
     if base == "torque" or torque_constant is not None:
         raw = with_torques(raw, torque_constant, resistance)
     scenario, sure, origin = believed(raw, known, overrides or {})
     raw, counts = with_counts(raw, scenario.section(Encoder).counts if COUNTED in sure else None)
     if counts is not None:
         scenario, sure = override(scenario, {COUNTED: counts}), {*sure, COUNTED}
+    raw = mended(raw)
     lint.check_log(raw, commands)
-    remarks = list(raw.remarks)
+    remarks = [*raw.remarks, *(note.text for note in raw.notes)]
     samples, scenario = _samples(raw, scenario, sure, remarks, commands)
     rows = _usable(samples, scenario, sure, base)
     samples, remarks = rows.samples, [*remarks, *(note.text for note in rows.notes)]
@@ -185,14 +189,19 @@ def identify(
     )  # fmt: skip
 
 
-def _one_log(log: OneLog | Sequence[OneLog], base: str, topics: Mapping[str, str] | None) -> Log:
+def _one_log(
+    log: OneLog | Sequence[OneLog],
+    base: str,
+    topics: Mapping[str, str] | None,
+    columns: Mapping[str, str] | None,
+) -> Log:
     """All logs as one, of a base that takes what the caller says."""
     if base not in KINDS:
         raise ArgumentError(f"base = {base!r} must be one of {', '.join(KINDS)}.")
     several = log if isinstance(log, list | tuple) else (log,)
     if not several:
         raise ArgumentError("no log is given. Give at least one.")
-    raw = joined([log_of(item, topics) for item in several])
+    raw = joined([log_of(item, topics, columns) for item in several])
     if raw.base is not None and raw.base.takes_velocity != (base == "velocity"):
         kind = raw.base.section(BaseKind).kind
         raise ArgumentError(

@@ -9,7 +9,12 @@ from .values import MOST_NODES
 
 
 def yaml_document(text: str, place: str) -> object:
-    """Return the first document of YAML text; None where there is none.
+    """Return the first document of YAML text; None where there is none."""
+    return next(iter(yaml_documents(text, place)), None)
+
+
+def yaml_documents(text: str, place: str) -> list[object]:
+    """Return the documents of YAML text that say something.
 
     Tables that stand twice are joined.  Raises ScenarioError, starting with ``place``, for what is
     no YAML, states another key twice, or has more than MOST_NODES values, aliases written out.
@@ -20,16 +25,17 @@ def yaml_document(text: str, place: str) -> object:
         loader = yaml.SafeLoader(text)
     except yaml.YAMLError as problem:
         raise _no_yaml(place, problem) from None
+    documents, size = [], 0.0
     try:
-        node = loader.get_node() if loader.check_node() else None
-        if node is None:
-            return None
-        if _size(node, {}, place) > MOST_NODES:
-            raise ScenarioError(
-                f"{place} has more than {MOST_NODES} values, aliases written out. Save it without "
-                "anchors and aliases, or without what is not needed."
-            )
-        return loader.construct_document(node)
+        while loader.check_node():
+            node = loader.get_node()
+            size += _size(node, {}, place)
+            if size > MOST_NODES:
+                raise ScenarioError(
+                    f"{place} has more than {MOST_NODES} values, aliases written out. Save it "
+                    "without anchors and aliases, or without what is not needed."
+                )
+            documents.append(loader.construct_document(node))
     except RecursionError:
         raise ScenarioError(f"{place} is not usable YAML: it is nested too deeply.") from None
     except (yaml.YAMLError, ValueError, TypeError, OverflowError) as problem:
@@ -38,6 +44,7 @@ def yaml_document(text: str, place: str) -> object:
         raise _no_yaml(place, problem) from None
     finally:
         loader.dispose()
+    return [document for document in documents if document is not None]
 
 
 def _no_yaml(place: str, problem: Exception) -> ScenarioError:

@@ -80,13 +80,7 @@ def check_counters(log: Log) -> None:
         if not jumps.size:
             continue
         at = int(jumps[0])
-        size = abs(float(step[at]))
-        bits = [
-            b for b in (8, 12, 15, 16, 24, 32) if abs(size - 2.0**b) < max(4 * limit, 0.02 * 2**b)
-        ]
-        if bits:
-            kind = f"a counter of {bits[0]} bits that wraps: unwrap it"
-        elif abs(counts[at + 1]) <= 3 * max(float(np.abs(near[at])), limit) < abs(counts[at]):
+        if abs(counts[at + 1]) <= 3 * max(float(np.abs(near[at])), limit) < abs(counts[at]):
             kind = "a counter that was set back to zero: cut the log there"
         else:
             kind = "lost or added counts: cut the log there, or mend the counter"

@@ -1,10 +1,7 @@
 """A log: columns by the names of our runs, in SI units, each on the clock that it came with."""
 
-import csv
 import math
 import os
-import re
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,14 +16,13 @@ from wmr_ctrl.core.suffixes import RUN_FILE, RUNS
 from wmr_ctrl.results import Floats, Run, drive
 from wmr_ctrl.results.bag import is_bag
 from wmr_ctrl.results.bag_topics import load_source
+from wmr_ctrl.results.tables import SUFFIXES as TABLES
+from wmr_ctrl.results.tables import is_table, read_timed, reader_of, timed
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import Scenario, loads_scenario
 
 BETWEEN = 10.0
 """Time between logs that count as one [s]."""
-MOST_NAMED = 12
-"""Columns that a message names."""
-MOST_BYTES = 2**31
 WHEEL_ANGLE, WHEEL_SPEED = drive.WHEEL_ANGLE, drive.WHEEL_SPEEDS
 COMMAND, TORQUES = drive.COMMANDS, drive.TORQUES
 CURRENT = ("current_right", "current_left")
@@ -34,7 +30,6 @@ VOLTAGE = ("voltage_right", "voltage_left")
 SPEEDS = (drive.SPEEDS, elements(VELOCITY))
 POSES = (drive.POSES, elements(POSE))
 KNOWN: Mapping[str, str] = {
-    TIME.name: "s",
     **drive.UNITS,
     **dict.fromkeys(COUNTS.elements, "1"),
     **dict.fromkeys(CURRENT, "A"),
@@ -42,16 +37,10 @@ KNOWN: Mapping[str, str] = {
     **{signal.name: signal.unit for signal in (*POSE, *VELOCITY)},
 }
 """Columns that are read, and the unit of each."""
-UNITS: Mapping[str, tuple[str, float]] = {
-    "ms": ("s", 1e-3), "us": ("s", 1e-6), "ns": ("s", 1e-9), "mm": ("m", 1e-3), "cm": ("m", 1e-2),
-    "deg": ("rad", math.pi / 180), "deg/s": ("rad/s", math.pi / 180),
-    "rpm": ("rad/s", math.pi / 30), "mm/s": ("m/s", 1e-3), "N.mm": ("N.m", 1e-3),
-    "mA": ("A", 1e-3), "mV": ("V", 1e-3),
-    "counts": ("1", 1.0), "ticks": ("1", 1.0), "N m": ("N.m", 1.0),
-    "Nm": ("N.m", 1.0), "": ("", 1.0),
-}  # fmt: skip
-"""Units that a header may name instead, and what they are in ours."""
-_HEAD = re.compile(r"\s*([^\[\]]+(?:\[[12]\])?)\s*(?:\[([^\]]*)\])?\s*$")
+TOGETHER = (
+    COUNTS.elements, WHEEL_ANGLE, WHEEL_SPEED, TORQUES, CURRENT, VOLTAGE, COMMAND, *SPEEDS, *POSES,
+)  # fmt: skip
+"""Columns that come in the same rows."""
 
 
 class LogError(WmrError, ValueError):
@@ -105,20 +94,26 @@ class Log:
 def log_of(
     given: str | Path | Run | drive.RecordedDrive | Mapping[str, list[float]],
     topics: Mapping[str, str] | None = None,
+    columns: Mapping[str, str] | None = None,
 ) -> Log:
     """A log from a file, a run, a drive, or columns by ``name [unit]``.
 
-    Raises LogError, ResultFileError, ArgumentError, MissingExtraError.
+    ``topics`` are of a bag, by role, and ``columns`` a table's names by ours.  A bag that a run was
+    saved in is that run, unless topics are named.  Raises LogError, ResultFileError, ArgumentError,
+    MissingExtraError.
     """
-    if isinstance(given, str | Path):
-        return read_log(given, topics)
-    if topics:
+    if topics and not isinstance(given, str | Path):
         raise ArgumentError("topics can only be given with the path of a bag. Leave them out.")
-    if isinstance(given, Run):
-        return _of_run(given.scenario, given)
-    if isinstance(given, drive.RecordedDrive):
-        return _of_drive(given)
-    return of_columns("log", given)
+    if isinstance(given, Mapping):
+        return of_columns("log", given, columns)
+    if isinstance(given, str | Path) and is_table(given) and not topics:
+        name = Path(given).name
+        return _of_table(name, *read_timed(Path(given), reader_of(name, KNOWN, columns, LogError)))
+    if columns:
+        raise ArgumentError("columns can only be given with a table. Leave them out.")
+    if isinstance(given, str | Path):
+        return _of_file(Path(given), topics)
+    return _of_run(given.scenario, given) if isinstance(given, Run) else _of_drive(given)
 
 
 def joined(logs: Sequence[Log]) -> Log:
@@ -150,44 +145,18 @@ def joined(logs: Sequence[Log]) -> Log:
     return Log(name, clocks, values, logs[0].base, tuple(remarks))
 
 
-def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
-    """A log from a CSV file, a saved run, or a ROS 2 bag, whose ``topics`` may be named by role.
-
-    A bag that a run was saved in is that run, unless topics are named.  Raises LogError,
-    ResultFileError, ArgumentError, MissingExtraError.
-    """
-    place = Path(path)
-    note_input(place, "log")
-    suffix = place.suffix.lower()
-    begins = _begins(place) if suffix == ".csv" else ""
-    if is_bag(place) or topics or (suffix in RUNS and suffix != ".csv") or begins == "#":
-        loaded = load_source(place, topics)
-        if isinstance(loaded, Run):
-            return _of_run(place.name, loaded)
-        return _of_drive(loaded)
-    if os.path.isdir(place):
+def _of_file(path: Path, topics: Mapping[str, str] | None) -> Log:
+    """A log from a saved run or a bag."""
+    note_input(path, "log")
+    if not (is_bag(path) or topics or path.suffix.lower() in RUNS):
+        folder = "is a folder without metadata.yaml" if os.path.isdir(path) else ""
         raise LogError(
-            f"{str(path)!r} is a folder without metadata.yaml, so it is not a ROS 2 bag. Give a "
-            "bag's folder, or its .mcap or .db3 file."
+            f"{str(path)!r} {folder or f'has the suffix {path.suffix!r}'}; a log is a table "
+            f"({', '.join(TABLES)}), a ROS bag (its folder, .mcap, .db3 or .bag), or a saved run "
+            f"({RUN_FILE})."
         )
-    if suffix != ".csv":
-        raise LogError(
-            f"{str(path)!r} has the suffix {suffix!r}; a log is a .csv file, a ROS 2 bag (its "
-            f"folder, .mcap or .db3), or a saved run ({RUN_FILE}). rosbags-convert turns "
-            "a ROS 1 bag into a ROS 2 bag."
-        )
-    header, table = _table(place)
-    return _of_table(place.name, header, table)
-
-
-def _begins(path: Path) -> str:
-    try:
-        with path.open(encoding="utf-8", errors="replace") as file:
-            return file.read(1)
-    except OSError as error:
-        raise LogError(
-            f"cannot read {str(path)!r}: {error.strerror}. Give the path of a log."
-        ) from None
+    loaded = load_source(path, topics)
+    return _of_run(path.name, loaded) if isinstance(loaded, Run) else _of_drive(loaded)
 
 
 def _of_run(name: str, run: Run) -> Log:
@@ -202,110 +171,27 @@ def _of_drive(one: drive.RecordedDrive) -> Log:
     return Log(one.name, one.times, one.columns, None, one.remarks)
 
 
-def _table(path: Path) -> tuple[list[str], Floats]:
-    """Header and numbers (rows, columns) of a CSV file; an empty cell is NaN in column k + n."""
-    if path.stat().st_size > MOST_BYTES:
-        raise LogError(f"{str(path)!r} is larger than 2 GiB. Cut it into pieces.")
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            header = next(csv.reader([file.readline()]), [])
-            rest = file.tell()
-        try:
-            with path.open(encoding="utf-8") as file, warnings.catch_warnings(action="ignore"):
-                file.seek(rest)
-                table = np.loadtxt(file, delimiter=",", ndmin=2)
-        except ValueError:
-            table = _with_gaps(path, len(header))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise LogError(f"cannot read {str(path)!r} as CSV ({error}).") from None
-    if table.shape[0] == 0:
-        raise LogError(f"{str(path)!r} has no rows of numbers under its header.")
-    if table.shape[1] not in (len(header), 2 * len(header)):
-        raise LogError(
-            f"{str(path)!r} has {table.shape[1]} numbers in a row under a header of {len(header)} "
-            "names. The first line names the columns, each with its unit, such "
-            "as tau_right [N.m]."
-        )
-    return header, table
+def of_columns(
+    name: str, columns: Mapping[str, Sequence[float]], theirs: Mapping[str, str] | None = None
+) -> Log:
+    """A log from columns by header (``name`` or ``name [unit]``), all of one length."""
+    if len({len(values) for values in columns.values()}) != 1:
+        raise ArgumentError("log: all columns must have the same length.")
+    reader = reader_of(name, KNOWN, theirs, LogError)
+    return _of_table(name, *timed(reader.scaled(columns), reader))
 
 
-def _with_gaps(path: Path, width: int) -> Floats:
-    """Numbers, then for each whether its cell was empty."""
-    rows = []
-    with path.open(newline="", encoding="utf-8") as file:
-        reader = csv.reader(file)
-        next(reader)
-        for count, row in enumerate(reader, start=2):
-            if not row:
-                continue
-            if len(row) != width:
-                raise LogError(f"{str(path)!r}, line {count}: {len(row)} of {width} cells.")
-            try:
-                numbers = [float(cell) if cell.strip() else math.nan for cell in row]
-            except ValueError as error:
-                raise LogError(f"{str(path)!r}, line {count}: {error}.") from None
-            rows.append(numbers + [float(not cell.strip()) for cell in row])
-    return np.array(rows, dtype=float).reshape(-1, 2 * width)
-
-
-def _of_table(name: str, header: Sequence[str], table: Floats) -> Log:
-    names, scales = [], []
-    for text in header:
-        match = _HEAD.match(text)
-        column, unit = (match[1].strip(), (match[2] or "").strip()) if match else (text, "")
-        names.append(column)
-        if column not in KNOWN:
-            scales.append(1.0)
-            continue
-        base, factor = UNITS.get(unit, (unit, 1.0))
-        if base not in ("", KNOWN[column]):
-            raise LogError(
-                f"{name}: column {column} is in {unit!r}, which does not fit it. Give it in "
-                f"{KNOWN[column]}."
-            )
-        scales.append(factor)
-    if TIME.name not in names:
-        raise LogError(
-            f"{name}: no column is named t. It has {', '.join(names[:MOST_NAMED])}: rename the one "
-            f"with the times to t [s]. Names that are read: {', '.join(KNOWN)}."
-        )
-    width = len(names)
-    empty = table[:, width:] > 0 if table.shape[1] > width else np.zeros((len(table), width), bool)
-    t = table[:, names.index(TIME.name)] * scales[names.index(TIME.name)]
-    times, columns = {}, {}
-    for k, column in enumerate(names):
-        there = ~(empty[:, k] | np.isnan(table[:, k]))
-        if column in KNOWN and column != TIME.name and there.any():
-            if column in columns:
-                raise LogError(f"{name}: two columns are named {column}. Rename one.")
-            times[column], columns[column] = t[there], table[there, k] * scales[k]
-    for group in (
-        COUNTS.elements,
-        WHEEL_ANGLE,
-        WHEEL_SPEED,
-        TORQUES,
-        CURRENT,
-        VOLTAGE,
-        COMMAND,
-        *SPEEDS,
-        *POSES,
-    ):
+def _of_table(
+    name: str, times: dict[str, Floats], columns: dict[str, Floats], remarks: tuple[str, ...]
+) -> Log:
+    for group in TOGETHER:
         own = [item for item in group if item in columns]
         if own and (len(own) < len(group) or len({len(times[item]) for item in own}) > 1):
             raise LogError(
                 f"{name}: {', '.join(group)} belong together, in the same rows; there "
                 f"{'is' if len(own) == 1 else 'are'} {', '.join(own)}."
             )
-    return Log(name, times, columns)
-
-
-def of_columns(name: str, columns: Mapping[str, Sequence[float]]) -> Log:
-    """A log from columns by header (``name`` or ``name [unit]``), all of one length."""
-    lengths = {len(values) for values in columns.values()}
-    if len(lengths) != 1:
-        raise ArgumentError("log: all columns must have the same length.")
-    table = np.column_stack([np.asarray(values, dtype=float) for values in columns.values()])
-    return _of_table(name, list(columns), table)
+    return Log(name, times, columns, None, remarks)
 
 
 def with_torques(log: Log, constant: float | None, resistance: float | None = None) -> Log:

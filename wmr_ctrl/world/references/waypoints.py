@@ -26,7 +26,7 @@ from wmr_ctrl.core.symbolic import ca
 
 from . import spline
 from .kind import Numbers, Pair, Raw, Reference, ReferenceKind, timed
-from .point_files import SAME, read_points, read_poses
+from .point_files import SAME, read_points
 from .speed_profile import PathLimits, SpeedProfile, fastest
 
 MOST_POINTS = 400
@@ -277,8 +277,7 @@ def read(values: Raw) -> Raw:
         )
     if "points" in values:
         raise ScenarioError("reference.file and reference.points exclude each other: keep one.")
-    yaml = Path(file).suffix.lower() in (".yaml", ".yml")
-    return {"points": (read_poses if yaml else read_points)(Path(file)), **values}
+    return {"points": read_points(Path(file)), **values}
 
 
 KIND = ReferenceKind("waypoints", Waypoints, timed(trajectory), numbers, read, EXAMPLE)

@@ -1,0 +1,73 @@
+"""Columns over time from a table of a robot's drive, each with its own times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from wmr_ctrl.core.errors import ResultFileError, WmrError
+from wmr_ctrl.core.fields.files import note_input
+from wmr_ctrl.core.fields.tables import Table, TableReader
+from wmr_ctrl.core.signals import TIME
+
+from .run import Floats
+
+SUFFIXES = (".csv", ".tsv", ".txt")
+MOST_BYTES = 2**31
+REMEDY = (
+    'Say which is which, with its unit, as in --columns "t=time_ms [ms]" v_command=cmd_v, or name '
+    "them so."
+)
+Timed = tuple[dict[str, Floats], dict[str, Floats], tuple[str, ...]]
+"""Times and values of columns by name, and remarks."""
+
+
+def is_table(path: str | Path) -> bool:
+    """True if a file looks like a table, and not like a saved run."""
+    if Path(path).suffix.lower() not in SUFFIXES:
+        return False
+    try:
+        with Path(path).open(encoding="utf-8", errors="replace") as file:
+            return file.read(3) != "# {"
+    except OSError:
+        return False
+
+
+def reader_of(
+    place: str,
+    known: Mapping[str, str],
+    columns: Mapping[str, str] | None,
+    error: type[WmrError] = ResultFileError,
+) -> TableReader:
+    """The reader of a table over time; ``known`` is the unit of each column but the times."""
+    known = {TIME.name: TIME.unit, **known}
+    return TableReader(place, known, (TIME.name,), error, columns or {}, remedy=REMEDY)
+
+
+def read_timed(path: Path, reader: TableReader) -> Timed:
+    """Columns of a file; raises the reader's error."""
+    note_input(path, "table")
+    try:
+        if path.stat().st_size > MOST_BYTES:
+            raise reader.error(f"{reader.place} is larger than 2 GiB. Cut it into pieces.")
+        with path.open(newline="", encoding="utf-8") as file:
+            return timed(reader.read(file), reader)
+    except (OSError, UnicodeDecodeError) as error:
+        raise reader.error(f"{reader.place} cannot be read as UTF-8 text ({error}).") from None
+
+
+def timed(table: Table, reader: TableReader) -> Timed:
+    """Columns without their empty cells."""
+    values = {name: np.frombuffer(column) for name, column in table.columns.items()}
+    t = values.pop(TIME.name)
+    there = {name: ~np.isnan(column) & ~np.isnan(t) for name, column in values.items()}
+    there = {name: mask for name, mask in there.items() if mask.any()}
+    if not there:
+        raise reader.error(f"{reader.place} has no rows of numbers under its header.")
+    remarks = [f"{reader.place}: not read: {', '.join(table.unread)}."] if table.unread else []
+    if table.cut:
+        remarks.append(f"{reader.place}: line {table.cut} is cut off, and left out.")
+    times = {name: t[mask] for name, mask in there.items()}
+    return times, {name: values[name][mask] for name, mask in there.items()}, tuple(remarks)
