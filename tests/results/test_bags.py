@@ -297,8 +297,69 @@ def test_joints_are_found_by_their_side_and_by_their_names(tmp_path):
     assert set(told.columns["tau_right"]) == {2.0}
     assert "wheel_speed[1]" not in told.columns
     assert set(other.columns["tau_left"]) == {9.0}
-    with pytest.raises(ResultFileError, match="right wheel's"):
+    with pytest.raises(ResultFileError, match="right: none"):
         read_topics(place, {"right": "nobody"})
+
+
+def test_four_wheels_are_averaged_and_other_joints_and_publishers_are_not_mixed_in(tmp_path):
+    wheels = ("front_left_wheel", "front_right_wheel", "rear_left_wheel", "rear_right_wheel")
+    messages = []
+    for s in np.arange(0, 3, 0.1):
+        turns = (s, 2 * s, 3 * s, 4 * s)
+        messages += [
+            ("/joint_states", JOINTS, EPOCH + s, joints(EPOCH + s, turns, turns, turns, wheels)),
+            ("/joint_states", JOINTS, EPOCH + s + 0.03,
+             joints(EPOCH + s + 0.03, *(3 * ((7.0, 7.0),)), ("arm_left", "arm_right"))),
+        ]  # fmt: skip
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert told.columns["wheel_angle[1]"] == pytest.approx(3 * np.arange(0, 3, 0.1))
+    assert told.columns["wheel_angle[2]"] == pytest.approx(2 * np.arange(0, 3, 0.1))
+    assert any("not read: arm_left, arm_right" in text for text in told.remarks)
+
+
+def test_joints_that_could_be_two_pairs_are_a_remark_where_other_topics_suffice(tmp_path):
+    names = ("a_left", "b_left", "a_right")
+    messages = [
+        item
+        for s in np.arange(0, 3, 0.1)
+        for item in (
+            ("/odom", ODOMETRY, EPOCH + s, odometry(EPOCH + s)),
+            ("/joint_states", JOINTS, EPOCH + s, joints(EPOCH + s, *(3 * ((s, s, s),)), names)),
+        )
+    ]
+    place = bag(tmp_path, messages)
+
+    told = read_topics(place)
+    left_out = read_topics(place, {"joints": "none"})
+
+    assert "wheel_angle[1]" not in told.columns
+    assert any("left: a_left, b_left" in text for text in told.remarks)
+    assert not any("a_left" in text for text in left_out.remarks)
+    with pytest.raises(ResultFileError, match="is not clear"):
+        read_topics(place, {"joints": "/joint_states"})
+
+
+def test_bags_of_ros_1_are_read(tmp_path):
+    from rosbags.rosbag1 import Writer as OldWriter
+    from rosbags.typesys import Stores, get_typestore
+
+    types = get_typestore(Stores.ROS1_NOETIC)
+    kind = types.types
+    with OldWriter(tmp_path / "old.bag") as writer:
+        there = writer.add_connection("/cmd_vel", TWIST, typestore=types)
+        for k in range(20):
+            vector = kind["geometry_msgs/msg/Vector3"]
+            message = kind[TWIST](
+                linear=vector(x=0.1 * k, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=1.0)
+            )
+            data = types.serialize_ros1(message, TWIST)
+            writer.write(there, (EPOCH + k) * SECOND, data)
+
+    told = read_topics(tmp_path / "old.bag")
+
+    assert told.columns["v_command"] == pytest.approx(0.1 * np.arange(20))
 
 
 def test_efforts_of_a_topic_go_before_those_of_joints(tmp_path):

@@ -31,9 +31,13 @@ ROLES: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "effort": ("", (bag.ROW,)),
 }
 """Roles of topics in a drive: the usual name, and the types that are read."""
+NONE = "none"
+"""Name of a topic that leaves a role out."""
 SIDES = ("right", "left")
 UNIT = 1e-2
 """Largest distance from 1 of the norm of a quaternion."""
+MOST_NAMED = 12
+"""Joints that a remark names."""
 MAP = "map"
 """Frame of poses that jump (REP 105), and so are none of the robot's motion."""
 
@@ -78,7 +82,8 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> dr
             f"topics: unknown role {', '.join(unknown)}. Name topics as {', '.join(ROLES)}, and "
             f"the wheels' joints as {' and '.join(SIDES)}."
         )
-    numbers = {"odom": _of_odometry, "cmd": _of_twist, "joints": _of_joints(asked)}
+    remarks: list[str] = []
+    numbers = {"odom": _of_odometry, "cmd": _of_twist, "joints": _of_joints}
     with bag.opened_bag(path) as (connections, messages):
         chosen = _chosen(Path(path).name, connections, asked)
         parts = {
@@ -86,9 +91,10 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> dr
             for role, items in chosen.items()
             if any(item.msgcount for item in items)
         }
+    if "joints" in parts:
+        parts |= _of_wheels(parts.pop("joints"), asked, remarks, needed=len(parts) == 0)
     if not parts:
         raise ResultFileError(f"{str(path)!r}: its topics for {', '.join(chosen)} are empty.")
-    remarks: list[str] = []
     clocks = clocks_of(parts, remarks)
     first = min(clock.min() for clock in clocks.values())
     times, columns = {}, {}
@@ -117,8 +123,11 @@ def _chosen(
     for role, (usual, kinds) in ROLES.items():
         fit = [item for item in connections if item.msgtype in kinds]
         topic = asked.get(role, "")
+        if topic == NONE:
+            continue
         if not topic and usual:
             named = {item.topic for item in fit if item.topic.endswith(usual)}
+            named = named or {item.topic for item in fit}
             topic = usual if usual in named or len(named) != 1 else named.pop()
             if len(named) > 1 and usual not in named:
                 raise ResultFileError(
@@ -141,7 +150,7 @@ def _chosen(
 
 
 def _gathered(
-    items: Sequence[Connection], messages: Messages, numbers: Callable[[Any], Sequence[float]]
+    items: Sequence[Connection], messages: Messages, numbers: Callable[[Any], Any]
 ) -> Topic:
     """All messages of a topic, in the recorder's order."""
     types, stamps, receipt, values, frame = bag.message_types(), [], [], [], ""
@@ -153,7 +162,8 @@ def _gathered(
         receipt.append(received)
         values.append(numbers(message))
     sent, received_at = (np.array(item, dtype=np.int64) for item in (stamps, receipt))
-    return Topic(items[0].topic, sent, received_at, np.array(values, dtype=np.float64), frame)
+    joints = np.array(values, dtype=object if isinstance(values[0], dict) else np.float64)
+    return Topic(items[0].topic, sent, received_at, joints, frame)
 
 
 def _of_odometry(message: Any) -> tuple[float, ...]:
@@ -172,32 +182,66 @@ def _of_array(message: Any) -> tuple[float, float]:
     return right, left
 
 
-def _of_joints(asked: Mapping[str, str]) -> Callable[[Any], list[float]]:
-    """Angles, speeds and efforts of the right and left wheel; NaN where a message has none."""
-    places: dict[tuple[str, ...], list[int]] = {}
-
-    def numbers(message: Any) -> list[float]:
-        names = tuple(message.name)
-        if names not in places:
-            places[names] = [_joint(side, asked.get(side, ""), names) for side in SIDES]
-        return [
-            float(column[k]) if len(column) > k else math.nan
-            for column in (message.position, message.velocity, message.effort)
-            for k in places[names]
-        ]
-
-    return numbers
+def _of_joints(message: Any) -> dict[str, tuple[float, ...]]:
+    """Angle, speed and effort of each joint; NaN where a message has none."""
+    columns = (message.position, message.velocity, message.effort)
+    return {
+        name: tuple(float(column[k]) if len(column) > k else math.nan for column in columns)
+        for k, name in enumerate(message.name)
+    }
 
 
-def _joint(side: str, asked: str, names: Sequence[str]) -> int:
-    """Place of the joint of a wheel: the one that is named so, or the only one with its side."""
-    fit = [name for name in names if name == asked or (not asked and side in name.lower())]
-    if len(fit) != 1:
-        raise ResultFileError(
-            f"joints {', '.join(names)}: {len(fit) or 'none'} of them could be the {side} wheel's. "
-            "Name it: --topics right=NAME,left=NAME."
+def _of_wheels(
+    topic: Topic, asked: Mapping[str, str], remarks: list[str], needed: bool
+) -> dict[str, Topic]:
+    """Means of the joints of each side, of messages that have them all; others are named.
+
+    Without names that tell the wheels it is an error if they are needed or asked for, else a
+    remark.
+    """
+    rows: list[Mapping[str, tuple[float, ...]]] = list(topic.values)
+    names = sorted({name for row in rows for name in row})
+    sides = [_wheels(side, asked.get(side, ""), names) for side in SIDES]
+    if not all(sides) or len(sides[0]) != len(sides[1]):
+        could = "; ".join(
+            f"{side}: {', '.join(own) or 'none'}" for side, own in zip(SIDES, sides, strict=True)
         )
-    return names.index(fit[0])
+        said = (
+            f"{topic.name}: which of its joints are the wheels' is not clear ({could}). Name them: "
+            "--topics right=NAME,left=NAME."
+        )
+        if needed or {*SIDES, "joints"} & {*asked}:
+            raise ResultFileError(said)
+        remarks.append(f"{said} They are not read.")
+        return {}
+    wheels = {*sides[0], *sides[1]}
+    if rest := [name for name in names if name not in wheels]:
+        remarks.append(f"{topic.name}: not read: {', '.join(rest[:MOST_NAMED])}.")
+    if len(wheels) > 2:
+        remarks.append(f"{topic.name}: a side's angle, speed and effort are means of its wheels'.")
+    has = np.array([wheels <= {*row} for row in rows])
+    if not has.any():
+        raise ResultFileError(
+            f"{topic.name}: no message has {', '.join(sorted(wheels))} together. Name two joints "
+            "of one publisher: --topics right=NAME,left=NAME."
+        )
+    values = [
+        [float(np.mean([row[name][kind] for name in side])) for kind in range(3) for side in sides]
+        for row, whole in zip(rows, has, strict=True)
+        if whole
+    ]
+    own = topic._replace(
+        stamps=topic.stamps[has], receipt=topic.receipt[has], values=np.array(values)
+    )
+    return {"joints": own}
+
+
+def _wheels(side: str, asked: str, names: Sequence[str]) -> list[str]:
+    """Joints of a side: the one that is named so, else those with its name that are wheels'."""
+    if asked:
+        return [name for name in names if name == asked]
+    own = [name for name in names if side in name.lower()]
+    return [name for name in own if "wheel" in name.lower()] or own if len(own) > 1 else own
 
 
 def _odometry(topic: Topic, remarks: list[str]) -> dict[str, Floats]:
