@@ -48,7 +48,7 @@ def spoilt(seed):
     "seeds", [range(60), pytest.param(range(60, 2060), marks=pytest.mark.slow)]
 )  # fmt: skip
 def test_a_table_of_any_kind_is_a_log_or_an_error_in_one_paragraph(tmp_path, seeds):
-    place, read = tmp_path / "log.csv", 0
+    place, read, told = tmp_path / "log.csv", 0, []
     for seed in seeds:
         place.write_text(spoilt(seed))
         try:
@@ -57,5 +57,6 @@ def test_a_table_of_any_kind_is_a_log_or_an_error_in_one_paragraph(tmp_path, see
             usable(motion_of(log, paper(), "v1", COMMAND))
             read += 1
         except WmrError as problem:
-            assert "\n" not in str(problem), seed
-    assert 0.1 * len(seeds) < read < 0.9 * len(seeds)
+            told.append(str(problem))
+    assert not [text for text in told if "\n" in text]
+    assert 0.03 * len(seeds) < read < 0.9 * len(seeds)

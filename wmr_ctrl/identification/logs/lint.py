@@ -18,6 +18,8 @@ SLOW = 0.01
 """Speed of a wheel below which it counts as standing [m/s]."""
 STEPS = (5e-4, 0.5)
 """Median time between rows that can be meant [s]."""
+MOST_SIZE, MOST_COUNTS = 1e6, 1e15
+"""Largest number of a log in our units, and of counts."""
 OVER = 0.4
 """Time over which poses are compared with the wheels' turn [s]."""
 
@@ -30,6 +32,13 @@ def check_times(log: Log) -> None:
             raise LogError(
                 f"{log.name}: {name} has {bad.size} values that are not numbers, the first in row "
                 f"{bad[0] + 1}. Leave such cells empty, or remove the rows."
+            )
+        most = MOST_COUNTS if name in COUNTS.elements else MOST_SIZE
+        if values.size and np.abs(values).max() > most:
+            at = int(np.argmax(np.abs(values)))
+            raise LogError(
+                f"{log.name}: {name} is {values[at]:.3g} in row {at + 1}, beyond what a robot can "
+                "do. Check its unit, or remove the row."
             )
     for name, t in log.times.items():
         _forward(log.name, name, t)

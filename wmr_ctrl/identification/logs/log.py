@@ -4,6 +4,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from pathlib import Path
 from typing import NamedTuple
 
@@ -186,6 +187,11 @@ def _of_table(
 ) -> Log:
     for group in TOGETHER:
         own = [item for item in group if item in columns]
+        if len(own) == len(group):
+            both = reduce(np.intersect1d, (times[item] for item in own))
+            for item in own:
+                there = np.isin(times[item], both)
+                times[item], columns[item] = times[item][there], columns[item][there]
         if own and (len(own) < len(group) or len({len(times[item]) for item in own}) > 1):
             raise LogError(
                 f"{name}: {', '.join(group)} belong together, in the same rows; there "
