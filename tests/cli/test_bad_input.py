@@ -128,9 +128,9 @@ def test_bad_files_are_explained_in_one_paragraph(wmr, empty_folder, name, comma
     ("points", "words"),
     [
         ("1,2\n", "at least 2"),
-        ("", "at least 2"),
-        ("1,2\n1,x\n", "row 2"),
-        ("x [in],y [in]\n0,0\n1000,0\n", "known: m, cm, mm, km"),
+        ("", "no column is named x or y"),
+        ("1,2\n1,x\n", "line 2"),
+        ("x [s],y [s]\n0,0\n1000,0\n", "mm, cm, m, km"),
     ],
 )
 def test_bad_waypoints_are_explained(wmr, empty_folder, points, words):

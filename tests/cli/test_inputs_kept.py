@@ -17,7 +17,7 @@ from wmr_ctrl.core.errors import ResultFileError, WmrError
 from wmr_ctrl.core.fields.files import note_input, one_command, read_text
 from wmr_ctrl.export.cosim.mapping import load_map
 from wmr_ctrl.export.cosim.slave import FmuFile
-from wmr_ctrl.identification.logs.log import read_log
+from wmr_ctrl.identification.logs.log import log_of
 from wmr_ctrl.report import animate
 from wmr_ctrl.results import Run, atomic_text, check_writable, load_run, write_all
 from wmr_ctrl.results.bag_topics import load_drive
@@ -171,7 +171,7 @@ READERS: dict[str, Callable[[str], object]] = {
     "plan.toml": load_plan,
     "map.toml": load_map,
     "saved.csv": load_run,
-    "log.csv": read_log,
+    "log.csv": log_of,
     "bag.db3": load_drive,
     "plant.fmu": lambda path: FmuFile(path, "plant"),
 }

@@ -19,7 +19,7 @@ from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import drive_text
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError, UnknownNameError, WmrError
 from wmr_ctrl.core.signals import COMMAND, MEASURED_POSE, MEASURED_VELOCITY
-from wmr_ctrl.identification.logs.log import read_log
+from wmr_ctrl.identification.logs.log import log_of
 from wmr_ctrl.report.plot_runs import page_of
 from wmr_ctrl.report.scene import scene_of_drives
 from wmr_ctrl.results.bag_topics import read_topics
@@ -101,7 +101,7 @@ def test_show_draws_films_and_saves_it(recorded, tmp_path):
 def test_what_is_saved_is_the_log_that_identify_reads(recorded, tmp_path):
     """Columns of several rates, with empty cells: the bits of the bag."""
     load_drive(recorded).save(tmp_path / "log.csv")
-    log, drive = read_log(tmp_path / "log.csv"), read_log(recorded)
+    log, drive = log_of(tmp_path / "log.csv"), log_of(recorded)
 
     assert set(log.columns) == set(drive.columns)
     for name, values in drive.columns.items():
