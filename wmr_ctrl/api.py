@@ -181,43 +181,28 @@ def reproduce(
     quick: bool = False,
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
-    with_ours: bool = False,
-    with_physics: bool = False,
 ) -> Verdicts:
     """Rerun Sections V and VI of the paper and write the report into the folder ``out``.
 
-    ``quick`` uses 3 seeds.  ``with_ours`` adds a comparison of all laws, including ours, with and
-    without the guard (about a minute): a section of the report and ours.csv.  ``with_physics``
-    compares the plane model with the rigid body (some minutes): a section and rigid.csv.  Files are
-    written after all runs are done; ``.as_expected`` of the result is True if the verdicts equal
-    the committed ones.  Raises ArgumentError, ResultFileError (``out``) and MissingExtraError
-    (physics) before the first run.
+    ``quick`` uses 3 seeds.  Files are written after all runs are done; ``.as_expected`` of the
+    result is True if the verdicts equal the committed ones.  Raises ArgumentError and
+    ResultFileError (``out``) before the first run.
     """
     from wmr_ctrl.report.paper_claims import Evidence, judge_all
     from wmr_ctrl.report.report_page import Reproduction
-    from wmr_ctrl.report.write import check_folder, file_names, write_reproduction
-    from wmr_ctrl.results import RunTable
+    from wmr_ctrl.report.write import check_folder, write_reproduction
     from wmr_ctrl.simulation.batch import check_jobs
-    from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign
-    from wmr_ctrl.simulation.campaign.comparison import comparison_plan, run_comparison
+    from wmr_ctrl.simulation.campaign import PAPER_LAWS
     from wmr_ctrl.simulation.campaign.engine import run_campaign
     from wmr_ctrl.simulation.campaign.paper_runs import QUICK_SEEDS, paper_plan
-    from wmr_ctrl.simulation.campaign.rigid import RIGID_SEEDS, run_rigid_comparison
-    from wmr_ctrl.simulation.physics.rigid import mujoco
 
     plan = paper_plan(PAPER_LAWS, QUICK_SEEDS if quick else seeds)
     check_jobs(jobs)
-    check_folder(Path(out), file_names(with_ours, with_physics))
-    if with_physics:
-        mujoco()
+    check_folder(Path(out))
     facts = _facts(PAPER_LAWS, quick)
     campaign = run_campaign(plan, jobs, progress)
-    ours = run_comparison(comparison_plan(), jobs, progress) if with_ours else RunTable()
-    few = RIGID_SEEDS[: 1 if quick else None]
-    rigid = run_rigid_comparison(few, jobs, progress) if with_physics else Campaign()
     judged = judge_all(Evidence(campaign.table, facts.timings))
-    whole = Reproduction(campaign, judged, facts, ours, rigid)
-    return write_reproduction(out, whole, progress)
+    return write_reproduction(out, Reproduction(campaign, judged, facts), progress)
 
 
 def _facts(laws: Sequence[str], quick: bool) -> Facts:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
+from benchmarks.guard_runs import FACTORS
 from tests.fmi.foreign import PLANT, PLANT_MAP
 from tests.fmi.test_equality import STATE
 from wmr_ctrl.api import simulate
 from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
-from wmr_ctrl.simulation.campaign.comparison import FACTORS
 from wmr_ctrl.world.scenario import load_scenario, override
 
 PUSHED = override(

@@ -9,27 +9,7 @@ import pytest
 
 from tests.campaign.conftest import campaign as campaign
 from tests.campaign.conftest import fake_simulate as fake_simulate
-from tests.campaign.synthetic import made_up
-from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.report.drawing import Drawing
-from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.simulation.campaign.comparison import comparison_plan, run_comparison
-from wmr_ctrl.simulation.campaign.plan import PlannedRun
-
-
-@pytest.fixture(scope="session")
-def comparison_cases() -> tuple[PlannedRun, ...]:
-    return comparison_plan(("smc", "prox"), bases=("10 ms",), factors=("base", "tau_max = 5 N m"))
-
-
-@pytest.fixture(scope="session")
-def comparison(comparison_cases) -> RunTable:
-    def asked(case):
-        if case.guard and "actuator.tau_max" in case.overrides:
-            raise ScenarioError("too weak for the bounds")
-
-    with made_up(asked=asked):
-        return run_comparison(comparison_cases)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from tests.papers_robot import paper
 from tests.results.conftest import build
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError
-from wmr_ctrl.report import comparison_figures, course, scene
+from wmr_ctrl.report import course, scene
 from wmr_ctrl.report.course import Course, band, course_of
 from wmr_ctrl.report.drawing import FAR, running_mean, running_rms, target_of, view_limits
 from wmr_ctrl.report.plot_run import _error, _figures
@@ -21,7 +21,6 @@ from wmr_ctrl.report.scene import outline, scene_of
 from wmr_ctrl.report.study_table import PREFERRED, StudyTable, read_study
 from wmr_ctrl.report.tables import _Line, ranged, stress_table
 from wmr_ctrl.results.table import spread, table_of_rows
-from wmr_ctrl.simulation.campaign.comparison import BASES
 from wmr_ctrl.world.scenario import Scenario, override, to_toml
 
 
@@ -184,14 +183,6 @@ def test_a_corridor_is_drawn_as_long_as_its_run_lasted(monkeypatch: pytest.Monke
     assert not np.isnan(first.tube).any()
     assert np.isnan(second.tube).tolist() == (drawn.t > short.time[-1]).tolist()
     assert (first.widest, second.widest) == (pytest.approx(0.2), pytest.approx(widths[0, 49]))
-
-
-def test_cases_along_an_axis_of_the_comparison_are_in_their_order():
-    """A line joins them."""
-    for points in (comparison_figures.periods(), *map(comparison_figures.limits, BASES)):
-        along = [place for place, *_ in points]
-        assert along == sorted(along)
-        assert len(along) == len(set(along)) > 2
 
 
 def test_a_course_has_what_is_to_be_kept_out_of():

@@ -8,7 +8,6 @@ import json
 import re
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up
@@ -16,11 +15,9 @@ from tests.page.browser import browser
 from tests.report.conftest import drawn_for_the_page
 from tests.report.test_drawings import EVIDENCE
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.report.comparison_figures import comparison_figures
-from wmr_ctrl.report.guard_section import GuardSection
 from wmr_ctrl.report.paper_claims import Evidence, Verdict, judge_all
 from wmr_ctrl.report.paper_figures import PANELS
-from wmr_ctrl.report.report_page import Facts, Reproduction, report_environment
+from wmr_ctrl.report.report_page import Facts, Reproduction
 from wmr_ctrl.report.tables import least, scenario_table
 from wmr_ctrl.report.write import FILES, all_drawings, write_reproduction
 from wmr_ctrl.simulation.campaign.engine import run_campaign
@@ -29,15 +26,14 @@ from wmr_ctrl.world.phases import robots_in_words
 from wmr_ctrl.world.scenario import load_scenario
 
 PNG = b"\x89PNG"
-PAST = ("ours_violations", "ours_position", "ours_ise_period", "ours_ise_torque")
 FIGURES = [
     *(f"fig{number}{p.letter}_{p.key}" for number in (3, 5) for p in PANELS),
-    "fig3_sheet", "fig5_sheet", *EVIDENCE, *PAST,
+    "fig3_sheet", "fig5_sheet", *EVIDENCE,
 ]  # fmt: skip
-ALIKE = ("fig3d", "fig3f", "fig3g", "fig3h", "fig3j", "fig3l", "fig5", *PAST[1:])
+ALIKE = ("fig3d", "fig3f", "fig3g", "fig3h", "fig3j", "fig3l", "fig5")
 SHOWN = [name for name in FIGURES if not name.startswith(ALIKE) and not name.endswith("_sheet")]
 """Figures that are drawn by default: those of Fig. 5 are drawn as those of Fig. 3 are, and so are
-omega as v1, errors as that of x, one wheel as the other, and figures past the paper as their first.
+omega as v1, errors as that of x, and one wheel as the other.
 """
 FACTS = Facts(
     titles={"nn": "Adaptive <network>"},
@@ -56,11 +52,11 @@ def watch():
 
 
 @pytest.fixture(scope="module")
-def written(campaign, comparison, watch, tmp_path_factory):
+def written(campaign, watch, tmp_path_factory):
     """Everything; of the figures those that are SHOWN."""
     out = tmp_path_factory.mktemp("made") / "new" / "folder"
     with drawn_for_the_page(SHOWN.__contains__):
-        return write_reproduction(out, reproduction(campaign, comparison=comparison), watch)
+        return write_reproduction(out, reproduction(campaign), watch)
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +68,7 @@ def test_all_files_are_there_and_nothing_else(written):
     there = {path for path in written.folder.rglob("*") if path.is_file()}
 
     assert there == set(written.files)
-    assert {written.folder / name for name in (*FILES, "ours.csv")} <= there
+    assert {written.folder / name for name in FILES} <= there
     assert {path.stem for path in there if path.suffix == ".svg"} == set(FIGURES)
 
 
@@ -87,8 +83,8 @@ def test_a_figure_is_drawn(written, name):
 
 
 @pytest.mark.slow
-def test_every_figure_is_drawn_in_both_formats(campaign, comparison, tmp_path):
-    for drawing in (*all_drawings(campaign), *comparison_figures(comparison)):
+def test_every_figure_is_drawn_in_both_formats(campaign, tmp_path):
+    for drawing in all_drawings(campaign):
         svg, png = drawing.save(tmp_path)
         is_drawn(svg)
         assert png.read_bytes().startswith(PNG)
@@ -213,14 +209,6 @@ def test_changed_verdicts_are_told(written, page):
     assert "from what is committed" in page
 
 
-def test_the_section_past_the_paper_names_the_refusal(page):
-    section = page[page.index('id="ours"') :]
-
-    assert "Past the paper: the guard and our law" in section
-    assert "refused" in section
-    assert "too weak for the bounds" in section
-
-
 # -- the data -----------------------------------------------------------------------------
 
 
@@ -268,20 +256,10 @@ def test_every_run_is_in_runs_csv(written):
     assert float(rows[0][header.index("max_abs_v1 [m/s]")]) > 0
 
 
-def test_ours_csv_has_units_and_a_row_per_run(written, comparison_cases):
-    header, rows = table_of(written.folder / "ours.csv")
-
-    assert all(re.search(r" \[.+\]$", name) for name in header[6:])
-    assert len(rows) == len(comparison_cases)
-    assert all(not any(row[6:]) for row in rows if row[3] == "refused")
-
-
 # -- other campaigns ----------------------------------------------------------------------
 
 
-def test_other_laws_stand_beside_the_papers_and_no_comparison_leaves_no_trace(
-    few_pictures, tmp_path
-):
+def test_other_laws_stand_beside_the_papers(few_pictures, tmp_path):
     laws = ["pid", "smc", "mb", "nn", "ours"]
     with made_up():
         runs = run_campaign(paper_plan(laws, seeds=1))
@@ -290,8 +268,6 @@ def test_other_laws_stand_beside_the_papers_and_no_comparison_leaves_no_trace(
 
     assert verdicts.table.laws == tuple(laws)
     assert "<th>ours</th>" in page
-    assert 'id="ours"' not in page
-    assert "#ours" not in page
     assert {path.name for path in tmp_path.iterdir()} == {*FILES, "figures"}
     sizes = {path.stem: path.stat().st_size for path in verdicts.files if path.suffix == ".svg"}
     assert {name for name, size in sizes.items() if size > 1000} == few_pictures
@@ -304,15 +280,3 @@ def test_runs_without_a_law_of_the_paper_are_refused(tmp_path):
     with pytest.raises(ArgumentError, match="pid, smc"):
         write_reproduction(tmp_path / "new", Reproduction(few, ()))
     assert not (tmp_path / "new").exists()
-
-
-def test_shortfalls_without_rows_are_not_told(comparison):
-    template = report_environment().get_template("ours.html.j2")
-    few = comparison.at(np.array([0]))
-    none, some = (
-        template.render(guard=GuardSection(rows), picture=str).partition("Where it falls short")[2]
-        for rows in (few, comparison)
-    )
-
-    assert "<li><b>" not in none.replace("<li><b>Wide bounds cost liveness", "")
-    assert "Too little torque is refused" in some

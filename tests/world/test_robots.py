@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from benchmarks.guard_runs import BASES, FACTORS, OUR_LAWS, overrides_of
 from tests.matrix import quick
 from wmr_ctrl.api import simulate, simulate_many, simulate_runs
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.simulation.campaign.comparison import BASES, FACTORS, OUR_LAWS, overrides_of
 from wmr_ctrl.theory.checks import filter_facts, warnings_for
 from wmr_ctrl.world.encoder import ENCODER
 from wmr_ctrl.world.gyro import GYRO

@@ -9,18 +9,15 @@ from pathlib import Path
 from jinja2 import Environment
 
 from wmr_ctrl.core.paper import CITATION, PAPER_TIMES
-from wmr_ctrl.results import RunTable, atomic_text
+from wmr_ctrl.results import atomic_text
 from wmr_ctrl.results.ledger import load
 from wmr_ctrl.results.windows import BEFORE, LATE, seconds
 from wmr_ctrl.simulation.campaign import Campaign
-from wmr_ctrl.simulation.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST
 from wmr_ctrl.simulation.campaign.paper_runs import BARRIER_LAWS, STUDIES
 from wmr_ctrl.world.scenario import preset_titles
 
 from .drawing import Drawing
-from .guard_section import GuardSection
 from .paper_claims import RULE, Judged, Verdict, load_readings
-from .rigid_section import RigidSection
 from .style import page_environment, picture, shown
 from .tables import headed, ranged, scenario_table, stress_table
 
@@ -45,17 +42,11 @@ class Facts:
 
 @dataclass(frozen=True)
 class Reproduction:
-    """Finished runs, the verdicts that follow from them, and facts: all that a report shows.
-
-    ``comparison`` is the one past the paper, ``rigid`` that with the rigid body; without rows where
-    they were not run.
-    """
+    """Finished runs, the verdicts that follow from them, and facts: all that a report shows."""
 
     campaign: Campaign
     judged: tuple[Judged, ...]
     facts: Facts = field(default_factory=Facts)
-    comparison: RunTable = field(default_factory=RunTable)
-    rigid: Campaign = field(default_factory=Campaign)
 
 
 def write_page(
@@ -68,7 +59,6 @@ def write_page(
     """
     campaign, judged, facts = reproduction.campaign, reproduction.judged, reproduction.facts
     count = Counter(one.verdict for one in judged)
-    compared, rigid = reproduction.comparison, reproduction.rigid
     text = report_environment().get_template("report.html.j2").render(
         citation=CITATION, rule=RULE, judged=judged, facts=facts, table=campaign.table,
         counts=[(v, count[v]) for v in Verdict if count[v] or v in _ALWAYS_COUNTED],
@@ -79,8 +69,6 @@ def write_page(
         stress=partial(stress_table, campaign.table),
         barrier_laws=BARRIER_LAWS, paper_times=PAPER_TIMES, readings=load_readings(),
         scenarios=_scenarios(campaign),
-        guard=GuardSection(compared) if compared else None,
-        rigid=RigidSection(rigid) if rigid.table else None,
         ledger=load(),
     )  # fmt: skip
     with atomic_text(path) as file:
@@ -91,7 +79,6 @@ def report_environment() -> Environment:
     """The templates with the report's filters."""
     environment = page_environment()
     environment.globals |= {"before": seconds(*BEFORE), "late": seconds(*LATE)}
-    environment.globals |= {"away": AWAY, "farthest": FARTHEST, "e1": E1, "e1_before": E1_BEFORE}
     environment.filters |= {"headed": headed, "ranged": ranged}
     environment.filters["thousandths"] = lambda value: shown(value and 1e3 * value, 2)
     return environment

@@ -12,20 +12,15 @@ from wmr_ctrl.core.paper import CITATION
 from wmr_ctrl.results import FIGURES, atomic_text, check_writable, json_safe, make_folder
 from wmr_ctrl.results.table import STATISTICS, RunTable
 from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign, PhaseProgress, phase
-from wmr_ctrl.simulation.campaign.comparison import COMPARED
 from wmr_ctrl.simulation.campaign.paper_runs import REPORTED
-from wmr_ctrl.simulation.campaign.rigid import COMPARED as RIGID_COMPARED
 
-from .comparison_figures import comparison_figures
 from .drawing import Drawing
 from .evidence_figures import evidence_figures
 from .paper_claims import RULE, Judged, Measured, Verdict, load_readings
 from .paper_figures import paper_figure
 from .report_page import Reproduction, write_page
-from .rigid_section import rigid_figures
 
 FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
-COMPARISON_FILE, RIGID_FILE = "ours.csv", "rigid.csv"
 
 
 @dataclass(frozen=True)
@@ -83,9 +78,8 @@ def write_reproduction(
 ) -> Verdicts:
     """Write report.html, table.csv, runs.csv, claims.json and figures/ into ``folder``.
 
-    The folder is made if needed; rows of the comparison past the paper add a section, figures and
-    ours.csv, those with the rigid body a section, figures and rigid.csv.  Raises ArgumentError for
-    runs that lack a law of the paper, ResultFileError where a file cannot be written.
+    The folder is made if needed.  Raises ArgumentError for runs that lack a law of the paper,
+    ResultFileError where a file cannot be written.
     """
     home, table = Path(folder), reproduction.campaign.table
     missing = [law for law in PAPER_LAWS if law not in table.laws]
@@ -96,12 +90,7 @@ def write_reproduction(
         )
     figures = home / "figures"
     make_folder(figures)
-    compared, rigid = reproduction.comparison, reproduction.rigid
-    drawings = (
-        *all_drawings(reproduction.campaign),
-        *(comparison_figures(compared) if compared else ()),
-        *rigid_figures(rigid),
-    )
+    drawings = all_drawings(reproduction.campaign)
     pictures: list[Path] = []
     with phase(progress, len(drawings), "Drawing the figures") as advance:
         for drawing in drawings:
@@ -111,23 +100,12 @@ def write_reproduction(
     write_runs(home / "runs.csv", table, (), REPORTED)
     write_claims(home / "claims.json", reproduction.judged, table)
     write_page(home / "report.html", reproduction, drawings, figures)
-    if compared:
-        write_runs(home / COMPARISON_FILE, compared, ("base", "guard"), COMPARED)
-    if rigid.table:
-        write_runs(home / RIGID_FILE, rigid.table, ("plant",), RIGID_COMPARED)
-    names = file_names(bool(compared), bool(rigid.table))
-    files = (*(home / name for name in names), *pictures)
+    files = (*(home / name for name in FILES), *pictures)
     return Verdicts(reproduction.judged, table, home, files)
 
 
-def file_names(with_comparison: bool, with_rigid: bool = False) -> tuple[str, ...]:
-    """The files beside the folder of figures."""
-    more = ((COMPARISON_FILE, with_comparison), (RIGID_FILE, with_rigid))
-    return (*FILES, *(name for name, wanted in more if wanted))
-
-
 def all_drawings(campaign: Campaign) -> tuple[Drawing, ...]:
-    """Every figure of the report but those of the comparison, in its order."""
+    """Every figure of the report, in its order."""
     laws = campaign.table.laws
     fig3 = {law: campaign.runs["paper-simulation", law] for law in laws}
     fig5 = {law: campaign.runs["paper-experiment", law] for law in laws}
@@ -138,8 +116,8 @@ def all_drawings(campaign: Campaign) -> tuple[Drawing, ...]:
     )
 
 
-def check_folder(folder: Path, names: Sequence[str] = FILES) -> None:
-    """Raise ResultFileError if it is plain that files ``names`` cannot be written to ``folder``."""
+def check_folder(folder: Path) -> None:
+    """Raise ResultFileError if it is plain that `FILES` cannot be written to ``folder``."""
     known = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     where = f"cannot write to {str(folder)!r}: {str(known)!r}"
     if not known.is_dir():
@@ -147,7 +125,7 @@ def check_folder(folder: Path, names: Sequence[str] = FILES) -> None:
     if not os.access(known, os.W_OK | os.X_OK):
         remedy = "Choose another folder, or allow writing to this one."
         raise ResultFileError(f"{where} may not be written to. {remedy}")
-    for name in names if known == folder else ():
+    for name in FILES if known == folder else ():
         check_writable(folder / name)
 
 

@@ -13,7 +13,7 @@ BARRIER_LAWS = ("mb", "nn")
 """The laws that Theorems 1 and 2 are about."""
 QUICK_SEEDS = 3
 """Seeds of a campaign that is only to be seen working."""
-STUDIES = studies_in("paper_runs.toml")
+STUDIES = studies_in(__package__, "paper_runs.toml")
 """Runs for Sections V and VI, their controls, the theorems as stated, and their ends."""
 
 

@@ -245,10 +245,10 @@ class Study:
         }
 
 
-def studies_in(file: str) -> tuple[Study, ...]:
-    """Studies of a TOML file here; ``with`` names one that a study is like where it is silent."""
+def studies_in(package: str, file: str) -> tuple[Study, ...]:
+    """Studies of a package's TOML file; ``with`` names the one that fills what a study omits."""
     known: dict[str, dict[str, Any]] = {}
-    for row in data(__package__, file)["study"]:
+    for row in data(package, file)["study"]:
         like = known.get(row.get("with", ""), {})
         changes = {**like.get("overrides", {}), **row.get("overrides", {})}
         whole = {**like, **row, "overrides": changes}

@@ -14,11 +14,7 @@ from itertools import combinations
 
 import pytest
 
-from tests.campaign.synthetic import Watch, made_up
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.simulation.campaign.comparison import (
+from benchmarks.guard_runs import (
     AWAY,
     BASES,
     E1,
@@ -31,6 +27,10 @@ from wmr_ctrl.simulation.campaign.comparison import (
     run_comparison,
     swept,
 )
+from tests.campaign.synthetic import Watch, made_up
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.simulation.campaign.plan import PlannedCase, PlannedRun
 from wmr_ctrl.world.scenario import load_scenario, override
 

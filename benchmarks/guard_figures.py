@@ -10,12 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
+from wmr_ctrl.report import drawing
+from wmr_ctrl.report.style import LIMIT, MUTED, look
 from wmr_ctrl.results import REFUSED, RunTable
 from wmr_ctrl.results.windows import LATE, seconds
-from wmr_ctrl.simulation.campaign.comparison import AWAY, BASE, BASES, swept
 
-from . import drawing
-from .style import LIMIT, MUTED, look
+from .guard_runs import AWAY, BASE, BASES, swept
 
 
 def comparison_figures(rows: RunTable) -> tuple[drawing.Drawing, ...]:

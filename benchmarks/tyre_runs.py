@@ -14,9 +14,8 @@ import numpy as np
 from wmr_ctrl.core.data import data, with_tuples
 from wmr_ctrl.results import PLANTS, Floats, RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
-
-from .engine import Campaign, PhaseProgress, run_campaign
-from .plan import Overrides, Study, studies_in
+from wmr_ctrl.simulation.campaign.engine import Campaign, PhaseProgress, run_campaign
+from wmr_ctrl.simulation.campaign.plan import Overrides, Study, studies_in
 
 RIGID_SEEDS = (2100, 2101, 2102, 2103, 2104)
 """Seeds with which nothing about the body was chosen."""
@@ -26,14 +25,14 @@ _SLOPE: Mapping[str, Overrides] = {
     "mujoco": {"body.slope": _STEEP},
 }
 AS_PRINTED, SLOPED = "no torque limit, as printed", "slope of 5 degrees, torque limit 10 N m"
-TABLES = "rigid.toml"
+TABLES = "tyre_runs.toml"
 
 
 def _studies(plant: str) -> tuple[Study, ...]:
     """Studies, spins and falls first."""
     return tuple(
         replace(one, overrides={**one.overrides, **_SLOPE[plant]}) if one.name == SLOPED else one
-        for one in studies_in(TABLES)
+        for one in studies_in(__package__, TABLES)
     )
 
 

@@ -6,11 +6,7 @@ import math
 
 import pytest
 
-from tests.campaign.synthetic import made_up as made_up_runs
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results.table import table_of_rows
-from wmr_ctrl.simulation.campaign.plan import PlannedCase
-from wmr_ctrl.simulation.campaign.rigid import (
+from benchmarks.tyre_runs import (
     E1,
     E1_BEFORE,
     RIGID_STUDIES,
@@ -18,6 +14,10 @@ from wmr_ctrl.simulation.campaign.rigid import (
     rigid_claims,
     run_rigid_comparison,
 )
+from tests.campaign.synthetic import made_up as made_up_runs
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.results.table import table_of_rows
+from wmr_ctrl.simulation.campaign.plan import PlannedCase
 
 LIMITED = "torque limit 10 N m"
 CASES = {

@@ -10,9 +10,8 @@ from types import MappingProxyType
 from wmr_ctrl.core.data import data
 from wmr_ctrl.results import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
-
-from .engine import PhaseProgress, run_campaign
-from .plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
+from wmr_ctrl.simulation.campaign.engine import PhaseProgress, run_campaign
+from wmr_ctrl.simulation.campaign.plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
 
 SCENARIO = "paper-simulation"
 OUR_LAWS = ("pid", "smc", "mb", "nn", "prox", "kanayama")
@@ -21,11 +20,11 @@ HELD_OUT = (300, 301, 302)
 BASES = MappingProxyType({"10 ms": 0.01, "100 ms": 0.1})
 """Control periods of the two base cases [s]."""
 BASE, FAR_START, OUTSIDE, PUSHED = "base", "far start", "start outside", "adversary"
-"""Factors that the report speaks of by name."""
+"""Factors that are spoken of by name."""
 
 
 def _factors() -> Iterator[tuple[str, Overrides]]:
-    table = data(__package__, "comparison.toml")
+    table = data(__package__, "guard_runs.toml")
     for name, changed in table.items():
         yield name, {**table.get(changed.pop("with", ""), {}), **changed}
 
