@@ -21,10 +21,6 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import pytest
 from hypothesis import HealthCheck, settings
-from hypothesis.internal.conjecture import providers
-from xdist.remote import Producer
-
-from tests.longest_first import Apart, seconds
 
 if TYPE_CHECKING:
     from wmr_ctrl.codegen.build import Instructions
@@ -56,10 +52,6 @@ settings.register_profile(
 )
 settings.register_profile("every example", settings.get_profile("project"), max_examples=100)
 settings.load_profile("project")
-# Numbers from every module that happens to be imported are no examples: they would be others with
-# each change of a file, and to read all files takes seconds in each process.
-if hasattr(providers, "_get_local_constants"):
-    providers._get_local_constants = lambda: providers._local_constants
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -124,12 +116,6 @@ def every_set_of_instructions(
     monkeypatch.setattr(build, "_PROGRAMS", {})  # those of other tests have one set
 
 
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Apart | None:
-    """What pyproject.toml's `--dist loadscope` means here; other words mean what xdist says."""
-    return Apart(config, log) if config.getoption("dist") == "loadscope" else None
-
-
 def pytest_addoption(parser: pytest.Parser) -> None:
     """The option for tests with very many cases."""
     parser.addoption(
@@ -140,13 +126,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark what is slow, thin out what has very many cases, and put first what takes longest."""
+    """Mark what is slow, and thin out what has very many cases."""
     mark_slow(items)
     if not (config.getoption("every_case") or any("::" in word for word in config.args)):
         left_out = set(cases_left_out(items))
         config.hook.pytest_deselected(items=[item for item in items if item in left_out])
         items[:] = [item for item in items if item not in left_out]
-    items.sort(key=lambda item: -seconds(item.nodeid))
 
 
 def pytest_collection(session: pytest.Session) -> None:
@@ -166,23 +151,14 @@ def pytest_collection(session: pytest.Session) -> None:
 def pytest_collection_finish() -> None:
     """What was imported and collected is not looked through for garbage again."""
     gc.freeze()
-    if "casadi" in sys.modules:
-        from tests import quick_expressions
-
-        quick_expressions.use()
 
 
 def mark_slow(items: Iterable[pytest.Item]) -> None:
-    """Mark the cases slow that shown_cases.txt does not show."""
-    shown, collected = shown_cases(), defaultdict(list)
+    """Of a test marked ``slow_but``, mark all cases slow but those that it names."""
     for item in items:
-        function = item.nodeid.partition("[")[0]
-        if function in shown:
-            collected[function].append(item)
-    for function, cases in collected.items():
-        kept = [item for item in cases if case_of(item) in shown[function]]
-        for item in set(cases).difference(kept):
-            item.add_marker(pytest.mark.slow)
+        for mark in item.iter_markers("slow_but"):
+            if case_of(item) not in mark.args:
+                item.add_marker(pytest.mark.slow)
 
 
 def cases_left_out(items: Iterable[pytest.Item]) -> Iterator[pytest.Item]:
@@ -206,15 +182,6 @@ def many_cases() -> Mapping[str, int]:
 def case_of(item: pytest.Item) -> str:
     """Its parameters' id; a test without parameters has none."""
     return item.nodeid.partition("[")[2].removesuffix("]")
-
-
-def shown_cases() -> Mapping[str, frozenset[str]]:
-    """Of each test function in shown_cases.txt the ids of its cases that are run by default."""
-    cases: dict[str, set[str]] = {}
-    for line in lines_of(Path(__file__).with_name("shown_cases.txt")):
-        function, _, case = line.partition(" ")
-        cases.setdefault(function, set()).update({case} - {""})
-    return {function: frozenset(ids) for function, ids in cases.items()}
 
 
 def lines_of(path: Path) -> Iterable[str]:

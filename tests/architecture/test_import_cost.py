@@ -54,6 +54,7 @@ def test_help_of_the_command_line_is_light(arguments):
         "wmr_ctrl.simulation.campaign.study_run",
     ],
 )
+@pytest.mark.slow_but("wmr_ctrl.simulation.campaign.study_run")
 def test_workers_start_without_casadi_and_plots(module):
     need(module)
 

@@ -161,6 +161,7 @@ def test_every_nan_becomes_the_same() -> None:
 
 
 @pytest.mark.parametrize("vectors", SETS)
+@pytest.mark.slow
 def test_lanes_have_the_bits_of_numbers(vectors: str) -> None:
     if SETS[vectors].lanes > library().most_lanes():
         pytest.skip(f"NOT RUN: this processor has no {vectors}")
@@ -173,6 +174,7 @@ def test_lanes_have_the_bits_of_numbers(vectors: str) -> None:
     assert len(set(hashes(lanes).values())) == len(EVERY) - 3  # exp_many is exp
 
 
+@pytest.mark.slow
 def test_branches_of_other_lanes_change_nothing() -> None:
     """Numbers of all kinds side by side, against the same number in all lanes."""
     toolchain = find_toolchain()

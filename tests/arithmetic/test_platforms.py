@@ -57,6 +57,7 @@ def assert_equal_bits(*command: object, **more: object) -> None:
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.slow_but("clang")
 def test_it_is_c99_without_a_warning(compiler: str, tmp_path: Path) -> None:
     assert_equal_bits(built(tmp_path, (compiler, "-O1", "-DWMR_PRINT", *WARNINGS)))
 
@@ -94,6 +95,7 @@ def test_webassembly_gives_the_same_bits(lanes: tuple[str, ...], tmp_path: Path)
     assert_equal_bits(node, SCRIPT, built(tmp_path, command, "each.wasm"))
 
 
+@pytest.mark.slow
 def test_fused_operations_would_be_seen(tmp_path: Path) -> None:
     """The hashes tell a last digit: with contraction, where the processor can, they differ."""
     if "fma" not in processor():

@@ -103,6 +103,7 @@ def test_target_is_continuous_and_nearer_to_the_limit() -> None:
 
 
 @pytest.mark.parametrize("law", ["mb", "nn", "prox"])
+@pytest.mark.slow_but("mb")
 def test_laws_take_it_as_their_twins_do(law: str) -> None:
     changed = {f"gains.{law}.barrier": "smooth", "clock.duration": 5.0, "changes": []}
     native, slow = (

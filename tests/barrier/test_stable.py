@@ -105,6 +105,7 @@ def points(u1: float, u2: float, count: int) -> list[tuple[float, float]]:
 
 
 @pytest.mark.parametrize(("u1", "u2"), LIMITS)
+@pytest.mark.slow
 def test_stable_forms_are_right_to_50_digits(u1: float, u2: float) -> None:
     with mp.workdps(50):
         for c, v in points(u1, u2, 2500):
@@ -153,6 +154,7 @@ target = st.floats(-1e6, 1e6)
 
 @given(target, inside)
 @settings(max_examples=3 * settings.default.max_examples // 2)
+@pytest.mark.slow
 def test_barrier_is_odd(c: float, v: float) -> None:
     plus, minus = STABLE(c, v, 1.0, 0.8), STABLE(-c, -v, 1.0, 0.8)
 
@@ -162,6 +164,7 @@ def test_barrier_is_odd(c: float, v: float) -> None:
 
 @given(target, inside)
 @settings(max_examples=3 * settings.default.max_examples // 2)
+@pytest.mark.slow
 def test_structure_facts(c: float, v: float) -> None:
     """V1 >= w^2/2 (Eq. (81)), q in [0, 1], V1/A between 0 and w: the command stays bounded."""
     quotient, q, x, value = (float(item) for item in STABLE(c, v, 1.0, 0.8))

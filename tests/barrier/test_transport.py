@@ -98,6 +98,7 @@ def places(draw: np.random.Generator, count: int, axis: Axis) -> Iterator[np.nda
 
 @pytest.mark.parametrize("count", [12, pytest.param(100, marks=pytest.mark.slow)])
 @every_axis
+@pytest.mark.slow_but("axis1-12", "axis4-12")
 def test_s_falls_but_for_the_way_that_is_not_carried(axis: Axis, count: int) -> None:
     """S(v*; c_m) <= S(v; c), S(v+; c+) <= E (S(v; c) + |c+ - c_m|), to a few roundings of v."""
     with mp.workdps(50):
@@ -123,6 +124,7 @@ def x_of(c: np.ndarray, axis: Axis) -> np.ndarray:
 
 
 @every_axis
+@pytest.mark.slow_but("axis0", "axis5")
 def test_w_falls_and_the_limit_is_kept_from_every_speed(axis: Axis) -> None:
     """|w+| <= E (|w| + |c+ - c_m|) and |v+| <= v_u1; v* = v where the target is held."""
     count, u1 = 20_000, axis[0]

@@ -159,6 +159,7 @@ def comparison(request: pytest.FixtureRequest) -> RunTable:
     return run_comparison(shortened(request.param))
 
 
+@pytest.mark.slow
 def test_guarded_runs_from_inside_keep_the_limits(comparison: RunTable) -> None:
     guarded = comparison.where(guard=True)
     inside = guarded.at(guarded["case"] != "start outside")
@@ -167,6 +168,7 @@ def test_guarded_runs_from_inside_keep_the_limits(comparison: RunTable) -> None:
     assert not (inside["violations"] > 0).any()
 
 
+@pytest.mark.slow
 def test_only_the_torque_limit_that_is_too_low_is_refused(comparison: RunTable) -> None:
     refused = comparison.where(outcome="refused")
 
@@ -175,6 +177,7 @@ def test_only_the_torque_limit_that_is_too_low_is_refused(comparison: RunTable) 
     assert ((comparison["refusal"] != "") == (comparison["outcome"] == "refused")).all()
 
 
+@pytest.mark.slow
 def test_without_the_guard_limits_break(comparison: RunTable) -> None:
     """Kanayama's command ends 5 % below the limit, which is enough in some of the cases."""
     free = comparison.where(guard=False)
@@ -191,6 +194,7 @@ def test_position_is_told_where_a_run_lasts_that_long() -> None:
     assert 0 < row[AWAY] <= row[FARTHEST]
 
 
+@pytest.mark.slow
 def test_result_does_not_depend_on_the_number_of_threads(comparison: RunTable) -> None:
     few = [run for run in shortened(DECISIVE) if (run.case.law, run.case.base) == ("mb", "10 ms")]
     alone, labels = run_comparison(few, jobs=1), ("case", "law", "base", "guard", "seed")

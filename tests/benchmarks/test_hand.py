@@ -40,6 +40,7 @@ def parts(row: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("rows", ROWS)
+@pytest.mark.slow
 def test_model_based_step_equals_numpy(hand: HandC, rows: str) -> None:
     laws = NumpyLaws(Setup())
     for row in ROWS[rows]:
@@ -50,6 +51,7 @@ def test_model_based_step_equals_numpy(hand: HandC, rows: str) -> None:
 
 
 @pytest.mark.parametrize("rows", ROWS)
+@pytest.mark.slow_but("tracking")
 def test_network_step_equals_numpy_with_any_weights(hand: HandC, rows: str) -> None:
     laws, rng = NumpyLaws(Setup()), np.random.default_rng(2)
     for row in ROWS[rows]:
@@ -128,6 +130,7 @@ def test_noise_is_numpys_philox_block_for_block(hand: HandC) -> None:
 
 @pytest.mark.parametrize("law", ["mb", "nn"])
 @pytest.mark.parametrize("noise", [0.0, 1.0])
+@pytest.mark.slow_but("1.0-nn")
 def test_closed_loop_equals_a_plain_python_loop(hand: HandC, law: str, noise: float) -> None:
     case = Case(duration=5.0, t_change=2.0, noise_std=noise, seed=4)
     state, fastest, violations = closed_loop(law, Setup(), case)

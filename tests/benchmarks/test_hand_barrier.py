@@ -60,6 +60,7 @@ def assert_exact(axis: int, v: float, c: float) -> None:
 
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("region", [1, 2, 3])
+@pytest.mark.slow_but("3-1")
 def test_barrier_is_exact_in_every_region(axis: int, region: int) -> None:
     rng, u2 = np.random.default_rng(10 * region + axis), SETUP.v_u2[axis]
     edge = u2 + 1 / (SETUP.v_u1[axis] - u2)
@@ -71,6 +72,7 @@ def test_barrier_is_exact_in_every_region(axis: int, region: int) -> None:
 
 
 @pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.slow_but("1")
 def test_barrier_is_exact_close_to_its_target(axis: int) -> None:
     rng = np.random.default_rng(20 + axis)
     for _ in range(1500):

@@ -54,6 +54,7 @@ def test_the_floor_is_one_and_more_work_costs_more() -> None:
     assert seen[-1] == (9, 9)
 
 
+@pytest.mark.slow
 def test_processes_pool_their_rounds() -> None:
     found = measure_in_processes(two, "floor", processes=2)
 

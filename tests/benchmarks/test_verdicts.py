@@ -34,6 +34,7 @@ def test_the_rule_finds_nothing_wrong_with_a_good_run() -> None:
     {"clock.control": 0.1, "actuator.delay": 0.05}, {"actuator.tau_max": 1.0},
     {"sensor.velocity_noise": [0.1, 0.1]}, {"metrics.tolerance": 1e-5},
 ])  # fmt: skip
+@pytest.mark.slow_but("changed1", "changed3")
 def test_the_rule_finds_what_is_wrong(changed: dict[str, object]) -> None:
     case = scenario_of("paper-simulation-no-switch", changed)
 
@@ -47,6 +48,7 @@ def first(runs: int) -> list[Judged]:
 
 
 @pytest.mark.parametrize("runs", [2, 6])
+@pytest.mark.slow
 def test_some_runs_are_judged_as_the_rule_has_it(runs: int) -> None:
     found = first(runs)
 

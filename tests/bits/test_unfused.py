@@ -36,6 +36,7 @@ def assert_unfused(toolchain: Toolchain) -> None:
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang", "zig cc"])
+@pytest.mark.slow_but("gcc")
 def test_builds_for_this_processor(compiler: str, monkeypatch: pytest.MonkeyPatch) -> None:
     if compiler != "zig cc" and shutil.which(compiler) is None:
         pytest.skip(f"NOT RUN: {compiler} is not on this machine")
@@ -56,6 +57,7 @@ def test_builds_for_vectors(vectors: Instructions) -> None:
 
 
 @pytest.mark.parametrize("law", NAMES)
+@pytest.mark.slow_but("mb")
 def test_loops_take_one_number_after_the_other(law: str) -> None:
     """So that no two stores of a loop stand side by side in memory."""
     text = case(law, "everything").program.generated["kernels.c"]

@@ -42,6 +42,7 @@ def starts(inside: int, at_the_edge: int) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize(("law", "guarded", "control"), CASES)
+@pytest.mark.slow
 def test_the_limit_is_kept_from_the_stated_region(
     law: str, guarded: bool, control: float, tmp_path: Path
 ) -> None:
@@ -56,6 +57,7 @@ def test_the_limit_is_kept_from_the_stated_region(
 
 @pytest.mark.parametrize("law", ["pid", "mb"])
 @pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.slow_but("-1.0-pid")
 def test_the_guard_keeps_the_limit_against_the_worst_push(
     law: str, side: float, tmp_path: Path
 ) -> None:

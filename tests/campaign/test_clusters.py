@@ -115,6 +115,7 @@ def test_a_scheduler_of_its_own_loses_nothing_with_a_worker(tmp_path):
     assert there == wmr_ctrl.study(plan, tmp_path / "a").table.read_bytes()
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_does_not_answer_is_named(tmp_path, monkeypatch):
     pytest.importorskip("distributed")
     monkeypatch.setattr("wmr_ctrl.simulation.campaign.study_chunks.PATIENCE", 0.5)

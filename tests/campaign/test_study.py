@@ -31,11 +31,13 @@ from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.mark.parametrize("chunk", [1, 7, 60, 1000])
+@pytest.mark.slow_but("7", "60")
 def test_the_table_does_not_depend_on_the_chunks(tmp_path, chunk):
     assert table_of(tmp_path / "a", chunk=chunk) == table_of(tmp_path / "b")
 
 
 @pytest.mark.parametrize("longest", [1, 7, 59, 60, 1000])
+@pytest.mark.slow_but("7", "60")
 def test_chunks_hold_every_run_once_and_are_nearly_as_long_as_each_other(tmp_path, longest):
     made = []
 
@@ -83,6 +85,7 @@ def test_a_chunk_that_is_damaged_is_made_again(tmp_path):
     assert table_of(tmp_path / "a") == before
 
 
+@pytest.mark.slow
 def test_a_chunk_with_a_flipped_bit_is_missing_or_whole(tmp_path):
     """Whatever the flip makes of the archive: no error, and no number that was not written."""
     plan = plan_of(PLAN)
@@ -148,6 +151,7 @@ run_study(plan_of(PLAN), Path(sys.argv[1]), slow, FACTS)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="SIGKILL is not on Windows")
+@pytest.mark.slow
 def test_a_killed_process_leaves_a_study_that_goes_on(tmp_path):
     root = Path(wmr_ctrl.__file__).parents[1]
     command = [sys.executable, "-c", KILLED, tmp_path / "a"]
@@ -215,6 +219,7 @@ def test_rows_are_the_runs_that_they_name(tmp_path):
     assert f"2 refused: {reason}" in str(result)
 
 
+@pytest.mark.slow
 def test_a_column_has_the_corridor_of_each_case(tmp_path):
     pytest.importorskip("flint")
     plan = {

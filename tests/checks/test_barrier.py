@@ -25,6 +25,7 @@ MODEL = "model"
         (100, 1.64, 0.68),
     ],
 )
+@pytest.mark.slow_but("2-51.31-21.97")
 def test_largest_resisted_push_of_the_model_based_law(loop, v_c0, thrust, moment):
     speeds = np.linspace(0, 1, 40001)[1:-1] * np.array([[1.0], [1.5]])
     force = loop("mb", {"robot.mu": 0}).force_towards(speeds, np.array([v_c0, v_c0]))
@@ -35,6 +36,7 @@ def test_largest_resisted_push_of_the_model_based_law(loop, v_c0, thrust, moment
 @pytest.mark.parametrize(
     ("v_c0", "thrust", "moment"), [(0.2, 405, None), (0.8, 99.2, None), (1.3, None, 11.9 / 7.5)]
 )
+@pytest.mark.slow
 def test_largest_resisted_push_of_the_network_law(loop, v_c0, thrust, moment):
     speeds = np.linspace(0, 1, 40001)[1:-1] * np.array([[1.0], [1.5]])
     force = loop("nn").force_towards(speeds, np.array([v_c0, v_c0]))
@@ -121,6 +123,7 @@ def test_switch_of_the_paper_leaves_the_model_based_law_behind(loop, told):
     assert "0.015 m behind" in warning.sentence
 
 
+@pytest.mark.slow
 def test_believing_too_much_friction_runs_ahead(told):
     (warning,) = told("mb", {"model.mu": 0.12}, key=MODEL)
 

@@ -26,6 +26,7 @@ CIRCLE = np.array((0.2, 0.1))
         ("paper-simulation", 0.01, 0.05),
     ],
 )
+@pytest.mark.slow_but("paper-simulation-0.01-0.05")
 def test_prox_is_said_to_cycle_where_it_does(told, loop, name, period, delay):
     late = {"clock.control": period, "actuator.delay": delay}
     (warning,) = told("prox", late, name, key="clock.control")
@@ -48,6 +49,7 @@ def test_gains_are_proposed_for_the_speed_ahead_and_a_law_that_does_not_predict(
 @pytest.mark.parametrize(
     ("unmodelled_delay", "stable"), [(0.04, True), (0.05, False), (0.06, False)]
 )
+@pytest.mark.slow
 def test_a_delay_that_nobody_told_the_observer_counts_as_that(loop, unmodelled_delay, stable):
     """As long as a period it makes kanayama cycle, where the same delay told does not."""
     own = {"clock.control": 0.05, "initial.pose": (2.001, 0.0, 0.0), "initial.velocity": (0.2, 0.1)}
@@ -63,6 +65,7 @@ def test_a_delay_that_nobody_told_the_observer_counts_as_that(loop, unmodelled_d
     assert bool(np.ptp(run["v1"][-400:]) < 1e-3) is stable
 
 
+@pytest.mark.slow
 def test_no_shorter_period_is_spoken_of_where_none_was_tried(told):
     late = {"clock.control": 0.02, "sensor.pose_delay": 1.0}
     (warning,) = told("prox", late, key="clock.control")
@@ -113,6 +116,7 @@ def test_a_law_without_memory_is_followed_force_by_force(loop, delay):
     assert state[:5] == pytest.approx(s, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_peer_stands_half_a_period_and_not_a_whole_one(loop):
     for delay, stable in ((0.05, True), (0.1, False)):
         changed = {"clock.control": 0.1, "actuator.delay": delay}

@@ -48,6 +48,7 @@ def test_a_reference_too_fast_for_a_late_velocity_names_what_no_guard_can_beat(t
 @pytest.mark.parametrize(
     ("start", "warned"), [(0.9, False), (0.9999, True), (1.0, True), (1.2, False)]
 )
+@pytest.mark.slow_but("0.9999-True")
 def test_a_start_that_a_push_can_carry_out_before_the_first_command(told, start, warned):
     changed = {**ON, "guard.dbar": [60.0, 15.0], "initial.velocity": [start, 0.0]}
     late = told("prox", {**changed, "actuator.delay": 0.005}, key="initial.velocity")
@@ -108,6 +109,7 @@ def test_a_reference_that_turns_faster_than_the_guard_allows(told):
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.02])
+@pytest.mark.slow_but("0.0")
 def test_the_robot_turns_as_fast_as_is_usable_on_average(delay):
     """It is asked for more, without a push: the guard lets it come to the usable rate, and stay."""
     changed = {**NARROW, "actuator.delay": delay, "disturbance.std": 0.0, "guard.dbar": [60.0, 8.0]}

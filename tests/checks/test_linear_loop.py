@@ -88,6 +88,7 @@ def by_matrices(scenario: Scenario, start: np.ndarray, every: int = 1) -> np.nda
 
 
 @pytest.mark.parametrize("effects", EFFECTS.values(), ids=EFFECTS)
+@pytest.mark.slow_but("delay and lag")
 def test_a_small_displacement_on_a_circle_goes_the_way_of_the_matrices(effects) -> None:
     """Differences of compiled runs, which know nothing of derivatives."""
     keys = " ".join(effects)
@@ -98,6 +99,7 @@ def test_a_small_displacement_on_a_circle_goes_the_way_of_the_matrices(effects) 
 
 
 @pytest.mark.parametrize(("age", "correction", "every"), POSES)
+@pytest.mark.slow_but("0.1-0.4-5")
 def test_so_it_does_where_poses_are_late_filtered_or_rare(age, correction, every) -> None:
     """On a line; the rest is where the robot settles: it is behind by what it drives meanwhile."""
     pose = {"sensor.pose_delay": age, "sensor.correction": correction, "reference.kind": "line",
@@ -133,6 +135,7 @@ def finals(scenario: Scenario, law: str, samples: int) -> np.ndarray:
 
 @pytest.mark.parametrize("law", ["pid", "prox", "kanayama"])
 @pytest.mark.parametrize("effects", ["none", "lag"])
+@pytest.mark.slow_but("none-pid")
 def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, effects) -> None:
     """Of the whole state, a law's memory and what its observer believes of the drives in it."""
     on = {"initial.pose": [0.0, 0.0, -np.pi / 2], "initial.velocity": V_D.tolist()}
@@ -147,6 +150,7 @@ def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, eff
 
 @pytest.mark.parametrize("effects", EFFECTS.values(), ids=EFFECTS)
 @pytest.mark.parametrize("law", ["mb", "prox"])
+@pytest.mark.slow_but("mb-none", "mb-window and age", "prox-delay and lag", "prox-encoder")
 def test_on_a_circle_the_matrix_is_the_same_at_every_instant(law, effects) -> None:
     loop = Loop(settle(still(effects), law))
     here, there = (closed(loop, V_D, T, theta=theta) for theta in (0.0, 2.0))
@@ -252,6 +256,7 @@ def test_what_a_law_knows_of_its_drives_falls_with_their_lag() -> None:
     assert radius(known.moved) == pytest.approx(np.exp(-T / lag), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples() -> None:
     period = 0.1
     eight = {"reference.kind": "lemniscate", "reference.size": 2.0, "reference.rate": 0.1}
@@ -277,6 +282,7 @@ def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples() -> No
         ("pid", {"actuator.delay": 0.005, "actuator.lag": 0.01}),
     ],
 )  # fmt: skip
+@pytest.mark.slow_but("mb-late0")
 def test_runs_settle_at_nine_tenths_of_the_longest_period_and_grow_beyond(law, late) -> None:
     on = {"initial.pose": [1e-4, 0.0, -np.pi / 2], "initial.velocity": V_D.tolist()}
     limit = largest_period(Loop(settle(still(late), law)))

@@ -114,6 +114,7 @@ def test_a_base_that_takes_velocities_gets_no_advice_on_torques_of_the_law():
         ({"base.gain": [1.2, 1.2]}, "what [filter] has to state for it is then named."),
     ],
 )
+@pytest.mark.slow
 def test_a_filter_is_named_where_it_holds(changed, said):
     own = {**EXACT, "filter.kind": "none", **changed}
     setup = settle(load_scenario("turtlebot3-burger", own), "prox")

@@ -67,5 +67,6 @@ def test_second_kinematic_gain_below_one(told):
 
 
 @pytest.mark.parametrize("kind", ["circle", "line", "lemniscate", "rounded-square"])
+@pytest.mark.slow_but("circle", "lemniscate")
 def test_default_references_keep_the_preconditions(told, kind):
     assert told("mb", {"reference.kind": kind}, key="reference") == []

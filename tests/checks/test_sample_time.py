@@ -42,6 +42,7 @@ def test_first_step_without_coulomb_friction(loop, law, v1):
 
 
 @pytest.mark.parametrize(("period", "told_of"), [(0.03, True), (0.025, False)])
+@pytest.mark.slow_but("0.03-True")
 def test_warns_of_the_first_step_exactly_where_it_leaves_the_limit(told, period, told_of):
     held = {PERIOD: period, "clock.duration": 100 * period}
     sentences = [warning.sentence for warning in told("mb", held, key=PERIOD)]
@@ -59,6 +60,7 @@ def test_literal_experiment_is_above_every_bound(told):
 
 
 @pytest.mark.parametrize("law", ["pid", "smc", "nn"])
+@pytest.mark.slow_but("pid")
 def test_literal_experiment_breaks_the_limit_with_every_law(told, law):
     sentences = [w.sentence for w in told(law, scenario="paper-experiment-literal", key=PERIOD)]
 
@@ -66,6 +68,7 @@ def test_literal_experiment_breaks_the_limit_with_every_law(told, law):
 
 
 @pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn"])
+@pytest.mark.slow_but("pid")
 def test_papers_period_is_not_objected_to(told, law):
     assert told(law, scenario="paper-simulation", key=PERIOD) == []
 
@@ -77,6 +80,7 @@ def test_unstable_at_any_period_is_said_so(told):
     assert "lower the lag, or its gains" in warning.sentence
 
 
+@pytest.mark.slow
 def test_first_step_is_not_judged_outside_the_limit_or_with_slow_drives(told):
     for overrides in ({"initial.velocity": (1.3, 0)}, {"actuator.lag": 0.01}):
         sentences = [w.sentence for w in told("mb", {PERIOD: 0.05, **overrides})]
@@ -93,6 +97,7 @@ def test_guarded_first_step_stays_inside(loop, told):
 
 @pytest.mark.parametrize("stated", [{}, {"encoder.window": 0.02}, {"encoder.window": 0.1}])
 @pytest.mark.parametrize("law", ["prox", "kanayama"])
+@pytest.mark.slow
 def test_a_window_of_one_sample_goes_with_the_period(law, stated):
     """The limit is the same from whatever period the search begins."""
     base = {"encoder.counts": 1024, "clock.duration": 8.0, "guard.enabled": False, **stated}
@@ -105,6 +110,7 @@ def test_a_window_of_one_sample_goes_with_the_period(law, stated):
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
+@pytest.mark.slow_but("1.1")
 def test_a_run_with_encoders_cycles_beyond_the_limit_only(share):
     base = {"encoder.counts": 100_000, "disturbance.std": 0.0, "guard.enabled": False}
     limit = limit_at("prox", {**base, PERIOD: 0.01})

@@ -29,6 +29,7 @@ CIRCLE = np.array([0.2, 0.1])
         ("nn", {"robot.m": 80}, 0.1996),
     ],
 )
+@pytest.mark.slow_but("mb-overrides0-0.06089")
 def test_largest_stable_periods_are_the_audited_ones(loop, law, overrides, known):
     assert largest_period(loop(law, overrides)) == pytest.approx(known, rel=4e-3)
 
@@ -109,6 +110,7 @@ def test_operating_points_stay_inside_the_thresholds():
     assert all((np.abs(v_d) < fast.limits.v_u2).all() for v_d in operating_points(fast))
 
 
+@pytest.mark.slow
 def test_standing_still_counts_as_stable():
     stopping = load_scenario("paper-simulation-nominal", {"reference.kind": "stop-and-go"})
 

@@ -15,6 +15,7 @@ PAGES = [("prox", *FOUR[0]), *(pytest.param(law, *each, marks=pytest.mark.slow)
 
 
 @pytest.mark.parametrize(("law", "period", "delay"), PAGES[:1] + PAGES[2:])
+@pytest.mark.slow
 def test_no_figure_of_one_page_contradicts_another(law, period, delay):
     """Unstable by radius, poles, margins, limits of period, delay and mass, or by none of them."""
     late = {"clock.control": period, "actuator.delay": delay}
@@ -43,6 +44,7 @@ def cycles(overrides: dict[str, float], law: str) -> bool:
 
 
 @pytest.mark.parametrize("law", ["prox", "kanayama"])
+@pytest.mark.slow
 def test_runs_cycle_just_outside_the_masses_that_are_said(law):
     period = {"clock.control": 0.1}
     low, high = stability(load_scenario("paper-simulation-nominal", period), law).masses
@@ -52,6 +54,7 @@ def test_runs_cycle_just_outside_the_masses_that_are_said(law):
 
 
 @pytest.mark.parametrize("law", ["prox", "kanayama", "pid"])
+@pytest.mark.slow
 def test_runs_cycle_just_beyond_the_delay_that_is_said(law):
     period = {"clock.control": 0.05}
     most = stability(load_scenario("paper-simulation-nominal", period), law).delay

@@ -12,6 +12,7 @@ from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.mark.parametrize(("law", "below", "above"), [("prox", 0.1, 0.2), ("mb", 0.2, 0.4)])
+@pytest.mark.slow
 def test_runs_cycle_where_a_pose_is_said_to_be_too_old(
     law: str, below: float, above: float
 ) -> None:
@@ -44,6 +45,7 @@ def test_the_linear_report_has_the_same_limit(
 
 
 @pytest.mark.parametrize("every", [0.2, 0.5])
+@pytest.mark.slow
 def test_rare_poses_that_are_late_are_less_harmful_than_frequent_ones(every: float) -> None:
     """Dead reckoning needs no pose to be stable; a late one corrects what has passed since."""
     late = {"sensor.pose_delay": 0.2, "sensor.pose_period": every}

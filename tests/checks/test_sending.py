@@ -135,6 +135,7 @@ def test_the_queue_of_commands_is_the_one_that_runs(law: str, periods: float) ->
     ("law", "base"),
     [("mb", "first-order"), ("prox", "late"), ("kanayama", "ramps"), ("prox", "late pi")],
 )
+@pytest.mark.slow_but("mb-first-order")
 def test_runs_settle_at_nine_tenths_of_the_longest_period_and_cycle_beyond(
     law: str, base: str
 ) -> None:
@@ -148,6 +149,7 @@ def test_runs_settle_at_nine_tenths_of_the_longest_period_and_cycle_beyond(
         assert end < 1e-6 if share < 1 else end > 1e-3
 
 
+@pytest.mark.slow
 def test_no_period_is_stable_over_which_the_base_stops_between_two_commands() -> None:
     """Where it would be with a base that waits longer, a run does not settle."""
     scenario = moving({"base.timeout": 0.1})
@@ -169,6 +171,7 @@ def test_no_period_is_stable_over_which_the_base_stops_between_two_commands() ->
     assert "up to clock.control = 0.1 s, beyond which the base stops between commands" in words
 
 
+@pytest.mark.slow
 def test_a_law_knows_of_the_longest_delay_that_is_told() -> None:
     scenario = moving({})
     limit = largest_stable_delay(loop_of(settle(scenario, "prox")))
@@ -181,6 +184,7 @@ def test_a_law_knows_of_the_longest_delay_that_is_told() -> None:
 
 
 @pytest.mark.parametrize(("law", "gain"), [("mb", [1.3, 0.8]), ("kanayama", [0.8, 1.3])])
+@pytest.mark.slow_but("mb-gain0")
 def test_where_it_does_not_rest_on_its_reference_the_longest_period_holds_at_its_rest(
     law: str, gain: list[float]
 ) -> None:
@@ -198,6 +202,7 @@ def test_where_it_does_not_rest_on_its_reference_the_longest_period_holds_at_its
     assert ends[1][-5:].max() > 10 * ends[1][:5].max()
 
 
+@pytest.mark.slow
 def test_a_base_so_weak_that_its_robot_stays_behind_has_no_number() -> None:
     """Pure pursuit commands the reference's speed: at half of it the way behind grows for ever."""
     weak = moving({"base.gain": [0.5, 0.5], "clock.duration": 60.0})
@@ -253,6 +258,7 @@ def test_a_filter_that_cuts_the_paths_own_commands_is_named() -> None:
     assert "may end elsewhere" in stable(told[0], 0.05)
 
 
+@pytest.mark.slow
 def test_a_firmware_that_cuts_the_paths_own_commands_is_named() -> None:
     """The outer wheel of this circle turns at (0.16 + 0.08 * 0.2) / 0.033 = 5.33 rad/s."""
     told = [stability(moving({"base.w_max": w}), "kanayama").remarks for w in (5.3, 5.4)]
@@ -260,6 +266,7 @@ def test_a_firmware_that_cuts_the_paths_own_commands_is_named() -> None:
     assert ["base.w_max" in " ".join(remarks) for remarks in told] == [True, False]
 
 
+@pytest.mark.slow
 def test_a_network_is_linearised_with_its_weights_moving() -> None:
     """Held, they allow less here than they do (0.392 s), and elsewhere more."""
     scenario = moving({})
@@ -306,6 +313,7 @@ def test_what_cuts_and_loses_is_left_out_and_said() -> None:
     assert override(moving(cut), IDLE).base.losses == 0
 
 
+@pytest.mark.slow
 def test_a_base_that_is_too_fast_is_to_be_calibrated() -> None:
     """Lower gains leave it unstable, higher ones do not; a late base's gains are to be lower."""
     fast, late = (

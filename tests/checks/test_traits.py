@@ -64,12 +64,14 @@ def test_the_plain_law_tracks_and_states_nothing() -> None:
 @pytest.mark.parametrize(
     ("law", "name", "guard"), rotated(["plain", *LAWS], preset_names(), [False, True])
 )
+@pytest.mark.slow_but("plain-paper-experiment-True", "plain-paper-simulation-False")
 def test_no_warning_speaks_of_what_a_law_has_not(law: str, name: str, guard: bool) -> None:
     guarded = guard and not load_scenario(name).takes_velocity
     assert spoken(warned(law, name, **{"guard.enabled": guarded}), law) == []
 
 
 @pytest.mark.parametrize("law", [*LAWS, "plain"])
+@pytest.mark.slow_but("mb", "plain")
 def test_nor_where_everything_is_wrong_at_once(law: str) -> None:
     said = warned(law, **HARSH)
 
@@ -82,6 +84,7 @@ def test_those_that_have_it_are_told() -> None:
 
 
 @pytest.mark.parametrize("arguments", [["-v"], ["--json"]])
+@pytest.mark.slow
 def test_nor_does_the_command(arguments: list[str]) -> None:
     sets = [part for key, value in HARSH.items() for part in ("--set", f"{key}={value}")]
     command = ["check", "paper-simulation", "--law", "plain", *sets, *arguments]

@@ -20,6 +20,7 @@ def told(law: str, **changes: object) -> list[str]:
     return [str(item) for item in warnings_for(settle(scenario, law)) if "no term" in str(item)]
 
 
+@pytest.mark.slow
 def test_it_is_as_far_behind_as_told() -> None:
     (text,) = told("pid", **SOFT)
     behind = float(re.findall(r"lag about ([\d.]+) m", text)[0])
@@ -30,6 +31,7 @@ def test_it_is_as_far_behind_as_told() -> None:
     assert run["e"][-2000:, 0].mean() == pytest.approx(behind, rel=0.06)
 
 
+@pytest.mark.slow
 def test_it_is_not_told_within_the_tolerance_nor_of_laws_that_make_up_for_it() -> None:
     assert not told("pid")
     assert not told("pid", **SOFT, **{"metrics.tolerance": 0.2})

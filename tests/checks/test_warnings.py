@@ -22,6 +22,7 @@ KINDS = ("circle", "line", "lemniscate", "rounded-square", "stop-and-go")
 
 
 @pytest.mark.parametrize(("name", "law"), rotated(preset_names(), tuple(LAWS)))
+@pytest.mark.slow_but("paper-experiment-nn", "paper-simulation-pid")
 def test_every_preset_gets_a_handful_of_readable_sentences(name, law):
     found = warnings_for(settle(load_scenario(name), law))
 
@@ -40,6 +41,7 @@ def test_every_reference_is_judged(kind, law):
     assert isinstance(warnings_for(settle(scenario, law)), tuple)
 
 
+@pytest.mark.slow
 def test_stability_is_told_by_two_keys_alone():
     """So that tests of other keys need not ask for it."""
     robots = [name for name in preset_names() if not load_scenario(name).takes_velocity]

@@ -58,6 +58,7 @@ def test_tolerance_must_make_sense(wmr, saved, tolerance):
     assert "tolerance" in found.stderr
 
 
+@pytest.mark.slow
 def test_laws_stand_side_by_side_as_single_runs_have_them(wmr, tmp_path):
     short = ("--set", "clock.duration=0.2", "--set", "metrics.split=0.1")
     files = ("--plot", tmp_path / "laws.png", "--animate", tmp_path / "laws.html")

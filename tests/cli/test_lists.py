@@ -79,6 +79,7 @@ def test_printed_scenario_explains_every_number(wmr):
     assert all("# " in line for line in numbers)
 
 
+@pytest.mark.slow
 def test_printed_gains_give_the_same_run(wmr, short_run, tmp_path):
     file = tmp_path / "my.toml"
     file.write_text(wmr("scenarios", "paper-simulation", "--complete").stdout)
@@ -116,6 +117,7 @@ def test_laws_as_json(wmr):
     assert [entry["name"] for entry in listed] == list(LAWS)
 
 
+@pytest.mark.slow
 def test_check_answers_first_and_on_one_screen(wmr):
     found = wmr("check", "paper-experiment-literal", "--law", "all")
     lines = found.stdout.splitlines()
@@ -204,12 +206,14 @@ def flat(text: str) -> str:
         ("--no-guard", "are not guaranteed. --guard would guarantee them."),
     ],
 )
+@pytest.mark.slow
 def test_check_says_what_is_promised(wmr, guard, said):
     short = ("--set", "clock.duration=2", "--law", "kanayama")
 
     assert said in flat(wmr("check", "safe-simulation", guard, *short).stdout)
 
 
+@pytest.mark.slow
 def test_check_says_why_the_guard_would_be_refused(wmr):
     weak = ("--set", "actuator.tau_max=1", "--set", "clock.duration=2", "--law", "kanayama")
 
@@ -217,6 +221,7 @@ def test_check_says_why_the_guard_would_be_refused(wmr):
     assert "--guard is refused: guard: the wheels cannot hold the robot" in said
 
 
+@pytest.mark.slow
 def test_check_has_every_finding_by_its_name(wmr, monkeypatch):
     """What is found of the same laws is worked out once: asked is how it is told."""
     find, found = check_answers.find_answers, {}
@@ -253,6 +258,7 @@ def test_only_filter_lists_what_is_asked_of_its_numbers(monkeypatch):
     assert [item.key for item in check_answers.about(None, "guard")] == ["guard"]
 
 
+@pytest.mark.slow
 def test_check_says_what_concerns_all_laws_once(wmr):
     weak = ("--law", "pid,smc", "--set", "actuator.tau_max=1", "-v")
     found = wmr("check", "paper-simulation", *weak).stdout
@@ -261,6 +267,7 @@ def test_check_says_what_concerns_all_laws_once(wmr):
     assert found.index("all laws") < found.index("actuator.tau_max = 1") < found.index("\npid\n")
 
 
+@pytest.mark.slow
 def test_check_runs_no_law_for_longer_than_it_says(wmr, monkeypatch):
     monkeypatch.setattr(check_answers, "MOST_STEPS", 20_000)
     said = wmr("check", "paper-simulation-no-switch", "--law", "pid").stdout
@@ -271,6 +278,7 @@ def test_check_runs_no_law_for_longer_than_it_says(wmr, monkeypatch):
     assert load_scenario("paper-simulation").clock.duration == 80.0
 
 
+@pytest.mark.slow
 def test_check_of_one_law_without_objection(wmr):
     found = wmr(
         "check", "paper-simulation-nominal", "--set", "actuator.tau_max=10", "--law", "mb"
@@ -296,6 +304,7 @@ def test_check_as_json(wmr):
     assert "reference" in {warning["key"] for warning in law["warnings"]}
 
 
+@pytest.mark.slow
 def test_check_runs_each_law_once(wmr):
     late = ("--set", "clock.control=0.05", "--set", "actuator.delay=0.05")
     command = ("check", "safe-simulation", "--law", "prox, kanayama", *late)
@@ -311,6 +320,7 @@ def test_check_runs_each_law_once(wmr):
     assert max(map(len, text.splitlines())) <= 80
 
 
+@pytest.mark.slow
 def test_check_shows_what_the_guard_counts_on_and_leaves(wmr):
     narrow = ("--set", "limits.v_u1=1,0.11", "--set", "limits.v_u2=0.8,0.105")
     command = ("check", "safe-simulation", "--law", "prox", *narrow)
@@ -359,6 +369,7 @@ def test_check_takes_overrides(wmr):
         ("laws",),
     ],
 )
+@pytest.mark.slow_but("command1", "command2", "command3")
 def test_no_width_loses_a_letter(wmr, monkeypatch, command):
     letters = Counter(filter(str.isalnum, wmr(*command).stdout))
     for columns in ("20", "40", "60", "200"):

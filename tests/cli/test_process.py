@@ -49,6 +49,7 @@ def test_the_package_is_the_program_too(environment, tmp_path):
 
 
 @pytest.mark.parametrize("args", [("run", "--law", "mbb"), ("--bogus",), ("run", "no.toml")])
+@pytest.mark.slow_but("args1")
 def test_errors_are_exit_code_2_without_traceback(program, args):
     done = program(*args)
 
@@ -58,6 +59,7 @@ def test_errors_are_exit_code_2_without_traceback(program, args):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_printed_scenario_runs(program, tmp_path):
     (tmp_path / "my.toml").write_text(program("scenarios", "far-start", "--toml").stdout)
     done = program("run", "my.toml", "--engine", "numpy", "--set", "clock.duration=0.1", "--json")
@@ -69,6 +71,7 @@ def test_printed_scenario_runs(program, tmp_path):
 @pytest.mark.parametrize(
     "args", [("scenarios", "far-start"), ("laws",), ("check", "far-start", "--law", "pid")]
 )
+@pytest.mark.slow_but("args1")
 def test_reader_that_leaves_early_is_no_error(started, args):
     process = started(*args, stdout=PIPE)
     process.stdout.close()
@@ -107,6 +110,7 @@ SHOWN = (0.0, 0.09, 0.24, 0.45)
     "seconds",
     [pytest.param(x, marks=[] if x in SHOWN else pytest.mark.slow) for x in MOMENTS],
 )
+@pytest.mark.slow_but("0.0", "0.09")
 def test_interruption_of_the_imports_is_no_traceback(environment, tmp_path, seconds):
     line = (sys.executable, "-c", SAY, "run", "--engine", "numpy", "--set", "clock.duration=4000")
     process = subprocess.Popen(

@@ -36,6 +36,7 @@ def test_json_is_the_summary_of_the_saved_run(short_run, tmp_path):
     assert (document["law"], document["seed"], document["engine"]) == ("nn", 3, "numpy")
 
 
+@pytest.mark.slow
 def test_native_and_numpy_engines_print_the_same_figures(wmr):
     common = ("run", "--set", "clock.duration=0.2", "--json", "--law", "mb")
     native, numpy = (json.loads(wmr(*common, "--engine", e).stdout) for e in ("native", "numpy"))
@@ -74,6 +75,7 @@ def test_a_limit_is_broken_where_the_outcome_says_so_and_kept_as_long_as_it_ran(
     (("--set", "disturbance.push=20,5", "--set", "guard.dbar=0,0", "--set", "robot.mu=0"),
      "BEYOND dbar 0 N, 0 N m"),
 ])  # fmt: skip
+@pytest.mark.slow_but("options0-within dbar 60 N, 15 N m")
 def test_table_puts_the_least_disturbance_beside_its_bound(short_run, options, told):
     found = short_run("paper-simulation", "--law", "mb", "-v", *options)
 
@@ -102,6 +104,7 @@ def test_warnings_precede_the_run_on_stderr_in_one_line(short_run):
     assert max(map(len, found.stderr.splitlines())) <= 80
 
 
+@pytest.mark.slow
 def test_only_what_is_objected_to_is_called_a_warning(wmr, short_run):
     setup = settle(load_scenario("paper-simulation"), "nn")
     heard = " ".join(short_run("paper-simulation", "--law", "nn").stderr.split())
@@ -119,6 +122,7 @@ def test_only_what_is_objected_to_is_called_a_warning(wmr, short_run):
     assert "warning: " not in prox
 
 
+@pytest.mark.slow
 def test_outcome_never_decides_the_exit_code(short_run):
     found = short_run("outside-start", "--json")
 
@@ -134,6 +138,7 @@ def test_saved_run_loads(short_run, tmp_path, suffix):
     assert load_run(tmp_path / f"a{suffix}").rows == 20
 
 
+@pytest.mark.slow
 def test_overrides_reach_the_run(short_run, tmp_path):
     short_run("paper-simulation", "--set", "clock.control=0.02", "--set", "robot.m = 60",
               "--out", tmp_path / "a.npz")  # fmt: skip
@@ -143,6 +148,7 @@ def test_overrides_reach_the_run(short_run, tmp_path):
     assert "m = 60.0" in run.provenance["scenario_toml"]
 
 
+@pytest.mark.slow
 def test_scenario_of_a_file(short_run, tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text('extends = "paper-simulation-nominal"\n[robot]\nm = 70.0\n')
@@ -159,6 +165,7 @@ def test_seed_changes_the_noise_only(short_run):
     assert first(1)["provenance"] == first(2)["provenance"]
 
 
+@pytest.mark.slow
 def test_pictures_are_drawn_after_the_run(short_run, tmp_path):
     names = ("a.svg", "a.html")
     found = short_run(
@@ -199,6 +206,7 @@ def test_several_laws_are_a_study(wmr):
 @pytest.mark.parametrize(
     ("options", "guard"), [((), False), (("--guard",), True), (("--no-guard",), False)]
 )
+@pytest.mark.slow_but("options1-True")
 def test_guard_is_switched_by_an_option(short_run, options, guard):
     command = ("far-start", "--law", "mb", "--json", *options)
     counted = json.loads(short_run(*command).stdout)["guard"]
@@ -206,6 +214,7 @@ def test_guard_is_switched_by_an_option(short_run, options, guard):
     assert (counted is not None) is guard
 
 
+@pytest.mark.slow
 def test_a_saved_run_is_shown_drawn_and_converted_without_a_simulation(wmr, short_run, tmp_path):
     first = short_run("paper-simulation", "--out", tmp_path / "run.npz", "--json")
     again = wmr(

@@ -55,6 +55,7 @@ def random_graph(name: str, seed: int) -> Kernel:
     ("native", "count"),
     [(False, 3), *(pytest.param(native, 12, marks=pytest.mark.slow) for native in (False, True))],
 )
+@pytest.mark.slow
 def test_random_graphs_equal_their_instructions_to_the_bit(native: bool, count: int) -> None:
     kernels = [random_graph(f"random{seed}", seed) for seed in range(count)]
     draw = np.random.default_rng(1)
@@ -87,6 +88,7 @@ def network(lanes: int = 8) -> Kernel:
 
 
 @pytest.mark.parametrize("lanes", [8, 16])
+@pytest.mark.slow_but("8")
 def test_loops_equal_their_instructions_to_the_bit(lanes: int) -> None:
     item = network(lanes)
     step, wanted = compiled([item])[0], machine(item)
@@ -105,6 +107,7 @@ def test_networks_become_short_loops() -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
+@pytest.mark.slow_but("0", "3")
 def test_runs_of_any_shape_keep_their_values(seed: int) -> None:
     """Shuffled, shifted and reversed operands; runs that read results of other runs."""
     draw = np.random.default_rng(seed)
@@ -197,6 +200,7 @@ def test_repeated_division_by_a_parameter_is_multiplication() -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
+@pytest.mark.slow
 def test_prepared_kernels_have_the_bits_of_whole_ones(seed: int) -> None:
     """Half of a random graph's inputs are parameters: what they make alone is made beforehand."""
     graph = random_graph(f"prepared{seed}", seed)

@@ -85,6 +85,7 @@ def test_what_is_too_large_is_refused_and_leaves_no_trace(
 
 
 @pytest.mark.parametrize("law", NAMES)
+@pytest.mark.slow_but("nn")
 def test_what_is_just_small_enough_leaves_a_sound_memory(law: str, tmp_path: Path) -> None:
     """The largest inputs that are taken, in all mixtures, many times; then good ones again."""
     one, draw = Packaged(law, tmp_path, False, False), np.random.default_rng(0)

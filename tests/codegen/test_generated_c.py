@@ -70,6 +70,7 @@ def assert_near(ours: list[np.ndarray], theirs: list[np.ndarray]) -> None:
 
 
 @every_law
+@pytest.mark.slow_but("mb", "prox")
 def test_c_equals_the_virtual_machine(law: str) -> None:
     """To 1e-13 per step, all regions, both signs, boundaries."""
     item = watched_controller(settled(law))
@@ -82,6 +83,7 @@ def test_c_equals_the_virtual_machine(law: str) -> None:
 
 
 @every_law
+@pytest.mark.slow_but("prox")
 def test_a_logged_sample_equals_the_virtual_machine(law: str) -> None:
     """Reference, sensors, diagnostics and all, from such states."""
     loop, p = program_of(settled(law)).loop, np.array(build_loop(settled(law)).parameters[0])
@@ -101,6 +103,7 @@ def test_a_logged_sample_equals_the_virtual_machine(law: str) -> None:
 
 @every_law
 @pytest.mark.parametrize("hostile", [1e308, -1e308, 5e-324, -0.0, 1e150])
+@pytest.mark.slow_but("1e+308-mb", "1e+308-nn", "-1e+308-prox")
 def test_hostile_values_never_give_nan_where_the_law_is_defined(law: str, hostile: float) -> None:
     """Positions anywhere; the velocity stays inside the limit."""
     item, step = watched_controller(settled(law)), compiled(law, "controller")
@@ -141,6 +144,7 @@ def test_choices_are_merged_and_nothing_unused_is_left() -> None:
 
 @pytest.mark.parametrize("lanes", [0, 4])
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.slow_but("gcc-0")
 def test_sources_compile_without_a_warning(compiler: str, lanes: int, tmp_path: Path) -> None:
     if not shutil.which(compiler):
         pytest.skip(f"NOT RUN: {compiler} is not on this machine")

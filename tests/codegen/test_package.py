@@ -58,6 +58,7 @@ def written(law: str, folder: Path, float32: bool, guarded: bool = False) -> Non
     ("law", "float32", "guarded", "compiler"),
     turns(headed("nn", NAMES), [False, True], [False, True], ["gcc", "clang"]),
 )
+@pytest.mark.slow_but("nn-False-False-gcc")
 def test_vectors_pass_and_nothing_warns(
     law: str, float32: bool, guarded: bool, compiler: str, tmp_path: Path
 ) -> None:
@@ -77,6 +78,7 @@ def test_vectors_pass_and_nothing_warns(
     ("law", "language", "float32"),
     turns(headed("nn", NAMES), tuple(LANGUAGES), [False, True], shown=4),
 )
+@pytest.mark.slow_but("pid-gcc-c99-False", "mb-clang-c99-False")
 def test_it_is_c_and_cpp_for_every_compiler(
     law: str, language: str, float32: bool, tmp_path: Path
 ) -> None:
@@ -85,6 +87,7 @@ def test_it_is_c_and_cpp_for_every_compiler(
 
 
 @every_kind
+@pytest.mark.slow_but("pid-True-False")
 def test_a_microcontroller_takes_it(law: str, float32: bool, guarded: bool, tmp_path: Path) -> None:
     needs(measured.COMPILER)
     written(law, tmp_path, float32, guarded)
@@ -105,6 +108,7 @@ def test_a_microcontroller_takes_it(law: str, float32: bool, guarded: bool, tmp_
 
 
 @every_kind
+@pytest.mark.slow_but("pid-True-False")
 def test_documented_footprint_holds(law: str, float32: bool, guarded: bool, tmp_path: Path) -> None:
     """Renew by ``python -m tests.codegen.measured`` and look at the difference."""
     needs(measured.COMPILER)
@@ -120,6 +124,7 @@ def test_documented_footprint_holds(law: str, float32: bool, guarded: bool, tmp_
 
 @pytest.mark.parametrize("preset", measured.ROBOTS)
 @pytest.mark.parametrize("law", quick(NAMES, "prox"))
+@pytest.mark.slow
 def test_documented_footprint_of_a_robots_package_holds(
     law: str, preset: str, tmp_path: Path
 ) -> None:
@@ -137,6 +142,7 @@ def test_documented_footprint_of_a_robots_package_holds(
 
 
 @pytest.mark.parametrize("name", measured.FILTERS)
+@pytest.mark.slow_but("clip", "governor, delay of 0 to 30 ms")
 def test_documented_footprint_of_a_filter_holds(name: str, tmp_path: Path) -> None:
     needs(measured.COMPILER)
     found = measured.filter_sizes(name, False, tmp_path)
@@ -168,6 +174,7 @@ def test_committed_copy_is_what_is_generated(law: str, float32: bool) -> None:
 
 
 @pytest.mark.parametrize(("law", "float32"), measured.COPIES)
+@pytest.mark.slow_but("mb-False", "nn-True")
 def test_committed_copy_passes_its_own_check(law: str, float32: bool, tmp_path: Path) -> None:
     needs("cc")
     shutil.copytree(measured.GOLDEN / footprint_key(law, float32), tmp_path / "copy")
@@ -187,6 +194,7 @@ def test_cmake_builds_it_and_its_test_passes(tmp_path: Path) -> None:
 
 @every_law
 @either
+@pytest.mark.slow_but("plain-prox", "guarded-nn")
 def test_every_member_says_unit_and_meaning(law: str, guarded: bool) -> None:
     files = package_files(law, load_scenario(measured.SCENARIOS[guarded]), float32=True)
     members = [
@@ -212,6 +220,7 @@ def test_one_file_that_cannot_be_written_leaves_none_of_the_others(tmp_path: Pat
 @pytest.mark.parametrize(
     "name", ["two\nlines", "a */ int x; /*", 'a "b" \\', "a ```\n# b", "<b>&", "a\u2028b"]
 )
+@pytest.mark.slow_but("a */ int x; /*", "a\\u2028b")
 def test_a_name_of_a_scenario_stands_in_comments_alone(name: str) -> None:
     plain, named = (package_files("mb", replace(SCENARIO, name=each)) for each in ("wmr", name))
     assert sum(plain[file] != named[file] for file in plain) == 2

@@ -157,6 +157,7 @@ def test_named_compiler_may_have_arguments(fake, monkeypatch):
 
 
 @needs_zig
+@pytest.mark.slow
 def test_zig_is_used_where_path_has_no_compiler(zig_cache, tmp_path, monkeypatch):
     hide_compilers(monkeypatch, zig=False)
     monkeypatch.setenv("WMR_CTRL_CACHE", str(zig_cache))
@@ -172,6 +173,7 @@ def test_zig_is_used_where_path_has_no_compiler(zig_cache, tmp_path, monkeypatch
 
 
 @needs_zig
+@pytest.mark.slow
 def test_zig_cc_can_be_named_without_zig_on_path(zig_cache, monkeypatch):
     monkeypatch.setenv("WMR_CTRL_CC", "zig cc")
     monkeypatch.setenv("WMR_CTRL_CACHE", str(zig_cache))

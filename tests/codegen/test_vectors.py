@@ -56,6 +56,7 @@ RAMPED = ("turn", "turn_from", "slowest", "distance")
 
 @pytest.mark.parametrize("law", NAMES)
 @pytest.mark.parametrize("guarded", [False, True], ids=["plain", "guarded"])
+@pytest.mark.slow_but("plain-mb", "guarded-prox")
 def test_an_error_of_one_per_cent_in_any_number_is_seen(law: str, guarded: bool) -> None:
     scenario = load_scenario(SCENARIOS[guarded])
     system = controller(settle(scenario, law))
@@ -69,6 +70,7 @@ def test_an_error_of_one_per_cent_in_any_number_is_seen(law: str, guarded: bool)
 
 
 @pytest.mark.parametrize("law", NAMES)
+@pytest.mark.slow_but("mb", "prox")
 def test_the_guard_acts_in_some_samples_and_not_in_others(law: str) -> None:
     scenario = load_scenario(SCENARIOS[True])
     free = load_scenario(SCENARIOS[True], {"guard.enabled": False})

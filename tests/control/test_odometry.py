@@ -45,6 +45,7 @@ def ages_shown(scenario: Scenario, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("case", AGED)
+@pytest.mark.slow_but("late and lost")
 def test_the_age_that_is_told_is_that_of_the_velocity_that_is_shown(case: str) -> None:
     scenario = based(GOVERNED, **{key.replace(".", "__"): v for key, v in AGED[case].items()})
     shown, age = ages_shown(scenario, 200)
@@ -59,6 +60,7 @@ def test_the_age_that_is_told_is_that_of_the_velocity_that_is_shown(case: str) -
 
 
 @pytest.mark.parametrize("case", AGED)
+@pytest.mark.slow_but("late and lost")
 def test_odometry_that_is_late_or_lost_leaves_the_limit_kept(case: str) -> None:
     strong = {"kind": "velocity", "tau": [0.2, 0.25], "gain": [1.1, 1.1]}
     far = {**GOVERNED, **AGED[case], "base": strong, "initial.pose": [-2.0, -2.0, -0.7]}

@@ -69,6 +69,7 @@ def test_friction_only_slows_a_first_order_loop_down() -> None:
     assert speeds == pytest.approx(smooth, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_a_pi_loop_is_the_one_of_its_equation() -> None:
     """M v'' + kp v' + ki v = kp u' + ki u, whose step response is a sum over its poles."""
     pi = {**VELOCITY, "base": {"kind": "velocity", "loop": "pi"}}
@@ -83,6 +84,7 @@ def test_a_pi_loop_is_the_one_of_its_equation() -> None:
     assert speeds.max() > 1.1
 
 
+@pytest.mark.slow
 def test_antiwindup_takes_the_overshoot_behind_a_torque_limit() -> None:
     def peak(antiwindup: bool) -> float:
         base = {"kind": "velocity", "loop": "pi", "antiwindup": antiwindup}
@@ -110,6 +112,7 @@ def test_a_law_that_believes_another_time_constant_drives_another_way() -> None:
     assert np.abs(right["x"] - other["x"]).max() > 1e-3
 
 
+@pytest.mark.slow
 def test_both_engines_agree_with_governor_and_delay() -> None:
     late = based(
         GOVERNED,
@@ -137,6 +140,7 @@ def test_the_filter_keeps_the_limit_that_a_law_alone_breaks() -> None:
         assert (held["v_command"] <= held["v_asked"][:, 0] + 1e-12).all()
 
 
+@pytest.mark.slow
 def test_no_push_is_looked_for_and_none_is_told() -> None:
     """A least push of 0 would read as if one had been looked for."""
     counted = {**GOVERNED["filter"], "d": [0.05, 0.05]}
@@ -166,6 +170,7 @@ def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit
         settle(based({**far, "filter": less}), "kanayama")
 
 
+@pytest.mark.slow
 def test_figures_tell_how_often_the_filter_acted_with_and_without_a_log() -> None:
     scenario = based({**GOVERNED, "initial.pose": [-4.0, -4.0, -0.7], "gains.kanayama.share": 1.0})
     run = wmr_ctrl.simulate(scenario, "kanayama")
@@ -198,6 +203,7 @@ OVERSHOOTING: Mapping[str, Any] = {
 }
 
 
+@pytest.mark.slow
 def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> None:
     alone = wmr_ctrl.simulate(based({**OVERSHOOTING, "filter": {}}), "kanayama")
     assert alone.monitor.max_abs_v[0] > 1.05
@@ -347,6 +353,7 @@ def at_rest(
     return least
 
 
+@pytest.mark.slow
 def test_no_base_within_the_bounds_ends_slower_than_check_says() -> None:
     """By a base of the test's own, with odometry of age T; the weakest ends just there."""
     bounds = {"d": (0.05, 0.05), "odometry": (0.02, 0.02), "age": 0.05, "delay": (0.0, 0.03)}
@@ -424,6 +431,7 @@ def test_check_says_what_a_filter_of_wheels_leaves(kind: str, stated: Mapping[st
 
 
 @pytest.mark.parametrize(("kind", "least"), [("clip", 0.5), ("band", 0.98)])
+@pytest.mark.slow_but("clip-0.5")
 def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
     kind: str, least: float
 ) -> None:
@@ -457,6 +465,7 @@ def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
     assert (0.01 if kind == "clip" else -1e-6) < min(taken) <= max(taken) < 0.06
 
 
+@pytest.mark.slow
 def test_a_band_that_is_pushed_is_asked_for_long_enough() -> None:
     stated = {**OVERSHOOTING["filter"], "kind": "band", "friction": [0, 20], "push": [10, 0]}
     setup = settle(based({**OVERSHOOTING, "filter": stated}), "kanayama")
@@ -494,6 +503,7 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
 
 
 @pytest.mark.parametrize("name", BROKEN)
+@pytest.mark.slow_but("pi", "gain", "delay")
 def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name: str) -> None:
     changes, words = BROKEN[name]
     broken = based({**GOVERNED, **changes})
@@ -745,6 +755,7 @@ def test_and_what_the_clip_of_slow_commands_does(name: str) -> None:
         settle(based({**SLOW, **LEFT_OPEN[name]}), "kanayama")
 
 
+@pytest.mark.slow
 def test_slow_commands_count_on_losses_and_delays_that_are_stated() -> None:
     late = {**SLOW, "base.losses": 1, "base.delay": 0.02}
     with pytest.raises(ScenarioError, match=r"outside filter.delay"):

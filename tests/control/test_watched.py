@@ -50,6 +50,7 @@ def diagnostics(system: System) -> tuple[list[Any], list[Any]]:
 
 
 @pytest.mark.parametrize(("law", "drive"), turns(tuple(LAWS), tuple(DRIVES), shown=1))
+@pytest.mark.slow
 def test_generated_c_gives_the_same_torques_to_the_bit(law: str, drive: str) -> None:
     """Over samples in a row, with and without the diagnostics computed beside them."""
     scenario = scenario_of(drive)
@@ -72,6 +73,7 @@ def test_generated_c_gives_the_same_torques_to_the_bit(law: str, drive: str) -> 
 
 
 @every_law
+@pytest.mark.slow_but("mb")
 def test_the_unwatched_law_repeats_a_native_run_to_the_bit(law: str) -> None:
     scenario = scenario_of("limited")
     system, run = controller(settle(scenario, law)), simulate(scenario, law, seed=3)
@@ -85,6 +87,7 @@ def test_the_unwatched_law_repeats_a_native_run_to_the_bit(law: str) -> None:
 
 
 @every_twin
+@pytest.mark.slow_but("mb", "nn")
 def test_twins_do_not_feel_the_monitor(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
     watched = oracle.simulate(scenario_of(), law, seed=3)
     monkeypatch.setattr(VelocityGuard, "watch", lambda *_: None)
@@ -97,6 +100,7 @@ def test_twins_do_not_feel_the_monitor(law: str, monkeypatch: pytest.MonkeyPatch
 
 
 @every_law
+@pytest.mark.slow_but("mb", "prox")
 def test_a_guarded_controller_is_watched_anyway(law: str) -> None:
     scenario = load_scenario("safe-simulation")
     plain, watched = (build(settle(scenario, law)) for build in (controller, watched_controller))
@@ -108,6 +112,7 @@ def test_a_guarded_controller_is_watched_anyway(law: str) -> None:
 
 
 @every_law
+@pytest.mark.slow_but("mb")
 def test_the_monitor_comes_last(law: str) -> None:
     """State and diagnostics: the law's own first, as they were; then tau_applied, then watching."""
     scenario = scenario_of()

@@ -17,6 +17,7 @@ from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.mark.parametrize("engine", ["native", "numpy"])
+@pytest.mark.slow_but("numpy")
 def test_a_wheel_beyond_its_limit_is_an_outcome(engine: str) -> None:
     """By each engine; every step is logged, but the last. With a limit above it the run is well."""
     stated = {**VELOCITY, "clock.control": 0.01, "clock.plant": 0.01, "clock.duration": 2.0}

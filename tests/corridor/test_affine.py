@@ -76,6 +76,7 @@ def test_an_input_that_is_no_number_leaves_none(place, part, amiss):
         assert not np.isfinite(radius_of(AffineGraph(X, output)(**given))[0, place])
 
 
+@pytest.mark.slow
 def test_threads_share_a_graph_and_not_its_boxes():
     graph, rng = AffineGraph(X, ca.vertcat(*GRAPHS.values())), np.random.default_rng(7)
     center = rng.normal(size=(8, 2000, 3)) * 0.3

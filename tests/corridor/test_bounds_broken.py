@@ -12,6 +12,7 @@ from wmr_ctrl.world.scenario import load_scenario, override
 
 
 @pytest.mark.parametrize("law", ["prox", "mb"])
+@pytest.mark.slow
 def test_a_push_a_fifth_beyond_its_bound_leaves_the_corridor(law):
     scenario = load_scenario("safe-simulation")
     tube = find_corridor(scenario, law)
@@ -19,6 +20,7 @@ def test_a_push_a_fifth_beyond_its_bound_leaves_the_corridor(law):
     assert farthest(scenario, law, 300, 3.0, times=1.2).position > tube.position
 
 
+@pytest.mark.slow
 def test_a_mass_a_fifth_beyond_its_interval_leaves_it_and_none_within():
     """Pushes are small, so that what the law believes of the mass is what counts."""
     told = {
@@ -36,6 +38,7 @@ def test_a_mass_a_fifth_beyond_its_interval_leaves_it_and_none_within():
     assert reached(65.0, 7.0) <= tube.position < reached(1.2 * 65.0, 1.2 * 7.0)
 
 
+@pytest.mark.slow
 def test_a_start_a_fifth_beyond_what_is_named_leaves_it_and_none_within():
     alone = {"corridor.start": [1e-3, 1e-3, 5e-3], "disturbance.std": 0.0}
     scenario = override(load_scenario("safe-simulation"), alone)
@@ -47,6 +50,7 @@ def test_a_start_a_fifth_beyond_what_is_named_leaves_it_and_none_within():
     assert tube.position / 1.1 < within <= tube.position < beyond
 
 
+@pytest.mark.slow
 def test_a_fifth_more_lost_poses_than_are_stated_leave_it_and_as_many_do_not():
     case = reckoned_for_long(300)
     tube = find_corridor(case.scenario, case.law)

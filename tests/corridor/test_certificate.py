@@ -47,6 +47,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
+@pytest.mark.slow_but("prox, 10 ms")
 def test_no_adversary_leaves_the_corridor_and_some_come_near(case):
     preset, law, changes, samples, loose = CASES[case]
     scenario = override(load_scenario(preset), changes)
@@ -63,6 +64,7 @@ def test_no_adversary_leaves_the_corridor_and_some_come_near(case):
 
 
 @pytest.mark.parametrize("robot", [(40.0, 4.3), (65.0, 7.0)])
+@pytest.mark.slow
 def test_another_mass_than_the_law_believes_in_is_one_force_with_a_sign(robot):
     wrong = {**dict(zip(("robot.m", "robot.I"), robot, strict=True)), "changes": []}
     believed = {"model.m": 50.0, "model.I": 5.4, "model.mu": 0.08}
@@ -76,6 +78,7 @@ def test_another_mass_than_the_law_believes_in_is_one_force_with_a_sign(robot):
 
 @pytest.mark.parametrize("whole", [False, True])
 @pytest.mark.parametrize("bent", ["not", "a kink", "a jump"])
+@pytest.mark.slow
 def test_a_law_that_has_a_kink_where_the_robot_may_be_is_refused(bent, whole):
     """Neither has a second derivative."""
     shapes = {"not": lambda w: 0 * w, "a kink": lambda w: ca.fmax(w, 0.11),
@@ -99,6 +102,7 @@ def test_a_law_that_has_a_kink_where_the_robot_may_be_is_refused(bent, whole):
 FILTERED = {"guard.enabled": False, "disturbance.std": 0.06, "sensor.pose_noise": 0.0}
 
 
+@pytest.mark.slow
 def test_poses_that_are_corrected_in_part_are_counted_with_their_dead_reckoning():
     pushed = override(load_scenario("safe-experiment"), FILTERED)
     misled = override(pushed, {"disturbance.std": 0.0, "sensor.pose_noise": 1e-3})
@@ -116,6 +120,7 @@ def test_poses_that_are_corrected_in_part_are_counted_with_their_dead_reckoning(
     ("kind", "noise"),
     [("pose", {"sensor.pose_noise": 1e-3}), ("velocity", {"sensor.velocity_noise": [2e-3, 5e-3]})],
 )
+@pytest.mark.slow
 def test_so_do_errors_of_measurements_and_none_within_it(kind, noise):
     alone = {**noise, "disturbance.std": 0.0, "guard.enabled": False}
     scenario = override(load_scenario("safe-simulation"), alone)
@@ -127,6 +132,7 @@ def test_so_do_errors_of_measurements_and_none_within_it(kind, noise):
     assert tube.position / 1.2 < within <= tube.position < beyond
 
 
+@pytest.mark.slow
 def test_a_first_velocity_that_is_off_is_counted_though_the_observer_knows_of_none_before():
     """The worst errors of 44 samples behind a first one, for which alone the answer is another."""
     size, samples, first = 1e-4, 44, 2
@@ -152,6 +158,7 @@ def test_a_first_velocity_that_is_off_is_counted_though_the_observer_knows_of_no
     assert tube.position_late < reached <= tube.position < 1.15 * reached
 
 
+@pytest.mark.slow
 def test_every_peak_holds_for_every_error_at_every_plant_step():
     """Not the distance alone: each component of the box, under pushes for any direction."""
     scenario = load_scenario("safe-simulation")
@@ -163,6 +170,7 @@ def test_every_peak_holds_for_every_error_at_every_plant_step():
     assert (np.max(each, axis=0)[:2] >= (0.95, 0.7) * box[:2]).all()
 
 
+@pytest.mark.slow
 def test_late_drives_start_with_the_torque_that_friction_takes_and_the_words_say_so():
     changes = {"guard.enabled": False, "disturbance.std": 0.05}
     scenario = override(load_scenario("safe-simulation"), changes)
@@ -176,6 +184,7 @@ def test_late_drives_start_with_the_torque_that_friction_takes_and_the_words_say
     assert words not in find_corridor(scenario, "prox").sentence
 
 
+@pytest.mark.slow
 def test_errors_of_the_position_are_counted():
     scenario = override(load_scenario("safe-simulation"), {"sensor.pose_noise": 1e-3})
     tube, samples, rng = find_corridor(scenario, "prox"), 200, np.random.default_rng(1)
@@ -189,6 +198,7 @@ def test_errors_of_the_position_are_counted():
     assert max(reached) <= tube.position
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_displaced_within_the_start_stays_within_the_corridor():
     start = (0.002, 0.002, 0.02)
     scenario = override(load_scenario("safe-simulation"), {"corridor.start": start})
@@ -223,6 +233,7 @@ def test_a_start_too_far_off_is_refused_with_the_largest_share_that_closes(chang
         assert (tube_there.position is not None) == closes
 
 
+@pytest.mark.slow
 def test_of_masses_in_an_interval_each_keeps_within_one_corridor():
     told = {"guard.M_min": [48.0, 5.2], "guard.M_max": [52.0, 5.6], "corridor.cells": 2}
     told |= {"changes": []}
@@ -240,6 +251,7 @@ def test_of_masses_in_an_interval_each_keeps_within_one_corridor():
         assert farthest(override(scenario, corner), "prox", 100, 3.0).position <= tube.position
 
 
+@pytest.mark.slow
 def test_cells_that_are_too_coarse_are_refused_with_the_mass():
     scenario = override(load_scenario("safe-simulation"), {"corridor.cells": 1})
 
@@ -274,6 +286,16 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("words", REFUSED)
+@pytest.mark.slow_but(
+    "disturbance.truncate = inf",
+    "corrected in part",
+    "circles and lines alone",
+    "away from their limits",
+    "the effect encoder",
+    "counts a lag or late velocities",
+    "unstable",
+    "depends on the heading",
+)
 def test_what_is_not_covered_is_refused_by_name(words):
     preset, changes, law = REFUSED[words]
 
@@ -284,6 +306,7 @@ def test_what_is_not_covered_is_refused_by_name(words):
     assert words in tube.sentence
 
 
+@pytest.mark.slow
 def test_where_none_closes_it_says_for_which_share_one_would():
     scenario = override(load_scenario("safe-experiment"), EXACT_POSE)
     closes = find_corridor(scenario, "prox").closes
@@ -306,6 +329,7 @@ LESS = {
 
 
 @pytest.mark.parametrize("words", LESS)
+@pytest.mark.slow_but("leave out sensor.velocity_window = 0.02")
 def test_a_refusal_has_numbers_and_says_what_to_change(words, monkeypatch):
     monkeypatch.setattr(masses, "MOST_CELLS", 0)
     told = {"guard.enabled": "corridor.cells" in LESS[words], **LESS[words]}
@@ -353,6 +377,7 @@ def test_what_a_refusal_closes_with_is_the_share_of_all_that_disturbs():
     )
 
 
+@pytest.mark.slow
 def test_with_as_few_lost_poses_as_a_refusal_says_there_is_a_corridor():
     told = {"sensor.pose_dropout": 0.1, "corridor.losses": 1000}
     scenario = override(load_scenario("safe-simulation"), told)
@@ -368,6 +393,7 @@ LOST = {"sensor.pose_dropout": 0.1, "corridor.losses": 40}
 
 
 @pytest.mark.parametrize(("period", "more"), [(0.05, LOST), (0.08, LOST), (5.0, {})])
+@pytest.mark.slow
 def test_what_a_refusal_says_to_set_for_rare_poses_has_a_corridor(period, more):
     scenario = override(load_scenario("safe-simulation"), {"sensor.pose_period": period, **more})
     refused = find_corridor(scenario, "prox").refused
@@ -384,6 +410,7 @@ def test_without_ball_arithmetic_it_is_not_checked(monkeypatch):
     assert "NOT_CHECKED" in find_corridor(load_scenario("safe-simulation"), "prox").sentence
 
 
+@pytest.mark.slow
 def test_a_first_command_counts_from_the_measured_velocity():
     """Its change may be a_max T at most: what that velocity is off leaves the less of it."""
     changes = {

@@ -50,6 +50,7 @@ def test_what_the_linear_part_leaves_stays_below_its_bound(loop, name):
     assert np.max(left) > 0
 
 
+@pytest.mark.slow_but("prox")
 def test_the_linear_part_is_a_contraction_whose_rest_is_known(loop):
     gains = loop_gains(loop, np.zeros((len(loop.at), 1)), np.zeros(len(loop.names)))
 
@@ -61,6 +62,7 @@ def test_the_linear_part_is_a_contraction_whose_rest_is_known(loop):
 
 
 @pytest.mark.parametrize("place", range(5))
+@pytest.mark.slow_but("prox-3")
 def test_what_never_changes_brings_the_loop_as_far_as_is_said_and_no_further(loop, place):
     """Of what each plant step adds: summed step by step, in doubles."""
     added, size = np.zeros(len(loop.names)), len(loop.names)

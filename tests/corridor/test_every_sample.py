@@ -85,6 +85,9 @@ that of the torque in the run."""
 
 
 @pytest.mark.parametrize("case", CASES)
+@pytest.mark.slow_but(
+    "a fast path, poses in part", "from a standstill", "a base that takes velocities"
+)
 def test_a_bound_is_what_all_that_disturbs_leads_to_and_hardly_more(case):
     law, scenario, (position, heading, torque) = CASES[case]
     base, start = law == "kanayama", scenario.corridor.start
@@ -136,6 +139,7 @@ CIRCLES = {
 @pytest.mark.parametrize(
     "case", [pytest.param(x, marks=pytest.mark.slow) if x == "a base" else x for x in CIRCLES]
 )
+@pytest.mark.slow_but("prox")
 def test_on_a_circle_a_whole_run_is_bounded_by_what_holds_for_good(case):
     """A part of the bounds, up to a quarter, is what linear parts leave of the graphs."""
     law, scenario, shares = CIRCLES[case]
@@ -167,6 +171,7 @@ def test_boxes_of_secants_that_are_left_certify_nothing(monkeypatch):
     assert "may grow as large as what the loop corrects" in run_corridor(narrow, law).refused
 
 
+@pytest.mark.slow
 def test_a_run_that_a_limit_stops_is_refused_with_its_time_and_what_would_do():
     told = {"actuator.tau_max": 4.9, "disturbance.std": 0.1}
     weak = override(CASES["a robot that becomes heavier"][1], told)
@@ -201,6 +206,7 @@ def test_all_masses_of_a_cell_stay_within_its_bounds():
     assert (tube.course[0] / far).mean() == pytest.approx(1.44, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_dead_band_that_pushes_bring_commands_into_is_counted():
     law, scenario, _ = CIRCLES["a base"]
     short = override(scenario, {"clock.duration": 20 * 0.06, "filter.kind": "clip"})

@@ -39,6 +39,7 @@ SWINGING = {
 """A velocity that swings for long after each push."""
 
 
+@pytest.mark.slow
 def test_close_to_where_its_changes_feed_themselves_there_is_a_corridor_and_beyond_it_none():
     """The largest change of a command is 30 times what it is without jitter."""
     plain, tube, over = (
@@ -60,6 +61,7 @@ def test_a_fifth_more_jitter_leaves_it():
     assert not beyond.clipped
 
 
+@pytest.mark.slow
 def test_a_jitter_widens_it_and_waits_of_any_kind_stay_within():
     scenario, rng = simulated(actuator__jitter=0.004), np.random.default_rng(5)
     tube, plain = find_corridor(scenario, "prox"), find_corridor(simulated(), "prox")

@@ -23,6 +23,7 @@ def certifier():
     return Certifier(settle(load_scenario("safe-simulation"), "prox"))
 
 
+@pytest.mark.slow
 def test_what_holds_after_the_latch_comes_down_to_the_corridor(certifier):
     latch = latch_of(certifier, certifier.inputs)
     alone = certifier.tube(certifier.inputs).position
@@ -48,6 +49,7 @@ def test_no_sample_from_the_box_goes_farther_than_it_says(certifier):
         assert (np.abs(e).max(axis=0) <= most).all()
 
 
+@pytest.mark.slow
 def test_runs_that_keep_their_bounds_are_settled_and_stay():
     scenario = override(load_scenario("safe-simulation"), SHORT)
     latch = latch_of(*((c := Certifier(settle(scenario, "prox"))), c.inputs))
@@ -58,6 +60,7 @@ def test_runs_that_keep_their_bounds_are_settled_and_stay():
         assert off.max() < latch.position[1]
 
 
+@pytest.mark.slow
 def test_a_push_that_nobody_told_of_is_proved_to_have_been(monkeypatch, tmp_path):
     """An effect whose bound says that it does nothing; the run says that this was false."""
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", (SHOVE,))
@@ -80,6 +83,7 @@ def test_a_push_that_nobody_told_of_is_proved_to_have_been(monkeypatch, tmp_path
     assert simulate("safe-simulation", "prox", seed=3, overrides=shown).corridor_left == left
 
 
+@pytest.mark.slow
 def test_a_run_that_is_not_settled_yet_proves_nothing(monkeypatch):
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", (SHOVE,))
     early = {**SHORT, "shove.force": 300.0, "shove.start": 5.0, "shove.time": 0.5}

@@ -19,6 +19,7 @@ NOISY = {"disturbance.std": 0.0, "sensor.velocity_noise": [1e-3, 4e-3]}
 
 
 @pytest.mark.parametrize("times", [1, 4])
+@pytest.mark.slow
 def test_pushes_do_not_drive_it_out_whatever_poses_are_lost_up_to_the_bound(times):
     scenario, exact = simulated(lossy(times)), simulated()
     tube, rng = find_corridor(scenario, "prox"), np.random.default_rng(2)
@@ -46,6 +47,7 @@ def test_pushes_do_not_drive_it_out_whatever_poses_are_lost_up_to_the_bound(time
         ]),
     ],
 )  # fmt: skip
+@pytest.mark.slow
 def test_nor_do_late_commands_while_poses_are_lost(late, wait, law, times, loose):
     tube = find_corridor(simulated(late, lossy(times)), law)
     lag = {key: value for key, value in late.items() if key == "actuator.lag"}
@@ -60,6 +62,7 @@ def _each(apart):
     return np.arange(SAMPLES) % apart == apart - 1
 
 
+@pytest.mark.slow
 def test_over_any_number_of_samples_more_than_are_summed_up_cost_no_less():
     """Sums of more samples than have a row of their own are put together of those that have."""
     corridors = [find_corridor(simulated(lossy(times)), "prox").position for times in (5, 9, 12)]
@@ -92,6 +95,7 @@ def test_errors_of_velocities_add_up_while_poses_are_lost_and_beyond_the_bound_t
     assert within[1] <= tube.heading
 
 
+@pytest.mark.slow
 def test_a_pose_every_few_samples_is_as_many_that_are_lost():
     rare, lost = simulated({"sensor.pose_period": 0.03}), simulated(lossy(2))
     tube = find_corridor(rare, "prox")
@@ -101,6 +105,7 @@ def test_a_pose_every_few_samples_is_as_many_that_are_lost():
     assert tube.position / 1.2 <= reached[0] <= tube.position
 
 
+@pytest.mark.slow
 def test_where_hardly_any_pose_comes_it_is_refused_and_told_how_often_one_has_to():
     refused = find_corridor(simulated(NOISY, {"sensor.pose_period": 1000.0}), "prox").refused
 
@@ -119,6 +124,7 @@ def test_what_is_not_covered_is_refused_by_name(changes, why):
     assert why in find_corridor(simulated(changes), "prox", whole=True).refused
 
 
+@pytest.mark.slow
 def test_a_monitor_does_not_see_whether_poses_come():
     with pytest.raises(ScenarioError, match="rare or partly corrected poses"):
         corridor_monitor(simulated(lossy(1)), "prox")

@@ -59,6 +59,7 @@ def told(monitor, rows):
     return np.array(outputs)
 
 
+@pytest.mark.slow
 def test_it_tells_when_the_corridor_begins_to_hold_and_that_it_was_left(monitor, shoved):
     run, left = shoved
     held, gone, most, distance = told(monitor, given(monitor, run)[1]).T
@@ -73,6 +74,7 @@ def test_it_tells_when_the_corridor_begins_to_hold_and_that_it_was_left(monitor,
     assert (np.diff(most[since + 1 :]) <= 0).all()
 
 
+@pytest.mark.slow
 def test_a_robot_that_only_passes_near_its_path_is_not_held(monitor, shoved):
     _, rows = given(monitor, shoved[0])
     K = int(next(p.value[0] for p in monitor.params if p.signal.name == "corridor.samples"))
@@ -99,6 +101,7 @@ def test_what_is_measured_amiss_leaves_less_of_the_box_and_more_of_the_distance(
     assert numbers["corridor.position"] - latch.position == pytest.approx(pose, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_as_c_it_tells_the_same(monitor, shoved, tmp_path):
     _, rows = given(monitor, shoved[0])
     files = files_of(CORRIDOR, monitor, CASE)
@@ -133,6 +136,7 @@ def test_its_example_ends_as_it_says(monitor, tmp_path):
 
 
 @pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.slow
 def test_as_an_fmu_it_tells_the_same(version, monitor, shoved, tmp_path):
     fmpy = pytest.importorskip("fmpy")
     from fmpy.validation import validate_fmu
@@ -162,6 +166,7 @@ def test_as_an_fmu_it_tells_the_same(version, monitor, shoved, tmp_path):
         ({}, "kanayama", "that a monitor cannot see"),
     ],
 )
+@pytest.mark.slow
 def test_what_cannot_be_watched_is_refused(case, law, words):
     with pytest.raises(ScenarioError, match=words):
         corridor_monitor(override(load_scenario("safe-simulation"), case), law)

@@ -30,6 +30,7 @@ DEAR = set(BASES) - {"pushes", "velocities"}
 @pytest.mark.parametrize(
     "case", [pytest.param(x, marks=pytest.mark.slow) if x in DEAR else x for x in BASES]
 )
+@pytest.mark.slow
 def test_no_adversary_leaves_the_corridor_but_with_a_fifth_more_it_does(case):
     (scenario, law, farthest), loose = attack_on_base(case), LOOSE.get(case, 1.1)
     tube, within, beyond = find_corridor(scenario, law), farthest(1.0), farthest(1.2)
@@ -41,6 +42,7 @@ def test_no_adversary_leaves_the_corridor_but_with_a_fifth_more_it_does(case):
     assert "commands of that speed under way" in tube.sentence
 
 
+@pytest.mark.slow
 def test_every_peak_holds_and_a_command_that_is_rounded_or_not_heard_is_counted():
     told = {"base.quantum": [0.002, 0.01], "base.deadband": [0.02, 0.02], "filter.kind": "clip"}
     rough = burger(QUIET, told, {"reference.rate": 0.15})
@@ -72,6 +74,7 @@ def test_along_a_figure_of_eight_from_a_base_to_which_nothing_was_sent():
     assert "with no command under way," in tube.sentence
 
 
+@pytest.mark.slow
 def test_it_starts_with_commands_under_way_and_an_observer_that_knows_of_them():
     """Without commands under way the robot falls behind, which is not counted and is said."""
     scenario = burger(QUIET, WIDE)
@@ -96,6 +99,7 @@ def test_it_starts_with_commands_under_way_and_an_observer_that_knows_of_them():
         ({"limits.v_u1": [0.174, 2.84], "limits.v_u2": [0.165, 2.2]}, "the filter's limit (v)"),
     ],
 )  # fmt: skip
+@pytest.mark.slow_but("changes0-actuator.tau_max", "changes1-command loss", "changes2-command jerk")
 def test_what_is_not_covered_is_refused_by_name(changes, why):
     tube = find_corridor(burger(PUSHED, changes), "kanayama")
 
@@ -141,6 +145,7 @@ def test_a_base_that_takes_velocities_has_no_monitor():
         corridor_monitor(burger(PUSHED), "kanayama")
 
 
+@pytest.mark.slow
 def test_a_run_that_begins_without_commands_under_way_has_the_band_of_the_whole_run():
     """The corridor for good begins with commands of the reference's speed, which no run has."""
     scenario = burger({"clock.duration": 4.0})
@@ -156,6 +161,7 @@ def test_a_run_that_begins_without_commands_under_way_has_the_band_of_the_whole_
     assert course_of_tube(run).max() == pytest.approx(most)
 
 
+@pytest.mark.slow
 def test_nothing_is_promised_of_obstacles_where_only_the_corridor_for_good_is_known():
     told = {"reference.keep_out": [[0.0, -0.3, 0.1]], "body.radius": 0.1,
             "base.accel": [2.0, 12.0], "disturbance.std": 2e-6, "disturbance.truncate": 3.0,
@@ -169,6 +175,7 @@ def test_nothing_is_promised_of_obstacles_where_only_the_corridor_for_good_is_kn
     assert "without a corridor of the run nothing is promised" in tube.sentence
 
 
+@pytest.mark.slow
 def test_a_ramp_behind_a_small_dead_band_has_a_corridor():
     """The change that a ramp may leave has room for what the dead band adds to it."""
     told = {"base.accel": [2.0, 12.0], "base.deadband": [0.005, 0.01], "filter.kind": "clip",
@@ -186,6 +193,7 @@ def test_a_ramp_behind_a_small_dead_band_has_a_corridor():
         pytest.param("clearpath-husky", "mb", marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.slow
 def test_a_ramp_that_nothing_disturbs_has_a_corridor_of_nearly_nothing(base, law):
     tube = find_corridor(load_scenario(base, EXACT), law)
 
@@ -193,6 +201,7 @@ def test_a_ramp_that_nothing_disturbs_has_a_corridor_of_nearly_nothing(base, law
     assert tube.position < 1e-9
 
 
+@pytest.mark.slow
 def test_a_dead_band_below_all_commands_of_a_run_is_not_counted_as_if_they_were_0():
     told = {"filter.kind": "clip", "reference.rate": 0.15, "base.deadband": [0.01, 0.02]}
     rough = burger(QUIET, told, {"clock.duration": 3.0})
@@ -206,6 +215,7 @@ def test_a_dead_band_below_all_commands_of_a_run_is_not_counted_as_if_they_were_
     assert missed.position is None or missed.position > 2 * plain.position
 
 
+@pytest.mark.slow
 def test_a_dead_band_that_is_too_wide_is_named_with_what_would_do():
     told = {"filter.kind": "clip", "base.deadband": [0.05, 0.4], "clock.duration": 3.0}
     path = {"reference.kind": "lemniscate", "reference.size": 1.0, "reference.rate": 0.1}

@@ -39,6 +39,7 @@ CASES = {
 
 
 @pytest.mark.parametrize(("law", "std"), [("prox", 1.0), ("mb", 1.0), ("kanayama", 0.5)])
+@pytest.mark.slow
 def test_a_set_that_stands_serves_for_many_samples_and_is_as_large(law, std, monkeypatch):
     """With a queue of commands, and without one."""
     told = {"clock.control": PERIOD, "clock.duration": 20.0, "changes": HEAVIER,
@@ -63,6 +64,7 @@ def test_a_set_that_stands_serves_for_many_samples_and_is_as_large(law, std, mon
 
 
 @pytest.mark.parametrize("case", CASES)
+@pytest.mark.slow
 def test_no_adversary_leaves_it_and_some_come_near(case):
     changes, until, loose = CASES[case]
     told = {"clock.control": PERIOD, "clock.duration": 12.0, **changes}
@@ -84,6 +86,7 @@ def test_no_adversary_leaves_it_and_some_come_near(case):
 
 
 @pytest.mark.parametrize("corner", [(1, 1, 1), (1, -1, 1), (-1, 1, 1), (1, 1, -1)])
+@pytest.mark.slow
 def test_a_run_that_begins_off_its_path_stays_within_what_is_said_of_each_sample(corner):
     """Nearly all of that is reached, by pushes that lead farthest soon after."""
     start = (0.003, 0.003, 0.02)
@@ -105,6 +108,7 @@ def test_a_run_that_begins_off_its_path_stays_within_what_is_said_of_each_sample
     assert 0.9 < max(shares) <= 1.0
 
 
+@pytest.mark.slow
 def test_a_push_beyond_its_bound_by_a_fifth_leaves_it_on_a_figure_of_eight():
     changes, until, _ = CASES["a figure of eight, where it is slowest"]
     told = {"clock.control": PERIOD, "clock.duration": 12.0, **changes}
@@ -128,6 +132,7 @@ STOPS = {
 
 
 @pytest.mark.parametrize("case", STOPS)
+@pytest.mark.slow
 def test_a_path_that_stops_has_a_corridor_that_no_adversary_leaves(case):
     changes, duration, until, loose = STOPS[case]
     told = {"clock.control": PERIOD, "clock.duration": duration, **SMOOTH, **changes}
@@ -147,6 +152,7 @@ def test_a_path_that_stops_has_a_corridor_that_no_adversary_leaves(case):
         assert max(beyond) > tube.position
 
 
+@pytest.mark.slow
 def test_a_lap_stands_for_those_that_follow_and_is_as_large(monkeypatch):
     told = {"clock.control": PERIOD, "clock.duration": 29.0, **SMOOTH, "robot.mu": 0.02,
             "disturbance.std": 0.2}  # fmt: skip
@@ -187,6 +193,7 @@ def test_no_more_laps_than_there_are_need_one_that_stands_for_others(monkeypatch
     assert first.share == pytest.approx(second.share, rel=0.01)
 
 
+@pytest.mark.slow
 def test_what_a_lap_does_not_end_in_is_followed_sample_by_sample(monkeypatch):
     """Where a set at the begin of a lap is not shown to hold that at its end."""
     told = {"clock.control": PERIOD, "clock.duration": 13.0, **SMOOTH, "disturbance.std": 0.2}
@@ -208,6 +215,7 @@ def test_what_a_lap_does_not_end_in_is_followed_sample_by_sample(monkeypatch):
         ({"actuator.tau_max": 12.0, "changes": HEAVIER}, "wheel may reach"),
     ],
 )
+@pytest.mark.slow
 def test_what_stops_it_is_named_with_its_time(changes, words):
     told = {"clock.control": PERIOD, "clock.duration": 6.0, "guard.enabled": False, **changes}
     tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=True)
@@ -331,6 +339,7 @@ def test_too_many_mass_histories_are_refused():
     assert "corridor.cells = 3 with changes needs 729 mass/inertia histories" in refused
 
 
+@pytest.mark.slow
 def test_what_stays_free_counts_on_the_corridor_that_there_is():
     """The whole run has none, with a friction that wheels cannot bear; until then there is one."""
     told = {"reference.keep_out": [[0.0, 2.0, 1.0]], "body.radius": 0.3,
@@ -342,6 +351,7 @@ def test_what_stays_free_counts_on_the_corridor_that_there_is():
 
 
 @pytest.mark.parametrize("whole", [False, True])
+@pytest.mark.slow_but("True")
 def test_a_law_that_predicts_is_refused_by_a_sentence(whole):
     told = {"guard.enabled": False, "actuator.delay": 0.02, "gains.prox.delay": 0.02}
     tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=whole)

@@ -53,6 +53,7 @@ def example(request, tmp_path, monkeypatch):
     del sys.modules[name]
 
 
+@pytest.mark.slow_but("my_law", "my_figure")
 def test_it_does_what_the_page_says(example):
     name, module = example
 

@@ -48,15 +48,18 @@ def here(name: str, float32: bool = False) -> str:
 
 
 @pytest.mark.parametrize("name", quick(FILTERS, *SHORT))
+@pytest.mark.slow_but("clip")
 def test_compilers_agree(name: str, tmp_path: Path) -> None:
     assert shown(HERE_NOW[2], name, tmp_path) == here(name)
 
 
 @pytest.mark.parametrize("name", quick(FILTERS, *SHORT))
+@pytest.mark.slow_but("clip")
 def test_compilers_agree_in_single_precision(name: str, tmp_path: Path) -> None:
     assert shown(HERE_NOW[2], name, tmp_path, float32=True) == here(name, float32=True)
 
 
+@pytest.mark.slow
 def test_filters_differ() -> None:
     names = ("clip", "governor", "band of 50 commands")
     digests = {here(name, single) for name in names for single in (False, True)}

@@ -52,6 +52,7 @@ def scenario(kind: str = "governor", **stated: object) -> Scenario:
 
 @pytest.mark.parametrize("world", WORLDS)
 @pytest.mark.parametrize("heard", [True, False])
+@pytest.mark.slow_but("True-delay of samples", "True-all", "False-samples that jitter", "False-all")
 def test_no_adversary_within_the_bounds_passes_the_limit(world, heard):
     base = Base(**WORLDS[world], heard=heard)
     worst = fastest(scenario(**WORLDS[world]), base, trials=60, samples=120)
@@ -74,11 +75,13 @@ def test_nor_in_many_more_trials(world, period):
 
 
 @pytest.mark.parametrize("bound", BROKEN)
+@pytest.mark.slow_but("push", "delay", "jitter")
 def test_each_bound_broken_breaks_the_limit(bound):
     assert fastest(scenario(), Base(**BROKEN[bound]), trials=60).max() > 1.0
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.005, 0.05])
+@pytest.mark.slow_but("0.005")
 def test_the_clip_holds_behind_any_chain_that_never_overshoots(lag):
     base = Base(second_lag=lag, delay=(0.0, 0.2), losses=3, jitter=0.02)
     assert fastest(scenario("clip"), base, trials=60).max() <= 1.0

@@ -42,6 +42,7 @@ def random_input(rng):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_whatever_comes_in_a_safe_command_leaves(gate):
     rng = np.random.default_rng(7)
     gate.start()

@@ -69,6 +69,7 @@ def test_one_that_is_told_that_all_was_sent_winds_up(law):
 
 @pytest.mark.parametrize("kind", ["clip", "governor"])
 @pytest.mark.parametrize("law", LAWS)
+@pytest.mark.slow_but("pursuit-governor")
 def test_from_far_away_it_comes_to_the_path_and_stays(law, kind):
     """The filter acts for seconds; then no law has more to undo than the way that is left."""
     far = {"initial__pose": [-6.0, -6.0, 2.5], "filter__kind": kind}

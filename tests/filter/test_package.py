@@ -197,6 +197,7 @@ def printed_by(program: str, folder: Path) -> list[str]:
         ("clip", True, {"scale": "axes"}),
     ],
 )
+@pytest.mark.slow_but("governor-True-stated1", "clip-False-stated2")
 def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_path):
     needs("gcc")
     written(tmp_path, kind, float32, **stated)
@@ -303,6 +304,7 @@ def expm1_of_floats(given: Floats, folder: Path) -> Floats:
     return np.frombuffer(done.stdout, dtype=np.float32).astype(float)
 
 
+@pytest.mark.slow
 def test_a_single_precision_exponential_is_as_right_as_its_comment_says(tmp_path: Path) -> None:
     """Against 50 digits, from the smallest float to where it overflows; and at the ends."""
     draw = np.random.default_rng(0)
@@ -371,6 +373,7 @@ def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):
 
 @pytest.mark.parametrize("float32", [False, True])
 @pytest.mark.parametrize("name", ["clip", "governor", "band", "clip of slow commands"])
+@pytest.mark.slow_but("clip-False", "governor-True")
 def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_path: Path) -> None:
     """A clock's readings come from whole nanoseconds, to the bit of a double."""
     needs("gcc")
@@ -415,6 +418,7 @@ def package(name: str, folder: Path, program: str, *defined: str) -> None:
 
 
 @pytest.mark.parametrize("name", quick(REMEMBERING, "governor", "band of 50 commands"))
+@pytest.mark.slow_but("governor")
 def test_a_repeated_call_is_noticed_once_the_time_was_told(name: str, tmp_path: Path) -> None:
     package(name, tmp_path, REPEATED)
     flags = [int(line) & 8 for line in run(["./main"], tmp_path).splitlines()]
@@ -474,6 +478,7 @@ WITHOUT_EFFECT = {
 @pytest.mark.parametrize(
     "name", quick((*FILTERS, *WHEELS), "clip", "wheels beside", "band of 50 commands")
 )
+@pytest.mark.slow_but("clip-False", "wheels beside-False")
 def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
     name: str, float32: bool, tmp_path: Path
 ) -> None:
@@ -503,6 +508,7 @@ def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
 
 @pytest.mark.parametrize("float32", [False, True])
 @pytest.mark.parametrize("name", WRONG)
+@pytest.mark.slow_but("clip-False", "clip-True")
 def test_misuse_gives_a_safe_command_and_its_flag(name: str, float32: bool, tmp_path: Path) -> None:
     """As the graph says: what is no number is asked for as 0, which slew brings about."""
     needs("gcc")

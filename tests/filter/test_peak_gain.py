@@ -53,6 +53,7 @@ shares = st.floats(0, 1)
 
 @settings(max_examples=12, deadline=None)
 @given(shares, shares, shares, shares)
+@pytest.mark.slow
 def test_no_member_has_a_larger_peak_gain_than_its_family(m, p, i, c):
     numbers = zip((m, p, i, c), WIDE.values(), strict=True)
     base = pi_base(*(low + share * (high - low) for share, (low, high) in numbers))
@@ -68,6 +69,7 @@ def test_the_worst_member_has_it():
 
 
 @pytest.mark.parametrize("z", [0.1, 0.7, 0.999, 1.0, 1.3, 4.0])
+@pytest.mark.slow_but("0.7", "1.3")
 def test_peak_gain_of_second_order_loops_is_the_quadrature_s(z):
     base, peak = second_order_base(3.0, z, 1.1), second_order(z, 1.1, 0.2)
     assert variation(base, base.b) == pytest.approx(peak.gain, rel=2e-4)
@@ -103,6 +105,7 @@ def test_the_worst_commands_stay_inside_and_nearly_reach_the_limit(T, axis):
 @pytest.mark.parametrize(
     "broken", [pi_base(68.25, 135, 330, 0), pi_base(65, 128.25, 330, 0), pi_base(65, 135, 346.5, 0)]
 )
+@pytest.mark.slow_but("broken0")
 def test_a_loop_beyond_its_family_passes_the_limit(broken):
     send = sender(scenario(push=(0.0, 0.0)))
     assert broken.fastest(send, 0.0, 0.01, 800) > 1.0
@@ -147,6 +150,7 @@ def test_the_parameters_are_the_peak_gain_and_what_pushes_lead_to():
 
 
 @pytest.mark.parametrize("z", [0.2, 0.45, 0.8, 1.0, 1.6])
+@pytest.mark.slow_but("0.45", "1.0")
 def test_overshoot_is_that_of_a_step_and_its_price_that_of_less_damping(z):
     def of(z: float) -> Scenario:
         stated = {"loop": "second-order", "damping": (z, 2.0), "frequency": (3.0, 4.0)}
@@ -195,6 +199,7 @@ def test_the_worst_member_is_enclosed_as_balls_of_200_bits_have_it():
         ("inertia[2] of at most", {"inertia": (1.0, 1e5)}),
     ],
 )
+@pytest.mark.slow_but("damping[1] of at least-stated0")
 def test_a_loop_that_hardly_damps_is_refused_and_what_is_advised_is_enough(end, stated):
     """And no interval is named that no change of its end makes right."""
     stated = {"push": (0.0, 0.0), **stated}
@@ -211,6 +216,7 @@ def test_a_loop_that_hardly_damps_is_refused_and_what_is_advised_is_enough(end, 
     assert 90 < max(item.gain for item in peak_gains(better)) <= 100
 
 
+@pytest.mark.slow
 def test_both_axes_that_hardly_damp_are_refused_in_one_sentence():
     with pytest.raises(ScenarioError, match=r"drive v to \S+ and omega to \S+, the") as error:
         command_filter(scenario(kp=(1e-3, 165.0), inertia=(4.0, 6.0)))
@@ -285,6 +291,7 @@ sizes = st.floats(0.02, 4.0)
 @pytest.mark.parametrize(("bound", "exact"), [(_gain_bound, exact_gain), (_push_bound, exact_push)])
 @settings(max_examples=150, deadline=None)
 @given(sizes, sizes, shares, shares, st.floats(-12, 0))
+@pytest.mark.slow_but("_push_bound-exact_push")
 def test_bounds_of_boxes_hold_every_member(bound, exact, x, y, i, j, width):
     """Boxes of every size, with z beside, near and across 1, against balls of 200 bits."""
     share = 10.0**width

@@ -58,6 +58,7 @@ def sent_at_last(stated: Scenario) -> float:
 
 
 @pytest.mark.parametrize(("a", "least"), [(0.1, 0.99), (0.25, 0.98), (0.5, 0.96)])
+@pytest.mark.slow
 def test_the_worst_slow_commands_of_all_stay_inside(a, least):
     c = sent_at_last(scenario(slew=(a, a), push=(0.0, 0.0)))
     worst = fastest_slow_command(pi_base(65, 135, 330, 0), c, a, 0.05)
@@ -67,6 +68,7 @@ def test_the_worst_slow_commands_of_all_stay_inside(a, least):
     assert c > sent_at_last(scenario(push=(0.0, 0.0)))  # and it leaves more than without
 
 
+@pytest.mark.slow
 def test_slow_commands_that_are_wrong_break_the_limit():
     """A loop 5 % too strong, and commands that change at once."""
     stated = scenario(slew=(0.02, 0.02), loop="second-order", damping=(0.4, 2.0),
@@ -114,6 +116,7 @@ def test_each_number_alone_that_is_wrong_breaks_the_limit_of_a_slow_loop_that_is
         assert ramped(base, ramps(base, c, a, T, samples), T) > 1.0
 
 
+@pytest.mark.slow
 def test_commands_change_no_faster_than_stated_and_both_axes_together():
     step = command_filter(scenario(slew=(0.1, 0.25), push=(0.0, 0.0))).step
     sent = np.array([(0.0, 0.0)] + [step(asked).command for asked in
@@ -123,6 +126,7 @@ def test_commands_change_no_faster_than_stated_and_both_axes_together():
     assert sent[-1] == pytest.approx([0.0, 0.0], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_no_member_swings_longer_than_its_family_and_the_slowest_nearly_as_long():
     swings = []
     for numbers in product(*WIDE.values()):
@@ -143,11 +147,15 @@ def test_no_member_swings_longer_than_its_family_and_the_slowest_nearly_as_long(
         ({"slew": (0.1, 0.1), "jitter": 0.05}, "less than the period"),
     ],
 )
+@pytest.mark.slow_but(
+    "stated1-stops on its own", "stated2-filter.slew is for", "stated3-less than the period"
+)
 def test_a_slew_that_cannot_be_counted_on_is_refused(stated, words):
     with pytest.raises(ScenarioError, match=words):
         command_filter(scenario(**stated))
 
 
+@pytest.mark.slow
 def test_loops_of_two_parts_that_differ_too_much_are_refused_with_what_helps():
     """What this one swings, 0.01 s, was told as none, its numbers being beyond all others."""
 

@@ -71,6 +71,7 @@ def fastest(
 
 
 @pytest.mark.parametrize("family", quick(FAMILIES, "pi"))
+@pytest.mark.slow
 def test_a_band_that_is_told_the_time_keeps_its_limit_whenever_it_is_called(family):
     stated, bases = FAMILIES[family]
     limit, rng = command_filter(scenario(kind="band", **stated)), np.random.default_rng(3)
@@ -80,6 +81,7 @@ def test_a_band_that_is_told_the_time_keeps_its_limit_whenever_it_is_called(fami
 
 
 @pytest.mark.parametrize("family", quick(FAMILIES, "pi"))
+@pytest.mark.slow
 def test_one_that_is_not_told_breaks_it(family):
     stated, bases = FAMILIES[family]
     limit = command_filter(scenario(kind="band", **stated))
@@ -88,6 +90,7 @@ def test_one_that_is_not_told_breaks_it(family):
 
 @pytest.mark.parametrize("family", quick(FAMILIES, "pi"))
 @pytest.mark.parametrize("told", quick([True, False], True))
+@pytest.mark.slow
 def test_jitter_that_is_stated_costs_little_and_breaks_nothing(family, told):
     stated, bases = FAMILIES[family]
     J, rng = T / 10, np.random.default_rng(5)
@@ -111,6 +114,7 @@ def sent_at(limit: CommandFilter, since: np.ndarray) -> tuple[np.ndarray, np.nda
     return np.array([m.command[0] for m in made]), np.array(["late" in m.flags for m in made])
 
 
+@pytest.mark.slow
 def test_steps_within_their_jitter_are_in_time_wherever_the_first_was():
     J, rng = T / 4, np.random.default_rng(1)
     limit = command_filter(scenario(kind="band", jitter=J, push=(0.0, 0.0)))
@@ -124,6 +128,7 @@ def test_steps_within_their_jitter_are_in_time_wherever_the_first_was():
         assert np.flatnonzero(late)[0] == 2 * J // (0.019 * J)
 
 
+@pytest.mark.slow
 def test_a_limit_of_a_band_that_is_no_number_stops_the_base_and_is_told():
     """And the least that stays counts two samples off their beat towards each other."""
     J = T / 4
@@ -212,6 +217,7 @@ def test_after_untimely_steps_all_is_as_it_would_be():
     assert limit.step((0.0, 0.0), dt=T).command[0] == 0.0
 
 
+@pytest.mark.slow
 def test_slow_commands_change_in_time_and_no_faster():
     stated = {"loop": "second-order", "frequency": (3.0, 5.0), "damping": (0.4, 1.4)}
     slow = command_filter(scenario(slew=(0.2, 0.2), push=(0.0, 0.0), **stated))

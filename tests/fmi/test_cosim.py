@@ -35,6 +35,7 @@ SHORT = override(NOMINAL, {"clock.duration": 3.0})
 NOISY = override(load_scenario("paper-simulation-no-switch"), {"clock.duration": 3.0})
 
 
+@pytest.mark.slow
 def test_foreign_plant_with_other_names_units_and_sampling(foreign, mapped):
     run = cosimulate(
         NOISY, "nn", plant=foreign("TheirRobot", PLANT), map_file=mapped(PLANT_MAP), seed=1
@@ -52,6 +53,7 @@ def test_foreign_plant_with_other_names_units_and_sampling(foreign, mapped):
     assert summary(run)["kept"] is True
 
 
+@pytest.mark.slow
 def test_foreign_controller_drives_our_plant(foreign, mapped):
     run = cosimulate(
         SHORT,
@@ -68,6 +70,7 @@ def test_foreign_controller_drives_our_plant(foreign, mapped):
     assert np.isfinite(run["e"]).all()
 
 
+@pytest.mark.slow
 def test_an_fmu_that_fails_is_named(foreign, mapped):
     plant = foreign("TheirFailure", FAILING)
     run = cosimulate(NOISY, "pid", plant=plant, map_file=mapped(PLANT_MAP))
@@ -77,6 +80,7 @@ def test_an_fmu_that_fails_is_named(foreign, mapped):
 
 
 @pytest.mark.parametrize("more", [(), ("--json",)])
+@pytest.mark.slow
 def test_the_command_tells_a_script_that_an_fmu_failed(foreign, mapped, tmp_path, more):
     plant, saved = foreign("TheirFailure", FAILING), tmp_path / "run.npz"
     given = ("--plant", str(plant), "--map", str(mapped(PLANT_MAP)), "--out", str(saved))
@@ -91,6 +95,7 @@ def test_the_command_tells_a_script_that_an_fmu_failed(foreign, mapped, tmp_path
     assert more or said in " ".join(done.stdout.split())
 
 
+@pytest.mark.slow
 def test_divergence_is_an_outcome():
     wild = {"gains.pid.Kp": [2e4, 2e3]}
     run = cosimulate(override(load_scenario("paper-experiment-literal"), wild), "pid")
@@ -169,6 +174,7 @@ def test_a_library_that_cannot_be_loaded_is_told_in_words(exported, tmp_path, al
 
 
 @pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.slow
 def test_our_files_may_come_from_another_scenario(exported, version):
     """Parameters and start values are those of the scenario that is run."""
     heavier = override(SHORT, {"robot.m": 60.0, "initial.pose": [-0.2, 0.1, -1.0]})
@@ -208,6 +214,7 @@ def test_delay_of_the_jacobi_master_destroys_the_model_based_law():
 
 
 @pytest.mark.parametrize("law", ["nn", "mb"])
+@pytest.mark.slow
 def test_fmpys_ssp_simulation_is_the_jacobi_master(tmp_path, law):
     (package,) = export_ssp(law=law, scenario=SHORT, out=tmp_path)
     found = simulate_ssp(str(package), stop_time=2.995, step_size=0.01)
@@ -228,6 +235,7 @@ SAME = "\n".join(
 )
 
 
+@pytest.mark.slow
 def test_a_package_takes_somebody_elses_plant(exported, mapped, tmp_path):
     """Ours under the names of a map is theirs: the package runs as the one of ours does."""
     results = [
@@ -248,6 +256,7 @@ def test_a_package_takes_somebody_elses_plant(exported, mapped, tmp_path):
     assert "noise_right" not in results[1].dtype.names
 
 
+@pytest.mark.slow
 def test_a_map_becomes_transformations_of_connections(foreign, mapped, tmp_path):
     """Torques in mN m, angles in deg from another zero; what is a sum of outputs is refused."""
     direct = (
@@ -276,6 +285,7 @@ def test_a_map_becomes_transformations_of_connections(foreign, mapped, tmp_path)
         export_ssp(**given, out=tmp_path)
 
 
+@pytest.mark.slow
 def test_a_package_whose_law_knows_the_delay_is_the_native_loop_with_it(tmp_path):
     late = override(SHORT, {"actuator.delay": SHORT.clock.control})
     (package,) = export_ssp(law="prox", scenario=SHORT, out=tmp_path, delay_known=True)
@@ -286,6 +296,7 @@ def test_a_package_whose_law_knows_the_delay_is_the_native_loop_with_it(tmp_path
         assert np.array_equal(found[name], native[name][1 : rows + 1]), name
 
 
+@pytest.mark.slow
 def test_a_torque_that_acts_late_breaks_what_the_monitor_assumes():
     """In order nothing pushes; all at once, each torque acts a step later than the law knows."""
     late, in_order = (cosimulate(SHORT, "nn", master=m) for m in ("jacobi", "gauss-seidel"))
@@ -296,6 +307,7 @@ def test_a_torque_that_acts_late_breaks_what_the_monitor_assumes():
 
 
 @pytest.mark.parametrize("guarded", [False, True])
+@pytest.mark.slow
 def test_a_controller_that_knows_the_masters_delay_is_the_native_one_with_it(guarded):
     """All at once, each torque acts a period late: as behind drives that are that late."""
     own = {"guard.enabled": guarded, "clock.duration": 2.0, "initial.pose": [-1.0, -0.5, -0.7]}
@@ -321,6 +333,7 @@ def test_a_delay_that_the_master_adds_is_told_apart_where_it_is_too_long():
         assert _assumed(case).void.endswith(remedy)
 
 
+@pytest.mark.slow
 def test_a_controller_of_ours_tells_its_law(exported):
     found = cosimulate(SHORT, controller=exported("smc", 2))
     assert found.law == "smc"

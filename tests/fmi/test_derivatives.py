@@ -82,6 +82,7 @@ def call(instance, name, unknowns, knowns, seed, count):
 
 
 @every_case
+@pytest.mark.slow_but("plant-2-ModelExchange", "reference-3-ModelExchange", "nn-2-CoSimulation")
 def test_directional_derivatives_are_casadis(raw, what, version, interface):
     instance, unknowns, knowns, jacobian = setting(raw(what, version), what, interface)
     name = "GetDirectionalDerivative"
@@ -93,6 +94,12 @@ def test_directional_derivatives_are_casadis(raw, what, version, interface):
 
 
 @every_case
+@pytest.mark.slow_but(
+    "plant-3-ModelExchange",
+    "plant-3-CoSimulation",
+    "reference-3-ModelExchange",
+    "nn-3-CoSimulation",
+)
 def test_adjoint_derivatives_are_casadis(raw, what, version, interface):
     if version == 2:
         pytest.skip("FMI 2 has none")

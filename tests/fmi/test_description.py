@@ -34,11 +34,13 @@ def parsed(path, name):
 
 
 @every_fmu
+@pytest.mark.slow
 def test_fmpy_finds_nothing_to_say(exported, what, version):
     assert validate_fmu(str(exported(what, version))) == []
 
 
 @every_fmu
+@pytest.mark.slow_but("plant-2", "plant-3", "reference-2", "closed-loop-3", "nn-2", "nn-3")
 def test_xml_follows_the_official_schemas(exported, what, version):
     path = exported(what, version)
     files = {"modelDescription.xml": f"fmi{version}/fmi{version}ModelDescription.xsd"}
@@ -50,6 +52,9 @@ def test_xml_follows_the_official_schemas(exported, what, version):
 
 
 @every_fmu
+@pytest.mark.slow_but(
+    "plant-2", "plant-3", "reference-2", "reference-3", "closed-loop-3", "nn-2", "nn-3"
+)
 def test_every_quantity_is_documented_and_has_a_defined_unit(exported, what, version):
     path = exported(what, version)
     defined = {u.get("name") for u in parsed(path, "modelDescription.xml").iter("Unit")}
@@ -62,6 +67,7 @@ def test_every_quantity_is_documented_and_has_a_defined_unit(exported, what, ver
 
 
 @every_fmu
+@pytest.mark.slow_but("plant-2", "plant-3", "reference-2", "closed-loop-3", "nn-2", "nn-3")
 def test_capabilities_are_declared(exported, what, version):
     interface = parsed(exported(what, version), "modelDescription.xml").find("CoSimulation")
     wanted = {
@@ -104,6 +110,7 @@ def test_structure_is_the_jacobians(exported):
 
 
 @pytest.mark.parametrize("law", LAWS)
+@pytest.mark.slow_but("nn")
 def test_structure_of_laws_is_the_jacobians(exported, law):
     description = read_model_description(str(exported(law, 2)))
     system = asking_controller(settle(load_scenario("paper-simulation"), law))
@@ -133,6 +140,7 @@ def test_parameters_are_key_paths_and_tunable_where_they_change(exported):
 
 @pytest.mark.parametrize("what", [*LAWS, "closed-loop"])
 @pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.slow_but("2-nn", "2-closed-loop", "3-nn", "3-closed-loop")
 def test_every_controller_publishes_its_monitor_and_the_bound(exported, what, version):
     """Unguarded as the preset is: distance to the limit, clip, least disturbance, feasibility."""
     path = str(exported(what, version))
@@ -159,6 +167,7 @@ def test_what_commands_nothing_publishes_no_monitor(exported, what):
     assert not {"margin", "clip_active[1]", "d_least[1]", "feasible"} & names
 
 
+@pytest.mark.slow
 def test_weights_are_arrays_in_fmi3_and_flat_where_asked(exported, tmp_path):
     arrays = {v.name: v for v in read_model_description(str(exported("nn", 3))).modelVariables}
     assert int(arrays["W_hat1"].dimensions[0].start) == 64
@@ -169,6 +178,17 @@ def test_weights_are_arrays_in_fmi3_and_flat_where_asked(exported, tmp_path):
 
 
 @every_fmu
+@pytest.mark.slow_but(
+    "plant-2",
+    "plant-3",
+    "reference-2",
+    "reference-3",
+    "guard-3",
+    "closed-loop-2",
+    "closed-loop-3",
+    "nn-2",
+    "nn-3",
+)
 def test_provenance_travels_along(exported, what, version):
     with zipfile.ZipFile(exported(what, version)) as archive:
         names = set(archive.namelist())
@@ -203,6 +223,17 @@ def test_reference_result_is_reproduced(exported, what, tmp_path):
 
 
 @every_fmu
+@pytest.mark.slow_but(
+    "plant-2",
+    "plant-3",
+    "reference-2",
+    "reference-3",
+    "guard-3",
+    "closed-loop-2",
+    "closed-loop-3",
+    "nn-2",
+    "nn-3",
+)
 def test_an_importer_can_check_itself_by_the_manifest(exported, what, version):
     """FMI-LS-REF names a result and the start values it was made with; both are there and agree."""
     path = exported(what, version)

@@ -39,6 +39,7 @@ def assert_same(first, second, bound=0.0):
 
 
 @every_pair
+@pytest.mark.slow_but("nn-3")
 def test_cosimulation_is_the_native_loop_to_the_bit(law, version):
     assert_same(simulate(SHORT, law, seed=3), cosimulate(SHORT, law, seed=3, fmi=version))
 
@@ -51,6 +52,7 @@ def test_cosimulation_is_the_native_loop_over_a_whole_run(law, version):
 
 
 @every_pair
+@pytest.mark.slow_but("nn-3")
 def test_closed_loop_fmu_is_the_native_loop_to_the_bit(exported, law, version):
     run = simulate("paper-simulation", law, seed=3)
     names = [name for signal in run.signals[1:] for name in signal.elements]
@@ -70,11 +72,13 @@ def test_closed_loop_fmu_is_the_native_loop_to_the_bit(exported, law, version):
 
 
 @pytest.mark.parametrize("scenario", ["paper-experiment"])
+@pytest.mark.slow
 def test_sensors_of_the_master_are_those_of_the_loop(scenario):
     short = override(load_scenario(scenario), {"clock.duration": 3.0})
     assert_same(simulate(short, "nn", seed=2), cosimulate(short, "nn", seed=2), 1e-9)
 
 
+@pytest.mark.slow
 def test_actuators_of_the_master_are_those_of_the_loop():
     lagging = override(
         SHORT, {"actuator.lag": 0.02, "actuator.delay": 0.003, "actuator.tau_max": 8.0}

@@ -159,6 +159,7 @@ def test_every_effect_acts_alone():
 
 
 @every_effect
+@pytest.mark.slow
 def test_the_closed_loop(load, effect, version):
     scenario = scenario_with(effect)
     run, loop = native(scenario, LAW), load("closed-loop", LAW, scenario, version).new().begin()
@@ -180,6 +181,7 @@ def test_the_closed_loop(load, effect, version):
     loop.free()
 
 
+@pytest.mark.slow
 def test_the_closed_loop_ends_with_the_native_run(load):
     gains = {"gains.pid.Kp": [1e6, 1e5], "actuator.tau_max": 1e9, "clock.duration": 2.0}
     wild = override(scenario_with("none"), gains)
@@ -247,6 +249,7 @@ class Parts:
 
 
 @every_effect
+@pytest.mark.slow
 def test_the_parts(load, effect, version):
     """Of each effect one version is guarded, in turns."""
     guard = (list(EFFECTS).index(effect) + version) % 2 == 0
@@ -254,6 +257,7 @@ def test_the_parts(load, effect, version):
 
 
 @pytest.mark.parametrize("law", quick(LAWS, "prox"))
+@pytest.mark.slow
 def test_every_law(load, law):
     for guard, version in ((False, 2), (True, 3)):
         Parts(load, law, scenario_with(COUNTED, guard), version).whole()
@@ -266,6 +270,7 @@ def test_every_reference(load, kind, version):
     Parts(load, LAW, override(scenario_with("none"), changes), version).whole()
 
 
+@pytest.mark.slow
 def test_a_reference_with_memory_keeps_it_over_a_long_step(load, monkeypatch):
     monkeypatch.setitem(REFERENCES.__dict__, "plugins", (CLOTHOID,))
     scenario = override(scenario_with("none"), {"reference.kind": CLOTHOID.name})

@@ -161,6 +161,7 @@ SECTIONS = sections()
 
 
 @pytest.mark.parametrize("number", range(len(SECTIONS)), ids=[name for name, _ in SECTIONS])
+@pytest.mark.slow
 def test_a_section_acts_alike(files, number):
     """The closed loop's versions of FMI take turns."""
     assert_alike(files, SECTIONS[number][1], version=2 + number % 2)
@@ -179,6 +180,7 @@ def test_gains_act_alike(files, law):
     assert_alike(files, together(changes for _, changes in of_gains(law)), LOOSER, law)
 
 
+@pytest.mark.slow
 def test_what_a_package_holds_acts_alike(tmp_path):
     """All that an SSP package does not refuse or leave outside, changed at once."""
     outside = {"disturbance", "sensor", "actuator", "changes", "clock", "metrics"}

@@ -25,6 +25,7 @@ def inputs_of(fmu):
 
 
 @every_law
+@pytest.mark.slow_but("nn-2", "nn-3", "guard-2")
 def test_what_is_too_large_is_refused_and_leaves_no_trace(raw, what, version):
     fmu = raw(what, version)
     plain, tried = fmu.new().begin(), fmu.new().begin()
@@ -41,6 +42,7 @@ def test_what_is_too_large_is_refused_and_leaves_no_trace(raw, what, version):
 
 
 @every_law
+@pytest.mark.slow_but("nn-3", "guard-3")
 def test_what_is_just_small_enough_gives_finite_outputs(raw, what, version):
     """Many times, in all mixtures; then the inputs of the start again."""
     fmu = raw(what, version)
@@ -115,6 +117,7 @@ def test_fmpy_ends_where_a_closed_loop_cannot_go_on(exported, version, given):
 
 @every_law
 @pytest.mark.parametrize("axis", [1, 2])
+@pytest.mark.slow_but("1-nn-2")
 def test_a_barrier_without_room_is_refused_at_the_start(raw, what, version, axis):
     fmu = raw(what, version)
     limit, begin = (f"limits.v_u{i}[{axis}]" for i in (1, 2))

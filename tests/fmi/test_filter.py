@@ -36,6 +36,7 @@ def opened(case, version, folder):
 
 
 @pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.slow_but("2")
 def test_it_sends_what_a_run_sent_to_the_bit(version, tmp_path):
     run = simulate(DRIVEN, "kanayama")
     path = exported(DRIVEN, version, tmp_path)
@@ -59,6 +60,7 @@ def test_it_sends_what_a_run_sent_to_the_bit(version, tmp_path):
     assert 0 < found["limited"].mean() < 1
 
 
+@pytest.mark.slow
 def test_the_band_is_the_native_filter(tmp_path):
     """To the bit: its graph has no function of the C library, which CasADi's machine would call."""
     case = load_scenario("paper-simulation", {"clock.control": 0.05, "filter": PI})

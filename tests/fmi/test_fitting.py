@@ -32,6 +32,7 @@ THEIRS = ("TheirController", CONTROLLER)
         {"actuator.delay": 0.003},
     ],
 )
+@pytest.mark.slow_but("changes2")
 def test_a_controller_of_another_structure_is_refused(exported, changes):
     with pytest.raises(ArgumentError, match="more than numbers"):
         cosimulate(override(SHORT, changes), "nn", controller=exported("nn", 2))
@@ -74,6 +75,7 @@ def test_drives_limit_a_foreign_controller(foreign, mapped):
 
 
 @pytest.mark.parametrize("changes", [{"disturbance.std": 1.0}, {"disturbance.push": [3.0, 0.0]}])
+@pytest.mark.slow_but("changes1")
 def test_a_disturbance_that_a_map_leaves_out_is_refused(foreign, mapped, changes):
     deaf = PLANT_MAP.replace("torque_right", "tau_right").replace("torque_left", "tau_left")
     plant = foreign("TheirRobot", PLANT)
@@ -152,6 +154,7 @@ def test_messages_of_fmi_2_have_their_values(exported, tmp_path):
         slave.end()
 
 
+@pytest.mark.slow
 def test_our_files_take_the_masters_timing(exported):
     """A law exported for masters in order runs under the other one, as one exported for it."""
     given = cosimulate(SHORT, "nn", controller=exported("nn", 2), master="jacobi")

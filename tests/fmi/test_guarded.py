@@ -91,6 +91,7 @@ def same(one, other):
 
 @every_law
 @pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.slow
 def test_a_law_of_ours_guarded_from_outside_is_the_guarded_run(bare, law, version):
     guarded = simulate(SAFE, law, seed=4)
     run = cosimulate(SAFE, controller=bare(law, version), seed=4, fmi=version)
@@ -103,12 +104,14 @@ def test_a_law_of_ours_guarded_from_outside_is_the_guarded_run(bare, law, versio
 
 
 @pytest.mark.parametrize("delay_known", [False, True])
+@pytest.mark.slow
 def test_under_the_other_master_too(bare, delay_known):
     """As a controller with the guard in it."""
     options = {"master": "jacobi", "delay_known": delay_known}
     same(cosimulate(SAFE, controller=bare("mb"), **options), cosimulate(SAFE, "mb", **options))
 
 
+@pytest.mark.slow
 def test_by_a_map_it_is_the_same_too(bare, mapped):
     ours = ("x_d", "y_d", "theta_d", "v1_d", "v2_d", "v1_d_dot", "v2_d_dot",
             "x", "y", "theta", "v1", "omega")  # fmt: skip
@@ -124,6 +127,7 @@ def test_by_a_map_it_is_the_same_too(bare, mapped):
 
 
 @pytest.mark.parametrize("law", REMEMBERING)
+@pytest.mark.slow
 def test_a_law_that_remembers_its_torque_needs_the_guard_in_it(bare, law):
     with pytest.raises(ArgumentError, match=f"{law} relies on the torque .* with the guard"):
         cosimulate(SAFE, controller=bare(law))
@@ -131,6 +135,7 @@ def test_a_law_that_remembers_its_torque_needs_the_guard_in_it(bare, law):
 
 @pytest.mark.parametrize(("text", "outputs"), [(BY_TORQUE, TORQUES), (BY_FORCE, FORCE)])
 @pytest.mark.parametrize("master", ["gauss-seidel", "jacobi"])
+@pytest.mark.slow_but("jacobi-text0-outputs0")
 def test_the_guard_keeps_a_foreign_controller_within(foreign, mapped, text, outputs, master):
     name = "Eager" if text == BY_TORQUE else "EagerForce"
     given = {
@@ -175,6 +180,7 @@ def test_force_and_torques_say_the_same(foreign, mapped):
     assert first["tau_left"][5] == pytest.approx(3.0, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_what_is_no_number_is_the_controllers_fault(foreign, mapped):
     given = {
         "controller": foreign("Lost", LOST.replace("class Eager", "class Lost")),

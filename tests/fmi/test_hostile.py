@@ -22,6 +22,7 @@ NAN, INF = math.nan, math.inf
 
 
 @full
+@pytest.mark.slow_but("plant-2", "plant-3")
 def test_every_function_in_every_state(raw, what, version):
     """Legal calls succeed, others are refused; afterwards the instance can be reset and used."""
     fmu = raw(what, version)
@@ -42,6 +43,7 @@ def test_every_function_in_every_state(raw, what, version):
 
 
 @everywhere
+@pytest.mark.slow_but("reference-2", "closed-loop-3")
 def test_bad_steps(raw, what, version):
     """Sizes and times that make no sense are refused at once, and the next good step is taken."""
     fmu = raw(what, version)
@@ -316,6 +318,7 @@ def test_states_of_solvers_must_be_numbers(raw):
 @full
 @settings(max_examples=3 * settings.default.max_examples // 2)
 @given(script=st.lists(st.integers(0, 10_000), max_size=25))
+@pytest.mark.slow_but("nn-2")
 def test_any_sequence_of_calls_ends_in_order(raw, what, version, script):
     """Whatever is called in whatever order: a status, and an instance that works after reset."""
     fmu = raw(what, version)

@@ -24,6 +24,7 @@ def driven(one, steps):
 
 @both
 @pytest.mark.parametrize("what", ["plant", "nn"])
+@pytest.mark.slow_but("plant-3")
 def test_a_thousand_interleaved_instances(raw, what, version):
     fmu = raw(what, version)
     name = "tau_right" if what == "plant" else "v1"
@@ -44,6 +45,7 @@ def test_a_thousand_interleaved_instances(raw, what, version):
 
 @both
 @pytest.mark.parametrize("what", ["plant", "nn", "closed-loop"])
+@pytest.mark.slow_but("plant-3", "nn-2", "closed-loop-3")
 def test_eight_threads(raw, what, version):
     fmu = raw(what, version)
     wanted = driven(fmu.new().begin(), 200)

@@ -29,6 +29,7 @@ NOISY = override(load_scenario("paper-simulation-no-switch"), {"clock.duration":
         'x = { terms = { x = 1.0 }, unit = "parsec" }',
     ],
 )
+@pytest.mark.slow_but('x = "v1"', 'x = { terms = { x = 1.0 }, unit = "parsec" }')
 def test_units_that_do_not_fit_are_refused(exported, mapped, row):
     with pytest.raises(ArgumentError, match=r"plant\.outputs|parsec"):
         cosimulate(
@@ -96,6 +97,7 @@ def test_units_are_what_the_fmu_defines():
     assert compiled([back], ["theta"])([np.pi / 2 + 0.5]) == [pytest.approx(90.0)]
 
 
+@pytest.mark.slow
 def test_definitions_of_units_are_read_from_the_file(foreign, tmp_path):
     """Their description says that mNm is 0.001 kg m2/s2: no unit in the map is needed."""
     plant = foreign("TheirRobot", PLANT)

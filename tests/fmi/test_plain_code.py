@@ -60,6 +60,7 @@ def program(interface: ET.Element) -> str:
     "scenario", ["paper-simulation", pytest.param("robot-10ms", marks=pytest.mark.slow)]
 )
 @pytest.mark.parametrize("law", quick(LAWS, "nn"))
+@pytest.mark.slow
 def test_called_as_described_it_has_the_bits_of_the_fmu(exported, tmp_path, law, scenario):
     path = exported(law, 2, scenario=scenario)
     with zipfile.ZipFile(path) as archive:

@@ -79,6 +79,7 @@ def library_by(monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("what", "version"), [(w, v) for w in ("plant", "nn", "closed-loop") for v in (2, 3)]
 )
+@pytest.mark.slow_but("plant-2", "closed-loop-3")
 def test_the_standards_functions_and_the_scenarios_hash_are_exported(library_by, what, version):
     listed = subprocess.run(
         [tool("nm"), "-D", "--defined-only", str(library_by("cc", what, version))],
@@ -94,6 +95,7 @@ def test_the_standards_functions_and_the_scenarios_hash_are_exported(library_by,
 @linux
 @zig
 @pytest.mark.parametrize("what", ["plant", "nn", "closed-loop"])
+@pytest.mark.slow_but("closed-loop")
 def test_glibc_217_is_enough_and_nothing_else_is_needed(library_by, what):
     said = subprocess.run(
         [tool("objdump"), "-p", "-T", str(library_by("", what, 2))],

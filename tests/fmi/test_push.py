@@ -54,6 +54,7 @@ def assert_loop_is(run, path, **starts):
 
 @guarded
 @pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.slow_but("2-False")
 def test_closed_loop_under_an_adversary_is_the_native_loop(tmp_path, version, guard):
     scenario = override(PUSHED, {"guard.enabled": guard})
     (path,) = export_fmu("closed-loop", law="mb", scenario=scenario, fmi=version, out=tmp_path)
@@ -63,6 +64,7 @@ def test_closed_loop_under_an_adversary_is_the_native_loop(tmp_path, version, gu
 
 
 @pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.slow_but("3")
 def test_push_radius_and_track_are_parameters(tmp_path, version):
     """F r/2 on both wheels, N r/(2 l) on right less left, of the values set in the FMU."""
     calm = override(PUSHED, {"disturbance.push": [0.0, 0.0]})
@@ -79,6 +81,7 @@ def test_push_radius_and_track_are_parameters(tmp_path, version):
 
 @guarded
 @pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.slow
 def test_cosimulation_under_an_adversary_is_the_native_loop(version, guard):
     scenario = override(PUSHED, {"guard.enabled": guard})
     run, other = simulate(scenario, "mb"), cosimulate(scenario, "mb", fmi=version)
@@ -87,6 +90,7 @@ def test_cosimulation_under_an_adversary_is_the_native_loop(version, guard):
     assert run.monitor == other.monitor
 
 
+@pytest.mark.slow
 def test_push_is_turned_with_the_motion():
     robot, (force, moment) = PUSHED.robot, PUSHED.disturbance.push
     along, around = 0.5 * robot.r * force, 0.5 * robot.r * moment / robot.l
@@ -97,6 +101,7 @@ def test_push_is_turned_with_the_motion():
     assert run["noise_left"] == pytest.approx(left, abs=1e-15)
 
 
+@pytest.mark.slow
 def test_push_reaches_a_foreign_plant(foreign, mapped):
     scenario = override(load_scenario("paper-simulation-nominal"), {"clock.duration": 1.0})
     pushed = override(scenario, {"disturbance.push": [20.0, 1.0]})

@@ -46,6 +46,7 @@ def unpacked(what, version, folder):
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.slow
 def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
     """Of all FMUs, each text once. The header of FMI 3.0 ends a list by a comma; C++98 had none."""
     seen: set[str] = set()
@@ -74,6 +75,7 @@ def test_optimising_compilers_find_nothing_to_warn_of(tmp_path, compiler, what, 
 
 @linux
 @pytest.mark.parametrize("version", [pytest.param(2, marks=pytest.mark.slow), 3])
+@pytest.mark.slow
 def test_built_as_cpp_it_computes_the_same(exported, tmp_path, version):
     """Sources taken for C++: each output has the same bits.
 

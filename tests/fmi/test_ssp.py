@@ -143,6 +143,7 @@ def needs(module):
 
 @pytest.mark.parametrize("law", quick(LAWS, "nn"))
 @pytest.mark.parametrize(("module", "script"), [("libcosimpy", LIBCOSIM), ("ecospy", ECOS)])
+@pytest.mark.slow
 def test_a_flat_package_runs_in_parallel_masters(flat, law, module, script):
     """To the bit as FMPy's slaves that step all at once; libcosim is told no step size here."""
     needs(module)
@@ -153,6 +154,7 @@ def test_a_flat_package_runs_in_parallel_masters(flat, law, module, script):
     assert np.array_equal(found, wanted)
 
 
+@pytest.mark.slow
 def test_what_these_masters_differ_by_is_the_torque_of_initialisation(flat):
     """Without it they are our own master; with it, the robot starts a step earlier."""
     package = flat("pid")
@@ -166,6 +168,7 @@ def test_what_these_masters_differ_by_is_the_torque_of_initialisation(flat):
 
 
 @pytest.mark.parametrize("law", ["nn", "prox"])
+@pytest.mark.slow
 def test_fmpy_runs_both_forms_alike(flat, tmp_path, law):
     (nested,) = export_ssp(law=law, scenario=SHORT, out=tmp_path / "nested")
     one, other = (
@@ -228,6 +231,7 @@ def test_an_export_says_where_a_connection_converts(exported, mapped, tmp_path, 
 
 
 @pytest.mark.parametrize("is_flat", [False, True])
+@pytest.mark.slow_but("True")
 def test_a_package_tells_its_step_size(tmp_path, is_flat):
     """OMSimulator is told of a weakly coupled system with a fixed step, libcosim of a master."""
     slower = override(SHORT, {"clock.control": 0.02})

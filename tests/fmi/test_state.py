@@ -77,6 +77,7 @@ def test_a_state_brings_its_parameters_into_a_new_instance(raw, what, version):
 @pytest.mark.parametrize(
     ("what", "version"), [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3)]
 )
+@pytest.mark.slow_but("nn-3", "closed-loop-2")
 def test_the_bytes_mean_the_same_in_another_process(raw, what, version):
     fmu = raw(what, version)
     instance = fmu.new().begin()
@@ -100,6 +101,7 @@ def test_the_bytes_mean_the_same_in_another_process(raw, what, version):
 
 @pytest.mark.parametrize("what", LAWS)
 @pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.slow_but("2-nn", "3-nn")
 def test_the_monitor_remembers_the_sample_before(raw, what, version):
     """A jump of the velocity is told from it, in an instance that got its state as bytes too."""
     first = raw(what, version).new().begin()
@@ -117,6 +119,7 @@ def test_the_monitor_remembers_the_sample_before(raw, what, version):
 
 
 @every_fmu
+@pytest.mark.slow_but("closed-loop-3")
 def test_damaged_and_foreign_bytes_are_refused(raw, what, version):
     fmu = raw(what, version)
     instance = advanced(fmu, 0, 5)

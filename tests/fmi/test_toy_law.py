@@ -22,6 +22,7 @@ def toy(monkeypatch):
 
 
 @pytest.mark.usefixtures("toy")
+@pytest.mark.slow
 def test_a_law_of_another_package_is_exported_and_simulated(tmp_path):
     paths = [*export_fmu("toy", out=tmp_path), *export_fmu("closed-loop", law="toy", out=tmp_path)]
     names = {path.name for path in paths}

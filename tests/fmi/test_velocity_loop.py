@@ -99,6 +99,7 @@ TURNS = ASKS.replace("v_command", "w_right_command").replace("omega_c", "w_left_
 TURNS = TURNS.replace('"v"', '"right"').replace('"w"', '"left"')
 
 
+@pytest.mark.slow
 def test_the_closed_loop_fmu_has_the_bits_of_the_run(tmp_path: Path) -> None:
     (path,) = export_fmu("closed-loop", law=LAW, scenario=SCENARIO, fmi=3, out=tmp_path)
     fmu = Fmu(path, Path(extract(str(path), str(tmp_path / "loop"))), 3)

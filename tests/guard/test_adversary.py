@@ -32,6 +32,7 @@ def pushed(law: str, period: float, guard: bool = True, **changed: object) -> Ru
 
 
 @pytest.mark.parametrize(("law", "period"), turns(NAMES, PERIODS))
+@pytest.mark.slow
 def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law: str, period: float) -> None:
     run = pushed(law, period)
 
@@ -44,6 +45,7 @@ def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law: str, period
 
 
 @pytest.mark.parametrize(("law", "period"), turns(["pid", "smc"], PERIODS))
+@pytest.mark.slow_but("pid-0.01")
 def test_a_broken_bound_costs_exactly_its_excess(law: str, period: float) -> None:
     """|d| <= dbar + D gives |v| <= v_u1 + D T/M_min, and the adversary gets there."""
     run = pushed(law, period, **{"guard.dbar": [40.0, 10.0], "guard.trust": True})

@@ -50,6 +50,7 @@ def checked(law: str, period: float, delay: float) -> None:
 
 
 @pytest.mark.parametrize("delay", DELAYS)
+@pytest.mark.slow_but("1.0")
 def test_greedy_adversary_reaches_the_limit_and_never_passes_it(delay: float) -> None:
     checked("pid", 0.01, delay)
 
@@ -77,6 +78,7 @@ def fastest(cases: int, seed: int, *, true_delay: bool = False) -> np.ndarray:
     return worst
 
 
+@pytest.mark.slow
 def test_hostile_robots_with_any_delay_up_to_the_stated_one() -> None:
     assert (fastest(15, 0) <= 1).all()
 
@@ -109,6 +111,7 @@ def _scaled(coming: InFlight, share: float) -> InFlight:
 
 
 @pytest.mark.parametrize("name", MUTATIONS)
+@pytest.mark.slow
 def test_a_guard_without_one_of_its_parts_breaks(name: str, monkeypatch) -> None:
     part, other = MUTATIONS[name]
     monkeypatch.setattr(part, other)
@@ -116,6 +119,7 @@ def test_a_guard_without_one_of_its_parts_breaks(name: str, monkeypatch) -> None
     assert any((fastest(cases, 0, true_delay=True) > 1.001).any() for cases in (1, 9))
 
 
+@pytest.mark.slow
 def test_a_guard_that_is_not_told_of_the_delay_breaks() -> None:
     draw = np.random.default_rng(3)
     runs = [hostile(draw, 0.01, np.zeros(2)).speeds(late(0.01, 0.0), LIMITS, 100) for _ in range(8)]
@@ -125,6 +129,7 @@ def test_a_guard_that_is_not_told_of_the_delay_breaks() -> None:
 
 @pytest.mark.parametrize("law", ["pid", "prox"])
 @pytest.mark.parametrize("delay", [0.005, 0.02])
+@pytest.mark.slow_but("0.005-pid")
 def test_back_inside_within_the_delay_and_the_stated_samples(law: str, delay: float) -> None:
     changed = {"disturbance.truncate": 3.0, "clock.duration": 6.0, "actuator.delay": delay}
     run = simulate("outside-start", law, guard=True, overrides=changed)
@@ -144,6 +149,7 @@ def test_back_inside_within_the_delay_and_the_stated_samples(law: str, delay: fl
         assert speeds.min() >= -u1
 
 
+@pytest.mark.slow
 def test_bounds_broken_by_D_cost_D_times_period_and_delay() -> None:
     """|v| <= v_u1 + D (T + delay)/M_min; the adversary gets there."""
     excess = np.array([20.0, 5.0]) * (0.01 + 0.02) / LIGHT

@@ -86,6 +86,7 @@ def check_exactly(cases: int, seed: int) -> int:
     return reached
 
 
+@pytest.mark.slow
 def test_generated_c_keeps_the_limit_in_exact_arithmetic() -> None:
     assert check_exactly(2000, 0) > 100
 

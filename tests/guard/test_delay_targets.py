@@ -28,6 +28,7 @@ def late() -> Scenario:
     return scenario_of("safe-simulation", LATE)
 
 
+@pytest.mark.slow
 def test_controller_fmu_equals_the_native_loop() -> None:
     native, fmu = simulate(late(), "prox", seed=2), cosimulate(late(), "prox", seed=2)
 
@@ -37,6 +38,7 @@ def test_controller_fmu_equals_the_native_loop() -> None:
             assert native[signal.name] == pytest.approx(fmu[signal.name], abs=1e-9), signal.name
 
 
+@pytest.mark.slow
 def test_lanes_equal_the_native_loop() -> None:
     table = simulate_many(late(), "prox", range(5))
     runs = [simulate(late(), "prox", seed=seed) for seed in range(5)]
@@ -46,6 +48,7 @@ def test_lanes_equal_the_native_loop() -> None:
     )
 
 
+@pytest.mark.slow
 def test_package_remembers_what_is_under_way(tmp_path: Path) -> None:
     """Its own check, compiled and run; two earlier commands and the delay are in its header."""
     write_package("prox", tmp_path, late())

@@ -103,6 +103,7 @@ def test_brakes_that_are_just_within_reach_keep_both_limits() -> None:
         assert over <= 0
 
 
+@pytest.mark.slow
 def test_near_the_edge_of_what_is_feasible_the_limit_is_kept_exactly() -> None:
     """Every condition is met or missed by a few 2^-46: where the flag is 1, nothing passes."""
     draw, said, closest = np.random.default_rng(5), {True: 0, False: 0}, Fraction(-1)

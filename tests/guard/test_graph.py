@@ -76,6 +76,7 @@ def check_exactly(cases: int, seed: int) -> None:
         assert worst_speed(row, force, v) <= Fraction(u1), (row.tolist(), v, y, asked, force)
 
 
+@pytest.mark.slow
 def test_generated_c_keeps_the_limit_in_exact_arithmetic() -> None:
     check_exactly(3000, 0)
 
@@ -170,6 +171,7 @@ def evaluated(item: System, u: object, x: object) -> tuple[np.ndarray, np.ndarra
 
 @pytest.mark.parametrize("delay", [0.0, 0.003, 0.01, 0.024])
 @pytest.mark.parametrize("order", MAPS)
+@pytest.mark.slow_but("linear-first-0.01")
 def test_guard_by_itself_equals_its_numpy_twin(order: str, delay: float) -> None:
     changed = {"guard.enabled": True, "actuator.tau_max": 12.0, "guard.map": order}
     changed |= {"actuator.delay": delay}

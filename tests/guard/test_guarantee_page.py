@@ -97,6 +97,7 @@ clocks = pytest.mark.parametrize(("period", "delay"), CLOCKS)
 
 
 @clocks
+@pytest.mark.slow_but("0.01-0.025")
 def test_inside_stays_inside_and_there_is_always_a_safe_force(period, delay):
     """1 and 3: at every instant, for every law."""
     guards, draw = Guards(scenario_at(period, delay)), np.random.default_rng(1)
@@ -153,6 +154,7 @@ def test_a_refused_force_could_leave_the_limit(period):
 
 
 @clocks
+@pytest.mark.slow_but("0.01-0.025")
 def test_a_broken_bound_costs_what_it_says(period, delay):
     """5: |d| <= dbar + D keeps the speed below v_u1 + D (T + delay)/M_min."""
     guards, draw = Guards(scenario_at(period, delay)), np.random.default_rng(6)
@@ -165,6 +167,7 @@ def test_a_broken_bound_costs_what_it_says(period, delay):
     assert (world.fastest.max(axis=1) > U1).any()
 
 
+@pytest.mark.slow
 def test_a_constant_delay_may_be_shorter_than_stated_and_not_longer():
     """Round up; what is later than stated can break the limit."""
     fastest = {}
@@ -180,6 +183,7 @@ def test_a_constant_delay_may_be_shorter_than_stated_and_not_longer():
 
 @pytest.mark.parametrize(("period", "delay"), [(0.01, 0.0), (0.1, 0.0), (0.01, 0.05)])
 @pytest.mark.parametrize(("axis", "friction"), [(0, 96.0), (1, 0.0), (1, 6.0)])
+@pytest.mark.slow_but("0-96.0-0.1-0.0", "1-6.0-0.1-0.0")
 def test_the_usable_speed_is_the_highest_steady_one(period, delay, axis, friction):
     """Of the lightest robot, against a friction [N, N m] and room for the largest push."""
     scenario, braking = scenario_at(period, delay), np.eye(2)[axis] * friction

@@ -48,11 +48,13 @@ def any_case(seed: int) -> Case:
 
 
 @pytest.mark.parametrize("seed", SHOWN)
+@pytest.mark.slow_but("1")
 def test_inside_stays_inside(seed: int) -> None:
     assert (trial(any_case(seed), 150, 40, seed, compare=False).fastest <= 1).all()
 
 
 @pytest.mark.parametrize("seed", SHOWN)
+@pytest.mark.slow_but("1")
 def test_a_push_beyond_its_bound_costs_what_is_stated(seed: int) -> None:
     """D more than dbar: D (T + late)/M_min, as long as brakes - net >= D."""
     case = any_case(seed)
@@ -65,6 +67,7 @@ def test_a_push_beyond_its_bound_costs_what_is_stated(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", SHOWN)
+@pytest.mark.slow_but("1")
 def test_from_outside_it_comes_back_as_stated_and_not_through_the_other_limit(seed: int) -> None:
     """Pushed by several times dbar for some samples, or started outside, always the same way."""
     case, draw = any_case(seed), np.random.default_rng(seed + 10_000)

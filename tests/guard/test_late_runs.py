@@ -61,6 +61,7 @@ def checked(law: str, kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["encoder of 256 counts over 100 ms", "as a robot has it, 10 ms"])
+@pytest.mark.slow_but("as a robot has it, 10 ms")
 def test_pushed_the_way_it_moves_the_robot_stays_within_its_limits(kind: str) -> None:
     checked("pid", kind)
 

@@ -91,6 +91,7 @@ def held(case: Case, lanes: int, samples: int, seed: int) -> None:
 
 
 @pytest.mark.parametrize("name", ["mean over a sample", "jitter", "all", "varying lag"])
+@pytest.mark.slow_but("all")
 def test_hostile_robots_reach_the_limit_and_never_pass_it(name: str) -> None:
     held(CASES[name], 200, 40, 0)
 
@@ -117,6 +118,7 @@ def passed(name: str, lanes: int, samples: int) -> bool:
 
 
 @pytest.mark.parametrize("name", ["window", "latest takeover", "lag", "smallest lag"])
+@pytest.mark.slow_but("window", "lag")
 def test_an_assumption_that_is_broken_breaks_the_limit(name: str) -> None:
     assert passed(name, 200, 40)
 

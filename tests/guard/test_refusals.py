@@ -97,6 +97,7 @@ def reads_the_limit(share: float):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 0.9])
+@pytest.mark.slow_but("0.0", "0.5")
 def test_the_torque_that_is_enough_is_enough_though_bounds_read_it(share) -> None:
     def settled(limit: float):
         scenario = scenario_of("far-start", {"actuator.tau_max": limit})

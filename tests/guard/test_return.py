@@ -36,6 +36,7 @@ def stated_samples(law: str, **changed: object) -> int:
     ("law", "changed"),
     turns(NAMES, [{}, {"actuator.tau_max": 20.0}, {"actuator.tau_max": 10.0}], shown=6),
 )
+@pytest.mark.slow_but("pid-changed0", "mb-changed2")
 def test_back_inside_within_the_stated_samples(law: str, changed: dict[str, object]) -> None:
     run = returning(law, **changed)
 

@@ -28,6 +28,7 @@ def gap(first: Run, second: Run) -> float:
 
 
 @every_law
+@pytest.mark.slow
 def test_native_equals_the_oracle(law: str) -> None:
     native, slow = (
         run("safe-simulation", law, seed=3, overrides={**PAPERS, **SHORT})
@@ -50,6 +51,7 @@ def test_native_equals_the_oracle(law: str) -> None:
     {"disturbance.push": [30.0, 5.0]},
     {"initial.velocity": [1.3, 2.0]},
 ])  # fmt: skip
+@pytest.mark.slow_but("changed0")
 def test_every_option_means_what_the_oracle_takes_it_for(changed: dict[str, object]) -> None:
     """prox reads the torque that was applied, so it sees delay and lag."""
     native, slow = (
@@ -62,6 +64,7 @@ def test_every_option_means_what_the_oracle_takes_it_for(changed: dict[str, obje
 
 
 @pytest.mark.parametrize(("law", "scenario"), turns(NAMES, ["safe-simulation", "safe-experiment"]))
+@pytest.mark.slow_but("pid-safe-simulation")
 def test_presets_of_ours_keep_the_limits(law: str, scenario: str) -> None:
     for run in simulate_runs(scenario, law, range(3)):
         assert run.outcome == "completed"
@@ -69,6 +72,7 @@ def test_presets_of_ours_keep_the_limits(law: str, scenario: str) -> None:
 
 
 @every_law
+@pytest.mark.slow_but("prox")
 def test_switch(law: str) -> None:
     off, on, preset = (
         simulate("far-start", law, guard=guard, overrides={"clock.duration": 6.0})

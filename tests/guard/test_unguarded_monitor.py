@@ -49,6 +49,7 @@ def scale(run: Run) -> np.ndarray:
 
 
 @every_law
+@pytest.mark.slow_but("mb", "nn")
 def test_a_push_beyond_dbar_is_revealed_by_a_known_mass(law: str, tmp_path: Path) -> None:
     """Without friction and with the mass known, d_least is the push itself."""
     run = simulate("paper-simulation-no-switch", law, overrides={**OFF, **PUSHED})
@@ -67,6 +68,7 @@ def test_a_push_beyond_dbar_is_revealed_by_a_known_mass(law: str, tmp_path: Path
 
 
 @every_law
+@pytest.mark.slow_but("mb", "prox")
 def test_the_same_push_costs_a_guarded_run_its_outcome(law: str) -> None:
     """The event is the same; the outcome is a warning only where there is a guarantee."""
     run = simulate("paper-simulation", law, guard=True, overrides={**OFF, **PUSHED})
@@ -100,6 +102,7 @@ def drawn(draw: np.random.Generator, drive: dict[str, Any]) -> dict[str, Any]:
     ("law", "drive"),
     turns(tuple(LAWS), [{}, {"actuator.lag": 0.02}, {"actuator.delay": 0.013}]),
 )
+@pytest.mark.slow_but("pid-drive0")
 def test_it_never_tells_more_than_there_was(law: str, drive: dict[str, Any]) -> None:
     """d_least <= the true disturbance along the motion, whatever robot, push, law and drives."""
     draw, told = np.random.default_rng(0), 0
@@ -126,6 +129,7 @@ def test_it_would_tell_more_if_the_stated_mass_were_too_large() -> None:
     PUSHED,
     {"initial.velocity": [1.3, 2.0]},
 ]))  # fmt: skip
+@pytest.mark.slow_but("pid-changed0")
 def test_the_oracle_tells_the_same(law: str, changed: dict[str, Any]) -> None:
     native, slow = (
         run("paper-simulation", law, seed=2, overrides={**OFF, **changed})
@@ -141,6 +145,7 @@ def test_the_oracle_tells_the_same(law: str, changed: dict[str, Any]) -> None:
 
 
 @every_law
+@pytest.mark.slow_but("pid", "smc", "mb", "nn", "prox", "kanayama")
 def test_no_preset_of_the_paper_is_refused_for_what_it_states(law: str) -> None:
     """Five newton metres brake no guard's bounds, and an unguarded run goes on all the same."""
     run = simulate("far-start", law, overrides={"actuator.tau_max": 5.0, "clock.duration": 1.0})
@@ -151,6 +156,7 @@ def test_no_preset_of_the_paper_is_refused_for_what_it_states(law: str) -> None:
 
 
 @pytest.mark.parametrize("law", ["pid", "mb", "prox"])
+@pytest.mark.slow_but("pid", "mb")
 def test_a_push_of_dbar_itself_contradicts_nothing_by_rounding(law: str) -> None:
     """d_least is the push to a few units in the last place, above it in some sample."""
     push = [60.0, 15.0]

@@ -22,6 +22,7 @@ from wmr_ctrl.world.scenario import loads_scenario
 MAIN = ("m", "I", "delay", "lag")
 
 
+@pytest.mark.slow
 def test_the_truth_is_near_every_interval(found):
     """Three half-widths: an interval of 95 % misses by that much once in 1e8."""
     for name in PHYSICAL:
@@ -30,6 +31,7 @@ def test_the_truth_is_near_every_interval(found):
         assert abs(getattr(TRUTH, name) - middle) <= 3 * half, name
 
 
+@pytest.mark.slow
 def test_mass_inertia_delay_and_lag_are_near_the_truth(found):
     for name in MAIN:
         assert found.parameters[name].value == pytest.approx(getattr(TRUTH, name), rel=0.2)
@@ -79,6 +81,7 @@ def assert_same_samples(one, other):
         assert a == pytest.approx(b, rel=1e-9, abs=1e-6), item.name
 
 
+@pytest.mark.slow
 def test_a_bag_tells_what_its_columns_tell(driven, read, tmp_path):
     """Angles of joints, whose steps are the counts, and their efforts, stamped on another day."""
     pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
@@ -172,6 +175,7 @@ def test_the_guard_has_room_for_the_delay_and_lag_that_creeping_tyres_hide():
     assert found.scenario.guard.enabled, found.remarks
 
 
+@pytest.mark.slow
 def test_the_scenario_loads_and_its_numbers_are_the_estimates(found):
     text = found.to_toml()
 

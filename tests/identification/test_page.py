@@ -30,6 +30,7 @@ def test_traces_foretell_as_the_score_says(found):
     assert (largest <= np.array(found.bounds.dbar) * (1 + 1e-12)).all()
 
 
+@pytest.mark.slow
 def test_the_page_has_every_number_and_needs_nothing_else(found, tmp_path):
     page, plot = tmp_path / "fit.html", tmp_path / "fit.svg"
 

@@ -37,6 +37,7 @@ def test_a_good_log_contradicts_none_of_its_bounds(found):
     assert contradictions(found.white, found.bounds) == ()
 
 
+@pytest.mark.slow
 def test_a_pause_changes_nothing(driven):
     assert identify(goes_on(driven), overrides=KNOWN).bounds.refuted == ()
 
@@ -117,6 +118,7 @@ def test_a_width_that_is_no_number_tells_no_change(monkeypatch):
     assert changed(np.where(np.arange(15) < 7, 0.0, 1.0)) == {}
 
 
+@pytest.mark.slow
 def test_bounds_that_are_too_narrow_are_contradicted_until_dbar_is_wide_enough(found):
     """The monitor's least push: with it as dbar nothing contradicts, with a little less it does."""
     narrow = replace(found.bounds, dbar=(0.01, 0.01))

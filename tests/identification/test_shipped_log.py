@@ -30,6 +30,7 @@ def test_its_script_writes_it(tmp_path):
     assert np.abs(shipped[:, 3:] - again[:, 3:]).mean() < 0.01
 
 
+@pytest.mark.slow
 def test_a_drive_that_is_given_is_driven(tmp_path):
     """Held between rows of another rate; the robot turns left and right as it is told to."""
     t = np.arange(0, 12, 0.05)

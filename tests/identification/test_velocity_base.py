@@ -50,6 +50,7 @@ def found():
     return identify(steps(FIRST, 12.0), base="velocity")
 
 
+@pytest.mark.slow
 def test_a_robots_drive_gives_what_its_columns_give(found):
     columns = {key.split(" ")[0]: np.array(row) for key, row in steps(FIRST, 12.0).items()}
     t = columns.pop("t")
@@ -96,6 +97,7 @@ def near(item, truth):
     return abs(item.value - truth) <= 3 * max(item.high - item.value, item.value - item.low)
 
 
+@pytest.mark.slow
 def test_a_first_order_base_gives_its_numbers_back(found):
     assert found.bounds.loop == "first-order"
     for axis in (1, 2):
@@ -107,6 +109,7 @@ def test_a_first_order_base_gives_its_numbers_back(found):
     assert min(found.score.foretold) > 0.98
 
 
+@pytest.mark.slow
 def test_a_limit_that_was_never_met_is_not_told_and_has_no_upper_end(found):
     item = found.parameters["accel1"]
 
@@ -130,6 +133,7 @@ def test_commands_that_are_lost_are_named_where_delays_are_undetermined(found):
     assert not any("lost" in text for text in found.remarks)
 
 
+@pytest.mark.slow
 def test_the_scenario_runs_behind_its_filter(found):
     scenario = loads_scenario(found.to_toml(), found.scenario.name)
 
@@ -142,6 +146,7 @@ def test_the_scenario_runs_behind_its_filter(found):
     assert found.bounds.peak_gain[0] == scenario.filter.gain[1]
 
 
+@pytest.mark.slow
 def test_the_picture_and_the_page_are_those_of_a_base(found, tmp_path):
     traces = found.traces()
     write_identification(found, tmp_path / "fit.html", tmp_path / "fit.svg")

@@ -37,6 +37,7 @@ def inputs(draw: np.random.Generator) -> np.ndarray:
 
 
 @every_law
+@pytest.mark.slow_but("pid", "mb", "kanayama")
 def test_ports_are_the_common_ones(law: str) -> None:
     system = law_graph(settle(SCENARIO, law))
 
@@ -71,6 +72,7 @@ def test_parameters_are_named_once_by_their_scenario_key(law: str) -> None:
 
 
 @every_law
+@pytest.mark.slow_but("nn", "prox")
 def test_finite_everywhere(law: str) -> None:
     """No NaN or infinity for any finite pose and velocity, also outside the limit and at rest."""
     system, draw = law_graph(settle(SCENARIO, law)), np.random.default_rng(0)
@@ -81,6 +83,7 @@ def test_finite_everywhere(law: str) -> None:
 
 
 @every_law
+@pytest.mark.slow_but("nn")
 def test_mirror_symmetry(law: str) -> None:
     """A world seen in a mirror: the thrust stays, the moment changes sign."""
     system, draw = law_graph(settle(SCENARIO, law)), np.random.default_rng(1)
@@ -94,6 +97,7 @@ def test_mirror_symmetry(law: str) -> None:
 
 
 @every_law
+@pytest.mark.slow_but("mb", "nn", "prox")
 def test_only_the_difference_of_headings_and_positions_matters(law: str) -> None:
     """Turning and shifting the whole plane changes nothing."""
     system, draw = law_graph(settle(SCENARIO, law)), np.random.default_rng(2)
@@ -109,6 +113,7 @@ def test_only_the_difference_of_headings_and_positions_matters(law: str) -> None
 
 
 @every_law
+@pytest.mark.slow_but("pid", "nn")
 def test_torque_limit_is_never_exceeded(law: str) -> None:
     limited = override(SCENARIO, {"actuator.tau_max": 6.5})
     system, draw = controller(settle(limited, law)), np.random.default_rng(3)

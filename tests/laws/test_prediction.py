@@ -148,6 +148,7 @@ def moved(
 
 @predicting
 @pytest.mark.parametrize("share", [0.5, 1.0, 1.5])
+@pytest.mark.slow_but("1.0-kanayama", "1.5-prox")
 def test_gains_that_know_no_delay_stand_it_if_it_is_predicted(law: str, share: float) -> None:
     """The slowest pole stays that of no delay, where without prediction it comes near 1."""
     at_once = radius(late(law, 0.0), law)
@@ -158,6 +159,7 @@ def test_gains_that_know_no_delay_stand_it_if_it_is_predicted(law: str, share: f
 
 @pytest.mark.parametrize("share", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("period", [0.05, 0.1])
+@pytest.mark.slow
 def test_gains_of_the_guide_for_a_prediction_stand_a_wrong_mass(
     period: float, share: float
 ) -> None:
@@ -182,6 +184,7 @@ def test_checks_and_linear_package_build_the_same_loop(law: str) -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_prediction_longer_than_the_delay_is_told_and_cycles() -> None:
     """Believed T and really 0: unstable; the shortest delay that there may be is what counts."""
     keys = [

@@ -48,6 +48,7 @@ def barrier_at(x: np.ndarray, smooth: bool) -> np.ndarray:
 
 
 @both_forms
+@pytest.mark.slow
 def test_resolvent_minimises_its_cost(smooth: bool) -> None:
     draw = np.random.default_rng(1)
     grid = np.linspace(-1, 1, 4003)[1:-1]
@@ -167,6 +168,7 @@ def test_presets_of_ours_have_the_gains_of_the_guide(preset: str) -> None:
 
 @pytest.mark.parametrize("period", [0.01, 0.05, 0.1, 0.2])
 @pytest.mark.parametrize("share", [0.0, 0.5])
+@pytest.mark.slow_but("0.5-0.1")
 def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(
     period: float, share: float
 ) -> None:

@@ -20,6 +20,7 @@ def functions(eta: float, node: float) -> tuple[ca.Function, ca.Function]:
 
 @pytest.mark.parametrize("eta", [0.5, 2**0.5, 3.0])
 @pytest.mark.parametrize("node", [1.0, 0.5])
+@pytest.mark.slow_but("1.0-1.4142135623730951", "0.5-3.0")
 def test_product_form_equals_definition(eta: float, node: float) -> None:
     """Values and derivatives, also where a coordinate is exactly zero."""
     fast, slow = functions(eta, node)

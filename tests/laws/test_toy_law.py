@@ -45,6 +45,7 @@ def test_its_gains_are_scenario_keys() -> None:
         simulate("paper-simulation", "toy", overrides={"gains.toy.kk": 1.0})
 
 
+@pytest.mark.slow
 def test_guard_and_theory_serve_it_too() -> None:
     guarded = simulate("far-start-drop", "toy", guard=True, overrides={"disturbance.truncate": 3.0})
 

@@ -15,6 +15,7 @@ LAWS = ("pid", "smc", "mb", "nn")
 
 
 @pytest.mark.parametrize("law", LAWS)
+@pytest.mark.slow_but("mb")
 def test_sampled_nonlinear_loop_is_the_native_run(nominal, law):
     short = override(nominal, {"clock.duration": 1.0})
     run = wmr_ctrl.simulate(short, law)

@@ -90,6 +90,7 @@ def test_loop_is_named_and_interconnectable(nominal):
 
 
 @pytest.mark.parametrize("law", [*LAWS, "prox"])
+@pytest.mark.slow_but("pid", "mb", "prox")
 def test_linear_loop_is_the_limit_of_the_nonlinear_one(nominal, law):
     """A displacement of a micrometre: quadratic terms are below 1e-9 of it."""
     point = resting_point(nominal, law)

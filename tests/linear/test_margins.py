@@ -72,6 +72,7 @@ def test_a_crossing_behind_the_critical_point_allows_the_rest_of_the_turn():
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.slow_but("0-mb", "1-nn")
 def test_continuous_margins_are_python_controls(nominal, law, axis):
     found = margins_at(nominal, law, axis)
     gain, phase, _, _ = ct.margin(open_loop(nominal, law, axis))
@@ -82,6 +83,7 @@ def test_continuous_margins_are_python_controls(nominal, law, axis):
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("period", [None, 0.01])
+@pytest.mark.slow_but("None-mb")
 def test_disk_margin_is_its_definition(nominal, law, period):
     """alpha = 1/max |S - 1/2|; a disk margin is never above what the classical ones allow."""
     found = margins_at(nominal, law, 1, period=period)
@@ -107,6 +109,7 @@ def test_a_loop_beyond_its_period_has_no_margins(nominal):
 
 
 @pytest.mark.parametrize(("delay", "rests"), [(0.030, True), (0.050, False)])
+@pytest.mark.slow
 def test_delay_margin_against_runs_with_a_delay(nominal, delay, rests):
     """The moment's delay margin at 10 ms is 0.0393 s; the native loop agrees on both sides."""
     assert 0.030 < margins_at(nominal, "mb", 1, period=0.01).delay < 0.050

@@ -30,6 +30,7 @@ def report_of(nominal):
     return cache(lambda law: report_linear(nominal, law))
 
 
+@pytest.mark.slow
 def test_json_holds_the_figures_of_the_audit(report_of):
     found = report_of("mb").to_json()
 
@@ -49,6 +50,7 @@ def figures(text: str) -> set[str]:
 
 
 @pytest.mark.parametrize("width", [40, 60, 80, 100])
+@pytest.mark.slow
 def test_no_line_is_wider_than_the_terminal(report_of, width):
     """Tables that do not fit are paragraphs, with every figure in them."""
     text, wide = (report_of("nn").table(columns) for columns in (width, 200))
@@ -57,6 +59,7 @@ def test_no_line_is_wider_than_the_terminal(report_of, width):
     assert figures(wide) <= figures(text)
 
 
+@pytest.mark.slow
 def test_the_network_law_is_told_to_be_unstable_while_it_learns(report_of):
     found = report_of("nn").to_json()
 
@@ -68,6 +71,7 @@ def test_the_network_law_is_told_to_be_unstable_while_it_learns(report_of):
 
 
 @pytest.mark.parametrize("law", ["pid", pytest.param("smc", marks=pytest.mark.slow), "mb", "nn"])
+@pytest.mark.slow
 def test_every_law_is_stable_on_the_reference_with_its_estimates_held(report_of, law):
     report = report_of(law)
     found = report.to_json()
@@ -79,6 +83,7 @@ def test_every_law_is_stable_on_the_reference_with_its_estimates_held(report_of,
     assert report.law in report.table()
 
 
+@pytest.mark.slow
 def test_command_prints_parseable_json_and_leaves_paths_to_stderr(report_of, tmp_path, monkeypatch):
     monkeypatch.setattr(
         "wmr_ctrl.theory.linear.report_linear",
@@ -130,6 +135,7 @@ def test_importing_the_package_does_not_load_python_control():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+@pytest.mark.slow
 def test_a_guard_that_no_long_period_admits_does_not_stop_the_report(monkeypatch):
     """Periods up to the stable limit are tried, and no guard could be met at the longest."""
     monkeypatch.setattr("wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: [])
@@ -158,6 +164,7 @@ def drive(speed: float) -> Scenario:
     return load_scenario("paper-simulation-nominal", {**reference, "clock.duration": 80.0})
 
 
+@pytest.mark.slow
 def test_a_way_is_looked_at_where_it_drives_fastest_and_not_at_its_start(monkeypatch):
     monkeypatch.setattr(
         "wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: []
@@ -176,6 +183,7 @@ def test_a_time_is_one_of_the_run(nominal):
         report_linear(nominal, "mb", at=90.0)
 
 
+@pytest.mark.slow
 def test_with_the_guard_the_figures_are_the_same_where_it_is_inactive(nominal, report_of):
     page = report_linear(nominal, "mb", guard=True)
 

@@ -45,6 +45,7 @@ def test_spectral_radii_of_the_audit(nominal):
     assert found == pytest.approx((0.99691, 1.3366, 2.530), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_network_limits_of_the_audit(nominal):
     assert largest_stable_period(nominal, "nn") == pytest.approx(0.1480, rel=2e-3)
     for m, inertia, expected in ((65.0, 7.0, 0.1924), (80.0, 5.4, 0.1996)):
@@ -53,6 +54,7 @@ def test_network_limits_of_the_audit(nominal):
 
 
 @pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn"])
+@pytest.mark.slow_but("mb")
 def test_nonlinear_runs_agree_just_below_and_just_above(nominal, law):
     """Without friction, so that every law rests on the reference with its estimates at zero."""
     smooth = override(nominal, {"robot.mu": 0.0})
@@ -68,6 +70,7 @@ def test_kink_limits_of_the_audit(nominal):
 
 
 @pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.slow
 def test_velocity_swings_about_the_kink_just_above_its_limit(nominal, axis):
     """v_c0 held beyond v_u2; Euler is exact for a held force without friction."""
     from wmr_ctrl.theory.linear.sampled import pull_of
@@ -92,6 +95,7 @@ def test_regressor_bound_of_the_audit(nominal):
     assert math.isinf(ahead)
 
 
+@pytest.mark.slow
 def test_the_network_of_the_paper_scenario_is_linearly_unstable(nominal):
     """|S|^2 = 0.319 at eta = sqrt 2: no period is stable once the weights move."""
     point = resting_point(nominal, "nn")

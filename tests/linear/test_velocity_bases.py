@@ -32,6 +32,7 @@ def test_the_gain_margin_is_the_gain_of_the_base_that_makes_it_unstable(burger, 
 
 
 @pytest.mark.parametrize("law", ["mb", "kanayama"])
+@pytest.mark.slow
 def test_poles_are_those_of_the_closed_loop_as_an_object_and_of_checks_radius(burger, law) -> None:
     off = override(burger, {"base.gain": [1.2, 0.9]})
     page = report_linear(off, law)

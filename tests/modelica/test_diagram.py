@@ -85,6 +85,7 @@ def crosses(one: np.ndarray, other: np.ndarray) -> bool:
     )
 
 
+@pytest.mark.slow
 def test_every_port_leads_over_an_edge_and_none_covers_another(text):
     interfaces = text.partition("end Interfaces;")[0]
     for part in PARTS:

@@ -36,6 +36,7 @@ def largest_differences(found, native):
 
 
 @pytest.mark.parametrize("law", quick(LAWS, "mb"))
+@pytest.mark.slow
 def test_a_loop_in_modelica_is_the_native_loop(text, simulated, law):
     """Over 10 s, against Runge-Kutta steps of 0.1 ms; torques to the size of what they multiply."""
     found = simulated(text, loop(law), 10.0)
@@ -71,6 +72,7 @@ def test_every_reference_without_memory_is_there(simulated, kind):
     assert max(largest_differences(found, native).values()) < 1e3 * EXACT
 
 
+@pytest.mark.slow
 def test_parts_may_be_replaced_by_imports(text, simulated):
     """Another block takes the place of an FMU's class: ports are all that is asked of it."""
     part = "Imported.ControllerFmu controller"
@@ -82,6 +84,7 @@ def test_parts_may_be_replaced_by_imports(text, simulated):
     assert max(largest_differences(mine, first).values()) > 0.1
 
 
+@pytest.mark.slow
 def test_a_disturbance_may_be_given(text, simulated):
     """A constant thrust is the native push for as long as the robot does not turn back."""
     model = """
@@ -110,6 +113,7 @@ end Pushed;
 
 
 @pytest.mark.parametrize("name", ['a "quoted" one', "two\nlines", "back\\slash", "a\\", "</html>"])
+@pytest.mark.slow
 def test_a_name_cannot_end_a_string(text, name):
     """Only what is said of the scenario differs, and a parser reads it."""
     parser = pytest.importorskip("pymoca.parser", reason="NOT RUN: pymoca is not there")
@@ -124,6 +128,7 @@ def test_a_name_cannot_end_a_string(text, name):
         parser.parse("package WheeledRobot\n" + tail.replace("the scenario ", 'the scenario "'))
 
 
+@pytest.mark.slow
 def test_lines_are_short_and_break_outside_of_strings(text):
     assert max(map(len, text.split("\n"))) <= 100
     long = 'x = "a b" + f({1.0, 2.0}, "' + "c d " * 40 + '");'
@@ -230,6 +235,7 @@ def test_what_the_package_cannot_hold_is_refused_by_its_name(overrides):
         modelica_package(load_scenario(NOMINAL, overrides))
 
 
+@pytest.mark.slow
 def test_noise_is_left_out_and_the_package_says_so(text):
     noisy = modelica_package(load_scenario("paper-simulation"))
     assert "scenario's own is left out" in noisy

@@ -12,12 +12,14 @@ def present() -> set[str]:
     return set(interface.lines())
 
 
+@pytest.mark.slow
 def test_nothing_that_is_promised_is_gone(present):
     gone = [line for line in interface.promised() if line not in present]
 
     assert gone == [], "see docs/reference/stable.md: it goes in two steps, with a major version"
 
 
+@pytest.mark.slow
 def test_the_list_is_in_order_and_covers_every_kind(present):
     listed = interface.promised()
 
@@ -25,6 +27,7 @@ def test_the_list_is_in_order_and_covers_every_kind(present):
     assert {line.partition(":")[0] for line in present} == {x.partition(":")[0] for x in listed}
 
 
+@pytest.mark.slow
 def test_what_is_renamed_is_missed(monkeypatch, present):
     renamed = {item: "turned" for item in present if item == "option: wmr-ctrl check --law"}
     monkeypatch.setattr(interface, "lines", lambda: {renamed.get(x, x) for x in present})
@@ -33,6 +36,7 @@ def test_what_is_renamed_is_missed(monkeypatch, present):
     assert gone == {"option: wmr-ctrl check --law"}
 
 
+@pytest.mark.slow
 def test_no_number_of_a_run_has_two_names(present):
     """A figure stands under the key that has it, or under `figures`."""
     under = {line.partition(": ")[2] for line in present if line.startswith("run --json")}

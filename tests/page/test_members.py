@@ -60,6 +60,7 @@ def test_a_base_has_the_filters_that_hold_for_it(name: str, ways: list[str]) -> 
         ({"filter.kind": "clip", "filter.jitter": 0.06}, ["clipped", "smoothed", "clip"]),
     ],
 )
+@pytest.mark.slow_but("stated1-ways1")
 def test_a_base_that_overshoots_has_slow_commands_too(
     stated: dict[str, object], ways: list[str]
 ) -> None:

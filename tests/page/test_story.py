@@ -63,6 +63,7 @@ def test_prox_needs_no_guard_where_nn_does() -> None:
     assert max(nn.summary()["guard_share"]) > 0.5
 
 
+@pytest.mark.slow
 def test_a_page_has_the_certified_corridors(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.PERIODS", ())
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.LATE", ())
@@ -83,6 +84,7 @@ def test_a_page_has_the_certified_corridors(monkeypatch: pytest.MonkeyPatch) -> 
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_robot_has_room_for_delay_that_no_law_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.PERIODS", ())
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.LATE", ())

@@ -89,6 +89,7 @@ def test_the_film_shows_the_certified_corridor(tmp_path):
         assert film.size == (WIDTH, HEIGHT + 60 + 24), "a line on the corridor"
 
 
+@pytest.mark.slow
 def test_what_cannot_be_filmed_is_said(tmp_path, monkeypatch):
     run = simulate("paper-simulation", "mb", overrides={"clock.duration": 0.1})
     with pytest.raises(ArgumentError, match="plant mujoco"):

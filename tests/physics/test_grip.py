@@ -60,6 +60,7 @@ def test_what_is_kept_anyhow_is_less_than_what_one_motion_takes(overrides):
 
 @pytest.mark.parametrize("law", ["mb", "nn", "prox", "pid"])
 @pytest.mark.parametrize("preset", ["paper-simulation", "far-start"])
+@pytest.mark.slow_but("paper-simulation-mb")
 def test_at_the_torque_that_is_kept_no_wheel_slides(law, preset):
     case = load_scenario(preset, {"clock.duration": 6.0, "disturbance.std": 0.0})
     kept = 0.99 * grip(case).keep
@@ -73,6 +74,7 @@ def test_at_the_torque_that_is_kept_no_wheel_slides(law, preset):
 
 
 @pytest.mark.parametrize(("law", "falls"), [("mb", True), ("nn", True)])
+@pytest.mark.slow_but("mb-True")
 def test_spin_and_fall_are_foretold(law, falls):
     setup = settle(load_scenario("paper-simulation"), law)
     seen, first = grip(setup.scenario), max(map(abs, first_torques(setup)))

@@ -37,6 +37,7 @@ def same(one, other):
     )
 
 
+@pytest.mark.slow
 def test_a_table_has_the_figures_of_single_runs():
     table = simulate_many("paper-simulation", "mb", [3, 4], BRIEF, plant="mujoco", jobs=1)
     for k, seed in enumerate((3, 4)):
@@ -52,6 +53,7 @@ def test_a_table_has_the_figures_of_single_runs():
     assert {"tipped", "max_wheel_speed", "max_tilt"} < set(table)
 
 
+@pytest.mark.slow
 def test_overrides_and_starts_may_differ_by_run():
     starts = [[0.3, -0.2, 0.5, 0.1, 0.0], [0.0, 0.0, -1.0, 0.0, 0.2]]
     changed = [BRIEF | {"body.tyre": tyre} for tyre in (0.8, 0.02)]
@@ -65,6 +67,7 @@ def test_overrides_and_starts_may_differ_by_run():
     assert table["slipped"][1] < 0.2
 
 
+@pytest.mark.slow
 def test_a_run_that_falls_counts_as_stopped_then():
     table = simulate_many("paper-simulation", "pid", [0], plant="mujoco", jobs=1)
     assert table["outcome"].tolist() == ["tipped"]
@@ -108,6 +111,7 @@ def test_what_a_run_raises_comes_through(monkeypatch):
         make_each(refuse, [(None, 0)], 0)
 
 
+@pytest.mark.slow
 def test_a_study_on_the_rigid_body(tmp_path):
     done = wmr_ctrl.study(PLAN, tmp_path / "s", jobs=1)
     rows = list(csv.DictReader(done.table.read_text().splitlines()))

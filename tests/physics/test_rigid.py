@@ -103,6 +103,7 @@ def test_a_free_robot_rolls_downhill(slope, uphill):
 
 
 @pytest.mark.parametrize("angle", [1.0, 3.0, -2.5, 7.0])
+@pytest.mark.slow_but("3.0")
 def test_no_direction_is_special(angle):
     torques = np.random.default_rng(3).normal(3.0, 3.0, (400, 2))
 

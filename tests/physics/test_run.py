@@ -31,6 +31,7 @@ SHORT = {"clock.duration": 4.0, "actuator.tau_max": 10.0}
         ("prox", {"actuator.delay": 0.013, "guard.enabled": True, "disturbance.truncate": 3.0}),
     ],
 )
+@pytest.mark.slow_but("mb-overrides0")
 def test_the_loop_without_its_plant_is_the_native_loop_to_the_bit(law, overrides):
     """Shown the states of a native run, it logs what that run logged."""
     chosen = {"clock.duration": 2.0, **overrides}
@@ -52,6 +53,7 @@ def test_the_loop_without_its_plant_is_the_native_loop_to_the_bit(law, overrides
 
 
 @pytest.mark.parametrize("law", ["mb", "nn", "prox"])
+@pytest.mark.slow_but("mb")
 def test_below_traction_it_is_the_plane_model(law):
     rigid, plane = (
         simulate("paper-simulation", law, seed=11, plant=plant, overrides=SHORT)
@@ -68,6 +70,7 @@ def test_below_traction_it_is_the_plane_model(law):
     assert seen.least_tip_margin > 0.5
 
 
+@pytest.mark.slow
 def test_without_a_torque_limit_the_paper_s_law_spins_and_falls(tmp_path):
     run = simulate("paper-simulation", "nn", plant="mujoco")
     seen = run.monitor.rigid

@@ -45,6 +45,7 @@ def promise_is_one(scenario: str | Scenario, law: str, seed: int, **overrides: o
 
 
 @pytest.mark.parametrize("law", ["mb", "pid"])
+@pytest.mark.slow
 def test_the_guard_s_promise_on_a_rigid_body(law):
     promise_is_one("far-start", law, 71, clock__duration=10.0)
 

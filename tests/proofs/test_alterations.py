@@ -61,6 +61,7 @@ ALTERATIONS = [
     ALTERATIONS,
     ids=[f"{row[0].__qualname__}: {row[2]}" for row in ALTERATIONS],
 )
+@pytest.mark.slow_but("f: ca.log1")
 def test_an_alteration_changes_a_verdict(function, old, new, ids) -> None:
     assert changes_a_verdict(function, old, new, ids)
 

@@ -87,6 +87,10 @@ def any_drives(*given):
         ("keeps.controller.linear-first", guard, "within_reach", reached_about),
     ],
 )
+@pytest.mark.slow_but(
+    "controller.rotation-first-wmr_ctrl.control.controller-guarded-bypassed",
+    "guard.rotation-first-late-wmr_ctrl.control.guard.guard-rounding-rounded_down",
+)
 def test_what_is_exported_is_what_the_entries_speak_of(monkeypatch, key, module, name, stand_in):
     is_noticed(monkeypatch, f"guard.assembled.{key}", module, name, stand_in)
 
@@ -133,6 +137,11 @@ def whole_shares(context):
         ("world.lag.applied", drive_bounds, "followed", held_mean),
         ("prox.assembled", prox, "_shares", whole_shares),
     ],
+)
+@pytest.mark.slow_but(
+    "world.noise.thrust-wmr_ctrl.world.torque_noise-noise_at_most-capped",
+    "guard.assembled.guard.linear-first-late-Applied-following-kept_late",
+    "world.lag.applied-wmr_proofs.claims.drive_bounds-followed-held_mean",
 )
 def test_what_feeds_guard_and_law_is_in_an_entry(monkeypatch, key, place, name, stand_in):
     is_noticed(monkeypatch, key, place, name, stand_in)
@@ -194,6 +203,13 @@ def digest(system: System, names: list[str]) -> str:
     ids=str,
 )  # fmt: skip
 @pytest.mark.parametrize("law", LAWS)
+@pytest.mark.slow_but(
+    "pid-{}",
+    "mb-{'guard.enabled': True}",
+    "mb-{'guard.enabled': True, 'actuator.delay': 0.013, 'actuator.lag': 0.02}",
+    "prox-{'actuator.delay': 0.013, 'actuator.lag': 0.02}",
+    "prox-{'guard.enabled': True, 'sensor.velocity_window': 0.02, 'actuator.jitter': 0.01}",
+)
 def test_what_is_watched_and_asked_is_the_controller(law, changes):
     """The graph of which entries speak has the compiled text of the one that is exported."""
     setup = settle(load_scenario(PRESET, {"clock.control": 0.01, **changes}), law)

@@ -43,6 +43,7 @@ def test_nor_is_that_of_any_other_entry() -> None:
     assert stale(hashes(set(IDS) - set(IDS[::EACH])), load()) == []
 
 
+@pytest.mark.slow
 def test_what_other_versions_decided_is_proved_again() -> None:
     """What these versions decided is proved again by the slow test below."""
     committed = load().by_id()
@@ -119,6 +120,7 @@ def test_patterns_and_several_ids_select() -> None:
         selected(["nothing.*"])
 
 
+@pytest.mark.slow
 def test_what_is_asked_for_is_printed_in_full_and_written_as_json(tmp_path, capsys) -> None:
     assert runner.run_prove(["eq25"], tmp_path / "out.json") == 0
 
@@ -194,6 +196,7 @@ def asked(key: str, point=None) -> dict:
 
 
 @SOLVERS
+@pytest.mark.slow
 def test_second_solvers_agree_where_they_are_installed(solver: str, monkeypatch) -> None:
     only = second_solvers.programs().get(solver) or pytest.skip(f"NOT RUN: no {solver}")
     monkeypatch.setattr(second_solvers, "programs", lambda: {solver: only})

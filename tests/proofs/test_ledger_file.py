@@ -20,6 +20,7 @@ ROOT = Path(__file__).parents[2]
 ONE = Entry("a", (1,), "claim", "printed", "PROVED", graph_hash="00")
 
 
+@pytest.mark.slow
 def test_round_trip(tmp_path) -> None:
     load().save(tmp_path / "ledger.json")
 

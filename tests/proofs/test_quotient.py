@@ -48,6 +48,7 @@ def test_it_computes_as_rationals_do(p, q) -> None:
 
 
 @given(quotients(), quotients())
+@pytest.mark.slow
 def test_equal_quotients_are_written_alike(p, q) -> None:
     left, right = (p + q) ** 2, p * p + 2 * p * q + q * q
 

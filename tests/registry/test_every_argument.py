@@ -101,6 +101,16 @@ def test_every_public_name_is_walked():
 
 
 @pytest.mark.parametrize("name", [name for name in GOOD if GOOD[name]])
+@pytest.mark.slow_but(
+    "compile_law",
+    "cosimulate",
+    "load_run",
+    "load_scenario",
+    "prove",
+    "reproduce",
+    "simulate",
+    "write_page",
+)
 def test_every_argument_of_a_public_function(name):
     function, good = getattr(wmr_ctrl, name), GOOD[name]
     refusals = [
@@ -167,6 +177,7 @@ def test_every_field_of_a_scenario():
             refused_in_a_sentence(partial(wmr_ctrl.Scenario, **{name: value}))
 
 
+@pytest.mark.slow
 def test_columns_of_a_table_of_runs():
     table = wmr_ctrl.simulate_many(SCENARIO, LAW, [1], SHORT)
 

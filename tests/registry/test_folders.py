@@ -21,6 +21,7 @@ WRITERS = {
 
 
 @pytest.mark.parametrize("what", WRITERS)
+@pytest.mark.slow_but("codegen", "simulink", "proofs", "page")
 def test_a_folder_that_cannot_be(tmp_path, what):
     (tmp_path / "file").write_text("in place of a folder")
 

@@ -169,6 +169,7 @@ def shown_of(path):
 
 
 @pytest.mark.parametrize("off", [0.004, 0.01])
+@pytest.mark.slow
 def test_a_certified_corridor_is_a_band_and_a_gauge(tmp_path, off):
     """Past a change of the robot it is that of the whole run."""
     brief = {"changes": [{"t": 0.5, "m": 60.0}], "clock.duration": 2.0}
@@ -195,6 +196,7 @@ def test_a_certified_corridor_is_a_band_and_a_gauge(tmp_path, off):
     assert "the certified corridor from a start on it, up to" in page
 
 
+@pytest.mark.slow
 def test_a_corridor_that_ends_is_drawn_until_then(tmp_path):
     """Rare poses are counted for good alone, and not past a change."""
     told = {"changes": [{"t": 0.5, "m": 60.0}], "disturbance.std": 0.1, "sensor.pose_period": 0.02}

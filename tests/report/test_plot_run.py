@@ -31,6 +31,7 @@ STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
 
 
 @pytest.mark.parametrize("suffix", MAGIC)
+@pytest.mark.slow_but(".png")
 def test_a_run_is_drawn(fake_simulate, tmp_path, suffix):
     path = tmp_path / f"run{suffix}"
     plot_run(fake_simulate("paper-simulation", "nn", 0), path)
@@ -47,6 +48,7 @@ def test_a_run_that_ended_early_is_drawn(tmp_path):
 
 
 @pytest.mark.parametrize("name", [r"a$\frac$b $x_{$ \$", 'a$b\ntwo lines "<&>*/'])
+@pytest.mark.slow
 def test_a_name_is_no_formula(tmp_path, monkeypatch, name):
     monkeypatch.setitem(style._COLOURS, "svg.fonttype", "none")
     path, run = tmp_path / "run.svg", build(duration=0.2, labels={"scenario": name})
@@ -102,6 +104,7 @@ def test_the_errors_are_those_of_a_time_that_was_run(duration, said):
     assert any(said in text.get_text() for text in figure.findobj(Text))
 
 
+@pytest.mark.slow
 def test_a_course_is_drawn_and_filmed():
     text = to_toml(
         override(
@@ -132,6 +135,7 @@ def test_runs_over_each_other_are_drawn(tmp_path):
     assert path.read_bytes().startswith(MAGIC[".png"])
 
 
+@pytest.mark.slow
 def test_a_corridor_that_varies_is_drawn_as_wide_as_it_is_in_each_sample():
     """It holds the errors of a run from a start on the path, past a change."""
     told = {"reference.kind": "lemniscate", "clock.duration": 3.0, "changes": [{"t": 1.5, "m": 60}]}
@@ -154,6 +158,7 @@ def on_its_path(scenario):
     return override(scenario, {"initial.pose": pose, "initial.velocity": velocity})
 
 
+@pytest.mark.slow
 def test_nothing_is_certified_of_another_plant_or_order_of_steps():
     """The certificate is about the plane model, and torques as late as the scenario says."""
     run = simulate(load_scenario("safe-simulation", {"clock.duration": 0.1}), "prox")
@@ -168,6 +173,7 @@ def test_nothing_is_certified_of_another_plant_or_order_of_steps():
     assert "certified" not in text
 
 
+@pytest.mark.slow
 def test_a_robot_that_turned_once_about_itself_stands_on_its_path_again():
     """Its orientation error is then a whole turn, and it looks as its path asks."""
     told = {"initial.pose": [2.4, 0.5, 0.0], "clock.control": 0.02}

@@ -60,6 +60,7 @@ def test_a_campaign_that_fails_leaves_nothing(tmp_path):
 
 
 @pytest.mark.usefixtures("made_up", "few_pictures")
+@pytest.mark.slow
 def test_quick_takes_three_seeds_and_progress_ends_every_phase(tmp_path):
     watch = Watch()
     verdicts = api.reproduce(tmp_path, quick=True, progress=watch)

@@ -62,6 +62,7 @@ def test_indices_are_those_of_each_point_of_the_grid():
         assert heights(ax) == pytest.approx(whole, abs=0.1)
 
 
+@pytest.mark.slow
 def test_many_points_of_a_grid_stand_in_several_pictures():
     pytest.importorskip("SALib")
     radii = [0.05 + 0.01 * k for k in range(9)]
@@ -100,6 +101,7 @@ def test_what_has_no_indices_says_why():
     assert "(the wheels cannot hold the robot: ... > 2 is needed)" in said
 
 
+@pytest.mark.slow
 def test_a_study_without_any_value_is_one_picture_of_the_reason():
     sample = {"method": "uniform", "n": 5, "robot.mu": [0.0, 1.0], "robot.m": [40, 60]}
     figures = drawn(table_of(lambda r: 1.0, lambda r: True, sample=sample))

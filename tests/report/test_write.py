@@ -259,6 +259,7 @@ def test_every_run_is_in_runs_csv(written):
 # -- other campaigns ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_other_laws_stand_beside_the_papers(few_pictures, tmp_path):
     laws = ["pid", "smc", "mb", "nn", "ours"]
     with made_up():

@@ -156,6 +156,7 @@ def test_a_bag_of_a_run_is_a_drive_where_topics_are_named(tmp_path):
     assert json.loads(compared.stdout)["verdict"] == "equal"
 
 
+@pytest.mark.slow
 def test_a_run_beside_a_bag_is_what_its_base_tells(recorded, tmp_path):
     run = build(v1=0.25, omega=0.5)
     run.save(tmp_path / "run.npz")
@@ -266,6 +267,7 @@ def test_a_film_of_two_drives_holds_who_came_to_his_end(recorded):
     assert scene.actors[0].colour != scene.actors[1].colour
 
 
+@pytest.mark.slow
 def test_python_takes_a_drive_as_the_commands_do(recorded, tmp_path):
     """What the commands print and write, from the same bag without them."""
     drive = load_drive(recorded)

@@ -20,6 +20,7 @@ VALUES = st.recursive(
 
 
 @given(VALUES)
+@pytest.mark.slow
 def test_any_nesting_becomes_strict_json_and_stays_as_it_is_then(value: object) -> None:
     plain = json_safe(value)
 

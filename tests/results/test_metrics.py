@@ -27,6 +27,7 @@ STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.6, 2), "diverged")
 
 @pytest.mark.parametrize("name", ["x", "y", "theta", "x_d", "y_d", "theta_d"])
 @given(c=ERRORS, rows=st.integers(1, 300), control=CONTROLS)
+@pytest.mark.slow_but("x")
 def test_a_constant_error_integrates_to_its_square_times_the_duration(
     make_run: MakeRun, name: str, c: float, rows: int, control: float
 ) -> None:

@@ -62,6 +62,7 @@ def test_guard_share_is_per_axis_and_zero_without_guard(make_run: MakeRun) -> No
     assert guard_share(make_run(labels={"guard": True})) is None
 
 
+@pytest.mark.slow
 def test_nothing_needs_to_be_done_only_without_remarks() -> None:
     fine = simulate("safe-simulation", "kanayama")
     slow = simulate("safe-simulation", "kanayama", overrides={"metrics.tolerance": 1e-5})
@@ -77,6 +78,7 @@ def test_nothing_needs_to_be_done_only_without_remarks() -> None:
     ("period", "delay"),
     [(0.1, 0.05), *OTHER_DELAYS],
 )
+@pytest.mark.slow
 def test_limit_cycles_under_delay_are_told(period: float, delay: float) -> None:
     late = {**CYCLES, "clock.control": period, "actuator.delay": delay}
     run = simulate("safe-simulation", "prox", overrides=late)
@@ -87,6 +89,7 @@ def test_limit_cycles_under_delay_are_told(period: float, delay: float) -> None:
 
 @pytest.mark.parametrize("duration", [2.0, 3.0, 5.0, 10.0, 20.0, 30.0])
 @pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn", "prox", "kanayama"])
+@pytest.mark.slow_but("pid-2.0", "mb-3.0")
 def test_a_short_run_that_settles_is_no_oscillation(law: str, duration: float) -> None:
     """One or two periods are what the start leaves behind, a few more what noise does."""
     for seed in range(3):
@@ -101,6 +104,7 @@ def test_nor_is_a_guarded_far_start() -> None:
 
 @pytest.mark.parametrize(("period", "delay"), OTHER_DELAYS)
 @pytest.mark.parametrize("duration", [6.0, 10.0, 20.0])
+@pytest.mark.slow_but("10.0-0.02-0.06")
 def test_limit_cycles_are_told_on_short_runs_too(
     period: float, delay: float, duration: float
 ) -> None:
@@ -129,6 +133,7 @@ def test_a_cycle_has_periods_and_does_not_decay(
 
 @pytest.mark.parametrize("reference", ["circle", "lemniscate", "stop-and-go", "rounded-square"])
 @pytest.mark.parametrize("law", ["prox", "kanayama", "nn"])
+@pytest.mark.slow
 def test_noise_and_moving_references_are_no_oscillation(law: str, reference: str) -> None:
     run = simulate("safe-simulation", law, overrides={"reference.kind": reference})
 
@@ -136,6 +141,7 @@ def test_noise_and_moving_references_are_no_oscillation(law: str, reference: str
 
 
 @pytest.mark.parametrize("law", ["prox", "kanayama"])
+@pytest.mark.slow_but("prox")
 def test_nor_is_the_answer_to_noise_at_100_ms(law: str) -> None:
     """With gains for 100 ms; with k1 = 16.8 and a slow observer prox does cycle."""
     own = {"gains.prox.kinematics": [5.0, 81.0, 3.6], "gains.prox.rho": [13.9, 8.93],
@@ -165,6 +171,7 @@ def test_a_guard_that_holds_back_is_told() -> None:
     assert not tracked(run)
 
 
+@pytest.mark.slow
 def test_void_assumptions_are_told_with_the_guard_on_only() -> None:
     tails = {"disturbance.truncate": float("inf")}
     timed = {"encoder.method": "time", "encoder.counts": 65536.0}
@@ -201,6 +208,7 @@ def test_rounding_is_no_violation(engine: str, share: float, counted: bool) -> N
 
 
 @pytest.mark.parametrize("changed", [{}, {**LATE, "actuator.lag": 0.02}])
+@pytest.mark.slow
 def test_tables_have_the_runs_figures(changed: dict[str, float]) -> None:
     table = simulate_many("safe-simulation", "prox", range(3), changed)
     for seed in range(3):

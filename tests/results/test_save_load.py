@@ -68,6 +68,7 @@ def refused(path: Path) -> bool:
     e=arrays(np.float64, (20, 3), elements=st.floats() | st.sampled_from(NASTY)),
     words=st.dictionaries(st.text(), st.text(), max_size=3),
 )
+@pytest.mark.slow_but(".npz")
 def test_a_saved_run_loads_back_equal(
     make_run: MakeRun,
     tmp_path: Path,
@@ -188,6 +189,7 @@ def test_random_bytes_are_refused(tmp_path: Path, suffix: str, data: bytes) -> N
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @reusing_folder
 @given(part=st.floats(0, 1))
+@pytest.mark.slow_but(".npz", ".csv", ".parquet")
 def test_a_file_cut_anywhere_is_refused(
     make_run: MakeRun, tmp_path: Path, suffix: str, part: float
 ) -> None:

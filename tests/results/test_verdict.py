@@ -67,6 +67,7 @@ def test_drive_and_end_are_judged_apart_and_the_start_fades(make_run: MakeRun) -
 
 
 @pytest.mark.parametrize("duration", [30.0, 60.0])
+@pytest.mark.slow
 def test_tables_have_drive_and_end_of_runs(duration: float) -> None:
     case = {**PATH, "clock.duration": duration}
     table = simulate_many("safe-simulation", "prox", range(2), case)
@@ -113,6 +114,7 @@ def test_without_friction_the_motion_needs_what_accelerates_it() -> None:
 
 
 @pytest.mark.parametrize("seed", [0, 7101])
+@pytest.mark.slow_but("0")
 def test_gains_for_another_period_are_objected_whatever_the_seed(seed: int) -> None:
     run = simulate("safe-simulation", "prox", seed=seed, overrides={"clock.control": 0.1})
     text = next(item.text for item in run.remarks if item.key == "objected")
@@ -134,6 +136,7 @@ def test_a_verdict_does_not_hang_on_the_seed(preset: str, law: str, changed: dic
 
 
 @pytest.mark.parametrize("seed", range(3))
+@pytest.mark.slow
 def test_cycles_below_half_a_hertz_are_told(seed: int) -> None:
     run = simulate("safe-simulation", "pid", seed=seed, overrides=SLOW_CYCLE)
 
@@ -184,6 +187,7 @@ def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods: int, rm
     assert fast_swing_rms(signal, 0.01) == pytest.approx(rms, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_encoders_beside_the_true_pose_are_told() -> None:
     counted = {"encoder.counts": 8192.0, "clock.duration": 20.0}
     for noise, told in ((0.0, True), (0.01, False)):
@@ -200,6 +204,7 @@ def test_weak_drives_are_told() -> None:
     assert "saturated" in keys(run)
 
 
+@pytest.mark.slow
 def test_noise_through_gains_is_objected_and_seen() -> None:
     noisy = {"sensor.velocity_noise": [0.1, 0.1], "clock.duration": 20.0}
     calm, loud = (outlook(scenario_of("safe-simulation", case), "pid") for case in ({}, noisy))
@@ -210,6 +215,7 @@ def test_noise_through_gains_is_objected_and_seen() -> None:
     assert {"chatter", "objected"} <= keys(run)
 
 
+@pytest.mark.slow
 def test_a_barrier_close_to_the_desired_speed_is_named_beside_noise_and_gains() -> None:
     """Without any noise: half of the gains calm nothing, and a barrier farther off does."""
     case, close = "turtlebot3-burger", {"limits.v_u2": [0.17, 2.2]}
@@ -258,6 +264,7 @@ def test_torques_of_somebody_elses_law_are_judged_by_what_the_motion_needs() -> 
     ("safe-simulation", "nn", CheckVerdict.OBJECTED),
     ("safe-simulation", "mb", CheckVerdict.IN_PART),
 ])  # fmt: skip
+@pytest.mark.slow_but("safe-simulation-kanayama-holds")
 def test_a_law_is_judged_in_a_word(preset: str, law: str, word: CheckVerdict) -> None:
     seen = outlook(scenario_of(preset), law)
 

@@ -96,6 +96,7 @@ def wishes(law, monkeypatch, told):
 
 
 @pytest.mark.parametrize("law", ["kanayama", "pursuit", "prox"])
+@pytest.mark.slow_but("prox")
 def test_behind_a_ramp_nothing_winds_up(law, monkeypatch):
     found = wishes(law, monkeypatch, lambda _, sent: sent)
 

@@ -27,6 +27,7 @@ def carried(monkeypatch):
 
 @pytest.mark.parametrize("base", BASES)
 @pytest.mark.parametrize("simulated", [True, False])
+@pytest.mark.slow_but("True-efforts, guard")
 def test_every_command_is_that_of_the_run(carried, base, simulated):
     law, changes = BASES[base]
     scenario = load_scenario("paper-simulation", {**COMMON, **changes, "message.sent": 1.0})

@@ -78,6 +78,7 @@ class Chaos:
 
 @pytest.mark.parametrize("at_once", [False, True])
 @pytest.mark.parametrize("odometry", ["none", "watched", "required"])
+@pytest.mark.slow_but("watched-True")
 def test_a_filter_sends_what_it_may_whatever_comes(scenario, at_once, odometry):
     core = FilterCore(
         scenario, GateSettings(odometry=odometry, rise=(50.0, 50.0)), "base_link", at_once=at_once

@@ -226,6 +226,7 @@ keys = st.sampled_from(
 
 @settings(max_examples=3 * settings.default.max_examples)
 @given(st.dictionaries(keys, values, max_size=3))
+@pytest.mark.slow
 def test_random_values_load_or_are_refused(overrides):
     assert one_paragraph_or_none(lambda: load_scenario("paper-simulation", overrides))
 

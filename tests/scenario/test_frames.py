@@ -124,6 +124,7 @@ def both():
     return tuple(wmr_ctrl.simulate(item, "mb", seed=2) for item in (scenario, paper))
 
 
+@pytest.mark.slow
 def test_a_run_is_the_same_motion_with_orientations_a_quarter_turn_on(both):
     turned, paper = both
 
@@ -161,6 +162,7 @@ def test_pictures_and_differences_do_not_depend_on_how_one_counts(both):
     assert max(item.largest for item in compare(*both).columns) < 1e-15
 
 
+@pytest.mark.slow
 def test_starts_and_ends_of_many_runs_count_so_too():
     turned = headed()
     paper = override(turned, {"frames": "paper"})

@@ -79,6 +79,7 @@ def same_values(one: np.ndarray, other: np.ndarray) -> bool:
 @pytest.mark.parametrize(
     ("law", "vectors"), turns(headed("nn", NAMES), [item.name for item in vector_sets()], shown=1)
 )
+@pytest.mark.slow
 def test_lanes_are_the_single_loop_over_80_s(law: str, vectors: str) -> None:
     tasks = tasks_of("paper-simulation", law, range(3), {}, vectors)
 
@@ -86,6 +87,7 @@ def test_lanes_are_the_single_loop_over_80_s(law: str, vectors: str) -> None:
 
 
 @every_law
+@pytest.mark.slow
 def test_one_step_is_right_anywhere(law: str) -> None:
     """From starts in all regions, at rest and near the limits."""
     draw = np.random.default_rng(0)
@@ -112,6 +114,7 @@ def test_one_step_is_right_anywhere(law: str) -> None:
     {"initial.velocity": [1.3, 2.0]},
     {"guard.enabled": True},
 ], shown=3))  # fmt: skip
+@pytest.mark.slow
 def test_every_option_means_the_same(law: str, changed: dict[str, object]) -> None:
     overrides = {**SHORT, **changed}
     tasks = tasks_of("paper-simulation", law, range(2), overrides)
@@ -120,6 +123,7 @@ def test_every_option_means_the_same(law: str, changed: dict[str, object]) -> No
 
 
 @pytest.mark.usefixtures("every_set_of_instructions")
+@pytest.mark.slow
 def test_vector_sets_give_the_same_bits() -> None:
     tasks = tasks_of("paper-simulation", "nn", range(3), SHORT)
     names = names_of(tasks[0].loop.compiled.library)
@@ -130,6 +134,7 @@ def test_vector_sets_give_the_same_bits() -> None:
 
 
 @every_law
+@pytest.mark.slow_but("mb")
 def test_figures_are_those_of_the_runs(law: str) -> None:
     found = run_tasks(tasks_of("paper-simulation", law, range(5), {}))
     for seed in (0, 4):
@@ -150,6 +155,7 @@ def test_figures_are_those_of_the_runs(law: str) -> None:
 
 @pytest.mark.parametrize("law", quick(NAMES, "mb", "prox"))
 @pytest.mark.parametrize("guard", [False, True])
+@pytest.mark.slow
 def test_what_is_watched_is_that_of_the_runs(law: str, guard: bool) -> None:
     """A push beyond dbar on a light robot: the estimate leaves the bounds at the same sample."""
     changed = {
@@ -176,6 +182,7 @@ def test_what_is_watched_is_that_of_the_runs(law: str, guard: bool) -> None:
         assert table["outcome"][seed] == run.outcome
 
 
+@pytest.mark.slow
 def test_order_jobs_and_company_do_not_matter() -> None:
     """A lane's neighbours, those that diverge among them, leave it alone."""
     wild = tasks_of("paper-simulation", "pid", range(4), {**SHORT, "gains.pid.Kp": [2e4, 2e3]})
@@ -218,6 +225,7 @@ def test_a_batch_that_runs_again_begins_anew() -> None:
     assert all(same_bits(one, again) for one, again in zip(first, arrays, strict=True))
 
 
+@pytest.mark.slow
 def test_tasks_of_different_structure_do_not_share_a_batch() -> None:
     """Sensors, drives, clocks and windows belong to a batch; each run has its own all the same."""
     changes = (
@@ -237,6 +245,7 @@ def test_tasks_of_different_structure_do_not_share_a_batch() -> None:
         assert all(same_values(mixed[k][place], own[k][0]) for k in own)
 
 
+@pytest.mark.slow
 def test_runs_have_the_seeds_that_were_asked_for() -> None:
     together = simulate_runs("paper-simulation", "mb", np.array([5, 2]), overrides=SHORT)
     for run, seed in zip(together, (5, 2), strict=True):
@@ -266,6 +275,7 @@ def test_starts_that_cannot_be_are_named(start: tuple[float, ...]) -> None:
         Task(loop, 0, start)
 
 
+@pytest.mark.slow
 def test_divergence_is_the_single_loops() -> None:
     changed = {"gains.pid.Kp": [2e4, 2e3]}
     tasks = tasks_of("paper-experiment-literal", "pid", range(3), changed)
@@ -343,6 +353,7 @@ def test_a_compiler_may_lack_any_set_of_instructions_but_the_baseline(monkeypatc
 
 
 @pytest.mark.usefixtures("every_set_of_instructions")
+@pytest.mark.slow
 def test_one_library_holds_every_set_and_offers_what_the_processor_has() -> None:
     """The best first; which one runs is no part of how the library was built."""
     library = tasks_of("paper-simulation", "nn", range(1), SHORT)[0].loop.compiled.library

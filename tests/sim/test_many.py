@@ -44,6 +44,7 @@ def blind(sample: LawContext) -> System:
 BLIND = Law("blind", BlindGains, blind, Traits(), "Toy law.")
 
 
+@pytest.mark.slow
 def test_a_torque_that_is_no_number_is_the_largest(monkeypatch: pytest.MonkeyPatch) -> None:
     entry = EntryPoint("blind", f"{__name__}:BLIND", "wmr_ctrl.laws")
     monkeypatch.setitem(LAWS.plugins, "blind", entry)
@@ -91,6 +92,7 @@ def test_one_scenario_serves_all_seeds() -> None:
     assert len(table) == len(list(table))
 
 
+@pytest.mark.slow
 def test_overrides_may_differ_by_run_in_numbers_and_in_structure() -> None:
     changed = [{"robot.m": 55.0}, {"clock.control": 0.005}, {"reference.kind": "lemniscate"}]
     table = many(changed, [1, 2, 3])

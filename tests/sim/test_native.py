@@ -47,6 +47,7 @@ def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
     ("law", "scenario"),
     turns(headed("nn", NAMES), ["paper-simulation", "paper-simulation-noise-free"], shown=1),
 )
+@pytest.mark.slow
 def test_both_engines_equal_the_oracle_over_80_s(law: str, scenario: str) -> None:
     slow = oracle.simulate(scenario, law, seed=5)
     for engine in ("native", "numpy"):
@@ -58,6 +59,7 @@ def test_both_engines_equal_the_oracle_over_80_s(law: str, scenario: str) -> Non
 
 
 @pytest.mark.parametrize("law", quick(["nn", "prox"], "nn"))
+@pytest.mark.slow
 def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     """The network amplifies rounding once noise no longer masks it: 40 s, and metrics to 1 %."""
     native, slow = (run("paper-simulation-nominal", law) for run in (simulate, oracle.simulate))
@@ -81,6 +83,7 @@ def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     {"reference.kind": "rounded-square"},
     {"initial.velocity": [1.3, 2.0]},
 ], shown=3))  # fmt: skip
+@pytest.mark.slow_but("mb-changed2")
 def test_every_option_means_what_the_oracle_takes_it_for(
     law: str, changed: dict[str, object]
 ) -> None:
@@ -98,6 +101,7 @@ def test_every_option_means_what_the_oracle_takes_it_for(
 
 @pytest.mark.parametrize("law", ["prox", "kanayama"])
 @pytest.mark.parametrize("untold", ["unmodelled_delay", "lag_spread"])
+@pytest.mark.slow_but("lag_spread-prox")
 def test_an_observer_counts_on_the_drives_that_it_was_told_of(law, untold) -> None:
     drives = {"unmodelled_delay": 0.004} if untold == "unmodelled_delay" else {"lag_spread": 0.3}
     given = {f"actuator.{name}": value for name, value in {**drives, "lag": 0.01}.items()}
@@ -111,6 +115,7 @@ def test_an_observer_counts_on_the_drives_that_it_was_told_of(law, untold) -> No
 
 
 @pytest.mark.parametrize(("scenario", "law"), turns(preset_names(), headed("nn", NAMES)))
+@pytest.mark.slow_but("paper-experiment-literal-pid")
 def test_every_preset_ends_with_an_outcome(scenario: str, law: str) -> None:
     run = simulate(scenario, law)
     assert run.explanation
@@ -182,6 +187,7 @@ def test_mb_decays_as_the_theorem_says() -> None:
 
 
 @pytest.mark.parametrize(("law", "ise"), [("pid", 2.34), ("smc", 0.425), ("nn", 0.822)])
+@pytest.mark.slow_but("pid-2.34", "nn-0.822")
 def test_known_figures(law: str, ise: float) -> None:
     """ISE of the nominal run, from an independent simulation."""
     run = simulate("paper-simulation-nominal", law)
@@ -219,6 +225,7 @@ def test_compiled_law_steps_like_the_loop() -> None:
 
 
 @pytest.mark.parametrize("law", NAMES)
+@pytest.mark.slow_but("pid", "nn", "prox")
 def test_a_compiled_law_refuses_what_no_robot_has_and_goes_on_as_before(law: str) -> None:
     one, good = compile_law(law), SAMPLE
     one.u[:] = good

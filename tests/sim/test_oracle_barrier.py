@@ -50,6 +50,7 @@ def random_points(u1: float, u2: float, count: int) -> list[tuple[float, float]]
 
 
 @pytest.mark.parametrize(("u1", "u2"), LIMITS)
+@pytest.mark.slow
 def test_barrier_equals_its_definition_at_50_digits(u1: float, u2: float) -> None:
     for v, c in random_points(u1, u2, 3000):
         expected = exact_barrier(v, c, u1, u2)

@@ -59,6 +59,7 @@ def _larger(old: object, most: float | None) -> object:
 
 @pytest.mark.parametrize("base", BASES)
 @pytest.mark.parametrize("law", LAWS)
+@pytest.mark.slow_but("mb-everything on", "prox-plain")
 def test_numbers_are_no_part_of_the_structure(law, base):
     """The graphs' text is the same, and the numbers by key are those of a graph built anew."""
     first = load_scenario("paper-simulation", BASES[base])

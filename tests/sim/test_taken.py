@@ -19,6 +19,7 @@ from wmr_ctrl.simulation.physics.run import figures_from_run
         ("mb", {"clock.duration": 6.0, "clock.control": 0.1}, None),  # breaks the limit
     ],
 )
+@pytest.mark.slow_but("prox-overrides1-True")
 def test_every_figure_is_that_of_the_sums(law, overrides, guard):
     chosen = {"seeds": range(2), "overrides": overrides, "guard": guard}
     table = simulate_many("far-start", law, **chosen)

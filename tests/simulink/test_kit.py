@@ -84,6 +84,7 @@ def played(folder, law, language=("gcc", "-std=c99"), *options, ends=0):
     ("law", "language"),
     turns(headed("prox", LAWS), (("gcc", "-std=c99"), ("g++", "-xc++"))),
 )
+@pytest.mark.slow
 def test_the_s_function_plays_the_laws_vectors(tmp_path, law, language):
     """Memory moves in mdlUpdate alone, and a run may be saved; no finite input ends in an error."""
     written(tmp_path, law)
@@ -97,6 +98,7 @@ def test_the_s_function_plays_the_laws_vectors(tmp_path, law, language):
 
 @pytest.mark.parametrize("guarded", [False, True])
 @pytest.mark.parametrize("law", quick(LAWS, "nn"))
+@pytest.mark.slow
 def test_a_number_in_the_dialog_is_that_number_in_an_export(tmp_path, law, guarded):
     """Limits, gains, model and guard of a new scenario in a kit of the old: the new vectors."""
     base = override(SAFE, {"guard.enabled": guarded})
@@ -115,6 +117,7 @@ def test_a_number_in_the_dialog_is_that_number_in_an_export(tmp_path, law, guard
     assert float(played(tmp_path / "teeth", law)[0].split()[1]) > 1e-3
 
 
+@pytest.mark.slow
 def test_the_dialog_refuses_by_name(tmp_path):
     """Not a number, one number too many, a text: each with the name; the right one is taken."""
     written(tmp_path, "mb", SAFE)
@@ -127,6 +130,7 @@ def test_the_dialog_refuses_by_name(tmp_path):
     assert "limits_v_u2: 2 numbers, at least 1e-12." in lines
 
 
+@pytest.mark.slow
 def test_limits_in_the_wrong_order_are_refused(tmp_path):
     written(tmp_path, "mb", SAFE)
     dialog = tmp_path / "dialog.h"
@@ -141,6 +145,7 @@ def test_limits_in_the_wrong_order_are_refused(tmp_path):
 
 
 @pytest.mark.parametrize("controller", ["sfunction", "fmu"])
+@pytest.mark.slow_but("sfunction")
 def test_the_script_wires_ports_of_one_name(tmp_path, controller):
     written(tmp_path, "nn")
     call = f"addpath('{HERE / 'stubs'}'); wmr_loop('m', '.', '{controller}')"
@@ -168,6 +173,7 @@ def test_the_script_wires_ports_of_one_name(tmp_path, controller):
 
 
 @pytest.mark.parametrize("law", ["mb", "nn"])
+@pytest.mark.slow_but("mb")
 def test_the_c_caller_has_the_structs_of_the_package(tmp_path, law):
     """Constants and memory have the header's fields and the law's numbers, wires its arguments."""
     written(tmp_path, law)
@@ -201,6 +207,7 @@ def test_the_c_caller_has_the_structs_of_the_package(tmp_path, law):
 
 
 @pytest.mark.parametrize("name", ["a 'quoted' one", "two\nend", "two\r*/ int x;", 'a "b" c'])
+@pytest.mark.slow_but("two\\r*/ int x;")
 def test_a_name_ends_neither_comment_nor_text(name):
     """The scenario's name stands in comments alone, and on one line of each."""
     plain, named = (kit_files("mb", replace(SCENARIO, name=each)) for each in ("wmr", name))

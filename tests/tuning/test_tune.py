@@ -39,6 +39,7 @@ def once(short, tmp_path_factory):
     return wmr_ctrl.tune(short, "prox", out, **FEW)
 
 
+@pytest.mark.slow
 def test_the_file_is_the_scenario_with_the_gains_that_were_found(short, once):
     loaded = load_scenario(once.out)
     run = wmr_ctrl.simulate(loaded, "prox", seed=7)
@@ -52,6 +53,7 @@ def test_the_file_is_the_scenario_with_the_gains_that_were_found(short, once):
     assert [path.name for path in once.out.parent.iterdir()] == ["prox.toml"]
 
 
+@pytest.mark.slow
 def test_the_figures_after_are_those_of_the_file(once):
     case = load_scenario(once.out)
     table = wmr_ctrl.simulate_many(case, "prox", [7])
@@ -62,6 +64,7 @@ def test_the_figures_after_are_those_of_the_file(once):
     assert set(once.after["reference"]) == {"circle", "lemniscate", "line"}
 
 
+@pytest.mark.slow
 def test_an_interrupted_search_ends_as_one_that_was_not(short, once, tmp_path):
     out = tmp_path / "again.toml"
 
@@ -78,6 +81,7 @@ def test_an_interrupted_search_ends_as_one_that_was_not(short, once, tmp_path):
     assert resumed.after.records() == once.after.records()
 
 
+@pytest.mark.slow
 def test_the_corridor_can_be_what_is_made_small(tmp_path):
     pytest.importorskip("flint")
     brief = {"changes": [], "clock.duration": 4.0, "clock.plant": 0.005}
@@ -94,6 +98,7 @@ def test_the_corridor_can_be_what_is_made_small(tmp_path):
     assert "root of the mean of corridor^2" in found.out.read_text()
 
 
+@pytest.mark.slow
 def test_what_has_no_certificate_costs_more_than_any_that_has_one_and_slopes():
     pytest.importorskip("flint")
     exact = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
@@ -126,6 +131,7 @@ def test_a_cost_keeps_the_order_of_certificates_of_lost_runs_and_of_distances():
     assert "without a corridor, 1 of the runs ended early" in order[-1].sentence
 
 
+@pytest.mark.slow
 def test_gains_whose_runs_end_early_are_counted_and_not_averaged(short):
     plan = TuningPlan(scenario=short, law="mb", seeds=(1,), test_seeds=(2,))
     own = _start(plan)
@@ -199,6 +205,7 @@ def test_bad_input_is_one_paragraph(given, told, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_the_command_prints_figures_before_and_after(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     line = ["tune", "paper-simulation", "--law", "kanayama", "--out", "a.toml", "--trials", "2",
@@ -213,6 +220,7 @@ def test_the_command_prints_figures_before_and_after(tmp_path, monkeypatch):
     assert len(found["before"]) == len(found["after"]) == 9
 
 
+@pytest.mark.slow
 def test_figures_of_other_packages_are_judged_too(short, monkeypatch):
     twice = Figure("twice_peak", "N.m", "two times tau_peak", lambda run: 2.0 * tau_peak(run))
     monkeypatch.setitem(FIGURES.__dict__, "plugins", (twice,))

@@ -77,6 +77,7 @@ def test_an_axis_without_limit_is_where_its_command_is() -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
+@pytest.mark.slow_but("0")
 def test_whatever_comes_it_stays_between_the_commands_so_far(seed: int) -> None:
     """The hypothesis of the clip, which asks nothing else of a stage of the base."""
     rng = np.random.default_rng(seed)
@@ -142,6 +143,7 @@ IN_RUNS: Mapping[str, Mapping[str, Any]] = {
 
 
 @pytest.mark.parametrize("name", IN_RUNS)
+@pytest.mark.slow_but("losses")
 def test_it_acts_in_runs_alike_in_both_engines(name: str) -> None:
     scenario = based(**IN_RUNS[name])
     native, numpy = (wmr_ctrl.simulate(scenario, "kanayama", engine=e) for e in ("native", "numpy"))

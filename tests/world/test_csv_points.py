@@ -143,6 +143,7 @@ def bends(count):
 
 
 @pytest.mark.parametrize("at_end", ["stop", "loop"])
+@pytest.mark.slow_but("stop")
 def test_a_planners_path_is_thinned_within_the_tolerance(tmp_path, at_end):
     points = bends(20_000)
     if at_end == "loop":

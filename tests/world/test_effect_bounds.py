@@ -42,6 +42,9 @@ def force_of(torque: np.ndarray) -> np.ndarray:
     {"wheels.radius": [0.02, 0.02]}, {"wheels.radius": [0.02, -0.02], "wheels.track": -0.03},
     {"wheels.track": 0.05},
 ], ids=str)  # fmt: skip
+@pytest.mark.slow_but(
+    "{'motor.step': 0.4}", "{'motor.dead_zone': 0.3}", "{'motor.stall': 11.0, 'motor.free': 40.0}"
+)
 def test_a_drive_is_off_by_its_bound_and_sometimes_nearly_by_all_of_it(changes):
     """Torques at the edges of what they may be, wheels at the edges of the limits."""
     effect = MOTOR if next(iter(changes)).startswith("motor") else WHEELS
@@ -63,6 +66,7 @@ def test_a_drive_is_off_by_its_bound_and_sometimes_nearly_by_all_of_it(changes):
 
 @pytest.mark.parametrize("window", [0.01, 0.05])
 @pytest.mark.parametrize("wheels", [{}, EFFECTS["wheels"]], ids=["believed", "others"])
+@pytest.mark.slow_but("believed-0.01", "others-0.05")
 def test_an_encoder_is_off_the_mean_by_less_than_its_bound(window, wheels):
     changes = {"encoder.counts": 256, "encoder.window": window, **wheels}
     bound, n = bound_of(ENCODER, changes), round(window / 0.01)
@@ -142,6 +146,7 @@ def test_gusts_keep_their_size():
     assert shown[-1] == pytest.approx((5.0, 1.0))
 
 
+@pytest.mark.slow
 def test_a_delay_that_varies_stays_between_its_ends():
     """The command of each period takes over within [delay, delay + jitter] after its own sample."""
     motion = delayed(rows(4000, np.random.default_rng(5)), 7)

@@ -70,6 +70,7 @@ CASES: list[tuple[str, Effect, Changes, Callable[[], Callable[..., Any]]]] = [
 
 @pytest.mark.parametrize(("effect", "changes", "twin"), [c[1:] for c in CASES],
                          ids=[c[0] for c in CASES])  # fmt: skip
+@pytest.mark.slow_but("encoder", "mean", "age", "jitter", "motor", "slope", "resistance")
 def test_a_system_is_its_twin(effect, changes, twin):
     motion, other = rows(400, np.random.default_rng(7)), twin()
     if effect is JITTER:
@@ -139,6 +140,7 @@ def timed(counts: int, v1: np.ndarray, omega: np.ndarray) -> np.ndarray:
 
 
 @COUNTS
+@pytest.mark.slow_but("64", "65536")
 def test_the_first_counts_after_a_stand_show_the_mean_over_all_of_it(counts):
     v1 = np.concatenate([np.full(50, 0.5), np.zeros(1000), np.full(5, 0.9)])
     shown = timed(counts, v1, 0 * v1)[:, 0]
@@ -162,6 +164,7 @@ def test_two_windows_mix_turn_and_thrust_whatever_the_counts(counts):
 
 
 @COUNTS
+@pytest.mark.slow_but("1024")
 def test_a_wheel_turns_by_nearly_a_count_unseen(counts):
     """As far as a difference over one period may be off, of the mean over that period."""
     count = 2 * math.pi * 0.1 / counts

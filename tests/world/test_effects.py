@@ -41,6 +41,7 @@ def different(one: Run, other: Run) -> list[str]:
 
 
 @pytest.mark.parametrize("name", quick(ALL, "all at once", "encoder by time"))
+@pytest.mark.slow
 def test_it_matters_and_lanes_have_the_bits_of_one_robot(name):
     run = run_of(name)
     plain = simulate(scenario({}), LAW, seed=3)
@@ -57,6 +58,7 @@ COUPLED = {**EFFECTS, "drives": DRIVES}
 
 
 @pytest.mark.parametrize("name", quick([*list(EFFECTS)[1::2], "drives"], "drives"))
+@pytest.mark.slow
 def test_co_simulation_has_the_bits_of_the_native_loop(name):
     coupled = cosimulate(scenario(COUPLED[name]), LAW, seed=3)
     run = simulate(scenario(COUPLED[name]), LAW, seed=3)
@@ -75,6 +77,7 @@ def test_a_package_refuses_each_by_its_table(tmp_path):
 
 
 @pytest.mark.parametrize("name", quick(ALL, "all at once", *TWINNED))
+@pytest.mark.slow_but("lost poses", "all at once")
 def test_the_engine_without_a_compiler_and_the_twin_agree(name):
     run, numpy = run_of(name), simulate(scenario(ALL[name]), LAW, seed=3, engine="numpy")
     assert max(np.abs(run[s.name] - numpy[s.name]).max() for s in run.signals) < 1e-9

@@ -92,6 +92,7 @@ def test_what_would_never_act_is_no_effect(field, value):
         replace(toys.RAMP, rate=Rate.SAMPLE)
 
 
+@pytest.mark.slow
 def test_one_of_the_same_name_replaces_the_graph(registered):
     registered(SHAKE)
     before = simulate(shaking(), "pid")
@@ -206,6 +207,7 @@ def test_a_mean_force_is_not_lost_with_its_noise(registered, what, signals, tmp_
 # -- figures of stability -----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_what_a_figure_cannot_know_is_said_by_name(registered):
     """A drive of another package is in the figures; what an encoder rounds has no derivative."""
     registered(toys.RAMP)
@@ -331,6 +333,7 @@ def test_a_reference_gives_the_seven_signals_in_order(monkeypatch, kind):
         runnable(scenario_of("paper-simulation", {"reference.kind": "toy-clothoid"}), "mb")
 
 
+@pytest.mark.slow
 def test_what_a_reference_reads_elsewhere_is_checked_anew(monkeypatch):
     def build(scenario: Scenario) -> System:
         p, time = Parameters(scenario), port(TIME)

@@ -83,6 +83,9 @@ def test_at_no_time_there_are_no_samples():
 
 
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
+@pytest.mark.slow_but(
+    "Circle0", "Line0", "StopAndGo0", "Waypoints0", "Waypoints3", "Lemniscate", "RoundedSquare1"
+)
 def test_has_seven_finite_outputs_and_matching_parameters(reference):
     found = sample(reference, instants(reference))
 
@@ -95,6 +98,9 @@ def test_has_seven_finite_outputs_and_matching_parameters(reference):
 
 
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
+@pytest.mark.slow_but(
+    "Circle0", "Line0", "StopAndGo0", "Waypoints0", "Waypoints3", "Lemniscate", "RoundedSquare1"
+)
 def test_robot_can_follow_it_without_slipping(reference):
     """q_d' = H(theta_d) v_d, Eqs. (4)-(5), and v_d' is the rate of v_d, by exact derivatives."""
     t, p, path, numbers = graph_of(reference)
@@ -107,6 +113,9 @@ def test_robot_can_follow_it_without_slipping(reference):
 
 
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
+@pytest.mark.slow_but(
+    "Circle0", "Line0", "StopAndGo0", "Waypoints0", "Waypoints3", "Lemniscate", "RoundedSquare1"
+)
 def test_rates_agree_with_central_differences(reference):
     h = 1e-4
     times = instants(reference, 200, seed=1) + h
@@ -119,6 +128,7 @@ def test_rates_agree_with_central_differences(reference):
 
 
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
+@pytest.mark.slow_but("Circle0", "Line0", "StopAndGo0", "Waypoints3", "Lemniscate")
 def test_all_outputs_are_continuous(reference):
     cycle = reference.cycle if math.isfinite(reference.cycle) else 20.0
     coarse, fine = (np.linspace(0, 2.2 * cycle, n) for n in (4001, 16001))
@@ -155,6 +165,9 @@ def test_orientation_counts_the_turns_of_a_lap(reference, turns):
 
 
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
+@pytest.mark.slow_but(
+    "Circle0", "Line0", "StopAndGo0", "Waypoints0", "Waypoints3", "Lemniscate", "RoundedSquare1"
+)
 def test_numbers_are_parameters_of_the_graph(reference):
     """The graph of another reference of the same structure is the same, so nothing recompiles."""
     faster = {"rate": 2.0, "speed": 2.0}
@@ -294,6 +307,7 @@ coordinates = st.floats(-20, 20).map(lambda value: round(value, 3))
     st.lists(st.tuples(coordinates, coordinates), min_size=3, max_size=9, unique=True),
     st.booleans(),
 )
+@pytest.mark.slow
 def test_any_points_give_a_path_that_can_be_followed_or_an_error(points, closed):
     try:
         reference = Waypoints(points=tuple(points), speed=0.5, closed=closed)

@@ -34,6 +34,7 @@ def test_a_robot_is_complete_and_guarded(name):
 
 @pytest.mark.parametrize("law", quick(NAMES, "nn"))
 @pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.slow_but("robot-10ms-nn")
 def test_it_tracks_inside_the_limit(name, law):
     run = simulate(name, law, seed=UNSEEN)
 
@@ -71,10 +72,12 @@ def remarks(name, law, seeds=10, **overrides):
 
 @pytest.mark.parametrize("law", quick(NAMES, "nn"))
 @pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.slow
 def test_nothing_is_to_be_said_against_laws_and_runs(name, law):
     assert remarks(name, law) == set()
 
 
+@pytest.mark.slow
 def test_pid_would_stay_behind_with_the_k_that_the_others_share():
     shared = {"gains.pid.kinematics": [1.0, 42.0, 1.5], "gains.pid.Kp": [420.0, 40.0]}
 
@@ -106,6 +109,7 @@ def at_the_ends(name):
 
 @pytest.mark.parametrize("law", quick(NAMES, "kanayama"))
 @pytest.mark.parametrize("name", BOUGHT)
+@pytest.mark.slow
 def test_a_base_that_takes_velocities_tracks_inside_its_limits(name, law):
     run = simulate(name, law)
 
@@ -113,6 +117,7 @@ def test_a_base_that_takes_velocities_tracks_inside_its_limits(name, law):
 
 
 @pytest.mark.parametrize("name", BOUGHT)
+@pytest.mark.slow_but("turtlebot3-burger")
 def test_it_keeps_them_at_the_ends_of_what_is_stated(name):
     """And a robot that is told to keep to its command alone does not: the gain alone is enough."""
     far = {"initial.pose": [-5.0, -5.0, 2.0], "clock.duration": 20.0}

@@ -40,6 +40,7 @@ def limits_of(reference):
 
 
 @pytest.mark.parametrize("reference", PATHS, ids=range(len(PATHS)))
+@pytest.mark.slow_but("4")
 def test_limits_are_kept_everywhere_and_one_of_them_nearly_met(reference):
     found = np.abs(sample(reference, np.linspace(0, reference.cycle, 20_011))[:, 3:7])
 
@@ -153,6 +154,7 @@ def test_a_path_message_gives_its_points(tmp_path):
         ("", "0 different point"),
     ],
 )
+@pytest.mark.slow_but("a: [-is not YAML", "poses: [{x: 1}]-pose 1")
 def test_errors_name_the_pose(tmp_path, text, message):
     pytest.importorskip("yaml")
     (tmp_path / "way.yaml").write_text(text)

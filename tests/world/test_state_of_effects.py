@@ -30,6 +30,7 @@ def fmu(tmp_path_factory) -> Fmu:
     return Fmu(path, Path(extract(str(path), str(out / "extracted"))), 3)
 
 
+@pytest.mark.slow
 def test_a_state_put_back_gives_the_same_continuation(fmu):
     def run(instance, first: int, count: int):
         for k in range(first, first + count):

@@ -55,6 +55,7 @@ def different(one: Run, other: Run) -> list[str]:
 
 
 @pytest.mark.parametrize("name", TOYS)
+@pytest.mark.slow
 def test_it_matters(name):
     run = run_of(name)
     plain = simulate("paper-simulation", LAW, seed=3, overrides=SHORT)
@@ -64,6 +65,7 @@ def test_it_matters(name):
 
 
 @pytest.mark.parametrize("name", TOYS)
+@pytest.mark.slow
 def test_lanes_have_the_bits_of_one_robot(name):
     runs = simulate_runs("paper-simulation", LAW, [1, 2, 3], overrides={**SHORT, **TOYS[name]})
 
@@ -71,6 +73,7 @@ def test_lanes_have_the_bits_of_one_robot(name):
 
 
 @pytest.mark.parametrize("name", TOYS)
+@pytest.mark.slow
 def test_the_closed_loop_fmu_has_the_bits_of_the_native_loop(name, tmp_path):
     run, scenario = run_of(name), scenario_of("paper-simulation", {**SHORT, **TOYS[name]})
     (path,) = export_fmu("closed-loop", law=LAW, scenario=scenario, fmi=3, out=tmp_path)
@@ -84,6 +87,7 @@ def test_the_closed_loop_fmu_has_the_bits_of_the_native_loop(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", COUPLED)
+@pytest.mark.slow
 def test_co_simulation_has_the_bits_of_the_native_loop(name):
     run = run_of(name)
     coupled = cosimulate(scenario_of("paper-simulation", {**SHORT, **TOYS[name]}), LAW, seed=3)
@@ -102,6 +106,7 @@ def test_a_package_refuses_an_effect_by_its_name(name, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_package_holds_a_reference_with_state(tmp_path):
     from fmpy.ssp.simulation import simulate_ssp
 
@@ -115,6 +120,7 @@ def test_a_package_holds_a_reference_with_state(tmp_path):
 
 
 @pytest.mark.parametrize("name", TOYS)
+@pytest.mark.slow_but("delay of its own", "all at once")
 def test_the_engine_without_a_compiler_agrees(name):
     native, numpy = (
         simulate("paper-simulation", LAW, engine=engine, overrides={**SHORT, **TOYS[name]})
@@ -153,6 +159,7 @@ def test_the_guard_counts_an_effect_by_its_bound():
     assert steep.nbar == pytest.approx((0.0, 0.01))
 
 
+@pytest.mark.slow
 def test_the_guard_counts_a_delay_of_another_effect():
     changes = {"toy_late.time": 0.02, "disturbance.truncate": 3.0, "clock.duration": 8.0}
     run = simulate("far-start-drop", LAW, seed=1, guard=True, overrides=changes)
@@ -174,6 +181,7 @@ def test_the_guard_keeps_its_limit_on_the_slope():
     assert run.monitor.bounds_left is None
 
 
+@pytest.mark.slow
 def test_lanes_may_differ_in_an_effects_numbers():
     walks = [{**SHORT, "toy_gyro.walk": w} for w in (0.0005, 0.001, 0.002)]
     table = simulate_many("paper-simulation", LAW, [3, 3, 3], walks)
@@ -221,6 +229,7 @@ def test_a_stream_depends_on_its_name_alone():
     assert np.array_equal(plain["noise_right"], more["noise_right"])
 
 
+@pytest.mark.slow
 def test_structures_of_foreign_effects_are_never_shared():
     one, other = (
         runnable(scenario_of("paper-simulation", {**SHORT, "toy_slope.angle": a}), LAW)
