@@ -75,7 +75,10 @@ def read(monkeypatch, found):
 def assert_same_samples(one, other):
     """All that the fit takes of a log, but for when its clock began."""
     for item in fields(Samples):
-        a, b = (np.array(getattr(samples, item.name)) for samples in (one, other))
+        a, b = (getattr(samples, item.name) for samples in (one, other))
+        if a is None or b is None:
+            assert a is b, item.name
+            continue
         if item.name in ("t", "command_t"):
             a, b = a - one.t[0], b - other.t[0]
         assert a == pytest.approx(b, rel=1e-9, abs=1e-6), item.name

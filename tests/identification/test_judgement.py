@@ -150,7 +150,7 @@ def columns(log, other):
         lambda log, rng: np.sin(3 * log.t),
         lambda log, rng: 0 * log.t,
         lambda log, rng: 1e-9 * log.speed,
-        lambda log, rng: 1e9 * log.speed,
+        lambda log, rng: 1e5 * log.speed,
         lambda log, rng: 1 / (log.speed + 1e-3),
     ],
 )
