@@ -32,10 +32,11 @@ def test_no_command_shows_the_help(wmr):
 
 @pytest.mark.parametrize("command", [(), *((name,) for name in COMMANDS)])
 def test_help_fits_eighty_columns_and_explains_every_option(wmr, command):
-    lines = wmr(*command, "--help").stdout.splitlines()
+    whole, short = wmr(*command, "--help"), wmr(*command, "-h")
 
-    assert max(map(len, lines)) <= 80
-    assert wmr(*command, "-h").stdout.splitlines() == lines
+    assert (whole.exit_code, short.exit_code) == (0, 0), whole.stderr + short.stderr
+    assert max(map(len, whole.stdout.splitlines())) <= 80
+    assert short.stdout == whole.stdout
     for parameter in (root.commands[command[0]] if command else root).params:
         assert isinstance(parameter, click.Argument) or parameter.help
 
