@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.codegen.build import lanes_library
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.core.signals import BODY_FORCE, PATH, TORQUE, VELOCITY
+from wmr_ctrl.core.signals import BODY_FORCE, PATH, PLANT_STATE, TORQUE, Signal, elements
 from wmr_ctrl.world.lag import followed
 from wmr_ctrl.world.model.dynamics import plant, rk4_step
-from wmr_ctrl.world.model.system import Port, System, stack
+from wmr_ctrl.world.model.system import Port, System, port, stack
 from wmr_ctrl.world.resistance import build as resistance
 from wmr_ctrl.world.resistance import load_of_wheel
 from wmr_ctrl.world.scenario import Scenario
@@ -55,46 +55,32 @@ WIDE = max(MEAN, len(PIECE))
 """Numbers in a row of events."""
 
 
-def ground(scenario: Scenario) -> System:
-    """The plant with the ground's resistance inside its rate, one continuous System."""
-    robot, drag = plant(scenario, rolling=(PATH,)), resistance(scenario)
-    p = {item.signal.name: item for item in (*drag.params, *robot.params)}
-    speed = ca.vertcat(*(_of(robot.state, item.name) for item in VELOCITY))
-    inner = stack(p[item.signal.name].sym for item in drag.params)
-    force = drag.function("drag", [drag.y])(speed, drag.x, inner)
-    pushed = ca.vertcat(*(_of(robot.inputs, item.name) for item in BODY_FORCE))
-    update = ca.substitute(robot.update, pushed, pushed + force)
-    ports = tuple(p.values())
-    return System(
-        "ground",
-        "wheeled robot on ground that resists",
-        inputs=robot.inputs,
-        state=robot.state,
-        params=ports,
-        update=update,
-    )
-
-
-def _of(ports: Sequence[Port], name: str) -> ca.SX:
-    return next(item.sym for item in ports if item.signal.name == name)
-
-
 def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
     """Steps over a piece and over a measurement, each without slopes and with them."""
-    theta, known = ca.SX.sym("theta", len(NAMES)), ca.SX.sym("known", len(KNOWN))
-    a = {name: ca.exp(theta[i]) if name in LOGARITHMIC else theta[i] for name, i in INDEX.items()}
-    a |= {name: known[i] for i, name in enumerate(KNOWN)}
+    theta, known, moved, torque, force = (
+        port(Signal(name, "1", name, size))
+        for name, size in (
+            ("theta", len(NAMES)), ("known", len(KNOWN)), ("moved", 4), ("torque", 2), ("force", 2)
+        )
+    )  # fmt: skip
+    a = {name: theta.sym[i] for name, i in INDEX.items()}
+    a |= {name: ca.exp(a[name]) for name in LOGARITHMIC}
+    a |= {name: known.sym[i] for i, name in enumerate(KNOWN)}
     u, mean, cov = ca.SX.sym("u", len(PIECE)), ca.SX.sym("mean", MEAN), ca.SX.sym("cov", PACKED)
     h = u[2] + u[3] * a["delay"]
-    acting = mean[6:8]
+    acting, push = mean[6:8], mean[4:6]
     after = followed(u[:2], ca.exp(-h / a["lag"]), acting)
-    torque = u[:2] + a["lag"] * (acting - after) / h
-    moved, force = ca.SX.sym("moved", 4), ca.SX.sym("force", 2)
-    step = stepped(scenario, a, torque, h, moved, force)
+    rate = _rate(scenario, a, moved.sym, torque.sym, force.sym)
+    title, inputs = "robot on ground that resists", (torque, force)
+    ground = System("ground", title, inputs=inputs, state=(moved,), params=(theta, known),
+                    update=rate)  # fmt: skip
+    step = rk4_step(ground, h)
+    by = ca.substitute(
+        [step, ca.jacobian(step, moved.sym), ca.jacobian(step, force.sym)],
+        [ground.x, ground.u],
+        [mean[:4], ca.vertcat(u[:2] + a["lag"] * (acting - after) / h, push)],
+    )
     keep = ca.exp(-h / a["time"])
-    push = mean[4:6]
-    at = ca.vertcat(moved, force), ca.vertcat(mean[:4], push)
-    by = ca.substitute([step, ca.jacobian(step, moved), ca.jacobian(step, force)], [at[0]], [at[1]])
     f = ca.blockcat([[by[1], by[2]], [ca.SX(2, 4), keep * ca.SX.eye(2)]])
     white = ca.diag(ca.vertcat(a["q1"], a["q2"]) ** 2) * u[4] ** 2 * a["T"] / h
     fresh = ca.vertcat(a["s1"], a["s2"]) ** 2 * (1 - keep**2)
@@ -102,7 +88,8 @@ def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
     # From the upper triangle, row after row.
     p = ca.tril2symm(ca.SX(ca.Sparsity.lower(NOISY), cov))
     following = ca.vertcat(by[0], keep * push, after, _packed(f @ p @ f.T + noise))
-    piece = _both("predict", "a piece", following, u, mean, cov, theta, known)
+    x, parameters = ca.vertcat(mean, cov), ca.vertcat(theta.sym, known.sym)
+    piece = _both("predict", "a piece", following, u, x, parameters)
     seen = ca.SX.sym("seen", len(SEEN))
     h_way = ca.horzcat(ca.SX.eye(2), ca.SX(2, 4))
     h_speed = ca.horzcat(ca.SX(2, 2), ca.SX.eye(2), ca.SX(2, 2))
@@ -110,33 +97,34 @@ def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
     own = seen[4] * ca.vertcat(a["n1"], a["n2"]) ** 2
     after_it, reading = _corrected(rows, ca.diag(seen[2:4] + own), seen[:2], mean, p)
     what = "correct", "a measurement, and what the likelihood takes of it"
-    measured = _both(*what, after_it, seen, mean, cov, theta, known, reading)
-    return (*piece, *measured)
+    return (*piece, *_both(*what, after_it, seen, x, parameters, reading))
 
 
-def stepped(
-    scenario: Scenario, a: dict[str, ca.SX], torque: ca.SX, h: ca.SX, moved: ca.SX, force: ca.SX
+def _rate(
+    scenario: Scenario, a: dict[str, ca.SX], moved: ca.SX, torque: ca.SX, force: ca.SX
 ) -> ca.SX:
-    """(way, turn, v1, omega) after one Runge-Kutta step of the plant's graph."""
-    system = ground(scenario)
-    weight = a["m"] * a["g"]
-    numbers = {f"robot.{key}": a[key] for key in ("m", "I", "r", "l", "g", "v_s")}
-    numbers |= {
-        "robot.mu": a["Fc"] / weight,
+    """Rate of (way, turn, v1, omega) by the plant's graph, on ground that resists."""
+    robot, drag = plant(scenario, rolling=(PATH,)), resistance(scenario)
+    values = {f"robot.{key}": a[key] for key in ("m", "I", "r", "l", "g", "v_s")}
+    values |= {
+        "robot.mu": a["Fc"] / (a["m"] * a["g"]),
         "resistance.viscous": ca.vertcat(a["Fv"], a["Mv"]),
         "resistance.rolling": ca.repmat(a["c"] / load_of_wheel(a["m"], a["g"]), 2),
+        PATH.name: moved[0],
     }
-    state = {"theta": moved[1], "v1": moved[2], "omega": moved[3], PATH.name: moved[0]}
-    inputs = dict(zip((item.name for item in TORQUE), (torque[0], torque[1]), strict=True))
-    inputs |= dict(zip((item.name for item in BODY_FORCE), (force[0], force[1]), strict=True))
-    names = [item.signal.name for item in system.state]
-    u = stack(ca.SX(inputs.get(item.signal.name, 0)) for item in system.inputs)
-    x = stack(ca.SX(state.get(name, 0)) for name in names)
-    p = stack(numbers[item.signal.name] for item in system.params)
-    whole = ca.substitute(
-        rk4_step(system, h), ca.vertcat(system.u, system.x, system.p), ca.vertcat(u, x, p)
-    )
-    return ca.vertcat(*(whole[names.index(name)] for name in (PATH.name, "theta", "v1", "omega")))
+
+    def put(signals: Sequence[Signal], column: ca.SX) -> None:
+        values.update(zip(elements(signals), ca.vertsplit(column), strict=True))
+
+    def of(ports: Sequence[Port]) -> ca.SX:
+        return stack(ca.SX(values.get(item.signal.name, 0)) for item in ports)
+
+    put((*PLANT_STATE[2:], *TORQUE), ca.vertcat(moved[1:], torque))
+    slowing = drag.function("drag", [drag.y])(of(drag.inputs), drag.x, of(drag.params))
+    put(BODY_FORCE, force + slowing)
+    moving = robot.function("rate", [robot.update])
+    rates = moving(of(robot.inputs), of(robot.state), of(robot.params))
+    return ca.vertcat(rates[-1], rates[2:5])
 
 
 def _corrected(
@@ -170,10 +158,8 @@ def _both(
     after_what: str,
     after: ca.SX,
     u: ca.SX,
-    mean: ca.SX,
-    cov: ca.SX,
-    theta: ca.SX,
-    known: ca.SX,
+    x: ca.SX,
+    p: ca.SX,
     reading: tuple[ca.SX, ca.SX, ca.SX] | None = None,
 ) -> tuple[Kernel, Kernel]:
     """Kernels of a step, without and with its derivatives in DIRECTIONS a lane.
@@ -182,7 +168,6 @@ def _both(
     by how many standard deviations they are off; and by direction the gradient and a column whose
     products with the other directions' are the Fisher information.
     """
-    x, p = ca.vertcat(mean, cov), ca.vertcat(theta, known)
     dx, dp = ca.SX.sym("dx", x.numel(), DIRECTIONS), ca.SX.sym("dp", p.numel(), DIRECTIONS)
 
     def along(value: ca.SX) -> ca.SX:
@@ -273,10 +258,12 @@ class CompiledFilter:
         nll, gradient = np.zeros(BLOCKS), np.zeros((BLOCKS, n))
         fisher = np.zeros((BLOCKS, n, n))
         residuals = np.zeros((events.measured, 2 * OUTPUTS + MEAN))
-        arrays = (events.rows, events.kinds, events.blocks, np.ascontiguousarray(parameters))
-        pointers = [ct.c_void_p(item.ctypes.data) for item in (*arrays, covariance)]
-        results = [ct.c_void_p(item.ctypes.data) for item in (nll, gradient, fisher, residuals)]
+        given = (events.rows, events.kinds, events.blocks, np.ascontiguousarray(parameters))
         count, sloped = ct.c_int64(len(events.kinds)), ct.c_int32(bool(slopes))
-        self._library.wmr_read_log(count, *pointers, sloped, *results)
+        before, results = (
+            [item.ctypes for item in arrays]
+            for arrays in ((*given, covariance), (nll, gradient, fisher, residuals))
+        )
+        self._library.wmr_read_log(count, *before, sloped, *results)
         parts = np.split(residuals, [OUTPUTS, 2 * OUTPUTS], axis=1)
         return PassResult(nll, gradient, fisher, *parts)
