@@ -218,8 +218,8 @@ def test_gradient_and_likelihood_agree():
         return filter_(events, np.concatenate((theta, known)), covariance, slopes)
 
     def of_kind(kind, seen):
-        kinds, delay = np.full(len(t), kind, np.int32), theta[INDEX["delay"]]
-        events = events_of(replace(log, seen=seen), delay, np.zeros((2, 8)), None, kinds)
+        delay, start = theta[INDEX["delay"]], np.zeros((2, 8))
+        events = events_of(replace(log, seen=seen), delay, start, kinds=kind)
         return filter_(events, np.concatenate((theta, known)), covariance, False)
 
     whole, alone = read(theta), read(theta, slopes=False)

@@ -1,7 +1,7 @@
 """From samples to estimates: starts, the model that is taken, intervals, the score."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -26,6 +26,7 @@ from .fit import (
     LAG_LEAST,
     Fit,
     LogProblem,
+    Tell,
     scored,
 )
 from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement
@@ -120,7 +121,7 @@ def free_of(problem: LogProblem, coloured: bool) -> np.ndarray:
     return np.array([name not in left for name in NAMES])
 
 
-def started(problem: LogProblem, scenario: Scenario, tell: Callable[[], None]) -> Floats:
+def started(problem: LogProblem, scenario: Scenario, tell: Tell) -> Floats:
     """The best of a few starts, on the first piece of the log; delay and lag share a time."""
     log, robot = problem.log, scenario.robot
     force = np.column_stack((
@@ -139,7 +140,7 @@ def started(problem: LogProblem, scenario: Scenario, tell: Callable[[], None]) -
     return min(tried, key=lambda item: item.nll).theta
 
 
-def white_fit(problem: LogProblem, scenario: Scenario, tell: Callable[[], None]) -> Fit:
+def white_fit(problem: LogProblem, scenario: Scenario, tell: Tell) -> Fit:
     """The fit with white force noise; where delay or lag is at an end also from its other split."""
     free = free_of(problem, False)
     fit = scored(problem, started(problem, scenario, tell), free, tell=tell)
@@ -154,7 +155,7 @@ def white_fit(problem: LogProblem, scenario: Scenario, tell: Callable[[], None])
     return min(fit, other, key=lambda item: item.nll)
 
 
-def coloured_if_likelier(white: Fit, tell: Callable[[], None]) -> tuple[Fit, float | None]:
+def coloured_if_likelier(white: Fit, tell: Tell) -> tuple[Fit, float | None]:
     """The fit with a coloured push where twice its gain is above 4 ln n, else the white one."""
     best: Fit | None = None
     for time in (0.4, 3.0):
@@ -172,9 +173,7 @@ def coloured_if_likelier(white: Fit, tell: Callable[[], None]) -> tuple[Fit, flo
     return white, None
 
 
-def distrusting_low_speeds(
-    fit: Fit, remarks: list[str], tell: Callable[[], None]
-) -> tuple[Fit, list[str]]:
+def distrusting_low_speeds(fit: Fit, remarks: list[str], tell: Tell) -> tuple[Fit, list[str]]:
     """The fit with noise at low speeds counted more, where that moves a parameter; else ``fit``."""
     problem = fit.problem
     speed = np.abs(wheels(speeds(problem.log), problem.known[1])).min(axis=1)
@@ -203,7 +202,7 @@ def distrusting_low_speeds(
     return replace(again, least=least), [*remarks, said]
 
 
-def surest(fit: Fit, tell: Callable[[], None]) -> Fit:
+def surest(fit: Fit, tell: Tell) -> Fit:
     """The likeliest of several fits where this one knows delay or mass badly, else ``fit``.
 
     Maxima as high as a profile's interval reaches widen the intervals: none of them is refuted.
@@ -265,10 +264,10 @@ def cut_of(log: Samples) -> float:
     return float(log.t[-1] - HELD_OUT * (log.t[-1] - log.t[0]))
 
 
-def fitted_part(fit: Fit, begin: float, end: float, tell: Callable[[], None], start: Fit) -> Fit:
+def fitted_part(fit: Fit, begin: float, end: float, tell: Tell, start: Fit) -> Fit:
     """The fit, in its own model, of the part from ``begin`` to before ``end`` [s]."""
     t, boost = fit.problem.log.t, fit.problem.boost
-    own = None if boost is None else boost[(t >= begin) & (t < end)]
+    own = np.broadcast_to(boost, t.shape)[(t >= begin) & (t < end)]
     part = replace(fit.problem, log=fit.problem.log.until(end, begin), boost=own)
     return replace(scored(part, start.theta, fit.free, PART_PASSES, tell), least=fit.least)
 

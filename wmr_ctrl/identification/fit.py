@@ -1,6 +1,5 @@
 """Maximum likelihood of a log: its events in order, Fisher scoring."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -8,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kalman import (
-    BLOCKS,
     INDEX,
     LOGARITHMIC,
     MEAN,
@@ -18,10 +16,13 @@ from .kalman import (
     CompiledFilter,
     Events,
     PassResult,
+    blocks_of,
 )
 from .logs.log import Floats
 from .logs.samples import LONGEST_DELAY, Samples
 
+Tell = Callable[[], None]
+"""Called at each pass, to show progress."""
 START, PIECE_KIND, SKIPPED, COUNTED, WATCHED = range(5)
 LONGEST = 0.01
 """Longest piece that is stepped over at once [s]."""
@@ -44,9 +45,9 @@ def events_of(
     log: Samples,
     delay: float,
     start: Floats,
-    boost: Floats | None = None,
-    kinds: NDArray[np.int32] | None = None,
-    blocks: NDArray[np.int32] | None = None,
+    boost: Floats | float = 1.0,
+    kinds: NDArray[np.int32] | int = COUNTED,
+    blocks: NDArray[np.int32] | int = 0,
 ) -> Events:
     """Pieces between all times at which something is seen or a command begins to act, in order.
 
@@ -55,54 +56,33 @@ def events_of(
     """
     count, sent = len(log.t), len(log.command_t)
     base = np.concatenate((log.t, log.command_t))
-    late = np.concatenate((np.zeros(count), np.ones(sent)))
+    late = np.repeat((0.0, 1.0), (count, sent))
     # Commands that begin to act as something is seen come after it.
     order = np.lexsort((late, base + late * delay))
-    command = np.concatenate((np.full(count, -1), np.arange(sent)))[order]
-    acting = np.maximum(np.maximum.accumulate(command), 0)
-    seen = np.where(order < count, order, -1)
-    before = np.maximum.accumulate(seen)
-    inside = (before[:-1] >= 0) & (before[:-1] < count - 1)
-    begins = np.zeros(count + 1, bool)
-    begins[log.first] = True
-    inside &= ~begins[np.minimum(before[:-1] + 1, count)]
-    h0, h1 = np.diff(base[order]), np.diff(late[order])
+    measured = order < count
+    acting = np.maximum(np.maximum.accumulate(np.where(measured, -1, order - count)), 0)
+    before = np.maximum.accumulate(np.where(measured, order, -1))
+    begins = np.isin(np.arange(count + 1), log.first)
+    starts = measured & begins[before]
+    inside = (before >= 0) & (before < count - 1) & ~begins[before + 1]
+    h0, h1 = (np.diff(item[order], append=item[order[-1]]) for item in (base, late))
     length = h0 + h1 * delay
     parts = np.where(inside & (length > SHORTEST), np.ceil(length / LONGEST), 0).astype(np.int64)
-    # After each event: its pieces. Before them, if it is a measurement: that, and a start.
-    starts = (seen >= 0) & begins[np.maximum(seen, 0)]
-    own = np.where(seen >= 0, 1, 0) + starts
-    size = own.copy()
-    size[:-1] += parts
-    place = np.concatenate(([0], np.cumsum(size)))
-    rows = np.zeros((place[-1], WIDE))
-    kind = np.full(place[-1], PIECE_KIND, np.int32)
-    block = np.full(place[-1], -1, np.int32)
-    piece = np.repeat(np.arange(len(parts)), parts)
-    inner = np.concatenate([np.arange(0)] if not len(parts) else [_ranks(parts)])
-    at = place[piece] + own[piece] + inner
-    following = np.minimum(before[piece] + 1, count - 1)
-    factor = np.ones(len(piece)) if boost is None else boost[following]
-    rows[at, : len(PIECE)] = np.column_stack(
-        (log.command[acting[piece]], h0[piece] / parts[piece], h1[piece] / parts[piece], factor)
-    )
-    spot = place[:-1][seen >= 0] + starts[seen >= 0]
-    which = seen[seen >= 0]
-    rows[spot, :5] = np.column_stack(
-        (log.seen[which], np.tile(log.variance, (len(which), 1)), np.full(len(which), log.of_speed))
-    )
-    kind[spot] = COUNTED if kinds is None else kinds[which]
-    block[spot] = 0 if blocks is None else blocks[which]
-    where = place[:-1][starts]
-    rows[where, : start.shape[1]] = start
-    kind[where] = START
-    return Events(rows, kind, block, count)
-
-
-def _ranks(parts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """0 to n - 1 for each n of ``parts``, one after the other."""
-    ends = np.cumsum(parts)
-    return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - parts, parts)
+    # Each event is up to three kinds of rows: a start, a measurement, and pieces after it.
+    rows = np.zeros((len(order), 3, WIDE))
+    rows[starts, 0, :MEAN] = start
+    rows[measured, 1, :2], rows[measured, 1, 2:4] = log.seen, log.variance
+    rows[measured, 1, 4] = log.of_speed
+    share = np.maximum(parts, 1)
+    factor = np.broadcast_to(boost, count)[np.minimum(before + 1, count - 1)]
+    piece = np.column_stack((log.command[acting], h0 / share, h1 / share, factor))
+    rows[:, 2, : len(PIECE)] = piece
+    kind = np.full((len(order), 3), (START, COUNTED, PIECE_KIND), np.int32)
+    block = np.zeros_like(kind)
+    kind[measured, 1], block[measured, 1] = kinds, blocks
+    repeats = np.column_stack((starts, measured, parts)).ravel().astype(np.int64)
+    table = np.repeat(rows.reshape(-1, WIDE), repeats, axis=0)
+    return Events(table, np.repeat(kind, repeats), np.repeat(block, repeats), count)
 
 
 @dataclass(frozen=True)
@@ -115,7 +95,7 @@ class LogProblem:
     log: Samples
     filter: CompiledFilter
     known: Floats
-    boost: Floats | None = None
+    boost: Floats | float = 1.0
 
     def events(self, theta: Floats) -> Events:
         """Events for these parameters' delay."""
@@ -129,8 +109,7 @@ class LogProblem:
 
     def foretold(self, log: Samples, theta: Floats, start: Floats) -> Floats:
         """Means (N, state) that follow from those (F, state) at the start of each stretch alone."""
-        kinds = np.full(len(log.t), WATCHED, np.int32)
-        events = events_of(log, theta[INDEX["delay"]], start, None, kinds)
+        events = events_of(log, theta[INDEX["delay"]], start, kinds=WATCHED)
         parameters = np.concatenate((theta, self.known))
         return self.filter(events, parameters, self._covariance(), slopes=False).mean
 
@@ -140,11 +119,8 @@ class LogProblem:
 
     def counting(self) -> tuple[np.ndarray, np.ndarray]:
         """Kinds and blocks (N,) of the measurements."""
-        t, first = self.log.t, self.log.first
-        since = t - t[first][np.searchsorted(first, np.arange(len(t)), "right") - 1]
-        kinds = np.where(since > SKIPPED_TIME, COUNTED, SKIPPED).astype(np.int32)
-        span = max(t[-1] - t[0], 1e-9)
-        return kinds, np.minimum((t - t[0]) / span * BLOCKS, BLOCKS - 1).astype(np.int32)
+        kinds = np.where(self.log.since > SKIPPED_TIME, COUNTED, SKIPPED).astype(np.int32)
+        return kinds, blocks_of(self.log.t)
 
     def _starts(self) -> Floats:
         log, first, start = self.log, self.log.first, at_rest(self.log)
@@ -175,9 +151,7 @@ def at_rest(log: Samples) -> Floats:
 
 def packed(diagonal: Floats) -> Floats:
     """A diagonal matrix as its upper triangle, row after row."""
-    size = len(diagonal)
-    rows, columns = np.triu_indices(size)
-    return np.where(rows == columns, diagonal[rows], 0.0)
+    return np.diag(diagonal)[np.triu_indices(len(diagonal))]
 
 
 @dataclass(frozen=True)
@@ -204,7 +178,7 @@ class Fit:
         others.
         """
         least, most = ends(self.problem, self.free)
-        noise = np.array([name[0] in "qsn" or name == "time" for name in NAMES])
+        noise = np.array([name in LOGARITHMIC - {"m", "I"} for name in NAMES])
         return self.free & ~(noise & ((self.theta <= least) | (self.theta >= most)))
 
     def information(self) -> Floats:
@@ -217,7 +191,7 @@ def scored(
     theta: Floats,
     free: np.ndarray,
     passes: int = PASSES,
-    tell: Callable[[], None] = lambda: None,
+    tell: Tell = lambda: None,
     enough: float = ENOUGH,
 ) -> Fit:
     """Fisher scoring from ``theta``, damped until each step lowers minus the log-likelihood.
@@ -229,6 +203,8 @@ def scored(
     """
     least, most = ends(problem, free)
     theta = np.clip(theta, least, most)
+    # Logarithms move no further in a step than scoring can be trusted.
+    reach = np.array([1.5 if name in LOGARITHMIC else np.inf for name in NAMES])
     result, damping, growth = problem.read(theta), DAMPING, 2.0
     sloped = True
     for _ in range(passes):
@@ -245,7 +221,9 @@ def scored(
             step = np.clip(step, -1.5, 1.5) if np.abs(step).max() > 50 else step
             trial = theta.copy()
             trial[moving] += step
-            trial = np.clip(trusted(trial, theta), least, most)
+            trial = np.clip(
+                trial, np.maximum(least, theta - reach), np.minimum(most, theta + reach)
+            )
             step = trial[moving] - theta[moving]
             promised = -float(gradient[moving] @ step + step @ fisher @ step / 2)
             if 0 <= promised < enough / 10:
@@ -277,23 +255,15 @@ def ends(problem: LogProblem, free: np.ndarray) -> tuple[Floats, Floats]:
     right, left = log.command.T
     force = np.std([right + left, half_track * (right - left)], axis=1) / r
     speed = np.std(log.seen, axis=0) if log.of_speed else np.ones(2)
-    noise = np.log(np.maximum(FINEST * np.concatenate((force, speed)), 1e-9)).tolist()
-    least = dict(zip(("q1", "q2", "n1", "n2"), noise, strict=True))
-    least |= {"s1": math.log(1e-7), "s2": math.log(1e-7), "time": math.log(0.02)}
-    least |= {"delay": 0.0, "lag": LAG_LEAST}
-    most = dict.fromkeys(("q1", "q2", "s1", "s2"), math.log(1e6))
-    most |= {"time": math.log(60.0), "delay": LONGEST_DELAY, "lag": LAG_MOST}
-    low, high = (
-        np.where(free, [side.get(name, other) for name in NAMES], other)
-        for side, other in ((least, -np.inf), (most, np.inf))
-    )
+    noise = np.maximum(FINEST * np.concatenate((force, speed)), 1e-9).tolist()
+    ranges = {
+        "s1": (1e-7, 1e6), "s2": (1e-7, 1e6), "time": (0.02, 60.0),
+        "delay": (0.0, LONGEST_DELAY), "lag": (LAG_LEAST, LAG_MOST),
+        **{name: (x, 1e6) for name, x in zip(("q1", "q2"), noise[:2], strict=True)},
+        **{name: (x, np.inf) for name, x in zip(("n1", "n2"), noise[2:], strict=True)},
+    }  # fmt: skip
+    low, high = np.full(len(NAMES), -np.inf), np.full(len(NAMES), np.inf)
+    for name, pair in ranges.items():
+        if free[INDEX[name]]:
+            low[INDEX[name]], high[INDEX[name]] = np.log(pair) if name in LOGARITHMIC else pair
     return low, high
-
-
-def trusted(trial: Floats, before: Floats) -> Floats:
-    """Logarithms no further from ``before`` than scoring can be trusted."""
-    near = np.array([name in LOGARITHMIC for name in NAMES])
-    near &= np.isfinite(before)
-    new = trial.copy()
-    new[near] = np.clip(trial[near], before[near] - 1.5, before[near] + 1.5)
-    return new

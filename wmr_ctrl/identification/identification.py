@@ -39,7 +39,7 @@ from .estimate import (
     white_fit,
 )
 from .fit import COUNTED as MEASURED
-from .fit import Fit, LogProblem
+from .fit import Fit, LogProblem, Tell
 from .kalman import INDEX, NAMES, CompiledFilter
 from .logs import lint
 from .logs.log import (
@@ -292,7 +292,7 @@ def _check_finite(name: str, *fits: Fit) -> None:
 
 
 def _of_torques(
-    name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Callable[[], None]
+    name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Tell
 ) -> Identification:
     robot = scenario.robot
     known = np.array([robot.r, robot.l, robot.g, robot.v_s, log.period])

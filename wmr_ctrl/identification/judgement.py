@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .kalman import BLOCKS
+from .kalman import BLOCKS, blocks_of
 from .logs.log import Floats, unit_of
 from .residual import told
 from .speed_loop import LINEAR, LoopFit, foretold, set_of, whitener
-from .widths import Fitted, blocks_of, changes
+from .widths import Fitted, changes
 
 LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explained"
 MORE_TOLD, MOST_TOLD = 0.04, 0.12

@@ -210,6 +210,11 @@ def _packed(whole: ca.SX) -> ca.SX:
     return ca.vertcat(*(whole[i, j] for i in range(NOISY) for j in range(i, NOISY)))
 
 
+def blocks_of(t: Floats) -> NDArray[np.int32]:
+    """Block of time (N,) of each of the times (N,) [s]."""
+    return np.minimum((t - t[0]) / max(t[-1] - t[0], 1e-9) * BLOCKS, BLOCKS - 1).astype(np.int32)
+
+
 @dataclass(frozen=True)
 class Events:
     """Rows for the filter, their kinds, and the block that each counts in."""

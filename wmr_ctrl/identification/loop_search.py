@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 
+from .fit import Tell
 from .logs.samples import AxisLog, shifted_gain
 from .residual import explainable
 from .speed_loop import (
@@ -96,9 +97,7 @@ MENU: Mapping[str, Member] = {
 """Structures by the key of their diagnosis."""
 
 
-def axis_fit(
-    log: AxisLog, tell: Callable[[], None], loops: tuple[str, ...] = tuple(LOOPS)
-) -> LoopFit:
+def axis_fit(log: AxisLog, tell: Tell, loops: tuple[str, ...] = tuple(LOOPS)) -> LoopFit:
     """The likeliest loop of one axis, with the structures that its log asks for."""
     fit = plain = best_loop(log, tell, loops)
     for _ in range(MOST):
@@ -114,7 +113,7 @@ def axis_fit(
 
 
 def best_loop(
-    log: AxisLog, tell: Callable[[], None], loops: tuple[str, ...], beside: LoopFit | None = None
+    log: AxisLog, tell: Tell, loops: tuple[str, ...], beside: LoopFit | None = None
 ) -> LoopFit:
     """The likeliest loop by the criterion of Schwarz, with a ramp where it earns one.
 
@@ -155,7 +154,7 @@ def _starts(log: AxisLog, names: tuple[str, ...], beside: LoopFit | None) -> lis
     return [dict(zip(names, values, strict=True)) for values in combinations]
 
 
-def _one_more(fit: LoopFit, tell: Callable[[], None]) -> LoopFit | None:
+def _one_more(fit: LoopFit, tell: Tell) -> LoopFit | None:
     """The likeliest fit with one member more that earns its place."""
     tried = []
     for key, member in MENU.items():

@@ -5,7 +5,7 @@ numbers that changed.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -24,7 +24,7 @@ from wmr_ctrl.world.scenario import Scenario
 
 from .bounds import UNITS, GuardBounds
 from .estimate import cut_of, fitted_part
-from .fit import COUNTED, LAG_LEAST, Fit, at_rest
+from .fit import COUNTED, LAG_LEAST, Fit, Tell, at_rest
 from .kalman import BLOCKS, INDEX, NAMES
 from .logs.log import Floats
 from .logs.samples import Samples
@@ -132,7 +132,7 @@ def usable_speeds(scenario: Scenario) -> tuple[float, float] | None:
 
 
 def held_out(
-    white: Fit, fit: Fit, scenario: Scenario, colour: float | None, tell: Callable[[], None]
+    white: Fit, fit: Fit, scenario: Scenario, colour: float | None, tell: Tell
 ) -> tuple[Fit, tuple[str, ...]]:
     """The white fit of a log's first two thirds, what of its last is against their bounds, and
     what was not the same all along.
@@ -266,9 +266,8 @@ def _windows(
     """
     n = max(1, round(span / float(np.median(np.diff(log.t)))))
     reach = n if log.of_speed else 2 * n
-    rows = np.diff(log.first, append=len(log.t))
-    index = np.arange(len(log.t))
-    i = index[np.repeat(log.first + rows, rows) - 1 - index >= reach][:: max(1, n // 4)]
+    left = log.stretches[1] - np.arange(len(log.t))
+    i = np.flatnonzero(left >= reach)[:: max(1, n // 4)]
     seen, middle, last = log.seen[:, axis], i + n, i + reach
     before, after = log.t[middle] - log.t[i], log.t[last] - log.t[middle]
     if log.of_speed:

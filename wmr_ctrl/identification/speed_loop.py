@@ -30,10 +30,10 @@ from wmr_ctrl.world.model.dynamics import rk4_step
 from wmr_ctrl.world.model.system import System, port
 
 from .fit import FINEST
-from .kalman import BLOCKS
+from .kalman import BLOCKS, blocks_of
 from .logs.log import Floats
 from .logs.samples import LONGEST_DELAY, AxisLog
-from .widths import FLOOR, blocks_of, errors_of
+from .widths import FLOOR, errors_of
 
 AXES = (1, 2)
 LOOPS: Mapping[str, tuple[str, ...]] = {

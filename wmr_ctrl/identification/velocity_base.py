@@ -1,6 +1,5 @@
 """From a log of commanded and measured velocities to a scenario with [base] and [filter]."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +8,7 @@ from wmr_ctrl.world.scenario import Scenario
 
 from .bounds import BaseIdentification, FilterBounds, Traces, loop_remarks
 from .estimate import cut_of, loop_estimates, loop_score
+from .fit import Tell
 from .judgement import Judgement, judged
 from .logs.lint import check_following
 from .logs.log import COMMAND, LogError
@@ -49,7 +49,7 @@ def of_velocities(
     log: Samples,
     scenario: Scenario,
     remarks: list[str],
-    tell: Callable[[], None],
+    tell: Tell,
 ) -> VelocityIdentification:
     """The base of a log; raises LogError where it determines nothing."""
     axes = [axis_log(log, axis) for axis in (0, 1)]
@@ -92,7 +92,7 @@ def trained_on(fit: LoopFit, cut: float) -> LoopFit:
 
 
 def same_loop(
-    axes: list[AxisLog], driven: list[bool], tell: Callable[[], None]
+    axes: list[AxisLog], driven: list[bool], tell: Tell
 ) -> tuple[LoopFit | None, LoopFit | None]:
     """Fits of both axes by one kind of loop: where they differ the one likelier for both."""
     first, second = (

@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from .fit import Fit
-from .kalman import BLOCKS, INDEX, LOGARITHMIC
+from .kalman import INDEX, LOGARITHMIC
 from .logs.log import Floats
 from .logs.samples import AxisLog, Samples
 
@@ -67,11 +66,6 @@ def errors_of(gradient: Floats, fisher: Floats, free: np.ndarray) -> Floats:
     """Half-widths (n,) of 95 % intervals: the larger of both errors'."""
     by_fisher, left = _two_errors(gradient, fisher, free)
     return np.maximum(stdtrit(len(fisher) - 1, 0.975) * left, 1.96 * by_fisher)
-
-
-def blocks_of(t: Floats) -> NDArray[np.int64]:
-    """Block of time (N,) of each of the times (N,) [s]."""
-    return np.minimum((t - t[0]) / max(t[-1] - t[0], 1e-9) * BLOCKS, BLOCKS - 1).astype(np.int64)
 
 
 class Fitted(NamedTuple):

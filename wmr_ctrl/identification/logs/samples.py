@@ -63,6 +63,17 @@ class Samples:
         """Median time between commands [s]."""
         return float(np.median(np.diff(self.command_t)))
 
+    @property
+    def stretches(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """First and last row (N,) of the stretch that each row is in."""
+        count = np.diff(self.first, append=len(self.t))
+        return np.repeat(self.first, count), np.repeat(self.first + count - 1, count)
+
+    @property
+    def since(self) -> Floats:
+        """Time (N,) since each row's stretch began [s]."""
+        return self.t - self.t[self.stretches[0]]
+
     def until(self, end: float, begin: float = -np.inf) -> Samples:
         """The same between two times [s]; commands before are kept."""
         inside = np.flatnonzero((self.t >= begin) & (self.t < end))
@@ -111,9 +122,8 @@ def speeds(log: Samples, over: float = 0.1) -> Floats:
         return log.seen
     later = np.minimum(np.searchsorted(log.t, log.t + over / 2), len(log.t) - 1)
     sooner = np.maximum(np.searchsorted(log.t, log.t - over / 2, "right") - 1, 0)
-    stretch = np.searchsorted(log.first, np.arange(len(log.t)), "right")
-    last = np.append(log.first[1:] - 1, len(log.t) - 1)[stretch - 1]
-    later, sooner = np.minimum(later, last), np.maximum(sooner, log.first[stretch - 1])
+    first, last = log.stretches
+    later, sooner = np.minimum(later, last), np.maximum(sooner, first)
     span = np.maximum(log.t[later] - log.t[sooner], 1e-9)
     return np.asarray((log.seen[later] - log.seen[sooner]) / span[:, None])
 
@@ -194,8 +204,7 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
     if not log.of_speed:
         step = np.diff(log.t, prepend=log.t[0] - 1.0)
         speed = np.diff(speed, prepend=speed[0]) / step
-    since = log.t - log.t[log.first][np.searchsorted(log.first, np.arange(len(log.t)), "right") - 1]
-    sent = log.command[:, axis]
+    since, sent = log.since, log.command[:, axis]
     in_fit = (since > COUNTED_FROM) & (log.t - LONGEST_DELAY > log.command_t[0])
     still = STILL * float(np.quantile(np.abs(speed), 0.98))
     for low, high in zip(log.first, [*log.first[1:], len(log.t)], strict=True):
