@@ -4,9 +4,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
+from operator import attrgetter, itemgetter
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from wmr_ctrl.world.scenario import Scenario, from_dict, scenario_dict
 from wmr_ctrl.world.scenario.scenario import multiples
@@ -73,29 +75,21 @@ def first_guess(log: Samples) -> tuple[dict[str, float], float]:
 
     Of the shifts of the command the one that explains most is taken.
     """
-    T = log.period
-    t, rate, speed, kernel = differenced(log, 3)
-    inside = slice(w := (len(kernel) + 1) // 2, -w)
-    gap = np.searchsorted(log.t, t)
-    near = np.abs(log.t[np.minimum(gap, len(log.t) - 1)] - t) < 5 * T
-    best: tuple[float, float, Floats] | None = None
-    for shift in np.arange(0.0, 0.5, max(T, 0.01)):
-        index = np.maximum(np.searchsorted(log.command_t, t - shift + 1e-9, "right") - 1, 0)
-        force = np.column_stack(
-            [np.convolve(log.command[index, k], kernel, "same")[inside] for k in (0, 1)]
-        )
-        ok = near[inside]
+    t, rate, speed, pushed = differenced(log, 3)
+    later = np.minimum(np.searchsorted(log.t, t), len(log.t) - 1)
+    near = np.abs(log.t[later] - t) < 5 * log.period
+    tried = []
+    for shift in np.arange(0.0, 0.5, max(log.period, 0.01)):
+        force = pushed(shift)
         solved, rest = [], 0.0
         for axis in (0, 1):
-            x = np.column_stack((force[:, axis], np.tanh(speed[:, axis] / 0.02), speed[:, axis]))
-            solution, _, _, _ = np.linalg.lstsq(x[ok], rate[ok, axis], rcond=None)
-            error = rate[ok, axis] - x[ok] @ solution
-            rest += float(np.sum(error**2) / max(np.sum(rate[ok, axis] ** 2), 1e-12))
+            v, y = speed[:, axis], rate[near, axis]
+            x = np.column_stack((force[:, axis], np.tanh(v / 0.02), v))[near]
+            solution = np.linalg.lstsq(x, y, rcond=None)[0]
+            rest += float(np.sum((y - x @ solution) ** 2) / max(np.sum(y**2), 1e-12))
             solved.append(solution)
-        if best is None or rest < best[0]:
-            best = rest, float(shift), np.array(solved)
-    assert best is not None
-    _, shift, fits = best
+        tried.append((rest, float(shift), np.array(solved)))
+    _, shift, fits = min(tried, key=itemgetter(0))
     m, inertia = (1 / max(item, 1e-3) for item in fits[:, 0])
     return {
         "m": m,
@@ -137,7 +131,12 @@ def started(problem: LogProblem, scenario: Scenario, tell: Tell) -> Floats:
         start = guess | rest | {"n1": noise, "n2": noise}
         start |= {"delay": late * split, "lag": max(late * (1 - split), 1e-3)}
         tried.append(scored(piece, searched(start), free_of(problem, False), 8, tell, ROUGH))
-    return min(tried, key=lambda item: item.nll).theta
+    return likeliest(tried).theta
+
+
+def likeliest(fits: Sequence[Fit]) -> Fit:
+    """The first of those fits whose likelihood is largest."""
+    return min(fits, key=attrgetter("nll"))
 
 
 def white_fit(problem: LogProblem, scenario: Scenario, tell: Tell) -> Fit:
@@ -152,21 +151,20 @@ def white_fit(problem: LogProblem, scenario: Scenario, tell: Tell) -> Fit:
     share = SPLITS[-1] if delay <= 0 else SPLITS[0]
     start[late] = share * (delay + lag), (1 - share) * (delay + lag)
     other = scored(problem, start, free, tell=tell)
-    return min(fit, other, key=lambda item: item.nll)
+    return likeliest((fit, other))
 
 
 def coloured_if_likelier(white: Fit, tell: Tell) -> tuple[Fit, float | None]:
     """The fit with a coloured push where twice its gain is above 4 ln n, else the white one."""
-    best: Fit | None = None
-    for time in (0.4, 3.0):
+    tried = []
+    for time, passes in ((0.4, 40), (3.0, 12)):
         start = white.theta.copy()
         for axis in ("1", "2"):
             start[INDEX[f"s{axis}"]] = white.theta[INDEX[f"q{axis}"]] - 1.0
         start[INDEX["time"]] = math.log(time)
-        passes = 40 if best is None else 12
-        fit = scored(white.problem, start, free_of(white.problem, True), passes, tell, ROUGH)
-        best = fit if best is None or fit.nll < best.nll else best
-    assert best is not None
+        free = free_of(white.problem, True)
+        tried.append(scored(white.problem, start, free, passes, tell, ROUGH))
+    best = likeliest(tried)
     if 2 * (white.nll - best.nll) > 4 * math.log(white.problem.measurement_count()):
         best = scored(white.problem, best.theta, best.free, tell=tell)
         return best, float(np.exp(best.theta[INDEX["time"]]))
@@ -181,10 +179,8 @@ def distrusting_low_speeds(fit: Fit, remarks: list[str], tell: Tell) -> tuple[Fi
     if not slow.size or slow.size > 0.8 * len(speed):
         return fit, remarks
     t = problem.log.t
-    place = np.searchsorted(slow, np.arange(len(t)))
-    ahead = np.abs(t[slow[np.minimum(place, slow.size - 1)]] - t)
-    behind = np.abs(t[slow[np.maximum(place - 1, 0)]] - t)
-    near = np.clip(1 - np.minimum(ahead, behind) / LOW_FADING, 0, 1)
+    away = KDTree(t[slow, None]).query(t[:, None])[0]
+    near = np.clip(1 - away / LOW_FADING, 0, 1)
     again = scored(
         replace(problem, boost=1 + (LOW_FACTOR - 1) * near), fit.theta, fit.free, tell=tell
     )
@@ -217,7 +213,7 @@ def surest(fit: Fit, tell: Tell) -> Fit:
         start[[delay, lag]] = share * late, (1 - share) * late
         start[[m, inertia]] -= lighter
         fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, tell, ROUGH))
-    best = min(fits, key=lambda item: item.nll)
+    best = likeliest(fits)
     near = [item.theta for item in fits if item.nll < best.nll + ACCEPTED]
     places = [INDEX[name] for name in PHYSICAL]
     least = {
@@ -237,10 +233,7 @@ def bare_scenario(scenario: Scenario, log: Samples, remarks: list[str]) -> Scena
     raw: dict[str, Any] = scenario_dict(scenario)
     for key in REPLACED:
         table, _, name = key.partition(".")
-        if name:
-            raw[table].pop(name, None)
-        else:
-            raw.pop(table, None)
+        (raw[table] if name else raw).pop(name or table, None)
     raw["clock"] |= {k.removeprefix("clock."): v for k, v in clocks.items()}
     raw["clock"]["duration"] = duration
     if raw["metrics"].get("split", 0.0) >= duration:
@@ -278,12 +271,16 @@ def score_of(white: Fit, trained: Fit) -> Score:
     rest = problem.log.until(np.inf, cut)
     result = replace(problem, log=rest).read(trained.theta, slopes=False)
     foretold, held = free_runs(problem, rest, trained.theta, result.mean)
-    seen = result.mean[:, 2:4]
+    (v, omega), (held_v, held_omega) = (
+        shares_told(item, result.mean[:, 2:4]).tolist() for item in (foretold, held)
+    )
+    return Score((v, omega), (held_v, held_omega), cut)
+
+
+def shares_told(foretold: Floats, seen: Floats) -> Floats:
+    """Shares of the variance of columns (N, K) that are told by others."""
     total = np.sum((seen - seen.mean(axis=0)) ** 2, axis=0)
-    shares = [1 - np.sum((item - seen) ** 2, axis=0) / np.maximum(total, 1e-12)
-              for item in (foretold, held)]  # fmt: skip
-    ours, constant = ((float(item[0]), float(item[1])) for item in shares)
-    return Score(ours, constant, cut)
+    return np.asarray(1 - np.sum((foretold - seen) ** 2, axis=0) / np.maximum(total, 1e-12))
 
 
 def free_runs(
@@ -379,8 +376,7 @@ def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
             continue
         turn = np.floor((axis.t - axis.t[0]) / FREE_RUN)
         held, seen = axis.speed[np.searchsorted(turn, turn)][rest], axis.speed[rest]
-        total = max(float(np.sum((seen - seen.mean()) ** 2)), 1e-12)
         pair = forecast(fit, axis)[rest], held
-        shares.append([1 - float(np.sum((item - seen) ** 2)) / total for item in pair])
+        shares.append([float(shares_told(item, seen)) for item in pair])
     (v, held_v), (omega, held_omega) = shares
     return Score((v, omega), (held_v, held_omega), cut)

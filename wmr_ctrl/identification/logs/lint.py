@@ -186,16 +186,13 @@ def _differenced(
     """Accelerations of the wheels, less what their speed explains, and the torques that go with
     them for a shift [s]: both weighted by a triangle of 0.1 s, on an even grid (this is a check).
     """
-    t, rate, speed, kernel = differenced(log, 2)
+    _, rate, speed, pushed = differenced(log, 2)
     rate, speed = wheels(rate, half_track), wheels(speed, half_track)
-    inside = slice(w := (len(kernel) + 1) // 2, -w)
     drag = np.column_stack((np.tanh(speed / 0.02), speed))
     rate = rate - drag @ np.linalg.lstsq(drag, rate, rcond=None)[0]
 
     def torque(shift: float) -> Floats:
-        index = np.searchsorted(log.command_t, t - shift + 1e-9, "right") - 1
-        held = log.command[np.clip(index, 0, len(log.command) - 1)]
-        smooth = np.column_stack([np.convolve(held[:, k], kernel, "same")[inside] for k in (0, 1)])
+        smooth = pushed(shift)
         return np.asarray(smooth - drag @ np.linalg.lstsq(drag, smooth, rcond=None)[0])
 
     return rate, torque

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -220,11 +221,13 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
     )
 
 
-def differenced(log: Samples, fewest: int) -> tuple[Floats, Floats, Floats, Floats]:
-    """Times of an even grid, accelerations and speeds inside of it, and a triangle of weights.
+def differenced(
+    log: Samples, fewest: int
+) -> tuple[Floats, Floats, Floats, Callable[[float], Floats]]:
+    """Times of an even grid, accelerations and speeds there, and the commands for a shift [s].
 
     Second differences of way and turn over 0.1 s, of at least ``fewest`` steps, weigh what was
-    accelerated by that triangle.
+    accelerated by a triangle, as the commands are weighed here.
     """
     T = log.period
     t = np.arange(log.t[0], log.t[-1], T)
@@ -234,7 +237,14 @@ def differenced(log: Samples, fewest: int) -> tuple[Floats, Floats, Floats, Floa
     w = max(round(0.1 / T), fewest)
     rate = (way[2 * w :] - 2 * way[w:-w] + way[: -2 * w]) / (w * T) ** 2
     speed = (way[2 * w :] - way[: -2 * w]) / (2 * w * T)
-    return t, rate, speed, np.convolve(np.ones(w), np.ones(w)) / w**2
+    triangle = np.convolve(np.ones(w), np.ones(w)) / w**2
+
+    def pushed(shift: float) -> Floats:
+        held = np.searchsorted(log.command_t, t - shift + 1e-9, "right") - 1
+        command = log.command[np.maximum(held, 0)]
+        return np.column_stack([np.convolve(x, triangle, "same")[w:-w] for x in command.T])
+
+    return t[w:-w], rate, speed, pushed
 
 
 def shifted_gain(log: AxisLog) -> tuple[float, float, float]:
