@@ -16,30 +16,15 @@ from wmr_ctrl.world.scenario import Scenario
 
 from .judgement import Judgement
 from .kalman import BLOCKS
-from .logs.log import COMMAND, Floats, LeftOut, Note
+from .logs.log import COMMAND, Floats, LeftOut, Names, Note, Pair, Texts
 from .speed_loop import AXES, Fits
 from .written import toml_of
 
 DETERMINED, ROUGHLY, UNDETERMINED = "determined", "roughly", "undetermined"
 SHARES = (0.1, 0.3)
 """Half-width over size up to which a parameter is determined, or roughly so."""
-WORDS = {
-    "m": "mass", "I": "moment of inertia", "Fc": "Coulomb friction of the body",
-    "Fv": "friction of speed", "c": "Coulomb friction of each wheel", "Mv": "friction of turning",
-    "delay": "delay of commands", "lag": "lag of the drives",
-}  # fmt: skip
-WORDS |= {
-    f"{name}{axis}": f"{words} of {speed}"
-    for name, words in {
-        "gain": "gain", "wn": "natural frequency", "zeta": "damping", "tau": "time constant",
-        "delay": "delay", "accel": "acceleration limit",
-        "decel": "deceleration limit", "dead": "dead band",
-        "offset": "offset", "sat": "saturation", "back": "gain backward over forward",
-        "curve": "growth of the gain", "then": "gain after over before its change", "bias": "bias",
-    }.items()
-    for axis, speed in ((1, "v"), (2, "omega"))
-}  # fmt: skip
 _DATA = data(__package__, "bounds.toml")
+WORDS: Mapping[str, str] = _DATA["words"]
 UNITS: Mapping[str, str] = _DATA["units"]
 BECAUSE: Mapping[str, list[list[str]]] = _DATA["because"]
 """Pairs that cannot be separated, by what the log lacks then."""
@@ -62,7 +47,7 @@ class Estimate(NamedTuple):
     low: float
     high: float
     verdict: str
-    seconds: tuple[float, float] = (0.0, 0.0)
+    seconds: Pair = (0.0, 0.0)
     share: float = 0.0
 
     def to_json(self) -> dict[str, object]:
@@ -85,8 +70,8 @@ class Score:
     if the guard refuses them.
     """
 
-    foretold: tuple[float, float]
-    constant_velocity: tuple[float, float]
+    foretold: Pair
+    constant_velocity: Pair
     held_out_from: float
     usable_speed: float | None = None
     one_newton_more: float | None = None
@@ -115,26 +100,26 @@ class GuardBounds:
     has against what the rest gives.
     """
 
-    M_min: tuple[float, float]
-    M_max: tuple[float, float]
-    dbar: tuple[float, float]
-    nbar: tuple[float, float]
-    delay: tuple[float, float]
-    lag: tuple[float, float]
-    q: tuple[float, float]
+    M_min: Pair
+    M_max: Pair
+    dbar: Pair
+    nbar: Pair
+    delay: Pair
+    lag: Pair
+    q: Pair
     sentence: str
     wide: bool = False
-    refuted: tuple[str, ...] = ()
+    refuted: Texts = ()
 
     section: ClassVar[str] = "guard"
 
     @property
-    def masses(self) -> tuple[tuple[float, float], tuple[float, float]]:
+    def masses(self) -> tuple[Pair, Pair]:
         """Least and largest mass [kg], and moment of inertia [kg m2]."""
         first, second = zip(self.M_min, self.M_max, strict=True)
         return first, second
 
-    def pairs(self) -> dict[str, tuple[tuple[float, float], str]]:
+    def pairs(self) -> dict[str, tuple[Pair, str]]:
         """Numbers by key of [guard], with their unit."""
         axes, masses = "N, N m", "kg, kg m²"
         return {
@@ -159,14 +144,14 @@ class FilterBounds:
     """
 
     loop: str
-    peak_gain: tuple[float, float]
-    d: tuple[float, float]
-    delay: tuple[float, float]
+    peak_gain: Pair
+    d: Pair
+    delay: Pair
     sentence: str
 
     section: ClassVar[str] = "filter"
 
-    def pairs(self) -> dict[str, tuple[tuple[float, float], str]]:
+    def pairs(self) -> dict[str, tuple[Pair, str]]:
         """Numbers by key of [filter], and the peak gain, with their unit."""
         return {"peak_gain": (self.peak_gain, "1"), "d": (self.d, "m/s, rad/s"),
                 "delay": (self.delay, "s")}  # fmt: skip
@@ -190,10 +175,10 @@ class BaseIdentification(ABC):
     name: str
     parameters: Mapping[str, Estimate]
     bounds: GuardBounds | FilterBounds
-    remarks: tuple[str, ...]
+    remarks: Texts
     score: Score
     scenario: Scenario
-    missing: tuple[str, ...] = field(default=(), kw_only=True)
+    missing: Names = field(default=(), kw_only=True)
     words: Mapping[str, str] = field(default_factory=dict, kw_only=True)
     """Keys that the written scenario has though they are as by default, with words on some."""
     judgements: tuple[Judgement, ...] = field(default=(), kw_only=True)
@@ -206,10 +191,14 @@ class BaseIdentification(ABC):
     """What the written scenario extends."""
     seconds: float = field(default=0.0, kw_only=True)
     """Length of the log [s]."""
-    range: Mapping[str, tuple[float, float]] = field(default_factory=dict, kw_only=True)
+    range: Mapping[str, Pair] = field(default_factory=dict, kw_only=True)
     """Least and largest speed of each axis that the log holds for a while."""
-    places: ClassVar[Mapping[str, tuple[str, ...]]] = {}
-    """Keys of the scenario, and the parameters whose intervals stand beside them."""
+
+    @property
+    def places(self) -> Mapping[str, Sequence[str]]:
+        """Keys of the scenario, and the parameters whose intervals stand beside them."""
+        places: Mapping[str, Sequence[str]] = _DATA["places"][self.bounds.section]
+        return places
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
@@ -261,7 +250,7 @@ def sizes(values: Mapping[str, float], speed: Floats, period: float) -> dict[str
     return {name: max(abs(value), least.get(name, 0.0)) for name, value in values.items()}
 
 
-def informative_seconds(t: Floats, share: Floats) -> tuple[float, float]:
+def informative_seconds(t: Floats, share: Floats) -> Pair:
     """Shortest stretch [s] that has half of the information ``share`` (B,) on one parameter."""
     total, edges = share.sum(), np.linspace(t[0], t[-1], BLOCKS + 1)
     for length in range(1, BLOCKS + 1):

@@ -33,7 +33,7 @@ from .fit import (
 )
 from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement
 from .kalman import INDEX, LOGARITHMIC, NAMES
-from .logs.log import Floats
+from .logs.log import Floats, Pair
 from .logs.samples import AxisLog, Samples, differenced, speeds, wheels
 from .speed_loop import AXES, LINEAR, RANGES, Fits, LoopFit, forecast
 from .widths import (
@@ -351,7 +351,7 @@ def _estimate(fit: LoopFit, judgement: Judgement, name: str, period: float, sure
     return Estimate(value, low, high, word, seconds, share)
 
 
-def _interval(fit: LoopFit, name: str, period: float) -> tuple[float, float]:
+def _interval(fit: LoopFit, name: str, period: float) -> Pair:
     """95 % interval by the fit alone; a dead band's is between two commands of the log."""
     value = fit.values[name]
     if name not in fit.names:

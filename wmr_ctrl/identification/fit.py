@@ -18,7 +18,7 @@ from .kalman import (
     PassResult,
     blocks_of,
 )
-from .logs.log import Floats
+from .logs.log import Floats, Mask
 from .logs.samples import LONGEST_DELAY, Samples
 
 Tell = Callable[[], None]
@@ -117,7 +117,7 @@ class LogProblem:
         """Number of measurements that count."""
         return int((self.counting()[0] == COUNTED).sum())
 
-    def counting(self) -> tuple[np.ndarray, np.ndarray]:
+    def counting(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """Kinds and blocks (N,) of the measurements."""
         kinds = np.where(self.log.since > SKIPPED_TIME, COUNTED, SKIPPED).astype(np.int32)
         return kinds, blocks_of(self.log.t)
@@ -163,7 +163,7 @@ class Fit:
 
     problem: LogProblem
     theta: Floats
-    free: np.ndarray
+    free: Mask
     last: PassResult
     least: Mapping[int, float] = field(default_factory=dict)
 
@@ -173,7 +173,7 @@ class Fit:
         return float(self.last.nll.sum())
 
     @property
-    def inside(self) -> np.ndarray:
+    def inside(self) -> Mask:
         """Free parameters (n,) without noises at an end of their range, whose slopes would move the
         others.
         """
@@ -189,7 +189,7 @@ class Fit:
 def scored(
     problem: LogProblem,
     theta: Floats,
-    free: np.ndarray,
+    free: Mask,
     passes: int = PASSES,
     tell: Tell = lambda: None,
     enough: float = ENOUGH,
@@ -245,7 +245,7 @@ def scored(
     return Fit(problem, theta, free, result)
 
 
-def ends(problem: LogProblem, free: np.ndarray) -> tuple[Floats, Floats]:
+def ends(problem: LogProblem, free: Mask) -> tuple[Floats, Floats]:
     """Least and largest (n,) of what is searched: no model is truer than FINEST of what it moves.
 
     Integration, rounding and effects without a name are in the cleanest of logs.

@@ -48,6 +48,7 @@ from .logs.log import (
     TORQUES,
     Log,
     LogError,
+    Names,
     joined,
     log_of,
     seen_by,
@@ -82,13 +83,6 @@ ROBOT = ("robot.r", "robot.l")
 COUNTED, TIMEOUT = "encoder.counts", "base.timeout"
 
 
-PLACES = {
-    "robot.m": ("m",), "robot.I": ("I",), "robot.mu": ("Fc",), "actuator.delay": ("delay",),
-    "actuator.lag": ("lag",), "resistance.rolling": ("c",), "resistance.viscous": ("Fv", "Mv"),
-}  # fmt: skip
-"""Keys of the scenario, and the parameters whose intervals stand beside them."""
-
-
 @dataclass(frozen=True)
 class Identification(BaseIdentification):
     """Results for a base that takes torques.
@@ -101,7 +95,6 @@ class Identification(BaseIdentification):
     fit: Fit
     white: Fit
     trained: Fit
-    places = PLACES
 
     def traces(self) -> Traces:
         """Measured and predicted speeds, and residuals; takes some passes through the log."""
@@ -226,7 +219,7 @@ def _finished(
 
 
 def _samples(
-    raw: Log, scenario: Scenario, sure: set[str], remarks: list[str], commands: tuple[str, ...]
+    raw: Log, scenario: Scenario, sure: set[str], remarks: list[str], commands: Names
 ) -> tuple[Samples, Scenario]:
     """Way and turn, or speeds, with torques; the wheels' sizes from poses where they are not known.
 
@@ -263,7 +256,7 @@ def _usable(samples: Samples, scenario: Scenario, sure: set[str], base: str) -> 
 
 
 def _by_poses(
-    raw: Log, scenario: Scenario, missing: list[str], remarks: list[str], commands: tuple[str, ...]
+    raw: Log, scenario: Scenario, missing: list[str], remarks: list[str], commands: Names
 ) -> Scenario:
     trial = override(scenario, {"robot.r": 1.0, "robot.l": 1.0})
     ratios = None

@@ -10,13 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
+from wmr_ctrl.core.data import data
+
 from .kalman import BLOCKS, blocks_of
-from .logs.log import Floats, unit_of
+from .logs.log import AXES, UNITS, Floats, Pair, unit_of
 from .residual import told
-from .speed_loop import LINEAR, LoopFit, foretold, set_of, whitener
+from .speed_loop import LINEAR, NEUTRAL, SIDED, LoopFit, foretold, set_of, whitener
 from .widths import Fitted, changes
 
 LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explained"
@@ -42,8 +45,8 @@ GROUP_KEYS = {
     "early": "change", "halfway": "change", "late": "change",
 }  # fmt: skip
 """Groups of rows, and the key of what a gain that differs there would be."""
-AXES, UNITS, RATES = ("v", "omega"), ("m/s", "rad/s"), ("m/s2", "rad/s2")
-Reach = Mapping[str, tuple[float, float]]
+STRUCTURES: Mapping[str, Mapping[str, Any]] = data(__package__, "judgement.toml")
+Reach = Mapping[str, Pair]
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ class Judgement:
         """True where a loop with nothing beside it explains the log."""
         return self.explained == EXPLAINED and not any(item.key for item in self.findings)
 
-    def reached(self, name: str, value: float) -> tuple[float, float]:
+    def reached(self, name: str, value: float) -> Pair:
         """Least and largest value of a parameter, and of its own estimate."""
         ends = [item.reach[name] for item in self.findings if name in item.reach]
         return min([value, *(low for low, _ in ends)]), max([value, *(high for _, high in ends)])
@@ -122,46 +125,37 @@ def judged(fit: LoopFit, other: LoopFit | None, axis: int) -> Judgement:
 
 def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
     """Structures beside the loop that the fit has, in words."""
-    values, name, unit, rate = fit.values, AXES[axis], UNITS[axis], RATES[axis]
-    gain, top = values.get("gain", 1.0), float(np.abs(fit.log.sent).max())
-    half = dict(zip(fit.names, fit.half_widths(0.0).tolist(), strict=True))
+    values, top = fit.values, float(np.abs(fit.log.sent).max())
+    gain = values.get("gain", 1.0)
+    said = NEUTRAL | values | {"gain": gain, "top": top}
+    said |= {
+        "most": gain * said["sat"],
+        "backward": gain * said["back"],
+        "fast": gain * (1 + said["curve"] * top),
+    }
+    for member, finding in STRUCTURES.items():
+        if member in values:
+            shares = _shares(fit, member, top)
+            ends = gain * max(min(shares), 0.05), gain * max(shares)
+            text = finding["text"].format(name=AXES[axis], unit=UNITS[axis], **said)
+            reach = {"gain": ends} if shares[1:] else {}
+            yield Finding(text, finding["key"], finding.get("level", 0), reach)
 
-    def hull(*shares: float) -> Reach:
-        return {"gain": (gain * max(min(shares), 0.05), gain * max(shares))}
 
-    def by(member: str) -> tuple[float, float]:
-        wide = math.exp(min(half[member], 3.0))
-        return values[member] / wide, values[member] * wide
-
-    if "decel" in values:
-        up, down = (f"{values[key]:.3g} {rate}" for key in ("accel", "decel"))
-        yield Finding(f"{name} speeds up by at most {up} and slows down by at most {down}", "decel")
-    if "dead" in values:
-        yield Finding(f"{name}: commands below {values['dead']:.3g} {unit} do nothing", "dead-band")
-    if "offset" in values:
-        less = f"{values['offset']:.3g} {unit}"
-        text = f"the gain is 0 up to {less} and {gain:.3g} beyond: the base subtracts {less}"
-        lost = max(1 - values["offset"] / top, 0.2)
-        yield Finding(f"{name}: {text}. No key says that", "offset", 0, hull(lost, 1.0))
-    if "sat" in values:
-        most = f"{gain * values['sat']:.3g} {unit}"
-        text = f"{name} ends at {most} whatever is commanded above"
-        yield Finding(text, "saturation", 0, hull(min(values["sat"] / top, 1.0), 1.0))
-    if "back" in values:
-        ways = f"{gain:.3g} forward and {gain * values['back']:.3g} backward"
-        yield Finding(f"{name}: the gain is {ways}", "sides", 0, hull(1.0, *by("back")))
-    if "curve" in values:
-        ends = [1 + (values["curve"] + side * half["curve"]) * top for side in (-1, 1)]
-        fast = f"{gain * (1 + values['curve'] * top):.3g} at {top:.3g} {unit}"
-        text = f"{name}: the gain is {gain:.3g} near 0 and {fast} of command"
-        yield Finding(text, "curve", 0, hull(1.0, *ends))
-    if "then" in values:
-        text = f"{name}: the gain became {values['then']:.3g} times itself at about"
-        why = f"{values['when']:.3g} s: battery, load, floor? The file holds both"
-        yield Finding(f"{text} {why}", "change", 1, hull(1.0, *by("then")))
-    if "bias" in values:
-        push = f"{values['bias']:.3g} {unit}"
-        yield Finding(f"{name} is {push} off, whatever is commanded", "bias")
+def _shares(fit: LoopFit, member: str, top: float) -> list[float]:
+    """Shares of its gain that a base with a structure may have, 1 among them."""
+    value = fit.values[member]
+    if member == "offset":
+        return [1.0, max(1 - value / top, 0.2)]
+    if member == "sat":
+        return [1.0, min(value / top, 1.0)]
+    if member not in SIDED:
+        return [1.0]
+    half = float(fit.half_widths(0.0)[fit.names.index(member)])
+    if member == "curve":
+        return [1.0, 1 + (value - half) * top, 1 + (value + half) * top]
+    wide = math.exp(min(half, 3.0))
+    return [1.0, value / wide, value * wide]
 
 
 def _unit(fit: LoopFit, axis: int) -> Iterator[Finding]:
@@ -253,7 +247,7 @@ def _late(fit: LoopFit, axis: int) -> Iterator[Finding]:
         yield Finding(text, "delay", 1, {"delay": (low, high + 0.15 * fit.log.period)})
 
 
-def _scatter(fit: LoopFit) -> tuple[float, float] | None:
+def _scatter(fit: LoopFit) -> Pair | None:
     """Delays of single changes less the fit's [s], from least to most.
 
     None if they differ no more than noise makes them, or there are too few.

@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 
 from .fit import Tell
+from .logs.log import Names
 from .logs.samples import AxisLog, shifted_gain
 from .residual import explainable
 from .speed_loop import (
@@ -18,6 +19,7 @@ from .speed_loop import (
     LOOPS,
     MOST_VAGUE,
     RANGES,
+    SIDED,
     LoopFit,
     fitted,
     foretold,
@@ -25,8 +27,6 @@ from .speed_loop import (
     set_of,
 )
 
-SIDED = ("back", "curve", "then")
-"""Members of a gain, which a PI loop does not have."""
 MOST = 3
 LEAST_EXPLAINABLE = 0.05
 """Share of the residual's squares that must be explainable for members to be tried."""
@@ -48,8 +48,8 @@ Values = Mapping[str, float]
 class Member:
     """A structure: names that are searched, and which are not; starts from a fit."""
 
-    names: tuple[str, ...]
-    fixed: tuple[str, ...]
+    names: Names
+    fixed: Names
     starts: Callable[[LoopFit], Sequence[Values]]
 
 
@@ -97,7 +97,7 @@ MENU: Mapping[str, Member] = {
 """Structures by the key of their diagnosis."""
 
 
-def axis_fit(log: AxisLog, tell: Tell, loops: tuple[str, ...] = tuple(LOOPS)) -> LoopFit:
+def axis_fit(log: AxisLog, tell: Tell, loops: Names = tuple(LOOPS)) -> LoopFit:
     """The likeliest loop of one axis, with the structures that its log asks for."""
     fit = plain = best_loop(log, tell, loops)
     for _ in range(MOST):
@@ -112,9 +112,7 @@ def axis_fit(log: AxisLog, tell: Tell, loops: tuple[str, ...] = tuple(LOOPS)) ->
     return squared if squared.squares < SQUARES_WIN * fit.squares else fit
 
 
-def best_loop(
-    log: AxisLog, tell: Tell, loops: tuple[str, ...], beside: LoopFit | None = None
-) -> LoopFit:
+def best_loop(log: AxisLog, tell: Tell, loops: Names, beside: LoopFit | None = None) -> LoopFit:
     """The likeliest loop by the criterion of Schwarz, with a ramp where it earns one.
 
     A simpler one stays unless a richer one gains by more than chance and its numbers are
@@ -137,7 +135,7 @@ def best_loop(
     return best
 
 
-def _starts(log: AxisLog, names: tuple[str, ...], beside: LoopFit | None) -> list[dict[str, float]]:
+def _starts(log: AxisLog, names: Names, beside: LoopFit | None) -> list[dict[str, float]]:
     wide = max(round(0.1 / log.period), 1)
     slopes = np.abs(log.speed[wide:] - log.speed[:-wide])[log.in_fit[wide:]] / (wide * log.period)
     steepest = max(float(np.quantile(slopes, 0.98)), 0.02)

@@ -11,7 +11,7 @@ import numpy as np
 from wmr_ctrl.core.errors import ArgumentError
 
 from .bounds import BaseIdentification
-from .logs.log import Floats
+from .logs.log import Floats, Pair
 
 TONES = (0.1, 0.25, 0.45, 0.7, 1.1, 1.6, 2.1)
 """Frequencies [Hz]: from turning about slowly to what delay and lag show in."""
@@ -37,7 +37,7 @@ class ProposedDrive:
     omega: Floats
     path: Floats
     farthest: float
-    fastest: tuple[float, float]
+    fastest: Pair
 
     def to_csv(self) -> str:
         """Rows of t, v, omega and the path, with what they reach above them."""

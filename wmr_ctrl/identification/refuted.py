@@ -26,7 +26,7 @@ from .bounds import UNITS, GuardBounds
 from .estimate import cut_of, fitted_part
 from .fit import COUNTED, LAG_LEAST, Fit, Tell, at_rest
 from .kalman import BLOCKS, INDEX, NAMES
-from .logs.log import Floats
+from .logs.log import Floats, Pair, Texts
 from .logs.samples import Samples
 from .widths import Fitted, changes, intervals_of
 from .written import four_digits, outward
@@ -117,7 +117,7 @@ def tolerance_sentence(white: Fit, colour: float | None) -> str:
     )
 
 
-def usable_speeds(scenario: Scenario) -> tuple[float, float] | None:
+def usable_speeds(scenario: Scenario) -> Pair | None:
     """Usable speed of v1 with the guard's numbers, and what one more newton of dbar costs [m/s].
 
     None where the guard refuses them.
@@ -133,7 +133,7 @@ def usable_speeds(scenario: Scenario) -> tuple[float, float] | None:
 
 def held_out(
     white: Fit, fit: Fit, scenario: Scenario, colour: float | None, tell: Tell
-) -> tuple[Fit, tuple[str, ...]]:
+) -> tuple[Fit, Texts]:
     """The white fit of a log's first two thirds, what of its last is against their bounds, and
     what was not the same all along.
 
@@ -244,7 +244,7 @@ class Windows:
     period: Floats
     nbar: Floats
 
-    def least(self, masses: tuple[float, float]) -> Floats:
+    def least(self, masses: Pair) -> Floats:
         """Least push (K,) that explains the motion, for masses from least to most.
 
         It grows or falls with the force all along, so the ends of the forces have the least.

@@ -24,6 +24,7 @@ import numpy as np
 
 from wmr_ctrl.codegen.build import lanes_library
 from wmr_ctrl.codegen.emit import kernel
+from wmr_ctrl.core.data import data, with_tuples
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.model.dynamics import rk4_step
@@ -31,35 +32,27 @@ from wmr_ctrl.world.model.system import System, port
 
 from .fit import FINEST
 from .kalman import BLOCKS, blocks_of
-from .logs.log import Floats
+from .logs.log import Floats, Mask, Names, Pair
 from .logs.samples import LONGEST_DELAY, AxisLog
 from .widths import FLOOR, errors_of
 
 AXES = (1, 2)
-LOOPS: Mapping[str, tuple[str, ...]] = {
-    "first-order": ("gain", "tau", "delay"),
-    "pi": ("wn", "zeta", "delay"),
-    "second-order": ("gain", "wn", "zeta", "delay"),
-}
+_DATA = data(__package__, "speed_loop.toml")
+LOOPS: Mapping[str, Names] = with_tuples(_DATA["loops"])
 """Parameters of each loop."""
-NEUTRAL = {
-    "gain": 1.0, "first": 1.0, "zeta": 1.0, "accel": math.inf, "decel": math.nan, "back": 1.0,
-    "curve": 0.0, "bias": 0.0, "offset": 0.0, "dead": 0.0, "sat": math.inf, "delay": 0.0,
-    "then": 1.0, "when": math.inf,
-}  # fmt: skip
+NEUTRAL: dict[str, float] = _DATA["neutral"]
 """A set of parameters that changes nothing, by columns; decel is nan where it is as accel."""
 NUMBERS = 11
 """Columns that the compiled steps take."""
 PLACE = {name: place for place, name in enumerate(NEUTRAL)} | {"tau": 1, "wn": 1}
 """Columns of a set of parameters."""
+SIDED = ("back", "curve", "then")
+"""Parameters of a gain, which a PI loop does not have."""
 LINEAR = ("delay", "curve", "bias")
 """Parameters that are searched as they are; all others as logarithms."""
 ORDER = 6
 """Order of the autoregression."""
-RANGES = {"gain": (1e-3, 2e3), "tau": (5e-3, 20.0), "wn": (0.05, 60.0), "zeta": (0.02, 2.0),
-          "accel": (0.01, 1e3), "decel": (0.01, 1e3), "back": (0.02, 50.0), "then": (0.02, 50.0),
-          "offset": (1e-4, 10.0), "sat": (1e-3, 1e3), "curve": (-1e3, 1e3), "bias": (-1e3, 1e3),
-          "delay": (0.0, LONGEST_DELAY)}  # fmt: skip
+RANGES: Mapping[str, Pair] = {**with_tuples(_DATA["ranges"]), "delay": (0.0, LONGEST_DELAY)}
 NEAR_END = 0.98
 ENOUGH = 0.01
 MOST_VAGUE = 0.5
@@ -160,7 +153,7 @@ class LoopFit:
 
     log: AxisLog
     loop: str
-    names: tuple[str, ...]
+    names: Names
     theta: Floats
     left: Floats
     nll: float
@@ -198,7 +191,7 @@ class LoopFit:
         return bool(self.values.get("accel", 0.0) * self.log.period > np.ptp(self.log.sent))
 
     @property
-    def members(self) -> tuple[str, ...]:
+    def members(self) -> Names:
         """Parameters that are searched beside those of the loop."""
         return tuple(name for name in self.names if name not in LOOPS[self.loop])
 
@@ -250,7 +243,7 @@ class LoopFit:
         return np.where(shown, np.maximum(half, floor), np.inf)
 
     @property
-    def alone(self) -> np.ndarray:
+    def alone(self) -> Mask:
         """Parameters (n,) of which one block of time has more than `ALONE` of the information."""
         blocks = np.diagonal(self.fisher, axis1=1, axis2=2)
         return np.asarray(blocks.max(axis=0) > ALONE * np.maximum(blocks.sum(axis=0), 1e-300))
@@ -259,7 +252,7 @@ class LoopFit:
 Fits = tuple[LoopFit | None, LoopFit | None]
 
 
-def values_of(names: tuple[str, ...], theta: Floats) -> dict[str, float]:
+def values_of(names: Names, theta: Floats) -> dict[str, float]:
     """Searched parameters in SI units."""
     pairs = zip(names, theta.tolist(), strict=True)
     return {name: x if name in LINEAR else math.exp(x) for name, x in pairs}
@@ -273,19 +266,19 @@ def set_of(values: Mapping[str, float]) -> Floats:
     return numbers
 
 
-def searched(values: Mapping[str, float], names: tuple[str, ...]) -> Floats:
+def searched(values: Mapping[str, float], names: Names) -> Floats:
     """Parameters as they are searched."""
     return np.array([values[n] if n in LINEAR else math.log(values[n]) for n in names])
 
 
-def _bounded(names: tuple[str, ...], theta: Floats) -> Floats:
+def _bounded(names: Names, theta: Floats) -> Floats:
     ends = [RANGES[n] if n in LINEAR else tuple(np.log(RANGES[n])) for n in names]
     return np.clip(theta, *np.array(ends).T)
 
 
 def whitener(
-    left: Floats, in_fit: np.ndarray, order: int = ORDER
-) -> tuple[Callable[[Floats], Floats], np.ndarray]:
+    left: Floats, in_fit: Mask, order: int = ORDER
+) -> tuple[Callable[[Floats], Floats], Mask]:
     """Filter that whitens residuals, and which samples it is whole for."""
     if not order:
         return lambda x: x, in_fit
@@ -307,7 +300,7 @@ def finest(log: AxisLog) -> float:
 
 
 def fitted(
-    log: AxisLog, loop: str, names: tuple[str, ...], theta: Floats, passes: int, plain: int = 0,
+    log: AxisLog, loop: str, names: Names, theta: Floats, passes: int, plain: int = 0,
     fixed: Mapping[str, float] | None = None,
 ) -> LoopFit:  # fmt: skip
     """Scoring from ``theta``, damped until each step lowers minus the log-likelihood.

@@ -18,7 +18,7 @@ from wmr_ctrl.world.scenario.toml_io import raw_of
 from wmr_ctrl.world.scenario.unstated import KIND
 
 from .bounds import UNDETERMINED, Estimate, Origin
-from .logs.log import Log
+from .logs.log import UNITS, Log, Names
 from .logs.samples import Samples, held_speeds
 from .written import values_in
 
@@ -75,7 +75,7 @@ def with_limits(
     """
     high, low, shown = list(scenario.limits.v_u1), list(scenario.limits.v_u2), []
     limits: dict[str, object] = {}
-    for axis, (seen, unit) in enumerate(zip(held_speeds(samples), ("m/s", "rad/s"), strict=True)):
+    for axis, (seen, unit) in enumerate(zip(held_speeds(samples), UNITS, strict=True)):
         if not {LIMITS, f"{LIMITS}[{axis + 1}]"} & sure and seen > LEAST_SEEN:
             high[axis] = rounded_down(seen)
             low[axis] = min(low[axis], float(f"{BARRIER_FROM * high[axis]:.3g}"))
@@ -143,9 +143,7 @@ def undetermined(parameters: Mapping[str, Estimate]) -> list[str]:
     return [key for key, item in fitted.items() if item and item.verdict == UNDETERMINED]
 
 
-def not_found(
-    sure: set[str], samples: Samples, parameters: Mapping[str, Estimate]
-) -> tuple[str, ...]:
+def not_found(sure: set[str], samples: Samples, parameters: Mapping[str, Estimate]) -> Names:
     """Keys that a scenario must state, and that neither the log shows nor anybody states."""
     still = [f"{LIMITS}[{axis}]" for axis in (1, 2) if held_speeds(samples)[axis - 1] <= LEAST_SEEN]
     missing = [key for key in undetermined(parameters) if key not in sure]

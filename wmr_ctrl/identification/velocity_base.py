@@ -15,7 +15,7 @@ from .logs.log import COMMAND, LogError
 from .logs.samples import AxisLog, Samples, axis_log, shifted_gain
 from .loop_search import axis_fit
 from .speed_loop import Fits, LoopFit, fitted, forecast
-from .velocity_scenario import PLACES, Base, scenario_of_base
+from .velocity_scenario import Base, scenario_of_base
 
 LEAST_DRIVEN = 1e-3
 TRAINED = 4
@@ -31,7 +31,6 @@ class VelocityIdentification(BaseIdentification):
     bounds: FilterBounds
     fits: Fits
     trained: Fits
-    places = PLACES
 
     def traces(self) -> Traces:
         """Measured and predicted speeds, and their deviations as in filter.d."""

@@ -16,20 +16,12 @@ from wmr_ctrl.world.scenario import Scenario, override
 from .bounds import UNDETERMINED, Estimate, FilterBounds
 from .estimate import bare_scenario
 from .judgement import NOT_EXPLAINED, Judgement, bent
-from .logs.log import COMMAND
+from .logs.log import COMMAND, UNITS, Pair
 from .logs.samples import Samples, held_speeds
 from .speed_loop import SMOOTHED, Fits, LoopFit
 from .stated import LEAST_SEEN, MOST_FAR, rounded_down
 from .written import four_digits, outward
 
-PLACES = {
-    "base.tau": ("tau1", "tau2"), "base.gain": ("gain1", "gain2"),
-    "base.kp": ("wn1", "zeta1", "wn2", "zeta2"), "base.delay": ("delay1", "delay2"),
-    "base.accel": ("accel1", "accel2"), "base.decel": ("decel1", "decel2"),
-    "base.deadband": ("dead1", "dead2"), "filter.gain": ("gain1", "gain2"),
-}  # fmt: skip
-"""Keys of the scenario, and the parameters whose intervals stand beside them."""
-UNITS = dict(zip(COMMAND, ("m/s", "rad/s"), strict=True))
 LEAST_BACK = 2.0
 """Largest ratio of commands in both directions of a log that shows both."""
 MOST_LATE, MOST_VAGUE = 0.3, 4.0
@@ -153,7 +145,9 @@ def _filtered(
 
 def _against(stated: Scenario, found: Base) -> str:
     """Why no filter may rest on the log: what it does not show or explain; empty if nothing."""
-    for fit, judgement, column in zip(found.fits, found.judgements, COMMAND, strict=True):
+    for fit, judgement, column, unit in zip(
+        found.fits, found.judgements, COMMAND, UNITS, strict=True
+    ):
         if fit is None or judgement is None:
             return f"{column} never changed. Drive both axes."
         if judgement.explained == NOT_EXPLAINED:
@@ -161,7 +155,7 @@ def _against(stated: Scenario, found: Base) -> str:
         least, largest = float(fit.log.sent.min()), float(fit.log.sent.max())
         if min(-least, largest) < max(-least, largest) / LEAST_BACK:
             return (
-                f"{column} was from {least:.3g} to {largest:.3g} {UNITS[column]}, which does not "
+                f"{column} was from {least:.3g} to {largest:.3g} {unit}, which does not "
                 "show what the base does in the other direction. Drive both ways."
             )
     vague = [
@@ -175,7 +169,7 @@ def _against(stated: Scenario, found: Base) -> str:
         return f"{', '.join(vague)} undetermined. Steps of the command show them."
     for axis, far in enumerate(found.far(stated.limits.v_u1)):
         if far > MOST_FAR - 1:
-            limit, unit = stated.limits.v_u1[axis], UNITS[COMMAND[axis]]
+            limit, unit = stated.limits.v_u1[axis], UNITS[axis]
             seen = limit / (1 + far)
             return (
                 f"the limit {limit:.3g} {unit} is more than twice the largest speed that the log "
@@ -190,7 +184,7 @@ def _never_sent(
 ) -> bool:
     """Whether the log has no command near the largest that is sent, in a direction, and remarks."""
     before = len(remarks)
-    rows = zip(_largest_sent(stated, peaks), fits, COMMAND, ("m/s", "rad/s"), strict=True)
+    rows = zip(_largest_sent(stated, peaks), fits, COMMAND, UNITS, strict=True)
     for most, fit, column, unit in rows:
         for ahead in (1, -1):
             sent = ahead * fit.log.sent
@@ -224,7 +218,7 @@ def _said_of(loop: str, m: float) -> list[str]:
     return [said[loop]] if loop in said else []
 
 
-def _hulls(estimates: Mapping[str, Estimate]) -> dict[str, tuple[float, float]]:
+def _hulls(estimates: Mapping[str, Estimate]) -> dict[str, Pair]:
     """Intervals of each kind of parameter that hold those of both axes."""
     names = {name[:-1] for name in estimates}
     pairs = {name: [estimates[k] for k in estimates if k[:-1] == name] for name in names}
@@ -235,8 +229,8 @@ def _of_relaxing(
     scenario: Scenario,
     loop: str,
     values: list[dict[str, float]],
-    hull: Mapping[str, tuple[float, float]],
-    d: tuple[float, float],
+    hull: Mapping[str, Pair],
+    d: Pair,
 ) -> Scenario:
     """A first-order loop for runs, of the same mean lag where the identified one is of second."""
     if loop == "first-order":
@@ -257,8 +251,8 @@ def _of_relaxing(
 def _of_pi(
     scenario: Scenario,
     values: list[dict[str, float]],
-    hull: Mapping[str, tuple[float, float]],
-    d: tuple[float, float],
+    hull: Mapping[str, Pair],
+    d: Pair,
 ) -> Scenario:
     """A PI loop of both wheels: kp and ki on robot.m, and the inertia that turns as was seen."""
     m, l = scenario.robot.m, scenario.robot.l

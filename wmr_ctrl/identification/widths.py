@@ -9,7 +9,7 @@ from scipy.special import stdtrit
 
 from .fit import Fit
 from .kalman import INDEX, LOGARITHMIC
-from .logs.log import Floats
+from .logs.log import Floats, Mask, Pair
 from .logs.samples import AxisLog, Samples
 
 PHYSICAL = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag")
@@ -29,7 +29,7 @@ def standard_errors(fit: Fit) -> tuple[Floats, Floats]:
     return _two_errors(fit.last.gradient, fit.last.fisher, fit.inside)
 
 
-def _two_errors(gradient: Floats, fisher: Floats, free: np.ndarray) -> tuple[Floats, Floats]:
+def _two_errors(gradient: Floats, fisher: Floats, free: Mask) -> tuple[Floats, Floats]:
     """Both errors from gradient (B, n) and information (B, n, n) of blocks of time.
 
     The second is by one Newton step for each block b that is left out, theta_b = theta + (H -
@@ -53,7 +53,7 @@ def _two_errors(gradient: Floats, fisher: Floats, free: np.ndarray) -> tuple[Flo
     return by_fisher, left
 
 
-def _whole(fisher: Floats, free: np.ndarray) -> Floats:
+def _whole(fisher: Floats, free: Mask) -> Floats:
     """Information of all blocks on what is free, and a little more of each number by itself.
 
     Without that, what a log does not tell apart would move by roundings, further than any interval.
@@ -62,7 +62,7 @@ def _whole(fisher: Floats, free: np.ndarray) -> Floats:
     return np.asarray(whole + 1e-10 * np.diag(np.diag(whole)))
 
 
-def errors_of(gradient: Floats, fisher: Floats, free: np.ndarray) -> Floats:
+def errors_of(gradient: Floats, fisher: Floats, free: Mask) -> Floats:
     """Half-widths (n,) of 95 % intervals: the larger of both errors'."""
     by_fisher, left = _two_errors(gradient, fisher, free)
     return np.maximum(stdtrit(len(fisher) - 1, 0.975) * left, 1.96 * by_fisher)
@@ -72,7 +72,7 @@ class Fitted(NamedTuple):
     """Parameters (n,), which are free, and by blocks of time gradient (B, n) and information."""
 
     theta: Floats
-    free: np.ndarray
+    free: Mask
     gradient: Floats
     fisher: Floats
 
@@ -90,8 +90,8 @@ class Change(NamedTuple):
     """A parameter that was another before a time [s] than after it, with both half-widths."""
 
     time: float
-    values: tuple[float, float]
-    halves: tuple[float, float]
+    values: Pair
+    halves: Pair
 
 
 def changes(fit: Fitted, names: Sequence[str], log: Samples | AxisLog) -> dict[str, Change]:

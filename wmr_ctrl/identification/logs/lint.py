@@ -10,7 +10,7 @@ import numpy as np
 
 from wmr_ctrl.world.encoder import COUNTS
 
-from .log import POSES, TORQUES, Floats, Log, LogError, unit_of
+from .log import POSES, TORQUES, Floats, Log, LogError, Names, Pair, unit_of
 from .samples import LONGEST_SHIFT, Samples, differenced, speeds, wheels
 
 FEWEST_ROWS, LEAST_MOVING = 50, 0.2
@@ -217,7 +217,7 @@ def check_poses(name: str, log: Log, seen: Samples) -> None:
     _check_heading(name, theta, moved, rolled[:, 0])
 
 
-def pose_ratios(log: Log, seen: Samples) -> tuple[float, float] | None:
+def pose_ratios(log: Log, seen: Samples) -> Pair | None:
     """Way and turn of the poses over those of the wheels; None without poses."""
     motions = _over(log, seen)
     if motions is None:
@@ -306,7 +306,7 @@ def _check_heading(name: str, theta: Floats, moved: Floats, way: Floats) -> None
         )
 
 
-def check_log(log: Log, commands: tuple[str, ...] = TORQUES) -> None:
+def check_log(log: Log, commands: Names = TORQUES) -> None:
     """All that needs no knowledge of the robot."""
     check_times(log)
     check_counters(log)

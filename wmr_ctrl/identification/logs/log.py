@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ArgumentError, WmrError
 from wmr_ctrl.core.fields.files import note_input
@@ -22,6 +23,11 @@ from wmr_ctrl.results.tables import is_table, read_timed, reader_of, timed
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import Scenario, loads_scenario
 
+Pair = tuple[float, float]
+Names = tuple[str, ...]
+Texts = tuple[str, ...]
+AXES, UNITS = ("v", "omega"), ("m/s", "rad/s")
+Mask = NDArray[np.bool_]
 BETWEEN = 10.0
 """Time between logs that count as one [s]."""
 WHEEL_ANGLE, WHEEL_SPEED = drive.WHEEL_ANGLE, drive.WHEEL_SPEEDS
@@ -80,7 +86,7 @@ class Log:
     times: Mapping[str, Floats]
     columns: Mapping[str, Floats]
     base: Scenario | None = None
-    remarks: tuple[str, ...] = ()
+    remarks: Texts = ()
     notes: tuple[Note, ...] = ()
 
     def has(self, names: Sequence[str]) -> bool:
@@ -183,7 +189,7 @@ def of_columns(
 
 
 def _of_table(
-    name: str, times: dict[str, Floats], columns: dict[str, Floats], remarks: tuple[str, ...]
+    name: str, times: dict[str, Floats], columns: dict[str, Floats], remarks: Texts
 ) -> Log:
     for group in TOGETHER:
         own = [item for item in group if item in columns]

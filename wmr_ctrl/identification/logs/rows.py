@@ -9,14 +9,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..speed_loop import LOOPS, LoopFit, fitted
-from .log import Floats, LeftOut, Note
+from .log import AXES, Floats, LeftOut, Mask, Note, Pair
 from .samples import AxisLog, Samples, axis_log, shifted_gain
 
-Mask = NDArray[np.bool_]
-AXES, UNITS = ("v", "omega"), ("m/s", "rad/s")
 LOOP, PASSES = "first-order", 8
 MOST_ODD = 0.15
 """Share of readings beyond which they are the log and no faults of it."""
@@ -143,7 +140,7 @@ def odd_readings(speed: Floats, left: Floats) -> Mask:
     return odd
 
 
-def off_stretches(rows: Samples) -> list[tuple[float, float]]:
+def off_stretches(rows: Samples) -> list[Pair]:
     """Begin and end [s] of stretches at rest in spite of commands that move the base elsewhere."""
     t, resting = rows.t, np.ones(len(rows.t), bool)
     at = np.searchsorted(rows.command_t, t - 0.2, "right") - 1

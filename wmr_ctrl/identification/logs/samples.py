@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import Scenario
 
-from .log import TORQUES, Floats, Log
+from .log import TORQUES, Floats, Log, Mask, Names, Pair
 
 GAP = 5.0
 """Steps without a row from which on a log is in two stretches."""
@@ -57,7 +57,7 @@ class Samples:
     command: Floats
     first: NDArray[np.int64]
     of_speed: bool = False
-    use: NDArray[np.bool_] | None = None
+    use: Mask | None = None
 
     @property
     def period(self) -> float:
@@ -92,9 +92,7 @@ class Samples:
         )
 
 
-def motion_of(
-    raw: Log, scenario: Scenario, source: str, commands: tuple[str, ...] = TORQUES
-) -> Samples:
+def motion_of(raw: Log, scenario: Scenario, source: str, commands: Names = TORQUES) -> Samples:
     """Samples of a log whose motion is read from ``source``."""
     r, half_track = scenario.robot.r, scenario.robot.l
     sent, command = raw.pair(commands)
@@ -129,7 +127,7 @@ def speeds(log: Samples, over: float = 0.1) -> Floats:
     return np.asarray((log.seen[later] - log.seen[sooner]) / span[:, None])
 
 
-def held_range(log: Samples) -> dict[str, tuple[float, float]]:
+def held_range(log: Samples) -> dict[str, Pair]:
     """Least and largest v and omega [m/s, rad/s] held for `HELD`: single readings do not count."""
     speed = speeds(log)
     rows = min(round(HELD / float(np.median(np.diff(log.t)))) + 1, len(speed))
@@ -139,7 +137,7 @@ def held_range(log: Samples) -> dict[str, tuple[float, float]]:
     return dict(zip(("v", "omega"), pairs, strict=True))
 
 
-def held_speeds(log: Samples) -> tuple[float, float]:
+def held_speeds(log: Samples) -> Pair:
     """Largest |v1| and |omega| [m/s, rad/s] held for `HELD`."""
     v, omega = (max(-low, high, 0.0) for low, high in held_range(log).values())
     return v, omega
@@ -160,10 +158,10 @@ class AxisLog:
 
     t: Floats
     speed: Floats
-    in_fit: np.ndarray
+    in_fit: Mask
     sent_t: Floats
     sent: Floats
-    first: np.ndarray
+    first: NDArray[np.int64]
     of_way: bool
     period: float
 
