@@ -364,9 +364,9 @@ def _scenario(
         "resistance.viscous": [max(values["Fv"], 0.0), max(values["Mv"], 0.0)],
         "resistance.rolling": [rolling, rolling],
         "actuator.delay": min(max(delay, 0.0), bounds.delay[1]), "actuator.lag": values["lag"],
-        "disturbance.std": std, "disturbance.truncate": four_digits(most / std, math.floor),
+        "disturbance.std": std, "disturbance.truncate": four_digits(most / std, up=False),
         **{f"guard.{key}": list(pair) for key, (pair, _) in bounds.pairs().items()},
-        "guard.dbar": [four_digits(max(x, 1.0) * d, math.ceil)
+        "guard.dbar": [four_digits(max(x, 1.0) * d, up=True)
                        for x, d in zip(far, bounds.dbar, strict=True)],
         **({"guard.delay": None} if bounds.wide else {}),
     })  # fmt: skip

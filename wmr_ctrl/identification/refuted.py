@@ -82,8 +82,8 @@ def guard_bounds(
     wide = latest - early > period
     late = (early, latest) if wide else (early, min(latest + CREEP, early + period))
     lightest, heaviest, pushes, noises = (
-        (four_digits(float(v), way), four_digits(float(w), way))
-        for (v, w), way in ((low, math.floor), *((x, math.ceil) for x in (high, dbar, nbar)))
+        (four_digits(float(v), up), four_digits(float(w), up))
+        for (v, w), up in ((low, False), (high, True), (dbar, True), (nbar, True))
     )
     return GuardBounds(
         lightest,
@@ -214,7 +214,7 @@ def explaining(white: Fit, bounds: GuardBounds) -> GuardBounds:
     """The bounds, with dbar as large as the guard's monitor needs it to be over the whole log."""
     dbar = list(bounds.dbar)
     for item in contradictions(white, bounds):
-        dbar[item.axis] = four_digits(item.push * (1 + 1e-9), math.ceil)
+        dbar[item.axis] = four_digits(item.push * (1 + 1e-9), up=True)
     return replace(bounds, dbar=(dbar[0], dbar[1]))
 
 

@@ -1,6 +1,5 @@
 """What a user states beside a log, and limits from the log where nobody states any."""
 
-import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -10,6 +9,7 @@ import numpy as np
 
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.core.fields.section import default
+from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.core.fields.unstated import Unknown
 from wmr_ctrl.world.scenario import MissingKeysError, Scenario, from_dict, override, scenario_dict
 from wmr_ctrl.world.scenario.raw import apply, merge, stated_in
@@ -154,5 +154,4 @@ def not_found(sure: set[str], samples: Samples, parameters: Mapping[str, Estimat
 
 def rounded_down(value: float) -> float:
     """A value above 0 with two digits, never more than it is."""
-    step = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return float(f"{math.floor(value / step) * step:.3g}")
+    return float(rounded(value, 2, up=False))

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import tomlkit
 
+from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.world.scenario import scenario_dict, to_toml
 from wmr_ctrl.world.scenario.raw import stated_in
 from wmr_ctrl.world.scenario.toml_io import is_path
@@ -89,14 +89,11 @@ def values_in(raw: Mapping[str, object], source: Mapping[str, object]) -> dict[s
     return {key: _at(raw, key) for key in stated_in(source)}
 
 
-def four_digits(value: float, way: Callable[[float], int] = round) -> float:
-    """A number with four digits."""
-    if not math.isfinite(value) or not value:
-        return value
-    step = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - DIGITS)
-    return float(f"{way(round(value / step, 6)) * step:.{DIGITS}g}")
+def four_digits(value: float, up: bool | None = None) -> float:
+    """A number with four digits: the nearest, or none that is below it, or above it."""
+    return float(f"{value:.{DIGITS}g}" if up is None else rounded(value, DIGITS, up))
 
 
 def outward(low: float, high: float) -> tuple[float, float]:
     """An interval with four digits, narrower by no more than roundings."""
-    return four_digits(low, math.floor), four_digits(high, math.ceil)
+    return four_digits(low, up=False), four_digits(high, up=True)

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from wmr_ctrl.world.encoder import COUNTS
 
@@ -97,8 +98,7 @@ def unwrapped(log: Log) -> Log:
         step = np.diff(counts)
         if len(step) < NEIGHBOURS or not np.isfinite(step).all():
             continue
-        padded = np.pad(step, NEIGHBOURS // 2, "reflect")
-        near = np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS), axis=1)
+        near = median_filter(step, NEIGHBOURS, mode="mirror")
         modulus = _modulus(counts, step, near)
         if modulus:
             whole = step - modulus * np.round((step - near) / modulus)

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from ..speed_loop import LOOPS, LoopFit, fitted
 from .log import AXES, Floats, LeftOut, Mask, Note, Pair
@@ -112,9 +113,7 @@ def odd_readings(speed: Floats, left: Floats) -> Mask:
     odd, rest, place = np.zeros(len(speed), bool), left.copy(), np.arange(len(speed))
     zero = (speed == 0) & (np.abs(speed - left) > max(ZERO_FAR * quick, quantum))
     for _ in range(3):
-        padded = np.pad(rest, NEIGHBOURS // 2, "edge")
-        near = np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS)
-        off = rest - np.median(near, axis=1)
+        off = rest - median_filter(rest, NEIGHBOURS, mode="nearest")
         spread = 1.4826 * float(np.median(np.abs(off - np.median(off))))
         far = np.abs(off) > max(FAR * spread, LEAST_FAR * quick, quantum)
         far |= zero & (np.abs(off) > max(ZERO_DEVIATIONS * spread, ZERO_FAR * quick, quantum))
@@ -227,16 +226,12 @@ def _stopped(rows: Samples, silent: Floats, timeout: float) -> Samples:
     )
 
 
-def _runs(mask: Mask, bridge: int = 0) -> list[tuple[int, int]]:
+def _runs(mask: Mask, bridge: int = 0) -> list[list[int]]:
     """Begin and end of runs of True; gaps of at most ``bridge`` rows are bridged."""
-    ends = np.flatnonzero(np.diff(np.concatenate(([0], mask.astype(int), [0]))))
-    runs: list[tuple[int, int]] = []
-    for low, high in zip(ends[::2].tolist(), ends[1::2].tolist(), strict=True):
-        if runs and low - runs[-1][1] < bridge:
-            runs[-1] = (runs[-1][0], high)
-        else:
-            runs.append((low, high))
-    return runs
+    ends = np.flatnonzero(np.diff(mask, prepend=False, append=False))
+    begin, end = ends[::2], ends[1::2]
+    bridged = np.flatnonzero(begin[1:] - end[:-1] < bridge)
+    return np.column_stack((np.delete(begin, bridged + 1), np.delete(end, bridged))).tolist()
 
 
 def _stretches(t: Floats, mask: Mask, reason: str) -> Iterator[LeftOut]:

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import Scenario
 
-from .log import TORQUES, Floats, Log, Mask, Names, Pair
+from .log import AXES, TORQUES, Floats, Log, Mask, Names, Pair
 
 GAP = 5.0
 """Steps without a row from which on a log is in two stretches."""
@@ -80,15 +81,12 @@ class Samples:
         inside = np.flatnonzero((self.t >= begin) & (self.t < end))
         low, high = (int(inside[0]), int(inside[-1]) + 1) if inside.size else (0, 0)
         first = self.first[(self.first > low) & (self.first < high)] - low
-        return Samples(
-            self.t[low:high],
-            self.seen[low:high],
-            self.variance,
-            self.command_t,
-            self.command,
-            np.concatenate(([0], first)).astype(np.int64),
-            self.of_speed,
-            None if self.use is None else self.use[low:high],
+        return replace(
+            self,
+            t=self.t[low:high],
+            seen=self.seen[low:high],
+            first=np.concatenate(([0], first)).astype(np.int64),
+            use=None if self.use is None else self.use[low:high],
         )
 
 
@@ -111,8 +109,8 @@ def motion_of(raw: Log, scenario: Scenario, source: str, commands: Names = TORQU
     else:
         t, seen = raw.pair((source, source.replace("v1", "omega")))
     step = np.diff(t)
-    first = np.concatenate(([0], np.flatnonzero(step > GAP * np.median(step)) + 1))
-    return Samples(t, seen, variance, sent, command, first.astype(np.int64), of_speed)
+    first = np.append(0, np.flatnonzero(step > GAP * np.median(step)) + 1)
+    return Samples(t, seen, variance, sent, command, first, of_speed)
 
 
 def speeds(log: Samples, over: float = 0.1) -> Floats:
@@ -131,10 +129,9 @@ def held_range(log: Samples) -> dict[str, Pair]:
     """Least and largest v and omega [m/s, rad/s] held for `HELD`: single readings do not count."""
     speed = speeds(log)
     rows = min(round(HELD / float(np.median(np.diff(log.t)))) + 1, len(speed))
-    held = np.lib.stride_tricks.sliding_window_view(speed, rows, axis=0)
-    low, high = held.max(axis=-1).min(axis=0), held.min(axis=-1).max(axis=0)
-    pairs = zip(np.minimum(low, high).tolist(), np.maximum(low, high).tolist(), strict=True)
-    return dict(zip(("v", "omega"), pairs, strict=True))
+    held = sliding_window_view(speed, rows, axis=0)
+    ends = np.sort((held.max(axis=-1).min(axis=0), held.min(axis=-1).max(axis=0)), axis=0)
+    return {axis: (low, high) for axis, (low, high) in zip(AXES, ends.T.tolist(), strict=True)}
 
 
 def held_speeds(log: Samples) -> Pair:
