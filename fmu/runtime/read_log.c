@@ -8,7 +8,10 @@
 #define RESULTS (1 + 2 * WMR_OUTPUTS)
 #define COLUMN (WMR_OUTPUTS * (WMR_OUTPUTS + 3) / 2)
 
-enum { START, PIECE, SKIPPED, COUNTED, WATCHED };
+#define LONGEST 0.01   /* longest piece that is stepped over at once [s] */
+#define SHORTEST 1e-9  /* what is shorter is no piece [s] */
+
+enum { SKIPPED, COUNTED, WATCHED };
 
 /* Parameters, what the kernels take of them alone, and directions: of a group one after the other. */
 typedef struct {
@@ -98,38 +101,72 @@ static void correct(const wmr_v *u, const model *m, filter *f, double *nll, doub
     }
 }
 
-/* Events are rows of WIDTH numbers with a kind and a block each; a measurement writes its residuals,
-   their sizes in standard deviations, then the mean after it, to `told`.  Without `slopes` there
-   are no derivatives. */
-WMR_EXPORT void wmr_read_log(int64_t count, const double *rows, const int32_t *kinds,
-                             const int32_t *blocks, const double *parameters,
-                             const double *covariance, int32_t slopes, double *nll,
-                             double *gradient, double *fisher, double *told)
+/* From one event to the next: a command acts for h0 + h1 delay [s], in pieces. */
+static void move(const double *command, double h0, double h1, double delay, double boost,
+                 const model *m, filter *f)
 {
-    wmr_v u[WMR_WIDE];
+    const double length = h0 + h1 * delay;
+    const double parts = length > SHORTEST ? ceil(length / LONGEST) : 0.0;
+    const double piece[] = {command[0], command[1], h0 / parts, h1 / parts, boost};
+    wmr_v u[WMR_INPUTS];
+    spread(WMR_INPUTS, piece, u);
+    for (int64_t k = 0; k < (int64_t)parts; ++k) {
+        step(u, m, f);
+    }
+}
+
+/* `count` samples at times t with what was seen then (count, 2), and `sent` commands (sent, 2) of which each acts from
+   command_t and a delay on, until the next.  At the samples `first` begins a stretch, with means from `start`
+   (stretches, STATE) and a covariance.  `boost` (count) is the factor of the noise up to a sample, which counts as its
+   kind says, in its block.  A sample writes its residuals, their sizes in standard deviations, then the mean after
+   it, to `told`.  Without `slopes` there are no derivatives. */
+WMR_EXPORT void wmr_read_log(int64_t count, int64_t sent, int64_t stretches, int32_t of_speed,
+                             int32_t slopes, const double *t, const double *seen,
+                             const double *variance, const double *command_t,
+                             const double *command, const double *start, const double *boost,
+                             const double *parameters, const double *covariance,
+                             const int64_t *first, const int32_t *kinds, const int32_t *blocks,
+                             double *nll, double *gradient, double *fisher, double *told)
+{
+    const double delay = parameters[WMR_DELAY];
+    double since = 0.0, late = 0.0;
+    int64_t n = 0, begun = 0, stretch = 0;
     model m;
     filter f;
     memset(&f, 0, sizeof f);
     prepare(parameters, slopes, &m);
-    for (int64_t n = 0; n < count; ++n) {
-        const double *row = rows + n * WMR_WIDE;
-        const int counted = kinds[n] == COUNTED;
-        const int64_t b = counted ? blocks[n] : 0;
-        spread(WMR_WIDE, row, u);
-        if (kinds[n] == START) {
-            begin(row, covariance, &f);
-        } else if (kinds[n] == PIECE) {
-            step(u, &m, &f);
-        } else {
-            if (kinds[n] != WATCHED) {
-                correct(u, &m, &f, counted ? nll + b : 0,
-                        counted && slopes ? gradient + b * WMR_NAMES : 0,
-                        counted && slopes ? fisher + b * WMR_NAMES * WMR_NAMES : 0, told);
-            }
-            for (int i = 0; i < WMR_STATE; ++i) {
-                told[2 * WMR_OUTPUTS + i] = f.x[i][0];
-            }
-            told += 2 * WMR_OUTPUTS + WMR_STATE;
+    while (n < count) {
+        /* Commands that begin to act as something is seen come after it. */
+        const int sample = begun == sent || t[n] <= command_t[begun] + delay;
+        const double base = sample ? t[n] : command_t[begun], now_late = sample ? 0.0 : 1.0;
+        const int begins = stretch < stretches && first[stretch] == n;
+        if (n > 0 && !begins) {
+            move(command + 2 * (begun > 0 ? begun - 1 : 0), base - since, now_late - late, delay,
+                 boost[n], &m, &f);
         }
+        since = base;
+        late = now_late;
+        if (!sample) {
+            ++begun;
+            continue;
+        }
+        if (begins) {
+            begin(start + WMR_STATE * stretch++, covariance, &f);
+        }
+        if (kinds[n] != WATCHED) {
+            const double row[] = {seen[2 * n], seen[2 * n + 1], variance[0], variance[1], of_speed};
+            const int counted = kinds[n] == COUNTED;
+            const int64_t b = blocks[n];
+            wmr_v u[WMR_INPUTS];
+            spread(WMR_INPUTS, row, u);
+            correct(u, &m, &f, counted ? nll + b : 0,
+                    counted && slopes ? gradient + b * WMR_NAMES : 0,
+                    counted && slopes ? fisher + b * WMR_NAMES * WMR_NAMES : 0, told);
+        }
+        for (int i = 0; i < WMR_STATE; ++i) {
+            told[2 * WMR_OUTPUTS + i] = f.x[i][0];
+        }
+        told += 2 * WMR_OUTPUTS + WMR_STATE;
+        ++n;
     }
 }

@@ -13,8 +13,8 @@ from tests.identification.conftest import KNOWN, STEP, TRUTH
 from tests.papers_robot import paper
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.estimate import PHYSICAL, searched
-from wmr_ctrl.identification.fit import SKIPPED, WATCHED, events_of, packed
-from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
+from wmr_ctrl.identification.fit import packed
+from wmr_ctrl.identification.kalman import NAMES, SKIPPED, WATCHED, CompiledFilter
 from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.logs.samples import Samples
 from wmr_ctrl.world.scenario import loads_scenario
@@ -214,13 +214,12 @@ def test_gradient_and_likelihood_agree():
     )
 
     def read(theta, slopes=True):
-        events = events_of(log, theta[INDEX["delay"]], np.zeros((2, 8)))
-        return filter_(events, np.concatenate((theta, known)), covariance, slopes)
+        parameters = np.concatenate((theta, known))
+        return filter_(log, np.zeros((2, 8)), parameters, covariance, slopes=slopes)
 
     def of_kind(kind, seen):
-        delay, start = theta[INDEX["delay"]], np.zeros((2, 8))
-        events = events_of(replace(log, seen=seen), delay, start, kinds=kind)
-        return filter_(events, np.concatenate((theta, known)), covariance, False)
+        given = np.zeros((2, 8)), np.concatenate((theta, known)), covariance
+        return filter_(replace(log, seen=seen), *given, slopes=False, kinds=kind)
 
     whole, alone = read(theta), read(theta, slopes=False)
     assert (alone.nll == whole.nll).all()
@@ -255,11 +254,9 @@ def test_the_filter_is_the_kalman_filter_of_a_linear_robot():
     values |= {"m": m, "I": inertia, "delay": 0.0, "lag": 5e-4, "q1": q[0], "q2": q[1], "time": 1.0,
                "n1": 1.0, "n2": 1.0}  # fmt: skip
     theta = searched(values)
-    events = events_of(log, 0.0, np.zeros((1, 8)))
     covariance = packed(np.array([*var, 0.5, 0.5, 0.0, 0.0]))
-    told = filter_(
-        events, np.concatenate((theta, [r, half, 9.81, 0.01, T])), covariance, slopes=False
-    )
+    parameters = np.concatenate((theta, [r, half, 9.81, 0.01, T]))
+    told = filter_(log, np.zeros((1, 8)), parameters, covariance, slopes=False)
 
     whole = 0.0
     forces = np.column_stack((tau.sum(axis=1), half * (tau[:, 0] - tau[:, 1]))) / r

@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kalman import (
+    COUNTED,
     INDEX,
     LOGARITHMIC,
     MEAN,
     NAMES,
-    PIECE,
-    WIDE,
+    SKIPPED,
+    WATCHED,
     CompiledFilter,
-    Events,
     PassResult,
     blocks_of,
 )
@@ -23,10 +23,6 @@ from .logs.samples import LONGEST_DELAY, Samples
 
 Tell = Callable[[], None]
 """Called at each pass, to show progress."""
-START, PIECE_KIND, SKIPPED, COUNTED, WATCHED = range(5)
-LONGEST = 0.01
-"""Longest piece that is stepped over at once [s]."""
-SHORTEST = 1e-9
 SKIPPED_TIME = 0.3
 """Time at the start of each stretch that does not count [s]: commands before are not known."""
 LAG_LEAST, LAG_MOST = 5e-4, 2.0
@@ -41,50 +37,6 @@ FINEST = 3e-4
 """Least noise of force and speed, over how much these vary."""
 
 
-def events_of(
-    log: Samples,
-    delay: float,
-    start: Floats,
-    boost: Floats | float = 1.0,
-    kinds: NDArray[np.int32] | int = COUNTED,
-    blocks: NDArray[np.int32] | int = 0,
-) -> Events:
-    """Pieces between all times at which something is seen or a command begins to act, in order.
-
-    ``start`` (F, state): means at the beginning of each stretch.  ``boost`` (N,): factor of the
-    noise up to each sample; ``kinds`` (N,) and ``blocks`` (N,) of the measurements.
-    """
-    count, sent = len(log.t), len(log.command_t)
-    base = np.concatenate((log.t, log.command_t))
-    late = np.repeat((0.0, 1.0), (count, sent))
-    # Commands that begin to act as something is seen come after it.
-    order = np.lexsort((late, base + late * delay))
-    measured = order < count
-    acting = np.maximum(np.maximum.accumulate(np.where(measured, -1, order - count)), 0)
-    before = np.maximum.accumulate(np.where(measured, order, -1))
-    begins = np.isin(np.arange(count + 1), log.first)
-    starts = measured & begins[before]
-    inside = (before >= 0) & (before < count - 1) & ~begins[before + 1]
-    h0, h1 = (np.diff(item[order], append=item[order[-1]]) for item in (base, late))
-    length = h0 + h1 * delay
-    parts = np.where(inside & (length > SHORTEST), np.ceil(length / LONGEST), 0).astype(np.int64)
-    # Each event is up to three kinds of rows: a start, a measurement, and pieces after it.
-    rows = np.zeros((len(order), 3, WIDE))
-    rows[starts, 0, :MEAN] = start
-    rows[measured, 1, :2], rows[measured, 1, 2:4] = log.seen, log.variance
-    rows[measured, 1, 4] = log.of_speed
-    share = np.maximum(parts, 1)
-    factor = np.broadcast_to(boost, count)[np.minimum(before + 1, count - 1)]
-    piece = np.column_stack((log.command[acting], h0 / share, h1 / share, factor))
-    rows[:, 2, : len(PIECE)] = piece
-    kind = np.full((len(order), 3), (START, COUNTED, PIECE_KIND), np.int32)
-    block = np.zeros_like(kind)
-    kind[measured, 1], block[measured, 1] = kinds, blocks
-    repeats = np.column_stack((starts, measured, parts)).ravel().astype(np.int64)
-    table = np.repeat(rows.reshape(-1, WIDE), repeats, axis=0)
-    return Events(table, np.repeat(kind, repeats), np.repeat(block, repeats), count)
-
-
 @dataclass(frozen=True)
 class LogProblem:
     """A log, the filter that it is read through, known numbers, and factors of the force noise.
@@ -97,21 +49,17 @@ class LogProblem:
     known: Floats
     boost: Floats | float = 1.0
 
-    def events(self, theta: Floats) -> Events:
-        """Events for these parameters' delay."""
-        kinds, blocks = self.counting()
-        return events_of(self.log, theta[INDEX["delay"]], self._starts(), self.boost, kinds, blocks)
-
     def read(self, theta: Floats, slopes: bool = True) -> PassResult:
         """A pass through the filter."""
-        parameters = np.concatenate((theta, self.known))
-        return self.filter(self.events(theta), parameters, self._covariance(), slopes)
+        kinds, blocks = self.counting()
+        return self.filter(
+            self.log, self._starts(), *self._given(theta), slopes=slopes, boost=self.boost,
+            kinds=kinds, blocks=blocks,
+        )  # fmt: skip
 
     def foretold(self, log: Samples, theta: Floats, start: Floats) -> Floats:
         """Means (N, state) that follow from those (F, state) at the start of each stretch alone."""
-        events = events_of(log, theta[INDEX["delay"]], start, kinds=WATCHED)
-        parameters = np.concatenate((theta, self.known))
-        return self.filter(events, parameters, self._covariance(), slopes=False).mean
+        return self.filter(log, start, *self._given(theta), slopes=False, kinds=WATCHED).mean
 
     def measurement_count(self) -> int:
         """Number of measurements that count."""
@@ -133,12 +81,13 @@ class LogProblem:
             start[:, 2:4] = (log.seen[later] - log.seen[first]) / span[:, None]
         return start
 
-    def _covariance(self) -> Floats:
-        """Packed covariance at a stretch's start: measured values with their variance, the rest
-        hardly known.
+    def _given(self, theta: Floats) -> tuple[Floats, Floats]:
+        """All parameters, and the packed covariance at a stretch's start: measured values with
+        their variance, the rest hardly known.
         """
         way = np.full(2, 1.0) if self.log.of_speed else self.log.variance
-        return packed(np.concatenate((way, [0.25, 1.0, 0.0, 0.0])))
+        covariance = packed(np.concatenate((way, [0.25, 1.0, 0.0, 0.0])))
+        return np.concatenate((theta, self.known)), covariance
 
 
 def at_rest(log: Samples) -> Floats:

@@ -10,6 +10,7 @@ information.
 import ctypes as ct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -26,6 +27,7 @@ from wmr_ctrl.world.resistance import load_of_wheel
 from wmr_ctrl.world.scenario import Scenario
 
 from .logs.log import Floats
+from .logs.samples import Samples
 
 BLOCKS = 15
 DIRECTIONS = 2
@@ -51,8 +53,8 @@ MEAN, NOISY = 8, 6
 PACKED = NOISY * (NOISY + 1) // 2
 OUTPUTS = 2
 """Residuals of a measurement."""
-WIDE = max(MEAN, len(PIECE))
-"""Numbers in a row of events."""
+SKIPPED, COUNTED, WATCHED = range(3)
+"""Kinds of measurements: taken in but not counted, counted, and not taken in."""
 
 
 def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
@@ -216,16 +218,6 @@ def blocks_of(t: Floats) -> NDArray[np.int32]:
 
 
 @dataclass(frozen=True)
-class Events:
-    """Rows for the filter, their kinds, and the block that each counts in."""
-
-    rows: Floats
-    kinds: NDArray[np.int32]
-    blocks: NDArray[np.int32]
-    measured: int
-
-
-@dataclass(frozen=True)
 class PassResult:
     """Result of a pass: by block minus the log of the likelihood (B,), its gradient (B, n), Fisher
     information (B, n, n); by measurement residuals, those in standard deviations, and means.
@@ -251,24 +243,41 @@ class CompiledFilter:
             "PRIMAL": MEAN + PACKED,
             "OUTPUTS": OUTPUTS,
             "DIRECTIONS": DIRECTIONS,
-            "WIDE": WIDE,
+            "INPUTS": len(PIECE),
+            "DELAY": INDEX["delay"],
         }
         self._library = ct.CDLL(str(lanes_library("read_log.c", sizes, kernels(scenario))))
 
     def __call__(
-        self, events: Events, parameters: Floats, covariance: Floats, slopes: bool = True
+        self,
+        log: Samples,
+        start: Floats,
+        parameters: Floats,
+        covariance: Floats,
+        *,
+        slopes: bool = True,
+        boost: Floats | float = 1.0,
+        kinds: NDArray[np.int32] | int = COUNTED,
+        blocks: NDArray[np.int32] | int = 0,
     ) -> PassResult:
-        """One pass with ``parameters`` (searched, then known); ``covariance`` packed."""
-        n = len(NAMES)
+        """One pass with ``parameters`` (searched, then known).
+
+        ``start`` (F, MEAN) and ``covariance`` (packed): at the beginning of each stretch.
+        ``boost`` (N,): factor of the noise up to each sample; ``kinds`` (N,) and ``blocks`` (N,) of
+        the measurements.
+        """
+        count, n = len(log.t), len(NAMES)
         nll, gradient = np.zeros(BLOCKS), np.zeros((BLOCKS, n))
-        fisher = np.zeros((BLOCKS, n, n))
-        residuals = np.zeros((events.measured, 2 * OUTPUTS + MEAN))
-        given = (events.rows, events.kinds, events.blocks, np.ascontiguousarray(parameters))
-        count, sloped = ct.c_int64(len(events.kinds)), ct.c_int32(bool(slopes))
-        before, results = (
-            [item.ctypes for item in arrays]
-            for arrays in ((*given, covariance), (nll, gradient, fisher, residuals))
+        fisher, told = np.zeros((BLOCKS, n, n)), np.zeros((count, 2 * OUTPUTS + MEAN))
+        read = (log.t, log.seen, log.variance, log.command_t, log.command, start)
+        numbers = (*read, np.full(count, boost), parameters, covariance)
+        marks = [np.full(count, item, np.int32) for item in (kinds, blocks)]
+        rest: tuple[NDArray[Any], ...] = (log.first, *marks, nll, gradient, fisher, told)
+        self._library.wmr_read_log(
+            *(ct.c_int64(len(item)) for item in (log.t, log.command_t, log.first)),
+            *(ct.c_int32(item) for item in (log.of_speed, slopes)),
+            *(np.ascontiguousarray(item, np.float64).ctypes for item in numbers),
+            *(item.ctypes for item in rest),
         )
-        self._library.wmr_read_log(count, *before, sloped, *results)
-        parts = np.split(residuals, [OUTPUTS, 2 * OUTPUTS], axis=1)
+        parts = np.split(told, [OUTPUTS, 2 * OUTPUTS], axis=1)
         return PassResult(nll, gradient, fisher, *parts)
