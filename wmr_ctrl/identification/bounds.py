@@ -17,7 +17,6 @@ from wmr_ctrl.world.scenario import Scenario
 from .judgement import Judgement
 from .kalman import BLOCKS
 from .logs.log import COMMAND, Floats, LeftOut, Names, Note, Pair, Texts
-from .speed_loop import AXES, Fits
 from .written import toml_of
 
 DETERMINED, ROUGHLY, UNDETERMINED = "determined", "roughly", "undetermined"
@@ -280,30 +279,30 @@ def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iter
 
 
 def loop_remarks(
-    fits: Fits, estimates: Mapping[str, Estimate], judgements: Sequence[Judgement | None]
+    judgements: Sequence[Judgement], estimates: Mapping[str, Estimate]
 ) -> list[str]:
     """Remarks on the parameters of a speed loop that a log determines, and does not."""
     remarks = [
         "gains are against the log's own measured speeds: an error in a wheel's radius or "
         "track affects both, and no log of wheels shows it. Add it to filter.gain."
     ]
-    for axis, fit, judgement, column in zip(AXES, fits, judgements, COMMAND, strict=True):
-        if fit is None or judgement is None:
+    driven = {item.place: item for item in judgements}
+    for place, column in enumerate(COMMAND):
+        if place not in driven:
             remarks.append(f"{column} is constant, so the log says nothing about that axis.")
             continue
-        remarks += [item.text for item in judgement.findings if item.key]
-        least = estimates[f"accel{axis}"].low
-        if "accel" not in fit.names and judgement.plain:
-            unit = ("m/s2", "rad/s2")[axis - 1]
+        item = driven[place]
+        remarks += [finding.text for finding in item.findings if finding.key]
+        if "accel" not in item.fit.names and item.plain:
+            least = estimates[f"accel{place + 1}"].low
             remarks.append(
                 f"no acceleration limit shows in {column}: if there is one, and every command came "
-                f"after the same delay, it is above {least:.3g} {unit}."
+                f"after the same delay, it is above {least:.3g} {item.unit}2."
             )
-    for axis, fit in zip(AXES, fits, strict=True):
-        if fit is not None:
-            names = [f"{name}{axis}" for name in fit.names]
-            unsure = {name for name in names if estimates[name].verdict != DETERMINED}
-            remarks += mixtures(names, fit.fisher.sum(axis=0), unsure)
+    for item in judgements:
+        names = [f"{name}{item.place + 1}" for name in item.fit.names]
+        unsure = {name for name in names if estimates[name].verdict != DETERMINED}
+        remarks += mixtures(names, item.fit.fisher.sum(axis=0), unsure)
     vague = [name for name, item in estimates.items() if item.verdict == UNDETERMINED and
              not name.startswith("accel")]  # fmt: skip
     if vague:

@@ -35,7 +35,7 @@ from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats, Pair
 from .logs.samples import AxisLog, Samples, differenced, speeds, wheels
-from .speed_loop import AXES, LINEAR, RANGES, Fits, LoopFit, forecast
+from .speed_loop import LINEAR, RANGES, Fits, LoopFit, forecast
 from .widths import (
     PHYSICAL,
     WIDEST,
@@ -297,31 +297,29 @@ def free_runs(
     return foretold[:, 2:4], mean[begin, 2:4]
 
 
-def loop_estimates(
-    fits: Fits, judgements: Sequence[Judgement | None], period: float
-) -> dict[str, Estimate]:
-    """Value, interval and verdict of each parameter of both axes."""
+def loop_estimates(judgements: Sequence[Judgement], period: float) -> dict[str, Estimate]:
+    """Value, interval and verdict of each parameter of the axes that were driven."""
     estimates = {}
-    sure = all(item is None or item.explained == EXPLAINED for item in judgements)
-    for axis, fit, judgement in zip(AXES, fits, judgements, strict=True):
-        if fit is None or judgement is None:
-            continue
+    sure = all(item.explained == EXPLAINED for item in judgements)
+    for item in judgements:
+        fit, axis = item.fit, item.place + 1
         for name in fit.values:
             if name != "when":
-                estimates[f"{name}{axis}"] = _estimate(fit, judgement, name, period, sure)
+                estimates[f"{name}{axis}"] = _estimate(item, name, period, sure)
         if "accel" not in fit.names:
             # A command that is ramped drives no speed faster than its ramp, times the gain.
-            known = judgement.explained == EXPLAINED
+            known = item.explained == EXPLAINED
             least = fit.steepest / fit.values.get("gain", 1.0) if known else 0.0
             estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, UNDETERMINED, share=9.0)
     return estimates
 
 
-def _estimate(fit: LoopFit, judgement: Judgement, name: str, period: float, sure: bool) -> Estimate:
+def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Estimate:
     """A parameter whose interval is as wide as the judgement of its fit makes it.
 
     ``sure``: the other axis is explained, too, so that no structure can be its doing.
     """
+    fit = judgement.fit
     value, in_part = fit.values[name], judgement.explained != EXPLAINED
     low, high = _interval(fit, name, period)
     more = min(judgement.share, 1.0) * (1 + in_part) + UNSURE * (

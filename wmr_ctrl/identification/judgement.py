@@ -63,16 +63,27 @@ class Finding:
 
 @dataclass(frozen=True)
 class Judgement:
-    """How well a fit of an axis explains its log.
+    """How well the fit of an axis (0, 1) explains its log.
 
     ``share``: rms of what commands tell beyond it, over the speed's; ``r2``: share of the variance
     that it explains.
     """
 
-    axis: str
+    place: int
+    fit: LoopFit = field(repr=False)
     share: float
     r2: float
     findings: tuple[Finding, ...]
+
+    @property
+    def axis(self) -> str:
+        """Name of the axis."""
+        return AXES[self.place]
+
+    @property
+    def unit(self) -> str:
+        """Unit of the axis' speed."""
+        return UNITS[self.place]
 
     @property
     def explained(self) -> str:
@@ -120,7 +131,7 @@ def judged(fit: LoopFit, other: LoopFit | None, axis: int) -> Judgement:
             findings.append(Finding(f"{AXES[1 - axis]} changes {name} by {more}", "coupling"))
         checks = (_by_groups, _over_time, _late, _stays)
         findings += [item for check in checks for item in check(fit, axis)]
-    return Judgement(name, share, r2, tuple(findings))
+    return Judgement(axis, fit, share, r2, tuple(findings))
 
 
 def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:

@@ -36,7 +36,6 @@ from .logs.log import Floats, Mask, Names, Pair
 from .logs.samples import LONGEST_DELAY, AxisLog
 from .widths import FLOOR, errors_of
 
-AXES = (1, 2)
 _DATA = data(__package__, "speed_loop.toml")
 LOOPS: Mapping[str, Names] = with_tuples(_DATA["loops"])
 """Parameters of each loop."""

@@ -1,24 +1,45 @@
 """From a log of commanded and measured velocities to a scenario with [base] and [filter]."""
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.control.filter.filter import check_filter
+from wmr_ctrl.control.filter.peak_gain import PeakGain, peak_gains, pi_loop
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.unstated import Unstated
+from wmr_ctrl.world.scenario import Scenario, override
 
-from .bounds import BaseIdentification, FilterBounds, Traces, loop_remarks
-from .estimate import cut_of, loop_estimates, loop_score
+from .bounds import (
+    UNDETERMINED,
+    BaseIdentification,
+    Estimate,
+    FilterBounds,
+    Traces,
+    loop_remarks,
+)
+from .estimate import bare_scenario, cut_of, loop_estimates, loop_score
 from .fit import Tell
-from .judgement import Judgement, judged
+from .judgement import NOT_EXPLAINED, Judgement, bent, judged
 from .logs.lint import check_following
-from .logs.log import COMMAND, LogError
-from .logs.samples import AxisLog, Samples, axis_log, shifted_gain
+from .logs.log import COMMAND, UNITS, LogError, Pair
+from .logs.samples import AxisLog, Samples, axis_log, held_speeds, shifted_gain
 from .loop_search import axis_fit
-from .speed_loop import Fits, LoopFit, fitted, forecast
-from .velocity_scenario import Base, scenario_of_base
+from .speed_loop import SMOOTHED, Fits, LoopFit, fitted, forecast
+from .stated import LEAST_SEEN, MOST_FAR, rounded_down
+from .written import four_digits, outward
 
 LEAST_DRIVEN = 1e-3
 TRAINED = 4
+LEAST_BACK = 2.0
+"""Largest ratio of commands in both directions of a log that shows both."""
+MOST_LATE, MOST_VAGUE = 0.3, 4.0
+"""Latest delay [s], and ratio of the ends of an interval, of undetermined numbers for a filter."""
+UNFOUNDED = ("filter.gain", "filter.d", "filter.kp", "filter.push")
+"""Keys that are assumed where a log does not show what they promise up to the limits."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +56,7 @@ class VelocityIdentification(BaseIdentification):
     def traces(self) -> Traces:
         """Measured and predicted speeds, and their deviations as in filter.d."""
         log = next(fit.log for fit in self.fits if fit is not None)
-        seen, foretold, left = (np.full((len(log.t), 2), np.nan) for _ in range(3))
+        seen, foretold, left = np.full((3, len(log.t), 2), np.nan)
         for axis, (fit, trained) in enumerate(zip(self.fits, self.trained, strict=True)):
             if fit is not None and trained is not None:
                 seen[:, axis], left[:, axis] = fit.log.speed, fit.deviation()
@@ -44,11 +65,7 @@ class VelocityIdentification(BaseIdentification):
 
 
 def of_velocities(
-    name: str,
-    log: Samples,
-    scenario: Scenario,
-    remarks: list[str],
-    tell: Tell,
+    name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Tell
 ) -> VelocityIdentification:
     """The base of a log; raises LogError where it determines nothing."""
     axes = [axis_log(log, axis) for axis in (0, 1)]
@@ -62,25 +79,23 @@ def of_velocities(
         if drives:
             check_following(name, column, *shifted_gain(axis), log.period)
     fits = same_loop(axes, driven, tell)
-    judgements: list[Judgement | None] = [
-        judged(fit, other, axis) if fit else None
-        for axis, (fit, other) in enumerate(zip(fits, fits[::-1], strict=True))
-    ]
-    for fit, judgement, column in zip(fits, judgements, COMMAND, strict=True):
-        if fit and judgement and not fit.at_end("gain"):
-            gain = fit.values.get("gain", 1.0)
-            check_following(name, column, gain, 0.0, judgement.r2, log.period)
-    estimates = loop_estimates(fits, judgements, log.period)
-    remarks += loop_remarks(fits, estimates, judgements)
-    found = Base(log, fits, judgements, estimates)
-    bounds, identified = scenario_of_base(name, scenario, found, remarks)
+    pairs = zip(fits, fits[::-1], strict=True)
+    judgements = [judged(fit, other, place) for place, (fit, other) in enumerate(pairs) if fit]
+    for item in judgements:
+        if not item.fit.at_end("gain"):
+            gain = item.fit.values.get("gain", 1.0)
+            check_following(name, COMMAND[item.place], gain, 0.0, item.r2, log.period)
+    estimates = loop_estimates(judgements, log.period)
+    remarks += loop_remarks(judgements, estimates)
+    bare = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")
+    bounds, identified = _scenario(bare, log, judgements, estimates, remarks)
     cut = cut_of(log)
     first, second = (fit and trained_on(fit, cut) for fit in fits)
     trained, said = (first, second), tuple(remarks)
     score = loop_score(axes, cut, trained)
     return VelocityIdentification(
         name, estimates, bounds, said, score, identified, fits, trained,
-        judgements=tuple(item for item in judgements if item),
+        judgements=tuple(judgements),
     )  # fmt: skip
 
 
@@ -90,9 +105,7 @@ def trained_on(fit: LoopFit, cut: float) -> LoopFit:
     return fitted(log, fit.loop, fit.names, fit.theta, TRAINED, fixed=fixed)
 
 
-def same_loop(
-    axes: list[AxisLog], driven: list[bool], tell: Tell
-) -> tuple[LoopFit | None, LoopFit | None]:
+def same_loop(axes: list[AxisLog], driven: list[bool], tell: Tell) -> Fits:
     """Fits of both axes by one kind of loop: where they differ the one likelier for both."""
     first, second = (
         axis_fit(axis, tell) if moves else None for axis, moves in zip(axes, driven, strict=True)
@@ -104,3 +117,212 @@ def same_loop(
         (axis_fit(axes[0], tell, (second.loop,)), second),
     )
     return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
+
+
+def _scenario(
+    base: Scenario,
+    log: Samples,
+    judgements: Sequence[Judgement],
+    estimates: Mapping[str, Estimate],
+    remarks: list[str],
+) -> tuple[FilterBounds, Scenario]:
+    """The scenario of the base, whose filter is on where its numbers can be met."""
+    fits = {item.place: item.fit for item in judgements}
+    held, limits, far, d = held_speeds(log), base.limits.v_u1, [0.0, 0.0], [0.0, 0.0]
+    for place, fit in fits.items():
+        # By how much a limit is beyond the fastest motion of the log, as a share of it.
+        far[place] = max(limits[place] / max(held[place], LEAST_SEEN) - 1, 0.0)
+        d[place] = outward(0.0, _deviation(fit) * (1 + far[place]))[1]
+    both = [fits.get(place, judgements[0].fit) for place in (0, 1)]
+    values = [{name: four_digits(x) for name, x in fit.values.items()} for fit in both]
+    hull = _hulls(estimates)
+    delays = [item.value for name, item in estimates.items() if name.startswith("delay")]
+    late = max(round(float(np.mean(delays)) / base.clock.plant), 0) * base.clock.plant
+    ends = outward(min(late, hull["delay"][0]), max(late, hull["delay"][1]))
+    accel = [item.get("accel", math.inf) for item in values]
+    result = override(base, {
+        "robot.mu": 0.0, "base.kind": "velocity", "base.delay": late, "base.accel": accel,
+        "base.decel": [v.get("decel", most) for v, most in zip(values, accel, strict=True)],
+        "base.deadband": [item.get("dead", 0.0) for item in values], "guard.enabled": False,
+        "filter.kind": "none", "filter.delay": list(ends),
+        "disturbance.std": 0.0, "disturbance.push": [0.0, 0.0],
+    })  # fmt: skip
+    own = ["robot.mu", "disturbance.std"]
+    loop = both[0].loop
+    if loop != "first-order" and isinstance(base.initial.velocity, Unstated):
+        # A filter for loops that overshoot counts on a base at rest.
+        result = override(result, {"initial.velocity": [0.0, 0.0]})
+    if "gain" in hull:
+        # A gain that grows with the command grows on beyond those of the log.
+        low, high = hull["gain"]
+        more = max(
+            beyond * (bent(fit) + ("curve" in fit.values) * (high / low - 1))
+            for fit, beyond in zip(both, far, strict=True)
+        )
+        hull["gain"] = low, high * (1 + more)
+    hull = {name: outward(*pair) for name, pair in hull.items()}
+    if loop == "pi":
+        own += ["robot.I"] if {"robot.m", "robot.l"} & {*base.assumed} else []
+        result = _of_pi(result, values, hull, d)
+        remarks.append(
+            f"kp and ki go with robot.m = {base.robot.m:g} kg as it was given: a log of velocities "
+            "tells kp/M and ki/M alone. Coulomb friction is left to the loop (robot.mu = 0), and "
+            "filter.push is the least push that makes the largest deviation seen."
+        )
+    else:
+        result = _of_relaxing(result, loop, values, hull, d)
+    if loop == "second-order":
+        remarks.append(
+            "the loop is second-order without a zero, which runs cannot simulate: they take the "
+            "first-order loop of the same gain and mean lag. filter.trust makes them accept the "
+            "filter, which is for the identified loop."
+        )
+    result = replace(result, assumed=(*result.assumed, *own))
+    if loop == "first-order":
+        peaks = [PeakGain(hull["gain"][1], item) for item in d]
+    else:
+        peaks = list(peak_gains(override(result, {"filter.kind": "clip"})))
+    sentence = (
+        f"largest deviation, averaged over {SMOOTHED:g} s, that was seen in "
+        f"{log.t[-1] - log.t[0]:.3g} s, on this floor, with this load: no bound that is proved"
+    )
+    first, second = (k.gain if place in fits else math.inf for place, k in enumerate(peaks))
+    bounds = FilterBounds(loop, (first, second), (d[0], d[1]), ends, sentence)
+    off = replace(result, assumed=(*result.assumed, *UNFOUNDED))
+    if reason := _against(off, judgements, estimates, far):
+        remarks.append(f"the filter is off: {reason}")
+        return bounds, off
+    stated = override(result, {"filter.kind": "clip"})
+    try:
+        settle(stated, None)
+        check_filter(stated)
+    except ScenarioError as error:
+        remarks.append(f"the filter is off: with these numbers it is refused. {error}")
+        return bounds, off
+    if max(far) > 0:
+        remarks.append(
+            f"limits.v_u1 is up to {100 * max(far):.0f} % beyond the fastest motion of the log: "
+            "filter.gain and filter.d are wider by what grows with speed. Drive up to the limits."
+        )
+    lacking = _never_sent(stated, judgements, peaks)
+    remarks += lacking
+    founded = not lacking and max(far) == 0
+    return bounds, stated if founded else replace(stated, assumed=off.assumed)
+
+
+def _deviation(fit: LoopFit) -> float:
+    """Largest deviation of the speed from what its command explains [m/s, rad/s]."""
+    return float(np.abs(fit.deviation()).max()) + abs(fit.values.get("bias", 0.0))
+
+
+def _against(
+    stated: Scenario,
+    judgements: Sequence[Judgement],
+    estimates: Mapping[str, Estimate],
+    far: Sequence[float],
+) -> str:
+    """Why no filter may rest on the log: what it does not show or explain; empty if nothing."""
+    if len(judgements) < 2:
+        return f"{COMMAND[1 - judgements[0].place]} never changed. Drive both axes."
+    for item in judgements:
+        if item.explained == NOT_EXPLAINED:
+            return f"no loop that is known explains {item.axis}. Check the log's columns."
+        least, largest = float(item.fit.log.sent.min()), float(item.fit.log.sent.max())
+        if min(-least, largest) < max(-least, largest) / LEAST_BACK:
+            return (
+                f"{COMMAND[item.place]} was from {least:.3g} to {largest:.3g} {item.unit}, which "
+                "does not show what the base does in the other direction. Drive both ways."
+            )
+    vague = [
+        key
+        for key, item in estimates.items()
+        if item.verdict == UNDETERMINED
+        and (item.high > MOST_LATE if key[:-1] == "delay" else
+             key[:-1] in ("gain", "tau", "wn") and item.high > MOST_VAGUE * item.low)
+    ]  # fmt: skip
+    if vague:
+        return f"{', '.join(vague)} undetermined. Steps of the command show them."
+    for limit, beyond, unit in zip(stated.limits.v_u1, far, UNITS, strict=True):
+        if beyond > MOST_FAR - 1:
+            seen = limit / (1 + beyond)
+            return (
+                f"the limit {limit:.3g} {unit} is more than twice the largest speed that the log "
+                f"shows, {seen:.3g} {unit}. Drive faster, or state a limit of at most "
+                f"{rounded_down(MOST_FAR * seen):g} {unit}."
+            )
+    return ""
+
+
+def _never_sent(
+    stated: Scenario, judgements: Sequence[Judgement], peaks: Sequence[PeakGain]
+) -> list[str]:
+    """Remarks on axes and directions in which no command was near the largest that a clip sends."""
+    remarks = []
+    for item, limit, peak in zip(judgements, stated.limits.v_u1, peaks, strict=True):
+        most = (limit - peak.push) / peak.gain
+        for ahead in (1, -1):
+            sent = ahead * item.fit.log.sent
+            if not ((sent >= most / MOST_FAR) & (sent <= most)).any():
+                remarks.append(
+                    f"{COMMAND[item.place]} was never from {ahead * most / MOST_FAR:.3g} to "
+                    f"{ahead * most:.3g} {item.unit}: that the base follows in proportion there "
+                    "is assumed. Drive there."
+                )
+    return remarks
+
+
+def _hulls(estimates: Mapping[str, Estimate]) -> dict[str, Pair]:
+    """Intervals of each kind of parameter that hold those of both axes."""
+    hulls: dict[str, Pair] = {}
+    for key, item in estimates.items():
+        low, high = hulls.get(key[:-1], (math.inf, -math.inf))
+        hulls[key[:-1]] = min(low, item.low), max(high, item.high)
+    return hulls
+
+
+def _of_relaxing(
+    scenario: Scenario,
+    loop: str,
+    values: list[dict[str, float]],
+    hull: Mapping[str, Pair],
+    d: Sequence[float],
+) -> Scenario:
+    """A first-order loop for runs, of the same mean lag where the identified one is of second."""
+    if loop == "first-order":
+        tau = [item["tau"] for item in values]
+        counted: dict[str, object] = {"filter.tau": list(hull["tau"])}
+    else:
+        tau = [2 * item["zeta"] / item["wn"] for item in values]
+        counted = {
+            "filter.damping": list(hull["zeta"]), "filter.frequency": list(hull["wn"]),
+            "filter.trust": True,
+        }  # fmt: skip
+    return override(scenario, {
+        "base.loop": "first-order", "base.tau": tau, "base.gain": [v["gain"] for v in values],
+        "filter.loop": loop, "filter.gain": list(hull["gain"]), "filter.d": list(d), **counted,
+    })  # fmt: skip
+
+
+def _of_pi(
+    scenario: Scenario,
+    values: list[dict[str, float]],
+    hull: Mapping[str, Pair],
+    d: Sequence[float],
+) -> Scenario:
+    """A PI loop of both wheels: kp and ki on robot.m, and the inertia that turns as was seen."""
+    m, l = scenario.robot.m, scenario.robot.l
+    pulls = [(2 * v["zeta"] * v["wn"], v["wn"] ** 2) for v in values]
+    # Both ratios of v over omega are I/(m l^2) in a loop that both wheels share.
+    heavier = math.sqrt(pulls[0][0] / pulls[1][0] * (pulls[0][1] / pulls[1][1]))
+    inertia = m * l**2 * heavier
+    (wn, wn_most), (zeta, zeta_most) = hull["wn"], hull["zeta"]
+    own = min(1.0, heavier), max(1.0, heavier)
+    result = override(scenario, {
+        "base.loop": "pi", "robot.I": inertia,
+        "base.kp": m * pulls[0][0], "base.ki": m * pulls[0][1], "filter.loop": "pi",
+        "filter.mass": [m, m], "filter.inertia": [inertia, inertia],
+        "filter.kp": [2 * m * zeta * wn * own[0], 2 * m * zeta_most * wn_most * own[1]],
+        "filter.ki": [m * wn**2 * own[0], m * wn_most**2 * own[1]],
+    })  # fmt: skip
+    pushes = [d[axis] / pi_loop(result, axis).peak(1.0).push * (1.0, l**2)[axis] for axis in (0, 1)]
+    return override(result, {"filter.push": pushes})
