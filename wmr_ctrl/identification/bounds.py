@@ -278,9 +278,7 @@ def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iter
         yield f"{listed} cannot be separated" + (f": {why}." if why else " by this log.")
 
 
-def loop_remarks(
-    judgements: Sequence[Judgement], estimates: Mapping[str, Estimate]
-) -> list[str]:
+def loop_remarks(judgements: Sequence[Judgement], estimates: Mapping[str, Estimate]) -> list[str]:
     """Remarks on the parameters of a speed loop that a log determines, and does not."""
     remarks = [
         "gains are against the log's own measured speeds: an error in a wheel's radius or "

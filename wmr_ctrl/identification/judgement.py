@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,8 +45,18 @@ GROUP_KEYS = {
     "early": "change", "halfway": "change", "late": "change",
 }  # fmt: skip
 """Groups of rows, and the key of what a gain that differs there would be."""
-STRUCTURES: Mapping[str, Mapping[str, Any]] = data(__package__, "judgement.toml")
 Reach = Mapping[str, Pair]
+
+
+class Structure(NamedTuple):
+    """What a parameter beside the loop shows: key of the diagnosis, words, a place in `LEVELS`."""
+
+    key: str
+    text: str
+    level: int = 0
+
+
+STRUCTURES = {name: Structure(**row) for name, row in data(__package__, "judgement.toml").items()}
 
 
 @dataclass(frozen=True)
@@ -144,13 +154,13 @@ def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
         "backward": gain * said["back"],
         "fast": gain * (1 + said["curve"] * top),
     }
-    for member, finding in STRUCTURES.items():
+    for member, (key, words, level) in STRUCTURES.items():
         if member in values:
             shares = _shares(fit, member, top)
             ends = gain * max(min(shares), 0.05), gain * max(shares)
-            text = finding["text"].format(name=AXES[axis], unit=UNITS[axis], **said)
+            text = words.format(name=AXES[axis], unit=UNITS[axis], **said)
             reach = {"gain": ends} if shares[1:] else {}
-            yield Finding(text, finding["key"], finding.get("level", 0), reach)
+            yield Finding(text, key, level, reach)
 
 
 def _shares(fit: LoopFit, member: str, top: float) -> list[float]:

@@ -198,15 +198,10 @@ def contradictions(
     log, largest = white.problem.log.until(np.inf, begin), []
     forced = list(_unit_motions(white, bounds, log))
     for axis in (0, 1):
-        windows = [_windows(log, span, axis, bounds, forced) for span in SPANS]
-        pushes = [item.least(bounds.masses[axis]) for item in windows]
-        most = [float(item.max(initial=0.0)) for item in pushes]
-        k = int(np.argmax(most))
-        if most[k] <= bounds.dbar[axis]:
-            continue
-        at = int(np.argmax(pushes[k]))
-        length = 2 * float(windows[k].period[at])
-        largest.append(Unexplained(axis, float(windows[k].t[at]), length, most[k]))
+        t, window, push = np.hstack([_pushes(log, x, axis, bounds, forced) for x in SPANS])
+        if push.max(initial=0.0) > bounds.dbar[axis]:
+            at = int(np.argmax(push))
+            largest.append(Unexplained(axis, float(t[at]), float(window[at]), float(push[at])))
     return tuple(largest)
 
 
@@ -232,37 +227,13 @@ def _unit_motions(white: Fit, bounds: GuardBounds, log: Samples) -> Iterator[Flo
             yield white.problem.foretold(log, theta, at_rest(log))[:, :4]
 
 
-@dataclass(frozen=True)
-class Windows:
-    """Windows of one axis that end at t (K,) [s]: velocities (2, K) before and after, mean forces
-    (K, F) that may have acted; period and nbar (K,) as the guard's monitor takes them.
-    """
-
-    t: Floats
-    speeds: Floats
-    forces: Floats
-    period: Floats
-    nbar: Floats
-
-    def least(self, masses: Pair) -> Floats:
-        """Least push (K,) that explains the motion, for masses from least to most.
-
-        It grows or falls with the force all along, so the ends of the forces have the least.
-        """
-        if not len(self.forces):
-            return np.zeros(0)
-        old, new = self.speeds
-        ends = self.forces.min(axis=1), self.forces.max(axis=1)
-        rows = [(item[None] for item in (new, old, end, self.period, self.nbar)) for end in ends]
-        return np.minimum(*(np.asarray(_monitor()(*row, *masses))[0] for row in rows))
-
-
-def _windows(
+def _pushes(
     log: Samples, span: float, axis: int, bounds: GuardBounds, forced: Sequence[Floats]
-) -> Windows:
-    """Windows of two halves of ``span`` [s] each, in which an axis goes one way all the time.
+) -> Floats:
+    """Ends, lengths [s] and least pushes (3, K) of windows in which an axis goes one way.
 
-    Of measured speeds their change over one such half.
+    A window is two halves of ``span`` [s] each; measured speeds are taken over one such half.  The
+    push grows or falls with the force that acted all along, so the ends of these have the least.
     """
     n = max(1, round(span / float(np.median(np.diff(log.t)))))
     reach = n if log.of_speed else 2 * n
@@ -279,18 +250,26 @@ def _windows(
         period, nbar = (before + after) / 2, count * (1 / before + 1 / after) / 2
         moved = np.diff(seen, prepend=seen[0])
         ways = np.sign(moved) * (np.abs(moved) > count)
+    sums = np.concatenate(([0.0], np.cumsum(ways)))
+    first = i if log.of_speed else i + 1
+    one_way = np.abs(sums[last + 1] - sums[first]) == last + 1 - first
+    if not one_way.any():
+        return np.zeros((3, 0))
 
     def velocities(way: Floats, speed: Floats) -> Floats:
         if log.of_speed:
             return np.stack((speed[i], speed[last]))
         return np.stack(((way[middle] - way[i]) / before, (way[last] - way[middle]) / after))
 
-    sums = np.concatenate(([0.0], np.cumsum(ways)))
-    first = i if log.of_speed else i + 1
-    ok = np.abs(sums[last + 1] - sums[first]) == last + 1 - first
-    gains = [np.diff(velocities(m[:, axis], m[:, 2 + axis]), axis=0)[0] / period for m in forced]
-    speeds = velocities(seen, seen)
-    return Windows(log.t[last][ok], speeds[:, ok], np.column_stack(gains)[ok], period[ok], nbar[ok])
+    moves = [velocities(item[:, axis], item[:, 2 + axis]) for item in forced]
+    forces = [(new - old) / period for old, new in moves]
+    old, new = velocities(seen, seen)
+    pushes = [
+        _monitor()(*np.stack((new, old, end, period, nbar))[:, None, one_way], *bounds.masses[axis])
+        for end in (np.min(forces, axis=0), np.max(forces, axis=0))
+    ]
+    least = np.minimum(*map(np.asarray, pushes))[0]
+    return np.stack((log.t[last][one_way], 2 * period[one_way], least))
 
 
 @cache
