@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.codegen.package import write_package
+from tests.codegen.packages import write_package
 from wmr_ctrl.world.scenario import Scenario
 
 HERE = Path(__file__).parent

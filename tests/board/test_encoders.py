@@ -11,8 +11,9 @@ import pytest
 
 from tests.board.emulated import BOARDS, Emulated, HostBuild, built, missing
 from tests.codegen.measured import BOARD
+from tests.codegen.packages import write_package
 from wmr_ctrl.api import simulate
-from wmr_ctrl.codegen.package import packaged, write_package
+from wmr_ctrl.codegen.package import packaged
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError

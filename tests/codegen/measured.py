@@ -21,6 +21,7 @@ import casadi as ca
 
 from tests.board.emulated import BOARDS, COMPILER, missing
 from tests.board.lockstep import lockstep
+from tests.codegen.packages import write_package
 from wmr_ctrl.codegen.package import (
     FILTER,
     RECORD,
@@ -28,7 +29,6 @@ from wmr_ctrl.codegen.package import (
     footprint_key,
     packaged,
     step_kernel,
-    write_package,
 )
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.control.filter.filter import called_filter

@@ -13,9 +13,10 @@ import pytest
 
 from tests.board.emulated import HostBuild
 from tests.codegen import measured
+from tests.codegen.packages import write_package
 from tests.codegen.test_package import WARNINGS, needs, run
 from tests.languages import LANGUAGES, compile_all
-from wmr_ctrl.codegen.package import package_files, write_package
+from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 

@@ -14,9 +14,10 @@ import casadi as ca
 import pytest
 
 from tests.codegen import measured
+from tests.codegen.packages import write_package
 from tests.languages import LANGUAGES, compile_all
 from tests.matrix import headed, quick, turns
-from wmr_ctrl.codegen.package import footprint_key, known_footprint, package_files, write_package
+from wmr_ctrl.codegen.package import footprint_key, known_footprint, package_files
 from wmr_ctrl.codegen.single_precision import MARGIN
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ResultFileError

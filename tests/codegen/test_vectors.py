@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from tests.codegen.measured import SCENARIOS
+from tests.codegen.packages import write_package
 from tests.codegen.test_package import needs, run
-from wmr_ctrl.codegen.package import FILTER, packaged, write_package
+from wmr_ctrl.codegen.package import FILTER, packaged
 from wmr_ctrl.codegen.vectors import SAMPLES, SITUATIONS, TOLERANCES, Vectors, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.laws.registry import NAMES

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.codegen.packages import write_package
 from tests.codegen.test_package import WARNINGS, needs, run
 from tests.matrix import turns
 from wmr_ctrl import simulate
-from wmr_ctrl.codegen.package import packaged, write_package
+from wmr_ctrl.codegen.package import packaged
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.filter.channels import ELAPSED
 from wmr_ctrl.control.filter.channels import REFUSED as NO_NUMBER

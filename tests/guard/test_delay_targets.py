@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.codegen.packages import write_package
 from wmr_ctrl.api import simulate, simulate_many
-from wmr_ctrl.codegen.package import write_package
 from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.export.cosim import cosimulate

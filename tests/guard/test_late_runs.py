@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.codegen.packages import write_package
 from tests.guard.harness import LIMITS
 from tests.guard.test_adversary import LIGHTEST
 from tests.guard.test_graph import evaluated
 from tests.matrix import turns
 from wmr_ctrl.api import simulate, simulate_many
-from wmr_ctrl.codegen.package import write_package
 from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.control.controller import guard as guard_alone
 from wmr_ctrl.control.given import scenario_of

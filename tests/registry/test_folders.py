@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.codegen.package import write_package
+from tests.codegen.packages import write_package
 from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.runner import run_export

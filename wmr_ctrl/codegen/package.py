@@ -25,11 +25,9 @@ from wmr_ctrl.core.signals import (
     LARGEST,
     ODOMETRY_AGE,
     REFUSED,
-    VELOCITY,
     Signal,
     places,
 )
-from wmr_ctrl.results import write_all
 from wmr_ctrl.world.encoder import ENCODER, MOVED, Encoder, reader
 from wmr_ctrl.world.model.system import Output, Port, System, stack
 from wmr_ctrl.world.references import Circle
@@ -54,12 +52,8 @@ _ROOT = re.compile(r"\bwmr_(sqrt|hypot|asin|acos)\(")
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 TEMPLATES = Path(__file__).parent / "templates"
 """Folder of the texts of packages."""
-TABLE = 16
-"""Members with more elements have their defaults in a table."""
 WORTH_KEEPING = 50
 """Cost (see `Graph.cost`) from which on a filter keeps what hangs on its parameters alone."""
-CHANGED = 64
-"""Bit of a filter's flags in C: flags of the compiler have changed the arithmetic."""
 HIDDEN = (MOVED, REFUSED)
 """Inputs of a kernel that the C around it makes."""
 RECORD = TEMPLATES / "footprint.json"
@@ -189,95 +183,58 @@ def prepared_from(step: Kernel) -> tuple[tuple[int, ...], int]:
     return tuple(sorted(places)), len(before.stores)
 
 
-def write_package(
-    law: str,
-    out: Path,
-    scenario: Scenario,
-    *,
-    float32: bool = False,
-    layout: str | None = None,
-) -> tuple[Path, ...]:
-    """Write the package into the folder ``out`` (made if need be) and return the files' paths.
-
-    All files appear, or none where one of them cannot be written: it raises
-    ResultFileError.
-    """
-    return tuple(write_all(package_files(law, scenario, float32=float32, layout=layout), out))
-
-
 def _context(
     law: str, scenario: Scenario, system: System, step: Kernel, float32: bool
 ) -> Mapping[str, Any]:
     shown, given = _signals(system.outputs), _signals(system.inputs)
     sends, guarded, filters = COMMAND[0] in shown, GUARD_ACTED in shown, FLAGS in shown
-    dialect = single_precision.package_dialect(float32)
-    largest = single_precision.LARGEST_SINGLE if float32 else LARGEST
     periods = () if sends else single_precision.PERIODS.get((law, guarded), ())
     at = {name: place.start for name, place in places(given).items()}
     inputs = sum(signal.size for signal in given if signal not in HIDDEN)
     later = [at[s.name] for s in (ODOMETRY_AGE, ELAPSED) if sends and s in given]
-    encoders, half = MOVED in given, 2 ** (scenario.section(Encoder).bits - 1)
-    vectors = vectors_of(system, scenario.limits, float32=float32, half=half)
+    half = 2 ** (scenario.section(Encoder).bits - 1)
     made_of, prepared = prepared_from(step) if law == FILTER else ((), 0)
-    form = "slew" if scenario.filter.slew is not None else scenario.filter.kind
     tabled = filters and scenario.filter.kind == "band"
-    text = cached_definition(replace(step, prepared=prepared > 0), dialect)
+    shared = shared_context(law, scenario, system, replace(step, prepared=prepared > 0), float32)
+    circle = scenario.reference if isinstance(scenario.reference, Circle) else Circle()
     return {
-        "law": law, "LAW": law.upper(), "title": system.title, "scenario": scenario.name,
-        "assumed": ", ".join(scenario.assumed),
-        "period": scenario.clock.control, "float32": float32,
-        "bits": "uint32_t" if float32 else "uint64_t",
-        "real": "float" if float32 else "double", "limit": f"{'FLT' if float32 else 'DBL'}_MAX",
-        "largest": largest, "most_angle": dialect.number(math.pi if float32 else largest),
-        "remainder": "fmodf" if float32 else "remainder",
-        "given": system.u.numel(), "changed": CHANGED, "scenario_hash": scenario_hash(scenario),
+        **shared, "step": step, "sends": sends, "guarded": guarded, "tabled": tabled,
+        "most_angle": shared["number"](math.pi if float32 else LARGEST),
         "inputs": fields_of(item for item in system.inputs if item.signal not in HIDDEN),
         "state": fields_of(system.state),
-        "parameters": fields_of(system.params), "outputs": signals_of(system.outputs),
-        "counts": {"inputs": inputs, "state": system.x.numel(),
-                   "parameters": system.p.numel(), "outputs": system.y.numel(),
+        "counts": {"inputs": inputs,
                    "memory": max(system.x.numel() + tabled + len(made_of) + prepared, 1)},
-        "qualifiers": QUALIFIERS, "flags": flags_refused(), "kernel": text,
-        "calls": library_calls(text, float32), "operations": step.operations,
-        "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
-        "tolerance": TOLERANCES[float32], "guarded": guarded, "sends": sends,
+        "vectors": vectors_of(system, scenario.limits, float32=float32, half=half),
+        "samples": SAMPLES, "tolerance": TOLERANCES[float32],
         "margin": _margin(scenario, filters), "timed": ELAPSED in given,
         "checked": min([inputs, *later]),
         "endless": [i for i, p in enumerate(system.p0) if math.isinf(p)],
         "periods": [f"{1e3 * period:g} ms" for period in periods],
         "footprint": known_footprint(law, float32, guarded, step.operations),
         "nearest": nearest_footprint(law, float32, guarded, step.operations),
-        "library": f"wmr_{law}", "robot": _robot(scenario), "filters": law == FILTER,
-        "watches": law == CORRIDOR, "out": "command" if sends else "torque",
-        "queued": any(item.signal.name == "corridor_sent0" for item in system.state),
-        "governs": filters and scenario.filter.kind == "governor",
-        "first_order": scenario.filter.loop == "first-order", "gain": scenario.filter.gain[1],
-        "made_of": made_of, "prepared": prepared, "tabled": tabled,
-        "made_of_all": made_of == tuple(range(system.p.numel())),
-        "tables": TABLE, "form": form,
-        "untimely": UNTIMELY.get(form, ""), "started": STARTED.get(form, ""),
-        "idle": ["filter_d"] if form == "slew" else [],
+        "circle": circle, "tau": scenario.section(FirstOrderGains).tau,
+        "made_of": made_of, "prepared": prepared,
+        "form": "slew" if scenario.filter.slew is not None else scenario.filter.kind,
         "derived": [*map(c_name_of, derived_numbers(scenario))] if filters else [],
-        "encoders": encoders, "half": half,
-        "at": at, "velocities": [signal.name for signal in given if signal in VELOCITY],
+        "encoders": MOVED in given, "half": half, "at": at,
     }  # fmt: skip
 
 
-UNTIMELY = {
-    "clip": "The limit is kept all the same.",
-    "slew": "The limit is kept all the same; commands change by no more than that time allows.",
-    "governor": "There the memoryless clip acts, until no other command may still act.",
-    "band": "The limit is kept all the same; commands may wait, and a stop may take a ramp, which "
-    "stands still while no time is told to pass.",
-}
-"""A filter's answer to a call that is not in time, by its form."""
-STARTED = {
-    "clip": "Start where the base rests or followed this clip. A restart changes nothing.",
-    "slew": "Start where the base rests at the command 0: there the ramp begins.",
-    "governor": "Start where no earlier command acts any more, unless delay, losses and age are 0.",
-    "band": "Start where the base rests at the command 0: started in motion it breaks the limit.",
-}
-"""When a filter may be started, by its form."""
+def shared_context(
+    law: str, scenario: Scenario, system: System, step: Kernel, float32: bool
+) -> dict[str, Any]:
+    """What the templates of every package are given."""
+    dialect = single_precision.package_dialect(float32)
+    text = cached_definition(step, dialect)
+    return {
+        "law": law, "library": f"wmr_{law}", "scenario": scenario, "system": system, "step": step,
+        "scenario_hash": scenario_hash(scenario),
+        "float32": float32, "real": "float" if float32 else "double", "number": dialect.number,
+        "largest": single_precision.LARGEST_SINGLE if float32 else LARGEST,
+        "parameters": fields_of(system.params), "outputs": signals_of(system.outputs),
+        "qualifiers": QUALIFIERS, "flags": flags_refused(), "kernel": text,
+        "calls": library_calls(text, float32),
+    }  # fmt: skip
 
 
 def flags_refused() -> str:
@@ -294,20 +251,6 @@ def _margin(scenario: Scenario, filters: bool) -> float:
     """Share of the limits that a package in single precision stays away from them."""
     banded = filters and scenario.filter.kind == "band"
     return single_precision.BAND_MARGIN if banded else single_precision.MARGIN
-
-
-def _robot(scenario: Scenario) -> Mapping[str, str | float]:
-    """Robot of the example: the scenario's robot and start, and its circle if it has one."""
-    robot, reference = scenario.robot, scenario.reference
-    circle = reference if isinstance(reference, Circle) else Circle()
-    other = "" if isinstance(reference, Circle) else f" (not {scenario.reference_kind.name})"
-    (x, y, theta), (v1, omega) = scenario.initial.pose, scenario.initial.velocity
-    return {
-        **{name: getattr(robot, name) for name in ("m", "I", "mu", "r", "l", "g")},
-        "path": f"a circle of {circle.radius:g} m{other}",
-        "radius": circle.radius, "rate": circle.rate, "tau": scenario.section(FirstOrderGains).tau,
-        "x": x, "y": y, "theta": theta, "v1": v1, "omega": omega,
-    }  # fmt: skip
 
 
 def library_calls(kernel: str, float32: bool) -> list[str]:

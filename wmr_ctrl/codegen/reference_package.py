@@ -3,18 +3,16 @@
 import numpy as np
 
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.core.signals import LARGEST, TIME
+from wmr_ctrl.core.signals import TIME
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.references.kind import reference
-from wmr_ctrl.world.scenario import Scenario, scenario_hash
+from wmr_ctrl.world.scenario import Scenario
 
-from . import single_precision
 from .dialect import HEADER
-from .emit import QUALIFIERS, kernel
+from .emit import kernel
 from .layouts import arranged
-from .package import TEMPLATES, fields_of, flags_refused, library_calls, signals_of, text_engine
+from .package import TEMPLATES, shared_context, text_engine
 from .resources import c_texts
-from .source import cached_definition
 from .vectors import TOLERANCES, Floats
 
 FILES = ("wmr_reference.h", "wmr_reference.c", "reference_vectors.h", "reference_check.c",
@@ -36,27 +34,10 @@ def reference_files(
             f'reference.kind = "{kind}": its graph has a memory or counts samples, and C '
             "is written only of references that are functions of time. Export the FMU `reference`."
         )
-    dialect = single_precision.package_dialect(float32)
     path = kernel("path", "The desired motion.", {"u": system.u, "p": system.p}, {"y": system.y})
-    text, arrival = cached_definition(path, dialect), scenario.reference.arrival
-    largest = single_precision.LARGEST_SINGLE if float32 else LARGEST
-    vectors, tolerance = _vectors(scenario, system, float32, largest)
-    context = {
-        "law": "reference", "LAW": "REFERENCE", "filters": False, "sends": False,
-        "library": "wmr_reference", "layout": layout,
-        "title": system.title, "scenario": scenario.name, "kind": kind,
-        "float32": float32, "real": "float" if float32 else "double",
-        "scenario_hash": scenario_hash(scenario),
-        "limit": f"{'FLT' if float32 else 'DBL'}_MAX", "number": dialect.number,
-        "largest": largest,
-        "end": "" if arrival is None else f", and the robot stands from {arrival:.6g} s on",
-        "parameters": fields_of(system.params), "bytes": (4 if float32 else 8) * system.p.numel(),
-        "outputs": signals_of(system.outputs), "tables": 16,
-        "counts": {"parameters": system.p.numel(), "outputs": system.y.numel()},
-        "qualifiers": QUALIFIERS, "flags": flags_refused(), "kernel": text,
-        "calls": library_calls(text, float32), "operations": path.operations,
-        "vectors": vectors, "tolerance": tolerance,
-    }  # fmt: skip
+    context = shared_context("reference", scenario, system, path, float32)
+    vectors, tolerance = _vectors(scenario, system, float32, context["largest"])
+    context |= {"layout": layout, "sends": False, "vectors": vectors, "tolerance": tolerance}
     engine = text_engine(TEMPLATES)
     files = {name: engine.get_template(f"{name}.j2").render(context) for name in FILES}
     files |= {} if float32 else c_texts(HEADER)
