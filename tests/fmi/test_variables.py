@@ -105,10 +105,8 @@ def test_outputs_depend_on_what_moves_and_at_the_start_on_parameters_as_well() -
     plant = model("plant")
     name_of = {str(i): v.name for i, v in enumerate(plant.variables)}
     on = {
-        section["name"]: {
-            name_of[i] for row in section["unknowns"] for i in dict(row)["dependencies"].split()
-        }
-        for section in _structure(plant, 3, True)
+        section: {name_of[i] for row in unknowns for i in dict(row)["dependencies"].split()}
+        for section, unknowns in _structure(plant, 3, True)
     }
     every = {
         name_of[str(i)]
@@ -213,7 +211,7 @@ def test_a_connection_converts_by_its_own_row_first_and_then_by_that_of_the_end(
     owner = {"way": ("plant", MapRow("way", (("theirs", 2.0),), 3.0))}
     found = _joined(owner, "way", [("endConnector", "end")], 5.0, 7.0)
 
-    assert tuple(map(float, found["linear"])) == (5 * 2.0, 5 * 3.0 + 7.0)
+    assert (found["factor"], found["offset"]) == (5 * 2.0, 5 * 3.0 + 7.0)
     assert dict(found["ends"])["startConnector"] == "theirs"
 
 

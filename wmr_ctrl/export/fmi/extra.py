@@ -7,7 +7,7 @@ structs.
 """
 
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import chdir
 from pathlib import Path
 
@@ -16,7 +16,6 @@ from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.filter import filter_system
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.signals import Signal
 
 from .files import render
 from .model_description import FmuModel, Role
@@ -46,44 +45,18 @@ def plain_code(model: FmuModel) -> dict[str, str]:
     law, scenario = model.what, model.scenario
     package = package_files(law, scenario, counting=False)
     system = filter_system(scenario) if law == FILTER else controller(settle(scenario, law))
-    shown = {
-        "law": law,
-        "title": model.title,
-        "period": repr(scenario.clock.control),
-        "variables": [
-            *_variables("parameter", (port.signal for port in system.params)),
-            *_variables("input", (port.signal for port in system.inputs)),
-            *_variables("output", (item.signal for item in system.outputs)),
-        ],
-    }
     files = {f"{FOLDER}/{name}": text for name, text in package.items()}
-    return files | {INTERFACE: render("interface.xml", m=shown)}
-
-
-def _variables(causality: str, signals: Iterable[Signal]) -> Iterator[dict[str, str]]:
-    """Variables of one causality, with their places in the struct of that name."""
-    for signal in signals:
-        for i, (name, unit) in enumerate(zip(signal.elements, signal.units, strict=True)):
-            place = f"[{i}]" if signal.size > 1 else ""
-            yield {
-                "name": name,
-                "causality": causality,
-                "expression": f"{causality}s.{c_name(signal)}{place}",
-                "unit": unit,
-                "text": signal.meaning,
-            }
+    return files | {INTERFACE: render("interface.xml", model=model, system=system, c_name=c_name)}
 
 
 def references(model: FmuModel, tool: str) -> dict[str, str]:
     """The manifest of FMI-LS-REF, and what it speaks of besides result, scenario and graph."""
     starts = _starts_of(model)
-    times = {"seconds": f"{_seconds(model):g}", "step": f"{model.scenario.clock.control:g}"}
-    shown = {**times, "starts": starts, "graph": model.graph}
-    files = {REFERENCES: render("fmi-ls-manifest.xml", m=shown)}
+    shown = {"model": model, "seconds": _seconds(model), "starts": starts}
+    files = {REFERENCES: render("fmi-ls-manifest.xml", **shown)}
     if starts:
-        listed = [{"name": key, "value": repr(value), "unit": ""} for key, value in starts.items()]
-        values = {"name": "reference", "tool": tool, "units": [], "parameters": listed}
-        files[STARTS] = render("parameters.ssv", m=values)
+        values = [{"name": key, "value": value} for key, value in starts.items()]
+        files[STARTS] = render("parameters.ssv", name="reference", tool=tool, values=values)
     return files
 
 

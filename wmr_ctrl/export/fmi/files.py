@@ -8,7 +8,7 @@ import json
 import math
 import uuid
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,14 +20,14 @@ from wmr_ctrl.codegen.source import sources as kernel_sources
 from wmr_ctrl.results import atomic_path, new_folder
 from wmr_ctrl.world.scenario import scenario_hash
 
-from .model_description import KINDS, RUNTIME, FmuModel, Variable, orders
+from .model_description import RUNTIME, FmuModel, Variable, orders
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 LEVEL = 4
 """Level of compression of an archive: zlib's 6 takes over twice as long for 5 % less."""
 
 
-def render(name: str, **values: object) -> str:
+def render(name: str, /, **values: object) -> str:
     """Text of the template ``name``; markup in XML and HTML is escaped."""
     markup = name.endswith((".xml", ".html", ".ssd", ".ssv"))
     engine = text_engine(fmu_dir() / "templates", markup=markup, blocks=markup)
@@ -94,15 +94,12 @@ def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources
         scenario_hash=scenario_hash(model.scenario),
     )  # fmt: skip
     if model.tables:
-        tables = [_table(name, rows) for name, rows in model.tables.items()]
-        files["loop_tables.h"] = render("loop_tables.h", tables=tables)
+        files["loop_tables.h"] = render("loop_tables.h", tables=model.tables)
     content = json.dumps([model.identifier, sorted(files.items()), sorted(model.layout.items())])
     token = f"{{{uuid.uuid5(NAMESPACE, hashlib.sha256(content.encode()).hexdigest())}}}"
     more = ("ORDERS", len(pairs)), ("HAS_DERIVATIVES", int(bool(model.derivatives)))
     layout = [*model.layout.items(), *more]
-    files["model.h"] = render(
-        "model.h", identifier=model.identifier, kind=KINDS[model.kind], token=token, layout=layout
-    )
+    files["model.h"] = render("model.h", model=model, token=token, layout=layout)
     return Sources(files, token)
 
 
@@ -115,14 +112,3 @@ def row_size(variable: Variable, arrays: bool) -> int:
 
 def _number(value: float) -> str:
     return repr(float(value)) if math.isfinite(value) else f"{'-' if value < 0 else ''}DBL_MAX"
-
-
-def _table(name: str, rows: Sequence[Sequence[float]]) -> dict[str, str]:
-    """One constant array; an empty one still has an element, as C wants it."""
-    bodies = ["{" + ", ".join(repr(number) for number in row or [0]) + "}" for row in rows]
-    if name == "CHANGE_ROWS":
-        shape, body = f"[{len(rows)}][{len(rows[0])}]", f"{{{', '.join(bodies)}}}"
-    else:
-        shape, body = "[]", bodies[0]
-    kind = "double" if name == "START" else "int"
-    return {"type": kind, "name": name, "shape": shape, "body": body}

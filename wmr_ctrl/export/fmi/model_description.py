@@ -134,7 +134,6 @@ def _rows(signal: Signal, role: Role, values: Iterable[float], **marks: Any) -> 
         yield Variable(name, unit, signal.meaning + place, role, float(value), index=i, **marks)
 
 
-KINDS = {"continuous": "WMR_CONTINUOUS", "sampled": "WMR_SAMPLED", "loop": "WMR_LOOP"}
 RUNTIME = {
     "continuous": (),
     "sampled": (),

@@ -131,8 +131,8 @@ def export_ssp(
     files = {"SystemStructure.ssd": _structure(parts, setup.scenario, flat).encode()}
     for name, part in parts.items():
         units = units_of(filter(None, (item["unit"] for item in part.parameters)))
-        shown = {"name": SET, "tool": TOOL, "units": units, "parameters": part.parameters}
-        files[f"resources/{name}.ssv"] = render("parameters.ssv", m=shown).encode()
+        text = render("parameters.ssv", name=SET, tool=TOOL, units=units, values=part.parameters)
+        files[f"resources/{name}.ssv"] = text.encode()
         files[f"resources/{part.identifier}.fmu"] = part.content
     path = write_archive(Path(out) / "wmr.ssp", files)
     if progress:
@@ -208,26 +208,11 @@ def _structure(parts: dict[str, Component], scenario: Scenario, flat: bool) -> s
     ]
     outside = [] if flat else outside
     units = [port["unit"] for port in (*chain(*ports.values()), *outside)]
-    listed = [
-        {
-            "name": name,
-            "source": f"resources/{part.identifier}.fmu",
-            "parameters": f"resources/{name}.ssv",
-            "ports": ports[name],
-        }
-        for name, part in parts.items()
-    ]
-    shown = {
-        "tool": TOOL,
-        "title": f"{title_of(scenario) or scenario.name}; {_NOT_IN}",
-        "step": repr(scenario.clock.control),
-        "stop": repr(scenario.clock.duration),
-        "ports": outside,
-        "parts": listed,
-        "connections": connections,
-        "units": units_of(filter(None, units)),
-    }
-    return render("SystemStructure.ssd", m=shown)
+    return render(
+        "SystemStructure.ssd", tool=TOOL, title=f"{title_of(scenario) or scenario.name}; {_NOT_IN}",
+        clock=scenario.clock, outside=outside, parts=parts, ports=ports, connections=connections,
+        units=units_of(filter(None, units)),
+    )  # fmt: skip
 
 
 def _wired(name: str, part: Component, connections: list[dict[str, Any]]) -> list[dict[str, str]]:
@@ -246,7 +231,11 @@ def _connections(parts: dict[str, Component]) -> Iterator[dict[str, Any]]:
             end = [("endElement", name), ("endConnector", row.target)]
             quantity = SAME_AS.get(ours, ours)
             if quantity in DISTURBANCE:
-                yield _line([("startConnector", quantity), *end], factor, row.offset)
+                yield {
+                    "ends": [("startConnector", quantity), *end],
+                    "factor": factor,
+                    "offset": row.offset,
+                }
             else:
                 yield _joined(owner, quantity, end, factor, row.offset)
     for shown in SHOWN:
@@ -270,9 +259,5 @@ def _joined(
     part, row = owner[quantity]
     theirs, share = row.terms[0]
     start = [("startElement", part), ("startConnector", theirs)]
-    return _line([*start, *end], factor * share, factor * row.offset + offset)
-
-
-def _line(ends: list[tuple[str, str]], factor: float, offset: float) -> dict[str, Any]:
-    same = factor == 1.0 and offset == 0.0
-    return {"ends": ends, "linear": None if same else (repr(factor), repr(offset))}
+    offset += factor * row.offset
+    return {"ends": [*start, *end], "factor": factor * share, "offset": offset}
