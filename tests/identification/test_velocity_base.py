@@ -14,7 +14,7 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.logs.samples import AxisLog
 from wmr_ctrl.identification.propose import propose
-from wmr_ctrl.identification.speed_loop import foretold, set_of
+from wmr_ctrl.identification.speed_loop import foretold
 from wmr_ctrl.report.identified import write_identification
 from wmr_ctrl.world.scenario import loads_scenario
 
@@ -79,17 +79,14 @@ def test_speeds_of_sets_that_are_followed_together_are_those_of_each_alone():
     t, sent = 0.02 * np.arange(60), rng.uniform(-0.5, 0.5, 6).repeat(10)
     log = AxisLog(t, sent, np.ones(60, bool), t, sent, np.array([0, 25]), of_way=False, period=0.02)
     drawn = rng.uniform((0.8, 2.0, 0.3, 0.5, 0.0), (1.2, 9.0, 1.1, 3.0, 0.1), (9, 5))
-    sets = np.array([
-        set_of(dict(zip(("gain", "wn", "zeta", "accel", "delay"), row, strict=True)))
-        for row in drawn
-    ])  # fmt: skip
+    names = ("gain", "wn", "zeta", "accel", "delay")
+    sets = [dict(zip(names, row, strict=True)) for row in drawn]
     together = foretold(log, "second-order", sets)
 
     assert np.ptp(together, axis=1).max() > 0.05
     for place, one in enumerate(sets):
-        assert together[:, place] == pytest.approx(
-            foretold(log, "second-order", one[None])[:, 0], abs=1e-12
-        )
+        alone = foretold(log, "second-order", [one])
+        assert together[:, place] == pytest.approx(alone[:, 0], abs=1e-12)
 
 
 def near(item, truth):

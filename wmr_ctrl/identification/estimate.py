@@ -356,7 +356,7 @@ def _interval(fit: LoopFit, name: str, period: float) -> Pair:
         sizes = np.unique(np.abs(fit.log.sent))
         place = int(np.clip(np.searchsorted(sizes, value), 1, len(sizes) - 1))
         return float(sizes[place - 1]), float(sizes[place])
-    half = float(fit.half_widths(plant_step(period) / 2)[fit.names.index(name)])
+    half = fit.half_widths(plant_step(period) / 2)[name]
     if name in LINEAR:
         low, high = RANGES[name]
         return max(value - half, low), min(value + half, high)

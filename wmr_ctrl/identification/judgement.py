@@ -19,7 +19,7 @@ from wmr_ctrl.core.data import data
 from .kalman import BLOCKS, blocks_of
 from .logs.log import AXES, UNITS, Floats, Pair, unit_of
 from .residual import told
-from .speed_loop import LINEAR, NEUTRAL, SIDED, LoopFit, foretold, set_of, whitener
+from .speed_loop import LINEAR, NEUTRAL, SIDED, LoopFit, foretold, whitener
 from .widths import Fitted, changes
 
 LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explained"
@@ -172,7 +172,7 @@ def _shares(fit: LoopFit, member: str, top: float) -> list[float]:
         return [1.0, min(value / top, 1.0)]
     if member not in SIDED:
         return [1.0]
-    half = float(fit.half_widths(0.0)[fit.names.index(member)])
+    half = fit.half_widths()[member]
     if member == "curve":
         return [1.0, 1 + (value - half) * top, 1 + (value + half) * top]
     wide = math.exp(min(half, 3.0))
@@ -296,7 +296,7 @@ def _single_delays(fit: LoopFit, times: Floats) -> tuple[list[float], list[float
     """Delays less the fit's of changes at some times [s], and their variances by noise."""
     log, late = fit.log, fit.values["delay"]
     whiten, whole = whitener(fit.left, log.in_fit)
-    later = foretold(log, fit.loop, set_of(fit.values | {"delay": late + LATER})[None])[:, 0]
+    later = foretold(log, fit.loop, [fit.values | {"delay": late + LATER}])[:, 0]
     along, left = whiten((later - fit.forecast) / LATER), whiten(fit.left)
     first, last = (np.searchsorted(log.t, times + more) for more in (0.0, late + WINDOW))
     spans = list(zip(first.tolist(), last.tolist(), strict=True))

@@ -24,7 +24,6 @@ from .speed_loop import (
     fitted,
     foretold,
     searched,
-    set_of,
 )
 
 MOST = 3
@@ -92,7 +91,9 @@ MENU: Mapping[str, Member] = {
         {"curve": share / x} for x in _sent(fit, (0.95,)) for share in (-0.3, -0.05, 0.05, 0.3)
     ]),
     "change": Member(("then",), ("when",), _cuts),
-    "bias": Member(("bias",), (), lambda fit: [{"bias": fit.bias}]),
+    "bias": Member(("bias",), (), lambda fit: [
+        {"bias": float(fit.left[fit.log.in_fit].mean())}
+    ]),
 }  # fmt: skip
 """Structures by the key of their diagnosis."""
 
@@ -108,7 +109,7 @@ def axis_fit(log: AxisLog, tell: Tell, loops: Names = tuple(LOOPS)) -> LoopFit:
     if fit is not plain:
         again = best_loop(log, tell, loops, fit)
         fit = again if again.bic < fit.bic - GAIN_OF_BIC else fit
-    squared = _again(fit, fit.loop, fit.values, PASSES, PASSES)
+    squared = _again(fit, fit.values, PASSES, PASSES)
     return squared if squared.squares < SQUARES_WIN * fit.squares else fit
 
 
@@ -162,12 +163,12 @@ def _one_more(fit: LoopFit, tell: Tell) -> LoopFit | None:
         starts = [{**fit.values, **start} for start in member.starts(fit)]
         if not starts:
             continue
-        one = _again(fit, fit.loop, _nearest(fit.log, fit.loop, starts), PASSES, PLAIN, member)
+        one = _again(fit, _nearest(fit.log, fit.loop, starts), PASSES, PLAIN, member)
         if member.fixed:
             one = _refined(one, member.fixed[0], [item[member.fixed[0]] for item in starts])
         tell()
         most = 1.0 if key == "decel" else LESS_SQUARES
-        half = dict(zip(one.names, one.half_widths(0.0).tolist(), strict=True))
+        half = one.half_widths()
         sizes = {name: abs(one.values[name]) if name in LINEAR else 1.0 for name in member.names}
         sure = all(half[name] < MOST_VAGUE * size for name, size in sizes.items())
         if sure and not one.too_steep and one.squares <= most * fit.squares:
@@ -179,20 +180,18 @@ def _one_more(fit: LoopFit, tell: Tell) -> LoopFit | None:
 
 def _nearest(log: AxisLog, loop: str, sets: list[dict[str, float]]) -> dict[str, float]:
     """The set of parameters whose speeds are nearest to those of the log."""
-    left = foretold(log, loop, np.array([set_of(item) for item in sets])) - log.speed[:, None]
+    left = foretold(log, loop, sets) - log.speed[:, None]
     return sets[int(np.argmin(np.sum(left[log.in_fit] ** 2, axis=0)))]
 
 
 def _again(
-    fit: LoopFit, loop: str, values: Values, passes: int, plain: int = 0,
-    more: Member | None = None,
-) -> LoopFit:  # fmt: skip
+    fit: LoopFit, values: Values, passes: int, plain: int = 0, more: Member | None = None
+) -> LoopFit:
     """A fit from other values, with one member more."""
-    names = (*LOOPS[loop], *fit.members, *(more.names if more else ()))
-    names = tuple(dict.fromkeys(names))
+    names = tuple(dict.fromkeys((*fit.names, *(more.names if more else ()))))
     kept = {*fit.fixed, *(more.fixed if more else ())}
     fixed = {name: values[name] for name in kept}
-    return fitted(fit.log, loop, names, searched(values, names), passes, plain, fixed)
+    return fitted(fit.log, fit.loop, names, searched(values, names), passes, plain, fixed)
 
 
 def _refined(fit: LoopFit, name: str, starts: list[float]) -> LoopFit:
@@ -201,4 +200,4 @@ def _refined(fit: LoopFit, name: str, starts: list[float]) -> LoopFit:
     at = int(np.argmin(np.abs(near - fit.fixed[name])))
     ends = near[max(at - 1, 0)], near[min(at + 1, len(near) - 1)]
     sets = [{**fit.values, name: float(x)} for x in np.linspace(*ends, 23)]
-    return _again(fit, fit.loop, _nearest(fit.log, fit.loop, sets), PASSES)
+    return _again(fit, _nearest(fit.log, fit.loop, sets), PASSES)

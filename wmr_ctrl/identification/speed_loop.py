@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import ctypes as ct
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -110,16 +110,21 @@ def _follower(loop: str) -> ct._NamedFuncPointer:
     return ct.CDLL(str(lanes_library("follow_loop.c", places, [step]))).wmr_follow_loop
 
 
-def foretold(log: AxisLog, loop: str, sets: Floats) -> Floats:
-    """Speeds (N, P) that follow from the commands alone, for parameters (P, 14) as in NEUTRAL.
+def foretold(log: AxisLog, loop: str, many: Sequence[Mapping[str, float]]) -> Floats:
+    """Speeds (N, P) that follow from the commands alone, for P sets of parameters.
 
-    Each stretch begins at rest, some time before its first row.
+    A parameter that is not in a set changes nothing.  Each stretch begins at rest, some time before
+    its first row.
     """
-    if len(sets) > AT_ONCE:
-        parts = np.array_split(sets, math.ceil(len(sets) / AT_ONCE))
+    if len(many) > AT_ONCE:
+        parts = (many[k : k + AT_ONCE] for k in range(0, len(many), AT_ONCE))
         return np.hstack([foretold(log, loop, part) for part in parts])
+    sets = np.tile([*NEUTRAL.values()], (len(many), 1))
+    for row, values in zip(sets, many, strict=True):
+        for name, value in values.items():
+            row[PLACE[name]] = value
     accel, decel, delays = (sets[:, PLACE[name]] for name in ("accel", "decel", "delay"))
-    sets = np.column_stack((sets[:, :4], np.where(np.isnan(decel), accel, decel), sets[:, 5:]))
+    sets[:, PLACE["decel"]] = np.where(np.isnan(decel), accel, decel)
     numbers, count = np.ascontiguousarray(sets[:, :NUMBERS].T), len(sets)
     result = []
     for t, edges, sent in log.stretches:
@@ -179,10 +184,9 @@ class LoopFit:
     @property
     def vague(self) -> bool:
         """True where a number of the loop or its limit is hardly determined: there are too many."""
-        half = self.half_widths(0.0)
-        return self.too_steep or any(
-            h > MOST_VAGUE for n, h in zip(self.names, half, strict=True) if n not in LINEAR
-        )
+        half = self.half_widths()
+        vague = (half[name] > MOST_VAGUE for name in self.names if name not in LINEAR)
+        return self.too_steep or any(vague)
 
     @property
     def too_steep(self) -> bool:
@@ -210,11 +214,6 @@ class LoopFit:
         rates = np.abs(np.diff(self.forecast)) / np.diff(self.log.t)
         return max(float(np.quantile(rates, 0.98)), 0.02)
 
-    @property
-    def bias(self) -> float:
-        """Mean of what is left over."""
-        return float(self.left[self.log.in_fit].mean())
-
     def at_end(self, name: str) -> bool:
         """True where a parameter ended at an end of its range: that is no result."""
         low, high = RANGES.get(name, (-math.inf, math.inf))
@@ -227,19 +226,17 @@ class LoopFit:
         left = np.where(self.log.in_fit, self.left, 0.0)
         return np.convolve(left, np.ones(wide) / wide, "same")
 
-    def standard_errors(self) -> Floats:
-        """Standard errors (n,) of the searched parameters, by the Fisher information."""
-        return np.sqrt(np.diag(np.linalg.pinv(self.fisher.sum(axis=0))))
-
-    def half_widths(self, least_delay: float) -> Floats:
-        """Half-widths (n,) of 95 % intervals of the searched parameters."""
-        shown = np.diag(self.fisher.sum(axis=0)) > 0
-        least = dict.fromkeys(LINEAR, 0.0) | {"delay": least_delay}
-        floor = [least.get(name, FLOOR) for name in self.names]
+    def half_widths(self, least_delay: float = 0.0) -> dict[str, float]:
+        """Half-widths of 95 % intervals of the searched parameters."""
+        information = self.fisher.sum(axis=0)
+        shown = np.diag(information) > 0
         half = errors_of(self.gradient, self.fisher, shown)
         # To leave out a block that has nearly all information says nothing.
-        half = np.where(self.alone, ALONE_WIDER * self.standard_errors(), half)
-        return np.where(shown, np.maximum(half, floor), np.inf)
+        wide = ALONE_WIDER * np.sqrt(np.diag(np.linalg.pinv(information)))
+        half = np.where(shown, np.where(self.alone, wide, half), np.inf)
+        least = dict.fromkeys(LINEAR, 0.0) | {"delay": least_delay}
+        pairs = zip(self.names, half.tolist(), strict=True)
+        return {name: max(x, least.get(name, FLOOR)) for name, x in pairs}
 
     @property
     def alone(self) -> Mask:
@@ -255,14 +252,6 @@ def values_of(names: Names, theta: Floats) -> dict[str, float]:
     """Searched parameters in SI units."""
     pairs = zip(names, theta.tolist(), strict=True)
     return {name: x if name in LINEAR else math.exp(x) for name, x in pairs}
-
-
-def set_of(values: Mapping[str, float]) -> Floats:
-    """A set of parameters (14,): those that are not given change nothing."""
-    numbers = np.array(list(NEUTRAL.values()))
-    for name, value in values.items():
-        numbers[PLACE[name]] = value
-    return numbers
 
 
 def searched(values: Mapping[str, float], names: Names) -> Floats:
@@ -311,20 +300,18 @@ def fitted(
     block = blocks_of(log.t)
     spread = max(float(np.std(log.speed[log.in_fit])), 1e-9)
     wide = {"delay": 1e-4, "bias": 1e-3 * spread, "curve": 1e-3 / spread}
-    steps = np.diag([wide.get(name, 1e-3) for name in names])
+    steps = np.array([wide.get(name, 1e-3) for name in names])
 
     def deviation(many: list[Floats]) -> Floats:
-        sets = [set_of(values_of(names, x) | fixed) for x in many]
-        return log.speed[:, None] - foretold(log, loop, np.array(sets))
+        sets = [values_of(names, x) | fixed for x in many]
+        return log.speed[:, None] - foretold(log, loop, sets)
 
     theta = _bounded(names, theta)
     for turn in range(passes):
-        inside = [np.where(theta + s > _bounded(names, theta + s), -1, 1) for s in steps]
-        apart = deviation([theta, *(theta + s * w for s, w in zip(steps, inside, strict=True))])
+        inside = np.where(theta + steps > _bounded(names, theta + steps), -steps, steps)
+        apart = deviation([theta, *(theta + np.diag(inside))])
         left = apart[:, 0]
-        slope = np.column_stack([
-            (apart[:, k + 1] - left) / (steps[k, k] * inside[k][k]) for k in range(len(theta))
-        ])  # fmt: skip
+        slope = (apart[:, 1:] - left[:, None]) / inside
         whiten, whole = whitener(left, log.in_fit, ORDER if turn >= plain else 0)
         white, along = whiten(left)[whole], whiten(slope)[whole]
         sigma = math.hypot(float(np.std(white)), finest(log))
@@ -359,4 +346,4 @@ def fitted(
 
 def forecast(fit: LoopFit, log: AxisLog) -> Floats:
     """Speeds (N,) that a fit foretells on another log, from its commands alone."""
-    return foretold(log, fit.loop, set_of(fit.values)[None])[:, 0]
+    return foretold(log, fit.loop, [fit.values])[:, 0]
