@@ -90,8 +90,25 @@ class Traces:
     held_out_from: float
 
 
+class Bounds(ABC):
+    """Numbers for a table of the scenario, per axis or from least to most."""
+
+    section: ClassVar[str]
+    sentence: str
+
+    def pairs(self) -> dict[str, tuple[Pair, str]]:
+        """Numbers by key of the table, with their unit."""
+        units: Mapping[str, str] = _DATA["pairs"][self.section]
+        return {name: (vars(self)[name], unit) for name, unit in units.items()}
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        numbers = {name: list(pair) for name, (pair, _) in self.pairs().items()}
+        return {**numbers, "sentence": self.sentence}
+
+
 @dataclass(frozen=True)
-class GuardBounds:
+class GuardBounds(Bounds):
     """Numbers for [guard] in SI units, per axis or from least to most, and where they come from.
 
     ``q``: rms force noise a control period; the sentence is what may be said of dbar; ``wide``:
@@ -118,23 +135,13 @@ class GuardBounds:
         first, second = zip(self.M_min, self.M_max, strict=True)
         return first, second
 
-    def pairs(self) -> dict[str, tuple[Pair, str]]:
-        """Numbers by key of [guard], with their unit."""
-        axes, masses = "N, N m", "kg, kg m²"
-        return {
-            "M_min": (self.M_min, masses), "M_max": (self.M_max, masses),
-            "dbar": (self.dbar, axes), "nbar": (self.nbar, "m/s, rad/s"),
-            "delay": (self.delay, "s"), "lag": (self.lag, "s"),
-        }  # fmt: skip
-
     def to_json(self) -> dict[str, object]:
         """Plain data."""
-        numbers = {name: list(pair) for name, (pair, _) in self.pairs().items()}
-        return {**numbers, "refuted": list(self.refuted), "sentence": self.sentence}
+        return {**super().to_json(), "refuted": list(self.refuted)}
 
 
 @dataclass(frozen=True)
-class FilterBounds:
+class FilterBounds(Bounds):
     """Numbers for [filter]: kind of loop, and per axis [m/s, rad/s] or from least to most [s].
 
     ``peak_gain``: largest speed over commanded speed of the whole family, infinite for an axis that
@@ -150,15 +157,9 @@ class FilterBounds:
 
     section: ClassVar[str] = "filter"
 
-    def pairs(self) -> dict[str, tuple[Pair, str]]:
-        """Numbers by key of [filter], and the peak gain, with their unit."""
-        return {"peak_gain": (self.peak_gain, "1"), "d": (self.d, "m/s, rad/s"),
-                "delay": (self.delay, "s")}  # fmt: skip
-
     def to_json(self) -> dict[str, object]:
         """Plain data."""
-        numbers = {name: list(pair) for name, (pair, _) in self.pairs().items()}
-        return {"loop": self.loop, **numbers, "sentence": self.sentence}
+        return {"loop": self.loop, **super().to_json()}
 
 
 @dataclass(frozen=True)

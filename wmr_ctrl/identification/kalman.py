@@ -91,15 +91,33 @@ def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
     p = ca.tril2symm(ca.SX(ca.Sparsity.lower(NOISY), cov))
     following = ca.vertcat(by[0], keep * push, after, _packed(f @ p @ f.T + noise))
     x, parameters = ca.vertcat(mean, cov), ca.vertcat(theta.sym, known.sym)
-    piece = _both("predict", "a piece", following, u, x, parameters)
     seen = ca.SX.sym("seen", len(SEEN))
     h_way = ca.horzcat(ca.SX.eye(2), ca.SX(2, 4))
     h_speed = ca.horzcat(ca.SX(2, 2), ca.SX.eye(2), ca.SX(2, 2))
     rows = (1 - seen[4]) * h_way + seen[4] * h_speed
     own = seen[4] * ca.vertcat(a["n1"], a["n2"]) ** 2
     after_it, reading = _corrected(rows, ca.diag(seen[2:4] + own), seen[:2], mean, p)
-    what = "correct", "a measurement, and what the likelihood takes of it"
-    return (*piece, *_both(*what, after_it, seen, x, parameters, reading))
+    dx, dp = (ca.SX.sym(name, column.numel(), DIRECTIONS)
+              for name, column in (("dx", x), ("dp", parameters)))  # fmt: skip
+
+    def along(value: ca.SX) -> ca.SX:
+        """Derivatives (n, DIRECTIONS)."""
+        return ca.densify(ca.jtimes(value, ca.vertcat(x, parameters), ca.vertcat(dx, dp)))
+
+    def both(name: str, what: str, u: ca.SX, **results: tuple[ca.SX, ca.SX]) -> list[Kernel]:
+        """Kernels of a step: results alone, and beside them their derivatives."""
+        inputs = {"u": u, "x": x, "p": parameters}
+        values = {key: value for key, (value, _) in results.items()}
+        alone = kernel(name, f"State after {what}.", inputs, values, prepared=True)
+        inputs |= {"dx": ca.vec(dx), "dp": ca.vec(dp)}
+        values |= {f"d{key}": ca.vec(slopes) for key, (_, slopes) in results.items()}
+        meaning = f"State after {what}, and derivatives in {DIRECTIONS} directions."
+        return [alone, kernel(f"{name}_slopes", meaning, inputs, values, prepared=True)]
+
+    said = _likelihood(*reading), _slopes(*reading, along)
+    piece = both("predict", "a piece", u, next=(following, along(following)))
+    what = "a measurement, and what the likelihood takes of it"
+    return (*piece, *both("correct", what, seen, next=(after_it, along(after_it)), y=said))
 
 
 def _rate(
@@ -155,49 +173,20 @@ def _inverse_root(s: ca.SX) -> ca.SX:
     return ca.blockcat([[first, ca.SX(1, 1)], [-below * first * last, last]])
 
 
-def _both(
-    name: str,
-    after_what: str,
-    after: ca.SX,
-    u: ca.SX,
-    x: ca.SX,
-    p: ca.SX,
-    reading: tuple[ca.SX, ca.SX, ca.SX] | None = None,
-) -> tuple[Kernel, Kernel]:
-    """Kernels of a step, without and with its derivatives in DIRECTIONS a lane.
-
-    For a measurement they give, too: minus the log of the likelihood (less a constant), residuals,
-    by how many standard deviations they are off; and by direction the gradient and a column whose
-    products with the other directions' are the Fisher information.
-    """
-    dx, dp = ca.SX.sym("dx", x.numel(), DIRECTIONS), ca.SX.sym("dp", p.numel(), DIRECTIONS)
-
-    def along(value: ca.SX) -> ca.SX:
-        """Derivatives (n, DIRECTIONS)."""
-        return ca.densify(ca.jtimes(value, ca.vertcat(x, p), ca.vertcat(dx, dp)))
-
-    inputs, results = {"u": u, "x": x, "p": p}, {"next": after}
-    if reading is not None:
-        results["y"] = _likelihood(*reading)
-    meaning = f"State after {after_what}."
-    alone = kernel(name, meaning, inputs, results, prepared=True)
-    inputs |= {"dx": ca.vec(dx), "dp": ca.vec(dp)}
-    results |= {"dnext": ca.vec(along(after))}
-    if reading is not None:
-        results["dy"] = ca.vec(_slopes(*reading, along))
-    meaning = f"State after {after_what}, and derivatives in {DIRECTIONS} directions."
-    return alone, kernel(f"{name}_slopes", meaning, inputs, results, prepared=True)
-
-
 def _likelihood(residual: ca.SX, s: ca.SX, inverse: ca.SX) -> ca.SX:
-    """(nll, residual, z) of a measurement, z the residual in standard deviations."""
+    """(nll, residual, z) of a measurement.
+
+    Minus the log of the likelihood, less a constant; z is the residual in standard deviations.
+    """
     white = inverse @ residual
     nll = ca.dot(white, white) / 2 - ca.sum1(ca.log(ca.diag(inverse)))
     return ca.vertcat(nll, residual, residual * ca.sqrt(1 / ca.diag(s)))
 
 
 def _slopes(residual: ca.SX, s: ca.SX, inverse: ca.SX, along: Callable[[ca.SX], ca.SX]) -> ca.SX:
-    """By direction the gradient of a measurement, and a column of the Fisher information."""
+    """By direction the gradient of a measurement, and a column whose products with the other
+    directions' are the Fisher information.
+    """
     white = inverse @ residual
     moved, spread = inverse @ along(residual), along(ca.vec(s))
     columns = []

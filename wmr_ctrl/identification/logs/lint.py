@@ -212,20 +212,27 @@ def check_poses(name: str, log: Log, seen: Samples) -> None:
     if motions is None:
         return
     theta, moved, rolled = motions
-    _check_ratio(name, "theta", "turn", _ratio(moved[:, 2], rolled[:, 1]))
-    way = np.hypot(moved[:, 0], moved[:, 1])
-    _check_ratio(name, "x, y", "way", _ratio(way, np.abs(rolled[:, 0])))
+    way, turn = _ratios(moved, rolled)
+    _check_ratio(name, "theta", "turn", turn)
+    _check_ratio(name, "x, y", "way", way)
     _check_heading(name, theta, moved, rolled[:, 0])
 
 
 def pose_ratios(log: Log, seen: Samples) -> Pair | None:
     """Way and turn of the poses over those of the wheels; None without poses."""
     motions = _over(log, seen)
-    if motions is None:
-        return None
-    _, moved, rolled = motions
-    way = np.hypot(moved[:, 0], moved[:, 1])
-    return _ratio(way, np.abs(rolled[:, 0])), _ratio(moved[:, 2], rolled[:, 1])
+    return None if motions is None else _ratios(*motions[1:])
+
+
+def _ratios(moved: Floats, rolled: Floats) -> Pair:
+    way, turn = (
+        float(a @ b / (b @ b)) if np.abs(b).max() > 1e-3 else 1.0
+        for a, b in (
+            (np.hypot(moved[:, 0], moved[:, 1]), np.abs(rolled[:, 0])),
+            (moved[:, 2], rolled[:, 1]),
+        )
+    )
+    return way, turn
 
 
 def _over(log: Log, seen: Samples) -> tuple[Floats, Floats, Floats] | None:
@@ -248,10 +255,6 @@ def _over(log: Log, seen: Samples) -> tuple[Floats, Floats, Floats] | None:
     first, last = (at(t, pose, begin + s) for s in (0, OVER))
     rolled = at(seen.t, way, begin + OVER) - at(seen.t, way, begin)
     return (first[:, 2] + last[:, 2]) / 2, last - first, rolled
-
-
-def _ratio(a: Floats, b: Floats) -> float:
-    return float(a @ b / (b @ b)) if np.abs(b).max() > 1e-3 else 1.0
 
 
 def _check_ratio(name: str, column: str, what: str, ratio: float) -> None:
