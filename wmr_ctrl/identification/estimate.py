@@ -34,7 +34,7 @@ from .fit import (
 from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats, Pair
-from .logs.samples import AxisLog, Samples, differenced, speeds, wheels
+from .logs.samples import AxisLog, Samples, differenced, forces, speeds, wheels
 from .speed_loop import LINEAR, RANGES, Fits, LoopFit, forecast
 from .widths import (
     PHYSICAL,
@@ -118,9 +118,7 @@ def free_of(problem: LogProblem, coloured: bool) -> np.ndarray:
 def started(problem: LogProblem, scenario: Scenario, tell: Tell) -> Floats:
     """The best of a few starts, on the first piece of the log; delay and lag share a time."""
     log, robot = problem.log, scenario.robot
-    force = np.column_stack((
-        log.command.sum(axis=1), robot.l * (log.command[:, 0] - log.command[:, 1])
-    )) / robot.r  # fmt: skip
+    force = forces(log.command, robot.r, robot.l)
     guess, shift = first_guess(replace(log, command=force))
     piece = replace(problem, log=log.until(log.t[0] + START_SECONDS))
     rest = {"q1": 0.1 * guess["m"], "q2": 0.1 * guess["I"], "s1": 0.0, "s2": 0.0, "time": 1.0}
@@ -309,7 +307,7 @@ def loop_estimates(judgements: Sequence[Judgement], period: float) -> dict[str, 
         if "accel" not in fit.names:
             # A command that is ramped drives no speed faster than its ramp, times the gain.
             known = item.explained == EXPLAINED
-            least = fit.steepest / fit.values.get("gain", 1.0) if known else 0.0
+            least = fit.steepest / fit.gain if known else 0.0
             estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, UNDETERMINED, share=9.0)
     return estimates
 

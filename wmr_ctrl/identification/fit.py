@@ -19,7 +19,7 @@ from .kalman import (
     blocks_of,
 )
 from .logs.log import Floats, Mask
-from .logs.samples import LONGEST_DELAY, Samples
+from .logs.samples import LONGEST_DELAY, Samples, forces
 
 Tell = Callable[[], None]
 """Called at each pass, to show progress."""
@@ -201,8 +201,7 @@ def ends(problem: LogProblem, free: Mask) -> tuple[Floats, Floats]:
     """
     log = problem.log
     r, half_track = problem.known[:2]
-    right, left = log.command.T
-    force = np.std([right + left, half_track * (right - left)], axis=1) / r
+    force = np.std(forces(log.command, r, half_track), axis=0)
     speed = np.std(log.seen, axis=0) if log.of_speed else np.ones(2)
     noise = np.maximum(FINEST * np.concatenate((force, speed)), 1e-9).tolist()
     ranges = {

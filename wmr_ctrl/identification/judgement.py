@@ -133,21 +133,29 @@ def judged(fit: LoopFit, other: LoopFit | None, axis: int) -> Judgement:
     inside, name = fit.log.in_fit, AXES[axis]
     variance = max(float(np.var(fit.log.speed[inside])), 1e-300)
     r2 = 1 - float(np.mean(fit.left[inside] ** 2)) / variance
-    findings = [*_structures(fit, axis), *_unit(fit, axis)]
-    share = told(fit, None if other is None else other.forecast)
-    if not any(item.key == "unit" for item in findings):
-        if share > max(MORE_TOLD, BY_OTHER * told(fit)):
-            more = f"{100 * share:.1f} % of its rms beyond the model"
-            findings.append(Finding(f"{AXES[1 - axis]} changes {name} by {more}", "coupling"))
-        checks = (_by_groups, _over_time, _late, _stays)
-        findings += [item for check in checks for item in check(fit, axis)]
+    findings = [*_structures(fit, axis)]
+    share, most = (
+        told(fit, None if other is None else other.forecast),
+        float(np.abs(fit.deviation()).max()),
+    )
+    if not GAINS[0] < fit.gain < GAINS[1]:
+        sense = unit_of(fit.gain, ANY_GAIN)
+        hint = f"perhaps {sense}" if sense else "check both units"
+        text = f"{name}: the speed is {fit.gain:.3g} times the command: {hint}"
+        return Judgement(axis, fit, share, r2, (*findings, Finding(text, "unit", 2)))
+    if share > max(MORE_TOLD, BY_OTHER * told(fit)):
+        more = f"{100 * share:.1f} % of its rms beyond the model"
+        findings.append(Finding(f"{AXES[1 - axis]} changes {name} by {more}", "coupling"))
+    findings += [*_by_groups(fit, name), *_over_time(fit, axis), *_late(fit, name)]
+    if most > MOST_STAYS * fit.fastest:
+        text = f"deviations up to {most:.2g} of {fit.fastest:.2g} {UNITS[axis]} stay"
+        findings.append(Finding(text, level=1))
     return Judgement(axis, fit, share, r2, tuple(findings))
 
 
 def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
     """Structures beside the loop that the fit has, in words."""
-    values, top = fit.values, float(np.abs(fit.log.sent).max())
-    gain = values.get("gain", 1.0)
+    values, gain, top = fit.values, fit.gain, float(np.abs(fit.log.sent).max())
     said = NEUTRAL | values | {"gain": gain, "top": top}
     said |= {
         "most": gain * said["sat"],
@@ -179,29 +187,12 @@ def _shares(fit: LoopFit, member: str, top: float) -> list[float]:
     return [1.0, value / wide, value * wide]
 
 
-def _unit(fit: LoopFit, axis: int) -> Iterator[Finding]:
-    gain = fit.values.get("gain", 1.0)
-    if not GAINS[0] < gain < GAINS[1]:
-        sense = unit_of(gain, ANY_GAIN)
-        hint = f"perhaps {sense}" if sense else "check both units"
-        yield Finding(f"{AXES[axis]}: the speed is {gain:.3g} times the command: {hint}", "unit", 2)
-
-
-def _stays(fit: LoopFit, axis: int) -> Iterator[Finding]:
-    most = float(np.abs(fit.deviation()).max())
-    if most > MOST_STAYS * fit.fastest:
-        yield Finding(
-            f"deviations up to {most:.2g} of {fit.fastest:.2g} {UNITS[axis]} stay", level=1
-        )
-
-
-def _by_groups(fit: LoopFit, axis: int) -> Iterator[Finding]:
+def _by_groups(fit: LoopFit, name: str) -> Iterator[Finding]:
     """Groups of rows with another gain."""
-    gain = fit.values.get("gain", 1.0)
     for group, off, half in _group_gains(fit):
         if abs(off) > max(APART * half, LEAST_APART):
-            reach = {"gain": (gain * max(1 + off - half, 0.05), gain * (1 + off + half))}
-            text = f"{AXES[axis]}: the gain is {100 * off:+.1f} % off where the log is {group}"
+            reach = {"gain": (fit.gain * max(1 + off - half, 0.05), fit.gain * (1 + off + half))}
+            text = f"{name}: the gain is {100 * off:+.1f} % off where the log is {group}"
             yield Finding(text, GROUP_KEYS[group], 1, reach)
 
 
@@ -256,20 +247,8 @@ def _over_time(fit: LoopFit, axis: int) -> Iterator[Finding]:
         yield Finding(f"{text}: {advice}", "change", 1, {name: reach})
 
 
-def _late(fit: LoopFit, axis: int) -> Iterator[Finding]:
-    """Delays that differ from one change of the command to the next."""
-    ends = _scatter(fit)
-    if ends is not None:
-        low, high = (max(fit.values["delay"] + end, 0.0) for end in ends)
-        text = (
-            f"{AXES[axis]}: the delay differs from change to change, {1e3 * low:.0f} to "
-            f"{1e3 * high:.0f} ms: commands logged by a timer, or lost. Log them when they are sent"
-        )
-        yield Finding(text, "delay", 1, {"delay": (low, high + 0.15 * fit.log.period)})
-
-
-def _scatter(fit: LoopFit) -> Pair | None:
-    """Delays of single changes less the fit's [s], from least to most.
+def _late(fit: LoopFit, name: str) -> Iterator[Finding]:
+    """Delays that differ from one change of the command to the next.
 
     None if they differ no more than noise makes them, or there are too few.
     """
@@ -278,18 +257,22 @@ def _scatter(fit: LoopFit) -> Pair | None:
     times = times[np.diff(times, prepend=-np.inf) > BETWEEN]
     times = times[np.diff(times, append=np.inf) > BETWEEN]
     if "accel" in fit.names or len(times) < FEWEST_CHANGES or np.mean(steps != 0) > 0.2:
-        return None
+        return
     delays, variances = _single_delays(fit, times)
     if len(delays) < FEWEST_CHANGES:
-        return None
+        return
     low, high = np.quantile(delays, (0.1, 0.9))
     variance, chance = ((high - low) / 2.56) ** 2, BY_NOISE * float(np.median(variances))
     spread = math.sqrt(max(variance - chance, 0.0))
     by_chance = variance < chance * (1 + 5 * math.sqrt(2 / len(delays)))
     if by_chance or spread < max(0.2 * log.period, LEAST_SCATTER):
-        return None
-    least, most = np.quantile(delays, (0.05, 0.95))
-    return float(least), float(most)
+        return
+    least, most = np.maximum(fit.values["delay"] + np.quantile(delays, (0.05, 0.95)), 0.0).tolist()
+    text = (
+        f"{name}: the delay differs from change to change, {1e3 * least:.0f} to "
+        f"{1e3 * most:.0f} ms: commands logged by a timer, or lost. Log them when they are sent"
+    )
+    yield Finding(text, "delay", 1, {"delay": (least, most + 0.15 * log.period)})
 
 
 def _single_delays(fit: LoopFit, times: Floats) -> tuple[list[float], list[float]]:

@@ -70,7 +70,7 @@ def _cuts(fit: LoopFit) -> Sequence[Values]:
         sides = [log.in_fit & side for side in (log.t < time, log.t >= time)]
         before, after = (y[k] @ log.speed[k] / max(y[k] @ y[k], 1e-300) for k in sides)
         if min(before, after) > LEAST_GAIN:
-            gain = fit.values.get("gain", 1.0) * float(before)
+            gain = fit.gain * float(before)
             starts.append({"gain": gain, "when": time, "then": float(after / before)})
     return starts
 

@@ -182,6 +182,11 @@ class LoopFit:
         return values_of(self.names, self.theta) | dict(self.fixed)
 
     @property
+    def gain(self) -> float:
+        """Speed over command, near 0 and forward."""
+        return self.values.get("gain", 1.0)
+
+    @property
     def vague(self) -> bool:
         """True where a number of the loop or its limit is hardly determined: there are too many."""
         half = self.half_widths()

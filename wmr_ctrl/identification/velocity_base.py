@@ -83,8 +83,8 @@ def of_velocities(
     judgements = [judged(fit, other, place) for place, (fit, other) in enumerate(pairs) if fit]
     for item in judgements:
         if not item.fit.at_end("gain"):
-            gain = item.fit.values.get("gain", 1.0)
-            check_following(name, COMMAND[item.place], gain, 0.0, item.r2, log.period)
+            column = COMMAND[item.place]
+            check_following(name, column, item.fit.gain, 0.0, item.r2, log.period)
     estimates = loop_estimates(judgements, log.period)
     remarks += loop_remarks(judgements, estimates)
     bare = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")
@@ -147,8 +147,7 @@ def _scenario(
         "filter.kind": "none", "filter.delay": list(ends),
         "disturbance.std": 0.0, "disturbance.push": [0.0, 0.0],
     })  # fmt: skip
-    own = ["robot.mu", "disturbance.std"]
-    loop = both[0].loop
+    loop, own = both[0].loop, ["robot.mu", "disturbance.std"]
     if loop != "first-order" and isinstance(base.initial.velocity, Unstated):
         # A filter for loops that overshoot counts on a base at rest.
         result = override(result, {"initial.velocity": [0.0, 0.0]})
@@ -163,20 +162,9 @@ def _scenario(
     hull = {name: outward(*pair) for name, pair in hull.items()}
     if loop == "pi":
         own += ["robot.I"] if {"robot.m", "robot.l"} & {*base.assumed} else []
-        result = _of_pi(result, values, hull, d)
-        remarks.append(
-            f"kp and ki go with robot.m = {base.robot.m:g} kg as it was given: a log of velocities "
-            "tells kp/M and ki/M alone. Coulomb friction is left to the loop (robot.mu = 0), and "
-            "filter.push is the least push that makes the largest deviation seen."
-        )
+        result = _of_pi(result, values, hull, d, remarks)
     else:
-        result = _of_relaxing(result, loop, values, hull, d)
-    if loop == "second-order":
-        remarks.append(
-            "the loop is second-order without a zero, which runs cannot simulate: they take the "
-            "first-order loop of the same gain and mean lag. filter.trust makes them accept the "
-            "filter, which is for the identified loop."
-        )
+        result = _of_relaxing(result, loop, values, hull, d, remarks)
     result = replace(result, assumed=(*result.assumed, *own))
     if loop == "first-order":
         peaks = [PeakGain(hull["gain"][1], item) for item in d]
@@ -188,17 +176,28 @@ def _scenario(
     )
     first, second = (k.gain if place in fits else math.inf for place, k in enumerate(peaks))
     bounds = FilterBounds(loop, (first, second), (d[0], d[1]), ends, sentence)
-    off = replace(result, assumed=(*result.assumed, *UNFOUNDED))
-    if reason := _against(off, judgements, estimates, far):
+    if reason := _against(result, judgements, estimates, far):
         remarks.append(f"the filter is off: {reason}")
-        return bounds, off
+        return bounds, replace(result, assumed=(*result.assumed, *UNFOUNDED))
+    return bounds, _filtered(result, judgements, peaks, far, remarks)
+
+
+def _filtered(
+    result: Scenario,
+    judgements: Sequence[Judgement],
+    peaks: Sequence[PeakGain],
+    far: Sequence[float],
+    remarks: list[str],
+) -> Scenario:
+    """The scenario with its filter on, if it is accepted; bounds beyond the log are assumed."""
+    off = replace(result, assumed=(*result.assumed, *UNFOUNDED))
     stated = override(result, {"filter.kind": "clip"})
     try:
         settle(stated, None)
         check_filter(stated)
     except ScenarioError as error:
         remarks.append(f"the filter is off: with these numbers it is refused. {error}")
-        return bounds, off
+        return off
     if max(far) > 0:
         remarks.append(
             f"limits.v_u1 is up to {100 * max(far):.0f} % beyond the fastest motion of the log: "
@@ -207,7 +206,7 @@ def _scenario(
     lacking = _never_sent(stated, judgements, peaks)
     remarks += lacking
     founded = not lacking and max(far) == 0
-    return bounds, stated if founded else replace(stated, assumed=off.assumed)
+    return stated if founded else replace(stated, assumed=off.assumed)
 
 
 def _deviation(fit: LoopFit) -> float:
@@ -286,6 +285,7 @@ def _of_relaxing(
     values: list[dict[str, float]],
     hull: Mapping[str, Pair],
     d: Sequence[float],
+    remarks: list[str],
 ) -> Scenario:
     """A first-order loop for runs, of the same mean lag where the identified one is of second."""
     if loop == "first-order":
@@ -293,6 +293,11 @@ def _of_relaxing(
         counted: dict[str, object] = {"filter.tau": list(hull["tau"])}
     else:
         tau = [2 * item["zeta"] / item["wn"] for item in values]
+        remarks.append(
+            "the loop is second-order without a zero, which runs cannot simulate: they take the "
+            "first-order loop of the same gain and mean lag. filter.trust makes them accept the "
+            "filter, which is for the identified loop."
+        )
         counted = {
             "filter.damping": list(hull["zeta"]), "filter.frequency": list(hull["wn"]),
             "filter.trust": True,
@@ -308,9 +313,15 @@ def _of_pi(
     values: list[dict[str, float]],
     hull: Mapping[str, Pair],
     d: Sequence[float],
+    remarks: list[str],
 ) -> Scenario:
     """A PI loop of both wheels: kp and ki on robot.m, and the inertia that turns as was seen."""
     m, l = scenario.robot.m, scenario.robot.l
+    remarks.append(
+        f"kp and ki go with robot.m = {m:g} kg as it was given: a log of velocities "
+        "tells kp/M and ki/M alone. Coulomb friction is left to the loop (robot.mu = 0), and "
+        "filter.push is the least push that makes the largest deviation seen."
+    )
     pulls = [(2 * v["zeta"] * v["wn"], v["wn"] ** 2) for v in values]
     # Both ratios of v over omega are I/(m l^2) in a loop that both wheels share.
     heavier = math.sqrt(pulls[0][0] / pulls[1][0] * (pulls[0][1] / pulls[1][1]))

@@ -93,6 +93,14 @@ class Log:
         """True if all of these columns are there."""
         return all(name in self.columns for name in names)
 
+    def scaled(self, names: Names, of: Names, factor: float, *remarks: str) -> "Log":
+        """The log with further columns, which are others times a factor, and with remarks."""
+        pairs = [*zip(names, of, strict=True)]
+        times = {**self.times, **{name: self.times[other] for name, other in pairs}}
+        columns = {name: factor * self.columns[other] for name, other in pairs}
+        columns = {**self.columns, **columns}
+        return replace(self, times=times, columns=columns, remarks=(*self.remarks, *remarks))
+
     def pair(self, names: Sequence[str]) -> tuple[Floats, Floats]:
         """Times (N,) and values (N, len(names)) of columns that come together."""
         return self.times[names[0]], np.column_stack([self.columns[name] for name in names])
@@ -213,15 +221,15 @@ def with_torques(log: Log, constant: float | None, resistance: float | None = No
     voltages.  Raises ArgumentError where one is not positive, or has nothing to act on; LogError
     where there are currents or voltages alone and one is not given.
     """
-    source = next((names for names in (CURRENT, VOLTAGE) if log.has(names)), None)
+    source: Names = next((names for names in (CURRENT, VOLTAGE) if log.has(names)), ())
     for name, value in {"torque_constant": constant, "resistance": resistance}.items():
         if value is not None and not 0 < value < math.inf:
             raise ArgumentError(f"{name} = {value:g} must be positive and finite.")
-        if value is not None and (source is None or (name == "resistance" and source == CURRENT)):
+        if value is not None and (not source or (name == "resistance" and source == CURRENT)):
             needs = VOLTAGE if name == "resistance" else (*CURRENT, *VOLTAGE)
             raise ArgumentError(f"{name} is for {' or '.join(needs)}, which {log.name} lacks.")
     if constant is None or (source == VOLTAGE and resistance is None):
-        if source is not None and not log.has(TORQUES):
+        if source and not log.has(TORQUES):
             raise LogError(
                 f"{log.name} has no torques but {' and '.join(source)}. Give the torque at the "
                 "wheel per ampere, gear included, as in --torque-constant 0.6, and for voltages "
@@ -231,17 +239,14 @@ def with_torques(log: Log, constant: float | None, resistance: float | None = No
             )
         return log
     factor = constant if source == CURRENT else constant / (resistance or 1.0)
-    times, columns = dict(log.times), dict(log.columns)
-    for torque, name in zip(TORQUES, source or (), strict=True):
-        times[torque], columns[torque] = log.times[name], factor * log.columns[name]
     said = (
-        f"torques are {' and '.join(source or ())} times {factor:.4g}: an error of that factor "
+        f"torques are {' and '.join(source)} times {factor:.4g}: an error of that factor "
         "scales m, I and all frictions, and no interval contains it; delay and lag do not depend "
         "on it."
     )
     if source == VOLTAGE:
         said += " What the motors induce as they turn counts as viscous friction."
-    return replace(log, times=times, columns=columns, remarks=(*log.remarks, said))
+    return log.scaled(TORQUES, source, factor, said)
 
 
 MOST_COUNTS = 1_000_000
@@ -255,19 +260,16 @@ def with_counts(log: Log, counts: float | None) -> tuple[Log, float | None]:
     """
     if log.has(COUNTS.elements) or not log.has(WHEEL_ANGLE):
         return log, counts
-    remarks = log.remarks
+    remarks = []
     if counts is None:
         step = np.abs(np.diff([log.columns[name] for name in WHEEL_ANGLE]))
         least = float(step.min(where=step > 2 * math.pi / MOST_COUNTS, initial=2 * math.pi))
         counts = float(round(2 * math.pi / least))
-        remarks += (
+        remarks = [
             f"the smallest step of the wheels' angles makes {counts:g} counts a turn; if that is "
-            "not so, say it by --set encoder.counts=N.",
-        )
-    times, columns = dict(log.times), dict(log.columns)
-    for name, angle in zip(COUNTS.elements, WHEEL_ANGLE, strict=True):
-        times[name], columns[name] = log.times[angle], log.columns[angle] * counts / (2 * math.pi)
-    return replace(log, times=times, columns=columns, remarks=remarks), counts
+            "not so, say it by --set encoder.counts=N."
+        ]
+    return log.scaled(COUNTS.elements, WHEEL_ANGLE, counts / (2 * math.pi), *remarks), counts
 
 
 def seen_by(log: Log) -> str:

@@ -140,6 +140,12 @@ def held_speeds(log: Samples) -> Pair:
     return v, omega
 
 
+def forces(torque: Floats, r: float, half_track: float) -> Floats:
+    """Thrust and moment (N, 2) on the body [N, N m] of the wheels' torques (N, 2)."""
+    right, left = torque.T
+    return np.column_stack((right + left, half_track * (right - left))) / r
+
+
 def wheels(speed: Floats, half_track: float) -> Floats:
     """Speeds of the right and the left wheel (N, 2) [m/s] of body speeds."""
     turn = half_track * speed[:, 1]
