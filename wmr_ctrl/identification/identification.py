@@ -146,7 +146,8 @@ def identify(
     lint.check_log(raw, commands)
     remarks = [*raw.remarks, *(note.text for note in raw.notes)]
     samples, scenario = _samples(raw, scenario, sure, remarks, commands)
-    rows = _usable(samples, scenario, sure, base)
+    timeout = scenario.section(CommandLoss).timeout if TIMEOUT in sure else None
+    rows = Rows(samples) if base == "torque" else usable(samples, timeout)
     samples, remarks = rows.samples, [*remarks, *(note.text for note in rows.notes)]
     lint.check_motion(raw.name, samples, scenario.robot.l, SHORTEST[base])
     if base == "torque":
@@ -165,21 +166,11 @@ def identify(
             progress(min(0.95, passes / USUAL[base]))
 
     fit = _of_torques if base == "torque" else of_velocities
-    identified = fit(raw.name, samples, scenario, remarks, tell)
-    found = _finished(identified, scenario, sure, samples)
-    words |= {key: NOT_SHOWN for key in found.scenario.assumed
-              if key.startswith(("filter.", "guard."))}  # fmt: skip
-    if rows.timeout is not None and TIMEOUT not in sure:
-        words[TIMEOUT] = ""
-        stopping = override(found.scenario, {TIMEOUT: round(rows.timeout, 3)})
-        found = replace(found, scenario=stopping)
+    fitted = fit(raw.name, samples, scenario, remarks, tell)
+    found = _finished(fitted, scenario, sure, rows, words)
     if progress:
         progress(1.0)
-    return replace(
-        found, words=words, origin=origin, range=held_range(samples),
-        notes=(*raw.notes, *rows.notes), left_out=rows.left_out,
-        seconds=float(samples.t[-1] - samples.t[0]),
-    )  # fmt: skip
+    return replace(found, origin=origin, notes=(*raw.notes, *rows.notes))
 
 
 def _one_log(
@@ -205,17 +196,28 @@ def _one_log(
 
 
 def _finished(
-    identified: BaseIdentification, scenario: Scenario, sure: set[str], samples: Samples
+    found: BaseIdentification, scenario: Scenario, sure: set[str], rows: Rows, words: dict[str, str]
 ) -> BaseIdentification:
-    """The results with what is known for what was not found, and the keys that are missing."""
-    vague = [key for key in undetermined(identified.parameters) if key in sure]
+    """The results with what is known for what was not found, and the keys that are missing.
+
+    ``words``: keys to write, with words on some.
+    """
+    samples, remarks = rows.samples, found.remarks
+    vague = [key for key in undetermined(found.parameters) if key in sure]
     kept = {key: scenario.value(key)[0] for key in vague}
-    result = written(override(identified.scenario, kept))
-    missing, remarks = not_found(sure, samples, identified.parameters), identified.remarks
+    if rows.timeout is not None and TIMEOUT not in sure:
+        words, kept = words | {TIMEOUT: ""}, kept | {TIMEOUT: round(rows.timeout, 3)}
+    result = written(override(found.scenario, kept))
+    missing = not_found(sure, samples, found.parameters)
     if missing:
         remarks = (*remarks, missing_text(missing, sections()))
         result = replace(result, assumed=tuple(dict.fromkeys((*result.assumed, *missing))))
-    return replace(identified, scenario=result, remarks=remarks, missing=missing)
+    unshown = (key for key in result.assumed if key.startswith(("filter.", "guard.")))
+    return replace(
+        found, scenario=result, remarks=remarks, missing=missing, range=held_range(samples),
+        words=words | dict.fromkeys(unshown, NOT_SHOWN), left_out=rows.left_out,
+        seconds=float(samples.t[-1] - samples.t[0]),
+    )  # fmt: skip
 
 
 def _samples(
@@ -235,43 +237,32 @@ def _samples(
             + (f" Its {' and '.join(other)} can be used with --base {hint}." * raw.has(other))
         )
     source = seen_by(raw)
+    of_wheels = source in (COUNTS.name, "wheel_speed")
     if source == COUNTS.name and not (COUNTED in sure and scenario.section(Encoder).counts):
         raise LogError(
             f"{raw.name} has encoder counts, but the number per turn of a wheel is not known. Give "
             "it, all four edges counted, as in --set encoder.counts=4096."
         )
     missing = [key for key in ROBOT if key not in sure]
-    if missing and (commands == TORQUES or source in (COUNTS.name, "wheel_speed")):
-        scenario = _by_poses(raw, scenario, missing, remarks, commands)
+    if missing and (commands == TORQUES or of_wheels):
+        trial = override(scenario, dict.fromkeys(ROBOT, 1.0))
+        poses = (
+            lint.pose_ratios(raw, motion_of(raw, trial, source, commands)) if of_wheels else None
+        )
+        if poses is None:
+            raise LogError(
+                f"{raw.name}: {' and '.join(missing)} must be known, and there are no poses to "
+                "find them from. Give the wheels' radius and half the track, as in --set "
+                "robot.r=0.08 --set robot.l=0.2, or a scenario that has them: --robot known.toml."
+            )
+        r, half_track = poses[0], poses[0] / poses[1]
+        text = f"r = {r:.4g} m and l = {half_track:.4g} m by poses against the wheels' turn."
+        remarks.append(text)
+        scenario = override(scenario, {"robot.r": r, "robot.l": half_track})
     samples = motion_of(raw, scenario, source, commands)
-    if source not in (COUNTS.name, "wheel_speed"):
+    if not of_wheels:
         remarks.append(f"the motion is read from {source}; encoder counts are more precise.")
     return samples, scenario
-
-
-def _usable(samples: Samples, scenario: Scenario, sure: set[str], base: str) -> Rows:
-    if base == "torque":
-        return Rows(samples)
-    return usable(samples, scenario.section(CommandLoss).timeout if TIMEOUT in sure else None)
-
-
-def _by_poses(
-    raw: Log, scenario: Scenario, missing: list[str], remarks: list[str], commands: Names
-) -> Scenario:
-    trial = override(scenario, {"robot.r": 1.0, "robot.l": 1.0})
-    ratios = None
-    if seen_by(raw) in (COUNTS.name, "wheel_speed"):
-        ratios = lint.pose_ratios(raw, motion_of(raw, trial, seen_by(raw), commands))
-    if ratios is None:
-        raise LogError(
-            f"{raw.name}: {' and '.join(missing)} must be known, and there are no poses to find "
-            "them from. Give the wheels' radius and half the track, as in --set robot.r=0.08 --set "
-            "robot.l=0.2, or a scenario that has them: --robot known.toml."
-        )
-    r = ratios[0]
-    half_track = r / ratios[1]
-    remarks.append(f"r = {r:.4g} m and l = {half_track:.4g} m by poses against the wheels' turn.")
-    return override(scenario, {"robot.r": r, "robot.l": half_track})
 
 
 def _check_finite(name: str, *fits: Fit) -> None:

@@ -12,7 +12,7 @@ from scipy.ndimage import median_filter
 from wmr_ctrl.world.encoder import COUNTS
 
 from .log import POSES, TORQUES, Floats, Log, LogError, Names, Pair, unit_of
-from .samples import LONGEST_SHIFT, Samples, differenced, speeds, wheels
+from .samples import Samples, differenced, shifts_of, speeds, wheels
 
 FEWEST_ROWS, LEAST_MOVING = 50, 0.2
 SLOW = 0.01
@@ -120,7 +120,7 @@ def check_torques(name: str, log: Samples, half_track: float) -> None:
     moved, torque = _differenced(log, half_track)
     if torque is None or np.std(torque(0.0), axis=0).min() < 1e-9:
         return
-    shifts = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(log.period, 0.01))
+    shifts = shifts_of(log.period)
     gains_by_shift = [_gains(moved, torque(shift)) for shift in shifts]
     explained = np.array([share for share, _ in gains_by_shift])
     best = int(np.argmax(explained))

@@ -5,8 +5,8 @@ a straight line between their neighbours, so that whatever looks at speeds sees 
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -62,7 +62,7 @@ def usable(samples: Samples, timeout: float | None = None) -> Rows:
     notes: list[Note] = []
     left_out: list[LeftOut] = []
     driven = [axis for axis in (0, 1) if np.std(samples.command[:, axis]) > 1e-3]
-    seen, use = samples.seen.copy(), np.ones(samples.seen.shape, bool)
+    t, seen, use = samples.t, samples.seen.copy(), np.ones(samples.seen.shape, bool)
     for axis in driven if samples.of_speed else ():
         log = axis_log(samples, axis)
         if log.in_fit.sum() < 5 * NEIGHBOURS:
@@ -70,7 +70,7 @@ def usable(samples: Samples, timeout: float | None = None) -> Rows:
         odd = odd_readings(log.speed, quick_fit(log).left)
         if not odd.any():
             continue
-        share, when = float(odd.mean()), samples.t[np.argmax(odd)]
+        share, when = float(odd.mean()), t[np.argmax(odd)]
         text = (
             f"{odd.sum()} readings of {AXES[axis]} are single rows far off ({100 * share:.2g} %, "
             f"the first at {when:.4g} s)"
@@ -81,13 +81,15 @@ def usable(samples: Samples, timeout: float | None = None) -> Rows:
             text += " and left out"
             use[odd, axis] = False
             kept = ~odd
-            seen[odd, axis] = np.interp(samples.t[odd], samples.t[kept], seen[kept, axis])
-            left_out += _stretches(samples.t, odd, f"readings of {AXES[axis]} far off")
+            seen[odd, axis] = np.interp(t[odd], t[kept], seen[kept, axis])
+            reason = f"readings of {AXES[axis]} far off"
+            ends = ((t[low], t[high - 1]) for low, high in _runs(odd))
+            left_out += [LeftOut(float(low), float(high), reason) for low, high in ends]
         notes.append(Note("readings", AXES[axis], f"{text}."))
     rows = replace(samples, seen=seen, use=use)
     rows, timeout = _with_silences(rows, driven, timeout, notes)
     for begin, end in off_stretches(rows):
-        use[(rows.t >= begin) & (rows.t <= end)] = False
+        use[(t >= begin) & (t <= end)] = False
         left_out.append(LeftOut(begin, end, "commanded but at rest"))
         text = f"commanded but at rest from {begin + BEFORE_OFF:.3g} to {end - BEHIND_OFF:.3g} s"
         notes.append(Note("drivers-off", "", f"{text}: drivers off? Left out."))
@@ -184,12 +186,10 @@ def _with_silences(
     count = f"commands cease {np.sum(silent > 0)} times"
     if known is not None and math.isfinite(known):
         return _stopped(rows, silent, known), known
-    scores: dict[float, float] = {}
 
+    @cache
     def score(timeout: float) -> float:
-        if timeout not in scores:
-            scores[timeout] = _misfit(_stopped(rows, silent, timeout), driven)
-        return scores[timeout]
+        return _misfit(_stopped(rows, silent, timeout), driven)
 
     longest = min(LONGEST_TIMEOUT, float(np.median(silent[silent > 0])))
     best = min((*np.arange(COARSE, longest, COARSE).tolist(), math.inf), key=score)
@@ -217,13 +217,9 @@ def _misfit(rows: Samples, driven: list[int]) -> float:
 
 def _stopped(rows: Samples, silent: Floats, timeout: float) -> Samples:
     """The samples with a zero command ``timeout`` [s] into each longer silence (M,) [s]."""
-    long = silent > timeout
-    times = np.concatenate((rows.command_t, rows.command_t[long] + timeout))
-    order = np.argsort(times, kind="stable")
-    zeros = np.zeros((int(long.sum()), 2))
-    return replace(
-        rows, command_t=times[order], command=np.concatenate((rows.command, zeros))[order]
-    )
+    long = np.flatnonzero(silent > timeout)
+    times = np.insert(rows.command_t, long + 1, rows.command_t[long] + timeout)
+    return replace(rows, command_t=times, command=np.insert(rows.command, long + 1, 0.0, axis=0))
 
 
 def _runs(mask: Mask, bridge: int = 0) -> list[list[int]]:
@@ -232,8 +228,3 @@ def _runs(mask: Mask, bridge: int = 0) -> list[list[int]]:
     begin, end = ends[::2], ends[1::2]
     bridged = np.flatnonzero(begin[1:] - end[:-1] < bridge)
     return np.column_stack((np.delete(begin, bridged + 1), np.delete(end, bridged))).tolist()
-
-
-def _stretches(t: Floats, mask: Mask, reason: str) -> Iterator[LeftOut]:
-    for low, high in _runs(mask):
-        yield LeftOut(float(t[low]), float(t[high - 1]), reason)

@@ -248,9 +248,14 @@ def differenced(
     return t[w:-w], rate, speed, pushed
 
 
+def shifts_of(period: float) -> Floats:
+    """Shifts of commands against the motion that are looked at [s]."""
+    return np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(period, 0.01))
+
+
 def shifted_gain(log: AxisLog) -> tuple[float, float, float]:
     """Gain, the shift [s] at which the command explains most of the speed, and that share."""
-    shifts = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(log.period, 0.01))
+    shifts = shifts_of(log.period)
     some = np.flatnonzero(log.in_fit)
     some = some[:: max(1, len(some) // ENOUGH_ROWS)]
     end = log.t[some][:, None] - shifts
