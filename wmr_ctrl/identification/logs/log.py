@@ -141,23 +141,19 @@ def joined(logs: Sequence[Log]) -> Log:
     names = [name for name in logs[0].columns if all(log.has([name]) for log in logs)]
     if not names:
         raise LogError("no column is in all of these logs. Give logs with the same columns.")
-    times: dict[str, list[Floats]] = {name: [] for name in names}
-    columns: dict[str, list[Floats]] = {name: [] for name in names}
-    begin = 0.0
+    times, columns, begin = dict[str, Floats](), dict[str, Floats](), 0.0
     for log in logs:
         ends = [log.times[name][[0, -1]] for name in names]
-        first, last = min(low for low, _ in ends), max(high for _, high in ends)
+        first, last = np.min(ends), np.max(ends)
         for name in names:
-            rest = [begin - BETWEEN / 2] if name in (*COMMAND, *TORQUES) else []
-            times[name].append(np.concatenate((rest, log.times[name] - first + begin)))
-            columns[name].append(np.concatenate((np.zeros(len(rest)), log.columns[name])))
-        begin += last - first + BETWEEN
-    clocks, values = (
-        {name: np.concatenate(parts) for name, parts in of.items()} for of in (times, columns)
-    )
+            rest = np.full(int(name in (*COMMAND, *TORQUES)), begin - BETWEEN / 2)
+            clock = (times.get(name, rest[:0]), rest, log.times[name] - first + begin)
+            values = (columns.get(name, rest[:0]), 0 * rest, log.columns[name])
+            times[name], columns[name] = np.concatenate(clock), np.concatenate(values)
+        begin += float(last - first) + BETWEEN
     remarks = dict.fromkeys(text for log in logs for text in log.remarks)
     name = ", ".join(log.name for log in logs)
-    return Log(name, clocks, values, logs[0].base, tuple(remarks))
+    return Log(name, times, columns, logs[0].base, tuple(remarks))
 
 
 def _of_file(path: Path, topics: Mapping[str, str] | None) -> Log:

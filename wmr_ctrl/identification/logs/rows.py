@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import median, median_filter
 
 from ..speed_loop import LOOPS, LoopFit, fitted
 from .log import AXES, Floats, LeftOut, Mask, Note, Pair
@@ -119,24 +119,21 @@ def odd_readings(speed: Floats, left: Floats) -> Mask:
         spread = 1.4826 * float(np.median(np.abs(off - np.median(off))))
         far = np.abs(off) > max(FAR * spread, LEAST_FAR * quick, quantum)
         far |= zero & (np.abs(off) > max(ZERO_DEVIATIONS * spread, ZERO_FAR * quick, quantum))
-        far |= odd
-        before = np.maximum.accumulate(np.where(far, -1, place))
-        after = np.minimum.accumulate(np.where(far, len(speed), place)[::-1])[::-1]
-        inside = far & ~odd & (before >= 0) & (after < len(speed))
-        k = place[inside]
-        low, high, run = before[k], after[k], after[k] - before[k] - 1
-        lost = zero[k] & (run <= ZERO_ROWS)
-        lost &= np.minimum(np.abs(speed[low]), np.abs(speed[high])) > 0.8 * ZERO_FAR * quick
-        back = run <= ODD_ROWS
-        for values in (speed, rest):
-            out, home = values[k] - values[low], values[k] - values[high]
-            back &= (np.minimum(np.abs(out), np.abs(home)) >= BACK * np.abs(off[k])) & (
-                out * home > 0
-            )
-        new = k[lost | back]
-        if not new.size:
+        new = np.zeros(len(speed), bool)
+        for low, high in _runs(far | odd):
+            if low == 0 or high == len(speed):
+                continue
+            own, beside, run = slice(low, high), [low - 1, high], high - low
+            lost = zero[own] & (np.abs(speed[beside]).min() > 0.8 * ZERO_FAR * quick)
+            # From both neighbours, of the reading itself and of what the fit leaves.
+            apart = np.array([x[own] - x[beside][:, None] for x in (speed, rest)])
+            back = np.abs(apart).min(axis=(0, 1)) >= BACK * np.abs(off[own])
+            back &= (apart.prod(axis=1) > 0).all(axis=0)
+            new[own] = (lost & (run <= ZERO_ROWS)) | (back & (run <= ODD_ROWS))
+        new &= ~odd
+        if not new.any():
             break
-        odd[new] = True
+        odd |= new
         rest[odd] = np.interp(place[odd], place[~odd], left[~odd])
     return odd
 
@@ -154,10 +151,9 @@ def off_stretches(rows: Samples) -> list[Pair]:
             continue
         edges = np.unique(np.quantile(command[command > 0], np.linspace(0, 1, 9)))
         kind = np.searchsorted(edges, command, "right")
-        usual = np.zeros(len(edges) + 1)
-        for level in range(1, len(usual)):
-            like = speed[kind == level]
-            usual[level] = np.median(like) if like.size > 5 else 0.0
+        levels = np.arange(len(edges) + 1)
+        known = (np.bincount(kind, minlength=len(levels)) > 5) & (levels > 0)
+        usual = np.where(known, median(speed, kind, levels), 0.0)
         expected = np.maximum(expected, usual[kind] / quick)
         still = speed[command == 0]
         noise = 2 * float(np.quantile(still, 0.9)) if still.size > 20 else 0.0
