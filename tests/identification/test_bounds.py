@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.identification.bounds import informative_seconds, mixtures, sizes, verdict
+from wmr_ctrl.identification.fit import _two_errors, errors_of
 from wmr_ctrl.identification.identification import _check_finite
 from wmr_ctrl.identification.kalman import BLOCKS
 from wmr_ctrl.identification.logs.log import LogError
-from wmr_ctrl.identification.widths import _two_errors, errors_of
 
 STUDENT = 2.1448
 """97.5 % of Student's distribution with 14 degrees of freedom, by tables."""

@@ -116,7 +116,7 @@ def test_a_slow_push_accuses_no_model():
     fit = axis_fit(driven(push=push), none)
 
     assert judged(fit, None, 0).plain
-    assert fit.half_widths(0.0)[0] > abs(fit.values["gain"] - 1.0)
+    assert fit.half_widths()["gain"] > abs(fit.values["gain"] - 1.0)
 
 
 def test_delays_that_differ_from_change_to_change_are_told():

@@ -12,9 +12,10 @@ import pytest
 
 from benchmarks.own_plant import log_of, simulate
 from tests.identification.conftest import KNOWN, STEP, TRUTH
-from wmr_ctrl.identification import identify, widths
+from wmr_ctrl.identification import fit as fitting
+from wmr_ctrl.identification import identify
+from wmr_ctrl.identification.fit import Fitted, changes
 from wmr_ctrl.identification.refuted import _monitor, contradictions, explaining
-from wmr_ctrl.identification.widths import Fitted, changes
 
 PAUSE = 1.0
 
@@ -113,7 +114,7 @@ def test_numbers_that_half_of_a_log_does_not_tell_apart_have_not_changed(apart):
 
 
 def test_a_width_that_is_no_number_tells_no_change(monkeypatch):
-    monkeypatch.setattr(widths, "errors_of", lambda _, fisher, free: np.full(len(free), np.nan))
+    monkeypatch.setattr(fitting, "errors_of", lambda _, fisher, free: np.full(len(free), np.nan))
 
     assert changed(np.where(np.arange(15) < 7, 0.0, 1.0)) == {}
 

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.identification import widths
-from wmr_ctrl.identification.fit import COUNTED, LogProblem
+from wmr_ctrl.identification import fit as fitting
+from wmr_ctrl.identification.fit import COUNTED, LogProblem, errors_of, intervals_of, plant_step
 from wmr_ctrl.identification.kalman import LOGARITHMIC, NAMES
 from wmr_ctrl.identification.logs.log import of_columns
 from wmr_ctrl.identification.logs.samples import Samples, motion_of
 from wmr_ctrl.identification.refuted import guard_bounds, tolerance_sentence, usable_speeds
-from wmr_ctrl.identification.widths import errors_of, intervals_of, plant_step
 from wmr_ctrl.world.scenario import load_scenario, override
 
 T_14 = 2.1448
@@ -40,7 +39,7 @@ def test_a_half_width_is_the_larger_of_that_by_fisher_and_that_by_blocks(gradien
 def test_no_interval_is_narrower_than_a_step_of_the_plant(monkeypatch) -> None:
     theta = np.array([math.log(2.0) if n in LOGARITHMIC else 2.0 for n in NAMES])
     problem = SimpleNamespace(log=SimpleNamespace(period=0.01))
-    monkeypatch.setattr(widths, "half_widths", lambda _: np.zeros(len(NAMES)))
+    monkeypatch.setattr(fitting, "half_widths", lambda _: np.zeros(len(NAMES)))
     found = intervals_of(SimpleNamespace(theta=theta, problem=problem))
 
     for name, (value, low, high) in found.items():

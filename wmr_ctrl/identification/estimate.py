@@ -26,23 +26,21 @@ from .bounds import (
 from .fit import (
     ACCEPTED,
     LAG_LEAST,
+    PHYSICAL,
+    WIDEST,
     Fit,
     LogProblem,
     Tell,
+    half_widths,
+    plant_step,
     scored,
+    standard_errors,
 )
 from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats, Pair
 from .logs.samples import AxisLog, Samples, differenced, forces, speeds, wheels
 from .speed_loop import LINEAR, RANGES, Fits, LoopFit, forecast
-from .widths import (
-    PHYSICAL,
-    WIDEST,
-    half_widths,
-    plant_step,
-    standard_errors,
-)
 
 START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""

@@ -39,7 +39,7 @@ from .estimate import (
     white_fit,
 )
 from .fit import COUNTED as MEASURED
-from .fit import Fit, LogProblem, Tell
+from .fit import Fit, LogProblem, Tell, intervals_of
 from .kalman import INDEX, NAMES, CompiledFilter
 from .logs import lint
 from .logs.log import (
@@ -70,7 +70,6 @@ from .stated import (
     written,
 )
 from .velocity_base import of_velocities
-from .widths import intervals_of
 from .written import four_digits
 
 Progress = Callable[[float], None]

@@ -16,11 +16,11 @@ import numpy as np
 
 from wmr_ctrl.core.data import data
 
+from .fit import Fitted, changes
 from .kalman import BLOCKS, blocks_of
 from .logs.log import AXES, UNITS, Floats, Pair, unit_of
 from .residual import told
 from .speed_loop import LINEAR, NEUTRAL, SIDED, LoopFit, foretold, whitener
-from .widths import Fitted, changes
 
 LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explained"
 MORE_TOLD, MOST_TOLD = 0.04, 0.12

@@ -24,11 +24,10 @@ from wmr_ctrl.world.scenario import Scenario
 
 from .bounds import UNITS, GuardBounds
 from .estimate import cut_of, fitted_part
-from .fit import COUNTED, LAG_LEAST, Fit, Tell, at_rest
+from .fit import COUNTED, LAG_LEAST, Fit, Fitted, Tell, at_rest, changes, intervals_of
 from .kalman import BLOCKS, INDEX, NAMES
 from .logs.log import Floats, Pair, Texts
 from .logs.samples import Samples
-from .widths import Fitted, changes, intervals_of
 from .written import four_digits, outward
 
 SPANS = (0.0, 0.1, 0.2, 0.4, 0.8)

@@ -30,11 +30,10 @@ from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.model.dynamics import rk4_step
 from wmr_ctrl.world.model.system import System, port
 
-from .fit import FINEST
+from .fit import FINEST, FLOOR, errors_of
 from .kalman import BLOCKS, blocks_of
 from .logs.log import Floats, Mask, Names, Pair
 from .logs.samples import LONGEST_DELAY, AxisLog
-from .widths import FLOOR, errors_of
 
 _DATA = data(__package__, "speed_loop.toml")
 LOOPS: Mapping[str, Names] = with_tuples(_DATA["loops"])
