@@ -211,9 +211,9 @@ def surest(fit: Fit, tell: Tell) -> Fit:
         fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, tell, ROUGH))
     best = likeliest(fits)
     near = [item.theta for item in fits if item.nll < best.nll + ACCEPTED]
-    places = [INDEX[name] for name in PHYSICAL]
     least = {
-        k: max(fit.least.get(k, 0.0), *(abs(x[k] - best.theta[k]) for x in near)) for k in places
+        k: max(fit.least.get(k, 0.0), *(abs(x[k] - best.theta[k]) for x in near))
+        for k in range(len(PHYSICAL))
     }
     return replace(best, least=least)
 

@@ -223,7 +223,8 @@ def ends(problem: LogProblem, free: Mask) -> tuple[Floats, Floats]:
     return low, high
 
 
-PHYSICAL = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag")
+PHYSICAL = NAMES[:8]
+"""Parameters of the robot; the others are noises."""
 FLOOR = 2e-3
 """Least relative half-width of an interval."""
 LEAST_BLOCKS, APART = 3, 2.0

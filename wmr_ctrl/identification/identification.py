@@ -39,8 +39,8 @@ from .estimate import (
     white_fit,
 )
 from .fit import COUNTED as MEASURED
-from .fit import Fit, LogProblem, Tell, intervals_of
-from .kalman import INDEX, NAMES, CompiledFilter
+from .fit import PHYSICAL, Fit, LogProblem, Tell, intervals_of
+from .kalman import INDEX, CompiledFilter
 from .logs import lint
 from .logs.log import (
     COMMAND,
@@ -296,9 +296,8 @@ def _of_torques(
         word = verdict(half, scale[key])
         estimates[key] = Estimate(value, low, high, word, seconds, half / scale[key])
     vague = {key for key, item in estimates.items() if item.verdict != DETERMINED}
-    places = [k for name, k in INDEX.items() if fit.free[k] and name in estimates]
-    information = fit.last.fisher.sum(axis=0)[np.ix_(places, places)]
-    remarks += list(mixtures([NAMES[k] for k in places], information, vague))
+    count = len(PHYSICAL)
+    remarks += mixtures(PHYSICAL, fit.last.fisher.sum(axis=0)[:count, :count], vague)
     if widths["Fv"][2] < 0:
         remarks.append(
             "friction falls with speed (Fv < 0), as stiction makes it: Coulomb friction and Fv are "

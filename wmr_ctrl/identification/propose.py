@@ -68,8 +68,8 @@ def propose(result: BaseIdentification, floor: float = 4.0) -> ProposedDrive:
         best = int(np.argmin(strays))
         if strays[best] <= ROOM * floor / 2:
             v, omega = wanted[best].T
-            fastest = (float(np.abs(v).max() * most[0]), float(np.abs(omega).max() * most[1]))
-            return ProposedDrive(t, v, omega, paths[best], strays[best], fastest)
+            top, turn = (np.abs(wanted[best]).max(axis=0) * most).tolist()
+            return ProposedDrive(t, v, omega, paths[best], strays[best], (top, turn))
         wanted = SMALLER * wanted
     raise ArgumentError(
         f"no drive of {SECONDS:g} s stays within {floor:g} m and the limits. Give a larger --floor."

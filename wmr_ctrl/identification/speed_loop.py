@@ -122,25 +122,17 @@ def foretold(log: AxisLog, loop: str, many: Sequence[Mapping[str, float]]) -> Fl
     for row, values in zip(sets, many, strict=True):
         for name, value in values.items():
             row[PLACE[name]] = value
-    accel, decel, delays = (sets[:, PLACE[name]] for name in ("accel", "decel", "delay"))
+    accel, decel, delays = (sets[:, PLACE[name]].copy() for name in ("accel", "decel", "delay"))
     sets[:, PLACE["decel"]] = np.where(np.isnan(decel), accel, decel)
     numbers, count = np.ascontiguousarray(sets[:, :NUMBERS].T), len(sets)
     result = []
     for t, edges, sent in log.stretches:
-        h = float(edges[1] - edges[0])
-        path = np.zeros((len(edges), count))
+        path, seen = np.zeros((len(edges), count)), np.empty((len(t), count))
         _follower(loop)(
-            ct.c_int64(len(sent)), ct.c_int64(count), ct.c_double(h),
-            *(ct.c_void_p(item.ctypes.data) for item in (sent, numbers, path[1:])),
+            *(ct.c_int64(item) for item in (len(sent), count, len(t))),
+            ct.c_int32(log.of_way), ct.c_double(edges[1] - edges[0]), ct.c_double(edges[0]),
+            *(item.ctypes for item in (sent, numbers, delays, t, path, seen)),
         )  # fmt: skip
-        path = np.cumsum(path, axis=0) * h if log.of_way else path
-        place = (t[:, None] - delays - edges[0]) / h
-        row = np.minimum(place.astype(int), len(edges) - 2)
-        seen, later = (np.take_along_axis(path, row + more, axis=0) for more in (0, 1))
-        seen = seen + (place - row) * (later - seen)
-        if log.of_way:
-            gap = np.diff(t, prepend=t[0] - log.period)[:, None]
-            seen = np.diff(seen, axis=0, prepend=seen[:1]) / gap
         result.append(seen)
     changed = log.t[:, None] >= sets[:, PLACE["when"]]
     return np.vstack(result) * np.where(changed, sets[:, PLACE["then"]], 1.0)
