@@ -10,7 +10,7 @@ import pytest
 
 from tests.papers_robot import paper
 from wmr_ctrl.identification import fit as fitting
-from wmr_ctrl.identification.fit import COUNTED, LogProblem, errors_of, intervals_of, plant_step
+from wmr_ctrl.identification.fit import LogProblem, errors_of, intervals_of, plant_step
 from wmr_ctrl.identification.kalman import LOGARITHMIC, NAMES
 from wmr_ctrl.identification.logs.log import of_columns
 from wmr_ctrl.identification.logs.samples import Samples, motion_of
@@ -51,7 +51,7 @@ def test_no_interval_is_narrower_than_a_step_of_the_plant(monkeypatch) -> None:
 def test_the_first_three_tenths_of_a_second_of_a_stretch_do_not_count() -> None:
     problem = LogProblem(seen_at(0, 0.29, 0.31, 9, 9.29, 9.31, first=(0, 3)), None, np.zeros(0))
 
-    assert (problem.counting()[0] == COUNTED).tolist() == [False, False, True] * 2
+    assert problem.counts.tolist() == [False, False, True] * 2
 
 
 @pytest.mark.parametrize(("steps", "first"), [(4.9, [0]), (5.1, [0, 50])])
@@ -71,9 +71,9 @@ def white_fit(period: float, duration: float = 60.0) -> SimpleNamespace:
     """
     log = seen_at(*np.arange(0.0, duration + period / 2, period))
     sizes = np.array([[9.0, 9.0], *[[-4.5, 1.0]] * (len(log.t) - 1)])
-    kinds = np.array([COUNTED - 1, *[COUNTED] * (len(log.t) - 1)])
+    counts = np.arange(len(log.t)) > 0
     mean = np.array([[0, 0, -0.5, 2.0]])
-    problem = SimpleNamespace(log=log, counting=lambda: (kinds, None))
+    problem = SimpleNamespace(log=log, counts=counts)
     last = SimpleNamespace(sizes=sizes, mean=mean)
     theta = np.where(np.array(NAMES) == "q1", math.log(2.0), math.log(3.0))
     return SimpleNamespace(theta=theta, problem=problem, last=last)

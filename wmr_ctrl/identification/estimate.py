@@ -30,7 +30,6 @@ from .fit import (
     WIDEST,
     Fit,
     LogProblem,
-    Tell,
     half_widths,
     plant_step,
     scored,
@@ -113,10 +112,10 @@ def free_of(problem: LogProblem, coloured: bool) -> np.ndarray:
     return np.array([name not in left for name in NAMES])
 
 
-def started(problem: LogProblem, scenario: Scenario, tell: Tell) -> Floats:
+def started(problem: LogProblem) -> Floats:
     """The best of a few starts, on the first piece of the log; delay and lag share a time."""
-    log, robot = problem.log, scenario.robot
-    force = forces(log.command, robot.r, robot.l)
+    log = problem.log
+    force = forces(log.command, *problem.known[:2])
     guess, shift = first_guess(replace(log, command=force))
     piece = replace(problem, log=log.until(log.t[0] + START_SECONDS))
     rest = {"q1": 0.1 * guess["m"], "q2": 0.1 * guess["I"], "s1": 0.0, "s2": 0.0, "time": 1.0}
@@ -126,7 +125,7 @@ def started(problem: LogProblem, scenario: Scenario, tell: Tell) -> Floats:
     for split in SPLITS:
         start = guess | rest | {"n1": noise, "n2": noise}
         start |= {"delay": late * split, "lag": max(late * (1 - split), 1e-3)}
-        tried.append(scored(piece, searched(start), free_of(problem, False), 8, tell, ROUGH))
+        tried.append(scored(piece, searched(start), free_of(problem, False), 8, ROUGH))
     return likeliest(tried).theta
 
 
@@ -135,10 +134,10 @@ def likeliest(fits: Sequence[Fit]) -> Fit:
     return min(fits, key=attrgetter("nll"))
 
 
-def white_fit(problem: LogProblem, scenario: Scenario, tell: Tell) -> Fit:
+def white_fit(problem: LogProblem) -> Fit:
     """The fit with white force noise; where delay or lag is at an end also from its other split."""
     free = free_of(problem, False)
-    fit = scored(problem, started(problem, scenario, tell), free, tell=tell)
+    fit = scored(problem, started(problem), free)
     late = [INDEX["delay"], INDEX["lag"]]
     delay, lag = fit.theta[late]
     if delay > 0 and lag > LAG_LEAST:
@@ -146,11 +145,11 @@ def white_fit(problem: LogProblem, scenario: Scenario, tell: Tell) -> Fit:
     start = fit.theta.copy()
     share = SPLITS[-1] if delay <= 0 else SPLITS[0]
     start[late] = share * (delay + lag), (1 - share) * (delay + lag)
-    other = scored(problem, start, free, tell=tell)
+    other = scored(problem, start, free)
     return likeliest((fit, other))
 
 
-def coloured_if_likelier(white: Fit, tell: Tell) -> tuple[Fit, float | None]:
+def coloured_if_likelier(white: Fit) -> tuple[Fit, float | None]:
     """The fit with a coloured push where twice its gain is above 4 ln n, else the white one."""
     tried = []
     for time, passes in ((0.4, 40), (3.0, 12)):
@@ -159,42 +158,41 @@ def coloured_if_likelier(white: Fit, tell: Tell) -> tuple[Fit, float | None]:
             start[INDEX[f"s{axis}"]] = white.theta[INDEX[f"q{axis}"]] - 1.0
         start[INDEX["time"]] = math.log(time)
         free = free_of(white.problem, True)
-        tried.append(scored(white.problem, start, free, passes, tell, ROUGH))
+        tried.append(scored(white.problem, start, free, passes, ROUGH))
     best = likeliest(tried)
-    if 2 * (white.nll - best.nll) > 4 * math.log(white.problem.measurement_count()):
-        best = scored(white.problem, best.theta, best.free, tell=tell)
+    if 2 * (white.nll - best.nll) > 4 * math.log(int(white.problem.counts.sum())):
+        best = scored(white.problem, best.theta, best.free)
         return best, float(np.exp(best.theta[INDEX["time"]]))
     return white, None
 
 
-def distrusting_low_speeds(fit: Fit, remarks: list[str], tell: Tell) -> tuple[Fit, list[str]]:
+def distrusting_low_speeds(fit: Fit, remarks: list[str]) -> Fit:
     """The fit with noise at low speeds counted more, where that moves a parameter; else ``fit``."""
     problem = fit.problem
     speed = np.abs(wheels(speeds(problem.log), problem.known[1])).min(axis=1)
     slow = np.flatnonzero(speed < LOW_SPEED)
     if not slow.size or slow.size > 0.8 * len(speed):
-        return fit, remarks
+        return fit
     t = problem.log.t
     away = KDTree(t[slow, None]).query(t[:, None])[0]
     near = np.clip(1 - away / LOW_FADING, 0, 1)
-    again = scored(
-        replace(problem, boost=1 + (LOW_FACTOR - 1) * near), fit.theta, fit.free, tell=tell
-    )
-    errors = np.maximum.reduce([*standard_errors(fit), *standard_errors(again)])
-    by = {name: abs(again.theta[INDEX[name]] - fit.theta[INDEX[name]]) for name in PHYSICAL}
-    moved = [name for name in PHYSICAL if by[name] > MOVED * errors[INDEX[name]]]
+    distrusting = replace(problem, boost=1 + (LOW_FACTOR - 1) * near)
+    again = scored(distrusting, fit.theta, fit.free)
+    errors = np.maximum(standard_errors(fit), standard_errors(again))
+    count = len(PHYSICAL)
+    by = np.abs(again.theta[:count] - fit.theta[:count])
+    moved = [name for name in PHYSICAL if by[INDEX[name]] > MOVED * errors[INDEX[name]]]
     if not moved:
-        return fit, remarks
-    said = (
+        return fit
+    remarks.append(
         f"{', '.join(moved)} move{'s' if len(moved) == 1 else ''} where speeds below "
         f"{100 * LOW_SPEED:g} cm/s count less, as stiction or backlash make them; values are those "
         "of that fit, and Coulomb friction at low speed is not covered."
     )
-    least = {INDEX[name]: by[name] for name in moved}
-    return replace(again, least=least), [*remarks, said]
+    return replace(again, least={INDEX[name]: by[INDEX[name]] for name in moved})
 
 
-def surest(fit: Fit, tell: Tell) -> Fit:
+def surest(fit: Fit) -> Fit:
     """The likeliest of several fits where this one knows delay or mass badly, else ``fit``.
 
     Maxima as high as a profile's interval reaches widen the intervals: none of them is refuted.
@@ -208,7 +206,7 @@ def surest(fit: Fit, tell: Tell) -> Fit:
         start = fit.theta.copy()
         start[[delay, lag]] = share * late, (1 - share) * late
         start[[m, inertia]] -= lighter
-        fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, tell, ROUGH))
+        fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, ROUGH))
     best = likeliest(fits)
     near = [item.theta for item in fits if item.nll < best.nll + ACCEPTED]
     least = {
@@ -253,12 +251,12 @@ def cut_of(log: Samples) -> float:
     return float(log.t[-1] - HELD_OUT * (log.t[-1] - log.t[0]))
 
 
-def fitted_part(fit: Fit, begin: float, end: float, tell: Tell, start: Fit) -> Fit:
-    """The fit, in its own model, of the part from ``begin`` to before ``end`` [s]."""
-    t, boost = fit.problem.log.t, fit.problem.boost
-    own = np.broadcast_to(boost, t.shape)[(t >= begin) & (t < end)]
-    part = replace(fit.problem, log=fit.problem.log.until(end, begin), boost=own)
-    return replace(scored(part, start.theta, fit.free, PART_PASSES, tell), least=fit.least)
+def fitted_part(fit: Fit, end: float) -> Fit:
+    """The fit, in its own model, of the part before ``end`` [s]."""
+    problem = fit.problem
+    boost = np.broadcast_to(problem.boost, problem.log.t.shape)[problem.log.t < end]
+    part = replace(problem, log=problem.log.until(end), boost=boost)
+    return replace(scored(part, fit.theta, fit.free, PART_PASSES), least=fit.least)
 
 
 def score_of(white: Fit, trained: Fit) -> Score:

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from .kalman import (
@@ -54,27 +53,24 @@ class LogProblem:
     filter: CompiledFilter
     known: Floats
     boost: Floats | float = 1.0
+    tell: Tell = lambda: None
 
     def read(self, theta: Floats, slopes: bool = True) -> PassResult:
         """A pass through the filter."""
-        kinds, blocks = self.counting()
+        kinds = np.where(self.counts, COUNTED, SKIPPED)
         return self.filter(
             self.log, self._starts(), *self._given(theta), slopes=slopes, boost=self.boost,
-            kinds=kinds, blocks=blocks,
+            kinds=kinds, blocks=blocks_of(self.log.t),
         )  # fmt: skip
 
     def foretold(self, log: Samples, theta: Floats, start: Floats) -> Floats:
         """Means (N, state) that follow from those (F, state) at the start of each stretch alone."""
         return self.filter(log, start, *self._given(theta), slopes=False, kinds=WATCHED).mean
 
-    def measurement_count(self) -> int:
-        """Number of measurements that count."""
-        return int((self.counting()[0] == COUNTED).sum())
-
-    def counting(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """Kinds and blocks (N,) of the measurements."""
-        kinds = np.where(self.log.since > SKIPPED_TIME, COUNTED, SKIPPED).astype(np.int32)
-        return kinds, blocks_of(self.log.t)
+    @property
+    def counts(self) -> Mask:
+        """Measurements (N,) that count in the likelihood."""
+        return np.asarray(self.log.since > SKIPPED_TIME)
 
     def _starts(self) -> Floats:
         log, first, start = self.log, self.log.first, at_rest(self.log)
@@ -146,7 +142,6 @@ def scored(
     theta: Floats,
     free: Mask,
     passes: int = PASSES,
-    tell: Tell = lambda: None,
     enough: float = ENOUGH,
 ) -> Fit:
     """Fisher scoring from ``theta``, damped until each step lowers minus the log-likelihood.
@@ -163,7 +158,7 @@ def scored(
     result, damping, growth = problem.read(theta), DAMPING, 2.0
     sloped = True
     for _ in range(passes):
-        tell()
+        problem.tell()
         gradient = result.gradient.sum(axis=0)
         # What lies at an end and would go beyond stays there, so that the others move as they are.
         held = ((theta <= least) & (gradient > 0)) | ((theta >= most) & (gradient < 0))
@@ -233,12 +228,12 @@ WIDEST = 14.0
 """Largest half-width of a logarithm: from a millionth to a millionfold, all is undetermined."""
 
 
-def standard_errors(fit: Fit) -> tuple[Floats, Floats]:
-    """Standard errors (n,) by the Fisher information, and by leaving out blocks of time.
+def standard_errors(fit: Fit) -> Floats:
+    """Standard errors (n,): the larger of those by the information and by leaving out blocks.
 
     Zero where a parameter is not free.
     """
-    return _two_errors(fit.last.gradient, fit.last.fisher, fit.inside)
+    return np.maximum(*_two_errors(fit.last.gradient, fit.last.fisher, fit.inside))
 
 
 def _two_errors(gradient: Floats, fisher: Floats, free: Mask) -> tuple[Floats, Floats]:

@@ -38,7 +38,6 @@ from .estimate import (
     surest,
     white_fit,
 )
-from .fit import COUNTED as MEASURED
 from .fit import PHYSICAL, Fit, LogProblem, Tell, intervals_of
 from .kalman import INDEX, CompiledFilter
 from .logs import lint
@@ -102,8 +101,7 @@ class Identification(BaseIdentification):
         mean = problem.read(trained, slopes=False).mean
         foretold, _ = free_runs(problem, problem.log, trained, mean)
         q = np.exp(self.white.theta[[INDEX["q1"], INDEX["q2"]]])
-        counts = (problem.counting()[0] == MEASURED)[:, None]
-        force = np.where(counts, q * self.white.last.sizes, np.nan)
+        force = np.where(problem.counts[:, None], q * self.white.last.sizes, np.nan)
         began = problem.log.t < problem.log.t[0] + FREE_RUN
         foretold[began] = np.nan
         return Traces(problem.log.t, mean[:, 2:4], foretold, force, self.score.held_out_from)
@@ -279,11 +277,11 @@ def _of_torques(
 ) -> Identification:
     robot = scenario.robot
     known = np.array([robot.r, robot.l, robot.g, robot.v_s, log.period])
-    problem = LogProblem(log, CompiledFilter(scenario), known)
-    white = white_fit(problem, scenario, tell)
-    fit, colour = coloured_if_likelier(white, tell)
-    fit, remarks = distrusting_low_speeds(fit, remarks, tell)
-    fit = surest(fit, tell)
+    problem = LogProblem(log, CompiledFilter(scenario), known, tell=tell)
+    white = white_fit(problem)
+    fit, colour = coloured_if_likelier(white)
+    fit = distrusting_low_speeds(fit, remarks)
+    fit = surest(fit)
     _check_finite(name, white, fit)
     widths, estimates = intervals_of(fit), {}
     speed = np.sqrt(np.mean(white.last.mean[:, 2:4] ** 2, axis=0))
@@ -312,7 +310,7 @@ def _of_torques(
     bare = bare_scenario(scenario, log, remarks)
     clocked = replace(bare, actuator=replace(bare.actuator, tau_max=scenario.actuator.tau_max))
     bounds = guard_bounds(white, widths, clocked, colour)
-    trained, refuted = held_out(white, fit, clocked, colour, tell)
+    trained, refuted = held_out(white, fit, clocked, colour)
     bounds = replace(explaining(white, bounds), refuted=refuted, wide=bounds.wide or unknown)
     far = [
         limit / max(v, LEAST_SEEN)

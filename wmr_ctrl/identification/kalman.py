@@ -114,10 +114,12 @@ def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
         meaning = f"State after {what}, and derivatives in {DIRECTIONS} directions."
         return [alone, kernel(f"{name}_slopes", meaning, inputs, values, prepared=True)]
 
-    said = _likelihood(*reading), _slopes(*reading, along)
     piece = both("predict", "a piece", u, next=(following, along(following)))
     what = "a measurement, and what the likelihood takes of it"
-    return (*piece, *both("correct", what, seen, next=(after_it, along(after_it)), y=said))
+    return (
+        *piece,
+        *both("correct", what, seen, next=(after_it, along(after_it)), y=_told(*reading, along)),
+    )
 
 
 def _rate(
@@ -173,37 +175,33 @@ def _inverse_root(s: ca.SX) -> ca.SX:
     return ca.blockcat([[first, ca.SX(1, 1)], [-below * first * last, last]])
 
 
-def _likelihood(residual: ca.SX, s: ca.SX, inverse: ca.SX) -> ca.SX:
-    """(nll, residual, z) of a measurement.
+def _told(
+    residual: ca.SX, s: ca.SX, inverse: ca.SX, along: Callable[[ca.SX], ca.SX]
+) -> tuple[ca.SX, ca.SX]:
+    """(nll, residual, z) of a measurement, and by direction its gradient and a column whose
+    products with the other directions' are the Fisher information.
 
-    Minus the log of the likelihood, less a constant; z is the residual in standard deviations.
+    nll: minus the log of the likelihood, less a constant; z: the residual in standard deviations.
     """
     white = inverse @ residual
     nll = ca.dot(white, white) / 2 - ca.sum1(ca.log(ca.diag(inverse)))
-    return ca.vertcat(nll, residual, residual * ca.sqrt(1 / ca.diag(s)))
-
-
-def _slopes(residual: ca.SX, s: ca.SX, inverse: ca.SX, along: Callable[[ca.SX], ca.SX]) -> ca.SX:
-    """By direction the gradient of a measurement, and a column whose products with the other
-    directions' are the Fisher information.
-    """
-    white = inverse @ residual
     moved, spread = inverse @ along(residual), along(ca.vec(s))
     columns = []
     for k in range(DIRECTIONS):
         a, b = moved[:, k], inverse @ ca.reshape(spread[:, k], *s.shape) @ inverse.T
         gradient = ca.dot(a, white) + (ca.trace(b) - ca.dot(white, b @ white)) / 2
         columns.append(ca.vertcat(gradient, a, ca.diag(b) / ca.sqrt(2), b[1, 0]))
-    return ca.horzcat(*columns)
+    own = ca.vertcat(nll, residual, residual * ca.sqrt(1 / ca.diag(s)))
+    return own, ca.horzcat(*columns)
 
 
 def _packed(whole: ca.SX) -> ca.SX:
     return ca.vertcat(*(whole[i, j] for i in range(NOISY) for j in range(i, NOISY)))
 
 
-def blocks_of(t: Floats) -> NDArray[np.int32]:
+def blocks_of(t: Floats) -> NDArray[np.int64]:
     """Block of time (N,) of each of the times (N,) [s]."""
-    return np.minimum((t - t[0]) / max(t[-1] - t[0], 1e-9) * BLOCKS, BLOCKS - 1).astype(np.int32)
+    return np.minimum((t - t[0]) / max(t[-1] - t[0], 1e-9) * BLOCKS, BLOCKS - 1).astype(np.int64)
 
 
 @dataclass(frozen=True)
@@ -246,8 +244,8 @@ class CompiledFilter:
         *,
         slopes: bool = True,
         boost: Floats | float = 1.0,
-        kinds: NDArray[np.int32] | int = COUNTED,
-        blocks: NDArray[np.int32] | int = 0,
+        kinds: NDArray[np.int_] | int = COUNTED,
+        blocks: NDArray[np.int64] | int = 0,
     ) -> PassResult:
         """One pass with ``parameters`` (searched, then known).
 

@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 
 from .fit import Tell
-from .logs.log import Names
+from .logs.log import Floats, Names
 from .logs.samples import AxisLog, shifted_gain
 from .residual import explainable
 from .speed_loop import (
@@ -41,6 +41,7 @@ SPEEDS = (0.03, 0.1, 0.3)
 """Time constants that fits are started from [s]."""
 GAIN_OF_BIC = 4.0
 Values = Mapping[str, float]
+Starts = Callable[[LoopFit], Sequence[Values]]
 
 
 @dataclass(frozen=True)
@@ -49,13 +50,18 @@ class Member:
 
     names: Names
     fixed: Names
-    starts: Callable[[LoopFit], Sequence[Values]]
+    starts: Starts
 
 
-def _sent(fit: LoopFit, shares: tuple[float, ...]) -> list[float]:
+def _sent(fit: LoopFit, quantiles: Sequence[float] | Floats) -> list[float]:
     """Quantiles of the sizes of commands that are not 0."""
     size = np.abs(fit.log.sent[fit.log.sent != 0])
-    return np.unique(np.quantile(size, shares)).tolist() if size.size else []
+    return np.unique(np.quantile(size, quantiles)).tolist() if size.size else []
+
+
+def _shares(name: str, quantiles: Sequence[float] | Floats, *shares: float) -> Starts:
+    """Starts of a parameter at shares of quantiles of the commands' sizes."""
+    return lambda fit: [{name: share * x} for x in _sent(fit, quantiles) for share in shares]
 
 
 def _slowing(fit: LoopFit) -> Sequence[Values]:
@@ -77,15 +83,9 @@ def _cuts(fit: LoopFit) -> Sequence[Values]:
 
 MENU: Mapping[str, Member] = {
     "decel": Member(("accel", "decel"), (), _slowing),
-    "dead-band": Member((), ("dead",), lambda fit: [
-        {"dead": x * (1 + 1e-9)} for x in _sent(fit, tuple(np.arange(0.02, 0.5, 0.02)))
-    ]),
-    "offset": Member(("offset",), (), lambda fit: [
-        {"offset": share * x} for x in _sent(fit, (0.5,)) for share in (0.05, 0.1, 0.2, 0.4)
-    ]),
-    "saturation": Member(("sat",), (), lambda fit: [
-        {"sat": x} for x in _sent(fit, (0.3, 0.5, 0.65, 0.8, 0.9))
-    ]),
+    "dead-band": Member((), ("dead",), _shares("dead", np.arange(0.02, 0.5, 0.02), 1 + 1e-9)),
+    "offset": Member(("offset",), (), _shares("offset", (0.5,), 0.05, 0.1, 0.2, 0.4)),
+    "saturation": Member(("sat",), (), _shares("sat", (0.3, 0.5, 0.65, 0.8, 0.9), 1.0)),
     "sides": Member(("back",), (), lambda fit: [{"back": x} for x in (0.8, 0.95, 1.05, 1.25)]),
     "curve": Member(("curve",), (), lambda fit: [
         {"curve": share / x} for x in _sent(fit, (0.95,)) for share in (-0.3, -0.05, 0.05, 0.3)

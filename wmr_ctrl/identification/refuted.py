@@ -24,7 +24,7 @@ from wmr_ctrl.world.scenario import Scenario
 
 from .bounds import UNITS, GuardBounds
 from .estimate import cut_of, fitted_part
-from .fit import COUNTED, LAG_LEAST, Fit, Fitted, Tell, at_rest, changes, intervals_of
+from .fit import LAG_LEAST, Fit, Fitted, at_rest, changes, intervals_of
 from .kalman import BLOCKS, INDEX, NAMES
 from .logs.log import Floats, Pair, Texts
 from .logs.samples import Samples
@@ -60,15 +60,11 @@ def guard_bounds(
     """
     log = white.problem.log
     q = np.exp(white.theta[[INDEX["q1"], INDEX["q2"]]])
-    counted = white.problem.counting()[0] == COUNTED
-    z = np.abs(white.last.sizes[counted])
+    z = np.abs(white.last.sizes[white.problem.counts])
     dbar = q * np.maximum(SIGMAS, z.max(axis=0))
     wider = stdtrit(BLOCKS - 1, 1 - 0.05 / 4) / stdtrit(BLOCKS - 1, 0.975)
-    low, high = [], []
-    for name in ("m", "I"):
-        value, least, most = intervals[name]
-        low.append(value * (least / value) ** wider)
-        high.append(value * (most / value) ** wider)
+    value, least, most = np.array([intervals["m"], intervals["I"]]).T
+    low, high = value * (least / value) ** wider, value * (most / value) ** wider
     period, robot = scenario.clock.control, scenario.robot
     if log.of_speed:
         noise = np.exp(white.theta[[INDEX["n1"], INDEX["n2"]]])
@@ -130,18 +126,16 @@ def usable_speeds(scenario: Scenario) -> Pair | None:
     return now, now - then
 
 
-def held_out(
-    white: Fit, fit: Fit, scenario: Scenario, colour: float | None, tell: Tell
-) -> tuple[Fit, Texts]:
+def held_out(white: Fit, fit: Fit, scenario: Scenario, colour: float | None) -> tuple[Fit, Texts]:
     """The white fit of a log's first two thirds, what of its last is against their bounds, and
     what was not the same all along.
 
     ``white`` and ``fit`` are of the whole log; ``scenario`` has its clock.
     """
     cut = cut_of(white.problem.log)
-    before = fitted_part(fit, -np.inf, cut, tell, fit)
+    before = fitted_part(fit, cut)
     same = fit.problem is white.problem and (fit.free == white.free).all()
-    trained = before if same else fitted_part(white, -np.inf, cut, tell, white)
+    trained = before if same else fitted_part(white, cut)
     bounds = guard_bounds(trained, intervals_of(before), scenario, colour)
     unexplained = [item.against(bounds) for item in contradictions(white, bounds, cut)]
     return trained, (*changed(fit), *unexplained)

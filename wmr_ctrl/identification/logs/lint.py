@@ -12,7 +12,7 @@ from scipy.ndimage import median_filter
 from wmr_ctrl.world.encoder import COUNTS
 
 from .log import POSES, TORQUES, Floats, Log, LogError, Names, Pair, unit_of
-from .samples import Samples, differenced, shifts_of, speeds, wheels
+from .samples import Samples, differenced, interpolated, shifts_of, speeds, wheels
 
 FEWEST_ROWS, LEAST_MOVING = 50, 0.2
 SLOW = 0.01
@@ -168,12 +168,8 @@ def _check_clocks(
         if max(shares) < 0.5 or max(shares) - np.median(shares) < 0.25:
             return
         late.append(float(shifts[int(np.argmax(shares))]))
-    drift = late[-1] - late[0]
-    if (
-        abs(drift) > 1.5 * fine
-        and (late[1] - late[0]) * drift >= 0
-        and (late[2] - late[1]) * drift >= 0
-    ):
+    steps = np.diff(late)
+    if abs(steps.sum()) > 1.5 * fine and (steps * steps.sum() >= 0).all():
         raise LogError(
             f"{name}: from torque to motion it takes {late[0]:.2f}, {late[1]:.2f} and "
             f"{late[2]:.2f} s in the three thirds of the log: the clocks of commands and sensors "
@@ -248,12 +244,9 @@ def _over(log: Log, seen: Samples) -> tuple[Floats, Floats, Floats] | None:
     begin = np.arange(max(t[0], seen.t[0]), min(t[-1], seen.t[-1]) - OVER, OVER / 2)
     if len(begin) < 20:
         return None
-
-    def at(times: Floats, values: Floats, moment: Floats) -> Floats:
-        return np.column_stack([np.interp(moment, times, column) for column in values.T])
-
-    first, last = (at(t, pose, begin + s) for s in (0, OVER))
-    rolled = at(seen.t, way, begin + OVER) - at(seen.t, way, begin)
+    first, last = (interpolated(begin + s, t, pose) for s in (0, OVER))
+    before, after = (interpolated(begin + s, seen.t, way) for s in (0, OVER))
+    rolled = after - before
     return (first[:, 2] + last[:, 2]) / 2, last - first, rolled
 
 

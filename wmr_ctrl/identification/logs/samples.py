@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import Scenario
 
-from .log import AXES, TORQUES, Floats, Log, Mask, Names, Pair
+from .log import AXES, TORQUES, WHEEL_SPEED, Floats, Log, Mask, Names, Pair
 
 GAP = 5.0
 """Steps without a row from which on a log is in two stretches."""
@@ -96,7 +96,7 @@ def motion_of(raw: Log, scenario: Scenario, source: str, commands: Names = TORQU
     sent, command = raw.pair(commands)
     variance, of_speed = np.zeros(2), source != COUNTS.name
     if source in (COUNTS.name, "wheel_speed"):
-        names = COUNTS.elements if source == COUNTS.name else ("wheel_speed[1]", "wheel_speed[2]")
+        names = COUNTS.elements if source == COUNTS.name else WHEEL_SPEED
         t, wheel = raw.pair(names)
         if not of_speed:
             count = 2 * math.pi / float(scenario.value("encoder.counts")[0])
@@ -222,6 +222,11 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
     )
 
 
+def interpolated(t: Floats, times: Floats, values: Floats) -> Floats:
+    """Columns (N, K) at other times (M,), by straight lines."""
+    return np.column_stack([np.interp(t, times, column) for column in values.T])
+
+
 def differenced(
     log: Samples, fewest: int
 ) -> tuple[Floats, Floats, Floats, Callable[[float], Floats]]:
@@ -232,7 +237,7 @@ def differenced(
     """
     T = log.period
     t = np.arange(log.t[0], log.t[-1], T)
-    way = np.column_stack([np.interp(t, log.t, log.seen[:, k]) for k in (0, 1)])
+    way = interpolated(t, log.t, log.seen)
     if log.of_speed:
         way = np.cumsum(way, axis=0) * T
     w = max(round(0.1 / T), fewest)
