@@ -59,12 +59,8 @@ SKIPPED, COUNTED, WATCHED = range(3)
 
 def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
     """Steps over a piece and over a measurement, each without slopes and with them."""
-    theta, known, moved, torque, force = (
-        port(Signal(name, "1", name, size))
-        for name, size in (
-            ("theta", len(NAMES)), ("known", len(KNOWN)), ("moved", 4), ("torque", 2), ("force", 2)
-        )
-    )  # fmt: skip
+    theta, known = symbol("theta", len(NAMES)), symbol("known", len(KNOWN))
+    moved, torque, force = symbol("moved", 4), symbol("torque", 2), symbol("force", 2)
     a = {name: theta.sym[i] for name, i in INDEX.items()}
     a |= {name: ca.exp(a[name]) for name in LOGARITHMIC}
     a |= {name: known.sym[i] for i, name in enumerate(KNOWN)}
@@ -120,6 +116,11 @@ def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
         *piece,
         *both("correct", what, seen, next=(after_it, along(after_it)), y=_told(*reading, along)),
     )
+
+
+def symbol(name: str, size: int = 1) -> Port:
+    """A port with no unit."""
+    return port(Signal(name, "1", name, size))
 
 
 def _rate(

@@ -25,13 +25,12 @@ import numpy as np
 from wmr_ctrl.codegen.build import lanes_library
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.core.data import data, with_tuples
-from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.model.dynamics import rk4_step
-from wmr_ctrl.world.model.system import System, port
+from wmr_ctrl.world.model.system import System
 
 from .fit import FINEST, FLOOR, errors_of
-from .kalman import BLOCKS, blocks_of
+from .kalman import BLOCKS, blocks_of, symbol
 from .logs.log import Floats, Mask, Names, Pair
 from .logs.samples import LONGEST_DELAY, AxisLog
 
@@ -68,10 +67,7 @@ AT_ONCE = 16
 @cache
 def _follower(loop: str) -> ct._NamedFuncPointer:
     """Compiled steps of (ramped, v, second state), for many sets of parameters."""
-    w, v, inner, p = (
-        port(Signal(name, "1", name, size))
-        for name, size in (("w", 1), ("v", 1), ("inner", 1), ("p", 2))
-    )
+    w, v, inner, p = symbol("w"), symbol("v"), symbol("inner"), symbol("p", 2)
     first, second = p.sym[0], p.sym[1]
     a, b, error = 2 * second * first, first**2, w.sym - v.sym
     rates = {

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from wmr_ctrl.control.given import scenario_of
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.fields.section import default
 from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.core.fields.unstated import Unknown
@@ -23,11 +24,7 @@ from .logs.samples import Samples, held_speeds
 from .written import values_in
 
 LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
-STAND_IN: Mapping[str, object] = {
-    "robot": {"m": 50.0, "I": 5.4, "mu": 0.08, "r": 0.1, "l": 0.25},
-    "limits": {"v_u1": [1.0, 1.5]},
-    "reference": {"kind": "circle"},
-}
+STAND_IN: Mapping[str, object] = data(__package__, "stand_in.toml")
 """What a log is read with until it says better; what nobody stated is not written."""
 LEAST_SEEN = 1e-3
 """Least speed that counts as motion [m/s, rad/s]."""

@@ -183,8 +183,7 @@ class AxisLog:
         The steps begin BEFORE its first time.
         """
         h, result = self.period / math.ceil(self.period / STEP - 1e-9), []
-        for low, high in zip(self.first, [*self.first[1:], len(self.t)], strict=True):
-            t = self.t[low:high]
+        for t in np.split(self.t, self.first[1:]):
             edges = np.arange(t[0] - BEFORE, t[-1] + 1.5 * h, h)
             result.append((t, edges, self.mean_command(edges[:-1], edges[1:])))
         return result
@@ -209,12 +208,12 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
     since, sent = log.since, log.command[:, axis]
     in_fit = (since > COUNTED_FROM) & (log.t - LONGEST_DELAY > log.command_t[0])
     still = STILL * float(np.quantile(np.abs(speed), 0.98))
-    for low, high in zip(log.first, [*log.first[1:], len(log.t)], strict=True):
+    for stretch in np.split(np.arange(len(log.t)), log.first[1:]):
         # What begins at rest has no motion of before.
-        rows = slice(low, low + int(np.sum(since[low:high] < RESTS)))
+        rows = stretch[since[stretch] < RESTS]
         acting = np.searchsorted(log.command_t, log.t[rows], "right") - 1
         if not sent[np.maximum(acting, 0)].any() and (np.abs(speed[rows]) <= still).all():
-            in_fit[low:high] = since[low:high] > 0
+            in_fit[stretch] = since[stretch] > 0
     if log.use is not None:
         in_fit &= log.use[:, axis]
     return AxisLog(
