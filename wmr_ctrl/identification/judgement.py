@@ -250,7 +250,7 @@ def _over_time(fit: LoopFit, axis: int) -> Iterator[Finding]:
 def _late(fit: LoopFit, name: str) -> Iterator[Finding]:
     """Delays that differ from one change of the command to the next.
 
-    None if they differ no more than noise makes them, or there are too few.
+    Nothing if they differ no more than noise makes them, or there are too few.
     """
     log, steps = fit.log, np.diff(fit.log.sent)
     times = log.sent_t[1:][steps != 0]

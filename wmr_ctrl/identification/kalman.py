@@ -44,7 +44,7 @@ NAMES = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag", "q1", "q2", "s1", "s2"
 """Parameters, see docs/explanation/identify.md.  m, I and what follows lag are searched as
 logarithms; q: rms white force a control period, s: rms of the coloured force and its time, n: rms
 of measured speeds."""
-LOGARITHMIC = frozenset({"m", "I", "q1", "q2", "s1", "s2", "time", "n1", "n2"})
+LOGARITHMIC = frozenset((*NAMES[:2], *NAMES[8:]))
 INDEX = {name: k for k, name in enumerate(NAMES)}
 KNOWN = ("r", "l", "g", "v_s", "T")
 """Numbers that are not searched."""
