@@ -15,7 +15,6 @@ from tests.compilers import (
     FLAGS,
     NODE,
     QEMU,
-    SIMD128,
     WASM,
     WINE,
     ZIG,
@@ -28,12 +27,7 @@ from tests.compilers import (
 
 SCRIPT = Path(__file__).with_name("hashes.mjs")
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wdouble-promotion", "-Werror")
-HERE = (
-    ("gcc", "-O2", "-march=native"), ("gcc", "-O3", "-march=native", "-DWMR_LANES=4"),
-    ("clang", "-O3", "-march=native"), ("clang", "-O2", "-DWMR_LANES=2"),
-    ("clang", "-O3", "-march=native", "-DWMR_LANES=8"),
-    (*ZIG, "-O2", "-mcpu=baseline"), (*ZIG, "-O3", "-mcpu=native", "-DWMR_LANES=4"),
-)  # fmt: skip
+HERE = (("gcc", "-O2", "-march=native"), ("clang", "-O3", "-march=native", "-DWMR_LANES=8"))
 
 
 def built(
@@ -63,16 +57,15 @@ def test_it_is_c99_without_a_warning(compiler: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", HERE, ids=lambda item: " ".join(item).split("ziglang ")[-1])
+@pytest.mark.parametrize("command", HERE, ids=" ".join)
 def test_compilers_and_flags_give_the_same_bits(command: tuple[str, ...], tmp_path: Path) -> None:
     assert_equal_bits(built(tmp_path, (*command, "-DWMR_PRINT")))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("lanes", [0, 2])
-def test_aarch64_gives_the_same_bits(lanes: int, tmp_path: Path) -> None:
+def test_aarch64_gives_the_same_bits(tmp_path: Path) -> None:
     emulator = where(*QEMU)
-    target = ("-target", ARM, f"-DWMR_LANES={lanes}", "-DWMR_PRINT", "-O2")
+    target = ("-target", ARM, "-DWMR_LANES=2", "-DWMR_PRINT", "-O2")
 
     assert_equal_bits(emulator, built(tmp_path, (*ZIG, *target)), **BESIDE_QEMU)
 
@@ -87,10 +80,9 @@ def test_windows_gives_the_same_bits(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("lanes", [(), ("-DWMR_LANES=2", *SIMD128)], ids=["one", "simd128"])
-def test_webassembly_gives_the_same_bits(lanes: tuple[str, ...], tmp_path: Path) -> None:
+def test_webassembly_gives_the_same_bits(tmp_path: Path) -> None:
     node = where(*NODE)
-    command = (*WASM, "-Wl,--export=hash_of", *lanes)
+    command = (*WASM, "-Wl,--export=hash_of")
 
     assert_equal_bits(node, SCRIPT, built(tmp_path, command, "each.wasm"))
 
