@@ -96,11 +96,11 @@ def places(draw: np.random.Generator, count: int, axis: Axis) -> Iterator[np.nda
     yield from (speed, here, middle, moved(middle), np.exp(-(10 ** draw.uniform(-3, 0.7, count))))
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(100, marks=pytest.mark.slow)])
 @every_axis
-@pytest.mark.slow_but("axis1-12", "axis4-12")
-def test_s_falls_but_for_the_way_that_is_not_carried(axis: Axis, count: int) -> None:
+@pytest.mark.slow_but("axis1", "axis4")
+def test_s_falls_but_for_the_way_that_is_not_carried(axis: Axis) -> None:
     """S(v*; c_m) <= S(v; c), S(v+; c+) <= E (S(v; c) + |c+ - c_m|), to a few roundings of v."""
+    count = 12
     with mp.workdps(50):
         given = tuple(places(np.random.default_rng(count), count, axis))
         made = step(axis).map(count)(*(ca.DM(item).T for item in given))
