@@ -66,8 +66,8 @@ def test_the_package_is_tried_as_the_graph_is():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", range(len(STATEMENTS)))
-def test_a_few_trials_of_every_statement(number):
+@pytest.mark.parametrize("number", [0, 33])
+def test_a_few_trials_of_some_statements(number):
     """The last of the broken hypotheses, or another where so few trials miss it."""
     item = STATEMENTS[number]
 

@@ -1,16 +1,13 @@
 """The comparison with and without the guard: its plan, its rows, and what it finds.
 
-By default on a few cases, with `-m ''` on those that decide, and with `--every-case` on so many
-that every two of law, factor and base meet, with and without the guard. `wmr-ctrl reproduce` runs
-the whole plan.
+On the cases that decide; `wmr-ctrl reproduce` runs the whole plan.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import combinations
 
 import pytest
 
@@ -36,11 +33,6 @@ from wmr_ctrl.world.scenario import load_scenario, override
 
 WEAK = "tau_max = 5 N m"
 ONE = HELD_OUT[:1]
-FEW = (
-    *comparison_plan(("mb", "smc"), ONE, ("10 ms",), ("adversary",)),
-    *comparison_plan(("mb",), ONE, ("10 ms",), (WEAK,)),
-)
-"""Two laws pushed over their limit, and the refusal."""
 DECISIVE = (
     *comparison_plan(OUR_LAWS, ONE, ("10 ms",), ("adversary",)),
     *comparison_plan(("mb",), ONE, ("10 ms",), (WEAK,)),
@@ -71,21 +63,6 @@ def test_a_drop_of_the_mass_has_a_tenth_of_room_on_either_side_for_the_guard():
 
         assert guard.M_min == pytest.approx((0.9 * change.m, 0.9 * change.I))
         assert guard.M_max == pytest.approx((1.1 * robot.m, 1.1 * robot.I))
-
-
-def meets() -> tuple[PlannedRun, ...]:
-    """Of two bases that a factor has, each law gets one in turn; and what decides."""
-    plan = comparison_plan(seeds=ONE)
-    bases = {(case.name, case.base) for case, _ in plan}
-    places = [list(names) for names in (OUR_LAWS, FACTORS, BASES)]
-
-    def chosen(run: PlannedRun) -> bool:
-        values = (run.case.law, run.case.name, run.case.base)
-        turn = sum(names.index(value) for names, value in zip(places, values, strict=True)) % 2 == 0
-        alone = sum(run.case.name == name for name, _ in bases) == 1
-        return turn or run in DECISIVE or alone
-
-    return tuple(run for run in plan if chosen(run))
 
 
 TINY = comparison_plan(("smc", "prox"), bases=("10 ms",), factors=("base", WEAK))
@@ -131,14 +108,6 @@ def test_what_no_noise_moves_is_run_once_and_a_period_of_its_own_is_in_one_base(
     }
 
 
-def test_what_every_case_is_brings_every_two_values_together() -> None:
-    def pairs(plan: Iterable[PlannedRun]) -> set[object]:
-        rows = ((c.law, c.name, c.base, c.guard) for c, _ in plan)
-        return {pair for row in rows for pair in combinations(enumerate(row), 2)}
-
-    assert pairs(meets()) == pairs(comparison_plan(seeds=ONE))
-
-
 def test_sweeps_have_the_numbers_of_their_factors() -> None:
     assert swept("clock.control") == [(0.001, "T = 1 ms"), (0.02, "T = 20 ms"), (0.05, "T = 50 ms")]
     assert len(swept("actuator.tau_max")) == 4
@@ -147,16 +116,9 @@ def test_sweeps_have_the_numbers_of_their_factors() -> None:
 # -- real runs ----------------------------------------------------------------------------
 
 
-@pytest.fixture(
-    scope="module",
-    params=[
-        pytest.param(FEW, id="few"),
-        pytest.param(DECISIVE, id="decisive", marks=pytest.mark.slow),
-        pytest.param(meets(), id="every two", marks=pytest.mark.slow),
-    ],
-)
-def comparison(request: pytest.FixtureRequest) -> RunTable:
-    return run_comparison(shortened(request.param))
+@pytest.fixture(scope="module")
+def comparison() -> RunTable:
+    return run_comparison(shortened(DECISIVE))
 
 
 @pytest.mark.slow
