@@ -66,7 +66,7 @@ def test_second_kinematic_gain_below_one(told):
     assert "k[2] = 0.5 is below 1" in warning.sentence
 
 
-@pytest.mark.parametrize("kind", ["circle", "line", "lemniscate", "rounded-square"])
+@pytest.mark.parametrize("kind", ["circle", "line", "lemniscate"])
 @pytest.mark.slow_but("circle", "lemniscate")
 def test_default_references_keep_the_preconditions(told, kind):
     assert told("mb", {"reference.kind": kind}, key="reference") == []

@@ -11,30 +11,25 @@ from wmr_ctrl.theory.linear.linear_report import report_linear
 from wmr_ctrl.world.scenario import load_scenario
 
 
-@pytest.mark.parametrize(("law", "below", "above"), [("prox", 0.1, 0.2), ("mb", 0.2, 0.4)])
 @pytest.mark.slow
-def test_runs_cycle_where_a_pose_is_said_to_be_too_old(
-    law: str, below: float, above: float
-) -> None:
-    for age, stable in ((below, True), (above, False)):
+def test_runs_cycle_where_a_pose_is_said_to_be_too_old() -> None:
+    for age, stable in ((0.1, True), (0.2, False)):
         scenario = load_scenario("paper-simulation-nominal", {"sensor.pose_delay": age})
-        remarks = [item.key for item in simulate(scenario, law).remarks]
+        remarks = [item.key for item in simulate(scenario, "prox").remarks]
 
-        assert (largest_stable_period(scenario, law) > 0.01) is stable
+        assert (largest_stable_period(scenario, "prox") > 0.01) is stable
         assert ("oscillates" not in remarks) is stable
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("age", "every", "stable"), [(0.1, 0.0, True), (0.2, 0.2, False), (0.2, 0.5, True)]
-)
+@pytest.mark.parametrize(("every", "stable"), [(0.2, False), (0.5, True)])
 def test_the_linear_report_has_the_same_limit(
-    age: float, every: float, stable: bool, monkeypatch: pytest.MonkeyPatch
+    every: float, stable: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
         "wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: []
     )  # two thirds of it
-    late = {"sensor.pose_delay": age, "sensor.pose_period": every}
+    late = {"sensor.pose_delay": 0.2, "sensor.pose_period": every}
     scenario = load_scenario("paper-simulation-nominal", late)
     page = report_linear(scenario, "prox")
 

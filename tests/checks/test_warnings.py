@@ -8,7 +8,6 @@ from itertools import cycle
 import pytest
 
 from tests.checks.asking import STABILITY
-from tests.matrix import rotated, turns
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import UnknownNameError
@@ -18,11 +17,17 @@ from wmr_ctrl.theory.checks.sample_time import sample_time
 from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.world.scenario import load_scenario, preset_names
 
-KINDS = ("circle", "line", "lemniscate", "rounded-square", "stop-and-go")
 
-
-@pytest.mark.parametrize(("name", "law"), rotated(preset_names(), tuple(LAWS)))
-@pytest.mark.slow_but("paper-experiment-nn", "paper-simulation-pid")
+@pytest.mark.parametrize(
+    ("name", "law"),
+    [
+        ("paper-experiment", "nn"),
+        ("paper-simulation", "pid"),
+        pytest.param("robot-100ms", "prox", marks=pytest.mark.slow),
+        pytest.param("outside-start", "smc", marks=pytest.mark.slow),
+        pytest.param("turtlebot3-burger", "pursuit", marks=pytest.mark.slow),
+    ],
+)
 def test_every_preset_gets_a_handful_of_readable_sentences(name, law):
     found = warnings_for(settle(load_scenario(name), law))
 
@@ -34,7 +39,15 @@ def test_every_preset_gets_a_handful_of_readable_sentences(name, law):
         assert str(warning) == f"{warning.sentence} [{warning.equation}]"
 
 
-@pytest.mark.parametrize(("kind", "law"), turns(KINDS, tuple(LAWS)))
+@pytest.mark.parametrize(
+    ("kind", "law"),
+    [
+        ("circle", "pid"),
+        ("line", "smc"),
+        pytest.param("lemniscate", "mb", marks=pytest.mark.slow),
+        pytest.param("stop-and-go", "prox", marks=pytest.mark.slow),
+    ],
+)
 def test_every_reference_is_judged(kind, law):
     scenario = load_scenario("paper-simulation", {"reference.kind": kind})
 
