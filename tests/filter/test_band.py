@@ -71,10 +71,9 @@ def test_nor_with_the_push_that_is_stated():
 SWINGING = list(itertools.product((3.0, 5.0), (0.4, 1.4), (0.8, 1.1)))
 
 
-@pytest.mark.parametrize("corner", range(len(SWINGING)))
+@pytest.mark.parametrize(("w0", "z", "K"), [(3.0, 0.4, 1.1), (5.0, 1.4, 0.8)])
 @pytest.mark.slow
-def test_nor_second_order_loops_of_any_gain(corner):
-    w0, z, K = SWINGING[corner]
+def test_nor_second_order_loops_of_any_gain(w0, z, K):
     base = second_order_base(w0, z, K)
     worst = [abs(speeds(base, banded("second-order"), r, 0.0)).max() for r in demands(base, 2)]
     assert max(worst) <= 1.0
@@ -137,14 +136,13 @@ def test_a_frequency_that_is_five_per_cent_wrong_breaks_nothing():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("share", [0.95, 1.05])
-def test_one_that_is_known_breaks_the_limit_where_it_is_wrong(share):
+def test_one_that_is_known_breaks_the_limit_where_it_is_wrong():
     """A loop whose tables cover nothing else, and the worst commands of all for one that is off."""
     known = {"frequency": (4.0, 4.0), "damping": (0.3, 0.3), "gain": (1.0, 1.0)}
     limit = command_filter(scenario(kind="band", **SWUNG | known))
     worst = Worst(tables_of(limit.system, 1.0, SAMPLES), SAMPLES)
     assert 0.999 < worst.commands(second_order_base(4.0, 0.3, 1.0), T)[1] <= 1.0
-    off = second_order_base(4.0 * share, 0.3, 1.0)
+    off = second_order_base(0.95 * 4.0, 0.3, 1.0)
     asked, reached = worst.commands(off, T)
     assert 1.005 < reached == pytest.approx(abs(speeds(off, limit, asked, 0.0)).max(), abs=1e-3)
 

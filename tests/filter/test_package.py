@@ -16,7 +16,6 @@ from click.testing import CliRunner
 from tests.codegen.measured import FILTERS
 from tests.codegen.test_package import WARNINGS, needs, run
 from tests.filter.test_filter import scenario
-from tests.matrix import quick
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import known_footprint, package_files
 from wmr_ctrl.codegen.single_precision import with_margin
@@ -342,10 +341,11 @@ LOOPS: Mapping[str, Mapping[str, object]] = {
 """Numbers of each loop that overshoots."""
 
 
-@pytest.mark.parametrize("loop", LOOPS)
 @pytest.mark.parametrize(
-    "kind", ["clip", *(pytest.param(k, marks=pytest.mark.slow) for k in ("slew", "band"))]
+    ("kind", "loop"),
+    [("clip", "second-order"), ("clip", "pi"), ("slew", "second-order"), ("band", "pi")],
 )
+@pytest.mark.slow_but("clip-second-order", "clip-pi")
 def test_the_example_behind_a_loop_that_overshoots_stays_inside(kind, loop, tmp_path):
     needs("gcc")
     slow = {"filter.kind": "clip", "filter.slew": (0.1, 0.2)}
@@ -371,8 +371,10 @@ def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):
         assert int(flags) == sum(bits[flag] for flag in made.flags)
 
 
-@pytest.mark.parametrize("float32", [False, True])
-@pytest.mark.parametrize("name", ["clip", "governor", "band", "clip of slow commands"])
+@pytest.mark.parametrize(
+    ("name", "float32"),
+    [("clip", False), ("governor", True), ("band", True), ("clip of slow commands", False)],
+)
 @pytest.mark.slow_but("clip-False", "governor-True")
 def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_path: Path) -> None:
     """A clock's readings come from whole nanoseconds, to the bit of a double."""
@@ -401,7 +403,6 @@ def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_pa
                     True, True, True, False]  # fmt: skip
 
 
-TABLED = ("filter_held_v[3]", "filter_stop_fall_omega[7]", "filter_after_v[1]", "filter_left_v")
 REMEMBERING = ("governor", "clip of slow commands", "band of 50 commands")
 TOLD_OF = {name: {**FILTERS[name], "clock.control": 0.05} for name in REMEMBERING}
 
@@ -417,7 +418,7 @@ def package(name: str, folder: Path, program: str, *defined: str) -> None:
     run([*command, "main.c", "wmr_filter.c", "-lm", "-o", "main"], folder)
 
 
-@pytest.mark.parametrize("name", quick(REMEMBERING, "governor", "band of 50 commands"))
+@pytest.mark.parametrize("name", REMEMBERING)
 @pytest.mark.slow_but("governor")
 def test_a_repeated_call_is_noticed_once_the_time_was_told(name: str, tmp_path: Path) -> None:
     package(name, tmp_path, REPEATED)
@@ -430,8 +431,15 @@ def test_a_repeated_call_is_noticed_once_the_time_was_told(name: str, tmp_path: 
     assert [flag > 0 for flag in flags] == repeats
 
 
-@pytest.mark.parametrize("wrong", quick(["NAN", "-INFINITY"], "NAN"))
-@pytest.mark.parametrize("table", quick(TABLED))
+@pytest.mark.parametrize(
+    ("table", "wrong"),
+    [
+        ("filter_held_v[3]", "NAN"),
+        ("filter_stop_fall_omega[7]", "-INFINITY"),
+        ("filter_left_v", "NAN"),
+    ],
+)
+@pytest.mark.slow
 def test_a_table_with_no_number_sends_nothing_and_says_so(
     table: str, wrong: str, tmp_path: Path
 ) -> None:
@@ -454,7 +462,8 @@ WHEELS: Mapping[str, Mapping[str, object]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", quick(WHEELS, "wheels beside"))
+@pytest.mark.parametrize("name", WHEELS)
+@pytest.mark.slow_but("wheels beside")
 def test_every_limit_is_lowered_in_single_precision(name: str) -> None:
     """A rim came to 1 + 2e-7 of `filter.wheel_speed`, which was none of those that were lowered."""
     settings = load_scenario("paper-simulation", WHEELS[name])
@@ -474,9 +483,17 @@ WITHOUT_EFFECT = {
 """Parameters that no limit hangs on, and the flag of a step in which they are no number."""
 
 
-@pytest.mark.parametrize("float32", [False, pytest.param(True, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
-    "name", quick((*FILTERS, *WHEELS), "clip", "wheels beside", "band of 50 commands")
+    ("name", "float32"),
+    [
+        ("clip", False),
+        ("clip", True),
+        ("wheels beside", False),
+        ("clip of wheels", False),
+        ("clip of slow commands", True),
+        ("governor, delay of 0 to 30 ms", True),
+        ("band of 50 commands", False),
+    ],
 )
 @pytest.mark.slow_but("clip-False", "wheels beside-False")
 def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
@@ -506,8 +523,15 @@ def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
         assert (again, int(later) & 32) == ((1, 32) if tabled else (0, 0)), parameter
 
 
-@pytest.mark.parametrize("float32", [False, True])
-@pytest.mark.parametrize("name", WRONG)
+@pytest.mark.parametrize(
+    ("name", "float32"),
+    [
+        ("clip", False),
+        ("clip", True),
+        ("band of 50 commands", False),
+        ("clip of slow commands", True),
+    ],
+)
 @pytest.mark.slow_but("clip-False", "clip-True")
 def test_misuse_gives_a_safe_command_and_its_flag(name: str, float32: bool, tmp_path: Path) -> None:
     """As the graph says: what is no number is asked for as 0, which slew brings about."""

@@ -12,7 +12,6 @@ from tests.filter.linear_base import LinearBase, held
 from tests.filter.test_band import CORNERS, SWINGING, second_order_base
 from tests.filter.test_filter import scenario as first_order
 from tests.filter.test_peak_gain import scenario
-from tests.matrix import quick
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.band import NAMES, BandGovernor
 from wmr_ctrl.control.filter.filter import CommandFilter
@@ -70,7 +69,7 @@ def fastest(
     return worst
 
 
-@pytest.mark.parametrize("family", quick(FAMILIES, "pi"))
+@pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.slow
 def test_a_band_that_is_told_the_time_keeps_its_limit_whenever_it_is_called(family):
     stated, bases = FAMILIES[family]
@@ -80,7 +79,7 @@ def test_a_band_that_is_told_the_time_keeps_its_limit_whenever_it_is_called(fami
     assert 0.7 < max(worst) <= 1.0
 
 
-@pytest.mark.parametrize("family", quick(FAMILIES, "pi"))
+@pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.slow
 def test_one_that_is_not_told_breaks_it(family):
     stated, bases = FAMILIES[family]
@@ -88,8 +87,7 @@ def test_one_that_is_not_told_breaks_it(family):
     assert max(fastest(b, limit, *standing_still(b), told=False) for b in bases) > 1.0
 
 
-@pytest.mark.parametrize("family", quick(FAMILIES, "pi"))
-@pytest.mark.parametrize("told", quick([True, False], True))
+@pytest.mark.parametrize(("told", "family"), [(True, "second-order"), (False, "pi")])
 @pytest.mark.slow
 def test_jitter_that_is_stated_costs_little_and_breaks_nothing(family, told):
     stated, bases = FAMILIES[family]
@@ -187,7 +185,8 @@ def test_a_late_step_brakes_nobody_who_wants_as_much(at, caught_up):
     assert sent[-1] > 0.97
 
 
-@pytest.mark.parametrize("share", quick([0.02, 0.9, 1.1, 3.0], 0.9))
+@pytest.mark.parametrize("share", [0.02, 0.9, 1.1, 3.0])
+@pytest.mark.slow_but("0.9")
 def test_a_stop_comes_however_wrong_the_period_is(share):
     stated, _ = FAMILIES["pi"]
     limit = command_filter(scenario(kind="band", **stated))
