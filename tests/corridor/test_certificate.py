@@ -17,7 +17,6 @@ from tests.corridor.adversary import (
     worst_excursions,
     worst_pushes,
 )
-from tests.corridor.further import EXACT
 from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
@@ -30,7 +29,6 @@ from wmr_proofs.corridor.masses import certified
 from wmr_proofs.corridor.whole import certified_run
 
 EXACT_POSE = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
-SLOW = {**EXACT_POSE, "disturbance.std": 1 / 3}
 QUICK = {
     **EXACT_POSE, "clock.control": 0.05, "gains.kinematics.k": [12.0, 196.0, 5.0],
     "gains.prox": {"rho": [24.0, 16.0], "wo": 12.0},
@@ -39,9 +37,7 @@ CASES = {
     "prox, 10 ms": ("safe-simulation", "prox", {}, 300, 1.3),
     "mb, 10 ms": ("safe-simulation", "mb", {}, 300, 1.3),
     "kanayama, 10 ms": ("safe-simulation", "kanayama", {}, 400, 1.3),
-    "prox, 20 ms": ("safe-simulation", "prox", {"clock.control": 0.02}, 150, 1.3),
     "prox, 50 ms": ("safe-experiment", "prox", QUICK, 150, 1.3),
-    "prox, 100 ms": ("safe-experiment", "prox", SLOW, 60, 1.5),
 }
 """Preset, law, changes, samples that an attack takes, and how tight the corridor is at least."""
 
@@ -63,10 +59,9 @@ def test_no_adversary_leaves_the_corridor_and_some_come_near(case):
     assert reached.torque < settle(scenario, law).tau_max
 
 
-@pytest.mark.parametrize("robot", [(40.0, 4.3), (65.0, 7.0)])
 @pytest.mark.slow
-def test_another_mass_than_the_law_believes_in_is_one_force_with_a_sign(robot):
-    wrong = {**dict(zip(("robot.m", "robot.I"), robot, strict=True)), "changes": []}
+def test_another_mass_than_the_law_believes_in_is_one_force_with_a_sign():
+    wrong = {"robot.m": 40.0, "robot.I": 4.3, "changes": []}
     believed = {"model.m": 50.0, "model.I": 5.4, "model.mu": 0.08}
     scenario = override(load_scenario("safe-simulation"), {**wrong, **believed})
     tube = find_corridor(scenario, "prox")
@@ -76,8 +71,7 @@ def test_another_mass_than_the_law_believes_in_is_one_force_with_a_sign(robot):
     assert np.abs(reached.e[:, 2]).max() <= tube.heading
 
 
-@pytest.mark.parametrize("whole", [False, True])
-@pytest.mark.parametrize("bent", ["not", "a kink", "a jump"])
+@pytest.mark.parametrize(("bent", "whole"), [("not", False), ("a kink", True), ("a jump", False)])
 @pytest.mark.slow
 def test_a_law_that_has_a_kink_where_the_robot_may_be_is_refused(bent, whole):
     """Neither has a second derivative."""
@@ -272,11 +266,6 @@ REFUSED = {
     "counts a lag or late velocities": ("safe-simulation", {"actuator.lag": 0.005}, "prox"),
     "unstable": ("safe-simulation", {"clock.control": 0.2, "guard.enabled": False}, "prox"),
     "depends on the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
-    "depends on the heading, such as a slope": (
-        "turtlebot3-burger",
-        {"slope.angle": 0.01, "slope.direction": 0.5, "filter.kind": "none", **EXACT},
-        "prox",
-    ),
     "may grow as large as what the loop corrects, beyond the 30.4 mm that the linear loop leaves": (
         "safe-experiment",
         EXACT_POSE,
@@ -392,7 +381,7 @@ def test_with_as_few_lost_poses_as_a_refusal_says_there_is_a_corridor():
 LOST = {"sensor.pose_dropout": 0.1, "corridor.losses": 40}
 
 
-@pytest.mark.parametrize(("period", "more"), [(0.05, LOST), (0.08, LOST), (5.0, {})])
+@pytest.mark.parametrize(("period", "more"), [(0.05, LOST), (5.0, {})])
 @pytest.mark.slow
 def test_what_a_refusal_says_to_set_for_rare_poses_has_a_corridor(period, more):
     scenario = override(load_scenario("safe-simulation"), {"sensor.pose_period": period, **more})

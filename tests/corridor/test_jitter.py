@@ -16,18 +16,14 @@ def simulated(**told):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("law", "steps", "loose"), [("prox", 2, 1.15), ("prox", 5, 1.3), ("kanayama", 5, 1.25)]
-)
-def test_no_adversary_leaves_it_whenever_commands_act(law, steps, loose):
-    tube = find_corridor(simulated(actuator__jitter=1e-3 * steps), law)
+def test_no_adversary_leaves_it_whenever_commands_act():
+    tube = find_corridor(simulated(actuator__jitter=0.002), "prox")
     within, beyond = (
-        farthest_jittered(simulated(), law, 250, 0.3, steps, times) for times in (1.0, 1.2)
+        farthest_jittered(simulated(), "prox", 250, 0.3, 2, times) for times in (1.0, 1.2)
     )
 
-    assert tube.position / loose <= within.position <= tube.position
+    assert tube.position / 1.15 <= within.position <= tube.position < beyond.position
     assert np.abs(within.e[:, 2]).max() <= tube.heading
-    assert beyond.position > tube.position or steps > 2
 
 
 SWINGING = {
@@ -79,16 +75,13 @@ LATE = {"jitter": {"actuator__jitter": 0.004}, "delay": {"actuator__unmodelled_d
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("late", LATE)
-@pytest.mark.parametrize("size", [0.3, 1.5])
-def test_behind_a_guard_that_counts_late_commands_it_changes_none(late, size):
-    scenario = simulated(**GUARDED, **LATE[late], disturbance__std=size / 3)
+@pytest.mark.parametrize(
+    ("late", "worst"), [("jitter", farthest_jittered), ("delay", farthest_held)]
+)
+def test_behind_a_guard_that_counts_late_commands_it_changes_none(late, worst):
+    scenario = simulated(**GUARDED, **LATE[late], disturbance__std=0.1)
     tube = find_corridor(scenario, "prox")
-    found = (
-        farthest_jittered(scenario, "prox", 150, size, 4)
-        if late == "jitter"
-        else farthest_held(scenario, "prox", 150, size, 4)
-    )
+    found = worst(scenario, "prox", 150, 0.3, 4)
 
     assert found.position <= tube.position < 1.35 * found.position
     assert not found.clipped

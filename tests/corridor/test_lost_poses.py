@@ -18,35 +18,30 @@ SAMPLES = 200
 NOISY = {"disturbance.std": 0.0, "sensor.velocity_noise": [1e-3, 4e-3]}
 
 
-@pytest.mark.parametrize("times", [1, 4])
 @pytest.mark.slow
-def test_pushes_do_not_drive_it_out_whatever_poses_are_lost_up_to_the_bound(times):
-    scenario, exact = simulated(lossy(times)), simulated()
+def test_pushes_do_not_drive_it_out_whatever_poses_are_lost_up_to_the_bound():
+    scenario, exact = simulated(lossy(1)), simulated()
     tube, rng = find_corridor(scenario, "prox"), np.random.default_rng(2)
-    pushes = worst_pushes(exact, "prox", SAMPLES, 0.3)[:: 1 if times == 1 else 3]
-    always = farthest_lost(scenario, pushes, [*[0] * times, 1])
-    some = farthest_lost(scenario, pushes[:2], (rng.random(SAMPLES) < 0.4) | _each(times + 1))
-    beyond = farthest_lost(scenario, [1.2 * push for push in pushes], [*[0] * times, 1])
+    pushes = worst_pushes(exact, "prox", SAMPLES, 0.3)
+    every_second = np.arange(SAMPLES) % 2 == 1
+    always = farthest_lost(scenario, pushes, [0, 1])
+    some = farthest_lost(scenario, pushes[:2], (rng.random(SAMPLES) < 0.4) | every_second)
+    beyond = farthest_lost(scenario, [1.2 * push for push in pushes], [0, 1])
 
     assert tube.position / 1.2 <= max(always[0], some[0]) <= tube.position
     assert max(always[1], some[1]) <= tube.heading
     assert beyond[0] > tube.position
-    assert f"no pose comes to up to {times} samples in a row" in tube.sentence
+    assert "no pose comes to up to 1 samples in a row" in tube.sentence
 
 
 @pytest.mark.parametrize(
     ("late", "wait", "law", "times", "loose"),
     [
         ({"actuator.jitter": 0.005}, (0, 5), "prox", 1, 1.4),
-        ({"actuator.lag": 0.01}, (0, 0), "prox", 4, 1.25),
-        *(pytest.param(*case, marks=pytest.mark.slow) for case in [
-            ({"actuator.jitter": 0.002}, (0, 2), "prox", 4, 1.35),
-            ({"actuator.jitter": 0.005}, (0, 5), "kanayama", 4, 1.3),
-            ({"actuator.lag": 0.005}, (0, 0), "kanayama", 1, 1.05),
-            ({"actuator.unmodelled_delay": 0.004}, (4, 4), "prox", 1, 1.1),
-        ]),
+        ({"actuator.lag": 0.005}, (0, 0), "kanayama", 1, 1.05),
+        ({"actuator.unmodelled_delay": 0.004}, (4, 4), "prox", 1, 1.1),
     ],
-)  # fmt: skip
+)
 @pytest.mark.slow
 def test_nor_do_late_commands_while_poses_are_lost(late, wait, law, times, loose):
     tube = find_corridor(simulated(late, lossy(times)), law)
@@ -56,10 +51,6 @@ def test_nor_do_late_commands_while_poses_are_lost(late, wait, law, times, loose
 
     assert tube.position / loose <= reached[0] <= tube.position
     assert reached[1] <= tube.heading
-
-
-def _each(apart):
-    return np.arange(SAMPLES) % apart == apart - 1
 
 
 @pytest.mark.slow
