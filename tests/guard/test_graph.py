@@ -61,29 +61,20 @@ def worst_speed(row: np.ndarray, force: float, v: float) -> Fraction:
     return max(reached)
 
 
-def check_exactly(cases: int, seed: int) -> None:
+@pytest.mark.slow
+def test_generated_c_keeps_the_limit_in_exact_arithmetic() -> None:
     item = kernel(
         "axis", "One axis of the guard.",
         {"asked": ASKED, "y": Y, "p": SYMBOLS}, {"force": clipped(ASKED, Y, BOUNDS)},
     )  # fmt: skip
-    step, draw = compiled([item])[0], np.random.default_rng(seed)
-    for _ in range(cases):
+    step, draw = compiled([item])[0], np.random.default_rng(0)
+    for _ in range(3000):
         row, u1 = drawn(draw)
         v = speed(draw, u1)
         y = v + row[5] * draw.choice([-1, 1, 0]) * (1 - 2.0**-50)
         asked = draw.choice([math.inf, -math.inf, 0.0, draw.normal() * row[2] * row[6] * u1])
         force = float(step(np.array([asked]), np.array([y]), row)[0])
         assert worst_speed(row, force, v) <= Fraction(u1), (row.tolist(), v, y, asked, force)
-
-
-@pytest.mark.slow
-def test_generated_c_keeps_the_limit_in_exact_arithmetic() -> None:
-    check_exactly(3000, 0)
-
-
-@pytest.mark.slow
-def test_generated_c_keeps_the_limit_in_exact_arithmetic_20000_times() -> None:
-    check_exactly(20_000, 1)
 
 
 def test_box_is_never_empty() -> None:
@@ -169,8 +160,10 @@ def evaluated(item: System, u: object, x: object) -> tuple[np.ndarray, np.ndarra
     return tuple(part.full().ravel() for part in f(u, x, item.p0))
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.003, 0.01, 0.024])
-@pytest.mark.parametrize("order", MAPS)
+@pytest.mark.parametrize(
+    ("order", "delay"),
+    [("linear-first", 0.01), ("linear-first", 0.0), ("rotation-first", 0.024)],
+)
 @pytest.mark.slow_but("linear-first-0.01")
 def test_guard_by_itself_equals_its_numpy_twin(order: str, delay: float) -> None:
     changed = {"guard.enabled": True, "actuator.tau_max": 12.0, "guard.map": order}

@@ -22,7 +22,6 @@ from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.scenario import load_scenario
 
 MEAN = Case(window=1, dbar=40.0, nbar=0.05)
-OLD = Case(age=1, window=0.5, dbar=30.0)
 JITTER = Case(lo=0.5, hi=1, dbar=40.0)
 LAG = Case(lag=1, dbar=40.0, brake=40.0)
 ALL = Case(lag=0.5, lo=0.25, hi=1, window=1, age=0.25, dbar=15.0, nbar=0.05)
@@ -30,32 +29,13 @@ VARYING = Case(lag=1, fast=0.5, dbar=40.0, brake=40.0)
 ALL_VARYING = replace(ALL, fast=0.25, dbar=12.0)
 FIRM = Case(window=2, dbar=30.0, f_min=15.0, f_speed=0.1, alpha=0.7, brake=60.0)
 VARYING_JITTER = Case(lag=0.5, fast=0.25, hi=1, lo=0.25, dbar=20.0)
-STICKY = replace(ALL, dbar=30.0, f_min=15.0, f_speed=0.1, alpha=0.7, brake=60.0)
 CASES = {
     "mean over a sample": MEAN,
-    "mean, exact": Case(window=1, dbar=55.0),
-    "old": Case(age=1, dbar=50.0),
-    "old mean": OLD,
-    "mean over two samples": Case(window=2, dbar=20.0),
-    "mean behind a delay": Case(window=1, lo=0.5, hi=0.5, dbar=30.0),
+    "old mean": Case(age=1, window=0.5, dbar=30.0),
     "jitter": JITTER,
-    "jitter of a whole sample": Case(hi=1, dbar=40.0, nbar=0.05),
-    "jitter behind more than a sample": Case(lo=0.75, hi=1.625),
-    "lag": Case(lag=1, dbar=40.0),
-    "short lag": Case(lag=0.1, dbar=50.0),
-    "lag behind a delay": Case(lag=0.5, lo=0.5, hi=0.5),
-    "lag and mean": Case(lag=0.5, window=1),
     "lag and jitter": Case(lag=0.5, hi=1, dbar=20.0),
     "all": ALL,
-    "all with sure friction, weak brakes, slow approach": STICKY,
-    "all at 10 ms": replace(ALL, T=0.01, dbar=150.0),
     "varying lag": VARYING,
-    "widely varying lag": Case(lag=1, fast=0.1, dbar=40.0),
-    "lag that varies down to none": Case(lag=0.5, fast=0.0, dbar=30.0),
-    "varying lag and mean": Case(lag=0.5, fast=0.2, window=1, dbar=25.0),
-    "varying lag behind a delay": Case(lag=0.5, fast=0.25, lo=1.5, hi=1.5, dbar=15.0),
-    "varying lag and jitter": VARYING_JITTER,
-    "varying lag and all": ALL_VARYING,
     "varying lag, jitter of a sample, sure friction, slow approach": replace(
         ALL_VARYING, lo=0.0, dbar=27.0, f_min=15.0, f_speed=0.1, alpha=0.7, brake=60.0
     ),
@@ -63,37 +43,26 @@ CASES = {
 }
 BROKEN = {
     "window": (MEAN, {"window": 1.125}),
-    "age": (OLD, {"age": 1.125}),
-    "push": (MEAN, {"dbar": 42.0}),
     "error": (MEAN, {"nbar": 0.0525}),
     "mass": (MEAN, {"M_min": 45 / 1.05}),
     "latest takeover": (JITTER, {"hi": 1.125}),
     "earliest takeover": (JITTER, {"lo": 0.375}),
     "lag": (LAG, {"lag": 1.05}),
-    "largest lag": (VARYING, {"lag": 1.05}),
     "smallest lag": (VARYING, {"fast": 0.475}),
-    "a lag that varies, taken for constant": (LAG, {"fast": 0.5}),
-    "largest lag among all": (ALL_VARYING, {"lag": 0.525}),
     "push among all and a varying lag": (ALL_VARYING, {"dbar": 12.6}),
-    "lag among all": (ALL, {"lag": 0.525}),
-    "push among all": (ALL, {"dbar": 15.75}),
-    "error among all": (ALL, {"nbar": 0.0525}),
 }
 """By 5 %, or by one part of the period where times are whole parts."""
 
 
-def held(case: Case, lanes: int, samples: int, seed: int) -> None:
-    found = trial(case, lanes, samples, seed)
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.slow_but("all")
+def test_hostile_robots_reach_the_limit_and_never_pass_it(name: str) -> None:
+    case = CASES[name]
+    found = trial(case, 200, 40, 0)
     assert (found.fastest <= 1).all()
     assert (found.fastest > 1 - 1e-6).any()
     assert found.blamed <= 1 + 1e-9
     assert found.apart < 1e-11 * case.M_min / case.T
-
-
-@pytest.mark.parametrize("name", ["mean over a sample", "jitter", "all", "varying lag"])
-@pytest.mark.slow_but("all")
-def test_hostile_robots_reach_the_limit_and_never_pass_it(name: str) -> None:
-    held(CASES[name], 200, 40, 0)
 
 
 @pytest.mark.parametrize(
@@ -104,12 +73,6 @@ def test_a_few_hostile_robots_get_the_forces_of_the_formula(case: Case) -> None:
 
     assert (found.fastest <= 1).all()
     assert found.apart < 1e-11 * case.M_min / case.T
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
-def test_hostile_robots_of_every_kind(name: str) -> None:
-    held(CASES[name], 800, 60, 1)
 
 
 def passed(name: str, lanes: int, samples: int) -> bool:
@@ -124,8 +87,10 @@ def test_an_assumption_that_is_broken_breaks_the_limit(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", BROKEN)
-def test_every_assumption_that_is_broken_breaks_the_limit(name: str) -> None:
+@pytest.mark.parametrize(
+    "name", ["error", "mass", "earliest takeover", "push among all and a varying lag"]
+)
+def test_other_broken_assumptions_break_the_limit(name: str) -> None:
     assert passed(name, 600, 60)
 
 

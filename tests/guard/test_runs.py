@@ -9,7 +9,6 @@ import pytest
 
 from tests import oracle
 from tests.equal_runs import runs_equal
-from tests.matrix import turns
 from wmr_ctrl.api import simulate, simulate_runs
 from wmr_ctrl.control.guard.price import usable_speed
 from wmr_ctrl.control.laws.registry import NAMES
@@ -27,7 +26,7 @@ def gap(first: Run, second: Run) -> float:
     return max(float(abs(first[s.name] - second[s.name]).max()) for s in first.signals)
 
 
-@every_law
+@pytest.mark.parametrize("law", ["pid", "pursuit"])
 @pytest.mark.slow
 def test_native_equals_the_oracle(law: str) -> None:
     native, slow = (
@@ -44,11 +43,7 @@ def test_native_equals_the_oracle(law: str) -> None:
 @pytest.mark.parametrize("changed", [
     {"actuator.tau_max": 10.0, "guard.map": "rotation-first", "guard.alpha": 20.0},
     {"guard.f_min": [5.0, 1.0], "guard.f_speed": [0.05, 0.05], "guard.trust": True},
-    {"sensor.velocity_noise": [0.02, 0.03], "actuator.tau_max": 20.0},
-    {"actuator.lag": 0.01, "actuator.delay": 0.004},
     {"actuator.lag": 0.02, "actuator.delay": 0.013},
-    {"actuator.delay": 0.03},
-    {"disturbance.push": [30.0, 5.0]},
     {"initial.velocity": [1.3, 2.0]},
 ])  # fmt: skip
 @pytest.mark.slow_but("changed0")
@@ -63,7 +58,10 @@ def test_every_option_means_what_the_oracle_takes_it_for(changed: dict[str, obje
     assert native.monitor.violations == slow.monitor.violations
 
 
-@pytest.mark.parametrize(("law", "scenario"), turns(NAMES, ["safe-simulation", "safe-experiment"]))
+@pytest.mark.parametrize(
+    ("law", "scenario"),
+    [("pid", "safe-simulation"), ("smc", "safe-experiment"), ("kanayama", "safe-experiment")],
+)
 @pytest.mark.slow_but("pid-safe-simulation")
 def test_presets_of_ours_keep_the_limits(law: str, scenario: str) -> None:
     for run in simulate_runs(scenario, law, range(3)):
