@@ -16,12 +16,10 @@ import pytest
 from click.testing import CliRunner
 
 from tests.campaign.studies import REAL
-from tests.matrix import headed, turns
 from tests.sim.graphics import COMPILER, Stand
 from wmr_ctrl import simulate_many, simulate_runs, study
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ArgumentError, DeviceError, MissingExtraError, UnknownNameError
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.simulation import gpu
@@ -53,10 +51,10 @@ def assert_same(some: RunTable, others: RunTable) -> None:
         np.testing.assert_array_equal(others[name], values, err_msg=name)
 
 
-@pytest.mark.parametrize("law", turns(headed("prox", NAMES), shown=0))
-def test_figures_and_columns_are_those_of_lanes(stand: Stand, law: str) -> None:
+@pytest.mark.slow
+def test_figures_and_columns_are_those_of_lanes(stand: Stand) -> None:
     """With encoders, delay, disturbances, and a change of the robot on the way."""
-    asked = ("robot-10ms", law, range(5))
+    asked = ("robot-10ms", "prox", range(5))
     cpu, there = (simulate_many(*asked, SHORT, device=name) for name in ("cpu", "gpu"))
     assert_same(cpu, there)
     assert sorted(stand.launches) == [2, 3]
