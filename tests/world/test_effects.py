@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from tests import oracle
-from tests.matrix import quick
 from tests.world.motion import (
     ALL,
     EFFECTS,
@@ -40,7 +39,7 @@ def different(one: Run, other: Run) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("name", quick(ALL, "all at once", "encoder by time"))
+@pytest.mark.parametrize("name", ["encoder", "lag that varies", "all at once"])
 @pytest.mark.slow
 def test_it_matters_and_lanes_have_the_bits_of_one_robot(name):
     run = run_of(name)
@@ -54,14 +53,15 @@ def test_it_matters_and_lanes_have_the_bits_of_one_robot(name):
 
 DRIVES = {**EFFECTS["jitter of a delay"], **EFFECTS["lag that varies"], **EFFECTS["motor"],
           **EFFECTS["wheels"], **EFFECTS["gust"], **EFFECTS["lost poses"]}  # fmt: skip
-COUPLED = {**EFFECTS, "drives": DRIVES}
 
 
-@pytest.mark.parametrize("name", quick([*list(EFFECTS)[1::2], "drives"], "drives"))
+@pytest.mark.parametrize(
+    "changes", [EFFECTS["encoder over a window"], DRIVES], ids=["encoder", "drives"]
+)
 @pytest.mark.slow
-def test_co_simulation_has_the_bits_of_the_native_loop(name):
-    coupled = cosimulate(scenario(COUPLED[name]), LAW, seed=3)
-    run = simulate(scenario(COUPLED[name]), LAW, seed=3)
+def test_co_simulation_has_the_bits_of_the_native_loop(changes):
+    coupled = cosimulate(scenario(changes), LAW, seed=3)
+    run = simulate(scenario(changes), LAW, seed=3)
 
     assert set(different(run, coupled)) <= {"e"}
     assert run.monitor == coupled.monitor
@@ -76,7 +76,9 @@ def test_a_package_refuses_each_by_its_table(tmp_path):
         assert list(tmp_path.iterdir()) == [], name
 
 
-@pytest.mark.parametrize("name", quick(ALL, "all at once", *TWINNED))
+@pytest.mark.parametrize(
+    "name", [*TWINNED, "encoder", "gyro", "motor", "resistance", "all at once"]
+)
 @pytest.mark.slow_but("lost poses", "all at once")
 def test_the_engine_without_a_compiler_and_the_twin_agree(name):
     run, numpy = run_of(name), simulate(scenario(ALL[name]), LAW, seed=3, engine="numpy")

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.guard_runs import BASES, FACTORS, OUR_LAWS, overrides_of
-from tests.matrix import quick
+from benchmarks.guard_runs import FACTORS, overrides_of
 from wmr_ctrl.api import simulate, simulate_many, simulate_runs
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import filter_facts, warnings_for
 from wmr_ctrl.world.encoder import ENCODER
@@ -32,8 +30,9 @@ def test_a_robot_is_complete_and_guarded(name):
     assert setup.bound.void == ""
 
 
-@pytest.mark.parametrize("law", quick(NAMES, "nn"))
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize(
+    ("name", "law"), [("robot-10ms", "nn"), ("robot-10ms", "pid"), ("robot-100ms", "mb")]
+)
 @pytest.mark.slow_but("robot-10ms-nn")
 def test_it_tracks_inside_the_limit(name, law):
     run = simulate(name, law, seed=UNSEEN)
@@ -54,8 +53,7 @@ OTHERS = range(400, 420)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", OUR_LAWS)
-@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize(("base", "law"), [("10 ms", "pid"), ("100 ms", "mb")])
 def test_guarded_laws_of_the_comparison_keep_it(base, law):
     assert FACTOR in FACTORS
     table = simulate_many("paper-simulation", law, OTHERS, overrides_of(base, FACTOR), guard=True)
@@ -70,8 +68,7 @@ def remarks(name, law, seeds=10, **overrides):
     return {item.key for run in runs for item in run.remarks} | {item.key for item in warnings}
 
 
-@pytest.mark.parametrize("law", quick(NAMES, "nn"))
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize(("name", "law"), [("robot-10ms", "pid"), ("robot-100ms", "prox")])
 @pytest.mark.slow
 def test_nothing_is_to_be_said_against_laws_and_runs(name, law):
     assert remarks(name, law) == set()
@@ -107,8 +104,16 @@ def at_the_ends(name):
     ]
 
 
-@pytest.mark.parametrize("law", quick(NAMES, "kanayama"))
-@pytest.mark.parametrize("name", BOUGHT)
+@pytest.mark.parametrize(
+    ("name", "law"),
+    [
+        ("turtlebot3-burger", "pid"),
+        ("clearpath-jackal", "nn"),
+        ("turtlebot3-waffle", "mb"),
+        ("clearpath-husky", "kanayama"),
+        ("irobot-create3", "prox"),
+    ],
+)
 @pytest.mark.slow
 def test_a_base_that_takes_velocities_tracks_inside_its_limits(name, law):
     run = simulate(name, law)

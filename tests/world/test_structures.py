@@ -68,9 +68,7 @@ def bits(tasks: list[Task]) -> list[list[bytes]]:
     ]
 
 
-@pytest.mark.parametrize(
-    "number", [pytest.param(n, marks=[pytest.mark.slow] * (n > 0)) for n in range(COUNT)]
-)
+@pytest.mark.parametrize("number", range(COUNT))
 @pytest.mark.slow
 def test_lanes_are_single_runs(number):
     law, changes = structure(number)
