@@ -71,7 +71,7 @@ def test_parameters_are_named_once_by_their_scenario_key(law: str) -> None:
     )
 
 
-@every_law
+@pytest.mark.parametrize("law", ["nn", "prox", "pid", "kanayama"])
 @pytest.mark.slow_but("nn", "prox")
 def test_finite_everywhere(law: str) -> None:
     """No NaN or infinity for any finite pose and velocity, also outside the limit and at rest."""

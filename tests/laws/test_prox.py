@@ -166,9 +166,8 @@ def test_presets_of_ours_have_the_gains_of_the_guide(preset: str) -> None:
     assert all(own >= 0.99 * rho for own, rho in zip(setup.gains.rho, wanted.rho, strict=True))
 
 
-@pytest.mark.parametrize("period", [0.01, 0.05, 0.1, 0.2])
-@pytest.mark.parametrize("share", [0.0, 0.5])
-@pytest.mark.slow_but("0.5-0.1")
+@pytest.mark.parametrize(("period", "share"), [(0.1, 0.5), (0.01, 0.0), (0.2, 0.5)])
+@pytest.mark.slow_but("0.1-0.5")
 def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(
     period: float, share: float
 ) -> None:
