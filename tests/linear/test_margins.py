@@ -81,9 +81,9 @@ def test_continuous_margins_are_python_controls(nominal, law, axis):
     assert (found.gain or found.gain_down or math.inf) == pytest.approx(gain, rel=1e-6)
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("period", [None, 0.01])
-@pytest.mark.slow_but("None-mb")
+@pytest.mark.parametrize(
+    ("law", "period"), [("mb", None), pytest.param("pid", 0.01, marks=pytest.mark.slow)]
+)
 def test_disk_margin_is_its_definition(nominal, law, period):
     """alpha = 1/max |S - 1/2|; a disk margin is never above what the classical ones allow."""
     found = margins_at(nominal, law, 1, period=period)

@@ -58,8 +58,7 @@ def test_authority_is_even_and_has_a_closed_form_at_the_kink(nominal):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.parametrize("c", [0.8, 7.17])
+@pytest.mark.parametrize(("axis", "c"), [(0, 0.8), (1, 7.17)])
 def test_a_run_crosses_above_and_rests_below(nominal, axis, c):
     top, u1 = authority(nominal, "mb", axis, c)[0], nominal.limits.v_u1[axis]
     asked = np.zeros(2)
