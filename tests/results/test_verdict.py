@@ -66,10 +66,9 @@ def test_drive_and_end_are_judged_apart_and_the_start_fades(make_run: MakeRun) -
     assert tracked(arriving(make_run, 8.0, near)) is True
 
 
-@pytest.mark.parametrize("duration", [30.0, 60.0])
 @pytest.mark.slow
-def test_tables_have_drive_and_end_of_runs(duration: float) -> None:
-    case = {**PATH, "clock.duration": duration}
+def test_tables_have_drive_and_end_of_runs() -> None:
+    case = {**PATH, "clock.duration": 30.0}
     table = simulate_many("safe-simulation", "prox", range(2), case)
     for seed in range(2):
         run = simulate("safe-simulation", "prox", seed=seed, overrides=case)
@@ -124,13 +123,9 @@ def test_gains_for_another_period_are_objected_whatever_the_seed(seed: int) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("preset", "law", "changed"), [
-    ("safe-simulation", "prox", {"clock.control": 0.1}),
-    ("safe-experiment", "nn", {"clock.control": 0.005, "encoder.counts": 1024}),
-    ("safe-simulation", "pid", SLOW_CYCLE),
-])  # fmt: skip
-def test_a_verdict_does_not_hang_on_the_seed(preset: str, law: str, changed: dict) -> None:
-    runs = [simulate(preset, law, seed=seed, overrides=changed) for seed in range(12)]
+def test_a_verdict_does_not_depend_on_the_seed() -> None:
+    slow = {"clock.control": 0.1}
+    runs = [simulate("safe-simulation", "prox", seed=seed, overrides=slow) for seed in range(12)]
 
     assert all("objected" in keys(run) for run in runs)
 
