@@ -10,22 +10,21 @@ import pytest
 
 from tests.fmi.raw import CS, ERROR, ME, OK, reals, refs
 from wmr_ctrl.control.controller import asking_controller
-from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.model.dynamics import plant
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.scenario import load_scenario
 
 SCENARIO = load_scenario("paper-simulation")
-CASES = [
-    ("plant", 2, ME),
+FMI2 = [("plant", 2, ME), ("nn", 2, CS)]
+FMI3 = [
     ("plant", 3, ME),
     ("plant", 3, CS),
-    ("reference", 2, CS),
     ("reference", 3, ME),
-    *((law, version, CS) for law in LAWS for version in (2, 3)),
+    ("nn", 3, CS),
+    pytest.param("mb", 3, CS, marks=pytest.mark.slow),
+    pytest.param("kanayama", 3, CS, marks=pytest.mark.slow),
 ]
-every_case = pytest.mark.parametrize(("what", "version", "interface"), CASES)
 
 
 def system_of(what):
@@ -81,7 +80,7 @@ def call(instance, name, unknowns, knowns, seed, count):
     return status, np.array(found[:])
 
 
-@every_case
+@pytest.mark.parametrize(("what", "version", "interface"), FMI2 + FMI3)
 @pytest.mark.slow_but("plant-2-ModelExchange", "reference-3-ModelExchange", "nn-2-CoSimulation")
 def test_directional_derivatives_are_casadis(raw, what, version, interface):
     instance, unknowns, knowns, jacobian = setting(raw(what, version), what, interface)
@@ -93,16 +92,9 @@ def test_directional_derivatives_are_casadis(raw, what, version, interface):
     instance.free()
 
 
-@every_case
-@pytest.mark.slow_but(
-    "plant-3-ModelExchange",
-    "plant-3-CoSimulation",
-    "reference-3-ModelExchange",
-    "nn-3-CoSimulation",
-)
+@pytest.mark.parametrize(("what", "version", "interface"), FMI3)
 def test_adjoint_derivatives_are_casadis(raw, what, version, interface):
-    if version == 2:
-        pytest.skip("FMI 2 has none")
+    """FMI 2 has none."""
     instance, unknowns, knowns, jacobian = setting(raw(what, version), what, interface)
     for seed in (*np.eye(len(unknowns)), np.random.default_rng(1).normal(size=len(unknowns))):
         status, found = call(instance, "GetAdjointDerivative", unknowns, knowns, seed, len(knowns))

@@ -15,17 +15,16 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from tests.matrix import versioned
+from tests.fmi.cases import FMUS, OTHER_LAWS, SOME_FMUS
 from wmr_ctrl.control.controller import asking_controller
-from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
 from wmr_ctrl.world.model.dynamics import plant
 from wmr_ctrl.world.scenario import load_scenario
 
 SCHEMA = Path(fmpy.__file__).parent / "schema"
-WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)
-every_fmu = pytest.mark.parametrize(("what", "version"), versioned(WHAT))
+every_fmu = pytest.mark.parametrize(("what", "version"), FMUS)
+some_fmus = pytest.mark.parametrize(("what", "version"), SOME_FMUS)
 
 
 def parsed(path, name):
@@ -33,14 +32,13 @@ def parsed(path, name):
         return etree.fromstring(archive.read(name))
 
 
-@every_fmu
+@pytest.mark.parametrize(("what", "version"), [("plant", 2), ("closed-loop", 2), ("prox", 3)])
 @pytest.mark.slow
 def test_fmpy_finds_nothing_to_say(exported, what, version):
     assert validate_fmu(str(exported(what, version))) == []
 
 
-@every_fmu
-@pytest.mark.slow_but("plant-2", "plant-3", "reference-2", "closed-loop-3", "nn-2", "nn-3")
+@some_fmus
 def test_xml_follows_the_official_schemas(exported, what, version):
     path = exported(what, version)
     files = {"modelDescription.xml": f"fmi{version}/fmi{version}ModelDescription.xsd"}
@@ -51,10 +49,7 @@ def test_xml_follows_the_official_schemas(exported, what, version):
         etree.XMLSchema(file=str(SCHEMA / schema)).assertValid(parsed(path, name))
 
 
-@every_fmu
-@pytest.mark.slow_but(
-    "plant-2", "plant-3", "reference-2", "reference-3", "closed-loop-3", "nn-2", "nn-3"
-)
+@some_fmus
 def test_every_quantity_is_documented_and_has_a_defined_unit(exported, what, version):
     path = exported(what, version)
     defined = {u.get("name") for u in parsed(path, "modelDescription.xml").iter("Unit")}
@@ -66,8 +61,7 @@ def test_every_quantity_is_documented_and_has_a_defined_unit(exported, what, ver
             assert v.max is not None
 
 
-@every_fmu
-@pytest.mark.slow_but("plant-2", "plant-3", "reference-2", "closed-loop-3", "nn-2", "nn-3")
+@some_fmus
 def test_capabilities_are_declared(exported, what, version):
     interface = parsed(exported(what, version), "modelDescription.xml").find("CoSimulation")
     wanted = {
@@ -109,7 +103,7 @@ def test_structure_is_the_jacobians(exported):
         assert listed[name] == [knowns[j] for j in range(len(knowns)) if jacobian.has_nz(i, j)]
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", ["nn", "pid", "prox", "kanayama"])
 @pytest.mark.slow_but("nn")
 def test_structure_of_laws_is_the_jacobians(exported, law):
     description = read_model_description(str(exported(law, 2)))
@@ -138,9 +132,10 @@ def test_parameters_are_key_paths_and_tunable_where_they_change(exported):
     assert law["clock.control"].variability == "fixed"
 
 
-@pytest.mark.parametrize("what", [*LAWS, "closed-loop"])
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.slow_but("2-nn", "2-closed-loop", "3-nn", "3-closed-loop")
+@pytest.mark.parametrize(
+    ("what", "version"),
+    [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3), *OTHER_LAWS],
+)
 def test_every_controller_publishes_its_monitor_and_the_bound(exported, what, version):
     """Unguarded as the preset is: distance to the limit, clip, least disturbance, feasibility."""
     path = str(exported(what, version))
@@ -178,17 +173,6 @@ def test_weights_are_arrays_in_fmi3_and_flat_where_asked(exported, tmp_path):
 
 
 @every_fmu
-@pytest.mark.slow_but(
-    "plant-2",
-    "plant-3",
-    "reference-2",
-    "reference-3",
-    "guard-3",
-    "closed-loop-2",
-    "closed-loop-3",
-    "nn-2",
-    "nn-3",
-)
 def test_provenance_travels_along(exported, what, version):
     with zipfile.ZipFile(exported(what, version)) as archive:
         names = set(archive.namelist())
@@ -223,17 +207,6 @@ def test_reference_result_is_reproduced(exported, what, tmp_path):
 
 
 @every_fmu
-@pytest.mark.slow_but(
-    "plant-2",
-    "plant-3",
-    "reference-2",
-    "reference-3",
-    "guard-3",
-    "closed-loop-2",
-    "closed-loop-3",
-    "nn-2",
-    "nn-3",
-)
 def test_an_importer_can_check_itself_by_the_manifest(exported, what, version):
     """FMI-LS-REF names a result and the start values it was made with; both are there and agree."""
     path = exported(what, version)

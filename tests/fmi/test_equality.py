@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
-from tests.matrix import headed, turns
 from wmr_ctrl.api import simulate
-from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.signals import REFERENCE
 from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.world.references import sample
@@ -19,8 +17,6 @@ SHORT = override(
     load_scenario("paper-simulation"),
     {"clock.duration": 2.0, "changes": [{"t": 1.0, "m": 65.0, "mu": 0.15}]},
 )
-every_law = pytest.mark.parametrize("law", LAWS)
-every_pair = pytest.mark.parametrize(("law", "version"), turns(headed("nn", LAWS), (3, 2)))
 
 
 def differences(first, second):
@@ -38,20 +34,16 @@ def assert_same(first, second, bound=0.0):
     assert found.get("e", 0.0) < 1e-12 + bound  # NumPy's sine, not the kernel's
 
 
-@every_pair
+@pytest.mark.parametrize(
+    ("law", "version"),
+    [("nn", 3), ("pid", 2), ("smc", 3), ("mb", 2), ("prox", 2), ("kanayama", 3), ("pursuit", 2)],
+)
 @pytest.mark.slow_but("nn-3")
 def test_cosimulation_is_the_native_loop_to_the_bit(law, version):
     assert_same(simulate(SHORT, law, seed=3), cosimulate(SHORT, law, seed=3, fmi=version))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("law", "version"), [("nn", 3), ("prox", 2)])
-def test_cosimulation_is_the_native_loop_over_a_whole_run(law, version):
-    native = simulate("paper-simulation", law, seed=1)
-    assert_same(native, cosimulate("paper-simulation", law, seed=1, fmi=version))
-
-
-@every_pair
 @pytest.mark.slow_but("nn-3")
 def test_closed_loop_fmu_is_the_native_loop_to_the_bit(exported, law, version):
     run = simulate("paper-simulation", law, seed=3)

@@ -1,16 +1,15 @@
 """Every output of every kind of FMU has the bits of the native run's column of that name.
 
-Whatever effects act: each of the registry alone, all of them, none; FMI 2 and FMI 3.  The
-closed loop runs by itself.  Reference, law, guard and plant are stepped here in the native order,
-by their C functions; what lies between them is the native loop's own, and no column is chosen by
-hand.
+Whatever effects act: all of the registry together, and each other form that their graphs have; FMI
+2 and FMI 3.  The closed loop runs by itself.  Reference, law, guard and plant are stepped here in
+the native order, by their C functions; what lies between them is the native loop's own, and no
+column is chosen by hand.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from itertools import cycle
 from pathlib import Path
 from typing import TypeAlias
 
@@ -18,10 +17,8 @@ import pytest
 from fmpy import extract
 
 from tests.fmi.raw import DISCARD, ERROR, OK, Fmu, Instance
-from tests.matrix import quick, turns
 from tests.world.toys import CLOTHOID
 from wmr_ctrl.api import simulate
-from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import DISTURBING, FORCE, PATH, PLANT_STATE, PSI, TIME, TORQUE, VELOCITY
 from wmr_ctrl.export.cosim.master import Measurement, Outside
@@ -84,8 +81,6 @@ COUNTED, AVERAGED = "all, counted", "all, averaged"
 EFFECTS: Mapping[str, Mapping[str, object]] = {
     **ACTING, **FORMS, "none": {}, COUNTED: all_but("velocity mean"), AVERAGED: all_but("encoder")
 }  # fmt: skip
-SHOWN = (("velocity mean", 3), (COUNTED, 2))
-"""Effects and versions of FMI that are tried by default."""
 LAW = "mb"
 KINDS = ("reference", "law", "plant")
 TORQUES = [item.name for item in TORQUE]
@@ -96,14 +91,6 @@ REACHED = {item.name for item in (*PLANT_STATE, PSI)}
 """What the closed loop shows at the instant that was reached; all else is of the last sample."""
 UNLOGGED = {*PATH.elements, *FORCE.elements}
 """Outputs that no run logs; what stands behind them is compared."""
-
-
-TAKEN = tuple(dict.fromkeys((*SHOWN, *zip(EFFECTS, cycle((2, 3))))))
-"""Each effect with one version of FMI: what is exported of it is the same C behind either."""
-every_effect = pytest.mark.parametrize(
-    ("effect", "version"),
-    [pytest.param(*case, marks=() if case in SHOWN else pytest.mark.slow) for case in TAKEN],
-)
 
 
 @pytest.fixture(scope="module")
@@ -158,7 +145,19 @@ def test_every_effect_acts_alone():
     assert both == {item.name for item in ours}
 
 
-@every_effect
+@pytest.mark.parametrize(
+    ("effect", "version"),
+    [
+        (COUNTED, 2),
+        (AVERAGED, 3),
+        ("encoder over a window", 2),
+        ("encoder by time", 3),
+        ("late velocity", 2),
+        ("motor that stalls", 3),
+        ("delay", 2),
+        ("none", 3),
+    ],
+)
 @pytest.mark.slow
 def test_the_closed_loop(load, effect, version):
     scenario = scenario_with(effect)
@@ -248,23 +247,17 @@ class Parts:
             self.outside.ends([plant[n] for n in STATE if n in plant], i + 1)
 
 
-@every_effect
+@pytest.mark.parametrize(("effect", "version", "guard"), [(COUNTED, 2, False), (AVERAGED, 3, True)])
 @pytest.mark.slow
-def test_the_parts(load, effect, version):
-    """Of each effect one version is guarded, in turns."""
-    guard = (list(EFFECTS).index(effect) + version) % 2 == 0
+def test_the_parts(load, effect, version, guard):
     Parts(load, LAW, scenario_with(effect, guard), version).whole()
 
 
-@pytest.mark.parametrize("law", quick(LAWS, "prox"))
+@pytest.mark.parametrize(
+    ("kind", "version"), [("lemniscate", 2), ("stop-and-go", 2), ("waypoints", 3)]
+)
 @pytest.mark.slow
-def test_every_law(load, law):
-    for guard, version in ((False, 2), (True, 3)):
-        Parts(load, law, scenario_with(COUNTED, guard), version).whole()
-
-
-@pytest.mark.parametrize(("kind", "version"), turns(list(REFERENCES), (2, 3), shown=0))
-def test_every_reference(load, kind, version):
+def test_references(load, kind, version):
     points = {"reference.points": POINTS} if kind == "waypoints" else {}
     changes = {"reference.kind": kind, **points}
     Parts(load, LAW, override(scenario_with("none"), changes), version).whole()

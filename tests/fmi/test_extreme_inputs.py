@@ -10,14 +10,15 @@ import pytest
 from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
 
+from tests.fmi.cases import OTHER_LAWS
 from tests.fmi.raw import DISCARD, ERROR, OK
-from tests.matrix import versioned
-from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.signals import LARGEST
 
 STEP = 0.01
 SIZES = (1.7e308, 1.0001 * LARGEST, math.inf, math.nan)
-every_law = pytest.mark.parametrize(("what", "version"), versioned((*NAMES, "guard")))
+every_law = pytest.mark.parametrize(
+    ("what", "version"), [("nn", 2), ("nn", 3), ("guard", 2), ("guard", 3), *OTHER_LAWS]
+)
 
 
 def inputs_of(fmu):
@@ -115,9 +116,11 @@ def test_fmpy_ends_where_a_closed_loop_cannot_go_on(exported, version, given):
         simulate_fmu(path, stop_time=10, step_size=0.02, output_interval=0.02, start_values=given)
 
 
-@every_law
-@pytest.mark.parametrize("axis", [1, 2])
-@pytest.mark.slow_but("1-nn-2")
+@pytest.mark.parametrize(
+    ("what", "version", "axis"),
+    [("nn", 2, 1), ("nn", 3, 2), ("pid", 2, 2), ("mb", 3, 1), ("mb", 3, 2), ("prox", 2, 2)],
+)
+@pytest.mark.slow_but("nn-2-1")
 def test_a_barrier_without_room_is_refused_at_the_start(raw, what, version, axis):
     fmu = raw(what, version)
     limit, begin = (f"limits.v_u{i}[{axis}]" for i in (1, 2))
@@ -133,7 +136,19 @@ def test_a_barrier_without_room_is_refused_at_the_start(raw, what, version, axis
     assert sum(f"{begin} = " in m and f"must be below {limit}" in m for m in fmu.messages) >= 2
 
 
-@pytest.mark.parametrize(("what", "version"), versioned((*NAMES, "guard", "closed-loop")))
+@pytest.mark.parametrize(
+    ("what", "version"),
+    [
+        ("nn", 2),
+        ("nn", 3),
+        ("prox", 3),
+        ("guard", 2),
+        ("guard", 3),
+        ("closed-loop", 2),
+        ("closed-loop", 3),
+        *OTHER_LAWS,
+    ],
+)
 @pytest.mark.parametrize("axis", [1, 2])
 def test_masses_out_of_order_are_refused_at_the_start(raw, what, version, axis):
     fmu = raw(what, version)

@@ -11,8 +11,6 @@ import pytest
 
 from tests.fmi.raw import OK, Fmu
 from tests.fmi.test_portable import tool
-from tests.matrix import quick
-from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.export.fmi.extra import FOLDER, INTERFACE
 
 STEPS = 20
@@ -57,9 +55,8 @@ def program(interface: ET.Element) -> str:
 
 
 @pytest.mark.parametrize(
-    "scenario", ["paper-simulation", pytest.param("robot-10ms", marks=pytest.mark.slow)]
+    ("law", "scenario"), [("prox", "paper-simulation"), ("kanayama", "robot-10ms")]
 )
-@pytest.mark.parametrize("law", quick(LAWS, "nn"))
 @pytest.mark.slow
 def test_called_as_described_it_has_the_bits_of_the_fmu(exported, tmp_path, law, scenario):
     path = exported(law, 2, scenario=scenario)

@@ -23,7 +23,6 @@ PUSHED = override(
         "limits.v_u2": [0.4, 0.4],
     },
 )
-guarded = pytest.mark.parametrize("guard", [False, True])
 
 
 def elements(run):
@@ -52,8 +51,7 @@ def assert_loop_is(run, path, **starts):
     assert speeds == run.monitor.max_abs_v
 
 
-@guarded
-@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(("version", "guard"), [(2, False), (3, True)])
 @pytest.mark.slow_but("2-False")
 def test_closed_loop_under_an_adversary_is_the_native_loop(tmp_path, version, guard):
     scenario = override(PUSHED, {"guard.enabled": guard})
@@ -79,8 +77,7 @@ def test_push_radius_and_track_are_parameters(tmp_path, version):
     assert rows["noise_right"][0] - rows["noise_left"][0] == pytest.approx(1.9 * 0.13 / 0.31)
 
 
-@guarded
-@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(("version", "guard"), [(2, False), (3, True)])
 @pytest.mark.slow
 def test_cosimulation_under_an_adversary_is_the_native_loop(version, guard):
     scenario = override(PUSHED, {"guard.enabled": guard})
