@@ -23,7 +23,7 @@ from wmr_ctrl.export.fmi.fmu_files import model_of, scenario_given, write_fmu
 from wmr_ctrl.export.fmi.targets import targets_of
 
 ROOT = Path(__file__).resolve().parents[2]
-WATCHED = (("plant", 2), ("reference", 3), ("closed-loop", 3))
+WATCHED = (("plant", 2), ("plant", 3), ("reference", 3), ("closed-loop", 3))
 """FMUs of the battery of calls, and those whose states they refuse; the loop's law is mb."""
 
 
