@@ -2,8 +2,8 @@
 
 A comment in the line above a block tells what becomes of it: ``<!-- file: NAME -->`` writes it to
 that file, ``<!-- exit: N -->`` expects another exit code than 0, ``<!-- not tried here: WHY -->``
-leaves it alone, ``<!-- tried by PATH -->`` names what runs it instead, and ``<!-- slow -->`` leaves
-it to ``--every-case``.
+leaves it alone, as ``<!-- slow -->`` does for the time it takes, and ``<!-- tried by PATH -->``
+names what runs it instead.
 """
 
 from __future__ import annotations
@@ -45,13 +45,8 @@ class Block:
     @property
     def tried(self) -> bool:
         """Whether it is run with its page."""
-        elsewhere = self.mark.startswith(("not tried", "tried by"))
-        return self.language in RUN and not elsewhere
-
-    @property
-    def slow(self) -> bool:
-        """Whether it is run with ``--every-case`` alone."""
-        return self.mark == "slow"
+        left_alone = self.mark == "slow" or self.mark.startswith(("not tried", "tried by"))
+        return self.language in RUN and not left_alone
 
     @cached_property
     def commands(self) -> list[tuple[str, str]]:

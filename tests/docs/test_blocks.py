@@ -138,12 +138,8 @@ def run_python(page: Page, block, names: dict[str, object], printed: io.StringIO
 
 @pytest.mark.slow
 @named(RUNNABLE)
-def test_a_page_does_what_it_says(page, tmp_path, monkeypatch, request):
-    """All blocks of a page in order, in a folder of their own with the tables beside the page.
-
-    Those that are slow are run with `--every-case` alone.
-    """
-    every = request.config.getoption("every_case")
+def test_a_page_does_what_it_says(page, tmp_path, monkeypatch):
+    """All blocks of a page in order, in a folder of their own with the tables beside the page."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.setattr(console, "FIRST", math.inf)  # how long a command takes is no page's matter
@@ -152,8 +148,6 @@ def test_a_page_does_what_it_says(page, tmp_path, monkeypatch, request):
         shutil.copy(table, tmp_path)
     names: dict[str, object] = {"__name__": "__main__"}
     for block in page.blocks:
-        if block.slow and not every:
-            continue
         if block.file:
             (tmp_path / block.file).parent.mkdir(parents=True, exist_ok=True)
             (tmp_path / block.file).write_text(block.text, encoding="utf-8")
