@@ -148,7 +148,7 @@ piece_claim = Claims(by=Z3())
 @piece_claim(
     "guard.lemma.piece",
     given="v linear over the piece: friction f, push d and F constant; v on one side of f_speed, f "
-    ">= f_min above it, |d| <= dbar, M >= M_min",
+    ">= f_min above it, |d| <= dbar, M >= M_min > 0",
 )
 def lemma_piece(mutation: Mutation) -> Statement:
     """max(v, f_speed) rises by at most t max(F + dbar - f_min, 0)/M_min over a piece of time t.
@@ -167,7 +167,8 @@ def lemma_piece(mutation: Mutation) -> Statement:
 
 
 @piece_claim(
-    "guard.delay.step", given="guard.lemma over the piece; it acts for s <= tau, M >= M_min"
+    "guard.delay.step",
+    given="guard.lemma over the piece; it acts for 0 <= s <= tau, M >= M_min > 0",
 )
 def delay_step(mutation: Mutation) -> Statement:
     """v+ is at most y + nbar or f_speed, and what the commands before have added: after the next

@@ -58,7 +58,7 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     return Statement(t, every(sent, ca.vertcat(*asked)), tuple(given))
 
 
-@claim("corridor.dead-band", given="any size")
+@claim("corridor.dead-band", given="any size >= 0")
 def dead_band(mutation: Mutation) -> Statement:
     """a command behind the dead band is off by at most its size, and by nothing where it is larger.
 
@@ -110,8 +110,9 @@ LATE = "a constant delay", "with jitter"
 
 @claim(
     "corridor.guard-late-{key}",
-    given="S = M_min alpha > 0, brake >= 0, net >= 0; ahead, back, and what the last command adds "
-    "to them until the new one is sure to act: a, 0 without jitter; c = 1 + alpha J",
+    given="M_min, M_max, T, alpha, u1, delay > 0, S = M_min alpha, net >= 0; ahead, back, and what "
+    "the last command adds to them until the new one is sure to act: a >= 0, 0 without jitter; c = "
+    "1 + alpha J >= 1",
     over=rows(jitters=(False, True), key=("constant", "jitter"), words=LATE),
 )
 def late_guard(mutation: Mutation, jitters: bool) -> Statement:
@@ -204,7 +205,7 @@ def overtaken(mutation: Mutation) -> Statement:
     return g.states(*goals, given=given, cuts=g.cuts, more=t)
 
 
-@claim("corridor.ramp", given="h, accel, decel > 0; a at most accel and decel")
+@claim("corridor.ramp", given="h, a > 0; a at most accel and decel")
 def ramped(mutation: Mutation) -> Statement:
     """a ramp leads towards its goal and not past it, in a plant step by a h or all that is left,
     or as far as 0 where it has to turn round.

@@ -26,12 +26,13 @@ claim = Claims(by=Z3())
 
 @claim(
     "corridor.prox{key}",
-    given="0 < v_u2 < v_u1, 0 < E < 1; v* = v + c_m - c",
+    given="0 < v_u2 < v_u1, v_u2 < 1e100, 0 < E < 1; v* = v + c_m - c",
     premises="transport.plain{key} prox.linear{key}",
     over=BARRIERS,
 )
 def prox(mutation: Mutation, smooth: bool) -> Statement:
-    """|v+| <= v_u2 implies that the law's step is the one that its corridor assumes ({words}).
+    """|E v* + (1-E) c+| <= v_u2 implies that this is the law's v+, as its corridor assumes
+    ({words}).
 
     Away from the limits the step is a mixture of where the velocity is carried and the target.
     """
@@ -44,7 +45,7 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
     return s.states((equal(s.end, mutation(after, after + carried)),), given, ("carried",))
 
 
-@claim("corridor.mb{key}", given="0 < v_u2 < v_u1", over=BARRIERS)
+@claim("corridor.mb{key}", given="0 < v_u2 < v_u1, v_u2 < 1e100", over=BARRIERS)
 def mb(mutation: Mutation, smooth: bool) -> Statement:
     """|v|, |v_c0| <= v_u2 imply that V1/A = (v - v_c0)/2 and q = 1 ({words}).
 
@@ -71,7 +72,11 @@ def kanayama(mutation: Mutation) -> Statement:
     return Statement(t, every(left, values), (*nonnegative(t.A, t.B), *inside))
 
 
-@claim("corridor.guard", given="no late command; M_min alpha > 0, brake >= 0, dbar >= f_min")
+@claim(
+    "corridor.guard",
+    given="no late command; M_min, M_max, T, alpha, u1 > 0, nbar, f_speed, brake >= 0, dbar >= "
+    "f_min",
+)
 def guard(mutation: Mutation) -> Statement:
     """With S = M_min alpha: |F + S y|, |S y| <= S (u1 - nbar) - net, |F| <= S (u1 - f_speed) - net
     imply that the guard leaves F as it is, and that its safe point is 0.

@@ -34,7 +34,9 @@ SIDES = tuple(
 )
 ASSEMBLED = (
     f"{COMMANDS}, odometry within nbar or none, any time since the last sample; "
-    "-v_below <= v <= v_above if that is a period, |v| <= V; no delay and no losses, H = T; "
+    "-v_below <= v <= v_above if that is a period, |v| <= V; v and omega limited, one factor for "
+    "both; "
+    "no delay, jitter or losses, odometry of the sample, H = T; "
     "T > 0, 0 < tau_min <= tau_max; " + INTERVALS
 )
 
@@ -86,7 +88,8 @@ class AssembledStep:
 @claim(
     "filter.limits",
     given="0 < K_min <= K_max, 0 <= dbar < V of both axes, T > 0, 0 < tau_min <= tau_max; any "
-    "odometry, any time since the last sample; no delay and no losses, H = T",
+    "odometry of the sample, any time since the last one; v and omega limited; no delay, jitter or "
+    "losses, H = T",
 )
 def limits(mutation: Mutation) -> Statement:
     """the largest command that the whole filter admits is above 0, on either axis, either way.

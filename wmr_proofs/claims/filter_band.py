@@ -22,7 +22,11 @@ from wmr_proofs.relation import Relation, above, at_least, between
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, stacked, symbols
 
-TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
+TABLES = "0 <= low <= high on every piece, left, fading in [0, 1], tail >= 0, c > 0"
+AFTER = (
+    f"{TABLES}; after at least high a period sooner, and not between high and high + 2^-30 on the "
+    "same piece"
+)
 claim = Claims(by=Z3())
 WAYS = rows(way=(1, -1), word=("over", "under"), sign=("", "-"))
 
@@ -164,7 +168,7 @@ def least(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.band.held-{turn}",
-    given=f"{TABLES}; {WITHIN}, on every piece and behind; {{how}}",
+    given=f"{AFTER}; {WITHIN}, on every piece and behind; {{how}}",
     over=(
         {"turn": "rise", "rises": True, "how": "u <= to <= u + rise, what a rise is admitted"},
         {"turn": "fall", "rises": False, "how": "u - fall <= to <= u, what a fall is admitted"},
@@ -189,7 +193,7 @@ def held(mutation: Mutation, rises: bool) -> Statement:
 
 @claim(
     "filter.band.stop-{word}-{part}",
-    given=f"{TABLES}; {INSIDE}; to + over <= c'' if held; 0 <= to <= what is admitted",
+    given=f"{AFTER}; {INSIDE}; to + over <= c'' if held; 0 <= to <= what is admitted",
     over=tuple(item | {"most": "c''" if item["way"] == 1 else "c'"} for item in EACH),
 )
 def stopped(mutation: Mutation, word: str, way: int, part: str) -> Statement:
@@ -209,7 +213,7 @@ def stopped(mutation: Mutation, word: str, way: int, part: str) -> Statement:
     return Statement(a.symbols, goals, (*a.stated, *a.inside(behind), at_least(to), *admitted))
 
 
-@claim("filter.band.zero", given=f"{TABLES}; u >= 0; {INSIDE}")
+@claim("filter.band.zero", given=f"{AFTER}; u >= 0; {INSIDE}")
 def zero(mutation: Mutation) -> Statement:
     """0 keeps over <= c'' and under <= c' of the forecast, held or sent again a period later.
 
@@ -225,7 +229,7 @@ def zero(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.band.zero-held",
-    given=f"{TABLES}; 2^-30 <= high on every piece; u >= 0; {INSIDE}, on every piece and behind",
+    given=f"{AFTER}; 2^-30 <= high on every piece; u >= 0; {INSIDE}, on every piece and behind",
 )
 def zero_held(mutation: Mutation) -> Statement:
     """u - fall <= 0 <= u + rise.

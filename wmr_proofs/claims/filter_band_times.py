@@ -34,7 +34,8 @@ def _whole(axis: int) -> tuple[BandGovernor, Symbols, dict[str, ca.SX]]:
 
 @claim(
     "filter.band.sent-{id}",
-    given=f"{COMMANDS}, at any time, parameters that are sound; 0 <= what a fall and a rise are "
+    given=f"{COMMANDS}, at any time; one factor for v and omega; parameters that are "
+    "sound; 0 <= what a fall and a rise are "
     "admitted, and 0 <= the largest command behind which 0 may follow",
     over=AXES,
 )
@@ -53,7 +54,8 @@ def sent(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "filter.band.sent-stop-{id}",
-    given=f"{COMMANDS}, any parameters; 0 is between what a fall and a rise are admitted, and 0 "
+    given=f"{COMMANDS}; one factor for v and omega; any parameters; 0 is between what "
+    "a fall and a rise are admitted, and 0 "
     "<= the largest command behind which 0 may follow",
     over=AXES,
 )

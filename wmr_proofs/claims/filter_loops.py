@@ -78,7 +78,8 @@ def inside(clip: Clip) -> Iterator[Relation]:
 
 @claim(
     "filter.slew-sent-{id}",
-    given=f"{COMMANDS}, at any time; parameters that are sound, K_max > 0, 0 <= delta + a reach < "
+    given=f"{COMMANDS}, at any time; v and omega each by its own factor; "
+    "parameters that are sound, K_max > 0, 0 <= delta + a reach < "
     "V, a > 0, T > 0; the command before within the same limit",
     over=AXES,
 )
@@ -103,7 +104,8 @@ def slew_sent(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "filter.sent-clip-{id}",
-    given=f"{COMMANDS}; 0 < N, 0 <= delta < V: the parameters of the clip of linear loops",
+    given=f"{COMMANDS}; one factor for v and omega; 0 < N, 0 <= delta < V: the parameters of the "
+    "clip of linear loops",
     over=AXES,
 )
 def sent_clip(mutation: Mutation, axis: int) -> Statement:

@@ -20,8 +20,9 @@ from .common import elements_of, named_ports
 
 STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
 SOUND = (
-    "a gate with its default times and ramps before a clip of first-order loops; 0 < K_min <= "
-    "K_max, 0 <= dbar < V; every input of any size, any time since the last step"
+    "a gate with its default times and ramps before a clip of first-order loops, one factor for v "
+    "and omega; 0 < K_min <= K_max, 0 <= dbar < V; every real input of any size, any time since "
+    "the last step"
 )
 GONE = (
     "t is the time since the last step, T at most: T where it is told as 0 (nobody knows it), 0 "

@@ -90,8 +90,8 @@ def simulated(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.monitor",
-    given=f"{NUMBERS_FREE}; push of either sign; both measured velocities beyond nbar on the "
-    "same side, friction against the motion",
+    given=f"{NUMBERS_FREE}; M_min <= M <= M_max; push of either sign; both velocities measured to "
+    "within nbar, and beyond nbar on the same side; friction against the motion",
 )
 def not_blamed(mutation: Mutation) -> Statement:
     """d_least is at most the mean disturbance of the sample in the direction of motion, or 0,
@@ -112,7 +112,7 @@ def not_blamed(mutation: Mutation) -> Statement:
     return Statement(a.symbols | t, (at_least(ca.fmax(t.push, 0), least),), given)
 
 
-@claim("guard.monitor-quiet", given="any bounds, T > 0")
+@claim("guard.monitor-quiet", given="any bounds with T, M_min > 0, nbar >= 0")
 def quiet(mutation: Mutation) -> Statement:
     """d_least = 0 where the measured velocities are not both beyond nbar on the same side.
 
@@ -128,7 +128,8 @@ def quiet(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.monitor-sharp",
-    given="nbar = 0, M_min = M_max = M, no friction, push >= 0 in the direction of motion",
+    given="T > 0, nbar = 0, M_min = M_max = M > 0, no friction, push >= 0 in the direction of "
+    "motion, which is that of both velocities",
 )
 def sharp(mutation: Mutation) -> Statement:
     """d_least is the push of the sample, forwards and backwards.

@@ -20,8 +20,8 @@ from .guard_sample import SIGNS, left, on
 from .guard_sent import larger, spares
 
 EXPONENTIALS = (
-    "0 <= a <= b, 0 <= exp(-J/a) <= exp(-J/b) <= 1, b (1 - exp(-J/b)) <= J, c(t) = (b - a)(1 - "
-    "exp(-t/a)): 0 <= c(T) <= c(T + J) <= b - a"
+    "0 <= a <= b, b > 0, 0 <= exp(-J/a) <= exp(-J/b) <= 1, b (1 - exp(-J/b)) <= J, c(t) = (b - "
+    "a)(1 - exp(-t/a)): 0 <= c(T) <= c(T + J) <= b - a"
 )
 MORE = (
     "b Z + M_min again + c(T) max(S - Z_J, 0) and b Z + c(T + J) max(S - Z, 0) + J S at most (b + "
@@ -97,7 +97,7 @@ def varying_piece(mutation: Mutation) -> Statement:
     return Statement(t, goals, tuple(given))
 
 
-@claim("guard.varying.more", given=f"0 <= Z, p_1 <= S; {EXPONENTIALS}")
+@claim("guard.varying.more", given=f"0 <= Z, p_1 <= S, S, J > 0; {EXPONENTIALS}")
 def varying_more(mutation: Mutation) -> Statement:
     """b Z + what the last command adds within J + c(T) (S - Z_J) <= (b + J) S, and b Z + c(T + J)
     (S - Z) <= b S.
@@ -118,7 +118,7 @@ def varying_more(mutation: Mutation) -> Statement:
 @claim(
     "guard.{at}spare",
     given="sums without b Z at most (late - J - b) S in rest and (usual - J - b) S in the mean, "
-    "each way (guard.varying.piece); mixed = usual; {caps}{steady}",
+    "each way (guard.varying.piece); mixed = usual >= J + b, b >= 0; {caps}{steady}",
     premises="guard.late.caps guard.varying.piece",
     over=on(*LAGS),
 )
@@ -139,7 +139,12 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a.symbols, (at_least(larger(*cores), need),), rules, a.cuts)
 
 
-@claim("guard.{at}left", given=f"{MORE}{{steady}}", premises="guard.varying.more", over=on(*LAGS))
+@claim(
+    "guard.{at}left",
+    given=f"{MORE}; M_min, alpha, S > 0, 0 <= Z, Z_J <= S, J >= 0; {EXPONENTIALS}{{steady}}",
+    premises="guard.varying.more",
+    over=on(*LAGS),
+)
 def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     """M_min room >= min(core, S/alpha), core = M_min (u1 - reached) + b Z - (b + J) S.
 
@@ -161,7 +166,7 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}room",
-    given="guard.{at}left, guard.{at}spare; S >= brakes + net{steady}",
+    given="guard.{at}left, guard.{at}spare; M_min, alpha > 0, S >= brakes + net{steady}",
     premises="guard.{at}left guard.{at}spare",
     over=on(*LAGS),
 )
@@ -184,7 +189,7 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
 @claim(
     "guard.{at}counts",
     given="reached as in guard.late.mean, with the integral of Z for the sums, and b Z; "
-    f"{SIGNS}, alpha T <= 1; {EXPONENTIALS}{{steady}}",
+    f"{SIGNS}, alpha T <= 1{{range}}; {EXPONENTIALS}{{steady}}",
     over=on(*LAGS),
 )
 def counts(mutation: Mutation, a: GuardAxis) -> Statement:
@@ -199,8 +204,8 @@ def counts(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}{limit}",
-    given="{counts}; M >= M_min, alpha T <= 1, lo <= hi, brakes >= net; "
-    f"{EXPONENTIALS}{{steady}}",
+    given="{counts}, whose hypotheses hold; M >= M_min, lo <= hi, brakes >= net; Z, Z_J and what "
+    "the last command adds >= 0{steady}",
     premises="guard.{at}feasible guard.{at}counts",
     over=on(*LAGS, back=True),
 )
@@ -226,8 +231,9 @@ def varying_upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}graceful{back}",
-    given="{counts}; F = {sign}hi({sign}y); pushes and Z larger by at most D; p_0 + D "
-    "> 0; brakes - net >= D; {caps}{steady}",
+    given="{counts}, whose hypotheses hold; F = {sign}hi({sign}y); D >= 0, pushes and Z larger by "
+    "at most D; p_0 + D > 0; brakes - net >= D; Z, Z_J and what the last command adds >= 0; "
+    "{caps}{steady}",
     premises="guard.{at}counts",
     over=on(*LAGS, back=True),
 )

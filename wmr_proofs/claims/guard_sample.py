@@ -12,7 +12,7 @@ import casadi as ca
 
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least
+from wmr_proofs.relation import Relation, at_least
 from wmr_proofs.statement import Statement
 
 from .guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
@@ -24,16 +24,19 @@ SIGNS = (
 """What every entry assumes of the guard's numbers, beside alpha T <= 1."""
 FREE = f"every number with {SIGNS}, 2 (dbar - f_min) <= M_min alpha (u1 - f_speed), "
 NUMBERS_FREE = f"{FREE}brake >= dbar - f_min and alpha T <= 1"
-CAPS = (
-    f"{SIGNS}, alpha T <= 1, J <= T, J <= mixed <= usual <= late, late > 0; 0 <= brakes, net <= "
-    "brakes <= largest, late (largest + net) + max(brakes + net, 0)/alpha <= M_min (u1 - f_speed), "
-    "mixed (largest + net) <= M_min (u1 - 2 nbar) (guard.late.caps)"
+_CAPPED = (
+    "late > 0; 0 <= brakes, net <= brakes <= largest, late (largest + net) + max(brakes + net, "
+    "0)/alpha <= M_min (u1 - f_speed), mixed (largest + net) <= M_min (u1 - 2 nbar) "
+    "(guard.late.caps)"
 )
+CAPS = f"{SIGNS}, alpha T <= 1, 0 < J <= T, J <= mixed <= usual <= late, {_CAPPED}"
+CAPS_STEADY = f"{SIGNS}, alpha T <= 1, 0 <= mixed <= usual <= late, {_CAPPED}"
 _AT_ONCE: dict[str, Any] = {
     "a": GuardAxis(AT_ONCE), "caps": NUMBERS_FREE, "enough": "{caps}", "rests": "",
     "capped": "", "seen": "|y - v| <= nbar", "inside": "{caps}; |v| <= u1, {seen}", "kept": "",
     "acts": "M_min <= M <= M_max", "v": "{sign}v", "where": "", "counts": "", "filled": "",
-    "spare": "(brakes - net) M_min >= M_max D", "late": "", "steady": "",
+    "spare": "D >= 0, (brakes - net) M_min >= M_max D", "late": "", "steady": "", "over": "",
+    "range": "",
 }  # fmt: skip
 _DELAYED = _AT_ONCE | {
     "a": GuardAxis(DELAYED),
@@ -42,23 +45,25 @@ _DELAYED = _AT_ONCE | {
     "rests": "guard.{at}room {capped}", "inside": "{seen}; {caps}; lo <= hi",
     "kept": "guard.{at}feasible",
     "seen": "|y - v| <= nbar; v+ where the new command takes over is at most max({sign}v, f_speed) "
-    "plus the sum that is counted (guard.delay.command, guard.delay.queue)",
+    "plus the sum that is counted, at least 0 (guard.delay.command, guard.delay.queue)",
     "where": " where the new command takes over",
-    "filled": "; lo <= hi (guard.{at}feasible)", "spare": "brakes - net >= D", "late": " + delay",
+    "filled": "; lo <= hi (guard.{at}feasible)", "spare": "D >= 0, brakes - net >= D",
+    "late": " + delay",
 }  # fmt: skip
 _LATE = _DELAYED | {
     "a": GuardAxis(LATE), "caps": CAPS, "capped": "guard.late.caps", "v": "v+",
     "seen": "v+ when it may first take over <= max(max(m, f_speed) + mean, f_speed + rest), m the "
     "mean that was measured as y to within nbar (guard.late.mean)",
     "acts": "it takes over up to J later and acts up to T + J - that, M_min <= M <= M_max",
+    "over": "; it takes over up to J later, M_min <= M <= M_max", "range": ", 0 < J <= T",
     "inside": "guard.{at}left; {caps}; lo <= hi",
     "kept": "guard.{at}feasible guard.{at}left",
 }  # fmt: skip
 _LAGGING = _LATE | {
     "a": GuardAxis(LAGGING), "seen": "guard.{at}counts", "filled": "", "v": "what is reached",
-    "counts": "guard.{at}counts",
+    "counts": "guard.{at}counts", "over": "",
 }  # fmt: skip
-STEADY = {"steady": "; the delay does not vary, J = 0"}
+STEADY = {"steady": "; the delay does not vary, J = 0", "caps": CAPS_STEADY, "range": ""}
 KINDS: dict[str, dict[str, Any]] = {
     "": _AT_ONCE,
     "delay.": _DELAYED,
@@ -135,7 +140,7 @@ def upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}outside{back}",
-    given="{seen}; {caps}{behind}{steady}",
+    given="{seen}{over}; {caps}{behind}{steady}",
     premises="{counts}",
     over=on(*KINDS, back=True),
 )
@@ -169,22 +174,21 @@ def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     return Statement(a.symbols, (goal,), a.outside(way, *a.during()), a.cuts)
 
 
-@claim("guard.no-overshoot{back}", given="{caps}; |y - v| <= nbar", over=on("", back=True))
+@claim("guard.no-overshoot{back}", given="{caps}; {acts}", over=on("", back=True))
 def no_overshoot(mutation: Mutation, way: int) -> Statement:
-    """f_speed + t max({against}F + dbar - f_min, 0)/M <= u1, also from {sign}v > u1.
+    """f_speed + t max({against}F + dbar - f_min, 0)/M <= u1, from every {sign}v, measured or not.
 
     Braking from outside never throws the robot through the other limit.
     """
     a = GuardAxis()
     fallen = a.f_speed + a.t * ca.fmax(a.net - way * a.force(a.asked), 0) / a.mass
     limit = mutation(a.u1, 0.99 * a.u1)
-    given = (*a.feasible(), *a.during(), above(way * a.v, a.u1), *a.measured)
-    return Statement(a.symbols, (at_least(limit, fallen),), given)
+    return Statement(a.symbols, (at_least(limit, fallen),), (*a.feasible(), *a.during()))
 
 
 @claim(
     "guard.{at}graceful{back}",
-    given="{seen}; {spare}; {caps}{behind}",
+    given="{seen}, {acts}; {spare}; {caps}{behind}",
     over=on("", "delay.", back=True),
 )
 def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
@@ -202,8 +206,8 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}graceful{back}",
-    given="guard.{at}left with D (late - J)/M_min more; {acts}, to the end of that; brakes - net "
-    ">= D; {caps}{steady}",
+    given="guard.{at}left with D (late - J)/M_min more; {acts}, to the end of that; D >= 0, "
+    "brakes - net >= D; {caps}{steady}",
     premises="guard.{at}left",
     over=on("late.", "late.steady.", back=True),
 )
@@ -228,7 +232,7 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}left",
-    given=f"{{seen}}; {SIGNS}, alpha T <= 1{{steady}}",
+    given=f"{{seen}}; {SIGNS}, alpha T <= 1{{range}}{{steady}}",
     over=on("late.", "late.steady."),
 )
 def left(mutation: Mutation, a: GuardAxis) -> Statement:

@@ -11,7 +11,7 @@ from wmr_ctrl.control.guard.delay import InFlight, Tails, in_flight
 from wmr_ctrl.control.guard.lateness import AT_ONCE, Tail
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, at_least, between, equal, nonnegative, positive
+from wmr_proofs.relation import Relation, at_least, between, equal, nonnegative, positive, when
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, symbols
 
@@ -151,7 +151,8 @@ def late_piece(mutation: Mutation) -> Statement:
 )
 def late_tail(mutation: Mutation) -> Statement:
     """behind a lag, the count of older commands is decay times its last value plus what the oldest
-    listed command adds; both axes, starting from where a force of 0 leads.
+    listed command adds; both axes and ways. One that is remembered as 0 is what forces of 0 for
+    ever count for, and stays so as long as they are 0.
 
     Commands of any age are counted with one number for each axis and direction.
     """
@@ -167,12 +168,17 @@ def late_tail(mutation: Mutation) -> Statement:
     table = a.symbols | t | {f"tail{i}": state[i] for i in range(4)}
     goals = []
     for axis in (0, 1):
-        now = tails.added(InFlight(ca.SX(0), ca.SX(0)), axis, b)
-        after = following[2 * axis] + tail.steady * b.period * ca.fmax(b.net, 0)
+        counted = tails.added(InFlight(ca.SX(0), ca.SX(0)), axis, b)
+        steady = tail.steady * b.period * ca.fmax(b.net, 0)
         old, new = forces[1][axis], forces[0][axis]
-        joined = 0.25 * ca.fmax(old + b.net, 0) + 0.125 * ca.fmax(ca.fmax(old, new) + b.net, 0)
-        wanted = 0.5 * now.ahead + mutation * b.period * joined / b.M_min
-        goals.append(equal(after / b.M_min, wanted))
+        for place, (way, now) in enumerate(((1, counted.ahead), (-1, counted.back))):
+            kept, later = (x[2 * axis + place] for x in (state, following))
+            both = ca.fmax(ca.fmax(way * old, way * new) + b.net, 0)
+            joined = 0.25 * ca.fmax(way * old + b.net, 0) + 0.125 * both
+            wanted = 0.5 * now + mutation * b.period * joined / b.M_min
+            goals.append(equal((later + steady) / b.M_min, wanted))
+            unmoved = ca.logic_and(ca.logic_and(old == 0, new == 0), kept == 0)
+            goals += [when(unmoved, equal(later)), when(kept == 0, equal(now, steady / b.M_min))]
     return Statement(table, tuple(goals), positive(b.M_min, b.period))
 
 
@@ -241,8 +247,11 @@ def late_room(mutation: Mutation) -> Statement:
     premises="{capped} guard.{one}",
     over=(
         on("delay.")[0]
-        | {"sums": "ahead + back <= delay (largest + net)/M_min", "one": "delay.command"},
-        on("late.steady.")[0] | {"sums": f"{COUNTED}, J = mixed = 0", "one": "late.piece"},
+        | {
+            "sums": "0 <= ahead, back; ahead + back <= delay (largest + net)/M_min",
+            "one": "delay.command",
+        },
+        on("late.steady.")[0] | {"sums": f"{COUNTED}; J = mixed = 0", "one": "late.piece"},
     ),
 )
 def room(mutation: Mutation, a: GuardAxis) -> Statement:

@@ -86,7 +86,9 @@ def monotone(mutation: Mutation, smooth: bool) -> Statement:
 
 
 @map_claim(
-    "prox.not-expansive", given="x + k a = c with monotone a", premises="prox.optimal prox.monotone"
+    "prox.not-expansive",
+    given="k > 0; x + k a = c with monotone a",
+    premises="prox.optimal prox.monotone",
 )
 def not_expansive(mutation: Mutation) -> Statement:
     """|X_k(c1) - X_k(c2)| <= |c1 - c2|.
@@ -186,7 +188,7 @@ def inside(mutation: Mutation, smooth: bool) -> Statement:
 
 @claim(
     "prox.contracts{key}",
-    given="0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+",
+    given="0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+ below 1e100 in size, v_u1 as well",
     premises="prox.optimal{key} prox.monotone{key} prox.not-expansive transport.level{key}",
     over=BARRIERS,
 )
@@ -210,7 +212,8 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
 
 @claim(
     "prox.decay{key}",
-    given="0 < v_u2 < v_u1, 0 < E < 1; |v*| < v_u1; V1i above its tangent at v+, at v* and v_c1+",
+    given="0 < v_u2 < v_u1, 0 < E < 1; v_u1, |c+| < 1e100; |v*| < v_u1; V1i above its tangent at "
+    "v+, at v* and v_c1+",
     premises="prox.optimal{key} {convex} transport.inside{key}",
     over=BARRIERS,
 )
@@ -233,7 +236,12 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
     return s.states(goals, given, ("carried", "end", "x_target"), t)
 
 
-@claim("prox.linear{key}", premises="transport.plain{key}", over=BARRIERS)
+@claim(
+    "prox.linear{key}",
+    given="0 < v_u2 < v_u1, v_u2 < 1e100, 0 < E < 1",
+    premises="transport.plain{key}",
+    over=BARRIERS,
+)
 def linear(mutation: Mutation, smooth: bool) -> Statement:
     """v+ = E v* + (1-E) c+ where that is at most v_u2 in size ({words}).
 

@@ -228,8 +228,8 @@ def observer_first(mutation: Mutation) -> Statement:
 
 @claim(
     "prox.observer{of}",
-    given="after the first sample; M (v - v_old)/T = F_applied - F1 + d_old with the believed M "
-    "and F1 at the middle velocity; d acts from now on",
+    given="after the first sample; T, M, r, l, wo > 0; M (v - v_old)/T = F_applied - F1 + d_old "
+    "with the believed M and F1 at the middle velocity; d acts from now on",
     over=AXES,
 )
 def observer(mutation: Mutation, axis: int) -> Statement:
