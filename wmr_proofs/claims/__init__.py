@@ -39,7 +39,7 @@ THEMES = (
     ("The command filter of bases that take velocities", "command_filter filter_assembled"),
     ("The gate before a base", "gate"),
     ("The command filter of bases that take velocities",
-     "filter_loops filter_kick filter_band filter_band_times filter_rounding "
+     "filter_loops filter_shapes filter_kick filter_band filter_band_times filter_rounding "
      "filter_command_rounding filter_band_rounding"),
     ("Encoders and wheels", "wheels_and_encoders"),
     ("Motors and late drives", "drive_bounds"),

@@ -3,20 +3,25 @@
 Times and ramps are the defaults of `GateSettings`; any numbers come in.
 """
 
+from collections.abc import Mapping
+
 import casadi as ca
 
 from wmr_ctrl.control.filter import gate
 from wmr_ctrl.control.filter.channels import AXES, WAYS, usable_time
 from wmr_ctrl.control.filter.clip import Clip
+from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, equal
+from wmr_proofs.relation import Relation, above, at_least, equal, within
 from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import exchanged
+from wmr_proofs.symbols import Symbols, exchanged
 
 from .common import elements_of, named_ports
+from .filter_assembled import STATED as OF_GOVERNOR
+from .filter_shapes import OF_CLIP, named_for
 
 STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
 SOUND = (
@@ -135,3 +140,77 @@ def rise(mutation: Mutation) -> Statement:
     most = [ca.fabs(g[gate.LAST][i]) + step[i] for i in AXES]
     goals = g.timed, *g.below(most)
     return Statement(g.symbols, goals, g.sound, {f"goal{i}": g.goal[i] for i in AXES})
+
+
+@claim(
+    "gate.inside.{key}",
+    given="a gate with its default times and ramps before a clip of first-order loops; l > 0; (V - "
+    "dbar)/K_max > 0 of each speed; every real input of any size, any time since the last step",
+    over=OF_CLIP,
+)
+def inside_shapes(
+    mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
+) -> Statement:
+    """|w| <= (V - dbar)/K_max, w each limited speed of the command that the gate sends: {limited}.
+
+    The gate sends what the clip could have sent, whichever speeds that limits.
+    """
+    table, cuts = Symbols(), dict[str, ca.SX]()
+    goals, given = list[Relation](), list[Relation]()
+    for scale in scales:
+        scenario = load_scenario("paper-simulation", {**STATED, **more, "filter.scale": scale})
+        (system, goal), clip = gate.gate_and_goal(scenario, SETTINGS), Clip(scenario)
+        ports = (*system.inputs, *system.state, *system.params)
+        table |= named_for(elements_of(*ports), scale)
+        sent = ca.SX.sym("sent", 2)
+        speeds = [channel.of(sent) for channel in clip.channels]
+        own = named_ports(*clip.p.ports), named_ports(*system.params)
+        numbers = exchanged(ca.vertcat(*clip.limits, *speeds), *own)
+        numbers = ca.substitute(numbers, sent, system.outputs[0].expr)
+        limits, found = ca.vertsplit(numbers, [0, len(speeds), 2 * len(speeds)])
+        for i, limit in enumerate(ca.vertsplit(limits)):
+            cuts[f"limit {i} {scale}"] = limit
+            given.append(above(limit))
+            goals += within(found[i], mutation(1, 0.99) * limit)
+        cuts |= {f"goal{i} {scale}": goal[i] for i in AXES}
+        given += [above(symbol) for name, symbol in own[1].items() if name == "robot.l"]
+    return Statement(table, tuple(goals), tuple(given), cuts)
+
+
+class BehindGovernor:
+    """A gate before a governor, and the governor's limits in the gate's symbols."""
+
+    def __init__(self) -> None:
+        """Read both graphs."""
+        scenario = load_scenario("paper-simulation", OF_GOVERNOR)
+        system, self.goal = gate.gate_and_goal(scenario, SETTINGS)
+        self.governor = own = Governor(scenario)
+        self.ports = (*system.inputs, *system.state, *system.params)
+        inner = (*own.system.inputs, *own.system.state, *own.system.params)
+        both = named_ports(*inner), named_ports(*self.ports)
+        limits = ca.vertcat(*(ca.vertcat(*side) for side in own.limits))
+        self.limits, self.sent = exchanged(limits, *both), system.outputs[0].expr
+
+
+@claim(
+    "gate.governor",
+    given="a gate with its default times and ramps before a governor of v and omega, one factor; "
+    "the governor's four limits above 0 (filter.limits); every real input of any size, any time "
+    "since the last step",
+    premises="filter.limits",
+)
+def before_governor(mutation: Mutation) -> Statement:
+    """sent_i is at most the governor's limit of the step, either way.
+
+    Before a governor, too, the gate sends only what the filter could have sent (filter.sent-*).
+    """
+    g = BehindGovernor()
+    goals, cuts = list[Relation](), {f"goal{i}": g.goal[i] for i in AXES}
+    given = list[Relation]()
+    for side, way in enumerate(WAYS):
+        for i in AXES:
+            limit = g.limits[2 * side + i]
+            cuts[f"limit {side} {i}"] = limit
+            given.append(above(limit))
+            goals.append(at_least(mutation(1, 0.99) * limit, way * g.sent[i]))
+    return Statement(elements_of(*g.ports), tuple(goals), tuple(given), cuts)

@@ -1,0 +1,314 @@
+"""The command filter's graphs in the shapes that other entries leave out.
+
+Limits of wheels, in place of those of v and omega or beside them; every way to scale; samples that
+jitter, commands that are lost or held.  Each entry is about all scales, sides or axes of its shape.
+"""
+
+from collections.abc import Mapping
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.band import BandGovernor
+from wmr_ctrl.control.filter.channels import WAYS, Channel
+from wmr_ctrl.control.filter.clip import Clip
+from wmr_ctrl.control.filter.governor import NEAR, drive
+from wmr_ctrl.control.filter.governor_step import Governor
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import (
+    Relation,
+    above,
+    at_least,
+    between,
+    equal,
+    nonnegative,
+    positive,
+    when,
+    within,
+)
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Symbols, symbols
+
+from .command_filter import COMMANDS, INTERVALS
+from .common import elements_of
+from .filter_assembled import STATED
+from .filter_band_times import BANDED
+from .filter_loops import LINEAR, SLOW
+
+claim = Claims(by=Z3())
+SHAPES: tuple[dict[str, object], ...] = (
+    {"key": "axes", "limited": "v and omega, each by its own factor or one first", "more": {},
+     "scales": ("axes", "turn", "drive")},
+    {"key": "wheels", "limited": "both wheels' speeds, by one factor or one axis first",
+     "more": {"filter.channels": "wheels"}, "scales": ("curvature", "turn", "drive")},
+    {"key": "beside", "more": {"filter.wheel_speed": 1.0}, "scales": ("curvature", "turn", "drive"),
+     "limited": "v, omega and both wheels' speeds, by one factor or one axis first"},
+)  # fmt: skip
+"""Speeds that are limited, and the ways to scale a command that no other entry is about."""
+OF_CLIP = (*SHAPES[:2], SHAPES[2] | {"limited": "v, omega and both wheels' speeds, one axis first",
+                                     "scales": ("turn", "drive")})  # fmt: skip
+"""The same of a clip; one factor beside wheels is in filter.rounding.beside."""
+
+
+def governor(more: Mapping[str, object]) -> Governor:
+    """The governor of `filter_assembled` with other settings."""
+    return Governor(load_scenario("paper-simulation", {**STATED, **more}))
+
+
+def named_for(table: Symbols, scale: str) -> Symbols:
+    """Symbols of one scale's graph, under names of their own."""
+    return Symbols({f"{name} {scale}": symbol for name, symbol in table.items()})
+
+
+def _arms(channels: list[Channel]) -> tuple[Relation, ...]:
+    """The half track of each wheel is positive."""
+    return tuple(above(channel.arm) for channel in channels if channel.ways[1])
+
+
+@claim(
+    "filter.sent.{key}",
+    given=f"{COMMANDS}, any odometry, any time since the last sample; l > 0; the limits above 0",
+    premises="filter.limits",
+    over=SHAPES,
+)
+def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]) -> Statement:
+    """of the command that the whole governor sends, each limited speed is at most the step's limit,
+    either way, whatever both axes are asked for: {limited}.
+
+    Nothing bypasses the filter, whichever speeds it limits and however it scales.
+    """
+    table, cuts = Symbols(), dict[str, ca.SX]()
+    goals, given = list[Relation](), list[Relation]()
+    for scale in scales:
+        graph = governor({**more, "filter.scale": scale})
+        ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
+        table |= named_for(elements_of(*ports), scale)
+        limits = [
+            (f"limit {side} {i} {scale}", limit)
+            for side, own in enumerate(graph.limits)
+            for i, limit in enumerate(own)
+        ]
+        cuts |= {**dict(limits), f"numbers are sound {scale}": graph.sound}
+        given += [*(above(limit) for _, limit in limits), *_arms(graph.channels)]
+        for side, way in enumerate(WAYS):
+            for channel, limit in zip(graph.channels, graph.limits[side], strict=True):
+                most = mutation(1, 0.99) * limit
+                commands = (graph.sent, graph.safe)
+                goals += [at_least(most, way * channel.of(command)) for command in commands]
+    return Statement(table, tuple(goals), tuple(given), cuts)
+
+
+@claim(
+    "filter.sent-clip.{key}",
+    given=f"{COMMANDS}; l > 0; (V - dbar)/K_max > 0 of each speed, V less 2^-26 of it, N and "
+    "delta in the places of K_max and dbar where loops are linear",
+    over=OF_CLIP,
+)
+def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]) -> Statement:
+    """|w| <= (V - dbar)/K_max, w each limited speed of the command that the whole clip sends to
+    first-order loops or linear ones: {limited}.
+
+    Whatever is asked for, commands stay within what the loop's gain admits, at the wheels as well.
+    """
+    table, cuts = Symbols(), dict[str, ca.SX]()
+    goals, given = list[Relation](), list[Relation]()
+    for loop, stated in (("first", STATED | {"filter.kind": "clip"}), ("linear", LINEAR)):
+        for scale in scales:
+            settings = {**stated, **more, "filter.scale": scale}
+            settings.pop("filter.odometry", None)
+            clip = Clip(load_scenario("paper-simulation", settings))
+            name = f"{scale} {loop}"
+            table |= named_for(elements_of(clip.asked, *clip.p.ports), name)
+            cuts[f"numbers are sound {name}"] = clip.sound
+            given += [*(above(limit) for limit in clip.limits), *_arms(clip.channels)]
+            for i, (channel, limit) in enumerate(zip(clip.channels, clip.limits, strict=True)):
+                cuts[f"limit {i} {name}"] = limit
+                goals += within(channel.of(clip.sent), mutation(1, 0.99) * limit)
+    return Statement(table, tuple(goals), tuple(given), cuts)
+
+
+@claim(
+    "filter.slew-sent.together",
+    given=f"{COMMANDS}; parameters that are sound, a > 0, c = (V - delta - a reach)/K_max > 0; "
+    "t >= 0, the time since the sample before (filter.slew-sent); the command before within c",
+    premises="filter.slew-sent-linear",
+)
+def slew_together(mutation: Mutation) -> Statement:
+    """|u| <= c and |u - u_before| <= a t on both axes, u what the whole clip of slow commands
+    sends, both axes by one factor or one first.
+
+    Commands that change together change no faster than stated, and stay within their limit.
+    """
+    table, cuts = Symbols(), dict[str, ca.SX]()
+    goals, given = list[Relation](), list[Relation]()
+    for scale in ("curvature", "turn", "drive"):
+        clip = Clip(load_scenario("paper-simulation", SLOW | {"filter.scale": scale}))
+        table |= named_for(elements_of(clip.asked, clip.elapsed, *clip.last, *clip.p.ports), scale)
+        (before,), slew = clip.last, clip.p.take("filter.slew")
+        cuts |= {f"numbers are sound {scale}": clip.sound, f"time {scale}": clip.time}
+        cuts |= {f"limit {i} {scale}": limit for i, limit in enumerate(clip.limits)}
+        given += [*(above(item) for item in (*ca.vertsplit(slew), *clip.limits))]
+        given += [equal(clip.sound, 1), at_least(clip.time)]
+        for i, limit in enumerate(clip.limits):
+            u, was = clip.sent[i], before.sym[i]
+            given += within(was, limit)
+            goals += [*within(u, limit), *within(u - was, mutation(1, 0.9) * slew[i] * clip.time)]
+    return Statement(table, tuple(goals), tuple(given), cuts)
+
+
+BANDS = (
+    {"key": "scales", "loops": "second-order ones, each axis by its own factor or one first",
+     "shapes": tuple(BANDED | {"filter.scale": scale} for scale in ("axes", "turn", "drive"))},
+    {"key": "pi", "loops": "PI ones, by one factor", "shapes": (
+        {"filter.kind": "band", "filter.loop": "pi", "clock.control": 0.1,
+         "filter.mass": (50.0, 65.0), "filter.inertia": (4.0, 6.0), "filter.kp": (135.0, 165.0),
+         "filter.ki": (270.0, 330.0)},)},
+)  # fmt: skip
+
+
+@claim(
+    "filter.band.sent.{key}",
+    given=f"{COMMANDS}, at any time, parameters that are sound; 0 is between what a fall and a "
+    "rise are admitted, and 0 <= the largest command behind which 0 may follow",
+    over=BANDS,
+)
+def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> Statement:
+    """u_before - fall <= u <= u_before + rise and |u| <= the largest command behind which 0 may
+    follow, u what the whole band sends on either axis; of loops: {loops}.
+
+    Nothing bypasses the filter: no command and no scaling of the other axis.
+    """
+    table, cuts = Symbols(), dict[str, ca.SX]()
+    goals, given = list[Relation](), list[Relation]()
+    for number, stated in enumerate(shapes):
+        graph = BandGovernor(load_scenario("paper-simulation", dict(stated)))
+        system = graph.system
+        ports = elements_of(*system.inputs, *system.state, *system.params)
+        table |= named_for(ports, str(number))
+        cuts[f"sound {number}"] = graph.sound
+        given.append(equal(graph.sound, 1))
+        for axis, (low, high) in enumerate(graph.ends):
+            cuts |= {f"end {number} {axis} {k}": end for k, end in enumerate((low, high))}
+            cuts[f"stop {number} {axis}"] = graph.stopping[axis]
+            given += nonnegative(high, -low, graph.stopping[axis])
+            u = mutation(1, 1.1) * graph.sent[axis]
+            goals += [*between(low, u, high), *within(u, graph.stopping[axis])]
+    return Statement(table, tuple(goals), tuple(given), cuts)
+
+
+WHEELS = (
+    {"key": "wheels", "more": {"filter.channels": "wheels"}, "which": "min(V, l Omega)",
+     "what": "wheels are limited instead of v and omega"},
+    {"key": "beside", "more": {"filter.wheel_speed": 1.0}, "which": "filter.wheel_speed",
+     "what": "wheels are limited beside v and omega"},
+)  # fmt: skip
+
+
+@claim(
+    "filter.rims.{key}-{id}",
+    given="any odometry within nbar of v and omega, or none, any time since the last sample; the "
+    "bounds that were kept hold if that is a period; w within W; no delay, jitter or losses, H = "
+    "T; l, T > 0, 0 < tau_min <= tau_max; 0 < K_min <= K <= K_max, |d_v| + l |d_omega| <= dbar_v + "
+    "l dbar_omega < W, each within its own; u at most the step's limit (filter.sent.{key})",
+    premises="filter.sent.{key}",
+    over=[
+        shape | {"side": side, "wheel": wheel, "id": f"{name}-{way}"}
+        for shape in WHEELS
+        for wheel, name in enumerate(("right", "left"))
+        for side, way in enumerate(("forwards", "backwards"))
+    ],
+)
+def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) -> Statement:
+    """{id}: E w + (1 - E)(K u + d_v +- l d_omega) <= W behind every command u that the whole filter
+    admits to the wheel, w = v +- l omega and W = {which} (1 - 2^-26); {what}.
+
+    The limit of a wheel counts pushes and errors of both axes.
+    """
+    graph, way = governor(more), WAYS[side]
+    f = symbols("v1 v2 u K d1 d2 E kappa gone")
+    ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
+    p = {port.signal.name: port.sym for port in ports}
+    push, error, gain = (p[f"filter.{name}"] for name in ("d", "odometry", "gain"))
+    T, tau = graph.T, p["filter.tau"]
+    cuts = {"1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / tau[0]), "-most": ca.expm1(-T / tau[0])}
+    cuts["-least"] = ca.expm1(-T / tau[1])
+    kappa, most, least = cuts.values()
+    seen, came = graph.age.sym >= -NEAR * T, _timely(graph)
+    given = [
+        *positive(p["robot.l"], T, gain[0], f.kappa), *nonnegative(*ca.vertsplit(push)),
+        *nonnegative(*ca.vertsplit(error)), equal(f.kappa, kappa), equal(f.gone, most),
+        equal(-f.kappa * f.gone, 1 + f.gone), *positive(-least, 1 + most), at_least(least, most),
+        *between(1 + most, f.E, 1),
+    ]  # fmt: skip
+    for i, v in enumerate((f.v1, f.v2)):
+        given += [when(seen, part) for part in within(graph.odometry.sym[i] - v, error[i])]
+        given += within((f.d1, f.d2)[i], push[i])
+    place = len(graph.channels) - 2 + wheel
+    channel, b = graph.channels[place], graph.bounds[place]
+    w, total = channel.of((f.v1, f.v2)), push[0] + p["robot.l"] * push[1]
+    given += [*between(gain[0], f.K, gain[1]), above(b.V, total), *within(w, b.V)]
+    for known, sign in zip(graph.known, WAYS, strict=True):
+        given.append(when(came, at_least(known.sym[place], sign * w)))
+    given.append(at_least(graph.limits[side][place], f.u))
+    mean = f.K * f.u + mutation(1, 1.1) * way * channel.of((f.d1, f.d2))
+    goal = at_least(b.V, f.E * way * w + (1 - f.E) * mean)
+    return Statement(f | elements_of(*ports), (goal,), tuple(given), cuts)
+
+
+def _timely(graph: Governor) -> ca.SX:
+    """1 where a sample came as the filter was told, within its jitter."""
+    elapsed, T = graph.elapsed.sym, graph.T
+    near = ca.fabs(elapsed - T) <= (graph.plan.jitter + NEAR) * T
+    return ca.logic_or(elapsed == 0, near)
+
+
+TIMES: tuple[dict[str, object], ...] = (
+    {"key": "jitter", "more": {"filter.jitter": 0.005}, "H": "3 T/2, for a jitter of T/2"},
+    {"key": "losses", "more": {"filter.losses": 2}, "H": "3 T, for two commands lost in a row"},
+    {"key": "hold", "more": {"filter.hold": 0.05},
+     "H": "5 T, for a base that keeps its command so long and stops then"},
+)  # fmt: skip
+
+
+@claim(
+    "filter.assembled.{key}",
+    given=f"any odometry within nbar, or none, any time since the last sample; the bounds that "
+    "were kept hold where every command that may act was sent in time; |v| <= V; T > 0, 0 < "
+    f"tau_min <= tau_max; {INTERVALS}; exp(-H/tau_min) <= E <= 1; u at most the step's limit",
+    premises="filter.sent-linear-forwards",
+    over=TIMES,
+)
+def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
+    """either axis, either way: E v + (1 - E) mean <= V behind every command u that the whole filter
+    admits, mean at most what u or, once the base has stopped, pushes alone lead to; H = {H}.
+
+    A command may act for longer than a period, and the filter counts on that.
+    """
+    graph = governor(more)
+    ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
+    table, cuts = elements_of(*ports) | symbols("kappa gone"), dict[str, ca.SX]()
+    T, longest = graph.T, graph.plan.longest
+    goals, given = list[Relation](), [above(T)]
+    low, _ = graph.motions[0].tau
+    kappa = 1 / ca.expm1(longest * T / low)
+    cuts = {"1/(exp(H/tau_min) - 1)": kappa}
+    given += [above(table["kappa"]), equal(table["kappa"], kappa)]
+    given += [equal(-table["kappa"] * table["gone"], 1 + table["gone"]), above(1 + table["gone"])]
+    seen = graph.age.sym >= -NEAR * T
+    for axis, b in enumerate(graph.bounds):
+        v = ca.SX.sym(f"speed{axis}")
+        table[f"speed{axis}"] = v
+        given += [above(b.V, b.dbar), at_least(b.dbar), at_least(b.nbar), above(b.K_min)]
+        given += [at_least(b.K_max, b.K_min), *within(v, b.V)]
+        given += [when(seen, part) for part in within(graph.odometry.sym[axis] - v, b.nbar)]
+        for side, way in enumerate(WAYS):
+            own = symbols(f"u{axis}{side} mean{axis}{side} E{axis}{side}")
+            u, mean, E = own.values()
+            table |= own
+            known = graph.known[side].sym[axis]
+            given += [when(graph.punctual, at_least(known, way * v))]
+            given += [*between(1 + table["gone"], E, 1), at_least(graph.limits[side][axis], u)]
+            given.append(at_least(ca.fmax(drive(u, b), mutation(1, 9) * b.dbar), mean))
+            goals.append(at_least(b.V, E * way * v + (1 - E) * mean))
+    return Statement(table, tuple(goals), tuple(given), cuts)
