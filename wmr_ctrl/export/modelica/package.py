@@ -138,7 +138,7 @@ def modelica_package(scenario: Scenario) -> str:
     setups = [settle(scenario, name) for name in LAWS]
     check_plain_loop(setups[0], "the Modelica package")
     controllers = [controller(setup) for setup in setups]
-    clock, period = Member(*scenario.number(CLOCK)), scenario.clock
+    clock = Member(*scenario.number(CLOCK))
     robot, desired = plant(scenario), members(reference(scenario).outputs)
     inputs, outputs = members(controllers[0].inputs), members(controllers[0].outputs)
     sides = (desired, inputs, outputs, members(robot.inputs), members(robot.outputs))
@@ -151,19 +151,13 @@ def modelica_package(scenario: Scenario) -> str:
         version=__version__,
         scenario=scenario,
         clock=clock,
-        noise=", the scenario's own is left out" if noisy else "",
-        experiment=(
-            f"experiment(StartTime = 0, StopTime = {period.duration!r}, "
-            f"Interval = {period.control!r}, Tolerance = 1e-8)"
-        ),
+        noisy=noisy,
         reference=_reference(scenario),
         controller={"inputs": inputs, "outputs": outputs},
         plant=_plant(scenario, robot),
         laws=[_law(system, clock) for system in controllers],
         ports=ports,
-        sites=diagram.LOOP,
-        within=diagram.WITHIN,
-        extent=diagram.LOOP_EXTENT,
+        diagram=diagram,
         wires=diagram.wires_of_loop(ports),
         imported={name: diagram.wires_within(ports[name]) for name in parts},
     )
@@ -178,6 +172,8 @@ def _function(system: System) -> Mapping[str, object]:
     step = kernel("step", system.title, used, {RESULT: ca.vertcat(system.update, shown)})
     declared, statements = algorithm(step.graph)
     return {
+        "title": system.title,
+        "assignments": _assignments(system),
         "sizes": {name: step.function.numel_in(name) for name in step.inputs},
         "result": step.function.numel_out(RESULT),
         "locals": declared,
@@ -204,14 +200,12 @@ def _law(system: System, clock: Member) -> Mapping[str, object]:
     return {
         "name": system.name,
         "class_name": system.name[:1].upper() + system.name[1:],
-        "title": system.title,
         "parameters": [clock, *(item for item in parameters if item.name != clock.name)],
         "memory": vector(memory) if memory else "",
         "count": len(memory),
         "call": f"({', '.join(arguments)})",
         "diagnostics": shown,
         "ports": diagram.edge([item.name for item in shown], diagram.EDGE, 90),
-        "assignments": _assignments(system),
         **_function(system),
     }
 
@@ -233,11 +227,9 @@ def _reference(scenario: Scenario) -> Mapping[str, object]:
     parameters = members(system.params)
     numbers = [_array(_elements(system.params))] if parameters else []
     return {
-        "title": system.title,
         "parameters": parameters,
         "outputs": members(system.outputs),
         "call": f"({', '.join(['{time}', *numbers])})",
-        "assignments": _assignments(system),
         **_function(system),
     }
 

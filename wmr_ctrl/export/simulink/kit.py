@@ -10,12 +10,20 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from wmr_ctrl.codegen.package import c_name, comment, package_files, packaged, text_engine
+from wmr_ctrl.codegen.package import (
+    Field,
+    comment,
+    fields_of,
+    package_files,
+    packaged,
+    signals_of,
+    text_engine,
+)
 from wmr_ctrl.control.given import law_of
 from wmr_ctrl.control.numbers import ranges_of
 from wmr_ctrl.control.outside import check_plain_loop, check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.core.signals import LARGEST, REFERENCE, Signal
+from wmr_ctrl.core.signals import LARGEST, REFERENCE, elements
 from wmr_ctrl.results import write_all
 from wmr_ctrl.world.model.dynamics import plant
 from wmr_ctrl.world.model.system import Port
@@ -58,7 +66,7 @@ def kit_files(law: str, scenario: Scenario) -> dict[str, str]:
     engine = text_engine(_TEMPLATES)
     infinite = {math.inf: "HUGE_VAL", -math.inf: "-HUGE_VAL"}
     engine.filters["number"] = lambda value: infinite.get(value) or repr(float(value))
-    engine.filters["quoted"] = _quoted
+    engine.filters |= {"quoted": _quoted, "matlab": _matlab}
     context = _context(setup)
     files = {name: engine.get_template(t).render(context) for name, t in _RENDERED.items()}
     rendered = {name.format(law=law): text for name, text in files.items()}
@@ -69,26 +77,18 @@ def _context(setup: Setup) -> Mapping[str, Any]:
     system, scenario, robot = packaged(setup), setup.scenario, plant(setup.scenario)
     tuned = [port for port in system.params if port.signal.name != CLOCK]
     ranges = ranges_of(scenario, (port.signal.name for port in tuned))
-    memory = [{"name": c_name(p.signal), "value": _matlab(p.value)} for p in system.state]
     return {
         "law": setup.name,
-        "title": system.title,
-        "scenario": scenario.name,
-        "period": repr(scenario.clock.control),
-        "duration": repr(scenario.clock.duration),
-        "inputs": [_port(item.signal) for item in system.inputs],
-        "outputs": [_port(item.signal) for item in system.outputs],
+        "system": system,
+        "scenario": scenario,
+        "robot": robot,
+        "inputs": fields_of(system.inputs),
+        "outputs": signals_of(system.outputs),
         "parameters": [_parameter(port, ranges.get(port.signal.name)) for port in tuned],
         "ordered": {"limits.v_u1", "limits.v_u2"} <= {port.signal.name for port in tuned},
-        "memory": memory or [{"name": "nothing", "value": "0"}],
-        "reference": [signal.name for signal in REFERENCE],
-        "robot_inputs": [port.signal.name for port in robot.inputs],
-        "robot_outputs": [item.signal.name for item in robot.outputs],
+        "memory": fields_of(system.state) or [Field("nothing", 1, "", "", (0,))],
+        "reference": elements(REFERENCE),
     }
-
-
-def _port(signal: Signal) -> Mapping[str, Any]:
-    return {"name": c_name(signal), "size": signal.size, "unit": signal.unit}
 
 
 def _parameter(port: Port, known: tuple[float, float] | None) -> Mapping[str, Any]:
@@ -100,19 +100,14 @@ def _parameter(port: Port, known: tuple[float, float] | None) -> Mapping[str, An
     )
     numbers = "a number" if signal.size == 1 else f"{signal.size} numbers"
     ends = [f"at least {low:g}"] * (low > -math.inf) + [f"at most {high:g}"] * (high < math.inf)
-    return {
-        **_port(signal),
-        "value": _matlab(port.value),
-        "prompt": f"{signal.name} [{signal.unit}]: {signal.meaning}",
-        "low": low,
-        "high": high,
-        "wanted": ", ".join([numbers, *ends]),
-    }
+    (field,) = fields_of([port])
+    told = {"low": low, "high": high, "wanted": ", ".join([numbers, *ends])}
+    return {**vars(field), "value": port.value, "dotted": signal.name, **told}
 
 
 def _matlab(values: Iterable[float]) -> str:
     """Numbers as MATLAB writes them: one, or a column as a struct of C has it."""
-    shown = [repr(float(value)).replace("inf", "Inf") for value in values]
+    shown = [repr(value).replace("inf", "Inf") for value in values]
     return shown[0] if len(shown) == 1 else f"[{'; '.join(shown)}]"
 
 
