@@ -1,7 +1,7 @@
 """Every law in every case on every platform: ``python -m tests.bits [NAME ...]``; some 20 minutes.
 
 Each line is a platform, a law and what was found; without names, all platforms.  The tests take a
-part of these, in which every platform, law and case occurs.
+part of these, in which every law occurs.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def said(platform: Platform, law: str) -> str:
 
 def main(names: Sequence[str]) -> int:
     """Print a line for each; 1 if any bit differs."""
-    chosen = [item for item in EVERYWHERE if item.name in names or not names]
+    chosen = [item for name, item in EVERYWHERE.items() if name in names or not names]
     pairs = list(product(chosen, NAMES))
     failed = False
     with ThreadPoolExecutor(2) as pool:

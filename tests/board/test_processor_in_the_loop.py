@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,6 @@ from tests.board.emulated import BOARDS, Emulated, built, missing
 from tests.board.lockstep import lockstep
 from tests.board.robot import Robot
 from tests.codegen.measured import BOARD, loop_scenario
-from tests.matrix import turns
 from wmr_ctrl.codegen.package import known_footprint, step_kernel
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
@@ -25,49 +23,26 @@ TOLERANCE = {False: 0.0, True: 5e-5}
 torque, memories carried on for 10 s: none in double precision, whose mathematics is our own; in
 single precision there are two mathematics libraries."""
 
-MOST_INSTRUCTIONS = {
-    ("mb", True): 2_000,
-    ("mb", False): 4_000,
-    ("nn", True): 8_000,
-    ("nn", False): 12_000,
-    ("prox", True): 2_000,
-    ("prox", False): 4_000,
-}
-"""Of the slowest sample on a Cortex-M7, by law and whether in single precision."""
-OTHER_SETTINGS = [(BOARD, True), *((board, False) for board in BOARDS if board != BOARD)]
-
 
 @pytest.mark.parametrize(
-    ("program", "setting"),
-    turns(
-        list(product(["nn", "mb", "prox"], [True, False])),
-        [(BOARD, False), *OTHER_SETTINGS],
-        shown=0,
-    ),
+    ("law", "float32", "guarded"), [("nn", True, False), ("prox", False, True)]
 )
+@pytest.mark.slow
 def test_ten_seconds_in_lockstep(
-    program: tuple[str, bool],
-    setting: tuple[str, bool],
-    tmp_path: Path,
-    record_property: object,
+    law: str, float32: bool, guarded: bool, tmp_path: Path, record_property: object
 ) -> None:
-    """Each law in either precision; boards, and the guard on one, take turns."""
-    (law, float32), (board, guarded) = program, setting
     scenario = loop_scenario(guarded)
-    found = lockstep(law, scenario, board, tmp_path, float32=float32)
+    found = lockstep(law, scenario, BOARD, tmp_path, float32=float32)
     for name, value in asdict(found).items():
         record_property(name, value)
 
     assert found.worst <= TOLERANCE[float32]
     assert found.distance < 0.2
-    if board == BOARD:
-        operations = step_kernel(controller(settle(scenario, law))).operations
-        told = known_footprint(law, float32, guarded, operations)
-        assert told is not None
-        assert found.most_instructions <= 1.1 * told.most_instructions + 80
-        assert found.stack <= 1.1 * told.deepest
-    else:
-        assert found.most_instructions <= MOST_INSTRUCTIONS[law, float32]
+    operations = step_kernel(controller(settle(scenario, law))).operations
+    told = known_footprint(law, float32, guarded, operations)
+    assert told is not None
+    assert found.most_instructions <= 1.1 * told.most_instructions + 80
+    assert found.stack <= 1.1 * told.deepest
 
 
 def test_bad_input_gives_no_torque_and_keeps_the_memory(tmp_path: Path) -> None:

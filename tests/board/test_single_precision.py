@@ -22,7 +22,6 @@ REGION = np.array([5.0, 5.0, np.pi, NEAR * 1.0, NEAR * 1.5])
 """Half-widths of the starts: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."""
 
 LIMITS = np.array([1.0, 1.5])
-CASES = [(law, guarded, T) for (law, guarded), periods in PERIODS.items() for T in periods]
 
 
 def nominal(control: float, guarded: bool, **changes: object) -> Scenario:
@@ -41,11 +40,12 @@ def starts(inside: int, at_the_edge: int) -> list[np.ndarray]:
     return list(drawn * REGION)
 
 
-@pytest.mark.parametrize(("law", "guarded", "control"), CASES)
+@pytest.mark.parametrize(("law", "guarded", "control"), [("mb", False, 1e-3), ("nn", True, 1e-2)])
 @pytest.mark.slow
 def test_the_limit_is_kept_from_the_stated_region(
     law: str, guarded: bool, control: float, tmp_path: Path
 ) -> None:
+    assert control in PERIODS[law, guarded]
     scenario = nominal(control, guarded)
     builds = [HostBuild(law, scenario, tmp_path / str(f), float32=f) for f in (False, True)]
     for start in starts(4, 2) if control < 1e-2 else starts(12, 8):

@@ -51,13 +51,10 @@ def random_graph(name: str, seed: int) -> Kernel:
     return kernel(name, "A random graph.", {"x": x}, {"y": ca.vertcat(*pool[-12:])})
 
 
-@pytest.mark.parametrize(
-    ("native", "count"),
-    [(False, 3), *(pytest.param(native, 12, marks=pytest.mark.slow) for native in (False, True))],
-)
+@pytest.mark.parametrize("native", [False, True])
 @pytest.mark.slow
-def test_random_graphs_equal_their_instructions_to_the_bit(native: bool, count: int) -> None:
-    kernels = [random_graph(f"random{seed}", seed) for seed in range(count)]
+def test_random_graphs_equal_their_instructions_to_the_bit(native: bool) -> None:
+    kernels = [random_graph(f"random{seed}", seed) for seed in range(3)]
     draw = np.random.default_rng(1)
     branches = 0
     for item, step in zip(kernels, compiled(kernels, native=native), strict=True):
@@ -66,7 +63,7 @@ def test_random_graphs_equal_their_instructions_to_the_bit(native: bool, count: 
         for _ in range(40):
             x = draw.normal(size=INPUTS) * 10.0 ** draw.integers(-3, 3)
             assert (step(x) == wanted(x)).all(), item.name
-    assert branches > 2 * count
+    assert branches > 2 * len(kernels)
 
 
 def network(lanes: int = 8) -> Kernel:
@@ -199,7 +196,7 @@ def test_repeated_division_by_a_parameter_is_multiplication() -> None:
         assert step(*given) == pytest.approx(machine(item)(*given), rel=4e-16)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.slow
 def test_prepared_kernels_have_the_bits_of_whole_ones(seed: int) -> None:
     """Half of a random graph's inputs are parameters: what they make alone is made beforehand."""

@@ -12,10 +12,8 @@ import numpy as np
 import pytest
 
 from tests.codegen.test_package import needs, written
-from tests.matrix import turns
 from wmr_ctrl.codegen.single_precision import LARGEST_SINGLE
 from wmr_ctrl.control.controller import controller
-from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import LARGEST
 from wmr_ctrl.world.scenario import load_scenario
@@ -60,7 +58,15 @@ class Packaged:
         return bool(np.isfinite(self.memory).all() and np.isfinite(self.torque).all())
 
 
-@pytest.mark.parametrize(("law", "float32", "guarded"), turns(NAMES, [False, True], [False, True]))
+@pytest.mark.parametrize(
+    ("law", "float32", "guarded"),
+    [
+        ("pid", False, False),
+        ("smc", True, False),
+        pytest.param("nn", True, True, marks=pytest.mark.slow),
+        pytest.param("pursuit", False, True, marks=pytest.mark.slow),
+    ],
+)
 def test_what_is_too_large_is_refused_and_leaves_no_trace(
     law: str, float32: bool, guarded: bool, tmp_path: Path
 ) -> None:
@@ -84,7 +90,7 @@ def test_what_is_too_large_is_refused_and_leaves_no_trace(
     assert one.torque.any()
 
 
-@pytest.mark.parametrize("law", NAMES)
+@pytest.mark.parametrize("law", ["nn", "prox", "kanayama"])
 @pytest.mark.slow_but("nn")
 def test_what_is_just_small_enough_leaves_a_sound_memory(law: str, tmp_path: Path) -> None:
     """The largest inputs that are taken, in all mixtures, many times; then good ones again."""
@@ -98,9 +104,8 @@ def test_what_is_just_small_enough_leaves_a_sound_memory(law: str, tmp_path: Pat
         assert one.sound
 
 
-@pytest.mark.parametrize(
-    ("law", "float32", "guarded"), turns(NAMES, [True, False], [False, True], shown=0)
-)
+@pytest.mark.parametrize(("law", "float32", "guarded"), [("mb", True, True), ("prox", True, False)])
+@pytest.mark.slow
 def test_no_mixture_of_inputs_spoils_the_memory(
     law: str, float32: bool, guarded: bool, tmp_path: Path
 ) -> None:

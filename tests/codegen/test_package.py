@@ -15,22 +15,23 @@ import pytest
 
 from tests.codegen import measured
 from tests.codegen.packages import write_package
-from tests.languages import LANGUAGES, compile_all
-from tests.matrix import headed, quick, turns
+from tests.languages import compile_all
 from wmr_ctrl.codegen.package import footprint_key, known_footprint, package_files
 from wmr_ctrl.codegen.single_precision import MARGIN
-from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.world.scenario import load_scenario
 
 SCENARIO = load_scenario("paper-simulation")
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
-every_law = pytest.mark.parametrize("law", NAMES)
 every_kind = pytest.mark.parametrize(
-    ("law", "float32", "guarded"), turns(headed("nn", NAMES), [False, True], [False, True])
+    ("law", "float32", "guarded"),
+    [
+        ("pid", True, False),
+        pytest.param("mb", True, True, marks=pytest.mark.slow),
+        pytest.param("prox", False, False, marks=pytest.mark.slow),
+    ],
 )
 HASH = re.compile(r'(?<=scenario_hash\[17\] = ")[0-9a-f]{16}')
-either = pytest.mark.parametrize("guarded", [False, True], ids=["plain", "guarded"])
 
 
 def run(command: list[str], folder: Path) -> str:
@@ -57,9 +58,12 @@ def written(law: str, folder: Path, float32: bool, guarded: bool = False) -> Non
 
 @pytest.mark.parametrize(
     ("law", "float32", "guarded", "compiler"),
-    turns(headed("nn", NAMES), [False, True], [False, True], ["gcc", "clang"]),
+    [
+        ("nn", False, False, "gcc"),
+        pytest.param("mb", True, True, "gcc", marks=pytest.mark.slow),
+        pytest.param("pursuit", False, True, "clang", marks=pytest.mark.slow),
+    ],
 )
-@pytest.mark.slow_but("nn-False-False-gcc")
 def test_vectors_pass_and_nothing_warns(
     law: str, float32: bool, guarded: bool, compiler: str, tmp_path: Path
 ) -> None:
@@ -77,9 +81,14 @@ def test_vectors_pass_and_nothing_warns(
 
 @pytest.mark.parametrize(
     ("law", "language", "float32"),
-    turns(headed("nn", NAMES), tuple(LANGUAGES), [False, True], shown=4),
+    [
+        ("pid", "gcc-c99", False),
+        ("mb", "clang-c99", False),
+        pytest.param("nn", "g++-c++98", False, marks=pytest.mark.slow),
+        pytest.param("kanayama", "clang++-c++11", True, marks=pytest.mark.slow),
+        pytest.param("prox", "tcc", True, marks=pytest.mark.slow),
+    ],
 )
-@pytest.mark.slow_but("pid-gcc-c99-False", "mb-clang-c99-False")
 def test_it_is_c_and_cpp_for_every_compiler(
     law: str, language: str, float32: bool, tmp_path: Path
 ) -> None:
@@ -88,7 +97,6 @@ def test_it_is_c_and_cpp_for_every_compiler(
 
 
 @every_kind
-@pytest.mark.slow_but("pid-True-False")
 def test_a_microcontroller_takes_it(law: str, float32: bool, guarded: bool, tmp_path: Path) -> None:
     needs(measured.COMPILER)
     written(law, tmp_path, float32, guarded)
@@ -109,7 +117,6 @@ def test_a_microcontroller_takes_it(law: str, float32: bool, guarded: bool, tmp_
 
 
 @every_kind
-@pytest.mark.slow_but("pid-True-False")
 def test_documented_footprint_holds(law: str, float32: bool, guarded: bool, tmp_path: Path) -> None:
     """Renew by ``python -m tests.codegen.measured`` and look at the difference."""
     needs(measured.COMPILER)
@@ -123,8 +130,7 @@ def test_documented_footprint_holds(law: str, float32: bool, guarded: bool, tmp_
     assert f"{told.deepest} bytes" in (tmp_path / "README.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("preset", measured.ROBOTS)
-@pytest.mark.parametrize("law", quick(NAMES, "prox"))
+@pytest.mark.parametrize(("law", "preset"), [("prox", "robot-10ms"), ("nn", "robot-100ms")])
 @pytest.mark.slow
 def test_documented_footprint_of_a_robots_package_holds(
     law: str, preset: str, tmp_path: Path
@@ -142,7 +148,9 @@ def test_documented_footprint_of_a_robots_package_holds(
     assert "instructions a sample" not in readme
 
 
-@pytest.mark.parametrize("name", measured.FILTERS)
+@pytest.mark.parametrize(
+    "name", ["clip", "governor, delay of 0 to 30 ms", "governor", "band of 50 commands"]
+)
 @pytest.mark.slow_but("clip", "governor, delay of 0 to 30 ms")
 def test_documented_footprint_of_a_filter_holds(name: str, tmp_path: Path) -> None:
     needs(measured.COMPILER)
@@ -193,9 +201,11 @@ def test_cmake_builds_it_and_its_test_passes(tmp_path: Path) -> None:
     run(["ctest", "--test-dir", "build"], tmp_path)
 
 
-@every_law
-@either
-@pytest.mark.slow_but("plain-prox", "guarded-nn")
+@pytest.mark.parametrize(
+    ("law", "guarded"),
+    [("prox", False), ("nn", True), ("pid", True), ("mb", False), ("kanayama", False)],
+)
+@pytest.mark.slow_but("prox-False", "nn-True")
 def test_every_member_says_unit_and_meaning(law: str, guarded: bool) -> None:
     files = package_files(law, load_scenario(measured.SCENARIOS[guarded]), float32=True)
     members = [

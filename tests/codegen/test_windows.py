@@ -60,9 +60,8 @@ def write(folder: Path, files: dict[str, str | bytes]) -> None:
         (folder / name).write_text(str(text), encoding="utf-8")
 
 
-@pytest.mark.parametrize("law", ["nn", "prox"])
-def test_the_loop_of_one_robot(chain: Toolchain, law: str, tmp_path: Path) -> None:
-    write(tmp_path, unity(program_of(settle(load_scenario("paper-simulation"), law)).generated))
+def test_the_loop_of_one_robot(chain: Toolchain, tmp_path: Path) -> None:
+    write(tmp_path, unity(program_of(settle(load_scenario("paper-simulation"), "nn")).generated))
 
     library = compile_library(
         chain, [tmp_path / NATIVE[0]], tmp_path / "loop.dll", include=[tmp_path]
