@@ -11,14 +11,12 @@ import numpy as np
 import pytest
 
 from tests.fmi.fields import POINTS
-from tests.matrix import quick
 from tests.modelica.conftest import package
 from wmr_ctrl.api import export_fmu, simulate
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.export.modelica import modelica_package
 from wmr_ctrl.export.modelica.package import folded
-from wmr_ctrl.world.references.registry import REFERENCES
 from wmr_ctrl.world.scenario import load_scenario
 
 NOMINAL = "paper-simulation-nominal"
@@ -35,7 +33,7 @@ def largest_differences(found, native):
     return {name: float(np.abs(found[name] - native[name]).max()) for name in SHOWN}
 
 
-@pytest.mark.parametrize("law", quick(LAWS, "mb"))
+@pytest.mark.parametrize("law", ["pid", "kanayama"])
 @pytest.mark.slow
 def test_a_loop_in_modelica_is_the_native_loop(text, simulated, law):
     """Over 10 s, against Runge-Kutta steps of 0.1 ms; torques to the size of what they multiply."""
@@ -49,11 +47,10 @@ def test_a_loop_in_modelica_is_the_native_loop(text, simulated, law):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("guarded", [False, True])
-def test_changes_of_the_robot_come_at_their_times(simulated, guarded):
+def test_changes_of_the_robot_come_at_their_times(simulated):
     own = {
         "changes": [{"t": 0.5, "m": 65.0, "mu": 0.15}, {"t": 0.995, "m": 55.0, "I": 6.0}],
-        "guard.enabled": guarded,
+        "guard.enabled": False,
         "disturbance.std": 0.0,
         "clock.duration": 2.0,
     }
@@ -63,7 +60,7 @@ def test_changes_of_the_robot_come_at_their_times(simulated, guarded):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", list(REFERENCES))
+@pytest.mark.parametrize("kind", ["circle", "waypoints"])
 def test_every_reference_without_memory_is_there(simulated, kind):
     own = {"clock.duration": 1.0, "reference.kind": kind}
     own |= {"reference.points": POINTS} if kind == "waypoints" else {}
@@ -112,7 +109,7 @@ end Pushed;
     assert np.abs(native["v1"] - alone["v1"])[:forward].max() > 0.01
 
 
-@pytest.mark.parametrize("name", ['a "quoted" one', "two\nlines", "back\\slash", "a\\", "</html>"])
+@pytest.mark.parametrize("name", ['a "quoted" one', 'two\nlines "</html> back\\slash\\'])
 @pytest.mark.slow
 def test_a_name_cannot_end_a_string(text, name):
     """Only what is said of the scenario differs, and a parser reads it."""

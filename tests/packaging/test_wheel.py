@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import tarfile
 import zipfile
 from pathlib import Path
@@ -11,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from tests.architecture.tree import ROOT
-from tests.conftest import QUICK
 
 pytestmark = pytest.mark.slow
 
@@ -84,22 +82,6 @@ def test_without_a_compiler_on_path_a_run_is_compiled_by_zig(installed, tmp_path
 
     assert done.returncode == 0, done.stdout + done.stderr
     assert json.loads(done.stdout)["engine"] == "native"
-
-
-def test_reproduce_quick_from_an_empty_folder(installed, tmp_path):
-    paths = os.pathsep.join([str(installed.programs), *filter(None, [QUICK]), os.environ["PATH"]])
-    done = installed.run(
-        "reproduce", "--quick", "--out", "out", timeout=600, WMR_CTRL_CACHE=str(tmp_path),
-        PATH=paths,
-    )  # fmt: skip
-
-    assert done.returncode == 0, done.stdout + done.stderr
-    out = installed.work / "out"
-    assert 10_000 < (out / "report.html").stat().st_size < 8_000_000
-    assert (out / "table.csv").read_text(encoding="utf-8").strip()
-    assert json.loads((out / "claims.json").read_text(encoding="utf-8"))
-    assert list(out.rglob("*.svg"))
-    assert list(out.rglob("*.png"))
 
 
 def test_without_any_compiler_the_message_helps_and_numpy_runs(installed, tmp_path):

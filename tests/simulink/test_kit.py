@@ -12,10 +12,8 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
-from tests.matrix import headed, quick, turns
 from wmr_ctrl.api import export_fmu
 from wmr_ctrl.codegen.package import c_name, package_files, packaged
-from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import LARGEST, POSE, REFERENCE, VELOCITY, Signal
@@ -82,7 +80,8 @@ def played(folder, law, language=("gcc", "-std=c99"), *options, ends=0):
 
 @pytest.mark.parametrize(
     ("law", "language"),
-    turns(headed("prox", LAWS), (("gcc", "-std=c99"), ("g++", "-xc++"))),
+    [("prox", ("gcc", "-std=c99")), ("pursuit", ("g++", "-xc++"))],
+    ids=["prox-c", "pursuit-c++"],
 )
 @pytest.mark.slow
 def test_the_s_function_plays_the_laws_vectors(tmp_path, law, language):
@@ -96,8 +95,7 @@ def test_the_s_function_plays_the_laws_vectors(tmp_path, law, language):
     assert rest[:2] == ["memory 1 1", "next 0 1"]
 
 
-@pytest.mark.parametrize("guarded", [False, True])
-@pytest.mark.parametrize("law", quick(LAWS, "nn"))
+@pytest.mark.parametrize(("law", "guarded"), [("pid", False), ("pursuit", True)])
 @pytest.mark.slow
 def test_a_number_in_the_dialog_is_that_number_in_an_export(tmp_path, law, guarded):
     """Limits, gains, model and guard of a new scenario in a kit of the old: the new vectors."""
