@@ -45,26 +45,24 @@ def test_the_body_in_c_is_the_body_in_python_to_the_bit(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", ["mb", "nn", "prox"])
-def test_in_fmpy_it_is_the_run_on_the_rigid_body_to_the_bit(law, tmp_path):
+def test_in_fmpy_it_is_the_run_on_the_rigid_body_to_the_bit(tmp_path):
     """Our controllers and reference as FMUs, their noise, in the order of our master."""
     case = load_scenario("paper-simulation-no-switch", SHORT)
     plant, names = build_rigid(case, tmp_path)
-    coupled = cosimulate(case, law, plant=plant, map_file=names, seed=12)
-    native = simulate(case, law, plant="mujoco", seed=12)
+    coupled = cosimulate(case, "mb", plant=plant, map_file=names, seed=12)
+    native = simulate(case, "mb", plant="mujoco", seed=12)
     for name in (*(item.name for item in PLANT_STATE), "tau_right", "tau_left"):
         assert np.array_equal(coupled[name], native[name]), name
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", ["mb", "nn", "prox"])
-def test_libcosim_and_fmpy_agree_to_the_bit_and_below_traction_with_the_plane_model(law, tmp_path):
+def test_libcosim_and_fmpy_agree_to_the_bit_and_below_traction_with_the_plane_model(tmp_path):
     case = load_scenario("paper-simulation-nominal", SHORT)
     seen = {}
     for rigid in (False, True):
         folder = Path(tmp_path, str(rigid))
         folder.mkdir()
-        parts = Together(case, law, folder, rigid=rigid)
+        parts = Together(case, "mb", folder, rigid=rigid)
         seen[rigid], again = parts.by_libcosim(), parts.by_fmpy(folder)
         for name, column in seen[rigid].items():
             assert np.array_equal(column, again[name]), name

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from tests.matrix import turns
 from wmr_ctrl import cosimulate, simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
@@ -50,12 +49,9 @@ def test_the_guard_s_promise_on_a_rigid_body(law):
     promise_is_one("far-start", law, 71, clock__duration=10.0)
 
 
-@pytest.mark.parametrize(
-    ("law", "preset"),
-    turns(["mb", "prox", "smc"], ["paper-simulation", "far-start", "far-start-drop"], shown=0),
-)
-def test_the_guard_s_promise_on_a_rigid_body_over_whole_runs(law, preset):
-    promise_is_one(preset, law, 72)
+@pytest.mark.slow
+def test_the_guard_s_promise_on_a_rigid_body_over_a_whole_run():
+    promise_is_one("paper-simulation", "mb", 72)
 
 
 def test_without_traction_there_is_none():
