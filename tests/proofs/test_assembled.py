@@ -11,7 +11,6 @@ import pytest
 from wmr_ctrl.control import applied, controller
 from wmr_ctrl.control.guard import delay, guard
 from wmr_ctrl.control.laws import prox
-from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.world import slope, torque_noise
@@ -30,7 +29,7 @@ from wmr_proofs.methods import portfolio
 pytest.importorskip("z3")
 
 ENTRIES = {claim.id: claim for claim in all_claims()}
-COUNTED, CONDITIONS = delay.push, controller._built_for
+CONDITIONS = controller._built_for
 
 
 def bypassed(asked, *others):
@@ -59,11 +58,6 @@ def never_at_rest(*given):
     return replace(delay.delayed_push(*given), since_rest=None)
 
 
-def of_one_command(forces, b, way):
-    """The push of the older of two commands of which either may act."""
-    return COUNTED(forces[:1], b, way)
-
-
 def any_drives(*given):
     """No condition on delay, lag or jitter, whatever parameters there are for one."""
     return CONDITIONS(*given)[:0]
@@ -72,17 +66,11 @@ def any_drives(*given):
 @pytest.mark.parametrize(
     ("key", "module", "name", "stand_in"),
     [
+        ("controller.rotation-first", controller, "guarded", bypassed),
+        ("guard.rotation-first-late", guard, "rounding", rounded_down),
         ("guard.linear-first-steady", controller, "delayed_push", never_at_rest),
         ("controller.rotation-first-jitter", controller, "_built_for", any_drives),
-        ("controller.linear-first-jitter", controller, "guarded", bypassed),
-        ("guard.rotation-first-varying", delay, "push", of_one_command),
-        ("guard.linear-first-varying-steady", guard, "rounding", rounded_down),
-        ("guard.linear-first", controller, "guarded", bypassed),
-        ("controller.rotation-first", controller, "guarded", bypassed),
-        ("controller.linear-first-late", controller, "guarded", unsafe_anchor),
-        ("guard.rotation-first-late", guard, "rounding", rounded_down),
         ("controller.linear-first", guard, "feasible", lambda _: 1),
-        ("keeps.guard.linear-first", controller, "guarded", bypassed),
         ("keeps.guard.rotation-first", controller, "guarded", unsafe_anchor),
         ("keeps.controller.linear-first", guard, "within_reach", reached_about),
     ],
@@ -194,21 +182,27 @@ def digest(system: System, names: list[str]) -> str:
     return graph_of(table, [told[name] for name in names]).digest
 
 
+COUNTING = {"sensor.velocity_window": 0.02, "actuator.jitter": 0.01}
+
+
 @pytest.mark.parametrize(
-    "changes",
+    ("law", "changes"),
     [
-        {}, LAGGING, GUARDED, GUARDED | {"guard.map": "rotation-first"}, GUARDED | LAGGING,
-        GUARDED | {"sensor.velocity_window": 0.02, "actuator.jitter": 0.01},
+        ("pid", {}),
+        ("mb", GUARDED),
+        ("mb", GUARDED | LAGGING),
+        ("prox", LAGGING),
+        ("prox", GUARDED | COUNTING),
+        pytest.param("smc", GUARDED | LAGGING, marks=pytest.mark.slow),
+        pytest.param("mb", GUARDED | COUNTING, marks=pytest.mark.slow),
+        pytest.param("nn", GUARDED | {"guard.map": "rotation-first"}, marks=pytest.mark.slow),
+        pytest.param("nn", LAGGING, marks=pytest.mark.slow),
+        pytest.param("prox", GUARDED | LAGGING, marks=pytest.mark.slow),
+        pytest.param("kanayama", {}, marks=pytest.mark.slow),
+        pytest.param("kanayama", GUARDED | COUNTING, marks=pytest.mark.slow),
+        pytest.param("pursuit", GUARDED, marks=pytest.mark.slow),
+        pytest.param("pursuit", LAGGING, marks=pytest.mark.slow),
     ],
-    ids=str,
-)  # fmt: skip
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.slow_but(
-    "pid-{}",
-    "mb-{'guard.enabled': True}",
-    "mb-{'guard.enabled': True, 'actuator.delay': 0.013, 'actuator.lag': 0.02}",
-    "prox-{'actuator.delay': 0.013, 'actuator.lag': 0.02}",
-    "prox-{'guard.enabled': True, 'sensor.velocity_window': 0.02, 'actuator.jitter': 0.01}",
 )
 def test_what_is_watched_and_asked_is_the_controller(law, changes):
     """The graph of which entries speak has the compiled text of the one that is exported."""
