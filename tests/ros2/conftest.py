@@ -21,11 +21,6 @@ from wmr_ctrl.world.scenario import load_scenario
 HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
 AT_ONCE = 3
 """Scripts that run beside each other; each keeps less than half a processor busy."""
-FURTHER = (
-    "behind, clip", "behind, governor with odometry, Python", "governor, Python", "loop, velocity",
-    "second vendor, Python", "watched, C", "wild, clip", "wild, governor without odometry",
-)  # fmt: skip
-"""How jobs begin whose tests tests/many_cases.txt leaves to ``--every-case``."""
 SLACK, TICK = 0.15, 0.02
 """Time [s] that DDS may take, beside time-outs and ticks; a tick of the nodes that are tested."""
 OVER_DDS = pytest.mark.skipif(
@@ -87,8 +82,6 @@ def report(request, ros, tmp_path_factory):
     made = [module.JOBS() for module in modules if hasattr(module, "JOBS")]
     jobs = {name: job for some in made for name, job in some.items()}
     assert len(jobs) == sum(map(len, made))
-    further = () if request.config.getoption("every_case") else FURTHER
-    jobs = {name: job for name, job in jobs.items() if not name.startswith(further)}
     folder, running = tmp_path_factory.mktemp("jobs"), set()
 
     def run(place, job):

@@ -20,29 +20,25 @@ pytestmark = [pytest.mark.slow, OVER_DDS]
 
 
 KINDS = {
-    "twist": (SCENARIO, ("stamped=false", "odometry=none")),
-    "watched": (SCENARIO, ("odometry=watched",)),
-    "governor": (GOVERNED, ("odometry=watched",)),
+    "twist": (SCENARIO, ("stamped=false", "odometry=none"), ("Python", "C")),
+    "watched": (SCENARIO, ("odometry=watched",), ("Python",)),
+    "governor": (GOVERNED, ("odometry=watched",), ("C",)),
 }
+"""Scenario, settings, and nodes that are tried; the node in C has its settings compiled in."""
 
 
 def JOBS():
-    return {
-        f"{kind}, {node}": job
-        for kind, (scenario, settings) in KINDS.items()
-        for node, job in in_both("filter_kinds.py", scenario, (kind,), settings).items()
-    }
+    jobs = {}
+    for kind, (scenario, settings, nodes) in KINDS.items():
+        both = in_both("filter_kinds.py", scenario, (kind,), settings)
+        jobs |= {f"{kind}, {node}": both[node] for node in nodes}
+    return jobs
 
 
-@pytest.fixture(params=["Python", "C"])
-def kind(request, report):
-    """What a script reports of a kind, whose settings the node in C has compiled in."""
-    return lambda name: report(f"{name}, {request.param}")
-
-
-def test_commands_without_stamps_pass_and_end_with_their_sender(kind):
+@pytest.mark.parametrize("node", ["Python", "C"])
+def test_commands_without_stamps_pass_and_end_with_their_sender(report, node):
     """A controller that dies before the filter is a command that is missing."""
-    found = kind("twist")
+    found = report(f"twist, {node}")
 
     assert found["drives"]
     assert found["driven"] == [0.5, pytest.approx(0.3)]
@@ -50,15 +46,15 @@ def test_commands_without_stamps_pass_and_end_with_their_sender(kind):
     assert found["zero"] <= bar(found, 0.25 + 0.25)
 
 
-def test_odometry_that_is_watched_may_be_missing(kind):
-    found = kind("watched")
+def test_odometry_that_is_watched_may_be_missing(report):
+    found = report("watched, Python")
 
     assert found["falls"] is None
     assert any("no-odometry" in text for text in found["said"])
 
 
-def test_the_governor_uses_odometry_and_says_when_it_has_none(kind):
-    found = kind("governor")
+def test_the_governor_uses_odometry_and_says_when_it_has_none(report):
+    found = report("governor, C")
 
     # A busy machine's odometry is too old at times.
     assert any("unused" not in flags for flags in found["with"])
