@@ -1,12 +1,11 @@
 """The filter in a loop over DDS, from outside; run by a Python that has rclpy.
 
-``python filter_lockstep.py SCENARIO ROWS LAW ODOMETRY [NODE]`` starts the filter (that in Python,
-or the program NODE) on simulated time, in a namespace, answering commands when they come.  Without
-a LAW ("-") the rows of ROWS (JSON: v, omega, stamp in ns) are the commands; with one they are
-odometry, and the drive node with that law stands between.  ODOMETRY is what the filter does with
-it: "none", or "watched": then it hears it before anybody hears of a command of that time, from the
-same rows, or from rows v, omega, v measured, omega measured, stamp.  Each row is sent after the
-answer to the one before; the answers are printed as JSON.
+``python filter_lockstep.py SCENARIO ROWS LAW [NODE]`` starts the filter (that in Python, or the
+program NODE) on simulated time, in a namespace, answering commands when they come.  Without a LAW
+("-") the rows of ROWS (JSON: v, omega, v measured, omega measured, stamp in ns) are the commands;
+with one they are odometry, and the drive node with that law stands between.  The filter watches
+odometry, and hears it before anybody hears of a command of that time, from the same rows.  Each row
+is sent after the answer to the one before; the answers are printed as JSON.
 """
 
 from __future__ import annotations
@@ -34,11 +33,11 @@ BEFORE = 400_000_000
 class Sender(Base):
     """Clock, commands or odometry, and what the filter says of how many it took."""
 
-    def __init__(self, drives: bool, seen: bool) -> None:
+    def __init__(self, drives: bool) -> None:
         super().__init__(efforts=False)
         if not drives:
             self.commands = self.node.create_publisher(TwistStamped, "/base/raw", SURE)
-        self.seen = self.node.create_publisher(Odometry, "/base/seen", SURE) if seen else None
+        self.seen = self.node.create_publisher(Odometry, "/base/seen", SURE)
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
         self.taken, self.timeless = 0, False
 
@@ -55,9 +54,8 @@ class Sender(Base):
 
     def sample(self, row: list[float]) -> None:
         """The clock, then odometry of its time: first for the filter, then for the drive."""
-        if self.seen:
-            self.tell_time(int(row[-1]))
-            self.measure(row[6:8], int(row[-1]))
+        self.tell_time(int(row[-1]))
+        self.measure(row[6:8], int(row[-1]))
         super().sample(row)
 
     def measure(self, velocity: list[float], stamp: int) -> None:
@@ -72,14 +70,13 @@ class Sender(Base):
         """The clock, then odometry and a command of its time."""
         message = TwistStamped()
         message.header.stamp = self.tell_time(int(row[-1]))
-        if self.seen:
-            self.measure(row[2:4], int(row[-1]))
+        self.measure(row[2:4], int(row[-1]))
         message.twist.linear.x, message.twist.angular.z = row[:2]
         self.commands.publish(message)
 
     def meet_all(self, first: int, step: int, drives: bool) -> None:
         """Let time pass until the filter takes commands, from here or from the drive."""
-        rest = [0.0] * (4 if self.seen else 2)
+        rest = [0.0] * 4
         for k in range(1500, 5, -1):
             stamp = first - BEFORE - k * step
             self.tell_time(stamp) if drives else self.command([*rest, stamp])
@@ -87,7 +84,7 @@ class Sender(Base):
             while (left := end - time.monotonic()) > 0:
                 self.answer(left)
             odometry = not drives or self.odometry.get_subscription_count()
-            odometry = odometry and (not self.seen or self.seen.get_subscription_count())
+            odometry = odometry and self.seen.get_subscription_count()
             if self.taken and self.answers and odometry:
                 break
         else:
@@ -101,7 +98,7 @@ class Sender(Base):
             self.answer(0.1)  # what is under way; the timer is silent until the time-out
 
 
-def start(scenario: str, law: str, odometry: str, node: str) -> list[subprocess.Popen[bytes]]:
+def start(scenario: str, law: str, node: str) -> list[subprocess.Popen[bytes]]:
     """The filter, and the drive before it where a law is named."""
 
     def run(command: list[str], settings: list[str], names: list[str]):
@@ -110,7 +107,7 @@ def start(scenario: str, law: str, odometry: str, node: str) -> list[subprocess.
         return subprocess.Popen([*command, "--ros-args", *given, *remaps])
 
     python = [sys.executable, "-m", "wmr_ctrl.ros2"]
-    ours = [f"scenario:={scenario}", f"odometry:={odometry}", "trigger:=command", *WIDE]
+    ours = [f"scenario:={scenario}", "odometry:=watched", "trigger:=command", *WIDE]
     ours += ["command_timeout:=60.0", "odometry_timeout:=60.0", "discovery_time:=0.0"]
     command, settings = ([node], []) if node else ([*python, "filter"], ours)
     names = ["cmd_vel_in:=/base/raw", "cmd_vel:=/base/cmd_vel", "odom:=/base/seen"]
@@ -123,12 +120,12 @@ def start(scenario: str, law: str, odometry: str, node: str) -> list[subprocess.
     return nodes
 
 
-def main(scenario: str, rows_file: str, name: str, odometry: str, node: str = "") -> None:
+def main(scenario: str, rows_file: str, name: str, node: str = "") -> None:
     law = name.strip("-")
-    nodes = start(scenario, law, odometry, node)
+    nodes = start(scenario, law, node)
     rclpy.init()
     rows = json.loads(Path(rows_file).read_text(encoding="utf-8"))
-    sender, answers = Sender(bool(law), odometry != "none"), []
+    sender, answers = Sender(bool(law)), []
     try:
         sender.meet_all(int(rows[0][-1]), int(rows[1][-1] - rows[0][-1]), bool(law))
         began = time.monotonic()

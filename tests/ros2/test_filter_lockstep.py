@@ -72,7 +72,7 @@ def JOBS():
     compiled = (*COMPILED, "odometry=watched")
 
     def jobs(law, rows):
-        return in_both("filter_lockstep.py", text, ("{rows}", law, "watched"), compiled, rows)
+        return in_both("filter_lockstep.py", text, ("{rows}", law), compiled, rows)
 
     found = {f"wild, {node}": job for node, job in jobs("-", wild(True)[0]).items()}
     return found | {"behind": jobs("kanayama", behind()[0])["C"]}
