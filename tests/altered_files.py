@@ -24,7 +24,7 @@ PATIENCE = 300
 TWINS = "tests/world/test_effect_graphs.py::test_a_system_is_its_twin"
 EMITTER = "tests/codegen/test_emitter.py::test_"
 EMITTED = (
-    f"{EMITTER}random_graphs_equal_their_instructions_to_the_bit[False-3] "
+    f"{EMITTER}random_graphs_equal_their_instructions_to_the_bit[False] "
     f"{EMITTER}repeated_division_by_a_parameter_is_multiplication"
 )
 OPTIONS = "tests/sim/test_native.py::test_every_option_means_what_the_oracle_takes_it_for"
