@@ -11,8 +11,7 @@ import gc
 import os
 import shutil
 import sys
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -44,13 +43,12 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more wait busily for each other, on all cores
 settings.register_profile(
     "project",
-    max_examples=30,  # with --every-case more of them
+    max_examples=30,
     deadline=None,
     derandomize=True,
     print_blob=True,
     suppress_health_check=[HealthCheck.too_slow],  # how busy the machine is, is no one's fault
 )
-settings.register_profile("every example", settings.get_profile("project"), max_examples=100)
 settings.load_profile("project")
 
 
@@ -64,8 +62,6 @@ def pytest_configure(config: pytest.Config) -> None:
     gc.set_threshold(50_000, 20, 50)
     sys.dont_write_bytecode = False
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    if config.getoption("every_case"):
-        settings.load_profile("every example")
     os.environ.setdefault("WMR_CTRL_OPTIMIZE", "0")
     os.environ.setdefault("MALLOC_TRIM_THRESHOLD_", str(2**29))
     os.environ.setdefault("MALLOC_MMAP_THRESHOLD_", str(2**25))
@@ -116,22 +112,13 @@ def every_set_of_instructions(
     monkeypatch.setattr(build, "_PROGRAMS", {})  # those of other tests have one set
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
-    """The option for tests with very many cases."""
-    parser.addoption(
-        "--every-case",
-        action="store_true",
-        help="more random examples; with -m '': all cases of the tests in tests/many_cases.txt",
-    )
-
-
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark what is slow, and thin out what has very many cases."""
-    mark_slow(items)
-    if not (config.getoption("every_case") or any("::" in word for word in config.args)):
-        left_out = set(cases_left_out(items))
-        config.hook.pytest_deselected(items=[item for item in items if item in left_out])
-        items[:] = [item for item in items if item not in left_out]
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of a test marked ``slow_but``, mark all cases slow but those that it names."""
+    for item in items:
+        case = item.nodeid.partition("[")[2].removesuffix("]")
+        for mark in item.iter_markers("slow_but"):
+            if case not in mark.args:
+                item.add_marker(pytest.mark.slow)
 
 
 def pytest_collection(session: pytest.Session) -> None:
@@ -151,40 +138,3 @@ def pytest_collection(session: pytest.Session) -> None:
 def pytest_collection_finish() -> None:
     """What was imported and collected is not looked through for garbage again."""
     gc.freeze()
-
-
-def mark_slow(items: Iterable[pytest.Item]) -> None:
-    """Of a test marked ``slow_but``, mark all cases slow but those that it names."""
-    for item in items:
-        for mark in item.iter_markers("slow_but"):
-            if case_of(item) not in mark.args:
-                item.add_marker(pytest.mark.slow)
-
-
-def cases_left_out(items: Iterable[pytest.Item]) -> Iterator[pytest.Item]:
-    """Slow cases of the functions in many_cases.txt but for the first of each so many."""
-    steps, slow = many_cases(), defaultdict(list)
-    for item in items:
-        if item.get_closest_marker("slow"):
-            function = item.nodeid.partition("[")[0]
-            slow[item.nodeid if item.nodeid in steps else function].append(item)
-    for name in slow.keys() & steps.keys():
-        step = steps[name]
-        yield from (item for place, item in enumerate(slow[name]) if not step or place % step)
-
-
-def many_cases() -> Mapping[str, int]:
-    """Of each test in many_cases.txt, a function or a case, of how many slow cases one is run."""
-    rows = (line.split(maxsplit=1) for line in lines_of(Path(__file__).with_name("many_cases.txt")))
-    return {name: int(step) for step, name in rows}
-
-
-def case_of(item: pytest.Item) -> str:
-    """Its parameters' id; a test without parameters has none."""
-    return item.nodeid.partition("[")[2].removesuffix("]")
-
-
-def lines_of(path: Path) -> Iterable[str]:
-    """Lines of a file without comments and empty ones."""
-    lines = path.read_text(encoding="utf-8").splitlines()
-    return [line for line in lines if line and not line.startswith("#")]
