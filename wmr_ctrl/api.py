@@ -30,6 +30,8 @@ from wmr_ctrl.simulation.runnable import versions
 from wmr_ctrl.world.scenario import Scenario
 
 if TYPE_CHECKING:
+    from types import ModuleType
+
     from wmr_ctrl.report.report_page import Facts
     from wmr_ctrl.report.write import Verdicts
     from wmr_ctrl.results import RunTable
@@ -181,28 +183,40 @@ def reproduce(
     quick: bool = False,
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
+    with_ours: bool = False,
+    with_physics: bool = False,
 ) -> Verdicts:
     """Rerun Sections V and VI of the paper and write the report into the folder ``out``.
 
-    ``quick`` uses 3 seeds.  Files are written after all runs are done; ``.as_expected`` of the
-    result is True if the verdicts equal the committed ones.  Raises ArgumentError and
-    ResultFileError (``out``) before the first run.
+    ``quick`` uses 3 seeds.  ``with_ours`` also compares all laws, including ours, with and without
+    the guard (about a minute: ours.csv, figures); ``with_physics`` the plane model with the rigid
+    body (some minutes: rigid.csv).  ``.as_expected`` of the result is True if the verdicts equal
+    the committed ones.  Raises ArgumentError, ResultFileError (``out``) and MissingExtraError
+    (physics) before the first run.
     """
     from wmr_ctrl.report.paper_claims import Evidence, judge_all
     from wmr_ctrl.report.report_page import Reproduction
-    from wmr_ctrl.report.write import check_folder, write_reproduction
+    from wmr_ctrl.report.write import FILES, check_folder, write_reproduction
     from wmr_ctrl.simulation.batch import check_jobs
     from wmr_ctrl.simulation.campaign import PAPER_LAWS
     from wmr_ctrl.simulation.campaign.engine import run_campaign
     from wmr_ctrl.simulation.campaign.paper_runs import QUICK_SEEDS, paper_plan
+    from wmr_ctrl.simulation.physics.rigid import mujoco
 
     plan = paper_plan(PAPER_LAWS, QUICK_SEEDS if quick else seeds)
     check_jobs(jobs)
-    check_folder(Path(out))
+    wanted = [what for what, on in (("ours", with_ours), ("physics", with_physics)) if on]
+    more = [name for what in wanted for name in _benchmark("beyond").FILES[what]]
+    check_folder(Path(out), (*FILES, *more))
+    if with_physics:
+        mujoco()
     facts = _facts(PAPER_LAWS, quick)
     campaign = run_campaign(plan, jobs, progress)
     judged = judge_all(Evidence(campaign.table, facts.timings))
-    return write_reproduction(out, Reproduction(campaign, judged, facts), progress)
+    verdicts = write_reproduction(out, Reproduction(campaign, judged, facts), progress)
+    for what in wanted:
+        _benchmark("beyond").run(what, Path(out), jobs, quick, progress)
+    return verdicts
 
 
 def _facts(laws: Sequence[str], quick: bool) -> Facts:
@@ -321,10 +335,14 @@ def prove(
 
 def bench(progress: types.Progress | None = None) -> types.BenchReport:
     """Measure the generated code against hand-written C, NumPy and CasADi (about a minute)."""
-    installed = find_spec("wmr_ctrl._benchmarks")  # in a checkout they lie beside wmr_ctrl
-    module = import_module("wmr_ctrl._benchmarks.bench" if installed else "benchmarks.bench")
+    module = _benchmark("bench")
     measured: types.Measurements = module.run_bench(progress)
     return {**measured, "text": module.table(measured)}
+
+
+def _benchmark(name: str) -> ModuleType:
+    installed = find_spec("wmr_ctrl._benchmarks")  # in a checkout they lie beside wmr_ctrl
+    return import_module(f"wmr_ctrl._benchmarks.{name}" if installed else f"benchmarks.{name}")
 
 
 @checks_arguments

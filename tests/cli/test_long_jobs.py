@@ -58,6 +58,12 @@ def test_agreement_is_exit_code_0_and_a_difference_1(wmr, asked, tmp_path):
     assert asked[0]["jobs"] == 2
 
 
+@pytest.mark.parametrize(("options", "wanted"), [((), False), (("--with-ours",), True)])
+def test_the_comparison_past_the_paper_is_asked_for(wmr, asked, tmp_path, options, wanted):
+    assert wmr("reproduce", "--out", tmp_path / "r", *options).exit_code == 0
+    assert asked[0]["with_ours"] is wanted
+
+
 @pytest.fixture
 def measured(monkeypatch):
     found = {"ratios": {"loop": 2.0}, "times": {"nn": float("nan")}, "text": "loop  2"}

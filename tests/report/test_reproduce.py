@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from click.testing import CliRunner
 
 from tests.campaign.synthetic import Watch
 from tests.campaign.synthetic import made_up as made_up_runs
 from wmr_ctrl import api
-from wmr_ctrl.core.errors import ArgumentError, ResultFileError
+from wmr_ctrl.cli import root
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.report.report_page import Facts
 
 
@@ -47,6 +49,29 @@ def test_places_that_cannot_be_written_are_refused_before_anything_runs(tmp_path
     with pytest.raises(ResultFileError):
         api.reproduce(tmp_path / place)
     assert (tmp_path / "file").read_text() == "mine"
+
+
+@pytest.mark.usefixtures("idle")
+def test_the_file_of_the_comparison_is_looked_at_where_it_is_wanted(tmp_path):
+    (tmp_path / "ours.csv").mkdir()
+
+    with pytest.raises(ResultFileError, match="ours"):
+        api.reproduce(tmp_path, with_ours=True)
+
+
+@pytest.mark.usefixtures("idle")
+def test_without_the_extra_the_rigid_body_is_refused_before_anything_runs(tmp_path, monkeypatch):
+    def absent(name):
+        raise ImportError(name)
+
+    monkeypatch.setattr("wmr_ctrl.simulation.physics.rigid.import_module", absent)
+    with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
+        api.reproduce(tmp_path / "new", with_physics=True)
+    line = ("reproduce", "--quick", "--with-physics", "--out", str(tmp_path / "new"))
+    done = CliRunner().invoke(root, line)
+    assert done.exit_code == 2
+    assert "wmr_ctrl[physics]" in done.stderr
+    assert not (tmp_path / "new").exists()
 
 
 @pytest.mark.usefixtures("made_up")

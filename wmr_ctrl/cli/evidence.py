@@ -35,6 +35,16 @@ SEEDS, QUICK = 20, 3
     help=f"Runs of each law and scenario.  [default: {SEEDS}, or {QUICK} with --quick]",
 )
 @opt.jobs_option
+@click.option(
+    "--with-ours",
+    is_flag=True,
+    help="Also compare all laws, including ours, with and without the guard: a minute more.",
+)
+@click.option(
+    "--with-physics",
+    is_flag=True,
+    help="Also run the laws on a rigid body with tyres: minutes more; needs the extra physics.",
+)
 @click.option("--out", default="reproduction", metavar="DIR", help="Folder for the results.")
 @click.pass_context
 def reproduce(
@@ -42,13 +52,16 @@ def reproduce(
     quick: bool,
     seeds: int | None,
     jobs: int | None,
+    with_ours: bool,
+    with_physics: bool,
     out: str,
 ) -> None:
     """Rerun the paper's Sections V and VI with all laws, and judge its claims.
 
     Writes DIR/report.html (one self-contained file), every panel of Fig. 3 and Fig. 5 as SVG and
-    PNG, table.csv and claims.json. The exit code is 0 if every verdict equals the one committed
-    with this release, and 1 if not.
+    PNG, table.csv and claims.json. --with-ours adds ours.csv, its figures and ours.txt on results
+    beyond the paper, --with-physics rigid.csv and rigid.txt on the robot as a rigid body on tyres.
+    The exit code is 0 if every verdict equals the one committed with this release, and 1 if not.
     """
     opt.check_folder(out, "--out")
     from wmr_ctrl import api
@@ -60,6 +73,8 @@ def reproduce(
             seeds=seeds or SEEDS,
             quick=quick and seeds is None,
             jobs=jobs,
+            with_ours=with_ours,
+            with_physics=with_physics,
             progress=progress,
         )
     say("wrote", str(verdicts.report))

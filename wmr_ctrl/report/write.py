@@ -116,8 +116,8 @@ def all_drawings(campaign: Campaign) -> tuple[Drawing, ...]:
     )
 
 
-def check_folder(folder: Path) -> None:
-    """Raise ResultFileError if it is plain that `FILES` cannot be written to ``folder``."""
+def check_folder(folder: Path, names: Sequence[str]) -> None:
+    """Raise ResultFileError if it is plain that files ``names`` cannot be written to ``folder``."""
     known = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     where = f"cannot write to {str(folder)!r}: {str(known)!r}"
     if not known.is_dir():
@@ -125,7 +125,7 @@ def check_folder(folder: Path) -> None:
     if not os.access(known, os.W_OK | os.X_OK):
         remedy = "Choose another folder, or allow writing to this one."
         raise ResultFileError(f"{where} may not be written to. {remedy}")
-    for name in FILES if known == folder else ():
+    for name in names if known == folder else ():
         check_writable(folder / name)
 
 
