@@ -1,0 +1,495 @@
+"""Entries of filter, gate and what the corridor assumes of commands, sampled as they are worded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import casadi as ca
+import numpy as np
+
+from tests.proofs.worded import (
+    SAMPLES,
+    about,
+    around,
+    between,
+    calculated,
+    evaluated,
+    left,
+    positive,
+    same,
+    share,
+)
+from wmr_ctrl.control.filter import gate, governor, held_loop
+from wmr_ctrl.control.filter.band import BandGovernor
+from wmr_ctrl.control.filter.channels import scaled
+from wmr_ctrl.control.filter.clip import Clip
+from wmr_ctrl.control.filter.forecast import Fading, spread_of
+from wmr_ctrl.control.filter.governor_step import Governor
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import load_scenario
+
+Array = np.ndarray
+PERIOD, SPARE = 0.1, 1 - 2.0**-26
+BASE: dict[str, object] = {
+    "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
+    "filter.d": (0.05, 0.05), "filter.odometry": (0.02, 0.02), "clock.control": PERIOD,
+}  # fmt: skip
+CLIP = {key: value for key, value in BASE.items() if key != "filter.odometry"} | {
+    "filter.kind": "clip"
+}
+LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
+          "filter.frequency": (4.0, 5.0), "clock.control": PERIOD}  # fmt: skip
+SCALES = ("curvature", "axes", "turn", "drive")
+
+
+class Numbers:
+    """Random numbers for the ports of a System, by name and place."""
+
+    def __init__(self, rng: np.random.Generator, system: System) -> None:
+        self.system, self.rng, self.of = system, rng, dict[str, list[Array]]()
+        for item in (*system.inputs, *system.state, *system.params):
+            self.of[item.signal.name] = [around(rng, 1.0) for _ in range(item.sym.numel())]
+
+    def bases(
+        self, gain: tuple[Array, Array], push: Sequence[Array], speed: Sequence[Array]
+    ) -> None:
+        """Numbers of the filter that are sound."""
+        self.of |= {"filter.gain": list(gain), "filter.d": list(push), "limits.v_u1": list(speed)}
+
+    def results(self, *outputs: ca.SX) -> list[Array]:
+        """Outputs for each sample."""
+        ports = (*self.system.inputs, *self.system.state, *self.system.params)
+        symbols = [x for item in ports for x in ca.vertsplit(ca.vec(item.sym))]
+        numbers = [x for item in ports for x in self.of[item.signal.name]]
+        return evaluated(
+            symbols, [x for out in outputs for x in ca.vertsplit(ca.vec(out))], numbers
+        )
+
+
+def stated(
+    rng: np.random.Generator, n: Numbers
+) -> tuple[list[Array], list[Array], tuple[Array, Array]]:
+    """V of v and omega, pushes below them, and the gains; set in the numbers."""
+    low = positive(rng)
+    gain = (low, low * (1 + share(rng)))
+    speed = [positive(rng) for _ in range(2)]
+    push = [0.999 * share(rng) * SPARE * V for V in speed]
+    n.bases(gain, push, speed)
+    return [V * SPARE for V in speed], push, gain
+
+
+@about("filter.drive", "filter.inside", "filter.clip", "filter.contains-clip", "filter.necessary",
+       "filter.estimate")  # fmt: skip
+def one_axis(rng: np.random.Generator) -> dict[str, Array]:
+    V, low = positive(rng), positive(rng)
+    high = low * (1 + share(rng))
+    dbar = 0.999 * V * share(rng)
+    u, v_bar = around(rng, 2 * V / low), V - around(rng, V) ** 2 / V
+    e = np.clip(share(rng), 1e-6, 1 - 1e-6)
+
+    def formula(
+        u: ca.SX, v: ca.SX, V: ca.SX, d: ca.SX, k: ca.SX, K: ca.SX, kap: ca.SX
+    ) -> list[ca.SX]:
+        b = governor.FirstOrder(V, d, ca.SX(0), k, K, kap)
+        hi, clip = governor.largest_command(v, b), governor.largest_command(V, b)
+        return [governor.drive(u, b), governor.drive_back(u, b), hi, clip]
+
+    kappa = e / (1 - e)
+    ahead, back, hi, clip = calculated(formula, u, v_bar, V, dbar, low, high, kappa)
+    K, d = between(rng, low, high), dbar * rng.uniform(-1, 1, SAMPLES)
+    size = (np.abs(high * u), V)
+    found = {
+        "drive": left(ahead, K * u + d, *size), "back": left(back, d - K * u, *size),
+        "most": left(np.maximum(high * u, 0) + dbar, ahead, *size),
+        "contains": left(hi, (V - dbar) / high, kappa * V / high),
+    }  # fmt: skip
+    E, v = between(rng, e, np.ones(SAMPLES)), v_bar - positive(rng) * share(rng)
+    for name, most, share_left, start in (
+        ("inside", hi, E, v),
+        ("clip", clip, share(rng), V - V * share(rng)),
+    ):
+        sent = np.where(u <= most, u, most)
+        mean = np.maximum(high * sent, low * sent) + dbar - positive(rng) * share(rng)
+        sizes = (np.abs(start), np.abs(mean), np.abs(v_bar))
+        found[name] = left(V, share_left * start + (1 - share_left) * mean, *sizes)
+    beyond = np.maximum(hi, 0) * (1 + 1e-7) + 1e-7 * V / high
+    found["necessary"] = left(e * v_bar + (1 - e) * (high * beyond + dbar), V, kappa * V)
+    w, target = around(rng, V), around(rng, V)
+    most, least = np.maximum(e, E), np.minimum(e, E)
+    part = between(rng, least, most)
+    (end,) = calculated(lambda w, t, m, l: [governor.relaxed(w, t, m, l)], w, target, most, least)
+    v, mean = w - V * share(rng), target - V * share(rng)
+    found["estimate"] = left(end, v + part * (mean - v), V, w, target)
+    return found
+
+
+def _governed(rng: np.random.Generator, more: Mapping[str, object]) -> dict[str, Array]:
+    """A governor's whole step: what is sent, what that leads to, and what is kept."""
+    graph = Governor(load_scenario("paper-simulation", {**BASE, **more}))
+    n = Numbers(rng, graph.system)
+    V, push, gain = stated(rng, n)
+    T, tau = PERIOD * positive(rng), positive(rng)
+    H = graph.plan.longest * T
+    taus = [tau, tau * (1 + share(rng))]
+    l, error = positive(rng), [0.3 * x * share(rng) for x in V]
+    n.of |= {"clock.control": [T], "filter.tau": taus, "filter.odometry": error}
+    n.of |= {"robot.l": [l]} if "robot.l" in n.of else {}
+    if "filter.wheel_speed" in n.of:
+        n.of["filter.wheel_speed"] = [(push[0] + l * push[1]) / SPARE * (1 + positive(rng))]
+    wheels, beside = "filter.channels" in more, "filter.wheel_speed" in n.of
+    W = np.minimum(V[0], l * V[1]) if wheels else None
+    if beside:
+        W = n.of["filter.wheel_speed"][0] * SPARE
+    if wheels:
+        push = [0.99 * W * part / 2 / scale for part, scale in ((share(rng), 1), (share(rng), l))]
+        n.of["filter.d"] = push
+    speeds = [x * rng.uniform(-1, 1, SAMPLES) for x in V]
+    if W is not None:
+        size = np.abs(speeds[0]) + l * np.abs(speeds[1])
+        speeds = [x * np.minimum(1, W / size) for x in speeds]
+    parts = [(1, 0, V[0], push[0]), (0, 1, V[1], push[1])] * (not wheels)
+    total = push[0] + l * push[1]
+    parts += [(1, way * l, W, total) for way in (1, -1)] * (W is not None)
+    own = [a * speeds[0] + b * speeds[1] for a, b, _, _ in parts]
+    late = rng.integers(0, 2, SAMPLES) == 0
+    n.of["elapsed"] = [np.where(late, 3 * T, rng.choice([0.0, 1.0], SAMPLES) * T)]
+    known = np.where(late, around(rng, V[0]), 0)
+    for name, way in (("v_above", 1), ("v_below", -1)):
+        slack = [positive(rng) * share(rng) for _ in own]
+        n.of[name] = [np.where(late, known, way * w + x) for w, x in zip(own, slack, strict=True)]
+    if "in_time" in n.of:
+        n.of["in_time"] = [np.where(late, 0.0, float(graph.plan.oldest))]
+    n.of["odometry_age"] = [np.where(share(rng) < 0.5, 0.0, -1.0)]
+    n.of["v_odometry"] = [
+        v + e * rng.uniform(-1, 1, SAMPLES) for v, e in zip(speeds, error, strict=True)
+    ]
+    n.of["v_asked"] = [around(rng, 3 * x / gain[0]) for x in V]
+    if not (wheels or beside or more):
+        pass
+    limits = [x for side in graph.limits for x in side]
+    outputs = n.results(graph.sent, ca.vertcat(*limits), ca.vertcat(*graph.system.update))
+    u, count = outputs[:2], len(parts)
+    most, later = outputs[2 : 2 + 2 * count], outputs[2 + 2 * count :]
+    found = {}
+    E = between(rng, np.exp(-H / taus[0]), np.ones(SAMPLES))
+    gone = between(rng, -np.expm1(-T / taus[1]), -np.expm1(-T / taus[0]))
+    for i, (a, b, top, dbar) in enumerate(parts):
+        for side, way in enumerate((1, -1)):
+            limit, w = most[side * count + i], way * own[i]
+            sent = way * (a * u[0] + b * u[1])
+            sizes = (np.abs(a * u[0]), np.abs(b * u[1]), top / gain[0])
+            found[f"positive {i} {way}"] = left(limit, 0 * limit, top)
+            found[f"sent {i} {way}"] = left(limit, sent, *sizes)
+            K, d = between(rng, *gain), dbar * rng.uniform(-1, 1, SAMPLES)
+            mean = K * limit + d
+            found[f"inside {i} {way}"] = left(top, E * w + (1 - E) * mean, mean)
+            if not more:
+                mean = K * sent + d
+                end = w + gone * (mean - w)
+                found[f"kept {i} {way}"] = left(later[side * count + i], end, top, mean)
+    return found
+
+
+@about("filter.limits", *(f"filter.{what}-{axis}-{way}" for what in ("sent", "assembled", "carried")
+                          for axis in ("linear", "angular") for way in ("forwards", "backwards")))  # fmt: skip
+def governed(rng: np.random.Generator) -> dict[str, Array]:
+    return _governed(rng, {})
+
+
+def _over(rng: np.random.Generator, shapes: Sequence[Mapping[str, object]]) -> dict[str, Array]:
+    found = [_governed(rng, more) for more in shapes]
+    return {f"{name} {k}": item for k, own in enumerate(found) for name, item in own.items()}
+
+
+@about("filter.sent.axes")
+def governed_axes(rng: np.random.Generator) -> dict[str, Array]:
+    return _over(rng, [{"filter.scale": scale} for scale in SCALES[1:]])
+
+
+@about("filter.sent.wheels", *(f"filter.rims.wheels-{wheel}-{way}" for wheel in ("right", "left")
+                               for way in ("forwards", "backwards")))  # fmt: skip
+def governed_wheels(rng: np.random.Generator) -> dict[str, Array]:
+    scales = ("curvature", "turn", "drive")
+    return _over(rng, [{"filter.channels": "wheels", "filter.scale": scale} for scale in scales])
+
+
+@about("filter.sent.beside", *(f"filter.rims.beside-{wheel}-{way}" for wheel in ("right", "left")
+                               for way in ("forwards", "backwards")))  # fmt: skip
+def governed_beside(rng: np.random.Generator) -> dict[str, Array]:
+    scales = ("curvature", "turn", "drive")
+    return _over(rng, [{"filter.wheel_speed": 1.0, "filter.scale": scale} for scale in scales])
+
+
+@about("filter.assembled.jitter", "filter.assembled.losses", "filter.assembled.hold")
+def governed_late(rng: np.random.Generator) -> dict[str, Array]:
+    times = {"filter.jitter": PERIOD / 2, "filter.losses": 2, "filter.hold": 5 * PERIOD}
+    return _over(rng, [{key: value} for key, value in times.items()])
+
+
+def _clipped(rng: np.random.Generator, clip: Clip, sent: ca.SX, n: Numbers) -> dict[str, Array]:
+    """Each limited speed of what a clip sends, against the numbers of its limit."""
+    both = [x for channel in clip.channels for x in (channel.of(sent), channel.bounds.K_max,
+                                                     channel.bounds.dbar, channel.bounds.V)]  # fmt: skip
+    rows = n.results(ca.vertcat(*both, sent))
+    size = np.abs(rows[-2]) + np.abs(rows[-1] * n.of.get("robot.l", [1.0])[0])
+    found = {}
+    for i in range(len(clip.channels)):
+        w, K, dbar, V = rows[4 * i : 4 * i + 4]
+        reached = K * np.abs(w) + dbar
+        found[str(i)] = np.where((dbar < V) & (dbar >= 0), left(V, reached, K * size), 0)
+    return found
+
+
+def _clips(
+    rng: np.random.Generator, settings: Mapping[str, object], scales: Sequence[str]
+) -> dict[str, Array]:
+    found = {}
+    for scale in scales:
+        clip = Clip(load_scenario("paper-simulation", {**settings, "filter.scale": scale}))
+        n = Numbers(rng, clip.system)
+        n.of = {name: [np.abs(x) + 1e-3 for x in columns] for name, columns in n.of.items()}
+        if "filter.gain" in n.of:
+            stated(rng, n)
+        else:
+            n.of["filter.delta"] = [V * share(rng) * SPARE for V in n.of["limits.v_u1"]]
+        n.of["v_asked"] = [around(rng, 3.0) for _ in range(2)]
+        told = _clipped(rng, clip, clip.sent, n)
+        found |= {f"{name} {scale}": item for name, item in told.items()}
+    return found
+
+
+@about("filter.sent-clip-linear", "filter.sent-clip-angular", "filter.sent-clip.axes",
+       "filter.sent-clip.wheels", "filter.sent-clip.beside")  # fmt: skip
+def clips(rng: np.random.Generator) -> dict[str, Array]:
+    found = {}
+    shapes = ({}, {"filter.channels": "wheels"}, {"filter.wheel_speed": 1.0})
+    for k, more in enumerate(shapes):
+        for loop in (CLIP, LINEAR):
+            own = _clips(
+                rng, {**loop, **more}, SCALES if not more else ("curvature", "turn", "drive")
+            )
+            name = loop.get("filter.loop", "first")
+            found |= {f"{key} {k} {name}": item for key, item in own.items()}
+    return found
+
+
+@about("filter.slew-sent-linear", "filter.slew-sent-angular", "filter.slew-sent.together")
+def slow(rng: np.random.Generator) -> dict[str, Array]:
+    found = {}
+    for scale in SCALES:
+        settings = {**LINEAR, "filter.slew": (0.1, 0.1), "filter.scale": scale}
+        clip = Clip(load_scenario("paper-simulation", settings))
+        n = Numbers(rng, clip.system)
+        n.of = {name: [np.abs(x) + 1e-3 for x in columns] for name, columns in n.of.items()}
+        low, T = positive(rng), positive(rng)
+        n.of |= {"filter.gain": [low, low * (1 + share(rng))], "clock.control": [T]}
+        slew, V = n.of["filter.slew"], n.of["limits.v_u1"]
+        reach = n.of["filter.slew_reach"] = [
+            v * share(rng) / a / 2 for v, a in zip(V, slew, strict=True)
+        ]
+        n.of["filter.delta"] = [v * share(rng) * 0.49 for v in V]
+        del reach
+        n.of["elapsed"] = [around(rng, T)]
+        (limits,) = [n.results(ca.vertcat(*clip.limits))]
+        before = n.of["v_last"] = [x * rng.uniform(-1, 1, SAMPLES) for x in limits]
+        n.of["v_asked"] = [around(rng, 3 * x) for x in limits]
+        u1, u2, time = n.results(clip.sent, clip.time)
+        for name, u, was, most, a in zip("12", (u1, u2), before, limits, slew, strict=True):
+            found[f"inside {name} {scale}"] = left(most, np.abs(u))
+            found[f"slow {name} {scale}"] = left(a * time, np.abs(u - was), most)
+        found[f"time {scale}"] = np.minimum(left(T, time), time)
+    return found
+
+
+@about("filter.band.sent-linear", "filter.band.sent-angular", "filter.band.sent-stop-linear",
+       "filter.band.sent-stop-angular", "filter.band.sent.scales", "filter.band.sent.pi")  # fmt: skip
+def bands(rng: np.random.Generator) -> dict[str, Array]:
+    loop = {**LINEAR, "filter.kind": "band"}
+    pi = {"filter.kind": "band", "filter.loop": "pi", "clock.control": PERIOD,
+          "filter.mass": (50.0, 65.0), "filter.inertia": (4.0, 6.0), "filter.kp": (135.0, 165.0),
+          "filter.ki": (270.0, 330.0)}  # fmt: skip
+    found = {}
+    for k, more in enumerate((*({**loop, "filter.scale": scale} for scale in SCALES), pi)):
+        graph = BandGovernor(load_scenario("paper-simulation", more))
+        n = Numbers(rng, graph.system)
+        for item in graph.system.params:
+            values = ca.DM(item.value).full().ravel() if hasattr(item, "value") else None
+            if values is not None:
+                n.of[item.signal.name] = [np.full(SAMPLES, x) for x in values]
+        ends = [x for pair in graph.ends for x in pair]
+        rows = n.results(graph.sent, graph.command_column if hasattr(graph, "command_column")
+                         else ca.vertcat(*graph.command), ca.vertcat(*ends, *graph.stopping),
+                         ca.SX(graph.sound))  # fmt: skip
+        u, asked, own, stops, sound = rows[:2], rows[2:4], rows[4:8], rows[8:10], rows[10]
+        for i in (0, 1):
+            low, high = own[2 * i], own[2 * i + 1]
+            met = (sound > 0) & (own[0] <= own[1]) & (own[2] <= own[3])
+            inside = np.minimum(left(high, u[i], low), left(u[i], low, high))
+            found[f"ends {i} {k}"] = np.where(met, inside, 0)
+            around_0 = (own[0] <= 0) & (own[1] >= 0) & (own[2] <= 0) & (own[3] >= 0)
+            stop = np.minimum(left(stops[i], np.abs(u[i])), np.sign(u[i]) * np.sign(asked[i]))
+            found[f"stop {i} {k}"] = np.where(met & around_0, stop, 0)
+    return found
+
+
+@about("filter.curvature", "filter.wheel-box", "filter.ramp-rim", "filter.held-share",
+       "filter.band.beat", "filter.band.fading", "filter.band.past-over", "filter.band.past-under")  # fmt: skip
+def parts(rng: np.random.Generator) -> dict[str, Array]:
+    r = [around(rng, 2.0) for _ in range(2)]
+    hi, lo = ([positive(rng) for _ in range(2)] for _ in range(2))
+
+    def factor(a: ca.SX, b: ca.SX, *ends: ca.SX) -> list[ca.SX]:
+        back = [-x for x in ends[2:]]
+        return [ca.fmin(*governor.admitted([a, b], back, list(ends[:2])))]
+
+    (eta,) = calculated(factor, *r, *hi, *lo)
+    found = {"eta": np.minimum(eta - 1e-300, 1 - eta)}
+    for k in (0, 1):
+        found[f"eta {k}"] = np.minimum(left(hi[k], eta * r[k]), left(eta * r[k], -lo[k]))
+    V, l, Omega = positive(rng), positive(rng), positive(rng)
+    top = np.minimum(V, l * Omega)
+    rims = [top * rng.uniform(-1, 1, SAMPLES) for _ in range(2)]
+    v, omega = (rims[0] + rims[1]) / 2, (rims[0] - rims[1]) / 2 / l
+    found["box"] = np.minimum(left(V, np.abs(v)), left(Omega, np.abs(omega)))
+    shrink, back = positive(rng), positive(rng)
+    grow, turn = l * back * share(rng), shrink / l * share(rng)
+    ends = [[V * rng.uniform(-1, 1, SAMPLES) for _ in range(2)] for _ in range(2)]
+    now, goal = (((a + b) / 2, (a - b) / 2 / l) for a, b in ends)
+    after = [
+        _ramped(x, y, up, down)
+        for x, y, up, down in zip(now, goal, (grow, turn), (shrink, back), strict=True)
+    ]
+    for way in (1, -1):
+        found[f"ramp {way}"] = left(V, np.abs(after[0] + way * l * after[1]), l * np.abs(after[1]))
+    held, q = share(rng), share(rng)
+    W, part = positive(rng), between(rng, 1 - held, np.ones(SAMPLES))
+    (d,) = calculated(lambda x, V: [held_loop.push_of_share(2 * x, V)], held, V)
+    start, to = _pair(rng, V, W, l), _pair(rng, V - d, W - d, l)
+    ended = start[0] + part * q * (to[0] - start[0]), start[1] + q * (to[1] - start[1])
+    met = (d <= V) & (d <= W)
+    kept = [left(V, np.abs(ended[0]), W)]
+    kept += [left(W, np.abs(ended[0] + way * l * ended[1]), V) for way in (1, -1)]
+    found["held"] = np.where(met, np.minimum.reduce(kept), 0)
+    before, behind, off = positive(rng), positive(rng), around(rng, 1.0)
+    p, w = (between(rng, -before, behind) for _ in range(2))
+    b, a = calculated(
+        lambda x, y, o: ca.vertsplit(spread_of(ca.vertcat(x, y), o)), before, behind, off
+    )
+    beats = [left(a, x - off, b) for x in (p, w, off)] + [left(x - off, -b, a) for x in (p, w, off)]
+    found["beat"] = np.minimum.reduce([*beats, left(b + a, p - w)])
+    reach, past = positive(rng), positive(rng)
+    came = rng.integers(0, 2, SAMPLES).astype(float)
+    x, soonest = positive(rng), share(rng)
+    g = share(rng) / (1 + x + x * x / 2)
+    g = np.where(came > 0, np.minimum(g, soonest), g)
+
+    def aged(reach: ca.SX, past: ca.SX, came: ca.SX, x: ca.SX, soonest: ca.SX) -> list[ca.SX]:
+        from wmr_ctrl.control.filter.forecast import stays_of
+
+        known = Fading(reach, past, ca.SX(0)).aged(came, ca.SX(0), stays_of(x, ca.SX(1)), soonest)
+        return [known.reach, known.past]
+
+    fades, rest = calculated(aged, reach, past, came, x, soonest)
+    found["fading"] = np.minimum(
+        left(fades, reach * share(rng) * g), left(rest, np.where(came > 0, past, reach) * g)
+    )
+    c, at = positive(rng), around(rng, 1.0)
+    over, under = calculated(lambda p, h, c: list(Fading(ca.SX(0), p, h).bounds(c)), past, at, c)
+    for way, bound in ((1, over), (-1, under)):
+        v = np.minimum(way * at + past, c * (1 + 2.0**-29)) - way * at
+        found[f"past {way}"] = np.where(v >= 0, left(bound, v, c, np.abs(at)), 0)
+    return found
+
+
+def _pair(rng: np.random.Generator, V: Array, W: Array, l: Array) -> tuple[Array, Array]:
+    """v and omega with |v| <= V and both wheels within W, the rims among them."""
+    v, turn = rng.choice([-1.0, 1.0], SAMPLES) * share(rng) * np.minimum(V, W), share(rng)
+    return v, rng.choice([-1.0, 1.0], SAMPLES) * turn * (W - np.abs(v)) / l
+
+
+def _ramped(now: Array, goal: Array, up: Array, down: Array) -> Array:
+    """A ramp's next value: away from 0 by at most ``up``, towards it by ``down``, and not past it."""
+    turns = now * goal < 0
+    stop = np.where(turns, 0.0, goal)
+    most = np.where(np.abs(stop) >= np.abs(now), up, down)
+    return now + np.clip(stop - now, -most, most)
+
+
+@about("gate.inside", "gate.stop", "gate.stale", "gate.latched", "gate.rise", "gate.inside.axes",
+       "gate.inside.wheels", "gate.inside.beside")  # fmt: skip
+def gates(rng: np.random.Generator) -> dict[str, Array]:
+    found, settings = {}, gate.GateSettings()
+    shapes = [(more, scale) for more in ({}, {"filter.channels": "wheels"}, {"filter.wheel_speed": 1.0})
+              for scale in SCALES if scale != "axes" or not more]  # fmt: skip
+    for k, (more, scale) in enumerate(shapes):
+        scenario = load_scenario("paper-simulation", {**CLIP, **more, "filter.scale": scale})
+        system, goal = gate.gate_and_goal(scenario, settings)
+        n = Numbers(rng, system)
+        V, push, gain = stated(rng, n)
+        l = n.of["robot.l"] = [positive(rng)]
+        n.of["filter.wheel_speed"] = [positive(rng)]
+        n.of["v_last"] = [around(rng, 1.0) for _ in range(2)]
+        u1, u2, _, latched, *_ = (*n.results(system.y[:2]), None, n.results(system.update[-3])[0])
+        u, last, T = (u1, u2), n.of["v_last"], scenario.clock.control
+        if "clock.control" in n.of:
+            T = n.of["clock.control"][0]
+        elapsed = n.of["elapsed"][0]
+        t = np.where(elapsed == 0, T, np.clip(elapsed, 0, np.abs(T)))
+        top, total = n.of["filter.wheel_speed"][0] * SPARE, push[0] + l[0] * push[1]
+        if "filter.channels" in more:
+            top = np.minimum(V[0], l[0] * V[1])
+        if "filter.channels" not in more:
+            for i in (0, 1):
+                found[f"inside {i} {k}"] = left((V[i] - push[i]) / gain[1], np.abs(u[i]))
+        if more:
+            most = (top - total) / gain[1]
+            for way in (1, -1):
+                w = np.abs(u1 + way * l[0] * u2)
+                found[f"rim {way} {k}"] = np.where(most > 0, left(most, w, u1, l[0] * u2), 0)
+            met = most > 0
+            found = {
+                name: np.where(met, item, 0) if name.endswith(f" {k}") else item
+                for name, item in found.items()
+            }
+        if more or scale != "curvature":
+            continue
+        stops = n.of["stop"][0] > 0
+        stale = n.of["command_age"][0] > settings.command_timeout
+        stays = (n.of["latched"][0] > 0) & (n.of["reset"][0] <= 0)
+        for i in (0, 1):
+            found[f"stop {i}"] = np.where(stops, -np.abs(u[i]), 0)
+            falls = np.maximum(np.abs(last[i]) - settings.fall[i] * t, 0)
+            found[f"falls {i}"] = np.where(stale | stays, left(falls, np.abs(u[i]), last[i]), 0)
+            found[f"rises {i}"] = left(np.abs(last[i]) + settings.rise[i] * t, np.abs(u[i]))
+        found["latched"] = np.where(stays, -np.abs(latched - 1), 0)
+    return found
+
+
+@about(*(f"corridor.filter-{key}" for key in ("curvature", "axes", "turn", "drive", "wheels-curvature",
+                                             "wheels-turn", "wheels-drive")))  # fmt: skip
+def unclipped(rng: np.random.Generator) -> dict[str, Array]:
+    from wmr_proofs.claims.corridor_bases import NOTHING
+    from wmr_ctrl.control.filter.channels import Channel
+
+    found = {}
+    for kinds in ("axes", "wheels", "axes wheels"):
+        for scale in SCALES if kinds == "axes" else ("curvature", "turn", "drive"):
+            l, A, B, C = (positive(rng) for _ in range(4))
+            v, omega = _pair(rng, A, C, l)
+            if kinds == "axes":
+                v, omega = A * rng.uniform(-1, 1, SAMPLES), B * rng.uniform(-1, 1, SAMPLES)
+            B = np.maximum(B, np.abs(omega))
+
+            def formula(
+                v: ca.SX, omega: ca.SX, l: ca.SX, A: ca.SX, B: ca.SX, C: ca.SX
+            ) -> list[ca.SX]:
+                axes = [Channel((1 - i, i), ca.SX(1), NOTHING, 0.0) for i in (0, 1)]
+                sides = [Channel((1, way), l, NOTHING, 0.0) for way in (1, -1)]
+                own = axes * ("axes" in kinds) + sides * ("wheels" in kinds)
+                most = [A, B] * ("axes" in kinds) + [C, C] * ("wheels" in kinds)
+                return ca.vertsplit(scaled((v, omega), own, [-x for x in most], most, scale))
+
+            sent = calculated(formula, v, omega, l, A, B, C)
+            found[f"v {kinds} {scale}"] = same(sent[0], v, C)
+            found[f"omega {kinds} {scale}"] = same(l * sent[1], l * omega, C)
+    return found
