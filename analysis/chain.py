@@ -110,12 +110,12 @@ CHAINS: dict[str, tuple[Link, ...]] = {
         Link("Stopping is always allowed.", ("filter.contains-clip",)),
         Link("The bound on the speed holds for the next sample, too.", ("filter.estimate",)),
         Link(
-            "The exported filter does all this; shown without delay and losses.",
-            ("filter.sent-linear-*", "filter.sent-angular-*", "filter.assembled-*",
-             "filter.carried-*"),
+            "The exported governor does all this; shown without delay and losses.",
+            ("filter.sent-linear-*", "filter.sent-angular-*", "filter.sent.*", "filter.assembled*",
+             "filter.rims.*", "filter.carried-*"),
         ),
         Link(
-            "Before a clip, the gate of the ROS 2 node sends only commands within it.",
+            "Before a clip or a governor, the gate of the ROS 2 node sends only what these may.",
             ("gate.*",),
         ),
         Link(

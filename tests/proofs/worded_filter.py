@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import casadi as ca
 import numpy as np
@@ -21,9 +22,9 @@ from tests.proofs.worded import (
 )
 from wmr_ctrl.control.filter import gate, governor, held_loop
 from wmr_ctrl.control.filter.band import BandGovernor
-from wmr_ctrl.control.filter.channels import scaled
+from wmr_ctrl.control.filter.channels import Channel, scaled
 from wmr_ctrl.control.filter.clip import Clip
-from wmr_ctrl.control.filter.forecast import Fading, spread_of
+from wmr_ctrl.control.filter.forecast import Fading, spread_of, stays_of
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario
@@ -164,10 +165,8 @@ def _governed(rng: np.random.Generator, more: Mapping[str, object]) -> dict[str,
         v + e * rng.uniform(-1, 1, SAMPLES) for v, e in zip(speeds, error, strict=True)
     ]
     n.of["v_asked"] = [around(rng, 3 * x / gain[0]) for x in V]
-    if not (wheels or beside or more):
-        pass
     limits = [x for side in graph.limits for x in side]
-    outputs = n.results(graph.sent, ca.vertcat(*limits), ca.vertcat(*graph.system.update))
+    outputs = n.results(graph.sent, ca.vertcat(*limits), graph.system.update)
     u, count = outputs[:2], len(parts)
     most, later = outputs[2 : 2 + 2 * count], outputs[2 + 2 * count :]
     found = {}
@@ -190,8 +189,15 @@ def _governed(rng: np.random.Generator, more: Mapping[str, object]) -> dict[str,
     return found
 
 
-@about("filter.limits", *(f"filter.{what}-{axis}-{way}" for what in ("sent", "assembled", "carried")
-                          for axis in ("linear", "angular") for way in ("forwards", "backwards")))  # fmt: skip
+@about(
+    "filter.limits",
+    *(
+        f"filter.{what}-{axis}-{way}"
+        for what in ("sent", "assembled", "carried")
+        for axis in ("linear", "angular")
+        for way in ("forwards", "backwards")
+    ),
+)
 def governed(rng: np.random.Generator) -> dict[str, Array]:
     return _governed(rng, {})
 
@@ -206,15 +212,27 @@ def governed_axes(rng: np.random.Generator) -> dict[str, Array]:
     return _over(rng, [{"filter.scale": scale} for scale in SCALES[1:]])
 
 
-@about("filter.sent.wheels", *(f"filter.rims.wheels-{wheel}-{way}" for wheel in ("right", "left")
-                               for way in ("forwards", "backwards")))  # fmt: skip
+@about(
+    "filter.sent.wheels",
+    *(
+        f"filter.rims.wheels-{wheel}-{way}"
+        for wheel in ("right", "left")
+        for way in ("forwards", "backwards")
+    ),
+)
 def governed_wheels(rng: np.random.Generator) -> dict[str, Array]:
     scales = ("curvature", "turn", "drive")
     return _over(rng, [{"filter.channels": "wheels", "filter.scale": scale} for scale in scales])
 
 
-@about("filter.sent.beside", *(f"filter.rims.beside-{wheel}-{way}" for wheel in ("right", "left")
-                               for way in ("forwards", "backwards")))  # fmt: skip
+@about(
+    "filter.sent.beside",
+    *(
+        f"filter.rims.beside-{wheel}-{way}"
+        for wheel in ("right", "left")
+        for way in ("forwards", "backwards")
+    ),
+)
 def governed_beside(rng: np.random.Generator) -> dict[str, Array]:
     scales = ("curvature", "turn", "drive")
     return _over(rng, [{"filter.wheel_speed": 1.0, "filter.scale": scale} for scale in scales])
@@ -228,8 +246,11 @@ def governed_late(rng: np.random.Generator) -> dict[str, Array]:
 
 def _clipped(rng: np.random.Generator, clip: Clip, sent: ca.SX, n: Numbers) -> dict[str, Array]:
     """Each limited speed of what a clip sends, against the numbers of its limit."""
-    both = [x for channel in clip.channels for x in (channel.of(sent), channel.bounds.K_max,
-                                                     channel.bounds.dbar, channel.bounds.V)]  # fmt: skip
+    both = [
+        x
+        for channel in clip.channels
+        for x in (channel.of(sent), channel.bounds.K_max, channel.bounds.dbar, channel.bounds.V)
+    ]
     rows = n.results(ca.vertcat(*both, sent))
     size = np.abs(rows[-2]) + np.abs(rows[-1] * n.of.get("robot.l", [1.0])[0])
     found = {}
@@ -284,11 +305,8 @@ def slow(rng: np.random.Generator) -> dict[str, Array]:
         low, T = positive(rng), positive(rng)
         n.of |= {"filter.gain": [low, low * (1 + share(rng))], "clock.control": [T]}
         slew, V = n.of["filter.slew"], n.of["limits.v_u1"]
-        reach = n.of["filter.slew_reach"] = [
-            v * share(rng) / a / 2 for v, a in zip(V, slew, strict=True)
-        ]
+        n.of["filter.slew_reach"] = [v * share(rng) / a / 2 for v, a in zip(V, slew, strict=True)]
         n.of["filter.delta"] = [v * share(rng) * 0.49 for v in V]
-        del reach
         n.of["elapsed"] = [around(rng, T)]
         (limits,) = [n.results(ca.vertcat(*clip.limits))]
         before = n.of["v_last"] = [x * rng.uniform(-1, 1, SAMPLES) for x in limits]
@@ -301,8 +319,14 @@ def slow(rng: np.random.Generator) -> dict[str, Array]:
     return found
 
 
-@about("filter.band.sent-linear", "filter.band.sent-angular", "filter.band.sent-stop-linear",
-       "filter.band.sent-stop-angular", "filter.band.sent.scales", "filter.band.sent.pi")  # fmt: skip
+@about(
+    "filter.band.sent-linear",
+    "filter.band.sent-angular",
+    "filter.band.sent-stop-linear",
+    "filter.band.sent-stop-angular",
+    "filter.band.sent.scales",
+    "filter.band.sent.pi",
+)
 def bands(rng: np.random.Generator) -> dict[str, Array]:
     loop = {**LINEAR, "filter.kind": "band"}
     pi = {"filter.kind": "band", "filter.loop": "pi", "clock.control": PERIOD,
@@ -312,14 +336,9 @@ def bands(rng: np.random.Generator) -> dict[str, Array]:
     for k, more in enumerate((*({**loop, "filter.scale": scale} for scale in SCALES), pi)):
         graph = BandGovernor(load_scenario("paper-simulation", more))
         n = Numbers(rng, graph.system)
-        for item in graph.system.params:
-            values = ca.DM(item.value).full().ravel() if hasattr(item, "value") else None
-            if values is not None:
-                n.of[item.signal.name] = [np.full(SAMPLES, x) for x in values]
         ends = [x for pair in graph.ends for x in pair]
-        rows = n.results(graph.sent, graph.command_column if hasattr(graph, "command_column")
-                         else ca.vertcat(*graph.command), ca.vertcat(*ends, *graph.stopping),
-                         ca.SX(graph.sound))  # fmt: skip
+        limits = ca.vertcat(*ends, *graph.stopping, graph.sound)
+        rows = n.results(graph.sent, ca.vertcat(*graph.command), limits)
         u, asked, own, stops, sound = rows[:2], rows[2:4], rows[4:8], rows[8:10], rows[10]
         for i in (0, 1):
             low, high = own[2 * i], own[2 * i + 1]
@@ -332,8 +351,16 @@ def bands(rng: np.random.Generator) -> dict[str, Array]:
     return found
 
 
-@about("filter.curvature", "filter.wheel-box", "filter.ramp-rim", "filter.held-share",
-       "filter.band.beat", "filter.band.fading", "filter.band.past-over", "filter.band.past-under")  # fmt: skip
+@about(
+    "filter.curvature",
+    "filter.wheel-box",
+    "filter.ramp-rim",
+    "filter.held-share",
+    "filter.band.beat",
+    "filter.band.fading",
+    "filter.band.past-over",
+    "filter.band.past-under",
+)
 def parts(rng: np.random.Generator) -> dict[str, Array]:
     r = [around(rng, 2.0) for _ in range(2)]
     hi, lo = ([positive(rng) for _ in range(2)] for _ in range(2))
@@ -384,8 +411,6 @@ def parts(rng: np.random.Generator) -> dict[str, Array]:
     g = np.where(came > 0, np.minimum(g, soonest), g)
 
     def aged(reach: ca.SX, past: ca.SX, came: ca.SX, x: ca.SX, soonest: ca.SX) -> list[ca.SX]:
-        from wmr_ctrl.control.filter.forecast import stays_of
-
         known = Fading(reach, past, ca.SX(0)).aged(came, ca.SX(0), stays_of(x, ca.SX(1)), soonest)
         return [known.reach, known.past]
 
@@ -408,7 +433,7 @@ def _pair(rng: np.random.Generator, V: Array, W: Array, l: Array) -> tuple[Array
 
 
 def _ramped(now: Array, goal: Array, up: Array, down: Array) -> Array:
-    """A ramp's next value: away from 0 by at most ``up``, towards it by ``down``, and not past it."""
+    """A ramp's next value: away from 0 by ``up`` at most, towards it by ``down``, not past it."""
     turns = now * goal < 0
     stop = np.where(turns, 0.0, goal)
     most = np.where(np.abs(stop) >= np.abs(now), up, down)
@@ -419,11 +444,12 @@ def _ramped(now: Array, goal: Array, up: Array, down: Array) -> Array:
        "gate.inside.wheels", "gate.inside.beside")  # fmt: skip
 def gates(rng: np.random.Generator) -> dict[str, Array]:
     found, settings = {}, gate.GateSettings()
-    shapes = [(more, scale) for more in ({}, {"filter.channels": "wheels"}, {"filter.wheel_speed": 1.0})
+    limits = ({}, {"filter.channels": "wheels"}, {"filter.wheel_speed": 1.0})
+    shapes = [(more, scale) for more in limits
               for scale in SCALES if scale != "axes" or not more]  # fmt: skip
     for k, (more, scale) in enumerate(shapes):
         scenario = load_scenario("paper-simulation", {**CLIP, **more, "filter.scale": scale})
-        system, goal = gate.gate_and_goal(scenario, settings)
+        system = gate.gate_system(scenario, settings)
         n = Numbers(rng, system)
         V, push, gain = stated(rng, n)
         l = n.of["robot.l"] = [positive(rng)]
@@ -431,10 +457,8 @@ def gates(rng: np.random.Generator) -> dict[str, Array]:
         n.of["v_last"] = [around(rng, 1.0) for _ in range(2)]
         u1, u2, _, latched, *_ = (*n.results(system.y[:2]), None, n.results(system.update[-3])[0])
         u, last, T = (u1, u2), n.of["v_last"], scenario.clock.control
-        if "clock.control" in n.of:
-            T = n.of["clock.control"][0]
         elapsed = n.of["elapsed"][0]
-        t = np.where(elapsed == 0, T, np.clip(elapsed, 0, np.abs(T)))
+        t = np.where(elapsed == 0, T, np.clip(elapsed, 0, T))
         top, total = n.of["filter.wheel_speed"][0] * SPARE, push[0] + l[0] * push[1]
         if "filter.channels" in more:
             top = np.minimum(V[0], l[0] * V[1])
@@ -465,12 +489,32 @@ def gates(rng: np.random.Generator) -> dict[str, Array]:
     return found
 
 
-@about(*(f"corridor.filter-{key}" for key in ("curvature", "axes", "turn", "drive", "wheels-curvature",
-                                             "wheels-turn", "wheels-drive")))  # fmt: skip
-def unclipped(rng: np.random.Generator) -> dict[str, Array]:
-    from wmr_proofs.claims.corridor_bases import NOTHING
-    from wmr_ctrl.control.filter.channels import Channel
+def _sent_as_it_is(
+    kinds: str, scale: str, v: ca.SX, omega: ca.SX, l: ca.SX, A: ca.SX, B: ca.SX, C: ca.SX
+) -> list[ca.SX]:
+    """A command within limits A of v, B of omega, C of both wheels, scaled."""
+    unused = governor.FirstOrder(*(ca.SX(0) for _ in range(6)))
+    axes = [Channel((1 - i, i), ca.SX(1), unused, 0.0) for i in (0, 1)] * ("axes" in kinds)
+    sides = [Channel((1, way), l, unused, 0.0) for way in (1, -1)] * ("wheels" in kinds)
+    most = [A, B] * ("axes" in kinds) + [C, C] * ("wheels" in kinds)
+    return ca.vertsplit(scaled((v, omega), [*axes, *sides], [-x for x in most], most, scale))
 
+
+@about(
+    *(
+        f"corridor.filter-{key}"
+        for key in (
+            "curvature",
+            "axes",
+            "turn",
+            "drive",
+            "wheels-curvature",
+            "wheels-turn",
+            "wheels-drive",
+        )
+    )
+)
+def unclipped(rng: np.random.Generator) -> dict[str, Array]:
     found = {}
     for kinds in ("axes", "wheels", "axes wheels"):
         for scale in SCALES if kinds == "axes" else ("curvature", "turn", "drive"):
@@ -480,16 +524,8 @@ def unclipped(rng: np.random.Generator) -> dict[str, Array]:
                 v, omega = A * rng.uniform(-1, 1, SAMPLES), B * rng.uniform(-1, 1, SAMPLES)
             B = np.maximum(B, np.abs(omega))
 
-            def formula(
-                v: ca.SX, omega: ca.SX, l: ca.SX, A: ca.SX, B: ca.SX, C: ca.SX
-            ) -> list[ca.SX]:
-                axes = [Channel((1 - i, i), ca.SX(1), NOTHING, 0.0) for i in (0, 1)]
-                sides = [Channel((1, way), l, NOTHING, 0.0) for way in (1, -1)]
-                own = axes * ("axes" in kinds) + sides * ("wheels" in kinds)
-                most = [A, B] * ("axes" in kinds) + [C, C] * ("wheels" in kinds)
-                return ca.vertsplit(scaled((v, omega), own, [-x for x in most], most, scale))
-
-            sent = calculated(formula, v, omega, l, A, B, C)
+            passes = partial(_sent_as_it_is, kinds, scale)
+            sent = calculated(passes, v, omega, l, A, B, C)
             found[f"v {kinds} {scale}"] = same(sent[0], v, C)
             found[f"omega {kinds} {scale}"] = same(l * sent[1], l * omega, C)
     return found

@@ -357,7 +357,8 @@ def lagging(rng: np.random.Generator) -> dict[str, Array]:
     falls, rises = np.exp(-h / b), np.exp(-h / a)
     after, taken, added = calculated(
         lambda z, p, f, r, h, b, a: [
-            late_guard.moved(z, p, (f, r)), late_guard.integral(z, p, (h, b * (1 - f), a * (1 - r))),
+            late_guard.moved(z, p, (f, r)),
+            late_guard.integral(z, p, (h, b * (1 - f), a * (1 - r))),
             late_guard.waiting(z, p, h, (b - a) * (1 - r)),
         ], z, p, falls, rises, h, b, a,
     )  # fmt: skip

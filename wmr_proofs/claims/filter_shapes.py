@@ -42,13 +42,13 @@ SHAPES: tuple[dict[str, object], ...] = (
      "scales": ("axes", "turn", "drive")},
     {"key": "wheels", "limited": "both wheels' speeds, by one factor or one axis first",
      "more": {"filter.channels": "wheels"}, "scales": ("curvature", "turn", "drive")},
-    {"key": "beside", "more": {"filter.wheel_speed": 1.0}, "scales": ("curvature", "turn", "drive"),
-     "limited": "v, omega and both wheels' speeds, by one factor or one axis first"},
+    {"key": "beside", "more": {"filter.wheel_speed": 1.0}, "scales": ("turn", "drive"),
+     "limited": "v, omega and both wheels' speeds, one axis first"},
 )  # fmt: skip
-"""Speeds that are limited, and the ways to scale a command that no other entry is about."""
-OF_CLIP = (*SHAPES[:2], SHAPES[2] | {"limited": "v, omega and both wheels' speeds, one axis first",
-                                     "scales": ("turn", "drive")})  # fmt: skip
-"""The same of a clip; one factor beside wheels is in filter.rounding.beside."""
+"""Speeds that are limited, and the ways to scale a command that no other entry is about.
+
+One factor beside limits of wheels is in filter.rounding.beside.
+"""
 
 
 def governor(more: Mapping[str, object]) -> Governor:
@@ -103,7 +103,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
     "filter.sent-clip.{key}",
     given=f"{COMMANDS}; l > 0; (V - dbar)/K_max > 0 of each speed, V less 2^-26 of it, N and "
     "delta in the places of K_max and dbar where loops are linear",
-    over=OF_CLIP,
+    over=SHAPES,
 )
 def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]) -> Statement:
     """|w| <= (V - dbar)/K_max, w each limited speed of the command that the whole clip sends to

@@ -21,7 +21,7 @@ from wmr_proofs.symbols import Symbols, exchanged
 
 from .common import elements_of, named_ports
 from .filter_assembled import STATED as OF_GOVERNOR
-from .filter_shapes import OF_CLIP, named_for
+from .filter_shapes import SHAPES, named_for
 
 STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
 SOUND = (
@@ -146,7 +146,7 @@ def rise(mutation: Mutation) -> Statement:
     "gate.inside.{key}",
     given="a gate with its default times and ramps before a clip of first-order loops; l > 0; (V - "
     "dbar)/K_max > 0 of each speed; every real input of any size, any time since the last step",
-    over=OF_CLIP,
+    over=SHAPES,
 )
 def inside_shapes(
     mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]

@@ -1,0 +1,102 @@
+"""Entries about guard, filter, gate, prox and corridor hold as they are worded.
+
+Numbers are drawn from the words' hypotheses, rims among them; the product's own functions and whole
+graphs are evaluated in doubles; goals are written down here once more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fnmatch import fnmatchcase
+
+import numpy as np
+import pytest
+
+from tests.proofs import worded, worded_filter, worded_guard, worded_laws
+from tests.proofs.anew import altered
+from tests.proofs.worded import CHECKS, NEAR, SAMPLES, Check
+from wmr_ctrl.control.filter import channels
+from wmr_ctrl.control.guard import guard
+from wmr_ctrl.results.ledger import load
+
+FAMILIES = ("guard.", "filter.", "gate.", "corridor.", "prox.")
+MODULES = (worded_guard, worded_filter, worded_laws)
+EACH: list[Check] = list(dict.fromkeys(CHECKS.values()))
+NOT_SAMPLED = {
+    "*.rounding.*": "about every rounding; tests/filter/test_bits.py and tests/guard",
+    "guard.*rounding": "about every rounding; tests/guard",
+    "gate.governor": "a clip to limits that filter.sent-* are about; tests/filter/test_gate.py",
+    "guard.flag.*": "about every rounding",
+    "guard.assembled.*": "graphs equal to other graphs; tests/guard/test_graph.py",
+    "guard.axes": "an equality of graphs",
+    "guard.late.promise": "the flag with one more condition (guard.promise-late)",
+    "guard.simulated": "a step of the plant; tests/guard/test_runs.py",
+    "guard.monitor-late": "numbers of one example; tests/guard/test_late_any.py",
+    "guard.delay.queue": "an equality of sums",
+    "guard.delay.step": "one term of guard.delay.command",
+    "guard.late.tail": "an equality of one example",
+    "guard.late.rest": "an example",
+    "guard.late.mean-piece": "an example; tests/guard/test_lateness.py",
+    "guard.varying.*": "rooms behind a lag; tests/guard/varying_formula.py",
+    "filter.in-time": "a count; tests/filter/test_times.py",
+    "filter.held-*": "steps of a run; tests/filter/test_held_loop.py",
+    "filter.band.*": "tables; tests/filter/test_band.py",
+    "prox.decay*": "values of V1 as free numbers",
+    "prox.rises": "values of V1 as free numbers",
+    "prox.assembled*": "graphs equal to other graphs",
+    "prox.force*": "an equality of graphs",
+    "prox.pushed*": "sums of terms of other entries",
+    "prox.limit*": "sums of terms of other entries",
+    "prox.gain.*": "sums of terms of other entries",
+    "prox.observer*": "an equality of graphs",
+    "prox.loop-*": "an equality of graphs",
+    "prox.newton*": "V1 as a logarithm",
+    "prox.smooth-ratio": "by ring, in cases",
+    "corridor.dead-band": "tests/corridor/sending.py",
+    "corridor.wheel-speed": "tests/corridor/sending.py",
+    "corridor.pi-loop": "an equality of graphs",
+    "corridor.guard-late-*": "tests/corridor/late.py",
+    "corridor.jitter": "tests/corridor/test_jitter.py",
+    "corridor.ramp": "tests/corridor/sending.py",
+}
+"""Entries that no check is about, and why, or what tries them; a check goes first."""
+
+
+def test_every_entry_of_these_families_is_sampled_or_named() -> None:
+    ids = [e.id for e in load().entries if e.verdict in ("PROVED", "LEMMA")]
+    ours = {key for key in ids if key.startswith(FAMILIES)}
+    rest = ours - CHECKS.keys()
+
+    assert CHECKS.keys() - ours == set()
+    assert [key for key in sorted(rest) if not any(fnmatchcase(key, n) for n in NOT_SAMPLED)] == []
+    assert [n for n in NOT_SAMPLED if not any(fnmatchcase(key, n) for key in rest)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("check", EACH, ids=lambda check: check.__name__)
+def test_no_sample_breaks_a_claim_as_it_is_worded(check: Check) -> None:
+    for goal, spare in check(np.random.default_rng(61)).items():
+        assert spare.shape == (SAMPLES,)
+        assert spare.min() >= -NEAR, f"{check.__name__}: {goal} misses by {-spare.min():.3g}"
+
+
+ALTERED = (
+    (worded_guard.at_once, guard.ceiling, "- b.net", "- 0.99 * b.net"),
+    (worded_guard.delayed, worded_guard.late_guard.largest_force, "b.braking + b.net", "b.braking"),
+    (worded_filter.governed_wheels, channels.channels_of, "d[0] + l * d[1]", "d[0] + l * d[1] / 2"),
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("check", "function", "old", "new"), ALTERED)
+def test_samples_notice_an_altered_formula(
+    check: Check, function: Callable, old: str, new: str
+) -> None:
+    with altered(function, old, new):
+        found = check(np.random.default_rng(61))
+    assert min(spare.min() for spare in found.values()) < -NEAR
+
+
+def test_checks_are_those_of_the_modules() -> None:
+    assert {check.__module__ for check in EACH} == {module.__name__ for module in MODULES}
+    assert worded.SAMPLES == 100_000
