@@ -33,6 +33,7 @@ NOT_SAMPLED = {
     "guard.simulated": "a step of the plant; tests/guard/test_runs.py",
     "guard.monitor-late": "numbers of one example; tests/guard/test_late_any.py",
     "guard.delay.queue": "an equality of sums",
+    "guard.delay.command-angular": "guard.delay.command, of the other axis",
     "guard.delay.step": "one term of guard.delay.command",
     "guard.late.tail": "an equality of one example",
     "guard.late.rest": "an example",
