@@ -65,12 +65,14 @@ def test_a_gain_that_changed_midway_is_told_with_its_time_and_nothing_else(found
     last["t [s]"] = [t + 21.0 for t in last["t [s]"]]
     log = {key: first[key] + last[key] for key in first}
 
-    told = [text for text in identify(log, base="velocity").remarks if "not the same" in text]
+    changed = identify(log, base="velocity")
+    told = [text for text in changed.remarks if "became" in text]
     assert len(told) == 1
-    when = re.match(r"gain1 was not the same before about ([\d.]+) s as after it", told[0])
+    when = re.match(r"v: the gain became 0\.84\d* times itself at about ([\d.]+) s", told[0])
     assert when
     assert float(when[1]) == pytest.approx(20.5, abs=3.0)
-    assert not any("not the same" in text for text in found.remarks)
+    assert changed.parameters["gain1"].low < 0.8 < 0.95 < changed.parameters["gain1"].high
+    assert not any("became" in text for text in found.remarks)
 
 
 def test_speeds_of_sets_that_are_followed_together_are_those_of_each_alone():
@@ -148,7 +150,9 @@ def test_the_picture_and_the_page_are_those_of_a_base(found, tmp_path):
     traces = found.traces()
     write_identification(found, tmp_path / "fit.html", tmp_path / "fit.svg")
 
-    assert np.nanmax(np.abs(traces.residual), axis=0) == pytest.approx(found.bounds.d)
+    largest = np.nanmax(np.abs(traces.residual), axis=0)
+    assert (largest <= found.bounds.d).all()
+    assert found.bounds.d == pytest.approx(largest, rel=1e-3)
     text = (tmp_path / "fit.html").read_text()
     assert "first-order" in text
     assert found.bounds.sentence in text

@@ -106,6 +106,7 @@ def test_usual_ways_of_navigation_stacks(tmp_path, text):
         ("x_mm [m],y\n0,0\n1,1\n", "way.csv: the name of column x_mm says mm, and its unit m"),
         ("x [m),y\n0,0\n1,1\n", "way.csv: no column is named x. There are x [m), y."),
         ("lat,lon\n0,0\n1,1\n", "way.csv: no column is named x or y. There are lat, lon."),
+        ('x,y\n0,0\n"1,1\n2,2\n', "way.csv, line 4: a quotation mark is not closed in its line"),
         ("0,0\n1,1e13\n", "reference.points[2][2] = 10000000000000.0 must be at most 1e+12"),
     ],
 )

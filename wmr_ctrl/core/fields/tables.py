@@ -100,6 +100,8 @@ class TableReader:
         reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
         try:
             for row in reader:
+                if "\n" in "".join(row):
+                    raise csv.Error("a quotation mark is not closed in its line")
                 cells = [cell.strip() for cell in row]
                 if separator == " ":
                     cells = [cell for cell in cells if cell]

@@ -179,7 +179,8 @@ def _with_silences(
     silent[~rows.command.any(axis=1)] = 0.0
     if not silent.any():
         return rows, None
-    count = f"commands cease {np.sum(silent > 0)} times"
+    times = int(np.sum(silent > 0))
+    count = f"commands cease {f'{times} times' if times > 1 else 'once'}"
     if known is not None and math.isfinite(known):
         return _stopped(rows, silent, known), known
 
