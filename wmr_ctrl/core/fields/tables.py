@@ -99,8 +99,8 @@ class TableReader:
         """Line and cells of each row that holds something and is no comment."""
         reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
         try:
-            for row in reader:
-                if "\n" in "".join(row):
+            for count, row in enumerate(reader, 1):
+                if reader.line_num != count:
                     raise csv.Error("a quotation mark is not closed in its line")
                 cells = [cell.strip() for cell in row]
                 if separator == " ":
