@@ -11,6 +11,9 @@ import pytest
 
 from wmr_ctrl import __version__
 from wmr_ctrl.cli import root
+from wmr_ctrl.cli.evidence import QUICK, SEEDS
+from wmr_ctrl.cli.exports import WITH_LAW
+from wmr_ctrl.codegen.resources import LAYOUTS
 
 COMMANDS = (
     *("new", "scenarios", "laws", "check", "run", "compare", "show", "study", "tune", "identify"),
@@ -47,6 +50,18 @@ def test_every_command_has_a_short_help_of_one_line(name):
 
     assert short.endswith(".")
     assert len(short) < 66
+
+
+def test_help_texts_name_what_the_code_has(wmr):
+    (layout,) = (item for item in root.commands["codegen"].params if item.name == "layout")
+
+    assert tuple(layout.type.choices) == LAYOUTS
+    assert f"Law for {', '.join(WITH_LAW[:-1])} and {WITH_LAW[-1]}." in words(wmr("export", "-h"))
+    assert f"[default: {SEEDS}, or {QUICK} with --quick]" in words(wmr("reproduce", "-h"))
+
+
+def words(found):
+    return " ".join(found.stdout.split())
 
 
 def test_version(wmr):

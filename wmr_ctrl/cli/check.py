@@ -8,25 +8,7 @@ from . import options as opt
 from .console import note_missing_proofs, print_json
 
 
-@opt.command("Validate a scenario, and say what to expect of it.")
-@click.argument("scenario")
-@opt.laws_option("chosen", "Judge this law instead of the scenario's own.")
-@click.option("-v", "--verbose", is_flag=True, help="Print every finding below the table.")
-@click.option(
-    "--only",
-    metavar="NAME",
-    help="Print only the findings on NAME: a law, a key from the table, guard, filter, "
-    "stability, run or corridor.",
-)
-@click.option(
-    "--corridor",
-    "corridors",
-    is_flag=True,
-    help="Compute certified corridors of all these laws, not only of one that --law names.",
-)
-@opt.guard_option
-@opt.set_option
-@opt.json_option("Print validity, stable periods, corridors, warnings and nominal runs as JSON.")
+@opt.command("check")
 def check(
     scenario: str,
     chosen: tuple[str, ...],

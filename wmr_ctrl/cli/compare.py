@@ -23,7 +23,6 @@ from .console import (
     wrapped,
     write_file,
 )
-from .runs import animate_option, plot_option
 
 if TYPE_CHECKING:
     from wmr_ctrl.results import RecordedDrive, Run
@@ -41,31 +40,7 @@ COLUMNS = (
 """Figures of the table's columns, and their factor."""
 
 
-@opt.command(
-    "Compare laws, saved runs or a robot's drives.",
-    "wmr-ctrl compare mine.toml --law prox,kanayama,mb --plot laws.png",
-    "wmr-ctrl compare far-start --law mb,prox --guard --animate race.html",
-    "wmr-ctrl run --out a.npz",
-    "wmr-ctrl run --engine numpy --out b.npz",
-    "wmr-ctrl compare a.npz b.npz",
-    "wmr-ctrl compare a.npz rosbag2_drive/ --plot both.png",
-)
-@click.argument("sources", metavar="[SCENARIO | RUN RUN...]", nargs=-1)
-@opt.laws_option("laws", "A law to run on the scenario.")
-@opt.guard_option
-@opt.seed_option
-@opt.set_option
-@click.option(
-    "--tolerance",
-    type=float,
-    default=1e-9,
-    metavar="X",
-    help="Largest difference, in a column's unit or relative to its range, that counts as equal.",
-)
-@plot_option
-@animate_option
-@opt.topics_option
-@opt.json_option("Print the figures, or the difference of two saved runs, as one JSON document.")
+@opt.command("compare")
 @click.pass_context
 def compare(
     ctx: click.Context,

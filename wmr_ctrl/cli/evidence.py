@@ -26,26 +26,7 @@ if TYPE_CHECKING:
 SEEDS, QUICK = 20, 3
 
 
-@opt.command("Rerun the paper's Sections V and VI and judge its claims.")
-@click.option("--quick", is_flag=True, help=f"Only {QUICK} seeds, in less time.")
-@click.option(
-    "--seeds",
-    type=click.IntRange(min=1),
-    metavar="N",
-    help=f"Runs of each law and scenario.  [default: {SEEDS}, or {QUICK} with --quick]",
-)
-@opt.jobs_option
-@click.option(
-    "--with-ours",
-    is_flag=True,
-    help="Also compare all laws, including ours, with and without the guard: a minute more.",
-)
-@click.option(
-    "--with-physics",
-    is_flag=True,
-    help="Also run the laws on a rigid body with tyres: minutes more; needs the extra physics.",
-)
-@click.option("--out", default="reproduction", metavar="DIR", help="Folder for the results.")
+@opt.command("reproduce")
 @click.pass_context
 def reproduce(
     ctx: click.Context,
@@ -83,32 +64,7 @@ def reproduce(
         ctx.exit(DIFFERENCE)
 
 
-@opt.command(
-    "Check equations and promises by machine.",
-    "wmr-ctrl prove",
-    "wmr-ctrl prove --only eq25.printed --only 'guard.*' --json entries.json",
-    "wmr-ctrl prove --export obligations",
-)
-@click.option(
-    "--only",
-    multiple=True,
-    metavar="ID",
-    help="Check only this entry: an id, its beginning, or a pattern such as 'guard.*'. May be "
-    "repeated; the entries are then printed in full.",
-)
-@click.option("--json", "file", metavar="FILE", help="Also write all entries to FILE (.json).")
-@click.option(
-    "--export",
-    "folder",
-    metavar="DIR",
-    help="Check nothing; write the obligations of the z3 entries to DIR as SMT-LIB 2.",
-)
-@click.option(
-    "--anew",
-    is_flag=True,
-    help="Ignore what the committed ledger recorded: the effect of altering functions, other "
-    "solvers' answers, and which engine to try first.",
-)
+@opt.command("prove")
 def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: bool) -> None:
     """Prove or refute the paper's numbered equations and theorems, and our own results.
 
@@ -134,38 +90,7 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
     raise click.exceptions.Exit(code)
 
 
-@opt.command(
-    "Print poles, margins, the largest stable sample time.",
-    "wmr-ctrl linearize paper-simulation --law mb",
-    "wmr-ctrl linearize mine.toml --against-run --law mb,nn --plot parting.png",
-)
-@opt.scenario_argument
-@opt.laws_option("laws", opt.LAW + " With --against-run also")
-@opt.set_option
-@click.option(
-    "--at",
-    type=float,
-    metavar="SECONDS",
-    help="Time on the reference for the figures.  [default: where it is fastest]",
-)
-@click.option(
-    "--guard",
-    is_flag=True,
-    help="Switch the velocity guard on; refused if it acts on the reference at that time.",
-)
-@click.option(
-    "--plot",
-    metavar="DIR|FILE",
-    help="Also draw Bode, Nyquist, poles, sample times and the barrier's pull into the folder DIR, "
-    "or with --against-run both answers into FILE.",
-)
-@click.option(
-    "--against-run",
-    is_flag=True,
-    help="Hold the linear loop against compiled runs: from which size of start on they part by 1 % "
-    "and by 10 %, for each direction.",
-)
-@opt.json_option("Print all figures as one JSON document.")
+@opt.command("linearize")
 @click.pass_context
 def linearize(
     ctx: click.Context,
@@ -227,8 +152,7 @@ def _against_run(
         say("wrote", str(found.plot(plot)))
 
 
-@opt.command("Measure the speed of the generated code, as ratios.")
-@click.option("--json", "file", metavar="FILE", help="Also write all measurements to FILE (.json).")
+@opt.command("bench")
 def bench(file: str | None) -> None:
     """Measure generated C against hand-written C and NumPy, interleaved in one run.
 

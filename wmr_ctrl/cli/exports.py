@@ -9,8 +9,6 @@ from warnings import catch_warnings
 
 import click
 
-from wmr_ctrl.codegen.resources import LAYOUTS
-
 from . import options as opt
 from .console import Progress, note_missing_proofs, say
 
@@ -31,48 +29,7 @@ class PackageOptions(TypedDict):
     layout: str | None
 
 
-@opt.command(
-    "Write FMUs for other simulation tools.",
-    "wmr-ctrl export plant --out fmus",
-    "wmr-ctrl export nn --fmi 2 --target all --out fmus",
-    "wmr-ctrl export closed-loop --law mb --scenario far-start --out fmus",
-    "wmr-ctrl export corridor --law prox --scenario safe-simulation --out fmus",
-    "wmr-ctrl export filter --scenario mine.toml --out fmus",
-    "wmr-ctrl export ssp --flat --law pid --out package",
-    "wmr-ctrl export ssp --plant theirs.fmu --map names.toml --out package",
-    "wmr-ctrl export modelica --out models",
-    "wmr-ctrl export simulink --law mb --out kit",
-)
-@click.argument(
-    "what",
-    metavar="plant|LAW|reference|guard|filter|corridor|closed-loop|ssp|modelica|simulink",
-    callback=opt.one_law,
-)
-@click.option(
-    "--law",
-    callback=opt.one_law,
-    metavar="NAME",
-    help=f"Law for {', '.join(WITH_LAW[:-1])} and {WITH_LAW[-1]}.  {opt.OWN_LAW}",
-)
-@opt.scenario_option
-@opt.set_option
-@click.option("--fmi", default="both", type=click.Choice(["2", "3", "both"]), help="FMI version.")
-@click.option(
-    "--target", default="host", metavar="host|all|PLATFORM", help="Platforms to build for."
-)
-@click.option("--plant", metavar="FILE.fmu", help="ssp: plant to use instead of ours.")
-@click.option("--controller", metavar="FILE.fmu", help="ssp: controller to use instead of ours.")
-@click.option("--map", "map_file", metavar="FILE.toml", help="ssp: names and units of these FMUs.")
-@click.option(
-    "--know-delay",
-    "delay_known",
-    is_flag=True,
-    help="ssp: build the law for torques that act a period late.",
-)
-@click.option(
-    "--flat", is_flag=True, help="ssp: only connections between parts, for ecos and libcosim."
-)
-@click.option("--out", default=".", metavar="DIR", help="Folder to write into.")
+@opt.command("export")
 def export(
     what: str, scenario: str, assignments: tuple[str, ...], out: str, **options: object
 ) -> None:
@@ -145,43 +102,7 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
             raise click.BadParameter(message, param_hint=item.opts[0])
 
 
-@opt.command(
-    "Write a law as a C99 package for a robot.",
-    "wmr-ctrl codegen nn --out nn_c",
-    "wmr-ctrl codegen mb --float32 --out mb_c",
-    "wmr-ctrl codegen reference --scenario mine.toml --out mb_c",
-    "wmr-ctrl codegen filter --scenario mine.toml --out filter_c",
-    "wmr-ctrl codegen filter --scenario mine.toml --ros2 --out node",
-    "wmr-ctrl codegen corridor --law prox --scenario mine.toml --out c",
-    "wmr-ctrl codegen prox --float32 --layout arduino --out wmr_prox",
-)
-@click.argument("law", required=False, callback=opt.one_law)
-@opt.scenario_option
-@opt.set_option
-@click.option(
-    "--law",
-    "watched",
-    callback=opt.one_law,
-    metavar="NAME",
-    help="corridor: its law.  " + opt.OWN_LAW,
-)
-@click.option("--float32", is_flag=True, help="Single precision throughout.")
-@click.option(
-    "--layout",
-    type=click.Choice(LAYOUTS),
-    help="Arrange the files as a library of this tool, all names with the package's prefix.",
-)
-@click.option(
-    "--ros2", is_flag=True, help="Write the filter as a ROS 2 node in C that needs only rcl."
-)
-@click.option(
-    "--param",
-    "params",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Parameter of wmr_filter to compile into that node.  May be given several times.",
-)
-@click.option("--out", required=True, metavar="DIR", help="Folder to write into.")
+@opt.command("codegen")
 def codegen(
     law: str | None,
     scenario: str,
@@ -264,19 +185,7 @@ def _packaged(
     return write_all(files, out)
 
 
-@opt.command(
-    "Write a page in which the robot can be dragged and pushed.",
-    "wmr-ctrl page --out robot.html",
-    "wmr-ctrl page --out mine.html --scenario mine.toml --law nn,prox",
-    "wmr-ctrl page --out burger.html --scenario turtlebot3-burger",
-)
-@opt.new_file("--out", "File to write", ".html", required=True)
-@opt.scenario_option
-@opt.set_option
-@opt.laws_option(
-    "laws", "A law to offer on the page (default: the story's, else the scenario's own)."
-)
-@opt.seed_option
+@opt.command("page")
 def page(
     out: str, scenario: str, assignments: tuple[str, ...], laws: tuple[str, ...], seed: int
 ) -> None:

@@ -14,54 +14,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.identification import BaseIdentification
 
 
-@opt.command(
-    "Identify a robot from a log, with intervals.",
-    "wmr-ctrl identify run.npz --out mine.toml",
-    "wmr-ctrl identify log.csv --set encoder.counts=2048 --out mine.toml",
-    "wmr-ctrl identify log.csv --robot known.toml --out mine.toml --json",
-    "wmr-ctrl identify log.csv --base velocity --out mine.toml --nav2 nav2.yaml",
-    "wmr-ctrl identify step1.csv step2.csv step3.csv --base velocity",
-    "wmr-ctrl identify drive/ --topics odom=/base/odom --out mine.toml",
-)
-@click.argument("logs", nargs=-1, required=True, metavar="LOG...")
-@click.option(
-    "--base",
-    type=click.Choice(["torque", "velocity"]),
-    default="torque",
-    show_default=True,
-    help="What the base takes as commands: wheel torques, or (v, omega).",
-)
-@opt.new_file("--out", "Scenario to write, with the results", ".toml")
-@click.option(
-    "--robot", metavar="S", help="Scenario with known values: wheels, counts, limits, gains."
-)
-@opt.set_option
-@opt.topics_option
-@opt.columns_option
-@click.option(
-    "--torque-constant",
-    type=float,
-    metavar="K",
-    help="Torque at a wheel per ampere [N.m/A], for current_right [A] and current_left [A].",
-)
-@click.option(
-    "--resistance",
-    type=float,
-    metavar="R",
-    help="Of a motor [ohm], beside --torque-constant, for voltage_right [V] and voltage_left [V].",
-)
-@opt.new_file("--plot", "Draw the fit", *opt.PLOTS)
-@opt.new_file("--report", "Write a report with all results", ".html")
-@opt.new_file("--nav2", "Write nav2's delay and acceleration parameters", ".yaml")
-@opt.new_file("--propose", "Write a more informative drive, as t, v, omega", ".csv")
-@click.option(
-    "--floor",
-    default=4.0,
-    metavar="M",
-    show_default=True,
-    help="Width [m] of the area that --propose may use, with the start in the middle.",
-)
-@opt.json_option("Print parameters, bounds, remarks and score as one JSON document.")
+@opt.command("identify")
 def identify(
     logs: tuple[str, ...],
     base: str,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .console import print_json, table, wrapped
-from .options import command, json_option, load, set_option
+from .options import command, load
 
 if TYPE_CHECKING:
     from wmr_ctrl.world.scenario import Scenario
@@ -18,18 +18,7 @@ Docs = dict[str, dict[str, tuple[Any, str, str]]]
 """Default, unit and meaning by law and gain."""
 
 
-@command(
-    "List the scenarios, or print one to edit.",
-    "wmr-ctrl scenarios paper-simulation --toml > mine.toml",
-    "wmr-ctrl run mine.toml",
-    "wmr-ctrl scenarios --reference waypoints",
-)
-@click.argument("name", required=False)
-@click.option("--toml", "as_toml", is_flag=True, help="Print NAME as commented TOML (the default).")
-@click.option("--complete", is_flag=True, help="Print the [[changes]] of NAME, too.")
-@json_option("Print the list, or the scenario NAME, as one JSON document.")
-@click.option("--reference", "kind", metavar="KIND", help="Print a reference's keys and example.")
-@set_option
+@command("scenarios")
 def scenarios(
     name: str | None,
     as_toml: bool,
@@ -60,8 +49,7 @@ def scenarios(
         _list([{"name": name, "title": title} for name, title in preset_titles().items()], as_json)
 
 
-@command("List the control laws.")
-@json_option("Print the list as one JSON document.")
+@command("laws")
 def laws(as_json: bool) -> None:
     """List the control laws, one line each."""
     from wmr_ctrl.api import law_table

@@ -25,25 +25,7 @@ NOT_STATED = (
 )
 
 
-@opt.command(
-    "Write a scenario of your own robot.",
-    "wmr-ctrl new mine.toml",
-    "wmr-ctrl new mine.toml --base torque",
-    "wmr-ctrl new mine.toml --from robot.urdf control.yaml nav2.yaml",
-)
-@click.argument("paths", metavar="OUT.toml", nargs=-1, required=True)
-@click.option(
-    "--base",
-    type=click.Choice(["velocity", "torque"]),
-    help="What the base takes: (v, omega) as cmd_vel has them, or wheel torques.  "
-    "[default: velocity]",
-)
-@click.option(
-    "--from", "files", metavar="FILE ...", multiple=True,
-    help="Files to read: URDF, xacro, SDF, controllers.yaml, nav2 parameters.",
-)  # fmt: skip
-@click.option("--force", is_flag=True, help="Replace OUT.toml if it is there.")
-@opt.json_option("Print what was found, assumed and unknown as one JSON document.")
+@opt.command("new")
 def new(
     paths: tuple[str, ...],
     base: str | None,

@@ -1,15 +1,17 @@
-"""Options and arguments that several commands share, and how they are read."""
+"""Commands as commands.toml describes them, and how their options and arguments are read."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.values import SEED_END
 from wmr_ctrl.core.suffixes import RUNS as RUNS
@@ -20,13 +22,14 @@ if TYPE_CHECKING:
     from wmr_ctrl.world.scenario import Scenario
 
 SCENARIO = "paper-simulation"
-F = TypeVar("F", bound=Callable[..., object])
 PLOTS, ANIMATIONS = (".png", ".svg", ".pdf"), (".gif", ".mp4", ".html")
 FILE_SUFFIXES = (
     ".png", ".svg", ".pdf", ".jpg", ".gif", ".mp4", ".html", *RUNS,
     ".json", ".toml", ".fmu", ".ssp", ".mo", ".zip", ".c",
 )  # fmt: skip
 """Ends of names that are a file's: whoever asks for a folder of such a name means a file."""
+COMMANDS = data(__package__, "commands.toml")
+_PAIR = re.compile(r"[\w\[\]]+=.+")
 
 
 def _remember_debug(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:
@@ -41,41 +44,6 @@ debug_option = click.option(
     expose_value=False,
     callback=_remember_debug,
     help="Show the traceback of an error.",
-)
-set_option = click.option(
-    "--set",
-    "assignments",
-    metavar="KEY=VALUE",
-    multiple=True,
-    help="Override a field of the scenario, such as robot.m=60, limits.v_u2[1]=0.7 or "
-    "gains.mb.rho=15,57.6. May be given several times.",
-)
-guard_option = click.option(
-    "--guard/--no-guard",
-    default=None,
-    help="Switch the velocity guard on or off.  [default: as the scenario says]",
-)
-jobs_option = click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    metavar="N",
-    help="Runs at the same time.  [default: one per processor]",
-)
-topics_option = click.option(
-    "--topics",
-    metavar="ROLE=NAME,...",
-    help="For a bag: topics as odom=, cmd=, joints= and effort=, wheel joints as right= and left=.",
-)
-_PAIR = re.compile(r"[\w\[\]]+=.+")
-columns_option = click.option(
-    "--columns",
-    multiple=True,
-    metavar="OURS=THEIRS",
-    help='For a table: which column is which, such as v_command=cmd_v "t=time_ms [ms]".',
-)
-scenario_argument = click.argument("scenario", metavar="[SCENARIO]", default=SCENARIO)
-scenario_option = click.option(
-    "--scenario", default=SCENARIO, metavar="S", help="Preset or TOML file."
 )
 
 
@@ -105,19 +73,6 @@ def _seed(_: click.Context, __: click.Parameter, value: str) -> int:
     return seed
 
 
-LAW = "Control law; see `wmr-ctrl laws`; or a file with a LAW."
-OWN_LAW = "[default: the scenario's own, else kanayama]"
-law_option = click.option("--law", callback=one_law, metavar="NAME", help=f"{LAW}  {OWN_LAW}")
-
-
-def laws_option(name: str, text: str) -> Callable[[F], F]:
-    """The option ``--law`` for any number of laws, one by one or as A,B; none is ()."""
-    return click.option(
-        "--law", name, metavar="NAME", multiple=True, callback=_each_law,
-        help=f"{text} A,B or several times for more, or all.",
-    )  # fmt: skip
-
-
 def _each_law(_: click.Context, __: click.Parameter, values: Sequence[str]) -> tuple[str, ...]:
     from wmr_ctrl.control.laws.given import law_names
     from wmr_ctrl.control.laws.registry import LAWS
@@ -128,9 +83,14 @@ def _each_law(_: click.Context, __: click.Parameter, values: Sequence[str]) -> t
     return tuple(dict.fromkeys((*named, *(LAWS if "all" in names else ()))))
 
 
-seed_option = click.option(
-    "--seed", callback=_seed, default="0", metavar="S", help="Seed of all noise."
-)
+def _seeds(_: click.Context, __: click.Parameter, value: str) -> range:
+    """Seeds A up to B - 1, as A:B."""
+    first, _sign, end = value.partition(":")
+    if not (first.isdecimal() and end.isdecimal() and int(first) < int(end) <= SEED_END):
+        raise click.BadParameter(
+            f"{value!r} is not a range of seeds such as 1:4, which is 1, 2 and 3."
+        )
+    return range(int(first), int(end))
 
 
 def roles(topics: str | None) -> dict[str, str]:
@@ -156,42 +116,58 @@ def logs_and_columns(
     return tuple(word for word in words if word not in more), named
 
 
-def new_file(name: str, text: str, *suffixes: str, required: bool = False) -> Callable[[F], F]:
-    """The option for a file to be written, which is checked before anything is computed."""
-    *others, last = suffixes
-    known = f"{', '.join(others)} or {last}" if others else last
-    return click.option(
-        name, metavar="FILE", required=required, callback=ending(*suffixes),
-        help=f"{text}: {known}.",
-    )  # fmt: skip
+TYPES = {"number": float, "count": click.IntRange(min=1)}
+READERS = {"law": one_law, "laws": _each_law, "seed": _seed, "seeds": _seeds}
+SUFFIXES = {"runs": RUNS, "plots": PLOTS, "animations": ANIMATIONS}
 
 
-def ending(*suffixes: str) -> Callable[[click.Context, click.Parameter, str | None], str | None]:
-    """A callback that checks the file of an option by `check_output`."""
+def command(name: str) -> Callable[[Callable[..., None]], click.Command]:
+    """A command with its options, examples and line in the list of all, and ``--debug``.
 
-    def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
-        check_output(path, suffixes, option.opts[0])
-        return path
-
-    return checked
-
-
-def json_option(text: str = "Print one JSON document instead.") -> Callable[[F], F]:
-    """The option ``--json`` with its own help text."""
-    return click.option("--json", "as_json", is_flag=True, help=text)
-
-
-def command(
-    summary: str, *examples: str, name: str | None = None
-) -> Callable[[Callable[..., None]], click.Command]:
-    """A command with its line in the list of all, examples below its help, and ``--debug``."""
+    Its help is the docstring of its function.
+    """
+    about = COMMANDS[name]
+    examples = "\n".join(("\b", "Examples:", *(f"  {line}" for line in about["examples"])))
 
     def made(function: Callable[..., None]) -> click.Command:
-        lines = "\n".join(("\b", "Examples:", *(f"  {line}" for line in examples)))
-        epilog = lines if examples else None
-        return debug_option(click.command(name, short_help=summary, epilog=epilog)(function))
+        item = click.command(
+            name,
+            params=[_parameter(about, key) for key in about["parameters"]],
+            short_help=about["summary"],
+            epilog=examples if about["examples"] else None,
+        )
+        return debug_option(item(function))
 
     return made
+
+
+def _parameter(about: Mapping[str, Any], key: str) -> click.Parameter:
+    """A parameter of a command: what all commands share of it, and what this one adds."""
+    given = {**COMMANDS["shared"].get(key, {}), **about.get(key, {})}
+    if "type" in given:
+        given["type"] = TYPES[given["type"]]
+    if "choices" in given:
+        given["type"] = click.Choice(given.pop("choices"))
+    if "reader" in given:
+        given["callback"] = READERS[given.pop("reader")]
+    if "files" in given:
+        names = given.pop("files")
+        *others, last = suffixes = SUFFIXES[names] if isinstance(names, str) else tuple(names)
+        known = f"{', '.join(others)} or {last}" if others else last
+        given["callback"] = partial(_checked, suffixes)
+        given["help"] = given["help"].format(files=known)
+    if "/" in key:  # neither on nor off
+        given["default"] = None
+    make = click.Option if key.startswith("-") else click.Argument
+    return make(key.split(), **given)
+
+
+def _checked(
+    suffixes: Sequence[str], _: click.Context, option: click.Parameter, path: str | None
+) -> str | None:
+    """The file that an option names, checked by `check_output` before anything is run."""
+    check_output(path, suffixes, option.opts[0])
+    return path
 
 
 def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = None) -> Scenario:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Unpack
 import click
 
 from wmr_ctrl.core.errors import UnknownNameError
-from wmr_ctrl.core.suffixes import RUN_FILE
 
 from . import options as opt
 from .console import FMU_FAILED, Progress, print_json, say, write_file
@@ -18,50 +17,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.results import Run
     from wmr_ctrl.world.scenario import Scenario
 
-save_option = opt.new_file("--out", "Save the run", *opt.RUNS)
-plot_option = opt.new_file("--plot", "Draw the run", *opt.PLOTS)
-report_option = opt.new_file(
-    "--report", "Write one page with verdict, figures and picture", ".html"
-)
-animate_option = opt.new_file("--animate", "Film the robot on its path", *opt.ANIMATIONS)
-film_option = opt.new_file("--film", "Film the rigid body in 3-D (--plant mujoco)", ".mp4", ".gif")
-verbose_option = click.option(
-    "-v", "--verbose", is_flag=True, help="Print remarks in full and all figures."
-)
-figures_option = opt.json_option("Print outcome and figures as one JSON document.")
 
-
-@opt.command(
-    "Run one law on one scenario.",
-    "wmr-ctrl run                          # law and scenario of the paper",
-    "wmr-ctrl run far-start --law mb --plot mb.png",
-    "wmr-ctrl run mine.toml --set clock.control=0.02 --json",
-    "wmr-ctrl run --plant mujoco --film fall.mp4",
-)
-@opt.scenario_argument
-@opt.law_option
-@opt.guard_option
-@opt.seed_option
-@click.option(
-    "--engine",
-    default="native",
-    metavar="native|numpy|fmu",
-    help="Compiled C; without a compiler, slower; or coupled FMUs of our own.",
-)
-@click.option(
-    "--plant",
-    default="ode",
-    metavar="ode|mujoco",
-    help="The plane model, or a rigid body on tyres (extra physics).",
-)
-@opt.set_option
-@save_option
-@plot_option
-@report_option
-@animate_option
-@film_option
-@verbose_option
-@figures_option
+@opt.command("run")
 def run(
     scenario: str,
     law: str | None,
@@ -100,28 +57,7 @@ def run(
     deliver(finished, as_json, verbose, **files)
 
 
-@opt.command(
-    "Print, draw or film a saved run, or a robot's drive.",
-    "wmr-ctrl run far-start --law mb --out mb.npz",
-    "wmr-ctrl show mb.npz --plot mb.png --animate mb.html",
-    "wmr-ctrl show mb.npz --out mb.parquet",
-    "wmr-ctrl show rosbag2_drive/ --plot drive.png --out drive.csv",
-    name="show",
-)
-@click.argument("file", metavar="RUN")
-@click.option(
-    "--out",
-    metavar="FILE",
-    callback=opt.ending(*opt.RUNS),
-    help=f"Save it as {RUN_FILE}; a robot's drive as .csv.",
-)
-@plot_option
-@report_option
-@animate_option
-@film_option
-@opt.topics_option
-@verbose_option
-@figures_option
+@opt.command("show")
 def show_saved(
     file: str, verbose: bool, as_json: bool, topics: str | None, **files: str | None
 ) -> None:
@@ -207,58 +143,7 @@ def show(run: Run, as_json: bool, verbose: bool = False) -> None:
         click.echo(summary_text(run, verbose))
 
 
-@opt.command(
-    "Co-simulate FMUs of plant and controller.",
-    "wmr-ctrl cosim paper-simulation --law nn",
-    "wmr-ctrl cosim --plant theirs.fmu --map-template names.toml",
-    "wmr-ctrl cosim --plant theirs.fmu --map names.toml --out run.npz",
-    "wmr-ctrl cosim --controller theirs.fmu --map names.toml --guard",
-    "wmr-ctrl cosim --law prox --guard --master jacobi --know-delay",
-)
-@opt.scenario_argument
-@click.option(
-    "--law",
-    callback=opt.one_law,
-    metavar="NAME",
-    help=f"{opt.LAW} Not with a foreign controller.  [default: that of the controller if it is "
-    "ours, else the scenario's own, else kanayama]",
-)
-@opt.guard_option
-@click.option("--plant", metavar="FILE.fmu", help="Plant to use instead of ours.")
-@click.option("--controller", metavar="FILE.fmu", help="Controller to use instead of ours.")
-@click.option("--map", "map_file", metavar="FILE.toml", help="Names and units of foreign FMUs.")
-@click.option(
-    "--map-template",
-    metavar="FILE.toml",
-    help="Write a map to fill in, from what --plant and --controller say of themselves; run "
-    "nothing.",
-)
-@click.option(
-    "--master",
-    default="gauss-seidel",
-    metavar="gauss-seidel|jacobi",
-    help="Step the FMUs one after the other (like the native loop), or all at once, which delays "
-    "the torque by one step.",
-)
-@click.option(
-    "--know-delay",
-    "delay_known",
-    is_flag=True,
-    help="With jacobi: build the controller for torques that act one control period late.",
-)
-@click.option(
-    "--compile",
-    "compile_sources",
-    is_flag=True,
-    help="Build the C sources of an FMU that has no library for this platform.",
-)
-@opt.seed_option
-@opt.set_option
-@save_option
-@plot_option
-@report_option
-@verbose_option
-@figures_option
+@opt.command("cosim")
 def cosim(
     scenario: str,
     law: str | None,

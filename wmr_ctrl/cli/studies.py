@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmr_ctrl.core.fields.values import SEED_END
-
 from . import options as opt
 from .console import DIFFERENCE, Progress, print_json, resumable, say, short_number, table, wrapped
 
@@ -18,33 +16,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.simulation.tuning import Tuning
 
 
-@opt.command(
-    "Run a plan of many runs; draw its results.",
-    "wmr-ctrl study plan.toml --out mass",
-    "wmr-ctrl study plan.toml --out mass --executor dask://10.0.0.1:8786",
-    "wmr-ctrl study plot mass",
-    "wmr-ctrl study parquet mass",
-)
-@click.argument("words", metavar="PLAN.toml | plot DIR | parquet DIR", nargs=-1, required=True)
-@click.option(
-    "--out", metavar="DIR", help="Folder for the results; an interrupted study continues."
-)
-@click.option(
-    "--executor",
-    default="threads",
-    metavar="E",
-    help="threads, dask (local processes) or dask://HOST:PORT.",
-)
-@click.option(
-    "--device",
-    type=click.Choice(("cpu", "gpu")),
-    default="cpu",
-    show_default=True,
-    help="gpu: an NVIDIA graphics processor makes the runs (extra gpu), with the same bits.",
-)
-@opt.jobs_option
-@opt.new_file("--report", "Write one page with shares, pictures and plan", ".html")
-@opt.json_option("Print what was made as one JSON document.")
+@opt.command("study")
 def study(
     words: tuple[str, ...],
     out: str | None,
@@ -132,63 +104,7 @@ ROUNDING = (
 )
 
 
-def _seeds(_context: click.Context, _option: click.Parameter, value: str) -> range:
-    """Seeds A up to B - 1, as A:B."""
-    first, _, end = value.partition(":")
-    if not (first.isdecimal() and end.isdecimal() and int(first) < int(end) <= SEED_END):
-        raise click.BadParameter(
-            f"{value!r} is not a range of seeds such as 1:4, which is 1, 2 and 3."
-        )
-    return range(int(first), int(end))
-
-
-@opt.command(
-    "Find gains of a law for a scenario.",
-    "wmr-ctrl tune safe-simulation --law prox --out mine.toml",
-    "wmr-ctrl tune robot.toml --law kanayama --out mine.toml --trials 400 --json",
-)
-@click.argument("scenario")
-@click.option("--law", callback=opt.one_law, required=True, metavar="NAME", help=opt.LAW)
-@opt.new_file("--out", "Scenario with the gains found", ".toml", required=True)
-@click.option(
-    "--seeds", callback=_seeds, default="1:4", metavar="A:B", help="Training seeds, A to B-1."
-)
-@click.option(
-    "--test-seeds",
-    callback=_seeds,
-    default="7101:7106",
-    metavar="C:D",
-    help="Test seeds, C to D-1.",
-)
-@click.option(
-    "--trials",
-    type=click.IntRange(min=1),
-    default=200,
-    metavar="N",
-    help="Number of gain sets to try; rounded up to whole generations.",
-)
-@click.option(
-    "--weight",
-    type=float,
-    default=1e-3,
-    metavar="W",
-    help="Metres of position error that weigh as much as a torque change of 1 N m per sample.",
-)
-@click.option(
-    "--hold",
-    multiple=True,
-    metavar="KEY",
-    help="Do not change this gain, such as gains.kinematics.k, which laws share; A,B for several.",
-)
-@click.option(
-    "--merit",
-    type=click.Choice(("tracking", "corridor")),
-    default="tracking",
-    help="Minimise the distance in runs (tracking) or the certified one of `check` (corridor).",
-)
-@opt.jobs_option
-@opt.set_option
-@opt.json_option("Print gains and figures, before and after, as one JSON document.")
+@opt.command("tune")
 def tune(
     scenario: str,
     law: str,
