@@ -2,7 +2,7 @@
 
 Four laws drive at once, for a few seconds at 1 and at 10 times the clock's speed.  Told are frames
 a second, and how long the script takes of a frame: simulation, picture and charts, without what the
-browser does to show them.  In a checkout only: the browser is driven by `tests/page/browser.py`.
+browser does to show them.  In a checkout only: the browser is driven by `tests/export/page/browser.py`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ MEASURE = """(async () => {
 
 def measured(page: Path, link: str) -> dict[str, Any]:
     """Frames a second, and median and 95 % quantile of the script's time in a frame [ms]."""
-    from tests.page.browser import browser
+    from tests.export.page.browser import browser
 
     with tempfile.TemporaryDirectory() as folder, browser(Path(folder)) as one:
         one.show(1300, 900)

@@ -30,7 +30,7 @@ EMITTED = (
 OPTIONS = "tests/sim/test_native.py::test_every_option_means_what_the_oracle_takes_it_for"
 PIECES = "tests/codegen/test_noise_without_wide.py"
 BLOCK = "tests/codegen/test_generated_c.py::test_noise_block_is_philox"
-COLUMNS = "tests/fmi/test_every_column.py::"
+COLUMNS = "tests/export/fmi/test_fmi_every_column.py::"
 DERIVED = "tests/guard/test_derived.py::test_"
 RUNTIME, FMI = "fmu/runtime/", "fmu/fmi/"
 WORLD, CODEGEN = "wmr_ctrl/world/", "wmr_ctrl/codegen/"
@@ -148,7 +148,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("kind_sampled.c", "sample(s, sample_time(s));", "sample(s, t);"),
     ),
     *_rows(
-        FMI, "tests/fmi/test_state.py::test_a_state_brings_its_parameters_into_a_new_instance",
+        FMI, "tests/export/fmi/test_fmi_state.py::test_a_state_brings_its_parameters_into_a_new_instance",
         ("snapshot.c", "sizeof s->state);\n    kind_restore(s);", "sizeof s->state);"),
     ),
     *_rows(
@@ -323,7 +323,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("loop.c", " && !*s->cancelled) {", ") {"),
     ),
     *_rows(
-        FMI, "tests/fmi/test_hostile.py",
+        FMI, "tests/export/fmi/test_fmi_hostile.py",
         ("kind_sampled.c", "PERIOD_TOLERANCE * period ? near : t",
          "PERIOD_TOLERANCE * period ? t : near"),
         ("kind_loop.c", "period < 0.5 * step", "period < 1.5 * step"),
@@ -351,12 +351,12 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("study_store.py", "divmod(index, plan.seeds)", "divmod(index, plan.seeds)[::-1]"),
     ),
     *_rows(
-        "wmr_ctrl/export/page/", "tests/page/test_story.py::"
+        "wmr_ctrl/export/page/", "tests/export/page/test_page_story.py::"
         "test_a_robot_has_room_for_delay_that_no_law_is_told",
         ("content.py", "actuator.delay + actuator.unmodelled_delay +", "actuator.delay +"),
     ),
     *_rows(
-        RUNTIME, "tests/page/test_numbers.py::"
+        RUNTIME, "tests/export/page/test_module.py::"
         "test_a_successor_goes_on_and_a_limit_that_is_moved_is_watched",
         ("page.c", "r->loop.sample * r->loop.substeps", "r->loop.sample"),
         ("page.c", "wmr_clock(parameters(&r->settings, &r->loop), r->loop.clock);", ""),

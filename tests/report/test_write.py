@@ -11,7 +11,7 @@ from dataclasses import replace
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up
-from tests.page.browser import browser
+from tests.export.page.browser import browser
 from tests.report.conftest import drawn_for_the_page
 from tests.report.test_drawings import EVIDENCE
 from wmr_ctrl.core.errors import ArgumentError

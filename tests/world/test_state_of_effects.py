@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from fmpy import extract
 
-from tests.fmi.raw import OK, Fmu
+from tests.export.fmi.raw import OK, Fmu
 from tests.world.motion import LAW, TOGETHER, scenario
 from wmr_ctrl.api import export_fmu, simulate
 from wmr_ctrl.world.scenario import override

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 
-from tests.fmi.together import step_together
+from tests.export.fmi.together import step_together
 from tests.physics.fmu.build import build_rigid
 from wmr_ctrl.core.signals import PLANT_STATE, REFERENCE
 from wmr_ctrl.export.fmi.blocks import parallel

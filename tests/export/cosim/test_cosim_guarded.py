@@ -1,0 +1,209 @@
+"""The guard behind a controller that has none: somebody else's, or ours exported without it."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.export.fmi.test_fmi_equality import differences
+from wmr_ctrl.api import simulate
+from wmr_ctrl.cli.summary import summary_text
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.cosim.run import CosimSetup
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
+from wmr_ctrl.results import summary
+from wmr_ctrl.world.scenario import load_scenario, override
+
+SAFE = override(
+    load_scenario("safe-simulation"),
+    {"clock.duration": 2.0, "initial.velocity": [0.9, -1.3], "guard.alpha": 5.0},
+)
+BARE = override(SAFE, {"guard.enabled": False})
+EAGER = '''
+from pythonfmu import Fmi2Causality, Fmi2Slave, Real
+
+
+class Eager(Fmi2Slave):
+    """Full thrust to the right, told in {told}; for a while, then it gives {later}."""
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.speed = self.first = self.second = 0.0
+        self.register_variable(Real("speed", causality=Fmi2Causality.input))
+        for name in ("first", "second"):
+            self.register_variable(Real(name, causality=Fmi2Causality.output))
+
+    def do_step(self, t, h):
+        self.first, self.second = ({first}, {second}) if t < 1.0 else {later}
+        return True
+'''
+STILL = "(0.0, 0.0)"
+BY_TORQUE = EAGER.format(told="N m", first=9.0, second=3.0, later=STILL)
+BY_FORCE = EAGER.format(told="N, N m", first=120.0, second=15.0, later=STILL)
+LOST = EAGER.format(told="N m", first=9.0, second=3.0, later="(float('nan'), 0.0)")
+INPUT = """
+[controller.inputs]
+speed = { terms = { v1 = 1.0 }, unit = "m/s" }
+[controller.outputs]
+"""
+TORQUES = """
+tau_right = { terms = { first = 1.0 }, unit = "N.m" }
+tau_left = { terms = { second = 1.0 }, unit = "N.m" }
+"""
+FORCE = """
+"force[1]" = { terms = { first = 1.0 }, unit = "N" }
+"force[2]" = { terms = { second = 1.0 }, unit = "N.m" }
+"""
+
+
+@pytest.fixture(scope="module")
+def bare(tmp_path_factory):
+    """A law's FMU without guard."""
+
+    def export(law: str, version: int = 2):
+        out = tmp_path_factory.mktemp("bare")
+        return export_fmu(law, scenario=BARE, fmi=version, out=out)[0]
+
+    return export
+
+
+def same(one, other):
+    """Equal to the bit, but for what the master's own sine gives."""
+    assert differences(one, other).keys() <= {"e"}
+    assert (one.monitor, one.settings, one.outcome) == (
+        other.monitor,
+        other.settings,
+        other.outcome,
+    )
+
+
+@pytest.mark.parametrize(("law", "version"), [("pid", 2), ("nn", 3)])
+@pytest.mark.slow
+def test_a_law_of_ours_guarded_from_outside_is_the_guarded_run(bare, law, version):
+    guarded = simulate(SAFE, law, seed=4)
+    run = cosimulate(SAFE, controller=bare(law, version), seed=4, fmi=version)
+
+    assert guarded["clip_active"].any()
+    same(run, guarded)
+    assert summary(run)["guard_share"] == summary(guarded)["guard_share"]
+    assert run.provenance["fmu_guard"].startswith("wmr_guard (")
+    assert "guard: wmr_guard (guard.fmu" in summary_text(run)
+
+
+@pytest.mark.slow
+def test_under_the_other_master_too(bare):
+    """As a controller with the guard in it."""
+    outside = cosimulate(SAFE, controller=bare("mb"), master="jacobi")
+    same(outside, cosimulate(SAFE, "mb", master="jacobi"))
+
+
+@pytest.mark.slow
+def test_by_a_map_it_is_the_same_too(bare, mapped):
+    ours = ("x_d", "y_d", "theta_d", "v1_d", "v2_d", "v1_d_dot", "v2_d_dot",
+            "x", "y", "theta", "v1", "omega")  # fmt: skip
+    rows = "\n".join(f'{name} = "{name}"' for name in ours)
+    given = '"force[1]" = "force[1]"\n"force[2]" = "force[2]"'
+    text = f"[controller.inputs]\n{rows}\n[controller.outputs]\n{given}\n"
+    run = cosimulate(SAFE, controller=bare("mb"), map_file=mapped(text))
+    native = simulate(SAFE, "mb")
+
+    for name in ("x", "tau_right", "tau_left", *(item.name for item in GUARD_DIAGNOSTICS)):
+        assert np.array_equal(run[name], native[name]), name
+    assert np.isnan(run["V1"]).all()
+
+
+@pytest.mark.slow
+def test_a_law_that_remembers_its_torque_needs_the_guard_in_it(bare):
+    with pytest.raises(ArgumentError, match=r"prox relies on the torque .* with the guard"):
+        cosimulate(SAFE, controller=bare("prox"))
+
+
+@pytest.mark.parametrize(
+    ("master", "text", "outputs"),
+    [("jacobi", BY_TORQUE, TORQUES), ("gauss-seidel", BY_FORCE, FORCE)],
+    ids=["jacobi", "gauss-seidel"],
+)
+@pytest.mark.slow_but("jacobi")
+def test_the_guard_keeps_a_foreign_controller_within(foreign, mapped, text, outputs, master):
+    name = "Eager" if text == BY_TORQUE else "EagerForce"
+    given = {
+        "controller": foreign(name, text.replace("class Eager", f"class {name}")),
+        "map_file": mapped(INPUT + outputs),
+        "master": master,
+        "delay_known": master == "jacobi",
+    }
+    free = cosimulate(BARE, **given)
+    run = cosimulate(SAFE, **given)
+
+    assert free.monitor.violations > 0
+    assert run.monitor.violations == 0
+    assert run.guard
+    assert not free.guard
+    shares = summary(run)["guard_share"]
+    assert 0 < shares[0] <= np.mean(run["t"] < 1.1)
+    assert (run["feasible"] == 1).all()
+    assert np.isfinite(run["d_least"]).all()
+    assert np.isnan(free["d_least"]).all()
+    quiet = ~run["clip_active"].any(axis=1) & (run["t"] < 1.0) & (run["t"] > 0)
+    wheels = free["tau_right"][5], free["tau_left"][5]
+    assert np.abs(run["tau_right"][quiet] - wheels[0]).max(initial=0.0) < 1e-12
+    assert np.abs(run["tau_left"][quiet] - wheels[1]).max(initial=0.0) < 1e-12
+
+
+def test_force_and_torques_say_the_same(foreign, mapped):
+    """9 and 3 N m at wheels of 0.1 m with half a track of 0.25 m are 120 N and 15 N m."""
+    first, second = (
+        cosimulate(
+            scenario,
+            controller=foreign(name, text.replace("class Eager", f"class {name}")),
+            map_file=mapped(INPUT + outputs),
+        )
+        for scenario in (BARE,)
+        for name, text, outputs in (
+            ("Eager", BY_TORQUE, TORQUES),
+            ("EagerForce", BY_FORCE, FORCE),
+        )
+    )
+    assert np.abs(first["tau_right"] - second["tau_right"]).max() < 1e-12
+    assert first["tau_left"][5] == pytest.approx(3.0, rel=1e-12)
+
+
+@pytest.mark.slow
+def test_what_is_no_number_is_the_controllers_fault(foreign, mapped):
+    given = {
+        "controller": foreign("Lost", LOST.replace("class Eager", "class Lost")),
+        "map_file": mapped(INPUT + TORQUES),
+    }
+    for scenario in (SAFE, BARE):
+        run = cosimulate(scenario, **given)
+        assert run.outcome == "failed"
+        told = r"Lost\.fmu \(controller\) failed at t = 1 s in its outputs, which give \S+ = nan"
+        assert re.search(told, run.explanation)
+        assert run.monitor.failure.endswith(".")
+
+
+def test_a_guard_that_cannot_hold_is_refused_as_in_a_run(foreign, mapped):
+    weak = override(SAFE, {"actuator.tau_max": 0.1})
+    with pytest.raises(ScenarioError) as native:
+        simulate(weak, "mb")
+    with pytest.raises(ScenarioError, match=re.escape(str(native.value))):
+        cosimulate(weak, controller=foreign("Eager", BY_TORQUE), map_file=mapped(INPUT + TORQUES))
+
+
+@pytest.mark.parametrize(
+    ("on", "foreign", "bare", "apart"),
+    [
+        (True, False, False, False), (True, True, False, True), (True, False, True, True),
+        (False, True, False, False),
+    ],
+)  # fmt: skip
+def test_a_guard_steps_by_itself_behind_a_controller_that_has_none(on, foreign, bare, apart):
+    setup = settle(load_scenario("safe-simulation", {"guard.enabled": on}), "mb")
+    case = CosimSetup(setup, setup, setup if bare else None, foreign, {}, {}, at_once=False)
+
+    assert (case.limiter == "guard") is apart

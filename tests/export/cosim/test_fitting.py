@@ -1,0 +1,202 @@
+"""What FMUs cannot do of a scenario is refused; what their drives and clocks fix, too."""
+
+from __future__ import annotations
+
+import ctypes as ct
+
+import numpy as np
+import pytest
+
+from tests.export.cosim.foreign import CONTROLLER, CONTROLLER_MAP, GUSTY, LOST, PLANT, PLANT_MAP
+from tests.export.cosim.test_run import SHORT
+from tests.export.fmi.raw import OK, REFUSED
+from wmr_ctrl.api import simulate
+from wmr_ctrl.cli.summary import summary_text
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.cosim.slave import Slave
+from wmr_ctrl.export.fmi.closed_loop import closed_loop_model
+from wmr_ctrl.export.fmi.ssp import export_ssp
+from wmr_ctrl.world.scenario import load_scenario, override
+
+THEIRS = ("TheirController", CONTROLLER)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"gains.nn.regressor": "q"},
+        {"gains.nn.barrier": "smooth"},
+        {"actuator.lag": 0.02},
+        {"actuator.delay": 0.003},
+    ],
+)
+@pytest.mark.slow_but("changes2")
+def test_a_controller_of_another_structure_is_refused(exported, changes):
+    with pytest.raises(ArgumentError, match="more than numbers"):
+        cosimulate(override(SHORT, changes), "nn", controller=exported("nn", 2))
+
+
+def test_another_law_is_refused(exported):
+    with pytest.raises(ArgumentError, match="not the mb of this scenario"):
+        cosimulate(SHORT, "mb", controller=exported("nn", 2))
+
+
+def test_a_foreign_fmu_needs_a_map(foreign):
+    with pytest.raises(ArgumentError, match="map"):
+        cosimulate(SHORT, controller=foreign(*THEIRS))
+
+
+def test_a_law_beside_a_foreign_controller_is_refused(foreign, mapped):
+    given = {"controller": foreign(*THEIRS), "map_file": mapped(CONTROLLER_MAP)}
+    with pytest.raises(ArgumentError, match=r"'pid' has no effect: the controller .*Leave"):
+        cosimulate(SHORT, "pid", **given)
+
+
+def test_a_step_that_does_not_divide_the_period_is_refused(foreign, mapped):
+    """It would be rounded in silence."""
+    text = PLANT_MAP.replace("step = 0.005", "step = 0.003")
+    given = {"plant": foreign("TheirRobot", PLANT), "map_file": mapped(text)}
+    with pytest.raises(ArgumentError, match=r"0\.003 s, does not divide .* Take 0\.00333333333 s"):
+        cosimulate(SHORT, "pid", **given)
+
+
+def test_drives_limit_a_foreign_controller(foreign, mapped):
+    limited = override(SHORT, {"actuator.tau_max": 4.5, "clock.duration": 0.5})
+    run = cosimulate(limited, controller=foreign(*THEIRS), map_file=mapped(CONTROLLER_MAP))
+    free = cosimulate(
+        override(limited, {"actuator.tau_max": float("inf")}),
+        controller=foreign(*THEIRS),
+        map_file=mapped(CONTROLLER_MAP),
+    )
+    assert np.abs(run["tau_right"]).max() == pytest.approx(4.5, rel=1e-12)
+    assert np.abs(free["tau_right"]).max() > 20.0
+
+
+@pytest.mark.parametrize("changes", [{"disturbance.std": 1.0}, {"disturbance.push": [3.0, 0.0]}])
+@pytest.mark.slow_but("changes1")
+def test_a_disturbance_that_a_map_leaves_out_is_refused(foreign, mapped, changes):
+    deaf = PLANT_MAP.replace("torque_right", "tau_right").replace("torque_left", "tau_left")
+    plant = foreign("TheirRobot", PLANT)
+    with pytest.raises(ArgumentError, match="does not reach"):
+        cosimulate(override(SHORT, changes), "pid", plant=plant, map_file=mapped(deaf))
+
+
+def test_a_foreign_plant_starts_where_the_scenario_does(foreign, mapped):
+    elsewhere = override(SHORT, {"initial.pose": [-0.5, 0.25, -0.7]})
+    plant = foreign("TheirRobot", PLANT)
+    with pytest.raises(ArgumentError, match=r"y = -0\.5, not 0\.25"):
+        cosimulate(elsewhere, "pid", plant=plant, map_file=mapped(PLANT_MAP))
+
+
+def test_a_foreign_plant_is_watched_at_its_own_steps(foreign, mapped):
+    """Twice in a control period at 5 ms, as the map says."""
+    slow = override(SHORT, {"clock.duration": 0.5, "limits.v_u1": [1e-9, 1e-9],
+                            "limits.v_u2": [1e-10, 1e-10], "limits.clip": 1e-11})  # fmt: skip
+    run = cosimulate(slow, "pid", plant=foreign("TheirRobot", PLANT), map_file=mapped(PLANT_MAP))
+    assert run.monitor.violations == 2 * run.rows
+    assert run.settings.plant == 0.005
+    assert run.settings.plant_kind == "fmu"
+    text = " ".join(summary_text(run).split())
+    assert "watched every 0.005 s" in text
+    assert "100 plant steps of 0.005 s" in text
+    assert simulate(slow, "pid").monitor.violations == 10 * run.rows
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"actuator.lag": 0.02}, r"0\.005 s, does not divide clock\.plant = 0\.001 s"),
+        ({"actuator.delay": 0.003}, r"0\.005 s, does not divide clock\.plant = 0\.001 s"),
+        ({"changes": [{"t": 0.013, "m": 55.0}]}, r"t = 0\.013 s falls between two steps"),
+    ],
+)
+def test_a_plant_is_stepped_by_its_maps_step_or_not_at_all(foreign, mapped, changes, match):
+    mass = '{ terms = { motorR = 1.0 }, unit = "kg" }'
+    text = f'{PLANT_MAP}[plant.parameters]\n"robot.m" = {mass}\n'
+    given = {"plant": foreign("TheirRobot", PLANT), "map_file": mapped(text)}
+    with pytest.raises(ArgumentError, match=match):
+        cosimulate(override(SHORT, changes), "pid", **given)
+
+
+def test_a_plant_that_gives_no_numbers_is_named(foreign, mapped):
+    given = {"plant": foreign("TheirLoss", LOST), "map_file": mapped(PLANT_MAP)}
+    run = cosimulate(override(SHORT, {"clock.duration": 1.0}), "pid", **given)
+    assert run.outcome == "failed"
+    assert "TheirLoss.fmu (plant) failed at t = 0.495 s in its outputs, which give" in (
+        run.explanation
+    )
+    assert ": kept until it ended" in " ".join(summary_text(run).split())
+
+
+@pytest.mark.slow
+def test_a_push_out_of_the_corridor_is_told_of_a_foreign_plant(foreign, mapped):
+    """Its bounds are proved for our plant alone."""
+    given = {"plant": foreign("TheirGust", GUSTY), "map_file": mapped(PLANT_MAP)}
+    calm = {"changes": [], "clock.duration": 15.5}
+    pushed = cosimulate(override(load_scenario("safe-simulation"), calm), "prox", **given)
+    said = {item.key: item.text for item in pushed.remarks}
+    assert said["corridor-left"].startswith("At t = 15.0")
+
+
+def test_messages_of_fmi_2_have_their_values(exported, tmp_path):
+    """A model may leave it to the importer to put them into the text, each its own."""
+    slaves = [Slave(exported("nn", 2), name, tmp_path / name) for name in ("first", "second")]
+    for size, slave in enumerate(slaves):
+        at = ct.cast(slave._callbacks.logger, ct.c_void_p).value
+        said = (b"i", 3, b"c", b"a step of %d s", ct.c_int(size))
+        ct.CFUNCTYPE(None, ct.c_void_p, ct.c_char_p, ct.c_int, ct.c_char_p, ct.c_char_p, ct.c_int)(
+            at
+        )(slave._callbacks.componentEnvironment, *said)
+    assert [[*slave.messages] for slave in slaves] == [["a step of 0 s"], ["a step of 1 s"]]
+    for slave in slaves:
+        slave.end()
+
+
+@pytest.mark.slow
+def test_our_files_take_the_masters_timing(exported):
+    """A law exported for masters in order runs under the other one, as one exported for it."""
+    given = cosimulate(SHORT, "nn", controller=exported("nn", 2), master="jacobi")
+    assert np.array_equal(given["x"], cosimulate(SHORT, "nn", master="jacobi")["x"])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"disturbance.push": [3.0, 0.0]},
+        {"sensor.pose_noise": 0.01},
+        {"sensor.velocity_noise": [0.0, 0.01]},
+        {"actuator.lag": 0.02},
+        {"actuator.delay": 0.003},
+    ],
+)
+def test_a_package_that_would_lose_a_part_is_refused(tmp_path, changes):
+    with pytest.raises(ArgumentError, match=next(iter(changes)).split("_")[0].split(".")[0]):
+        export_ssp(scenario=override(SHORT, changes), out=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("drives", "fixed", "free"),
+    [
+        ({}, {"actuator.delay": 0.003, "actuator.lag": 0.02}, {"clock.plant": 0.0005}),
+        (
+            {"actuator.lag": 0.02, "actuator.delay": 0.003},
+            {"actuator.delay": 0.0, "actuator.lag": 0.0, "clock.plant": 0.0005},
+            {"actuator.lag": 0.03},
+        ),
+    ],
+)
+def test_drives_that_the_controller_is_built_for_are_fixed(drives, fixed, free):
+    model = closed_loop_model(settle(override(load_scenario("paper-simulation"), drives), "mb"))
+    rows = {v.name: v for v in model.variables}
+    assert not [k for k, value in fixed.items() if rows[k].low <= value <= rows[k].high]
+    assert [k for k, value in free.items() if rows[k].low <= value <= rows[k].high] == [*free]
+
+
+def test_setting_fixed_drives_is_an_error(raw):
+    loop = raw("closed-loop", 2).new()
+    assert loop.put({"actuator.delay": 0.003}) in REFUSED
+    assert loop.put({"actuator.delay": 0.0, "disturbance.push[1]": 5.0}) == OK
+    assert loop.put({"disturbance.push[1]": -5.0}) in REFUSED
+    loop.free()

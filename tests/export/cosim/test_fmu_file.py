@@ -1,0 +1,309 @@
+"""Somebody else's plant by FMI 3.0, written in C: what it says of its steps, units of its mass."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from fmpy import platform_tuple
+
+from tests.export.fmi.test_targets import HEADERS, tool
+from wmr_ctrl.api import simulate
+from wmr_ctrl.cli import root
+from wmr_ctrl.cli.summary import summary_text
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, WmrError
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.cosim.fmu_file import FmuError
+from wmr_ctrl.export.cosim.map_template import write_map_template
+from wmr_ctrl.world.scenario import load_scenario, override
+
+SHORT = override(load_scenario("paper-simulation-nominal"), {"clock.duration": 1.0})
+LIGHTER = override(SHORT, {"changes": [{"t": 0.4, "m": 45.0}]})
+SOURCE = Path(__file__).with_name("foreign3.c")
+KINDS = {
+    "right": "input", "left": "input", "x": "output", "y": "output", "yaw": "output", "v": "output",
+    "w": "output", "grams": "tunable", "fixed": "fixed", "mode": "fixed",
+}  # fmt: skip
+FURTHER = """<Boolean name="enable" valueReference="20" causality="input" start="true"/>
+<Int8 name="steps" valueReference="21" causality="input" start="1"/>
+<Float32 name="share" valueReference="22" causality="input" start="1"/>
+<Float64 name="twist" valueReference="23" causality="output"><Dimension start="2"/></Float64>
+<Float64 name="push" valueReference="24" causality="input" start="0 0">
+<Dimension start="2"/></Float64>
+<String name="called" valueReference="25" causality="parameter" variability="fixed">
+<Start value="none"/></String>"""
+MAP = """
+[plant]
+units = "SI"
+inputs = {{ right = "torque_right", left = "torque_left" }}
+outputs = {{ x = "x", y = "y", psi = "yaw", v1 = "v", omega = "w" }}
+start = {{ mode = {mode}.0 }}
+[plant.parameters]
+"robot.m" = {mass}
+"""
+
+
+@pytest.fixture(scope="module")
+def packed(tmp_path_factory):
+    """A function that packs the FMU, as it is or altered; functions that it does not write fail."""
+    folder = tmp_path_factory.mktemp("foreign3")
+    own = SOURCE.read_text(encoding="utf-8")
+    types = (HEADERS / "fmi3FunctionTypes.h").read_text(encoding="utf-8")
+    every = re.findall(r"typedef\s+(\w+)\s+(fmi3\w+)TYPE\s*\((.*?)\)\s*;", types, re.S)
+    written = {*re.findall(r"fmi3\w+", own)} | {f"fmi3{verb}{kind}" for verb in ("Get", "Set")
+               for kind in ("Boolean", "Int8", "Float32")}  # fmt: skip
+    rest = [f"{of} {name}({given}) {{ return 0; }}" for of, name, given in every
+            if name not in written]  # fmt: skip
+    (folder / "rest.c").write_text("\n".join(['#include "fmi3Functions.h"', *rest]))
+    library = folder / "foreign3.so"
+    flags = ["-shared", "-fPIC", "-w", f"-I{HEADERS}", "-o", str(library)]
+    subprocess.run([tool("cc"), *flags, str(SOURCE), str(folder / "rest.c"), "-lm"], check=True)
+    rows = []
+    for i, (name, kind) in enumerate(KINDS.items()):
+        more = 'initial="calculated"' if kind == "output" else 'start="0"'
+        cause = "parameter" if kind in ("tunable", "fixed") else kind
+        more += f' variability="{kind}"' if cause == "parameter" else ""
+        unit = ' unit="g"' if name == "grams" else ""
+        rows.append(
+            f'<Float64 name="{name}" {more} valueReference="{i}" causality="{cause}"{unit}/>'
+        )
+    outputs = [*(i for i, kind in enumerate(KINDS.values()) if kind == "output"), 23]
+    order = [f'<{what} valueReference="{i}"/>' for what in ("Output", "InitialUnknown")
+             for i in outputs]  # fmt: skip
+    text = f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="TheirThree" instantiationToken="three">
+<CoSimulation modelIdentifier="foreign3" canHandleVariableCommunicationStepSize="true"/>
+<UnitDefinitions><Unit name="g"><BaseUnit kg="1" factor="0.001"/></Unit></UnitDefinitions>
+<ModelVariables><Float64 name="time" valueReference="99" causality="independent"/>
+{"".join(rows)}{FURTHER}</ModelVariables>
+<ModelStructure>{"".join(order)}</ModelStructure></fmiModelDescription>"""
+    build = """<?xml version="1.0" encoding="UTF-8"?><fmiBuildDescription fmiVersion="3.0">
+<BuildConfiguration modelIdentifier="foreign3"><SourceFileSet language="C99">
+<SourceFile name="foreign3.c"/><SourceFile name="rest.c"/></SourceFileSet></BuildConfiguration>
+</fmiBuildDescription>"""
+
+    def pack(name="three", library_name="foreign3", *, sources=False, described=(("", ""),)):
+        path, told = folder / f"{name}.fmu", text
+        for old, new in described:
+            assert old in told
+            told = told.replace(old, new)
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr("modelDescription.xml", told)
+            if library_name:
+                archive.write(library, f"binaries/{platform_tuple}/{library_name}.so")
+            if sources:
+                archive.writestr("sources/buildDescription.xml", build)
+                archive.write(SOURCE, "sources/foreign3.c")
+                archive.write(folder / "rest.c", "sources/rest.c")
+        return path
+
+    return pack
+
+
+@pytest.fixture(scope="module")
+def plant(packed):
+    return packed()
+
+
+def test_a_change_is_set_in_the_plants_own_unit(plant, mapped):
+    """A mass in g was set to 45 of them, in silence."""
+    text = MAP.format(mode=0, mass='"grams"')
+    run = cosimulate(LIGHTER, "pid", plant=plant, map_file=mapped(text), fmi=3)
+    ours, heavy = (simulate(case, "pid") for case in (LIGHTER, SHORT))
+    assert run.outcome == ours.outcome
+    assert np.abs(run["v1"] - ours["v1"]).max() < 2e-4 < np.abs(ours["v1"] - heavy["v1"]).max()
+    assert "warned_plant" not in run.provenance
+
+
+@pytest.mark.parametrize(
+    ("mass", "error", "words"),
+    [
+        ('"fixed"', ArgumentError, "fixed of .* cannot be set during a run .*fixed parameter"),
+        ('"v"', ArgumentError, r"v of .* \(it is a continuous output\)"),
+        ('"gram"', UnknownNameError, "is named 'gram' .near: grams"),
+        ("{ terms = { grams = 1.0, fixed = 1.0 } }", ArgumentError, "of one parameter"),
+        ("{ terms = { grams = 0.0 } }", ArgumentError, "coefficient other than 0"),
+        ('{ terms = { grams = 1.0 }, unit = "m" }', ArgumentError, "grams in m does not give kg"),
+        ('"grams"\n"robot.M" = "grams"', UnknownNameError, "is named 'robot.M' .near: robot.m"),
+        ('"grams"\n[controller.parameters]\n"gains" = "k"', ArgumentError, "has no effect"),
+    ],
+)
+def test_a_change_that_cannot_be_made_is_refused_before_the_run(plant, mapped, mass, error, words):
+    given = {"plant": plant, "map_file": mapped(MAP.format(mode=0, mass=mass))}
+    if "controller" in mass:
+        given["controller"] = plant
+    with pytest.raises(error, match=words):
+        cosimulate(LIGHTER, None if "controller" in mass else "pid", **given)
+
+
+def test_a_last_successful_time_that_lags_is_told_and_ends_no_run(plant, mapped):
+    """Its status is OK and no flag is set: others go on, too (fixedInternalStepSize)."""
+    run, same = (
+        cosimulate(SHORT, "pid", plant=plant, map_file=mapped(MAP.format(mode=m, mass='"grams"')))
+        for m in (1, 0)
+    )
+    assert np.array_equal(run["v1"], same["v1"])
+    told = "50 steps, first at t = 0.5 s: 0.005 s behind the step's end"
+    assert (run.provenance["lagged_plant"], "lagged_plant" in same.provenance) == (told, False)
+    assert f"plant lagged in {told}" in " ".join(summary_text(run).split())
+
+
+def test_a_plants_warnings_are_told(plant, mapped):
+    text = MAP.format(mode=2, mass='"grams"')
+    command = ["cosim", "paper-simulation-nominal", "--law", "pid", "--plant", str(plant)]
+    command += ["--map", str(mapped(text)), "--set", "clock.duration=1"]
+    said = "50 steps, first at t = 0.5 s: beyond the range of the tyres"
+    done = CliRunner().invoke(root, command)
+    assert f"plant warned in {said}" in " ".join(done.stdout.split())
+    told = json.loads(CliRunner().invoke(root, [*command, "--json"]).stdout)
+    assert told["provenance"]["warned_plant"] == said
+
+
+def test_a_plant_that_takes_steps_of_one_size_is_not_stepped_by_others(plant, packed, mapped):
+    """A change within a control period would cut one."""
+    rigid = packed("rigid", described=[('StepSize="true"', 'StepSize="false"')])
+    text = mapped(MAP.format(mode=0, mass='"grams"'))
+    within = override(SHORT, {"changes": [{"t": 0.404, "m": 45.0}], "clock.duration": 0.5})
+    with pytest.raises(ArgumentError, match=r"rigid\.fmu, which takes steps of one size, 0\.01 s"):
+        cosimulate(within, "pid", plant=rigid, map_file=text)
+    assert cosimulate(within, "pid", plant=plant, map_file=text).outcome != "failed"
+
+
+TYPED = """
+[plant]
+units = "SI"
+inputs = { right = "torque_right", left = "torque_left", enable = true, steps = { offset = 2 } }
+outputs = { x = "x", y = "y", psi = "yaw", v1 = "twist[1]", omega = "twist[2]" }
+[plant.start]
+"""
+
+
+def test_rows_have_every_type_of_number_and_elements_of_arrays(plant, mapped):
+    """An enable, a whole number, single precision, an element read and one written."""
+    rows = {
+        "": lambda run, same: abs(run["v1"] - same["v1"]).max() < 1e-4,
+        "enable = false": lambda run, _: abs(run["v1"] - SHORT.initial.velocity[0]).max() < 1e-9,
+        'called = "still"': lambda run, _: abs(run["omega"]).max() < 1e-9,
+        "push = [1.0, 90.0]": lambda run, same: (run["v1"] - same["v1"])[30] > 0.1,
+        '"push[2]" = 90.0': lambda run, same: (run["v1"] - same["v1"])[30] > 0.1,
+    }
+    base = cosimulate(
+        SHORT, "pid", plant=plant, map_file=mapped(MAP.format(mode=0, mass='"grams"'))
+    )
+    for start, expected in rows.items():
+        text = TYPED.replace(", enable = true", "" if "enable" in start else ", enable = true")
+        run = cosimulate(SHORT, "pid", plant=plant, map_file=mapped(text + start))
+        assert expected(run, base), start
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("offset = 2", "offset = 300", r"setting steps: 300 does not fit into type Int8"),
+        (
+            "twist[1]",
+            "twist",
+            r"twist is an array: name twist\[1\] to twist\[2\]",
+        ),
+        ("twist[1]", "twist[0]", r"twist\[0\] .* name twist\[1\]"),
+        ("twist[1]", "v[1]", r"v\[1\] of .*: v is one number"),
+        ("twist[1]", "called", "called .* is of type String, which is no number"),
+        (
+            "[plant.start]",
+            "[plant.start]\nsteps = 2.5",
+            "it is of type Int8, and 2.5 is no whole",
+        ),
+        ("[plant.start]", '[plant.start]\nsteps = "two"', "setting steps to .*two"),
+        ("[plant.start]", "[plant.start]\npush = [1.0]", "setting push to .* 2 elements"),
+        ("enable = true", "enable = [true]", "must be a name, a constant, or a table"),
+    ],
+)
+def test_what_no_variable_can_take_is_told(plant, mapped, old, new, words):
+    text = TYPED.replace(
+        f'"{old}"' if "twist" in old else old, f'"{new}"' if "twist" in old else new
+    )
+    try:
+        said = cosimulate(SHORT, "pid", plant=plant, map_file=mapped(text)).explanation
+    except WmrError as error:
+        said = str(error)
+    assert re.search(words, said), said
+
+
+def test_what_an_fmu_prints_never_reaches_standard_output(plant, mapped):
+    """C's buffer, which is written when the process ends, does not either."""
+    text = str(mapped(MAP.format(mode=3, mass='"grams"')))
+    command = [
+        sys.executable,
+        "-m",
+        "wmr_ctrl",
+        "cosim",
+        "paper-simulation-nominal",
+        "--law",
+        "pid",
+    ]
+    command += ["--plant", str(plant), "--map", text, "--set", "clock.duration=0.6", "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout)["outcome"] != "failed"
+    assert done.stderr.count("still driving") == 10
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"library_name": "other"}, r"foreign3\.so but other\.so there.* Rename it"),
+        ({"described": [('n="3.0"', 'n="3.0-beta.3"')]}, r"it is of FMI 3\.0-beta\.3, and only"),
+        ({"described": [('n="3.0"', 'n="1.0"')]}, r"it is of FMI 1\.0, and only 2\.0 and 3\.0"),
+        ({"described": [('"three"', '"clocked"'), (FURTHER, FURTHER + "<Clock name='tick'"
+          " valueReference='30' intervalVariability='triggered' causality='output'/>")]},
+         r"It said: only with event mode\. It has clocks \(tick\)"),
+        ({"library_name": "", "sources": True}, r"It has its sources: build them \(--compile\)"),
+    ],
+)  # fmt: skip
+def test_a_file_that_cannot_be_used_is_told_why(packed, mapped, given, words):
+    text = mapped(MAP.format(mode=0, mass='"grams"'))
+    with pytest.raises(FmuError, match=words):
+        cosimulate(SHORT, "pid", plant=packed("odd", **given), map_file=text)
+
+
+def test_a_description_that_breaks_the_rules_is_told_and_read(plant, packed, mapped):
+    """PythonFMU writes whole numbers as continuous variables, and importers take them."""
+    text = mapped(TYPED)
+    odd = packed("rules", described=[('"steps"', '"steps" variability="continuous"')])
+    run, same = (cosimulate(SHORT, "pid", plant=file, map_file=text) for file in (odd, plant))
+    assert np.array_equal(run["v1"], same["v1"])
+    told = run.provenance["invalid_plant"]
+    assert re.search('"steps" .* is of type Int8 and must have variability', told)
+    assert f"plant invalid in {told}" in " ".join(summary_text(run).split())
+
+
+def test_sources_are_built_where_the_library_is_missing(plant, packed, mapped):
+    text = mapped(MAP.format(mode=0, mass='"grams"'))
+    bare, nothing = packed("bare", "", sources=True), packed("nothing", "")
+    given = {"map_file": text, "compile_sources": True}
+    built = cosimulate(SHORT, "pid", plant=bare, **given)
+    assert (
+        np.abs(built["x"] - cosimulate(SHORT, "pid", plant=plant, map_file=text)["x"]).max() < 1e-9
+    )
+    with pytest.raises(ArgumentError, match="Name a plant or a controller"):
+        cosimulate(SHORT, "pid", compile_sources=True)
+    with pytest.raises(FmuError, match="names no sources"):
+        cosimulate(SHORT, "pid", plant=nothing, **given)
+
+
+def test_a_template_lists_numbers_of_every_type(plant, tmp_path):
+    text = write_map_template(tmp_path / "map.toml", plant, None).read_text(encoding="utf-8")
+    rows = (
+        "# enable = true  # Boolean",
+        '# "push[2]" = ',
+        "# steps = ",
+        '# called = "none"  # String',
+    )
+    assert all(f"\n{row}" in text for row in rows)
+    assert '"twist[1]"' in text.replace("twist[1],", '"twist[1]"')

@@ -1,0 +1,73 @@
+"""Map templates: what the names and units of an FMU settle is filled in, and nothing else."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.export.cosim.foreign import PLANT
+from wmr_ctrl.api import cosimulate, export_fmu
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.export.cosim.map_template import write_map_template
+from wmr_ctrl.world.scenario import load_scenario
+
+NOMINAL = "paper-simulation-nominal"
+
+
+def exported(what: str, folder: Path, fmi: str) -> Path:
+    return export_fmu(what, scenario=NOMINAL, fmi=fmi, out=folder)[0]
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_template_of_an_fmu_with_our_names_runs_as_it_is(tmp_path, fmi) -> None:
+    plant = exported("plant", tmp_path, fmi)
+    path = write_map_template(tmp_path / "map.toml", plant, None)
+    short = load_scenario(NOMINAL, {"clock.duration": 0.5})
+
+    mapped = cosimulate(short, "pid", plant=plant, map_file=path)
+    native = cosimulate(short, "pid")
+
+    assert np.array_equal(mapped["v1"], native["v1"])
+
+
+@pytest.mark.parametrize("what", ["plant", "mb", "guard", "closed-loop", "reference"])
+def test_template_lists_every_real_input_and_is_toml(tmp_path, what) -> None:
+    fmu = exported(what, tmp_path, "2")
+    text = write_map_template(tmp_path / "map.toml", None, fmu).read_text(encoding="utf-8")
+    opened = "\n".join(line.removeprefix("# ") for line in text.splitlines()[2:])
+
+    assert tomllib.loads(text).keys() == {"controller"}
+    if what == "mb":
+        rows = tomllib.loads(opened)["controller"]
+        assert rows["inputs"]["x_d"] == "x_d"
+        assert rows["outputs"]["tau_right"] == "tau_right"
+
+
+def test_nothing_is_guessed_of_an_fmu_without_units(tmp_path) -> None:
+    pytest.importorskip("pythonfmu")
+    from pythonfmu import FmuBuilder
+
+    source = tmp_path / "theirs.py"
+    source.write_text(PLANT, encoding="utf-8")
+    FmuBuilder.build_FMU(source, dest=tmp_path)
+    path = write_map_template(tmp_path / "map.toml", tmp_path / "TheirRobot.fmu", None)
+    text = path.read_text(encoding="utf-8")
+
+    assert not any(tomllib.loads(text)["plant"].values())
+    assert '# motorR = { terms = { "" = 1.0 }, unit = "" }' in text
+    assert "could be px, py, heading, wheelR, wheelL" in text
+
+
+def test_template_overwrites_nothing_and_needs_an_fmu(tmp_path) -> None:
+    taken = tmp_path / "map.toml"
+    taken.write_text("mine", encoding="utf-8")
+    plant = exported("plant", tmp_path, "2")
+
+    with pytest.raises(ArgumentError, match="exists"):
+        write_map_template(taken, plant, None)
+    with pytest.raises(ArgumentError, match="--plant"):
+        write_map_template(tmp_path / "new.toml", None, None)
+    assert taken.read_text(encoding="utf-8") == "mine"

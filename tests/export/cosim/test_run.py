@@ -1,0 +1,378 @@
+"""Co-simulation with other people's FMUs, masters, SSP, and FMUs that fail."""
+
+from __future__ import annotations
+
+import _ctypes
+import json
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import read_ssd
+
+from tests.export.cosim.foreign import CONTROLLER, CONTROLLER_MAP, FAILING, PLANT, PLANT_MAP
+from wmr_ctrl.api import simulate
+from wmr_ctrl.cli import root
+from wmr_ctrl.cli.summary import summary_text
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.cosim.mapping import load_map
+from wmr_ctrl.export.cosim.run import IN_ORDER, TELL, _assumed, _cosim_setup
+from wmr_ctrl.export.cosim.slave import FmuError, FmuFile, Slave
+from wmr_ctrl.export.fmi.ssp import export_ssp
+from wmr_ctrl.results import ise, load_run, summary
+from wmr_ctrl.world.scenario import load_scenario, override
+
+NOMINAL = load_scenario("paper-simulation-nominal")
+SHORT = override(NOMINAL, {"clock.duration": 3.0})
+NOISY = override(load_scenario("paper-simulation-no-switch"), {"clock.duration": 3.0})
+
+
+@pytest.mark.slow
+def test_foreign_plant_with_other_names_units_and_sampling(foreign, mapped):
+    run = cosimulate(
+        NOISY, "nn", plant=foreign("TheirRobot", PLANT), map_file=mapped(PLANT_MAP), seed=1
+    )
+    ours = simulate(NOISY, "nn", seed=1)
+    assert run.outcome == "completed"
+    for name in ("x", "y", "theta", "v1", "omega"):
+        assert np.abs(run[name] - ours[name]).max() < 2e-3, name
+    assert re.fullmatch(
+        r"TheirRobot \(TheirRobot\.fmu, FMI 2\.0, sha256 [0-9a-f]{16}\)",
+        run.provenance["fmu_plant"],
+    )
+    assert run.provenance["fmu_controller"].startswith("wmr_nn (")
+    assert run.law == "nn"
+    assert summary(run)["kept"] is True
+
+
+@pytest.mark.slow
+def test_foreign_controller_drives_our_plant(foreign, mapped):
+    run = cosimulate(
+        SHORT,
+        controller=foreign("TheirController", CONTROLLER),
+        map_file=mapped(CONTROLLER_MAP),
+    )
+    assert run.law == "TheirController"
+    assert summary(run)["provenance"]["fmu_controller"].startswith("TheirController (")
+    assert "controller: TheirController (TheirController.fmu" in summary_text(run)
+    speed, turn = run["v1"][-1], run["omega"][-1]
+    assert speed == pytest.approx(0.3, abs=0.05)
+    assert abs(turn) < 0.05
+    assert np.isnan(run["V1"]).all()
+    assert np.isfinite(run["e"]).all()
+
+
+@pytest.mark.slow
+def test_an_fmu_that_fails_is_named(foreign, mapped):
+    plant = foreign("TheirFailure", FAILING)
+    run = cosimulate(NOISY, "pid", plant=plant, map_file=mapped(PLANT_MAP))
+    assert run.outcome == "failed"
+    assert re.search(r"TheirFailure\.fmu.*plant.*t = 0\.5", run.explanation)
+    assert 49 <= run.rows <= 51
+
+
+@pytest.mark.parametrize("more", [(), ("--json",)])
+@pytest.mark.slow
+def test_the_command_tells_a_script_that_an_fmu_failed(foreign, mapped, tmp_path, more):
+    plant, saved = foreign("TheirFailure", FAILING), tmp_path / "run.npz"
+    given = ("--plant", str(plant), "--map", str(mapped(PLANT_MAP)), "--out", str(saved))
+    short = ("paper-simulation-no-switch", "--set", "clock.duration=1.0", "--law", "pid")
+    done = CliRunner().invoke(root, ["cosim", *short, *given, *more], env={"COLUMNS": "999"})
+
+    assert done.exit_code == 3
+    said = f"the FMU {plant} (plant) failed at t = 0.5 s in doStep."
+    assert f"error: {said}" in " ".join(done.stderr.split())
+    assert load_run(saved).outcome == "failed"
+    assert not more or json.loads(done.stdout)["outcome"] == "failed"
+    assert more or said in " ".join(done.stdout.split())
+
+
+@pytest.mark.slow
+def test_divergence_is_an_outcome():
+    wild = {"gains.pid.Kp": [2e4, 2e3]}
+    run = cosimulate(override(load_scenario("paper-experiment-literal"), wild), "pid")
+    assert run.outcome == "diverged"
+    assert np.array_equal(
+        run["v1"][:3], simulate("paper-experiment-literal", "pid", overrides=wild)["v1"][:3]
+    )
+
+
+def test_an_fmu_that_is_none_is_named(tmp_path):
+    wrong = tmp_path / "wrong.fmu"
+    wrong.write_bytes(b"no archive")
+    with pytest.raises(FmuError, match=r"wrong\.fmu .* no whole zip archive.* export it again\.$"):
+        cosimulate(SHORT, "pid", plant=wrong)
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        (None, "there is no such file. Check the path."),
+        ((), "it is a folder. Name the file, which ends in .fmu."),
+        ({"a.txt": ""}, "it lacks a part (There is no item named 'modelDescription.xml' in the"),
+        ({"modelDescription.xml": "<a/>"}, "its modelDescription.xml is none of FMI 2.0 or 3.0."),
+        ({"modelDescription.xml": "<a>"}, ". Export it again, for co-simulation by FMI 2.0"),
+    ],
+)
+def test_a_file_that_is_no_fmu_is_told_in_words(tmp_path, parts, said):
+    """With what to do, and no words of the interpreter."""
+    path = tmp_path / "some.fmu"
+    if parts == ():
+        path.mkdir()
+    elif parts is not None:
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, text in parts.items():
+                archive.writestr(name, text)
+
+    with pytest.raises(FmuError) as refused:
+        FmuFile(path, "plant")
+
+    assert said in str(refused.value)
+    assert "NoneType" not in str(refused.value)
+    assert str(refused.value).endswith(".")
+
+
+def _half(library: bytes) -> bytes:
+    return library[: len(library) // 2]
+
+
+def _of_another_processor(library: bytes) -> bytes:
+    return library[:18] + b"\xff\x00" + library[20:]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="what loaders say differs")
+@pytest.mark.parametrize(
+    ("altered", "said"),
+    [
+        (_half, "the process that tried was ended by it, so it is damaged or cut off. Copy"),
+        (_of_another_processor, "it is for another processor. Copy"),
+        (lambda _: Path(_ctypes.__file__).read_bytes(), "its library lacks a function of FMI 2.0"),
+        (None, "it has no binaries/linux64/wmr_plant.so, and this platform is linux64"),
+    ],
+)
+def test_a_library_that_cannot_be_loaded_is_told_in_words(exported, tmp_path, altered, said):
+    """It would end the process that loads it; another process tries first."""
+    path = tmp_path / "damaged.fmu"
+    with zipfile.ZipFile(exported("plant", 2)) as whole, zipfile.ZipFile(path, "w") as archive:
+        for item in whole.infolist():
+            library = item.filename.startswith("binaries/") and item.filename.endswith(".so")
+            if not library:
+                archive.writestr(item, whole.read(item))
+            elif altered:
+                archive.writestr(item, altered(whole.read(item)))
+
+    with pytest.raises(FmuError, match=re.escape(said)):
+        Slave(path, "plant", tmp_path / "unpacked")
+
+
+@pytest.mark.slow
+def test_our_files_may_come_from_another_scenario(exported):
+    """Parameters and start values are those of the scenario that is run."""
+    heavier = override(SHORT, {"robot.m": 60.0, "initial.pose": [-0.2, 0.1, -1.0]})
+    given = cosimulate(heavier, "mb", plant=exported("plant", 2), controller=exported("mb", 3))
+    assert np.array_equal(given["x"], simulate(heavier, "mb")["x"])
+
+
+@pytest.mark.parametrize("known", [False, True])
+def test_a_guard_that_is_not_told_of_the_masters_delay_promises_nothing(known):
+    """Its least disturbance counts the torque that came late, and the text says so."""
+    safe = override(load_scenario("safe-simulation"), {"clock.duration": 0.2})
+    run = cosimulate(safe, "prox", master="jacobi", delay_known=known)
+    text = " ".join(summary_text(run).split())
+
+    assert ("assumption-void: Under the master jacobi" in text) is not known
+    assert ("torques acted a period late, untold" in text) is not known
+    assert (run.outcome == "bounds-left") is not known
+
+
+@pytest.mark.slow
+def test_delay_of_the_jacobi_master():
+    run = cosimulate(NOMINAL, "nn", master="jacobi")
+    assert ise(run)["total"] == pytest.approx(0.826, abs=0.0006)
+    assert run.monitor.max_abs_v[1] == pytest.approx(1.142, abs=2e-3)
+
+
+@pytest.mark.slow
+def test_delay_of_the_jacobi_master_destroys_the_model_based_law():
+    run = cosimulate(NOMINAL, "mb", master="jacobi")
+    assert ise(run)["total"] == pytest.approx(4.6e5, rel=0.01)
+    assert run.monitor.max_abs_v[1] == pytest.approx(1.59, abs=0.005)
+
+
+@pytest.mark.slow
+def test_fmpys_ssp_simulation_is_the_jacobi_master(tmp_path):
+    (package,) = export_ssp(law="nn", scenario=SHORT, out=tmp_path)
+    found = simulate_ssp(str(package), stop_time=2.995, step_size=0.01)
+    run = cosimulate(SHORT, "nn", master="jacobi")
+    for name in ("x", "y", "theta", "v1", "omega"):
+        assert np.array_equal(found[name][: run.rows - 1], run[name][1:]), name
+    for name in ("margin", "clip_active[1]", "d_least[1]", "d_least[2]", "feasible"):
+        assert np.array_equal(found[name][: run.rows], run[name]), name
+
+
+SAME = "\n".join(
+    [
+        "[plant.inputs]",
+        *(f'{name} = "{name}"' for name in ("tau_right", "tau_left")),
+        "[plant.outputs]",
+        *(f'{name} = "{name}"' for name in ("x", "y", "theta", "v1", "omega")),
+    ]
+)
+
+
+@pytest.mark.slow
+def test_a_package_takes_somebody_elses_plant(exported, mapped, tmp_path):
+    """Ours under the names of a map is theirs: the package runs as the one of ours does."""
+    results = [
+        simulate_ssp(str(package), stop_time=0.995, step_size=0.01)
+        for package in (
+            *export_ssp(law="nn", scenario=SHORT, out=tmp_path / "ours"),
+            *export_ssp(
+                law="nn",
+                scenario=SHORT,
+                out=tmp_path / "theirs",
+                plant=exported("plant", 2, "paper-simulation-nominal"),
+                map_file=mapped(SAME),
+            ),
+        )
+    ]
+    for name in ("x", "theta", "omega", "margin"):
+        assert np.array_equal(results[0][name], results[1][name]), name
+    assert "noise_right" not in results[1].dtype.names
+
+
+@pytest.mark.slow
+def test_a_map_becomes_transformations_of_connections(foreign, mapped, tmp_path):
+    """Torques in mN m, angles in deg from another zero; what is a sum of outputs is refused."""
+    direct = (
+        PLANT_MAP.replace("w_right", "v1")
+        .replace("w_left", "omega")
+        .replace(
+            'terms = { wheelR = 1.0 }, unit = "rpm"', 'terms = { wheelR = 1.0 }, unit = "km/h"'
+        )
+    )
+    plant = foreign("TheirRobot", PLANT)
+    given = {"law": "nn", "scenario": SHORT, "plant": plant}
+    (package,) = export_ssp(**given, map_file=mapped(direct), out=tmp_path)
+    described = read_ssd(str(package), validate=True)
+    assert described is not None
+    with zipfile.ZipFile(package) as archive:
+        text = archive.read("SystemStructure.ssd").decode()
+    found = dict(re.findall(r'endConnector="(\w+)" suppress.*?factor="(\S+)" offset', text))
+    assert float(found["motorR"]) == 1000.0
+    assert float(found["v1"]) == pytest.approx(1 / 3.6)
+    turned = re.search(r'endConnector="theta".*?factor="(\S+)" offset="(\S+)"', text)
+    assert float(turned[1]) == pytest.approx(np.pi / 180)
+    assert float(turned[2]) == pytest.approx(-np.pi / 2)
+    with pytest.raises(ArgumentError, match="carries one"):
+        export_ssp(**given, map_file=mapped(PLANT_MAP), out=tmp_path)
+    with pytest.raises(ArgumentError, match=r"part \[plant\]"):
+        export_ssp(**given, out=tmp_path)
+
+
+@pytest.mark.slow
+def test_a_package_whose_law_knows_the_delay_is_the_native_loop_with_it(tmp_path):
+    late = override(SHORT, {"actuator.delay": SHORT.clock.control})
+    (package,) = export_ssp(law="prox", scenario=SHORT, out=tmp_path, delay_known=True)
+    found = simulate_ssp(str(package), stop_time=0.995, step_size=0.01)
+    native = simulate(late, "prox")
+    rows = len(found["x"])
+    for name in ("x", "y", "theta", "v1", "omega"):
+        assert np.array_equal(found[name], native[name][1 : rows + 1]), name
+
+
+@pytest.mark.slow
+def test_a_torque_that_acts_late_breaks_what_the_monitor_assumes():
+    """In order nothing pushes; all at once, each torque acts a step later than the law knows."""
+    late, in_order = (cosimulate(SHORT, "nn", master=m) for m in ("jacobi", "gauss-seidel"))
+    assert in_order.monitor.d_least == in_order.settings.dbar == (0.0, 0.0)
+    assert in_order.monitor.bounds_left is None
+    assert late.monitor.bounds_left is not None
+    assert late.outcome == in_order.outcome == "completed"
+
+
+@pytest.mark.slow
+def test_a_controller_that_knows_the_masters_delay_is_the_native_one_with_it():
+    """All at once, each torque acts a period late: as behind drives that are that late."""
+    own = {"clock.duration": 2.0, "initial.pose": [-1.0, -0.5, -0.7]}
+    base = override(load_scenario("safe-simulation"), own)
+    late = override(base, {"actuator.delay": base.actuator.delay + base.clock.control})
+    native = simulate(late, "prox", seed=4)
+    run = cosimulate(base, "prox", master="jacobi", delay_known=True, seed=4)
+    for name in ("x", "y", "theta", "v1", "omega", "d_least"):
+        assert np.array_equal(run[name], native[name]), name
+    assert run.monitor.bounds_left is None
+    assert run.provenance["delay"] == "known to the controller"
+    with pytest.raises(ArgumentError, match="no torque is delayed"):
+        cosimulate(base, "prox", delay_known=True)
+
+
+def test_a_delay_that_the_master_adds_is_told_apart_where_it_is_too_long():
+    """The remedy was a delay and jitter of 8 ms in all, of which the master takes 10."""
+    with pytest.raises(ScenarioError, match=r"counts 0 s of the scenario and .* 0\.01 s, by which"):
+        cosimulate("robot-10ms", "kanayama", master="jacobi", delay_known=True)
+    files = dict.fromkeys(("reference", "controller", "plant"))
+    for preset, remedy in (("robot-10ms", IN_ORDER), ("safe-simulation", TELL)):
+        case = _cosim_setup(preset, "kanayama", files, None, delay_known=False, at_once=True)
+        assert _assumed(case).void.endswith(remedy)
+
+
+@pytest.mark.slow
+def test_a_controller_of_ours_tells_its_law(exported):
+    found = cosimulate(SHORT, controller=exported("smc", 2))
+    assert found.law == "smc"
+    assert np.array_equal(found["x"], simulate(SHORT, "smc")["x"])
+
+
+def test_the_engine_of_fmus_has_the_native_columns():
+    native, coupled = (simulate(NOISY, "pid", seed=2, engine=name) for name in ("native", "fmu"))
+    assert native.signals == coupled.signals
+    assert native.monitor == coupled.monitor
+    differing = {n for n in native.columns if not np.array_equal(native[n], coupled[n])}
+    assert differing <= {"e"}
+    assert coupled.provenance["fmu_plant"].startswith("wmr_plant (")
+
+
+def test_progress_is_told():
+    told: list[float] = []
+    cosimulate(SHORT, "mb", progress=told.append)
+    assert told == pytest.approx([1 / 3, 2 / 3, 1.0])
+
+
+def test_unknown_master_and_names_list_the_near_ones(exported, mapped):
+    with pytest.raises(UnknownNameError, match="near: jacobi"):
+        cosimulate(SHORT, "pid", master="jacoby")
+    with pytest.raises(UnknownNameError, match="near: outputs"):
+        load_map(mapped("[plant.output]\nx = 'y'\n"))
+    with pytest.raises(ArgumentError, match="does not give omega, theta"):
+        cosimulate(
+            SHORT,
+            "pid",
+            plant=exported("plant", 2),
+            map_file=mapped("[plant.outputs]\nx='x'\ny='y'\nv1='v1'\n"),
+        )
+    with pytest.raises(UnknownNameError, match="variable of the FMU"):
+        cosimulate(
+            SHORT, "pid", plant=exported("plant", 2), map_file=mapped("[plant.outputs]\nx='xx'\n")
+        )
+
+
+@pytest.mark.parametrize("fault", ["ImportError('no libxml2')", "OSError('no libxml2')"])
+def test_fmpy_that_cannot_be_imported_is_said_in_words(fault, tmp_path):
+    (tmp_path / "fmpy.py").write_text(f"raise {fault}\n")
+    program = "from wmr_ctrl.__main__ import main; main()"
+    command = [sys.executable, "-c", program, "cosim", "paper-simulation"]
+    found = os.pathsep.join((str(tmp_path), *sys.path))
+    environment = {**os.environ, "PYTHONPATH": found}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+    assert done.returncode == 2
+    assert "FMPy, which cannot be imported (no libxml2)" in " ".join(done.stderr.split())

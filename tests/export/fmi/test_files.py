@@ -1,0 +1,244 @@
+"""The C sources: warnings, sanitizers, rebuilding from what an FMU carries, the example."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from functools import cache
+from itertools import product
+from pathlib import Path
+
+import pytest
+from fmpy import simulate_fmu
+
+from tests.export.conftest import MADE
+from tests.export.fmi.test_targets import HEADERS, WHAT, linux, tool
+from tests.languages import STRICT, compile_all
+from wmr_ctrl.codegen.resources import fmu_dir
+from wmr_ctrl.export.fmi.files import sources_of
+from wmr_ctrl.export.fmi.fmu_files import model_of, scenario_given, write_fmu
+from wmr_ctrl.export.fmi.targets import targets_of
+
+ROOT = Path(__file__).resolve().parents[3]
+WATCHED = (("plant", 2), ("plant", 3), ("reference", 3), ("closed-loop", 3))
+"""FMUs of the battery of calls, and those whose states they refuse; the loop's law is mb."""
+
+
+@cache
+def sources(what, version):
+    return sources_of(model_of(what, "nn", scenario_given("paper-simulation")), version)
+
+
+def unpacked(what, version, folder):
+    """The model's sources as files; the standard's own headers in a folder of theirs."""
+    (folder / "standard").mkdir()
+    found = sources(what, version)
+    for name, text in found.files.items():
+        standard = (HEADERS / name).is_file()
+        (folder / ("standard" if standard else ".") / name).write_text(text, encoding="utf-8")
+    return found.units
+
+
+@pytest.mark.parametrize("language", ["g++-c++98", "clang-c99"])
+@pytest.mark.slow
+def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
+    """Of all FMUs, each text once. The header of FMI 3.0 ends a list by a comma; C++98 had none."""
+    seen: set[str] = set()
+    for what, version in product(WHAT, (3, 2)):
+        (folder := tmp_path / f"{what}-{version}").mkdir()
+        units = unpacked(what, version, folder)
+        texts = {unit: (folder / unit).read_text(encoding="utf-8") for unit in units}
+        new = [unit for unit, text in texts.items() if text not in seen]
+        seen.update(texts.values())
+        if new:
+            compile_all(language, folder, new, "-isystem", "standard")
+    assert len(seen) > 2 * len(WHAT)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("what", "compiler", "version"),
+    [("plant", "gcc", 3), ("closed-loop", "clang", 2), ("prox", "gcc", 2)],
+)
+def test_optimising_compilers_find_nothing_to_warn_of(tmp_path, compiler, what, version):
+    units = unpacked(what, version, tmp_path)
+    flags = ["-std=c99", *STRICT, "-O1", "-fPIC", "-shared", "-fvisibility=hidden"]
+    subprocess.run(
+        [tool(compiler), *flags, "-isystem", "standard", "-o", "x.so", *units, "-lm"],
+        cwd=tmp_path,
+        check=True,
+    )
+
+
+@linux
+@pytest.mark.slow
+def test_built_as_cpp_it_computes_the_same(exported, tmp_path):
+    """Sources taken for C++: each output has the same bits."""
+    for what, version in (("plant", 2), ("closed-loop", 3)):
+        path = exported(what, version, law="mb")
+        folder = tmp_path / what
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(folder)
+        library = next(folder.glob("binaries/*/*.so"))
+        units = sorted(unit.name for unit in (folder / "sources").glob("*.c"))
+        flags = ["-x", "c++", "-std=c++98", "-O0", "-ffp-contract=off", "-fPIC", "-shared"]
+        subprocess.run(
+            [tool("g++"), *flags, "-fvisibility=hidden", "-o", str(library), *units, "-lm"],
+            cwd=folder / "sources",
+            check=True,
+        )
+        options = {"stop_time": 1.0, "output_interval": 0.01, "step_size": 0.01}
+        options |= {"fmi_type": "CoSimulation"}
+        first, second = (simulate_fmu(str(where), **options) for where in (path, folder))
+        assert len(first) == 101
+        assert first.tobytes() == second.tobytes(), what
+
+
+@linux
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+def test_rebuilt_from_its_own_sources(exported, tmp_path, version):
+    """Unpack, compile what the build description lists, put the library in place: the same FMU."""
+    path = exported("nn", version)
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path / "fmu")
+    folder = tmp_path / "fmu"
+    where = (
+        folder / "sources" / "buildDescription.xml"
+        if version == 3
+        else folder / "modelDescription.xml"
+    )
+    pattern = r'SourceFile name="(\w+\.c)"' if version == 3 else r'File name="(\w+\.c)"'
+    units = sorted(set(re.findall(pattern, where.read_text(encoding="utf-8"))))
+    library = next(folder.glob("binaries/*/*.so"))
+    before = library.read_bytes()
+    flags = ["-std=c99", "-O0", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"]
+    subprocess.run(
+        [tool("cc"), *flags, "-o", str(library), *units, "-lm"], cwd=folder / "sources", check=True
+    )
+    assert library.read_bytes() != before
+    results = [
+        simulate_fmu(
+            str(p), stop_time=1.0, output_interval=0.01, step_size=0.01, output=["tau_right"]
+        )
+        for p in (path, folder)
+    ]
+    assert abs(results[0]["tau_right"] - results[1]["tau_right"]).max() < 1e-9
+
+
+@linux
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "flags",
+    [
+        ("-funsafe-math-optimizations",),
+        ("-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"),
+    ],
+    ids=["unsafe", "associative"],
+)
+def test_clang_computes_the_same_whatever_it_may_reorder(exported, tmp_path, flags):
+    """It has no macro for these flags, so that the sources cannot refuse them, as with GCC.
+
+    They are linked without them: else the library makes its whole process flush small numbers.
+    """
+    path = exported("closed-loop", 3, scenario="safe-simulation")
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path)
+    library = next(tmp_path.glob("binaries/*/*.so"))
+    units = sorted(unit.name for unit in (tmp_path / "sources").glob("*.c"))
+    objects = [unit.replace(".c", ".o") for unit in units]
+    command = ["-std=c99", "-O2", *flags, "-fPIC", "-fvisibility=hidden", "-c", *units]
+    for words in (command, ["-shared", "-o", str(library), *objects, "-lm"]):
+        subprocess.run([tool("clang"), *words], cwd=tmp_path / "sources", check=True)
+    options = {"stop_time": 3.0, "output_interval": 0.01, "step_size": 0.01}
+    first, second = (simulate_fmu(str(where), **options) for where in (path, tmp_path))
+    for name in first.dtype.names:
+        assert abs(first[name] - second[name]).max() < 1e-6, name
+
+
+@pytest.mark.slow
+@linux
+def test_the_battery_runs_clean_under_sanitizers(tmp_path, monkeypatch):
+    """AddressSanitizer and UndefinedBehaviorSanitizer under the whole suite of calls.
+
+    FMUs are written here, since all of a process that the sanitizer watches takes thrice as long.
+    """
+    runtime = subprocess.run(
+        [tool("gcc"), "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
+    ).stdout.strip()
+    flags = (
+        "-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer -g1"
+    )
+    compiler = f"env -u LD_PRELOAD gcc {flags}"  # it needs no watch itself
+    monkeypatch.setenv("WMR_CTRL_FMU_CC", compiler)
+    environment = {
+        **os.environ,
+        "LD_PRELOAD": runtime,
+        "ASAN_OPTIONS": "detect_leaks=0",
+        "PYTHONMALLOC": "malloc",
+        MADE: str(tmp_path),
+    }
+    for what, version in WATCHED:
+        model = model_of(what, "mb", scenario_given("paper-simulation"))
+        path = tmp_path / f"wmr_{what}.fmi{version}.fmu"
+        write_fmu(model, version, targets_of("host"), path, result=False)
+    files = [f"tests/export/fmi/test_{name}.py" for name in ("hostile", "state", "derivatives")]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-x",
+        "-n",
+        "0",
+        "--timeout",
+        "600",
+        "-p",
+        "no:cacheprovider",
+        "-k",
+        " or ".join(f"{what}-{version}" for what, version in WATCHED),
+        *files,
+    ]
+    done = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    assert "runtime error" not in done.stdout + done.stderr
+
+
+@linux
+@pytest.mark.slow
+def test_the_example_importer_runs(raw, tmp_path):
+    fmu = raw("plant", 2)
+    program = tmp_path / "step"
+    subprocess.run(
+        [
+            tool("cc"),
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            f"-I{HEADERS}",
+            str(fmu_dir() / "examples" / "fmi2_step.c"),
+            "-o",
+            str(program),
+            "-ldl",
+        ],
+        check=True,
+    )
+    numbers = [str(fmu.ref("tau_right")), str(fmu.ref("omega")), "50"]
+    done = subprocess.run(
+        [str(program), str(fmu.library), fmu.description.guid, *numbers],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    one = fmu.new()
+    assert one.setup() == 0
+    one.put({"tau_right": 6.0})
+    assert one.leave() == 0
+    for k in range(50):
+        assert one.step(0.01 * k, 0.01) == 0
+    assert float.fromhex(done.stdout.split()[-1]) == one.get("omega")[0]

@@ -1,0 +1,77 @@
+"""CasADi's own importer on our plant, and writing again what is fixed by now."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import zipfile
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from tests.export.fmi.raw import CS, ERROR, ME, OK, WARNING, refs
+
+GRAPH = "extra/org.wmr-ctrl/evaluate.casadi"
+INPUT = {"plant": "tau_left", "nn": "v1"}
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_dae_builder_evaluates_the_plant_and_its_jacobian(exported, tmp_path, version):
+    """At another mass too; against the graph in the file, which `Function.load` reads."""
+    with zipfile.ZipFile(exported("plant", version)) as archive:
+        archive.extractall(tmp_path)
+    dae = ca.DaeBuilder("wmr_plant", str(tmp_path), {})
+    rates = dae.create("rates", ["x", "u", "p"], ["ode"], {})
+    graph, names = ca.Function.load(str(tmp_path / GRAPH)), [*dae.u(), *dae.p()]
+    x, u = [0.2, -0.1, 0.4, 0.004, -0.003], [5.0, 4.0, 0.1, 0.0, 1.0, -0.5]
+    heavier = [65.0 if n == "robot.m" else dae.attribute("start", n) for n in dae.p()]
+    known = dict(zip(names, [*u, *heavier], strict=True))
+    fixed = [dae.attribute("start", n) for n in ("robot.r", "robot.l", "robot.g", "robot.v_s")]
+    z = [*u, *(known[f"robot.{n}"] for n in ("m", "I", "mu")), *fixed]
+    z += [0.0] * (graph.size1_in(0) - len(z) - 5) + x
+    found = rates(x, u, heavier)
+
+    assert np.allclose(np.array(found), np.array(graph(z))[:5], rtol=1e-14, atol=0)
+    jacobian = rates.jacobian()(x, u, heavier, found)
+    whole = np.array(graph.jacobian()(z, graph(z)))
+    assert np.allclose(np.array(jacobian[0]), whole[:5, -5:], rtol=1e-9, atol=1e-9)
+    assert abs(float(jacobian[0][3, 3])) > 1
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(("what", "fixed"), [("plant", "robot.r"), ("nn", "limits.v_u1[1]")])
+def test_a_fixed_parameter_may_be_written_again_with_its_own_value(raw, version, what, fixed):
+    """GEMSEO and OpenModelica set all parameters once more; another value is named as fixed."""
+    fmu = raw(what, version)
+    one = fmu.new(CS).begin()
+    (value,) = one.get(fixed)
+
+    assert one.put({fixed: value, INPUT[what]: 0.25}) == WARNING
+    assert one.get(fixed, INPUT[what]) == [value, 0.25]
+    assert one.put({INPUT[what]: 0.5, fixed: 2 * value}) == ERROR
+    assert fmu.messages[-1].startswith(f"{fixed} is fixed by now: it is {value:.17g} and cannot")
+    assert one.get(fixed, INPUT[what]) == [value, 0.25]
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_seed_may_be_written_again_too(raw, version):
+    """It is an integer, which the runtime keeps as a double."""
+    fmu = raw("closed-loop", version)
+    one = fmu.new(CS).begin()
+    number, count = (ct.c_int32 if version == 2 else ct.c_int64), ct.c_size_t(1)
+    call = fmu.SetInteger if version == 2 else fmu.SetInt64
+    for value, status in ((0, WARNING), (1, ERROR)):
+        given = one.handle, refs(fmu.ref("seed")), count, (number * 1)(value)
+        assert call(*given, *(() if version == 2 else (count,))) == status
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_solvers_set_states_and_masses_in_model_exchange_alone(raw, version):
+    fmu = raw("plant", version)
+    for interface, wanted in ((ME, OK), (CS, ERROR)):
+        one = fmu.new(interface).begin()
+        if interface == ME:
+            assert fmu.EnterContinuousTimeMode(one.handle) == OK
+        assert one.put({"theta": 0.3}) == wanted
+        assert one.put({"robot.m": 60.0}) == OK
+        assert one.put({"robot.m": -60.0}) == one.put({"psi": 0.0}) == ERROR

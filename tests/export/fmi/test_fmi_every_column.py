@@ -1,0 +1,277 @@
+"""Every output of every kind of FMU has the bits of the native run's column of that name.
+
+Whatever effects act: all of the registry together, and each other form that their graphs have; FMI
+2 and FMI 3.  The closed loop runs by itself.  Reference, law, guard and plant are stepped here in
+the native order, by their C functions; what lies between them is the native loop's own, and no
+column is chosen by hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import TypeAlias
+
+import pytest
+from fmpy import extract
+
+from tests.export.fmi.raw import DISCARD, ERROR, OK, Fmu, Instance
+from tests.world.toys import CLOTHOID
+from wmr_ctrl.api import simulate
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.signals import DISTURBING, FORCE, PATH, PLANT_STATE, PSI, TIME, TORQUE, VELOCITY
+from wmr_ctrl.export.cosim.master import Measurement, Outside
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
+from wmr_ctrl.results import Run
+from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.registry import OURS
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+
+Row: TypeAlias = dict[str, float]
+Load: TypeAlias = Callable[[str, str, Scenario, int], Fmu]
+
+SEED = 0
+BASE: Mapping[str, object] = {
+    "clock.duration": 0.3,
+    "changes": [],
+    "disturbance.std": 0.0,
+    "disturbance.truncate": 2.0,
+    "actuator.tau_max": 30.0,
+}
+ACTING: Mapping[str, Mapping[str, object]] = {
+    "encoder": {"encoder.counts": 4096},
+    "velocity mean": {"sensor.velocity_window": 0.01},
+    "velocity loss": {"sensor.velocity_losses": 2},
+    "gyro": {"gyro.enabled": True, "gyro.bias": 0.01, "gyro.noise": 0.01},
+    "velocity noise": {"sensor.velocity_noise": [0.002, 0.004]},
+    "pose delay": {"sensor.pose_delay": 0.05},
+    "pose sensor": {
+        "sensor.pose_period": 0.02,
+        "sensor.pose_noise": 0.01,
+        "sensor.pose_dropout": 0.3,
+    },
+    "torque noise": {"disturbance.std": 0.2},
+    "push": {"disturbance.push": [3.0, 0.5]},
+    "gust": {"gust.size": [5.0, 1.0], "gust.time": 0.1},
+    "slope": {"slope.angle": 0.01, "slope.direction": 0.5, "slope.offset": 0.02},
+    "resistance": {"resistance.rolling": [0.01, 0.012], "resistance.viscous": [2.0, 0.1]},
+    "delay": {"actuator.delay": 0.003, "actuator.unmodelled_delay": 0.001},
+    "jitter": {"actuator.jitter": 0.004},
+    "motor": {"motor.step": 0.02, "motor.dead_zone": 0.01},
+    "lag": {"actuator.lag": 0.004, "actuator.lag_spread": 0.3},
+    "wheels": {"wheels.radius": [0.002, -0.001], "wheels.track": 0.002},
+}
+"""By an effect's name, what makes it act."""
+
+
+def all_but(name: str) -> Mapping[str, object]:
+    """All effects at once but one: wheels are counted, or the velocity is averaged."""
+    return {key: v for n, changes in ACTING.items() if n != name for key, v in changes.items()}
+
+
+FORMS: Mapping[str, Mapping[str, object]] = {
+    "encoder over a window": {"encoder.counts": 4096, "encoder.window": 0.02},
+    "encoder by time": {"encoder.counts": 4096, "encoder.method": "time"},
+    "late velocity": {"sensor.velocity_age": 0.01},
+    "motor that stalls": {"motor.stall": 30.0, "motor.free": 60.0},
+}
+"""Other forms that the graphs of effects have."""
+COUNTED, AVERAGED = "all, counted", "all, averaged"
+EFFECTS: Mapping[str, Mapping[str, object]] = {
+    **ACTING, **FORMS, "none": {}, COUNTED: all_but("velocity mean"), AVERAGED: all_but("encoder")
+}  # fmt: skip
+LAW = "mb"
+KINDS = ("reference", "law", "plant")
+TORQUES = [item.name for item in TORQUE]
+STATE = (*(item.name for item in PLANT_STATE), PATH.name)
+ACTED = tuple(item.name for item in (*TORQUE, *DISTURBING))
+POINTS = [[0.0, 0.0], [1.0, 0.2], [2.0, 1.0], [2.5, 2.0]]
+REACHED = {item.name for item in (*PLANT_STATE, PSI)}
+"""What the closed loop shows at the instant that was reached; all else is of the last sample."""
+UNLOGGED = {*PATH.elements, *FORCE.elements}
+"""Outputs that no run logs; what stands behind them is compared."""
+
+
+@pytest.fixture(scope="module")
+def load(tmp_path_factory: pytest.TempPathFactory) -> Load:
+    """An FMU of a scenario, unpacked; each made once."""
+
+    @cache
+    def made(what: str, law: str, scenario: Scenario, version: int) -> Fmu:
+        out = tmp_path_factory.mktemp("columns")
+        (path,) = export_fmu(what, law=law, scenario=scenario, fmi=version, out=out, arrays=False)
+        return Fmu(path, Path(extract(str(path), str(out / "unpacked"))), version)
+
+    return made
+
+
+@cache
+def scenario_with(effect: str, guard: bool = False) -> Scenario:
+    base = load_scenario("paper-simulation", {**BASE, **EFFECTS[effect]})
+    return override(base, {"guard.enabled": guard, "guard.alpha": 5.0})
+
+
+@cache
+def native(scenario: Scenario, law: str) -> Run:
+    return simulate(scenario, law, seed=SEED)
+
+
+def row(run: Run, k: int) -> Row:
+    """All columns of sample k, by their elements."""
+    return {name: float(run[name][k]) for signal in run.signals for name in signal.elements}
+
+
+def shown(part: Instance) -> Row:
+    """Every output."""
+    found: Row = {}
+    for v in part.fmu.variables.values():
+        if v.causality == "output":
+            integer = v.type in ("Integer", "Int64")
+            found |= {v.name: part.integer(v.name) if integer else part.get(v.name)[0]}
+    return found
+
+
+def different(found: Row, wanted: Row) -> list[str]:
+    """Outputs with other bits than the column of their name."""
+    return [n for n, v in found.items() if n not in UNLOGGED and v.hex() != wanted[n].hex()]
+
+
+def test_every_effect_acts_alone():
+    ours = [item for item in OURS if item.section.KEY != "base"]  # those: test_velocity_loop.py
+    for name in (item.name for item in ours):
+        assert [e.name for e in OURS if e.active(scenario_with(name))] == [name]
+    both = {e.name for name in (COUNTED, AVERAGED) for e in OURS if e.active(scenario_with(name))}
+    assert both == {item.name for item in ours}
+
+
+@pytest.mark.parametrize(
+    ("effect", "version"),
+    [
+        (COUNTED, 2),
+        (AVERAGED, 3),
+        ("encoder over a window", 2),
+        ("encoder by time", 3),
+        ("late velocity", 2),
+        ("motor that stalls", 3),
+        ("delay", 2),
+        ("none", 3),
+    ],
+)
+@pytest.mark.slow
+def test_the_closed_loop(load, effect, version):
+    scenario = scenario_with(effect)
+    run, loop = native(scenario, LAW), load("closed-loop", LAW, scenario, version).new().begin()
+    rows, period = [row(run, k) for k in range(run.rows)], scenario.clock.control
+    start, watched = shown(loop), {"max_abs_v[1]", "max_abs_v[2]", "violations"}
+
+    assert start.keys() - watched == rows[0].keys() - {TIME.name}
+    assert different({n: v for n, v in start.items() if n not in watched}, rows[0]) == []
+    for k in range(run.rows):
+        assert loop.step(k * period, period) == OK
+        found = shown(loop)
+        sampled = {n: v for n, v in found.items() if n not in REACHED | watched}
+        assert different(sampled, rows[k]) == [], k
+        if k + 1 < run.rows:
+            assert different({n: found[n] for n in REACHED}, rows[k + 1]) == [], k
+    most = run.monitor.max_abs_v
+    assert (found["max_abs_v[1]"], found["max_abs_v[2]"]) == most
+    assert found["violations"] == run.monitor.violations
+    loop.free()
+
+
+@pytest.mark.slow
+def test_the_closed_loop_ends_with_the_native_run(load):
+    gains = {"gains.pid.Kp": [1e6, 1e5], "actuator.tau_max": 1e9, "clock.duration": 2.0}
+    wild = override(scenario_with("none"), gains)
+    run, loop = native(wild, "pid"), load("closed-loop", "pid", wild, 2).new().begin()
+    period, last = wild.clock.control, run.rows - 1
+
+    assert run.monitor.stop_reason == "diverged"
+    assert [loop.step(k * period, period) for k in range(last)] == [OK] * last
+    assert loop.step(last * period, period) == DISCARD
+    assert different({n: v for n, v in shown(loop).items() if n in TORQUES}, row(run, last)) == []
+    assert loop.step(run.rows * period, period) == ERROR
+    loop.free()
+
+
+class Parts:
+    """Reference, law, guard and plant in the native order; all that they show is compared."""
+
+    def __init__(self, load: Load, law: str, scenario: Scenario, version: int) -> None:
+        self.run = native(scenario, law)
+        self.outside = Outside(settle(scenario, law), SEED)
+        self.clock, self.part = scenario.clock, {}
+        for kind in (*KINDS, "guard") if scenario.guard.enabled else KINDS:
+            what = law if kind == "law" else kind
+            self.part[kind] = load(what, law, scenario, version).new().begin()
+
+    def whole(self) -> None:
+        """The whole run."""
+        for k in range(self.run.rows):
+            self.sample(k, row(self.run, k))
+        for part in self.part.values():
+            part.free()
+
+    def sample(self, k: int, wanted: Row) -> None:
+        """One control period."""
+        desired, plant = shown(self.part["reference"]), shown(self.part["plant"])
+        assert different({**desired, **plant}, wanted) == [], k
+        now = self.outside.sample([plant[n] for n in STATE if n in plant])
+        measured = dict(zip(STATE, (*now.pose, *now.velocity), strict=False))
+        law = self.stepped("law", k, {**desired, **measured}, wanted)
+        if "guard" in self.part:
+            asked = {n: law[n] for n in FORCE.elements}
+            self.stepped(
+                "guard", k, {**asked, **{v.name: measured[v.name] for v in VELOCITY}}, wanted
+            )
+        self.drive(k, [law[name] for name in TORQUES], now)
+        assert self.part["reference"].step(k * self.clock.control, self.clock.control) == OK
+
+    def stepped(self, kind: str, k: int, given: Row, wanted: Row) -> Row:
+        part = self.part[kind]
+        assert part.put(given) == OK
+        assert part.step(k * self.clock.control, self.clock.control) == OK
+        found = shown(part)
+        assert different(found, wanted) == [], (kind, k)
+        return found
+
+    def drive(self, k: int, torque: list[float], now: Measurement) -> None:
+        """The plant over one control period, in steps of its own."""
+        part, h = self.part["plant"], self.clock.plant
+        for i in range(k * self.clock.substeps, (k + 1) * self.clock.substeps):
+            acting = self.outside.step(torque, now)
+            assert part.put(dict(zip(ACTED, acting, strict=True))) == OK
+            assert part.step(i * h, h) == OK
+            plant = shown(part)
+            self.outside.ends([plant[n] for n in STATE if n in plant], i + 1)
+
+
+@pytest.mark.parametrize(("effect", "version", "guard"), [(COUNTED, 2, False), (AVERAGED, 3, True)])
+@pytest.mark.slow
+def test_the_parts(load, effect, version, guard):
+    Parts(load, LAW, scenario_with(effect, guard), version).whole()
+
+
+@pytest.mark.parametrize(
+    ("kind", "version"), [("lemniscate", 2), ("stop-and-go", 2), ("waypoints", 3)]
+)
+@pytest.mark.slow
+def test_references(load, kind, version):
+    points = {"reference.points": POINTS} if kind == "waypoints" else {}
+    changes = {"reference.kind": kind, **points}
+    Parts(load, LAW, override(scenario_with("none"), changes), version).whole()
+
+
+@pytest.mark.slow
+def test_a_reference_with_memory_keeps_it_over_a_long_step(load, monkeypatch):
+    monkeypatch.setitem(REFERENCES.__dict__, "plugins", (CLOTHOID,))
+    scenario = override(scenario_with("none"), {"reference.kind": CLOTHOID.name})
+    run, period = native(scenario, LAW), scenario.clock.control
+    reference = load("reference", LAW, scenario, 2).new().begin()
+
+    assert different(shown(reference), row(run, 0)) == []
+    for k in range(0, 20, 10):
+        assert reference.step(k * period, 10 * period) == OK
+        assert different(shown(reference), row(run, k + 10)) == []
+    reference.free()

@@ -1,0 +1,128 @@
+"""The command filter as an FMU: the bits of a run's filter, its flags, what it refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.validation import validate_fmu
+
+from tests.control.bases import GOVERNED
+from tests.export.fmi.raw import ERROR, OK, Fmu
+from tests.filter.test_filter import scenario
+from wmr_ctrl import command_filter, simulate
+from wmr_ctrl.control.filter.channels import FLAG_NAMES
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
+from wmr_ctrl.world.scenario import load_scenario, override
+
+PI = {
+    "kind": "band", "loop": "pi", "mass": (50, 65), "inertia": (4, 6), "kp": (135, 165),
+    "ki": (270, 330), "friction": (0, 20),
+}  # fmt: skip
+DRIVEN = override(load_scenario("paper-simulation-noise-free"), {**GOVERNED, "changes": []})
+
+
+def exported(case, version, folder):
+    (path,) = export_fmu("filter", scenario=case, fmi=version, out=folder)
+    return path
+
+
+def opened(case, version, folder):
+    path = exported(case, version, folder)
+    return Fmu(path, Path(extract(str(path), str(folder / "unpacked"))), version)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.slow_but("2")
+def test_it_sends_what_a_run_sent_to_the_bit(version, tmp_path):
+    run = simulate(DRIVEN, "kanayama")
+    path = exported(DRIVEN, version, tmp_path)
+    T = DRIVEN.clock.control
+    names = ("t", *(f"v_asked[{i}]" for i in (1, 2)), *(f"v_odometry[{i}]" for i in (1, 2)))
+    columns = (run["t"], *(run[name] for name in (*names[1:3], "v1", "omega")))
+    given = np.array(
+        list(zip(*columns, strict=True)), dtype=[(name.replace("t", "time", name == "t"), float)
+        for name in names],
+    )  # fmt: skip
+    found = simulate_fmu(
+        str(path), stop_time=run.rows * T, output_interval=T, step_size=T, input=given,
+        start_values={"odometry_age": 0.0},
+        output=["v_sent[1]", "v_sent[2]", "filter_flags", "limited"],
+    )  # fmt: skip
+    assert validate_fmu(str(path)) == []
+    pairs = {"v_sent[1]": "v_command", "v_sent[2]": "omega_command", "filter_flags": "filter_flags"}
+    for told, column in pairs.items():
+        assert np.array_equal(found[told][1:], run[column]), told
+    assert np.array_equal(found["limited"][1:], run["filter_flags"] % 2)
+    assert 0 < found["limited"].mean() < 1
+
+
+@pytest.mark.slow
+def test_the_band_is_the_native_filter(tmp_path):
+    """To the bit: its graph has no function of the C library, which CasADi's machine would call."""
+    case = load_scenario("paper-simulation", {"clock.control": 0.05, "filter": PI})
+    instance = opened(case, 3, tmp_path).new().begin()
+    native = command_filter(case)
+    for k, asked in enumerate([(2.0, 0.5)] * 40 + [(-1.0, 3.0)] * 30):
+        instance.put({"v_asked[1]": asked[0], "v_asked[2]": asked[1]})
+        assert instance.step(0.05 * k, 0.05) == OK
+        wanted = native.step(asked)
+        assert instance.get("v_sent[1]", "v_sent[2]") == list(wanted.command)
+        told = instance.get(*(name.replace("-", "_") for name in FLAG_NAMES.values()))
+        assert told == [float(name in wanted.flags) for name in FLAG_NAMES.values()]
+    share = [wanted.command[i] / asked[i] for i in (0, 1)]
+    assert instance.get("share[1]", "share[2]") == share
+    instance.free()
+
+
+def test_a_repeated_step_is_noticed_once_the_time_was_told(tmp_path):
+    instance = opened(scenario(), 3, tmp_path).new().begin()
+    late = []
+    for k, since in enumerate((0.0, 0.0, 0.05, 0.0, 0.05)):
+        instance.put({"elapsed": since})
+        assert instance.step(0.05 * k, 0.05) == OK
+        late += instance.get("late")
+    assert late == [0.0, 0.0, 0.0, 1.0, 0.0]
+    instance.free()
+
+
+def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(tmp_path):
+    fmu = opened(scenario(), 2, tmp_path)
+    instance = fmu.new().begin()
+    instance.put({"v_asked[1]": 0.2})
+    for wrong in (float("nan"), float("inf"), 2e12):
+        for name in ("v_asked[1]", "v_odometry[2]", "odometry_age", "elapsed"):
+            assert instance.put({name: wrong}) == ERROR
+    assert instance.get("v_asked[1]") == [0.2]
+    instance.put({"v_asked[1]": 0.3, "v_odometry[1]": 3.0, "odometry_age": 0.0})
+    assert instance.step(0.0, 0.05) == OK
+    assert instance.get("bounds_left", "unused", "share[1]", "refused") == [1.0, 0.0, 1.0, 0.0]
+    assert fmu.variables["clock.control"].min == fmu.variables["clock.control"].max
+    instance.free()
+
+
+def test_terminals_gather_what_is_asked_and_what_is_sent(tmp_path):
+    from wmr_ctrl.export.fmi.blocks import filter_model
+    from wmr_ctrl.export.fmi.xml import terminals
+
+    text = terminals(filter_model(scenario()))
+    for name, member in (("asked", "v_asked[2]"), ("odometry", "v_odometry[1]"),
+                         ("command", "v_sent[1]")):  # fmt: skip
+        assert f'<Terminal name="{name}"' in text
+        assert f'variableName="{member}"' in text
+    assert text.count('matchingRule="bus"') == text.count("<Terminal ")
+
+
+def test_its_plain_code_is_named_and_it_claims_no_derivatives(tmp_path):
+    description = read_model_description(str(exported(scenario("clip"), 2, tmp_path)))
+    assert description.description.endswith("interface.xml")
+    assert not description.coSimulation.providesDirectionalDerivative
+
+
+def test_without_a_filter_there_is_none(tmp_path):
+    with pytest.raises(ScenarioError, match="has no command filter"):
+        export_fmu("filter", scenario="paper-simulation", out=tmp_path)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,402 @@
+"""Calls that no importer should make: refused with a sentence, and nothing else happens."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.export.fmi.cases import FMUS
+from tests.export.fmi.raw import CS, DISCARD, ERROR, ME, OK, REFUSED, WARNING, Instance, reals, refs
+from tests.export.fmi.sequences import MODES, STEP, calls, reach
+
+full = pytest.mark.parametrize(
+    ("what", "version"), [("plant", 2), ("plant", 3), ("nn", 2), ("nn", 3)]
+)
+everywhere = pytest.mark.parametrize(("what", "version"), FMUS)
+NAN, INF = math.nan, math.inf
+
+
+@full
+@pytest.mark.slow_but("plant-2", "plant-3")
+def test_every_function_in_every_state(raw, what, version):
+    """Legal calls succeed, others are refused; afterwards the instance can be reset and used."""
+    fmu = raw(what, version)
+    for interface in fmu.interfaces:
+        for call in calls(fmu):
+            for mode in MODES[interface]:
+                one = reach(fmu, interface, mode)
+                fmu.messages.clear()
+                status = call.make(one)
+                where = f"{call.name} in {mode} ({interface}): {status}"
+                if call.is_legal(mode, interface):
+                    assert status == OK, where
+                else:
+                    assert status in REFUSED, where
+                    assert fmu.messages, where
+                assert one.reset() == OK
+                one.begin().free()
+
+
+@pytest.mark.parametrize(
+    ("what", "version"),
+    [("reference", 2), ("closed-loop", 3), ("plant", 2), ("guard", 3), ("nn", 3), ("kanayama", 2)],
+)
+@pytest.mark.slow_but("reference-2", "closed-loop-3")
+def test_bad_steps(raw, what, version):
+    """Sizes and times that make no sense are refused at once, and the next good step is taken."""
+    fmu = raw(what, version)
+    one = fmu.new().begin(stop=1.0)
+    before = one.all()
+    for t, h in (
+        (0, 0),
+        (0, -0.01),
+        (0, NAN),
+        (0, INF),
+        (0, -INF),
+        (0, 1e300),
+        (NAN, 0.01),
+        (INF, 0.01),
+        (0.5, 0.01),
+        (-0.01, 0.01),
+        (1e-6, 0.01),
+        (0, 1.1),
+    ):
+        assert one.step(t, h) in REFUSED, (t, h)
+        assert one.all() == before
+    assert one.step(0.0, 0.01) == OK
+    assert one.step(0.01 * (1 + 1e-12), 0.01) == OK
+    assert one.step(0.02, 1.0) in REFUSED
+    one.free()
+
+
+@everywhere
+def test_a_step_of_too_many_internal_ones(raw, what, version):
+    one = raw(what, version).new().begin()
+    for h in (1e5, 1e9, 1e15):
+        assert one.step(0.0, h) in REFUSED
+    assert one.step(0.0, 0.01) == OK
+    one.free()
+
+
+@everywhere
+def test_numbers_that_are_none_and_values_out_of_range(raw, what, version):
+    fmu = raw(what, version)
+    one = fmu.new()
+    before = one.all()
+    for v in fmu.description.modelVariables:
+        if (
+            v.causality in ("input", "parameter")
+            and v.type in ("Real", "Float64")
+            and not v.dimensions
+        ):
+            for value in (NAN, INF, -INF):
+                assert one.put({v.name: value}) == ERROR, v.name
+        if v.causality == "parameter" and v.type in ("Real", "Float64") and not v.dimensions:
+            assert one.put({v.name: float(v.max) * 1.1 + 1}) == ERROR, v.name
+            assert one.put({v.name: float(v.min) * 1.1 - 1}) == ERROR, v.name
+    assert one.all() == before
+    one.begin().free()
+
+
+@full
+def test_a_write_happens_whole_or_not_at_all(raw, what, version):
+    fmu = raw(what, version)
+    one = fmu.new().begin()
+    names = [n for n, v in fmu.variables.items() if v.causality == "input"][:2]
+    before = one.get(*names)
+    assert one.put({names[0]: 0.125, names[1]: NAN}) == ERROR
+    assert one.put_refs([fmu.ref(names[0]), 4_000_000], [0.125, 0.0]) == ERROR
+    assert one.get(*names) == before
+    one.free()
+
+
+@everywhere
+def test_unknown_references_wrong_types_and_missing_arrays(raw, what, version):
+    fmu = raw(what, version)
+    one = fmu.new().begin()
+    for wrong in (2**32 - 1, 100_000):
+        assert one.get_refs([wrong])[0] == ERROR
+        assert one.put_refs([wrong], [0.0]) == ERROR
+    many = ct.c_size_t(1)
+    length = () if version == 2 else (many,)
+    kinds = (
+        ("Real", "Integer", "Boolean", "String")
+        if version == 2
+        else ("Float64", "Int64", "Boolean", "String", "Int32")
+    )
+    for kind in kinds:
+        for verb in ("Get", "Set"):
+            call = getattr(fmu, verb + kind)
+            assert call(one.handle, None, many, reals(0.0), *length) == ERROR, kind
+            assert call(one.handle, refs(1), many, None, *length) == ERROR, kind
+            assert (
+                call(one.handle, None, ct.c_size_t(0), None, *([ct.c_size_t(0)] * len(length)))
+                == OK
+            ), kind
+    assert (
+        getattr(fmu, "GetInteger" if version == 2 else "GetInt64")(
+            one.handle, refs(1), many, reals(0.0), *length
+        )
+        == ERROR
+    )
+    one.free()
+
+
+@full
+def test_missing_places_for_answers(raw, what, version):
+    fmu = raw(what, version)
+    one = fmu.new().begin()
+    spelled = "FMUstate" if version == 2 else "FMUState"
+    for name in (f"Get{spelled}", f"Free{spelled}", f"Set{spelled}"):
+        assert getattr(fmu, name)(one.handle, None) == ERROR
+    assert getattr(fmu, f"Serialized{spelled}Size")(one.handle, None, None) == ERROR
+    assert getattr(fmu, f"Serialize{spelled}")(one.handle, None, None, ct.c_size_t(0)) == ERROR
+    if version == 3:
+        assert (
+            fmu.DoStep(one.handle, ct.c_double(0), ct.c_double(0.01), True, None, None, None, None)
+            == ERROR
+        )
+    assert one.step(0.0, 0.01) == OK
+    assert fmu.SetDebugLogging(one.handle, 1, ct.c_size_t(1), None) == ERROR
+    assert (
+        fmu.SetDebugLogging(one.handle, 1, ct.c_size_t(1), (ct.c_char_p * 1)(b"no such category"))
+        == ERROR
+    )
+    assert fmu.SetDebugLogging(one.handle, 1, ct.c_size_t(1), (ct.c_char_p * 1)(b"logEvents")) == OK
+    one.free()
+
+
+@everywhere
+def test_wrong_instances(raw, what, version):
+    """No name, another token, no such interface: no instance, and the reason is told."""
+    fmu = raw(what, version)
+    for given_ in (
+        {"token": b"{other}"},
+        {"token": None},
+        {"name": None},
+        {"name": b""},
+        *([{"events": True}] if version == 3 else []),
+    ):
+        fmu.messages.clear()
+        assert not fmu.instantiate(**given_)
+        assert fmu.messages
+    if ME not in fmu.interfaces:
+        assert not fmu.instantiate(ME)
+    for interface in fmu.interfaces:
+        assert fmu.Terminate(None) == ERROR
+        fmu.FreeInstance(None)
+        fmu.new(interface).free()
+
+
+@everywhere
+def test_nobody_listens(raw, what, version):
+    """No callbacks, no logger, no resources: refusals are silent, the rest works."""
+    fmu = raw(what, version)
+    silent = (
+        [{"callbacks": None}, {"resources": None}]
+        if version == 2
+        else [{"log": None}, {"resources": None}]
+    )
+    for given_ in silent:
+        one = fmu.new(**given_)
+        assert one.step(0.0, 0.01) == ERROR
+        assert one.begin().step(0.0, 0.01) == OK
+        assert not fmu.instantiate(token=b"wrong", **given_)
+        one.free()
+
+
+@everywhere
+def test_bad_experiments(raw, what, version):
+    fmu = raw(what, version)
+    for start, stop, tolerance in (
+        (NAN, None, None),
+        (INF, None, None),
+        (0.0, NAN, None),
+        (1.0, 0.5, None),
+        (0.0, None, NAN),
+        (0.0, None, -1.0),
+    ):
+        one = fmu.new()
+        assert one.setup(start, stop, tolerance) == ERROR
+        assert one.reset() == OK
+        one.begin().free()
+    one = fmu.new()
+    assert one.setup(1.0, 1.0) == OK  # it ends where it begins
+    one.free()
+
+
+def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
+    """More than 1e5 of them in a period, or no whole number of them."""
+    for version in (2, 3):
+        fmu = raw("closed-loop", version)
+        for step, status in (
+            (0.01 / 2e5, ERROR),
+            (0.004, ERROR),
+            (0.02, ERROR),
+            (0.01, OK),
+            (0.01 / 1e4, OK),
+        ):
+            one = fmu.new()
+            assert one.put({"clock.plant": step}) == OK
+            assert one.setup() == OK
+            assert one.leave() == status
+            one.free()
+
+
+def test_a_reference_between_samples_is_that_of_the_time_that_was_reached(raw):
+    """It has no inputs, and moves evenly on its circle."""
+    for version in (2, 3):
+        fmu = raw("reference", version)
+        turned = []
+        for h in (0.01, 0.004):
+            one = fmu.new().begin()
+            (before,) = one.get("theta_d")
+            assert one.step(0.0, h) == OK
+            turned.append(one.get("theta_d")[0] - before)
+            one.free()
+        assert turned[1] == pytest.approx(0.4 * turned[0], rel=1e-9)
+        assert turned[0] > 0
+
+
+def test_a_change_acts_from_the_first_plant_step_that_starts_at_or_after_it(raw):
+    fmu = raw("closed-loop", 3)
+    (time,) = (name for name in fmu.variables if name.startswith("changes") and name.endswith(".t"))
+    ends = []
+    for t in (0.003, 0.0034, 0.004):
+        one = fmu.new()
+        assert one.put({time: t}) == OK
+        assert one.begin().step(0.0, 0.02) == OK
+        ends.append(one.get("v1", "omega"))
+        one.free()
+
+    assert ends[0] != ends[1] == ends[2]
+
+
+def test_an_integer_is_read_as_it_was_set(raw):
+    fmu = raw("closed-loop", 2)
+    one, found = fmu.new(), ct.c_int()
+    which = one.handle, refs(fmu.ref("seed")), ct.c_size_t(1)
+    for seed in (0, 5, 2**31 - 1):
+        assert fmu.SetInteger(*which, ct.byref(ct.c_int(seed))) == OK
+        assert fmu.GetInteger(*which, ct.byref(found)) == OK
+        assert found.value == seed
+    one.free()
+
+
+def test_a_rest_of_a_step_is_a_step(raw):
+    """However short it is."""
+    for version in (2, 3):
+        fmu = raw("plant", version)
+        one, other = (fmu.new().begin() for _ in range(2))
+        for instance in (one, other):
+            assert instance.put({"tau_right": 2.0, "tau_left": 1.0}) == OK
+        assert one.step(0.0, 0.010005) == OK
+        assert other.step(0.0, 0.01) == OK
+        assert other.step(0.01, 0.000005) == OK
+        assert one.get("v1")[0] == pytest.approx(other.get("v1")[0], rel=1e-9)
+
+
+def test_states_of_solvers_must_be_numbers(raw):
+    for version in (2, 3):
+        fmu = raw("plant", version)
+        one = reach(fmu, ME, "continuous")
+        for wrong in (NAN, INF):
+            assert (
+                fmu.SetContinuousStates(one.handle, reals(0, 0, wrong, 0, 0), ct.c_size_t(5))
+                in REFUSED
+            )
+            assert fmu.SetTime(one.handle, ct.c_double(wrong)) == ERROR
+        assert any("state 3 is not finite" in text for text in fmu.messages)
+        assert fmu.SetContinuousStates(one.handle, reals(0, 0), ct.c_size_t(2)) == ERROR
+        assert fmu.SetContinuousStates(one.handle, None, ct.c_size_t(5)) == ERROR
+        assert fmu.GetContinuousStates(one.handle, reals(*[0] * 4), ct.c_size_t(4)) == ERROR
+        one.free()
+
+
+@full
+@settings(max_examples=3 * settings.default.max_examples // 2)
+@given(script=st.lists(st.integers(0, 10_000), max_size=25))
+@pytest.mark.slow_but("nn-2")
+def test_any_sequence_of_calls_ends_in_order(raw, what, version, script):
+    """Whatever is called in whatever order: a status, and an instance that works after reset."""
+    fmu = raw(what, version)
+    listed = calls(fmu)
+    interface = fmu.interfaces[script[0] % len(fmu.interfaces)] if script else CS
+    one = reach(fmu, interface, MODES[interface][len(script) % len(MODES[interface])])
+    for number in script:
+        assert listed[number % len(listed)].make(one) in (OK, WARNING, *REFUSED)
+    assert one.reset() == OK
+    one.begin()
+    assert one.get("time") == [0.0]
+    one.free()
+
+
+def test_intermediate_updates_and_early_returns(raw):
+    """FMI 3: each internal step is shown; a return that is asked for happens there."""
+    cases = ("plant", 0.01, 9), ("plant", 0.0105, 10), ("nn", 0.05, 4), ("closed-loop", 0.05, 4)
+    for what, h, wanted in cases:
+        fmu, seen = raw(what, 3), []
+        kind = ct.CFUNCTYPE(
+            None,
+            ct.c_void_p,
+            ct.c_double,
+            ct.c_bool,
+            ct.c_bool,
+            ct.c_bool,
+            ct.c_bool,
+            ct.POINTER(ct.c_bool),
+            ct.POINTER(ct.c_double),
+        )
+
+        held: list[Instance] = []
+
+        def update(_env, time, _put, _get, _done, _may, early, until, seen=seen, held=held):
+            legal = held[-1].fmu.SetDebugLogging(held[-1].handle, 0, ct.c_size_t(0), None)
+            seen.append((time, held[-1].get("time")[0], held[-1].step(0.0, 0.01), legal))
+            early[0] = len(seen) in (1, 2)  # which counts for nothing where it may not
+            until[0] = time + (len(seen) == 1)
+
+        callback = kind(update)
+        one = fmu.new(update=callback)
+        held.append(one)
+        assert one.begin().step(0.0, h) == OK
+        assert len(seen) == wanted
+        assert all(
+            (shown, refused, legal) == (time, ERROR, OK) for time, shown, refused, legal in seen
+        )
+        seen.clear()
+        one = fmu.new(update=callback, early=True).begin()
+        held.append(one)
+        flags, last = [ct.c_bool() for _ in range(3)], ct.c_double()
+        assert (
+            fmu.DoStep(
+                one.handle,
+                ct.c_double(0),
+                ct.c_double(h),
+                True,
+                *map(ct.byref, flags),
+                ct.byref(last),
+            )
+            == OK
+        )
+        assert [flag.value for flag in flags] == [False, False, True]
+        assert len(seen) == 2  # at the first one a return is asked for at a later time
+        assert last.value == seen[-1][0] == one.get("time")[0]
+        assert one.step(last.value, h) == OK
+        one.free()
+        if what == "plant":  # a step that is taken back after it was shown
+            one = fmu.new(update=callback)
+            held.append(one)
+            assert one.put({"v1": 1.7e308}) == OK
+            before = one.begin().all()
+            assert one.step(0.0, 10.0) == DISCARD
+            assert one.all() == before
+            one.free()
+
+
+def test_the_modes_are_all_there():
+    assert STEP in MODES[CS]

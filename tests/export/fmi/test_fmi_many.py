@@ -1,0 +1,89 @@
+"""Many instances, many threads, odd places, and no growth."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import resource
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+from fmpy import simulate_fmu
+
+from tests.export.fmi.raw import CS, OK
+
+both = pytest.mark.parametrize("version", [2, 3])
+
+
+def driven(one, steps):
+    """Final values after some steps."""
+    for k in range(steps):
+        assert one.step(0.01 * k, 0.01) == OK
+    return one.all()
+
+
+def test_a_thousand_interleaved_instances(raw):
+    fmu = raw("plant", 3)
+    alone = [fmu.new().begin() for _ in range(5)]
+    for i, one in enumerate(alone):
+        one.put({"tau_right": 0.1 * i})
+    wanted = [driven(one, 5) for one in alone]
+    many = [fmu.new().begin() for _ in range(1000)]
+    for i, one in enumerate(many):
+        one.put({"tau_right": 0.1 * (i % 5)})
+    for k in range(5):
+        for one in many:
+            assert one.step(0.01 * k, 0.01) == OK
+    for i, one in enumerate(many):
+        assert one.all() == wanted[i % 5]
+        one.free()
+
+
+@both
+@pytest.mark.parametrize("what", ["plant", "nn", "closed-loop"])
+@pytest.mark.slow_but("plant-3", "nn-2", "closed-loop-3")
+def test_eight_threads(raw, what, version):
+    fmu = raw(what, version)
+    wanted = driven(fmu.new().begin(), 200)
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda _: driven(fmu.new().begin(), 200), range(16)))
+    assert found == [wanted] * 16
+
+
+@both
+@pytest.mark.parametrize(
+    "folder", ["a folder with spaces", "Ordner für Räder", "日本 語", "it's (odd) #1 & more"]
+)
+def test_odd_paths(exported, tmp_path, folder, version):
+    place = tmp_path / folder
+    place.mkdir()
+    path = shutil.copy(exported("plant", version), place / "my plant é.fmu")
+    assert len(simulate_fmu(str(path), stop_time=0.1, output_interval=0.01)) == 11
+
+
+@both
+@pytest.mark.parametrize("what", ["plant", "nn", "closed-loop"])
+def test_instances_come_and_go_without_growth(raw, what, version):
+    fmu = raw(what, version)
+
+    def cycles(count):
+        for _ in range(count):
+            one = fmu.instantiate(CS)
+            fmu.FreeInstance(ct.c_void_p(one))
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    before = cycles(1000)
+    assert cycles(10_000) - before < 1024  # KiB; a single leaked instance each would be 10 MB
+
+
+@both
+def test_states_come_and_go_without_growth(raw, version):
+    one = raw("nn", version).new().begin()
+
+    def cycles(count):
+        for _ in range(count):
+            assert one.restore(one.bytes_of_state()) == OK
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    before = cycles(200)
+    assert cycles(2000) - before < 1024

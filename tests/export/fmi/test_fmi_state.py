@@ -1,0 +1,164 @@
+"""States: taken, put back, written as bytes, read elsewhere; damaged bytes are refused."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.export.fmi.cases import OTHER_LAWS
+from tests.export.fmi.raw import CS, ERROR, ME, OK
+
+ROOT = Path(__file__).resolve().parents[3]
+every_fmu = pytest.mark.parametrize(
+    ("what", "version"),
+    [
+        ("plant", 2),
+        ("plant", 3),
+        ("reference", 2),
+        ("reference", 3),
+        ("nn", 2),
+        ("nn", 3),
+        ("closed-loop", 2),
+        ("closed-loop", 3),
+        pytest.param("mb", 2, marks=pytest.mark.slow),
+        pytest.param("mb", 3, marks=pytest.mark.slow),
+    ],
+)
+ELSEWHERE = """
+import json, sys
+from pathlib import Path
+from tests.export.fmi.raw import Fmu
+path, folder, version, content, steps = json.loads(sys.argv[1])
+one = Fmu(Path(path), Path(folder), version).new()
+assert one.restore(bytes.fromhex(content)) == 0
+for k in range(steps, steps + 20):
+    assert one.step(0.01 * k, 0.01) == 0
+print("ALL", json.dumps([x.hex() for x in one.all()]))
+"""
+
+
+def advanced(fmu, first, count, instance=None):
+    """An instance after ``count`` steps from step ``first`` on, with inputs that differ."""
+    instance = instance or fmu.new().begin()
+    moving = [
+        n
+        for n in ("tau_right", "v1")
+        if n in fmu.variables and fmu.variables[n].causality == "input"
+    ]
+    for k in range(first, first + count):
+        for name in moving:
+            assert instance.put({name: 0.02 * (k % 7)}) == OK
+        assert instance.step(0.01 * k, 0.01) == OK
+    return instance
+
+
+@every_fmu
+def test_a_state_put_back_gives_the_same_continuation(raw, what, version):
+    fmu = raw(what, version)
+    instance = advanced(fmu, 0, 30)
+    kept = instance.bytes_of_state()
+    straight = advanced(fmu, 30, 25, instance).all()
+    assert instance.restore(kept) == OK
+    assert advanced(fmu, 30, 25, instance).all() == straight
+    other = fmu.new()
+    assert other.restore(kept) == OK
+    assert advanced(fmu, 30, 25, other).all() == straight
+    assert fmu.new().begin().all() != straight
+
+
+@every_fmu
+def test_a_state_brings_its_parameters_into_a_new_instance(raw, what, version):
+    """Where the model reads its numbers from is made anew with the state."""
+    fmu = raw(what, version)
+    for name in ("robot.m", "gains.nn.rho1[1]", "limits.v_u2[1]", "reference.rate"):
+        other = {name: 1.05 * float(fmu.variables[name].start)} if name in fmu.variables else {}
+        changed = fmu.new()
+        assert changed.put(other) == OK
+        changed.begin()
+        kept = advanced(fmu, 0, 10, changed).bytes_of_state()
+        straight = advanced(fmu, 10, 10, changed).all()
+        new = fmu.new()
+        assert new.restore(kept) == OK
+        assert advanced(fmu, 10, 10, new).all() == straight, name
+
+
+@pytest.mark.parametrize(
+    ("what", "version"), [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3)]
+)
+@pytest.mark.slow_but("nn-3", "closed-loop-2")
+def test_the_bytes_mean_the_same_in_another_process(raw, what, version):
+    fmu = raw(what, version)
+    instance = fmu.new().begin()
+    for k in range(30):
+        assert instance.step(0.01 * k, 0.01) == OK
+    given = json.dumps(
+        [str(fmu.path), str(fmu.folder), version, instance.bytes_of_state().hex(), 30]
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", ELSEWHERE, given],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    for k in range(30, 50):
+        assert instance.step(0.01 * k, 0.01) == OK
+    assert json.loads(done.stdout.rpartition("ALL ")[2]) == [x.hex() for x in instance.all()]
+
+
+@pytest.mark.parametrize(("what", "version"), [("nn", 2), ("nn", 3), *OTHER_LAWS])
+def test_the_monitor_remembers_the_sample_before(raw, what, version):
+    """A jump of the velocity is told from it, in an instance that got its state as bytes too."""
+    first = raw(what, version).new().begin()
+    assert first.put({"v1": 0.1}) == OK
+    assert [first.step(0.01 * k, 0.01) for k in (0, 1)] == [OK, OK]
+    second, third = raw(what, version).new(), raw(what, version).new().begin()
+    assert second.restore(first.bytes_of_state()) == OK
+    for instance, start in ((first, 0.02), (second, 0.02), (third, 0.0)):
+        assert instance.put({"v1": 0.9}) == OK
+        assert instance.step(start, 0.01) == OK
+    assert first.get("d_least[1]") == second.get("d_least[1]")
+    assert first.all() == second.all()
+    assert first.get("d_least[1]")[0] > 60.0
+    assert third.get("d_least[1]")[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("what", "version"), [("closed-loop", 3), ("plant", 2), ("reference", 3), ("nn", 2)]
+)
+@pytest.mark.slow_but("closed-loop-3")
+def test_damaged_and_foreign_bytes_are_refused(raw, what, version):
+    fmu = raw(what, version)
+    instance = advanced(fmu, 0, 5)
+    kept, before = instance.bytes_of_state(), instance.all()
+    for place in (0, 9, 17, 25, 33, 41, len(kept) // 2, len(kept) - 1):
+        damaged = bytearray(kept)
+        damaged[place] ^= 0x10
+        assert instance.restore(bytes(damaged)) == ERROR, place
+    for wrong in (kept[:-1], kept + b"\0", b"", b"\0" * len(kept), b"\xff" * len(kept)):
+        assert instance.restore(wrong) == ERROR
+    other = "reference" if what == "plant" else "plant"
+    other = raw(other, version).new().begin().bytes_of_state()
+    assert instance.restore(other) == ERROR
+    assert instance.all() == before
+    assert instance.step(0.05, 0.01) == OK
+
+
+def test_a_state_of_the_other_interface_is_refused(raw):
+    fmu = raw("plant", 2)
+    assert fmu.new(ME).begin().restore(fmu.new(CS).begin().bytes_of_state()) == ERROR
+
+
+@every_fmu
+def test_reset_gives_an_identical_rerun(raw, what, version):
+    fmu = raw(what, version)
+    first = advanced(fmu, 0, 40)
+    straight = first.all()
+    assert first.reset() == OK
+    assert first.all() == fmu.new().all()
+    assert advanced(fmu, 0, 40, first.begin()).all() == straight

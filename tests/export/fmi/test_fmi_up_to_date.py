@@ -1,0 +1,185 @@
+"""What an instance shows fits its values of now: time, states, inputs, and memory that moved."""
+
+from __future__ import annotations
+
+import ctypes as ct
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from tests.export.fmi.raw import DISCARD, ERROR, ME, OK, REFUSED, reals
+from tests.export.fmi.sequences import reach
+from tests.export.fmi.test_fmi_derivatives import call, system_of
+
+
+def rates(one):
+    count = ct.c_size_t(len(one.fmu.description.derivatives))
+    found = reals(*[0.0] * count.value)
+    assert one.fmu.GetContinuousStateDerivatives(one.handle, found, count) == OK
+    return found[:]
+
+
+def test_a_reference_is_where_it_is_at_the_solvers_time(raw):
+    fmu = raw("reference", 3)
+    one, late = reach(fmu, ME, "continuous"), fmu.new(ME).begin(start=1.5)
+    begun = one.get("x_d", "v1_d")
+    assert fmu.SetTime(one.handle, ct.c_double(1.5)) == OK
+
+    assert one.get("x_d", "v1_d") == late.get("x_d", "v1_d") != begun
+
+
+def test_rates_are_those_of_the_states_and_inputs_that_were_set_last(raw):
+    fmu, states = raw("plant", 3), [0.3, -0.2, 0.4, 0.25, -0.5]
+    one, other = reach(fmu, ME, "continuous"), fmu.new(ME)
+    rest = rates(one)
+    assert fmu.SetContinuousStates(one.handle, reals(*states), ct.c_size_t(5)) == OK
+    moved = rates(one)
+    assert one.put({"tau_right": 0.7}) == OK
+    names = ("x", "y", "theta", "v1", "omega")
+    other.put({**dict(zip(names, states, strict=True)), "tau_right": 0.7})
+
+    assert rest != moved != rates(one) == rates(other.begin())
+    assert one.get(*names) == states
+
+
+@pytest.mark.parametrize("parallel", [False, True])
+def test_the_first_sample_has_the_inputs_of_its_step_unless_all_parts_step_at_once(raw, parallel):
+    """With `clock.parallel` those of initialisation; every other sample has those of its step."""
+    fmu = raw("nn", 3)
+    one, still = (fmu.new() for _ in range(2))
+    for instance in (one, still):
+        assert instance.put({"clock.parallel": float(parallel)}) == OK
+        instance.begin()
+    for k in range(2):
+        assert one.put({"v1": 0.3}) == OK
+        for instance in (one, still):
+            assert instance.step(0.01 * k, 0.01) == OK
+        same = one.get("tau_right", "tau_left") == still.get("tau_right", "tau_left")
+
+        assert same is (parallel and k == 0)
+
+
+@pytest.mark.parametrize("name", ["GetDirectionalDerivative", "GetAdjointDerivative"])
+def test_derivatives_are_at_the_memory_that_the_last_sample_started_from(raw, name):
+    """Of a law that learns, with other inputs at each sample."""
+    system, fmu, draw = system_of("nn"), raw("nn", 3), np.random.default_rng(5)
+    knowns = [n for p in system.inputs for n in p.signal.elements]
+    unknowns = [n for o in system.outputs for n in o.signal.elements]
+    outputs = ca.vertcat(*(o.expr for o in system.outputs))
+    given = [system.u, system.x, system.p]
+    slopes = ca.Function("J", given, [ca.jacobian(outputs, system.u)])
+    after = ca.Function("after", given, [system.update])
+
+    one, x = fmu.new(), ca.DM(system.x0)
+    for k in range(3):
+        near = {"v1_d": 0.2, "v1": 0.1, "v2_d": 0.1, "omega": 0.2}  # where the network is large
+        u = [
+            near.get(n, 0.0) + x
+            for n, x in zip(knowns, draw.uniform(-0.01, 0.01, 20), strict=False)
+        ]
+        assert one.put(dict(zip(knowns, u, strict=True))) == OK
+        if k == 0:
+            one.begin()
+        before, x = x, after(u, x, system.p0)
+        assert one.step(0.01 * k, 0.01) == OK
+    exact, stale = (np.array(slopes(u, memory, system.p0)) for memory in (before, x))
+    forward = name == "GetDirectionalDerivative"
+    seed = draw.normal(size=len(knowns) if forward else len(unknowns))
+    _, found = call(one, name, unknowns, knowns, seed, len(unknowns) if forward else len(knowns))
+    off = [np.abs(found - (J @ seed if forward else seed @ J)).max() for J in (exact, stale)]
+
+    assert off[0] <= 1e-12 * (1 + np.abs(exact).max()) < 1e-3 * off[1]
+
+
+def test_events_are_told_while_their_category_is_on(raw):
+    for version in (2, 3):
+        fmu = raw("plant", version)
+
+        def told(*switches, fmu=fmu):
+            one = fmu.new()
+            for on, names in switches:
+                listed = (ct.c_char_p * len(names))(*names) if names else None
+                count = ct.c_size_t(len(names))
+                assert fmu.SetDebugLogging(one.handle, on, count, listed) == OK
+            before = len(fmu.messages)
+            one.begin().free()
+            return len(fmu.messages) > before
+
+        events, errors = [b"logEvents"], [b"logStatusError"]
+        assert not told()
+        assert told((1, []))
+        assert told((1, errors), (1, events))
+        assert told((1, events), (0, errors))
+        assert not told((1, errors))
+        assert not told((1, []), (0, events))
+        one = fmu.new().begin()
+        assert (one.step(0.0, 1e9), one.step(0.0, -1.0)) == (DISCARD, ERROR)
+        one.free()
+        assert fmu.categories == {
+            (OK, "logEvents"), (DISCARD, "logStatusDiscard"), (ERROR, "logStatusError")
+        }  # fmt: skip
+
+
+def test_every_number_of_an_array_is_set_and_looked_at(raw):
+    fmu = raw("nn", 3)
+    one, ref, weights = fmu.new(), fmu.ref("W_hat1"), [0.01 * k for k in range(64)]
+
+    assert one.put_refs([ref], weights) == OK
+    assert one.put_refs([ref], [*weights[:-1], np.nan]) in REFUSED
+    assert one.get_refs([ref], 64) == (OK, weights)
+
+
+def test_a_loop_in_half_steps_shows_at_its_samples_what_it_shows_in_whole_ones(raw):
+    fmu = raw("closed-loop", 3)
+    shown = []
+    for h in (0.01, 0.005, 0.02):
+        one = fmu.new().begin()
+        for k in range(round(0.04 / h)):
+            assert one.step(k * h, h) == OK
+        shown.append(one.all())
+
+    assert shown[0] == shown[1] == shown[2]
+
+
+def test_a_change_comes_with_the_first_plant_step_at_or_after_its_time(raw):
+    """As decimals have it: 0.035 / 0.005 is a little more than 7 in doubles."""
+    fmu, shown = raw("closed-loop", 3), {}
+    for time in (0.0301, 0.035, 0.0351):
+        one = fmu.new()
+        assert one.put({"changes[1].t": time, "clock.plant": 0.005}) == OK
+        assert one.begin().step(0.0, 0.1) == OK
+        shown[time] = one.get("x", "v1")
+
+    assert shown[0.035] == shown[0.0301] != shown[0.0351]
+
+
+@pytest.mark.parametrize("what", ["nn", "closed-loop"])
+def test_samples_count_from_the_start_time(raw, what):
+    fmu, shown = raw(what, 3), []
+    for start in (0.0, 1.0):
+        one = fmu.new()
+        if what == "nn":
+            assert one.put({"v1_d": 0.2, "v1": 0.1, "v2_d": 0.1, "omega": 0.2}) == OK
+        one.begin(start)
+        for k in range(3):
+            assert one.step(start + 0.01 * k, 0.01) == OK
+        learns = what == "nn"
+        shown.append(one.get_refs([fmu.ref("W_hat1")], 64) if learns else one.get("x", "v1"))
+
+    assert shown[0] == shown[1]
+
+
+def test_the_first_sample_alone_keeps_the_inputs_of_a_parallel_master(raw):
+    fmu, shown = raw("nn", 3), []
+    for parallel, speeds in ((1.0, (0.1, 0.3, 0.2)), (0.0, (0.1, 0.1, 0.2))):
+        one = fmu.new()
+        assert one.put({"clock.parallel": parallel, "v1": speeds[0]}) == OK
+        one.begin()
+        for k in (0, 1):
+            assert one.put({"v1": speeds[k + 1]}) == OK
+            assert one.step(0.01 * k, 0.01) == OK
+            shown.append(one.get("tau_right", "tau_left"))
+
+    assert shown[:2] == shown[2:]
+    assert shown[0] != shown[1]

@@ -1,0 +1,235 @@
+"""Variables of every FMU as importers see them: those of variables.txt, one line of a kind each.
+
+After a change that is meant: `python -m tests.export.fmi.test_fmi_variables`.
+"""
+
+from __future__ import annotations
+
+import math
+import zipfile
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from itertools import count, groupby
+from operator import itemgetter
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from wmr_ctrl.core.fields.named_units import per_second, unit_of
+from wmr_ctrl.export.cosim.mapping import MapRow
+from wmr_ctrl.export.fmi.blocks import plant_model
+from wmr_ctrl.export.fmi.extra import _seconds
+from wmr_ctrl.export.fmi.files import Sources, write_archive
+from wmr_ctrl.export.fmi.fmu_files import model_of
+from wmr_ctrl.export.fmi.model_description import FmuModel, Role, orders
+from wmr_ctrl.export.fmi.ssp import SAME_AS, _joined
+from wmr_ctrl.export.fmi.xml import _structure, _unknown, description
+from wmr_ctrl.world.scenario import load_scenario
+
+LISTED = Path(__file__).with_name("variables.txt")
+WHAT = ("plant", "reference", "guard", "filter", "closed-loop", "mb", "nn")
+DRIVES = {"clock.plant": 0.002, "actuator.jitter": 0.002, "actuator.lag": 0.02}
+FILTER = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
+SHOWN = ("causality", "variability", "initial", "unit", "displayUnit", "nominal", "derivative")
+
+
+@cache
+def model(what: str) -> FmuModel:
+    stated = FILTER if what == "filter" else DRIVES
+    return model_of(what, "mb", load_scenario("paper-simulation", stated))
+
+
+@cache
+def xml(what: str, version: int) -> etree._Element:
+    text = description(model(what), Sources({}, "token"), version, "wmr_ctrl 0")
+    return etree.fromstring(text.encode())
+
+
+def heads(what: str, version: int) -> dict[str, str]:
+    """Attributes of each variable by its name; of a rate, the name of its state."""
+    rows = [
+        {key: value for node in item.iter("*") for key, value in node.attrib.items()}
+        for item in xml(what, version).find("ModelVariables").iterchildren("*")
+    ]
+    references = map(str, count(1)) if version == 2 else [own["valueReference"] for own in rows]
+    names = dict(zip(references, (own["name"] for own in rows), strict=False))
+    found = {}
+    for own in rows:
+        own["derivative"] = names.get(own.get("derivative"))
+        words = [own[key] for key in SHOWN if own.get(key)]
+        found[own["name"]] = " ".join(words)
+    return found
+
+
+def listed() -> Iterator[str]:
+    """A line for neighbours of one kind: their attributes, then their names."""
+    for what in WHAT:
+        yield what
+        for head, names in groupby(heads(what, 2).items(), key=itemgetter(1)):
+            yield f"  {head}: {' '.join(name for name, _ in names)}"
+
+
+def test_variables_are_those_that_are_listed() -> None:
+    assert list(listed()) == LISTED.read_text(encoding="utf-8").splitlines()
+
+
+@pytest.mark.parametrize("what", WHAT)
+def test_both_versions_say_the_same_of_each_variable(what: str) -> None:
+    two, three = heads(what, 2), heads(what, 3)
+
+    assert three == {name: two.get(name) or two[f"{name}[1]"] for name in three}
+
+
+def test_an_array_is_described_as_a_whole() -> None:
+    whole = [v for v in xml("nn", 3).find("ModelVariables") if v.find("Dimension") is not None]
+
+    assert len(whole) == 2
+    assert not [v.get("description") for v in whole if ", element" in v.get("description", "")]
+    assert all(v.get("description") for v in whole)
+
+
+@pytest.mark.parametrize(("what", "step"), [("plant", 0.002), ("mb", 0.01), ("closed-loop", 0.01)])
+def test_the_plant_steps_inside_and_all_else_by_the_period(what: str, step: float) -> None:
+    assert float(xml(what, 3).find("CoSimulation").get("fixedInternalStepSize")) == step
+
+
+def test_jitter_is_a_period_at_most() -> None:
+    jitter = next(v for v in model("closed-loop").variables if v.name == "actuator.jitter")
+
+    assert (jitter.low, jitter.start, jitter.high) == (0.0, 0.002, 0.01)
+
+
+def test_outputs_depend_on_what_moves_and_at_the_start_on_parameters_as_well() -> None:
+    plant = model("plant")
+    name_of = {str(i): v.name for i, v in enumerate(plant.variables)}
+    on = {
+        section: {name_of[i] for row in unknowns for i in dict(row)["dependencies"].split()}
+        for section, unknowns in _structure(plant, 3, True)
+    }
+    every = {
+        name_of[str(i)]
+        for row, v in enumerate(plant.variables)
+        if v.role is Role.CALCULATED
+        for i, _ in plant.dependencies[row]
+    }
+
+    assert {"robot.m", "robot.mu", "tau_left", "v1"} < every
+    assert on["InitialUnknown"] == every
+    assert on["ContinuousStateDerivative"] == {
+        name for name in every if not name.startswith(("robot", "clock"))
+    }
+
+
+@pytest.mark.parametrize(
+    ("constant", "kind"),
+    [
+        ((True, True), "constant"),
+        ((True, False), "dependent"),
+        ((False, True), "dependent"),
+        ((False, False), "dependent"),
+    ],
+)
+def test_on_an_array_an_output_depends_linearly_if_on_each_element(constant, kind) -> None:
+    law = model("nn")
+    head = next(i for i, v in enumerate(law.variables) if v.array)
+    row = max(law.dependencies)
+    own = {row: tuple((head + k, linear) for k, linear in enumerate(constant))}
+    found = dict(_unknown(replace(law, dependencies=own), row, 3, True, True))
+
+    assert (found["dependencies"], found["dependenciesKind"]) == (str(head), kind)
+
+
+def test_initialisation_keeps_limits_apart_and_masses_in_order() -> None:
+    law = model("mb")
+    names = [v.name for v in law.variables]
+    limits = {(f"limits.v_u2[{k}]", f"limits.v_u1[{k}]", True) for k in (1, 2)}
+    masses = {(f"guard.M_min[{k}]", f"guard.M_max[{k}]", False) for k in (1, 2)}
+
+    assert {(names[i], names[k], apart) for i, k, apart in orders(law)} == limits | masses
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"),
+    [("mN", 1e-3), ("kN", 1e3), ("J", 1.0), ("W", 1.0), ("Hz", 1.0), ("deg", math.pi / 180),
+     ("rpm", math.pi / 30), ("g", 1e-3), ("mm", 1e-3), ("cm", 1e-2), ("km", 1e3), ("ms", 1e-3),
+     ("min", 60.0), ("h", 3600.0), ("km/h", 1 / 3.6), ("kg.cm2", 1e-4)],
+)  # fmt: skip
+def test_a_unit_is_so_many_of_the_base_units(unit: str, factor: float) -> None:
+    assert unit_of(unit).factor == pytest.approx(factor)
+
+
+@pytest.mark.parametrize(
+    ("unit", "same"),
+    [("N", "kg.m/s2"), ("mN", "kg.m/s2"), ("kN", "N"), ("J", "N.m"), ("W", "J/s"), ("Hz", "1/s"),
+     ("rpm", "rad/s"), ("deg", "rad"), ("g", "kg"), ("mm", "m"), ("ms", "s"), ("h", "min")],
+)  # fmt: skip
+def test_a_unit_measures_what_its_definition_does(unit: str, same: str) -> None:
+    assert unit_of(unit).exponents == unit_of(same).exponents
+
+
+@pytest.mark.parametrize(
+    ("unit", "rate"),
+    [("m", "m/s"), ("m/s", "m/s2"), ("rad/s2", "rad/s3"), ("kg.m2/s", "kg.m2/s2"), ("N.m", "N.m/s"),
+     ("N/m", "N/m/s"), ("1/s", "1/s2"), ("m/s/kg", "m/s/kg/s"), ("m/ms", "m/ms/s"), ("1", "1/s")],
+)  # fmt: skip
+def test_rate_of_a_unit_is_that_unit_over_seconds(unit: str, rate: str) -> None:
+    state, found = unit_of(unit), unit_of(per_second(unit))
+    seconds = {key: state.exponents.get(key, 0) - (key == "s") for key in ("kg", "m", "s", "rad")}
+
+    assert found.name == rate
+    assert found.factor == state.factor
+    assert found.exponents == {key: power for key, power in seconds.items() if power}
+
+
+def test_rate_of_a_state_without_unit_has_none() -> None:
+    assert per_second("") == ""
+
+
+@pytest.mark.parametrize("name", ["rad", "rad/s"])
+def test_a_display_unit_is_so_many_of_its_unit(name: str) -> None:
+    shown, many = unit_of(name).display or ("", 0.0)
+
+    assert many * unit_of(shown).factor == pytest.approx(unit_of(name).factor)
+
+
+def test_an_archive_has_no_time_and_its_binaries_may_be_run(tmp_path: Path) -> None:
+    path = write_archive(tmp_path / "a.fmu", {"binaries/x.so": b"", "modelDescription.xml": b""})
+    with zipfile.ZipFile(path) as archive:
+        found = {item.filename: (item.date_time, item.external_attr) for item in archive.filelist}
+    epoch = (1980, 1, 1, 0, 0, 0)
+
+    assert found == {
+        "binaries/x.so": (epoch, 0o755 << 16),
+        "modelDescription.xml": (epoch, 0o644 << 16),
+    }
+
+
+def test_a_connection_converts_by_its_own_row_first_and_then_by_that_of_the_end() -> None:
+    """way = 2 theirs + 3, and the end is 5 way + 7."""
+    owner = {"way": ("plant", MapRow("way", (("theirs", 2.0),), 3.0))}
+    found = _joined(owner, "way", [("endConnector", "end")], 5.0, 7.0)
+
+    assert (found["factor"], found["offset"]) == (5 * 2.0, 5 * 3.0 + 7.0)
+    assert dict(found["ends"])["startConnector"] == "theirs"
+
+
+def test_torques_act_on_the_wheel_that_they_are_commanded_for() -> None:
+    assert SAME_AS == {
+        "tau_applied[1]": "tau_right",
+        "tau_applied[2]": "tau_left",
+        "torque_right": "tau_right",
+        "torque_left": "tau_left",
+    }
+
+
+@pytest.mark.parametrize(("duration", "seconds"), [(0.5, 0.5), (80.0, 2.0)])
+def test_a_reference_result_is_no_longer_than_the_run(duration: float, seconds: float) -> None:
+    short = load_scenario("paper-simulation-nominal", {"clock.duration": duration})
+
+    assert _seconds(plant_model(short)) == seconds
+
+
+if __name__ == "__main__":
+    LISTED.write_text("\n".join(listed()) + "\n", encoding="utf-8")

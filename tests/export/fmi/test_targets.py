@@ -1,0 +1,320 @@
+"""Libraries: what they export and need, and whether they run on other platforms."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import importlib.util
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description, simulate_fmu
+from fmpy.validation import validate_fmu
+
+from tests.compilers import ARM_LIBRARIES, QEMU, WINE, ZIG, compile_program, where, wine
+from wmr_ctrl.codegen.resources import fmu_dir
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core.errors import CompilerError, UnknownNameError
+from wmr_ctrl.export.fmi import targets
+from wmr_ctrl.export.fmi.fmu_files import export_fmu, joined
+from wmr_ctrl.export.fmi.targets import PartlyBuiltError
+
+WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)
+HEADERS = fmu_dir() / "fmi" / "headers"
+ROOT = Path(__file__).resolve().parents[3]
+zig = pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not there")
+linux = pytest.mark.skipif(sys.platform != "linux", reason="reads ELF files")
+
+
+COSIM = """
+import sys
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+from libcosimpy.CosimSlave import CosimLocalSlave
+execution = CosimExecution.from_step_size(step_size=10_000_000)
+one = execution.add_local_slave(CosimLocalSlave(fmu_path=sys.argv[1], instance_name="one"))
+observer = CosimObserver.create_last_value()
+execution.add_observer(observer=observer)
+assert execution.step(step_count=20)
+values = observer.last_real_values(slave_index=one, variable_references=[int(sys.argv[2])])
+print("VALUE", values[0].hex())
+"""
+
+
+def tool(name):
+    found = shutil.which(name)
+    if found is None:
+        pytest.skip(f"NOT RUN: {name} is not there")
+    return found
+
+
+def wanted_functions(version):
+    text = (HEADERS / f"fmi{version}Functions.h").read_text(encoding="utf-8")
+    return set(
+        re.findall(rf"^#define\s+(fmi{version}\w+)\s+fmi{version}FullName", text, flags=re.M)
+    )
+
+
+@pytest.fixture
+def library_by(monkeypatch, tmp_path):
+    """A function (compiler, what, version) -> the FMU's library by it, without one by zig."""
+
+    def built(compiler, what, version):
+        monkeypatch.setenv("WMR_CTRL_FMU_CC", compiler and tool(compiler))
+        (path,) = export_fmu(what, fmi=version, out=tmp_path)
+        with zipfile.ZipFile(path) as archive:
+            (name,) = [name for name in archive.namelist() if name.startswith("binaries/")]
+            return archive.extract(name, tmp_path)
+
+    return built
+
+
+@linux
+@pytest.mark.parametrize(("what", "version"), [("plant", 2), ("closed-loop", 3), ("nn", 3)])
+@pytest.mark.slow_but("plant-2", "closed-loop-3")
+def test_the_standards_functions_and_the_scenarios_hash_are_exported(library_by, what, version):
+    listed = subprocess.run(
+        [tool("nm"), "-D", "--defined-only", str(library_by("cc", what, version))],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    names = {line.split()[-1].partition("@")[0] for line in listed.stdout.splitlines()}
+    own = {f"wmr_{what.replace('-', '_')}_scenario_hash"}
+    assert names - {"_init", "_fini"} == wanted_functions(version) | own
+
+
+@linux
+@zig
+def test_glibc_217_is_enough_and_nothing_else_is_needed(library_by):
+    said = subprocess.run(
+        [tool("objdump"), "-p", "-T", str(library_by("", "closed-loop", 2))],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    versions = {tuple(map(int, v.split("."))) for v in re.findall(r"GLIBC_([\d.]+)", said)}
+    assert versions
+    assert max(versions) <= (2, 17)
+    assert set(re.findall(r"NEEDED\s+(\S+)", said)) <= {"libc.so.6", "libm.so.6"}
+
+
+@zig
+@pytest.mark.slow
+def test_five_platforms_in_one_file(tmp_path, monkeypatch):
+    monkeypatch.delenv("WMR_CTRL_FMU_CC", raising=False)
+    (path,) = export_fmu("plant", target="all", fmi=3, out=tmp_path)
+    assert validate_fmu(str(path)) == []
+    with zipfile.ZipFile(path) as archive:
+        names = [name for name in archive.namelist() if name.startswith("binaries/")]
+        heads = {archive.read(name)[:4] for name in names}
+    assert {name.split("/")[1] for name in names} == {
+        "x86_64-linux", "x86_64-windows", "aarch64-linux", "x86_64-darwin", "aarch64-darwin",
+    }  # fmt: skip
+    assert {b"\x7fELF", b"\xcf\xfa\xed\xfe"} < heads
+    assert any(head.startswith(b"MZ") for head in heads)
+
+
+@zig
+@pytest.mark.slow
+def test_the_windows_library_computes_the_same_bits_under_wine(tmp_path):
+    emulator = where(*WINE)
+    here, there = (
+        stepped(tmp_path / target, target, suffix, command)
+        for target, suffix, command in (
+            ("x86_64-linux", "", []), ("x86_64-windows", ".exe", [emulator]),
+        )
+    )  # fmt: skip
+    assert there == here
+
+
+@zig
+@pytest.mark.slow
+def test_messages_of_the_windows_library_are_the_same(tmp_path):
+    """A number with all its digits, and limits: its C library writes them as Linux' does."""
+    emulator = where(*WINE)
+
+    def limited(variables):
+        return next(v.name for v in variables if v.max is not None and float(v.max) < 6.0)
+
+    here, there = (
+        held(tmp_path / target, target, suffix, command, limited)
+        for target, suffix, command in (
+            ("x86_64-linux", "", []), ("x86_64-windows", ".exe", [emulator]),
+        )
+    )  # fmt: skip
+    assert "= 6 is outside of" in here.stderr
+    assert (there.returncode, there.stdout, there.stderr) == (1, "", here.stderr)
+
+
+@zig
+@linux
+@pytest.mark.slow
+def test_windows_own_c_library_is_all_that_its_library_needs(tmp_path):
+    """It is linked without a compiler's C library, and still exports what the others do."""
+    (path,) = export_fmu("closed-loop", fmi=2, target="x86_64-windows", out=tmp_path)
+    with zipfile.ZipFile(path) as archive:
+        library = archive.extract("binaries/win64/wmr_closed_loop.dll", tmp_path)
+    said = subprocess.run(
+        [tool("objdump"), "-p", library], capture_output=True, text=True, check=True
+    ).stdout
+    if "pei-x86-64" not in said:
+        pytest.skip("NOT RUN: this objdump reads no library for Windows")
+    needed = re.findall(r"DLL Name: (\S+)", said)
+    assert needed
+    assert [name for name in needed if not name.startswith("api-ms-win-crt-")] == []
+    exported = said.partition("[Ordinal/Name Pointer] Table")[2]
+    found = set(re.findall(r"^\s*\[ *\d+\].*?(\w+)$", exported, flags=re.M))
+    assert found == wanted_functions(2) | {"wmr_closed_loop_scenario_hash"}
+
+
+@zig
+@linux
+@pytest.mark.slow
+def test_the_arm_library_computes_the_same_bits_under_qemu(tmp_path):
+    """The dynamic linker and C library of that processor load it from linux64, as on a board."""
+    qemu = where(*QEMU)
+    if not ARM_LIBRARIES.is_dir():
+        pytest.skip("NOT RUN: libc6-arm64-cross is not there")
+    here, there = (
+        stepped(tmp_path / target, target, "", command)
+        for target, command in (
+            ("x86_64-linux", []), ("aarch64-linux", [qemu, "-L", str(ARM_LIBRARIES)]),
+        )
+    )  # fmt: skip
+    assert there == here
+
+
+def stepped(folder, target, suffix, run):
+    """What 200 steps of a closed loop for a platform show, by a C program for that platform."""
+    done = held(folder, target, suffix, run, lambda variables: "disturbance.std")
+    assert done.returncode == 0, done.stderr
+    values = [float.fromhex(line) for line in done.stdout.split()]
+    assert len(values) == 200
+    return values
+
+
+def held(folder, target, suffix, run, choose):
+    """The program's run with a variable held at 6, which ``choose`` names."""
+    (path,) = export_fmu("closed-loop", fmi=2, target=target, out=folder)
+    with zipfile.ZipFile(path) as archive:
+        place = "binaries/linux64/" if suffix == "" else "binaries/win64/"
+        name = next(n for n in archive.namelist() if n.startswith(place))
+        archive.extract(name, folder)
+    program = folder / f"step{suffix}"
+    source = str(fmu_dir() / "examples" / "fmi2_step.c")
+    triple = targets.targets_of(target)[0].triple
+    # The platform as the FMU has it, unsanitised: zig builds no second runtime for the program.
+    own = ("-target", triple, "-fno-sanitize=undefined", f"-I{HEADERS}")
+    compile_program(folder, [*ZIG, *own], [source], str(program))
+    described = read_model_description(str(path), validate=False)
+    refs = {v.name: str(v.valueReference) for v in described.modelVariables}
+    numbers = refs[choose(described.modelVariables)], refs["omega"], "200"
+    return subprocess.run(
+        [*run, str(program), str(folder / name), described.guid, *numbers],
+        capture_output=True, text=True, timeout=300, check=False,
+        env={**os.environ, **(wine() if suffix else {})},
+    )  # fmt: skip
+
+
+def test_unknown_targets_list_the_known_ones(tmp_path):
+    with pytest.raises(UnknownNameError, match="x86_64-linux"):
+        export_fmu("plant", target="x86_64-linus", out=tmp_path)
+    with pytest.raises(UnknownNameError, match="near: plant"):
+        export_fmu("plants", out=tmp_path)
+    with pytest.raises(UnknownNameError, match="version of FMI"):
+        export_fmu("plant", fmi=1, out=tmp_path)
+
+
+def test_why_the_only_platform_was_not_built_is_told_as_it_is(monkeypatch):
+    def broken(target, sources, identifier):
+        raise CompilerError("zig found no memory. The command was `zig cc`.")
+
+    monkeypatch.setattr(targets, "compile_for", broken)
+    with pytest.raises(CompilerError, match=r"^zig found no memory\. The command was `zig cc`\.$"):
+        targets.build_for(targets.targets_of("host"), {}, "wmr_plant")
+
+
+def test_what_was_built_is_kept_where_another_platform_fails(tmp_path, monkeypatch):
+    """The file has the others; the message names what failed and why, and a target to name."""
+    real = targets.compile_for
+
+    def broken(target, sources, identifier):
+        if target.name != targets.host():
+            raise CompilerError("zig found no memory. The command was `zig cc`.")
+        return real(target, sources, identifier)
+
+    monkeypatch.setattr(targets, "compile_for", broken)
+    with pytest.raises(PartlyBuiltError, match="no memory") as told:
+        export_fmu("reference", target="all", fmi=2, out=tmp_path)
+    for target in targets.TARGETS:
+        assert target.name in str(told.value)
+    assert f"--target {targets.host()}" in str(told.value)
+    assert "The command was" not in str(told.value)
+    with zipfile.ZipFile(tmp_path / "wmr_reference.fmi2.fmu") as archive:
+        built = [name for name in archive.namelist() if name.startswith("binaries/")]
+    assert len(built) == 1
+    other = next(t.name for t in targets.TARGETS if t.name != targets.host())
+    with pytest.raises(CompilerError, match="no memory"):
+        export_fmu("reference", target=other, fmi=2, out=tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+
+
+def test_universal_libraries_hold_each_slice_on_a_page():
+    first, second = (
+        b"\xcf\xfa\xed\xfe" + struct.pack("<II", cpu, 3) + bytes(100)
+        for cpu in (0x01000007, 0x0100000C)
+    )
+    whole = joined([first, second])
+    magic, count = struct.unpack_from(">II", whole)
+    assert (magic, count) == (0xCAFEBABE, 2)
+    for i, part in enumerate((first, second)):
+        cpu, _sub, offset, size, align = struct.unpack_from(">IIIII", whole, 8 + 20 * i)
+        assert whole[offset : offset + size] == part
+        assert offset % (1 << align) == 0
+        assert cpu == struct.unpack_from("<I", part, 4)[0]
+
+
+@pytest.mark.parametrize("what", ["plant", "nn", "reference", "closed-loop"])
+def test_libcosim_loads_and_runs_it(exported, what):
+    pytest.importorskip("libcosimpy", reason="NOT RUN: libcosimpy is not there")
+    path = exported(what, 2)
+    name = {"plant": "x", "nn": "tau_right", "reference": "x_d", "closed-loop": "x"}[what]
+    ref = next(
+        v.valueReference for v in read_model_description(str(path)).modelVariables if v.name == name
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", COSIM, str(path), str(ref)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    found = float.fromhex(re.search(r"VALUE (\S+)", done.stdout)[1])
+    wanted = simulate_fmu(
+        str(path), stop_time=0.2, output_interval=0.01, step_size=0.01, output=[name]
+    )[name][-1]
+    assert found == pytest.approx(wanted, rel=1e-12)
+
+
+def test_calls_are_quick(raw):
+    """A plant step of 1 ms, one internal step, through ctypes: a few microseconds."""
+    from time import perf_counter
+
+    one = raw("plant", 2).new().begin()
+    step, handle = one.fmu.DoStep, one.handle
+    step.argtypes = [ct.c_void_p, ct.c_double, ct.c_double, ct.c_int]
+    best, k = float("inf"), 0
+    for _ in range(20):
+        start = perf_counter()
+        for _ in range(500):
+            assert step(handle, 0.001 * k, 0.001, 1) == 0
+            k += 1
+        best = min(best, (perf_counter() - start) / 500)
+    assert best < 15e-6  # 1 on an idle machine; the bound only tells a blunder from noise

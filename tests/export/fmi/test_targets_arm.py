@@ -1,0 +1,120 @@
+"""FMUs of 64-bit ARM Linux: their folders, and what FMPy and our commands do there.
+
+Commands run under the name of that machine, with code of this one; tests/export/fmi/test_targets.py runs
+that processor's own code.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import zipfile
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import simulate
+from wmr_ctrl.export.fmi.fmu_files import binaries, export_fmu
+from wmr_ctrl.results.formats import load_run
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="folders of Linux")
+ON_ARM = """
+import platform, sys
+platform.machine = lambda: "aarch64"
+import fmpy
+assert (fmpy.platform, fmpy.platform_tuple) == ("linux64", "aarch64-linux")
+for path in sys.argv[2:]:
+    fmpy.simulate_fmu(path, stop_time=0.1, output_interval=0.01)
+from wmr_ctrl.cli.root import root
+for line in sys.argv[1].splitlines():
+    try:
+        root.main(line.split())
+    except SystemExit as end:
+        assert not end.code, line
+"""
+OWN, SHARED = "binaries/aarch64-linux/wmr_{}.so", "binaries/linux64/wmr_{}.so"
+SHORT = {"clock.duration": 0.1}
+
+
+@pytest.fixture
+def on_arm(tmp_path):
+    """A function (commands, FMUs) that runs both under that name, and returns what was said."""
+
+    def run(commands, *fmus):
+        done = subprocess.run(
+            [sys.executable, "-c", ON_ARM, commands, *map(str, fmus)],
+            cwd=tmp_path, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        return done.stdout + done.stderr
+
+    return run
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_linux64_has_the_arm_library_unless_x86_64_is_in_the_file(version):
+    model = SimpleNamespace(identifier="wmr_plant")
+    own, shared = OWN.format("plant"), SHARED.format("plant")
+    intel = shared if version == 2 else "binaries/x86_64-linux/wmr_plant.so"
+    arm, both = {"aarch64-linux": b"arm"}, {"aarch64-linux": b"arm", "x86_64-linux": b"intel"}
+
+    assert binaries(model, version, arm) == {own: b"arm", shared: b"arm"}
+    assert binaries(model, version, both) == {own: b"arm", intel: b"intel"}
+
+
+@linux
+def test_fmus_are_exported_and_stepped_on_an_arm_machine(on_arm, tmp_path):
+    """By FMPy, and by our commands with the same bits as here, also from a file for both."""
+    said = on_arm("export reference\nexport plant --fmi 2")
+    made = ["wmr_plant.fmi2.fmu", "wmr_reference.fmi2.fmu", "wmr_reference.fmi3.fmu"]
+    assert sorted(path.name for path in tmp_path.glob("*.fmu")) == made
+    assert "note" not in said
+    for file in made:
+        what = file.partition(".")[0].removeprefix("wmr_")
+        with zipfile.ZipFile(tmp_path / file) as archive:
+            names = set(archive.namelist())
+        libraries = {name for name in names if name.startswith("binaries/")}
+        assert libraries == {OWN.format(what), SHARED.format(what)}
+        assert "extra/org.wmr-ctrl/reference.csv" in names
+    of_both = tmp_path / "both.fmu"
+    with zipfile.ZipFile(tmp_path / made[0]) as alone, zipfile.ZipFile(of_both, "w") as archive:
+        for name in alone.namelist():
+            content = alone.read(name) if name != SHARED.format("plant") else b"of x86_64"
+            archive.writestr(name, content)
+
+    asked = "paper-simulation --law mb --set clock.duration=0.1"
+    on_arm(
+        f"run {asked} --engine fmu --out run.npz\ncosim {asked} --plant both.fmu --out cosim.npz\n"
+        "export ssp",
+        *made,
+    )
+
+    wanted = simulate("paper-simulation", "mb", overrides=SHORT)
+    for file in ("run.npz", "cosim.npz"):
+        assert np.array_equal(load_run(tmp_path / file)["x"], wanted["x"])
+    assert (tmp_path / "wmr.ssp").is_file()
+
+
+def test_an_fmu_that_fmpy_cannot_run_lacks_a_reference_result_alone(
+    exported, tmp_path, monkeypatch
+):
+    def refused(folder, **_):
+        os.chdir(folder)  # as FMPy does while it loads a library, which it cannot here
+        raise Exception("The FMU cannot be simulated on the current platform.")
+
+    complete = exported("plant", 2)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("fmpy.simulate_fmu", refused)
+    with pytest.warns(UserWarning, match=r"no reference result: .*on the current platform\)\.$"):
+        (path,) = export_fmu("plant", fmi=2, out="new")
+    assert (tmp_path / path).is_file()
+    with zipfile.ZipFile(path) as bare, zipfile.ZipFile(complete) as whole:
+        missing = set(whole.namelist()) - set(bare.namelist())
+        assert missing == {
+            "extra/org.wmr-ctrl/reference.csv",
+            "extra/org.wmr-ctrl/reference.ssv",
+            "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml",
+        }
+        assert all(bare.read(name) == whole.read(name) for name in bare.namelist())

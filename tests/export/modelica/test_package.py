@@ -1,0 +1,254 @@
+"""WheeledRobot.mo: a Modelica compiler takes it, and its loops are the native ones."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.export.fmi.fields import POINTS
+from tests.export.modelica.conftest import package
+from wmr_ctrl.api import export_fmu, simulate
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.export.modelica import modelica_package
+from wmr_ctrl.export.modelica.package import folded
+from wmr_ctrl.world.scenario import load_scenario
+
+NOMINAL = "paper-simulation-nominal"
+SHOWN = ("x", "y", "theta", "v1", "omega", "tau_right", "tau_left")
+EXACT = 1e-7
+"""What a loop may differ from the native one by: m, rad, m/s, rad/s."""
+
+
+def loop(law):
+    return f"WheeledRobot.Examples.Loop_{law}"
+
+
+def largest_differences(found, native):
+    return {name: float(np.abs(found[name] - native[name]).max()) for name in SHOWN}
+
+
+@pytest.mark.parametrize("law", ["pid", "kanayama"])
+@pytest.mark.slow
+def test_a_loop_in_modelica_is_the_native_loop(text, simulated, law):
+    """Over 10 s, against Runge-Kutta steps of 0.1 ms; torques to the size of what they multiply."""
+    found = simulated(text, loop(law), 10.0)
+    finer = {"clock.duration": 10.0, "clock.plant": 1e-4}
+    native = simulate(NOMINAL, law, overrides=finer)
+    worst = largest_differences(found, native)
+    assert len(found["x"]) == native.rows == 1000
+    assert max(worst[name] for name in SHOWN[:5]) < EXACT
+    assert max(worst[name] for name in SHOWN[5:]) < 1e3 * EXACT  # gains of some 1e3 N m s/rad
+
+
+@pytest.mark.slow
+def test_changes_of_the_robot_come_at_their_times(simulated):
+    own = {
+        "changes": [{"t": 0.5, "m": 65.0, "mu": 0.15}, {"t": 0.995, "m": 55.0, "I": 6.0}],
+        "guard.enabled": False,
+        "disturbance.std": 0.0,
+        "clock.duration": 2.0,
+    }
+    found = simulated(package("far-start", json.dumps(own)), loop("pid"), 2.0)
+    native = simulate("far-start", "pid", overrides={**own, "clock.plant": 1e-4})
+    assert max(largest_differences(found, native).values()) < 1e3 * EXACT
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["circle", "waypoints"])
+def test_every_reference_without_memory_is_there(simulated, kind):
+    own = {"clock.duration": 1.0, "reference.kind": kind}
+    own |= {"reference.points": POINTS} if kind == "waypoints" else {}
+    found = simulated(package(NOMINAL, json.dumps(own)), loop("smc"), 1.0)
+    native = simulate(NOMINAL, "smc", overrides={**own, "clock.plant": 1e-4})
+    assert max(largest_differences(found, native).values()) < 1e3 * EXACT
+
+
+@pytest.mark.slow
+def test_parts_may_be_replaced_by_imports(text, simulated):
+    """Another block takes the place of an FMU's class: ports are all that is asked of it."""
+    part = "Imported.ControllerFmu controller"
+    assert text.count(part) == 1
+    own = text.replace(part, f"{part}(redeclare block Fmu = Laws.Smc)")
+    mine = simulated(own, loop("imported"), 0.5)
+    smc, first = (simulated(text, loop(law), 0.5) for law in ("smc", "imported"))
+    assert max(largest_differences(mine, smc).values()) < 1e-9
+    assert max(largest_differences(mine, first).values()) > 0.1
+
+
+@pytest.mark.slow
+def test_a_disturbance_may_be_given(text, simulated):
+    """A constant thrust is the native push for as long as the robot does not turn back."""
+    model = """
+block Push
+  extends WheeledRobot.Interfaces.Disturbance;
+equation
+  noise_right = 0.0;
+  noise_left = 0.0;
+  thrust = 20.0;
+  moment = 0.0;
+end Push;
+model Pushed
+  extends WheeledRobot.Examples.Loop(
+    redeclare WheeledRobot.Laws.Pid controller, redeclare Push disturbance);
+end Pushed;
+"""
+    found = simulated(text + model, "Pushed", 1.0)
+    finer = {"clock.duration": 1.0, "clock.plant": 1e-4}
+    alone = simulate(NOMINAL, "pid", overrides=finer)
+    native = simulate(NOMINAL, "pid", overrides={**finer, "disturbance.push": [20.0, 0.0]})
+    forward = int(np.argmax(native["v1"] < 0)) or native.rows
+    assert forward > 20
+    for name in SHOWN[:5]:
+        assert np.abs(found[name] - native[name])[:forward].max() < 1e3 * EXACT, name
+    assert np.abs(native["v1"] - alone["v1"])[:forward].max() > 0.01
+
+
+@pytest.mark.parametrize("name", ['a "quoted" one', '</html>"\nb\\'])
+@pytest.mark.slow
+def test_a_name_cannot_end_a_string(text, name):
+    """Only what is said of the scenario differs, and a parser reads it."""
+    parser = pytest.importorskip("pymoca.parser", reason="NOT RUN: pymoca is not there")
+    scenario = replace(load_scenario(NOMINAL), name=name)
+    named = modelica_package(scenario)
+    ours, theirs = (re.sub(r'"(?:\\.|[^"\\])*"', '""', item) for item in (text, named))
+    assert ours == theirs
+    assert len(text.split("\n")) == len(named.split("\n"))
+    tail = named[named.index("  package Imported") :]
+    assert parser.parse("package WheeledRobot\n" + tail) is not None
+    with pytest.raises(SyntaxError):
+        parser.parse("package WheeledRobot\n" + tail.replace("the scenario ", 'the scenario "'))
+
+
+@pytest.mark.slow
+def test_lines_are_short_and_break_outside_of_strings(text):
+    assert max(map(len, text.split("\n"))) <= 100
+    long = 'x = "a b" + f({1.0, 2.0}, "' + "c d " * 40 + '");'
+    assert " ".join(line.strip() for line in folded("  " + long)) == long
+    assert all(line.startswith("  ") for line in folded("  " + long))
+
+
+def test_what_is_sampled_has_fixed_start_values(text):
+    held = re.findall(r"discrete Real \w+\[\d+\]\s*\(([^;]*)\);", text)
+    assert len(held) >= 2 * len(LAWS) - 1
+    assert all("start =" in item and "each fixed = true" in item for item in held)
+
+
+def test_functions_that_modelica_lacks(text, simulated):
+    """expm1 and log1p keep their digits near 0; hypot does not overflow; copysign signs."""
+    model = """
+model Probe
+  Real a = WheeledRobot.Functions.expm1(1e-9 + time);
+  Real b = WheeledRobot.Functions.log1p(1e-9 + time);
+  Real c = WheeledRobot.Functions.hypot(3e200, 4e200 + time);
+  Real d = WheeledRobot.Functions.copysign(2.0 + time, -1.0 - time);
+  Real e = WheeledRobot.Functions.expm1(-50.0 - time);
+  Real s(start = 0.0, fixed = true);
+equation
+  der(s) = 1.0;
+end Probe;
+"""
+    found = {name: column[0] for name, column in simulated(text + model, "Probe", 0.01).items()}
+    wanted = {
+        "a": math.expm1(1e-9),
+        "b": math.log1p(1e-9),
+        "c": 5e200,
+        "d": -2.0,
+        "e": math.expm1(-50.0),
+    }
+    for name, value in wanted.items():
+        assert found[name] == pytest.approx(value, rel=4e-16), name
+
+
+@pytest.mark.slow
+def test_a_second_reader_takes_it(text):
+    parser = pytest.importorskip("pymoca.parser", reason="NOT RUN: pymoca is not there")
+    from pymoca import ast, tree
+
+    syntax = parser.parse(text)
+    for law in LAWS:
+        flat = tree.flatten(syntax, ast.ComponentRef.from_string(loop(law)))
+        assert len(flat.classes) > 0
+    number = 'model A\n  parameter Real a = 0.01 "b";\nend A;'
+    assert parser.parse(number) is not None
+    with pytest.raises(SyntaxError, match="no viable alternative"):
+        parser.parse(number.replace("= 0.01 ", "= .01 "))
+
+
+def test_nothing_that_a_tried_compiler_overlooks(text):
+    """Numbers begin with a digit, Reals are compared in functions alone, protection is kept."""
+    code = re.sub(r'"[^"]*"', '""', text)
+    _functions, rest = code.split("  end Functions;")
+    assert not re.search(r"(?<![\w\]])\.\d", code)
+    assert not re.search(r"==|<>", rest)
+    assert not re.search(r"\b(result|memory|t\d+)\b", rest.partition("package Imported")[2])
+    assert re.search(r"when sample\(0\.0, clock_control\) then", rest)
+    for block in re.findall(r"    block .*?    end \w+;", rest, flags=re.S):
+        held = set(re.findall(r"discrete Real (\w+)", block))
+        inside = "".join(re.findall(r"when.*?end when;", block, flags=re.S))
+        assert held == set(re.findall(r"^\s+(\w+) = ", inside, flags=re.M))
+    assert rest.count("annotation(\n    version") == 1
+    assert rest.rstrip().endswith("end WheeledRobot;")
+    assert re.search(r"\)\);\s+end WheeledRobot;\s*$", rest)  # the annotation stands last
+
+
+def test_connected_ports_have_one_unit(text):
+    """The compiler that was tried does not look."""
+    units = {}
+    for part, body in re.findall(r"partial block (\w+) .*?\n(.*?)    end \1;", text, flags=re.S):
+        units[part.lower()] = dict(re.findall(r'(\w+)\(unit = "([^"]+)"\)', body))
+    joined = re.findall(r"connect\((reference|controller|plant)\.(\w+), (\w+)\.(\w+)\)", text)
+    assert len(joined) == 2 * 14
+    for one, name, other, same in joined:
+        assert units[one][name] == units[other][same]
+
+
+def test_a_law_is_computed_as_far_as_it_is_asked_for(text):
+    """Roots and logarithms of what a choice throws away are not taken: they stand in branches."""
+    body = re.search(r"function mb .*?end mb;", text, flags=re.S)[0]
+    before = body.partition("\n      if ")[0]
+    assert "log" in body
+    assert "sqrt" in body
+    assert "log" not in before
+    assert "sqrt" not in before
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        {"actuator.lag": 0.02},
+        {"actuator.delay": 0.003},
+        {"disturbance.push": [1.0, 0.0]},
+        {"sensor.pose_noise": 0.01},
+    ],
+)
+def test_what_the_package_cannot_hold_is_refused_by_its_name(overrides):
+    with pytest.raises(ArgumentError, match="closed-loop FMU"):
+        modelica_package(load_scenario(NOMINAL, overrides))
+
+
+@pytest.mark.slow
+def test_noise_is_left_out_and_the_package_says_so(text):
+    noisy = modelica_package(load_scenario("paper-simulation"))
+    assert "scenario's own is left out" in noisy
+    assert "left out" not in text
+    assert "parameter Real changes_1_t" in noisy
+
+
+def test_it_is_one_file_written_whole(tmp_path, text):
+    (path,) = export_fmu("modelica", scenario=NOMINAL, out=tmp_path / "new")
+    assert path.name == "WheeledRobot.mo"
+    assert path.read_text(encoding="utf-8") == text
+    assert [item.name for item in path.parent.iterdir()] == [path.name]
+
+
+def test_options_that_it_does_not_read_are_refused(wmr, tmp_path):
+    done = wmr("export", "modelica", "--out", tmp_path, "--fmi", "2")
+    assert done.exit_code == 2
+    assert "modelica does not use it" in done.stderr
+    assert not list(tmp_path.iterdir())

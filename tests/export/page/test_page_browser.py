@@ -1,0 +1,284 @@
+"""The page in a real browser: what is moved changes the outcome, and nothing goes wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.export.page.browser import Browser, browser
+
+READY = "window.wmr && window.wmr.page && window.wmr.page.frames > 1"
+EVEN = "(() => { let now = 0; performance.now = () => (now += 10); return now; })()"
+"""From one look at the clock to the next 10 ms pass, however busy the machine is."""
+PHONE, SCREEN = (390, 844), (1300, 900)
+
+
+@pytest.fixture(scope="module")
+def opened(page: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Browser, str]]:
+    with browser(tmp_path_factory.mktemp("browser")) as one:
+        yield one, page.as_uri()
+
+
+@pytest.fixture
+def shown(opened: tuple[Browser, str]) -> Iterator[Browser]:
+    """The page's first scene, standing still at its start; then nothing may have been said."""
+    one, url = opened
+    show(one, url)
+    yield one
+    assert one.said == []
+
+
+def show(one: Browser, url: str, link: str = "", size: tuple[int, int] = SCREEN) -> None:
+    one.show(*size, touch=size == PHONE)
+    one.open("about:blank")
+    one.open(f"{url}#{link}", READY)
+    one.value("wmr.page.play(false), wmr.page.restart()")
+
+
+def fastest(one: Browser, law: str, seconds: float) -> float:
+    """Largest |v1| [m/s] of a law after some seconds from the start."""
+    one.value("wmr.page.restart()")
+    one.value(f"wmr.page.fleet.advance({seconds}, 1e9)")
+    return float(one.value(f"wmr.page.fleet.members.get('{law}').found().most[0]"))
+
+
+def slide(one: Browser, name: str, share: float) -> None:
+    """Move the slider of a number, as a hand would."""
+    one.value(
+        f"(() => {{ const range = document.getElementById('set-{name}');"
+        f" range.value = {share} * range.max; range.dispatchEvent(new Event('input')); }})()"
+    )
+
+
+pytestmark = pytest.mark.slow
+
+
+def test_a_slider_changes_the_outcome(shown: Browser) -> None:
+    before = fastest(shown, "mb", 5.0)
+    slide(shown, "limits.v_u1[1]", 0.2)
+    lower = float(shown.value("wmr.page.fleet.value('limits.v_u1[1]')"))
+    after = fastest(shown, "mb", 5.0)
+
+    assert lower < 0.5
+    assert before > 0.75
+    assert after < lower
+    assert "limits.v_u1[1]" in str(shown.value("wmr.page.link"))
+
+
+def test_the_guard_is_switched_on_while_it_drives(shown: Browser) -> None:
+    shown.value("wmr.page.fleet.advance(20, 1e9)")
+    before = shown.value("wmr.page.fleet.members.get('mb').robot.state.slice(0, 3).join()")
+    shown.value("document.getElementById('guard').click()")
+    after = shown.value("wmr.page.fleet.members.get('mb').robot.state.slice(0, 3).join()")
+
+    assert shown.value("wmr.page.fleet.variant.guard")
+    assert before == after
+    assert shown.value("wmr.page.fleet.time") == pytest.approx(20.0)
+    assert fastest(shown, "pid", 5.0) <= 1.0
+
+
+def test_every_variant_of_every_scene_drives_on(shown: Browser) -> None:
+    drove = shown.value(
+        """(async () => {
+          const { page } = wmr, laws = page.told.laws.map((law) => law.name);
+          let driven = 0;
+          for (const scene of page.told.scenes) {
+            page.draw();
+            page.fleet.overrides = {};
+            page.fleet.begin(scene, scene.variants[0], laws);
+            for (const variant of scene.variants) {
+              if (variant.refusal) continue;
+              page.fleet.take(variant);
+              page.refresh();
+              page.fleet.advance(0.2, 1e9);
+              driven += 1;
+            }
+          }
+          return driven;
+        })()"""
+    )
+    assert drove > 50
+
+
+def test_a_corridor_is_shown_as_long_as_only_the_scene_moves_the_robot(shown: Browser) -> None:
+    tubes = "wmr.page.fleet.scene.tubes"
+    kept = shown.value(f"JSON.stringify({tubes})")
+    shown.value(f"{tubes} = {{mb: {{widths: [10, 20], every: 2, shown: '20 m', until: 5}}}}")
+    text = "(wmr.page.board(), wmr.page.draw(), document.getElementById('certified'))"
+    drawn = f"{text}.hidden ? '' : document.getElementById('certified').textContent"
+
+    assert shown.value(drawn) == ""  # not a sample yet
+    for what in (
+        "wmr.page.push()", "wmr.page.nudge('ArrowUp')", "wmr.page.fleet.set({'robot.m': 51})",
+        "wmr.page.variant({guard: true}), wmr.page.variant({guard: false})",
+        "wmr.page.fleet.advance(5, 1e9)",
+    ):  # fmt: skip
+        shown.value(
+            "wmr.page.fleet.replace({}), wmr.page.restart(), wmr.page.fleet.advance(1, 1e9)"
+        )
+        assert "MB within 20 m" in shown.value(drawn)
+        shown.value(f"{what}, 1")
+        assert shown.value(drawn) == "", what
+    shown.value(f"{tubes} = {kept}")
+
+
+def test_a_link_holds_the_settings(opened: tuple[Browser, str]) -> None:
+    one, url = opened
+    link = "scene=slow&laws=mb.prox&guard=1&period=0.05&seed=3&speed=2&set=robot.m:70"
+    show(one, url, link)
+
+    assert one.value("wmr.page.link") == link
+    assert one.value("wmr.page.fleet.members.get('mb').robot.period") == 0.05
+    assert one.value("wmr.page.fleet.value('robot.m')") == 70
+    assert one.said == []
+
+
+def test_a_link_that_asks_for_too_much_is_followed_and_told_so(
+    opened: tuple[Browser, str],
+) -> None:
+    one, url = opened
+    notice = "document.getElementById('notices').textContent"
+
+    show(one, url, "laws=mb.moon&period=0.03&set=robot.m:70,robot.mu:1e99")
+    one.value("wmr.page.draw()")
+    said = str(one.value(notice))
+    assert one.value("wmr.page.fleet.value('robot.m')") == 70
+    assert all(part in said for part in ("laws=moon", "period=0.03", "set=robot.mu:1e99"))
+    assert not any(part in said for part in ("laws=mb", "robot.m:70"))
+
+    show(one, url, "scene=slow&laws=mb&guard=1&period=5e-2&set=robot.m:70.0")
+    one.value("wmr.page.draw()")
+    assert "link" not in str(one.value(notice))
+
+
+@pytest.mark.parametrize(
+    "link",
+    [
+        "scene=moon&laws=nobody&guard=x&period=0.03&delay=9&seed=-1&speed=1e9",
+        "set=robot.m:-5,robot.z:1,limits.v_u1[1]:NaN,__proto__:1,:,robot.mu:1e99",
+        "%ff%00&set=%",
+    ],
+)
+def test_a_bad_link_does_no_harm(opened: tuple[Browser, str], link: str) -> None:
+    one, url = opened
+    show(one, url, link)
+    one.value("wmr.page.fleet.advance(2, 1e9), wmr.page.draw()")
+
+    assert one.value("wmr.page.fleet.members.size") >= 1
+    assert one.value("wmr.page.fleet.value('robot.m')") > 0
+    assert one.said == []
+
+
+def test_a_number_that_cannot_be_is_refused_aloud(shown: Browser) -> None:
+    shown.value(
+        "(() => { const number = document.querySelector('#set-robot\\\\.m + input');"
+        " number.value = '-5'; number.dispatchEvent(new Event('change')); })()"
+    )
+
+    assert "robot.m = -5 must be above 0" in shown.value(
+        "document.getElementById('notices').textContent"
+    )
+    assert shown.value("wmr.page.fleet.value('robot.m')") == 50
+    assert shown.value("document.querySelector('#set-robot\\\\.m + input').value") == "50"
+
+
+@pytest.mark.parametrize("width", [738, 350])
+def test_robots_and_charts_are_seen_in_a_small_frame(
+    opened: tuple[Browser, str], width: int
+) -> None:
+    one, url = opened
+    show(one, url, size=(width, 800))
+    assert one.value("document.documentElement.className") == ""
+    places = one.value(
+        "(document.documentElement.classList.add('embedded'), ['plane', 'play', 'chart-v1'].map("
+        "(id) => document.getElementById(id).getBoundingClientRect().top))"
+    )
+
+    assert max(places) < 780
+
+
+def test_a_robot_is_dragged_and_thrown(shown: Browser) -> None:
+    shown.value("wmr.page.draw()")
+    x, y = shown.value(
+        "(() => { const { plane, fleet } = wmr.page, seen = fleet.members.get('pid').seen;"
+        " const box = plane.canvas.getBoundingClientRect();"
+        " return [box.left + plane.X(seen.x), box.top + plane.Y(seen.y)]; })()"
+    )
+    shown.value(EVEN)
+    shown.mouse("Pressed", x, y)
+    for k in range(6):
+        shown.mouse("Moved", x + 20 * k, y - 20 * k)
+    held = shown.value("wmr.page.held.member.law")
+    shown.mouse("Released", x + 100, y - 100)
+    state = f"wmr.page.fleet.members.get('{held}').robot.state"
+
+    assert shown.value(f"{state}[0]") > -0.4
+    assert shown.value(f"{state}[1]") > -0.4
+    assert shown.value(f"{state}[3]") != 0.0
+    assert shown.value("wmr.page.held") is None
+
+
+def test_keys(shown: Browser) -> None:
+    shown.press(" ")
+    assert shown.value("wmr.page.playing")
+    shown.press(" ")
+    shown.press("3")
+    assert shown.value("wmr.page.fleet.scene.key") == "guard"
+    shown.value("wmr.page.play(false), wmr.page.restart()")
+    shown.press(".")
+    assert shown.value("wmr.page.fleet.sampled") == 1
+    shown.press("g")
+    assert not shown.value("wmr.page.fleet.variant.guard")
+
+
+def test_names_of_many_robots_in_one_place_find_room(shown: Browser) -> None:
+    """Wherever they stand: labels move on in one direction."""
+    shown.value(
+        """(() => {
+          const { page } = wmr, { fleet, plane } = page;
+          fleet.choose(page.told.laws.map((law) => law.name));
+          for (let share = 0; share <= 1; share += 0.02) {
+            const [x, y] = plane.world(plane.width * share, plane.height * share);
+            for (const member of fleet.members.values()) member.place({ x, y });
+            page.draw();
+          }
+        })()"""
+    )
+
+
+def test_a_push_ends(shown: Browser) -> None:
+    """It is gone after half a second, and the scene's own numbers hold again."""
+    shown.value("wmr.page.fleet.advance(5, 1e9), wmr.page.push()")
+    pushed = "wmr.page.fleet.members.get('mb').robot"
+    at = f"{pushed}.places.parameters['disturbance.push[1]']"
+    size = f"{pushed}.numbers({pushed}.parametersAt, 200)[{at}]"
+
+    assert shown.value(size) == 100
+    shown.value("wmr.page.fleet.advance(0.6, 1e9)")
+    assert shown.value(size) == 0
+
+
+def test_columns_for_scripts(shown: Browser) -> None:
+    columns = shown.value(
+        "wmr.run('mb', 2).then((c) => [Object.keys(c), c.t.length, c['e[1]'][0]])"
+    )
+
+    assert {"t", "x", "e[3]", "V1", "margin"} <= set(columns[0])
+    assert columns[1] == 200
+    assert isinstance(columns[2], float)
+
+
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("size", [PHONE, SCREEN])
+def test_nothing_is_wider_than_the_window(
+    opened: tuple[Browser, str], size: tuple[int, int], dark: bool
+) -> None:
+    one, url = opened
+    one.show(*size, dark=dark, touch=size == PHONE)
+    one.open("about:blank")
+    one.open(url, READY)
+
+    assert one.value("document.documentElement.scrollWidth") <= size[0]
+    assert one.said == []

@@ -1,0 +1,145 @@
+"""Pages of bases that take velocities: the ways to limit commands, and their numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wmr_ctrl
+from tests.export.page.browser import browser
+from tests.export.page.test_module import assert_same_bits, from_page
+from tests.export.page.test_page_browser import READY
+from wmr_ctrl.export.page.scenes import members_of, scenes
+from wmr_ctrl.world.scenario import load_scenario
+
+STRONG = {"base.gain": [1.04, 1.04]}
+SWINGING = {
+    "base.kind": "velocity", "base.loop": "pi", "base.kp": 140.0, "base.ki": 320.0,
+    "robot.m": 60.0, "robot.I": 5.0, "robot.mu": 0.0, "disturbance.std": 0.0,
+    "limits.v_u1": [1.0, 2.0], "limits.v_u2": [0.7, 1.4], "clock.control": 0.05,
+    "filter.loop": "pi", "filter.mass": [50, 65], "filter.inertia": [4, 6],
+    "filter.kp": [135, 165], "filter.ki": [270, 330],
+}  # fmt: skip
+
+
+def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path: Path) -> None:
+    """Nor does a base without noise have that of a circle with noise."""
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        'extends = "paper-simulation"\n[base]\nkind = "velocity"\n[disturbance]\nstd = 0.0\n'
+    )
+    changed = load_scenario("turtlebot3-burger", {"robot.m": 1.2})
+    own = load_scenario("turtlebot3-burger")
+    named = load_scenario(file, {"title": "Mine"})
+    titles = [
+        scenes(each, ("pursuit",))[0].title for each in (load_scenario(file), changed, own, named)
+    ]
+    assert titles == ["mine", "turtlebot3-burger, changed", own.title, "Mine"]
+
+
+@pytest.mark.parametrize(
+    ("name", "ways"),
+    [
+        ("turtlebot3-burger", ["clipped", "smoothed", "clip", "governor"]),
+        ("clearpath-jackal", ["clipped", "smoothed", "clip"]),
+    ],
+)
+def test_a_base_has_the_filters_that_hold_for_it(name: str, ways: list[str]) -> None:
+    members = members_of(load_scenario(name), ["pursuit"])
+
+    assert [item.name for item in members] == [f"pursuit-{way}" for way in ways]
+    assert len({item.look.colour for item in members}) == len(members)
+
+
+@pytest.mark.parametrize(
+    ("stated", "ways"),
+    [
+        ({"filter.kind": "band"}, ["clipped", "smoothed", "clip", "slew", "band"]),
+        ({"filter.kind": "clip", "filter.jitter": 0.06}, ["clipped", "smoothed", "clip"]),
+    ],
+)
+@pytest.mark.slow_but("stated1-ways1")
+def test_a_base_that_overshoots_has_slow_commands_too(
+    stated: dict[str, object], ways: list[str]
+) -> None:
+    scenario = load_scenario("paper-simulation-nominal", {**SWINGING, **stated})
+    members = members_of(scenario, ["pursuit"])
+
+    assert [item.name for item in members] == [f"pursuit-{way}" for way in ways]
+    assert len({item.look.colour for item in members}) == len(members)
+
+
+def test_the_slew_that_is_stated_is_the_one_that_is_shown() -> None:
+    stated = {"filter.kind": "clip", "filter.slew": [0.1, 0.3]}
+    members = members_of(
+        load_scenario("paper-simulation-nominal", {**SWINGING, **stated}), ["pursuit"]
+    )
+    shown = {item.name: item.overrides["filter.slew"] for item in members}
+
+    assert shown["pursuit-slew"] == (0.1, 0.3)
+    assert shown["pursuit-clip"] is None
+
+
+def test_a_law_with_limits_of_its_own_is_shown_with_them_and_filtered() -> None:
+    members = members_of(load_scenario("turtlebot3-burger"), ["prox", "kanayama"])
+
+    assert [item.name for item in members][:3] == ["prox-clipped", "prox-clip", "prox-governor"]
+    assert members[0].look.dash != members[-1].look.dash
+
+
+def test_a_robot_that_takes_torques_is_there_once_for_each_law() -> None:
+    members = members_of(load_scenario("paper-simulation"), ["mb", "nn"])
+
+    assert [(item.name, item.law) for item in members] == [("mb", "mb"), ("nn", "nn")]
+
+
+@pytest.fixture(scope="module")
+def burger(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    scenario = load_scenario("turtlebot3-burger", STRONG)
+    page = tmp_path_factory.mktemp("page") / "burger.html"
+    return wmr_ctrl.write_page(page, scenario, laws=["pursuit"])
+
+
+@pytest.mark.slow
+def test_its_page_has_the_numbers_of_runs_and_shows_what_the_filter_is_for(
+    burger: Path, tmp_path: Path
+) -> None:
+    scenario = load_scenario("turtlebot3-burger", STRONG)
+    members = members_of(scenario, ["pursuit"])
+    shown = from_page(burger, tmp_path, [(item.name, 80.0, {}) for item in members])
+
+    for item, columns in zip(members, shown, strict=True):
+        run = wmr_ctrl.simulate(item.settled(scenario).scenario, item.law)
+        assert_same_bits(columns, run)
+        filtered = item.name.split("-")[1] in ("clip", "governor")
+        assert (np.abs(run["v1"]).max() <= 0.22) == filtered
+    keys = burger.read_text(encoding="utf-8").partition("<kbd>")[2].partition("</details>")[0]
+    assert [word in keys for word in ("push", "guard", "scenes")] == [True, False, False]
+
+
+@pytest.mark.slow
+def test_its_page_says_what_a_filter_does_not_promise(burger: Path, tmp_path: Path) -> None:
+    def said(**numbers: float) -> str:
+        texts = [f'document.getElementById("set-{name}").parentElement' for name in numbers]
+        for text, value in zip(texts, numbers.values(), strict=True):
+            box = f"{text}.querySelector('[type=number]')"
+            one.value(f"{box}.value = '{value}'; {box}.dispatchEvent(new Event('change'))")
+        one.value("wmr.page.restart(), wmr.page.fleet.advance(0.1, 1e9), wmr.page.board()")
+        notices = str(one.value("document.getElementById('notices').innerText"))
+        one.value("document.getElementById('reset').click()")
+        one.value("wmr.page.restart(), wmr.page.board()")
+        assert one.value("document.getElementById('notices').innerText") == ""
+        return notices
+
+    with browser(tmp_path) as one:
+        one.open(burger.as_uri(), READY)
+        one.value("wmr.page.play(false)")
+        assert said() == ""
+        assert "no filter promises anything" in said(**{"base.gain[1]": 1.06})
+        assert "the governor does not promise anything" in said(**{"base.gain[2]": 0.94})
+        assert "outside of filter.tau, 0.06 to 0.15" in said(**{"base.tau[1]": 0.16})
+        assert said(**{"filter.d[1]": 0.3}).count("sends 0") == 2
+        assert "Refused" in said(**{"base.tau[1]": -1.0})
+        assert one.said == []
