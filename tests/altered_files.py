@@ -31,7 +31,7 @@ OPTIONS = "tests/sim/test_native.py::test_every_option_means_what_the_oracle_tak
 PIECES = "tests/codegen/test_noise_without_wide.py"
 BLOCK = "tests/codegen/test_generated_c.py::test_noise_block_is_philox"
 COLUMNS = "tests/export/fmi/test_fmi_every_column.py::"
-DERIVED = "tests/guard/test_derived.py::test_"
+DERIVED = "tests/control/guard/test_bounds.py::test_"
 RUNTIME, FMI = "fmu/runtime/", "fmu/fmi/"
 WORLD, CODEGEN = "wmr_ctrl/world/", "wmr_ctrl/codegen/"
 
@@ -164,7 +164,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("seed.c", "if (from != to)", "if (from < to)"),
     ),
     *_rows(
-        "wmr_ctrl/", "tests/guard/test_derived.py",
+        "wmr_ctrl/", "tests/control/guard/test_bounds.py",
         ("control/guard/bounds.py", "_sum(bound.dbar, given.d_model)",
          "_sum(bound.dbar, (given.d_model[0], 0.0))"),
         ("world/effect.py", "return mass_bounds(scenario)[1][0]",
@@ -177,7 +177,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("control/loop.py", "ca.floor(self._late / h + 0.5)", "ca.floor(self._late / h)"),
     ),
     *_rows(
-        "wmr_ctrl/", "tests/checks/test_guard_price.py tests/checks/test_start.py",
+        "wmr_ctrl/", "tests/control/guard/test_price.py tests/checks/test_start.py",
         ("world/phases.py", "return max(full_friction", "return min(full_friction"),
         ("control/guard/price.py",
          "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
@@ -214,7 +214,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("price.py", "guard.latest + guard.slowest", "guard.latest"),
     ),
     *_rows(
-        "wmr_ctrl/control/guard/", "tests/guard/test_refusals.py",
+        "wmr_ctrl/control/guard/", "tests/control/guard/test_refusals.py",
         ("refusals.py", "> period + GRID", "> 2 * period + GRID"),
         ("refusals.py", "(guard.age[i] or guard.window[i])", "guard.age[i]"),
     ),
@@ -232,7 +232,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         )
         for seen in (
             "prove guard.assembled.lag-alone",
-            "tests/guard/test_lateness.py::"
+            "tests/control/guard/test_lateness.py::"
             "test_older_commands_count_as_weak_wheels_were_given_them",
         )
     ),
@@ -254,7 +254,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("references/kind.py", "float(np.abs(v2).max())", "float(v2.max())"),
     ),
     *_rows(
-        "wmr_ctrl/control/laws/", "tests/laws/test_every_law.py::"
+        "wmr_ctrl/control/laws/", "tests/control/laws/test_laws_all.py::"
         "test_the_semi_implicit_step_leaks_at_its_end",
         ("nn.py", "/ (1 + leak)", "* (1 - leak)"),
     ),
@@ -270,13 +270,13 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
          "if monitor.violations and not (monitor.rigid and monitor.rigid.slipped is not None):"),
     ),
     *_rows(
-        "wmr_ctrl/control/guard/", "tests/guard/test_lateness.py::"
+        "wmr_ctrl/control/guard/", "tests/control/guard/test_lateness.py::"
         "test_a_guard_does_the_same_in_either_direction",
         ("delay.py", "self.rise, self.rise_late)", "self.rise_late, self.rise)"),
         ("delay.py", "self.slow and self.slow.mirrored", "self.slow"),
     ),
     *_rows(
-        "wmr_ctrl/control/guard/", "tests/guard/test_lateness.py::"
+        "wmr_ctrl/control/guard/", "tests/control/guard/test_lateness.py::"
         "test_a_few_hostile_robots_get_the_forces_of_the_formula",
         ("delay.py", "rise * ca.fmax(p - z, 0)", "rise * (p - z)"),
         ("delay.py", "    if late.averaged:\n", "    if late.jitter:\n"),
@@ -292,7 +292,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("applied.py", "pieces.insert(0, (", "pieces.append(("),
     ),
     *_rows(
-        "wmr_ctrl/control/filter/", "tests/filter/test_times.py",
+        "wmr_ctrl/control/filter/", "tests/control/filter/test_filter_times.py",
         ("forecast.py", "0.5 * x * x", "x * x"),
         ("clip.py", "max(jitter, UNTOLD)", "jitter"),
     ),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from tests.laws.toys import PLAIN, install
+from tests.control.laws.toys import PLAIN, install
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.laws import LAWS

@@ -9,8 +9,8 @@ import pytest
 
 import wmr_ctrl
 from tests.cli.conftest import SHORT
+from tests.control.laws.toys import PLAIN, install
 from tests.docs.test_extending import FILES
-from tests.laws.toys import PLAIN, install
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError
 

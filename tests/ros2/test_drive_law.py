@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.filter.test_laws_behind import scenario
+from tests.control.filter.test_filter_behind_laws import scenario
 from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import SAMPLE

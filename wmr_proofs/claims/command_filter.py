@@ -19,7 +19,7 @@ NUMBERS = "V dbar nbar K_min K_max kappa"
 INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"
 COMMANDS = (
     "every command of real numbers (what is no number counts as 0, which "
-    "tests/filter/test_package.py tries)"
+    "tests/control/filter/test_filter_package.py tries)"
 )
 claim = Claims(by=Z3())
 

@@ -27,7 +27,7 @@ COUNTED = (
     "the sums are at most what commands of at most largest count for (guard.late.piece): rest <= "
     "(late - J) S/M_min each way, mean both ways <= (usual + mixed - 2 J) S/M_min, the last "
     "command <= J S/M_min both ways, S = largest + net, usual <= late, J <= mixed; mean <= rest "
-    "each way, as no command weighs more in the mean (tests/guard/test_lateness.py)"
+    "each way, as no command weighs more in the mean (tests/control/guard/test_lateness.py)"
 )
 JITTERS = "; mixed (largest + net) <= M_min (u1 - 2 nbar)"
 claim = Claims(by=Z3())

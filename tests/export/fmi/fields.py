@@ -99,7 +99,7 @@ ELSEWHERE = {
 }
 """Fields that a guard or a coupled plant refuses: tests/world/test_effects.py has them.  Traction
 limits weaker tyres than these: tests/physics/test_traction.py has it.  Bounds of delay and lag
-decide the form of a guard: tests/guard/test_late_runs.py.
+decide the form of a guard: tests/control/guard/test_lateness_runs.py.
 Obstacles no run reads: tests/corridor/test_clearance.py."""
 
 

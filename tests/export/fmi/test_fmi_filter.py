@@ -10,8 +10,8 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
 from tests.control.bases import GOVERNED
+from tests.control.filter.test_filter import scenario
 from tests.export.fmi.raw import ERROR, OK, Fmu
-from tests.filter.test_filter import scenario
 from wmr_ctrl import command_filter, simulate
 from wmr_ctrl.control.filter.channels import FLAG_NAMES
 from wmr_ctrl.core.errors import ScenarioError

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from tests.codegen.measured import FILTERS
 from tests.codegen.test_package import WARNINGS, needs, run
-from tests.filter.test_filter import scenario
+from tests.control.filter.test_filter import scenario
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import known_footprint, package_files
 from wmr_ctrl.codegen.single_precision import with_margin

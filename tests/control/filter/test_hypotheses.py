@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.filter.linear_base import held, pi_base
-from tests.filter.test_band import CORNERS
-from tests.filter.test_peak_gain import scenario
+from tests.control.filter.linear_base import held, pi_base
+from tests.control.filter.test_band import CORNERS
+from tests.control.filter.test_peak_gain import scenario
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.hypotheses import broken_hypotheses
 from wmr_ctrl.world.effect import Bound

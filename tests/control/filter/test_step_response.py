@@ -10,8 +10,8 @@ from scipy.optimize import linprog
 from scipy.signal import lti, step
 from scipy.sparse import diags, vstack
 
-from tests.filter.linear_base import LinearBase, held, pi_base, second_order_base
-from tests.filter.test_peak_gain import LOOP, WIDE, scenario
+from tests.control.filter.linear_base import LinearBase, held, pi_base, second_order_base
+from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.peak_gain import PiLoop
 from wmr_ctrl.control.filter.step_response import Cells, band, pi_cells, swing

@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.signal import lti, step
 
-from tests.filter.linear_base import LinearBase, pi_base, second_order_base
+from tests.control.filter.linear_base import LinearBase, pi_base, second_order_base
 from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter.enclosure import Span
 from wmr_ctrl.control.filter.peak_gain import (

@@ -10,8 +10,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from tests.guard.late_trial import Case, composed, trial
-from tests.guard.test_delay import ON
+from tests.control.guard.late_trial import Case, composed, trial
+from tests.control.guard.test_delay import ON
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.guard.lateness import Counting, Times, lateness, since_last
 from wmr_ctrl.control.guard.price import unbeatable_speed, usable_speed

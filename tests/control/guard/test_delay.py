@@ -9,10 +9,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.guard.harness import LIGHT, LIMITS, MOST
-from tests.guard.late import hostile, late
-from tests.guard.test_adversary import LIGHTEST
-from tests.guard.test_graph import evaluated
+from tests.control.guard.harness import LIGHT, LIMITS, MOST
+from tests.control.guard.late import hostile, late
+from tests.control.guard.test_guard import evaluated
+from tests.control.guard.test_guard_adversary import LIGHTEST
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import guard as guard_alone
 from wmr_ctrl.control.guard.delay import InFlight, in_flight

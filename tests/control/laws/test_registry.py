@@ -7,7 +7,7 @@ from importlib.metadata import EntryPoint
 import numpy as np
 import pytest
 
-from tests.laws.toys import TOY, install
+from tests.control.laws.toys import TOY, install
 from wmr_ctrl.api import compile_law, law_table, simulate
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle

@@ -8,9 +8,9 @@ from functools import lru_cache, partial
 import casadi as ca
 import numpy as np
 
-from tests.guard.exact_axis import PARTS, Robots
-from tests.guard.late_formula import LateGuard
-from tests.guard.varying_formula import VaryingGuard
+from tests.control.guard.exact_axis import PARTS, Robots
+from tests.control.guard.late_formula import LateGuard
+from tests.control.guard.varying_formula import VaryingGuard
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.guard.refusals import feasible_guard
 from wmr_ctrl.control.setup import Setup, settle

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.guard.exact_axis import PARTS
-from tests.guard.late_formula import LateGuard
-from tests.guard.late_trial import LIMITS, Case, Result, Thrown, trial
+from tests.control.guard.exact_axis import PARTS
+from tests.control.guard.late_formula import LateGuard
+from tests.control.guard.late_trial import LIMITS, Case, Result, Thrown, trial
 
 SHARE = (1.0, 0.2)
 some_seeds = pytest.mark.parametrize("seed", [0, 1, 37, 73, 109])

@@ -8,10 +8,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.filter.linear_base import LinearBase, held
-from tests.filter.test_band import CORNERS, SWINGING, second_order_base
-from tests.filter.test_filter import scenario as first_order
-from tests.filter.test_peak_gain import scenario
+from tests.control.filter.linear_base import LinearBase, held
+from tests.control.filter.test_band import CORNERS, SWINGING, second_order_base
+from tests.control.filter.test_filter import scenario as first_order
+from tests.control.filter.test_peak_gain import scenario
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.band import NAMES, BandGovernor
 from wmr_ctrl.control.filter.filter import CommandFilter

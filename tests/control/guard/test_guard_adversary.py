@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.guard.harness import HEAVY, LIGHT, LIMITS, MOST, WIDE, Robot, guarded
+from tests.control.guard.harness import HEAVY, LIGHT, LIMITS, MOST, WIDE, Robot, guarded
 from wmr_ctrl.api import simulate
 from wmr_ctrl.results import Run
 

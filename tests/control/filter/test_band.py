@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.signal import lti, step
 
-from tests.filter.linear_base import LinearBase, held, pi_base, second_order_base
-from tests.filter.test_peak_gain import LOOP, WIDE, scenario
-from tests.filter.worst_band import Worst, tables_of
+from tests.control.filter.linear_base import LinearBase, held, pi_base, second_order_base
+from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
+from tests.control.filter.worst_band import Worst, tables_of
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.band import MOST_COMMANDS, PIECES
 from wmr_ctrl.control.filter.filter import CommandFilter

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.codegen.compiled import compiled
-from tests.guard.test_graph import ASKED, BOUNDS, NAMES, SYMBOLS, Y
+from tests.control.guard.test_guard import ASKED, BOUNDS, NAMES, SYMBOLS, Y
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.control.guard.bounds import rounding
 from wmr_ctrl.control.guard.delay import in_flight, largest_force

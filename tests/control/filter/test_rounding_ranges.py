@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.filter.test_filter import scenario
+from tests.control.filter.test_filter import scenario
 from wmr_ctrl.control.filter.rounding_ranges import unproved_roundings
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import warnings_for

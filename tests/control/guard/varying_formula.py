@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tests.guard.late_formula import LateGuard
+from tests.control.guard.late_formula import LateGuard
 
 NODES, SHARES = np.polynomial.legendre.leggauss(20)
 

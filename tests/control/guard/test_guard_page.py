@@ -242,7 +242,7 @@ def test_the_page_has_no_guarantee_that_is_not_tried_here():
     import re
     from pathlib import Path
 
-    page = (Path(__file__).parents[2] / "docs/explanation/guarantee.md").read_text("utf-8")
+    page = (Path(__file__).parents[3] / "docs/explanation/guarantee.md").read_text("utf-8")
     items = re.findall(r"^(\d)\. \*\*(.+?)\.\*\*", page.split("## How it works")[0], re.MULTILINE)
     own = Path(__file__).read_text(encoding="utf-8")
 

@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from tests.guard.harness import HEAVY, LIGHT, MOST, guarded, slid
+from tests.control.guard.harness import HEAVY, LIGHT, MOST, guarded, slid
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.model.evaluate import evaluated

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from tests.filter.adversary import Base, fastest
+from tests.control.filter.adversary import Base, fastest
 from wmr_ctrl import load_scenario
 from wmr_ctrl.control.filter.channels import ROUNDING
 from wmr_ctrl.control.filter.filter import filter_system

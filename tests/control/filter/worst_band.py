@@ -18,7 +18,7 @@ from scipy.linalg import expm
 from scipy.optimize import linprog
 from scipy.sparse import csr_matrix
 
-from tests.filter.linear_base import LinearBase
+from tests.control.filter.linear_base import LinearBase
 from wmr_ctrl.world.model.system import System
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.guard.test_contradictions import BROKEN, MET
+from tests.control.guard.test_contradictions import BROKEN, MET
 from wmr_ctrl.control.guard.bounds import derived_guard
 from wmr_ctrl.control.guard.contradictions import beyond_belief, contradictions
 from wmr_ctrl.control.guard.guard import Bounds
