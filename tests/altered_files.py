@@ -27,7 +27,7 @@ EMITTED = (
     f"{EMITTER}random_graphs_equal_their_instructions_to_the_bit[False] "
     f"{EMITTER}repeated_division_by_a_parameter_is_multiplication"
 )
-OPTIONS = "tests/sim/test_native.py::test_every_option_means_what_the_oracle_takes_it_for"
+OPTIONS = "tests/simulation/test_simulation_native.py::test_every_option_means_what_the_oracle_takes_it_for"
 PIECES = "tests/codegen/test_noise_without_wide.py"
 BLOCK = "tests/codegen/test_generated_c.py::test_noise_block_is_philox"
 COLUMNS = "tests/export/fmi/test_fmi_every_column.py::"
@@ -119,17 +119,17 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("loop.c", "(WMR_AT(number, 0) + 0.5)", "(WMR_AT(number, 0) - 0.5)"),
     ),
     *_rows(
-        RUNTIME, "tests/sim/test_native.py::test_truncated_noise_is_drawn_again_where_either_"
+        RUNTIME, "tests/simulation/test_simulation_native.py::test_truncated_noise_is_drawn_again_where_either_"
         "number_is_beyond",
         ("loop.c", " | wmr_mask(wmr_abs(out[1]) > most)", ""),
     ),
     *_rows(
-        RUNTIME, "tests/sim/test_many.py::test_a_torque_that_is_no_number_is_the_largest",
+        RUNTIME, "tests/simulation/test_many.py::test_a_torque_that_is_no_number_is_the_largest",
         ("loop.c", "wmr_not(wmr_mask(seen[WMR_SEEN_PEAK] <= *peak))",
          "wmr_mask(seen[WMR_SEEN_PEAK] > *peak)"),
     ),
     *_rows(
-        RUNTIME, "tests/sim/test_many.py::"
+        RUNTIME, "tests/simulation/test_many.py::"
         "test_a_rate_of_turn_that_is_no_number_is_not_told_as_the_largest",
         ("loop.c", "both & wmr_mask(v[1] > most[1])", "first & wmr_mask(v[1] > most[1])"),
     ),
@@ -318,7 +318,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("read_log.c", "kinds[n] == COUNTED", "kinds[n] >= SKIPPED"),
     ),
     *_rows(
-        RUNTIME, "tests/sim/test_batch.py::"
+        RUNTIME, "tests/simulation/test_batch.py::"
         "test_lanes_that_are_cancelled_do_no_further_sample",
         ("loop.c", " && !*s->cancelled) {", ") {"),
     ),
@@ -334,17 +334,17 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("wrong_model.py", "limits.v_u1).any()", "limits.v_u1).all()"),
     ),
     *_rows(
-        "wmr_ctrl/simulation/campaign/", "tests/campaign/test_intervals.py::"
+        "wmr_ctrl/simulation/campaign/", "tests/simulation/campaign/test_intervals.py::"
         "test_more_looks_need_a_narrower_interval",
         ("intervals.py", " / max(looks, 1)", ""),
     ),
     *_rows(
-        "wmr_ctrl/simulation/campaign/", "tests/campaign/test_study_plan.py::"
+        "wmr_ctrl/simulation/campaign/", "tests/simulation/campaign/test_study_plan.py::"
         "test_the_points_of_a_latin_hypercube_lie_anywhere_in_their_strata",
         ("plan.py", "(strata + unit)", "(strata + 0.5)"),
     ),
     *_rows(
-        "wmr_ctrl/simulation/campaign/", "tests/campaign/test_study_plan.py::"
+        "wmr_ctrl/simulation/campaign/", "tests/simulation/campaign/test_study_plan.py::"
         "test_every_combination_has_one_row_in_the_order_of_the_index",
         ("study_run.py", "plan.first_seed + k % plan.seeds)", "k % plan.seeds)"),
         ("study_store.py", "seed = plan.first_seed + place", "seed = place"),

@@ -7,7 +7,7 @@ import csv
 import pytest
 
 from benchmarks import beyond, guard_runs, tyre_runs
-from tests.campaign.synthetic import made_up
+from tests.simulation.campaign.synthetic import made_up
 from wmr_ctrl.report.drawing import Drawing
 
 

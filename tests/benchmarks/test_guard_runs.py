@@ -24,7 +24,7 @@ from benchmarks.guard_runs import (
     run_comparison,
     swept,
 )
-from tests.campaign.synthetic import Watch, made_up
+from tests.simulation.campaign.synthetic import Watch, made_up
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results.table import RunTable

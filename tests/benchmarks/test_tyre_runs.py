@@ -14,7 +14,7 @@ from benchmarks.tyre_runs import (
     rigid_claims,
     run_rigid_comparison,
 )
-from tests.campaign.synthetic import made_up as made_up_runs
+from tests.simulation.campaign.synthetic import made_up as made_up_runs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.simulation.campaign.plan import PlannedCase

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.corridor.adversary import attack
-from tests.physics.shove import SHOVE
+from tests.simulation.physics.shove import SHOVE
 from wmr_ctrl import load_run, simulate, simulate_runs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from tests.physics.shove import SHOVE
+from tests.simulation.physics.shove import SHOVE
 from wmr_ctrl import simulate
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import CORRIDOR, files_of

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests.campaign.conftest import campaign as campaign
-from tests.campaign.conftest import fake_simulate as fake_simulate
+from tests.simulation.campaign.conftest import campaign as campaign
+from tests.simulation.campaign.conftest import fake_simulate as fake_simulate
 from wmr_ctrl.report.drawing import Drawing
 
 

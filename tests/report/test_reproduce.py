@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from click.testing import CliRunner
 
-from tests.campaign.synthetic import Watch
-from tests.campaign.synthetic import made_up as made_up_runs
+from tests.simulation.campaign.synthetic import Watch
+from tests.simulation.campaign.synthetic import made_up as made_up_runs
 from wmr_ctrl import api
 from wmr_ctrl.cli import root
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError

@@ -10,10 +10,10 @@ from dataclasses import replace
 
 import pytest
 
-from tests.campaign.synthetic import Watch, made_up
 from tests.export.page.browser import browser
 from tests.report.conftest import drawn_for_the_page
 from tests.report.test_drawings import EVIDENCE
+from tests.simulation.campaign.synthetic import Watch, made_up
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.report.paper_claims import Evidence, Verdict, judge_all
 from wmr_ctrl.report.paper_figures import PANELS

@@ -10,8 +10,8 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
-from tests.physics.fmu.build import INPUTS, OUTPUTS, build_rigid
-from tests.physics.fmu.together import Together
+from tests.simulation.physics.fmu.build import INPUTS, OUTPUTS, build_rigid
+from tests.simulation.physics.fmu.together import Together
 from wmr_ctrl import cosimulate, simulate
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import PLANT_STATE

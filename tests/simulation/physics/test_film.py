@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.physics.test_run import SHORT
+from tests.simulation.physics.test_run import SHORT
 from wmr_ctrl import simulate
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.export.outputs import film_run

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.campaign.studies import PLAN, table_of
+from tests.simulation.campaign.studies import PLAN, table_of
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.simulation.campaign.study_plan import load_plan, plan_of
 

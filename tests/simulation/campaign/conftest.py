@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.campaign.synthetic import made_up, simulate
+from tests.simulation.campaign.synthetic import made_up, simulate
 from wmr_ctrl.results import Run
 from wmr_ctrl.simulation.campaign import Campaign
 from wmr_ctrl.simulation.campaign.engine import run_campaign

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.physics.test_rigid import scenario
+from tests.simulation.physics.test_rigid import scenario
 from wmr_ctrl import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.simulation.physics.rigid import RigidBody, loads

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.physics.shove import SHOVE
+from tests.simulation.physics.shove import SHOVE
 from wmr_ctrl import simulate
 from wmr_ctrl.world.registry import EFFECTS
 

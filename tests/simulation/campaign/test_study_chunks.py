@@ -13,7 +13,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 import pytest
 
 import wmr_ctrl
-from tests.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
+from tests.simulation.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.simulation.campaign.engine import PlannedCase
 from wmr_ctrl.simulation.campaign.study_chunks import StudyChunk

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.physics.states import state_of
+from tests.simulation.physics.states import state_of
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.simulation.physics.rigid import RigidBody, description
 from wmr_ctrl.world.scenario import Change, Scenario, load_scenario

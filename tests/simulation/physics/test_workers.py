@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from tests.physics.test_run import SHORT
+from tests.simulation.physics.test_run import SHORT
 from wmr_ctrl import simulate, simulate_many
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ScenarioError, UnknownNameError
 from wmr_ctrl.results import summary

@@ -1,6 +1,6 @@
 """The table of plane model against rigid body, both FMUs.
 
-``python -m tests.physics.fmu.table`` runs our exported controllers with both plants, in FMPy and in
+``python -m tests.simulation.physics.fmu.table`` runs our exported controllers with both plants, in FMPy and in
 libcosim, and prints it; it takes some minutes.
 """
 
@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.physics.fmu.build import build_rigid
-from tests.physics.fmu.together import BODILY, STATE, Together
+from tests.simulation.physics.fmu.build import build_rigid
+from tests.simulation.physics.fmu.together import BODILY, STATE, Together
 from wmr_ctrl import cosimulate
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 

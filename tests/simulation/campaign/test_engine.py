@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.campaign.synthetic import Watch, made_up, simulate
+from tests.simulation.campaign.synthetic import Watch, made_up, simulate
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.simulation.campaign.engine import run_campaign
 from wmr_ctrl.simulation.campaign.paper_runs import paper_plan

@@ -17,7 +17,7 @@ import pytest
 from fmpy import read_model_description
 
 from tests.export.fmi.together import step_together
-from tests.physics.fmu.build import build_rigid
+from tests.simulation.physics.fmu.build import build_rigid
 from wmr_ctrl.core.signals import PLANT_STATE, REFERENCE
 from wmr_ctrl.export.fmi.blocks import parallel
 from wmr_ctrl.export.fmi.fmu_files import model_of, write_fmu

@@ -12,7 +12,7 @@ import mujoco
 import pytest
 
 from tests.compilers import compile_in, where
-from tests.physics.states import state_of
+from tests.simulation.physics.states import state_of
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.simulation.physics.rigid import RigidBody, description
 from wmr_ctrl.world.scenario import Scenario

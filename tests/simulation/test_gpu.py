@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from tests.campaign.studies import REAL
-from tests.sim.graphics import COMPILER, Stand
+from tests.simulation.campaign.studies import REAL
+from tests.simulation.graphics import COMPILER, Stand
 from wmr_ctrl import simulate_many, simulate_runs, study
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.given import scenario_of

@@ -8,8 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from tests.campaign.synthetic import made_up
 from tests.results.conftest import build
+from tests.simulation.campaign.synthetic import made_up
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.figures import FIGURES, Figure, FigureRegistry, values_of

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from tests.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
-from tests.campaign.synthetic import Watch
+from tests.simulation.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
+from tests.simulation.campaign.synthetic import Watch
 from wmr_ctrl import simulate
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError, ScenarioError, UnknownNameError
 from wmr_ctrl.simulation.campaign.study_plan import plan_of
@@ -142,7 +142,7 @@ def test_a_folder_of_another_plan_or_version_is_refused_and_kept(tmp_path):
 KILLED = """
 import sys, time
 from pathlib import Path
-from tests.campaign.studies import FACTS, PLAN, figures, plan_of, run_study
+from tests.simulation.campaign.studies import FACTS, PLAN, figures, plan_of, run_study
 def slow(chunk, jobs=None):
     time.sleep(0.2)
     return figures(chunk)
