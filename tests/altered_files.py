@@ -152,7 +152,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("snapshot.c", "sizeof s->state);\n    kind_restore(s);", "sizeof s->state);"),
     ),
     *_rows(
-        RUNTIME, "tests/world/test_toys.py::test_it_matters",
+        RUNTIME, "tests/world/test_registry.py::test_it_matters",
         ("loop.c", "(uint64_t)pair}", "0}"),
     ),
     *_rows(
@@ -250,7 +250,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("phases.py", "return robot.mu, robot.m,", "return robot.mu, 30.0,"),
     ),
     *_rows(
-        WORLD, "tests/world/test_references.py",
+        WORLD, "tests/world/references/test_references.py",
         ("references/kind.py", "float(np.abs(v2).max())", "float(v2.max())"),
     ),
     *_rows(

@@ -1,6 +1,6 @@
 """Friction of the ground, Eq. (4): its shape, its force, and the largest force and slope.
 
-All that hangs on the shape stands here.  `tests/model/test_friction.py` scans the graph for both
+All that hangs on the shape stands here.  `tests/world/model/test_friction.py` scans the graph for both
 bounds, so that a new shape with old bounds is noticed.
 """
 

@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.cli.conftest import wmr  # noqa: F401
-from tests.new.test_parameters import CONTROLLER, NAV2
-from tests.new.test_urdf import PAIR, robot
+from tests.world.robot_files.test_parameter_files import CONTROLLER, NAV2
+from tests.world.robot_files.test_urdf import PAIR, robot
 from wmr_ctrl import command_filter, simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle

@@ -1,6 +1,6 @@
 """Every key's default, unit and range as `keys.txt` has them: what a file that leaves it out means.
 
-After a change that is meant, `python -m tests.scenario.test_defaults` writes the list anew.
+After a change that is meant, `python -m tests.world.scenario.test_sections` writes the list anew.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from tests.new.test_urdf import PAIR, read, robot
+from tests.world.robot_files.test_urdf import PAIR, read, robot
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.robot_files import read_robot_files
 
