@@ -22,14 +22,14 @@ PROVE = "prove "
 PATIENCE = 300
 """Seconds for the tests of one alteration."""
 TWINS = "tests/world/test_effect_graphs.py::test_a_system_is_its_twin"
-EMITTER = "tests/codegen/test_emitter.py::test_"
+EMITTER = "tests/codegen/test_emit.py::test_"
 EMITTED = (
     f"{EMITTER}random_graphs_equal_their_instructions_to_the_bit[False] "
     f"{EMITTER}repeated_division_by_a_parameter_is_multiplication"
 )
 OPTIONS = "tests/simulation/test_simulation_native.py::test_every_option_means_what_the_oracle_takes_it_for"
-PIECES = "tests/codegen/test_noise_without_wide.py"
-BLOCK = "tests/codegen/test_generated_c.py::test_noise_block_is_philox"
+PIECES = "tests/codegen/test_resources_noise.py"
+BLOCK = "tests/codegen/test_kernels.py::test_noise_block_is_philox"
 COLUMNS = "tests/export/fmi/test_fmi_every_column.py::"
 DERIVED = "tests/control/guard/test_bounds.py::test_"
 RUNTIME, FMI = "fmu/runtime/", "fmu/fmi/"
@@ -92,7 +92,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("codegen/dialect.py", 'f"{condition} ? {yes} : {no}"', 'f"{condition} ? {no} : {yes}"'),
     ),
     *_rows(
-        CODEGEN, "tests/codegen/test_branches.py",
+        CODEGEN, "tests/codegen/test_body.py",
         ("items.py", "for side in (0, 1)]", "for side in (1, 0)]"),
         ("items.py", "if item not in dependent]", "if True]"),
         ("items.py", "self.condition, then, other)", "self.condition, other, then)"),
@@ -156,7 +156,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("loop.c", "(uint64_t)pair}", "0}"),
     ),
     *_rows(
-        RUNTIME, "tests/codegen/test_seed.py",
+        RUNTIME, "tests/codegen/test_resources.py",
         ("seed.c", "value ^= *constant;", ""),
         ("seed.c", "0xca01f9ddu * x - ", "0xca01f9ddu * x + "),
         ("seed.c", "value ^ (value >> 16)", "value ^ (value >> 15)"),

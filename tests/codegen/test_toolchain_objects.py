@@ -37,7 +37,7 @@ LAST = Unit("last", "last.c")
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     toolchain = find_toolchain()  # found with the usual cache, so that it need not be tried again
     monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path))
-    monkeypatch.setattr("tests.codegen.test_objects.find_toolchain", lambda: toolchain)
+    monkeypatch.setattr("tests.codegen.test_toolchain_objects.find_toolchain", lambda: toolchain)
     return tmp_path
 
 
