@@ -2,7 +2,8 @@
 
 Four laws drive at once, for a few seconds at 1 and at 10 times the clock's speed.  Told are frames
 a second, and how long the script takes of a frame: simulation, picture and charts, without what the
-browser does to show them.  In a checkout only: the browser is driven by `tests/export/page/browser.py`.
+browser does to show them.  In a checkout only: the browser is driven by
+`tests/export/page/browser.py`.
 """
 
 from __future__ import annotations

@@ -27,7 +27,8 @@ EMITTED = (
     f"{EMITTER}random_graphs_equal_their_instructions_to_the_bit[False] "
     f"{EMITTER}repeated_division_by_a_parameter_is_multiplication"
 )
-OPTIONS = "tests/simulation/test_simulation_native.py::test_every_option_means_what_the_oracle_takes_it_for"
+NATIVE = "tests/simulation/test_simulation_native.py::test_"
+OPTIONS = f"{NATIVE}every_option_means_what_the_oracle_takes_it_for"
 PIECES = "tests/codegen/test_resources_noise.py"
 BLOCK = "tests/codegen/test_kernels.py::test_noise_block_is_philox"
 COLUMNS = "tests/export/fmi/test_fmi_every_column.py::"
@@ -119,8 +120,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("loop.c", "(WMR_AT(number, 0) + 0.5)", "(WMR_AT(number, 0) - 0.5)"),
     ),
     *_rows(
-        RUNTIME, "tests/simulation/test_simulation_native.py::test_truncated_noise_is_drawn_again_where_either_"
-        "number_is_beyond",
+        RUNTIME, f"{NATIVE}truncated_noise_is_drawn_again_where_either_number_is_beyond",
         ("loop.c", " | wmr_mask(wmr_abs(out[1]) > most)", ""),
     ),
     *_rows(
@@ -148,7 +148,9 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("kind_sampled.c", "sample(s, sample_time(s));", "sample(s, t);"),
     ),
     *_rows(
-        FMI, "tests/export/fmi/test_fmi_state.py::test_a_state_brings_its_parameters_into_a_new_instance",
+        FMI,
+        "tests/export/fmi/test_fmi_state.py::"
+        "test_a_state_brings_its_parameters_into_a_new_instance",
         ("snapshot.c", "sizeof s->state);\n    kind_restore(s);", "sizeof s->state);"),
     ),
     *_rows(
@@ -177,7 +179,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("control/loop.py", "ca.floor(self._late / h + 0.5)", "ca.floor(self._late / h)"),
     ),
     *_rows(
-        "wmr_ctrl/", "tests/control/guard/test_price.py tests/checks/test_start.py",
+        "wmr_ctrl/", "tests/checks/test_guard_price.py tests/checks/test_start.py",
         ("world/phases.py", "return max(full_friction", "return min(full_friction"),
         ("control/guard/price.py",
          "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",

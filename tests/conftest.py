@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 TESTS = Path(__file__).parent
 COMPILED = tuple(
     f"tests/{folder}/"
-    for folder in ("arithmetic", "bits", "board", "codegen", "filter",
-                   "packaging", "simulink")
+    for folder in ("arithmetic", "bits", "board", "codegen", "control/filter",
+                   "export/simulink", "packaging")
 )  # fmt: skip
 """Folders whose tests are about what a user's own compiler makes."""
 QUICK = (

@@ -122,7 +122,7 @@ def compiled(folder: Path, compiler: str, *words: str) -> CompletedProcess[str]:
 def test_flag_is_refused_or_values_stay(kind: str, compiler: str, tmp_path: Path) -> None:
     """Vectors pass or the first is refused; where there are none it is the same instructions.
 
-    By Clang the ROS node is looked at below, the FMU in tests/fmi. The float filter turns
+    By Clang the ROS node is looked at below, the FMU in tests/export. The float filter turns
     nanoseconds into seconds by a constant, which may be a float.
     """
     needs(compiler)

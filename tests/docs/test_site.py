@@ -106,7 +106,7 @@ def test_the_live_page_is_written_where_there_is_none(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_the_site_builds_without_warnings_and_loads_nothing_from_elsewhere(tmp_path):
-    """But for the live page, which takes as long as all else and is looked at by tests/page."""
+    """But for the live page, which takes as long as all else: tests/export/page looks at it."""
     pytest.importorskip("sphinx", reason="needs the extra docs")
     out = tmp_path / "site"
     out.mkdir()

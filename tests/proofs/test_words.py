@@ -23,9 +23,9 @@ FAMILIES = ("guard.", "filter.", "gate.", "corridor.", "prox.")
 MODULES = (worded_guard, worded_filter, worded_laws)
 EACH: list[Check] = list(dict.fromkeys(CHECKS.values()))
 NOT_SAMPLED = {
-    "*.rounding.*": "about every rounding; tests/control/filter/test_filter_bits.py and tests/control/guard",
+    "*.rounding.*": "about every rounding; tests/control/filter and tests/control/guard",
     "guard.*rounding": "about every rounding; tests/control/guard",
-    "gate.governor": "a clip to limits that filter.sent-* are about; tests/control/filter/test_gate.py",
+    "gate.governor": "a clip to limits, as in filter.sent-*; tests/control/filter/test_gate.py",
     "guard.flag.*": "about every rounding",
     "guard.assembled.*": "graphs equal to other graphs; tests/control/guard/test_guard.py",
     "guard.axes": "an equality of graphs",

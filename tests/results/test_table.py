@@ -9,11 +9,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.simulation.campaign.synthetic import made_up
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.results.table import STATISTICS, RunTable, Spread, spread, table_of_rows
+from wmr_ctrl.simulation.campaign import Campaign
+from wmr_ctrl.simulation.campaign.engine import run_campaign
+from wmr_ctrl.simulation.campaign.paper_runs import paper_plan
 
 VALUES = st.lists(st.none() | st.floats(-1e6, 1e6), max_size=30)
+
+
+@pytest.fixture(scope="module")
+def campaign() -> Campaign:
+    with made_up():
+        return run_campaign(paper_plan(seeds=2), jobs=1)
 
 
 @given(values=VALUES)

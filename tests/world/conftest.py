@@ -9,7 +9,7 @@ from wmr_ctrl.world.references.registry import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture
 def toy_world(monkeypatch: pytest.MonkeyPatch) -> None:
     """The toys stand in both registries."""
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", toys.EFFECTS)

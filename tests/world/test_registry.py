@@ -24,6 +24,7 @@ from wmr_ctrl.results import Run
 from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.world.scenario import loads_scenario, to_toml
 
+pytestmark = pytest.mark.usefixtures("toy_world")
 SHORT = {"clock.duration": 1.5, "disturbance.std": 0.5, "disturbance.truncate": 3.0}
 TOYS = {
     "sensor with state and draws": {"toy_gyro.walk": 0.001},

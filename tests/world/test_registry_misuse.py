@@ -28,6 +28,7 @@ from wmr_ctrl.world.references.registry import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import Scenario
 
+pytestmark = pytest.mark.usefixtures("toy_world")
 SHORT = {"clock.duration": 0.3, "disturbance.truncate": 3.0}
 
 

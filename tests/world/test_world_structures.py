@@ -18,7 +18,7 @@ from wmr_ctrl.simulation.memory import vector_sets as usable
 from wmr_ctrl.world.references.registry import OURS
 from wmr_ctrl.world.scenario import load_scenario
 
-pytestmark = pytest.mark.usefixtures("every_set_of_instructions")
+pytestmark = pytest.mark.usefixtures("every_set_of_instructions", "toy_world")
 Changes = Mapping[str, object]
 
 KINDS = (*(kind.name for kind in OURS), CLOTHOID.name)

@@ -98,8 +98,8 @@ ELSEWHERE = {
     "reference.keep_out",
 }
 """Fields that a guard or a coupled plant refuses: tests/world/test_effect.py has them.  Traction
-limits weaker tyres than these: tests/simulation/physics/test_physics_traction.py has it.  Bounds of delay and lag
-decide the form of a guard: tests/control/guard/test_lateness_runs.py.
+limits weaker tyres than these: tests/simulation/physics/test_physics_traction.py has it.  Bounds of
+delay and lag decide the form of a guard: tests/control/guard/test_lateness_runs.py.
 Obstacles no run reads: tests/corridor/test_clearance.py."""
 
 

@@ -185,7 +185,7 @@ def test_the_battery_runs_clean_under_sanitizers(tmp_path, monkeypatch):
         model = model_of(what, "mb", scenario_given("paper-simulation"))
         path = tmp_path / f"wmr_{what}.fmi{version}.fmu"
         write_fmu(model, version, targets_of("host"), path, result=False)
-    files = [f"tests/export/fmi/test_{name}.py" for name in ("hostile", "state", "derivatives")]
+    files = [f"tests/export/fmi/test_fmi_{name}.py" for name in ("hostile", "state", "derivatives")]
     command = [
         sys.executable,
         "-m",

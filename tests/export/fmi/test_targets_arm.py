@@ -1,7 +1,7 @@
 """FMUs of 64-bit ARM Linux: their folders, and what FMPy and our commands do there.
 
-Commands run under the name of that machine, with code of this one; tests/export/fmi/test_targets.py runs
-that processor's own code.
+Commands run under the name of that machine, with code of this one;
+tests/export/fmi/test_targets.py runs that processor's own code.
 """
 
 from __future__ import annotations

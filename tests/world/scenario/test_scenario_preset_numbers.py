@@ -1,6 +1,7 @@
 """What presets' files state, as `presets.txt` has it; gains and the robots that they are for.
 
-After a change that is meant, `python -m tests.world.scenario.test_scenario_preset_numbers` writes the list anew.
+After a change that is meant, `python -m tests.world.scenario.test_scenario_preset_numbers` writes
+the list anew.
 """
 
 from __future__ import annotations

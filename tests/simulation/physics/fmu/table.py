@@ -1,7 +1,7 @@
 """The table of plane model against rigid body, both FMUs.
 
-``python -m tests.simulation.physics.fmu.table`` runs our exported controllers with both plants, in FMPy and in
-libcosim, and prints it; it takes some minutes.
+``python -m tests.simulation.physics.fmu.table`` runs our exported controllers with both
+plants, in FMPy and in libcosim, and prints it; it takes some minutes.
 """
 
 from __future__ import annotations
