@@ -27,6 +27,7 @@ from wmr_ctrl.world.scenario import Scenario, override, parse_assignments, title
 from wmr_ctrl.world.scenario.command_filter import Filter
 from wmr_ctrl.world.scenario.sections import Guard
 from wmr_ctrl.world.scenario.toml_io import InheritedValue, stated_keys
+from wmr_ctrl.world.speed_loops import KINDS, loops_of
 
 from .console import wrapped
 
@@ -232,6 +233,9 @@ def inherited_robot(taken: Sequence[InheritedValue]) -> str:
 def idle_keys(case: Scenario) -> tuple[str, ...]:
     """Keys that are not as by default and do nothing, as what they belong to is switched off."""
     off = [effect.section for effect in EFFECTS if not effect.active(case)]
+    acting = [*loops_of(case)] if case.takes_velocity else []
+    used = {section for loop in acting for section in loop.gains}
+    off += [section for loop in KINDS.values() for section in loop.gains if section not in used]
     keys = dict[str, None]()
     for section in (*off, Guard if case.takes_velocity else Filter):
         values = vars(case.section(section))

@@ -4,6 +4,7 @@ from wmr_ctrl.world.effect import total
 from wmr_ctrl.world.references.kind import fastest_of
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.speed_loops import assumed_lags
 
 from .laws.law import Basis
 from .laws.prox import guide
@@ -30,7 +31,7 @@ def basis_of(scenario: Scenario) -> Basis:
     bound = total([item for item in bounds if item is not None])
     late = bound.delay + bound.lag[1] + max(bound.age) + max(bound.window) / 2
     if scenario.takes_velocity:
-        late += max(base.tau_believed or base.tau) / 2
+        late += max(assumed_lags(scenario)) / 2
     speed = max(fastest_of(scenario), SLOWEST * limits[0])
     fit = guide(scenario.clock.control, late, speed)
     accel = tuple(min(a, REACHED * v) for a, v in zip(base.accel, limits, strict=True))

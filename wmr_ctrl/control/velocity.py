@@ -23,8 +23,8 @@ from wmr_ctrl.world.delay import in_periods
 from wmr_ctrl.world.model.dynamics import force_to_wheel, reduced_mass
 from wmr_ctrl.world.model.friction import friction
 from wmr_ctrl.world.model.system import Output, Parameters, Port, System, outputs, port, stack
-from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_first_order import reach
+from wmr_ctrl.world.speed_loops import lags
 from wmr_ctrl.world.velocity_loss import VELOCITY_LOSS
 
 from .applied import Lateness, followed, is_partial
@@ -96,10 +96,8 @@ class SentVelocity:
         scenario, take = self.setup.scenario, self.p.take
         if scenario.base.tau_believed is not None:
             tau = take("base.tau_believed")
-        elif has_loop(scenario, "pi"):
-            tau = self.mass / (take("base.kp") * ca.vertcat(1, take("robot.l") ** 2))
         else:
-            tau = take("base.tau")
+            tau = ca.vertcat(*lags(scenario, take, self.mass))
         return reach(take("clock.control"), tau)
 
     @cached_property

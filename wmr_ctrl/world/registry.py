@@ -34,8 +34,10 @@ from .push import PUSH, Push
 from .resistance import RESISTANCE
 from .slope import SLOPE
 from .speed_loop import BaseKind
-from .speed_loop_first_order import FIRST_ORDER, FirstOrderGains
-from .speed_loop_pi import PI, PiLoopGains
+from .speed_loop_first_order import FirstOrderGains, LoopGain
+from .speed_loop_pi import PiLoopGains
+from .speed_loop_second_order import SecondOrderGains
+from .speed_loops import SPEED_LOOP
 from .torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
 from .velocity_loss import VELOCITY_LOSS, VelocityLoss
 from .velocity_mean import VELOCITY_MEAN, VelocityMean
@@ -50,7 +52,7 @@ OURS = (
     ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, VELOCITY_LOSS, POSE_DELAY, POSE_SENSOR,
     TORQUE_NOISE_EFFECT, PUSH, GUST, SLOPE, RESISTANCE,
     COMMAND_DELAY, COMMAND_LOSS, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT,
-    COMMAND_RAMP, COMMAND_JERK, FIRST_ORDER, PI,
+    COMMAND_RAMP, COMMAND_JERK, SPEED_LOOP,
     DELAY, JITTER, MOTOR, LAG, WHEELS,
 )  # fmt: skip
 GROUP = "wmr_ctrl.effects"
@@ -83,7 +85,8 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
 
 class Base(
     CommandJerk, CommandRamp, WheelSpeedLimit, CommandDeadBand, CommandQuantum, CommandLoss,
-    CommandDelay, PiLoopGains, FirstOrderGains, BaseKind, key="base",
+    CommandDelay, PiLoopGains, SecondOrderGains, LoopGain, FirstOrderGains,
+    BaseKind, key="base",
 ):  # fmt: skip
     """Input of the base: wheel torques, or velocities that a speed loop of its own follows.
 
@@ -93,10 +96,11 @@ class Base(
     tau_believed: tuple[float, float] | None = quantity(
         None,
         "s",
-        "time constants that laws assume; default: tau, for a PI loop mass over kp",
+        "time constants that laws assume; default: tau, or 2 damping/frequency, or mass over kp",
         size=2,
         above=0,
         usual=(0, 5),
+        alike=True,
     )
 
 

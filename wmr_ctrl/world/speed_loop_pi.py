@@ -7,17 +7,13 @@ winds up; with ``antiwindup`` it rests while the wheels give another force than 
 the error would drive it further that way.
 """
 
-from functools import partial
-
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.fields.unstated import unknown
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.symbolic import ca
 
-from .effect import Bound, Effect, EffectRole, Rate, Scenario
 from .model.dynamics import wheel_to_force
-from .model.system import System, port
-from .speed_loop import Drive, Servo, has_loop, speed_loop
+from .speed_loop import Drive, Loop, Numbers, Servo
 
 INTEGRAL = Signal("f_integral", "N, N.m", "integral force of the speed loop", 2)
 
@@ -37,31 +33,27 @@ class PiLoopGains(Section, key="base"):
     antiwindup: bool = quantity(True, "1", "stop the integral while the wheels are at their limit")
 
 
-def build(scenario: Scenario) -> System:
-    """System of the plant's rate: commanded and true velocity to wheel torques [N m]."""
-    resting = scenario.section(PiLoopGains).antiwindup
-    return speed_loop(scenario, "PI speed loop", lambda servo: _drive(servo, resting))
+def _lever(take: Numbers, axis: int) -> ca.SX:
+    """Share of both wheels' force that an axis feels, and of its speed at their rim [1, m2]."""
+    return take("robot.l")[0] ** 2 if axis else ca.SX(1)
 
 
-def _drive(servo: Servo, resting: bool) -> Drive:
-    integral, take = port(INTEGRAL), servo.p.take
-    half_track = take("robot.l")
-    error = ca.vertcat(1, half_track**2) * (servo.u - servo.v)
+def _drive(servo: Servo) -> Drive:
+    take, axis, integral = servo.p.take, servo.axis, servo.own
+    error = _lever(take, axis) * (servo.u - servo.v)
     pull = take("base.ki") * error
 
     def following(missing: ca.SX) -> ca.SX:
-        if not resting:
-            return integral.sym + servo.h * pull
-        held = wheel_to_force(take("robot.r"), half_track, missing) * pull < 0
-        return integral.sym + servo.h * ca.if_else(held, 0, pull)
+        if not servo.scenario.section(PiLoopGains).antiwindup:
+            return integral + servo.h * pull
+        given = wheel_to_force(take("robot.r"), take("robot.l"), missing)[axis]
+        return integral + servo.h * ca.if_else(given * pull < 0, 0, pull)
 
-    return Drive(take("base.kp") * error + integral.sym, (integral,), following)
-
-
-def bound(scenario: Scenario) -> Bound:
-    """No bound on its own: the speed passes its command."""
-    return Bound(overshoots='base.loop = "pi": after a step the speed exceeds its command.')
+    return Drive(take("base.kp") * error + integral, following)
 
 
-acts = partial(has_loop, loop="pi")
-PI = Effect("pi-loop", EffectRole.LOOP, PiLoopGains, build, bound, acts=acts, rate=Rate.STEP)
+def _lag(take: Numbers, axis: int, mass: ca.SX) -> ca.SX:
+    return mass / (take("base.kp")[0] * _lever(take, axis))
+
+
+PI = Loop((PiLoopGains,), _drive, _lag, INTEGRAL)

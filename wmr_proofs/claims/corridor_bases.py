@@ -12,7 +12,7 @@ from wmr_ctrl.control.filter.channels import WAYS, Channel, scaled
 from wmr_ctrl.control.filter.governor import FirstOrder
 from wmr_ctrl.control.guard.delay import InFlight, in_flight, largest_force
 from wmr_ctrl.control.guard.guard import Bounds, clipped
-from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loop_pi, wheel_speed_limit
+from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loops, wheel_speed_limit
 from wmr_ctrl.world.pose_sensor import reckoned
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
@@ -94,8 +94,8 @@ def pi_loop(mutation: Mutation) -> Statement:
 
     Without a torque limit that acts, the certificate may take the loop for a linear one.
     """
-    loops = ((("base.antiwindup", resting),) for resting in (True, False))
-    g, plain = (EffectGraph(speed_loop_pi.PI, numbers) for numbers in loops)
+    loops = ((("base.loop", "pi"), ("base.antiwindup", resting)) for resting in (True, False))
+    g, plain = (EffectGraph(speed_loops.SPEED_LOOP, numbers) for numbers in loops)
     own = g.system
     graph = plain.system.function("plain", [plain.system.update, plain.system.y])
     following, torque = graph(own.u, own.x, own.p)

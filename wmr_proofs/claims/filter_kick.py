@@ -13,7 +13,7 @@ from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.model.dynamics import KEYS, plant, rk4_step, wheel_to_force
 from wmr_ctrl.world.model.friction import friction, largest_slope
 from wmr_ctrl.world.scenario import load_scenario
-from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER
+from wmr_ctrl.world.speed_loops import SPEED_LOOP
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
@@ -63,7 +63,7 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
 
     What filter.d has to cover: the speed at which pushes and errors of the command alone end.
     """
-    g = EffectGraph(FIRST_ORDER, BASE.items(), "robot clock")
+    g = EffectGraph(SPEED_LOOP, BASE.items(), "robot clock")
     d, t = pushed(g)
     m, inertia, mu, r, l, gravity, v_s = (g[key] for key in KEYS)
     h, most, v = g["clock.plant"], g["actuator.tau_max"], ca.vertcat(g["v1"], g["omega"])

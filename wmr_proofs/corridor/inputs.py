@@ -33,8 +33,7 @@ from wmr_ctrl.world.pose_sensor import POSE_SENSOR, PoseSensor
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.speed_loop import has_loop
-from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER
-from wmr_ctrl.world.speed_loop_pi import PI
+from wmr_ctrl.world.speed_loops import SPEED_LOOP
 from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
 from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
 from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT
@@ -45,8 +44,7 @@ from .loop import MOST_NUMBERS, SampledLoop, punctual
 from .overlap import ramps
 
 OF_BASE = (
-    COMMAND_DELAY, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT, COMMAND_RAMP, FIRST_ORDER,
-    PI,
+    COMMAND_DELAY, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT, COMMAND_RAMP, SPEED_LOOP,
 )  # fmt: skip
 """Effects of a base that takes velocities which are counted."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
@@ -220,6 +218,11 @@ def _check_base(scenario: Scenario) -> None:
         raise NoCorridorError(
             "filter.slew: from a run's first command on, the clip brings it up from 0 at that "
             "rate, which is not covered"
+        )
+    if not (has_loop(scenario, "first-order") or has_loop(scenario, "pi")):
+        raise NoCorridorError(
+            f"base.loop = {show(list(scenario.base.loop))} is not covered: both axes with "
+            "first-order loops, or both with PI loops, are"
         )
     if math.isfinite(scenario.actuator.tau_max):
         raise NoCorridorError(

@@ -119,17 +119,41 @@ def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
 
     Those of a first-order loop, whose friction is made up for: d = s f/M + K times the error, with
     s = h/(1 - exp(-h/tau)), half a plant step h above tau, since the loop's force is held over it.
+    Of a second-order loop, which swings, those of steady ones that lead as far.
     """
-    if not has_loop(scenario, "first-order"):
+    if "pi" in scenario.base.loop or not scenario.takes_velocity:
         return 0.0, 0.0
-    base, h, robots = scenario.base, scenario.clock.plant, [p.robot for p in phases(scenario)]
+    base, robots = scenario.base, [p.robot for p in phases(scenario)]
     mass, inertia = min(robot.m for robot in robots), min(robot.I for robot in robots)
     linear, angular = (
-        -h / math.expm1(-h / base.tau[axis]) * bound.dbar[axis] / (mass, inertia)[axis]
+        _time_of_pushes(scenario, axis) * bound.dbar[axis] / (mass, inertia)[axis]
         + base.gain[axis] * bound.command[axis]
         for axis in (0, 1)
     )
     return linear, angular
+
+
+def _time_of_pushes(scenario: Scenario, axis: int) -> float:
+    """s [s] of an axis' loop.
+
+    A push on a second-order loop acts on the speed as 1 - S does, with the step response S: at most
+    by the integral of |1 - S|, and a plant step h more of its way to and fro for being summed.  Of
+    the peak gain N times as much is allowed for; z is the damping, w the frequency, r the share of
+    a swing that is left after half a turn:
+
+        s = (2 z (1 - r) + 2 exp(-z (pi - acos z)/sqrt(1 - z^2)))/(w (1 + r)) + h
+
+    and 2 z/w + h for z >= 1.
+    """
+    base, h = scenario.base, scenario.clock.plant
+    if has_loop(scenario, "first-order", [axis]):
+        return -h / math.expm1(-h / base.tau[axis])
+    z, w = base.damping[axis], base.frequency[axis]
+    if z >= 1:
+        return 2 * z / w + h
+    per_turn = z / math.sqrt(1 - z * z)
+    r, crossed = math.exp(-math.pi * per_turn), math.exp(-(math.pi - math.acos(z)) * per_turn)
+    return (2 * z * (1 - r) + 2 * crossed) / (w * (1 + r)) + h
 
 
 def pace_of_friction(step: Number, slope: Number, mass: Number) -> Number:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from wmr_ctrl.control.laws.law import Predicting
-from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.errors import ScenarioError, show
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.world.command_ramp import keeps_wheels, quick_stops
@@ -90,10 +90,14 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
     if stated.loop == "pi" and has_loop(scenario, "pi"):
         yield from _of_pi_loops(scenario, bound)
         return
+    if stated.loop == "second-order" and has_loop(scenario, "second-order"):
+        yield from _of_second_order_loops(scenario)
+        yield from _of_pushes(scenario, bound)
+        return
     if stated.loop != "first-order":
         yield (
             f'filter.loop = "{stated.loop}" does not fit the base of this run, whose base.loop = '
-            f'"{scenario.base.loop}". State the loop that the base has.'
+            f"{show(list(scenario.base.loop))}. State the loop that the base has."
         )
     if bound.overshoots:
         yield (
@@ -112,8 +116,10 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
     """Pushes on a first-order base beyond d; of a governor's base also those that slow it."""
-    slowed = against(scenario) if scenario.filter.kind == "governor" else (0.0, 0.0)
-    both = bound.dbar[0] + slowed[0], bound.dbar[1] + slowed[1]
+    swings = scenario.filter.loop == "second-order"
+    slowed = against(scenario) if scenario.filter.kind == "governor" or swings else (0.0, 0.0)
+    held = 2 * largest_friction(scenario) * swings  # it changes while the loop's force is held
+    both = bound.dbar[0] + slowed[0] + held, bound.dbar[1] + slowed[1]
     pushes, held = push_speeds(scenario, replace(bound, dbar=both)), 0.0
     if counts_on_rims(scenario):
         held = friction_at_a_rim(scenario, pushes[0], bound)
@@ -121,7 +127,7 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
         if speed <= (d := scenario.filter.d[axis]) * (1 + ROUNDING):
             continue
         said, why, other = "Disturbances and errors of the command may push the base on by", "", ""
-        if slowed[axis]:
+        if slowed[axis] and not swings:
             said = "[resistance] and pushes together slow the base by up to"
             why = ": on its way back to rest the speed changes faster than the governor counts on"
             other = ', or use filter.kind = "clip"'
@@ -136,14 +142,30 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
         )
 
 
-def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    stated, base, robot = scenario.filter, scenario.base, scenario.robot
+def _of_swinging_loops(scenario: Scenario) -> Iterator[str]:
+    """Objections to what no filter for loops that overshoot counts on."""
     if any(start := scenario.initial.velocity):
         yield (
             f"initial.velocity = [{start[0]:g}, {start[1]:g}]: a filter for loops that overshoot "
             "counts on a base at rest at the start, since it does not know what drove it before. "
             "Set it to [0, 0]."
         )
+    yield from _of_weak_motors(scenario)
+
+
+def _of_second_order_loops(scenario: Scenario) -> Iterator[str]:
+    stated, base = scenario.filter, scenario.base
+    bounds = {"gain": ("1", (0.0, stated.gain[1])), "damping": ("1", stated.damping),
+              "frequency": ("rad/s", stated.frequency)}  # fmt: skip
+    for key, (unit, ends) in bounds.items():
+        for axis, value in enumerate(getattr(base, key), 1):
+            if ends is not None and not _within(value, ends):
+                yield _outside(f"base.{key}[{axis}]", value, unit, f"filter.{key}", ends)
+    yield from _of_swinging_loops(scenario)
+
+
+def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    stated, base, robot = scenario.filter, scenario.base, scenario.robot
     numbers = {
         "mass": ("robot.m", robot.m, "kg"), "inertia": ("robot.I", robot.I, "kg.m2"),
         "kp": ("base.kp", base.kp, "N.s/m"), "ki": ("base.ki", base.ki, "N/m"),
@@ -164,7 +186,7 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
         if not _within(viscous[axis], (least, most)):
             key, name = f"resistance.viscous[{axis + 1}]", "filter.friction" + " robot.l^2" * axis
             yield _outside(key, viscous[axis], unit, name, (least, most))
-    yield from _of_weak_motors(scenario)
+    yield from _of_swinging_loops(scenario)
     rolling = rolling_against(scenario)
     pushes = bound.dbar[0] + largest_friction(scenario) + rolling[0], bound.dbar[1] + rolling[1]
     for axis, (push, unit) in enumerate(zip(pushes, ("N", "N.m"), strict=True)):

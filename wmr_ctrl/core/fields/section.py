@@ -38,6 +38,7 @@ def quantity(
     multiple_of: str = "",
     most: int = 0,
     orientation: int = 0,
+    alike: bool = False,
 ) -> Any:
     """Return a dataclass field whose metadata hold ``quantity``, ``unit``, ``doc``, ``bounds``.
 
@@ -51,7 +52,8 @@ def quantity(
     For values outside ``usual`` (default: the range of the unit) `check` asks if the unit is right.
     ``multiple_of`` is the key of a time of which this one is a whole multiple: at most ``most``
     times it, unless that is 0.  ``orientation``: which element, from 1, is an orientation of the
-    plane, 0 along +Y; a scenario's ``frames`` says how files state it.
+    plane, 0 along +Y; a scenario's ``frames`` says how files state it.  ``alike``: one value
+    for both elements of a pair may be given, too.
     """
     bounds = Range(above, minimum, below, maximum, infinite)
     elements = len(default) if isinstance(default, tuple) and kind is None else size
@@ -59,7 +61,18 @@ def quantity(
         number = default is REQUIRED or isinstance(default, tuple)
         kind = "number" if number else kind_of(default)
     what = Quantity(
-        default, unit, doc, bounds, kind, elements, options, usual, multiple_of, most, orientation
+        default,
+        unit,
+        doc,
+        bounds,
+        kind,
+        elements,
+        options,
+        usual,
+        multiple_of,
+        most,
+        orientation,
+        alike,
     )
     metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}
     if default is REQUIRED:

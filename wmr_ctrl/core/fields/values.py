@@ -100,7 +100,7 @@ class Quantity:
     ``size`` is the number of elements of a vector, 0 for a scalar; ``options`` are the texts
     that a text field accepts (any, if empty); ``usual`` is the range of sizes beyond which it is
     asked whether the unit is meant (None: that of the unit); ``multiple_of``,
-    ``most`` and ``orientation`` as in `quantity`.
+    ``most``, ``orientation`` and ``alike`` as in `quantity`.
     """
 
     default: Any
@@ -114,6 +114,7 @@ class Quantity:
     multiple_of: str = ""
     most: int = 0
     orientation: int = 0
+    alike: bool = False
 
     def clean(self, value: object, path: str) -> Any:
         """Return ``value`` in the field's own type, or raise ScenarioError naming ``path``."""
@@ -226,13 +227,19 @@ class Quantity:
 
     _texts, _flags = partialmethod(_listed, kind=str), partialmethod(_listed, kind=bool)
 
-    def _vector(self, value: object, path: str) -> tuple[float, ...]:
+    def _vector(self, value: object, path: str) -> tuple[Any, ...]:
         items = as_list(value)
+        if items is None and self.alike:
+            return (self._element(value, path),) * self.size
         if items is None or len(items) != self.size:
             example = list(self.default or range(1, self.size + 1))
-            rule = f"an array of {self.size} numbers, such as {show(example)}"
+            what = f"{self.size} {'texts' if self.kind == 'text' else 'numbers'}"
+            rule = f"{'one for both, or ' * self.alike}an array of {what}, such as {show(example)}"
             raise self.refuse(value, path, rule)
-        return tuple(self._number(item, f"{path}[{i + 1}]", i) for i, item in enumerate(items))
+        return tuple(self._element(item, f"{path}[{i + 1}]", i) for i, item in enumerate(items))
+
+    def _element(self, value: object, path: str, index: int = 0) -> float | str:
+        return self._text(value, path) if self.kind == "text" else self._number(value, path, index)
 
     def _points(self, value: object, path: str) -> tuple[Pair, ...]:
         rows = as_list(value)

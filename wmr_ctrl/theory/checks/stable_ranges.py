@@ -12,7 +12,6 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.values import LARGEST
 from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import has_loop
 
 from .budget import counted
 from .loop import Loop
@@ -90,10 +89,11 @@ def stability(scenario: Scenario, law: str) -> Stability:
     """All three for a law on a scenario; raises UnknownNameError for a law."""
     loop = loop_of(settle(scenario, law))
     delays, masses = stable_delays(loop), stable_masses(loop)
+    any_mass = scenario.takes_velocity and "pi" not in scenario.base.loop
     least, most = delays or (0.0, None)
     return Stability(
         *stable_periods(loop), most, masses, shortest_tried(loop), loop.longest, least,
-        distance_at_rest(loop), has_loop(scenario, "first-order"), tuple(_remarks(loop)),
+        distance_at_rest(loop), any_mass, tuple(_remarks(loop)),
     )  # fmt: skip
 
 

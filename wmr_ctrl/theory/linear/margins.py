@@ -18,6 +18,7 @@ from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period
 from wmr_ctrl.world.scenario import Model, Scenario, override
 from wmr_ctrl.world.speed_loop import has_loop
+from wmr_ctrl.world.speed_loops import assumed_lags
 
 from .linearise import (
     STATES,
@@ -36,6 +37,8 @@ HIGHEST = 1e5
 """Frequencies of the search [rad/s]; sampled loops end at the Nyquist frequency."""
 FACTORS = (0.5, 1.5)
 PARAMETERS = ("m", "I", "mu")
+OWN = {"first-order": "tau", "second-order": "frequency"}
+"""What may be off of a loop that makes up for mass and friction."""
 
 
 @dataclass(frozen=True)
@@ -203,18 +206,17 @@ class ModelError:
 def model_errors(scenario: Scenario, law: str, t: float = 0.0) -> list[ModelError]:
     """Mass, inertia and friction 50 % lower and 50 % higher, one at a time, at time ``t`` [s].
 
-    Of a first-order speed loop, which makes up for them, its time constants tau.
+    Of a first- or second-order speed loop, which makes up for them, its tau or frequencies.
     Of the continuous loop, or of the sampled one where drives or sensors are late.
     """
     period, errors = scenario.clock.control if late(scenario) else None, []
-    slow = has_loop(scenario, "first-order")  # a loop that makes up for mass and friction
-    for parameter, factor in product(("tau",) if slow else PARAMETERS, FACTORS):
+    own = [of for loop, of in OWN.items() if has_loop(scenario, loop)]  # mass is made up for
+    for parameter, factor in product(own or PARAMETERS, FACTORS):
         other = unguarded(scenario)
-        if slow:
-            believed = scenario.base.tau_believed or scenario.base.tau
-            tau = [factor * value for value in scenario.base.tau]
-            bare = {"filter.kind": "none", "base.tau_believed": list(believed)}
-            other = override(other, {"base.tau": tau, **bare})
+        if own:
+            numbers = [factor * value for value in scenario.value(f"base.{parameter}")]
+            bare = {"filter.kind": "none", "base.tau_believed": assumed_lags(scenario)}
+            other = override(other, {f"base.{parameter}": numbers, **bare})
         else:
             other = with_robot(other, **{parameter: factor})
         point = on_reference(other, law, t)

@@ -12,7 +12,7 @@ from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.references.kind import start_of
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER
+from wmr_ctrl.world.speed_loops import SPEED_LOOP
 
 if TYPE_CHECKING:
     from .scenario import Scenario
@@ -38,8 +38,9 @@ def guessed_keys(scenario: "Scenario") -> tuple[str, ...]:
     """Keys of the base's own speed loop that the motion depends on and nobody states."""
     if not scenario.takes_velocity:
         return ()
-    base, own = vars(scenario.base), {"first-order": ("tau",), "pi": ("kp", "ki")}
-    names = own.get(scenario.base.loop, ())
+    base = vars(scenario.base)
+    needed = {"first-order": ("tau",), "second-order": ("frequency", "damping"), "pi": ("kp", "ki")}
+    names = (name for loop in dict.fromkeys(scenario.base.loop) for name in needed[loop])
     return tuple(f"base.{name}" for name in names if isinstance(base[name], Unstated))
 
 
@@ -63,14 +64,15 @@ def missing_text(keys: tuple[str, ...], known: Mapping[str, type[Section]]) -> s
 def needed_of_robot(scenario: "Scenario") -> list[str]:
     """Keys of [robot] on which the loop depends, whichever law drives.
 
-    A base that takes torques depends on all.  One that takes velocities follows its command by a
-    first order whatever its mass, unless something exerts a force or limits one; beyond that it
-    depends on what the graphs of sensors and commands read.
+    A base that takes torques depends on all.  One that takes velocities follows its command
+    whatever its mass, but by a PI loop, unless something exerts a force or limits one; beyond that
+    it depends on what the graphs of sensors and commands read.
     """
     unknown = list(unknown_keys(scenario))
     if not unknown or not scenario.takes_velocity:
         return unknown
-    others = [item for item in EFFECTS if item.active(scenario) and item is not FIRST_ORDER]
+    apart = None if "pi" in scenario.base.loop else SPEED_LOOP
+    others = [item for item in EFFECTS if item.active(scenario) and item is not apart]
     limited = scenario.actuator.tau_max < float("inf") or scenario.actuator.traction
     if limited or any(item.role in FORCING for item in others):
         return unknown
