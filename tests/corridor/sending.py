@@ -61,7 +61,7 @@ class _Base:
         self.queue.append(sent)
         u = [self._firmware(i, x + off[i]) for i, x in enumerate(self.queue.popleft())]
         masses = self.robot.m, self.robot.I
-        if self.base.loop == "pi":
+        if self.base.loop[0] == "pi":
             force = []
             for i, size in enumerate((1.0, self.robot.l**2)):
                 force.append(self.base.kp * size * (u[i] - v[i]) + self.integral[i])

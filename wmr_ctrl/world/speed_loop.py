@@ -43,7 +43,7 @@ def has_loop(scenario: Scenario, loop: str, axes: Sequence[int] = (0, 1)) -> boo
     return scenario.takes_velocity and all(loops[axis] == loop for axis in axes)
 
 
-Numbers: TypeAlias = Callable[[str], ca.SX]
+Numbers: TypeAlias = "Callable[[str], ca.SX]"
 """Values of a scenario's keys, as symbols or as numbers."""
 
 

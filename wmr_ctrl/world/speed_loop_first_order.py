@@ -9,6 +9,8 @@ but for the change of the friction within the step, which pulls against every ch
 A push f ends at the speed d = s f/M.
 """
 
+from __future__ import annotations
+
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.fields.unstated import derived
 from wmr_ctrl.core.symbolic import ca

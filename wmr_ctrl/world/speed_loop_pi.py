@@ -7,6 +7,8 @@ winds up; with ``antiwindup`` it rests while the wheels give another force than 
 the error would drive it further that way.
 """
 
+from __future__ import annotations
+
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.fields.unstated import unknown
 from wmr_ctrl.core.signals import Signal

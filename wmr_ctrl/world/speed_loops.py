@@ -1,5 +1,7 @@
 """Speed loops of both axes, joined: wheel torques from a command and the true speed."""
 
+from __future__ import annotations
+
 from wmr_ctrl.core.signals import COMMAND, TORQUE, VELOCITY
 from wmr_ctrl.core.symbolic import ca
 

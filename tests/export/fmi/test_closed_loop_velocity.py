@@ -111,6 +111,7 @@ def test_the_closed_loop_fmu_has_the_bits_of_the_run(tmp_path: Path) -> None:
     [
         (SCENARIO, LAW), (BURGER, "prox"), (override(BURGER, LOST), "mb"),
         (override(BURGER, {"filter.kind": "none", "base.loop": "pi"}), "mb"),
+        (override(BURGER, {"filter.kind": "none", "base.loop": ["second-order", "pi"]}), "mb"),
         (override(BURGER, {"frames": "rep103", "filter.kind": "clip"}), LAW),
     ],
 )  # fmt: skip

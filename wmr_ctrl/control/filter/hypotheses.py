@@ -102,7 +102,7 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
     if bound.overshoots:
         yield (
             f"{bound.overshoots} A filter for first-order loops is for speeds that never exceed "
-            'their command. Use filter.loop = "pi" and state its intervals.'
+            "their command. State filter.loop as the base has it, with its intervals."
         )
     if has_loop(scenario, "first-order"):
         for axis, gain in enumerate(scenario.base.gain, 1):

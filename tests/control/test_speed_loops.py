@@ -1,0 +1,190 @@
+"""Speed loops of second order, and axes whose loops differ."""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import wmr_ctrl
+from wmr_ctrl.cli.check_sentences import idle_keys
+from wmr_ctrl.control.filter.held_loop import push_speeds
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.model.dynamics import plant, rk4_step
+from wmr_ctrl.world.scenario import Scenario, load_scenario, loads_scenario, override
+from wmr_ctrl.world.scenario.toml_io import to_toml
+from wmr_ctrl.world.speed_loops import SPEED_LOOP, assumed_lags
+
+SECOND = {
+    "base.kind": "velocity", "base.loop": "second-order", "base.frequency": [6.0, 9.0],
+    "base.damping": [0.4, 1.3], "base.gain": [1.1, 0.9], "guard.enabled": False,
+    "robot.mu": 0.0, "clock.control": 0.05, "clock.duration": 6.0, "changes": [],
+}  # fmt: skip
+DRIVEN = ("x", "y", "v1", "omega")
+
+
+def base(**changes: object) -> Scenario:
+    numbers = {key.replace("__", "."): value for key, value in changes.items()}
+    return load_scenario("paper-simulation-noise-free", {**SECOND, **numbers})
+
+
+def driven(scenario: Scenario, commands: np.ndarray, push: tuple[float, float] = (0.0, 0.0)):
+    """Velocities (n, 2) after each plant step under commands (n, 2), from the graphs themselves."""
+    loop, robot = SPEED_LOOP.system(scenario), plant(scenario)
+    act = loop.function("act", [loop.update, loop.y])
+    h = ca.SX.sym("h")
+    step = ca.Function("step", [robot.u, robot.x, robot.p, h], [rk4_step(robot, h)])
+    x, own, speeds = np.zeros(5), np.array(loop.x0), []
+    for command in commands:
+        own, torque = act([*command, x[3], x[4]], own, loop.p0)
+        moved = step(ca.vertcat(torque, 0, 0, *push), x, robot.p0, scenario.clock.plant)
+        x = moved.full().ravel()
+        speeds.append(x[3:])
+    return np.array(speeds)
+
+
+@pytest.mark.parametrize("damping", [0.05, 0.7, 1.0, 1.0 + 1e-9, 3.0])
+def test_a_second_order_loop_is_the_one_of_its_equation(damping: float) -> None:
+    """Whatever is sent, after each plant step its speed is that of the exact solution."""
+    rng, h = np.random.default_rng(3), 0.001
+    commands = np.repeat(rng.uniform(-1, 1, (20, 2)), 20, axis=0)
+    speeds = driven(base(base__damping=damping), commands)
+    for axis, (w, gain) in enumerate(((6.0, 1.1), (9.0, 0.9))):
+        whole = np.array([[0, 1, 0], [-w * w, -2 * damping * w, w * w * gain], [0, 0, 0]])
+        over, state, exact = expm(whole * h), np.zeros(3), []
+        for command in commands[:, axis]:
+            state[2] = command
+            state = over @ state
+            exact.append(state[0])
+        assert speeds[:, axis] == pytest.approx(np.array(exact), abs=2e-12), axis
+
+
+@pytest.mark.slow_but("0.6")
+@pytest.mark.parametrize("damping", [0.3, 0.6, 1.5])
+def test_pushes_on_a_second_order_loop_lead_no_farther_than_is_counted(damping: float) -> None:
+    """The worst push is one that turns with the sign of its own effect; it reaches nearly all."""
+    scenario, h, w = base(base__damping=damping), 0.001, 6.0
+    mass = scenario.robot.m
+    shares = driven(scenario, np.zeros((4000, 2)), (1.0, 0.0))[:, 0] * mass  # of a steady push
+    effect = np.diff(shares, prepend=0.0)  # of the push in one step
+    reached = np.abs(effect).sum()
+    turn = math.pi * damping / math.sqrt(max(1 - damping**2, 1e-9))
+    peak = 1 / math.tanh(turn / 2) if damping < 1 else 1.0
+    told = push_speeds(scenario, Bound(dbar=(mass, 0.0)))[0] * peak
+    assert reached <= told
+    assert reached == pytest.approx(told, abs=1.5 * h * peak)
+    assert shares[-1] == pytest.approx(2 * damping / w, rel=5e-3)
+
+
+MIXED = {
+    "pi and second": (["pi", "second-order"], {"base.kp": 150.0, "base.ki": 300.0}),
+    "first and pi": (["first-order", "pi"], {"base.kp": 150.0, "base.ki": 300.0}),
+    "second": ("second-order", {}),
+}
+
+
+@pytest.mark.parametrize("name", MIXED)
+def test_each_axis_follows_by_its_own_loop(name: str) -> None:
+    """Each as where both axes have its loop, as long as no wheel is at its torque limit."""
+    loop, numbers = MIXED[name]
+    commands = np.repeat(np.random.default_rng(4).uniform(-1, 1, (10, 2)), 40, axis=0)
+    speeds = driven(override(base(), {"base.loop": loop, **numbers}), commands)
+    for axis, own in enumerate(loop if isinstance(loop, list) else [loop] * 2):
+        alike = driven(override(base(), {"base.loop": own, **numbers}), commands)
+        assert speeds[:, axis] == pytest.approx(alike[:, axis], abs=1e-9), own
+
+
+@pytest.mark.slow_but("pi and second")
+@pytest.mark.parametrize("name", MIXED)
+def test_engines_and_lanes_agree(name: str) -> None:
+    loop, numbers = MIXED[name]
+    scenario = override(base(), {"base.loop": loop, "actuator.tau_max": 20.0, **numbers})
+    native, numpy = (wmr_ctrl.simulate(scenario, "prox", engine=e) for e in ("native", "numpy"))
+    for column in DRIVEN:
+        assert native[column] == pytest.approx(numpy[column], abs=1e-9), column
+    table = wmr_ctrl.simulate_many(scenario, "prox", seeds=range(4), figures=["position_rms"])
+    alone = wmr_ctrl.simulate_many(scenario, "prox", seeds=[0], figures=["position_rms"])
+    assert [*table["position_rms"]] == [alone["position_rms"][0]] * 4
+
+
+def test_a_value_for_both_axes_or_one_for_each() -> None:
+    alike = base(base__frequency=7.0, base__damping="0.5", base__loop="second-order")
+    assert alike == base(base__frequency=[7.0, 7.0], base__damping=[0.5, 0.5])
+    assert alike.base.loop == ("second-order", "second-order")
+    mixed = base(base__loop=["first-order", "pi"], base__tau="0.3 s")
+    assert loads_scenario(to_toml(mixed), mixed.name) == mixed
+    assert mixed.base.tau == (0.3, 0.3)
+
+
+WRONG = {
+    "third": ({"base.loop": "third"}, r'base\.loop = "third" is not known'),
+    "two loops": ({"base.loop": ["pi"]}, r"base\.loop .* must be one for both, or an array of 2"),
+    "other": ({"base.loop": ["pi", "third"]}, r'base\.loop\[2\] = "third" is not known'),
+    "tau": ({"base.tau": [0.1, 0.2, 0.3]}, r"base\.tau .* one for both, or an array of 2 numbers"),
+    "frequency": ({"base.frequency": 0.0}, r"base\.frequency = 0\.0 must be above 0"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_bad_loops_are_refused_by_name(name: str) -> None:
+    changes, words = WRONG[name]
+    with pytest.raises(ScenarioError, match=words):
+        override(base(), changes)
+
+
+def test_keys_of_another_loop_do_nothing() -> None:
+    """They are named as idle, so that a file that extends another may leave them."""
+    extended = base(base__tau=0.7, base__kp=9.0)
+    assert {"base.tau", "base.kp"} <= {*idle_keys(extended)}
+    assert not {"base.gain", "base.frequency", "base.damping"} & {*idle_keys(extended)}
+    mixed = base(base__tau=0.7, base__kp=9.0, base__loop=["first-order", "second-order"])
+    assert "base.tau" not in idle_keys(mixed)
+    assert "base.kp" in idle_keys(mixed)
+
+
+def test_laws_assume_the_lag_of_the_loop() -> None:
+    assert assumed_lags(base()) == pytest.approx([2 * 0.4 / 6.0, 2 * 1.3 / 9.0])
+    assert assumed_lags(base(base__tau_believed=0.3)) == [0.3, 0.3]
+    run = wmr_ctrl.simulate(
+        base(clock__duration=30.0, base__gain=1.0, base__frequency=20.0, base__damping=0.7), "prox"
+    )
+    assert run["e"][-50:, :2].max() < 0.05
+
+
+FILTERED = {
+    "filter.kind": "clip", "filter.loop": "second-order", "filter.gain": [0.8, 1.2],
+    "filter.damping": [0.35, 1.4], "filter.frequency": [5.0, 10.0],
+}  # fmt: skip
+
+
+def test_a_clip_keeps_the_limit_of_a_second_order_base() -> None:
+    quick = {"clock.duration": 8.0, "initial.pose": [-2.0, -2.0, -0.7], "initial.velocity": [0, 0]}
+    alone = wmr_ctrl.simulate(override(base(), quick), "kanayama")
+    assert alone.monitor.max_abs_v[0] > 1.05
+    held = wmr_ctrl.simulate(override(base(), {**quick, **FILTERED}), "kanayama")
+    assert held.monitor.violations == 0
+    assert held["clip_active"].any()
+
+
+REFUSED = {
+    "frequency": ({"base.frequency": 4.0}, r"base\.frequency\[1\] = 4 rad/s is outside"),
+    "damping": ({"base.damping": [0.3, 1.0]}, r"base\.damping\[1\] = 0\.3 is outside"),
+    "gain": ({"base.gain": 1.3}, r"base\.gain\[1\] = 1\.3 is outside"),
+    "push": ({"disturbance.push": [2.0, 0.0]}, r"filter\.d\[1\] = 0 m/s is less"),
+    "friction": ({"robot.mu": 0.01}, r"filter\.d\[1\] = 0 m/s is less"),
+    "start": ({"initial.velocity": [0.2, 0.0]}, "at rest at the start"),
+    "motors": ({"actuator.tau_max": 20.0}, "Leave tau_max out"),
+    "loop": ({"base.loop": ["second-order", "pi"]}, r'base\.loop = \["second-order", "pi"\]'),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_second_order_base_outside_the_stated_family_is_refused(name: str) -> None:
+    changes, words = REFUSED[name]
+    with pytest.raises(ScenarioError, match=words):
+        settle(override(base(), {"initial.velocity": [0, 0], **FILTERED, **changes}), "kanayama")
