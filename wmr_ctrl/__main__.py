@@ -6,7 +6,7 @@ import sys
 
 
 def main() -> None:
-    """Import the commands, during which Ctrl-C ends the process in silence, and do what is asked.
+    """Import the commands, during which Ctrl-C ends the process silently, and run the command line.
 
     Whoever ignores Ctrl-C, as a shell's background does, goes on ignoring it.
     """
@@ -29,7 +29,7 @@ def main() -> None:
 
 
 def _interrupt(number: int, _: object) -> None:
-    """Raise KeyboardInterrupt, and once more where it was dropped.
+    """Raise KeyboardInterrupt, and raise it again if library code dropped it.
 
     Code of a library, CasADi's where it builds expressions, may drop an exception of Python's.
     """
@@ -46,7 +46,7 @@ def _interrupt(number: int, _: object) -> None:
 
 
 def _repeat(seconds: float) -> None:
-    """Call `_interrupt` again after some seconds; 0: never."""
+    """Call `_interrupt` again after ``seconds``; 0 cancels the call."""
     if sys.platform != "win32":
         signal.setitimer(signal.ITIMER_REAL, seconds)
 

@@ -282,9 +282,9 @@ def linearize(
     at: float | None = None,
     guard: bool = False,
 ) -> LinearReport:
-    """Poles, margins, limits at time ``at`` [s]; with ``guard``, refused where it acts then.
+    """Poles, margins and limits at time ``at`` [s].
 
-    ``law``: as in `simulate`.
+    ``law``: as in `simulate`.  With ``guard``, a point at which the guard acts is refused.
     """
     from wmr_ctrl.theory.linear import report_linear
 
@@ -301,7 +301,7 @@ def linear_against_run(
     jobs: int | None = None,
     progress: types.Progress | None = None,
 ) -> AgainstRun:
-    """From which size of start on the linear loop and the compiled run part by 1 % and by 10 %.
+    """Compare the linear loop with compiled runs: start sizes at which they differ by 1 % and 10 %.
 
     For each law (as in `simulate`) and direction, over 20 s or what the run has; docs/linear.md
     says how it is measured.  `.plot(path)` draws both answers.  ArgumentError where the run leaves

@@ -1,4 +1,4 @@
-"""The one door for authors: what a law, sensor, drive, reference or figure of merit imports.
+"""What authors of laws, sensors, drives, references and figures of merit import.
 
 `extend.pyi` lists the names, docs/extending.md has a complete example of each.  A name is loaded
 when it is first used, so that the file of an effect does not load CasADi before it builds a graph.

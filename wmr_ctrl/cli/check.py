@@ -1,4 +1,4 @@
-"""``wmr-ctrl check``: validity, what theory says against a scenario, and what one run shows."""
+"""``wmr-ctrl check``: validity of a scenario, predictions of theory, findings of one run."""
 
 from math import inf
 

@@ -1,4 +1,4 @@
-"""Answers of ``wmr-ctrl check``: what theory says against a scenario, and what one run shows."""
+"""Results of ``wmr-ctrl check``: predictions from theory and the findings of one run."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -46,7 +46,7 @@ Item = TypeVar("Item")
 
 
 class Note(NamedTuple):
-    """A finding on a law, on all of several (None) or on the scenario (""), by key or subject."""
+    """A finding on one law, on all laws (None) or on the scenario (""), with its key or subject."""
 
     law: str | None
     key: str
@@ -54,7 +54,7 @@ class Note(NamedTuple):
 
 
 class Held(NamedTuple):
-    """What theory or a run holds against a law: its key, its words, whether it is an objection."""
+    """A finding of theory or of a run on a law: key, text, and whether it is an objection."""
 
     key: str
     text: str
@@ -63,7 +63,7 @@ class Held(NamedTuple):
 
 @dataclass(frozen=True)
 class Answers:
-    """Everything that theory and one run say of a scenario, by law; a ``setup`` of any of them.
+    """Everything that theory and one run per law found about a scenario; ``setup`` is any law's.
 
     ``stable`` is None for a law whose ranges take too much work; ``tubes`` may be left out.
     """
@@ -77,12 +77,12 @@ class Answers:
     runs: Mapping[str, Run]
 
     def verdict(self, law: str) -> CheckVerdict:
-        """The verdict on a law, in a word."""
+        """One-word verdict on a law."""
         return verdict(self.warned[law], self.runs.get(law))
 
     @cached_property
     def held(self) -> Mapping[str, Sequence[Held]]:
-        """All that is held against each law, but for what the head of the output says."""
+        """Findings on each law, without those that the head of the output already states."""
         said = {Held("assumption-void", self.setup.void, False)}
         said |= {Held(text.partition(" ")[0], text, False) for text in void_effects(self.setup)}
         said |= {Held(*question, True) for question in unit_questions(self.scenario)}
@@ -96,12 +96,12 @@ class Answers:
 
     @cached_property
     def shared(self) -> Sequence[Held]:
-        """What is held against each of several laws in the same words."""
+        """Findings that several laws share word for word."""
         return _in_each(self.held.values())
 
 
 def _in_each(lists: Iterable[Sequence[Item]]) -> list[Item]:
-    """Items that stand in each of several lists."""
+    """Items that are in each of several lists."""
     first, *others = lists
     return [item for item in first if others and all(item in other for other in others)]
 
@@ -116,7 +116,7 @@ def find_answers(
     *,
     corridors: bool = False,
 ) -> Answers:
-    """Answers for these laws; ``only``: as far as findings on this subject need them.
+    """Compute the answers for these laws; with ``only``, just those that this subject needs.
 
     ``asked``: those that were named; ``work``: the most for warnings, and for stable ranges, of a
     law (`wmr_ctrl.theory.checks.budget`); ``corridors``: whether there are any.
@@ -151,7 +151,7 @@ def _stability(scenario: Scenario, law: str, work: float) -> checks.Stability | 
 
 
 def _runs(scenario: Scenario, laws: Sequence[str], progress: Progress) -> dict[str, Run]:
-    """One run of each law; none where no compiler works, and stderr says so."""
+    """One run per law; empty, with a warning on stderr, if no compiler works."""
     runs = {}
     progress.start(len(laws), "one run of each law")
     try:
@@ -166,7 +166,7 @@ def _runs(scenario: Scenario, laws: Sequence[str], progress: Progress) -> dict[s
 
 
 def _short(scenario: Scenario) -> Scenario:
-    """The scenario, which ends after `MOST_STEPS` plant steps if it would not end before."""
+    """The scenario, shortened to `MOST_STEPS` plant steps if it is longer."""
     clock, window = scenario.clock, scenario.metrics
     if clock.duration <= MOST_STEPS * clock.plant:
         return scenario
@@ -227,7 +227,7 @@ def _grip(case: Scenario) -> dict[str, float | None]:
 
 
 def _merged(answers: Answers) -> Iterator[tuple[str | None, checks.Warning]]:
-    """Every warning once, with its law: None where it concerns all of several."""
+    """Every warning once, with its law, or None if it concerns several laws."""
     shared = _in_each(answers.warned.values())
     yield from ((None, item) for item in shared)
     for law, warnings in answers.warned.items():
@@ -235,7 +235,7 @@ def _merged(answers: Answers) -> Iterator[tuple[str | None, checks.Warning]]:
 
 
 def head(answers: Answers, detailed: bool = False) -> Iterator[str]:
-    """Questions about units, the promise, and what concerns the scenario whatever the law.
+    """Questions about units, the promise, and the findings that do not depend on the law.
 
     Where all `findings` follow, ``detailed``, it leaves out what they have.
     """
@@ -266,7 +266,7 @@ def _items(held: Iterable[Held]) -> Iterator[str]:
 
 
 def law_table(answers: Answers) -> Iterator[str]:
-    """The laws side by side, and what the columns are."""
+    """Table of the laws, followed by the meaning of its columns."""
     place = next(map(driving, answers.runs.values()), "drive")
     case = answers.scenario
     period = f"{1e3 * case.clock.control:g}"
@@ -296,7 +296,7 @@ def law_table(answers: Answers) -> Iterator[str]:
 
 
 def _cells(answers: Answers, law: str) -> Iterator[str]:
-    """Cells of a law, NONE where it has none."""
+    """Table cells of a law; NONE for an absent value."""
     limits, run = answers.stable.get(law), answers.runs.get(law)
     shares = run and guard_share(run)
     drive = (run and tracking(run)["drive"]) or {}
@@ -322,7 +322,7 @@ def _digits(value: float, least: float = 1e-3) -> str:
 
 
 def _reasons(answers: Answers, law: str) -> Iterator[str]:
-    """Keys of what is held against a law alone; in brackets those that object to nothing."""
+    """Keys of the findings on this law only; in brackets if they are no objections."""
     held = _own(answers, law)
     objected = {item.key for item in held if item.objects}
     for key in dict.fromkeys(item.key for item in held):
@@ -330,18 +330,18 @@ def _reasons(answers: Answers, law: str) -> Iterator[str]:
 
 
 def _own(answers: Answers, law: str) -> list[Held]:
-    """What is held against a law and not against all."""
+    """Findings on a law that it does not share with all others."""
     return [item for item in answers.held[law] if item not in answers.shared]
 
 
 def _seen(answers: Answers, law: str) -> list[Remark]:
-    """Remarks on the run of a law, but for those that repeat the warnings."""
+    """Remarks on a law's run, except those that repeat the warnings."""
     run = answers.runs.get(law)
     return [item for item in run.remarks if item.key not in OF_THEORY] if run else []
 
 
 def findings(answers: Answers) -> Iterator[Note]:
-    """Everything that is known, of the scenario first, then by law."""
+    """All findings: first those on the scenario, then those on each law."""
     about = {"guard": check_sentences.guard_lines, "filter": check_sentences.filter_lines}
     for key, lines in about.items():
         yield from (Note("", key, line) for line in lines(answers.setup))
@@ -369,7 +369,7 @@ def findings(answers: Answers) -> Iterator[Note]:
 
 
 def about(answers: Answers, name: str) -> list[Note]:
-    """The findings on a law, a key or a subject; ArgumentError where there is none."""
+    """Findings on a law, a key or a subject; raises ArgumentError if there are none."""
     every = list(findings(answers))
     own = name == "filter"  # whose numbers are asked about, too
     chosen = [n for n in every if name in (n.law, n.key) or (own and n.key.startswith("filter."))]

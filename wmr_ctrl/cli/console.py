@@ -41,7 +41,7 @@ def say(label: str, text: str) -> None:
 
 
 def wrapped(text: str, indent: str = "", hang: str = "") -> str:
-    """The text as one paragraph of at most `width` columns, whatever white space it came with."""
+    """The text as one paragraph of at most `width` columns, with its white space normalised."""
     clean = "".join(c if c.isprintable() else " " for c in text)
     return textwrap.fill(
         " ".join(clean.split()),
@@ -59,7 +59,7 @@ def print_json(value: object) -> None:
 
 
 def json_text(value: object) -> str:
-    """The same document as a text."""
+    """JSON document of a value, with null for numbers that are not finite."""
     from wmr_ctrl.results import json_safe
 
     return json.dumps(json_safe(value), indent=2, allow_nan=False)
@@ -96,12 +96,12 @@ LEAST = 1e-3
 
 
 def short_number(value: float, least: float = LEAST) -> str:
-    """Three digits, as long as they say something: a long number breaks its neighbours' words."""
+    """A number with three digits, or "<least" below ``least``: table cells have to be short."""
     return f"<{least:g}" if 0 < abs(value) < least else f"{value:.3g}"
 
 
 def note_missing_proofs() -> None:
-    """Say on stderr that corridors are left out, where the extra proofs is not installed."""
+    """Note on stderr that corridors are left out because the extra proofs is not installed."""
     from wmr_ctrl.theory.door import LEFT_OUT, is_open
 
     if not is_open():
@@ -112,7 +112,7 @@ DRAWS_CORRIDORS = ("plot_run", "write_run_page", "plot_runs", "animate_runs", "f
 
 
 def write_file(path: str | None, function: str, content: object, text: str = "") -> None:
-    """Write a file, where one is named, by a `late_bound` function; ``text`` names its progress."""
+    """Write ``path``, if it is given, by a `late_bound` function; ``text`` names its progress."""
     if not path:
         return
     if function in DRAWS_CORRIDORS:
@@ -127,7 +127,7 @@ def write_file(path: str | None, function: str, content: object, text: str = "")
 
 @contextmanager
 def resumable(record: Path) -> Iterator[None]:
-    """Long work with a ``record`` of progress: who interrupts it is told that it goes on."""
+    """Context of long work that keeps a ``record``; after an interruption, say how to continue."""
     try:
         yield
     except BaseException as error:
@@ -187,31 +187,31 @@ FORESEEN = 0.2
 
 
 class Interruption:
-    """Whether Ctrl-C was heard, of which a library may make an error of its own."""
+    """True if Ctrl-C was pressed: libraries may turn it into an error of their own."""
 
     heard = False
 
 
 class Silence:
-    """Since when the command line has said nothing."""
+    """Time of the command line's last output."""
 
     since = time.monotonic()
 
     @classmethod
     def broken(cls) -> None:
-        """Now: a command begins, or a line was written."""
+        """Restart the count: a command began, or a line was written."""
         cls.since = time.monotonic()
 
 
 class Progress:
-    """Context in which a job tells of its progress, in either of two ways.
+    """Context in which a job reports its progress, in either of two ways.
 
     Called with the share that is done; or by ``start(total, text)``, ``advance(count)`` and
     ``done()`` for each phase.
     """
 
     def __init__(self, text: str, *, measured: bool = True) -> None:
-        """Begin with a phase called ``text``; not ``measured``: only that something is going on."""
+        """Begin with a phase called ``text``; without ``measured`` only activity is shown."""
         self._text, self._measured = text, measured
         self._total, self._count = 1, 0
 
@@ -224,26 +224,26 @@ class Progress:
         self._display.close()
 
     def __call__(self, share: float) -> None:
-        """``share`` (0 to 1) of the present phase is done."""
+        """Report the ``share`` (0 to 1) of the present phase that is done."""
         self._display.share(share)
 
     def start(self, total: int, text: str) -> None:
-        """A phase of ``total`` steps begins."""
+        """Begin a phase of ``total`` steps."""
         self._total, self._count = max(1, total), 0
         self._display.phase(text, measured=True)
 
     def advance(self, count: int = 1) -> None:
-        """``count`` further steps of the phase are done."""
+        """Report that ``count`` further steps of the phase are done."""
         self._count += count
         self(self._count / self._total)
 
     def done(self) -> None:
-        """The phase is over."""
+        """End the phase."""
         self(1.0)
 
 
 class Bar:
-    """A bar that rich draws, and that vanishes at the end."""
+    """Progress bar drawn by rich, removed at the end."""
 
     def __init__(self) -> None:
         from rich.console import Console
@@ -272,7 +272,7 @@ class Bar:
 
 
 class Lines:
-    """A line every three seconds, also while nothing is heard of the job."""
+    """Progress lines, one every three seconds, also while the job reports nothing."""
 
     def __init__(self) -> None:
         self._next, self._text, self._begin, self._share = Silence.since + FIRST, "", 0.0, 0.0
@@ -285,7 +285,7 @@ class Lines:
             self._text, self._begin, self._share = text, time.monotonic(), 0.0
 
     def share(self, share: float) -> None:
-        """Take the share, and say so if the last line is long enough ago."""
+        """Store the share, and print a line if the last one is long enough ago."""
         with self._turn:
             self._share = share
             if 0 < share < 1:

@@ -72,7 +72,7 @@ def export(
 def _note_idle(
     what: str, law: object, case: Scenario, scenario: str, assignments: tuple[str, ...]
 ) -> None:
-    """Name keys without effect, but of a filter by itself, which any base may have."""
+    """Note keys that have no effect, except for a filter alone, which any base may have."""
     from wmr_ctrl.codegen.package import FILTER
     from wmr_ctrl.control.laws.registry import LAWS
 

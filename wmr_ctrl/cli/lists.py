@@ -65,7 +65,7 @@ def _list(rows: list[dict[str, str]], as_json: bool) -> None:
 
 
 def reference_text(kind: str) -> str:
-    """Description of a kind of reference, its fields with defaults, and a table to begin with."""
+    """Description of a kind of reference, its fields with defaults, and a table to start from."""
     from wmr_ctrl.core.errors import UnknownNameError
     from wmr_ctrl.core.fields.unstated import Unstated
     from wmr_ctrl.world.references import REFERENCES
@@ -108,7 +108,7 @@ def _print(name: str, as_json: bool, complete: bool, assignments: tuple[str, ...
 
 
 def _left_out(scenario: Scenario) -> str:
-    """The comment on changes that are left out, and on the guard's masses, which may cover them."""
+    """Comment on the changes that are left out, and on guard masses that may be meant for them."""
     times = " and ".join(f"{item.t:g} s" for item in scenario.changes)
     text = f"changes at {times} are left out; --complete writes them"
     if scenario.guard.M_min is None and scenario.guard.M_max is None:

@@ -48,7 +48,7 @@ debug_option = click.option(
 
 
 def one_law(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
-    """The name of one law, perhaps in a file; which there are is checked where it is used."""
+    """The name of one law, or a file; whether it exists is checked where it is used."""
     from wmr_ctrl.control.laws.given import law_name
 
     names = value.split(",") if value and not os.path.isfile(value) else []
@@ -94,7 +94,7 @@ def _seeds(_: click.Context, __: click.Parameter, value: str) -> range:
 
 
 def roles(topics: str | None) -> dict[str, str]:
-    """Names by role, as ``--topics`` has them; raises ArgumentError for what is no pair."""
+    """Names by role, as in ``--topics``; raises ArgumentError unless all parts are ROLE=NAME."""
     pairs = [part.partition("=") for part in topics.split(",")] if topics else []
     if bad := ["".join(pair) for pair in pairs if not all(pair)]:
         raise ArgumentError(f"--topics: {bad[0]!r} must be ROLE=NAME, such as odom=/base/odom.")
@@ -104,9 +104,9 @@ def roles(topics: str | None) -> dict[str, str]:
 def logs_and_columns(
     words: Sequence[str], columns: Sequence[str]
 ) -> tuple[tuple[str, ...], dict[str, str]]:
-    """Logs, and columns by our names, among the words of a command and those of ``--columns``.
+    """Split a command's words, and those of ``--columns``, into logs and columns by our names.
 
-    Pairs are separated by blanks; raises ArgumentError for what is no pair.
+    Pairs are separated by blanks; raises ArgumentError for a word that is not a pair.
     """
     more = [word for word in words if columns and _PAIR.match(word) and not Path(word).exists()]
     pairs = [part for word in (*columns, *more) for part in re.split(r"\s+(?=[\w\[\]]+=)", word)]
@@ -171,7 +171,7 @@ def _checked(
 
 
 def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = None) -> Scenario:
-    """The checked scenario of a preset's name or a file, with ``KEY=VALUE`` texts put on it.
+    """Load a preset or a file, apply ``KEY=VALUE`` texts, and check the scenario.
 
     ``guard`` switches the velocity guard on or off; None leaves it as it is.
     """
@@ -182,7 +182,7 @@ def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = No
 
 
 def law_of(case: Scenario, law: str | None) -> str:
-    """The law that is named, else the scenario's own, which is told on stderr."""
+    """The named law, or else the scenario's default, which is announced on stderr."""
     from wmr_ctrl.control.given import default_law
 
     if law is not None:
@@ -208,7 +208,7 @@ def note_idle(
 
 
 def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None:
-    """Raise where a file cannot be written, has another suffix, or its format lacks a package."""
+    """Raise if a file cannot be written, has another suffix, or its format lacks a package."""
     from wmr_ctrl.results import check_writable
 
     if path is None:
@@ -230,7 +230,7 @@ def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None
 
 
 def check_folder(path: str, option: str) -> None:
-    """Raise where a folder cannot be made or written to, or has a file's name; touch nothing."""
+    """Raise if a folder cannot be made or written to, or is a file; nothing is changed on disk."""
     folder = Path(path)
     if folder.suffix.lower() in FILE_SUFFIXES and not folder.is_dir():
         raise ArgumentError(

@@ -69,13 +69,13 @@ class Root(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The command that is meant; UnknownNameError, with near names, for others."""
+        """The command that is meant; raises UnknownNameError, with near names, for unknown ones."""
         if args[0] not in self.commands and not args[0].startswith("-"):
             raise UnknownNameError("command", args[0], self.commands)
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
-        """Run the command; a reader that went away (``| head``) ends it quietly."""
+        """Run the command; if the reader of its output went away (``| head``), end quietly."""
         try:
             result = super().invoke(ctx)
             sys.stdout.flush()
@@ -134,7 +134,7 @@ for _group in GROUPS.values():
 
 
 def main() -> NoReturn:
-    """Entry point of ``wmr-ctrl``; what a terminal cannot show is replaced, not refused."""
+    """Entry point of ``wmr-ctrl``; characters that a terminal cannot show are replaced."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")

@@ -1,4 +1,4 @@
-"""``wmr-ctrl run``, ``cosim`` and ``show``: one run, one of given FMUs, a saved one or a drive."""
+"""``wmr-ctrl run``, ``cosim`` and ``show``: one run, a run of given FMUs, a saved run or drive."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _check_engine(engine: str, plant: str) -> None:
 def _simulated(
     scenario: Scenario, law: str, asked: bool, seed: int, engine: str, plant: str, why: str
 ) -> Run:
-    """The run; first, on stderr, what theory says by key, and the command ``why`` that explains."""
+    """Simulate, after printing theory's objections and the command ``why`` that explains them."""
     from wmr_ctrl import api
     from wmr_ctrl.control.setup import settle
     from wmr_ctrl.results import NOT_CHECKED
@@ -112,7 +112,7 @@ def _simulated(
 
 
 def deliver(run: Run, as_json: bool, verbose: bool, **files: str | None) -> None:
-    """Write a new run's files and print it; then exit with code 3 where an FMU ended it."""
+    """Write a new run's files and print it; exit with code 3 if an FMU ended the run."""
     if run.monitor.failure and not run.rows:  # nothing can be drawn
         files = {name: file for name, file in files.items() if name in ("out", "report")}
     write_run(run, **files)
@@ -123,7 +123,7 @@ def deliver(run: Run, as_json: bool, verbose: bool, **files: str | None) -> None
 
 
 def write_run(run: Run, **files: str | None) -> None:
-    """Save, draw and film a run, each where a file is named: out, plot, report, animate, film."""
+    """Save, draw and film a run, each if its file is named (out, plot, report, animate, film)."""
     write_file(files.get("out"), "save_run", run)
     write_file(files.get("plot"), "plot_run", run)
     write_file(files.get("report"), "write_run_page", run)

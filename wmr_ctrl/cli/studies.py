@@ -157,7 +157,7 @@ def tune(
 
 
 def _text(better: Tuning) -> str:
-    """Gains, the objective, and figures of the test seeds before and after."""
+    """Summary of a tuning: gains, objective, and figures of the test seeds before and after."""
     import numpy as np
 
     from wmr_ctrl.core.fields.units import length

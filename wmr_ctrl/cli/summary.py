@@ -1,4 +1,4 @@
-"""A run's verdict and figures for people; a robot's drive as ``show`` and ``compare`` print it."""
+"""A run's verdict and figures as text; a recorded drive as ``show`` and ``compare`` print it."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
@@ -21,7 +21,7 @@ from .options import check_output
 
 
 def summary_text(run: Run, verbose: bool = False) -> str:
-    """Law, scenario and engine of a run, its verdict, and the figures that matter for its base.
+    """Text on a run: law, scenario, engine, verdict, and the figures that suit its base.
 
     ``verbose``: remarks in full, what the guard relies on, and all figures.
     """
@@ -44,15 +44,15 @@ def summary_text(run: Run, verbose: bool = False) -> str:
 
 
 def changes_of(run: Run) -> list[str]:
-    """How the robot changed during a run, a sentence for each time, as far as is known."""
+    """Sentences on how the robot changed during a run, one for each time of change."""
     case = scenario_of_run(run)
     return [] if case is None else [item.sentence for item in case.changes]
 
 
 def _unsaid(run: Run, verbose: bool) -> Iterator[str]:
-    """Remarks that are not the outcome's own sentence, and objections of `check`, each once.
+    """Remarks that the outcome does not already state, and objections of `check`, each once.
 
-    By their short remedy where there is one, unless ``verbose``.
+    Their short remedy is used if there is one, unless ``verbose``.
     """
     told = (run.outcome.value, results.OBJECTED)
     texts = [(item.key, item.text) for item in run.remarks if item.key not in told]
@@ -71,7 +71,7 @@ NOTHING_JUDGED = f"A bag has no {NEVER}, so nothing is judged."
 
 
 def show_drive(drive: RecordedDrive, as_json: bool, **files: str | None) -> None:
-    """Save, draw and film a drive, each where a file is named, and print it; as `write_run`."""
+    """Save, draw and film a drive, as `write_run` does for a run, and print it."""
     out = files["out"]
     check_output(out, (".csv",), "--out of a drive")
     if files["report"]:
@@ -100,7 +100,7 @@ def compare_sources(
     animate: str | None,
     as_json: bool,
 ) -> bool:
-    """Print drives beside each other, runs as their bases tell them; False where two differ."""
+    """Compare drives or runs, and print the result; False if two of them differ."""
     from wmr_ctrl.results.compare import compare
 
     drives = [_named(name, one) for name, one in sources.items()]
@@ -126,7 +126,7 @@ def _draw(drives: list[RecordedDrive], plot: str | None, animate: str | None) ->
 
 
 def drive_text(drive: RecordedDrive) -> str:
-    """Columns of a drive with their times, longest gaps and ranges, and what is missing."""
+    """Columns of a drive with times, longest gaps and ranges, and a list of missing columns."""
     rows = [
         (f"{name} [{fact.unit}]", str(fact.samples), f"{fact.last:.4g}",
          f"{1e3 * fact.longest_gap:.3g}", f"{fact.least:.4g}", f"{fact.largest:.4g}")
@@ -140,7 +140,7 @@ def drive_text(drive: RecordedDrive) -> str:
 
 
 def drives_text(drives: list[RecordedDrive]) -> str:
-    """Figures of drives as a table, then what each lacks and what is said of it."""
+    """Table of the figures of drives, followed by missing columns and remarks on each drive."""
     rows = []
     for drive in drives:
         figures = drive.figures()

@@ -1,1 +1,1 @@
-"""From graphs to C: kernels, packages for microcontrollers, compiler and cache."""
+"""C code from graphs: kernels, packages for microcontrollers, compiler and cache."""

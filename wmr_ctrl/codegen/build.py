@@ -1,8 +1,8 @@
-"""From a setup to a compiled closed loop: for one robot, or for lanes of robots.
+"""Compile a setup's closed loop for one robot, or for several robots in vector lanes.
 
 Numbers are parameters, so setups of one structure share graphs, C text and library.  The library
-for lanes holds the loop once for each set of vector instructions of its kind of processor, from the
-same generated text; which of them runs is decided when it is used (dispatch.c).
+for lanes contains the loop once for each set of vector instructions of its kind of processor, from
+the same generated text; dispatch.c chooses one at run time.
 """
 
 import hashlib
@@ -61,8 +61,8 @@ def vector_sets() -> tuple[Instructions, ...]:
 def build_loop(setup: Setup, *, watched: bool = False) -> CompiledLoop:
     """Compile the closed loop of a setup for one robot, or find it in the cache.
 
-    Its runs have a log; with ``watched`` there are those that have none, too, which takes longer.
-    Raises CompilerError without a working compiler.
+    Its runs have a log; with ``watched`` it can also run without one, which takes longer to
+    compile. Raises CompilerError without a working compiler.
     """
     program = program_of(setup)
     text = program.generated_watched if watched else program.generated
@@ -70,7 +70,7 @@ def build_loop(setup: Setup, *, watched: bool = False) -> CompiledLoop:
 
 
 def build_law(setup: Setup) -> CompiledLoop:
-    """The controller by itself, for callers of single samples, with the numbers of its loop."""
+    """The controller alone, for callers of single samples, with the numbers of its loop."""
     program = program_of(setup)
     law = program.loop.controller
     text = sources(kernels.sizes_of("controller", law), [kernels.controller_kernel(law)], SCALAR)
@@ -78,15 +78,15 @@ def build_law(setup: Setup) -> CompiledLoop:
 
 
 def build_batch(setup: Setup) -> CompiledLoop:
-    """The closed loop for lanes of robots, with a log and without."""
+    """The closed loop for lanes of robots, with and without a log."""
     program = program_of(setup)
     return filled(program, setup, program.lanes, digest(program.generated_lanes))
 
 
 def build_gpu(setup: Setup) -> CompiledLoop:
-    """The text of the loop for a graphics processor, from that of `build_batch`, in the cache.
+    """The loop's text for a graphics processor, from that of `build_batch`, in the cache.
 
-    It is compiled where it runs.  Raises CacheError if it cannot be stored.
+    It is compiled on the machine that runs it.  Raises CacheError if it cannot be stored.
     """
     program = program_of(setup)
     text = one_text(GPU, program.generated_lanes)
@@ -95,9 +95,9 @@ def build_gpu(setup: Setup) -> CompiledLoop:
 
 
 def build_plantless(setup: Setup) -> CompiledLoop:
-    """The same for one robot whose plant is elsewhere; it has the columns of `build_loop`.
+    """The closed loop for one robot with an external plant; its columns are those of `build_loop`.
 
-    That plant tells the state of ours, and the way and skid where a sensor asks for them.
+    That plant supplies the state, and path length and skid if a sensor needs them.
     """
     program = program_of(setup, external_plant=True)
     loop = program.loop
@@ -107,10 +107,10 @@ def build_plantless(setup: Setup) -> CompiledLoop:
 
 
 class Program:
-    """Graphs, C text and libraries of one structure, made when they are asked for."""
+    """Graphs, C text and libraries of one structure, each made on first use."""
 
     def __init__(self, setup: Setup, structure: Hashable, *, external_plant: bool = False) -> None:
-        """Compose the graphs of a setup of this structure, or all of them but the plant."""
+        """Compose the graphs of a setup of this structure, with or without the plant."""
         self.loop = LoopGraphs(setup, external_plant=external_plant)
         self.structure = hashlib.sha256(repr(structure).encode()).hexdigest()[:16]
         loop = self.loop
@@ -122,7 +122,7 @@ class Program:
 
     @cached_property
     def generated(self) -> dict[str, str]:
-        """C text for one robot whose runs have a log."""
+        """C text for one robot with a log."""
         return sources(kernels.loop_constants(self.loop), kernels.logged_kernels(self.loop), SCALAR)
 
     @cached_property
@@ -158,7 +158,7 @@ def lanes_library(driver: str, sizes: Mapping[str, int], several: Sequence[Kerne
 
 
 def _for_this_processor(files: dict[str, str | bytes]) -> Path:
-    """A library for this very processor; for any of its kind if the compiler cannot do that."""
+    """Compile for this very processor, or for any of its kind if the compiler cannot do that."""
     try:
         return build_library(files, find_toolchain(native=not find_toolchain().misaligns_vectors))
     except CompilerError:
@@ -181,7 +181,7 @@ def program_of(setup: Setup, *, external_plant: bool = False) -> Program:
 
 
 def filled(program: Program, setup: Setup, library: Path, hashed: str) -> CompiledLoop:
-    """The program with the numbers of a setup."""
+    """A CompiledLoop of the program with the numbers of a setup."""
     own = program.loop.controller
     ports = own.inputs, own.state, own.params
     inputs, state, parameters = (tuple(item.signal for item in part) for part in ports)
@@ -193,9 +193,10 @@ def filled(program: Program, setup: Setup, library: Path, hashed: str) -> Compil
 def _numbered(
     texts: tuple[str, str, str], layout: LoopLayout, law: LawLayout, setup: Setup, loop: Graphs
 ) -> CompiledLoop:
-    """A library, its hash and its structure's, with a setup's numbers in the layout's order.
+    """A CompiledLoop of a library, with a setup's numbers in the layout's order.
 
-    The state at t = 0 has the scenario's pose and velocity, then the graphs' own values.
+    ``texts``: library, its hash and that of its structure.  The state at t = 0 has the scenario's
+    pose and velocity, then the graphs' own values.
     """
     first, initial = numbers_of(setup, layout.parameters), setup.scenario.initial
     steps, rows = zip(*phases_of(setup, layout.parameters, first), strict=True)
@@ -204,7 +205,7 @@ def _numbered(
 
 
 def build_outside(setup: Setup, loop: PlantlessGraphs) -> CompiledLoop:
-    """Compile sensors, disturbances and drives, for a controller and a plant that are elsewhere.
+    """Compile sensors, disturbances and drives, for an external controller and plant.
 
     Raises CompilerError without a working compiler.
     """
@@ -222,7 +223,7 @@ def numbers_of(setup: Setup, parameters: tuple[Signal, ...]) -> tuple[float, ...
 
 
 def delay_steps_of(loop: Graphs, parameters: tuple[float, ...]) -> int:
-    """Plant steps for which a command is under way, for the values of a loop's parameters."""
+    """Number of plant steps that a command is in transit, for the values of a loop's parameters."""
     return round(float(loop.delay_steps(parameters)))
 
 
@@ -247,7 +248,7 @@ def first_step_at(time: float, step: float) -> int:
 
 
 def flags_of(vectors: Instructions, toolchain: Toolchain) -> Iterator[str]:
-    """Flags that compile for a set of vector instructions."""
+    """Compiler flags for a set of vector instructions."""
     yield f"-DWMR_SET={vectors.name}"
     yield f"-DWMR_LANES={vectors.lanes}"
     if vectors.target and is_zig(toolchain.command):
@@ -259,7 +260,7 @@ def flags_of(vectors: Instructions, toolchain: Toolchain) -> Iterator[str]:
 
 
 def unity(generated: dict[str, str], files: tuple[str, ...] = NATIVE) -> dict[str, str | bytes]:
-    """Generated and hand-written sources; the first of ``files`` is the only unit to compile."""
+    """Generated and hand-written sources; only the first of ``files`` is a unit to compile."""
     every = {_as_header(name): text for name, text in (c_texts(*files) | generated).items()}
     included = {name: text.replace('.c"\n', '.inc"\n') for name, text in every.items()}
     unit = included.pop(_as_header(files[0]))
@@ -267,7 +268,7 @@ def unity(generated: dict[str, str], files: tuple[str, ...] = NATIVE) -> dict[st
 
 
 def one_text(files: Sequence[str], generated: Mapping[str, str]) -> str:
-    """Generated and hand-written sources as one text that includes nothing, the first file's."""
+    """Generated and hand-written sources joined into one text without includes."""
     left = {**c_texts(*files), **generated}
 
     def included(match: re.Match[str]) -> str:
@@ -281,7 +282,7 @@ INCLUDE = re.compile(r'^#include (["<])([^">]+)[">].*\n', re.MULTILINE)
 
 
 def digest(generated: dict[str, str]) -> str:
-    """Hash of the generated sources: which graphs a run was made from."""
+    """Hash of the generated sources, which identifies the graphs that a run was made from."""
     text = json.dumps(generated, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -1,10 +1,10 @@
 """Build cache on disk: one folder per library, named by the content that went into it.
 
-The cache's folder may only be writable by its user, since code is loaded from it.  An entry is
-built in a folder of its own beside the others and then renamed, so a reader sees a
-whole entry or none: a compiler that fails or is killed leaves nothing behind.  Of several processes
-or threads that ask for one entry the first builds it and the others wait; where a drive knows no
-locks they all build, and the slower ones throw their copies away.
+The cache's folder may only be writable by its user, since code is loaded from it. An entry is built
+in a folder of its own beside the others and then renamed, so a reader sees a whole entry or none: a
+compiler that fails or is killed leaves nothing behind. Of several processes or threads that ask for
+one entry the first builds it and the others wait; on a drive without locks they all build, and the
+slower ones discard their copies.
 
 Layout: ``<cache>/kernels/<key>/{sources, library, stamp.json}``, ``<cache>/locks/<key>``,
 ``<cache>/text/<key>.c``, and ``<cache>/zig/`` for the files that zig keeps for itself.
@@ -42,22 +42,22 @@ STORAGE_REMEDY = (
 
 
 def wanted_dir() -> Path:
-    """``$WMR_CTRL_CACHE``, or the user's cache folder of this platform: it may be read-only."""
+    """``$WMR_CTRL_CACHE``, or the user's cache folder of this platform; it may be read-only."""
     wanted = os.environ.get(VARIABLE) or platformdirs.user_cache_dir("wmr_ctrl", appauthor=False)
     return Path(wanted).expanduser().absolute()
 
 
 def cache_dir() -> Path:
-    """The cache folder, which exists and can be written: `wanted_dir`, or a substitute.
+    """The cache folder, which exists and is writable: `wanted_dir`, or a substitute.
 
-    Where that cannot be written, a private folder among the temporary files, with a warning in the
-    log.  Raises CacheError where everybody may write.
+    If that cannot be written, a private temporary folder, with a warning in the log.  Raises
+    CacheError if everybody may write to it.
     """
     return _usable(wanted_dir())
 
 
 def cache_part(name: str) -> Path:
-    """A folder in `cache_dir`, made if that can be; raises CacheError where everybody may write."""
+    """A folder in `cache_dir`, made if possible; CacheError if everybody may write to it."""
     folder = cache_dir() / name
     with suppress(OSError):  # whoever writes into it says so
         if not folder.is_dir():
@@ -68,7 +68,7 @@ def cache_part(name: str) -> Path:
 
 
 def keep_others_out(path: Path) -> None:
-    """Take away everybody's right to write what was made here, whatever the umask gave."""
+    """Remove everybody's write permission from a new path, whatever the umask is."""
     path.chmod(path.stat().st_mode & ~stat.S_IWOTH)
 
 
@@ -81,7 +81,7 @@ def is_shared(path: Path) -> bool:
 
 
 def refuse_shared(folder: Path) -> None:
-    """Raise CacheError where everybody may write the folder, or put another one in its place."""
+    """Raise CacheError if others may write to the folder or replace it."""
     remedy = f"Take that right away (chmod o-w), or name another folder in {VARIABLE}."
     if is_shared(folder):
         raise CacheError(
@@ -116,7 +116,7 @@ def _usable(folder: Path) -> Path:
 
 
 def _why_not_writable(folder: Path) -> str:
-    """Try it, since permission bits say little on network drives, in containers and for root."""
+    """Reason why a folder is not writable, by trying, since permission bits are unreliable."""
     try:
         if not folder.is_dir():
             folder.mkdir(parents=True, exist_ok=True)  # another process may just have made it
@@ -128,7 +128,7 @@ def _why_not_writable(folder: Path) -> str:
 
 
 def _private_temporary_folder() -> Path:
-    """One folder per user; a fresh one if another user has, or could have, prepared that."""
+    """One folder per user; a new one if another user prepared that, or could have."""
     user = os.getuid() if os.name == "posix" else "user"  # Windows: the user's own folder
     folder = Path(tempfile.gettempdir()) / f"wmr_ctrl-{user}"
     with suppress(OSError):
@@ -181,7 +181,7 @@ def build_cached(
 
 
 def cached_text(key: str, write: Callable[[], str]) -> str:
-    """The C text of that key; where the cache has none that ends as a function does, a new one.
+    """The cached C text of a key; a new one if it is missing or incomplete.
 
     A folder that cannot be written is no error here.
     """
@@ -235,9 +235,9 @@ def _intact(entry: Path) -> Path | None:
 
 @contextmanager
 def _locked(entry: Path, timeout: float = -1.0) -> Iterator[bool]:
-    """Hold the lock of an entry, which ends with its process; tell whether there is such a lock.
+    """Context that locks an entry until it or the process ends; yields False if locks do not work.
 
-    ``timeout`` is in seconds, negative waits as long as it takes; raises `filelock.Timeout`.
+    ``timeout`` is in seconds; negative: wait without limit; raises `filelock.Timeout`.
     """
     folder = entry.parent.parent / "locks"
     with ExitStack() as held:
@@ -285,7 +285,7 @@ def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) ->
 
 
 def _publish(folder: Path, entry: Path) -> None:
-    """Give the finished folder its final name; an intact entry that is there already stays."""
+    """Rename the finished folder to its final name, unless an intact entry is there already."""
     try:
         os.rename(folder, entry)
     except OSError:
@@ -299,9 +299,9 @@ def _publish(folder: Path, entry: Path) -> None:
 
 
 def _sweep(parent: Path) -> None:
-    """Remove unfinished entries of processes that died: nobody holds their locks.
+    """Remove unfinished entries of dead processes, whose locks are free.
 
-    Where a drive knows no locks, what is older than a day counts as left behind.
+    On a drive without locks, entries older than a day are removed.
     """
     for folder in parent.glob(f"{_UNFINISHED}*"):
         entry = parent / folder.name.removeprefix(_UNFINISHED).partition("-")[0]
@@ -314,7 +314,7 @@ def _sweep(parent: Path) -> None:
 
 
 def is_complete(library: Path) -> bool:
-    """True if an ELF file holds all tables and segments that it announces.
+    """True if an ELF file contains all tables and segments that it declares.
 
     A compiler on a full disk may write half a library and say nothing, and loading that ends the
     process (SIGBUS) instead of raising.  Files of other kinds are complete unless they are empty.

@@ -1,8 +1,8 @@
 """Call a C compiler on C files: flags, temporary files, and its messages when it fails.
 
 The flags keep every floating-point value as written: no fast-math, no contraction to fused
-multiply-add, no reassociation.  ``errno`` and exception flags are given up; nobody reads them.
-A command runs to its end, or is killed with everything that it started.
+multiply-add, no reassociation. ``errno`` and exception flags are not maintained, since nobody reads
+them. A command runs to its end, or is killed with everything that it started.
 """
 
 import contextlib
@@ -40,7 +40,7 @@ class Finished:
 
     @property
     def how(self) -> str:
-        """The ending in words, empty if the command succeeded."""
+        """Text on how the command ended, empty if it succeeded."""
         if self.timed_out:
             return "did not finish in time"
         if self.code < 0:
@@ -89,7 +89,7 @@ def run_command(
 
 
 def _output(process: subprocess.Popen[str], timeout: float, stop: threading.Event) -> str:
-    """All output; raises TimeoutExpired when the time is over, or at once when ``stop`` is set."""
+    """All output; raises TimeoutExpired after ``timeout``, or as soon as ``stop`` is set."""
     end = time.monotonic() + timeout
     while True:
         try:
@@ -143,7 +143,7 @@ _TELLING_OF_A_PROCESSOR = ("model name", "flags", "Features", "CPU part")
 
 @dataclass(frozen=True, slots=True)
 class Toolchain:
-    """A C compiler: how to call it, what it calls itself, and the flags for every library."""
+    """A C compiler: its command, its version, and the flags for every library."""
 
     command: tuple[str, ...]
     name: str
@@ -152,17 +152,17 @@ class Toolchain:
 
     @property
     def misaligns_vectors(self) -> bool:
-        """True for a GCC for Windows, which keeps wide vectors on a stack of 16 bytes."""
+        """True for GCC for Windows, whose stack alignment of 16 bytes is too small for vectors."""
         return os.name == "nt" and not (is_zig(self.command) or "clang" in self.name)
 
     @property
     def fuses_pairs(self) -> bool:
-        """True if it may be a GCC, which fuses pairs of operations unasked."""
+        """True for GCC, which fuses pairs of operations by default."""
         return not (is_zig(self.command) or "clang" in f"{self.name} {self.version}")
 
     @property
     def key(self) -> tuple[str, ...]:
-        """Build-cache key: all of the compiler that decides its output."""
+        """Build-cache key: everything about the compiler that affects its output."""
         native = any(flag.endswith("=native") for flag in self.flags)
         processor = (_processor(),) if native else ()
         zig = _windows_linking() if self.is_for_windows else WITHOUT_RUNTIME
@@ -311,7 +311,7 @@ def environment(folder: Path) -> Mapping[str, str]:
 def _failure(
     toolchain: Toolchain, finished: Finished, command: Sequence[str], timeout: float
 ) -> str:
-    """Message with up to three telling lines of the compiler's output."""
+    """Error message with up to three informative lines of the compiler's output."""
     how = finished.how or "reported success but wrote no library"
     if finished.timed_out:
         how = f"did not finish within {timeout:g} s"
@@ -337,7 +337,7 @@ def _windows_linking() -> tuple[str, ...]:
 
 @functools.cache
 def _processor() -> str:
-    """Hash of this processor: another may not run code made for it."""
+    """Hash of this processor, since other processors may not run code made for it."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         told = sorted({line for line in lines if line.startswith(_TELLING_OF_A_PROCESSOR)})

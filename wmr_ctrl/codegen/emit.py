@@ -42,10 +42,10 @@ PREPARED = "c"
 
 @dataclass(frozen=True)
 class Kernel:
-    """One C function: its name, what it does, its graph, and the C names of its vectors.
+    """One C function: its name, its purpose, its graph, and the C names of its vectors.
 
-    ``prepared``: what is slow and hangs on the parameters alone is computed by a second function,
-    wmr_NAME_prepare, when they are set.  ``whole``: so is all that depends on them alone.
+    ``prepared``: slow values that depend only on parameters are computed by a second function,
+    wmr_NAME_prepare, when parameters are set.  ``whole``: so are all values that do.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Kernel:
 
     @property
     def operations(self) -> int:
-        """Number of operations, both sides of every choice counted."""
+        """Number of operations, including both sides of every choice."""
         return _operations(self.graph)
 
 
@@ -91,14 +91,14 @@ def prototype(item: Kernel, dialect: Dialect = SCALAR) -> str:
 
 
 def preparation(item: Kernel, dialect: Dialect = SCALAR) -> str:
-    """C signature of the part of a prepared kernel that depends on the parameters alone."""
+    """C signature of a prepared kernel's first part, which depends on parameters alone."""
     return _signature(f"{item.name}_prepare", (PARAMETERS,), (PREPARED,), dialect)
 
 
 def definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
     """The whole C function with its comment and operation count.
 
-    Before a prepared kernel stands its preparation, and the length of what that leaves.
+    A prepared kernel is preceded by its preparation, and the length of that part's results.
     """
     graph, names, head = item.graph, (*_given(item), *item.outputs), ""
     if item.prepared:
@@ -119,7 +119,7 @@ def length(item: Kernel) -> str:
 def framed(
     item: Kernel, signature: str, graph: Graph, names: Iterable[str], lines: Sequence[str]
 ) -> str:
-    """A C function of these lines; vectors of ``names`` that none of them has are told unused."""
+    """A C function with these lines; vectors of ``names`` that no line uses are marked unused."""
     text = "\n".join(lines)
     unused = [f"    (void){name};" for name in names if f"{name}[" not in text]
     head = f"/* {item.meaning}\n   {_operations(graph)} operations. */\n"
@@ -137,10 +137,10 @@ def _signature(name: str, inputs: Iterable[str], outputs: Iterable[str], dialect
 
 
 def split(graph: Graph, *, whole: bool = False) -> tuple[Graph, Graph]:
-    """The graph of slow values of parameters alone, and the graph that reads them as a vector.
+    """Split a graph: slow values of parameters alone, and the graph that reads these as a vector.
 
-    Slow: a division, root or function stands somewhere in the value; with ``whole`` all values of
-    parameters alone count.  Together both compute what the whole does, in the same bits.
+    Slow values contain a division, root or function; with ``whole`` all values of parameters alone
+    are in the first part.  Both together compute the same bits as the whole.
     """
     wanted = _wanted(graph, whole)
     nodes = list(graph.nodes)
@@ -155,7 +155,7 @@ def split(graph: Graph, *, whole: bool = False) -> tuple[Graph, Graph]:
 
 
 def _wanted(graph: Graph, whole: bool) -> list[int]:
-    """Slow steady values, or all, that something changing or a result reads; like ones together."""
+    """Slow (or all) parameter-only values that changing values or results read, by kind."""
     kind, slow = graphs.kinds(graph.nodes), list[bool]()
     for number, node in enumerate(graph.nodes):
         slow.append(graph.cost(number) > 1 or any(slow[k] for k in node.operands))

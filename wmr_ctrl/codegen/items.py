@@ -14,7 +14,7 @@ from wmr_ctrl.world.model.graph import SELECT, Graph, Store
 
 @dataclass(frozen=True, eq=False)
 class Item:
-    """A statement: the values it defines and those (no constants, no inputs) it reads."""
+    """A statement: the values that it defines and those (no constants, no inputs) that it reads."""
 
     defines: tuple[int, ...]
     reads: frozenset[int]
@@ -33,7 +33,7 @@ class Operation(Item):
 
 @dataclass(frozen=True, eq=False)
 class ResultStore(Item):
-    """One result stored."""
+    """Store of one result."""
 
     store: Store = field(default=Store("", 0, 0))
 
@@ -91,7 +91,7 @@ class ExpBatch(Item):
 
 
 def statements(graph: Graph) -> list[Item]:
-    """A statement for each operation and each result of a graph, scheduled."""
+    """Scheduled statements for all operations and results of a graph."""
     nodes = enumerate(graph.nodes)
     lines = [
         Operation((k,), computed(graph, node.operands), graph.cost(k))
@@ -103,14 +103,14 @@ def statements(graph: Graph) -> list[Item]:
 
 
 def computed(graph: Graph, numbers: Iterable[int]) -> frozenset[int]:
-    """Those of ``numbers`` that a statement must have computed before."""
+    """Those among ``numbers`` that a statement must compute first."""
     return frozenset(number for number in numbers if not graph.nodes[number].leaf)
 
 
 def scheduled(items: Sequence[Item]) -> list[Item]:
-    """The items with each one as late as its first reader allows, but never after a reader.
+    """Reorder items such that each one is as late as possible, just before its first reader.
 
-    The last items keep their order, so that results stay where they are.
+    The last items keep their order, so that results stay in place.
     """
     maker = {number: item for item in items for number in item.defines}
     done, begun = dict[Item, None](), set[Item]()
@@ -131,7 +131,7 @@ def scheduled(items: Sequence[Item]) -> list[Item]:
 
 
 def replaced(items: Iterable[Item], new: Sequence[Item]) -> list[Item]:
-    """The items, scheduled, with ``new`` ones in the place of lines that they compute."""
+    """The scheduled items, with ``new`` ones in place of the lines that compute the same values."""
     gone = {number for item in new for number in item.defines}
     rest = (item for item in items if not (isinstance(item, Operation) and item.node in gone))
     return scheduled([*new, *rest])
@@ -144,9 +144,9 @@ WORTH = 15
 def branched(
     graph: Graph, items: Sequence[Item], needed: Iterable[int] = (), *, worth: int = WORTH
 ) -> list[Item]:
-    """The items of one scope with branches where they pay; ``needed`` is read outside of it.
+    """The items of one scope, with branches where they pay; ``needed`` is read outside of it.
 
-    With ``worth`` 1 nothing is computed that is not asked for.
+    With ``worth`` 1 nothing is computed unless it is needed.
     """
     outside, items = frozenset(needed), list(items)
     while _cost(items) >= worth:
@@ -160,10 +160,10 @@ def branched(
 
 
 class _Scope:
-    """Items in order, who makes each value and how often it is read, the choices by conditions.
+    """Items in order, the maker of each value, its number of readers, the choices by condition.
 
-    ``kept`` are the items that make a value which is read outside of it; ``uses`` counts each
-    reader of an item once for each value that it reads; ``choices`` stand as lines.
+    ``kept`` are the items that make a value which is read outside; ``uses`` counts each reader of
+    an item once per value that it reads; ``choices`` are single lines.
     """
 
     def __init__(self, graph: Graph, items: list[Item], outside: frozenset[int]) -> None:
@@ -183,7 +183,7 @@ class _Scope:
 
 
 class _Branch:
-    """The choices of one scope on one condition, and the operations that only one side needs."""
+    """The choices of one scope on one condition, with the operations that only one side needs."""
 
     def __init__(self, graph: Graph, scope: _Scope, condition: int, worth: int) -> None:
         self.graph, self.scope, self.condition, self.worth = graph, scope, condition, worth
@@ -193,7 +193,7 @@ class _Branch:
         self.cost = max(_cost(self.then), _cost(self.other))
 
     def contracted(self) -> list[Item]:
-        """The scope with choices and cones replaced by one block."""
+        """The scope with these choices and operations replaced by one block."""
         defines = tuple(number for item in self.choices for number in item.defines)
         arms = [frozenset().union(*(both[side] for both in self.needs)) for side in (0, 1)]
         then, other = (
@@ -209,13 +209,13 @@ class _Branch:
         return [*(item for item in self.scope.items if item not in gone), block]
 
     def _needs(self, item: Operation) -> tuple[frozenset[int], frozenset[int]]:
-        """Values that either side of a choice needs computed before."""
+        """Values that each side of a choice needs computed first."""
         _, *arms = self.graph.nodes[item.node].operands
         yes, no = (computed(self.graph, [arm]) for arm in arms)
         return yes, no
 
     def _independent_choices(self) -> list[Operation]:
-        """Choices on the condition none of which depends on another."""
+        """Choices on the condition that do not depend on each other."""
         listed, position = self.scope.choices[self.condition], self.scope.position
         if len(listed) == 1:
             return listed
@@ -231,10 +231,10 @@ class _Branch:
         return [item for item in listed if item not in dependent]
 
     def _cone(self, side: int) -> list[Item]:
-        """Items that nothing needs but this side of the choices, in order.
+        """Items that only this side of the choices needs, in order.
 
-        The search begins with what choices read on this side only, once for each choice.
-        An item is one of them with the last of its readers.
+        The search starts with the values that choices read on this side only, once for each choice.
+        An item is included with the last of its readers.
         """
         scope, left = self.scope, dict[Item, int]()
         inside: list[Item] = []

@@ -34,7 +34,7 @@ VERSION = ".".join([*re.findall(r"\d+", __version__), "0", "0"][:3])
 def arranged(
     files: Mapping[str, str], layout: str, engine: jinja2.Environment, context: Mapping[str, Any]
 ) -> dict[str, str]:
-    """The files of a package in their places for a tool, with what it reads beside them.
+    """A package's files arranged for a build tool, together with that tool's own files.
 
     ``context`` is that of the package's templates.  Every name begins with the package's, so that
     several packages may be in one folder of sources; only names that a tool looks for do not.
@@ -58,7 +58,7 @@ def arranged(
 
 
 def _place(name: str, law: str) -> str:
-    """Where a file of a package goes, under a name that begins with the package's."""
+    """Path of a file of a package, with a name that begins with the package's."""
     own = f"wmr_{law}"
     if name.startswith("README"):
         return f"{own}_README.md"

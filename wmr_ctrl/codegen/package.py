@@ -72,7 +72,7 @@ class Field:
 
     @property
     def declared(self) -> str:
-        """The member as C declares it."""
+        """C declaration of the member."""
         return self.name if self.size == 1 else f"{self.name}[{self.size}]"
 
     @property
@@ -118,7 +118,7 @@ def files_of(
     float32: bool = False,
     layout: str | None = None,
 ) -> dict[str, str]:
-    """The same of a System that is called ``law``: a law's, the filter, the corridor's monitor."""
+    """Files of a package for a System called ``law``: a law, the filter or a monitor."""
     governs = scenario.filter.kind == "governor" and FLAGS in _signals(system.outputs)
     step = replace(step_kernel(system), whole=governs)
     context = {**_context(law, scenario, system, step, float32), "layout": layout}
@@ -134,10 +134,10 @@ def files_of(
 
 
 def packaged(setup: Setup, *, counting: bool = True) -> System:
-    """The controller, whose last output says of a guard or filter whether it acted.
+    """The controller; its last output says whether a guard or filter acted.
 
-    Where the scenario has encoders it is given counts, not velocities: its last input is then how
-    far counts have moved, which the C around it takes from them.
+    With encoders its inputs are counts, not velocities: the last input is the change of the
+    counters, which the surrounding C code computes.
     """
     core = refusing_controller(setup) if setup.takes_velocity else controller(setup)
     if setup.scenario.guard.enabled and not setup.takes_velocity:
@@ -172,9 +172,10 @@ def step_kernel(system: System) -> Kernel:
 
 
 def prepared_from(step: Kernel) -> tuple[tuple[int, ...], int]:
-    """Places of the parameters that slow values are made of, and how many values that are.
+    """Indices of the parameters from which slow values are computed, and the number of these
+    values.
 
-    None where making them each time costs no more than seeing that they need not be made.
+    Both are empty if recomputing costs no more than checking for changes.
     """
     before, _ = split(step.graph, whole=step.whole)
     if sum(before.cost(number) for number in range(len(before.nodes))) < WORTH_KEEPING:
@@ -223,7 +224,7 @@ def _context(
 def shared_context(
     law: str, scenario: Scenario, system: System, step: Kernel, float32: bool
 ) -> dict[str, Any]:
-    """What the templates of every package are given."""
+    """Variables of every package's templates."""
     dialect = single_precision.package_dialect(float32)
     text = cached_definition(step, dialect)
     return {
@@ -248,7 +249,7 @@ def _signals(items: Iterable[Port | Output]) -> list[Signal]:
 
 
 def _margin(scenario: Scenario, filters: bool) -> float:
-    """Share of the limits that a package in single precision stays away from them."""
+    """Share of the limits that a single-precision package keeps as a margin."""
     banded = filters and scenario.filter.kind == "band"
     return single_precision.BAND_MARGIN if banded else single_precision.MARGIN
 
@@ -262,13 +263,13 @@ def library_calls(kernel: str, float32: bool) -> list[str]:
 
 
 def fields_of(ports: Iterable[Port]) -> list[Field]:
-    """Members of a struct of numbers that have values."""
+    """Struct members for numbers with values."""
     named = ((p.signal, p.value) for p in ports)
     return [Field(c_name(s), s.size, s.unit, s.meaning, values) for s, values in named]
 
 
 def signals_of(outputs: Iterable[Output]) -> list[Field]:
-    """Members of a struct of results."""
+    """Struct members for results."""
     named = (item.signal for item in outputs)
     return [Field(c_name(s), s.size, s.unit, s.meaning, ()) for s in named]
 
@@ -289,9 +290,9 @@ class Footprint:
 
     Bytes of code with constants, of writable data, and of stack: ``stack`` is the sum of the frames
     of the package's own functions, without libm's, as the GNU Arm compiler tells; ``deepest`` is
-    what ten seconds of closed loop had in use on an emulated board, libm and caller included.
-    ``instructions`` is the median there, ``most_instructions`` the slowest sample.  None: it was
-    not run there.
+    the stack used in ten seconds of closed loop on an emulated board, with libm and caller.
+    ``instructions`` is the median there, ``most_instructions`` the slowest sample.  None: not
+    measured.
     """
 
     operations: int
@@ -305,10 +306,10 @@ class Footprint:
 
 
 def known_footprint(law: str, float32: bool, guarded: bool, operations: int) -> Footprint | None:
-    """The recorded footprint of a law's package, None where none was measured.
+    """The recorded footprint of a law's package; None if it was not measured.
 
-    A record counts only for the kernel that it was made with, known by its number of operations: a
-    scenario may ask for another one.
+    A record is only valid for the kernel that it was made with, recognised by its number of
+    operations: a scenario may need another one.
     """
     nearest = nearest_footprint(law, float32, guarded, operations)
     return nearest if nearest and nearest.operations == operations else None
@@ -341,5 +342,5 @@ def text_engine(folder: Path, *, markup: bool = False, blocks: bool = True) -> j
 
 
 def comment(text: str) -> str:
-    """A text that ends no line, no comment of C and no code of Markdown, and begins none."""
+    """A text that is safe in a comment of C and in Markdown: it neither ends nor begins one."""
     return printable(text).replace("*/", "* /").replace("/*", "/ *").replace("`", "'")

@@ -1,10 +1,9 @@
-"""Runs of like operations as loops over arrays, so that compilers vectorise them.
+"""Loops over arrays for runs of similar operations, so that compilers vectorise them.
 
-A graph of SX knows no arrays: 64 products are 64 statements.  Operations of one kind and one depth
-whose operands lie side by side in a vector become one loop; what they read besides is either the
-same for all of them (the condition of a choice always is) or is laid side by side in a local
-array, backwards through the graph.
-Values of one depth never depend on each other, so any grouping of them can be put in order.
+An SX graph has no arrays: 64 products are 64 statements.  Operations of one kind and one depth
+whose operands are adjacent in a vector become one loop; their other operands are either equal for
+all of them (the condition of a choice always is) or are placed side by side in a local array,
+backwards through the graph.
 """
 
 from collections import Counter
@@ -68,7 +67,7 @@ class _Rerolling:
         self.arrays = 0
 
     def find(self) -> None:
-        """Make loops of all runs, from the inputs on."""
+        """Find and replace all runs, starting at the inputs."""
         by_depth: dict[int, list[int]] = {}
         for number in sorted(self.lines):
             if self._is_looped(number):
@@ -95,14 +94,14 @@ class _Rerolling:
         return [run for group in groups.values() for run in self._split(sorted(group))]
 
     def _common(self, numbers: list[int]) -> set[Sharing]:
-        """Operands that many of the lines share, each with how those lines look otherwise."""
+        """Operands that many of the lines share, each with the other operands' arrays."""
         count: Counter[Sharing] = Counter()
         for number in numbers:
             count.update(self._sharings(number))
         return {key for key, often in count.items() if often >= SHORTEST}
 
     def _sharings(self, number: int) -> list[Sharing]:
-        """The operation, position, operand and other array, for each operand."""
+        """Operation, position, operand and the other operands' arrays, for each operand."""
         node = self.graph.nodes[number]
         arrays = [self.place.get(operand, ("",))[0] for operand in node.operands]
         return [
@@ -111,7 +110,7 @@ class _Rerolling:
         ]
 
     def _key(self, number: int, common: set[Sharing]) -> tuple[tuple[object, ...], int | None]:
-        """Key shared by the lines of a run, and this line's position in it."""
+        """Key that the lines of a run have in common, and this line's position in the run."""
         node, start = self.graph.nodes[number], None
         parts: list[object] = [node.op]
         for position, sharing in enumerate(self._sharings(number)):
@@ -127,7 +126,7 @@ class _Rerolling:
         return tuple(parts), start
 
     def _split(self, group: list[tuple[int, int]]) -> list[list[int]]:
-        """Longest runs of consecutive starts in which each operand is one value or all differ."""
+        """Longest runs of consecutive starts whose operands are each one value or all different."""
         runs: list[list[int]] = []
         last = None
         for start, number in group:
@@ -145,7 +144,7 @@ class _Rerolling:
         )
 
     def _roll(self, run: list[int]) -> None:
-        """Make an array of the run, unless an operand cannot be laid out."""
+        """Turn the run into an array, unless an operand cannot be placed in one."""
         count, place, arrays = len(self.loops), dict(self.place), self.arrays
         if any(number in place for number in run):  # moved by another run meanwhile
             return
@@ -175,7 +174,7 @@ class _Rerolling:
         return tuple(found)
 
     def _slice(self, wanted: list[int]) -> Slice | None:
-        """Slice of these values, which are laid out if they are free to move."""
+        """Slice of these values; they are placed in a new array if they are not in one yet."""
         places = [self.place.get(number) for number in wanted]
         first = places[0]
         if first is not None:
@@ -189,7 +188,7 @@ class _Rerolling:
         return self._array_of(wanted) if alone and alike else None
 
     def _array_of(self, wanted: list[int]) -> Slice | None:
-        """A new array of these values: loops where they are long enough, else single lines."""
+        """A new array of these values: as loops if they are long enough, else single lines."""
         array, start = self._new_array(), 0
         for part in self._segments(wanted):
             if len(part) >= SHORTEST_PART and not self._laid_out(part, array, start):
@@ -223,7 +222,7 @@ def _alike(before: list[int], operand: int) -> bool:
 
 
 def depths(items: Iterable[Item]) -> dict[int, int]:
-    """Longest way from the scope's inputs to each value."""
+    """Longest path from the scope's inputs to each value."""
     depth: dict[int, int] = {}
     for item in items:
         level = 1 + max((depth.get(number, 0) for number in item.reads), default=0)
@@ -232,7 +231,7 @@ def depths(items: Iterable[Item]) -> dict[int, int]:
 
 
 def _looped_results(results: Iterable[ResultStore], local: dict[int, Place]) -> list[Item]:
-    """Results that copy a stretch of an array, as loops; the others as they were."""
+    """Results that copy part of an array, as loops; other results unchanged."""
     runs: list[list[ResultStore]] = []
     following: tuple[Place, Place] | None = None  # place and result that would go on a run
     for item in results:
@@ -253,10 +252,10 @@ def _looped_results(results: Iterable[ResultStore], local: dict[int, Place]) -> 
 
 
 def fused(graph: Graph, items: Sequence[Item]) -> set[ArrayLoop]:
-    """Loops whose elements are each read once, by long loops that read nothing else of the array.
+    """Loops whose elements are each read once, by long loops that read no other part of the array.
 
-    Some few may be read by lines.  Their expressions are written where they are read, with the
-    index shifted.
+    A few elements may be read by single lines.  The loop's expression is inserted at the reader,
+    with a shifted index.
     """
     reads = _reads(graph, items)
     loops = [item for item in items if isinstance(item, ArrayLoop)]
@@ -284,7 +283,7 @@ def _reads(graph: Graph, items: Iterable[Item]) -> Counter[int]:
 
 
 def _read_by_loops(loop: ArrayLoop, users: Iterable[ArrayLoop]) -> bool:
-    """True if long loops read most of it, each within its bounds."""
+    """True if long loops read most of its elements, each within its bounds."""
     covered = 0
     for user in users:
         for operand in user.operands:
@@ -303,7 +302,7 @@ def _read_by_loops(loop: ArrayLoop, users: Iterable[ArrayLoop]) -> bool:
 def shared_rooms(
     items: Sequence[Item], places: Mapping[int, Place], folded: Iterable[ArrayLoop]
 ) -> tuple[dict[str, str], dict[str, int]]:
-    """Name in C of every local array, and sizes by name: what is read no more makes room."""
+    """C names of local arrays, and sizes by name; arrays that are no longer read share memory."""
     sizes, ends, inner = dict[str, int](), dict[str, int](), set(folded)
     reads = {number: item.reads for item in inner for number in item.defines}
     begins = dict[str, int]()

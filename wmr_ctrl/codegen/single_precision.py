@@ -39,7 +39,7 @@ adds three roundings of at most four times the limit, and its tables are rounded
 
 
 def with_margin(system: System, margin: float = MARGIN) -> System:
-    """The same law with its limits' values lowered by this share."""
+    """The law with its limits' values lowered by ``margin``."""
     shares = ((item, 1 - margin if item.signal.name in LIMITS else 1.0) for item in system.params)
     lowered = (replace(item, value=tuple(share * x for x in item.value)) for item, share in shares)
     return replace(system, params=tuple(lowered))
@@ -59,7 +59,7 @@ class SingleDialect(Dialect):
     """Literals and functions of single precision."""
 
     def number(self, value: float) -> str:
-        """A constant with the suffix of float."""
+        """A constant with float's suffix."""
         if not math.isfinite(value):
             return super().number(value)
         lowered = math.copysign(min(abs(value), LARGEST_CONSTANT), value)

@@ -1,10 +1,10 @@
 """Find a C compiler that works, and build libraries with it by way of the cache.
 
 Order: ``$WMR_CTRL_CC`` (it may hold arguments, as in ``zig cc``) and nothing else if it is set;
-else cc, gcc, clang on PATH; else the ``ziglang`` wheel.  A candidate counts only after it has
-compiled a few lines into a library that this very process can load and call; the cache
-remembers that, so the trial costs milliseconds later on.  ``$WMR_CTRL_OPTIMIZE`` (0 to 3, else 3)
-compiles faster code or compiles faster; the results have the same bits.
+else cc, gcc, clang on PATH; else the ``ziglang`` wheel. A candidate is accepted after it has
+compiled a few lines into a library that this process can load and call; the cache stores that, so
+later trials take milliseconds. ``$WMR_CTRL_OPTIMIZE`` (0 to 3, else 3) compiles faster code or
+compiles faster; the results have the same bits.
 """
 
 import ctypes
@@ -93,7 +93,8 @@ def build_library(
 class Unit:
     """A C file compiled with further ``flags`` under the object's ``name``.
 
-    Where the compiler does not know the flags of an ``optional`` one, the library goes without it.
+    If the compiler does not know the flags of an ``optional`` unit, the library is built without
+    it.
     """
 
     name: str
@@ -107,8 +108,8 @@ def build_units(
 ) -> Path:
     """Compile ``units``, then ``last``, into one library, unless it is in the cache.
 
-    ``last`` gets a flag -DWMR_HAS_<name> for each unit that the compiler could do.  Raises
-    CompilerError for what `build_cached` and a unit that is not optional raise.
+    ``last`` gets a flag -DWMR_HAS_<name> for each unit that could be compiled.  Raises
+    CompilerError, as `build_cached` and required units do.
     """
 
     def compile_in(folder: Path) -> Path:
@@ -128,7 +129,7 @@ def build_units(
 
 
 def _objects(toolchain: Toolchain, units: Sequence[Unit], folder: Path) -> list[Path | None]:
-    """All units side by side; an interrupt or an error kills the compilers that still run."""
+    """Compile all units in parallel; an interrupt or an error kills the running compilers."""
     stop = threading.Event()
     with ThreadPoolExecutor(len(units)) as pool:
         try:
@@ -170,7 +171,7 @@ def _knows(
 
 
 def level_flags() -> tuple[str, ...]:
-    """The level that the environment asks for: results are the same bits at each of them."""
+    """Optimisation flag from the environment; results have the same bits at every level."""
     level = os.environ.get(LEVEL, "").strip()
     if level not in ("", "0", "1", "2", "3"):
         raise CompilerError(
@@ -182,7 +183,7 @@ def level_flags() -> tuple[str, ...]:
 
 @functools.lru_cache(maxsize=8)
 def _find(named: str, path: str | None, cache: Path) -> Toolchain:
-    """Look for a compiler; the arguments are all that the outcome depends on."""
+    """Search for a compiler; the arguments are all inputs of the search."""
     if named:
         return _named(named)
     found = [(name,) for name in (shutil.which(name, path=path) for name in _ON_PATH) if name]
@@ -220,7 +221,7 @@ def _named(text: str) -> Toolchain:
 
 
 def zig_command() -> tuple[str, ...]:
-    """Return the command of the ziglang wheel, () without it; -P: not from the work folder."""
+    """Return the command of the ziglang wheel, () without it; -P ignores the working folder."""
     if importlib.util.find_spec("ziglang") is None:
         return ()
     return (sys.executable, "-P", "-m", "ziglang")

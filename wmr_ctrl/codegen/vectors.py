@@ -1,4 +1,4 @@
-"""Test vectors of a law: short runs of samples with the answers of CasADi's virtual machine."""
+"""Test vectors of a law: short runs of samples with results of CasADi's virtual machine."""
 
 from dataclasses import dataclass
 
@@ -35,9 +35,9 @@ SITUATIONS = [Situation(**row) for row in data(__package__, "vectors.toml")["sit
 
 @dataclass(frozen=True)
 class Vectors:
-    """Inputs (steps, inputs) and outputs (steps, outputs); every SAMPLES steps a run begins.
+    """Inputs (steps, inputs) and outputs (steps, outputs); a run starts every SAMPLES steps.
 
-    ``counts`` (steps, 2): the counters whose steps are the last inputs, where there are encoders.
+    ``counts`` (steps, 2): the counters whose changes are the last inputs, if there are encoders.
     """
 
     inputs: Floats
@@ -98,7 +98,7 @@ def _run(place: Situation, v_u1: Floats, draw: np.random.Generator) -> list[Floa
 
 
 def _commands(system: System, limits: Limits) -> Floats:
-    """Commands up to five times the limits; odometry within them, half of the time, where used."""
+    """Commands up to five times the limits; if used, odometry within them, half of the time."""
     draw, rows = np.random.default_rng(2024), []
     for k in range(len(SITUATIONS) * SAMPLES):
         asked, measured = (size * draw.uniform(-1, 1, 2) * limits.v_u1 for size in (5, 0.02))
@@ -108,7 +108,7 @@ def _commands(system: System, limits: Limits) -> Floats:
 
 
 def _with_counts(inputs: Floats, system: System, half: int) -> tuple[Floats, NDArray[np.int64]]:
-    """The same with steps of counts at the end, in the place of the speeds made of them; counts."""
+    """The inputs with changes of counts at the end, in place of the speeds; and the counts."""
     numbers = {item.signal.name: item.value[0] for item in system.params}
     names = [name for item in system.inputs for name in item.signal.elements]
     turn = numbers["robot.l"] * inputs[:, -1:] * (1.0, -1.0)

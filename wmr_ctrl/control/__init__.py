@@ -1,1 +1,1 @@
-"""From a measurement to a command: laws, velocity guard, command filter, and their wiring."""
+"""Control of the robot: laws, velocity guard, command filter, and their wiring."""

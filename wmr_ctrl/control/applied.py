@@ -1,8 +1,8 @@
-"""The applied torque, as a law or a guard knows it of the sample that has just ended.
+"""Mean torque applied over the last sample, as a law or a guard computes it.
 
-The wheels' drives are known (actuator.delay, actuator.lag), so the torque that really acted follows
-from what was commanded; nothing has to be measured.  The value is the mean over the control period
-of the torque behind delay and lag, before noise, and 0 at the first sample.
+The wheels' drives are known (actuator.delay, actuator.lag), so the applied torque follows from the
+commands; no measurement is needed.  The value is the mean over the control period of the torque
+behind delay and lag, before noise, and 0 at the first sample.
 """
 
 from collections.abc import Iterable, Sequence
@@ -24,17 +24,17 @@ ACTING = Signal("tau_acting", "N.m", "torque behind the lag at the end of the sa
 
 
 class Applied:
-    """``value`` is the mean torque (right, left) [N m] of the previous sample; a state of its own.
+    """Mean torque ``value`` (right, left) [N m] of the previous sample, with its own state.
 
-    With ideal drives that is the torque commanded one sample ago.  A delay adds the commands that
-    are still under way, a lag the torque that acts when a sample ends.
+    With ideal drives it is the torque commanded one sample ago.  A delay adds the commands in
+    transit, a lag the torque at the end of a sample.
     """
 
     def __init__(self, setup: Setup, p: Parameters, known: Iterable[Port] = ()) -> None:
-        """State of the drives of a setup; ``known`` are a law's own ports of what it remembers.
+        """Create the state of a setup's drives; ``known`` are a law's ports of the same memory.
 
-        The guard may count commands for longer than they take, where another effect delays them,
-        and a law may predict over more than there is.
+        The guard may assume longer delays than the drives have, if another effect delays commands,
+        and a law may predict over more commands than there are.
         """
         own = {item.signal: item for item in known}
         scenario, clock = setup.scenario, setup.scenario.clock
@@ -82,7 +82,7 @@ def followed(
 ) -> tuple[Torque, Torque]:
     """Mean torque over a sample, and the torque at its end behind a lag, for commands by age.
 
-    What was ``acting`` keeps the share ``decay`` in a step, 0 where nothing lags.
+    The torque ``acting`` before decays by the factor ``decay`` per step; 0 without lag.
     """
     whole, part, steps = late
     pieces = [(commands[whole], steps - part)]
@@ -98,11 +98,11 @@ def followed(
 
 
 def is_partial(part: ca.SX | float) -> bool:
-    """True unless no plant steps are left beyond whole periods; a symbol stands for some."""
+    """True if plant steps remain beyond whole periods; a symbol counts as remaining steps."""
     return isinstance(part, ca.SX) or part > 0
 
 
 def remembered(law: System) -> tuple[Port, ...]:
-    """The inputs of a law that are such memory: torques applied, and torques sent."""
+    """Inputs of a law that are memory of torques: applied ones and sent ones."""
     sent = {tau_sent(age) for age in range(1, len(law.inputs) + 1)}
     return tuple(item for item in law.inputs if item.signal in {TAU_APPLIED, *sent})

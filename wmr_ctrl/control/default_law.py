@@ -1,4 +1,4 @@
-"""The law that drives where a caller names none."""
+"""The law to use if a caller names none."""
 
 from dataclasses import dataclass
 
@@ -12,19 +12,19 @@ UNSTATED = "kanayama"
 
 @dataclass(frozen=True, slots=True)
 class DefaultLaw:
-    """The law that drives where a caller names none, and whether the scenario states it."""
+    """The law to use if a caller names none, and whether the scenario states it."""
 
     name: str
     stated: bool
 
     @property
     def why(self) -> str:
-        """Where the name is from, in words."""
+        """Text on the origin of the law's name."""
         return "stated in the scenario" if self.stated else "not stated"
 
 
 def default_law(scenario: Scenario) -> DefaultLaw:
-    """The law of a scenario where none is named: its own, else kanayama."""
+    """Default law of a scenario: the stated one, else kanayama."""
     stated = scenario.law is not None
     return DefaultLaw(law_name(scenario.law) if scenario.law else UNSTATED, stated)
 
@@ -35,9 +35,10 @@ def law_of(scenario: Scenario, law: str | None) -> str:
 
 
 def judges_gains(scenario: Scenario, law: str, asked: bool) -> bool:
-    """Whether gains of ``law`` are somebody's choice, so that they are objected to.
+    """True if somebody chose the gains of ``law``, so that they may be objected to.
 
-    They are where the law was asked for or is stated, or is the default and its gains are stated.
+    That is the case if the user or the scenario names the law, or if it is the default law and its
+    gains are stated.
     """
     own = default_law(scenario)
     return asked or (law == own.name and (own.stated or law in scenario.gains))

@@ -1,4 +1,4 @@
-"""What a caller means: a preset, a file or a Scenario, with fields overridden; and its law."""
+"""Read what a caller gives: a preset, a file or a Scenario, with overrides; and a law."""
 
 from collections.abc import Mapping
 from pathlib import Path

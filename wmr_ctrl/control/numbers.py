@@ -1,9 +1,9 @@
-"""Numbers of a setup: which ones its graphs do not depend on, and their declared ranges.
+"""Numbers of a setup that its graphs do not depend on, and their declared ranges.
 
-A graph reads numbers through its parameters.  What else decides its form is the kind of every part,
-texts and flags, how long vectors are, whether a number is 0 or infinite (an effect is there or
-not), and the clock where commands under way are counted in its steps.  Scenarios that differ in no
-more than parameters share C.  Ranges are those of the scenario's fields and of the laws' gains.
+A graph reads numbers through its parameters.  Its form also depends on the kind of every part, on
+texts and flags, on lengths of vectors, on whether a number is 0 or infinite (an effect is present
+or not), and on the clock if commands in transit are counted in its steps.  Scenarios that differ
+only in parameters share C code.  Ranges are those of the scenario's fields and of the laws' gains.
 """
 
 import math
@@ -31,10 +31,10 @@ ALWAYS_READ = frozenset((
 
 
 def structure_of(setup: Setup) -> Hashable:
-    """Equal for setups whose graphs are the same but for the values of parameters.
+    """Key that is equal for setups whose graphs differ at most in values of parameters.
 
-    A law, effect or reference of another package may read numbers as it likes: then every number
-    counts.
+    A law, effect or reference of another package may read any number: then all numbers are in the
+    key.
     """
     scenario, kind = setup.scenario, setup.scenario.reference_kind
     parts = (setup.law, tuple(item.name for item in setup.effects), kind.name)
@@ -54,7 +54,7 @@ def structure_of(setup: Setup) -> Hashable:
 
 
 def _steps(setup: Setup) -> Hashable:
-    """The clock, where a controller counts its steps."""
+    """The clock, if a controller counts its steps."""
     actuator, clock, guard = setup.scenario.actuator, setup.scenario.clock, setup.guard
     times = tuple(getattr(guard, name) for name in LATENESS)
     if actuator.ideal and not any(any(pair) for pair in times):
@@ -96,7 +96,7 @@ def ranges_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Range]:
 
 
 def fields_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Admitted]:
-    """Bounds of each key path's field, open ends told apart from closed ones."""
+    """Bounds of each key path's field, with open and closed ends distinguished."""
     admitted = {}
     for key in keys:
         holder = _holder(scenario, key)
@@ -107,9 +107,9 @@ def fields_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Admitted]:
 
 
 def clock_of(scenario: Scenario) -> dict[str, Range]:
-    """Ranges of the clock where the drives have lag or delay: the controller counts its steps.
+    """Ranges of the clock if the drives have lag or delay, since the controller counts its steps.
 
-    So it does where it sends velocities, behind a filter or a delay.
+    The same if it sends velocities, behind a filter or a delay.
     """
     if scenario.actuator.ideal and not scenario.takes_velocity:
         return {}
@@ -117,7 +117,7 @@ def clock_of(scenario: Scenario) -> dict[str, Range]:
 
 
 def _holder(scenario: Scenario, key: str) -> type[Section] | None:
-    """The section that a key's field may stand in, or None."""
+    """The section that contains a key's field, or None."""
     section, *rest = key.split(".")
     if section == "gains" and rest:
         law = rest[0]

@@ -1,4 +1,4 @@
-"""Outputs that hold only a part of the loop, and the effects that they would miss."""
+"""Exports that contain only a part of the loop, and the effects that they would lack."""
 
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.signals import TORQUE_NOISE
@@ -10,10 +10,10 @@ from .setup import Setup
 
 
 def check_plain_loop(setup: Setup, holder: str) -> None:
-    """Raise ArgumentError for effects that a loop of reference, controller and plant would miss.
+    """Raise ArgumentError for effects that a loop of reference, controller and plant would lack.
 
-    Those that act, but for random numbers at the plant's inputs: they come from outside.
-    ``holder``: what holds that loop, such as "the Simulink kit".
+    These are all active effects except random numbers at the plant's inputs, which come from
+    outside. ``holder``: name of the export, such as "the Simulink kit".
     """
     scenario = setup.scenario
     acting = [item for item in setup.effects if item.active(scenario)]
@@ -27,7 +27,7 @@ def check_plain_loop(setup: Setup, holder: str) -> None:
 
 
 def _is_noise(effect: Effect, scenario: Scenario) -> bool:
-    """True for random numbers at the wheels alone: nothing is left where those are 0."""
+    """True for an effect that is only random numbers at the wheels: it vanishes if they are 0."""
     if effect.role is not EffectRole.DISTURBANCE:
         return False
     system = effect.system(scenario)
@@ -37,7 +37,7 @@ def _is_noise(effect: Effect, scenario: Scenario) -> bool:
 
 
 def check_takes_torques(scenario: Scenario, holder: str) -> None:
-    """Raise ScenarioError where the base takes velocities, of which ``holder`` knows nothing."""
+    """Raise ScenarioError for a base that takes velocities, which ``holder`` does not support."""
     if scenario.takes_velocity:
         off = "" if scenario.filter.kind == "none" else ' and filter.kind = "none"'
         raise ScenarioError(

@@ -1,7 +1,7 @@
-"""Setup: a law on a scenario, settled once: gains, guard's numbers, limits and effects, checked.
+"""Setup: a law on a scenario with all gains, guard numbers, limits and effects, checked.
 
-Everything that is built or judged for a run is handed this value; nothing below looks a gain up by
-itself.  Numbers keep their scenario keys, so a graph's parameters can be filled without the graph.
+Everything that builds or judges a run receives this value; no other code derives gains.  Numbers
+keep their scenario keys, so a graph's parameters can be filled without the graph.
 """
 
 from collections.abc import Callable, Mapping
@@ -54,10 +54,10 @@ _FINITE: dict[tuple[object, ...], None] = {}
 
 @dataclass(frozen=True)
 class Setup:
-    """A law (or the guard by itself) on a scenario, with every number that follows from them.
+    """A law (or the guard alone) on a scenario, with every number that follows from them.
 
     ``gains`` are the law's, ``kinematics`` those of Eq. (7), ``guard`` the numbers of the guard:
-    met where it is on, as stated or implied where it is off.  ``effects`` are those present.
+    feasible if it is on, as stated or implied if it is off.  ``effects`` are those present.
     """
 
     scenario: Scenario
@@ -69,12 +69,12 @@ class Setup:
 
     @property
     def name(self) -> str:
-        """Name of the law; "guard" for the guard by itself."""
+        """Name of the law; "guard" for the guard alone."""
         return self.law.name if self.law else GUARD_ALONE
 
     @property
     def control_law(self) -> Law:
-        """The law, where there must be one."""
+        """The law of a setup that must have one."""
         if self.law is None:
             raise ArgumentError(
                 "no law is named, and the guard by itself drives nothing. Name one: "
@@ -84,7 +84,7 @@ class Setup:
 
     @property
     def takes_velocity(self) -> bool:
-        """True where the base takes velocities."""
+        """True if the base takes velocities."""
         return self.scenario.takes_velocity
 
     @property
@@ -94,12 +94,12 @@ class Setup:
 
     @property
     def tau_max(self) -> float:
-        """Torque limit of each wheel [N m]: the drives', or the law's own where it is smaller."""
+        """Torque limit of each wheel [N m]: the drives', or the law's own if it is smaller."""
         return wheel_limit_of(self.scenario, self.gains)
 
     @property
     def kinematic_key(self) -> str:
-        """Key of the k of Eq. (7) that the law has: its own, or the one that laws share."""
+        """Key of the law's k of Eq. (7): its own, or the one that laws share."""
         own = isinstance(self.gains, OwnKinematics) and self.gains.kinematics is not None
         return f"gains.{self.name}.{KINEMATICS}" if own else f"gains.{KINEMATICS}.k"
 
@@ -110,12 +110,12 @@ class Setup:
 
     @property
     def predicted(self) -> int:
-        """Commands under way over which the law predicts."""
+        """Number of commands in transit over which the law predicts."""
         return commands_predicted(self.gains, self.scenario.clock.control)
 
     @property
     def assumptions(self) -> Assumptions:
-        """A guard's assumptions on the motion, be it on or off."""
+        """A guard's assumptions on the motion, whether it is on or off."""
         assumed = replace(assumptions(self.scenario, self.guard), void=self.void)
         if not self.scenario.guard.enabled:
             return assumed
@@ -124,16 +124,16 @@ class Setup:
 
     @property
     def void(self) -> str:
-        """Sentences on the guarantee's assumptions that the scenario itself breaks; or empty.
+        """Sentences on the guarantee's assumptions that the scenario itself violates; or empty.
 
-        Those that no bound covers, a robot that is not what is believed, and bounds that are
-        stated, broken and let pass by guard.trust.
+        These are effects that no bound covers, a robot that differs from the believed one, and
+        stated bounds that are violated and permitted by guard.trust.
         """
         return " ".join(filter(None, (self.bound.void, *(item.sentence for item in self.broken))))
 
     @cached_property
     def broken(self) -> tuple[Contradiction, ...]:
-        """Numbers of a guard that is on which the scenario breaks, and which are let pass."""
+        """Numbers of an active guard that the scenario violates with permission."""
         if not self.scenario.guard.enabled:
             return ()
         stated = contradictions(self.scenario, self.bound)
@@ -145,13 +145,13 @@ class Setup:
         return bound_of(self.scenario, self.effects)
 
     def own(self, cls: type[S]) -> S:
-        """The law's gains as their own class; raises ArgumentError for another law's."""
+        """The law's gains as class ``cls``; raises ArgumentError for another law's."""
         if not isinstance(self.gains, cls):
             raise ArgumentError(f"{self.name} has {type(self.gains).__name__}, not {cls.__name__}.")
         return self.gains
 
     def with_role(self, role: EffectRole) -> tuple[Effect, ...]:
-        """Effects of one role that are present, in the order in which they compose."""
+        """Present effects of one role, in the order in which they are composed."""
         return tuple(item for item in self.effects if item.role is role)
 
     def number(self, key: str) -> tuple[Signal, tuple[float, ...]]:
@@ -165,7 +165,7 @@ class Setup:
         return number_of(section, name, key) if section else self.scenario.number(key)
 
     def value(self, key: str) -> tuple[float, ...]:
-        """Value of the number at a key alone."""
+        """Value of the number at a key."""
         if key in self._of_filter:
             return self._of_filter[key][1]
         section, name = self._place(key)
@@ -176,7 +176,7 @@ class Setup:
         return derived_numbers(self.scenario)
 
     def _place(self, key: str) -> tuple[Section | None, str]:
-        """Section and field of a key; no section where it is the scenario's alone."""
+        """Section and field of a key; no section if it belongs to the scenario."""
         table, _, name = key.partition(".")
         if table == "guard":
             return self.guard, name
@@ -189,11 +189,11 @@ class Setup:
 
 
 def settle(scenario: Scenario, law: str | None) -> Setup:
-    """The Setup of ``law`` on ``scenario``; None is the guard by itself.
+    """The Setup of ``law`` on ``scenario``, for the guard alone if ``law`` is None.
 
     Raises UnknownNameError for a law, effect or gain that does not exist, ScenarioError for a bad
     value, a reference that is not finite, or a guard that is on and cannot keep its limits or
-    counts on bounds that the scenario breaks.
+    assumes bounds that the scenario violates.
     """
     chosen = None if law is None else LAWS[law]
     if scenario.filter.kind != "none" and not scenario.takes_velocity:
@@ -211,7 +211,7 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
 
 @lru_cache(maxsize=4096)
 def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) -> Setup:
-    """Result of `settle` for these laws and effects, which other packages may change."""
+    """Uncached `settle` for this law and these effects, which other packages may change."""
     named = check_gains(scenario)
     _finite_reference(scenario)
     gains = Section() if chosen is None else named.get(chosen.name) or gains_of(scenario, chosen)
@@ -238,7 +238,7 @@ def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) 
 
 
 def check_name(scenario: str) -> None:
-    """Raise ArgumentError where the name of a law stands for that of a scenario."""
+    """Raise ArgumentError if a law's name is given in place of a scenario's."""
     if scenario in LAWS and scenario not in preset_names():
         raise ArgumentError(
             f"{scenario!r} is a law, but the first argument is the scenario: "
@@ -247,9 +247,9 @@ def check_name(scenario: str) -> None:
 
 
 def check_scenario(scenario: Scenario) -> None:
-    """Raise the errors of `settle` that every law has: invalid gains, reference or guard.
+    """Raise the errors of `settle` common to all laws: invalid gains, reference or guard.
 
-    Of the guard that is on, what no law's own torque limit changes; UnknownNameError for its law.
+    An active guard is checked without any law's own torque limit; UnknownNameError for its law.
     """
     if scenario.law is not None:
         _ = LAWS[law_name(scenario.law)]
@@ -260,7 +260,7 @@ def check_scenario(scenario: Scenario) -> None:
 
 
 def gains_of(scenario: Scenario, law: Law) -> Section:
-    """The law's gains: the scenario's own, else by the law's rule, else the law's defaults.
+    """The law's gains: stated by the scenario, else from the law's rule, else the law's defaults.
 
     Raises on unknown names and bad values.
     """
@@ -273,20 +273,20 @@ def gains_of(scenario: Scenario, law: Law) -> Section:
 def _followed(
     rule: Callable[[Basis], Mapping[str, object]], scenario: Scenario, stated: Mapping[str, object]
 ) -> Mapping[str, object]:
-    """Gains by a rule, where the scenario does not state all of them."""
+    """Gains by a rule; empty if the scenario states all of them."""
     if rule(ANY_BASIS).keys() <= stated.keys():
         return {}
     return rule(basis_of(scenario))
 
 
 def gains_by_law(scenario: Scenario) -> dict[str, Section]:
-    """Gains of every law: the scenario's, else the law's own; Eq. (7)'s first."""
+    """Gains of every law: the scenario's, else the law's own; those of Eq. (7) first."""
     laws = {name: gains_of(scenario, LAWS[name]) for name in LAWS}
     return {KINEMATICS: kinematic_gains(scenario)} | laws
 
 
 def following_gains(law: str) -> frozenset[str]:
-    """Names of the gains that follow from robot, base and path where nobody states them."""
+    """Names of the gains that are derived from robot, base and path unless stated."""
     return frozenset({"k"} if law == KINEMATICS else LAWS[law].rule(ANY_BASIS))
 
 
@@ -298,7 +298,7 @@ def kinematic_gains(scenario: Scenario) -> KinematicGains:
 
 
 def with_kinematics(scenario: Scenario, law: Law | None) -> Scenario:
-    """The scenario with the law's own gains of Eq. (7) in the place of the shared ones, if any."""
+    """The scenario with the law's own gains of Eq. (7), if any, in place of the shared ones."""
     gains = None if law is None else gains_of(scenario, law)
     if not isinstance(gains, OwnKinematics) or gains.kinematics is None:
         return scenario
@@ -319,21 +319,21 @@ def check_gains(scenario: Scenario) -> dict[str, Section]:
 
 
 def wheel_limit_of(scenario: Scenario, gains: Section) -> float:
-    """The smaller of actuator.tau_max and the limit that the law's gains bring, if any [N m]."""
+    """The smaller of actuator.tau_max and the law's own limit, if any [N m]."""
     limit = scenario.actuator.tau_max
     return min(limit, gains.tau_max) if isinstance(gains, TorqueLimited) else limit
 
 
 def bound_of(scenario: Scenario, present: tuple[Effect, ...]) -> Bound:
-    """Sum of the effects' bounds, the guard's assumptions; those without a bound add nothing."""
+    """Sum of the effects' bounds, the guard's assumptions; effects without a bound add nothing."""
     return total([b for item in present if (b := item.bounded(scenario)) is not None])
 
 
 def with_traction_limit(scenario: Scenario) -> Scenario:
-    """The scenario with wheel torques that its tyres are sure to pass on, if it asks for that.
+    """The scenario with wheel torques limited to what its tyres can surely transmit, if requested.
 
-    With actuator.traction, tau_max is at most `Grip.keep`, of the true robot in each of its phases:
-    a limit of the vehicle, as the motors' own is.  Raises ScenarioError where that is 0.
+    With actuator.traction, tau_max is at most `Grip.keep` of the true robot in each of its phases:
+    a limit of the vehicle, like the motors' own.  Raises ScenarioError if that is 0.
     """
     if not scenario.actuator.traction:
         return scenario
@@ -348,16 +348,16 @@ def with_traction_limit(scenario: Scenario) -> Scenario:
 
 
 def with_effects_of(setup: Setup, scenario: Scenario) -> Setup:
-    """The setup on another scenario, with the effects of that; its guard's numbers stay."""
+    """The setup on another scenario, with that scenario's effects and unchanged guard numbers."""
     present = tuple(item for item in EFFECTS if item.present(scenario))
     return replace(setup, scenario=scenario, effects=present)
 
 
 def one_period_later(setup: Setup) -> Setup:
-    """The same with drives that are one control period later.
+    """The setup with drives that are one control period later.
 
-    A controller that is built for it counts with a master that passes values on only after all
-    parts have stepped.  Raises ScenarioError, which tells the delays apart.
+    A controller that is built for it takes into account a master that passes values on only after
+    all parts have stepped.  Raises ScenarioError, which states both delays.
     """
     stated, period = setup.scenario.actuator.delay, setup.scenario.clock.control
     try:
@@ -371,7 +371,7 @@ def one_period_later(setup: Setup) -> Setup:
 
 
 def _finite_reference(scenario: Scenario) -> None:
-    """Check a reference once, however many scenarios share it."""
+    """Check a reference once for all scenarios that share it."""
     kind = scenario.reference_kind
     key = (kind, scenario.reference, scenario.clock if kind in OUR_REFERENCES else scenario)
     if key not in _FINITE:

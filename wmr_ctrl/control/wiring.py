@@ -1,8 +1,8 @@
-"""Wiring: Systems of one rate joined by the names of their signals, over shared parameters.
+"""Wiring: Systems of one rate connected by the names of their signals, with common parameters.
 
-The world around plant and controller is joined here, for the whole loop and for parts of it that
-are coupled from outside: sensors and disturbances in a control sample, disturbances and drives in
-a plant step.
+The surroundings of plant and controller are connected here, for the whole loop and for parts of it
+that are coupled from outside: sensors and disturbances in a control sample, disturbances and drives
+in a plant step.
 """
 
 import zlib
@@ -29,7 +29,7 @@ FIRST_STREAM = 16
 class Stream:
     """Random numbers of one draw: their stream, kind, count and rate.
 
-    ``said``: whether they are wanted and their bound (2,), by the loop's parameters.
+    ``said``: whether they are needed and their bound (2,), as functions of the loop's parameters.
     """
 
     draw: Draw
@@ -43,7 +43,7 @@ class Stream:
 
     @property
     def number(self) -> int:
-        """Number of the stream in the generator's counter: it depends on the name alone."""
+        """Number of the stream in the generator's counter; it depends only on the name."""
         return STREAMS.get(self.name, FIRST_STREAM + zlib.crc32(self.name.encode()))
 
     @property
@@ -58,10 +58,10 @@ class Stream:
 
 
 class Wiring:
-    """Signals by name at one rate, and the state that its Systems bring.
+    """Signals by name at one rate, and the state of its Systems.
 
-    ``clock`` is the number of the sample or step; ``known`` starts with the time and the true
-    state; ``shown`` are diagnostics of effects.
+    ``clock`` is the index of the sample or step; ``known`` starts with the time and the true state;
+    ``shown`` are diagnostics of effects.
     """
 
     def __init__(self, setup: Setup, parameters: Parameters, rate: Rate, true: Named) -> None:
@@ -77,11 +77,11 @@ class Wiring:
         self.shown: list[signals.Signal] = []
 
     def of(self, system: System) -> ca.SX:
-        """The shared symbols for a System's parameters."""
+        """The common symbols for a System's parameters."""
         return stack(self.parameters.take(item.signal.name) for item in system.params)
 
     def run(self, system: System, known: Mapping[str, ca.SX] | None = None) -> Named:
-        """Outputs and diagnostics of a System for the known signals; its state joins the others."""
+        """Outputs and diagnostics of a System for the known signals; its state is added."""
         p, inputs = self.of(system), self.known if known is None else known
         for item in system.draws:
             said = ca.substitute(ca.vertcat(item.wanted, item.bound), system.p, p)
@@ -94,12 +94,12 @@ class Wiring:
         return {name: ca.vertcat(y, d)[rows] for name, rows in shown.items()}
 
     def add(self, state: Sequence[Port], following: ca.SX) -> None:
-        """State with its next value."""
+        """Add state with its next value."""
         self.state.extend(state)
         self.following.append(following)
 
     def effects(self, role: EffectRole) -> list[System]:
-        """Systems of one role that act at this rate, in the order in which they compose."""
+        """Systems of one role that act at this rate, in the order in which they are composed."""
         chosen = (item for item in self.setup.with_role(role) if item.rate is self.rate)
         return [item.system(self.setup.scenario) for item in chosen]
 
@@ -109,14 +109,14 @@ class Wiring:
         return [system for role in roles for system in self.effects(role)]
 
     def measure(self, sensors: Sequence[System]) -> None:
-        """Sensors one after the other, the first from the true state."""
+        """Apply the sensors one after the other, the first to the true state."""
         for seen, true in zip(signals.MEASURED, signals.PLANT_STATE, strict=True):
             self.known[seen.name] = self.known[true.name]
         for system in sensors:
             self.known |= self._shown(system)
 
     def disturb(self, disturbances: Sequence[System]) -> None:
-        """Sum of torques at the wheels and of forces on the body, onto those there already."""
+        """Add the torques at the wheels and the forces on the body to those already known."""
         total = {s.name: self.known.get(s.name, ca.SX(0)) for s in signals.DISTURBING}
         for system in disturbances:
             given = self._shown(system)
@@ -125,9 +125,9 @@ class Wiring:
         self.known |= total
 
     def drive(self, drives: Sequence[System]) -> ca.SX:
-        """Drives one after the other, from the command that arrives; returns the delay [s].
+        """Apply the drives one after the other to the arrived command; returns the delay [s].
 
-        For a base that takes velocities what acts on the command and the speed loop come first.
+        For a base that takes velocities, effects on the command and the speed loop come first.
 
         Raises ArgumentError for a delay behind another drive.
         """
@@ -151,7 +151,7 @@ class Wiring:
 
 
 def pushes(systems: Sequence[System]) -> bool:
-    """True if any of the disturbances exerts a force on the body."""
+    """True if a disturbance exerts a force on the body."""
     names = {item.name for item in signals.BODY_FORCE}
     return any(item.signal.name in names for system in systems for item in system.outputs)
 

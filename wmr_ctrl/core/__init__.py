@@ -1,1 +1,1 @@
-"""Words that every room uses: fields of a scenario, signals, units, errors, the paper as data."""
+"""Vocabulary of all rooms: fields of a scenario, signals, units, errors, the paper as data."""

@@ -1,4 +1,4 @@
-"""A compiled loop as plain data, for those who run it and must not wait for CasADi."""
+"""A compiled loop as plain data, so that those who only run it need not import CasADi."""
 
 from dataclasses import dataclass
 
@@ -20,9 +20,10 @@ class LawLayout:
 
 @dataclass(frozen=True)
 class LoopLayout:
-    """Meaning of the vectors of a loop's library: the same for every scenario of its structure.
+    """Meaning of the vectors in a loop's library; equal for all scenarios of one structure.
 
-    ``columns``: of the log.  ``findings`` and ``sums``: names of what a run without log leaves.
+    ``columns``: those of the log.  ``findings`` and ``sums``: names of the results of a run without
+    a log.
     """
 
     title: str

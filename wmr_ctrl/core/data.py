@@ -1,4 +1,4 @@
-"""Words and numbers that are data, in TOML files beside the modules that read them."""
+"""Texts and numbers that are data, in TOML files beside the modules that read them."""
 
 import tomllib
 from collections.abc import Mapping

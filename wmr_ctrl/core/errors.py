@@ -1,6 +1,6 @@
-"""Named exceptions. Each message is one paragraph: what is wrong, where, and the remedy.
+"""Named exceptions; each message is one paragraph with fault, place and remedy.
 
-That of a scenario begins with the path of a key.  Values stand in messages as `show` spells them.
+The message of a ScenarioError begins with the path of a key.  Values are spelled by `show`.
 """
 
 import difflib
@@ -25,7 +25,7 @@ class ScenarioError(WmrError, ValueError):
 
 
 class UnknownNameError(WmrError, KeyError):
-    """A name (scenario, law, engine, gain, key) that is not known; the near ones are listed."""
+    """A name (scenario, law, engine, gain, key) that does not exist; similar names are listed."""
 
     def __init__(self, kind: str, name: object, known: Iterable[str], remedy: str = "") -> None:
         tail = f" {remedy}" if remedy else ""
@@ -33,11 +33,11 @@ class UnknownNameError(WmrError, KeyError):
         super().__init__(f"no {kind} is named {repr(name)[:200]} ({listed}).{tail}")
 
     def __str__(self) -> str:
-        """The message; a KeyError by itself would show it in quotes."""
+        """The message; plain KeyError would show it in quotes."""
         return Exception.__str__(self)
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Between processes it travels as its message."""
+        """Pickle as the message alone, to pass between processes."""
         return BaseException.__new__, (type(self), *self.args)
 
 
@@ -60,11 +60,11 @@ class CompilerError(WmrError, RuntimeError):
 
 
 class CacheError(CompilerError):
-    """Compiled code cannot be stored: a full disk, say, whatever the compiler."""
+    """Compiled code cannot be stored, for example because the disk is full."""
 
 
 class DeviceError(WmrError, RuntimeError):
-    """A graphics processor is not there, has too little memory, or failed."""
+    """A graphics processor is missing, has too little memory, or failed."""
 
 
 class ResultFileError(WmrError, ValueError):

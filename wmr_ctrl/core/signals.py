@@ -38,7 +38,7 @@ class Signal:
 
 
 def places(signals: Iterable[Signal]) -> dict[str, slice]:
-    """Places of signals that stand one after the other in a vector, by name."""
+    """Slices of signals that follow each other in one vector, by name."""
     listed = tuple(signals)
     ends = pairwise(accumulate((item.size for item in listed), initial=0))
     return {item.name: slice(*pair) for item, pair in zip(listed, ends, strict=True)}
@@ -121,7 +121,7 @@ TAU_APPLIED = Signal(
 
 
 def tau_sent(age: int) -> Signal:
-    """The torque that was commanded ``age`` samples ago, as the wheels' limit let it through."""
+    """The torque commanded ``age`` samples ago, after the wheels' limit."""
     return Signal(f"tau_sent{age}", "N.m", f"torque commanded {age} samples ago", 2)
 
 

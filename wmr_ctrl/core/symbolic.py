@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 
 class _OnFirstUse:
-    """Stands for a module and imports it at the first look at one of its names."""
+    """Placeholder of a module, which is imported when one of its names is first read."""
 
     def __init__(self, name: str) -> None:
         self._name = name

@@ -66,8 +66,8 @@ class PageOptions(TypedDict, total=False):
 
 
 class Measurements(TypedDict):
-    """Results of the benchmarks: ratios by name, None and a reason where one could not be
-    measured, quartiles and targets.
+    """Results of the benchmarks: ratios by name, None with a reason if one could not be measured,
+    quartiles and targets.
 
     ``ns`` per step of each candidate; ``paper``: the paper's times and ours.
     """
@@ -81,6 +81,6 @@ class Measurements(TypedDict):
 
 
 class BenchReport(Measurements):
-    """The measurements, and ``text``: all of them as a table."""
+    """The measurements, and ``text``: a table of them."""
 
     text: str

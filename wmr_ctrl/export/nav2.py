@@ -1,4 +1,4 @@
-"""Parameters of nav2 that a base's delay and accelerations bound."""
+"""Parameters of nav2 that a base's delay and accelerations limit."""
 
 import math
 
@@ -10,7 +10,8 @@ from wmr_ctrl.identification.bounds import DETERMINED, ROUGHLY
 def nav2_of(result: BaseIdentification) -> str:
     """YAML text for nav2's MPPI controller and its velocity smoother.
 
-    What the log does not show is a comment.  Raises ArgumentError for a base that takes torques.
+    Values that the log does not show are comments.  Raises ArgumentError for a base that takes
+    torques.
     """
     if result.bounds.section != "filter":
         raise ArgumentError(

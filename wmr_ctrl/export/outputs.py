@@ -32,7 +32,7 @@ _WRITERS = {
 
 
 def read_by(what: str) -> tuple[str, ...]:
-    """Names of the options that an output reads: those of the function that writes it."""
+    """Names of the options of an output, which are those of the function that writes it."""
     return tuple(signature(_writer(what)).parameters)
 
 
@@ -40,7 +40,7 @@ def read_by(what: str) -> tuple[str, ...]:
 def write_output(what: str, options: ExportOptions) -> list[Path]:
     """Write ``what``; returns the files' paths.
 
-    ArgumentError for an option that it has no use for.
+    Raises ArgumentError for an option that this output does not have.
     """
     for name in options:
         if name not in read_by(what):

@@ -1,4 +1,4 @@
-"""From a log to a scenario: parameters with intervals, and bounds for guard or filter."""
+"""Identify a robot from a log: parameters with intervals, bounds for guard or filter."""
 
 from .bounds import BaseIdentification as BaseIdentification
 from .identification import Identification as Identification

@@ -1,6 +1,7 @@
-"""Results of a log: verdicts on its parameters, and the bounds that a guard may count on.
+"""Results of an identification: verdicts on parameters, and bounds that a guard may rely on.
 
-Each parameter gets a verdict, mixtures get words, and seconds are named.
+Each parameter gets a verdict; parameters that cannot be separated are named, as are the most
+informative seconds.
 """
 
 from abc import ABC, abstractmethod
@@ -31,15 +32,15 @@ SMALL, PART = 0.03, 0.35
 
 
 class Origin(NamedTuple):
-    """A preset or a file that a scenario extends, and what it states, by key."""
+    """The preset or file that a scenario extends, and the values that it states, by key."""
 
     source: str = ""
     values: Mapping[str, object] = {}
 
 
 class Estimate(NamedTuple):
-    """A value with its 95 % interval, whether the log determines it, the seconds with half of the
-    information, and the half-width as a share of what the verdict compares it with.
+    """A value with its 95 % interval; whether the log determines it; the shortest time with half of
+    the information; and the half-width relative to the size that the verdict compares it with.
     """
 
     value: float
@@ -78,9 +79,9 @@ class Score:
 
 @dataclass(frozen=True)
 class Traces:
-    """Curves of a fit over t (N,) [s]: speeds (N, 2) as measured and as predicted by a fit of the
+    """Curves of a fit over t (N,) [s]: speeds (N, 2) as measured, and as predicted by a fit of the
     data before ``held_out_from`` [s]; residuals (N, 2), as forces q z [N, N m] (for dbar) or as
-    speeds [m/s, rad/s] (for filter.d).  NaN where nothing counts.
+    speeds [m/s, rad/s] (for filter.d); NaN at samples that are not used.
     """
 
     t: Floats
@@ -91,13 +92,13 @@ class Traces:
 
 
 class Bounds(ABC):
-    """Numbers for a table of the scenario, per axis or from least to most."""
+    """Numbers for one table of the scenario, per axis or as (least, most)."""
 
     section: ClassVar[str]
     sentence: str
 
     def pairs(self) -> dict[str, tuple[Pair, str]]:
-        """Numbers by key of the table, with their unit."""
+        """Numbers by key of the table, each with its unit."""
         units: Mapping[str, str] = _DATA["pairs"][self.section]
         return {name: (vars(self)[name], unit) for name, unit in units.items()}
 
@@ -109,11 +110,11 @@ class Bounds(ABC):
 
 @dataclass(frozen=True)
 class GuardBounds(Bounds):
-    """Numbers for [guard] in SI units, per axis or from least to most, and where they come from.
+    """Numbers for [guard] in SI units, per axis or as (least, most), with their sources.
 
-    ``q``: rms force noise a control period; the sentence is what may be said of dbar; ``wide``:
-    delay or masses are known too badly for a guard; ``refuted``: what a part of the log
-    has against what the rest gives.
+    ``q``: rms force noise per control period; the sentence states what dbar is worth; ``wide``:
+    delay or masses are known too badly for a guard; ``refuted``: contradictions between one part of
+    the log and the rest.
     """
 
     M_min: Pair
@@ -142,7 +143,7 @@ class GuardBounds(Bounds):
 
 @dataclass(frozen=True)
 class FilterBounds(Bounds):
-    """Numbers for [filter]: kind of loop, and per axis [m/s, rad/s] or from least to most [s].
+    """Numbers for [filter]: kind of loop, and per axis [m/s, rad/s] or (least, most) [s].
 
     ``peak_gain``: largest speed over commanded speed of the whole family, infinite for an axis that
     was not driven; ``d``: the largest deviation of the speed that no command explains; ``sentence``
@@ -168,8 +169,8 @@ class BaseIdentification(ABC):
 
     ``parameters`` maps a name to (value, low, high, verdict, seconds), SI units; ``bounds`` are the
     numbers for the guard or the filter; ``score`` says how well the held-out third was predicted;
-    ``scenario`` can be run as it is.  It has stand-ins for ``missing``, keys that a scenario must
-    state and that neither the log nor anybody tells; the file is written without them.
+    ``scenario`` can be run as it is. It has stand-ins for ``missing``, required keys that neither
+    the log determines nor anybody states; the file is written without them.
     """
 
     name: str
@@ -196,7 +197,7 @@ class BaseIdentification(ABC):
 
     @property
     def places(self) -> Mapping[str, Sequence[str]]:
-        """Keys of the scenario, and the parameters whose intervals stand beside them."""
+        """Parameters whose intervals are written beside each key of the scenario."""
         places: Mapping[str, Sequence[str]] = _DATA["places"][self.bounds.section]
         return places
 
@@ -222,7 +223,7 @@ class BaseIdentification(ABC):
         """Measured and predicted speeds, and residuals."""
 
     def to_toml(self, folder: Path | None = None) -> str:
-        """The scenario as a file in ``folder`` has it: what it extends, and what was found."""
+        """TOML text of the scenario for a file in ``folder``: its base scenario and the results."""
         return toml_of(self, folder)
 
     def described(self) -> dict[str, tuple[str, str]]:
@@ -231,13 +232,13 @@ class BaseIdentification(ABC):
 
 
 def verdict(half: float, size: float) -> str:
-    """Whether a log determines a value: its half-width against the size it is compared with."""
+    """Verdict on a value: does the log determine it?  Its half-width is compared with ``size``."""
     share = half / max(size, 1e-300)
     return DETERMINED if share <= SHARES[0] else ROUGHLY if share <= SHARES[1] else UNDETERMINED
 
 
 def sizes(values: Mapping[str, float], speed: Floats, period: float) -> dict[str, float]:
-    """Sizes that half-widths are compared with: a value, or for what may be 0 a share of its kind.
+    """Sizes that half-widths are compared with: the value itself, with a minimum for some kinds.
 
     ``speed`` (2,): rms speeds.  Friction is compared with a quarter of all friction at these
     speeds at least, a time with a control period.
@@ -262,7 +263,7 @@ def informative_seconds(t: Floats, share: Floats) -> Pair:
 
 
 def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iterator[str]:
-    """Sentences on parameters that the log cannot tell apart, those among ``vague``.
+    """Sentences on parameters in ``vague`` that the log cannot separate from others.
 
     From the small eigenvalues of the Fisher information (n, n) with unit diagonal.
     """
@@ -280,7 +281,7 @@ def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iter
 
 
 def loop_remarks(judgements: Sequence[Judgement], estimates: Mapping[str, Estimate]) -> list[str]:
-    """Remarks on the parameters of a speed loop that a log determines, and does not."""
+    """Remarks on which parameters of a speed loop the log determines, and which it does not."""
     remarks = [
         "gains are against the log's own measured speeds: an error in a wheel's radius or "
         "track affects both, and no log of wheels shows it. Add it to filter.gain."

@@ -1,4 +1,4 @@
-"""From samples to estimates: starts, the model that is taken, intervals, the score."""
+"""Estimation from samples: start values, choice of the model, intervals, score."""
 
 import math
 from collections.abc import Sequence
@@ -68,9 +68,9 @@ UNSURE = 0.1
 
 
 def first_guess(log: Samples) -> tuple[dict[str, float], float]:
-    """m, I, friction of motion and time from command to force [s], by regression.
+    """Start values by regression: m, I, friction of motion, and time from command to force [s].
 
-    Of the shifts of the command the one that explains most is taken.
+    The time is the shift of the command that explains most of the motion.
     """
     t, rate, speed, pushed = differenced(log, 3)
     later = np.minimum(np.searchsorted(log.t, t), len(log.t) - 1)
@@ -99,13 +99,13 @@ def first_guess(log: Samples) -> tuple[dict[str, float], float]:
 
 
 def searched(values: dict[str, float]) -> Floats:
-    """Parameters in the order and form of the search."""
+    """Parameters in the order and scaling of the search."""
     with np.errstate(divide="ignore"):
         return np.array([np.log(values[n]) if n in LOGARITHMIC else values[n] for n in NAMES])
 
 
 def free_of(problem: LogProblem, coloured: bool) -> np.ndarray:
-    """Parameters that are searched (n,): with a coloured push or without."""
+    """Mask (n,) of the parameters that are searched, with or without a coloured push."""
     left = set() if coloured else {"s1", "s2", "time"}
     if not problem.log.of_speed:
         left |= {"n1", "n2"}
@@ -113,7 +113,7 @@ def free_of(problem: LogProblem, coloured: bool) -> np.ndarray:
 
 
 def started(problem: LogProblem) -> Floats:
-    """The best of a few starts, on the first piece of the log; delay and lag share a time."""
+    """Best of a few starts on the log's first piece; delay and lag share one time."""
     log = problem.log
     force = forces(log.command, *problem.known[:2])
     guess, shift = first_guess(replace(log, command=force))
@@ -130,12 +130,12 @@ def started(problem: LogProblem) -> Floats:
 
 
 def likeliest(fits: Sequence[Fit]) -> Fit:
-    """The first of those fits whose likelihood is largest."""
+    """The fit with the largest likelihood; the first one if several are equal."""
     return min(fits, key=attrgetter("nll"))
 
 
 def white_fit(problem: LogProblem) -> Fit:
-    """The fit with white force noise; where delay or lag is at an end also from its other split."""
+    """The fit with white force noise; if delay or lag is at a bound, another split is tried."""
     free = free_of(problem, False)
     fit = scored(problem, started(problem), free)
     late = [INDEX["delay"], INDEX["lag"]]
@@ -150,7 +150,7 @@ def white_fit(problem: LogProblem) -> Fit:
 
 
 def coloured_if_likelier(white: Fit) -> tuple[Fit, float | None]:
-    """The fit with a coloured push where twice its gain is above 4 ln n, else the white one."""
+    """The fit with a coloured push if twice its gain exceeds 4 ln n, else the white one."""
     tried = []
     for time, passes in ((0.4, 40), (3.0, 12)):
         start = white.theta.copy()
@@ -167,7 +167,7 @@ def coloured_if_likelier(white: Fit) -> tuple[Fit, float | None]:
 
 
 def distrusting_low_speeds(fit: Fit, remarks: list[str]) -> Fit:
-    """The fit with noise at low speeds counted more, where that moves a parameter; else ``fit``."""
+    """Refit with larger noise at low speeds; ``fit`` itself if no parameter moves by that."""
     problem = fit.problem
     speed = np.abs(wheels(speeds(problem.log), problem.known[1])).min(axis=1)
     slow = np.flatnonzero(speed < LOW_SPEED)
@@ -193,9 +193,9 @@ def distrusting_low_speeds(fit: Fit, remarks: list[str]) -> Fit:
 
 
 def surest(fit: Fit) -> Fit:
-    """The likeliest of several fits where this one knows delay or mass badly, else ``fit``.
+    """The likeliest of several fits if ``fit`` hardly determines delay or mass, else ``fit``.
 
-    Maxima as high as a profile's interval reaches widen the intervals: none of them is refuted.
+    Other maxima within the likelihood range of a 95 % profile interval widen the intervals.
     """
     half = half_widths(fit)
     m, inertia, delay, lag = (INDEX[name] for name in ("m", "I", "delay", "lag"))
@@ -217,9 +217,9 @@ def surest(fit: Fit) -> Fit:
 
 
 def bare_scenario(scenario: Scenario, log: Samples, remarks: list[str]) -> Scenario:
-    """The known scenario on the log's clock, without the parts that identified numbers replace.
+    """The known scenario on the log's clock, without the parts that the identified numbers replace.
 
-    Its other times, which must be multiples of a clock's, are rounded to the nearest.
+    Other times that must be multiples of a clock's are rounded to the nearest multiple.
     """
     period = float(f"{log.period:.4g}")
     duration = max(1, round(scenario.clock.duration / period)) * period
@@ -247,12 +247,12 @@ def bare_scenario(scenario: Scenario, log: Samples, remarks: list[str]) -> Scena
 
 
 def cut_of(log: Samples) -> float:
-    """Time from which on a log's last third is held out [s]."""
+    """Time at which the held-out last third of a log begins [s]."""
     return float(log.t[-1] - HELD_OUT * (log.t[-1] - log.t[0]))
 
 
 def fitted_part(fit: Fit, end: float) -> Fit:
-    """The fit, in its own model, of the part before ``end`` [s]."""
+    """Refit, with the same model, the part of the log before ``end`` [s]."""
     problem = fit.problem
     boost = np.broadcast_to(problem.boost, problem.log.t.shape)[problem.log.t < end]
     part = replace(problem, log=problem.log.until(end), boost=boost)
@@ -260,7 +260,7 @@ def fitted_part(fit: Fit, end: float) -> Fit:
 
 
 def score_of(white: Fit, trained: Fit) -> Score:
-    """Score of a fit of the rest on the last third, in free runs of a second."""
+    """Score on the held-out last third, by predictions over one second each."""
     problem, cut = white.problem, cut_of(white.problem.log)
     rest = problem.log.until(np.inf, cut)
     result = replace(problem, log=rest).read(trained.theta, slopes=False)
@@ -272,7 +272,7 @@ def score_of(white: Fit, trained: Fit) -> Score:
 
 
 def shares_told(foretold: Floats, seen: Floats) -> Floats:
-    """Shares of the variance of columns (N, K) that are told by others."""
+    """Share of the variance of each column of ``seen`` (N, K) that ``foretold`` explains."""
     total = np.sum((seen - seen.mean(axis=0)) ** 2, axis=0)
     return np.asarray(1 - np.sum((foretold - seen) ** 2, axis=0) / np.maximum(total, 1e-12))
 
@@ -280,7 +280,7 @@ def shares_told(foretold: Floats, seen: Floats) -> Floats:
 def free_runs(
     problem: LogProblem, log: Samples, theta: Floats, mean: Floats
 ) -> tuple[Floats, Floats]:
-    """Speeds (N, 2) that runs of a second from the filter's means foretell, and those held."""
+    """Speeds (N, 2) predicted for one second from the filter's means, and constant speeds."""
     index = np.arange(len(log.t))
     turn = np.floor((log.t - log.t[0]) / FREE_RUN)
     fresh = np.concatenate(([True], np.diff(turn) > 0))
@@ -292,7 +292,7 @@ def free_runs(
 
 
 def loop_estimates(judgements: Sequence[Judgement], period: float) -> dict[str, Estimate]:
-    """Value, interval and verdict of each parameter of the axes that were driven."""
+    """Value, interval and verdict of each parameter, for the axes that were driven."""
     estimates = {}
     sure = all(item.explained == EXPLAINED for item in judgements)
     for item in judgements:
@@ -309,9 +309,9 @@ def loop_estimates(judgements: Sequence[Judgement], period: float) -> dict[str, 
 
 
 def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Estimate:
-    """A parameter whose interval is as wide as the judgement of its fit makes it.
+    """A parameter's estimate; its interval is widened if the fit explains the log only in part.
 
-    ``sure``: the other axis is explained, too, so that no structure can be its doing.
+    ``sure``: the other axis is explained, too, so it cannot have caused the misfit.
     """
     fit = judgement.fit
     value, in_part = fit.values[name], judgement.explained != EXPLAINED
@@ -344,7 +344,7 @@ def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Est
 
 
 def _interval(fit: LoopFit, name: str, period: float) -> Pair:
-    """95 % interval by the fit alone; a dead band's is between two commands of the log."""
+    """95 % interval from the fit alone; that of a dead band is between two commands of the log."""
     value = fit.values[name]
     if name not in fit.names:
         sizes = np.unique(np.abs(fit.log.sent))
@@ -359,7 +359,7 @@ def _interval(fit: LoopFit, name: str, period: float) -> Pair:
 
 
 def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
-    """Score of a fit of the rest on the last third, from commands alone."""
+    """Score on the held-out last third, predicted from commands alone."""
     shares = []
     for axis, fit in zip(axes, trained, strict=True):
         rest = (axis.t >= cut) & axis.in_fit

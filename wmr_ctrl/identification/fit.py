@@ -1,6 +1,6 @@
-"""Maximum likelihood of a log by Fisher scoring, and intervals of what was fitted.
+"""Maximum likelihood of a log by Fisher scoring, with intervals.
 
-Intervals are by the Fisher information and by leaving out blocks of time.
+Intervals come from the Fisher information and from leaving out blocks of time.
 """
 
 import math
@@ -44,9 +44,9 @@ FINEST = 3e-4
 
 @dataclass(frozen=True)
 class LogProblem:
-    """A log, the filter that it is read through, known numbers, and factors of the force noise.
+    """A log, the Kalman filter that reads it, known numbers, and factors of the force noise.
 
-    ``boost`` (N,): up to each sample, 1 where the noise is as elsewhere.
+    ``boost`` (N,): noise factor up to each sample, 1 for normal noise.
     """
 
     log: Samples
@@ -56,7 +56,7 @@ class LogProblem:
     tell: Tell = lambda: None
 
     def read(self, theta: Floats, slopes: bool = True) -> PassResult:
-        """A pass through the filter."""
+        """One pass of the filter over the log."""
         kinds = np.where(self.counts, COUNTED, SKIPPED)
         return self.filter(
             self.log, self._starts(), *self._given(theta), slopes=slopes, boost=self.boost,
@@ -64,12 +64,12 @@ class LogProblem:
         )  # fmt: skip
 
     def foretold(self, log: Samples, theta: Floats, start: Floats) -> Floats:
-        """Means (N, state) that follow from those (F, state) at the start of each stretch alone."""
+        """Means (N, state) predicted from those (F, state) at the start of each stretch alone."""
         return self.filter(log, start, *self._given(theta), slopes=False, kinds=WATCHED).mean
 
     @property
     def counts(self) -> Mask:
-        """Measurements (N,) that count in the likelihood."""
+        """Mask (N,) of the measurements in the likelihood."""
         return np.asarray(self.log.since > SKIPPED_TIME)
 
     def _starts(self) -> Floats:
@@ -85,7 +85,7 @@ class LogProblem:
 
     def _given(self, theta: Floats) -> tuple[Floats, Floats]:
         """All parameters, and the packed covariance at a stretch's start: measured values with
-        their variance, the rest hardly known.
+        their variance, others with a large one.
         """
         way = np.full(2, 1.0) if self.log.of_speed else self.log.variance
         covariance = packed(np.concatenate((way, [0.25, 1.0, 0.0, 0.0])))
@@ -93,7 +93,7 @@ class LogProblem:
 
 
 def at_rest(log: Samples) -> Floats:
-    """Means (F, MEAN) at the beginning of each stretch of a robot at rest: the torques alone."""
+    """Means (F, MEAN) at each stretch's beginning, for a robot at rest: 0 except for torques."""
     start = np.zeros((len(log.first), MEAN))
     sent = np.searchsorted(log.command_t, log.t[log.first], "right") - 1
     start[:, 6:8] = log.command[np.maximum(sent, 0)]
@@ -107,9 +107,9 @@ def packed(diagonal: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Fit:
-    """A maximum of the likelihood: parameters as searched (n,), which are free, the last pass.
+    """A maximum of the likelihood: searched parameters (n,), the mask of free ones, the last pass.
 
-    ``least``: by place, half-widths that no interval goes below.
+    ``least``: lower limits of half-widths, by index.
     """
 
     problem: LogProblem
@@ -125,8 +125,8 @@ class Fit:
 
     @property
     def inside(self) -> Mask:
-        """Free parameters (n,) without noises at an end of their range, whose slopes would move the
-        others.
+        """Mask (n,) of the free parameters without noise parameters at a bound, whose gradients
+        would bias the others.
         """
         least, most = ends(self.problem, self.free)
         noise = np.array([name in LOGARITHMIC - {"m", "I"} for name in NAMES])
@@ -144,12 +144,12 @@ def scored(
     passes: int = PASSES,
     enough: float = ENOUGH,
 ) -> Fit:
-    """Fisher scoring from ``theta``, damped until each step lowers minus the log-likelihood.
+    """Fisher scoring from ``theta``, damped until each step lowers the negative log-likelihood.
 
-    It ends after ``passes`` steps, or where a step gains less than ``enough`` or promises a tenth
-    of that.  The damping is Nielsen's, by the share of what was promised that a step gained.
-    Slopes take most of a pass: after a step that lowered nothing they are left out of trials, until
-    one is taken at once.
+    It ends after ``passes`` steps, or when a step gains less than ``enough`` or promises a tenth of
+    that.  Nielsen's rule sets the damping from the ratio of achieved to predicted gain.  Gradients
+    take most of a pass: after a step that lowered nothing, trials omit them until one succeeds at
+    the first attempt.
     """
     least, most = ends(problem, free)
     theta = np.clip(theta, least, most)
@@ -196,9 +196,10 @@ def scored(
 
 
 def ends(problem: LogProblem, free: Mask) -> tuple[Floats, Floats]:
-    """Least and largest (n,) of what is searched: no model is truer than FINEST of what it moves.
+    """Lower and upper bounds (n,) of the search; noise is at least FINEST of the signal that it is
+    in.
 
-    Integration, rounding and effects without a name are in the cleanest of logs.
+    Even the cleanest logs contain errors of integration, rounding and unmodelled effects.
     """
     log = problem.log
     r, half_track = problem.known[:2]
@@ -229,7 +230,7 @@ WIDEST = 14.0
 
 
 def standard_errors(fit: Fit) -> Floats:
-    """Standard errors (n,): the larger of those by the information and by leaving out blocks.
+    """Standard errors (n,): the larger of those from the information and from leaving out blocks.
 
     Zero where a parameter is not free.
     """
@@ -237,7 +238,7 @@ def standard_errors(fit: Fit) -> Floats:
 
 
 def _two_errors(gradient: Floats, fisher: Floats, free: Mask) -> tuple[Floats, Floats]:
-    """Both errors from gradient (B, n) and information (B, n, n) of blocks of time.
+    """Both standard errors, from gradient (B, n) and information (B, n, n) of blocks of time.
 
     The second is by one Newton step for each block b that is left out, theta_b = theta + (H -
     H_b)^-1 g_b.
@@ -261,22 +262,23 @@ def _two_errors(gradient: Floats, fisher: Floats, free: Mask) -> tuple[Floats, F
 
 
 def _whole(fisher: Floats, free: Mask) -> Floats:
-    """Information of all blocks on what is free, and a little more of each number by itself.
+    """Total information on the free parameters, with a small ridge on its diagonal.
 
-    Without that, what a log does not tell apart would move by roundings, further than any interval.
+    Without the ridge, rounding would move parameters that a log cannot separate by more than their
+    intervals.
     """
     whole = fisher.sum(axis=0)[np.ix_(free, free)]
     return np.asarray(whole + 1e-10 * np.diag(np.diag(whole)))
 
 
 def errors_of(gradient: Floats, fisher: Floats, free: Mask) -> Floats:
-    """Half-widths (n,) of 95 % intervals: the larger of both errors'."""
+    """Half-widths (n,) of 95 % intervals, from the larger of both standard errors."""
     by_fisher, left = _two_errors(gradient, fisher, free)
     return np.maximum(stdtrit(len(fisher) - 1, 0.975) * left, 1.96 * by_fisher)
 
 
 class Fitted(NamedTuple):
-    """Parameters (n,), which are free, and by blocks of time gradient (B, n) and information."""
+    """Parameters (n,), mask of free ones, and per block of time gradient (B, n) and information."""
 
     theta: Floats
     free: Mask
@@ -284,8 +286,8 @@ class Fitted(NamedTuple):
     fisher: Floats
 
     def of(self, part: slice) -> tuple[Floats, Floats]:
-        """Parameters and half-widths (n,) by some blocks, by one Newton step; LinAlgError where
-        these do not tell one.
+        """Parameters and half-widths (n,) from some blocks, by one Newton step; LinAlgError if
+        these blocks do not determine a parameter.
         """
         free, gradient, fisher = self.free, self.gradient[part], self.fisher[part]
         step = np.zeros(len(free))
@@ -294,7 +296,7 @@ class Fitted(NamedTuple):
 
 
 class Change(NamedTuple):
-    """A parameter that was another before a time [s] than after it, with both half-widths."""
+    """A parameter's values before and after a time [s], with their half-widths."""
 
     time: float
     values: Pair
@@ -302,10 +304,11 @@ class Change(NamedTuple):
 
 
 def changes(fit: Fitted, names: Sequence[str], log: Samples | AxisLog) -> dict[str, Change]:
-    """Parameters of ``names`` that were not the same all along, at the time that shows it best.
+    """Parameters among ``names`` that changed during the log, each at the time that shows it best.
 
-    All but delays are logarithms.  The log is cut where blocks end; values of both parts are apart
-    by APART times both half-widths and by what matters: a twentieth, or a control period.
+    All except delays are logarithms.  The log is split at the ends of blocks; the values of both
+    parts differ by APART times both half-widths, and by a relevant amount: a twentieth, or a
+    control period.
     """
     count, best = len(fit.fisher), np.full(len(names), APART)
     ends, found = np.linspace(log.t[0], log.t[-1], count + 1), {}
@@ -325,7 +328,7 @@ def changes(fit: Fitted, names: Sequence[str], log: Samples | AxisLog) -> dict[s
 
 
 def half_widths(fit: Fit) -> Floats:
-    """Half-widths (n,) of 95 % intervals: the larger of both errors', and of the floor."""
+    """Half-widths (n,) of 95 % intervals: the largest of both errors and of the lower limit."""
     half = errors_of(fit.last.gradient, fit.last.fisher, fit.inside)
     for place, least in fit.least.items():
         half[place] = max(half[place], least)
@@ -350,5 +353,5 @@ def intervals_of(fit: Fit) -> dict[str, tuple[float, float, float]]:
 
 
 def plant_step(period: float) -> float:
-    """Step of the plant [s]: a whole part of a control period, of one millisecond at most."""
+    """Plant step [s]: an integer fraction of a control period, at most one millisecond."""
     return period / math.ceil(period / 1e-3 - 1e-9)

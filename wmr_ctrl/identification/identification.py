@@ -1,4 +1,4 @@
-"""`identify`: from a log to a scenario with intervals, or one paragraph on why it cannot be."""
+"""`identify`: from a log to a scenario with intervals, or a paragraph on why that fails."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -85,8 +85,8 @@ COUNTED, TIMEOUT = "encoder.counts", "base.timeout"
 class Identification(BaseIdentification):
     """Results for a base that takes torques.
 
-    ``fit`` is the reported one, ``white`` the one from whose residuals the bounds are made, and
-    ``trained`` the fit to the first two thirds only.
+    ``fit`` is the reported fit, ``white`` the one whose residuals give the bounds, and ``trained``
+    the fit to the first two thirds only.
     """
 
     bounds: GuardBounds
@@ -95,7 +95,7 @@ class Identification(BaseIdentification):
     trained: Fit
 
     def traces(self) -> Traces:
-        """Measured and predicted speeds, and residuals; takes some passes through the log."""
+        """Measured and predicted speeds, and residuals; computed by several passes over the log."""
         problem = self.white.problem
         trained = self.trained.theta
         mean = problem.read(trained, slopes=False).mean
@@ -122,14 +122,13 @@ def identify(
 ) -> BaseIdentification:
     """Identify a robot from a CSV file, a bag, a drive, a run, or columns by ``name [unit]``.
 
-    Several logs of one robot count as one.
-    ``base`` is what the base takes: "torque", or "velocity" (v, omega).
-    ``known`` is a scenario with what is known (robot.r, robot.l, encoder.counts, limits);
-    ``overrides`` are applied to it; ``topics`` names a bag's topics by role, and ``columns`` a
-    table's columns by ours, perhaps with a unit; ``torque_constant``
-    [N.m/A] turns motor currents into torques, and with a motor's ``resistance`` [ohm] voltages.
-    Raises LogError for a faulty or uninformative log,
-    ScenarioError, ArgumentError, ResultFileError, MissingExtraError, CompilerError.
+    Several logs of one robot count as one. ``base`` is what the base takes: "torque", or "velocity"
+    (v, omega). ``known`` is a scenario with the known values (robot.r, robot.l, encoder.counts,
+    limits); ``overrides`` are applied to it; ``topics`` names a bag's topics by role, and
+    ``columns`` a table's columns by ours, perhaps with a unit; ``torque_constant`` [N.m/A] turns
+    motor currents into torques, and with a motor's ``resistance`` [ohm] voltages. Raises LogError
+    for a faulty or uninformative log, ScenarioError, ArgumentError, ResultFileError,
+    MissingExtraError, CompilerError.
     """
     commands = TORQUES if base == "torque" else COMMAND
     raw = _one_log(log, base, topics, columns)
@@ -176,7 +175,7 @@ def _one_log(
     topics: Mapping[str, str] | None,
     columns: Mapping[str, str] | None,
 ) -> Log:
-    """All logs as one, of a base that takes what the caller says."""
+    """Join all logs, for the kind of base that the caller names."""
     if base not in KINDS:
         raise ArgumentError(f"base = {base!r} must be one of {', '.join(KINDS)}.")
     several = log if isinstance(log, list | tuple) else (log,)
@@ -195,9 +194,9 @@ def _one_log(
 def _finished(
     found: BaseIdentification, scenario: Scenario, sure: set[str], rows: Rows, words: dict[str, str]
 ) -> BaseIdentification:
-    """The results with what is known for what was not found, and the keys that are missing.
+    """The results, completed by known values where nothing was found, and with the missing keys.
 
-    ``words``: keys to write, with words on some.
+    ``words``: keys to write, with comments on some.
     """
     samples, remarks = rows.samples, found.remarks
     vague = [key for key in undetermined(found.parameters) if key in sure]
@@ -220,7 +219,8 @@ def _finished(
 def _samples(
     raw: Log, scenario: Scenario, sure: set[str], remarks: list[str], commands: Names
 ) -> tuple[Samples, Scenario]:
-    """Way and turn, or speeds, with torques; the wheels' sizes from poses where they are not known.
+    """Samples of path length and rotation, or of speeds, with torques; and the scenario, with wheel
+    sizes from poses if they are not known.
 
     Raises LogError where something is missing.
     """
@@ -333,9 +333,9 @@ def _scenario(
     far: Sequence[float],
     remarks: list[str],
 ) -> Scenario:
-    """The scenario of the robot, whose guard is on where its numbers hold and can be met.
+    """The robot's scenario; its guard is on if the numbers for it are valid and can be met.
 
-    ``far`` (2,): each limit over the largest speed of the log.
+    ``far`` (2,): each limit divided by the largest speed of the log.
     """
     r, half_track, step = base.robot.r, base.robot.l, base.clock.plant
     values = {name: four_digits(x) for name, x in values.items()}

@@ -1,8 +1,8 @@
-"""Whether a fit of one axis explains its log, and by how much its intervals must be wider if not.
+"""Whether a fit of one axis explains its log, and by how much its intervals are widened if not.
 
-Asked are: do commands tell more of the residual; is the gain one, by speed, direction and time; is
-each number the same all along, and each delay; what stays, and is it better than a constant.  All
-are effects, in shares of the speed: they need no distribution.
+The questions are: do commands predict more of the residual; is the gain the same for all speeds,
+directions and times; is each number constant, and each delay; what remains, and is it better than a
+constant.  All are effects as shares of the speed, so that no distribution is assumed.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ Reach = Mapping[str, Pair]
 
 
 class Structure(NamedTuple):
-    """What a parameter beside the loop shows: key of the diagnosis, words, a place in `LEVELS`."""
+    """Meaning of a parameter beside the loop: key of the diagnosis, text, index in `LEVELS`."""
 
     key: str
     text: str
@@ -61,8 +61,8 @@ STRUCTURES = {name: Structure(**row) for name, row in data(__package__, "judgeme
 
 @dataclass(frozen=True)
 class Finding:
-    """What a log says of a fit: a place in `LEVELS`, a sentence, a key of the contract if any, and
-    parameters that are not one number, from least to most.
+    """Finding on a fit: index in `LEVELS`, a sentence, its key in the diagnosis if any, and the
+    range (least, most) of parameters that are not constant.
     """
 
     text: str
@@ -75,8 +75,8 @@ class Finding:
 class Judgement:
     """How well the fit of an axis (0, 1) explains its log.
 
-    ``share``: rms of what commands tell beyond it, over the speed's; ``r2``: share of the variance
-    that it explains.
+    ``share``: rms of the residual that commands predict, relative to the speed's rms; ``r2``: share
+    of the variance that it explains.
     """
 
     place: int
@@ -104,7 +104,7 @@ class Judgement:
 
     @property
     def sentence(self) -> str:
-        """One line for the table."""
+        """One line of text for the table."""
         more = f"{100 * self.share:.1f} % of its rms more" if self.share > 0.005 else "nothing more"
         told = f"{100 * self.r2:.1f} % of the variance; commands tell {more}"
         return "; ".join((
@@ -114,11 +114,11 @@ class Judgement:
 
     @property
     def plain(self) -> bool:
-        """True where a loop with nothing beside it explains the log."""
+        """True if a loop without further structures explains the log."""
         return self.explained == EXPLAINED and not any(item.key for item in self.findings)
 
     def reached(self, name: str, value: float) -> Pair:
-        """Least and largest value of a parameter, and of its own estimate."""
+        """Range of a parameter over its estimate and all findings on it."""
         ends = [item.reach[name] for item in self.findings if name in item.reach]
         return min([value, *(low for low, _ in ends)]), max([value, *(high for _, high in ends)])
 
@@ -129,7 +129,7 @@ class Judgement:
 
 
 def judged(fit: LoopFit, other: LoopFit | None, axis: int) -> Judgement:
-    """What the residual says of a fit of an axis (0, 1), beside that of the other one."""
+    """Judge the fit of an axis (0, 1) by its residual; ``other`` is the fit of the other axis."""
     inside, name = fit.log.in_fit, AXES[axis]
     variance = max(float(np.var(fit.log.speed[inside])), 1e-300)
     r2 = 1 - float(np.mean(fit.left[inside] ** 2)) / variance
@@ -154,7 +154,7 @@ def judged(fit: LoopFit, other: LoopFit | None, axis: int) -> Judgement:
 
 
 def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
-    """Structures beside the loop that the fit has, in words."""
+    """Findings on the structures beside the loop that the fit contains."""
     values, gain, top = fit.values, fit.gain, float(np.abs(fit.log.sent).max())
     said = NEUTRAL | values | {"gain": gain, "top": top}
     said |= {
@@ -172,7 +172,7 @@ def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
 
 
 def _shares(fit: LoopFit, member: str, top: float) -> list[float]:
-    """Shares of its gain that a base with a structure may have, 1 among them."""
+    """Shares of its gain that a base with a structure may have; 1 is among them."""
     value = fit.values[member]
     if member == "offset":
         return [1.0, max(1 - value / top, 0.2)]
@@ -188,7 +188,7 @@ def _shares(fit: LoopFit, member: str, top: float) -> list[float]:
 
 
 def _by_groups(fit: LoopFit, name: str) -> Iterator[Finding]:
-    """Groups of rows with another gain."""
+    """Findings on groups of rows whose gain differs."""
     for group, off, half in _group_gains(fit):
         if abs(off) > max(APART * half, LEAST_APART):
             reach = {"gain": (fit.gain * max(1 + off - half, 0.05), fit.gain * (1 + off + half))}
@@ -220,7 +220,7 @@ def _group_gains(fit: LoopFit) -> Iterator[tuple[str, float, float]]:
 
 
 def bent(fit: LoopFit) -> float:
-    """Share by which the gain may grow from the fastest motion to its double, at 95 %."""
+    """Upper 95 % bound of the gain's relative growth from the fastest motion to its double."""
     gains = {name: (off, half) for name, off, half in _group_gains(fit)}
     if not {"slow", "fast"} <= {*gains}:
         return 1.0
@@ -229,7 +229,7 @@ def bent(fit: LoopFit) -> float:
 
 
 def _over_time(fit: LoopFit, axis: int) -> Iterator[Finding]:
-    """Parameters that were not the same all along, when, and what they reached."""
+    """Findings on parameters that changed during the log: when, and over which range."""
     shown = np.diag(fit.fisher.sum(axis=0)) > 0
     whole = Fitted(fit.theta, shown, fit.gradient, fit.fisher)
     for name, change in changes(whole, fit.names, fit.log).items():
@@ -248,9 +248,9 @@ def _over_time(fit: LoopFit, axis: int) -> Iterator[Finding]:
 
 
 def _late(fit: LoopFit, name: str) -> Iterator[Finding]:
-    """Delays that differ from one change of the command to the next.
+    """Findings on delays that differ from one command change to the next.
 
-    Nothing if they differ no more than noise makes them, or there are too few.
+    None if they differ no more than by noise, or if there are too few.
     """
     log, steps = fit.log, np.diff(fit.log.sent)
     times = log.sent_t[1:][steps != 0]
@@ -276,7 +276,7 @@ def _late(fit: LoopFit, name: str) -> Iterator[Finding]:
 
 
 def _single_delays(fit: LoopFit, times: Floats) -> tuple[list[float], list[float]]:
-    """Delays less the fit's of changes at some times [s], and their variances by noise."""
+    """Deviations of single delays at times [s] from the fitted delay, with noise variances."""
     log, late = fit.log, fit.values["delay"]
     whiten, whole = whitener(fit.left, log.in_fit)
     later = foretold(log, fit.loop, [fit.values | {"delay": late + LATER}])[:, 0]

@@ -1,10 +1,10 @@
-"""The filter through which a log is read: kernels to predict and correct, and a compiled pass.
+"""The Kalman filter that reads a log: kernels to predict and correct, and a compiled pass.
 
-An extended Kalman filter on way and turn of the wheels. Its drift is the plant's own graph with the
-ground's resistance, Eqs. (1)-(6), stepped as the plant is stepped; the torque reaches it behind a
-delay and the drives' own lag. Kernels with slopes carry the derivatives of mean and covariance by
-all parameters along (forward), so that one pass gives the likelihood, its gradient and the Fisher
-information.
+An extended Kalman filter on path length and rotation of the wheels. Its drift is the plant's own
+graph with the ground's resistance, Eqs. (1)-(6), stepped as the plant is stepped; the torque acts
+after a delay and the drives' lag. Kernels with gradients propagate the derivatives of mean and
+covariance by all parameters (forward), so that one pass gives the likelihood, its gradient and the
+Fisher information.
 """
 
 import ctypes as ct
@@ -58,7 +58,7 @@ SKIPPED, COUNTED, WATCHED = range(3)
 
 
 def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
-    """Steps over a piece and over a measurement, each without slopes and with them."""
+    """Kernels for one piece and for one measurement, each without and with gradients."""
     theta, known = symbol("theta", len(NAMES)), symbol("known", len(KNOWN))
     moved, torque, force = symbol("moved", 4), symbol("torque", 2), symbol("force", 2)
     a = {name: theta.sym[i] for name, i in INDEX.items()}
@@ -101,7 +101,7 @@ def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
         return ca.densify(ca.jtimes(value, ca.vertcat(x, parameters), ca.vertcat(dx, dp)))
 
     def both(name: str, what: str, u: ca.SX, **results: tuple[ca.SX, ca.SX]) -> list[Kernel]:
-        """Kernels of a step: results alone, and beside them their derivatives."""
+        """Two kernels of a step: one for the results alone, one also for their derivatives."""
         inputs = {"u": u, "x": x, "p": parameters}
         values = {key: value for key, (value, _) in results.items()}
         alone = kernel(name, f"State after {what}.", inputs, values, prepared=True)
@@ -126,7 +126,7 @@ def symbol(name: str, size: int = 1) -> Port:
 def _rate(
     scenario: Scenario, a: dict[str, ca.SX], moved: ca.SX, torque: ca.SX, force: ca.SX
 ) -> ca.SX:
-    """Rate of (way, turn, v1, omega) by the plant's graph, on ground that resists."""
+    """Rate of (path length, rotation, v1, omega) by the plant's graph, with ground resistance."""
     robot, drag = plant(scenario, rolling=(PATH,)), resistance(scenario)
     values = {f"robot.{key}": a[key] for key in ("m", "I", "r", "l", "g", "v_s")}
     values |= {
@@ -153,7 +153,7 @@ def _rate(
 def _corrected(
     rows: ca.SX, noise: ca.SX, seen: ca.SX, mean: ca.SX, p: ca.SX
 ) -> tuple[ca.SX, tuple[ca.SX, ca.SX, ca.SX]]:
-    """State after a measurement; its residual, that one's covariance, and inverse lower root."""
+    """State after a measurement; its residual, the residual's covariance and inverse lower root."""
     count = p.shape[0]
     residual = seen - rows @ mean[:count]
     cross = p @ rows.T
@@ -166,9 +166,9 @@ def _corrected(
 
 
 def _inverse_root(s: ca.SX) -> ca.SX:
-    """R^-1 of s = R R', R lower triangular (2, 2).
+    """R^-1 for s = R R', with R lower triangular (2, 2).
 
-    Roots of reciprocals: products with reciprocals of roots would be divisions, one by one.
+    It uses roots of reciprocals: products with reciprocals of roots would become divisions.
     """
     first = ca.sqrt(1 / s[0, 0])
     below = s[1, 0] * first
@@ -179,8 +179,8 @@ def _inverse_root(s: ca.SX) -> ca.SX:
 def _told(
     residual: ca.SX, s: ca.SX, inverse: ca.SX, along: Callable[[ca.SX], ca.SX]
 ) -> tuple[ca.SX, ca.SX]:
-    """(nll, residual, z) of a measurement, and by direction its gradient and a column whose
-    products with the other directions' are the Fisher information.
+    """(nll, residual, z) of a measurement, and per direction its gradient and a column; products of
+    these columns give the Fisher information.
 
     nll: minus the log of the likelihood, less a constant; z: the residual in standard deviations.
     """
@@ -201,14 +201,14 @@ def _packed(whole: ca.SX) -> ca.SX:
 
 
 def blocks_of(t: Floats) -> NDArray[np.int64]:
-    """Block of time (N,) of each of the times (N,) [s]."""
+    """Block of time (N,) that each of the times (N,) [s] is in."""
     return np.minimum((t - t[0]) / max(t[-1] - t[0], 1e-9) * BLOCKS, BLOCKS - 1).astype(np.int64)
 
 
 @dataclass(frozen=True)
 class PassResult:
-    """Result of a pass: by block minus the log of the likelihood (B,), its gradient (B, n), Fisher
-    information (B, n, n); by measurement residuals, those in standard deviations, and means.
+    """Result of a pass: per block the negative log-likelihood (B,), its gradient (B, n) and Fisher
+    information (B, n, n); per measurement residuals, standardised residuals, and means.
     """
 
     nll: Floats
@@ -223,7 +223,7 @@ class CompiledFilter:
     """The filter of a scenario as compiled C."""
 
     def __init__(self, scenario: Scenario) -> None:
-        """Build the library, or take it from the cache.  Raises CompilerError."""
+        """Build the library, or load it from the cache.  Raises CompilerError."""
         sizes = {
             "NAMES": len(NAMES),
             "KNOWN": len(KNOWN),

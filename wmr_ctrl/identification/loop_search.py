@@ -1,7 +1,7 @@
-"""Structures beside the loop of an axis that a log may ask for, tried one by one.
+"""Structures beside an axis' loop that a log may need, tried one by one.
 
-Source: bases as people log them: ramps that differ up and down, dead bands, offsets, saturation, a
-gain by direction, by speed or from a time on, a constant push.
+Source: logs of real bases: ramps that differ up and down, dead bands, offsets, saturation, a gain
+that depends on direction, speed or time, a constant push.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -46,7 +46,7 @@ Starts = Callable[[LoopFit], Sequence[Values]]
 
 @dataclass(frozen=True)
 class Member:
-    """A structure: names that are searched, and which are not; starts from a fit."""
+    """A structure: names of searched and of fixed parameters; start values from a fit."""
 
     names: Names
     fixed: Names
@@ -54,13 +54,13 @@ class Member:
 
 
 def _sent(fit: LoopFit, quantiles: Sequence[float] | Floats) -> list[float]:
-    """Quantiles of the sizes of commands that are not 0."""
+    """Quantiles of the sizes of non-zero commands."""
     size = np.abs(fit.log.sent[fit.log.sent != 0])
     return np.unique(np.quantile(size, quantiles)).tolist() if size.size else []
 
 
 def _shares(name: str, quantiles: Sequence[float] | Floats, *shares: float) -> Starts:
-    """Starts of a parameter at shares of quantiles of the commands' sizes."""
+    """Starts of a parameter at fractions of quantiles of the commands' sizes."""
     return lambda fit: [{name: share * x} for x in _sent(fit, quantiles) for share in shares]
 
 
@@ -70,7 +70,7 @@ def _slowing(fit: LoopFit) -> Sequence[Values]:
 
 
 def _cuts(fit: LoopFit) -> Sequence[Values]:
-    """Gains before and after some times, each by least squares."""
+    """Gains before and after several candidate times, each by least squares."""
     log, y, starts = fit.log, fit.forecast, []
     for time in np.quantile(log.t[log.in_fit], np.arange(0.1, 0.91, 0.04)).tolist():
         sides = [log.in_fit & side for side in (log.t < time, log.t >= time)]
@@ -99,7 +99,7 @@ MENU: Mapping[str, Member] = {
 
 
 def axis_fit(log: AxisLog, tell: Tell, loops: Names = tuple(LOOPS)) -> LoopFit:
-    """The likeliest loop of one axis, with the structures that its log asks for."""
+    """The likeliest loop of one axis, with the structures that its log needs."""
     fit = plain = best_loop(log, tell, loops)
     for _ in range(MOST):
         better = _one_more(fit, tell) if explainable(fit) > LEAST_EXPLAINABLE else None
@@ -114,10 +114,10 @@ def axis_fit(log: AxisLog, tell: Tell, loops: Names = tuple(LOOPS)) -> LoopFit:
 
 
 def best_loop(log: AxisLog, tell: Tell, loops: Names, beside: LoopFit | None = None) -> LoopFit:
-    """The likeliest loop by the criterion of Schwarz, with a ramp where it earns one.
+    """The likeliest loop by Schwarz's criterion (BIC), with a ramp if that improves it.
 
-    A simpler one stays unless a richer one gains by more than chance and its numbers are
-    determined.  ``beside``: a fit whose members are kept.
+    A simpler loop is replaced only if a richer one gains more than by chance and its numbers are
+    determined.  ``beside``: a fit whose structures are kept.
     """
     members = () if beside is None else beside.members
     fixed = {} if beside is None else dict(beside.fixed)
@@ -154,7 +154,7 @@ def _starts(log: AxisLog, names: Names, beside: LoopFit | None) -> list[dict[str
 
 
 def _one_more(fit: LoopFit, tell: Tell) -> LoopFit | None:
-    """The likeliest fit with one member more that earns its place."""
+    """The likeliest fit with one further structure, if that improves the criterion; else None."""
     tried = []
     for key, member in MENU.items():
         ours = (*member.names, *member.fixed)
@@ -179,7 +179,7 @@ def _one_more(fit: LoopFit, tell: Tell) -> LoopFit | None:
 
 
 def _nearest(log: AxisLog, loop: str, sets: list[dict[str, float]]) -> dict[str, float]:
-    """The set of parameters whose speeds are nearest to those of the log."""
+    """The set of parameters whose predicted speeds are nearest to the log's."""
     left = foretold(log, loop, sets) - log.speed[:, None]
     return sets[int(np.argmin(np.sum(left[log.in_fit] ** 2, axis=0)))]
 
@@ -187,7 +187,7 @@ def _nearest(log: AxisLog, loop: str, sets: list[dict[str, float]]) -> dict[str,
 def _again(
     fit: LoopFit, values: Values, passes: int, plain: int = 0, more: Member | None = None
 ) -> LoopFit:
-    """A fit from other values, with one member more."""
+    """Refit from other start values, with one further structure."""
     names = tuple(dict.fromkeys((*fit.names, *(more.names if more else ()))))
     kept = {*fit.fixed, *(more.fixed if more else ())}
     fixed = {name: values[name] for name in kept}
@@ -195,7 +195,7 @@ def _again(
 
 
 def _refined(fit: LoopFit, name: str, starts: list[float]) -> LoopFit:
-    """The fit with a number that is not searched taken between the starts beside it."""
+    """Refit with a finer grid, between neighbouring starts, for a number that scoring fixes."""
     near = np.unique(starts)
     at = int(np.argmin(np.abs(near - fit.fixed[name])))
     ends = near[max(at - 1, 0)], near[min(at + 1, len(near) - 1)]

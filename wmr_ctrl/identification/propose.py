@@ -1,6 +1,6 @@
-"""A drive that shows what a log did not, inside limits and floor: tones, then random steps.
+"""Propose a drive that shows what a log did not, within limits and floor: tones, then random steps.
 
-It is sized by kinematics alone, with room for a loop that follows it badly.
+Its size follows from kinematics alone, with reserve for a loop that tracks badly.
 """
 
 import math
@@ -28,8 +28,8 @@ SMALLER, TRIALS = 0.8, 12
 class ProposedDrive:
     """Speeds (N,) over t (N,) [s], and the path (N, 3) of a base that follows them.
 
-    ``farthest`` [m] from the start and ``fastest`` [m/s, rad/s], with the largest gain that the
-    log leaves a base.
+    ``farthest`` [m] from the start and ``fastest`` [m/s, rad/s], with the largest gain that the log
+    allows for.
     """
 
     t: Floats
@@ -40,7 +40,7 @@ class ProposedDrive:
     fastest: Pair
 
     def to_csv(self) -> str:
-        """Rows of t, v, omega and the path, with what they reach above them."""
+        """CSV text: the reached extremes, then rows of t, v, omega and the path."""
         v, omega = self.fastest
         lines = [
             f"# at most {self.farthest:.3g} m from the start, {v:.3g} m/s, {omega:.3g} rad/s",
@@ -51,10 +51,10 @@ class ProposedDrive:
 
 
 def propose(result: BaseIdentification, floor: float = 4.0) -> ProposedDrive:
-    """A drive inside the scenario's limits and ``floor`` metres across, the start in its middle.
+    """A drive within the scenario's limits, on a floor ``floor`` metres across, starting in its
+    middle.
 
-    Of a base that takes velocities it is what is to be commanded.  Raises ArgumentError where no
-    drive fits.
+    For a base that takes velocities it lists commands.  Raises ArgumentError if no drive fits.
     """
     if not floor > 0:
         raise ArgumentError(f"floor = {floor:g} m must be above 0.")
@@ -86,7 +86,7 @@ def _path(t: Floats, v: Floats, omega: Floats) -> Floats:
 
 
 def _shapes(period: float) -> tuple[Floats, Floats]:
-    """Times (N,) and drives (DRAWS, N, 2) of largest size 1, at rest at both ends."""
+    """Times (N,) and random drives (DRAWS, N, 2) with maximum 1, at rest at both ends."""
     rng = np.random.default_rng(0)
     t: Floats = period * np.arange(round(SECONDS / period), dtype=np.float64)
     phase = rng.uniform(0, 2 * np.pi, (DRAWS, 1, 2, len(TONES)))

@@ -1,7 +1,7 @@
-"""Bounds that a guard may rely on by a log, and contradictions within the log.
+"""Bounds for a guard from a log, and contradictions within the log.
 
-Motion of its last third that bounds of the rest do not explain, by the guard's own monitor, and
-numbers that changed.
+Contradictions are motion in the last third that the bounds from the rest do not explain, by the
+guard's own monitor, and numbers that changed.
 """
 
 import math
@@ -53,10 +53,10 @@ def guard_bounds(
     scenario: Scenario,
     colour: float | None,
 ) -> GuardBounds:
-    """Numbers of a guard from the intervals (value, low, high) and the white fit's residuals.
+    """The guard's numbers from the intervals (value, low, high) and the white fit's residuals.
 
-    dbar is q max(3, max |z|) per axis: q the rms force noise of the white fit, z the residuals in
-    standard deviations.  ``colour``: time constant of the coloured push [s], where there is one.
+    dbar is q max(3, max |z|) per axis: q the rms force noise of the white fit, z the standardised
+    residuals.  ``colour``: time constant of the coloured push [s], if there is one.
     """
     log = white.problem.log
     q = np.exp(white.theta[[INDEX["q1"], INDEX["q2"]]])
@@ -94,7 +94,7 @@ def guard_bounds(
 
 
 def tolerance_sentence(white: Fit, colour: float | None) -> str:
-    """Sentence about dbar: a share of blocks of time, or only that it was the largest seen."""
+    """Sentence on dbar: a tolerance bound for blocks of time, or only the largest value seen."""
     log = white.problem.log
     length = max(1.0, BLOCK_TIMES * (colour or 0.0))
     count = int((log.t[-1] - log.t[0]) / length)
@@ -113,9 +113,9 @@ def tolerance_sentence(white: Fit, colour: float | None) -> str:
 
 
 def usable_speeds(scenario: Scenario) -> Pair | None:
-    """Usable speed of v1 with the guard's numbers, and what one more newton of dbar costs [m/s].
+    """Usable speed of v1 with the guard's numbers, and its loss per further newton of dbar [m/s].
 
-    None where the guard refuses them.
+    None if the guard refuses the numbers.
     """
     try:
         numbers = settle(scenario, None).guard
@@ -127,8 +127,8 @@ def usable_speeds(scenario: Scenario) -> Pair | None:
 
 
 def held_out(white: Fit, fit: Fit, scenario: Scenario, colour: float | None) -> tuple[Fit, Texts]:
-    """The white fit of a log's first two thirds, what of its last is against their bounds, and
-    what was not the same all along.
+    """The white fit of the first two thirds, and sentences on contradictions: motion of the last
+    third beyond these bounds, and numbers that changed.
 
     ``white`` and ``fit`` are of the whole log; ``scenario`` has its clock.
     """
@@ -142,7 +142,7 @@ def held_out(white: Fit, fit: Fit, scenario: Scenario, colour: float | None) -> 
 
 
 def changed(fit: Fit) -> Iterator[str]:
-    """Sentences on a mass, an inertia or a delay that was another in a part of the log."""
+    """Sentences on a mass, an inertia or a delay that changed during the log."""
     fitted = Fitted(fit.theta, fit.inside, fit.last.gradient, fit.last.fisher)
     for name, change in changes(fitted, NAMES, fit.problem.log).items():
         if name not in CONSTANT:
@@ -158,9 +158,9 @@ def changed(fit: Fit) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Unexplained:
-    """Motion that bounds do not explain: of an axis (0, 1), seen at ``t`` over ``window`` [s].
+    """Motion that the bounds do not explain: axis (0, 1), end ``t`` and length ``window`` [s].
 
-    ``push`` [N, N m] is what dbar would have to be at least.
+    ``push`` [N, N m] is the smallest dbar that would explain it.
     """
 
     axis: int
@@ -181,12 +181,12 @@ class Unexplained:
 def contradictions(
     white: Fit, bounds: GuardBounds, begin: float = -np.inf
 ) -> tuple[Unexplained, ...]:
-    """Per axis the largest motion from ``begin`` [s] on that these bounds do not explain, if any.
+    """Per axis the largest motion after ``begin`` [s] that these bounds do not explain, if any.
 
-    The guard's monitor (`guard.monitor.least_push`) over windows in the place of its period: mean
-    velocities of neighbouring halves, and those that the commands alone would have given a mass of
-    1 without friction, for delays and lags in their intervals.  Friction explains no gain while
-    an axis goes one way.
+    The guard's monitor (`guard.monitor.least_push`) runs over windows instead of its period: it
+    gets mean velocities of neighbouring halves, and those that commands alone would give to a mass
+    of 1 without friction, for all delays and lags in their intervals.  Friction explains no gain in
+    speed while an axis keeps its direction.
     """
     log, largest = white.problem.log.until(np.inf, begin), []
     forced = list(_unit_motions(white, bounds, log))
@@ -199,7 +199,7 @@ def contradictions(
 
 
 def explaining(white: Fit, bounds: GuardBounds) -> GuardBounds:
-    """The bounds, with dbar as large as the guard's monitor needs it to be over the whole log."""
+    """The bounds, with dbar enlarged such that the guard's monitor accepts the whole log."""
     dbar = list(bounds.dbar)
     for item in contradictions(white, bounds):
         dbar[item.axis] = four_digits(item.push * (1 + 1e-9), up=True)
@@ -207,9 +207,10 @@ def explaining(white: Fit, bounds: GuardBounds) -> GuardBounds:
 
 
 def _unit_motions(white: Fit, bounds: GuardBounds, log: Samples) -> Iterator[Floats]:
-    """Ways and speeds (N, 4) of a mass and inertia of 1 without friction, under the commands alone.
+    """Paths and speeds (N, 4) of mass and inertia 1 without friction, driven by the commands alone.
 
-    What they gain is the force that acted, by the filter's own graph, for a delay and a lag each.
+    Their gain in speed is the force that acted, by the filter's own graph, for one delay and lag
+    each.
     """
     free = dict.fromkeys(("m", "I", "Fc", "Fv", "c", "Mv"), 0.0)
     lags = max(bounds.lag[0], LAG_LEAST), max(bounds.lag[1], LAG_LEAST)
@@ -223,10 +224,10 @@ def _unit_motions(white: Fit, bounds: GuardBounds, log: Samples) -> Iterator[Flo
 def _pushes(
     log: Samples, span: float, axis: int, bounds: GuardBounds, forced: Sequence[Floats]
 ) -> Floats:
-    """Ends, lengths [s] and least pushes (3, K) of windows in which an axis goes one way.
+    """Ends, lengths [s] and least pushes (3, K) of windows in which an axis keeps its direction.
 
-    A window is two halves of ``span`` [s] each; measured speeds are taken over one such half.  The
-    push grows or falls with the force that acted all along, so the ends of these have the least.
+    A window is two halves of ``span`` [s] each; measured speeds are means over half a window.  The
+    push is monotonic in the force that acted, so the least push is at an end of the forces' range.
     """
     n = max(1, round(span / float(np.median(np.diff(log.t)))))
     reach = n if log.of_speed else 2 * n

@@ -1,4 +1,4 @@
-"""What the commands of a log tell of a fit's residual: nothing, where the model is right."""
+"""Test of a fit: do the log's commands predict its residual?  Not if the model is right."""
 
 import math
 
@@ -16,7 +16,7 @@ CUTS = (0.2, 0.35, 0.5, 0.65, 0.8)
 
 
 def explainable(fit: LoopFit) -> float:
-    """Share of a residual's squares that functions of command, speed and time explain, at most."""
+    """Upper estimate of the share of a residual's squares that command, speed and time explain."""
     log, y = fit.log, fit.forecast
     later = np.where(log.t[:, None] >= np.quantile(log.t[log.in_fit], CUTS), y[:, None], 0.0)
     x = np.column_stack((_columns(fit, None), later, np.ones(len(y))))[log.in_fit]
@@ -29,7 +29,7 @@ def explainable(fit: LoopFit) -> float:
 
 
 def told(fit: LoopFit, other: Floats | None = None) -> float:
-    """Rms of what commands foretell of the residual of parts of the log left out, over the speed's.
+    """Cross-validated rms of the residual that commands predict, relative to the speed's rms.
 
     ``other`` (N,): the other axis' speed.
     """

@@ -66,7 +66,7 @@ AT_ONCE = 16
 
 @cache
 def _follower(loop: str) -> ct._NamedFuncPointer:
-    """Compiled steps of (ramped, v, second state), for many sets of parameters."""
+    """Compiled steps of (ramped command, v, second state) for many sets of parameters."""
     w, v, inner, p = symbol("w"), symbol("v"), symbol("inner"), symbol("p", 2)
     first, second = p.sym[0], p.sym[1]
     a, b, error = 2 * second * first, first**2, w.sym - v.sym
@@ -106,10 +106,10 @@ def _follower(loop: str) -> ct._NamedFuncPointer:
 
 
 def foretold(log: AxisLog, loop: str, many: Sequence[Mapping[str, float]]) -> Floats:
-    """Speeds (N, P) that follow from the commands alone, for P sets of parameters.
+    """Speeds (N, P) predicted from the commands alone, for P sets of parameters.
 
-    A parameter that is not in a set changes nothing.  Each stretch begins at rest, some time before
-    its first row.
+    A parameter missing from a set has no effect.  Each stretch starts at rest, some time before its
+    first row.
     """
     if len(many) > AT_ONCE:
         parts = (many[k : k + AT_ONCE] for k in range(0, len(many), AT_ONCE))
@@ -139,7 +139,7 @@ class LoopFit:
     """A fit of one loop: its parameters as searched by ``names``, and its residuals.
 
     ``gradient`` (B, n) and ``fisher`` (B, n, n) of minus the log of the likelihood, by blocks of
-    time; ``left`` (N,): speed less what was foretold; ``fixed``: numbers that were not searched.
+    time; ``left`` (N,): speed less the predicted speed; ``fixed``: numbers that were not searched.
     """
 
     log: AxisLog
@@ -154,13 +154,13 @@ class LoopFit:
 
     @property
     def bic(self) -> float:
-        """The criterion of Schwarz."""
+        """Schwarz's criterion (BIC)."""
         count = len(self.theta) + len(self.fixed)
         return 2 * self.nll + count * math.log(max(int(self.log.in_fit.sum()), 2))
 
     @property
     def squares(self) -> float:
-        """Sum of the squares of what is left over."""
+        """Sum of the squared residuals."""
         return float(np.sum(self.left[self.log.in_fit] ** 2))
 
     @property
@@ -175,45 +175,45 @@ class LoopFit:
 
     @property
     def vague(self) -> bool:
-        """True where a number of the loop or its limit is hardly determined: there are too many."""
+        """True if a number of the loop is hardly determined: there are too many numbers."""
         half = self.half_widths()
         vague = (half[name] > MOST_VAGUE for name in self.names if name not in LINEAR)
         return self.too_steep or any(vague)
 
     @property
     def too_steep(self) -> bool:
-        """True where the largest step of the command passes the ramp within a row."""
+        """True if the largest step of the command passes the ramp within one row."""
         return bool(self.values.get("accel", 0.0) * self.log.period > np.ptp(self.log.sent))
 
     @property
     def members(self) -> Names:
-        """Parameters that are searched beside those of the loop."""
+        """Searched parameters that are not those of the loop."""
         return tuple(name for name in self.names if name not in LOOPS[self.loop])
 
     @property
     def forecast(self) -> Floats:
-        """Speed (N,) that follows from the commands."""
+        """Speed (N,) predicted from the commands."""
         return np.asarray(self.log.speed - self.left)
 
     @property
     def fastest(self) -> float:
-        """Largest speed that the log shows and the fit explains, but for a hundredth of rows."""
+        """Largest speed that the log shows and the fit explains, less the fastest hundredth."""
         return float(np.quantile(np.abs(self.forecast[self.log.in_fit]), 0.99))
 
     @property
     def steepest(self) -> float:
-        """Steepest motion that follows from the commands [m/s2, rad/s2], beyond a fiftieth."""
+        """Steepest motion predicted from the commands [m/s2, rad/s2], less the top fiftieth."""
         rates = np.abs(np.diff(self.forecast)) / np.diff(self.log.t)
         return max(float(np.quantile(rates, 0.98)), 0.02)
 
     def at_end(self, name: str) -> bool:
-        """True where a parameter ended at an end of its range: that is no result."""
+        """True if a parameter ended at a bound of its range, and so is no result."""
         low, high = RANGES.get(name, (-math.inf, math.inf))
         value = self.values.get(name, 1.0)
         return value > NEAR_END * high or (name not in LINEAR and value * NEAR_END < low)
 
     def deviation(self) -> Floats:
-        """Speed less its forecast (N,), averaged over SMOOTHED; 0 where nothing counts."""
+        """Measured minus predicted speed (N,), averaged over SMOOTHED; 0 at unused rows."""
         wide = max(round(SMOOTHED / self.log.period), 1)
         left = np.where(self.log.in_fit, self.left, 0.0)
         return np.convolve(left, np.ones(wide) / wide, "same")
@@ -232,7 +232,7 @@ class LoopFit:
 
     @property
     def alone(self) -> Mask:
-        """Parameters (n,) of which one block of time has more than `ALONE` of the information."""
+        """Mask (n,) of parameters of whose information one block of time has more than `ALONE`."""
         blocks = np.diagonal(self.fisher, axis1=1, axis2=2)
         return np.asarray(blocks.max(axis=0) > ALONE * np.maximum(blocks.sum(axis=0), 1e-300))
 
@@ -247,7 +247,7 @@ def values_of(names: Names, theta: Floats) -> dict[str, float]:
 
 
 def searched(values: Mapping[str, float], names: Names) -> Floats:
-    """Parameters as they are searched."""
+    """Parameters in the scaling of the search."""
     return np.array([values[n] if n in LINEAR else math.log(values[n]) for n in names])
 
 
@@ -259,7 +259,7 @@ def _bounded(names: Names, theta: Floats) -> Floats:
 def whitener(
     left: Floats, in_fit: Mask, order: int = ORDER
 ) -> tuple[Callable[[Floats], Floats], Mask]:
-    """Filter that whitens residuals, and which samples it is whole for."""
+    """Filter that whitens residuals, and the mask of samples for which its window is complete."""
     if not order:
         return lambda x: x, in_fit
     behind = np.column_stack([np.roll(left, k) for k in range(1, order + 1)])
@@ -275,7 +275,7 @@ def whitener(
 
 
 def finest(log: AxisLog) -> float:
-    """Least noise of an axis [m/s or rad/s]: no model is truer."""
+    """Smallest noise assumed on an axis [m/s or rad/s], since no model is exact."""
     return FINEST * max(float(np.std(log.speed)), 1e-9)
 
 
@@ -283,10 +283,10 @@ def fitted(
     log: AxisLog, loop: str, names: Names, theta: Floats, passes: int, plain: int = 0,
     fixed: Mapping[str, float] | None = None,
 ) -> LoopFit:  # fmt: skip
-    """Scoring from ``theta``, damped until each step lowers minus the log-likelihood.
+    """Fisher scoring from ``theta``, damped until each step lowers the negative log-likelihood.
 
-    The first ``plain`` passes are least squares of what is left itself, which lead from farther;
-    the whole fit is one if all passes are.  ``fixed``: numbers that are not searched.
+    The first ``plain`` passes are least squares on unwhitened residuals, which converge from
+    farther away; if all passes are, so is the fit.  ``fixed``: numbers that are not searched.
     """
     damping, done, fixed = 1e-3, False, dict(fixed or {})
     block = blocks_of(log.t)
@@ -337,5 +337,5 @@ def fitted(
 
 
 def forecast(fit: LoopFit, log: AxisLog) -> Floats:
-    """Speeds (N,) that a fit foretells on another log, from its commands alone."""
+    """Speeds (N,) that a fit predicts for another log, from its commands alone."""
     return foretold(log, fit.loop, [fit.values])[:, 0]

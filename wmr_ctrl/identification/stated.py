@@ -1,4 +1,4 @@
-"""What a user states beside a log, and limits from the log where nobody states any."""
+"""Values that a user states beside a log, and limits from the log if nobody states them."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -39,9 +39,9 @@ NOT_SHOWN = "the log does not show that it holds up to limits.v_u1"
 def believed(
     raw: Log, known: str | Path | Scenario | None, overrides: Mapping[str, object]
 ) -> tuple[Scenario, set[str], Origin]:
-    """The scenario with the known numbers, the keys that it states, and what it extends.
+    """The scenario with the known numbers, the keys that it states, and its base scenario.
 
-    Those of `STAND_IN` are assumed where nobody states them.
+    Values of `STAND_IN` are assumed where nobody states them.
     """
     given, origin = known if known is not None else raw.base, Origin()
     stated = set(overrides)
@@ -66,9 +66,9 @@ def believed(
 def with_limits(
     scenario: Scenario, sure: set[str], samples: Samples, base: str, remarks: list[str]
 ) -> tuple[Scenario, dict[str, str]]:
-    """The scenario whose limits are those of the log, where nobody stated any.
+    """The scenario with limits from the log where nobody stated any, and the keys to write.
 
-    Also the keys to write, with words on some.
+    Some keys come with a comment.
     """
     high, low, shown = list(scenario.limits.v_u1), list(scenario.limits.v_u2), []
     limits: dict[str, object] = {}
@@ -114,9 +114,9 @@ def within_reach(scenario: Scenario, far: Sequence[float], remarks: list[str]) -
 
 
 def written(scenario: Scenario) -> Scenario:
-    """The scenario without what nobody stated and nothing depends on.
+    """The scenario without unstated values on which nothing depends.
 
-    What has its default need not be called assumed: it is left out.
+    A value equal to its default need not be listed as assumed, so it is omitted.
     """
     robot = {key.partition(".")[2] for key in scenario.assumed if key.startswith("robot.")}
     placeholders = {k: v for k, v in vars(default(Robot)).items() if k in robot}
@@ -135,13 +135,13 @@ def written(scenario: Scenario) -> Scenario:
 
 
 def undetermined(parameters: Mapping[str, Estimate]) -> list[str]:
-    """Keys of the robot's mass and inertia where a log was read for them and does not show them."""
+    """Keys of the robot's mass and inertia that were fitted but are not determined."""
     fitted = {"robot.m": parameters.get("m"), "robot.I": parameters.get("I")}
     return [key for key, item in fitted.items() if item and item.verdict == UNDETERMINED]
 
 
 def not_found(sure: set[str], samples: Samples, parameters: Mapping[str, Estimate]) -> Names:
-    """Keys that a scenario must state, and that neither the log shows nor anybody states."""
+    """Keys that a scenario must state, but that neither the log shows nor anybody states."""
     still = [f"{LIMITS}[{axis}]" for axis in (1, 2) if held_speeds(samples)[axis - 1] <= LEAST_SEEN]
     missing = [key for key in undetermined(parameters) if key not in sure]
     if LIMITS not in sure and not sure.issuperset(still):
@@ -150,5 +150,5 @@ def not_found(sure: set[str], samples: Samples, parameters: Mapping[str, Estimat
 
 
 def rounded_down(value: float) -> float:
-    """A value above 0 with two digits, never more than it is."""
+    """A positive value rounded down to two digits."""
     return float(rounded(value, 2, up=False))

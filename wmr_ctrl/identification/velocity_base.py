@@ -46,7 +46,7 @@ UNFOUNDED = ("filter.gain", "filter.d", "filter.kp", "filter.push")
 class VelocityIdentification(BaseIdentification):
     """Results for a base that takes velocities.
 
-    ``fits``: of v and omega, if driven; ``trained``: those to the first two thirds only.
+    ``fits``: those of v and omega, if driven; ``trained``: fits to the first two thirds only.
     """
 
     bounds: FilterBounds
@@ -67,7 +67,7 @@ class VelocityIdentification(BaseIdentification):
 def of_velocities(
     name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Tell
 ) -> VelocityIdentification:
-    """The base of a log; raises LogError where it determines nothing."""
+    """Identify the base of a log; raises LogError if the log determines nothing."""
     axes = [axis_log(log, axis) for axis in (0, 1)]
     driven = [bool(np.std(axis.sent) > LEAST_DRIVEN) for axis in axes]
     if not any(driven):
@@ -100,13 +100,13 @@ def of_velocities(
 
 
 def trained_on(fit: LoopFit, cut: float) -> LoopFit:
-    """The fit to what came before a time [s]."""
+    """Refit the part of the log before a time [s]."""
     log, fixed = fit.log.until(cut), dict(fit.fixed)
     return fitted(log, fit.loop, fit.names, fit.theta, TRAINED, fixed=fixed)
 
 
 def same_loop(axes: list[AxisLog], driven: list[bool], tell: Tell) -> Fits:
-    """Fits of both axes by one kind of loop: where they differ the one likelier for both."""
+    """Fits of both axes with one kind of loop: if their kinds differ, the likelier one for both."""
     first, second = (
         axis_fit(axis, tell) if moves else None for axis, moves in zip(axes, driven, strict=True)
     )
@@ -126,7 +126,7 @@ def _scenario(
     estimates: Mapping[str, Estimate],
     remarks: list[str],
 ) -> tuple[FilterBounds, Scenario]:
-    """The scenario of the base, whose filter is on where its numbers can be met."""
+    """The base's scenario; its filter is on if its numbers can be met."""
     fits = {item.place: item.fit for item in judgements}
     held, limits, far, d = held_speeds(log), base.limits.v_u1, [0.0, 0.0], [0.0, 0.0]
     for place, fit in fits.items():
@@ -189,7 +189,7 @@ def _filtered(
     far: Sequence[float],
     remarks: list[str],
 ) -> Scenario:
-    """The scenario with its filter on, if it is accepted; bounds beyond the log are assumed."""
+    """The scenario with its filter on, if accepted; bounds beyond the log are assumed."""
     off = replace(result, assumed=(*result.assumed, *UNFOUNDED))
     stated = override(result, {"filter.kind": "clip"})
     try:
@@ -210,7 +210,7 @@ def _filtered(
 
 
 def _deviation(fit: LoopFit) -> float:
-    """Largest deviation of the speed from what its command explains [m/s, rad/s]."""
+    """Largest difference between the speed and what its command explains [m/s, rad/s]."""
     return float(np.abs(fit.deviation()).max()) + abs(fit.values.get("bias", 0.0))
 
 
@@ -220,7 +220,7 @@ def _against(
     estimates: Mapping[str, Estimate],
     far: Sequence[float],
 ) -> str:
-    """Why no filter may rest on the log: what it does not show or explain; empty if nothing."""
+    """Reason why a filter cannot be based on the log; "" if there is none."""
     if len(judgements) < 2:
         return f"{COMMAND[1 - judgements[0].place]} never changed. Drive both axes."
     for item in judgements:
@@ -255,7 +255,7 @@ def _against(
 def _never_sent(
     stated: Scenario, judgements: Sequence[Judgement], peaks: Sequence[PeakGain]
 ) -> list[str]:
-    """Remarks on axes and directions in which no command was near the largest that a clip sends."""
+    """Remarks on axes and directions whose commands stayed far below a clip's largest."""
     remarks = []
     for item, limit, peak in zip(judgements, stated.limits.v_u1, peaks, strict=True):
         most = (limit - peak.push) / peak.gain
@@ -271,7 +271,7 @@ def _never_sent(
 
 
 def _hulls(estimates: Mapping[str, Estimate]) -> dict[str, Pair]:
-    """Intervals of each kind of parameter that hold those of both axes."""
+    """Smallest intervals, per kind of parameter, that contain both axes' intervals."""
     hulls: dict[str, Pair] = {}
     for key, item in estimates.items():
         low, high = hulls.get(key[:-1], (math.inf, -math.inf))
@@ -287,7 +287,7 @@ def _of_relaxing(
     d: Sequence[float],
     remarks: list[str],
 ) -> Scenario:
-    """A first-order loop for runs, of the same mean lag where the identified one is of second."""
+    """A first-order loop to simulate; for a second-order one, a loop with the same mean lag."""
     if loop == "first-order":
         tau = [item["tau"] for item in values]
         counted: dict[str, object] = {"filter.tau": list(hull["tau"])}
@@ -315,7 +315,7 @@ def _of_pi(
     d: Sequence[float],
     remarks: list[str],
 ) -> Scenario:
-    """A PI loop of both wheels: kp and ki on robot.m, and the inertia that turns as was seen."""
+    """A PI loop of both wheels: kp and ki that act on robot.m, and the measured inertia."""
     m, l = scenario.robot.m, scenario.robot.l
     remarks.append(
         f"kp and ki go with robot.m = {m:g} kg as it was given: a log of velocities "

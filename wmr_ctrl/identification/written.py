@@ -22,9 +22,9 @@ DIGITS = 4
 
 
 def toml_of(result: BaseIdentification, folder: Path | None = None) -> str:
-    """The scenario without what is missing, or what the file that it extends states as well.
+    """TOML text of the scenario, without missing keys and without values that its base file states.
 
-    ``folder``: of the file, to which the path of the other one is relative; absolute without it.
+    ``folder``: where the file will be, for the relative path of the base file; absolute if None.
     """
     assumed = [key for key in result.scenario.assumed if key not in result.missing]
     ours = (key for key, names in result.places.items() if {*names} & {*result.parameters})
@@ -85,15 +85,15 @@ def _at(raw: Mapping[str, object], key: str) -> object:
 
 
 def values_in(raw: Mapping[str, object], source: Mapping[str, object]) -> dict[str, object]:
-    """What ``source`` states, as ``raw`` has it, by key."""
+    """The values in ``raw`` of all keys that ``source`` states, by key."""
     return {key: _at(raw, key) for key in stated_in(source)}
 
 
 def four_digits(value: float, up: bool | None = None) -> float:
-    """A number with four digits: the nearest, or none that is below it, or above it."""
+    """A number rounded to four digits: to the nearest, or up, or down."""
     return float(f"{value:.{DIGITS}g}" if up is None else rounded(value, DIGITS, up))
 
 
 def outward(low: float, high: float) -> tuple[float, float]:
-    """An interval with four digits, narrower by no more than roundings."""
+    """An interval with its ends rounded to four digits, outwards except for rounding errors."""
     return four_digits(low, up=False), four_digits(high, up=True)

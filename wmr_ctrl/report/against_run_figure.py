@@ -1,4 +1,4 @@
-"""Figure of linear loops against runs: both answers from one start, and the deviation by size."""
+"""Figure of linear loops compared with runs: responses from one start, and deviation by size."""
 
 from pathlib import Path
 
@@ -25,7 +25,7 @@ GONE = 0.02
 
 
 def draw_against_run(found: AgainstRun, path: Path) -> Path:
-    """Write the figure to ``path``; raises ResultFileError where it cannot be."""
+    """Write the figure to ``path``; raises ResultFileError if that is impossible."""
     target = target_of(path, PICTURES, f"a figure is drawn as {', '.join(PICTURES)}")
     with house_style():
         figure = Figure((9.0, 5.4), layout="constrained")
@@ -62,7 +62,7 @@ def draw_against_run(found: AgainstRun, path: Path) -> Path:
 
 
 def _until(law: LawAgainstRun, way: str, place: int) -> float:
-    """Time [s] from which on a law's answer is gone."""
+    """Time [s] after which a law's response has decayed."""
     item = law.directions[way]
     there = np.flatnonzero(np.abs(item.run[:, place]) > GONE * item.shown)
     return law.period * float(there.max(initial=0) + 1)

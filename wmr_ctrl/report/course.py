@@ -1,4 +1,4 @@
-"""Parts of a run's map besides the path: waypoints, goal, places kept out, the robot's size, tube.
+"""Parts of a run's map besides the path: waypoints, goal, obstacles, the robot's size, tube.
 
 The tube is the certified corridor of the run's scenario and law, as a band about the path.
 """
@@ -26,7 +26,7 @@ MOST_WAYPOINTS = 60
 
 @dataclass(frozen=True)
 class Course:
-    """Waypoints and goal [m], shapes that are kept out, half the robot's track [m] where known."""
+    """Waypoints and goal [m], obstacles, and half the robot's track [m], if known."""
 
     waypoints: tuple[tuple[float, float], ...] = ()
     goal: tuple[float, float] | None = None
@@ -34,7 +34,7 @@ class Course:
     half_track: float | None = None
 
     def draw(self, axes: Axes) -> list[str]:
-        """Draw it on a map; returns the explanation of its marks."""
+        """Draw it on a map; returns the legend of its marks."""
         marks = []
         if self.waypoints:
             axes.plot(*np.array(self.waypoints).T, "s", mfc="none", mec=INK, ms=6, mew=0.8,
@@ -49,7 +49,7 @@ class Course:
 
 
 def course_of(run: Run) -> Course:
-    """The course of a run, as far as the run knows its scenario."""
+    """The course of a run, as far as its scenario is known."""
     scenario, goal = scenario_of_run(run), None
     if run.settings.arrival is not None and run.settings.arrival <= run.time[-1]:
         goal = float(run["x_d"][-1]), float(run["y_d"][-1])
@@ -63,7 +63,7 @@ def course_of(run: Run) -> Course:
 
 
 def _obstacle(shape: Shape) -> Patch:
-    """A polygon or circle that is kept out, hatched."""
+    """An obstacle, a polygon or circle, hatched."""
     if isinstance(shape[0], tuple):
         patch: Patch = Polygon(np.array(shape))
     else:
@@ -79,17 +79,16 @@ FAINT = 0.25
 def course_of_tube(run: Run) -> Floats | None:
     """Certified distance [m] and heading [rad] (2, rows) over the run's time; None without.
 
-    None on the rigid body and on somebody else's plant too: the certificate is about the plane
-    model.
+    None also for the rigid body and foreign plants: the certificate is about the plane model.
     """
     return course_behind(run) if is_covered(run) else None
 
 
 def course_behind(run: Run) -> Floats | None:
-    """The same, whichever plant the run had; nan from where on nothing is certified.
+    """Certified distance and heading for any plant of the run; nan where nothing is certified.
 
-    Where one corridor does not hold for all of the run, as past a change of the robot, each sample
-    has its own, that of the whole run.
+    If one corridor is not valid for the whole run, for example after a change of the robot, each
+    sample has its own, that of the whole run.
     """
     scenario = scenario_of_run(run)
     if scenario is None or run.law not in LAWS:
@@ -104,9 +103,9 @@ def course_behind(run: Run) -> Floats | None:
 
 
 def band(path: Floats, width: Floats) -> Floats:
-    """Corners (2, 2m) of the band within ``width`` [m] (n) of a path (2, n), as far as that is one.
+    """Corners (2, 2m) of the band within ``width`` [m] (n) of a path (2, n), up to its first nan.
 
-    Where the path stands still, its widest counts.
+    Where the path does not move, its largest width is used.
     """
     held = np.isfinite(width)
     path, width = path[:, held], width[held]

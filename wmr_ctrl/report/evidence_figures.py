@@ -1,4 +1,4 @@
-"""Figures past Fig. 3 and Fig. 5: what one ISE cannot show, and where the guarantee ends."""
+"""Figures beyond Fig. 3 and Fig. 5: effects that one ISE hides, and limits of the guarantee."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -194,7 +194,7 @@ _CEILING = 2.0
 
 @dataclass(frozen=True)
 class _StressCase:
-    """A scenario, the title of its axes, how long it is shown [s], and whether e1 is."""
+    """A scenario, the title of its axes, the time shown [s], and whether e1 is shown."""
 
     scenario: str
     title: str
@@ -202,7 +202,7 @@ class _StressCase:
     error: bool = False
 
     def values(self, run: Run) -> Floats:
-        """The share of the limit in use, or e1 [m]."""
+        """The used share of the limit, or e1 [m]."""
         return run["e[1]"] if self.error else 1.0 - run["margin"]
 
 

@@ -1,4 +1,4 @@
-"""A robot as a log shows it: a picture, and one page of HTML."""
+"""Identification results: a picture, and one page of HTML."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def write_identification(
     plot: AnyPath | None = None,
     drive: ProposedDrive | None = None,
 ) -> None:
-    """Write one page of HTML that needs nothing but itself, or the picture in it, or both.
+    """Write one self-contained page of HTML, or the picture in it, or both.
 
-    Speeds as measured and predicted, residuals with dbar or d, and intervals; on the page a
-    ``drive`` that was proposed, too.  Each file whole or not at all.  Raises ResultFileError for
-    another suffix or where a file cannot be written.
+    Speeds as measured and predicted, residuals with dbar or d, and intervals; on the page also a
+    proposed ``drive``.  Files are written atomically.  Raises ResultFileError for another suffix or
+    if a file cannot be written.
     """
     targets = drawing.picture_targets(plot, "an identification is drawn")
     traces = result.traces()
@@ -60,7 +60,7 @@ def write_identification(
 
 
 def drawing_of(result: BaseIdentification, traces: Traces) -> drawing.Drawing:
-    """The picture."""
+    """The picture of an identification."""
     return drawing.Drawing("fit", (8.3, 9.4), partial(_draw, result=result, traces=traces))
 
 
@@ -88,7 +88,7 @@ def _speeds(part: SubFigure, result: BaseIdentification, traces: Traces, axis: i
 
 
 def _residuals(part: SubFigure, result: BaseIdentification, traces: Traces, axis: int) -> None:
-    """Residuals, with the bound that is made of them."""
+    """Residuals, with the bound derived from them."""
     speed, speed_unit, force, force_unit = _AXES[axis]
     forces = result.bounds.section == "guard"
     bound, what = ("dbar", "residual") if forces else ("d", f"off in {speed}")
@@ -105,7 +105,7 @@ def _residuals(part: SubFigure, result: BaseIdentification, traces: Traces, axis
 
 
 def _intervals(part: SubFigure, result: BaseIdentification) -> None:
-    """Half-widths over what the verdicts compare them with, on a logarithmic scale."""
+    """Half-widths relative to the sizes of the verdicts, on a logarithmic scale."""
     items = {k: v for k, v in result.parameters.items() if np.isfinite(v.value)}
     drawing.heading(part, "Half-width of the interval [%]; dashed: 10 and 30 %", below=0.22)
     axes = drawing.one_axes(part, drawing.Padding(left=0.62, right=0.18, bottom=0.42, top=0.34))

@@ -103,14 +103,14 @@ def _sample_time(report: LinearReport, panels: Panels) -> None:
 
 
 def _stable(period: float) -> str:
-    """Up to which control period [s] the loop is stable, in words."""
+    """Text on the control periods [s] for which the loop is stable."""
     if not np.isfinite(period):
         return "stable for any period"
     return f"stable up to {shown(1e3 * period)} ms" if period > 0 else "stable for no period"
 
 
 def _curves(report: LinearReport, axis: int) -> Iterator[tuple[str, str, Floats, Floats]]:
-    """Name, colour, frequencies [rad/s] and values of the loop cut at a force, as there are.
+    """Curves of the loop cut at a force: name, colour, frequencies [rad/s] and values.
 
     Continuous, unless something is late, and sampled with the scenario's clock up to half its rate.
     """
@@ -144,7 +144,7 @@ def _bode(report: LinearReport, panels: Panels) -> None:
 
 
 def _note_margins(axes: Axes, report: LinearReport, axis: int) -> None:
-    """The margins of the sampled loop, in words."""
+    """Text on the margins of the sampled loop."""
     item = report.sampled_margins[axis]
     if item is None:
         text = "sampled: unstable"

@@ -1,4 +1,4 @@
-"""The paper's claims: their tests, and the verdicts by one rule for every claim."""
+"""The paper's claims: their tests, and verdicts by one rule for every claim."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,9 +12,9 @@ from .style import ABSENT, shown
 
 
 class Verdict(StrEnum):
-    """Verdict on a claim; the value is the phrase that files and pages show.
+    """Verdict on a claim; the value is the phrase in files and pages.
 
-    The last three are about a law that only stands in for the paper's.
+    The last three are about a law that replaces one of the paper's.
     """
 
     HOLDS = "HOLDS"
@@ -46,9 +46,9 @@ RULE = (
 class TestSpec:
     """One number of the runs, and the bound that it must keep in every seed.
 
-    The worst of all pairs of ``scenarios`` and ``laws`` counts.  Without ``at_least`` and
-    ``at_most`` the number is reported and decides nothing.  ``over``: ``figure``, ``scenario`` or
-    ``law`` of the number that it is divided by, where not the test's own.  ``unit`` is for readers.
+    The worst of all pairs of ``scenarios`` and ``laws`` is used. Without ``at_least`` and
+    ``at_most`` the number is only reported. ``over``: ``figure``, ``scenario`` or ``law`` of the
+    divisor, if it differs from the test's own. ``unit`` is for readers.
     """
 
     __test__ = False  # not a test of pytest's
@@ -70,12 +70,12 @@ class TestSpec:
 
     @property
     def stand_in(self) -> bool:
-        """True if the number is of the law that stands in for reference [32]."""
+        """True if the number belongs to the law that replaces reference [32]."""
         return STAND_IN_LAW in (*self.laws, (self.over or {}).get("law"))
 
     @property
     def bound(self) -> str:
-        """The bound as readers write it, empty if there is none."""
+        """The bound as text for readers, empty if there is none."""
         for sign, bound in (("≥", self.at_least), ("≤", self.at_most)):
             if bound is not None:
                 text = f"{self.scale * bound:g}" if bound >= 1e-3 else shown(self.scale * bound, 1)
@@ -84,17 +84,17 @@ class TestSpec:
 
     @property
     def scale(self) -> float:
-        """Factor of a number for readers: lengths are in mm."""
+        """Factor from SI to the readers' unit: lengths are in mm."""
         return 1e3 if self.unit == "m" else 1.0
 
     @property
     def label(self) -> str:
-        """Name of the measured quantity, with the unit in which readers see it."""
+        """Name of the measured quantity, with the readers' unit."""
         unit = f" [{'mm' if self.unit == 'm' else self.unit}]" if self.unit else ""
         return f"{self.text}{' (stand-in)' if self.stand_in else ''}{unit}"
 
     def written(self, value: float | None) -> str:
-        """A number as readers see it."""
+        """A number in the readers' unit."""
         return shown(None if value is None else self.scale * value)
 
     def keeps(self, value: float | None) -> bool:
@@ -107,11 +107,11 @@ class TestSpec:
 
 @dataclass(frozen=True)
 class PaperClaim:
-    """A claim of the paper with its tests; every text is a plain sentence or two.
+    """A claim of the paper with its tests; every text is one or two plain sentences.
 
     ``explanation`` may quote tests by ``{key}`` (`Quoted`) and is written for the verdict
-    ``expected``.
-    ``never``: the claim is that something never happens, which runs can refute but not show.
+    ``expected``. ``never``: the claim is that something never happens, which runs can refute but
+    not prove.
     """
 
     id: str
@@ -152,7 +152,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Quoted:
-    """A test in a sentence: its median, or by the format another reading of the runs at hand.
+    """A test in a sentence: its median, or another reading of the runs, by its format.
 
     ``%``: the median in per cent; ``mm``: the median in mm; ``range``: least to greatest in mm;
     ``broken``: in how many seeds a share of the limit is above 1.
@@ -174,7 +174,7 @@ class Quoted:
 
 @dataclass(frozen=True)
 class Judged:
-    """A claim, its tests with their values, and the verdict that follows from them."""
+    """A claim, its tests with their values, and the resulting verdict."""
 
     claim: PaperClaim
     tests: tuple[Measured, ...]
@@ -217,9 +217,9 @@ class Evidence:
     times: Mapping[str, float] = field(default_factory=dict)
 
     def values(self, spec: TestSpec) -> dict[int, float | None]:
-        """The number that a test asks for, by seed: of several cases the worst.
+        """The number of a test, by seed: the worst of several cases.
 
-        Times have no seeds and stand under 0.
+        Times have no seeds and are under key 0.
         """
         if spec.figure in _TIMES:  # of the slowest law, as a share of the control period
             times = PAPER_TIMES if spec.figure == "paper_time" else self.times
@@ -266,7 +266,7 @@ def judge(claim: PaperClaim, evidence: Evidence) -> Judged:
 
 
 def verdict_of(tests: Sequence[Measured], never: bool = False) -> Verdict:
-    """The verdict that follows from the tests that decide; without any, nothing holds."""
+    """Verdict from the deciding tests; without any, the claim fails."""
     deciding = [test for test in tests if test.passed is not None]
     if not deciding:
         return Verdict.FAILS

@@ -1,4 +1,4 @@
-"""The report as one page that needs nothing but itself; its words are in the templates."""
+"""The report as one self-contained page; its texts are in the templates."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -26,11 +26,11 @@ _ALWAYS_COUNTED = (Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS)
 
 @dataclass(frozen=True)
 class Facts:
-    """Contents of a report beside the runs' numbers.
+    """Contents of a report besides the runs' numbers.
 
     ``titles``: law -> text; ``timings``: law -> s per 10,000 evaluations, the least of ``rounds``,
-    empty where they were not taken; ``versions``: name -> text; ``stale``: ids of the proof ledger
-    whose graph has changed since, None where that was not compared.
+    empty if not measured; ``versions``: name -> text; ``stale``: ids of the proof ledger whose
+    graph has changed since, None if not compared.
     """
 
     titles: Mapping[str, str] = field(default_factory=dict)
@@ -42,7 +42,7 @@ class Facts:
 
 @dataclass(frozen=True)
 class Reproduction:
-    """Finished runs, the verdicts that follow from them, and facts: all that a report shows."""
+    """Content of a report: finished runs, the resulting verdicts, and facts."""
 
     campaign: Campaign
     judged: tuple[Judged, ...]
@@ -52,9 +52,9 @@ class Reproduction:
 def write_page(
     path: Path, reproduction: Reproduction, drawings: Sequence[Drawing], figures: Path
 ) -> None:
-    """Render the page into one file, whole or not at all.
+    """Render the page into one file, atomically.
 
-    Pictures are the SVG files of the folder ``figures``; of ``drawings`` those with a title are
+    Pictures are the SVG files of the folder ``figures``; among ``drawings`` those with a title are
     panels of Fig. 3 and Fig. 5.
     """
     campaign, judged, facts = reproduction.campaign, reproduction.judged, reproduction.facts

@@ -1,4 +1,4 @@
-"""A run as one page that needs nothing but itself: verdict, figures, scenario, picture."""
+"""A run as one self-contained page: verdict, figures, scenario, picture."""
 
 import json
 import os
@@ -19,10 +19,10 @@ WORDS = {True: "tracked", False: "did not track", None: ""}
 
 
 def write_run_page(run: Run, path: str | os.PathLike[str]) -> None:
-    """Write the page of a run, or of a co-simulation, into an .html file, whole or not at all.
+    """Write the page of a run, or of a co-simulation, into an .html file, atomically.
 
     Its numbers are those of ``run --json``, which the page contains, too.  Raises ResultFileError
-    for another suffix or where it cannot be written.
+    for another suffix or if it cannot be written.
     """
     target = drawing.target_of(path, (".html",), "the page is .html")
     document = summary(run)
@@ -45,6 +45,6 @@ def write_run_page(run: Run, path: str | os.PathLike[str]) -> None:
 
 
 def embedded(document: object) -> str:
-    """JSON that may stand inside a script element."""
+    """JSON that is safe inside a script element."""
     text = json.dumps(json_safe(document), allow_nan=False)
     return text.replace("<", "\\u003c")

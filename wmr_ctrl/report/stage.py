@@ -90,7 +90,7 @@ class _Stage:
                         handlelength=2.6 if len(handles) < 5 else 1.5)  # fmt: skip
 
     def _bars_of(self, place: int) -> list[Rectangle]:
-        """A bar a robot, from zero to what a gauge shows, whose edges are marked."""
+        """One bar per robot, from zero to a gauge's reading, with marked edges."""
         gauge = self._gauges[place]
         low = 0.03 + _STEP * (len(self._gauges) - 1 - place)
         axes = self._figure.add_axes((0.2, low, 0.77, 0.035))

@@ -77,13 +77,13 @@ def _label(table: StudyTable, name: str) -> str:
 
 
 def _values(table: StudyTable, mask: NDArray[np.bool_]) -> Floats:
-    """The figure of some runs as it is drawn, where it is finite."""
+    """The drawn figure's finite values over some runs."""
     values = table.numbers[table.figure][mask] * table.scale(table.figure)[0]
     return values[np.isfinite(values)]
 
 
 def _highest(values: Floats) -> float:
-    """Up to where a violin is drawn: outliers beyond would crush it."""
+    """Upper end of a violin, since far outliers would compress it."""
     if not values.size:
         return -np.inf
     low, high = np.quantile(values, (0.25, 0.75))
@@ -130,7 +130,7 @@ def _missing(table: StudyTable) -> str:
 
 
 def _say(axes: Axes, text: str) -> None:
-    """A text in the place of what cannot be drawn."""
+    """A text in place of a picture that cannot be drawn."""
     axes.set_yticks([])
     axes.text(0.5, 0.5, text, ha="center", va="center", color=style.MUTED, fontsize="small",
               transform=axes.transAxes)  # fmt: skip
@@ -146,7 +146,7 @@ def _label_of(group: str, join: str = ", ") -> str:
 
 
 def _by_factor(table: StudyTable) -> Figure:
-    """Boxes of the figure by each key, a colour a law and guard."""
+    """Boxes of the figure by each key, with a colour per law and guard."""
     keys, count = table.keys, len(table.groups)
     figure = Figure(figsize=(7.2, 2.6 * len(keys)), layout="constrained")
     for axes, key in zip(figure.subplots(len(keys), 1, squeeze=False)[:, 0], keys, strict=True):
@@ -195,7 +195,7 @@ class Bins:
 
 
 def _bins(values: Floats) -> Bins:
-    """The values themselves where they are few, else bins between round numbers."""
+    """The values themselves if they are few, else bins between round numbers."""
     known, places = np.unique(values, return_inverse=True)
     if known.size <= MOST_VALUES:
         labels = [f"{value:.3g}" for value in known]
@@ -233,7 +233,7 @@ def _maps(table: StudyTable, name: str) -> Figure:
 
 
 def _cells(table: StudyTable, name: str, grid: list[Bins], mask: NDArray[np.bool_]) -> Floats:
-    """The median (of shares the mean) in each bin of two keys; NaN where there is no run."""
+    """Median (for shares the mean) in each bin of two keys; NaN without a run."""
     across, up = grid
     cells = np.full((up.count, across.count), np.nan)
     values = table.numbers[name] * table.scale(name)[0]
@@ -264,8 +264,8 @@ def _map(
 def _indices(table: StudyTable, rows: range) -> Figure:
     """First and total Sobol indices of the figure with 95 % intervals.
 
-    A row for each of the grid's ``rows``, a column for each law and guard.  The mean over the seeds
-    stands for each point; where a run has no value, the place says why.
+    A row for each of the grid's ``rows``, a column for each law and guard. Each point has the mean
+    over its seeds; if a run has no value, a text there says why.
     """
     grid, ranges = table.plan["grid"], table.plan["sample"]["ranges"]
     combinations = list(product(*grid.values()))
@@ -293,7 +293,7 @@ def _points(table: StudyTable) -> int:
 
 
 def _bars(table: StudyTable, axes: Axes, mask: NDArray[np.bool_]) -> None:
-    """Indices over the runs of a mask, or why there are none."""
+    """Indices over the runs of a mask, or the reason why there are none."""
     values, points = table.numbers[table.figure][mask], table.point[mask] % _points(table)
     why = table.missing(mask)
     if why or np.ptp(values) == 0:

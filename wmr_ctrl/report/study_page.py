@@ -1,4 +1,4 @@
-"""A study as one page that needs nothing but itself: shares, pictures, plan."""
+"""A study as one self-contained page: shares, pictures, plan."""
 
 import json
 import os
@@ -16,10 +16,10 @@ from .study_table import read_study
 
 
 def write_study_page(folder: str | Path, path: str | os.PathLike[str], plan: str = "") -> None:
-    """Write the page of a finished study into an .html file, whole or not at all.
+    """Write the page of a finished study into an .html file, atomically.
 
     ``plan``: the text of its plan.  The page contains the shares as JSON, too.  Raises
-    ResultFileError for a folder without a finished study, or where the file cannot be written.
+    ResultFileError for a folder without a finished study, or if the file cannot be written.
     """
     target, home = drawing.target_of(path, (".html",), "the page is .html"), Path(folder)
     table, about = read_study(home), json.loads((home / "study.json").read_text(encoding="utf-8"))

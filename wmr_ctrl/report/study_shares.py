@@ -21,7 +21,7 @@ SHARE_HEADS = ("", "runs", "kept the limits", "tracked")
 
 @dataclass(frozen=True)
 class Share:
-    """Runs of a cell: how many were made, the share that kept the limits, and that tracked.
+    """Runs of a cell: their number, the share that kept the limits, and the share that tracked.
 
     ``refused``: runs that the guard refused, which are not among ``runs``; a share is None where no
     run was made, or the study does not have the figure.
@@ -35,14 +35,14 @@ class Share:
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Cells of a table's row, as `SHARE_HEADS`."""
+        """Cells of a table's row, in the order of `SHARE_HEADS`."""
         shares = ("-" if one is None else percent(one) for one in (self.kept, self.tracked))
         refused = f" ({self.refused} refused)" if self.refused else ""
         return self.cell, f"{self.runs}{refused}", *shares
 
 
 def shares_of(table: StudyTable) -> list[Share]:
-    """The shares by law and guard, and by point of a grid where these are few."""
+    """Shares by law and guard, and by point of a grid with few points."""
     cells = [(group, table.group == group) for group in table.groups]
     grid = table.plan["grid"]
     if grid and not table.plan["sample"]:

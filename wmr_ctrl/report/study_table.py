@@ -1,4 +1,4 @@
-"""The table of a study, as its pictures read it: numbers, how runs ended, why some have none."""
+"""The table of a study for its pictures: numbers, outcomes, reasons for missing values."""
 
 import csv
 import json
@@ -26,10 +26,10 @@ CAUSE = 160
 
 @dataclass(frozen=True)
 class StudyTable:
-    """Plot data of a study: its plan in plain values, and the columns of its table.
+    """Plot data of a study: its plan as plain values, and the columns of its table.
 
-    ``numbers`` has an array a column of numbers (NaN: none), ``group`` law and guard of each run,
-    ``ended`` its outcome, ``refusal`` the guard's reason where it refused.
+    ``numbers`` has an array per numeric column (NaN: none), ``group`` law and guard of each run,
+    ``ended`` its outcome, ``refusal`` the guard's reason if it refused.
     """
 
     plan: PlainPlan
@@ -41,7 +41,7 @@ class StudyTable:
 
     @property
     def keys(self) -> list[str]:
-        """Fields with numbers that differ from run to run."""
+        """Numeric fields that differ from run to run."""
         return [key for key in _keys(self.plan) if np.unique(self.numbers[key]).size > 1]
 
     @property
@@ -58,12 +58,12 @@ class StudyTable:
 
     @property
     def figure(self) -> str:
-        """The figure that is drawn: of those of tracking the one that tells groups most apart."""
+        """The figure to draw: the tracking figure with the largest differences between groups."""
         names = self.plan["figures"]
         return max((name for name in PREFERRED if name in names), key=self._apart, default=names[0])
 
     def _apart(self, name: str) -> float:
-        """Range of the groups' medians of a figure, over the median of all [1]."""
+        """Range of the groups' medians of a figure, divided by the median of all [1]."""
         values = self.numbers.get(name, np.array([]))
         finite = np.isfinite(values)
         medians = [
@@ -76,12 +76,12 @@ class StudyTable:
 
     @property
     def point(self) -> NDArray[np.intp]:
-        """Place of each run's values among the points of grid and sample."""
+        """Index of each run's values among the points of grid and sample."""
         of_point = len(self.plan["laws"]) * len(self.plan["guard"]) * self.plan["seeds"]["count"]
         return self.numbers["index"].astype(np.intp) // of_point
 
     def missing(self, mask: NDArray[np.bool_]) -> str:
-        """Reason and number of runs without the drawn figure; "" where all have one."""
+        """Reason and number of runs without the drawn figure; "" if all have one."""
         without = mask & ~np.isfinite(self.numbers[self.figure])
         count, total = int(without.sum()), int(mask.sum())
         if not count:
@@ -102,7 +102,7 @@ def _keys(plan: Mapping[str, Any]) -> list[str]:
 
 
 def read_study(folder: Path) -> StudyTable:
-    """The table in a study's folder; raises ResultFileError where none is finished."""
+    """The table in a study's folder; raises ResultFileError without a finished one."""
     with finished_study(folder):
         plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
         with (folder / "columns.csv").open(encoding="utf-8", newline="") as file:

@@ -20,9 +20,9 @@ _KILO = {"m": "mm", "rad": "mrad"}
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table for readers: its headings, and rows whose first cell names them.
+    """A table for readers: headings, and rows whose first cell is their name.
 
-    ``best``: for each row the places of its best cells; empty for a row or a table without any.
+    ``best``: for each row the indices of its best cells; empty for a row or a table without any.
     """
 
     head: tuple[str, ...]
@@ -37,7 +37,7 @@ def table_by_law(
     value: Callable[[T, str], float | None] | None = None,
     corner: str = "case",
 ) -> TextTable:
-    """A row for each of ``rows``, a column for each law; the least ``value`` of a row is marked."""
+    """One row per item of ``rows``, one column per law; the least ``value`` of a row is marked."""
     return TextTable(
         (corner, *map(headed, laws)),
         tuple((name, *(cell(row, law) for law in laws)) for name, row in rows.items()),
@@ -46,7 +46,7 @@ def table_by_law(
 
 
 def least(values: Sequence[float | None]) -> frozenset[int]:
-    """Places of the least value, counted from 1; none where all are as good, or none is there."""
+    """Indices, from 1, of the least value; empty if all are equal, or there is none."""
     there = [value for value in values if value is not None]
     if not there or (len(there) == len(values) and min(there) == max(there)):
         return frozenset()
@@ -59,7 +59,7 @@ def headed(law: str) -> str:
 
 
 def ranged(values: Spread, factor: float = 1.0, digits: int = 3) -> str:
-    """Median, least and greatest as a cell."""
+    """Median, minimum and maximum as a cell."""
     if values.median is None or values.min is None or values.max is None:
         return ABSENT
     numbers = (factor * number for number in (values.median, values.min, values.max))
@@ -69,9 +69,9 @@ def ranged(values: Spread, factor: float = 1.0, digits: int = 3) -> str:
 
 @dataclass(frozen=True)
 class _Line:
-    """A row of a scenario's table: a figure, what it is called, and whether less of it is better.
+    """A row of a scenario's table: figure, label, and whether less is better.
 
-    ``change``: only where the robot's parameters change; ``short``: also in the short table.
+    ``change``: only for scenarios with a change of the robot; ``short``: also in the short table.
     """
 
     figure: str
@@ -86,7 +86,7 @@ class _Line:
         return 1e3 if FIGURES[self.figure].unit in _KILO else 1.0
 
     def name(self, settings: Settings) -> str:
-        """The label with the windows of a run in place, and its unit."""
+        """The label with a run's windows inserted, and its unit."""
         windows, period = windows_of(settings), settings.control
         times = {name: (period * a, period * b) for name, (a, b) in windows.items()}
         robots = {name: robots_over(settings, *ends) for name, ends in times.items()}
@@ -104,10 +104,10 @@ _LINES = tuple(_Line(**row) for row in data(__package__, "lines.toml")["line"])
 
 
 def scenario_table(campaign: Campaign, scenario: str, short: bool = False) -> TextTable:
-    """Median and range of the chief figures of a scenario, a column per law.
+    """Median and range of the chief figures of a scenario, one column per law.
 
-    Nothing is said of a before and an after where the robot's parameters do not change in it.
-    ``short``: the few figures that tell the laws apart.
+    Figures before and after a change are left out if the robot's parameters do not change.
+    ``short``: the few figures that distinguish the laws.
     """
     table, run = campaign.table, campaign.runs[scenario, campaign.table.laws[0]]
     changes = bool(run.settings.robots)

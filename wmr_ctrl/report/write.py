@@ -1,4 +1,4 @@
-"""Files of a finished reproduction: figures, tables, claims and page.  Nothing is run here."""
+"""Files of a finished reproduction: figures, tables, claims and page.  No simulation here."""
 
 import csv
 import json
@@ -25,7 +25,7 @@ FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
 
 @dataclass(frozen=True)
 class Verdicts:
-    """The verdict on every claim, the table behind them, and the files that were written."""
+    """The verdict on every claim, the table that they use, and the files that were written."""
 
     judged: tuple[Judged, ...]
     table: RunTable
@@ -34,7 +34,7 @@ class Verdicts:
 
     @property
     def changed(self) -> tuple[Judged, ...]:
-        """Claims whose verdict is not the committed one."""
+        """Claims whose verdict differs from the committed one."""
         return tuple(one for one in self.judged if not one.as_expected)
 
     @property
@@ -44,7 +44,7 @@ class Verdicts:
 
     @property
     def ok(self) -> bool:
-        """Short for :attr:`as_expected`."""
+        """Alias of :attr:`as_expected`."""
         return self.as_expected
 
     @property
@@ -78,8 +78,8 @@ def write_reproduction(
 ) -> Verdicts:
     """Write report.html, table.csv, runs.csv, claims.json and figures/ into ``folder``.
 
-    The folder is made if needed.  Raises ArgumentError for runs that lack a law of the paper,
-    ResultFileError where a file cannot be written.
+    The folder is made if needed. Raises ArgumentError for runs that lack a law of the paper,
+    ResultFileError if a file cannot be written.
     """
     home, table = Path(folder), reproduction.campaign.table
     missing = [law for law in PAPER_LAWS if law not in table.laws]
@@ -117,7 +117,7 @@ def all_drawings(campaign: Campaign) -> tuple[Drawing, ...]:
 
 
 def check_folder(folder: Path, names: Sequence[str]) -> None:
-    """Raise ResultFileError if it is plain that files ``names`` cannot be written to ``folder``."""
+    """Raise ResultFileError if the files ``names`` clearly cannot be written to ``folder``."""
     known = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     where = f"cannot write to {str(folder)!r}: {str(known)!r}"
     if not known.is_dir():
@@ -133,7 +133,7 @@ def check_folder(folder: Path, names: Sequence[str]) -> None:
 
 
 def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
-    """Write a header and rows, whole or not at all; None becomes an empty cell."""
+    """Write a header and rows atomically; None becomes an empty cell."""
     with atomic_text(path) as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
@@ -141,7 +141,7 @@ def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]
 
 
 def write_table(path: Path, table: RunTable) -> None:
-    """One row per scenario, law and statistic over the seeds; a column per figure."""
+    """One row per scenario, law and statistic over the seeds; one column per figure."""
     rows, figures = [], FIGURES.with_others(REPORTED)
     for case in table.cases:
         runs = table.case(*case)

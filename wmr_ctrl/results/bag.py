@@ -1,8 +1,8 @@
-"""ROS 2 bags by `rosbags` (extra ``logs``): opened, and a run as one of them (MCAP).
+"""ROS 2 bags by `rosbags` (extra ``logs``): reader, and a run saved as a bag (MCAP).
 
-A run is written twice into one file: every column, bit for bit, on RUN_TOPIC with its description
-beside it, and as a base would publish it (Odometry, JointState, TwistStamped), for tools of ROS.
-Frames there are those of REP 103 and 105: yaw = theta + pi/2, poses in ``odom``.
+A run is written twice into one file: every column, bit for bit, on RUN_TOPIC with its description,
+and as a base would publish it (Odometry, JointState, TwistStamped), for ROS tools. Frames there are
+those of REP 103 and 105: yaw = theta + pi/2, poses in ``odom``.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ MAGIC = b"\x89MCAP0\r\n"
 
 @cache
 def message_types() -> Typestore:
-    """Message types; those that are read here are the same in every distribution of ROS 2."""
+    """Store of message types; those that are read here are equal in all distributions of ROS 2."""
     typesys = library("rosbags.typesys", "logs")
     store: Typestore = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
     return store
@@ -58,7 +58,7 @@ def is_bag(path: str | Path) -> bool:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Opened]:
-    """Connections of a bag (folder or one file of it), and its messages in the recorder's order."""
+    """Connections of a bag (folder or one of its files), and its messages in recorded order."""
     ros1 = path.suffix.lower() == ".bag"
     if os.path.isdir(path):
         reader = library("rosbags.rosbag2", "logs").Reader(path)
@@ -76,7 +76,7 @@ def _opened(path: Path) -> Iterator[Opened]:
 
 
 def _as_cdr(reader: Any) -> Messages:
-    """Messages of a ROS 1 bag as ROS 2 has them."""
+    """Messages of a ROS 1 bag, converted to ROS 2's serialisation."""
 
     def messages(items: Sequence[Connection]) -> Iterator[tuple[Connection, int, bytes]]:
         for item, received, raw in reader.messages(items):
@@ -87,7 +87,7 @@ def _as_cdr(reader: Any) -> Messages:
 
 @contextmanager
 def opened_bag(path: str | Path) -> Iterator[Opened]:
-    """The same; whatever a damaged file does is a ResultFileError."""
+    """Open a bag; any error caused by a damaged file becomes a ResultFileError."""
     for file in Path(path).iterdir() if os.path.isdir(path) else (path,):
         note_input(file, "bag")
     try:
@@ -105,7 +105,7 @@ def opened_bag(path: str | Path) -> Iterator[Opened]:
 
 
 def run_as_mcap(run: Run, description: str) -> bytes:
-    """The file's bytes, the same for equal runs.  Raises MissingExtraError without rosbags."""
+    """Bytes of the bag file, equal for equal runs.  Raises MissingExtraError without rosbags."""
     rosbag2, types = library("rosbags.rosbag2", "logs"), message_types()
     rows = np.column_stack([run.columns[signal.name] for signal in run.signals])
     stamps = np.rint(run.time * SECOND).astype(np.int64).tolist()
@@ -133,7 +133,7 @@ def run_as_mcap(run: Run, description: str) -> bytes:
 
 
 def _as_a_base(run: Run, stamps: Sequence[int]) -> Iterator[tuple[str, str, Iterator[Msg]]]:
-    """Topics, types and messages of a base's odometry, joints and commands."""
+    """Topics, types and messages of odometry, joints and commands, as a base publishes them."""
     types, columns = message_types().types, drive.drive_of(run).columns
     header, time = types["std_msgs/msg/Header"], types["builtin_interfaces/msg/Time"]
     vector, twist = types["geometry_msgs/msg/Vector3"], types[TWIST]
@@ -173,7 +173,7 @@ def _odometry(
 
 
 def _joint_states(columns: Mapping[str, Floats], headers: Iterator[Msg]) -> Iterator[Msg]:
-    """Commanded torques as efforts; angles and speeds where wheels have their own."""
+    """Joint states: commanded torques as efforts; angles and speeds of the wheels, if logged."""
     rows = len(columns[drive.TORQUES[0]])
 
     def pairs(names: Sequence[str]) -> Floats:
@@ -189,7 +189,7 @@ def _joint_states(columns: Mapping[str, Floats], headers: Iterator[Msg]) -> Iter
 
 
 def rows_of_mcap(data: bytes) -> tuple[str, Floats]:
-    """Description and rows (N, numbers) of a run; raises ValueError where a bag has none."""
+    """Description and rows (N, numbers) of a run; raises ValueError if a bag has none."""
     if not data.endswith(MAGIC):
         raise ValueError("its end is missing")  # rosbags would read what is there
     data_of: dict[str, list[Any]] = {TEXT: [], ROW: []}
@@ -208,7 +208,7 @@ def rows_of_mcap(data: bytes) -> tuple[str, Floats]:
 
 
 def holds_run(path: str | Path) -> bool:
-    """True if a bag is a file that a run was saved in."""
+    """True if a run was saved in this bag."""
     if Path(path).suffix.lower() != ".mcap" or os.path.isdir(path):
         return False
     with opened_bag(path) as (connections, _):

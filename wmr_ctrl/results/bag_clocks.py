@@ -1,4 +1,4 @@
-"""Times of the messages of a ROS 2 bag, on one clock."""
+"""Times of a ROS 2 bag's messages, on one clock."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ STEADY = 1e-3
 
 
 class Topic(NamedTuple):
-    """Messages of a topic: stamps (N,) (0 where there are none) and times of receipt (N,) [ns],
-    numbers (N, width) in the order of its role's reader, and the frame of the last one.
+    """Messages of a topic: stamps (N,) (0 if absent) and times of receipt (N,) [ns], numbers (N,
+    width) in the order of its role's reader, and the frame of the last one.
     """
 
     name: str
@@ -37,10 +37,10 @@ class Topic(NamedTuple):
 
 
 def clocks_of(parts: Mapping[str, Topic], remarks: list[str]) -> dict[str, Integers]:
-    """Times [ns] of each topic's messages, all on one clock, and remarks on them.
+    """Times [ns] of each topic's messages, all on one clock; appends remarks on them.
 
-    That clock is the one of the stamps of the topic with the most messages.  Topics without stamps,
-    or with stamps of another clock, have times of receipt, put on that clock.
+    It is the clock of the stamps of the topic with the most messages.  Topics without stamps, or
+    with stamps of another clock, use times of receipt, converted to that clock.
     """
     late = {
         role: float(np.median(part.receipt - part.stamps)) / SECOND
@@ -61,10 +61,10 @@ def clocks_of(parts: Mapping[str, Topic], remarks: list[str]) -> dict[str, Integ
 
 
 def _onto_stamps(topic: Topic, remarks: list[str]) -> Callable[[Integers], Integers] | None:
-    """Map from the recorder's clock to that of the stamps of ``topic``; None if they are one clock.
+    """Map from the recorder's clock to the clock of ``topic``'s stamps; None if they are equal.
 
-    It is the straight line through the least late message in each of `PARTS` parts of the drive.
-    While the stamps stand still, as in a paused simulation, the recorder's clock is stopped.
+    It is the straight line through the least delayed message in each of `PARTS` parts of the drive.
+    While the stamps do not advance, as in a paused simulation, the recorder's clock is stopped.
     Raises ResultFileError if these messages are not on a line.
     """
     order = np.argsort(topic.receipt, kind="stable")
@@ -112,7 +112,7 @@ def _onto_stamps(topic: Topic, remarks: list[str]) -> Callable[[Integers], Integ
 
 
 def _clock(topic: Topic, clock: Integers, stamped: bool, remarks: list[str]) -> Integers:
-    """Times (N,) [ns] of a topic's messages, checked, and remarks on them."""
+    """Checked times (N,) [ns] of a topic's messages; appends remarks on them."""
     late = (topic.receipt - topic.stamps) / SECOND
     about = (
         f"recorded {1e3 * np.median(late):.3g} ms after its stamps, {1e3 * late.max():.3g} ms at "

@@ -1,4 +1,4 @@
-"""Columns of a robot's drive from the topics of a ROS 2 bag, in our names, units and angles."""
+"""Columns of a robot's drive from a ROS 2 bag, with our names, units and angles."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ MAP = "map"
 
 @checks_arguments
 def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> drive.RecordedDrive:
-    """Read a robot's drive from a bag, or what the base of a saved run would have reported.
+    """Read a robot's drive from a bag, or convert a saved run to a recorded drive.
 
     ``topics`` names a bag's topics by role ("odom", "cmd", "joints", "effort") and the wheels'
     joints ("right", "left"); without it the usual names are looked up, in any namespace.  Raises
@@ -55,9 +55,10 @@ def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> dri
 
 
 def load_source(path: str | Path, topics: Mapping[str, str] | None = None) -> Source:
-    """A saved run, or the drive in a bag; one that a run was saved in is that run without topics.
+    """A saved run, or the drive in a bag; a bag that contains a saved run is that run.
 
-    Raises ResultFileError, ArgumentError, MissingExtraError.
+    With ``topics`` a bag is always read as a drive.  Raises ResultFileError, ArgumentError,
+    MissingExtraError.
     """
     if bag.is_bag(path):
         return load_run(path) if not topics and bag.holds_run(path) else read_topics(path, topics)
@@ -69,12 +70,12 @@ def load_source(path: str | Path, topics: Mapping[str, str] | None = None) -> So
 
 
 def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> drive.RecordedDrive:
-    """Columns of a drive, in our names, SI units and angles, on one clock.
+    """Columns of a drive, with our names, SI units and angles, on one clock.
 
     ``topics`` names topics by role ("odom", "cmd", "joints", "effort") and the wheels' joints
-    ("right", "left").  Without it the usual names are looked for, in any namespace.  Stamps are
-    those of headers.  Times of receipt of a topic without stamps are put on the stamps' clock where
-    the recorder's is another.  Raises ResultFileError, ArgumentError, MissingExtraError.
+    ("right", "left"). Without it the usual names are looked for, in any namespace. Stamps are those
+    of headers. Times of receipt of a topic without stamps are converted to the stamps' clock if the
+    recorder's differs. Raises ResultFileError, ArgumentError, MissingExtraError.
     """
     asked = dict(topics or {})
     if unknown := sorted(set(asked) - set(ROLES) - set(SIDES)):
@@ -117,7 +118,7 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> dr
 def _chosen(
     name: str, connections: Sequence[Connection], asked: Mapping[str, str]
 ) -> dict[str, list[Connection]]:
-    """Connections by role: the topic that was asked for, else the usual one in any namespace."""
+    """Connections by role: the requested topic, else the usual one in any namespace."""
     chosen = {}
     there = ", ".join(sorted({f"{item.topic} ({item.msgtype})" for item in connections}))
     for role, (usual, kinds) in ROLES.items():
@@ -152,7 +153,7 @@ def _chosen(
 def _gathered(
     items: Sequence[Connection], messages: Messages, numbers: Callable[[Any], Any]
 ) -> Topic:
-    """All messages of a topic, in the recorder's order."""
+    """All messages of a topic, in recorded order."""
     types, stamps, receipt, values, frame = bag.message_types(), [], [], [], ""
     for connection, received, raw in messages(items):
         message: Any = types.deserialize_cdr(raw, connection.msgtype)
@@ -194,9 +195,9 @@ def _of_joints(message: Any) -> dict[str, tuple[float, ...]]:
 def _of_wheels(
     topic: Topic, asked: Mapping[str, str], remarks: list[str], needed: bool
 ) -> dict[str, Topic]:
-    """Means of the joints of each side, of messages that have them all; others are named.
+    """Means over the joints of each side, from messages with all of them.
 
-    Without names that tell the wheels it is an error if they are needed or asked for, else a
+    If names do not identify the wheels, this is an error if they are needed or requested, else a
     remark.
     """
     rows: list[Mapping[str, tuple[float, ...]]] = list(topic.values)
@@ -237,7 +238,7 @@ def _of_wheels(
 
 
 def _wheels(side: str, asked: str, names: Sequence[str]) -> list[str]:
-    """Joints of a side: the one that is named so, else those with its name that are wheels'."""
+    """Joints of a side: the requested one, else wheel joints whose name contains the side."""
     if asked:
         return [name for name in names if name == asked]
     own = [name for name in names if side in name.lower()]
@@ -245,7 +246,7 @@ def _wheels(side: str, asked: str, names: Sequence[str]) -> list[str]:
 
 
 def _odometry(topic: Topic, remarks: list[str]) -> dict[str, Floats]:
-    """Velocities, and poses where they are of the robot's motion; theta = yaw - pi/2."""
+    """Velocities, and poses if they are the robot's own; theta = yaw - pi/2."""
     columns = _named(drive.SPEEDS, topic.values[:, :2])
     x, y, *turn = topic.values[:, 2:].T
     reason = ""
@@ -263,7 +264,7 @@ def _odometry(topic: Topic, remarks: list[str]) -> dict[str, Floats]:
 
 
 def _joint_states(topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, Floats]:
-    """Angles, speeds and efforts of the joints, those that every message has."""
+    """Angles, speeds and efforts of the joints, as far as every message has them."""
     wanted: list[tuple[Sequence[str], Floats]] = [
         (drive.WHEEL_ANGLE, topic.values[:, :2]),
         (drive.WHEEL_SPEEDS, topic.values[:, 2:4]),

@@ -1,4 +1,4 @@
-"""Comparison of two runs or drives: differences of columns and of facts."""
+"""Comparison of two runs or drives: differences of columns and of properties."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -33,7 +33,7 @@ _WIDTH = 42
 
 @dataclass(frozen=True)
 class Fact:
-    """A property that two runs do not share: its name, and its value in either as text."""
+    """A property that differs between two runs: its name, and both values as text."""
 
     name: str
     in_a: str
@@ -66,8 +66,8 @@ class Comparison:
 
     ``columns``: one entry per number that both runs log, empty if they share no sample; ``rows``:
     number of samples that they share; ``facts``: labels, settings, readings and provenance that
-    differ; ``notes``: sentences on what was left out; ``verdict``: "equal" (no shared value
-    differs), "agree" (each within ``tolerance``), "differ" or "nothing shared".
+    differ; ``notes``: sentences on omitted columns and samples; ``verdict``: "equal" (no shared
+    value differs), "agree" (each within ``tolerance``), "differ" or "nothing shared".
     """
 
     columns: tuple[ColumnDifference, ...]
@@ -85,14 +85,14 @@ class Comparison:
 def compare(
     first: Run | RecordedDrive, second: Run | RecordedDrive, tolerance: float = 1e-9
 ) -> Comparison:
-    """Compare the columns and samples that two runs or drives share, and list what else differs.
+    """Compare the common columns and samples of two runs or drives, and list other differences.
 
     ``tolerance`` is absolute in a column's own unit or relative to its range, whichever is larger.
     Runs whose outcomes differ over the same samples differ, however close their columns are.
-    Compared with a drive, a run is reduced to what its base would have reported.  A drive's times
-    count from its first message.  At the times of the first drive, commands and torques of the
-    second are held from its last message, and measured values are interpolated.
-    Raises ArgumentError for a tolerance that is negative or not a number.
+    Compared with a drive, a run is reduced to what its base would have reported. A drive's times
+    count from its first message. At the times of the first drive, the second's commands and torques
+    keep the value of its last message, and its measured values are interpolated. Raises
+    ArgumentError for a tolerance that is negative or not a number.
     """
     if not tolerance >= 0:
         raise ArgumentError(f"tolerance = {tolerance!r} must be zero or a positive number.")
@@ -145,7 +145,7 @@ def _compare_drives(drive_a: RecordedDrive, drive_b: RecordedDrive, tolerance: f
 
 
 def _within(t: Floats, other: Floats) -> NDArray[np.bool_]:
-    """Mask of ``t`` (N,) at a time of ``other``, or between two without a gap."""
+    """Mask of ``t`` (N,) at times of ``other``, or between two of them without a gap."""
     before = np.searchsorted(other, t + _AT_ONCE, side="right") - 1
     after = np.searchsorted(other, t - _AT_ONCE, side="left")
     inside = (before >= 0) & (after < len(other))
@@ -216,7 +216,7 @@ def _verdict(
 
 
 def _notes(run_a: Run, run_b: Run, shared: int) -> Iterator[str]:
-    """Columns and samples that were left out, a sentence each."""
+    """Sentences on omitted columns and samples."""
     for label, run, other in (("first", run_a, run_b), ("second", run_b, run_a)):
         alone = [signal.name for signal in run.elements if signal.name not in other]
         if alone:
@@ -229,9 +229,9 @@ def _notes(run_a: Run, run_b: Run, shared: int) -> Iterator[str]:
 
 
 def differing_facts(run_a: Run, run_b: Run, tolerance: float) -> tuple[Fact, ...]:
-    """The labels, settings, monitor's readings and provenance that differ.
+    """Labels, settings, monitor's readings and provenance that differ.
 
-    Numbers that differ by no more than ``tolerance``, times their size above 1, count as the same.
+    Numbers that differ by at most ``tolerance``, times their size above 1, count as equal.
     """
     a, b = dict(_facts(run_a)), dict(_facts(run_b))
     names = list(dict.fromkeys((*a, *b)))

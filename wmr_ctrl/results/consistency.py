@@ -1,7 +1,7 @@
-"""Whether somebody else's plant moves as its speeds say, and so whether its limits were kept.
+"""Consistency of a foreign plant's motion with its speeds, and so whether its limits were kept.
 
-Over a second or so the way ahead and the turn of the pose are compared with the sums of v1 and
-omega, with room for outputs that lag by some samples, for noise and for some slip of the wheels.
+Over about a second the pose's path ahead and rotation are compared with the sums of v1 and omega,
+with tolerances for outputs that lag by some samples, for noise and for some wheel slip.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ _WORDS = (("moved ahead at", "v1", "m/s"), ("turned at", "omega", "rad/s"))
 
 
 def kept(run: Run) -> bool | None:
-    """Whether both speeds stayed within their limits.
+    """True if both speeds stayed within their limits.
 
-    None where the plant contradicts itself, or an FMU ended the run.
+    None if the plant contradicts itself, or an FMU ended the run.
     """
     if contradictions(run) or run.outcome is Outcome.FAILED or not run.rows:
         return None
@@ -36,7 +36,7 @@ def kept(run: Run) -> bool | None:
 
 
 def contradictions(run: Run) -> dict[str, str]:
-    """What pose and speeds of a foreign plant contradict each other in, by the remark's key."""
+    """Contradictions between pose and speeds of a foreign plant, by the remark's key."""
     if run.settings.plant_kind != "fmu" or run.rows < 2:
         return {}
     period, told = run.settings.control, {}
@@ -63,9 +63,9 @@ def contradictions(run: Run) -> dict[str, str]:
 
 
 def _apart(run: Run, moved: Floats, said: Floats, speed: Floats, room: Floats) -> dict[str, str]:
-    """The part of a run in which moves (n, 2) and what the speeds say differ by most, if too much.
+    """The part of a run with the largest excess difference of moves (n, 2) and speeds, if any.
 
-    ``speed``: at the n + 1 samples; ``room``: noise, and a speed that is not judged.
+    ``speed``: at the n + 1 samples; ``room``: tolerance for noise, and a speed that is not judged.
     """
     period, count = run.settings.control, len(moved)
     length = min(count, max(FEWEST, round(SECONDS / period)))

@@ -1,4 +1,4 @@
-"""A robot's drive: columns that each have their own times, as a bag of its topics holds them."""
+"""A robot's recorded drive: columns with separate times, as in a bag's topics."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ NEVER = "desired motion, errors, limits or V1"
 
 @dataclass(frozen=True)
 class ColumnFacts:
-    """A column of a drive: its samples, when they begin and end, and their range.
+    """A column of a drive: number of samples, their begin and end, and their range.
 
     ``first``, ``last`` and ``longest_gap`` [s]; ``least`` and ``largest`` in ``unit``.
     """
@@ -66,10 +66,10 @@ class RecordedDrive:
     """A recorded drive: columns by name, each (N,) with its times [s] from the first message.
 
     ``drive["v1_measured"]`` is a column and ``drive.times["v1_measured"]`` its times; ``missing``
-    names the columns that it lacks.  Theta is 0 along +Y; ``remarks`` are sentences on clocks, gaps
-    and what was left out.  A drive has no desired motion and no limits, so nothing is judged.
-    ``save``, ``plot``, ``animate``, ``summary()``, `wmr_ctrl.compare` and `wmr_ctrl.identify` use
-    it.  Raises ArgumentError where columns and times do not fit.
+    names the columns that it lacks. Theta is 0 along +Y; ``remarks`` are sentences on clocks, gaps
+    and omitted data. A drive has no desired motion and no limits, so nothing is judged. ``save``,
+    ``plot``, ``animate``, ``summary()``, `wmr_ctrl.compare` and `wmr_ctrl.identify` use it. Raises
+    ArgumentError if columns and times do not match.
     """
 
     name: str
@@ -97,7 +97,7 @@ class RecordedDrive:
 
     @checks_arguments
     def __getitem__(self, name: str) -> Floats:
-        """A column, shape (N,).  Raises UnknownNameError, which names those that there are."""
+        """A column, shape (N,).  Raises UnknownNameError, which lists the existing ones."""
         if name not in self.columns:
             raise UnknownNameError("column of this drive", name, self.columns)
         return self.columns[name]
@@ -108,7 +108,7 @@ class RecordedDrive:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Columns that a drive may have and this one lacks."""
+        """Columns that a drive may have but this one lacks."""
         return tuple(name for name in UNITS if name not in self.columns)
 
     @property
@@ -127,7 +127,7 @@ class RecordedDrive:
         return ColumnFacts(UNITS[name], len(t), float(t[0]), float(t[-1]), gap, least, largest)
 
     def figures(self) -> dict[str, float | None]:
-        """Way [m] by the poses, largest speeds [m/s, rad/s] and torque [N m]; None: unknown."""
+        """Path length [m], largest speeds [m/s, rad/s] and torque [N m]; None: unknown."""
         way = None
         if self.has(POSES):
             x, y = (self.columns[name] for name in POSES[:2])
@@ -144,7 +144,7 @@ class RecordedDrive:
         return float(max(np.abs(self.columns[name]).max() for name in names))
 
     def summary(self) -> dict[str, object]:
-        """Figures, columns, missing columns, remarks: what ``wmr-ctrl show --json`` prints."""
+        """Figures, columns, missing columns, remarks: the output of ``wmr-ctrl show --json``."""
         columns = {name: asdict(fact) for name, fact in self.facts().items()}
         return {
             "drive": self.name, "duration": self.duration, **self.figures(), "columns": columns,
@@ -164,16 +164,16 @@ class RecordedDrive:
     def animate(self, path: AnyPath) -> None:
         """Film the robot on its path into a .gif, .mp4 or .html file.
 
-        Raises ArgumentError, by name, where poses or velocities are missing, ResultFileError,
+        Raises ArgumentError, with names, if poses or velocities are missing, ResultFileError,
         MissingExtraError for .mp4 without ffmpeg.
         """
         late_bound("animate_drives")([self], path)
 
     @checks_arguments
     def save(self, path: AnyPath) -> None:
-        """Write a .csv log that `identify` reads: t and the columns, with gaps where one has none.
+        """Write a .csv log that `identify` reads: t and the columns, with gaps for missing values.
 
-        Raises ResultFileError for another suffix or where the file cannot be written.
+        Raises ResultFileError for another suffix or if the file cannot be written.
         """
         if Path(path).suffix.lower() != ".csv":
             raise ResultFileError(
@@ -193,10 +193,10 @@ class RecordedDrive:
 
 
 def drive_of(run: Run, name: str = "") -> RecordedDrive:
-    """Drive as the base of a run would record it: measured values where the run has them, else true
+    """Drive as the base of a run would record it: measured values if the run has them, else true
     ones.
 
-    Wheels' angles are there where the run has counts.
+    Wheel angles are included if the run has counts.
     """
     columns = dict(_told(run))
     remarks = () if POSES[0] in run else ("poses and velocities are the true ones of a run.",)

@@ -1,4 +1,4 @@
-"""Writing files so that a reader finds the whole file or none."""
+"""Atomic writing of files: a reader finds the whole file or none."""
 
 import errno
 import os
@@ -24,11 +24,11 @@ _REMEDIES = {
 
 @contextmanager
 def atomic_path(path: AnyPath) -> Iterator[Path]:
-    """A scratch path beside ``path``, of the same suffix, that replaces it when all went well.
+    """A scratch path beside ``path``, of the same suffix, that replaces it on success.
 
-    For writers that want a path; see :func:`atomic_write` for those that want a file.  Whatever
-    goes wrong inside, the scratch file is removed and ``path`` keeps its former content.
-    Raises ResultFileError where the file cannot be written; other exceptions pass unchanged.
+    For writers that need a path; see :func:`atomic_write` for those that need a file.  After any
+    error the scratch file is removed and ``path`` keeps its former content. Raises ResultFileError
+    if the file cannot be written; other exceptions pass unchanged.
     """
     target = check_writable(path)
     scratch = target.with_name(f".{secrets.token_hex(8)}{target.suffix}")
@@ -44,9 +44,9 @@ def atomic_path(path: AnyPath) -> Iterator[Path]:
 
 @contextmanager
 def atomic_write(path: AnyPath) -> Iterator[IO[bytes]]:
-    """An open file of bytes that becomes ``path`` when all went well.
+    """An open binary file that becomes ``path`` on success.
 
-    Raises ResultFileError where the file cannot be written; other exceptions pass unchanged.
+    Raises ResultFileError if the file cannot be written; other exceptions pass unchanged.
     """
     with atomic_path(path) as scratch, scratch.open("wb") as file:
         yield file
@@ -54,13 +54,13 @@ def atomic_write(path: AnyPath) -> Iterator[IO[bytes]]:
 
 @contextmanager
 def atomic_text(path: AnyPath) -> Iterator[IO[str]]:
-    """The same for text, in UTF-8."""
+    """An open UTF-8 text file that becomes ``path`` on success."""
     with atomic_path(path) as scratch, scratch.open("w", encoding="utf-8", newline="\n") as file:
         yield file
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder and those above it, where they are not there.  Raises ResultFileError."""
+    """Make a folder and its parents if they do not exist.  Raises ResultFileError."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -69,7 +69,7 @@ def make_folder(folder: Path) -> None:
 
 @contextmanager
 def new_folder(folder: Path) -> Iterator[None]:
-    """The same for what is written inside; where that fails, those that it made go again."""
+    """Context that makes a folder; if the work inside fails, the new folders are removed again."""
     missing = [item for item in (folder, *folder.parents) if not os.path.exists(item)]
     make_folder(folder)
     try:
@@ -82,7 +82,7 @@ def new_folder(folder: Path) -> Iterator[None]:
 
 
 def write_all(files: Mapping[str, str], folder: Path) -> list[Path]:
-    """Write texts by name into a folder, made if need be, all or none; returns their paths.
+    """Write texts by name into a folder (made if need be), all or none; returns their paths.
 
     Raises ResultFileError.
     """
@@ -97,10 +97,9 @@ def write_all(files: Mapping[str, str], folder: Path) -> list[Path]:
 
 
 def check_writable(path: AnyPath) -> Path:
-    """The file that writing to ``path`` would replace, links followed; nothing is touched.
+    """The file that writing to ``path`` would replace, links resolved; nothing is changed.
 
-    Raises ResultFileError where it is plain beforehand that it cannot be written, or if the same
-    command reads it.
+    Raises ResultFileError if it clearly cannot be written, or if the same command reads it.
     """
     note_output(path)
     try:

@@ -1,9 +1,9 @@
-"""Runs saved to files and loaded again; the suffix of the path chooses the format.
+"""Saving and loading of runs; the suffix of the path selects the format.
 
-Everything of a run besides its columns is one JSON object, which each format keeps in its own way:
-.npz has it in ``run.json`` beside an array per column, for ``numpy.load``; .csv in comment lines
-above a header of ``name [unit]`` and a row per sample; .parquet in the file's metadata; .mcap, a
-ROS 2 bag, in a message of its own.
+All data of a run except its columns are one JSON object, which each format stores in its own way:
+.npz in ``run.json`` beside an array per column, for ``numpy.load``; .csv in comment lines above a
+header of ``name [unit]`` and a row per sample; .parquet in the file's metadata; .mcap, a ROS 2 bag,
+in a separate message.
 """
 
 import csv
@@ -40,10 +40,10 @@ _JSON_MEMBER, _JSON_KEY = "run.json", b"wmr_ctrl"
 
 @checks_arguments
 def save_run(run: Run, path: AnyPath) -> None:
-    """Write ``run`` to a file whose suffix is one of `RUNS`, whole or not at all.
+    """Write ``run`` atomically to a file whose suffix is one of `RUNS`.
 
-    Raises ResultFileError for another suffix or where the file cannot be written,
-    MissingExtraError for .parquet without pyarrow and .mcap without rosbags.
+    Raises ResultFileError for another suffix or if the file cannot be written, MissingExtraError
+    for .parquet without pyarrow and .mcap without rosbags.
     """
     encode, _ = _FORMATS[check_suffix(path)]
     data = encode(run)
@@ -53,10 +53,10 @@ def save_run(run: Run, path: AnyPath) -> None:
 
 @checks_arguments
 def load_run(path: AnyPath) -> Run:
-    """Read a run that `Run.save` wrote; it compares equal to the one that was saved.
+    """Read a run that `Run.save` wrote; it equals the saved run.
 
-    Raises ResultFileError where the file is missing, damaged, or something else: a robot's own bag
-    is read by `load_drive`.
+    Raises ResultFileError if the file is missing, damaged, or something else: a robot's own bag is
+    read by `load_drive`.
     """
     try:
         return _loaded(path)
@@ -105,7 +105,7 @@ def _loaded(path: AnyPath) -> Run:
 
 
 def check_suffix(path: AnyPath) -> str:
-    """The lower-case suffix of ``path``; raises ResultFileError unless runs can be saved so."""
+    """The lower-case suffix of ``path``; raises ResultFileError if no run format has it."""
     suffix = Path(path).suffix.lower()
     if suffix not in _FORMATS:
         raise ResultFileError(
@@ -116,15 +116,15 @@ def check_suffix(path: AnyPath) -> str:
 
 
 def check_format(path: AnyPath) -> None:
-    """Raise MissingExtraError where the format of ``path`` needs a package that is not there."""
+    """Raise MissingExtraError if the format of ``path`` needs a missing package."""
     module, extra = _NEEDS.get(check_suffix(path), ("numpy", ""))
     library(module, extra)
 
 
 def metadata_text(run: Run) -> str:
-    """All of a run but its columns as indented JSON, in ASCII so that no encoding can harm it.
+    """All of a run except its columns as indented JSON, in ASCII so that no encoding can damage it.
 
-    Floats that JSON cannot name stand as the texts "inf", "-inf" and "nan".
+    Floats that JSON cannot express are the texts "inf", "-inf" and "nan".
     """
     metadata = {
         "format": _FORMAT,
@@ -150,7 +150,7 @@ def _encoded(value: object) -> object:
 
 
 def _parsed(text: str | bytes) -> Mapping[str, Any]:
-    """The JSON object that a file holds; raises ValueError unless this release can read it."""
+    """The JSON object in a file; raises ValueError unless this release can read it."""
     metadata = json.loads(text)
     if not isinstance(metadata, dict) or metadata.get("format") != _FORMAT:
         raise ValueError(f"its description is not of the format {_FORMAT!r}")
@@ -162,7 +162,7 @@ def _signals_in(metadata: Mapping[str, Any]) -> tuple[Signal, ...]:
 
 
 def _run_from(metadata: Mapping[str, Any], columns: Mapping[str, Floats]) -> Run:
-    """The run that a file holds; raises ValueError where rows are missing, or as Run does."""
+    """The run in a file; raises ValueError if rows are missing, and Run's own errors."""
     run = Run(
         **{name: metadata[name] for name in _LABELS},
         settings=Settings(**metadata["settings"]),
@@ -178,7 +178,7 @@ def _run_from(metadata: Mapping[str, Any], columns: Mapping[str, Floats]) -> Run
 
 
 def _npz_of(run: Run) -> bytes:
-    """An archive's bytes, the same for equal runs whenever they are written."""
+    """Bytes of an archive, equal for equal runs at any time of writing."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
         # ZipInfo without a date writes 1980, so that the bytes do not depend on the clock.
@@ -208,7 +208,7 @@ def _array(data: bytes) -> Floats:
 
 
 def _csv_of(run: Run) -> bytes:
-    """UTF-8; numbers in the shortest form that reads back to the same bits."""
+    """Bytes of a CSV file in UTF-8, with the shortest decimals that read back to the same bits."""
     text = io.StringIO()
     text.writelines(f"# {line}\n" for line in metadata_text(run).splitlines())
     writer = csv.writer(text, lineterminator="\n")
@@ -234,7 +234,7 @@ def _run_in_csv(data: bytes) -> Run:
 
 
 def _numbers(rows: Iterable[Sequence[str]], width: int) -> Floats:
-    """The numbers of rows of text, shape (N, width)."""
+    """Numbers of rows of text, shape (N, width)."""
     numbers = []
     for count, row in enumerate(rows, start=1):
         if len(row) != width:
@@ -244,7 +244,7 @@ def _numbers(rows: Iterable[Sequence[str]], width: int) -> Floats:
 
 
 def _parquet_of(run: Run) -> bytes:
-    """A column per logged number.  Raises MissingExtraError without pyarrow."""
+    """Bytes of a Parquet file, a column per number.  MissingExtraError without pyarrow."""
     arrow, parquet = library("pyarrow"), library("pyarrow.parquet")
     table = arrow.table({signal.name: run[signal.name] for signal in run.elements})
     table = table.replace_schema_metadata({_JSON_KEY: metadata_text(run)})

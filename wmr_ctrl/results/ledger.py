@@ -1,6 +1,6 @@
-"""The ledger: entries with verdicts, their JSON, and how a run compares with the committed one.
+"""The ledger: entries with verdicts, their JSON, and comparison of a run with the committed one.
 
-Standard library only, so that reports and documentation can show the committed ledger anywhere.
+Standard library only, so that reports and documentation can show the committed ledger everywhere.
 """
 
 import json
@@ -30,19 +30,17 @@ class Entry:
     """One checked claim.
 
     ``equations`` are numbers of the paper; ``form`` is printed, corrected or ours.
-    ``counterexample`` maps inputs of the graph to exact rationals as text (or ``1 pi``); given
-    where the verdict is REFUTED.  ``mutation_refuted`` tells whether the same method refuted the
-    altered claim, ``satisfied_at`` is a point that meets the hypotheses.  ``graph_hash`` covers the
-    graphs of claim and altered claim, which outputs are hypotheses and by which relations, and the
-    method with its regions and boxes; it is empty where no graph is behind the entry.
-    ``versions`` are those of the packages that decided; z3 is one of them where CasADi cancelled
-    something.  ``altered`` has the product's functions that the graph holds, as
-    ``module:function``, each with the entry's verdict where the function is altered: REFUTED,
-    OPEN, PROVED if it makes no difference, empty if not tried yet.
-    ``premises`` are entries that the claim rests on, ``confirmed_by`` further solvers that agree.
-    ``cancelled`` counts the operations that CasADi cancelled, each of which was shown to be
-    defined; None where that was not shown.
-    ``seconds`` is processor time.
+    ``counterexample`` maps inputs of the graph to exact rationals as text (or ``1 pi``); given if
+    the verdict is REFUTED. ``mutation_refuted`` says whether the same method refuted the altered
+    claim, ``satisfied_at`` is a point that meets the hypotheses. ``graph_hash`` covers the graphs
+    of claim and altered claim, which outputs are hypotheses and by which relations, and the method
+    with its regions and boxes; it is empty for an entry without a graph. ``versions`` are those of
+    the packages that decided; z3 is one of them where CasADi cancelled something. ``altered`` has
+    the product's functions that the graph holds, as ``module:function``, each with the entry's
+    verdict where the function is altered: REFUTED, OPEN, PROVED if it makes no difference, empty if
+    not tried yet. ``premises`` are entries that the claim depends on, ``confirmed_by`` further
+    solvers that agree. ``cancelled`` counts the operations that CasADi cancelled, each of which was
+    shown to be defined; None if that was not shown. ``seconds`` is processor time.
     """
 
     id: str
@@ -69,23 +67,23 @@ class Entry:
 
     @property
     def functions(self) -> tuple[str, ...]:
-        """The product's functions of which the entry says something: it notices an alteration."""
+        """The product's functions that the entry covers: it notices an alteration of them."""
         return tuple(name for name, verdict in self.altered.items() if verdict in NOTICED)
 
     @property
     def alterations(self) -> dict[str, int] | None:
-        """Numbers of functions altered, of REFUTED then (caught) and of OPEN; None if not tried."""
+        """Numbers of altered functions, of REFUTED (caught) and of OPEN ones; None if not tried."""
         verdicts = [verdict for verdict in self.altered.values() if verdict]
         counts = {"caught": verdicts.count(REFUTED), "open": verdicts.count(OPEN)}
         return {"tried": len(verdicts), **counts} if verdicts else None
 
     def is_about(self, graph_hash: str, versions: Mapping[str, str]) -> bool:
-        """True if it is about these graphs, by the same method and versions."""
+        """True if it is about these graphs, with the same method and versions."""
         known = {name: self.versions.get(name) for name in versions}
         return (self.graph_hash, known) == (graph_hash, versions)
 
     def public(self) -> dict[str, object]:
-        """The entry as `wmr-ctrl prove --json` writes it."""
+        """The entry as written by `wmr-ctrl prove --json`."""
         every = asdict(self) | {"functions": self.functions, "alterations": self.alterations}
         return {key: every[key] for key in PUBLIC_KEYS}
 
@@ -110,7 +108,7 @@ class Ledger:
         return json.dumps({"entries": [entry.public() for entry in self.entries]}, indent=1)
 
     def save(self, path: Path) -> None:
-        """Write everything, for `load` (this is how the committed ledger is made)."""
+        """Write everything, to be read by `load` (the committed ledger is made so)."""
         text = json.dumps(
             {"entries": [asdict(entry) for entry in self.entries]}, indent=1, ensure_ascii=False
         )

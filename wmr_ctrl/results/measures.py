@@ -1,4 +1,4 @@
-"""Quantities taken from a run's log: tracking errors, torques, the guard's share, the barrier.
+"""Quantities from a run's log: tracking errors, torques, the guard's share, the barrier.
 
 Every window is half open, [start, end), over sample times; a run that ended early gives None for
 each window that it does not cover to the end.
@@ -23,7 +23,7 @@ AT_LIMIT = 1 - 1e-9
 
 @dataclass(frozen=True)
 class Rises:
-    """Increases from one sample to the next: their number, their sum, the largest of them."""
+    """Increases between samples: their number, their sum, the largest of them."""
 
     count: int
     total: float
@@ -148,7 +148,7 @@ def position_max(run: Run) -> float | None:
 def tracking(run: Run) -> dict[str, dict[str, float | None] | None]:
     """RMS and largest distance from the desired position [m]: in the ``drive`` and at the ``end``.
 
-    The end is what follows the arrival of a path that stops; None where there is none.
+    The end is the time after the arrival of a path that stops; None without one.
     """
     end = windows.at_rest(run.settings)
     return {
@@ -170,10 +170,10 @@ def tracked(run: Run) -> bool | None:
 
 
 def arrival(run: Run) -> dict[str, float | None] | None:
-    """Times at which ``reference`` and ``robot`` are at the goal [s]; None without a goal.
+    """Times at which ``reference`` and ``robot`` reach the goal [s]; None without a goal.
 
-    The robot's is the first sample from which it stays within metrics.tolerance of the goal to
-    the run's end; None where it never does, or the run ends before the reference is there.
+    The robot's is the first sample from which it stays within metrics.tolerance of the goal until
+    the run ends; None if it never does, or the run ends before the reference arrives.
     """
     settings = run.settings
     if settings.arrival is None:
@@ -206,7 +206,7 @@ def _stays(run: Run, gap: Floats, within: float) -> float | None:
 def guard_share(run: Run, samples: windows.Span | None = None) -> Pair | None:
     """Share of the samples in which the guard changed the force, per axis; zeros without guard.
 
-    Over all rows, or a window of samples; None where the controller does not tell.
+    Over all rows, or a window of samples; None if the controller does not report it.
     """
     return _changed_share(run, samples) if run.guard else (0.0, 0.0)
 
@@ -251,7 +251,7 @@ def torque_change_rms(run: Run) -> float | None:
 
 
 def change_rms(torque: Floats, rows: slice) -> float:
-    """RMS over rows and wheels of a torque's (N, 2) change since the row before [N m]."""
+    """RMS over rows and wheels of the torques' (N, 2) change since the previous row [N m]."""
     steps = torque[rows] - torque[rows.start - 1 : rows.stop - 1]
     return float(np.sqrt(np.mean(steps**2)))
 
@@ -263,7 +263,7 @@ def torque_needed_rms(run: Run) -> float | None:
 
 
 def saturated_share(run: Run) -> float | None:
-    """Share of the samples in which a wheel is at its torque limit, while `working`."""
+    """Share of the samples with a wheel at its torque limit, while `working`."""
     rows, outlook = windows.rows_of(run, windows.working(run.settings)), run.outlook
     if rows is None or outlook is None:
         return None
@@ -272,13 +272,13 @@ def saturated_share(run: Run) -> float | None:
 
 
 def limit_ratios(run: Run) -> Pair:
-    """Largest |v1| and |omega| over their limits [1]."""
+    """Largest |v1| and |omega| divided by their limits [1]."""
     (linear, angular), limits = run.monitor.max_abs_v, run.settings.v_u1
     return linear / limits[0], angular / limits[1]
 
 
 def velocity_sway(run: Run) -> Pair | None:
-    """Standard deviation of v1 and omega about the desired ones, over their limits [1]."""
+    """Standard deviation of v1 and omega from the desired ones, divided by their limits [1]."""
     rows = windows.rows_of(run, windows.working(run.settings))
     if rows is None:
         return None

@@ -1,4 +1,4 @@
-"""Obstacles: circles and polygons that a body must not touch, and how near a run came to them."""
+"""Obstacles: circles and polygons that a body must not touch, and a run's distance from them."""
 
 from __future__ import annotations
 
@@ -35,14 +35,15 @@ def distance(shape: Shape, points: Floats) -> Floats:
 
 
 def closest(shapes: Sequence[Shape], points: Floats) -> tuple[float, int, int]:
-    """Smallest distance [m] of ``points`` (N, 2) from any shape, the shape and the point."""
+    """Smallest distance [m] of ``points`` (N, 2) from any shape; index of shape and point."""
     away = np.array([distance(shape, points) for shape in shapes])
     place, k = np.unravel_index(away.argmin(), away.shape)
     return float(away[place, k]), int(place), int(k)
 
 
 def nearest(run: Run) -> tuple[float, int, float] | None:
-    """Smallest gap [m] between body and obstacle at a sample, the obstacle, from 1, and time [s].
+    """Smallest gap [m] between body and obstacle over the samples; the obstacle, from 1, and time
+    [s].
 
     The body is a disc of `Settings.radius` about the axle's midpoint; below 0 it touches.  None
     without obstacles or samples.

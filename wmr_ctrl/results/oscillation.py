@@ -1,13 +1,13 @@
 """Limit cycles of a run, distinguished from the response to noise.
 
-A loop that answers noise spreads its torques over many frequencies, and what a reference asks for
-is slow.  A limit cycle, or a loop that is about to have one, puts much of the swing into one line
-and keeps it up.  The end of a start's transient, and a few periods of noise, do one of these at
-most: they are none, and where a window is too short to tell, nothing is told.
+A loop's response to noise spreads over many frequencies, and what a reference demands is slow.  A
+limit cycle, or a loop close to one, concentrates its power in one line and sustains it.  The end of
+a start's transient, and a few periods of noise, do at most one of these, so they are not reported;
+nor is anything in a window too short to decide.
 
-Fast cycles are looked for in the wheel torques, in step or against each other.  A slow line of
-torque may be what a slope or a gust needs; a slow cycle is one of the velocities about the desired
-ones, whatever its frequency.
+Fast cycles are searched in the wheel torques, in phase or in opposite phase.  A slow line of torque
+may be needed against a slope or a gust; a slow cycle is one of the velocities about the desired
+ones, at any frequency.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ TORQUE, SPEEDS = ("torque", "N m"), (("v1", "m/s"), ("omega", "rad/s"))
 
 @dataclass(frozen=True)
 class Oscillation:
-    """A swing of the torques or of a velocity: peak to peak [unit] and frequency [Hz].
+    """An oscillation of torques or of a velocity: peak to peak [unit] and frequency [Hz].
 
     ``quantity``: "torque" (of a wheel), "v1" or "omega" (less the desired one).
     """
@@ -60,7 +60,7 @@ class Oscillation:
 
 
 def oscillation(run: Run) -> Oscillation | None:
-    """The largest cycle of the wheel torques, else of a velocity, while `working`; None if none."""
+    """The largest cycle of the wheel torques, else of a velocity, while `working`; None without."""
     rows = rows_of(run, working(run.settings))
     if rows is None or rows.stop - rows.start < FEWEST:
         return None
@@ -94,7 +94,7 @@ def _velocity_cycles(run: Run, rows: slice) -> list[Oscillation]:
 def fast_swing_rms(signal: Floats, period: float) -> float:
     """RMS over rows and columns of a signal's (N, n) content above `SLOWEST` [its unit].
 
-    What has fewer than `PERIODS` periods in them may be a start or a change of the motion.
+    Content with fewer than `PERIODS` periods in the rows may be a start or a change of the motion.
     """
     power = np.abs(np.fft.rfft(signal, axis=0)) ** 2
     power[np.fft.rfftfreq(len(signal), period) < SLOWEST] = power[:PERIODS] = 0.0
@@ -103,7 +103,7 @@ def fast_swing_rms(signal: Floats, period: float) -> float:
 
 
 def _line(signal: Floats, period: float, slowest: float) -> Oscillation | None:
-    """The strongest line from ``slowest`` [Hz] on of a signal without its trend, if it is one."""
+    """Strongest spectral line from ``slowest`` [Hz] on, without trend; None if not narrow."""
     k, shape = np.arange(len(signal)), np.hanning(len(signal))
     swinging = signal - np.polyval(np.polyfit(k, signal, 1), k)
     power = 2 * np.abs(np.fft.rfft(swinging * shape)) ** 2 / np.sum(shape**2) / len(signal)

@@ -1,4 +1,4 @@
-"""Run: the one result type, whichever engine made it."""
+"""Run: the one result type of all engines."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ class Run:
     """A finished run of the closed loop: one row per control sample t_k = k * control.
 
     ``columns`` maps each signal's name to its log, shape (N,) for a scalar and (N, size) for a
-    vector, in the signals' SI units; N is smaller than ``settings.samples`` if the run ended
-    early.  Arrays are copied and read-only.  ``run["v1"]`` is a column, ``run["v_c0[1]"]`` an
-    element of one.  ``provenance`` says what made the run (versions, hashes, scenario text).
-    ``save``, ``plot``, ``animate``, ``summary()``, ``to_dataframe()`` and ``to_xarray()`` pass it
-    on.  Raises ArgumentError where names, shapes, clock or outcome contradict one another.
+    vector, in the signals' SI units; N is smaller than ``settings.samples`` if the run ended early.
+    Arrays are copied and read-only. ``run["v1"]`` is a column, ``run["v_c0[1]"]`` an element of
+    one. ``provenance`` says how the run was made (versions, hashes, scenario text). ``save``,
+    ``plot``, ``animate``, ``summary()``, ``to_dataframe()`` and ``to_xarray()`` export it.  Raises
+    ArgumentError if names, shapes, clock or outcome contradict one another.
     """
 
     scenario: str
@@ -81,7 +81,7 @@ class Run:
         object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[type[Run], tuple[Any, ...]]:
-        """Pickle and copy through the constructor: a mapping proxy by itself cannot be pickled."""
+        """Pickle and copy by the constructor, since a mapping proxy cannot be pickled."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         values |= {"columns": dict(self.columns), "provenance": dict(self.provenance)}
         return Run, tuple(values.values())
@@ -129,7 +129,7 @@ class Run:
     def film(self, path: AnyPath) -> None:
         """Film a run on the rigid body in three dimensions, into a .gif or .mp4 file.
 
-        The run is made once more for it.  Raises ResultFileError, ArgumentError for a run on the
+        The run is simulated again for it. Raises ResultFileError, ArgumentError for a run on the
         plane model, without any sample or from elsewhere, MissingExtraError without the extra
         physics, OpenGL, or ffmpeg for .mp4.
         """
@@ -137,7 +137,7 @@ class Run:
 
     @checks_arguments
     def summary(self) -> dict[str, object]:
-        """Labels, outcome and figures as ``wmr-ctrl run --json`` prints them: plain values."""
+        """Labels, outcome and figures as plain values, as printed by ``wmr-ctrl run --json``."""
         from .frames import summary  # it reads Runs, and so stands above
 
         return summary(self)
@@ -171,9 +171,9 @@ class Run:
 
     @property
     def explanation(self) -> str:
-        """The outcome as a sentence: what, when, which axis, and the remedy.
+        """Sentence on the outcome: event, time, axis, and remedy.
 
-        It says that nothing needs to be done only without `remarks` and assumed keys.
+        It states that nothing needs to be done only without `remarks` and assumed keys.
         """
         apart = contradictions(self)
         if apart and self.outcome in _WITHHELD:
@@ -190,7 +190,7 @@ class Run:
 
     @cached_property
     def outlook(self) -> Outlook | None:
-        """Outlook of theory on law and scenario without a run, with its objections.
+        """Theory's Outlook on law and scenario without a run, with its objections.
 
         None if the scenario is not known here; of an unknown law it has no objections.
         """
@@ -214,7 +214,7 @@ class Run:
     def remarks(self) -> tuple[Remark, ...]:
         """Faults of the run, with keys and remedies; empty if all is well.
 
-        What `wmr-ctrl check` objects to is part of it, looked up once for scenario and law.
+        Objections of `wmr-ctrl check` are included, and computed once per scenario and law.
         """
         from .remarks import remarks_on  # it reads Runs, and so stands above
 
@@ -235,7 +235,7 @@ class Run:
         return " Nothing needs to be done."
 
     def _lost_reference(self) -> float | None:
-        """Time [s] of the first row whose reference is not finite; None where all are."""
+        """Time [s] of the first row with a non-finite reference; None if all are finite."""
         names = [signal.name for signal in REFERENCE if signal.name in self.columns]
         bad = [~np.isfinite(self.columns[name]) for name in names]
         rows = np.flatnonzero(np.any(bad, axis=0)) if bad else np.empty(0)

@@ -38,9 +38,9 @@ SHOWN = (*HEADS, "position_rms", "ise_total", "max_abs_v1", "max_abs_v2")
 
 @dataclass(frozen=True)
 class Spread:
-    """``count`` numbers in short: median, extremes, quartiles, mean and standard deviation.
+    """Statistics of ``count`` numbers: median, extremes, quartiles, mean and standard deviation.
 
-    ``std`` divides by ``count``.  All are None where there is no number.
+    ``std`` divides by ``count``.  All are None if there is no number.
     """
 
     count: int
@@ -54,7 +54,7 @@ class Spread:
 
     @property
     def statistics(self) -> dict[str, float | None]:
-        """Each of :data:`STATISTICS` by its name."""
+        """Values of all :data:`STATISTICS` by name."""
         return {name: getattr(self, name) for name in STATISTICS}
 
 
@@ -79,12 +79,11 @@ def median(values: Iterable[float | None]) -> float | None:
 class RunTable(Mapping[str, Column]):
     """Many runs: arrays by name, with one row per run, in the order in which they were requested.
 
-    Columns are figures of the catalogue in their units (NaN: the run has none) and labels:
-    ``seed`` and ``outcome`` (text) always; ``tracked`` (bool, RMS of drive and end against
+    Columns are figures of the catalogue in their units (NaN: the run has none) and labels: ``seed``
+    and ``outcome`` (text) always; ``tracked`` (bool, RMS of drive and end against
     metrics.tolerance) and what `sim.figures.EVENTS` names of `simulate_many`; of planned runs
     ``case``, ``law``, ``base``, ``guard`` (None: as the scenario says), ``plant`` and ``refusal``,
-    the guard's words where it refused.  A run's remarks need its whole log:
-    `wmr_ctrl.simulate_runs`.
+    the guard's message if it refused. A run's remarks need its whole log: `wmr_ctrl.simulate_runs`.
     """
 
     columns: Mapping[str, Column] = field(default_factory=dict)
@@ -122,7 +121,7 @@ class RunTable(Mapping[str, Column]):
         return len(self.columns)
 
     def records(self) -> list[dict[str, object]]:
-        """Each run as plain values by name; None if it has no such number."""
+        """One dictionary of plain values per run, with None for NaN."""
         lists = {name: [plain(x) for x in column.tolist()] for name, column in self.items()}
         return [dict(zip(lists, row, strict=True)) for row in zip(*lists.values(), strict=True)]
 
@@ -139,7 +138,7 @@ class RunTable(Mapping[str, Column]):
         return self.at(mask)
 
     def different(self, label: str) -> tuple[str, ...]:
-        """The values of a label, in order."""
+        """Distinct values of a label, in order."""
         return tuple(dict.fromkeys(self.columns[label].tolist() if self.columns else ()))
 
     @property
@@ -149,7 +148,7 @@ class RunTable(Mapping[str, Column]):
 
     @property
     def seeds(self) -> tuple[int, ...]:
-        """Seeds, from the least to the greatest."""
+        """Seeds in ascending order."""
         return tuple(sorted(set(self["seed"].tolist())))
 
     @property
@@ -187,13 +186,13 @@ class RunTable(Mapping[str, Column]):
 def ratios(
     values: Mapping[int, float | None], others: Mapping[int, float | None]
 ) -> dict[int, float | None]:
-    """Each value over that of the same seed; None where one is missing or the other is 0."""
+    """Ratio of the values of each seed; None if one is missing or the divisor is 0."""
     both = {seed: (value, others[seed]) for seed, value in values.items() if seed in others}
     return {seed: a / b if a is not None and b else None for seed, (a, b) in both.items()}
 
 
 def plain(value: float) -> float | None:
-    """None for NaN; anything else as it is."""
+    """None for NaN; other values unchanged."""
     return value if value == value else None
 
 

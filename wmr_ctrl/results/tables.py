@@ -1,4 +1,4 @@
-"""Columns over time from a table of a robot's drive, each with its own times."""
+"""Columns over time from a table of a robot's drive, with separate times."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def reader_of(
     columns: Mapping[str, str] | None,
     error: type[WmrError] = ResultFileError,
 ) -> TableReader:
-    """The reader of a table over time; ``known`` is the unit of each column but the times."""
+    """Reader of a table over time; ``known`` has the unit of each column except the times."""
     known = {TIME.name: TIME.unit, **known}
     return TableReader(place, known, (TIME.name,), error, columns or {}, remedy=REMEDY)
 
 
 def read_timed(path: Path, reader: TableReader) -> Timed:
-    """Columns of a file; raises the reader's error."""
+    """Read the columns of a file; raises the reader's error."""
     note_input(path, "table")
     try:
         if path.stat().st_size > MOST_BYTES:

@@ -1,4 +1,4 @@
-"""What theory says about a run, as values that the run can carry."""
+"""Statements of theory about a run, as values that the run can carry."""
 
 from dataclasses import dataclass
 
@@ -10,9 +10,9 @@ class Warning:
     """A sentence that names the problem, its size and the remedy.
 
     ``key`` is the scenario's key (or ``law``) that the remedy starts from; ``equation`` names the
-    place that the statement rests on: one of the paper, such as ``"Eq. (9)"``, or a limit.
-    ``objects``: whether something is expected to go wrong; if not, a promise is only narrower than
-    it might be, and a run that shows no fault needs no change.
+    basis of the statement: a place in the paper, such as ``"Eq. (9)"``, or a limit. ``objects``:
+    whether a fault is expected; if not, a guarantee is only weaker than it could be, and a run
+    without a fault needs no change.
     """
 
     key: str
@@ -21,18 +21,18 @@ class Warning:
     objects: bool = True
 
     def __str__(self) -> str:
-        """The sentence, then the place that it rests on."""
+        """The sentence, then its basis."""
         return f"{self.sentence} [{self.equation}]"
 
 
 @dataclass(frozen=True)
 class Outlook:
-    """Prior knowledge of a law's run on a scenario.
+    """Knowledge about a law's run on a scenario in advance.
 
-    ``tau_max``: torque limit of each wheel [N m], inf for none; ``warnings``: what theory says;
+    ``tau_max``: torque limit of each wheel [N m], inf for none; ``warnings``: those of theory;
     ``exact_pose``: whether the pose is perfect while velocities come from encoders; ``known``:
-    whether the law is, and so was checked; ``barrier``: speeds [m/s, rad/s] at which that of the
-    law begins, None for a law without; ``assumed``: keys that nobody stated.
+    whether the law is known, and so was checked; ``barrier``: speeds [m/s, rad/s] at which the
+    law's barrier begins, None for a law without; ``assumed``: keys that nobody stated.
     """
 
     tau_max: float
@@ -44,16 +44,16 @@ class Outlook:
 
     @property
     def objections(self) -> tuple[Warning, ...]:
-        """Warnings by which something is expected to go wrong."""
+        """Warnings that expect a fault."""
         return tuple(item for item in self.warnings if item.objects)
 
 
 @dataclass(frozen=True)
 class CorridorLeft:
-    """A run that was settled in its corridor from ``since`` [s] on, and left it at ``time`` [s].
+    """A run that had settled in its corridor since ``since`` [s], and left it at ``time`` [s].
 
-    ``distance`` [m] from its place on the path then, of which ``most`` [m] is certified while
-    the ``assumptions`` hold.
+    ``distance`` [m] is its distance from its place on the path then; ``most`` [m] is certified
+    while the ``assumptions`` hold.
     """
 
     time: float
@@ -64,7 +64,7 @@ class CorridorLeft:
 
     @property
     def sentence(self) -> str:
-        """All of it in words, with what follows."""
+        """One-sentence summary with the conclusion."""
         return (
             f"At t = {self.time:.4g} s the robot was {length(self.distance)} from its place on the "
             f"path. From t = {self.since:.4g} s on it was settled there, and no more than "

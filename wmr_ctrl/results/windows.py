@@ -1,8 +1,8 @@
 """Windows of time and of samples in which runs are judged, and whether a run lasted through them.
 
-A path that stops is judged over its drive, less the first half in which the start fades, and over
-what follows its arrival; a motion that goes on for ever over the run's end.  So a longer run
-at rest hides no error of the drive.
+A path that stops is judged over its drive, without the first half, in which the start decays, and
+after its arrival; an endless motion at the end of the run.  So a longer rest hides no error of the
+drive.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ BEFORE, LATE = WINDOWS[0], WINDOWS[-1]
 
 
 def named(span: Span) -> str:
-    """The end of the name of a figure over a window."""
+    """Suffix of the name of a figure over a window."""
     return f"{span[0]}_{span[1]}"
 
 
 def seconds(start: float, end: float) -> str:
-    """A window of time as readers write it."""
+    """A window of time as text."""
     return f"{start:g}–{end:g} s"
 
 
 def window(run: Run, start: float, end: float | None = None) -> slice | None:
     """Rows k with ``start`` <= t_k < ``end`` [s], or None where the run does not cover them all.
 
-    Samples are counted, not compared as floats, so that windows that touch share no sample.
-    Without ``end`` all later rows, never None: those of a run that ended early simply end earlier.
+    Samples are counted, not compared as floats, so that windows that touch share no sample. Without
+    ``end`` all later rows, never None: those of a run that ended early end earlier.
     """
     first = run.settings.index(start)
     if end is None:
@@ -45,9 +45,9 @@ def window(run: Run, start: float, end: float | None = None) -> slice | None:
 
 
 def covered(run: Run) -> int:
-    """Number of whole sample periods that the run lasted.
+    """Number of complete sample periods of the run.
 
-    A run that ends between two samples has logged the sample before, yet not lived through it.
+    A run that ends between two samples has logged the sample before, but not completed its period.
     """
     if run.monitor.stopped is None:
         return run.rows
@@ -61,9 +61,9 @@ def last_quarter(settings: Settings) -> Span:
 
 
 def drive(settings: Settings) -> Span:
-    """Samples [first, end) in which driving is judged: the last quarter of a motion without end.
+    """Samples [first, end) in which driving is judged: the last quarter of an endless motion.
 
-    Of a path that stops, all from half of the time until its arrival on.
+    For a path that stops, all from half of the time of its arrival on.
     """
     if settings.arrival is None:
         return last_quarter(settings)
@@ -86,13 +86,13 @@ def robots_over(settings: Settings, start: float = 0.0, end: float = math.inf) -
 
 
 def driving(run: Run) -> str:
-    """The window of the drive, in words, with its robot where that changes."""
+    """Text on the window of the drive, with its robot if that changes."""
     name = "drive" if run.settings.arrival is not None else "last quarter"
     return _told(name, run.settings, drive(run.settings))
 
 
 def _told(name: str, settings: Settings, samples: Span) -> str:
-    """A window's name, with its times for a path that stops or a robot that changes."""
+    """A window's name, with its times if the path stops or the robot changes."""
     first, end = (sample * settings.control for sample in samples)
     robots = robots_over(settings, first, end)
     if settings.arrival is None and not robots:
@@ -101,7 +101,7 @@ def _told(name: str, settings: Settings, samples: Span) -> str:
 
 
 def at_rest(settings: Settings) -> Span:
-    """Samples [first, end) from the arrival of a path that stops on; empty where none does."""
+    """Samples [first, end) after the arrival of a path that stops; empty without one."""
     goal = settings.samples if settings.arrival is None else settings.index(settings.arrival)
     return min(goal, settings.samples), settings.samples
 
@@ -109,27 +109,27 @@ def at_rest(settings: Settings) -> Span:
 def working(settings: Settings) -> Span:
     """Samples [first, end) in which torques are judged, without the very first sample.
 
-    The last half of a motion without end, and the drive of a path that stops.
+    The last half of an endless motion, or the drive of a path that stops.
     """
     first, end = drive(settings)
     return max(settings.samples // 2 if settings.arrival is None else first, 1), end
 
 
 def labouring(run: Run) -> str:
-    """The window of the torques, in words."""
+    """Text on the window in which torques are judged."""
     if run.settings.arrival is not None:
         return driving(run)
     return _told("last half", run.settings, working(run.settings))
 
 
 def rows_of(run: Run, samples: Span) -> slice | None:
-    """The rows of a window of samples; None where the run does not cover it or it is empty."""
+    """The rows of a window of samples; None if the run does not cover it or it is empty."""
     first, end = samples
     return slice(first, end) if first < end <= covered(run) else None
 
 
 def windows_of(settings: Settings) -> dict[str, Span]:
-    """Windows of samples over which a loop without a log adds up, by name."""
+    """Windows of samples over which a loop without a log accumulates sums, by name."""
     end, split = settings.samples, settings.index(settings.split)
     return {
         "all": (0, end),

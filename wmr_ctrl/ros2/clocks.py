@@ -1,4 +1,4 @@
-"""ROS time against a clock that never jumps: jumps, and times in which the process stood still."""
+"""ROS time compared with a monotonic clock: detects jumps and frozen processes."""
 
 from ctypes import byref
 from dataclasses import dataclass
@@ -18,26 +18,26 @@ class Moment:
 
     @property
     def struct(self) -> MomentStruct:
-        """The same for C."""
+        """This moment as the C struct."""
         return MomentStruct(self.ros, self.steady, self.simulated)
 
 
 class Clocks:
-    """Looks at the time of each callback; ``longest`` [ns] is the pause that is no freeze."""
+    """Time check at each callback; ``longest`` [ns]: longest pause not treated as a freeze."""
 
     def __init__(self, longest: int, struct: ClocksStruct | None = None) -> None:
-        """Begin, or look at those that C has."""
+        """Create clocks, or wrap the C struct."""
         self.struct = struct or ClocksStruct(longest=longest)
         self._see = node_functions()["clocks_see"]
 
     @property
     def counts(self) -> dict[str, int]:
-        """Numbers of happenings, by name, without those that never happened."""
+        """Counts of happenings by name, without zeros."""
         listed = zip(HAPPENINGS, self.struct.counts, strict=True)
         return {name: count for name, count in listed if count}
 
     def start(self) -> None:
-        """Begin anew: no callback came before."""
+        """Reset: no earlier callback."""
         self.struct.begun = 0
 
     def see(self, now: Moment) -> tuple[str, ...]:
@@ -46,10 +46,10 @@ class Clocks:
 
 
 def named_happenings(bits: int) -> tuple[str, ...]:
-    """Bits in words."""
+    """Names of the happenings whose bits are set."""
     return tuple(name for k, name in enumerate(HAPPENINGS) if bits >> k & 1)
 
 
 def longest_pause(timeout: float, period: float) -> int:
-    """Pause between callbacks [ns] that is no freeze, for a time-out and a period [s]."""
+    """Longest pause between callbacks [ns] not treated as a freeze; time-out and period in s."""
     return in_ns(max(timeout, 2.5 * period))

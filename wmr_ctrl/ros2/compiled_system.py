@@ -20,7 +20,7 @@ VISIBLE = ("-fvisibility=default",)
 
 
 class CompiledSystem:
-    """A System's C function: a step takes some microseconds from Python.
+    """A System's C function; one step from Python takes some microseconds.
 
     ``x`` is the state, in the order of the System's; it may be changed in place.
     """
@@ -40,17 +40,17 @@ class CompiledSystem:
         self._pointers = [ctypes.c_void_p(item.ctypes.data) for item in arrays]
 
     def start(self) -> None:
-        """Start values for the state."""
+        """Compile the graph, or load it from the cache.  Raises CompilerError."""
         self.x[:] = self.start_values
 
     def look(self, u: Sequence[float]) -> list[float]:
-        """The outputs for inputs ``u``; the state stays until `move`."""
+        """Compute the outputs for inputs ``u``; the state changes only with `move`."""
         self._u[:] = u
         self._step(*self._pointers)
         return self._y.tolist()
 
     def move(self) -> None:
-        """Take the next state of what was looked at last."""
+        """Commit the state of the last `look`."""
         self.x[:] = self._next
 
     def step(self, u: Sequence[float]) -> list[float]:
@@ -70,7 +70,7 @@ class Gate:
     """A gate's C function and its memory."""
 
     def __init__(self, scenario: Scenario, settings: GateSettings) -> None:
-        """Compile the graph, unless it is in the cache.
+        """Compile the graph, or load it from the cache.
 
         Raises ScenarioError where the filter is not set or cannot be met, CompilerError.
         """
@@ -78,7 +78,7 @@ class Gate:
         self.period = scenario.clock.control
 
     def start(self) -> None:
-        """Begin anew: no command, nothing latched, the base anywhere within its limits."""
+        """Reset: no command, nothing latched, the base anywhere within its limits."""
         self._function.start()
 
     def step(
@@ -94,9 +94,9 @@ class Gate:
     ) -> Gated:
         """The command (v [m/s], omega [rad/s]) that goes to the base, and its report.
 
-        Ages [s] are counted since a message was taken, negative: there is none; ``elapsed`` [s]
-        since the last step, 0: the period.  ``stop`` latches zeros until ``reset``.  Flags: those
-        of `wmr_ctrl.control.filter.CommandFilter.step`, and "stopped", "no-command", "no-odometry",
+        Ages [s] count from a message's arrival; negative: no message; ``elapsed`` [s] since the
+        last step, 0: the period. ``stop`` latches zeros until ``reset``. Flags: those of
+        `wmr_ctrl.control.filter.CommandFilter.step`, and "stopped", "no-command", "no-odometry",
         "too-fast" (odometry contradicts the bounds: stopped), "ramped".
         """
         v, omega, bits = self._function.step(

@@ -1,4 +1,4 @@
-"""Level and sentence of diagnostics, from flags and from who else publishes."""
+"""Level and message of diagnostics, from flags and from other publishers."""
 
 from collections.abc import Iterable, Sequence
 
@@ -29,7 +29,7 @@ LEASE = "a node that ended abruptly is listed until its lease ends, some 20 s"
 
 
 def rivals(own: str, publishers: Sequence[str], topic: str) -> str:
-    """Sentence on other publishers of the commands that go to the base; "" without any.
+    """Sentence on other publishers of the base's commands; "" without any.
 
     ``own`` is the node's full name, ``publishers`` those of all that the graph lists on ``topic``.
     """
@@ -45,7 +45,7 @@ def rivals(own: str, publishers: Sequence[str], topic: str) -> str:
 
 
 def two_senders(publishers: Sequence[str], topic: str) -> str:
-    """Sentence on several senders of what a node reads; "" where there is one."""
+    """Sentence on several senders on one topic of a node; "" for one sender."""
     if len(publishers) < 2:
         return ""
     return (
@@ -57,7 +57,7 @@ def two_senders(publishers: Sequence[str], topic: str) -> str:
 def judged(
     flags: Iterable[str], problem: str = "", rival: str = "", senders: str = ""
 ) -> tuple[int, str]:
-    """Level and sentence of a node that is active."""
+    """Diagnostic level and message of an active node."""
     given = set(flags)
     for level, text in ((ERROR, problem), (ERROR, rival), (ERROR, _named(given & ERRORS)),
                         (WARN, _named(given & WARNINGS)), (WARN, senders)):  # fmt: skip
@@ -67,7 +67,7 @@ def judged(
 
 
 def grave(flags: Iterable[str]) -> tuple[str, ...]:
-    """Flags that go into the log when they change, errors first; none that last a moment."""
+    """Flags that are logged when they change, errors first, without momentary ones."""
     given = set(flags)
     return (*sorted(given & ERRORS), *sorted(given & (WARNINGS | TOLD) - PASSING))
 

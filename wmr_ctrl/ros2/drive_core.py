@@ -1,9 +1,9 @@
-"""Decisions of ``wmr_drive``: odometry and ticks to the command that goes to the base.
+"""Decisions of ``wmr_drive``: from odometry and ticks to the command for the base.
 
-A message is a sample: its stamp is the law's time.  Whatever makes the law's memory worthless
-(odometry that was missing, a pose or a clock that jumped, a stop) makes the base come to rest; the
-reference waits, and after CALM messages that agree the law begins anew where the reference stood.
-Nothing here knows ROS: the node hands on what came and when.
+Each message is a sample: its stamp is the law's time.  If the law's memory becomes invalid (missing
+odometry, a jump of pose or clock, a stop), the base is brought to rest; the reference waits, and
+after CALM consistent messages the law restarts at the waiting reference.  Nothing here depends on
+ROS: the node passes on what arrived and when.
 """
 
 import math
@@ -40,7 +40,7 @@ NOTHING: Message = (0.0,) * 8
 
 @dataclass(frozen=True, kw_only=True)
 class DriveSettings:
-    """Gate of the drive, its frames, and how far a pose may leap [m, rad] beyond its motion.
+    """Gate of the drive, its frames, and the largest pose jump [m, rad] beyond its motion.
 
     ``path``: the reference comes as a path, not from the scenario.
     """
@@ -56,8 +56,8 @@ class DriveCore:
     """Law, gate, intake and clocks of a drive node.
 
     ``last`` is what was sent last, ``e`` the tracking error of the last sample [m, m, rad],
-    ``held`` why the base is kept at rest, "" while it drives; ``counts`` how often and of what;
-    ``oldest`` the largest age of odometry that a sample had [s], for who reads it to set it to 0.
+    ``held`` why the base is kept at rest, "" while it drives; ``counts`` number of events by name;
+    ``oldest`` the largest age of odometry that a sample had [s], which its reader resets to 0.
     """
 
     def __init__(self, setup: Setup, settings: DriveSettings) -> None:
@@ -85,7 +85,7 @@ class DriveCore:
         self.start()
 
     def start(self) -> None:
-        """Begin anew: the reference at its start, no message, latched where ~/stop says so."""
+        """Reset: the reference at its start, no message, latched if ~/stop is true."""
         self.measured.forget()
         self._pace.forget()
         self.clocks.start()
@@ -110,7 +110,7 @@ class DriveCore:
     # -- what comes in ------------------------------------------------------------------------
 
     def see(self, now: Moment) -> tuple[str, ...]:
-        """Look at the time; what happened to it, for the report."""
+        """Check the clocks; returns what happened to them, for the report."""
         happened = self.clocks.see(now)
         if BACK in happened:
             self.measured.forget()
@@ -122,7 +122,8 @@ class DriveCore:
     def odometry(
         self, message: Message, stamp: int, frame: str, child: str, now: Moment
     ) -> tuple[str, Gated | None]:
-        """Take a message: why it is refused, else ""; and what is sent to the base, if anything.
+        """Take a message; returns the reason if it is refused ("" if not), and the command sent, if
+        any.
 
         ``message``: x, y, quaternion, v, omega; ``stamp`` [ns]; the pose is in ``frame``, the twist
         in ``child``.
@@ -141,7 +142,7 @@ class DriveCore:
         return "", self._sampled(*place, stamp, now)
 
     def follow(self, points: Sequence[tuple[float, float]], frame: str) -> str:
-        """Take a path, which is begun when the base rests; why it is refused, else ""."""
+        """Store a path, which starts once the base rests; returns why it is refused, else ""."""
         if not self.settings.path:
             return "the reference is the scenario's"
         if frame != self.settings.odometry_frame:
@@ -153,7 +154,7 @@ class DriveCore:
         return ""
 
     def halt(self, stop: bool, now: Moment) -> Gated | None:
-        """Take the word of ~/stop; true stops at once and latches."""
+        """Process a message on ~/stop; true stops at once and latches."""
         self.stop = stop
         if not stop:
             return None
@@ -162,14 +163,14 @@ class DriveCore:
         return self._rest(now)
 
     def reset(self) -> bool:
-        """Leave what is latched; False while ~/stop says true: then it stays stopped."""
+        """Release the latch; False while ~/stop is true, which keeps the base stopped."""
         if self.stop:
             return False
         self._latched, self._reset = False, True
         return True
 
     def tick(self, now: Moment) -> Gated | None:
-        """The command for the base where no odometry leads to one in time; else None."""
+        """The command for the base if odometry is late; None while it arrives in time."""
         patience = self.settings.gate.odometry_timeout
         if self._gate is None and not now.simulated:
             patience = min(patience, LATEST * self.period)
@@ -183,7 +184,7 @@ class DriveCore:
     # -- what is made of it -------------------------------------------------------------------
 
     def _hold(self, reason: str) -> None:
-        """Bring the base to rest; the law begins anew when it is over."""
+        """Bring the base to rest; the law restarts when the cause is over."""
         self.held, self._calm, self._origin = reason, max(CALM, self._in_flight), None
         self._count(reason)
 
@@ -191,7 +192,7 @@ class DriveCore:
         self.counts[what] = self.counts.get(what, 0) + times
 
     def _compare(self, stamp: int, message: Message) -> None:
-        """Hold where a message does not follow from the one before."""
+        """Bring the base to rest if a message does not follow from the one before."""
         before, self._seen = self._seen, (stamp, message)
         if before is None:
             return
@@ -202,7 +203,7 @@ class DriveCore:
             self._hold(JUMPED)
 
     def _leaps(self, before: Message, message: Message, passed: float) -> bool:
-        """Whether the pose moved farther than the larger of both speeds leads, and the slack."""
+        """True if the pose moved farther than the larger of both speeds and the tolerance allow."""
         speed, turning = (max(abs(before[i]), abs(message[i])) for i in (6, 7))
         way = math.hypot(message[0] - before[0], message[1] - before[1])
         most, turned = self.settings.jump
@@ -212,7 +213,7 @@ class DriveCore:
         return way > most + 2 * speed * passed or turn > turned + 2 * turning * passed
 
     def _place(self, stamp: int) -> tuple[int, float] | None:
-        """Number of the law's period and time after it [s]; None where no sample is due."""
+        """Index of the law's period and the time after its start [s]; None if no sample is due."""
         following = self._sample + 1
         if self._origin is None:
             self._origin = stamp - in_ns(following * self.period)
@@ -277,7 +278,7 @@ class DriveCore:
         return self.last
 
     def _elapsed(self, stamp: int, now: Moment) -> float:
-        """Time since the gate's last step [s], by stamps where it was a sample; 0: the period."""
+        """Time since the gate's last step [s], by stamps if that was a sample; 0: the period."""
         if self._sent_at is None:
             return 0.0
         before, steady = self._sent_at
@@ -287,7 +288,7 @@ class DriveCore:
         return passed * NS if passed else STANDING
 
     def _passed(self, command: tuple[float, float], age: float, stamp: int, now: Moment) -> Gated:
-        """The gate's word on a command; ``stamp`` is 0 where it comes from no sample."""
+        """Pass a command through the gate; ``stamp`` is 0 if it does not belong to a sample."""
         assert self._gate
         gated = self._gate.step(
             command, age, self.measured.value[6:], self.measured.age(now),
@@ -300,7 +301,7 @@ class DriveCore:
         return gated
 
     def _rest(self, now: Moment) -> Gated:
-        """Bring the base to rest: velocities by the gate's ramp, torques to 0."""
+        """Bring the base to rest: velocities follow the gate's ramp, torques become 0."""
         gated = Gated(PAIR, ())
         if self._gate:
             gated = self._passed(PAIR, NONE, 0, now)
@@ -312,9 +313,9 @@ class DriveCore:
 
 
 def _in_flight(setup: Setup) -> int:
-    """Earlier torques that may still act when the law begins anew, by the guard's delay and lag.
+    """Number of earlier torques that may still act at a restart, from the guard's delay and lag.
 
-    An empty memory takes them for 0, which they are once so many zeros were sent.
+    An empty memory assumes that they are 0, which is true after that many zeros were sent.
     """
     if not setup.scenario.guard.enabled:
         return 0

@@ -45,9 +45,10 @@ MESSAGE = (*POSE[:2], QUATERNION, *VELOCITY)
 
 
 def heading(quaternion: ca.SX, near: ca.SX) -> ca.SX:
-    """Theta [rad] of a pose whose orientation is ``quaternion`` (x, y, z, w), of any tilt.
+    """Theta [rad] of an orientation ``quaternion`` (x, y, z, w), for any tilt.
 
-    Of all its turns it is the one nearest to ``near`` [rad], so that it goes on through +-pi.
+    Of all equivalent angles it is the one nearest to ``near`` [rad], so that it is continuous at
+    +-pi.
     """
     theta = theta_of(ca.vertsplit(quaternion), ca.atan2)
     turns = ca.floor((near - theta) / (2 * ca.pi) + 0.5)
@@ -55,10 +56,10 @@ def heading(quaternion: ca.SX, near: ca.SX) -> ca.SX:
 
 
 def law_system(setup: Setup) -> System:
-    """Law and what follows it before the gate: of bases that take torques also guard and map.
+    """The law and all steps up to the gate; with torques these include guard and wheel map.
 
-    Inputs: reference, odometry message, theta before, and v_sent where velocities are sent.
-    Outputs: v_asked, or tau_right and tau_left; theta; e.
+    Inputs: reference, odometry message, previous theta, and v_sent if velocities are sent. Outputs:
+    v_asked, or tau_right and tau_left; theta; e.
     """
     core = unfiltered_controller(setup) if setup.takes_velocity else controller(setup)
     own = {item.signal: item for item in core.inputs}
@@ -84,7 +85,7 @@ def law_system(setup: Setup) -> System:
 
 @dataclass(frozen=True)
 class Wish:
-    """Result of a law: (v [m/s], omega [rad/s]) or wheel torques (right, left) [N m].
+    """Output of a law: (v [m/s], omega [rad/s]) or wheel torques (right, left) [N m].
 
     ``theta`` [rad]; ``e`` the tracking error, Eq. (8) [m, m, rad].
     """
@@ -98,7 +99,7 @@ class DriveLaw:
     """A law's C function and its memory."""
 
     def __init__(self, setup: Setup) -> None:
-        """Compile the graph, unless it is in the cache.  Raises CompilerError."""
+        """Compile the graph, or load it from the cache.  Raises CompilerError."""
         system = law_system(setup)
         self._function = CompiledSystem(system, "drive")
         self._told = setup.takes_velocity
@@ -108,48 +109,48 @@ class DriveLaw:
         self._u: tuple[float, ...] = ()
 
     def start(self, sent: tuple[float, float] = PAIR) -> None:
-        """Begin anew, after ``sent`` was sent last [m/s, rad/s]."""
+        """Reset; ``sent`` is the last command that was sent [m/s, rad/s]."""
         self._function.start()
         if self._told:
             for place, value in zip(self._before, sent, strict=True):
                 self._function.x[place] = value
 
     def wish(self, desired: Sequence[float], message: Sequence[float], near: float) -> Wish:
-        """The law's wish for a reference (7) and a message (8), in the order of `MESSAGE`."""
+        """The law's output for a reference (7) and a message (8), in the order of `MESSAGE`."""
         self._u = (*desired, *message, near)
         first, second, theta, *e = self._function.look((*self._u, *(PAIR if self._told else ())))
         return Wish((first, second), theta, (e[0], e[1], e[2]))
 
     def remember(self, sent: tuple[float, float]) -> None:
-        """Move on; ``sent`` is what was sent of the wish (velocities) [m/s, rad/s]."""
+        """Commit the law's next state; ``sent`` is the velocity really sent [m/s, rad/s]."""
         if self._told:
             self._function.look((*self._u, *sent))
         self._function.move()
 
 
 class Interpreted:
-    """A System in CasADi's virtual machine: nothing has to be compiled while a robot waits."""
+    """A System in CasADi's virtual machine, so that nothing is compiled while a robot waits."""
 
     def __init__(self, system: System) -> None:
-        """Start values for the state."""
+        """Set the state to its start values."""
         dense = [ca.densify(item) for item in (system.update, system.y)]
         self._function = system.function("interpreted", dense)
         self._p, self._x = np.array(system.p0), np.array(system.x0)
         self._next = self._x
 
     def look(self, u: Sequence[float]) -> list[float]:
-        """The outputs for inputs ``u``; the state stays until `move`."""
+        """Compute the outputs for inputs ``u``; the state changes only with `move`."""
         self._next, y = evaluated(self._function, u, self._x, self._p)
         shown: list[float] = y.ravel().tolist()
         return shown
 
     def move(self) -> None:
-        """Take the next state of what was looked at last."""
+        """Commit the state of the last `look`."""
         self._x = self._next
 
 
 class DesiredMotion:
-    """A scenario's reference, sample by sample; ``arrival`` [s] or None where it never rests."""
+    """A scenario's reference, sample by sample; ``arrival`` [s], None if it never comes to rest."""
 
     def __init__(self, scenario: Scenario, *, compiled: bool = True) -> None:
         """Compile the graph, or interpret it.  Raises ArgumentError, CompilerError."""
@@ -161,7 +162,7 @@ class DesiredMotion:
         self.arrival = scenario.reference.arrival
 
     def at(self, sample: int, rest: float) -> list[float]:
-        """The reference (7) ``rest`` [s] after a sample; of one with memory, at the sample."""
+        """The reference (7) ``rest`` [s] after a sample; with memory, at the sample itself."""
         for passed in self._passed(sample):
             self._look(passed, 0.0)
             self._stepper.move()
@@ -178,7 +179,7 @@ class DesiredMotion:
 
 
 def check_follows(scenario: Scenario) -> None:
-    """Raise ScenarioError where a scenario says nothing of how fast a path is driven."""
+    """Raise ScenarioError if a scenario does not say how fast a path is driven."""
     if not isinstance(scenario.reference, Waypoints):
         raise ScenarioError(
             "reference:=path needs a scenario whose reference says how a path is driven: set "
@@ -192,7 +193,7 @@ def path_motion(
 ) -> DesiredMotion:
     """The motion along a path's points, with the limits of the scenario's waypoints.
 
-    Raises ScenarioError where they make no path that can be driven.
+    Raises ScenarioError if the points make no path that can be driven.
     """
     followed = override(scenario, {"reference.points": [list(point) for point in points]})
     settle(followed, law)

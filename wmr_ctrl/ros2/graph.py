@@ -1,4 +1,4 @@
-"""QoS of the nodes, and others on their topics: names, and those with whom nothing is exchanged."""
+"""QoS of the nodes, and other nodes on their topics: names, and incompatible ones."""
 
 from __future__ import annotations
 
@@ -33,9 +33,10 @@ KEPT = QoSProfile(
 
 
 def useless(node: Node, out: Publisher, heard: Iterable[Subscription]) -> str:
-    """Sentence on what voids a node's promise or keeps everything from it; "" where all is well.
+    """Sentence on why a node's promise is void or it receives nothing; "" if all is well.
 
-    That is another publisher beside ``out``, or a sender of whom nothing is ``heard``.
+    Causes are another publisher beside ``out``, or a sender that no subscription in ``heard``
+    receives.
     """
     topic = out.topic_name
     rival = rivals(node.get_fully_qualified_name(), _publishers(node, topic), topic)
@@ -43,18 +44,18 @@ def useless(node: Node, out: Publisher, heard: Iterable[Subscription]) -> str:
 
 
 def doubtful(node: Node, out: Publisher, topics: Iterable[str]) -> str:
-    """Sentence on several senders of what a node reads, or readers who do not get ``out``."""
+    """Sentence on several senders on an input topic, or on readers that do not receive ``out``."""
     senders = (two_senders(_publishers(node, topic), topic) for topic in topics)
     return next(filter(None, (*senders, *_unheeding(node, out))), "")
 
 
 def _publishers(node: Node, topic: str) -> list[str]:
-    """Full names of the nodes that publish on a topic, as it is called after remapping."""
+    """Full names of the nodes that publish on a topic, after remapping."""
     return [_full_name(item) for item in node.get_publishers_info_by_topic(topic)]
 
 
 def _unheard(node: Node, heard: Subscription) -> Iterator[str]:
-    """Sentences on senders whose messages a subscription does not get: another type, wrong QoS."""
+    """Sentences on senders whose messages a subscription does not receive: other type or QoS."""
     for item in node.get_publishers_info_by_topic(heard.topic_name):
         problem = _problem(item, heard.msg_type, item.qos_profile, heard.qos_profile)
         if problem:
@@ -62,7 +63,7 @@ def _unheard(node: Node, heard: Subscription) -> Iterator[str]:
 
 
 def _unheeding(node: Node, out: Publisher) -> Iterator[str]:
-    """Sentences on readers who do not get what a publisher sends."""
+    """Sentences on readers that do not receive a publisher's messages."""
     for item in node.get_subscriptions_info_by_topic(out.topic_name):
         problem = _problem(item, out.msg_type, out.qos_profile, item.qos_profile)
         if problem:
@@ -70,14 +71,14 @@ def _unheeding(node: Node, out: Publisher) -> Iterator[str]:
 
 
 def _full_name(item: TopicEndpointInfo) -> str:
-    """Name of a node; who was found just now has none yet, and rmw says so in capitals."""
+    """Name of a node; a newly discovered node has none yet, which rmw marks in capitals."""
     if "_UNKNOWN_" in item.node_name:
         return "a node whose name is not known yet"
     return f"{item.node_namespace.rstrip('/')}/{item.node_name}"
 
 
 def _problem(item: TopicEndpointInfo, own: type, sent: QoSProfile, wanted: QoSProfile) -> str:
-    """The middle of a sentence that begins with a node and a topic; "" where all is well."""
+    """Sentence, without its subject, on a mismatch of type or QoS; "" if there is none."""
     if item.topic_type != _type_name(own):
         remedy = " (stamped:=true or false says which)" if own in (Twist, TwistStamped) else ""
         return f"as {item.topic_type}, where this node has {_type_name(own)}{remedy}: nothing"
@@ -88,6 +89,6 @@ def _problem(item: TopicEndpointInfo, own: type, sent: QoSProfile, wanted: QoSPr
 
 
 def _type_name(message: type) -> str:
-    """Name of a message's type as the graph has it."""
+    """Name of a message's type as the ROS graph spells it."""
     package = message.__module__.partition(".")[0]
     return f"{package}/msg/{message.__name__}"

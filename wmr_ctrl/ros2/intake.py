@@ -1,4 +1,4 @@
-"""Messages that count (in order, recent, in the right frame, finite) and are samples."""
+"""Accept messages that are in order, recent, finite and in the right frame, and choose samples."""
 
 from collections import deque
 from ctypes import byref, c_double, c_int64
@@ -24,41 +24,41 @@ BURST = 0.1
 
 
 class IntakeCounts:
-    """Numbers of a topic's messages that counted, and of those that did not, by reason."""
+    """Numbers of accepted messages of a topic, and of refused ones by reason."""
 
     def __init__(self, struct: IntakeStruct) -> None:
-        """Look at what C has."""
+        """Wrap the C struct."""
         self.struct = struct
 
     @property
     def taken(self) -> int:
-        """Number of those that counted."""
+        """Number of accepted messages."""
         return int(self.struct.taken)
 
     @property
     def refused(self) -> dict[str, int]:
-        """Number of those that did not, by reason."""
+        """Number of refused messages, by reason."""
         listed = zip(reason_words(), self.struct.refused, strict=True)
         return {reason: count for reason, count in listed if count}
 
 
 class Intake(IntakeCounts, Generic[Numbers]):
-    """The newest message of a topic that counts, and how many did not.
+    """The newest accepted message of a topic, and the number of refused ones.
 
-    ``value``: its numbers, here those of no message.  ``frame``: the frame_id that messages must
-    name; "" lets any pass, and one without passes unless ``named``.  ``timeout`` [ns]: older stamps
-    are refused.
+    ``value``: its numbers, initially the given ones.  ``frame``: the frame_id that messages must
+    have; "" accepts any, and a message without one is accepted unless ``named``.  ``timeout`` [ns]:
+    older stamps are refused.
     """
 
     def __init__(self, timeout: int, value: Numbers, frame: str = "", named: bool = False) -> None:
-        """No message came."""
+        """Start without a message."""
         super().__init__(IntakeStruct(timeout=timeout))
         self.timeout, self.value = timeout, value
         self._frame, self._named = frame.encode(), named
         self._c = node_functions()
 
     def take(self, value: Numbers, stamp: int, frame: str, now: Moment) -> str:
-        """Take a message; the reason where it is refused, else "".
+        """Take a message; returns the reason if it is refused, else "".
 
         ``stamp`` [ns] is its own, 0 where it has none.
         """
@@ -71,55 +71,55 @@ class Intake(IntakeCounts, Generic[Numbers]):
         return reason_words()[reason]
 
     def refuse(self, reason: str) -> str:
-        """Count a message that is refused; the reason again."""
+        """Count a refused message, and return the reason again."""
         self._c["intake_refuse"](byref(self.struct), c_int64(reason_words().index(reason)))
         return reason
 
     def age(self, now: Moment) -> float:
-        """Time since what the message tells [s]; -1 if there is none."""
+        """Age of the newest accepted message's data [s]; -1 without a message."""
         return float(self._c["intake_age"](byref(self.struct), byref(now.struct)))
 
     def forget(self) -> None:
-        """Begin anew, as after a jump of ROS time."""
+        """Reset, as after a jump of ROS time."""
         self._c["intake_forget"](byref(self.struct))
 
 
 def fits(wanted: bytes, given: str, named: bool) -> int:
-    """Whether a frame is the wanted one."""
+    """True if ``given`` is the wanted frame; "" is accepted unless ``named``."""
     return int(node_functions()["frame_fits"](wanted, given.encode(), c_int64(named)))
 
 
 def is_rotation(x: float, y: float, z: float, w: float) -> bool:
-    """Whether a quaternion is a rotation, but for rounding; one that is all zeros is none."""
+    """True if a quaternion has unit length up to rounding, and so is a rotation."""
     return bool(node_functions()["is_rotation"]((c_double * 4)(x, y, z, w), c_double(UNIT)))
 
 
 class Pace:
     """Selection of a law's samples by the stamps [ns] of messages: one a ``period`` [ns].
 
-    A sample is the message nearest to the time at which one is due.  That time follows the
-    messages, as a phase-locked loop of first order does: it neither holds the jitter of the first
-    one against all that follow, nor runs off from a sender whose clock is not ours.
+    A sample is the message nearest to the time at which one is due. That time follows the messages,
+    as a phase-locked loop of first order does: the jitter of the first message does not shift all
+    later ones, and a sender whose clock drifts from ours is followed.
     """
 
     def __init__(self, period: int) -> None:
-        """Nothing came."""
+        """Start without a message."""
         self._period = period
         self.forget()
 
     def forget(self) -> None:
-        """Begin anew, as after a jump of the stamps."""
+        """Reset, as after a jump of the stamps."""
         self._spacings: deque[int] = deque(maxlen=LOOKED_AT)
         self._before: int | None = None
         self.restart()
 
     def restart(self) -> None:
-        """Make the next message a sample; what is known of the sender stays."""
+        """Make the next message a sample; the learned spacing of the sender's messages is kept."""
         self._due: float | None = None
         self._sampled = 0
 
     def due(self, stamp: int) -> bool:
-        """Whether a message is a sample; to be asked for each one."""
+        """True if this message is a sample; must be called for each message."""
         if self._before is not None:
             self._spacings.append(stamp - self._before)
         self._before = stamp

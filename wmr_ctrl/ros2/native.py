@@ -84,6 +84,6 @@ def functions_of(
 
 @cache
 def reason_words() -> tuple[str, ...]:
-    """Why messages do not count, in the order of the C; the first is none."""
+    """Reasons for refusing messages, in the order of the C enumeration; the first is no reason."""
     tell = node_functions()["reason"]
     return tuple(tell(ctypes.c_int64(k)).decode() for k in range(REASONS))

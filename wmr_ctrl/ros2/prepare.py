@@ -1,4 +1,4 @@
-"""Compile what a node needs, so that it configures at once: ``python -m wmr_ctrl.ros2 prepare``."""
+"""Compile what a node needs, so that it configures quickly: ``python -m wmr_ctrl.ros2 prepare``."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -16,10 +16,10 @@ from .parameters import DRIVE
 
 
 def prepare(source: str, words: Sequence[str]) -> Iterator[str]:
-    """Fill the cache for both nodes on a scenario; yields the name of each that is ready.
+    """Fill the cache for both nodes of a scenario; yields the name of each that is ready.
 
     ``words`` are parameters of the nodes, NAME:=VALUE.  Without ``odometry`` all its uses are
-    compiled.  Raises WmrError for a scenario or a parameter that no node takes.
+    compiled.  Raises WmrError for a scenario or parameter that no node accepts.
     """
     given = dict(_pair(word) for word in words)
     law = given.pop("law", None)

@@ -1,4 +1,4 @@
-"""Sentences on refused messages: what came, what is wanted, and the parameter that decides."""
+"""Messages about refused input: the received value, the wanted one, and the parameter to set."""
 
 from dataclasses import dataclass
 
@@ -7,10 +7,11 @@ from .native import NS
 
 @dataclass(frozen=True)
 class Received:
-    """What a refusal tells of a message.
+    """Facts about a refused message, for its explanation.
 
     ``frame`` is the message's, ``wanted`` the node's by the parameters ``named``; ``stamp`` and
-    ``now`` [ns] are the message's time and the node's; ``timeout`` [s] has the name ``patience``.
+    ``now`` [ns] are the message's time and the node's; ``timeout`` [s] is the parameter
+    ``patience``.
     """
 
     frame: str
@@ -22,7 +23,7 @@ class Received:
     named: str = "base_frame"
 
     def explained(self, reason: str) -> str:
-        """The reason with what came and what is wanted; "" if there is none."""
+        """The reason, with the received and the wanted value; "" without a reason."""
         late = NS * (self.now - self.stamp)
         more = {
             "wrong frame": f"it is {self.frame!r}, wanted is {self.wanted!r} (set {self.named})",

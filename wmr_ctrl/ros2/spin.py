@@ -1,4 +1,4 @@
-"""A node's life as a process: started, configured, spun until it is interrupted, last zero sent."""
+"""A node's process: start, configure, spin until it is interrupted, send a last zero."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 class Ending:
     """Handlers of SIGINT and SIGTERM in a node's process.
 
-    While the node commands a base they are noted, and obeyed between two callbacks: an exception
-    may come up where Python drops it, in a destructor, and then the node would go on.  Before it
-    commands, and after AT_ONCE, they raise KeyboardInterrupt, for whatever takes long.
+    While the node commands a base, signals are only recorded, and obeyed between two callbacks: an
+    exception might be raised where Python drops it, in a destructor, and the node would continue.
+    Before it commands, and after AT_ONCE, they raise KeyboardInterrupt, which ends long work.
     """
 
     def __init__(self) -> None:
-        """Nobody asked for the end."""
+        """Start without a request to end."""
         self.node: SafeNode[Core] | None = None
         self.asked = False
         self._first = 0.0
 
     def hear(self) -> None:
-        """Take signals from now on."""
+        """Install the handlers."""
         for number in SIGNALS:
             signal.signal(number, self._heard)
 
@@ -55,13 +55,13 @@ class Ending:
 
     @staticmethod
     def ignore() -> None:
-        """Hear no more: the end has come, and is short."""
+        """Ignore further signals: the node is about to end."""
         for number in SIGNALS:
             signal.signal(number, signal.SIG_IGN)
 
 
 def spin(make: Callable[[], SafeNode[Core]], arguments: list[str]) -> int:
-    """Run a node until it is interrupted; 0, or 2 where it cannot be configured at once."""
+    """Run a node until it is interrupted; returns 0, or 2 if it cannot be configured first."""
     ending = Ending()
     try:
         # ROS' own handlers end the context before a last zero can be sent.

@@ -8,7 +8,7 @@ from rclpy.time import Time
 
 
 def command_kind(stamped: bool) -> type[TwistStamped] | type[Twist]:
-    """The message's class."""
+    """The message class of commands."""
     return TwistStamped if stamped else Twist
 
 
@@ -17,7 +17,7 @@ OTHER_PARTS = ("linear.y", "linear.z", "angular.x", "angular.y")
 
 
 def other_parts(twist: Twist) -> list[str]:
-    """Names of such parts that are not 0."""
+    """Names of the components beside v and omega that are not 0."""
     values = twist.linear.y, twist.linear.z, twist.angular.x, twist.angular.y
     return [name for name, value in zip(OTHER_PARTS, values, strict=True) if value != 0]
 

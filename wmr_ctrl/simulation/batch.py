@@ -55,8 +55,8 @@ def run_logged(
 ) -> list[T]:
     """``then(place, rows of the log, monitor)`` of each task, in their order.
 
-    ``then`` is called in the threads; rows that it does not keep are given back before the next
-    batch.  Otherwise as `run_tasks`.
+    ``then`` is called in the threads; rows that it does not keep are freed before the next batch.
+    Otherwise as `run_tasks`.
     """
     results: dict[int, T] = {}
 
@@ -70,7 +70,7 @@ def run_logged(
 
 
 def check_jobs(jobs: int | None) -> None:
-    """Raise ArgumentError unless ``jobs`` is a possible number of threads or processes, or None."""
+    """Raise ArgumentError unless ``jobs`` is None or a valid number of threads or processes."""
     if jobs is not None and not 1 <= jobs <= MOST_JOBS:
         raise ArgumentError(
             f"jobs = {show(jobs)} must be a whole number from 1 to {MOST_JOBS}, or left out "
@@ -86,7 +86,7 @@ def cores() -> int:
 
 
 def _batches(tasks: Sequence[Task], log: bool) -> list[list[int]]:
-    """Places of the tasks, in groups that fit the lanes of their library and share a structure."""
+    """Indices of the tasks, in groups that fit a library's lanes and share a structure."""
     alike: dict[tuple[int, str | None], list[int]] = {}
     for place, task in enumerate(tasks):
         alike.setdefault((id(task.loop), task.vectors), []).append(place)
@@ -109,7 +109,7 @@ def _batches(tasks: Sequence[Task], log: bool) -> list[list[int]]:
 
 
 def _made(chosen: Sequence[Task], log: bool, cancelled: ct.c_int32) -> Results | None:
-    """Results of the runs of one batch; None if they were cancelled."""
+    """Results of one batch; None if it was cancelled."""
     windows = [] if log else list(windows_of(chosen[0].loop.settings).values())
     if is_for_gpu(chosen[0]):
         return launched(chosen, windows, log, cancelled)
@@ -124,7 +124,7 @@ def _run_batches(
     jobs: int | None,
     progress: Progress | None,
 ) -> None:
-    """Run all batches on a few threads and ``read`` each there; none is left when this ends."""
+    """Run all batches on a few threads, calling ``read`` there; returns when all have ended."""
     check_jobs(jobs)
     cancelled, done = ct.c_int32(0), 0
 
@@ -165,10 +165,10 @@ def _finished(
 
 @contextmanager
 def deaf_to_interrupts() -> Iterator[None]:
-    """Keep Ctrl-C from processes started here; it comes to this one, once they are.
+    """Context in which Ctrl-C does not reach newly started processes; it is delayed here.
 
-    A terminal sends it to all processes at once, and the workers would end with tracebacks of
-    their own before they are closed.  Windows has no such mask.
+    A terminal sends it to all processes, and the workers would end with tracebacks of their own
+    before they are closed.  Windows has no such mask.
     """
     if os.name == "nt":
         yield

@@ -1,4 +1,4 @@
-"""A law's compiled controller, called from Python without copies, and how long it takes."""
+"""A law's compiled controller, called from Python without copies, and its run time."""
 
 import ctypes as ct
 import timeit
@@ -34,10 +34,10 @@ class CompiledLaw:
 
     Write the inputs into ``u`` (order: ``inputs``; reference, pose, velocity) and call `step`: it
     returns ``torque`` (right, left) [N m] and moves the law's memory ``x`` (order: ``state``) to
-    the next sample.  ``parameters`` may be changed, in the order of ``parameter_names``.  To assign
-    to one of the four writes into it: ``law.u = values`` is ``law.u[:] = values``.  Pickled or
-    copied it is another law in the same state, on this machine.  A sample with an input that is
-    not a number, or beyond 1e12 in size, is refused: ArgumentError, torques 0, memory unchanged.
+    the next sample. ``parameters`` may be changed, in the order of ``parameter_names``. Assigning
+    to one of the four arrays writes into it: ``law.u = values`` is ``law.u[:] = values``. A pickled
+    or copied object is another law in the same state, on this machine. A sample with an input that
+    is NaN, or above 1e12 in size, is refused: ArgumentError, torques 0, memory unchanged.
     """
 
     def __init__(self, loop: CompiledLoop) -> None:
@@ -61,7 +61,10 @@ class CompiledLaw:
         self._pointer = ct.byref(self._pointers)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Arrays keep their place, which compiled code knows; ArgumentError for a wrong size."""
+        """Write into the arrays in place, as compiled code has their addresses.
+
+        Raises ArgumentError for a wrong size.
+        """
         array = vars(self).get(name) if name in ARRAYS else None
         if array is None:
             object.__setattr__(self, name, value)
@@ -75,7 +78,7 @@ class CompiledLaw:
         array[:] = given
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Built again from the loop, with the numbers of this one."""
+        """Pickle as the loop and this object's numbers."""
         numbers = {name: getattr(self, name).copy() for name in ARRAYS}
         return CompiledLaw, (self._loop,), numbers
 
@@ -84,7 +87,7 @@ class CompiledLaw:
             setattr(self, name, values)
 
     def reset(self) -> None:
-        """Start values for the law's memory."""
+        """Set the law's memory to its start values."""
         self.x[:] = self._start
 
     def step(self) -> Floats:
@@ -101,6 +104,6 @@ class CompiledLaw:
 
 
 def seconds_of(law: CompiledLaw) -> float:
-    """Least of `ROUNDS` times [s] that `EVALUATIONS` evaluations of ``law`` take, one call each."""
+    """Least of `ROUNDS` times [s] for `EVALUATIONS` evaluations of ``law``, with one call each."""
     law.u[:] = START_SAMPLE
     return min(timeit.repeat(law.step, law.reset, repeat=ROUNDS, number=EVALUATIONS))

@@ -1,4 +1,4 @@
-"""A compiled loop whose plant is elsewhere, sample by sample and step by step."""
+"""A compiled loop with an external plant, sample by sample and step by step."""
 
 import ctypes as ct
 from collections.abc import Sequence
@@ -13,13 +13,13 @@ from .memory import LoopSettings, Numbers, aligned, noise_key, opened, pointer_t
 
 
 class Coupled:
-    """The loop of one run without its plant; its counters move with every call.
+    """The loop of one run without its plant; every call advances its counters.
 
     ``ended``: whether the run ends before its first step.
     """
 
     def __init__(self, compiled: CompiledLoop, seed: int, step: float) -> None:
-        """Everything at t = 0; ``step`` [s] is the plant's.  Raises CompilerError."""
+        """Set everything to t = 0; ``step`` [s] is the plant's.  Raises CompilerError."""
         self._library, self._step = opened(compiled.library), step
         self._findings = compiled.layout.findings
         self._arrays: dict[str, Numbers] = {
@@ -46,7 +46,7 @@ class Coupled:
         self.ended = not self._library.wmr_outside_start(*self._at)
 
     def sampled(self, state: Sequence[float]) -> list[float]:
-        """Outputs of the next control sample for the plant's state at it."""
+        """Outputs of the next control sample for the plant's present state."""
         self._given[: len(state)] = list(state)
         self._library.wmr_outside_sample(*self._at, self._given, self._shown)
         return self._shown[:]
@@ -54,14 +54,14 @@ class Coupled:
     def acting(self, held: Sequence[float]) -> list[float]:
         """Torques over the next plant step, disturbing torques, force on the body.
 
-        ``held`` is what the sample left to its steps, the commanded torques first.
+        ``held`` are the values that the sample passes to its steps, the commanded torques first.
         """
         self._held[: len(held)] = list(held)
         self._library.wmr_outside_step(*self._at, self._held, self._acting)
         return self._acting[:]
 
     def ends(self, state: Sequence[float], step: int) -> bool:
-        """Take note of the plant's state after ``step`` plant steps; True if the run must end."""
+        """Record the plant's state after ``step`` plant steps; True if the run must end."""
         self._given[: len(state)] = list(state)
         watch = self._library.wmr_outside_watch
         return not watch(self._at[1], self._given, ct.c_int64(step))

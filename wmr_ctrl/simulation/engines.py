@@ -1,4 +1,4 @@
-"""Engines: from a checked scenario and a law to a Run, compiled or by NumPy, or to many."""
+"""Engines: from a checked scenario and a law to one Run, compiled or by NumPy, or to many."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -35,7 +35,7 @@ def runnable(scenario: Scenario, law: str, plant: str = "ode", device: str = "cp
 
 
 def run_compiled(scenario: Scenario, law: str, seed: int) -> Run:
-    """One run of the loop that is compiled for one robot."""
+    """One run of the loop compiled for one robot."""
     setup = settle(scenario, law)
     loop = runnable_of(build_loop(setup), setup)
     (run,) = each_task([Task(loop, seed)], lambda _, run: run, 1, engine="native")
@@ -43,7 +43,7 @@ def run_compiled(scenario: Scenario, law: str, seed: int) -> Run:
 
 
 def run_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None = None) -> Run:
-    """One run of the same graphs without a compiler.  Raises as `settle` does."""
+    """One run of the loop's graphs without a compiler.  Raises as `settle` does."""
     setup = settle(scenario, law)
     loop = loop_functions(setup)
     columns, monitor = run_interpreted(loop, seed, settings_of(setup.scenario), progress)
@@ -61,7 +61,7 @@ def runs_of(
     progress: Progress | None = None,
     device: str = "cpu",
 ) -> list[Run]:
-    """A whole Run per seed on that plant; errors as `run_each` and `run_rigid_each` raise."""
+    """A full Run per seed on that plant; errors as `run_each` and `run_rigid_each` raise."""
     loop, run_all = runnable(scenario, law, plant, device), run_each
     if plant == "mujoco":
         run_all = run_rigid_each
@@ -94,7 +94,7 @@ def runnable_of(compiled: CompiledLoop, setup: Setup) -> RunnableLoop:
 
 
 def check_device(device: str, plant: str = "ode", *, here: bool = True) -> None:
-    """Raise unless there are such a device and plant, and if it is needed ``here`` it answers.
+    """Raise unless device and plant exist, and the device works if it is needed ``here``.
 
     UnknownNameError, ArgumentError (both together), MissingExtraError or DeviceError.
     """
@@ -111,7 +111,7 @@ def check_device(device: str, plant: str = "ode", *, here: bool = True) -> None:
 
 
 def check_plant(plant: str, engine: str = "native") -> None:
-    """Raise UnknownNameError or ArgumentError unless there is such a plant and it runs it."""
+    """Raise UnknownNameError or ArgumentError unless the plant exists and the engine runs it."""
     if plant not in PLANTS:
         raise UnknownNameError("plant", plant, PLANTS)
     if plant != "ode" and engine != "native":

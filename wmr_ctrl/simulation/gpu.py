@@ -1,4 +1,4 @@
-"""Many runs on a graphics processor: a robot a thread, with the bits of the loop for lanes.
+"""Many runs on a graphics processor: one robot per thread, bit-identical to the loop for lanes.
 
 A CompiledLoop's ``library`` is then the CUDA text of its loop, which CuPy (extra gpu) compiles for
 the processor at hand when it is first run, and keeps in a cache of its own.
@@ -38,7 +38,7 @@ Arrays = dict[str, NDArray[Any]]
 
 
 class Batch(ct.Structure):
-    """``wmr_batch`` of gpu.c; pointers are the processor's."""
+    """``wmr_batch`` of gpu.c; its pointers are device addresses."""
 
     _fields_ = tuple(
         (name, LONG)
@@ -54,7 +54,7 @@ LEFT = ("findings", "state", "sums", "logs")
 
 
 class Cuda:
-    """The first CUDA device that CUDA_VISIBLE_DEVICES leaves."""
+    """The first CUDA device allowed by CUDA_VISIBLE_DEVICES."""
 
     def __init__(self) -> None:
         self.cupy = library("cupy", "gpu")
@@ -70,11 +70,11 @@ class Cuda:
         self.kernels: dict[tuple[str, Defines], Callable[..., object]] = {}
 
     def threads(self) -> int:
-        """Threads that it holds at a time."""
+        """Number of threads that it runs simultaneously."""
         return int(self.most)
 
     def free_memory(self) -> int:
-        """Bytes that arrays may take."""
+        """Free memory for arrays [bytes]."""
         return int(self.cupy.cuda.runtime.memGetInfo()[0]) + int(
             self.cupy.get_default_memory_pool().free_bytes()
         )
@@ -108,7 +108,7 @@ class Cuda:
             ) from error
 
     def _wait(self, stream: Any, flag: Any, cancelled: ct.c_int32) -> None:
-        """Until all that the stream was given is done; a cancellation is passed on meanwhile."""
+        """Wait until the stream's work is done; a cancellation is passed on meanwhile."""
         ended = self.cupy.cuda.Event(disable_timing=True)
         ended.record(stream)
         while not ended.done:
@@ -119,7 +119,7 @@ class Cuda:
             time.sleep(PATIENCE)
 
     def _kernel(self, path: str, defines: Defines) -> Callable[..., object]:
-        """The kernel of a text, compiled once; CuPy keeps it for the next process."""
+        """The kernel of a text, compiled once; CuPy caches it for the next process."""
         with self.lock:
             if (path, defines) not in self.kernels:
                 options = (*OPTIONS, *(f"-D{name}={value}" for name, value in defines))
@@ -140,18 +140,18 @@ class Cuda:
 def processor() -> Cuda:
     """The graphics processor; MissingExtraError without CuPy, DeviceError without a device.
 
-    Tests put an ordinary processor in its place.
+    Tests replace it by an ordinary processor.
     """
     return Cuda()
 
 
 def is_for_gpu(task: Task) -> bool:
-    """Whether the task's loop is a text for a graphics processor."""
+    """True if the task's loop is a text for a graphics processor."""
     return task.loop.compiled.library.endswith(SUFFIX)
 
 
 def robots_of(task: Task, windows: int, *, log: bool) -> int:
-    """Robots of one launch: as many as the processor holds, fewer where its memory is short."""
+    """Robots per launch: as many as the processor runs, fewer if its memory is short."""
     device, layout = processor(), task.loop.compiled.layout
     if log:
         row = 8 * task.loop.scenario.clock.samples * len(elements(layout.columns))
@@ -164,7 +164,7 @@ def robots_of(task: Task, windows: int, *, log: bool) -> int:
 def launched(
     runs: Sequence[Task], windows: Sequence[tuple[int, int]], log: bool, cancelled: ct.c_int32
 ) -> Results | None:
-    """Run all at once; None if that was cancelled.  Errors as `Cuda.run` raises."""
+    """Run all together; None if that was cancelled.  Errors as `Cuda.run` raises."""
     compiled, samples = runs[0].loop.compiled, runs[0].loop.scenario.clock.samples
     layout, count = compiled.layout, len(runs)
     cases: dict[int, int] = {}

@@ -28,8 +28,8 @@ def tabulated(
 ) -> RunTable:
     """The table of some runs, made as by `sim.batch.run_tasks`.
 
-    ``figures``: names of further figures of the catalogue; those that need a log are taken from
-    runs made once more.
+    ``figures``: names of further figures of the catalogue; those that need a log come from a second
+    run.
     """
     whole = not_summed(figures)
     seeds = np.array([task.seed for task in tasks])
@@ -49,12 +49,12 @@ def planned_tasks(
     starts: Sequence[Sequence[float]] | None,
     progress: Progress | None,
 ) -> list[Task]:
-    """A task a seed.
+    """One task per seed.
 
-    ``build`` gives the compiled loop of a scenario, once for each different one; ``scenarios`` and
-    ``starts`` (x, y [m], theta [rad], v1 [m/s], omega [rad/s] at t = 0; None: the scenario's) are
-    one a run, or one scenario for all.  Raises ArgumentError if the numbers of them do not fit, or
-    there is no run.
+    ``build`` returns the compiled loop of a scenario, once for each different one; ``scenarios``
+    and ``starts`` (x, y [m], theta [rad], v1 [m/s], omega [rad/s] at t = 0; None: the scenario's)
+    are one per run, or one scenario for all.  Raises ArgumentError if their numbers do not match,
+    or there is no run.
     """
     count = len(seeds)
     if count == 0:
@@ -82,7 +82,7 @@ PREPARING = 0.1
 
 
 def later(progress: Progress | None) -> Progress | None:
-    """Progress of the runs, behind what was told before."""
+    """Progress of the runs, after the part for preparing them."""
     return progress and (lambda share: progress(PREPARING + (1.0 - PREPARING) * share))
 
 
@@ -97,9 +97,9 @@ def run_each(
 ) -> list[T]:
     """``then(place, run)`` of each pair (loop, seed), in their order.
 
-    Several robots run at a time on each of ``jobs`` threads (default: one per core), in which
-    ``then`` is called too; results do not depend on the number.  ``progress`` is called with the
-    share done.  Ctrl-C ends all threads within a sample.  Raises CompilerError.
+    Several robots run at a time on each of ``jobs`` threads (default: one per core), which also
+    call ``then``; results do not depend on the number. ``progress`` is called with the share done.
+    Ctrl-C ends all threads within a sample. Raises CompilerError.
     """
     return each_task([Task(item, seed) for item, seed in runs], then, jobs, progress)
 
@@ -125,7 +125,7 @@ def each_task(
 
 
 def not_summed(names: Sequence[str]) -> tuple[str, ...]:
-    """Those of the figures' names that need a whole log.  Raises UnknownNameError."""
+    """Names of the figures that need a whole log.  Raises UnknownNameError."""
     return tuple(name for name in dict.fromkeys(names) if FIGURES[name] not in (*SUMMED, *RIGID))
 
 
@@ -148,9 +148,9 @@ def checked_seeds(seeds: Iterable[int]) -> list[int]:
 def checked_starts(
     starts: Iterable[Iterable[float]], scenarios: Sequence[Scenario]
 ) -> list[tuple[float, ...]]:
-    """States at t = 0 as rows of numbers, theta from +Y; it is given in the scenarios' frames.
+    """States at t = 0 as rows of numbers, theta from +Y; they are given in the scenarios' frames.
 
-    Raises ArgumentError for what is no row of numbers.
+    Raises ArgumentError for values that are not rows of numbers.
     """
     try:
         rows = [tuple(map(float, row)) for row in starts]

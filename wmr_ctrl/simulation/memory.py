@@ -1,7 +1,7 @@
-"""Memory of one batch, as fmu/runtime/loop.h lays it out: vectors with a number for each lane.
+"""Memory of one batch, as fmu/runtime/loop.h defines it: vectors with a number per lane.
 
-A library holds the loop for one robot, or for lanes of robots; its memory is the same but for the
-width.
+A library contains the loop for one robot, or for lanes of robots; only the width of its memory
+differs.
 """
 
 from __future__ import annotations
@@ -124,8 +124,8 @@ def vector_set(path: str, name: str | None = None) -> VectorSet:
 class Task:
     """One run: a loop, the seed of its noise, and its start.
 
-    ``start``: x, y [m], theta [rad], v1 [m/s], omega [rad/s]; None as the scenario has it.
-    ``vectors``: the set of vector instructions; None for the best of this processor.
+    ``start``: x, y [m], theta [rad], v1 [m/s], omega [rad/s]; None: the scenario's. ``vectors``:
+    the set of vector instructions; None for the best of this processor.
     """
 
     loop: RunnableLoop
@@ -143,8 +143,8 @@ class Task:
 class Results:
     """Results of the runs of a batch.
 
-    ``findings``, ``state`` and ``added`` (windows, sums, lanes): a row a name, a column a lane;
-    ``count``: lanes that are asked for.
+    ``findings``, ``state`` and ``added`` (windows, sums, lanes): one row per name, one column per
+    lane; ``count``: number of lanes in use.
     """
 
     layout: LoopLayout
@@ -180,7 +180,7 @@ class Results:
 
 @dataclass(frozen=True)
 class Memory(Results):
-    """The settings of a batch, every array that they point into, and the runs' results."""
+    """The settings of a batch, all arrays that they point to, and the runs' results."""
 
     vectors: VectorSet
     settings: LoopSettings
@@ -199,7 +199,7 @@ def laid_out(
     log: bool = False,
     cancelled: ct.c_int32 | None = None,
 ) -> Memory:
-    """Memory for up to as many runs as there are lanes; the lanes left over repeat the last run."""
+    """Memory for up to as many runs as there are lanes; unused lanes repeat the last run."""
     loop = runs[0].loop
     compiled, clock = loop.compiled, loop.scenario.clock
     chosen = vector_set(compiled.library, runs[0].vectors)
@@ -237,7 +237,7 @@ def laid_out(
 
 
 def aligned(*shape: int) -> Floats:
-    """Zeros at an address that every vector type can be read from."""
+    """Zeros at an address that is aligned for every vector type."""
     size = math.prod(shape)
     room = np.zeros(size + ALIGNMENT // 8)
     skip = -room.ctypes.data % ALIGNMENT // 8
@@ -251,14 +251,14 @@ def noise_key(seed: int) -> tuple[int, int]:
 
 
 def _columns(lanes: Sequence[Sequence[float]]) -> Floats:
-    """Numbers of all lanes side by side: a row a number, a column a lane."""
+    """Numbers of all lanes: one row per number, one column per lane."""
     array = aligned(max(len(lanes[0]), 1), len(lanes))
     array[: len(lanes[0])] = np.array(lanes, dtype=float).T.reshape(len(lanes[0]), len(lanes))
     return array
 
 
 def pointer_to(array: Numbers) -> ct._Pointer[REAL] | ct._Pointer[LONG] | ct._Pointer[WORD]:
-    """An array's first element, as its kind of number."""
+    """Pointer to an array's first element, with its type."""
     if array.dtype.kind == "f":
         return array.ctypes.data_as(REALS)
     return array.ctypes.data_as(LONGS if array.dtype.kind == "i" else WORDS)

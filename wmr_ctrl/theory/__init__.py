@@ -1,1 +1,1 @@
-"""Answers before a run: checks, linear models, and the door to corridor and proofs."""
+"""Predictions before a run: checks, linear models, and the door to corridor and proofs."""

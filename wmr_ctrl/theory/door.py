@@ -1,4 +1,4 @@
-"""The door to wmr_proofs, which needs python-flint and z3 and is therefore imported by name."""
+"""Access to wmr_proofs, which needs python-flint and z3, and so is imported only by name."""
 
 from importlib import import_module
 from importlib.util import find_spec
@@ -19,9 +19,9 @@ def is_open() -> bool:
 
 
 def proofs(module: str = "") -> ModuleType:
-    """A module of wmr_proofs, the package itself by default.
+    """A module of wmr_proofs, by default the package itself.
 
-    MissingExtraError, which names the extra, where it or a package of the extra is missing.
+    Raises MissingExtraError, which names the extra, if a package is missing.
     """
     for name in ("wmr_proofs", *SOLVERS):
         library(name, EXTRA)

@@ -1,1 +1,1 @@
-"""What a law meets: the model, the scenario file, references, sensors, disturbances, drives."""
+"""A law's surroundings: model, scenario file, references, sensors, disturbances, drives."""

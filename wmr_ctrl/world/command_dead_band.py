@@ -1,4 +1,4 @@
-"""Dead band of commands: a smaller velocity is taken for 0, each axis by itself.
+"""Dead band of commands: a smaller velocity is replaced by 0, on each axis separately.
 
 Source: firmware that does not let motors hum at rest.
 """
@@ -20,7 +20,7 @@ class CommandDeadBand(Section, key="base"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    """Plant-rate System: from arriving to acting command [m/s, rad/s]."""
     command, p = ports(COMMAND), Parameters(scenario)
     band, u = p.take("base.deadband"), stack(item.sym for item in command)
     title, shown = "dead band of the command", outputs(COMMAND, ca.if_else(ca.fabs(u) < band, 0, u))
@@ -28,7 +28,7 @@ def build(scenario: Scenario) -> System:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """A command that does not act as it was sent: the governor counts on the one that was sent."""
+    """Hidden effect: the acting command differs from the one sent, which the governor assumes."""
     return Bound(hidden="base.deadband: small commands do not act.")
 
 

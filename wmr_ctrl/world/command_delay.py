@@ -1,7 +1,7 @@
-"""Delay of commands to a base that takes velocities: a constant time from sending to acting.
+"""Delay of commands to a base that takes velocities: constant time from sending to acting.
 
-Source: buses, radio and firmware.  The loop keeps the commands under way in its queue of plant
-steps, the same that carries torques to late drives.
+Source: buses, radio and firmware.  The loop keeps commands in transit in its queue of plant steps,
+which also carries torques to late drives.
 """
 
 from wmr_ctrl.core.errors import ScenarioError
@@ -22,7 +22,7 @@ class CommandDelay(Section, key="base"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: the command that arrives [m/s, rad/s]."""
+    """Plant-rate System: the command that arrives [m/s, rad/s]."""
     command, p = ports(COMMAND), Parameters(scenario)
     late, title = p.take("base.delay"), "delay of the command"
     shown = tuple(Output(item.signal, item.sym) for item in command)
@@ -32,7 +32,7 @@ def build(scenario: Scenario) -> System:
 
 
 def check(scenario: Scenario) -> None:
-    """Not more commands are under way than a controller may keep, and torques are not late too."""
+    """Check that the controller can store the commands in transit, and torques have no delay."""
     late, period = scenario.section(CommandDelay).delay, scenario.clock.control
     check_count("base.delay", late, "clock.control", period, MOST_REMEMBERED)
     if not scenario.takes_velocity:

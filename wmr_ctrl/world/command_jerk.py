@@ -1,4 +1,4 @@
-"""Jerk limit in the firmware: the rate at which the command that acts changes is limited in turn.
+"""Jerk limit in the firmware: it limits how fast the rate of the acting command changes.
 
 Source: motor drivers with S-shaped profiles.  Per axis the rate a of the command y changes by at
 most q = jerk h in a plant step h, and y stops at its goal, which lies ``way`` ahead:
@@ -6,10 +6,10 @@ most q = jerk h in a plant step h, and y stops at its goal, which lies ``way`` a
     a+ = the largest rate with h (a+ + (a+ - q)^+ + (a+ - 2 q)^+ + ...) <= way, within a -+ q
     y+ = y + h a+
 
-That sum is what is still to go if a+ is braked as hard as may be.  While y moves towards a goal it
-stays at most the goal, and braking does not change the sum: so whatever comes, y stays between the
-least and the largest of 0 and the commands so far.  Away from a goal that has moved it may go on
-for a while.  The rate itself is at most the larger of accel and decel.
+That sum is the remaining distance if a+ is reduced as fast as possible. While y moves towards a
+goal it stays at most the goal, and braking does not change the sum: so for any input y stays
+between the least and the largest of 0 and the commands so far.  If the goal moves, y may continue
+away from it for a while. The rate itself is at most the larger of accel and decel.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class CommandJerk(Section, key="base"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    """Plant-rate System: from arriving to acting command [m/s, rad/s]."""
     command, now, rate, p = ports(COMMAND), port(ROUNDED), port(RATE), Parameters(scenario)
     h, jerk, accel, decel = map(p.take, ("clock.plant", "base.jerk", "base.accel", "base.decel"))
     wanted, most = stack(item.sym for item in command), ca.fmax(accel, decel)
@@ -55,7 +55,7 @@ def build(scenario: Scenario) -> System:
 
 
 def next_rate(away: ca.SX, rate: ca.SX, h: ca.SX, jerk: ca.SX, most: ca.SX) -> ca.SX:
-    """a+ for a goal that lies ``away`` [m/s]; an infinite ``jerk`` takes it there at once."""
+    """a+ for a goal ``away`` [m/s]; with infinite ``jerk`` the goal is reached immediately."""
     q, side = ca.fmin(jerk, LARGEST) * h, ca.if_else(away >= 0, 1, -1)
     way, towards = ca.fabs(away), side * rate
     steps = ca.fmax(1, -ca.floor(-(ca.sqrt(1 + 8 * way / (h * q)) - 1) / 2))
@@ -64,7 +64,7 @@ def next_rate(away: ca.SX, rate: ca.SX, h: ca.SX, jerk: ca.SX, most: ca.SX) -> c
 
 
 def bound(scenario: Scenario) -> Bound:
-    """A state that the governor does not know of; its commands stay within those before it."""
+    """Hidden effect: a state that the governor does not model; commands keep their past range."""
     return Bound(hidden="base.jerk: the base rounds its ramps.")
 
 

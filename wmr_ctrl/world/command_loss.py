@@ -1,7 +1,7 @@
-"""Lost commands, and the base's time-out: it keeps the last command it heard, and then stops.
+"""Lost commands, and the base's time-out: it keeps the last received command, then stops.
 
-Source: radio and buses.  Each command is lost with an even chance, but never more than ``losses``
-in a row; a base that heard nothing for ``timeout`` takes 0 for its command until it hears again.
+Source: radio and buses.  Each command is lost with probability 1/2, but never more than ``losses``
+in a row; a base that received nothing for ``timeout`` uses 0 as its command until one arrives.
 """
 
 import math
@@ -40,7 +40,7 @@ class CommandLoss(Section, key="base"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    """Plant-rate System: from arriving to acting command [m/s, rad/s]."""
     command, step, p = ports(COMMAND), port(STEP), Parameters(scenario)
     heard, silent, missed = port(HEARD), port(SILENT), port(MISSED)
     T, h, late = map(p.take, ("clock.control", "clock.plant", "base.delay"))
@@ -67,7 +67,7 @@ def build(scenario: Scenario) -> System:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The losses; a stop in between is a command that was not sent."""
+    """The losses; a stop between commands is a hidden effect."""
     own, period = scenario.section(CommandLoss), scenario.clock.control
     stops = own.timeout < (own.losses + 1) * period * (1 - ROUNDING)
     sentence = "base.timeout: the base stops before the next command that is not lost."
@@ -75,7 +75,7 @@ def bound(scenario: Scenario) -> Bound:
 
 
 def acts(scenario: Scenario) -> bool:
-    """True where commands are lost, or the base stops between two of them."""
+    """True if commands are lost, or the base stops between two of them."""
     own = scenario.section(CommandLoss)
     return own.losses > 0 or own.timeout < scenario.clock.control
 

@@ -1,4 +1,4 @@
-"""Quantised commands: each axis is rounded to the nearest whole multiple of a step.
+"""Quantised commands: each axis is rounded to the nearest integer multiple of a step.
 
 Source: protocols that carry integers (mm/s), and drivers with few steps.
 """
@@ -21,7 +21,7 @@ class CommandQuantum(Section, key="base"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    """Plant-rate System: from arriving to acting command [m/s, rad/s]."""
     command, p = ports(COMMAND), Parameters(scenario)
     step, u = p.take("base.quantum"), stack(item.sym for item in command)
     size = ca.if_else(step > 0, step, 1)
@@ -32,7 +32,7 @@ def build(scenario: Scenario) -> System:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """Half a step: an error of the command, which its gain turns into a push."""
+    """Half a step: a command error, which the base's gain turns into a push."""
     v, omega = scenario.section(CommandQuantum).quantum
     return Bound(command=(v / 2, omega / 2))
 

@@ -1,4 +1,4 @@
-"""Acceleration limit in the firmware: the command that acts nears the sent one at a bounded rate.
+"""Acceleration limit in the firmware: the acting command approaches the sent one at a bounded rate.
 
 Source: motor drivers and velocity smoothers.  Away from 0 each axis changes by at most ``accel``,
 towards 0 by at most ``decel``, and stops at 0 before it turns round within a plant step.
@@ -36,7 +36,7 @@ class CommandRamp(Section, key="base"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    """Plant-rate System: from arriving to acting command [m/s, rad/s]."""
     command, ramped, p = ports(COMMAND), port(RAMPED), Parameters(scenario)
     h, accel, decel = (p.take(key) for key in ("clock.plant", "base.accel", "base.decel"))
     wanted = stack(item.sym for item in command)
@@ -53,17 +53,18 @@ def build(scenario: Scenario) -> System:
 
 
 def moved(now: ca.SX, wanted: ca.SX, grow: ca.SX, shrink: ca.SX) -> ca.SX:
-    """The command after a step in which its size may grow and shrink by so much."""
+    """The command after a step in which its size may grow by ``grow`` and shrink by ``shrink``."""
     top = ca.if_else(now >= 0, now + grow, ca.fmin(now + shrink, 0))
     bottom = ca.if_else(now <= 0, now - grow, ca.fmax(now - shrink, 0))
     return ca.fmax(bottom, ca.fmin(top, wanted))
 
 
 def keeps_wheels(scenario: Scenario) -> bool:
-    """True where no wheel passes a limit that both commands keep, one ramped towards the other.
+    """True if no wheel exceeds a limit that both commands satisfy, while one is ramped to the
+    other.
 
-    Each of v and omega stops no slower than the other starts, at the wheels' rim
-    (`filter.ramp-rim`), but for roundings.
+    Each of v and omega stops at least as fast as the other starts, at the wheels' rim
+    (`filter.ramp-rim`), up to rounding.
     """
     own, l = scenario.section(CommandRamp), scenario.robot.l
     linear, angular = (rate * (1 + ALIKE) for rate in own.decel)
@@ -71,7 +72,7 @@ def keeps_wheels(scenario: Scenario) -> bool:
 
 
 def quick_stops(scenario: Scenario) -> str:
-    """Further remedy: a base.decel that is enough; empty where commands grow at once."""
+    """Further remedy: a sufficient base.decel; empty if commands grow without limit."""
     own, l = scenario.section(CommandRamp), scenario.robot.l
     least = l * own.accel[1], own.accel[0] / l
     if min(least) == math.inf:
@@ -80,7 +81,7 @@ def quick_stops(scenario: Scenario) -> str:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """A state that the governor does not know of; a ramp never passes its input."""
+    """Hidden effect: a state that the governor does not model; a ramp never passes its input."""
     key = "accel" if min(scenario.section(CommandRamp).accel) < math.inf else "decel"
     return Bound(hidden=f"base.{key}: the base ramps its command.")
 

@@ -1,7 +1,7 @@
 """Delay of the drives: a command acts a constant time after it was given.
 
-The loop keeps the commands under way in a queue of plant steps, the one thing that a graph is bad
-at; this System passes them on.
+The loop keeps commands in transit in a queue of plant steps, which a graph cannot represent well;
+this System passes them on.
 """
 
 from wmr_ctrl.core.fields.section import Section
@@ -17,7 +17,7 @@ MOST_QUEUED = 100_000
 
 
 def queued(doc: str) -> float:
-    """Field of a section: a time [s] that a command is under way in the loop's queue."""
+    """Field of a section: time [s] that a command spends in the loop's queue."""
     return multiple(doc, "clock.plant", maximum=10, usual=(0, 2), most=MOST_QUEUED)
 
 
@@ -29,7 +29,7 @@ class Delay(Section, key="actuator"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: the torque that arrives [N m]."""
+    """Plant-rate System: the torque that arrives [N m]."""
     torque, p = ports(TORQUE), Parameters(scenario)
     late = p.take("actuator.delay") + p.take("actuator.unmodelled_delay")
     shown = tuple(Output(item.signal, item.sym) for item in torque)
@@ -39,13 +39,13 @@ def build(scenario: Scenario) -> System:
 
 
 def check(scenario: Scenario) -> None:
-    """Not more commands are under way than an observer may keep."""
+    """Check that an observer can store all commands in transit."""
     late, period = scenario.section(Delay).delay, scenario.clock.control
     check_count("actuator.delay", late, "clock.control", period, MOST_REMEMBERED)
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The delay itself, told or not: the guard counts every command that is under way."""
+    """The delay itself, known to laws or not: the guard counts every command in transit."""
     late = scenario.section(Delay)
     return Bound(delay=late.delay + late.unmodelled_delay)
 
@@ -62,12 +62,12 @@ def delay_in_periods(scenario: Scenario) -> tuple[int, int]:
 
 
 def in_periods(late: float, scenario: Scenario) -> tuple[int, int]:
-    """A time [s] as whole control periods and the plant steps that are left."""
+    """A time [s] as whole control periods and remaining plant steps."""
     clock = scenario.clock
     return divmod(round(late / clock.plant), clock.substeps)
 
 
 def commands_in_flight(scenario: Scenario) -> int:
-    """Number of commands that have not acted to their end when the next one is computed."""
+    """Number of commands that still act, or will act, when the next one is computed."""
     whole, part = delay_in_periods(scenario)
     return whole + bool(part)

@@ -10,12 +10,12 @@ An effect is one file: a section of the scenario, a graph, a bound.  It is named
 | loop | step | commanded velocity, true state | torque |
 | drive | step | torque so far, true state | torque |
 
-Commands and the speed loop are those of a base that takes velocities; what a controller sends to
-it is a velocity, and to any other a torque.
+Commands and the speed loop are those of a base that takes velocities; a controller sends velocities
+to it, and torques to any other base.
 
-Effects of a role compose in the order of the registry: a sensor reads what those before it made of
-the measured quantities, a drive the torque that those before it let through; disturbances add up.
-Names that an effect does not read or write stay as they are.
+Effects of a role compose in the order of the registry: a sensor reads the measured quantities from
+the sensors before it, a drive the torque from the drives before it; disturbances add up. Names that
+an effect does not read or write are unchanged.
 """
 
 import math
@@ -93,11 +93,11 @@ class Bound:
     within nbar.
 
     Bases that take velocities: the command that arrives is off by at most ``command`` [m/s, rad/s].
-    ``hidden`` says what the governor does not take into account, ``overshoots`` what makes the
+    ``hidden`` names an effect that the governor does not model, ``overshoots`` one that makes the
     base overshoot its command, each in a sentence that begins with the key at fault.
 
     ``void`` says which assumption the effect breaks, whatever its numbers, in a sentence that
-    begins with the key at fault: the guard then filters but guarantees nothing.
+    begins with the key at fault: the guard then still filters, without guarantee.
     """
 
     dbar: Pair = (0.0, 0.0)
@@ -115,7 +115,7 @@ class Bound:
     void: str = ""
 
     def __post_init__(self) -> None:
-        """Refuse what is no bound: ValueError, in which `Effect.bounded` names the effect."""
+        """Raise ValueError for an invalid bound; `Effect.bounded` adds the effect's name."""
         for name in PAIRS:
             pair = getattr(self, name)
             if not (isinstance(pair, tuple) and len(pair) == 2 and all(map(_is_size, pair))):
@@ -192,7 +192,7 @@ class Effect:
     check: Callable[[Scenario], None] | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what would be no part of any loop."""
+        """Refuse an effect that would not be part of any loop."""
         late = (EffectRole.COMMAND, EffectRole.LOOP, EffectRole.DRIVE)
         rates = {EffectRole.SENSOR: (Rate.SAMPLE,), **dict.fromkeys(late, (Rate.STEP,))}
         fields = isinstance(self.section, type) and issubclass(self.section, Section)
@@ -217,7 +217,7 @@ class Effect:
         return f"{self.name} ([{self.section.KEY}])"
 
     def active(self, scenario: Scenario) -> bool:
-        """True where it makes a difference."""
+        """True if the effect changes the loop."""
         if self.role in (EffectRole.COMMAND, EffectRole.LOOP) and not scenario.takes_velocity:
             return False
         if self.acts is not None:
@@ -227,7 +227,7 @@ class Effect:
         return any(getattr(section, name) != defaults[name].default for name in names)
 
     def present(self, scenario: Scenario) -> bool:
-        """True where it is part of the loop's structure."""
+        """True if the effect is part of the loop's structure."""
         return self.always or self.active(scenario)
 
     def relate(self, scenario: Scenario) -> None:
@@ -260,7 +260,7 @@ class Effect:
         return stated
 
     def _call(self, what: str, function: Callable[[Scenario], T], scenario: Scenario) -> T:
-        """Its own functions; an error that says nothing to a user names the effect."""
+        """Call one of the effect's own functions; unclear errors get the effect's name."""
         remedy = "Mend it, or take its table out of the scenario; --debug shows where."
         with blamed(f"the effect {self.title} fails in its {what}", remedy):
             return function(scenario)
@@ -286,12 +286,12 @@ class Effect:
 
 
 def adds_nothing(_: Scenario) -> Bound:
-    """Bound of an effect that the guard need not count on, such as a sensor of the pose."""
+    """Bound of an effect that the guard need not know, such as a sensor of the pose."""
     return Bound()
 
 
 def on_axes(axes: tuple[int, ...], bound: Bound) -> Bound:
-    """Bound of a velocity sensor that makes only these axes' (0 linear, 1 angular)."""
+    """Bound of a velocity sensor that measures only these axes (0 linear, 1 angular)."""
     shown: dict[str, Any] = {
         name: tuple(float(axis in axes) * getattr(bound, name)[axis] for axis in (0, 1))
         for name in ("nbar", "age", "window")
@@ -300,9 +300,9 @@ def on_axes(axes: tuple[int, ...], bound: Bound) -> Bound:
 
 
 def total(bounds: list[Bound]) -> Bound:
-    """The sum of bounds, and every reason why there is no promise.
+    """Sum of bounds, and every reason why nothing is guaranteed.
 
-    Two lags in a row are no lag, and a mean of means is no mean: those are reasons too.
+    Two lags in series are not one lag, and a mean of means is not one mean: those are reasons, too.
     """
     reasons = [item.void for item in bounds if item.void]
     if sum(item.lag[1] > 0 for item in bounds) > 1:
@@ -331,11 +331,11 @@ def mass_bounds(scenario: Scenario) -> tuple[Pair, Pair]:
     """Smallest and largest mass and inertia [kg, kg m2], before effects widen them.
 
     Those of the guard; where one is not stated, model.m and model.I, narrowed or widened by the
-    share guard.mass_margin.  Of the true robot and its changes nothing is read.
+    share guard.mass_margin. The true robot and its changes are not used.
     """
     return scenario.guard.masses(*scenario.value("model.m"), *scenario.value("model.I"))
 
 
 def heaviest(scenario: Scenario) -> float:
-    """Largest mass that a guard counts on [kg]."""
+    """Largest mass that a guard assumes [kg]."""
     return mass_bounds(scenario)[1][0]

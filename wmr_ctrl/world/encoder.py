@@ -1,8 +1,8 @@
-"""Wheel encoders: whole counts of each wheel's turn, and the velocity that is made of them.
+"""Wheel encoders: whole counts of each wheel's rotation, and the velocity computed from them.
 
-Source: quadrature encoders on the wheels, read at every sample.  The controller knows the counts
-and the wheels' size as believed.  Differenced over a window they show the mean velocity over it;
-the time between counts shows it finer where counts are rare, at the price of an unknown age.
+Source: quadrature encoders on the wheels, read at every sample. The controller knows the counts and
+the wheels' size as believed. Their difference over a window gives the mean velocity in it; the time
+between counts resolves slow motion better, at the price of an unknown age.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ LONG = 1e9
 
 
 class Encoder(Section, key="encoder"):
-    """Counts per turn, and how a velocity is made of counts; left out: no encoders."""
+    """Counts per turn, and how the velocity is computed from counts; left out: no encoders."""
 
     counts: float | None = quantity(
         None, "1", "counts in one turn of a wheel, all four edges counted", above=0
@@ -66,7 +66,7 @@ class Encoder(Section, key="encoder"):
     bits: int = quantity(32, "1", "bits of the counters that a C package reads: 16 or 32")
 
     def relate(self) -> None:
-        """Counts are whole, and counters have 16 or 32 bits."""
+        """Check that counts are integer, and that counters have 16 or 32 bits."""
         if self.bits not in (16, 32):
             raise ScenarioError(
                 f"encoder.bits = {self.bits!r} must be 16 or 32. For a counter with other bits, "
@@ -80,7 +80,7 @@ class Encoder(Section, key="encoder"):
 
 
 def build(scenario: Scenario) -> System:
-    """Sampled System: way, orientation, skid and number of the sample to measured velocity."""
+    """Sampled System: path length, orientation, skid and sample number to measured velocity."""
     encoder = scenario.section(Encoder)
     path, theta, skid, sample = ports((PATH, POSE[2], SKID, SAMPLE))
     p, first = Parameters(scenario), sample.sym == 0
@@ -107,11 +107,11 @@ def build(scenario: Scenario) -> System:
 
 
 def reader(scenario: Scenario) -> System:
-    """Sampled System: counts since the sample before to velocity, for C that is given counts.
+    """Sampled System: counts since the last sample to velocity, for C code that receives counts.
 
-    It shows what `build` shows, of the axes that no gyro has: sums of whole numbers are exact.
-    Raises ArgumentError where the time between counts is asked for, which counts at a sample do not
-    tell, and where a wheel within the limits turns by half of the counter's range in a sample.
+    Its output equals `build`'s on the axes without gyro: sums of integers are exact. Raises
+    ArgumentError if the time between counts is needed, which counts at samples do not contain, and
+    if a wheel within the limits can move by half of the counter's range in a sample.
     """
     if scenario.section(Encoder).method == TIME:
         raise ArgumentError(
@@ -139,7 +139,7 @@ def reader(scenario: Scenario) -> System:
 
 
 def _check_range(scenario: Scenario) -> None:
-    """Raise ArgumentError where a step of counts within the limits can be read either way."""
+    """Raise ArgumentError if a step of counts within the limits is ambiguous."""
     encoder, robot, (v, omega) = scenario.section(Encoder), scenario.robot, scenario.limits.v_u1
     turns = (v + robot.l * omega) * scenario.clock.control / (2 * math.pi * robot.r)
     step, half = turns * float(encoder.counts or 0), 2 ** (encoder.bits - 1)
@@ -157,7 +157,7 @@ def _per_second(scenario: Scenario, p: Parameters, turned: ca.SX) -> ca.SX:
 
 
 def turned(scenario: Scenario, p: Parameters, path: ca.SX, theta: ca.SX) -> ca.SX:
-    """Turn of both wheels (2,) since the start [counts], for a way [m] and orientation [rad]."""
+    """Wheels' rotation (2,) since the start [counts], for path length [m] and theta [rad]."""
     radius, arm = p.take("robot.r"), p.take("robot.l")
     if not scenario.section(Wheels).believed:
         radius, arm = true_wheels(p)
@@ -177,10 +177,10 @@ def periods_in_window(scenario: Scenario) -> int:
 
 
 def _timed(turn: ca.SX, first: ca.SX, period: ca.SX) -> tuple[ca.SX, tuple[Port, ...], ca.SX]:
-    """Counts over time [1/s] between the last counts of two samples, state and update.
+    """Counts per time [1/s] between the last counts of two samples; state and update.
 
-    A wheel's speed is taken as constant over a sample to tell when its last count came.  Without
-    a new count the speed is at most one count over the time that has passed.
+    A wheel's speed is assumed constant over a sample to find the time of its last count.  Without a
+    new count the speed is at most one count over the elapsed time.
     """
     state = ports((TURN, EDGE, SINCE, SPEED))
     starts = (turn, ca.floor(turn), ca.SX(LONG), ca.SX(0))
@@ -199,7 +199,7 @@ def _timed(turn: ca.SX, first: ca.SX, period: ca.SX) -> tuple[ca.SX, tuple[Port,
 
 
 def check(scenario: Scenario) -> None:
-    """Nothing else averages the velocity."""
+    """Check that no other sensor averages the velocity."""
     encoder = scenario.section(Encoder)
     mean = scenario.sensor.velocity_window
     if encoder.counts is not None and mean > 0:
@@ -215,14 +215,14 @@ def bound(scenario: Scenario) -> Bound:
     The whole parts of two numbers differ by less than 1 more or less than the numbers, wherever
     the counts' phase is (`rounded_by`).
 
-    By the time between counts each wheel shows, where counts come, a mean of its speed (the time
-    of a count is read off the turn at both ends of a sample), but over a window of its own. Half
-    their sum and difference then mix v1 and omega: with the right wheel's mean E and the left
-    one's E', v1 is off by l (E omega - E' omega)/2, up to l omega_u1/2 where friction stops the
-    turn between both, and omega by (E v1 - E' v1)/(2 l), up to v_u1/(2 l), for any number of
-    counts. The windows begin at the last count of an earlier sample, however long ago that was; and
-    a wheel may turn by nearly a count without showing it, which is all that a difference over one
-    period is off by. That is no nbar and no window to count on, so there is none: void.
+    With the time between counts each wheel gives a mean of its speed (the time of a count is
+    computed from the rotation at both ends of a sample), but over its own window. Half their sum
+    and difference then mix v1 and omega: with the right wheel's mean E and the left one's E', v1 is
+    off by l (E omega - E' omega)/2, up to l omega_u1/2 where friction stops the turn between both,
+    and omega by (E v1 - E' v1)/(2 l), up to v_u1/(2 l), for any number of counts. The windows begin
+    at the last count of an earlier sample, however long ago that was; and a wheel may turn by
+    nearly a count without showing it, which equals the error of a difference over one period. So
+    there is neither an nbar nor a window to rely on, and the bound is void.
     """
     encoder, robot = scenario.section(Encoder), scenario.robot
     if encoder.method == TIME:
@@ -240,7 +240,7 @@ def bound(scenario: Scenario) -> Bound:
 def rounded_by(
     believed: tuple[Number, Number], counts: Number, window: Number
 ) -> tuple[Number, Number]:
-    """Quantisation error of v1 [m/s] and omega [rad/s], where whole ``counts`` are differenced.
+    """Quantisation error of v1 [m/s] and omega [rad/s] from differences of whole ``counts``.
 
     Each wheel's speed is off by less than 2 pi r/(N w), so v1 by as much and omega by that over l
     (ledger: world.encoder.*), for ``believed`` (r, l) [m] and a ``window`` w [s], numbers or

@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 class Grip:
     """Wheel torques [N m] of the scenario's robot at its start.
 
-    ``spin``: at which wheels that drive forwards begin to slide; ``brake``: the same where they
-    brake and drag helps them; ``keep``: below which none slides however the robot moves within
-    limits.v_u1, driving, braking or turning; ``lift``: at which wheels that spin lift off.
+    ``spin``: torque at which forward-driving wheels begin to slide; ``brake``: at which braking
+    wheels do, helped by drag; ``keep``: below which no wheel slides for any motion within
+    limits.v_u1, driving, braking or turning; ``lift``: at which spinning wheels lift off.
     """
 
     spin: float
@@ -41,7 +41,8 @@ class Grip:
 
 
 def grip(scenario: Scenario) -> Grip:
-    """The torques of a scenario's robot; ``keep`` is the least over its phases, 0 where none is.
+    """Torques of a scenario's robot; ``keep`` is the minimum over its phases, 0 if a phase has
+    none.
 
     The other torques are those of the start.
     """
@@ -65,9 +66,10 @@ def _forces(scenario: Scenario, robot: Robot) -> Grip:
 
 
 def _in_a_turn(scenario: Scenario, robot: Robot, most: float) -> float:
-    """Torque [N m] that the lighter wheel passes on in the tightest turn at v_u1.
+    """Torque [N m] that the lighter wheel can transmit in the tightest turn at v_u1.
 
-    At an acceleration ``most`` [m/s2] along; what tyres do across is shared as their load is.
+    For a longitudinal acceleration ``most`` [m/s2]; the tyres share the lateral force as their
+    load.
     """
     m, body, (v, omega) = robot.m, scenario.body, scenario.limits.v_u1
     load = m * robot.g - most * (m * body.height + body.wheel_mass * robot.r) / body.caster

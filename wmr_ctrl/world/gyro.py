@@ -1,7 +1,7 @@
-"""Gyro: omega by itself, at once, with a constant bias and noise.
+"""Gyro: measures omega directly, without delay, with a constant bias and noise.
 
-Source: a gyro's data sheet; its bias over a run is taken as constant.  It shows omega in the place
-of what other sensors make of it.
+Source: a gyro's data sheet; its bias is assumed constant over a run.  Its output replaces the omega
+of other sensors.
 """
 
 from wmr_ctrl.core.fields.section import Section, quantity
@@ -32,7 +32,7 @@ def build(scenario: Scenario) -> System:
 
 
 def axes_without_gyro(scenario: Scenario) -> tuple[int, ...]:
-    """Axes (0 linear, 1 angular) whose measured velocity other sensors make."""
+    """Axes (0 linear, 1 angular) whose velocity is measured by other sensors."""
     return (0,) if scenario.section(Gyro).enabled else (0, 1)
 
 

@@ -1,4 +1,4 @@
-"""Memory of the samples before in Systems: the last values of a quantity, and how many."""
+"""Memory of past samples in Systems: the last values of a quantity."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ MOST_REMEMBERED = 500
 
 @dataclass(frozen=True)
 class History:
-    """A quantity ``aged[j]`` samples ago for j = 0 to ``count``, the state for it and its update.
+    """A quantity ``aged[j]`` samples ago for j = 0 to ``count``, with its state and update.
 
-    Before the first sample it was what it is then: the robot stood still.
+    Before the first sample it has its first value: the robot rested.
     """
 
     aged: tuple[ca.SX, ...]
@@ -37,14 +37,14 @@ def history(signal: Signal, now: ca.SX, first: ca.SX, count: int) -> History:
 
 
 def remembered(doc: str) -> float:
-    """Field of a section: how far back [s] a sensor looks, a multiple of clock.control."""
+    """Field of a section: time [s] that a sensor looks back, a multiple of clock.control."""
     return multiple(doc, "clock.control", usual=(0, 5), most=MOST_REMEMBERED)
 
 
 def multiple(
     doc: str, of: str, usual: tuple[float, float], most: int = 0, maximum: float | None = None
 ) -> float:
-    """Field of a section: a time [s] of so many control periods or plant steps, from none on."""
+    """Field of a section: a time [s] that is a multiple of a period or step, from 0 on."""
     said = f"{doc}, a multiple of {of}"
     return quantity(
         0.0, "s", said, minimum=0, maximum=maximum, usual=usual, multiple_of=of, most=most

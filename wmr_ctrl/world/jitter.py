@@ -1,7 +1,7 @@
-"""Jitter: each command comes later than actuator.delay by a time of its own, bounded and drawn.
+"""Jitter: each command arrives later than actuator.delay by a bounded random time.
 
 Source: computation and buses; the time is uniform over whole plant steps from 0 to ``jitter`` and
-anew for each command.  A command never overtakes the one before it, since jitter <= clock.control.
+drawn for each command.  A command never overtakes the one before it, since jitter <= clock.control.
 """
 
 from wmr_ctrl.core.errors import ScenarioError
@@ -35,10 +35,10 @@ class Jitter(Section, key="actuator"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: torque behind the constant delay to torque that acts [N m].
+    """Plant-rate System: from torque behind the constant delay to acting torque [N m].
 
-    In the plant step in which a command arrives, the number that the sample draws says how many
-    steps it waits; what acted before goes on until then.
+    In the plant step in which a command arrives, the number drawn for the sample gives its waiting
+    time; until then the previous torque acts.
     """
     torque, step, p = ports(TORQUE), port(STEP), Parameters(scenario)
     acting, waiting, due = port(ACTING), port(WAITING), port(DUE)
@@ -67,7 +67,7 @@ def build(scenario: Scenario) -> System:
 
 
 def whole(number: "ca.SX") -> "ca.SX":
-    """The nearest whole number."""
+    """The nearest integer."""
     return ca.floor(number + 0.5)
 
 
@@ -83,7 +83,7 @@ def check(scenario: Scenario) -> None:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The largest delay grows by it, and by it a command may be less late."""
+    """The largest delay grows by the jitter; a command may be earlier by it."""
     jitter = scenario.section(Jitter).jitter
     return Bound(delay=jitter, jitter=jitter)
 

@@ -1,8 +1,8 @@
-"""Lag of the drives: the torque follows the command by a first order, exact over a plant step.
+"""Lag of the drives: the torque follows the command by a first-order lag, exact per plant step.
 
-With a spread the time constant is another in each control period, uniform between
-lag (1 - spread) and lag (1 + spread); what laws and observer believe is the one in the middle.
-Source: motors whose winding warms up, drives whose tuning is not known.
+With a spread the time constant changes in each control period, uniform between lag (1 - spread) and
+lag (1 + spread); laws and observer assume the mean.  Source: motors whose winding warms up, drives
+of unknown tuning.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Lag(Section, key="actuator"):
 
 
 def build(scenario: Scenario) -> system.System:
-    """System of the plant's rate: torque that arrives to torque that acts [N m]."""
+    """Plant-rate System: from arriving to acting torque [N m]."""
     torque, acting, p = system.ports(TORQUE), system.port(ACTING), system.Parameters(scenario)
     wanted = system.stack(item.sym for item in torque)
     time = p.take("actuator.lag")
@@ -58,17 +58,17 @@ def build(scenario: Scenario) -> system.System:
 
 
 def followed(wanted: ca.SX, decay: ca.SX, acting: ca.SX) -> ca.SX:
-    """Torque [N m] after a step, of which the share ``decay`` is left of the torque before."""
+    """Torque [N m] after a step, in which the share ``decay`` of the difference remains."""
     return wanted + decay * (acting - wanted)
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The time constant's range; where it varies the lower end is a little below lag (1 - spread).
+    """Range of the time constant; if it varies, the lower end is slightly below lag (1 - spread).
 
-    The torque is held over a plant step h as it is at the step's end, which is sooner than a first
-    order.  Where e = exp(-h/tau) of the smallest tau, a guard that counts on time constants from a
-    = h e/(1 - e) on counts at least what such a lag does (ledger: world.lag.stepped); less ROUNDING
-    of it, as a graph that compares h with a (1/e - 1) computes both.
+    The torque is held over a plant step h at its value of the step's end, which is earlier than a
+    first-order lag.  With e = exp(-h/tau) of the smallest tau, a guard that assumes time constants
+    from a = h e/(1 - e) on covers such a lag (ledger: world.lag.stepped); ROUNDING of it is
+    subtracted, as a graph that compares h with a (1/e - 1) computes both.
     """
     lag, spread = scenario.section(Lag).lag, scenario.section(Lag).lag_spread
     if not spread:
@@ -78,7 +78,7 @@ def bound(scenario: Scenario) -> Bound:
 
 
 def stepped(lag: float, step: float) -> float:
-    """Time constant [s] that a lag is not faster than which holds its value over a plant step [s].
+    """Lower bound of the time constant [s] of a lag that is held over a plant step [s].
 
     About lag - step/2.
     """
@@ -88,7 +88,7 @@ def stepped(lag: float, step: float) -> float:
 
 
 def equivalent_lag(step: system.Number, growth: system.Number) -> system.Number:
-    """The same for growth = exp(step/lag) - 1, a number or a symbol."""
+    """`stepped` for growth = exp(step/lag) - 1, a number or a symbol."""
     return step / growth
 
 

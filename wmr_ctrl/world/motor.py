@@ -1,4 +1,4 @@
-"""Motors: torque in steps, a dead zone, and less torque the faster a wheel turns.
+"""Motors: quantised torque, a dead zone, and torque that falls with wheel speed.
 
 Source: a current controller's resolution, a gear's static friction, and the straight line between
 the stall torque and the free speed of a direct-current motor, at the wheel.  A motor brakes
@@ -41,7 +41,7 @@ class Motor(Section, key="motor"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: torque that arrives and true velocity to the motors' torque."""
+    """Plant-rate System: from arriving torque and true velocity to the motors' torque."""
     motor, torque, velocity = scenario.section(Motor), ports(TORQUE), ports(VELOCITY)
     p = Parameters(scenario)
     r, half_track = p.take("robot.r"), p.take("robot.l")
@@ -61,7 +61,7 @@ def build(scenario: Scenario) -> System:
 
 
 def stepped(torque: ca.SX, step: ca.SX) -> ca.SX:
-    """The nearest whole number of steps [N m]."""
+    """The torque rounded to an integer number of steps [N m]."""
     return step * ca.floor(torque / step + 0.5)
 
 
@@ -71,9 +71,9 @@ def beyond_zone(torque: ca.SX, zone: ca.SX) -> ca.SX:
 
 
 def on_line(torque: ca.SX, speed: ca.SX, stall: ca.SX, slowing: ca.SX) -> ca.SX:
-    """Torque [N m] that the motor of a wheel at ``speed`` [rad/s] gives, slowing = 1/free.
+    """Torque [N m] of a motor whose wheel turns at ``speed`` [rad/s]; slowing = 1/free.
 
-    At most stall (1 - speed/free) the way the wheel turns, at most stall against it.
+    At most stall (1 - speed/free) in the direction of rotation, at most stall against it.
     """
     ahead = stall * ca.fmax(1 - slowing * ca.fmax(speed, 0), 0)
     back = stall * ca.fmax(1 - slowing * ca.fmax(-speed, 0), 0)
@@ -81,7 +81,7 @@ def on_line(torque: ca.SX, speed: ca.SX, stall: ca.SX, slowing: ca.SX) -> ca.SX:
 
 
 def check(scenario: Scenario) -> None:
-    """A free speed belongs to a stall torque."""
+    """Check that a free speed comes with a stall torque."""
     motor = scenario.section(Motor)
     if math.isfinite(motor.free) and math.isinf(motor.stall):
         raise ScenarioError(
@@ -96,14 +96,14 @@ def largest_torque(scenario: Scenario) -> float:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """Force that both wheels together miss at worst.
+    """Largest force that both wheels together lack.
 
-    A step is off by at most half of it, the dead zone takes at most its width: twice that over r
-    is missing of the thrust, l times as much of the moment.  On the line a wheel at speed s misses
-    of a torque up to tau_max at most that and d(s) = max(tau_max - stall (1 - s/free), 0), convex
-    and rising in s.  Within the limits the wheels drive the same way at up to u1 + l w and
-    u1 - l w, opposite ways at up to v + l u2 and l u2 - v, and a convex sum is largest at an end:
-    the fastest wheel with the other one (ledger: world.motor.*).
+    Rounding to a step errs by at most half of it, the dead zone removes at most its width: the
+    thrust lacks twice that over r, the moment l times as much.  On the line a wheel at speed s
+    lacks, of a torque up to tau_max, at most that and d(s) = max(tau_max - stall (1 - s/free), 0),
+    convex and rising in s. Within the limits the wheels drive the same way at up to u1 + l w and u1
+    - l w, opposite ways at up to v + l u2 and l u2 - v, and a convex sum is largest at an end: the
+    fastest wheel with the other one (ledger: world.motor.*).
     """
     motor, robot, (u1, u2) = scenario.section(Motor), scenario.robot, scenario.limits.v_u1
     limit = largest_torque(scenario)
@@ -136,7 +136,7 @@ def rounded_by(step: Number) -> Number:
 
 
 def positive(value: Number) -> Number:
-    """The value where it is positive, else 0: exact."""
+    """The positive part of a value: exact."""
     return (value + abs(value)) / 2.0
 
 

@@ -1,9 +1,9 @@
-"""The robot over a run: phases between its changes, friction, the torque that its motion needs.
+"""The robot over a run: phases between its changes, friction, and the torque that motion needs.
 
     tau_d = B1^-1 (M1 v_d' + F1(v_d)),    Eq. (4) at the desired velocity,
 
-is inverse dynamics along the reference.  What a law asks for beyond it is its answer to the start,
-to disturbances and to noise.
+is inverse dynamics along the reference. Torque of a law beyond it is its reaction to the start, to
+disturbances and to noise.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ def phases(scenario: Scenario) -> Iterator[Phase]:
 
 
 def robots_in_words(scenario: Scenario) -> tuple[tuple[float, str], ...]:
-    """The robot from each time [s] on, as "65 kg"; empty where it never changes.
+    """The robot from each time [s] on as text, such as "65 kg"; empty if it never changes.
 
-    Masses where they tell the robots apart, else all that changes.
+    Masses if they differ, else all numbers that change.
     """
     states = {phase.t: phase.robot for phase in phases(scenario)}
     numbers = {t: tuple(getattr(robot, name) for name in CHANGING) for t, robot in states.items()}

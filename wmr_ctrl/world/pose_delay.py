@@ -1,7 +1,7 @@
-"""Pose that comes late: the pose sensor is given one of some time ago.
+"""Late poses: the pose sensor receives the pose of an earlier time.
 
-Source: cameras and beacons take time to compute.  The pose sensor corrects its prediction by the
-late pose as if it were new, which is what a controller does that does not know better.
+Source: cameras and beacons need time to compute.  The pose sensor corrects its prediction by the
+late pose as if it were new, like a controller that does not know the delay.
 """
 
 from wmr_ctrl.core.fields.section import Section
@@ -15,13 +15,13 @@ OLD_POSE = Signal("old_pose", "m, m, rad", "pose", 3)
 
 
 class PoseDelay(Section, key="sensor"):
-    """Age of a pose when it comes."""
+    """Age of a pose on arrival."""
 
     pose_delay: float = remembered("age of a pose on arrival")
 
 
 def build(scenario: Scenario) -> System:
-    """Sampled System: pose to the pose some samples ago, that of the start before."""
+    """Sampled System: from pose to the pose some samples ago; before that, the start's."""
     pose, sample = ports(MEASURED_POSE), port(SAMPLE)
     now = stack(item.sym for item in pose)
     count = round(scenario.section(PoseDelay).pose_delay / scenario.clock.control)

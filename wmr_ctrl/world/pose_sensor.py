@@ -56,17 +56,17 @@ class PoseSensor(Section, key="sensor"):
 
     @property
     def perfect(self) -> bool:
-        """True where the laws see the true pose at every sample."""
+        """True if the laws receive the true pose at every sample."""
         exact = self.pose_period == 0 and self.pose_noise == 0 and self.correction == 1
         return exact and self.pose_dropout == 0
 
 
 def build(scenario: Scenario) -> System:
-    """Sampled System: pose, measured velocity and number of the sample to measured pose.
+    """Sampled System: pose, measured velocity and sample number to measured pose.
 
-    Predicts by Euler over one control period with the previous sample's measured velocity, the
-    angle first, then moves the estimate by a share of the measured error: all of it at the first
-    sample, ``correction`` where a pose came, nothing in between.
+    It predicts by an Euler step over one control period with the previous sample's measured
+    velocity, angle first, then moves the estimate by a share of the measured error: 1 at the first
+    sample, ``correction`` if a pose arrived, 0 otherwise.
     """
     pose, velocity, sample = ports(MEASURED_POSE), ports(MEASURED_VELOCITY), port(SAMPLE)
     estimate, old, p = port(ESTIMATE), port(OLD_VELOCITY), Parameters(scenario)
@@ -99,7 +99,7 @@ def build(scenario: Scenario) -> System:
 
 
 def samples_a_pose(every: ca.SX, T: ca.SX) -> ca.SX:
-    """Control periods ``T`` from one pose to the next, by the time ``every`` between them [s]."""
+    """Control periods ``T`` from one pose to the next, for the time ``every`` between them [s]."""
     return ca.fmax(1, ca.floor(every / T + 0.5))
 
 
@@ -109,7 +109,7 @@ def corrected(predicted: ca.SX, measured: ca.SX, share: ca.SX) -> ca.SX:
 
 
 def reckoned(q: ca.SX, v: ca.SX, T: ca.SX) -> ca.SX:
-    """Pose (3,) after a period T [s] at velocity v (2,) by Euler, the angle first."""
+    """Dead-reckoned pose (3,) after a period T [s] at velocity v (2,), by Euler, angle first."""
     theta = q[2] + T * v[1]
     step = T * v[0]
     return ca.vertcat(q[0] - step * ca.sin(theta), q[1] + step * ca.cos(theta), theta)

@@ -1,4 +1,4 @@
-"""Push: an adversary that pushes each axis on in the direction in which it moves, forward at rest.
+"""Push: an adversary that pushes each axis in its direction of motion, and forward at rest.
 
 Source: none in the paper; the worst disturbance of a given size for a limit on the velocity.  It
 acts as torque at the wheels and is held over a control period.

@@ -1,7 +1,7 @@
 """Resistance of the ground: each wheel's rolling resistance, and viscous friction.
 
-Source: Coulomb's law for the rolling of each wheel, with half the weight on it and smoothed as the
-robot's friction is; a force in proportion to the velocity for bearings and air.
+Source: Coulomb friction of each rolling wheel, which carries half the weight, smoothed as the
+robot's friction; a force in proportion to the velocity for bearings and air.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Resistance(Section, key="resistance"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: true velocity to force on the body."""
+    """Plant-rate System: from true velocity to force on the body."""
     velocity, p = ports(VELOCITY), Parameters(scenario)
     v, omega = (item.sym for item in velocity)
     half_track, viscous = p.take("robot.l"), p.take("resistance.viscous")
@@ -50,20 +50,20 @@ def smoothed(v: ca.SX, turn: ca.SX, v_s: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 def resisted(most: ca.SX, half_track: ca.SX, right: ca.SX, left: ca.SX) -> ca.SX:
-    """Force on the body (2,) [N, N m] of wheels that resist with ``most`` (2,) [N].
+    """Force on the body (2,) [N, N m] from wheels whose resistance is ``most`` (2,) [N].
 
-    ``right``, ``left``: by which share, with the sign of the wheel's speed.
+    ``right``, ``left``: used share of it, with the sign of the wheel's speed.
     """
     forces = (most[0] * right, most[1] * left)
     return -ca.vertcat(forces[0] + forces[1], half_track * (forces[0] - forces[1]))
 
 
 def bound(scenario: Scenario) -> Bound:
-    """Bound of the wheels' difference; the common part only slows, as any friction may.
+    """Bound of the wheels' difference; the common part only slows, like any friction.
 
-    tanh rises and is odd, so the sum over equal wheels has the sign of v1, their difference that
-    of omega.  What one wheel resists more by, |difference| m g/2 at most, may push the other
-    axis, with the arm l on the moment (ledger: world.resistance.*).
+    tanh increases and is odd, so the sum over equal wheels has the sign of v1, their difference
+    that of omega.  The excess of one wheel, at most |difference| m g/2, may push the other axis,
+    with lever arm l for the moment (ledger: world.resistance.*).
     """
     robot, load = scenario.robot, load_of_wheel(heaviest(scenario), scenario.robot.g)
     return Bound(dbar=pushed_by(scenario.section(Resistance).rolling, load, robot.l))
@@ -72,20 +72,20 @@ def bound(scenario: Scenario) -> Bound:
 def pushed_by(
     rolling: tuple[Number, Number], load: Number, half_track: Number
 ) -> tuple[Number, Number]:
-    """Thrust [N] and moment [N m] that unequal wheels push with at most; numbers or symbols."""
+    """Largest thrust [N] and moment [N m] by which unequal wheels push; numbers or symbols."""
     more = abs(rolling[0] - rolling[1]) * load
     return more, half_track * more
 
 
 def rolling_against(scenario: Scenario) -> Pair:
-    """Thrust [N] and moment [N m] of rolling that slow at most, beside what unequal wheels push."""
+    """Largest thrust [N] and moment [N m] of rolling that slow, without unequal wheels' push."""
     robot, load = scenario.robot, load_of_wheel(heaviest(scenario), scenario.robot.g)
     both = 2 * min(scenario.section(Resistance).rolling) * load
     return both, robot.l * both
 
 
 def against(scenario: Scenario) -> Pair:
-    """The same with viscous friction at the limits of the speeds."""
+    """`rolling_against` plus viscous friction at the speed limits."""
     viscous, limits = scenario.section(Resistance).viscous, scenario.limits.v_u1
     axes = zip(rolling_against(scenario), viscous, limits, strict=True)
     linear, angular = (force + c * limit for force, c, limit in axes)

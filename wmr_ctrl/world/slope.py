@@ -1,4 +1,4 @@
-"""Slope: a plane that rises; along the heading it pulls, across it turns a robot heavy at one end.
+"""Slope: an inclined plane; it pulls along the heading, and turns a robot with offset mass.
 
 Source: gravity on an incline.  What pulls across is taken by the wheels; with the centre of mass
 ``offset`` ahead of the axle it has an arm.  The wheels' load, and so the friction, stays that of
@@ -30,7 +30,7 @@ class Slope(Section, key="slope"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: orientation to force on the body.
+    """Plant-rate System: from orientation to force on the body.
 
     With a = psi - direction: thrust -m g sin(angle) cos(a), moment offset m g sin(angle) sin(a).
     """
@@ -58,14 +58,14 @@ def pulled(pull: ca.SX, offset: ca.SX, along: ca.SX, across: ca.SX) -> ca.SX:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The heaviest robot counted on, straight downhill, and across (ledger: world.slope.*)."""
+    """For the heaviest assumed robot, straight downhill and across (ledger: world.slope.*)."""
     slope = scenario.section(Slope)
     pull = downhill(heaviest(scenario), scenario.robot.g, math.sin(slope.angle))
     return Bound(dbar=pulled_at_most(pull, slope.offset))
 
 
 def pulled_at_most(pull: Number, offset: Number) -> tuple[Number, Number]:
-    """Thrust [N] and moment [N m] that a pull [N] exceeds nowhere, for numbers or symbols."""
+    """Largest thrust [N] and moment [N m] of a pull [N], for numbers or symbols."""
     return pull, pull * abs(offset)
 
 

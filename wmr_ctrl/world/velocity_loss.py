@@ -1,7 +1,7 @@
 """Lost velocities: the last one that arrived is held, and its age is reported.
 
 Source: radio, buses and wheel slip detectors, which drop odometry. Each measured velocity is lost
-with an even chance, but never more than ``velocity_losses`` in a row, and the first one comes. The
+with probability 1/2, but never more than ``velocity_losses`` in a row, and the first one comes. The
 age of the velocity that is shown is an output; a governor of commands uses it (`filter`).
 """
 
@@ -36,9 +36,9 @@ class VelocityLoss(Section, key="sensor"):
 
 
 def build(scenario: Scenario) -> System:
-    """Sampled System: measured velocity and number of the sample to velocity that is shown, age.
+    """Sampled System: measured velocity and sample number to shown velocity and its age.
 
-    The age is -1 as long as what is shown would be from before the start.
+    The age is -1 while the shown velocity would be from before the start.
     """
     velocity, sample, p = ports(MEASURED_VELOCITY), port(SAMPLE), Parameters(scenario)
     heard, missed = port(HEARD), port(MISSED)
@@ -66,14 +66,14 @@ def build(scenario: Scenario) -> System:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """A guard has one age; a governor gets it at every sample."""
+    """A guard assumes one fixed age; a governor receives it at every sample."""
     lost = scenario.section(VelocityLoss).velocity_losses
     sentence = f"sensor.velocity_losses = {lost}: a velocity is held for as long as none comes."
     return Bound(void=sentence if lost else "")
 
 
 def acts(scenario: Scenario) -> bool:
-    """True where velocities are lost, or late on a base whose filter asks for their age."""
+    """True if velocities are lost, or late on a base whose filter uses their age."""
     late = scenario.section(VelocityMean).velocity_age > 0 and scenario.takes_velocity
     return scenario.section(VelocityLoss).velocity_losses > 0 or late
 

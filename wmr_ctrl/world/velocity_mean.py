@@ -1,7 +1,7 @@
 """Velocity that is late or averaged: the mean over a window that ended some time ago.
 
-Source: the mean is what any device shows that differences positions, the age what a filter or a bus
-adds.  An ideal one: it counts nothing in steps (see `encoder`).
+Source: a device that differences positions shows the mean; a filter or a bus adds the age. The
+sensor is ideal, without counts (see `encoder`).
 """
 
 from wmr_ctrl.core.fields.section import Section
@@ -24,7 +24,7 @@ class VelocityMean(Section, key="sensor"):
 
 
 def build(scenario: Scenario) -> System:
-    """Sampled System: way, orientation, true velocity and sample to measured velocity."""
+    """Sampled System: path length, orientation, true velocity and sample to measured velocity."""
     sample, p = port(SAMPLE), Parameters(scenario)
     window, age = _periods(scenario)
     true = (port(PATH), port(POSE[2])) if window else ports(VELOCITY)
@@ -51,10 +51,10 @@ def _periods(scenario: Scenario) -> tuple[int, int]:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """Window and age themselves, and for a mean what rounding does to the way that was driven.
+    """Window and age; for a mean also the rounding error of the path length.
 
-    The way is at most u1 times the duration and is rounded by 2^-53 of that in each plant step, so
-    within the window by 2^-53 u1 duration/step; as much again covers its difference.
+    The path length is at most u1 times the duration and is rounded by 2^-53 of that in each plant
+    step, so within the window by 2^-53 u1 duration/step; the same again covers its difference.
     """
     mean, clock = _periods(scenario), scenario.clock
     window, age = (item * clock.control for item in mean)

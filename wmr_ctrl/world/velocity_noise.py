@@ -1,4 +1,4 @@
-"""Velocity noise: a uniform error of each measured velocity, anew at every sample."""
+"""Velocity noise: a uniform error of each measured velocity, drawn at every sample."""
 
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import MEASURED_VELOCITY, Signal

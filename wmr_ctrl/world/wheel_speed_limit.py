@@ -1,8 +1,8 @@
 """Limit of the wheels' speeds in the firmware: it couples v and omega.
 
 Source: differential-drive drivers, which turn (v, omega) into wheel speeds v +- l omega over r and
-clip each at ``w_max``.  A fast turn loses speed and curvature at once.  |v| and |omega| never grow
-and never change their sign by it, since clipping is odd and monotone.
+clip each at ``w_max``. A fast turn loses both speed and curvature. |v| and |omega| never grow and
+never change their sign by it, since clipping is odd and monotone.
 """
 
 import math
@@ -25,7 +25,7 @@ class WheelSpeedLimit(Section, key="base"):
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    """Plant-rate System: from arriving to acting command [m/s, rad/s]."""
     (v, omega), p = ports(COMMAND), Parameters(scenario)
     half_track, rim = p.take("robot.l"), p.take("robot.r") * p.take("base.w_max")
     right, left = (
@@ -37,7 +37,7 @@ def build(scenario: Scenario) -> System:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """A command that does not act as it was sent: the governor counts on the one that was sent."""
+    """Hidden effect: the acting command differs from the one sent, which the governor assumes."""
     return Bound(hidden="base.w_max: the firmware clips the wheels' speeds.")
 
 

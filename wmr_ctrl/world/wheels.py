@@ -1,9 +1,9 @@
-"""Wheels of another size than believed: radius of each, and half the track.
+"""Wheels that differ from the laws' model: radius of each, and half the track.
 
-Laws, guard and map count on robot.r and robot.l; these shares say how the robot differs.  A wheel
-of radius r_i turns a torque into the force tau_i/r_i, and the encoder on it counts v_i/r_i; half
-the true track l' is the arm of both.  Source: geometry; tyres wear and lose pressure.
-Noise and push are torques at wheels of the believed size.
+Laws, guard and map assume robot.r and robot.l; these shares are the robot's deviations. A wheel of
+radius r_i turns a torque into the force tau_i/r_i, and the encoder on it counts v_i/r_i; half the
+true track l' is the arm of both. Source: geometry; tyres wear and lose pressure. Noise and push are
+torques at wheels of the believed size.
 """
 
 import math
@@ -34,12 +34,12 @@ class Wheels(Section, key="wheels"):
 
     @property
     def believed(self) -> bool:
-        """True where they are as believed."""
+        """True if the wheels equal the laws' model."""
         return self.radius == (0.0, 0.0) and self.track == 0.0
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: torques at true wheels to those that act alike on believed ones.
+    """Plant-rate System: from torques at true wheels to equivalent ones at believed wheels.
 
     Thrust tau_r/r_r + tau_l/r_l and moment l' (tau_r/r_r - tau_l/r_l) are those of the true ones.
     """
@@ -59,9 +59,9 @@ def true_wheels(p: Parameters) -> "tuple[ca.SX, ca.SX]":
 
 
 def bound(scenario: Scenario) -> Bound:
-    """Force error of torques up to the limit, at wheels of another size.
+    """Force error of torques up to the limit, for wheels of another size.
 
-    Without torque limit there is no bound.
+    Without a torque limit there is no bound.
     """
     wheels, robot, most = scenario.section(Wheels), scenario.robot, largest_torque(scenario)
     if math.isinf(most):
@@ -89,7 +89,7 @@ def misdriven_by(
 
 
 def misread(scenario: Scenario) -> Pair:
-    """Errors of v1 and omega, read off wheel speeds as if the wheels were as believed.
+    """Errors of v1 and omega computed from wheel speeds with the believed wheels.
 
     With c = (a_r + a_l)/2 and d = (a_r - a_l)/2 they show c v1 + d l' omega and
     (d v1 + c l' omega)/l, so they are off by at most |c - 1| u1 + |d| l' u2 [m/s] and
@@ -102,7 +102,7 @@ def misread(scenario: Scenario) -> Pair:
 def misread_by(
     radius: tuple[Number, Number], track: Number, half_track: Number, most: tuple[Number, Number]
 ) -> tuple[Number, Number]:
-    """The same for shares of the ``radius`` and the ``track``, numbers or symbols.
+    """`misread` for shares of the ``radius`` and the ``track``, numbers or symbols.
 
     ``half_track`` [m] is the believed l, ``most`` [m/s, rad/s] the limits (u1, u2).
     """

@@ -48,7 +48,7 @@ def resolvent(c: ca.SX, k: ca.SX, u1: ca.SX, u2: ca.SX, smooth: bool = False) ->
 def transported(
     v: ca.SX, c: ca.SX, c_next: ca.SX, limits: tuple[ca.SX, ca.SX], smooth: bool = False
 ) -> ca.SX:
-    """v* [m/s or rad/s] for limits (u1, u2); every v and c are allowed."""
+    """Transported velocity v* [m/s or rad/s] for limits (u1, u2), for every v and c."""
     u1 = limits[0]
     x, x_next = (resolvent(target, ca.SX(1), *limits, smooth) for target in (c, c_next))
     form = smooth_barrier if smooth else stable_barrier

@@ -67,7 +67,7 @@ class Barrier:
 def stable_barrier(c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> Barrier:
     """Barrier quantities of Eqs. (10)-(20) for v_c0 = c and |v| < u1, to full double precision.
 
-    Where both stay within u2 there is no barrier: the first operand of each choice.
+    If both are within u2 the barrier is inactive: the first operand of each choice.
     """
     free = ca.logic_and(ca.fabs(c) <= u2, ca.fabs(v) <= u2)
     s = ca.if_else(c >= 0, 1, -1)
@@ -107,11 +107,11 @@ class Axis:
         )
 
     def by_region(self, near: ca.SX | float, middle: ca.SX, far: ca.SX | float) -> ca.SX:
-        """The operand of the region that c is in: R1, R2 or R3."""
+        """The operand for the region of c: R1, R2 or R3."""
         return ca.if_else(self.near, near, ca.if_else(self.far, far, middle))
 
     def by_side(self, ahead: ca.SX, inside: ca.SX, behind: ca.SX) -> ca.SX:
-        """The operand of the side that v is on."""
+        """The operand for the side of v."""
         return ca.if_else(self.ahead, ahead, ca.if_else(self.behind, behind, inside))
 
     @cached_property
@@ -263,7 +263,7 @@ class SmoothAxis(Axis):
         )
 
     def by_region(self, near: ca.SX | float, middle: ca.SX | float, far: ca.SX | float) -> ca.SX:
-        """The operand of the region that c is in; there is no middle one."""
+        """The operand for the region of c; there is no middle region."""
         return ca.if_else(self.near, near, far)
 
     @cached_property

@@ -1,7 +1,7 @@
-"""Intervals of many numbers at once, rounded outward: what a computed bound may be trusted with.
+"""Interval arithmetic on arrays, rounded outward, for bounds that must be rigorous.
 
 Sums, products, quotients and roots are moved outward by one unit in the last place, elementary
-functions by `LIBM` of their size, more than the error that NumPy states of its own (4 units).
+functions by `LIBM` of their size, which exceeds NumPy's stated error (4 units).
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ class Span:
 
     @classmethod
     def of(cls, low: object, high: object | None = None) -> Span:
-        """Intervals between doubles, each a point where ``high`` is left out."""
+        """Intervals from doubles; point intervals if ``high`` is omitted."""
         lo = np.asarray(low, dtype=float)
         return cls(lo, lo if high is None else np.asarray(high, dtype=float))
 
     def __getitem__(self, place: Any) -> Span:
-        """Some of the intervals, as NumPy picks them."""
+        """A selection of the intervals, by NumPy indexing."""
         return Span(self.lo[place], self.hi[place])
 
     def __add__(self, other: Span | float) -> Span:
@@ -60,7 +60,7 @@ class Span:
         return _of_corners(np.multiply, self, _span(other))
 
     def __truediv__(self, other: Span | float) -> Span:
-        """Enclosure of the quotient by what is positive; ScenarioError for other divisors."""
+        """Enclosure of the quotient by positive intervals; ScenarioError for others."""
         given = _span(other)
         if not np.all(given.lo > 0):
             raise ScenarioError(
@@ -102,12 +102,12 @@ def square(x: Span) -> Span:
 
 
 def root(x: Span) -> Span:
-    """Enclosure of the root of what is not negative; below 0 is taken for 0."""
+    """Enclosure of the square root; negative values are treated as 0."""
     return _floored(_outward(np.sqrt(np.maximum(x.lo, 0.0)), np.sqrt(np.maximum(x.hi, 0.0))))
 
 
 def increasing(function: Callable[[Floats], Floats], x: Span) -> Span:
-    """Enclosure of an increasing elementary function of NumPy's."""
+    """Enclosure of one of NumPy's increasing elementary functions."""
     return _loose(function(x.lo), function(x.hi))
 
 
@@ -119,7 +119,7 @@ def exp(x: Span) -> Span:
 def cosine(x: Span) -> Span:
     """Enclosure of cos(sqrt x), which is cosh(sqrt -x) below 0.
 
-    Raises ScenarioError, of the family of loops, where it would be beyond all numbers.
+    Raises ScenarioError, about the family of loops, if it would overflow.
     """
     if np.min(x.lo) < -(STIFFEST**2):
         raise ScenarioError(
@@ -150,9 +150,9 @@ def _root(y: Floats) -> Floats:
 
 
 def _rolling(x: Span, function: Callable[[Floats], Floats], steep: Floats, least: float) -> Span:
-    """Range of a function that falls up to pi^2, and is no steeper than ``steep`` from 0 on.
+    """Range of a function that falls up to pi^2, and has slope at most ``steep`` from 0 on.
 
-    The computed values are off by at most 1e-12 of their size, and of 1: arguments up to 1e3 are
+    Computed values have errors of at most 1e-12 relative to max(1, size): arguments up to 1e3 are
     rounded a few times before.
     """
     left, right, middle = function(x.lo), function(x.hi), function(0.5 * (x.lo + x.hi))
@@ -172,7 +172,7 @@ def _floored(x: Span) -> Span:
 
 
 def _of_corners(operation: np.ufunc, x: Span, y: Span) -> Span:
-    """Enclosure of what is monotone in both, each corner taken once."""
+    """Enclosure of an operation that is monotone in both arguments, from its corners."""
     starts, ends = (
         (x.lo,) if x.lo is x.hi else (x.lo, x.hi),
         (y.lo,) if y.lo is y.hi else (y.lo, y.hi),
@@ -196,9 +196,9 @@ def above(values: Floats) -> Floats:
 
 
 def _next(values: Floats, way: int) -> Floats:
-    """np.nextafter, of many numbers in a tenth of its time.
+    """np.nextafter for many numbers, in a tenth of its time.
 
-    Doubles of one sign follow each other as their bits do, taken for integers.
+    The bits of doubles of one sign, read as integers, are in the order of the doubles.
     """
     end = math.copysign(math.inf, way)
     if values.size < FEW:

@@ -1,7 +1,8 @@
-"""Forecast of a linear loop from the commands that it was sent, piece by piece of time.
+"""Forecast of a linear loop from the commands sent to it, on pieces of time.
 
-Bounds of v - u and of -v + u, if the command u stays, and the largest commands that keep v and -v
-within a limit: if held from now on, and if 0 follows.  `band` has the sum that they bound.
+Bounds of v - u and of -v + u if the command u stays constant, and the largest commands that keep v
+and -v within a limit: if kept from now on, and if followed by 0.  `band` has the sum that they
+bound.
 """
 
 from __future__ import annotations
@@ -30,11 +31,11 @@ SPARE = 1 + 2.0**-40
 
 @dataclass(frozen=True)
 class ResponseTable:
-    """Bounds of a step response on each piece, and how it fades behind them.
+    """Bounds of a step response on each piece, and its decay after them.
 
-    ``above`` bounds it less 1 on each piece, ``below`` the negative of that, and ``left`` both
-    behind them, where that fades by ``fading`` a period.  ``after`` bounds, from the second period
-    on, the response to a step a period later.
+    ``above`` bounds the response less 1 on each piece, ``below`` the negative of that, and ``left``
+    both after the last piece, where it decays by ``fading`` per period.  ``after`` bounds, from the
+    second period on, the response to a step one period later.
     """
 
     above: ca.SX
@@ -45,21 +46,21 @@ class ResponseTable:
 
     @property
     def low(self) -> ca.SX:
-        """Lower bounds on each piece, the last one for ever."""
+        """Lower bounds on each piece; the last one is valid for ever."""
         return 1 - ca.vertcat(self.below, self.left)
 
     @property
     def high(self) -> ca.SX:
-        """Upper bounds on each piece, the last one for ever."""
+        """Upper bounds on each piece; the last one is valid for ever."""
         return 1 + ca.vertcat(self.above, self.left)
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """Bounds of v - u and of -v + u on each piece, if the command stays u; the tail's; u itself.
+    """Bounds of v - u and of -v + u on each piece and after them (``tail``), for constant u.
 
-    They are ``over`` and ``under``, of what was sent since the last untimely sample, and
-    ``past_over`` and ``past_under``, of what was sent before.
+    ``over`` and ``under`` are due to commands since the last untimely sample, ``past_over`` and
+    ``past_under`` to those before it.
     """
 
     over: ca.SX
@@ -70,7 +71,7 @@ class Forecast:
     past_under: ca.SX
 
     def changed(self, to: ca.SX, table: ResponseTable) -> Forecast:
-        """The same with another command from now on."""
+        """The forecast if the command changes now to ``to``."""
         up, down = ca.fmax(to - self.u, 0), ca.fmax(self.u - to, 0)
         return replace(
             self,
@@ -81,18 +82,18 @@ class Forecast:
         )
 
     def later(self, table: ResponseTable) -> Forecast:
-        """The same as seen a period later."""
+        """The forecast one period later."""
         new = ca.repmat(self.tail, PIECES, 1)
         over, under = (ca.vertcat(item[PIECES:], new) for item in (self.over, self.under))
         return replace(self, over=over, under=under, tail=self.tail * table.fading)
 
     def kept(self, share: ca.SX) -> Forecast:
-        """The same where ``share`` is 1; where it is 0, all is past."""
+        """The forecast itself if ``share`` is 1; if it is 0, all of it belongs to the past."""
         over, under, tail = (share * item for item in (self.over, self.under, self.tail))
         return replace(self, over=over, under=under, tail=tail)
 
     def mirrored(self, way: ca.SX) -> Forecast:
-        """The forecast of way v, way being 1 or -1."""
+        """The forecast of way v, for way 1 or -1."""
         ahead = way > 0
         names = ("over", "under"), ("past_over", "past_under")
         swapped = {
@@ -103,13 +104,13 @@ class Forecast:
         return replace(self, u=way * self.u, **swapped)
 
     def rooms(self, most: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Room left below ``most`` on each piece and beyond them, above and below."""
+        """Room left below ``most`` on each piece and after them, above and below."""
         over, under = (ca.vertcat(item, self.tail) for item in (self.over, self.under))
         above = (most - (self.u + self.past_over)) - over
         return above, (most + (self.u - self.past_under)) - under
 
     def steps(self, most: ca.SX, inverse: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Largest rise and fall of the command, held from now on, that keep v and -v within most.
+        """Largest rise and fall of a constant command that keep v and -v within ``most``.
 
         ``inverse``: 1/high.
         """
@@ -117,17 +118,17 @@ class Forecast:
         return at_most(above * inverse), at_most(below * inverse)
 
     def largest(self, c: ca.SX, table: ResponseTable, inverse: Sequence[ca.SX]) -> ca.SX:
-        """Largest u >= 0 behind which -v <= c if 0 follows a period later; v <= c if it was held.
+        """Largest u >= 0 for which -v <= c if 0 follows a period later, and v <= c if it is kept.
 
         ``inverse`` as `inverse_slopes` gives them.
         """
         return ca.fmax(self.u + least_of(self.stopped(c, table, inverse)), 0)
 
     def stopped(self, c: ca.SX, table: ResponseTable, inverse: Sequence[ca.SX]) -> ca.SX:
-        """Largest change of the command that each condition on -v allows, where 0 follows.
+        """Largest change of the command that each condition on -v allows if 0 follows.
 
-        Each is a line on each side of the old command, g + slope u <= c (1 + FLATTEST), and both
-        leave the same room for the old command itself.
+        Each condition is a line on each side of the old command, g + slope u <= c (1 + FLATTEST),
+        and both lines leave the same room for the old command.
         """
         _, below = self.rooms(c * (1 + FLATTEST))
         room = below[PIECES:] - self.u * table.after
@@ -136,9 +137,9 @@ class Forecast:
 
 
 def inverse_slopes(table: ResponseTable) -> list[ca.SX]:
-    """1 over the slopes of all conditions: for a command held; where 0 follows a rise, and a fall.
+    """Reciprocal slopes of the conditions: for a constant command; if 0 follows a rise, and a fall.
 
-    Slopes are at least FLATTEST: a line that is flat leaves every u that the others do.
+    Slopes are at least FLATTEST: a flat line excludes no u that the other lines admit.
     """
     low, high = table.low, table.high
     slopes = [high, table.after - low[PIECES:], table.after - high[PIECES:]]
@@ -146,9 +147,9 @@ def inverse_slopes(table: ResponseTable) -> list[ca.SX]:
 
 
 def bounds_after(high: ca.SX) -> ca.SX:
-    """Upper bounds a period before each piece from the second period on; the last for ever.
+    """Upper bounds one period before each piece from the second period on; the last for ever.
 
-    They are no higher than ``high``, or higher by 2 FLATTEST or more.
+    They are at most ``high``, or exceed it by 2 FLATTEST or more.
     """
     last = [high[k] for k in range(-PIECES - 1, 0)]
     younger, own = ca.vertcat(high[: -PIECES - 1], reduce(ca.fmax, last)), high[PIECES:]
@@ -156,7 +157,7 @@ def bounds_after(high: ca.SX) -> ca.SX:
 
 
 def least_of(values: ca.SX) -> ca.SX:
-    """The least element, by halves, which are loops in C."""
+    """The least element, by repeated halving, which becomes loops in C."""
     while values.numel() > 1:
         half = (values.numel() + 1) // 2
         values = ca.fmin(values[:half], values[values.numel() - half :])
@@ -164,15 +165,15 @@ def least_of(values: ca.SX) -> ca.SX:
 
 
 def at_most(lines: ca.SX) -> ca.SX:
-    """The least of all lines, and at least 0: holding on is always admitted."""
+    """The least of all lines, but at least 0: keeping the command is always admitted."""
     return ca.fmax(least_of(lines), 0)
 
 
 @dataclass(frozen=True)
 class Fading:
-    """Largest distance of v from its command at the sample, which fades; its part from the past.
+    """Decaying bound of the distance of v from its command; its part from the past.
 
-    ``past``: the same of what was sent before the last untimely sample, at which the command was
+    ``past``: the bound from commands before the last untimely sample, when the command was
     ``held``.
     """
 
@@ -181,36 +182,36 @@ class Fading:
     held: ca.SX
 
     def aged(self, came: ca.SX, u: ca.SX, stays: ca.SX, soonest: ca.SX) -> Fading:
-        """The same at the next sample, a period later if it ``came`` on its beat, else untimely.
+        """The bound at the next sample, which ``came`` on its beat or else is untimely.
 
-        Of it ``soonest`` stays in the shortest period, and else ``stays``.
+        It decays by ``soonest`` in the shortest period, and otherwise by ``stays``.
         """
         reach = self.reach * ca.if_else(came, soonest, stays)
         past = ca.if_else(came, self.past * soonest, reach)
         return Fading(reach, past, ca.if_else(came, self.held, u))
 
     def changed(self, change: ca.SX, furthest: ca.SX) -> Fading:
-        """The same behind a change of the command, of which ``furthest`` times its size is left."""
+        """The bound after a change of the command, which adds ``furthest`` times its size."""
         return replace(self, reach=self.reach + ca.fabs(change) * furthest)
 
     def bounds(self, c: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Bounds of what is past, above and below.
+        """Bounds of the past part, above and below.
 
-        While its command is held nothing exceeds c but for roundings.
+        While its command is kept the speed does not exceed c, except by rounding.
         """
         most = c * PAST
         return ca.fmin(most - self.held, self.past), ca.fmin(most + self.held, self.past)
 
 
 def stays_of(rate: ca.SX, time: ca.SX) -> ca.SX:
-    """At least exp(-rate time), with SPARE; that of 0 for a time that is negative or no number."""
+    """At least exp(-rate time), with SPARE; its value at 0 for negative times and NaN."""
     x = rate * ca.if_else(time >= 0, time, 0)
     return SPARE / (1 + x + 0.5 * x * x)
 
 
 def spread_of(apart: ca.SX, off: ca.SX) -> ca.SX:
-    """Largest earliness and lateness of samples against the one at hand, itself among them (2,).
+    """Largest earliness and lateness (2,) of samples against this one, including itself.
 
-    ``apart``: the same of the sample before it, since which a period and ``off`` have passed.
+    ``apart``: those of the sample before, a period and ``off`` earlier.
     """
     return ca.vertcat(ca.fmax(apart[0] + off, 0), ca.fmax(apart[1] - off, 0))

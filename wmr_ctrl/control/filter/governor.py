@@ -42,39 +42,39 @@ class FirstOrder:
 
 
 def drive(u: ca.SX, b: FirstOrder) -> ca.SX:
-    """Largest speed towards which the command u may drive the base [m/s or rad/s]."""
+    """Largest steady speed [m/s or rad/s] to which the command u may drive the base."""
     return ca.fmax(b.K_max * u, b.K_min * u) + b.dbar
 
 
 def drive_back(u: ca.SX, b: FirstOrder) -> ca.SX:
-    """The same of the speed's negative, `drive` of -u, of the products that `drive` has of u."""
+    """`drive` of the negated speed, computed from the same products of u."""
     return b.dbar - ca.fmin(b.K_max * u, b.K_min * u)
 
 
 def largest_command(v_bar: ca.SX, b: FirstOrder) -> ca.SX:
-    """hi: largest command that is safe where it takes over at a speed of at most v_bar."""
+    """hi: largest safe command if it takes effect at a speed of at most v_bar."""
     return (b.V - b.dbar) / b.K_max + b.kappa / b.K_max * (b.V - v_bar)
 
 
 def relaxed(v: ca.SX, target: ca.SX, most: ca.SX, least: ca.SX) -> ca.SX:
-    """Bound of the speed after a while in which it is driven towards at most ``target``.
+    """Bound of the speed after a time during which it is driven towards at most ``target``.
 
-    ``most`` and ``least`` bound the share of the way that it goes, 1 - exp(-time/tau); the larger
-    of both ways is that of ``most`` towards a target above v, of ``least`` towards one below.
+    ``most`` and ``least`` bound the covered share of the way, 1 - exp(-time/tau); ``most`` matters
+    for a target above v, ``least`` for one below.
     """
     away = v - target
     return v + ca.fmax(-most * away, -least * away)
 
 
 def admitted(r: Sequence[ca.SX], lo: Sequence[ca.SX], hi: Sequence[ca.SX]) -> list[ca.SX]:
-    """Share of each axis' command r that its limits lo <= 0 <= hi admit, at most 1."""
+    """Largest share, at most 1, of each axis' command r that its limits lo <= 0 <= hi admit."""
     limits = [ca.if_else(r[i] >= 0, hi[i], -lo[i]) for i in range(len(r))]
     return [limit / ca.fmax(ca.fabs(r[i]), limit) for i, limit in enumerate(limits)]
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A while in which the same commands may act: start and end [periods], ages of the commands."""
+    """A time interval in which the same commands may act: start and end [periods], command ages."""
 
     start: float
     end: float
@@ -86,9 +86,9 @@ class Schedule:
     """Timing of commands; all times in control periods, counted from a sample.
 
     A command takes over between ``delay[0]`` and ``delay[1]`` after its sample, in the order in
-    which they were sent; at most ``losses`` in a row are lost.  Samples are 1 -+ ``jitter`` apart,
-    odometry is at most ``age`` old, and a base that hears nothing keeps its command for ``hold``
-    and stops (0: the filter is assumed to go on).
+    which they were sent; at most ``losses`` in a row are lost. Samples are 1 -+ ``jitter`` apart,
+    odometry is at most ``age`` old, and a base without commands keeps its last one for ``hold`` and
+    stops (0: the filter is assumed to go on).
     """
 
     delay: tuple[float, float] = (0.0, 0.0)
@@ -112,18 +112,18 @@ class Schedule:
         return age
 
     def _first(self, age: int) -> float:
-        """Earliest instant at which the command of this age may take over."""
+        """Earliest time at which the command of this age may take effect."""
         return self.delay[0] - age * (1 + self.jitter)
 
     def _last(self, age: int) -> float:
-        """Latest instant until which it may act."""
+        """Latest time until which it may act."""
         newer = age - 1 - self.losses
         return self.delay[1] - newer * (1 - self.jitter if newer > 0 else 1 + self.jitter)
 
     def pieces(self, start: float, end: float, newest: int, cut: float = 0.0) -> list[Piece]:
-        """The time from ``start`` to ``end`` with commands no younger than ``newest`` samples.
+        """Pieces from ``start`` to ``end``, with commands at least ``newest`` samples old.
 
-        No piece has the instant ``cut`` within.
+        No piece contains the instant ``cut`` in its interior.
         """
         ages = range(newest, self.oldest + 1)
         inner = [cut, *(t for age in ages for t in (self._first(age), self._last(age)))]
@@ -147,7 +147,7 @@ class SpeedBound:
     period: ca.SX
 
     def shares(self, length: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Largest and least share of its way that the base goes in a while of ``length`` [s]."""
+        """Largest and least share of its way that the base covers in a ``length`` of time [s]."""
         most, least = (-ca.expm1(-length / tau) for tau in self.tau)
         return most, least
 
@@ -159,7 +159,7 @@ class SpeedBound:
         shares: tuple[ca.SX, ca.SX],
         cut: bool = True,
     ) -> ca.SX:
-        """Bound of the speed behind a piece of these shares; ``targets[age]`` of each command.
+        """Bound of the speed after a piece with these shares; ``targets[age]`` of each command.
 
         Without ``cut`` it may be above V.
         """
@@ -169,9 +169,9 @@ class SpeedBound:
         return ca.fmin(bound, self.bounds.V) if cut else bound
 
     def now(self, y: ca.SX, age: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
-        """Bound of the speed at a sample from odometry y that is ``age`` [s] old.
+        """Bound of the present speed from odometry y that is ``age`` [s] old.
 
-        Pieces before that age do not count, and of the one that it lies in a part.
+        Pieces before that age are skipped, and the piece that contains it counts in part.
         """
         v = start = ca.fmin(y + self.bounds.nbar, self.bounds.V)
         pieces = self.schedule.pieces(-self.schedule.age, 0.0, 1) if self.schedule.age else []
@@ -184,7 +184,7 @@ class SpeedBound:
         return ca.if_else(age > 0, v, start) if pieces else start
 
     def rest(self, age: ca.SX, pieces: Sequence[Piece]) -> ca.SX:
-        """Rest, at this age, of the piece in which it lies [s]."""
+        """Remaining time [s] of the piece that contains this age."""
         rest, T = ca.SX(0), self.period
         for piece in reversed(pieces):
             rest = ca.if_else(-age < piece.end * T, piece.end * T + age, rest)
@@ -194,13 +194,13 @@ class SpeedBound:
         return self.shares((piece.end - piece.start) * self.period)
 
     def takeover(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
-        """v_bar: bound of the speed at any instant at which the next command may take over."""
+        """v_bar: bound of the speed at any time at which the next command may take effect."""
         return self._during(v, self.schedule.delay, 1, targets)
 
     def following(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
-        """Bound of the speed at the next sample; ``targets[0]``: of the command just sent.
+        """Bound of the speed at the next sample; ``targets[0]`` is that of the command just sent.
 
-        It may be above V: what was kept is cut there when it is used.
+        It may exceed V: stored bounds are limited to V when they are used.
         """
         jitter = self.schedule.jitter
         return self._during(v, (1 - jitter, 1 + jitter), 0, targets, cut=False)
@@ -213,11 +213,12 @@ class SpeedBound:
         targets: Sequence[ca.SX],
         cut: bool = True,
     ) -> ca.SX:
-        """Largest bound at any of the instants ``when`` [periods], first and last, after a sample.
+        """Largest bound at any time between the first and last of ``when`` [periods] after a
+        sample.
 
-        Between the ends of pieces it is monotone.  Pieces with the same commands count from the
-        start of the first of them, so that none has to wait for another; at their ends the base has
-        gone at least the share of its way that it has gone at the first that counts.
+        Between the ends of pieces the bound is monotone.  Pieces with equal commands are counted
+        from the start of the first of them, so that none waits for another; at their ends the base
+        has covered at least the share of its way that it had at the first one counted.
         """
         first, last = when
         ends, ages, least = list[ca.SX](), None, ca.SX(0) if first <= NEAR else None

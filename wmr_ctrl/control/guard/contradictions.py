@@ -1,4 +1,4 @@
-"""Guard's numbers that the scenario breaks: stated against its own, believed against the robot."""
+"""Guard numbers that the scenario violates: stated against its own, believed against the robot."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -29,16 +29,16 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Contradiction:
-    """A stated bound that the scenario breaks: its key, and a sentence of both numbers."""
+    """A stated bound that the scenario violates: its key, and a sentence with both numbers."""
 
     key: str
     sentence: str
 
 
 def contradictions(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
-    """Yield each bound that is stated and broken; ``bound`` is the effects' sum.
+    """Yield each bound that is stated and violated; ``bound`` is the effects' sum.
 
-    What is left out is derived from the scenario and cannot contradict it.
+    Bounds that are not stated are derived from the scenario and cannot contradict it.
     """
     yield from _disturbance(scenario, bound)
     yield from _sensor(scenario, bound)
@@ -47,7 +47,7 @@ def contradictions(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
 
 
 def refuse_contradictions(scenario: Scenario, bound: Bound) -> None:
-    """Raise ScenarioError for the first contradiction, unless guard.trust says she means it."""
+    """Raise ScenarioError for the first contradiction, unless guard.trust is set."""
     if scenario.guard.trust:
         return
     for item in contradictions(scenario, bound):
@@ -83,9 +83,9 @@ def _sensor(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
 
 
 def _drives(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
-    """Delays and time constants that the scenario has and that were not stated.
+    """Delays and time constants of the scenario that the stated ones do not cover.
 
-    A constant one is covered by any constant that is as large; one that varies by its range alone.
+    A constant is covered by any larger constant, a varying one only by its range.
     """
     lag, step = bound.lag, scenario.clock.plant
     there = {
@@ -107,7 +107,7 @@ def _drives(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
 
 
 def _friction(scenario: Scenario) -> Iterator[Contradiction]:
-    """Friction that is claimed and that the laws do not believe in."""
+    """Claimed friction that exceeds the friction in the laws' model."""
     believed = _sure_friction(scenario, scenario.believed)
     for i in AXES:
         if scenario.guard.f_min[i] > believed[i] * (1 + ROUNDING):
@@ -115,10 +115,10 @@ def _friction(scenario: Scenario) -> Iterator[Contradiction]:
 
 
 def beyond_belief(scenario: Scenario, guard: GuardNumbers, bound: Bound) -> Iterator[Contradiction]:
-    """Yield where the true robot, or a change of it, is not what the guard's numbers say.
+    """Yield differences of the true robot, or a change of it, from the guard's numbers.
 
-    Laws and guard are told what is believed (model.*, guard.*), so this is a trial like others:
-    it is run, without promise.
+    Laws and guard receive the believed numbers (model.*, guard.*), so this is an ordinary
+    experiment: it is run, without a guarantee.
     """
     for i in AXES:
         yield from _mass(scenario, guard, bound, i)
@@ -154,7 +154,7 @@ def _too_much_friction(scenario: Scenario, i: int, there: Pair, whose: str) -> C
 
 
 def _sure_friction(scenario: Scenario, *robots: Robot) -> Pair:
-    """Least friction [N, N m] above guard.f_speed; a robot's turn has none."""
+    """Least friction [N, N m] above guard.f_speed; 0 for turning."""
     slowest = (scenario.guard.f_speed[0], 0.0)
     return min(drag(robot, slowest)[0].item() for robot in robots), 0.0
 

@@ -1,4 +1,4 @@
-"""Lateness: the weight of a past command where velocities are measured late or drives are slow.
+"""Weights of past commands if velocities are measured late or drives are slow.
 
 Per axis, times in control periods.  The velocity is the mean over a window that ended ``age`` ago,
 L = age + window; a command takes over between lo and hi after it was given; drives follow with one
@@ -37,8 +37,8 @@ Weight = Callable[[Fraction], Decimal]
 class Tail:
     """Weight of commands older than those listed, behind a lag.
 
-    Each sample ``decay`` of it stays and ``entering`` (sure, mixed) [periods] of the oldest listed
-    command joins; ``share`` of it counts in the mean; ``steady`` is where a force of 1 leads.
+    In each sample ``decay`` of it remains and ``entering`` (sure, mixed) [periods] of the oldest
+    listed command is added; the mean uses the ``share``; ``steady`` is its limit for a force of 1.
     """
 
     decay: float
@@ -49,13 +49,13 @@ class Tail:
 
 @dataclass(frozen=True)
 class Counting:
-    """Command weights of one axis, in periods: see the file's head.
+    """Command weights of one axis, in periods; see the module's docstring.
 
-    ``mean`` and ``rest``: pieces up to when the new command may first take over; ``jitter`` J =
-    hi - lo; ``lag`` b; ``oldest`` L; ``most`` = L + hi + b, all that may count, ``usual`` the same
-    for the mean; ``mixed`` what pieces with two commands count for in the mean, ``commands`` how
-    many are listed.  Behind a lag that varies there are no pieces but those of ``varying``, and
-    all is mixed.
+    ``mean`` and ``rest``: pieces up to when the new command may first take over; ``jitter`` J = hi
+    - lo; ``lag`` b; ``oldest`` L; ``most`` = L + hi + b, the longest time that matters, ``usual``
+    that for the mean; ``mixed`` the mean's weight of pieces with two commands, ``commands`` how
+    many are listed. Behind a lag that varies there are no pieces but those of ``varying``, and all
+    is mixed.
     """
 
     mean: tuple[Piece, ...]
@@ -77,12 +77,12 @@ class Counting:
 
     @property
     def roundings(self) -> int:
-        """Most commands whose roundings add up."""
+        """Largest number of commands whose rounding errors add up."""
         return self.commands + math.ceil(self.lag)
 
     @property
     def averaged(self) -> bool:
-        """True if a window makes a difference."""
+        """True if a window matters."""
         if self.varying:
             return any(item.mean != item.rest for item in self.varying.pieces)
         return self.mean != self.rest or (self.tail is not None and self.tail.share != 1.0)
@@ -96,8 +96,8 @@ AT_ONCE = Counting((), (), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
 class Since:
     """Command weights in a velocity's change since the previous sample, in periods.
 
-    ``mean`` for a robot that moved throughout, ``rest`` for one that stood within the window, with
-    the times for which a push counts.
+    ``mean`` for a robot that moved throughout, ``rest`` for one that rested within the window, with
+    the times for which a push acts.
     """
 
     mean: tuple[Piece, ...]
@@ -112,8 +112,8 @@ class Since:
 class Times:
     """Delays [s].  A velocity is the mean over a ``window`` that ended ``age`` ago.
 
-    A command takes over between the bounds of ``delay``; the drives' time constant is one of at
-    most lag[1] where both bounds are the same, else it varies between them.
+    A command takes effect between the bounds of ``delay``; the drives' time constant is constant
+    and at most lag[1] if both bounds are equal, else it varies between them.
     """
 
     period: float
@@ -124,7 +124,7 @@ class Times:
     lag: Pair = (0.0, 0.0)
 
     def in_periods(self, time: float) -> Fraction:
-        """Whole plant steps where it is meant so."""
+        """A time in periods; exact if it is a whole number of plant steps."""
         steps = round(time / self.step)
         if abs(time - steps * self.step) <= GRID * self.step:
             return Fraction(steps, round(self.period / self.step))
@@ -148,10 +148,10 @@ def lateness(times: Times) -> Counting:
 
 
 def since_last(times: Times) -> Since | None:
-    """The same for how far a velocity may have moved since that of the previous sample.
+    """Weights of past commands in the velocity's change since the previous sample.
 
-    The velocity of age sigma follows that of age sigma + T by at most the integral over the time
-    between of the force that is felt, which behind a lag may stem from any time before.  None where
+    The velocity of age sigma differs from that of age sigma + T by at most the integral of the
+    acting force over the time between, which behind a lag may stem from any earlier time.  None if
     the window is longer than a period.
     """
     if times.in_periods(times.window) > 1:
@@ -200,7 +200,7 @@ def _lateness(
 
 
 def _pieces(weights: list[tuple[Decimal, Decimal]], jittered: bool) -> tuple[Piece, ...]:
-    """Sure and mixed pieces of commands 1, 2, ...; the one of command 1 and the new one is not."""
+    """Sure and mixed pieces of commands 1, 2, ..., without that of command 1 and the new one."""
     pieces: list[Piece] = []
     for j, (sure, mixed) in enumerate(weights, 1):
         pieces.append(((j,), float(sure)))
@@ -214,7 +214,7 @@ def _positive(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
 
 
 def _group(j: int, lo: Fraction, hi: Fraction, weight: Weight) -> tuple[Decimal, Decimal]:
-    """Weights of command j: where it is sure to act, and where the next one may act too."""
+    """Weights of command j: of the time when it surely acts, and when the next one may act, too."""
     begin, sure, over = j - hi, j - 1 - lo, j - 1 - hi
     return weight(sure) - weight(begin), weight(over) - weight(sure)
 

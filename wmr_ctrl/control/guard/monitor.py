@@ -1,19 +1,19 @@
-"""Does what the robot does contradict what a guard assumes?  One sampled filter of both axes.
+"""Monitor of both axes: finds motion of the robot that contradicts the guard's assumptions.
 
-It stands behind every law, with the guard on or off, and changes no torque.
+It runs after every law, with the guard on or off, and changes no torque.
 
 While v > 0 at both ends of a sample, friction can only slow the robot, so with every mass in
 [M_min, M_max] and velocities known to +-nbar the mean disturbance was at least
 
     d_least = min over M of M (v_k - v_(k-1) - 2 nbar)/T  -  F,         F the force applied,
 
-mirrored for v < 0, and 0 where nothing can be told (rest, a change of direction, the first sample).
-A d_least above dbar proves that one of the guard's assumptions does not hold; below it, none of
-them is refuted.  Slower motion than expected never counts: friction of any size explains it.
+mirrored for v < 0, and 0 if nothing can be concluded (rest, a change of direction, the first
+sample). A d_least above dbar proves that one of the guard's assumptions does not hold; below it, no
+assumption is refuted. Slower motion than expected never counts: friction of any size explains it.
 
-Where velocities are late or averaged, or the force that acted is known within bounds alone,
-`LateMotion` takes the place of the formula above: what the forces that may have acted cannot
-explain, counted as the guard counts them, without disturbance.
+Where velocities are late or averaged, or only bounds of the acting force are known, `LateMotion`
+replaces the formula above: motion that the possible forces cannot explain, with the guard's
+weights, without disturbance.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ SAMPLES = Signal("guard_samples", "1", "samples since the start, until what is c
 
 
 class GuardMonitor:
-    """State, update and diagnostics that watching brings into a System."""
+    """State, update and diagnostics that the monitor adds to a System."""
 
     def __init__(
         self,
@@ -52,10 +52,10 @@ class GuardMonitor:
         flags: tuple[ca.SX, ca.SX],
         late: LateMotion | None = None,
     ) -> None:
-        """Watch over ``both`` axes at velocity v (2,), for torques applied [N m], r and l [m].
+        """Monitor ``both`` axes at velocity v (2,), for torques applied [N m], r and l [m].
 
-        ``flags``: clip_active (2,) and feasible, as the guard or what stands in its place has them.
-        ``late`` where the torque that was applied does not belong to the velocities.
+        ``flags``: clip_active (2,) and feasible, from the guard or its substitute. ``late`` if the
+        torque that was applied does not belong to the velocities.
         """
         old, started = port(OLD_VELOCITY), port(SAMPLES if late else STARTED)
         force = wheel_to_force(*wheels, applied)
@@ -81,7 +81,7 @@ class LateMotion:
     def __init__(
         self, since: tuple[Since | None, Since | None], sent: Sequence[ca.SX], new: ca.SX
     ) -> None:
-        """For forces (2,) ``sent``, the latest first, and the ``new`` one."""
+        """Create it for forces (2,) ``sent``, the latest first, and the ``new`` one."""
         self.since, self.sent, self.new = since, sent, new
         older = [item.older for item in since if item is not None]
         self.begins = 1 + ceil(max((item.most for item in older), default=0.0))
@@ -89,7 +89,7 @@ class LateMotion:
         self.tails = Tails("guard_monitor_tail", (lates[0], lates[1]))
 
     def least_push(self, axis: int, v: ca.SX, old: ca.SX, b: Bounds) -> ca.SX:
-        """d_least of one axis [N or N m], >= 0; 0 where the window is longer than a period."""
+        """d_least of one axis [N or N m], >= 0; 0 if the window is longer than a period."""
         since = self.since[axis]
         if since is None:
             return ca.SX(0)
@@ -110,7 +110,7 @@ class LateMotion:
 
 
 def _unpushed(b: Bounds) -> Bounds:
-    """The bounds without disturbance and without friction that is sure to act."""
+    """The bounds without disturbance and without certain friction."""
     return replace(b, dbar=0 * b.dbar, f_min=0 * b.f_min)
 
 

@@ -1,7 +1,7 @@
-"""A lag whose time constant varies: the weight of commands, piece of time after piece of time.
+"""Weights of commands behind a lag whose time constant varies, piece by piece.
 
-Per axis and direction, with p = max(F + net, 0) of the command F that acts: behind drives whose
-time constant tau lies in [a, b] and varies as it likes, the push that is felt is at most Z,
+Per axis and direction, with p = max(F + net, 0) of the acting command F: behind drives whose time
+constant tau lies in [a, b] and varies arbitrarily, the push that acts is at most Z,
 
     tau Z' = p - Z    rises soonest with a and falls latest with b.
 
@@ -10,8 +10,8 @@ the larger p of a piece, by a where it rises and by b where it falls.  In a piec
 
     Z = p + max(Z0 - p, 0) exp(-t/b) - max(p - Z0, 0) exp(-t/a),
 
-and all that is asked of it, its end and its integral with the weights P(s) of `lateness`, is linear
-in the two differences.  The numbers before them are taken in closed form with 50 digits, once.
+and its end and its integral with the weights P(s) of `lateness` are linear in the two differences.
+Their coefficients are computed once, in closed form with 50 digits.
 """
 
 from collections.abc import Callable
@@ -27,10 +27,10 @@ Integral = Callable[[Fraction, Fraction, Fraction | None], Decimal]
 
 @dataclass(frozen=True)
 class Passage:
-    """A piece of time: the commands of which any may act, and how Z moves in it.
+    """A piece of time: the commands that may act, and the evolution of Z in it.
 
-    ``stays`` of a difference that falls and of one that rises; weights as the mean and as the rest
-    count (see `lateness`).
+    ``stays``: remaining share of a difference that falls, and of one that rises; weights for mean
+    and rest (see `lateness`).
     """
 
     which: tuple[int, ...]
@@ -43,9 +43,10 @@ class Passage:
 class Varying:
     """Numbers of one axis [periods].
 
-    ``pieces`` from the oldest listed command to when the new one may first take over; ``entering``
-    lead to where they begin a sample later.  ``longest`` b; ``rises`` (b - a)(1 - exp(-t/a)) for t
-    = J, T and T + J, what a command that is larger than Z does beyond its own time; ``stays`` in J.
+    ``pieces`` from the oldest listed command to the earliest start of the new one; ``entering``:
+    pieces up to where they begin one sample later.  ``longest`` b; ``rises`` (b - a)(1 - exp(-t/a))
+    for t = J, T and T + J, the effect of a command larger than Z beyond its own time; ``stays`` in
+    J.
     """
 
     pieces: tuple[Passage, ...]
@@ -84,7 +85,7 @@ def varying(
 
 
 def ramp(age: Fraction, window: Fraction) -> Integral:
-    """Integral with P(s) = 1 up to ``age`` and falling to 0 over the window from there."""
+    """Integral with P(s) = 1 up to ``age``, falling to 0 over the following window."""
     oldest = age + window
 
     def integral(begin: Fraction, end: Fraction, tau: Fraction | None) -> Decimal:
@@ -130,10 +131,10 @@ def _exp(time: Fraction, tau: Fraction) -> Decimal:
 
 
 def _long(pieces: list[Passage]) -> tuple[Passage, ...]:
-    """Those that last at all."""
+    """Pieces of non-zero length."""
     return tuple(item for item in pieces if item.stays[0] < 1)
 
 
 def number(x: Fraction) -> Decimal:
-    """A fraction to the digits of the context."""
+    """A fraction as a decimal with the context's digits."""
     return Decimal(x.numerator) / Decimal(x.denominator)

@@ -71,7 +71,7 @@ class LawContext:
         self._given = tuple(vars(self))
 
     def at(self, desired: Desired, pose: ca.SX, v: ca.SX) -> "LawContext":
-        """The same law where pose, velocity and what is desired are these: another instant."""
+        """The law at another instant, with this pose, velocity and desired motion."""
         other = copy(self)
         for name in set(vars(other)) - {*self._given, "_given"}:
             del vars(other)[name]
@@ -84,7 +84,7 @@ class LawContext:
         return self.parameters.take(f"gains.{self.law}.{name}")
 
     def own(self, cls: type[S]) -> S:
-        """The law's gains, of class ``cls``: options that decide the form of the graph."""
+        """The law's gains, of class ``cls``: options that select the form of the graph."""
         assert isinstance(self.gains, cls), f"{self.law}: gains are not {cls}"
         return self.gains
 
@@ -100,13 +100,13 @@ class LawContext:
 
     @cached_property
     def v_c0_dot(self) -> ca.SX:
-        """Its exact rate."""
+        """Exact rate of the auxiliary velocity."""
         k = self.parameters.take(KINEMATIC)
         return auxiliary_rate(self.e, self.v, self.v_d, self.v_d_dot, k)
 
     @cached_property
     def v_c0_dot_reference(self) -> ca.SX:
-        """The reference's share of that rate, by v_d' alone."""
+        """Part of that rate due to the reference's acceleration v_d'."""
         return reference_rate(self.e, self.v_d, self.v_d_dot, self.parameters.take(KINEMATIC))
 
     @cached_property
@@ -136,7 +136,7 @@ class LawContext:
 
     @cached_property
     def smooth(self) -> bool:
-        """True where the law's gain ``barrier`` asks for the smooth form."""
+        """True if the law's gain ``barrier`` selects the smooth form."""
         return isinstance(self.gains, BarrierChoice) and self.gains.barrier == "smooth"
 
     @cached_property
@@ -153,7 +153,7 @@ class LawContext:
         return ca.vertcat(*(getattr(axis, name) for axis in self.barrier))
 
     def diagnostics(self) -> tuple[Output, ...]:
-        """The diagnostics that every law publishes."""
+        """Diagnostics of every law."""
         share = [1 - ca.fabs(self.v[i]) / self.u1[i] for i in AXES]
         v1 = self.barrier[0].V1 + self.barrier[1].V1
         exprs = (self.v_c0, self.per_axis("v_c1"), v1, self.per_axis("q"), ca.fmin(*share))
@@ -169,7 +169,7 @@ class LawContext:
         further_inputs: Sequence[Port] = (),
         asked: Signal = FORCE,
     ) -> System:
-        """The law's System: state and next state, generalised force (N, N m), own diagnostics.
+        """The law's System: state and next state, generalised force (N, N m), further diagnostics.
 
         ``further_inputs`` may hold tau_applied, tau_sent and v_sent_before, which `controller`
         supplies.  With ``asked`` = ASKED the output is a velocity (m/s, rad/s), no force.
@@ -189,5 +189,5 @@ class LawContext:
 
 
 def own_diagnostics(law: System) -> tuple[Signal, ...]:
-    """Diagnostics of a law beside those that all laws have."""
+    """Diagnostics of a law beyond those of all laws."""
     return tuple(item.signal for item in law.diagnostics[len(DIAGNOSTICS) :])

@@ -1,4 +1,4 @@
-"""Laws that a user hands over: a file with ``LAW``, or a Law itself; from then on known by name."""
+"""Laws from users: a file with ``LAW``, or a Law; registered by name when first given."""
 
 import ast
 import os
@@ -31,10 +31,10 @@ def is_law_file(given: str | os.PathLike[str]) -> bool:
 
 
 def law_name(given: LawGiven, folder: str | os.PathLike[str] = ".") -> str:
-    """Name of a law, by which the registry has it from now on; paths are relative to ``folder``.
+    """Name under which the registry keeps a law; paths are relative to ``folder``.
 
-    Raises ArgumentError or ScenarioError for a file that cannot be read or whose LAW is not usable.
-    A name is returned as it is: whoever looks it up refuses an unknown one.
+    Raises ArgumentError or ScenarioError for a file that cannot be read or whose LAW is invalid.  A
+    name is returned unchanged: looking it up raises the error for an unknown one.
     """
     if isinstance(given, Law):
         return LAWS.add(given)
@@ -48,12 +48,12 @@ def law_name(given: LawGiven, folder: str | os.PathLike[str] = ".") -> str:
 
 
 def law_if_any(given: LawGiven | None) -> str | None:
-    """`law_name`, or None where no law is named."""
+    """`law_name`, or None for None."""
     return None if given is None else law_name(given)
 
 
 def law_names(given: Iterable[LawGiven], folder: str | os.PathLike[str] = ".") -> tuple[str, ...]:
-    """Names of several laws, as `law_name`; ArgumentError where two different ones share a name."""
+    """Names of several laws, by `law_name`; ArgumentError if two different ones share a name."""
     named: dict[str, Law | None] = {}
     names = []
     for item in given:
@@ -99,7 +99,7 @@ def _law_in(path: str, text: str) -> Law:
 
 
 def _place(path: str, text: str) -> str:
-    """The file, and the line in which it defines LAW."""
+    """The file and the line that defines LAW."""
     lines = [
         node.lineno
         for node in ast.walk(ast.parse(text))

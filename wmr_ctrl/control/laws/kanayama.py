@@ -39,7 +39,7 @@ def build(context: LawContext) -> System:
 
 
 def inside(context: LawContext) -> Inside:
-    """The law whose command is cut nowhere."""
+    """The law without any limit on its command."""
     within: dict[str, tuple[ca.SX, ca.SX]] = {}
 
     def whole(name: str, values: ca.SX, most: ca.SX) -> ca.SX:
@@ -52,7 +52,7 @@ def inside(context: LawContext) -> Inside:
 
 
 def build_command(context: LawContext) -> System:
-    """Velocity that is sent to a base which follows it by a loop of its own."""
+    """Velocity for a base that follows it by its own loop."""
     return with_command(context, TITLE, wanted_velocity)
 
 
@@ -64,7 +64,7 @@ def wanted_velocity(context: LawContext) -> ca.SX:
 
 
 def rule(basis: Basis) -> Mapping[str, object]:
-    """Gains that follow from the base and its path."""
+    """Gains derived from the base and its path."""
     kx, ky, turning = basis.k
     return {"k": (kx, ky, turning / basis.speed), **loop_rule(basis)}
 

@@ -1,4 +1,4 @@
-"""Law: a control law as a value, with the traits that checks and reports ask for."""
+"""Law: a control law as a value, with the traits that checks and reports need."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ BARRIERS = ("paper", "smooth")
 class Traits:
     """Properties of a law, as its author states them.
 
-    ``auxiliary``: Eq. (7) is its outer loop.  ``barrier``: it evaluates the barrier function.
-    ``model``: it assumes a mass and a friction.  ``theorem``: the paper's theorem about it, 0 for
-    none.  ``estimates``: its memory holds an estimate that is learnt during the run, so statements
-    about the start need not hold later.  ``integrates``: nothing lets go of these estimates, so
-    that behind a command filter they wait where it sends something else.  ``observer``: its memory
-    holds a disturbance observer, which is linear and part of every linear statement about the loop.
+    ``auxiliary``: Eq. (7) is its outer loop. ``barrier``: it evaluates the barrier function.
+    ``model``: it assumes a mass and a friction. ``theorem``: the paper's theorem about it, 0 for
+    none. ``estimates``: its memory has an estimate that is learnt during the run, so statements
+    about the start may be wrong later. ``integrates``: these estimates never decay, so behind a
+    command filter they are frozen while it sends something else. ``observer``: its memory holds a
+    disturbance observer, which is linear and part of every linear statement about the loop.
     """
 
     auxiliary: bool = False
@@ -42,11 +42,11 @@ class Traits:
 
 @dataclass(frozen=True)
 class Inside:
-    """A law's System where none of its limits cuts, and the conditions for that.
+    """A law's System away from all its limits, and the conditions for that.
 
     ``within``: by name an expression (2,) in the System's symbols and the size (2,) that it must
-    not exceed on either axis for the law to be this System.  ``from_measured`` names those that a
-    first sample counts from the measured velocity, and later ones from the law's memory.
+    not exceed on either axis for the law to equal this System.  ``from_measured`` names those that
+    a first sample evaluates from the measured velocity, and later ones from the law's memory.
     """
 
     system: System
@@ -56,7 +56,7 @@ class Inside:
 
 @dataclass(frozen=True)
 class Basis:
-    """A robot on its base and path, in the numbers from which gains follow that nobody states.
+    """A robot on its base and path: the numbers from which unstated gains are derived.
 
     ``k`` [1/s, 1/m2, 1/s], ``rho`` [1/s] and ``wo`` [1/s] are those of `prox.guide`; ``speed`` of
     the path [m/s]; believed ``mass`` [kg, kg m2]; ``weight`` times the wheels' radius [N m];
@@ -74,7 +74,7 @@ class Basis:
 
     @property
     def rate(self) -> tuple[float, float]:
-        """Decay rate of a velocity loop [1/s], half of that of its square."""
+        """Decay rate of a velocity loop [1/s], half of that of the squared error."""
         return self.rho[0] / 2, self.rho[1] / 2
 
     @property
@@ -84,7 +84,7 @@ class Basis:
 
 
 def no_rule(_: Basis) -> Mapping[str, object]:
-    """Gains that follow from the basis: none."""
+    """Default rule: no gain depends on the basis."""
     return {}
 
 
@@ -92,12 +92,12 @@ def no_rule(_: Basis) -> Mapping[str, object]:
 class Law:
     """A control law: name, gains, graph, traits and its file's docstring.
 
-    ``build(context)`` gives its System, whose output is the generalised force (N, N m).  ``tuned``
-    names those of its gains that a search may change, all positive.  ``command(context)``, if
-    given, is the law for a base that takes velocities, whose output is the velocity
-    `ASKED`; a law without it drives such a base through an adapter (`control/velocity.py`).
-    ``inside(context)`` is the law away from its limits, for those that have a corridor.
-    ``rule(basis)`` gives those gains that depend on the robot, where a scenario states none.
+    ``build(context)`` gives its System, whose output is the generalised force (N, N m). ``tuned``
+    names those of its gains that a search may change, all positive. ``command(context)``, if given,
+    is the law for a base that takes velocities, whose output is the velocity `ASKED`; a law without
+    it drives such a base through an adapter (`control/velocity.py`). ``inside(context)`` is the law
+    away from its limits, for those that have a corridor. ``rule(basis)`` gives the gains that
+    depend on the robot, if a scenario does not state them.
     """
 
     name: str
@@ -117,7 +117,7 @@ class Law:
 
 
 class TorqueLimited(Section, key="gains"):
-    """Gains of a law that brings a torque limit of its own, which counts where it is smaller."""
+    """Gains of a law with a torque limit of its own; the smaller limit is used."""
 
     tau_max: float = quantity(
         20.0, "N.m", "the law's own torque limit, in addition to actuator.tau_max", above=0.0
@@ -125,7 +125,7 @@ class TorqueLimited(Section, key="gains"):
 
 
 class OwnKinematics(Section, key="gains"):
-    """Gains of a law that may have gains of Eq. (7) of its own, beside those that laws share."""
+    """Gains of a law that may have its own gains of Eq. (7), in place of the shared ones."""
 
     kinematics: tuple[float, float, float] | None = quantity(
         None,
@@ -137,13 +137,13 @@ class OwnKinematics(Section, key="gains"):
 
 
 class BarrierChoice(Section, key="gains"):
-    """Gains of a law that lets one choose the form of the barrier function."""
+    """Gains of a law with a choice of the barrier function's form."""
 
     barrier: str = quantity("paper", "1", "form of the barrier f", options=BARRIERS)
 
 
 class Predicting(Section, key="gains"):
-    """Gains of a law that predicts to the time when its command acts (see `prediction`)."""
+    """Gains of a law that predicts the time when its command acts (see `prediction`)."""
 
     delay: float = quantity(
         0.0,
@@ -155,7 +155,7 @@ class Predicting(Section, key="gains"):
 
 
 def commands_predicted(gains: Section, period: float) -> int:
-    """Number of commands in flight over the delay of such gains, at a control period [s]."""
+    """Number of commands in transit during the gains' delay, for a control period [s]."""
     return math.ceil(gains.delay / period - WHOLE) if isinstance(gains, Predicting) else 0
 
 

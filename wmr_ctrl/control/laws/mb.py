@@ -38,7 +38,7 @@ def build(context: LawContext) -> System:
 
 
 def inside(context: LawContext) -> Inside:
-    """The law where the barrier adds nothing: V1/A = (v - v_c0)/2, q = 1 (ledger: corridor.mb)."""
+    """The law where the barrier is inactive: V1/A = (v - v_c0)/2, q = 1 (ledger: corridor.mb)."""
     within = {"v": (context.v, context.u2), "v_c0": (context.v_c0, context.u2)}
     ratio = (context.v - context.v_c0) / 2
     return Inside(_driving(context, decay_rate(context), ratio, ca.SX(1)), within)
@@ -50,7 +50,7 @@ def _driving(context: LawContext, rate: ca.SX, V1_over_A: ca.SX, q: ca.SX) -> Sy
 
 
 def decay_rate(context: LawContext) -> ca.SX:
-    """Rate (2,) [1/s] in front of V1/A: rho, or (1 - exp(-rho T))/T."""
+    """Rate (2,) [1/s] that multiplies V1/A: rho, or (1 - exp(-rho T))/T."""
     rho = context.gain("rho")
     if context.own(ModelBasedGains).decay == "rate":
         return rho
@@ -58,7 +58,7 @@ def decay_rate(context: LawContext) -> ca.SX:
 
 
 def rule(basis: Basis) -> Mapping[str, object]:
-    """The rate that follows from the period and the path."""
+    """The rate derived from the period and the path."""
     return {"rho": basis.rho}
 
 

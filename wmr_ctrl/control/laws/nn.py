@@ -109,7 +109,7 @@ def corner_basis(z: ca.SX, eta: ca.SX, node: ca.SX) -> ca.SX:
 
 
 def dot(left: ca.SX, right: ca.SX) -> ca.SX:
-    """Inner product, summed in independent lanes so that compilers may use vector instructions."""
+    """Inner product, summed in independent lanes so that compilers can use vector instructions."""
     partial = [ca.dot(left[lane::LANES], right[lane::LANES]) for lane in range(LANES)]
     while len(partial) > 1:
         half = len(partial) // 2
@@ -118,7 +118,7 @@ def dot(left: ca.SX, right: ca.SX) -> ca.SX:
 
 
 def rule(basis: Basis) -> Mapping[str, object]:
-    """Gains that follow from the robot and its path."""
+    """Gains derived from the robot and its path."""
     rho1 = [rho * mass for rho, mass in zip(basis.rho, basis.mass, strict=True)]
     learning = [gain * rho / 4 for gain, rho in zip(rho1, basis.rho, strict=True)]
     return {"rho1": rho1, "Gamma": learning, "regressor": "q"}

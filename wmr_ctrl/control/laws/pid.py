@@ -40,7 +40,7 @@ def build(context: LawContext) -> System:
 
 
 def rule(basis: Basis) -> Mapping[str, object]:
-    """Gains that follow from the robot and its path."""
+    """Gains derived from the robot and its path."""
     return {"Kp": basis.damping, "Kd": (0.0, 0.0)}
 
 

@@ -12,10 +12,10 @@ From the oldest on, with the believed mass M and friction F1, and the observer's
     q+ = q + tau_j H(theta + tau_j omega'/2) v',                   v' = (v + v+)/2
 
 so friction stops, and never turns round; the reference is carried on in the same way by its v_d'.
-The law is then asked about that instant: to it the drives seem to act at once.  What noise does
-until then stays unknown.  The delay that is stated must not be longer than the true one: a law that
-counts on commands that have acted already cycles.  That is the reverse of the guard's rule, so it
-is a field of its own, ``delay`` of the law's gains.
+The law is then asked about that instant: to it the drives seem to act at once. Noise until then
+remains unknown. The stated delay must not exceed the true one: a law that predicts with commands
+that have already acted oscillates. The guard's rule is the reverse, so this is a separate field,
+``delay`` of the law's gains.
 """
 
 import casadi as ca
@@ -29,7 +29,7 @@ from .context import LawContext
 
 
 def ahead(context: LawContext, made_up: ca.SX) -> tuple[LawContext, tuple[Port, ...]]:
-    """The sample one delay later, and the inputs of the commands under way that this takes.
+    """The sample one delay later, and the inputs that hold the commands in transit.
 
     ``made_up`` (2,) [N, N m] is the observer's force f.  Without delay the sample itself.
     """
@@ -50,7 +50,7 @@ def ahead(context: LawContext, made_up: ca.SX) -> tuple[LawContext, tuple[Port, 
 
 
 def acts_for(age: int, delay: ca.SX, period: ca.SX) -> ca.SX:
-    """tau_j [s]: how long a command sent ``age`` periods ago acts from now on, within the delay."""
+    """tau_j [s]: time for which a command sent ``age`` periods ago still acts, within the delay."""
     return ca.fmax(delay - (age - 1) * period, 0) - ca.fmax(delay - age * period, 0)
 
 
@@ -61,12 +61,12 @@ def pushed(context: LawContext, v: ca.SX, force: ca.SX, time: ca.SX) -> ca.SX:
 
 
 def slowed(free: ca.SX, taken: ca.SX) -> ca.SX:
-    """A velocity less friction's share of it: all of it at most."""
+    """A velocity reduced by friction, at most to 0."""
     most = ca.fabs(free)
     return free - ca.fmax(-most, ca.fmin(most, taken))
 
 
 def carried(pose: ca.SX, v: ca.SX, after: ca.SX, time: ca.SX) -> ca.SX:
-    """Pose (3,) after ``time`` [s] in which the velocity (2,) went from v to ``after``."""
+    """Pose (3,) after ``time`` [s] in which the velocity (2,) changed from v to ``after``."""
     mean = v / 2 + after / 2
     return pose + time * pose_rate(pose[2] + time * mean[1] / 2, mean)

@@ -117,7 +117,7 @@ def inside(context: LawContext) -> Inside:
 
 
 def _around(context: LawContext, step_of: Callable[[LawContext], ca.SX]) -> System:
-    """The law around a step to v+."""
+    """The law whose step to v+ is ``step_of``."""
     observer = Observer(context, context.gain("wo"), context.friction_at)
     then, sent = ahead(context, observer.force)
     step = step_of(then)
@@ -130,7 +130,7 @@ def _around(context: LawContext, step_of: Callable[[LawContext], ca.SX]) -> Syst
 
 
 def next_velocity(context: LawContext) -> ca.SX:
-    """v+ (2,) [m/s, rad/s]: where the law wants the velocity after one period."""
+    """v+ (2,) [m/s, rad/s]: velocity that the law aims at after one period."""
     old, new = _shares(context)
     followed, target = targets(context)
     steps = []
@@ -147,7 +147,7 @@ def _shares(context: LawContext) -> tuple[ca.SX, ca.SX]:
 
 
 def targets(context: LawContext) -> tuple[ca.SX, ca.SX]:
-    """c_m and c+, (2,) each [m/s, rad/s]: to where v is carried, and where v_c0 will be."""
+    """c_m and c+, (2,) each [m/s, rad/s]: target of v's transport, and next v_c0."""
     target = context.v_c0 + context.period * context.v_c0_dot
     if context.own(ProxGains).transport == "level":
         return target, target
@@ -168,7 +168,7 @@ def prox_step(
 
 
 def carried_plainly(v: ca.SX, c: ca.SX, followed: ca.SX) -> ca.SX:
-    """v* below v_u2: v, carried as far as the target goes from c to c_m."""
+    """v* below v_u2: v moved as far as the target moves from c to c_m."""
     return v + (followed - c)
 
 
@@ -178,7 +178,7 @@ def mixture(v: ca.SX, target: ca.SX, shares: tuple[ca.SX, ca.SX]) -> ca.SX:
 
 
 def rule(basis: Basis) -> Mapping[str, object]:
-    """Gains that follow from the robot and its path."""
+    """Gains derived from the robot and its path."""
     return {"rho": basis.rho, "wo": basis.wo, "tau_max": GRIP * basis.weight}
 
 

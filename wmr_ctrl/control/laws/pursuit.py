@@ -57,7 +57,7 @@ class PursuitGains(velocity_loop.VelocityLoopGains, key="gains.pursuit"):
     )  # fmt: skip
 
     def relate(self) -> None:
-        """The bounds of the way ahead are the right way round."""
+        """Check that the bounds of the distance ahead are in order."""
         check_intervals(self, {"distance": "the way ahead"})
 
 
@@ -67,7 +67,7 @@ def build(context: LawContext) -> System:
 
 
 def build_command(context: LawContext) -> System:
-    """Velocity that is sent to a base which follows it by a loop of its own."""
+    """Velocity for a base that follows it by its own loop."""
     return velocity_loop.with_command(context, TITLE, wanted_velocity)
 
 
@@ -89,7 +89,7 @@ def wanted_velocity(context: LawContext) -> ca.SX:
 
 
 def point_ahead(context: LawContext) -> tuple[ca.SX, ca.SX]:
-    """The point (ahead, left) [m] as the robot sees it, and how far along the arc it lies [m]."""
+    """The point (ahead, left) [m] relative to the robot, and its distance along the arc [m]."""
     nearest, farthest = ca.vertsplit(context.gain("distance"))
     v1_d, v2_d = ca.vertsplit(context.v_d)
     way = ca.fmin(ca.fmax(context.gain("lookahead") * v1_d, nearest), farthest)
@@ -102,7 +102,7 @@ def point_ahead(context: LawContext) -> tuple[ca.SX, ca.SX]:
 
 
 def rule(basis: Basis) -> Mapping[str, object]:
-    """Gains that follow from the base and its limits."""
+    """Gains derived from the base and its limits."""
     v, omega = basis.limits
     return {
         "lookahead": max(1.5, 6 / basis.wo),

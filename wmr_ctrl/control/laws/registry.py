@@ -1,4 +1,4 @@
-"""The registry of control laws: one module a law, named in one tuple.
+"""The registry of control laws: one module per law, named in one tuple.
 
 A law's module has a docstring, a `Section` of gains, ``build(context) -> System`` whose output is
 the generalised force, and ``LAW``, the `Law` of all that.  Other packages add theirs
@@ -31,7 +31,7 @@ _REMEDY = "A law in a file is named by its path, such as ./my_law.py."
 
 
 class LawRegistry(Mapping[str, Law]):
-    """Laws by name: ours in the order of NAMES, those handed over, those of other packages."""
+    """Laws by name: built-in laws in the order of NAMES, given laws, laws of other packages."""
 
     def __init__(self) -> None:
         self.given: dict[str, Law] = {}
@@ -70,14 +70,14 @@ class LawRegistry(Mapping[str, Law]):
         return {point.name: point for point in entry_points(group=GROUP)}
 
     def spelled(self, name: str) -> str:
-        """What a command line calls the law: its file, else its name."""
+        """The law as written on a command line: its file, else its name."""
         return self.files.get(name, name)
 
     def add(self, law: Law, where: str = "") -> str:
-        """Keep a law under its name, which is returned; it replaces one that was added before.
+        """Register a law and return its name; it replaces one that was added before.
 
-        ``where`` it is defined, for errors.  Raises ArgumentError for a law that is not usable or
-        has the name of one of ours.
+        ``where``: its definition, for errors.  Raises ArgumentError for a law that is invalid or
+        has the name of a built-in one.
         """
         if law.name in NAMES:
             ours = import_module(f"wmr_ctrl.control.laws.{law.name}").LAW
@@ -95,7 +95,7 @@ class LawRegistry(Mapping[str, Law]):
 
 
 def check_law(law: Law, where: str = "") -> None:
-    """Raise ArgumentError, which begins with ``where``, unless a law's fields are what they say."""
+    """Raise ArgumentError, beginning with ``where``, unless a law's fields are valid."""
     place = f"{where}: " if where else ""
     try:
         check_fields(law)
@@ -117,9 +117,9 @@ def check_law(law: Law, where: str = "") -> None:
 
 
 def blamed_law(law: Law, function: Callable[..., object]) -> AbstractContextManager[None]:
-    """Context in which a function of somebody else's law runs: its errors name file and line.
+    """Context for a function of another author's law: its errors name file and line.
 
-    What a law says of a scenario, as a ScenarioError, stays as it is.
+    A ScenarioError raised by the law is passed on unchanged.
     """
     if law.name in NAMES:
         return nullcontext()

@@ -53,7 +53,7 @@ def build(context: LawContext) -> System:
 
 
 def rule(basis: Basis) -> Mapping[str, object]:
-    """Gains that follow from the robot and its path."""
+    """Gains derived from the robot and its path."""
     m, inertia = basis.mass
     return {
         "K": basis.damping,

@@ -51,22 +51,22 @@ class VelocityLoopGains(Predicting, key="gains"):
 
 
 def loop_rule(basis: Basis) -> dict[str, object]:
-    """Gains of the loop that follow from the base and its path."""
+    """Gains of the loop derived from the base and its path."""
     return {"rate": basis.rate, "wo": basis.wo, "a_max": basis.accel}
 
 
 def cut(values: ca.SX, most: ca.SX) -> ca.SX:
-    """Values (2,) within -most and most."""
+    """Values (2,) limited to the range from -most to most."""
     return ca.fmax(-most, ca.fmin(most, values))
 
 
 def cut_named(_: str, values: ca.SX, most: ca.SX) -> ca.SX:
-    """Values (2,) within -most and most, whatever they are called."""
+    """`cut` of values (2,), ignoring the limit's name."""
     return cut(values, most)
 
 
 def largest_command(context: LawContext) -> ca.SX:
-    """Share of the limits (2,) [m/s, rad/s] that is commanded at most."""
+    """Largest command (2,) [m/s, rad/s]: a share of the limits."""
     return context.gain("share") * context.u1
 
 
@@ -90,7 +90,7 @@ def with_torque(
 def with_command(
     context: LawContext, title: str, wanting: Wanting, limited: Limiting = cut_named
 ) -> System:
-    """The law as a System whose output is the velocity for a base that has a loop of its own."""
+    """The law as a System whose output is the velocity for a base with its own loop."""
     before, started = port(SENT_BEFORE), port(STARTED)
     start = ca.if_else(started.sym > 0, before.sym, context.v)
     v = _commanded(context, start, wanting, limited)

@@ -29,11 +29,11 @@ T = TypeVar("T")
 
 
 class _Absent:
-    """Stands for a class that is imported for typing alone; its subclass has that class's name."""
+    """Placeholder for a class that is imported for typing alone; a subclass has its name."""
 
 
 class _Names(dict[str, Any]):
-    """A module's names; one that it has for typing alone is an `_Absent`."""
+    """Namespace of a module; names that exist for typing alone become `_Absent` classes."""
 
     def __missing__(self, name: str) -> Any:
         if name.startswith("__"):
@@ -42,11 +42,12 @@ class _Names(dict[str, Any]):
 
 
 def checks_arguments(function: Callable[P, T]) -> Callable[P, T]:
-    """The function, whose arguments are of the types that its annotations say.
+    """Wrap the function such that it checks its arguments against its annotations.
 
-    A class that is imported for typing alone is told by its name; options that are a TypedDict are
-    checked one by one; a path is one that the system can be given.  Raises ArgumentError for a
-    value of another type and for a missing argument, UnknownNameError for one that is not known.
+    A class that is imported for typing alone is recognised by its name; options that are a
+    TypedDict are checked one by one; a path is one that the system can be given. Raises
+    ArgumentError for a value of another type and for a missing argument, UnknownNameError for one
+    that is not known.
     """
     signature, name = inspect.signature(function), function.__qualname__
     named = signature.parameters.items()
@@ -83,7 +84,7 @@ def check_fields(value: object) -> None:
 
 @lru_cache(maxsize=256)
 def hints_of(function: Callable[..., object]) -> Mapping[str, object]:
-    """Types of a function's arguments by name, those of options in the place of the options."""
+    """Types of a function's arguments by name, with the entries of a TypedDict of options."""
     names = _Names(vars(sys.modules[function.__module__]))
     hints: dict[str, Any] = {}
     for key, parameter in inspect.signature(function).parameters.items():
@@ -98,7 +99,7 @@ def hints_of(function: Callable[..., object]) -> Mapping[str, object]:
 
 
 def check(value: object, hint: object, where: str) -> None:
-    """Raise ArgumentError, which starts with ``where``, unless a value is what a type hint says."""
+    """Raise ArgumentError, starting with ``where``, if a value does not match a type hint."""
     if not fits(value, hint):
         raise ArgumentError(f"{where} = {show(value)} must be {words(hint)}.")
     if not isinstance(value, str | os.PathLike) or _named(value):
@@ -108,7 +109,7 @@ def check(value: object, hint: object, where: str) -> None:
 
 
 def fits(value: object, hint: object) -> bool:
-    """True if a value matches a type hint; of a long collection only the beginning is checked."""
+    """True if a value matches a type hint; only the beginning of a long collection is checked."""
     return type(value) is hint or any(_is_a(value, *part) for part in _alternatives(hint))
 
 
@@ -170,7 +171,7 @@ def _is_a(value: object, kind: object, inner: tuple[Any, ...]) -> bool:
 
 
 def _holds(value: object, inner: tuple[Any, ...]) -> bool:
-    """True if a collection's elements fit; those of an iterator are not consumed."""
+    """True if a collection's elements match; an iterator is not consumed."""
     if isinstance(value, Collection):
         try:
             return all(fits(item, inner[0]) for item in islice(value, LOOKED_AT))

@@ -26,9 +26,9 @@ _COMMAND = ContextVar[tuple[dict[Path, str], set[Path]] | None]("files of a comm
 
 @contextmanager
 def one_command() -> Iterator[None]:
-    """Context of a command, in which no file may be both read and written.
+    """Context of one command, in which no file may be both read and written.
 
-    Within the context of another command it does nothing.
+    A nested context does nothing.
     """
     if _COMMAND.get() is not None:
         yield
@@ -138,7 +138,7 @@ _AT = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
 
 
 def _place(problem: str, text: str) -> tuple[str, int, int]:
-    """Reason, line and column, from 1, of what the library says; without a place it is the end."""
+    """Reason, line and column (from 1) of a parser's message; by default the end of the text."""
     place = _AT.fullmatch(problem)
     lines = text.rstrip().split("\n")
     reason, line, column = place.groups() if place else (problem, len(lines), len(lines[-1]) + 1)

@@ -63,14 +63,14 @@ class NamedUnit:
 
 @cache
 def unit_of(name: str) -> NamedUnit:
-    """Read a unit such as ``kg.m2/s``; raises ArgumentError for what is not one."""
+    """Read a unit such as ``kg.m2/s``; raises ArgumentError if it is not a known unit."""
     size, exponents = _read(name)
     return NamedUnit(name, float(size), exponents)
 
 
 @cache
 def _read(name: str) -> tuple[Fraction, dict[str, int]]:
-    """Size in SI, exact but for pi, and exponents."""
+    """Size in SI units, exact except for pi, and exponents of the base units."""
     size, exponents = Fraction(1), dict.fromkeys(BASE, 0)
     text = re.sub(r"/\(([^()]*)\)", lambda found: "/" + found[1].replace(".", "/"), name)
     for place, group in enumerate(text.split("/")):
@@ -106,22 +106,23 @@ def fitting(unit: str) -> str:
 
 
 class Stated(float):
-    """A number in SI that was written with its unit; ``text`` is how."""
+    """A number in SI that was written with its unit; ``text`` is the original spelling."""
 
     text: str
     unit: str
 
     @classmethod
     def of(cls, value: float, text: str, unit: str) -> Self:
-        """The number ``value`` [SI] of what was written as ``text`` in ``unit``."""
+        """The number ``value`` [SI], which was written as ``text`` in ``unit``."""
         number = cls(value)
         number.text, number.unit = text, unit
         return number
 
     def refused(self, wanted: str) -> str:
-        """Why this cannot be a number in ``wanted``, in words; empty where it can.
+        """Reason why this number cannot be given in ``wanted``; empty if it can.
 
-        Angles count: rad/s is no 1/s, so that Hz, which may mean turns, is asked about.
+        Angles are not plain numbers here: rad/s differs from 1/s, so that Hz, which may mean turns,
+        is questioned.
         """
         mine = _read(self.unit)[1]
         try:
@@ -152,7 +153,7 @@ def stated(text: str) -> str | Stated:
 
 
 def with_units(raw: object) -> object:
-    """A raw value in which texts that are a number with its unit are `Stated`."""
+    """Replace each text of a raw value that is a number with its unit by `Stated`."""
     if isinstance(raw, str):
         return stated(raw)
     if isinstance(raw, Mapping):

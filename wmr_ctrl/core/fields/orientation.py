@@ -1,4 +1,4 @@
-"""Orientations at the border: counted from +Y inside, as in the paper, outside as `frames` says.
+"""Orientations at the interface: from +Y inside, as in the paper; outside as ``frames`` says.
 
 ``frames = "rep103"`` counts them from +X, as REP 103 of ROS does.  Positions are the same in both.
 """
@@ -43,24 +43,24 @@ def checked_frames(frames: object) -> str:
 
 
 def outward(theta: T, frames: str) -> T:
-    """Orientations [rad] of the inside, as ``frames`` counts them; numbers and arrays."""
+    """Convert orientations [rad] from the inner convention to ``frames``; numbers and arrays."""
     return theta + FRAMES[frames] if FRAMES[frames] else theta
 
 
 def inward(theta: T, frames: str) -> T:
-    """Orientations [rad] that ``frames`` counts, as the inside does: `outward`'s inverse.
+    """Convert orientations [rad] from ``frames`` to the inner convention: the inverse of `outward`.
 
-    What came in by this goes out and in again without loss: ``inward(outward(y)) == y`` to the
-    bit for every ``y = inward(x)``, since x is then the double nearest to y + pi/2, or y is exact.
+    The conversion loses nothing: ``inward(outward(y)) == y`` to the bit for every ``y =
+    inward(x)``, since x is then the double nearest to y + pi/2, or y is exact.
     """
     return theta - FRAMES[frames] if FRAMES[frames] else theta
 
 
 def theta_of(quaternion: Sequence[Q], atan2: Callable[[Q, Q], Q]) -> Q:
-    """Orientation [rad] as inside, up to whole turns, of a pose as ROS has it: (x, y, z, w).
+    """Orientation [rad] in the inner convention, modulo 2 pi, of a ROS quaternion (x, y, z, w).
 
-    Its yaw by REP 103 less a quarter turn, of any tilt and length; numbers, arrays and symbols,
-    whose ``atan2`` is given.
+    It is the yaw of REP 103 less a quarter turn, for any tilt and length; numbers, arrays and
+    symbols, whose ``atan2`` is given.
     """
     x, y, z, w = quaternion
     return atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z) - FRAMES["rep103"]
@@ -75,12 +75,12 @@ def described(text: str, frames: str) -> str:
 
 
 def field_outward(value: Any, place: int, frames: str) -> Any:
-    """A field's value with its element ``place`` (from 1; 0: none is an orientation) outward."""
+    """A field's value with element ``place`` (from 1; 0: no orientation) converted by `outward`."""
     return _moved(value, place, frames, outward)
 
 
 def field_inward(value: Any, place: int, frames: str) -> Any:
-    """`field_outward` the other way; what is no number is left to the later check."""
+    """Inverse of `field_outward`; values that are no numbers are left to the later check."""
     return _moved(value, place, frames, inward)
 
 

@@ -26,7 +26,8 @@ def blamed(
     passing: tuple[type[Exception], ...] = (WmrError,),
     function: Callable[..., object] | None = None,
 ) -> Iterator[None]:
-    """Turn an error in code of another author into an ArgumentError that begins with ``what``.
+    """Context that turns errors in another author's code into an ArgumentError starting with
+    ``what``.
 
     It names file and line: where that code failed, else where ``function`` begins.  Errors of
     ``passing`` say enough to a user as they are.
@@ -44,7 +45,7 @@ def blamed(
 
 
 def _failed_at(error: Exception) -> str:
-    """Last file and line of an error that are in no library; empty where there is none."""
+    """Last file and line of an error outside of libraries; empty if there is none."""
     place = ""
     for frame, line in walk_tb(error.__traceback__):
         module = str(frame.f_globals.get("__name__", "")).partition(".")[0]

@@ -29,7 +29,7 @@ MOST_NAMED = 12
 
 
 class Table(NamedTuple):
-    """Columns (N,) by our names, in our units, nan where a cell is empty; the line of each row.
+    """Columns (N,) by our names and in our units, nan for empty cells; the line of each row.
 
     ``unread`` names columns that were not read, and ``cut`` is the number of a last line that ends
     too early, 0 if none does.
@@ -49,7 +49,7 @@ class _Column(NamedTuple):
 
 @dataclass(frozen=True)
 class TableReader:
-    """What is read of a table, and how its faults are told.
+    """Reader of tables: which columns to read, and which error to raise.
 
     ``known``: unit by our name; ``needed``: names that must be there; ``columns``: their name,
     perhaps with its unit, by ours; ``unnamed``: ours, in order, of a table of that width without
@@ -96,7 +96,7 @@ class TableReader:
     def _rows(
         self, lines: Iterable[str], separator: str, before: int
     ) -> Iterator[tuple[int, list[str]]]:
-        """Line and cells of each row that holds something and is no comment."""
+        """Line and cells of each row that is neither empty nor a comment."""
         reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
         try:
             for count, row in enumerate(reader, 1):
@@ -112,7 +112,7 @@ class TableReader:
             raise self.error(f"{self.place}, line {at}: {problem}. Save it as CSV.") from None
 
     def _taken(self, names: Sequence[str]) -> dict[str, _Column]:
-        """Columns to read, by our names; those that are needed are among them."""
+        """Columns to read, by our names; raises ``error`` if a needed column is missing."""
         taken = self._found(names)
         if missing := [name for name in self.needed if name not in taken]:
             said = ", ".join(names[:MOST_NAMED]) or "no names"
@@ -155,7 +155,7 @@ class TableReader:
         return taken
 
     def _column(self, ours: str, place: int, name: str, unit: str) -> _Column:
-        """A column with how much one of its unit is in ours."""
+        """A column, with the factor from its unit to ours."""
         wanted, ending = self.known[ours], _ENDING.fullmatch(name)
         said = ending[2] if ending and name != ours else ""
         one, named = (stated(f"1 {_SPELLINGS.get(text, text)}") for text in (unit, said))
@@ -211,7 +211,7 @@ class TableReader:
 
 
 def _begin(text: Iterator[str]) -> tuple[str, str, int]:
-    """The last comment above the first row, that row, and its line."""
+    """The last comment above the first row, that row, and its line number."""
     above, count = "", 0
     for count, line in enumerate(text, start=1):
         line = line.removeprefix("\ufeff")
@@ -241,7 +241,7 @@ def _number(cell: str, separator: str) -> float | None:
 
 
 def _names(cells: Iterable[str], separator: str) -> list[str]:
-    """Names of columns; of those that blanks separate a unit belongs to the name before."""
+    """Names of columns; if blanks separate the cells, a unit is joined to the name before it."""
     names: list[str] = []
     for cell in cells:
         if separator == " " and names and cell[0] in "[(":

@@ -1,4 +1,4 @@
-"""Values of fields that nobody stated: they follow from others, or stand for what is not known.
+"""Values of fields that nobody stated: derived from other fields, or unknown.
 
 They are numbers, so that graphs have a value for every parameter.  A field that is given one counts
 as not stated: it is derived again, and no file states it.
@@ -15,7 +15,7 @@ class Unstated:
 
 
 class Unknown(Unstated):
-    """Placeholder of a value that is not known; whatever reads it must not let it matter."""
+    """Placeholder of an unknown value; code that reads it must not depend on it."""
 
     __slots__ = ()
 
@@ -41,12 +41,12 @@ def derived(value: float) -> float: ...
 @overload
 def derived(value: Iterable[float]) -> tuple[float, ...]: ...
 def derived(value: float | Iterable[float]) -> float | tuple[float, ...]:
-    """The number or vector, as one that follows from other fields."""
+    """Mark a number or vector as derived from other fields."""
     return _Number(value) if isinstance(value, float | int) else _Vector(value)
 
 
 def unknown(placeholder: float | tuple[float, ...]) -> float | tuple[float, ...]:
-    """A placeholder of a number or vector that is not known."""
+    """Mark a number or vector as the placeholder of an unknown value."""
     if isinstance(placeholder, float):
         return _UnknownNumber(placeholder)
     return _UnknownVector(placeholder)

@@ -1,4 +1,4 @@
-"""YAML text as plain values, refused in words where it is damaged, endless or ambiguous."""
+"""YAML text as plain values; damaged, endless or ambiguous text is refused."""
 
 import math
 from typing import Any
@@ -14,10 +14,10 @@ def yaml_document(text: str, place: str) -> object:
 
 
 def yaml_documents(text: str, place: str) -> list[object]:
-    """Return the documents of YAML text that say something.
+    """Return the documents of YAML text that are not empty.
 
-    Tables that stand twice are joined.  Raises ScenarioError, starting with ``place``, for what is
-    no YAML, states another key twice, or has more than MOST_NODES values, aliases written out.
+    Repeated tables are merged. Raises ScenarioError, starting with ``place``, if it is not YAML,
+    repeats another key, or has more than MOST_NODES values, aliases written out.
     """
     import yaml  # seldom needed
 
@@ -65,7 +65,7 @@ def _size(node: Any, known: dict[int, float], place: str) -> float:
 
 
 def _once(pairs: list[tuple[Any, Any]], place: str) -> list[tuple[Any, Any]]:
-    """Pairs of nodes in which each key stands once: tables of one name are joined, as ROS does."""
+    """Pairs of nodes with unique keys; tables with the same name are merged, as ROS does."""
     kept: dict[object, tuple[Any, Any]] = {}
     for key, value in pairs:
         name = key.value if isinstance(key.value, str) and key.value != "<<" else id(key)

@@ -1,4 +1,4 @@
-"""Co-simulation of FMUs, ours or somebody else's, into a Run."""
+"""Co-simulation of FMUs, ours or foreign ones, into a Run."""
 
 from wmr_ctrl.core.errors import MissingExtraError
 

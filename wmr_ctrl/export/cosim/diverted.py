@@ -1,4 +1,4 @@
-"""Standard output while foreign code runs: what it prints goes to standard error."""
+"""Redirection of standard output to standard error while foreign code runs."""
 
 import ctypes as ct
 import os
@@ -14,9 +14,9 @@ _running: set[object] = set()
 
 @contextmanager
 def diverted() -> Iterator[None]:
-    """Send what libraries and embedded interpreters print to standard error.
+    """Context in which output of libraries and embedded interpreters goes to standard error.
 
-    For the whole process, until the last of all threads that are inside leaves.
+    It affects the whole process, until the last thread leaves it.
     """
     one = object()
     with _LOCK:
@@ -37,7 +37,7 @@ def diverted() -> Iterator[None]:
 
 
 def _divert(undo: ExitStack) -> None:
-    """Point file descriptor 1 to where 2 points, until ``undo`` is closed."""
+    """Redirect file descriptor 1 to the target of 2 until ``undo`` is closed."""
     kept = os.dup(1)
     undo.callback(os.close, kept)
     undo.callback(os.dup2, kept, 1)
@@ -45,7 +45,7 @@ def _divert(undo: ExitStack) -> None:
 
 
 def _flush() -> None:
-    """Write out what Python's and C's streams hold."""
+    """Flush Python's and C's output buffers."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError, OSError, ValueError):
             stream.flush()

@@ -1,4 +1,4 @@
-"""Refusals before the first step: what a scenario asks for and the given FMUs cannot do."""
+"""Checks before the first step: parts of a scenario that the given FMUs cannot provide."""
 
 import zipfile
 from collections.abc import Mapping
@@ -36,7 +36,7 @@ _NEAR = 1e-6
 
 
 def law_within(path: str | Path | None) -> str | None:
-    """Name of the law that a controller of ours holds; None for any other file, or for none."""
+    """Law of one of our controllers; None for any other file, or for None."""
     if path is None or not zipfile.is_zipfile(path):
         return None
     with zipfile.ZipFile(path) as archive:
@@ -47,10 +47,10 @@ def law_within(path: str | Path | None) -> str | None:
 
 
 def check_structure(slave: Slave, model: FmuModel) -> None:
-    """Raise ArgumentError unless the FMU is ``model`` but for its numbers.
+    """Raise ArgumentError unless the FMU equals ``model`` except for its numbers.
 
-    An FMU of ours carries the graph that it was made from; numbers are set before a run, but
-    guard, drives and options of a law are part of the graph.
+    Our FMUs contain their graph; numbers are set before a run, but guard, drives and options of a
+    law are part of the graph.
     """
     path, graph = slave.path, _graph_in(slave.path)
     if not graph:
@@ -67,10 +67,10 @@ def check_structure(slave: Slave, model: FmuModel) -> None:
 
 
 def unguarded(path: str | Path, setup: Setup) -> Setup | None:
-    """The setup of a controller of ours that was made without the guard or filter of ``setup``.
+    """The setup of one of our controllers that was made without the guard or filter of ``setup``.
 
-    None where it has that, or is another one's.  Raises ArgumentError for a law that remembers what
-    it commanded, since a guard or filter elsewhere changes that behind its back.
+    None if it has that part, or is foreign.  Raises ArgumentError for a law that remembers its
+    commands, since an external guard or filter changes them unnoticed.
     """
     velocity = setup.takes_velocity
     off: dict[str, object] = {"filter.kind": "none"} if velocity else {"guard.enabled": False}
@@ -89,13 +89,13 @@ def unguarded(path: str | Path, setup: Setup) -> Setup | None:
 
 
 def _graph_in(path: str | Path) -> str:
-    """The graph that an FMU of ours was made from; empty for another's."""
+    """The graph that one of our FMUs was made from; empty for foreign ones."""
     with zipfile.ZipFile(path) as archive:
         return archive.read(GRAPH).decode() if GRAPH in archive.namelist() else ""
 
 
 def check_parts(setup: Setup, plant: Part) -> None:
-    """Raise ArgumentError where a foreign plant leaves out a part of the scenario."""
+    """Raise ArgumentError if a foreign plant replaces a part of the scenario."""
     scenario = setup.scenario
     if plant.is_base and not setup.takes_velocity:
         raise ArgumentError(
@@ -126,7 +126,7 @@ def check_parts(setup: Setup, plant: Part) -> None:
 
 
 def check_sizes(scenario: Scenario, plant: Part, maps: Mapping[str, PartMap]) -> None:
-    """Raise ArgumentError where what a map gives follows from sizes that nobody states."""
+    """Raise ArgumentError if the map's quantities depend on unstated sizes of the robot."""
     given = {name for part in maps.values() for name in part.outputs}
     wheels = {*READY[1:], *WHEELS} & (given | plant.uses)
     torques = plant.foreign and not plant.is_base
@@ -140,7 +140,7 @@ def check_sizes(scenario: Scenario, plant: Part, maps: Mapping[str, PartMap]) ->
 
 
 def check_step(scenario: Scenario, part: Part) -> None:
-    """Raise ArgumentError unless the map's step of an FMU divides the control period."""
+    """Raise ArgumentError unless the map's step size of an FMU divides the control period."""
     step, period = part.step_size, scenario.clock.control
     if step is not None and not _divides(step, period):
         raise ArgumentError(
@@ -151,10 +151,10 @@ def check_step(scenario: Scenario, part: Part) -> None:
 
 
 def check_spans(scenario: Scenario, plant: Part, steady: bool) -> None:
-    """Raise ArgumentError where a plant would be stepped over less than its map's step.
+    """Raise ArgumentError if a plant would be stepped by less than its map's step size.
 
-    ``steady``: what acts on it stays the same over a control period; else it may change after
-    every clock.plant.
+    ``steady``: its inputs are constant over a control period; else they may change every
+    clock.plant.
     """
     step, pace, path = plant.step_size, scenario.clock.plant, plant.slave.path
     says = "whose map says"
@@ -179,7 +179,7 @@ def check_spans(scenario: Scenario, plant: Part, steady: bool) -> None:
 
 
 def _divides(step: float, span: float) -> bool:
-    """True if ``span`` [s] is a whole number of steps, but for rounding; 0 is none."""
+    """True if ``span`` [s] is a whole number of steps, up to rounding; 0 is none."""
     count = round(span / step)
     return abs(count * step - span) <= _NEAR * span and (count > 0 or span == 0)
 

@@ -1,4 +1,4 @@
-"""An FMU's file: its variables with types and units, and why one cannot be used."""
+"""An FMU's file: its variables with types and units, and reasons why it cannot be used."""
 
 import hashlib
 import os
@@ -28,14 +28,14 @@ NO_NUMBERS = ("String", "Binary", "Clock")
 
 
 class FmuError(WmrError, RuntimeError):
-    """An FMU refused a call or could not be loaded; the message names it and says when."""
+    """An FMU refused a call or could not be loaded; the message names it and the time."""
 
 
 class FmuFile:
-    """Variables, units and name of an FMU.  Raises FmuError for a file that is none.
+    """Variables, units and name of an FMU.  Raises FmuError if the file is not an FMU.
 
-    ``name`` is how messages call it; ``checked``: against FMI's schema; ``invalid``: where it does
-    not follow that, and how.
+    ``name`` is its name in messages; ``checked``: validate against FMI's schema; ``invalid``: where
+    and how it violates the schema.
     """
 
     def __init__(self, path: str | Path, name: str, *, checked: bool = True) -> None:
@@ -68,13 +68,13 @@ class FmuFile:
 
     @property
     def label(self) -> str:
-        """Its model's name, its file, version of FMI and the beginning of the file's SHA-256."""
+        """Its model's name, file, FMI version and the beginning of the file's SHA-256."""
         digest = hashlib.sha256(Path(self.path).read_bytes()).hexdigest()[:16]
         said = self.description
         return f"{said.modelName} ({Path(self.path).name}, FMI {said.fmiVersion}, sha256 {digest})"
 
     def unit(self, name: str) -> NamedUnit | str | None:
-        """Unit that the model description gives a variable: as it defines it, by name, or None."""
+        """A variable's unit in the model description: as defined there, by name, or None."""
         variable = self.variable(name)
         declared = variable.declaredType
         own = variable.unit or (declared.unit if declared is not None else None)
@@ -96,9 +96,9 @@ class FmuFile:
         return self.number(name)[0]
 
     def number(self, name: str) -> tuple[ModelVariable, int]:
-        """A number's variable, and its place from 0 in an array's ``name[1]``, ``name[1,2]``.
+        """A number's variable, and its index from 0 in an array's ``name[1]``, ``name[1,2]``.
 
-        Raises UnknownNameError, or ArgumentError for an array or a variable that is no number.
+        Raises UnknownNameError, or ArgumentError for an array or a variable that is not a number.
         """
         part = _ELEMENT.fullmatch(name) if name not in self.variables else None
         owner = part[1] if part else name
@@ -120,7 +120,7 @@ class FmuFile:
 
     @property
     def numbers(self) -> Iterator[tuple[str, ModelVariable]]:
-        """Names that `number` takes, with their variables: of long arrays the first elements."""
+        """Names for `number`, with their variables; of long arrays the first elements."""
         for name, variable in self.variables.items():
             if variable.type not in NO_NUMBERS and variable.causality != "independent":
                 shape = tuple(variable.shape or ())
@@ -130,7 +130,7 @@ class FmuFile:
 
 
 def _check_version(version: str | None) -> None:
-    """Raise ArgumentError for a version of FMI that is not read."""
+    """Raise ArgumentError for an unsupported version of FMI."""
     if version is not None and not _READ.fullmatch(version):
         raise ArgumentError(
             f"it is of FMI {version}, and only 2.0 and 3.0 are read. Export it by one of these, "
@@ -139,7 +139,7 @@ def _check_version(version: str | None) -> None:
 
 
 def _reason(error: Exception) -> str:
-    """Fault of a file that cannot be loaded, and its remedy; our own errors name both."""
+    """Why a file cannot be loaded, with the remedy; our own errors state both."""
     if isinstance(error, WmrError):
         return str(error)
     if isinstance(error, FileNotFoundError):

@@ -1,4 +1,4 @@
-"""The library of an unpacked FMU for this machine: where it is, whether it loads, or its build."""
+"""This machine's library in an unpacked FMU: its place, a test of loading it, or its build."""
 
 import subprocess
 import sys
@@ -16,10 +16,10 @@ _WITHOUT_PREFIX = "-DFMI2_OVERRIDE_FUNCTION_PREFIX -DFMI3_OVERRIDE_FUNCTION_PREF
 
 
 def place_of(folder: Path, version: int, model: str) -> Path:
-    """Place of this machine's library in an unpacked FMU.
+    """Path of this machine's library in an unpacked FMU.
 
-    In FMI 2 a processor's own folder comes before the one that FMPy takes, which may hold another
-    processor's library.
+    In FMI 2 a processor's own folder has priority over the one that FMPy uses, which may contain
+    another processor's library.
     """
     name = model + fmpy.sharedLibraryExtension
     if version == 3:
@@ -30,9 +30,9 @@ def place_of(folder: Path, version: int, model: str) -> Path:
 
 
 def try_to_load(folder: Path, inside: Path) -> None:
-    """Raise ArgumentError unless a process of its own can load an unpacked FMU's library.
+    """Raise ArgumentError unless a separate process can load an unpacked FMU's library.
 
-    One that is cut off or overwritten ends the process that loads it instead of raising.
+    A truncated or overwritten library ends the process that loads it instead of raising.
     """
     here, library = inside.parent.name, folder.absolute() / inside
     if not library.is_file():
@@ -55,7 +55,7 @@ def try_to_load(folder: Path, inside: Path) -> None:
 
 
 def _why_none(folder: Path, inside: Path) -> str:
-    """Reason why an FMU has no library for this machine, and the remedy."""
+    """Reason why an FMU lacks a library for this machine, with the remedy."""
     here, lacks = inside.parent.name, f"it has no {inside.as_posix()}"
     named = sorted(item.name for item in (folder / inside).parent.glob(f"*{inside.suffix}"))
     if named:
@@ -76,7 +76,7 @@ def _why_none(folder: Path, inside: Path) -> str:
 def build_sources(folder: Path, inside: Path, description: ModelDescription) -> None:
     """Build an unpacked FMU's sources into its library for this machine, unless it has one.
 
-    By FMPy, which calls CMake.  Raises ArgumentError where there are none, or that fails.
+    FMPy calls CMake for it.  Raises ArgumentError if there are no sources, or the build fails.
     """
     if (folder / inside).is_file():
         return

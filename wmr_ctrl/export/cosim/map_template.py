@@ -1,6 +1,6 @@
-"""A map file to fill in, from the model descriptions of foreign FMUs.
+"""A map file to fill in, made from the model descriptions of foreign FMUs.
 
-Rows whose names agree are filled in.  Every other row is a comment that lists what it could be.
+Rows with equal names are filled in.  Every other row is a comment that lists the candidates.
 """
 
 import json
@@ -86,9 +86,9 @@ def _part(part: str, fmu: FmuFile) -> Iterator[str]:
 def _row(
     target: str, unit: NamedUnit | str | None, sources: Mapping[str, Any], stated: object
 ) -> str:
-    """The row of ``target``, filled in where one source has its name and a unit that fits.
+    """The row of ``target``, filled in if one source has its name and a fitting unit.
 
-    Where the FMU's unit is not ``stated``, the row has a place for it.
+    If the FMU's unit is not ``stated``, the row has a placeholder for it.
     """
     fitting = [name for name, other in sources.items() if _fits(unit, other)]
     alike = [name for name in fitting if _plain(name) == _plain(target)]
@@ -103,7 +103,7 @@ def _row(
 
 
 def _fits(one: NamedUnit | str | None, other: NamedUnit | str | None) -> bool:
-    """Whether both can measure the same kind; a unit that is not known fits all."""
+    """True if both units measure the same kind of quantity, or one is unknown."""
     units = []
     for unit in (one, other):
         try:
@@ -114,7 +114,7 @@ def _fits(one: NamedUnit | str | None, other: NamedUnit | str | None) -> bool:
 
 
 def _plain(name: str) -> str:
-    """A name without case, signs, and the components that it is in."""
+    """A name in lower case, without signs and without its components' names."""
     return re.sub(r"[^a-z0-9]", "", re.split(r"\.(?=[^.]+$)", name)[-1].lower())
 
 
@@ -124,7 +124,7 @@ def _unit_text(unit: NamedUnit | str | None) -> str:
 
 
 def _start(variable: Any) -> str:
-    """A variable's start value in TOML, as its description says; of an array a list."""
+    """A variable's start value as TOML, from its description; a list for an array."""
     if variable.type not in FLOATS:
         words = variable.start or "0"
         return words if variable.type not in NO_NUMBERS else json.dumps(variable.start or "")

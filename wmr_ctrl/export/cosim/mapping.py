@@ -1,4 +1,4 @@
-"""Maps between our names and units and those of somebody else's FMU, from a TOML file.
+"""Maps between our names and units and those of a foreign FMU, from a TOML file.
 
 A row says ``target = sum of coefficient times source, plus offset``.  Rows of ``outputs`` have our
 names on the left, rows of ``inputs`` theirs.  A plain string is a renaming; units are converted::
@@ -97,7 +97,7 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 @dataclass(frozen=True)
 class MapRow:
-    """target = sum of coefficient * source + offset, all in the units of their owners."""
+    """target = sum of coefficient * source + offset, each in its owner's unit."""
 
     target: str
     terms: tuple[tuple[str, float], ...]
@@ -152,7 +152,7 @@ def load_map(path: str | Path) -> dict[str, PartMap]:
 
 
 def identity(names: Sequence[str]) -> list[MapRow]:
-    """Rows of an FMU that has our names and units."""
+    """Rows for an FMU with our names and units."""
     return [MapRow(name, ((name, 1.0),)) for name in names]
 
 
@@ -168,13 +168,13 @@ def compiled(
 
 
 def input_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
-    """Rows that give their inputs; ``theirs``: units of their variables, ``name``: the part's."""
+    """Rows for their inputs; ``theirs``: units of their variables, ``name``: the part's."""
     given = part.inputs.items()
     return [_Row(f"{name}.inputs", *row, theirs, part.units, inward=True).read() for row in given]
 
 
 def output_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
-    """Rows that give our quantities from their outputs."""
+    """Rows that compute our quantities from their outputs."""
     given = part.outputs.items()
     for one, other in EITHER[name]:
         both = [next((key for key in side if key in part.outputs), "") for side in (one, other)]
@@ -187,7 +187,7 @@ def output_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
 
 
 def parameter_rows(part: PartMap, theirs: UnitOf) -> dict[str, MapRow]:
-    """Rows that give what a scenario changes, each of one parameter of theirs, by our key."""
+    """Rows for the numbers that a scenario changes, each one parameter of theirs, by our key."""
     given = part.parameters.items()
     rows = [_Row(_PARAMETERS, *row, theirs, part.units, inward=False).read() for row in given]
     for row in rows:
@@ -200,7 +200,7 @@ def parameter_rows(part: PartMap, theirs: UnitOf) -> dict[str, MapRow]:
 
 
 class _Row:
-    """Reader of one row; ``inward``: it gives an input of theirs from quantities of ours."""
+    """Reader of one row; ``inward``: it computes one of their inputs from our quantities."""
 
     def __init__(
         self, table: str, target: str, raw: object, theirs: UnitOf, units: str, *, inward: bool
@@ -224,7 +224,7 @@ class _Row:
         self.unit_of_source = self.unit_of_ours if inward else self.unit_of_theirs
 
     def read(self) -> MapRow:
-        """The row in the owners' units: what has an offset to SI is converted by way of SI."""
+        """The row in the owners' units; units with an offset are converted through SI."""
         entry, factor_unit = self.entry, unit_of(self.entry.coefficient_unit)
         wanted = self.unit_of_target(self.target)
         shares, start = [], -wanted.offset
@@ -243,13 +243,13 @@ class _Row:
         return MapRow(self.target, tuple(shares), entry.offset + start / wanted.factor)
 
     def unit_of_ours(self, name: str) -> NamedUnit:
-        """Unit of a quantity of ours."""
+        """Unit of one of our quantities."""
         if name not in self.ours:
             raise UnknownNameError(f"quantity of ours that {self.key} can have", name, self.ours)
         return unit_of(UNITS[name])
 
     def unit_of_theirs(self, name: str) -> NamedUnit:
-        """Unit of a variable of theirs: as the row states it, else as their FMU declares it."""
+        """Unit of one of their variables: from the row, else from their FMU."""
         si = self.fitting if self.units == "SI" or self.fitting == "1" else None
         unit = self.entry.unit or self.theirs(name) or si
         if isinstance(unit, NamedUnit):
@@ -275,18 +275,18 @@ class _Row:
 
 
 def toml_key(name: str) -> str:
-    """A name as a key in TOML, quoted where it must be."""
+    """A name as a TOML key, quoted if necessary."""
     return name if _BARE.fullmatch(name) else json.dumps(name)
 
 
 def controller_outputs(
     part: PartMap, theirs: UnitOf, robot: Robot, asked: Sequence[str] = TORQUES
 ) -> list[MapRow]:
-    """Rows that give what is ``asked`` from a foreign controller's outputs: torques, the force, or
-    the velocity of a base that takes one.
+    """Rows that compute the quantities ``asked`` from a foreign controller's outputs: torques, the
+    force, or the velocity for a base that takes one.
 
-    Torques and force follow from each other, a velocity from the wheels' speeds, at robot.r and
-    robot.l.
+    Torques and force can be computed from each other, a velocity from the wheels' speeds, with
+    robot.r and robot.l.
     """
     by_target = {row.target: row for row in output_rows(part, theirs, "controller")}
     instead = _follow(by_target, asked, robot)
@@ -297,10 +297,10 @@ def controller_outputs(
 def plant_outputs(
     part: PartMap, theirs: UnitOf, robot: Robot, rolling: Sequence[Signal] = ()
 ) -> list[MapRow]:
-    """Rows that give pose and velocity from a foreign plant's outputs, and the wheels' way.
+    """Rows that compute pose, velocity and the wheels' path length from a foreign plant's outputs.
 
-    theta may follow from psi, v1 and omega from the wheels' speeds.  Raises ArgumentError where one
-    is missing; without a row for the skid it is zero.
+    theta may be computed from psi, v1 and omega from the wheels' speeds.  Raises ArgumentError if
+    one is missing; without a row for the skid it is zero.
     """
     by_target = {row.target: row for row in output_rows(part, theirs, "plant")}
     if "psi" in by_target:
@@ -319,9 +319,9 @@ def plant_outputs(
 
 
 def _follow(rows: dict[str, MapRow], wanted: Sequence[str], robot: Robot) -> Sequence[str]:
-    """Add the two rows that are ``wanted`` where those that they follow from are there.
+    """Add the two rows that are ``wanted`` if the rows to compute them from exist.
 
-    Returns the names of these.
+    Returns the names of the latter.
     """
     r, half_track = robot.r, robot.l
     halves = (r / 2, r / 2), (r / 2 / half_track, -r / 2 / half_track)

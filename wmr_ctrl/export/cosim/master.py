@@ -1,16 +1,16 @@
 """Masters: order of the steps, and the effects between the FMUs.
 
-Gauss-Seidel shows the controller what reference and plant have reached, steps it, and then the
-plant with its torques, which is the native loop.  Jacobi steps all three with what was known
-before: the torque acts one step later, as under every master that copies connections after all have
-stepped.  Reference and controller step once in a control period, our plant once in each of its own
-steps, with the torque held: so the monitor sees what the native one sees.
+Gauss-Seidel gives the controller the present outputs of reference and plant, steps it, and then the
+plant with its torques, which equals the native loop. Jacobi steps all three with the previous
+outputs: the torque acts one step later, as under every master that copies connections after all
+have stepped. Reference and controller step once in a control period, our plant once in each of its
+own steps, with the torque held: so the monitor sees the same states as the native one.
 
 On a base that takes velocities the controller sends one in the place of torques.  Its speed loop is
 one of the drives, unless the plant takes velocities itself.
 
 Sensors, disturbances, drives and monitor are the compiled ones of the loop: they draw the same
-random numbers and watch the same limits.
+random numbers and check the same limits.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -34,7 +34,7 @@ _ROWS_PER_REPORT = 100
 
 @dataclass
 class Parts:
-    """FMUs that a master steps, and the way to change the plant's parameters."""
+    """FMUs that a master steps, and a function that changes the plant's parameters."""
 
     reference: Part
     controller: Part | GuardedController
@@ -44,7 +44,7 @@ class Parts:
 
 @dataclass(frozen=True)
 class Measurement:
-    """Measured pose and velocity of a sample, torque and body force that disturb.
+    """Measured pose and velocity of a sample, disturbing torque and body force.
 
     ``logged``: further columns of the log, see `Outside.columns`; ``age``: of the odometry [s].
     """
@@ -58,36 +58,36 @@ class Measurement:
 
 
 class Outside(Coupled):
-    """Effects between controller and plant of one run; its counters move with every call.
+    """Effects between controller and plant of one run; every call advances their counters.
 
-    ``columns``: signals of the log that effects bring; ``steady``: whether what acts stays the same
-    over a sample; ``calm``: whether what disturbs does; ``rolling``: what the sensors ask of the
-    plant beside its state; ``ended``: whether the run ends before its first step.
+    ``columns``: log signals of the effects; ``steady``: whether all inputs of the plant are
+    constant over a sample; ``calm``: whether the disturbances are; ``rolling``: further plant
+    outputs that sensors need; ``ended``: whether the run ends before its first step.
     """
 
     def __init__(self, setup: Setup, seed: int) -> None:
-        """Everything at t = 0.  Raises CompilerError or ArgumentError."""
+        """Set everything to t = 0.  Raises CompilerError or ArgumentError."""
         graphs = PlantlessGraphs(setup)
         super().__init__(build_outside(setup, graphs), seed, setup.scenario.clock.plant)
         self.columns, self.steady, self.rolling = graphs.columns, graphs.steady, graphs.rolling
         self.calm, self._dated = graphs.calm, graphs.dated
 
     def sample(self, state: Sequence[float]) -> Measurement:
-        """The next control sample, for the plant's state at it."""
+        """The next control sample, for the plant's present state."""
         shown = tuple(self.sampled(state))
         *logged, age = shown[9:] if self._dated else (*shown[9:], 0.0)
         return Measurement(shown[0:3], shown[3:5], shown[5:7], shown[7:9], tuple(logged), age)
 
     def step(self, torque: Sequence[float], now: Measurement) -> tuple[float, ...]:
-        """Torques that act over the next plant step, disturbing torques, force on the body."""
+        """Acting torques over the next plant step, disturbing torques, force on the body."""
         return tuple(self.acting((*torque, *now.noise, *now.pushed)))
 
 
 class Master:
-    """One co-simulation: rows of the log, and the monitor's readings after each plant step."""
+    """One co-simulation: rows of the log, and the monitor's findings after each plant step."""
 
     def __init__(self, scenario: Scenario, parts: Parts, outside: Outside) -> None:
-        """Nothing is read yet, so that parts may be initialised later."""
+        """Prepare the master; nothing is read, so that parts may be initialised later."""
         self.scenario, self.clock, self.parts = scenario, scenario.clock, parts
         self.outside = outside
         self.steady = outside.calm if parts.plant.is_base else outside.steady
@@ -99,11 +99,11 @@ class Master:
         self.rows: list[tuple[float, ...]] = []
 
     def start(self) -> None:
-        """Read what parts that are initialised show at t = 0."""
+        """Read the outputs of initialised parts at t = 0."""
         self.state += tuple(self.parts.plant.read())[len(self.state) :]
 
     def run(self, progress: Progress | None) -> None:
-        """All control samples, or those before the run must end, of parts that are initialised."""
+        """Run all control samples of initialised parts, or those until the run must end."""
         self.start()
         ended = self.outside.ended
         for k in range(self.clock.samples):
@@ -115,12 +115,12 @@ class Master:
 
     @property
     def watched_every(self) -> float:
-        """Longest time between two looks of the monitor at the plant [s]."""
+        """Longest time between two checks of the plant by the monitor [s]."""
         span = self.stride * self.clock.plant
         return min(span, self.parts.plant.step_size or span)
 
     def sample(self, k: int) -> bool:
-        """Reference, controller, plant; True if the run must end."""
+        """Step reference, controller and plant; True if the run must end."""
         t, h = k * self.clock.control, self.clock.control
         desired, now = list(self.parts.reference.read()), self.outside.sample(self.state)
         self.parts.reference.step(t, h)
@@ -132,7 +132,7 @@ class Master:
         return self.drive(k, torque, now)
 
     def limited(self, given: Sequence[float]) -> Sequence[float]:
-        """Torques within actuator.tau_max: ours keep it themselves, others by the drives.
+        """Torques within actuator.tau_max: our controllers keep it, others are limited here.
 
         A base that takes velocities limits its torques itself.
         """
@@ -156,12 +156,12 @@ class Master:
         now: Measurement,
         further: Sequence[float],
     ) -> None:
-        """One row: state at t, torques over the step, what effects and controller published."""
+        """Add a row: state at t, torques over the step, outputs of effects and controller."""
         head = (t, *self.state[: len(STATE)], *desired, *torque, *now.noise, *now.logged)
         self.rows.append((*head, *further))
 
     def drive(self, k: int, sent: Sequence[float], now: Measurement) -> bool:
-        """The plant over one control period; True if the run must end within it."""
+        """Step the plant over one control period; True if the run must end within it."""
         acted: list[Sequence[float]] = []
         ended, is_base = False, self.parts.plant.is_base
         for start, end in self.cuts(k * self.clock.substeps):
@@ -180,7 +180,7 @@ class Master:
         return ended
 
     def move(self, start: int, end: int) -> bool:
-        """The plant from one cut to the next, watched after each of its communication steps."""
+        """Step the plant from one cut to the next, with a check after each communication step."""
         dt = self.clock.plant
         for reached in self.parts.plant.steps(start * dt, (end - start) * dt, end * dt):
             self.state = tuple(self.parts.plant.read())
@@ -189,7 +189,7 @@ class Master:
         return False
 
     def cuts(self, first: int) -> Iterator[tuple[int, int]]:
-        """Plant steps (from, to) to take at once; what changes at their start is changed before."""
+        """Ranges (from, to) of plant steps to take together; due changes are made before each."""
         last = first + self.clock.substeps
         edges = [n for n, _ in self.changes if first < n < last]
         regular = range(first, last + 1, self.stride)
@@ -200,10 +200,10 @@ class Master:
 
 
 class Jacobi(Master):
-    """All parts step with what was known before; the first torque that acts is zero."""
+    """Master in which all parts step with previous outputs; the first acting torque is zero."""
 
     def start(self) -> None:
-        """Read what all parts show at t = 0."""
+        """Read the outputs of all parts at t = 0."""
         super().start()
         self.desired = list(self.parts.reference.read())
         self.now = self.outside.sample(self.state)
@@ -211,7 +211,7 @@ class Jacobi(Master):
         self.given: Sequence[float] = (0.0, 0.0)
 
     def sample(self, k: int) -> bool:
-        """Reference, controller and plant at once; True if the run must end."""
+        """Step reference, controller and plant together; True if the run must end."""
         t, h = k * self.clock.control, self.clock.control
         self.parts.controller.write(self.shown)
         self.parts.reference.step(t, h)

@@ -41,9 +41,9 @@ _ASKED = len(FORCE.elements)
 class Part:
     """An FMU with the maps of its inputs and outputs.
 
-    ``write`` takes the values of ``sources``; ``read`` gives those of ``targets``; ``uses`` are the
-    sources that the inputs are made of; ``foreign``: somebody else's, described by a map, of which
-    what is read must be finite; ``is_base``: a plant that takes velocities.
+    ``write`` takes the values of ``sources``; ``read`` returns those of ``targets``; ``uses`` are
+    the sources that the inputs depend on; ``foreign``: a foreign FMU with a map, whose outputs must
+    be finite; ``is_base``: a plant that takes velocities.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Part:
         self._write(self._inward(values))
 
     def read(self) -> Sequence[float]:
-        """Our quantities from the outputs; raises FmuError where one must be finite and is not."""
+        """Our quantities from the outputs; raises FmuError if one that must be finite is not."""
         values = self._outward(self._read())
         if self.foreign and not all(map(math.isfinite, values)):
             pairs = zip(self.targets, values, strict=True)
@@ -80,11 +80,11 @@ class Part:
         return values
 
     def step(self, t: float, h: float) -> None:
-        """One step, or several of the FMU's own size."""
+        """Make one step, or several of the FMU's own size."""
         deque(self.steps(t, h, t + h), maxlen=0)
 
     def steps(self, t: float, h: float, end: float) -> Iterator[float]:
-        """The same, stopping after each with the time that was reached; the last is ``end``."""
+        """Step as `step` does, and yield the time after each FMU step; the last is ``end``."""
         count = 1 if self.step_size is None else max(1, round(h / self.step_size))
         for i in range(count):
             self.slave.step(t + i * (h / count), h / count)
@@ -92,17 +92,17 @@ class Part:
 
 
 class GuardedController:
-    """A controller with the velocity guard behind it, as one part; see `Part`.
+    """A controller followed by the velocity guard, as one part; see `Part`.
 
-    Both take their sample at the same instant: the guard sees the force that the controller asks
-    for and the velocity that it was shown, and its torques are those of this part.  So the loop is
-    the one that a controller with the guard in it gives, under either master.
+    Both sample at the same instant: the guard receives the controller's force and the same
+    velocity, and this part's torques are the guard's.  So the loop equals that of a controller with
+    a built-in guard, under either master.
     """
 
     foreign = False
 
     def __init__(self, controller: Part, guard: Part) -> None:
-        """``controller`` gives the force that it asks for first, then diagnostics of its own."""
+        """Combine both; ``controller`` outputs its force first, then its diagnostics."""
         self.controller, self.guard = controller, guard
         self.wants_ready = controller.wants_ready
         own = controller.targets[_ASKED:]
@@ -113,12 +113,12 @@ class GuardedController:
         self._told: list[float] = []
 
     def write(self, values: Sequence[float]) -> None:
-        """Set the controller's inputs; the guard takes the same velocity."""
+        """Set the controller's inputs; the guard receives the same velocity."""
         self.controller.write(values)
         self._shown = tuple(values[i] for i in _SHOWN)
 
     def step(self, t: float, h: float) -> None:
-        """The controller, then the guard on the force asked for."""
+        """Step the controller, then the guard with the controller's force."""
         self.controller.step(t, h)
         given = self.controller.read()
         self._told = [given[i] for i in self._own]
@@ -132,10 +132,10 @@ class GuardedController:
 
 
 class FilteredController(GuardedController):
-    """A controller with the command filter behind it, in the guard's place."""
+    """A controller followed by the command filter, in the guard's place."""
 
     def __init__(self, controller: Part, guard: Part) -> None:
-        """``controller`` gives the velocity that it asks for first."""
+        """Combine both; ``controller`` outputs its velocity first."""
         super().__init__(controller, guard)
         told = elements(FILTERING)
         self._own = [i for i in self._own if controller.targets[i] not in told]
@@ -153,9 +153,9 @@ class FilteredController(GuardedController):
 def own_part(
     slave: Slave, sources: Sequence[str], outputs: Sequence[str], more: Sequence[str] = ()
 ) -> Part:
-    """One of ours, by its own names: those of ``sources`` that it takes, and what it gives.
+    """One of our FMUs, by its own names: inputs among ``sources``, and ``outputs``.
 
-    ``more``: outputs that are read where they exist.
+    ``more``: outputs that are read if they exist.
     """
     known = slave.variables
     missing = [name for name in outputs if name not in known]
@@ -176,9 +176,9 @@ def controller_part(
     diagnostics: Sequence[str],
     asked: Sequence[str] = mapping.TORQUES,
 ) -> Part:
-    """Ours, by its own names, or one with a map; the diagnostics are read where they exist.
+    """Our controller, by its own names, or one with a map; diagnostics are read if they exist.
 
-    ``asked``: what it gives, the torques of both wheels, for a guard the force, or the velocity.
+    ``asked``: its outputs: the torques of both wheels, for a guard the force, or the velocity.
     """
     if part is None:
         return own_part(slave, mapping.SEEN, asked, diagnostics)
@@ -190,9 +190,9 @@ def controller_part(
 def plant_part(
     slave: Slave, part: mapping.PartMap | None, robot: Robot, rolling: Sequence[Signal] = ()
 ) -> Part:
-    """Ours, by its own names, or one with a map; pose and velocity may come from ready names.
+    """Our plant, by its own names, or one with a map; it may output psi and wheel speeds instead.
 
-    ``rolling``: what sensors ask beside the state, PATH and SKID; without the latter it is zero.
+    ``rolling``: further outputs that sensors need, PATH and SKID; a missing skid is zero.
     """
     if part is None:
         shown = (*mapping.STATE, *(item.name for item in rolling[:1]))
@@ -203,7 +203,7 @@ def plant_part(
 
 
 def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:
-    """psi [rad] and the wheels' speeds (right, left) [rad/s] of a state."""
+    """psi [rad] and wheel speeds (right, left) [rad/s] from a state."""
     return state[2] + math.pi / 2, *wheels_of(state[3:], robot)
 
 
@@ -216,7 +216,10 @@ def wheels_of(velocity: Sequence[float], robot: Robot) -> tuple[float, float]:
 
 @cache
 def limiter() -> ca.Function:
-    """Torques (right, left) [N m], r, l [m] and tau_max to torques within it, the thrust first."""
+    """Function from torques (right, left) [N m], r, l [m] and tau_max to limited torques.
+
+    The thrust has priority.
+    """
     torque, r, half_track, most = (
         ca.SX.sym(n, k) for n, k in (("tau", 2), ("r", 1), ("l", 1), ("m", 1))
     )

@@ -1,4 +1,4 @@
-"""cosimulate: FMUs in the loop, and the Run that they give."""
+"""cosimulate: FMUs in the loop, and the resulting Run."""
 
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -48,12 +48,12 @@ IN_ORDER = "No such delay is possible here: step the parts in order (the master 
 
 @dataclass(frozen=True)
 class CosimSetup:
-    """FMUs of a co-simulation: those that are given, and what the others are exported from.
+    """FMUs of a co-simulation: given files, and the setups to export the others from.
 
-    ``setup`` stands around all parts; ``own`` is what our controller, guard or filter is built for;
-    ``bare`` is ``setup`` without guard or filter, where that is a part behind a controller of ours.
-    ``foreign``: the controller is somebody else's; ``files``: those that are given; ``maps``: those
-    of foreign parts; ``at_once``: all parts step at once.
+    ``setup`` is that of the whole loop; ``own`` the one that our controller, guard or filter is
+    built for; ``bare`` is ``setup`` without guard or filter, if that is a part after one of our
+    controllers. ``foreign``: the controller is foreign; ``files``: the given ones; ``maps``: those
+    of foreign parts; ``at_once``: all parts step together.
     """
 
     setup: Setup
@@ -66,7 +66,7 @@ class CosimSetup:
 
     @property
     def limiter(self) -> str:
-        """Which is a part of its own: "guard", "filter" or neither, ""."""
+        """The limiter that is a separate part: "guard", "filter" or "" for none."""
         scenario = self.setup.scenario
         if not self.foreign and self.bare is None:
             return ""
@@ -76,16 +76,16 @@ class CosimSetup:
 
     @cached_property
     def diagnostics(self) -> tuple[signals.Signal, ...]:
-        """Signals that the controller publishes beside those of all laws."""
+        """Signals that the controller outputs beyond those of all laws."""
         if self.foreign:
             return parts.FILTERING if self.setup.takes_velocity else signals.GUARD_DIAGNOSTICS
         return own_diagnostics(watched_controller(self.own))
 
     @cached_property
     def models(self) -> Mapping[str, FmuModel]:
-        """Models of ours by part, but for files with a map; made for the master.
+        """Our models by part, except for files with a map; made for the master.
 
-        A guard steps right behind its controller, under either.
+        A guard steps directly after its controller, under either master.
         """
         setup = self.bare or self.own
         kinds = {"reference": "reference", "controller": setup.name, "plant": "plant"}
@@ -117,12 +117,12 @@ def cosimulate(
     """Co-simulate reference, controller and plant FMUs through FMPy and return the Run.
 
     ``law``: None is that of ``controller`` where it is one of ours, else the scenario's own;
-    refused beside somebody else's controller.  ``plant``, ``controller``: FMU files to use in place
-    of those that are exported from ``scenario`` and ``law``, in version ``fmi`` (2 or 3).  With
-    guard.enabled the guard stands behind somebody else's controller as a further FMU, and behind
-    one of ours that was exported without it; on a base that takes velocities so does the filter.
-    ``map_file``: TOML map of the names and units of FMUs that are not ours, see ``cosim.mapping``.
-    ``compile_sources``: build the sources of an FMU that has no library for this machine.
+    refused together with a foreign controller. ``plant``, ``controller``: FMU files to use in place
+    of those that are exported from ``scenario`` and ``law``, in version ``fmi`` (2 or 3). With
+    guard.enabled the guard is a further FMU after a foreign controller, and after one of ours that
+    was exported without it; on a base that takes velocities the filter is. ``map_file``: TOML map
+    of the names and units of FMUs that are not ours, see ``cosim.mapping``. ``compile_sources``:
+    build the sources of an FMU that has no library for this machine.
 
     ``master``: "gauss-seidel" (equals the native loop) or "jacobi" (the torque acts one step
     later); for the latter with ``delay_known`` the controller is built for drives that are one
@@ -263,7 +263,7 @@ def _run(
 
 
 def _assumed(case: CosimSetup) -> Assumptions:
-    """Assumptions of guard or filter; void where what it sends acts later than it is told."""
+    """Assumptions of guard or filter; void if its outputs act later than it assumes."""
     assumed = case.own.assumptions
     if not case.at_once or case.own is not case.setup:
         return assumed
@@ -281,7 +281,7 @@ def _assumed(case: CosimSetup) -> Assumptions:
 def _controller(
     case: CosimSetup, slaves: Mapping[str, Slave]
 ) -> parts.Part | parts.GuardedController:
-    """The controller, with the guard behind it where that is a part of its own."""
+    """The controller, followed by the guard if that is a separate part."""
     names = elements((*signals.DIAGNOSTICS, *case.diagnostics))
     slave, robot = slaves["controller"], case.setup.scenario.robot
     asked = COMMANDED if case.setup.takes_velocity else TORQUES
@@ -297,7 +297,7 @@ def _controller(
 
 
 def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable[[Change], None]:
-    """A function that changes the plant's parameters; refused where its map has no name for one."""
+    """Function that changes the plant's parameters; refused if its map lacks one of them."""
     names = sorted({f"robot.{key}" for change in scenario.changes for key in change.values()})
     rows = parameter_rows(part, slave.unit) if part is not None else {}
     missing = [name for name in names if name not in rows]
@@ -316,7 +316,7 @@ def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable
 
 
 def _setter(slave: Slave, row: MapRow) -> Callable[[float], None]:
-    """A function that sets the one parameter of theirs which gives ``row.target``."""
+    """Function that sets the parameter of theirs that gives ``row.target``."""
     ((theirs, share),) = row.terms
     variable = slave.variable(theirs)
     if variable.causality not in ("parameter", "input") or variable.variability == "fixed":
@@ -346,7 +346,7 @@ def _table(loop: Master, commanded: Sequence[signals.Signal]) -> dict[str, np.nd
 
 @cache
 def _error() -> ca.Function:
-    """The tracking error of poses side by side."""
+    """Graph of the tracking errors of several poses."""
     desired, pose = ca.SX.sym("desired", 3), ca.SX.sym("pose", 3)
     return ca.Function("e", [desired, pose], [tracking_error(desired, pose)])
 
@@ -354,7 +354,7 @@ def _error() -> ca.Function:
 def _columns(
     listed: Sequence[signals.Signal], table: dict[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
-    """Columns by signal; what a foreign controller does not publish is not a number."""
+    """Columns by signal; signals that a foreign controller does not output are NaN."""
     nothing = np.full(len(table["t"]), np.nan)
     rows = {s.name: [table.get(name, nothing) for name in s.elements] for s in listed}
     return {name: np.column_stack(row) if len(row) > 1 else row[0] for name, row in rows.items()}

@@ -1,4 +1,4 @@
-"""One FMU in co-simulation, through FMPy: read, write and step with arrays made once."""
+"""One FMU in co-simulation, through FMPy: read, write and step with preallocated arrays."""
 
 import ctypes as ct
 import math
@@ -41,7 +41,7 @@ _HEARERS: "WeakValueDictionary[int, Slave]" = WeakValueDictionary()
 
 
 def _heard(environment: int | None, *logged: Any) -> None:
-    """Pass a message on to its instance, or to FMPy: the library knows one logger for all."""
+    """Pass a message on to its instance, or to FMPy, since the library has only one logger."""
     slave = _HEARERS.get(environment or 0)
     if slave is None:
         fmi2.printLogMessage(environment, *logged)
@@ -53,9 +53,9 @@ _LOGGER = fmi2.fmi2CallbackLoggerTYPE(_heard)
 
 
 class Values:
-    """Variables of one type, each once, as the arrays that the FMU's functions take.
+    """Variables of one type, each once, as arrays for the FMU's functions.
 
-    ``begins``: place of each variable's first number, by its value reference.
+    ``begins``: index of each variable's first number, by its value reference.
     """
 
     def __init__(self, fmu: Any, version: int, kind: str, variables: Iterable[Any]) -> None:
@@ -79,9 +79,9 @@ class Values:
         self.get, self.put = (partial(call, *given, *size) for call in verbs)
 
     def assign(self, place: int, value: float) -> None:
-        """Take a number: the nearest whole one, or for a Boolean whether it is at least 0.5.
+        """Store a number: rounded for integers; for a Boolean, whether it is at least 0.5.
 
-        Raises ValueError or OverflowError where the type does not hold it.
+        Raises ValueError or OverflowError if the type cannot represent it.
         """
         wanted = value >= 0.5 if self.kind == "Boolean" else round(value) if self.whole else value
         self.numbers[place] = wanted
@@ -90,7 +90,7 @@ class Values:
 
 
 def _starts(variable: Any, size: int) -> list[float]:
-    """Start values of a variable's elements as its description says, 0 where it says none."""
+    """Start values of a variable's elements from its description; 0 if it has none."""
     words = str(variable.start or "").split()
     named = {"true": 1.0, "false": 0.0}
     numbers = [named[word] if word in named else float(word) for word in words]
@@ -100,7 +100,7 @@ def _starts(variable: Any, size: int) -> list[float]:
 class Slave(FmuFile):
     """An FMU for co-simulation, version 2.0 or 3.0, ready to be initialised.
 
-    ``name`` is how messages call it.  Raises FmuError where it cannot be loaded.
+    ``name`` is its name in messages.  Raises FmuError if it cannot be loaded.
     """
 
     def __init__(
@@ -114,8 +114,8 @@ class Slave(FmuFile):
     ) -> None:
         """Unpack ``path`` below ``folder`` and create one instance.
 
-        ``ours``: this process wrote it, so that it is neither compared with FMI's schema nor loaded
-        by another process first; ``compiled``: its sources are built where it has no library for
+        ``ours``: this process wrote it, so it is neither validated against FMI's schema nor
+        test-loaded in another process; ``compiled``: its sources are built if it has no library for
         this machine.
         """
         super().__init__(path, name, checked=not ours)
@@ -158,7 +158,7 @@ class Slave(FmuFile):
 
     @property
     def _refusal(self) -> str:
-        """What it said of itself before it was refused, and the clocks that may be the cause."""
+        """Messages of an FMU that refused, and its clocks, which may be the cause."""
         said = "; ".join(dict.fromkeys([*self.messages][-_MOST_HEARD:]))
         clocks = [v.name for v in self.variables.values() if v.type == "Clock"]
         parts = [f" It said: {said.rstrip('.')}."] if said else []
@@ -185,7 +185,7 @@ class Slave(FmuFile):
         self._fmu.instantiate(callbacks=callbacks)
 
     def _hear(self, *logged: Any) -> None:
-        """Keep a message, which both versions of FMI give last."""
+        """Store a message, which is the last argument in both versions of FMI."""
         self.messages.append((logged[-1] or b"").decode(errors="replace"))
 
     def begin(self, stop: float, values: Mapping[str, object]) -> None:
@@ -222,7 +222,7 @@ class Slave(FmuFile):
                 raise self.failure(f"setting {name} to {show(value)}", error) from error
 
     def reader(self, names: Iterable[str]) -> Read:
-        """A function that reads these numbers at once."""
+        """Function that reads these numbers in one call."""
         parts, places = self._bound(names)
         found = [(part.numbers, place) for part, place in places]
 
@@ -234,7 +234,7 @@ class Slave(FmuFile):
         return read
 
     def writer(self, names: Iterable[str]) -> Write:
-        """A function that writes these numbers at once; other elements of arrays stay."""
+        """Function that writes these numbers in one call; other array elements are unchanged."""
         listed = tuple(names)
         parts, places = self._bound(listed)
         unread = [part for part in parts if part.arrays]
@@ -254,7 +254,7 @@ class Slave(FmuFile):
         return write
 
     def _bound(self, names: Iterable[str]) -> tuple[list[Values], list[tuple[Values, int]]]:
-        """Arrays of these numbers by type, and where each number is."""
+        """Arrays of these numbers by type, and array and index of each number."""
         wanted = [self.number(name) for name in names]
         parts = {
             kind: Values(self._fmu, self.version, kind, [v for v, _ in wanted if v.type == kind])
@@ -284,25 +284,25 @@ class Slave(FmuFile):
             self._told("lagged", t, f"{behind:.9g} s behind the step's end")
 
     def _told(self, what: str, t: float, words: str) -> None:
-        """Count a step with a fault that ends no run; the first one is told in ``words``."""
+        """Count a step with a non-fatal fault; the first one is recorded with ``words``."""
         count, first = self._faults.get(what, (0, f"first at t = {t:.9g} s: {words}"))
         self._faults[what] = count + 1, first
 
     @property
     def faults(self) -> Mapping[str, str]:
-        """Faults that end no run: of steps that ``warned`` and ``lagged`` their number and the
-        first; where it is ``invalid``.
+        """Non-fatal faults: number of steps that ``warned`` and ``lagged`` with the first;
+        violations if ``invalid``.
         """
         told = {what: f"{count} steps, {first}" for what, (count, first) in self._faults.items()}
         return told | ({"invalid": self.invalid} if self.invalid else {})
 
     @property
     def takes_any_step(self) -> bool:
-        """Whether its communication steps may differ in size, as its description says."""
+        """True if its description allows communication steps of different sizes."""
         return bool(self.description.coSimulation.canHandleVariableCommunicationStepSize)
 
     def failure(self, what: str, error: Exception | None = None) -> FmuError:
-        """Error to raise where it fails in ``what``: a sentence with file, part and time."""
+        """Error to raise if the call ``what`` fails: a sentence with file, part and time."""
         said = dict.fromkeys([*self.messages][-_MOST_HEARD:])
         reason = "; ".join([*([str(error).rstrip(".")] if error is not None else []), *said])
         cause = f"{': ' if reason else ''}{reason.strip()}".rstrip(".")
@@ -311,7 +311,7 @@ class Slave(FmuFile):
         )
 
     def end(self) -> None:
-        """Terminate and free the instance, whatever state it is in."""
+        """Terminate and free the instance, in any state."""
         for call in (self._fmu.terminate, self._fmu.freeInstance):
             with suppress(Exception):  # an FMU that failed may refuse to terminate
                 call()

@@ -1,8 +1,8 @@
 """Models of single blocks: plant, laws, reference, guard, command filter, corridor monitor.
 
-A block is a System as one function of all that it knows, with its derivatives.  Its known values z
-lie side by side: inputs, parameters, state.  Its results w are the rates (continuous systems), the
-outputs that are no states, and the diagnostics.
+A block is a System as one function of its known values, with its derivatives.  The known values z
+are, in order: inputs, parameters, state.  The results w are the rates (continuous systems), the
+outputs that are not states, and the diagnostics.
 """
 
 from collections.abc import Mapping
@@ -57,9 +57,9 @@ PARALLEL = Signal(
 
 
 def stepped_plant(scenario: Scenario) -> tuple[System, Kernel]:
-    """The plant, and the native loop's Runge-Kutta step of it; parameters end with that step [s].
+    """The plant, and its Runge-Kutta step in the native loop; the last parameter is that step [s].
 
-    It tells the way that it drives where a sensor of the scenario asks for it.
+    It outputs the path length if a sensor of the scenario needs it.
     """
     sensors = [item.system(scenario) for item in EFFECTS.present(scenario, EffectRole.SENSOR)]
     system = plant(scenario, rolling=rolling_of(sensors)[:1])
@@ -79,10 +79,10 @@ def plant_model(scenario: Scenario) -> FmuModel:
 
 
 def law_model(setup: Setup) -> FmuModel:
-    """One control law, watched: reference, pose and velocity in, torques and diagnostics out.
+    """One control law with monitor: reference, pose and velocity in, torques and diagnostics out.
 
-    Of a base that takes velocities the command comes out, behind the filter if there is one; such a
-    law has no derivatives, and as a filter counts in periods the period is fixed.
+    For a base that takes velocities the output is the command, after the filter if there is one;
+    such a law has no derivatives, and since a filter counts in periods the period is fixed.
     """
     law, system = setup.control_law, asking_controller(setup)
     if setup.takes_velocity:
@@ -93,17 +93,17 @@ def law_model(setup: Setup) -> FmuModel:
 
 
 def guard_model(setup: Setup) -> FmuModel:
-    """The velocity guard behind any law: asked force and measured velocity in, torques out."""
+    """The velocity guard for any law: requested force and measured velocity in, torques out."""
     return _model("guard", "Velocity guard", setup.scenario, _sampled(guard(setup)))
 
 
 def filter_model(scenario: Scenario) -> FmuModel:
-    """The command filter of a scenario: any velocity in, one that is safe out.
+    """The command filter of a scenario: any velocity in, a safe one out.
 
-    Beside it that as a share of what was asked, and its flags one by one.  It comes without
+    Further outputs are its share of the requested velocity, and its flags one by one.  It has no
     derivatives: those of the band's tables would be longer than all the rest.
 
-    ScenarioError where the filter is not set, or cannot be met.
+    ScenarioError if the filter is not set, or cannot be met.
     """
     system = called_filter(scenario)
     results = {item.signal: item.expr for item in system.outputs}
@@ -122,15 +122,15 @@ def filter_model(scenario: Scenario) -> FmuModel:
 
 
 def corridor_model(scenario: Scenario, law: str) -> FmuModel:
-    """The monitor of a law's certified corridor: what the law is given and sends in, verdict out.
+    """The monitor of a law's certified corridor: the law's inputs and outputs in, verdict out.
 
-    Comparisons leave it no derivatives.
+    It has no derivatives, because of its comparisons.
     """
     return _counting("corridor", scenario, corridor_monitor(scenario, law))
 
 
 def _counting(what: str, scenario: Scenario, system: System) -> FmuModel:
-    """The model of a System without derivatives whose period is fixed, since it counts in it."""
+    """The model of a System without derivatives and with a fixed period, in which it counts."""
     p, T = Parameters(scenario, system.params), scenario.clock.control
     p.take("clock.control")
     fixed, timed = {"clock.control": (T, T)}, _sampled(replace(system, params=p.ports))
@@ -148,12 +148,12 @@ def reference_model(scenario: Scenario) -> FmuModel:
 
 
 def _sampled(system: System) -> System:
-    """The System for masters that may step all parts at once."""
+    """The System for masters that may step all parts together."""
     return replace(system, params=(*system.params, port(PARALLEL)))
 
 
 def results_of(system: System) -> tuple[Output, ...]:
-    """Outputs that are no continuous states themselves, then the diagnostics."""
+    """Outputs that are not continuous states themselves, then the diagnostics."""
     states = {} if system.period else {item.signal.name: item.sym for item in system.state}
     pairs = ((item, states.get(item.signal.name)) for item in system.outputs)
     own = (item for item, sym in pairs if sym is None or not ca.is_equal(ca.SX(item.expr), sym))
@@ -172,7 +172,7 @@ def _derivatives(z: ca.SX, w: ca.SX) -> tuple[Kernel, Kernel]:
 
 
 def parallel(model: FmuModel) -> FmuModel:
-    """The same model for masters that step all parts at once."""
+    """The model for masters that step all parts together."""
     rows = (replace(v, start=1.0) if v.name == PARALLEL.name else v for v in model.variables)
     return replace(model, variables=tuple(rows))
 
@@ -190,8 +190,8 @@ def _model(
 ) -> FmuModel:
     """The model of a System, with ``more`` kernels.
 
-    Kernels are those of the native loop, from the same graphs and under the same names of vectors,
-    so that both compute the same bits; derivatives need not be fast.
+    Kernels are those of the native loop, from the same graphs and with the same vector names, so
+    that both compute the same bits; derivatives need not be fast.
     """
     results = results_of(system)
     own = stack(item.expr for item in results[: len(results) - len(system.diagnostics)])
@@ -225,7 +225,7 @@ def _model(
 
 
 def _saved(function: ca.Function) -> str:
-    """The file that `casadi.Function.load` reads, which is text."""
+    """Text that `casadi.Function.load` reads."""
     with TemporaryDirectory() as folder:
         file = Path(folder, "evaluate.casadi")
         function.save(str(file))
@@ -235,7 +235,7 @@ def _saved(function: ca.Function) -> str:
 def _dependencies(
     z: ca.SX, w: ca.SX, layout: Mapping[str, int]
 ) -> dict[int, list[tuple[int, bool]]]:
-    """Rows that each row of w depends on, and whether by a constant."""
+    """Rows that each row of w depends on, and whether the dependence is a constant."""
     first, known = layout["W"], layout["Z"]
     on: dict[int, list[tuple[int, bool]]] = {first + row: [] for row in range(layout["NW"])}
     jacobian = ca.jacobian(w, z)
@@ -252,7 +252,7 @@ def _sections(
     tunable: tuple[str, ...],
     fixed: Mapping[str, Range],
 ) -> Mapping[str, list[Variable]]:
-    """Rows in the order that C relies on: time, inputs, parameters, states, rates, results."""
+    """Rows in the order of the C code: time, inputs, parameters, states, rates, results."""
     discrete = system.period is not None
     ranges = ranges_of(scenario, (port.signal.name for port in system.params))
     ranges |= {PARALLEL.name: (0.0, 1.0)} | (clock_of(scenario) if discrete else {})
@@ -277,7 +277,7 @@ def _sections(
 
 
 def _follows_time(system: System) -> bool:
-    """True if the only input is time, which every FMU has anyway."""
+    """True if the only input is time, which every FMU has."""
     return [port.signal.name for port in system.inputs] == [SECONDS.name]
 
 

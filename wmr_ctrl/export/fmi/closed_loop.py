@@ -79,9 +79,9 @@ def closed_loop_model(setup: Setup) -> FmuModel:
 
 
 def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
-    """Numbers of effects that this loop does not have: parameters that cannot be changed.
+    """Numbers of effects that this loop lacks, as parameters that cannot be changed.
 
-    Those with a table of their own are left out with it, and so is a speed loop that is not there.
+    Those in a table of their own are omitted with it, and so is a speed loop that does not exist.
     """
     loops = () if setup.takes_velocity else (EffectRole.COMMAND, EffectRole.LOOP)
     ports: dict[str, Port] = {}
@@ -99,10 +99,10 @@ def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
 
 
 def _drives(setup: Setup) -> dict[str, Range]:
-    """Ranges of the drives' numbers, by which the loop's known torque and its memory are built.
+    """Ranges of the drives' numbers, from which the loop's known torque and its memory are built.
 
-    Whether there is a lag, the delay, with either of them the clock's steps, and what decides the
-    form of an effect's graph, cannot change.
+    Fixed are: whether there is a lag, the delay, with either of them the clock's steps, and numbers
+    that decide the form of an effect's graph.
     """
     scenario = setup.scenario
     numbers = {key: scenario.value(key) for item in setup.effects for key in item.shape}
@@ -114,7 +114,7 @@ def _drives(setup: Setup) -> dict[str, Range]:
 
 
 def _changes(scenario: Scenario) -> Iterable[Variable]:
-    """Parameters ``changes[1].t`` and so on: what the scenario changes, and when."""
+    """Parameters ``changes[1].t`` and so on: the scenario's changes and their times."""
     known = dict(quantities(Change))
     for k, change in enumerate(scenario.changes, start=1):
         for name, value in {"t": change.t, **change.values()}.items():
@@ -160,7 +160,7 @@ def _layout(
 def _tables(
     rows: tuple[Variable, ...], loop: LoopGraphs, scenario: Scenario, reached: Iterable[Output]
 ) -> dict[str, Sequence[Sequence[float]]]:
-    """Tables by name: rows that numbers are read from and shown in, 0 where there is none."""
+    """Tables by name: rows that numbers are read from and written to, 0 if there is none."""
     at = {row.name: i for i, row in enumerate(rows)}
     names = elements(port.signal for port in loop.parameters.ports)
     state = elements(port.signal for port in loop.plant.state)

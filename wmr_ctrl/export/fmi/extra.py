@@ -1,8 +1,8 @@
 """Extra files of an FMU: scenario, graph, reference result, and a law in plain C.
 
-For production code that wants the law without FMI's calls, such as a block that wraps a C function,
+For production code that uses the law without FMI's calls, such as a block that wraps a C function,
 there is the package that `wmr-ctrl codegen` writes, and ``interface.xml`` with sources, header,
-structs, the expressions of its functions and where each of the FMU's variables stands in the
+structs, the expressions of its functions and the place of each of the FMU's variables in the
 structs.
 """
 
@@ -39,7 +39,7 @@ NOTE = f". Plain C of one sample, and how to call it: {INTERFACE}"
 
 
 def plain_code(model: FmuModel) -> dict[str, str]:
-    """The package of a law or the filter, whose ports are those of the FMU, and its interface."""
+    """The package of a law or the filter, with the FMU's ports, and its interface."""
     if model.what not in (*LAWS, FILTER):
         return {}
     law, scenario = model.what, model.scenario
@@ -50,7 +50,7 @@ def plain_code(model: FmuModel) -> dict[str, str]:
 
 
 def references(model: FmuModel, tool: str) -> dict[str, str]:
-    """The manifest of FMI-LS-REF, and what it speaks of besides result, scenario and graph."""
+    """The manifest of FMI-LS-REF, and its files besides result, scenario and graph."""
     starts = _starts_of(model)
     shown = {"model": model, "seconds": _seconds(model), "starts": starts}
     files = {REFERENCES: render("fmi-ls-manifest.xml", **shown)}
@@ -61,7 +61,7 @@ def references(model: FmuModel, tool: str) -> dict[str, str]:
 
 
 def _starts_of(model: FmuModel) -> dict[str, float]:
-    """Start values of inputs that the reference result is made with."""
+    """Start values of the inputs for the reference result."""
     return TORQUES if model.what == "plant" else {}
 
 

@@ -36,10 +36,10 @@ def render(name: str, /, **values: object) -> str:
 
 
 def write_archive(path: Path, files: Mapping[str, bytes], *, level: int = LEVEL) -> Path:
-    """Write ``files`` (name inside the archive to content) to ``path``, whole or not at all.
+    """Write ``files`` (name inside the archive to content) to ``path``, atomically.
 
-    ``level``: of compression, 0 for a file that is read at once and deleted.  Its bytes depend
-    on the content alone.
+    ``level`` of compression, 0 for a file that is read immediately and deleted.  Its bytes depend
+    only on the content.
     """
     with (
         new_folder(path.parent),
@@ -63,7 +63,7 @@ NAMESPACE = uuid.UUID("a2f3b9a0-6d0c-5b58-9a53-0d5f5c3f8f5e")
 
 @dataclass(frozen=True)
 class Sources:
-    """Files by name, flat, and the token: a GUID of the content, equal for equal content alone."""
+    """Files by name, flat, and the token: a GUID of the content."""
 
     files: dict[str, str]
     token: str
@@ -75,7 +75,7 @@ class Sources:
 
 
 def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources:
-    """All C of ``model`` for one version of FMI; ``arrays``: vectors behind one value reference."""
+    """All C of ``model`` for one version of FMI; ``arrays``: vectors have one value reference."""
     generated = kernel_sources(model.constants, model.kernels)
     files = {name: generated[name] for name in ("kernels.h", "kernels.c")}
     files |= plain_sources(model.derivatives, "jacobian") if model.derivatives else {}
@@ -104,7 +104,7 @@ def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources
 
 
 def row_size(variable: Variable, arrays: bool) -> int:
-    """Elements behind the row's value reference: 0 inside an array, its length at its head."""
+    """Elements of the row's value reference: 0 inside an array, its length at its head."""
     if not (arrays and variable.array):
         return 1
     return 0 if variable.index else variable.size

@@ -1,4 +1,4 @@
-"""Export: from a scenario to FMU files that need nothing else to run.
+"""Export: from a scenario to self-contained FMU files.
 
 Some tools look for an Apple processor's library in FMI 2's folder darwin64; a universal one
 (several libraries in one file, each for its own processor) serves them and Intel alike. Some look
@@ -58,8 +58,8 @@ def export_fmu(
     vectors are arrays in FMI 3; False gives flat names there too.  ``progress`` is called with a
     line for each file.
 
-    Raises UnknownNameError, ScenarioError or CompilerError; of several platforms those that could
-    be built are in the files all the same (PartlyBuiltError, at the end).
+    Raises UnknownNameError, ScenarioError or CompilerError; if some of several platforms fail, the
+    files contain the others (PartlyBuiltError, at the end).
     """
     case = scenario_given(scenario)
     if what in ("plant", "guard", "corridor"):
@@ -125,10 +125,10 @@ def write_fmu(
     level: int = LEVEL,
 ) -> Path:
     """Build and pack one file; ``result``: with a reference result, if this machine's library is
-    built, and of a law its plain C; ``level``: of compression.
+    built, and for a law its plain C; ``level`` of compression.
 
-    Warns if FMPy cannot run it for the reference result, and leaves that out.  Raises
-    PartlyBuiltError, with the file written, where some of several platforms failed.
+    Warns if FMPy cannot run it for the reference result, and omits that.  Raises PartlyBuiltError,
+    with the file written, if some of several platforms failed.
     """
     sources = sources_of(model, version, arrays=arrays)
     code = extra.plain_code(model) if result else {}
@@ -169,7 +169,7 @@ def write_fmu(
 
 
 def binaries(model: FmuModel, version: int, built: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Libraries, by their platform, by their place in the FMU."""
+    """Paths in the FMU and contents of libraries, given by platform."""
     folders = {target: target.fmi2 if version == 2 else target.name for target in TARGETS}
     packed = {
         f"binaries/{folder}/{model.identifier}{target.suffix}": built[target.name]
@@ -185,7 +185,7 @@ def binaries(model: FmuModel, version: int, built: Mapping[str, bytes]) -> dict[
 
 
 def joined(libraries: Sequence[bytes]) -> bytes:
-    """One universal library of Mach-O libraries; a single one stays as it is."""
+    """One universal library from Mach-O libraries; a single one is unchanged."""
     if len(libraries) == 1:
         return libraries[0]
     page = 1 << _ALIGNMENT

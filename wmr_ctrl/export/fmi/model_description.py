@@ -22,7 +22,7 @@ ARRAY_FROM = 8
 
 
 class Role(Enum):
-    """Role of a variable for its user; the values are the names that C uses."""
+    """Role of a variable for its user; the values are the names in C."""
 
     INDEPENDENT = "WMR_INDEPENDENT"
     INPUT = "WMR_INPUT"
@@ -37,8 +37,8 @@ class Variable:
     """One scalar: name, unit, meaning, role, start value and range.
 
     ``output``: published as an output (else local); ``discrete``: changes at samples only;
-    ``rate_of``: name of the state that this is the rate of; ``array``, ``index``, ``size``: the
-    vector that it is an element of.
+    ``rate_of``: name of the state whose rate this is; ``array``, ``index``, ``size``: the vector
+    that it is an element of.
     """
 
     name: str
@@ -73,14 +73,14 @@ TIME = Variable("time", "s", "time", Role.INDEPENDENT)
 
 
 def finite(value: float) -> float:
-    """A number that XML and solvers accept; what is unlimited becomes the largest quantity."""
+    """A number that XML and solvers accept; infinity becomes the largest quantity."""
     return math.copysign(LARGEST, value) if math.isinf(value) else float(value)
 
 
 def parameter_rows(
     ports: Iterable[Port], ranges: Mapping[str, Range], tunable: Iterable[str] = ()
 ) -> Iterator[Variable]:
-    """Rows of parameters, with the ranges that their scenario fields have."""
+    """Rows of parameters, with the ranges of their scenario fields."""
     changing = set(tunable)
     for port in ports:
         role = Role.TUNABLE if port.signal.name in changing else Role.FIXED
@@ -89,7 +89,7 @@ def parameter_rows(
 
 
 def input_rows(ports: Iterable[Port], starts: Mapping[str, float]) -> Iterator[Variable]:
-    """Rows of inputs, which no value beyond LARGEST enters; start values by the elements' names."""
+    """Rows of inputs, limited to LARGEST; start values by the elements' names."""
     for port in ports:
         pairs = zip(port.signal.elements, port.value, strict=True)
         values = (starts.get(name, value) for name, value in pairs)
@@ -99,7 +99,7 @@ def input_rows(ports: Iterable[Port], starts: Mapping[str, float]) -> Iterator[V
 def state_rows(
     ports: Iterable[Port], outputs: set[str], taken: set[str], *, discrete: bool
 ) -> Iterator[Variable]:
-    """Rows of states: outputs where the System publishes them under their own names."""
+    """Rows of states; they are outputs if the System outputs them under their own names."""
     for port in ports:
         signal, name, shown = port.signal, port.signal.name, port.signal.name in outputs
         if name in taken - outputs:
@@ -149,10 +149,9 @@ class FmuModel:
     """One FMU's content before any file is written.
 
     ``constants`` and ``layout``: names and numbers for the kernels and for the FMI layer;
-    ``tables``: named integer or float arrays for C;
-    ``dependencies``: by the row of a calculated variable the rows that it depends on (True:
-    linearly, by a constant), None where all depend on all;
-    ``graph``: the CasADi function, as a file that `casadi.Function.load` reads.
+    ``tables``: named integer or float arrays for C; ``dependencies``: by the row of a calculated
+    variable the rows that it depends on (True: linearly, with a constant factor), None if all
+    depend on all; ``graph``: the CasADi function, as a file that `casadi.Function.load` reads.
     """
 
     what: str
@@ -181,7 +180,7 @@ class FmuModel:
 def orders(model: FmuModel) -> list[tuple[int, int, bool]]:
     """Rows of parameters that initialisation keeps in order, and whether they must differ.
 
-    Where the model's own numbers are not in order, nothing acts on them.
+    Pairs that are out of order in the model itself have no effect, and are omitted.
     """
     at = {row.name: i for i, row in enumerate(model.variables) if row.parameter}
     pairs = [

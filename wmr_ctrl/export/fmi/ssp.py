@@ -1,7 +1,7 @@
-"""SSP package: reference, controller and plant, wired, with units and parameter sets.
+"""SSP package: reference, controller and plant, connected, with units and parameter sets.
 
-Controller and plant may be somebody else's FMUs, with the map that co-simulation takes; what a map
-says of names and units becomes a linear transformation of a connection.
+Controller and plant may be foreign FMUs with a co-simulation map; its names and units become linear
+transformations of connections.
 """
 
 import tempfile
@@ -61,7 +61,7 @@ _NOT_IN = "without the scenario's noise and changes of the robot"
 
 @dataclass(frozen=True)
 class Component:
-    """One FMU of the package: its file, ports, numbers, and how they are ours.
+    """One FMU of the package: its file, ports, numbers, and the relation to our quantities.
 
     ``inputs`` and ``outputs``: rows between its connectors and our quantities.
     """
@@ -75,7 +75,7 @@ class Component:
 
 
 def has_conversions(package: Path) -> bool:
-    """True if a connection of an SSP package converts what it passes on."""
+    """True if a connection of an SSP package converts its values."""
     with zipfile.ZipFile(package) as archive:
         return b"<ssc:LinearTransformation" in archive.read("SystemStructure.ssd")
 
@@ -96,15 +96,15 @@ def export_ssp(
 ) -> list[Path]:
     """Write ``wmr.ssp`` into the folder ``out``: FMI 2.0 FMUs of reference, ``law`` and plant.
 
-    ``fmi``: "2", or "both", which is 2 here: SSP 1.0 came before FMI 3.  ``plant`` and
-    ``controller`` are somebody else's FMUs in the place of ours, with a map (``map_file``) as in
-    co-simulation.  ``flat``: without connectors of the system itself, which ecos and libcosim do
-    not read, nor of inputs that nothing is connected to: disturbances are then set in the plant.
+    ``fmi``: "2", or "both", which is 2 here: SSP 1.0 came before FMI 3. ``plant`` and
+    ``controller`` are foreign FMUs in place of ours, with a map (``map_file``) as in co-simulation.
+    ``flat``: without connectors of the system itself, which ecos and libcosim do not read, nor of
+    unconnected inputs: disturbances are then set in the plant.
 
-    The FMUs are set for masters that step all parts at once; docs/explanation/fmu.md says
-    what their delay does to each law, and `cosimulate` for ``delay_known``.  The package has no
-    noise and no changes of the robot: those come from outside.  Raises ArgumentError for FMI 3,
-    for effects that it cannot hold, by name, and for rows of a map with several terms; FmuError,
+    The FMUs are set for masters that step all parts at once; docs/explanation/fmu.md says what
+    their delay does to each law, and `cosimulate` for ``delay_known``. The package has no noise and
+    no changes of the robot: those come from outside. Raises ArgumentError for FMI 3, for effects
+    that it cannot contain, by name, and for rows of a map with several terms; FmuError,
     UnknownNameError, ScenarioError or CompilerError.
     """
     if 2 not in versions_of(fmi):
@@ -156,7 +156,7 @@ def _ours(model: FmuModel, target: str) -> Component:
 
 
 def _theirs(name: str, path: str | Path, part: mapping.PartMap | None, setup: Setup) -> Component:
-    """Somebody else's FMU with the map of its names and units."""
+    """A foreign FMU with the map of its names and units."""
     if part is None:
         raise ArgumentError(
             f"{name} = {str(path)!r}: a package needs the map of its names and units, with a part "
@@ -216,14 +216,14 @@ def _structure(parts: dict[str, Component], scenario: Scenario, flat: bool) -> s
 
 
 def _wired(name: str, part: Component, connections: list[dict[str, Any]]) -> list[dict[str, str]]:
-    """Connectors of a part without its free inputs: FMPy 0.3.32 feeds those another's values."""
+    """Connectors of a part without its free inputs, to which FMPy 0.3.32 gives wrong values."""
     ends = [dict(line["ends"]) for line in connections]
     taken = {end["endConnector"] for end in ends if end["endElement"] == name}
     return [port for port in part.ports if port["kind"] == "output" or port["name"] in taken]
 
 
 def _connections(parts: dict[str, Component]) -> Iterator[dict[str, Any]]:
-    """Each input from what gives its quantity, then the outputs of the whole."""
+    """Connections of each input to the source of its quantity, then the outputs of the whole."""
     owner = {row.target: (name, row) for name, part in parts.items() for row in part.outputs}
     for name, part in parts.items():
         for row in part.inputs:
@@ -250,7 +250,7 @@ def _joined(
     factor: float,
     offset: float,
 ) -> dict[str, Any]:
-    """Conversion from the part that gives a quantity: its own row first, then that of the end."""
+    """Connection from the source of a quantity: its own conversion, then that of the end."""
     if quantity not in owner:
         raise ArgumentError(
             f"{end[-1][1]} needs {quantity}, which no part of the package gives. Map another "

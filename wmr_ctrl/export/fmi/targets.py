@@ -51,14 +51,14 @@ TARGETS = (
 
 
 def host() -> str:
-    """Name of this machine's platform, as FMI 3 has it."""
+    """Name of this machine's platform in FMI 3."""
     machine = platform.machine().lower()
     system = {"win32": "windows", "darwin": "darwin"}.get(sys.platform, "linux")
     return f"{_MACHINES.get(machine, machine)}-{system}"
 
 
 def targets_of(name: str) -> tuple[Target, ...]:
-    """The platforms behind ``host``, ``all`` or a platform's name."""
+    """The platforms named by ``host``, ``all`` or a platform's name."""
     if name == "all":
         return TARGETS
     wanted = host() if name == "host" else name
@@ -69,15 +69,15 @@ def targets_of(name: str) -> tuple[Target, ...]:
 
 
 class PartlyBuiltError(CompilerError):
-    """Some of several platforms could not be built; the others are in the file that is named."""
+    """Some of several platforms could not be built; the file named here contains the others."""
 
 
 def build_for(
     targets: Sequence[Target], sources: Sources, identifier: str
 ) -> tuple[dict[str, bytes], dict[str, str]]:
-    """Libraries by platform, several at a time, and of those that failed what the compiler said.
+    """Libraries by platform, built several at a time, and compiler messages of failed ones.
 
-    Raises CompilerError where none could be built.
+    Raises CompilerError if none could be built.
     """
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as workers:
         jobs = {t.name: workers.submit(compile_for, t, sources, identifier) for t in targets}
@@ -106,7 +106,7 @@ def build_for(
 def compile_for(target: Target, sources: Sources, identifier: str) -> Path:
     """The library for ``target``, from the cache if it was built before.
 
-    Raises CompilerError where nothing builds for that platform.
+    Raises CompilerError if no compiler builds for that platform.
     """
     chain = toolchain_for(target)
     objects = [_object(chain, sources, unit) for unit in HEAVY if unit in sources.files]
@@ -131,9 +131,9 @@ def _object(chain: Toolchain, sources: Sources, unit: str) -> Path:
 
 
 def toolchain_for(target: Target) -> Toolchain:
-    """zig cc, which builds for every platform from every other; else this machine's compiler.
+    """zig cc, which builds for every platform on every other; else this machine's compiler.
 
-    A command in the environment variable WMR_CTRL_FMU_CC comes before both, for this machine.
+    A command in the environment variable WMR_CTRL_FMU_CC has priority, for this machine.
     """
     named = shlex.split(os.environ.get(VARIABLE, ""))
     if named and target.name == host():

@@ -41,7 +41,7 @@ def description(
     arrays: bool = True,
     note: str = "",
 ) -> str:
-    """Text of modelDescription.xml for FMI 2 or 3; ``note``: what it says after the title."""
+    """Text of modelDescription.xml for FMI 2 or 3; ``note``: text after the title."""
     arrays, rows = arrays and version == 3, enumerate(model.variables)
     return render(
         f"fmi{version}.xml", model=model, units=sources.units, token=sources.token,
@@ -65,7 +65,7 @@ def documentation(model: FmuModel, tool: str) -> str:
 
 
 def _units(variables: Iterable[Variable]) -> list[NamedUnit]:
-    """The different units; ArgumentError, which names the variable, for what is none."""
+    """The distinct units; ArgumentError, which names the variable, for an unknown one."""
     listed = list(variables)
     for item in listed:
         try:
@@ -78,8 +78,8 @@ def _units(variables: Iterable[Variable]) -> list[NamedUnit]:
 def _structure(model: FmuModel, version: int, arrays: bool) -> list[tuple[str, list[Attributes]]]:
     """Sections with at least one entry.
 
-    In initialization mode variables are calculated from parameters and start values too; afterwards
-    outputs depend on inputs and, in continuous models, on states.
+    In initialization mode variables depend on parameters and start values, too; afterwards outputs
+    depend on inputs and, in continuous models, on states.
     """
     rows = list(enumerate(model.variables))
     outputs, rates = ([i for i, v in rows if v.output], [i for i, v in rows if v.rate_of])
@@ -93,7 +93,7 @@ def _structure(model: FmuModel, version: int, arrays: bool) -> list[tuple[str, l
 
 
 def _unknown(model: FmuModel, row: int, version: int, arrays: bool, at_start: bool) -> Attributes:
-    """A variable and its dependencies; FMI 2 counts variables from 1, FMI 3 names references."""
+    """A variable and its dependencies; FMI 2 counts variables from 1, FMI 3 uses references."""
     key, base = ("index", 1) if version == 2 else ("valueReference", 0)
     on: list[tuple[int, bool]] = []
     if model.variables[row].role is Role.START:  # a state that is an output: itself

@@ -1,4 +1,4 @@
-"""The Systems as a Modelica package: one file that compiles as it is."""
+"""The Systems as a Modelica package in one file."""
 
 from .package import FILE, export_modelica, modelica_package
 

@@ -1,6 +1,6 @@
-"""Places of ports and parts in the Modelica package's diagrams, and lines between them.
+"""Positions of ports and parts in the Modelica package's diagrams, and lines between them.
 
-Modelica's units: an icon is 200 wide and 200 high around 0, x to the right, y upwards.  Ports stand
+Modelica's units: an icon is 200 wide and 200 high around 0, x to the right, y upwards. Ports are
 just outside of an icon's edge; a part in a diagram is its icon at half the size.
 """
 
@@ -20,7 +20,7 @@ _NEAREST, _GAP = 10.0, 8.0
 
 @dataclass(frozen=True)
 class Place:
-    """Middle of a port in its icon, and its turn in degrees."""
+    """Centre of a port in its icon, and its rotation in degrees."""
 
     x: float
     y: float
@@ -34,7 +34,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Site:
-    """Middle of a part in a diagram."""
+    """Centre of a part in a diagram."""
 
     x: float
     y: float
@@ -45,7 +45,7 @@ class Site:
         return _placed(100 * _SCALE, self.x, self.y)
 
     def end(self, port: Place) -> Point:
-        """A port of the part, in the diagram."""
+        """Position of one of the part's ports in the diagram."""
         return self.x + _SCALE * port.x, self.y + _SCALE * port.y
 
 
@@ -70,7 +70,7 @@ WITHIN = Site(0, 0)
 
 @dataclass(frozen=True)
 class Places:
-    """Places of a part's ports by name."""
+    """Positions of a part's ports by name."""
 
     inputs: Mapping[str, Place]
     outputs: Mapping[str, Place]
@@ -86,9 +86,9 @@ class Wire:
 
 
 def places_of_parts(*ports: Sequence[str]) -> dict[str, Places]:
-    """Ports of each part of the loop: those that a straight line joins are opposite each other.
+    """Ports of each part of the loop; ports joined by a straight line are opposite each other.
 
-    ``ports``: what the reference gives; inputs and outputs of the law; those of the plant.
+    ``ports``: outputs of the reference; inputs and outputs of the law; those of the plant.
     """
     desired, asked, torques, given, motion = ports
     fed_back = [name for name in asked if name not in desired]
@@ -119,7 +119,7 @@ def wires_of_loop(parts: Mapping[str, Places]) -> list[Wire]:
 
 
 def wires_within(ports: Places) -> list[Wire]:
-    """Connections between the ports of a block and those of the FMU in it, which has the same."""
+    """Connections between the ports of a block and the equal ports of the FMU in it."""
     wires = [
         Wire(name, f"fmu.{name}", _line((port.x, port.y), WITHIN.end(port)))
         for name, port in ports.inputs.items()
@@ -148,7 +148,7 @@ def _line(*points: Point) -> str:
 def _around(ends: Sequence[tuple[Point, Point]]) -> list[str]:
     """Lines from ports on a right edge, below everything, up to ports on a lower edge.
 
-    The uppermost and leftmost is the outermost, so that none crosses another.
+    Lines from upper ports to the left are outermost, so that none crosses another.
     """
     lowest = min(min(start[1], end[1]) for start, end in ends)
     lines = []
@@ -159,7 +159,7 @@ def _around(ends: Sequence[tuple[Point, Point]]) -> list[str]:
 
 
 def _spread(count: int, reach: float) -> list[float]:
-    """Evenly from -reach to reach, or closer for a few."""
+    """Evenly spaced positions from -reach to reach, closer together for a few."""
     step = min(_WIDEST, 2 * reach / max(count - 1, 1))
     return [step * (k - (count - 1) / 2) for k in range(count)]
 

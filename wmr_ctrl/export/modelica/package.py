@@ -1,9 +1,9 @@
 """The Modelica package WheeledRobot: plant, reference, every law, closed loops, imported FMUs.
 
-Everything in it comes from the Systems of a scenario: ports with their units, parameters with
-their values, and the graphs themselves.  A law is a block that calls one function at each sample,
-and that function has one vector as its result (next memory, torques, diagnostics): this form is
-ordinary Modelica 3 and the one that the compilers which were tried take.
+Everything in it comes from the Systems of a scenario: ports with their units, parameters with their
+values, and the graphs themselves. A law is a block that calls one function at each sample, and that
+function has one vector as its result (next memory, torques, diagnostics): ordinary Modelica 3,
+which the tested compilers accept.
 """
 
 import re
@@ -45,7 +45,7 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
 
 @dataclass(frozen=True)
 class Member:
-    """A port or parameter as Modelica declares it."""
+    """A port or parameter in Modelica."""
 
     signal: Signal
     value: tuple[float, ...] = ()
@@ -57,12 +57,12 @@ class Member:
 
     @property
     def size(self) -> str:
-        """``[n]`` for a vector, nothing for a scalar."""
+        """``[n]`` for a vector, empty for a scalar."""
         return "" if self.signal.size == 1 else f"[{self.signal.size}]"
 
     @property
     def unit(self) -> str:
-        """Modification of the unit: one, one for all elements, or one for each."""
+        """Unit modification: one, one for all elements, or one per element."""
         units = self.signal.units
         if self.signal.size == 1:
             return f'unit = "{units[0]}"'
@@ -102,12 +102,12 @@ def vector(numbers: Iterable[float]) -> str:
 
 
 def quoted(text: str) -> str:
-    """A text as it stands between the quotation marks of a string."""
+    """A text for use between the quotation marks of a string."""
     return "".join(_ESCAPES.get(c, c if c.isprintable() else " ") for c in text)
 
 
 def folded(line: str) -> list[str]:
-    """A line of code as several where it is too long, broken at spaces outside of strings."""
+    """A line of code, split at spaces outside of strings if it is too long."""
     if len(line) <= _WIDTH:
         return [line]
     indent = line[: len(line) - len(line.lstrip())]
@@ -120,9 +120,9 @@ def folded(line: str) -> list[str]:
 
 
 def export_modelica(*, scenario: Scenario, out: str | Path = ".") -> list[Path]:
-    """Write WheeledRobot.mo into the folder ``out``, whole or not at all; returns its path.
+    """Write WheeledRobot.mo atomically into the folder ``out``; returns its path.
 
-    Raises what `modelica_package` raises, ResultFileError where it cannot be written.
+    Raises the errors of `modelica_package`, and ResultFileError if it cannot be written.
     """
     return write_all({FILE: modelica_package(scenario)}, Path(out))
 
@@ -130,8 +130,8 @@ def export_modelica(*, scenario: Scenario, out: str | Path = ".") -> list[Path]:
 def modelica_package(scenario: Scenario) -> str:
     """Text of the package for a scenario: its numbers are the defaults, its changes the plant's.
 
-    Noise is left out, as random numbers come from outside.  Raises ArgumentError for effects that
-    a loop of reference, controller and plant would miss, and for a reference with state;
+    Noise is left out, since random numbers come from outside.  Raises ArgumentError for effects
+    that a loop of reference, controller and plant would lack, and for a reference with state;
     ScenarioError or UnknownNameError as building a law does.
     """
     check_scenario(scenario)
@@ -190,7 +190,7 @@ def _array(elements: Iterable[str]) -> str:
 
 
 def _law(system: System, clock: Member) -> Mapping[str, object]:
-    """A sampled block: its parameters, memory, and outputs from the function's result."""
+    """A sampled block: its parameters, memory, and outputs as parts of the function's result."""
     parameters, memory = members(system.params), system.x0
     arguments = [_array(_elements(system.inputs))]
     arguments += ["pre(memory)"] * bool(memory)
@@ -211,7 +211,7 @@ def _law(system: System, clock: Member) -> Mapping[str, object]:
 
 
 def _assignments(system: System) -> list[tuple[str, str]]:
-    """Each output and diagnostic with the part of the function's result that it is."""
+    """Each output and diagnostic with its part of the function's result."""
     shown = _elements((*system.outputs, *system.diagnostics))
     return [(name, f"result[{k}]") for k, name in enumerate(shown, start=len(system.x0) + 1)]
 

@@ -1,8 +1,8 @@
-"""A graph as Modelica: the algorithm of a function, or equations of a block.
+"""A graph in Modelica: the algorithm of a function, or equations of a block.
 
-It is the graph that C kernels are written from, with the same branches and loops.  A function
-computes nothing that is not asked for, since Modelica tools stop at the logarithm of a negative
-number even where a choice throws it away.
+It is the graph of the C kernels, with the same branches and loops.  A function computes only what
+is needed, since Modelica tools stop at the logarithm of a negative number even if a choice discards
+it.
 """
 
 import textwrap
@@ -43,23 +43,23 @@ Names = Callable[[str, int], str]
 
 
 def literal(value: float) -> str:
-    """A number as Modelica writes it."""
+    """A number in Modelica syntax."""
     return repr(min(max(float(value), -LARGEST), LARGEST))
 
 
 def constant(value: float) -> str:
-    """A number within an expression: in parentheses where it is negative."""
+    """A number within an expression, in parentheses if negative."""
     text = literal(value)
     return f"({text})" if text.startswith("-") else text
 
 
 def indexed(vector: str, index: int) -> str:
-    """Element ``index``, counted from 0, of a vector, counted from 1."""
+    """Element ``index``, from 0, of a Modelica vector, which counts from 1."""
     return f"{vector}[{index + 1}]"
 
 
 def algorithm(graph: Graph) -> tuple[list[str], list[str]]:
-    """Declarations of what a function keeps, and its statements; vectors bear the graph's names."""
+    """Local declarations and statements of a function; vectors have the graph's names."""
     items, places = reroll(graph, branched(graph, statements(graph), worth=1))
     writer = _Statements(graph, indexed, ":=", places, items)
     lines = writer.statements(items, _STEP)
@@ -67,10 +67,10 @@ def algorithm(graph: Graph) -> tuple[list[str], list[str]]:
 
 
 def equations(graph: Graph, names: Names, results: Mapping[tuple[str, int], str]) -> list[str]:
-    """Equations of a block: ``results`` says what stands left for each result of the graph.
+    """Equations of a block; ``results`` has the left side for each result of the graph.
 
-    A value of several readers is a variable ``t<number>`` whose declaration comes with the rest.
-    Raises ArgumentError for a graph with choices, which would be events.
+    A value with several readers is a variable ``t<number>`` that is declared with the rest.  Raises
+    ArgumentError for a graph with choices, which would be events.
     """
     if any(node.op == SELECT for node in graph.nodes):
         raise ArgumentError("a graph with choices has no equations: give it as a function.")
@@ -80,7 +80,7 @@ def equations(graph: Graph, names: Names, results: Mapping[tuple[str, int], str]
 
 
 class _Statements:
-    """Writes items; what is used once and is short stands where it is used."""
+    """Writer of items; short expressions with one reader are inserted where they are read."""
 
     def __init__(
         self,
@@ -99,7 +99,7 @@ class _Statements:
         self._count(items)
 
     def declarations(self) -> list[str]:
-        """Locals of the function, arrays first."""
+        """Local variables of the function, arrays first."""
         sizes: dict[str, int] = {}
         for array, index in self.places.values():
             sizes[array] = max(sizes.get(array, 0), index + 1)
@@ -127,7 +127,7 @@ class _Statements:
         return text
 
     def _count(self, items: Iterable[Item]) -> None:
-        """Count the readers of each value; what another scope or a loop reads counts twice."""
+        """Count the readers of each value; readers in another scope or a loop count twice."""
         for item in items:
             if isinstance(item, Operation):
                 node = self.graph.nodes[item.node]
@@ -158,7 +158,7 @@ class _Statements:
         return [f"{indent}{self._assigned(item.node)} {self.sign} {text};"]
 
     def _assigned(self, number: int) -> str:
-        """Name of a value on the left side, declared if it is new."""
+        """Name of a value on the left side; a new one is declared."""
         name = self._name(number)
         if number not in self.places:
             self.kinds[name] = "Boolean" if self.graph.is_logical(number) else "Real"
@@ -229,12 +229,12 @@ def _moving(part: Slice) -> str:
 
 
 def _bare(text: str) -> str:
-    """An expression without parentheses that enclose all of it."""
+    """An expression without enclosing parentheses."""
     return text[1:-1] if text.startswith("(") and _closes_last(text) else text
 
 
 def _closes_last(text: str) -> bool:
-    """True if the first parenthesis is closed by the last letter."""
+    """True if the last character closes the first parenthesis."""
     depth = 0
     for place, letter in enumerate(text):
         depth += (letter == "(") - (letter == ")")

@@ -33,9 +33,9 @@ WORKERS = 2
 
 @dataclass(frozen=True)
 class PageLoop:
-    """A loop of the module: its name there, C text, layout, and its state at t = 0.
+    """A loop of the module: its name, C text, layout, and its state at t = 0.
 
-    The plant's state, which comes first in ``start``, is a scene's.
+    The plant's state, which is first in ``start``, comes from a scene.
     """
 
     name: str
@@ -46,21 +46,21 @@ class PageLoop:
 
 @dataclass(frozen=True)
 class Room:
-    """Most rows of parameters, and plant steps of delay, that a robot of the module may have."""
+    """Maximum numbers of parameter rows and of plant steps of delay for a robot of the module."""
 
     phases: int
     delay_steps: int
 
 
 class PageLoops:
-    """The different loops of the setups that were asked for, numbered as they came."""
+    """The distinct loops of requested setups, numbered in order of request."""
 
     def __init__(self) -> None:
         self._loops: dict[str, PageLoop] = {}
         self._by_program: dict[Program, PageLoop] = {}
 
     def of(self, setup: Setup) -> PageLoop:
-        """The loop of a setup; setups whose C text is the same share it."""
+        """The loop of a setup; setups with equal C text share it."""
         program = program_of(setup)
         if program not in self._by_program:
             text, start = program.generated, tuple(program.loop.x0)
@@ -77,10 +77,9 @@ class PageLoops:
 
 
 def build_module(loops: Sequence[PageLoop], room: Room, progress: Callable[[float], None]) -> bytes:
-    """Compile loops with that much room into one module.
+    """Compile loops with this room into one module.
 
-    ``progress`` hears of the share that is done.  Raises CompilerError without zig, or where it
-    fails.
+    ``progress`` is called with the share done.  Raises CompilerError without zig, or if it fails.
     """
     most = (f"-DWMR_PHASES_MOST={room.phases}", f"-DWMR_DELAY_MOST={room.delay_steps}")
     chain = toolchain().with_flags(*most)

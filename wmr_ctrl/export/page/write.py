@@ -1,4 +1,4 @@
-"""Write the page: settle, compile, and put everything into one file."""
+"""Write the page: settle, compile, and combine everything in one file."""
 
 import base64
 import gzip
@@ -37,13 +37,13 @@ def write_page(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """Write the page to the file ``out``, whole or not at all; returns its path.
+    """Write the page to the file ``out``, atomically; returns its path.
 
     For the paper's simulation it tells a story in five steps; of a base that takes velocities it
-    shows ways to limit commands side by side.  ``laws``: which can be chosen; without, all in the
-    story, else the scenario's own.  ``progress`` is called with the share that is done.  Raises
-    UnknownNameError for a law, ArgumentError for the seed, ScenarioError for what the scenario
-    cannot be, CompilerError without zig, ResultFileError where the file cannot be written.
+    shows ways to limit commands side by side. ``laws``: which can be chosen; without, all in the
+    story, else the scenario's own. ``progress`` is called with the share that is done. Raises
+    UnknownNameError for a law, ArgumentError for the seed, ScenarioError for an unsuitable
+    scenario, CompilerError without zig, ResultFileError where the file cannot be written.
     """
     checked_seeds([seed])
     if seed >= LARGEST_SEED:

@@ -1,8 +1,8 @@
 """The Simulink kit of a law: a level-2 C S-function on its C package, scripts, a page.
 
 The S-function adds nothing to the law: it copies ports and the parameters of its dialog into the
-package's structs, calls the step and copies the torques out.  What Simulink's own header gives it
-is a few macros; the tests run it against a header of ours that mimics those.
+package's structs, calls the step and copies the torques out. It needs a few macros of Simulink's
+header; the tests compile it with a header of ours that imitates them.
 """
 
 import math
@@ -48,7 +48,7 @@ def export_simulink(
 ) -> list[Path]:
     """Write the kit of ``law`` into the folder ``out``, all files or none; returns their paths.
 
-    Raises what `kit_files` raises, and ResultFileError where it cannot be written.
+    Raises the errors of `kit_files`, and ResultFileError if it cannot be written.
     """
     return write_all(kit_files(law_of(scenario, law), scenario), Path(out))
 
@@ -106,11 +106,11 @@ def _parameter(port: Port, known: tuple[float, float] | None) -> Mapping[str, An
 
 
 def _matlab(values: Iterable[float]) -> str:
-    """Numbers as MATLAB writes them: one, or a column as a struct of C has it."""
+    """Numbers in MATLAB syntax: a scalar, or a column in the order of the C struct."""
     shown = [repr(value).replace("inf", "Inf") for value in values]
     return shown[0] if len(shown) == 1 else f"[{'; '.join(shown)}]"
 
 
 def _quoted(text: str) -> str:
-    """A text as it stands in a character vector of MATLAB."""
+    """A text for use in a MATLAB character vector."""
     return comment(text).replace("'", "''")

@@ -1,1 +1,1 @@
-"""Logs of robots: columns read in SI units, samples of the motion, and faults told by name."""
+"""Logs of robots: columns read in SI units, samples of the motion, and named faults."""

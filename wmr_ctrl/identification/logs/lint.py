@@ -1,4 +1,4 @@
-"""Faults of logs, told by name before anything is fitted: times, counters, units, signs, clocks.
+"""Faults of logs, named before anything is fitted: times, counters, units, signs, clocks.
 
 Each rule raises LogError with one paragraph: what was seen, where, and what to do about it.
 """
@@ -26,7 +26,7 @@ OVER = 0.4
 
 
 def check_times(log: Log) -> None:
-    """Numbers are finite, and times go forward in steps that can be meant."""
+    """Check that numbers are finite, and that times increase in plausible steps."""
     for name, values in log.columns.items():
         bad = np.flatnonzero(~(np.isfinite(values) & np.isfinite(log.times[name])))
         if bad.size:
@@ -75,7 +75,7 @@ def _forward(where: str, name: str, t: Floats) -> None:
 
 
 def check_counters(log: Log) -> None:
-    """Counts do not wrap, and are not set back."""
+    """Check that counters neither wrap nor are reset."""
     if not log.has(COUNTS.elements):
         return
     for name in COUNTS.elements:
@@ -102,7 +102,7 @@ def check_counters(log: Log) -> None:
 
 
 def check_motion(name: str, log: Samples, half_track: float, shortest: float) -> None:
-    """The log is long enough [s] and moves."""
+    """Check that the log is at least ``shortest`` [s] long and contains motion."""
     span = log.t[-1] - log.t[0]
     if span < shortest:
         raise LogError(f"{name}: {span:.3g} s is too short; drive for {shortest:g} s or more.")
@@ -116,7 +116,7 @@ def check_motion(name: str, log: Samples, half_track: float, shortest: float) ->
 
 
 def check_torques(name: str, log: Samples, half_track: float) -> None:
-    """Right belongs to right, signs agree, and motion follows torque, by one and the same time."""
+    """Check that wheels are not swapped, signs agree, and motion follows torque with one delay."""
     moved, torque = _differenced(log, half_track)
     if torque is None or np.std(torque(0.0), axis=0).min() < 1e-9:
         return
@@ -180,8 +180,9 @@ def _check_clocks(
 def _differenced(
     log: Samples, half_track: float
 ) -> tuple[Floats, Callable[[float], Floats] | None]:
-    """Accelerations of the wheels, less what their speed explains, and the torques that go with
-    them for a shift [s]: both weighted by a triangle of 0.1 s, on an even grid (this is a check).
+    """Accelerations of the wheels, less the part that their speed explains, and a function that
+    gives the torques for a shift [s]: both weighted by a triangle of 0.1 s, on an even grid (only
+    for this check).
     """
     _, rate, speed, pushed = differenced(log, 2)
     rate, speed = wheels(rate, half_track), wheels(speed, half_track)
@@ -196,14 +197,14 @@ def _differenced(
 
 
 def _gains(moved: Floats, torque: Floats) -> tuple[float, Floats]:
-    """Share of the acceleration that both torques explain, and the matrix (2, 2) by which."""
+    """Share of the acceleration that both torques explain, and the gain matrix (2, 2)."""
     solution = np.asarray(np.linalg.lstsq(torque, moved, rcond=None)[0], dtype=np.float64)
     rest = np.sum((moved - torque @ solution) ** 2)
     return float(1 - rest / max(np.sum(moved**2), 1e-300)), solution.T
 
 
 def check_poses(name: str, log: Log, seen: Samples) -> None:
-    """Poses agree with the wheels' turn in unit, sign and convention of heading."""
+    """Check that poses agree with the wheels' motion in unit, sign and heading convention."""
     motions = _over(log, seen)
     if motions is None:
         return
@@ -215,7 +216,7 @@ def check_poses(name: str, log: Log, seen: Samples) -> None:
 
 
 def pose_ratios(log: Log, seen: Samples) -> Pair | None:
-    """Way and turn of the poses over those of the wheels; None without poses."""
+    """Ratios of poses to wheels in path length and rotation; None without poses."""
     motions = _over(log, seen)
     return None if motions is None else _ratios(*motions[1:])
 
@@ -232,7 +233,9 @@ def _ratios(moved: Floats, rolled: Floats) -> Pair:
 
 
 def _over(log: Log, seen: Samples) -> tuple[Floats, Floats, Floats] | None:
-    """Mean theta (K,), motion of poses (K, 3), way and turn of the wheels (K, 2) over 0.4 s."""
+    """Motion over 0.4 s each: mean theta (K,), pose change (K, 3), and the wheels' path length and
+    rotation (K, 2).
+    """
     names = next((item for item in POSES if log.has(item)), None)
     if names is None:
         return None
@@ -304,7 +307,7 @@ def _check_heading(name: str, theta: Floats, moved: Floats, way: Floats) -> None
 
 
 def check_log(log: Log, commands: Names = TORQUES) -> None:
-    """All that needs no knowledge of the robot."""
+    """All checks that need no knowledge of the robot."""
     check_times(log)
     check_counters(log)
     if log.has(commands) and not any(np.ptp(log.columns[name]) > 0 for name in commands):
@@ -317,7 +320,7 @@ def check_log(log: Log, commands: Names = TORQUES) -> None:
 def check_following(
     name: str, column: str, gain: float, shift: float, share: float, period: float
 ) -> None:
-    """A speed follows its command, in its unit, forward and later."""
+    """Check that a speed follows its command: in the same unit and direction, and later."""
     if share < 0.3:
         return
     if gain < 0:

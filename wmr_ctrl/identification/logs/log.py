@@ -1,4 +1,4 @@
-"""A log: columns by the names of our runs, in SI units, each on the clock that it came with."""
+"""A log: columns by the names of our runs, in SI units, each with the clock that it came with."""
 
 import math
 import os
@@ -51,11 +51,11 @@ TOGETHER = (
 
 
 class LogError(WmrError, ValueError):
-    """A log that cannot be read, or that tells that something is wrong with it."""
+    """A log that cannot be read, or that shows a fault."""
 
 
 class Note(NamedTuple):
-    """What was noticed of a log: a key of ``diagnosis``, the axis if it is of one, a sentence."""
+    """A remark on a log: a key of ``diagnosis``, the axis if it concerns one, a sentence."""
 
     key: str
     axis: str
@@ -63,7 +63,7 @@ class Note(NamedTuple):
 
 
 class LeftOut(NamedTuple):
-    """A stretch of a log that no fit counts [s], and why."""
+    """A stretch of a log that fits leave out [s], and why."""
 
     begin: float
     end: float
@@ -76,7 +76,7 @@ class LeftOut(NamedTuple):
 
 @dataclass(frozen=True)
 class Log:
-    """Columns by name, each with its own times: a log may have several clocks' rates.
+    """Columns by name, each with its own times: a log may contain several sampling rates.
 
     ``times`` and ``columns`` map a name to (N,) numbers; ``base`` is the scenario that a saved run
     was made with.
@@ -94,7 +94,7 @@ class Log:
         return all(name in self.columns for name in names)
 
     def scaled(self, names: Names, of: Names, factor: float, *remarks: str) -> "Log":
-        """The log with further columns, which are others times a factor, and with remarks."""
+        """The log with further columns, scaled copies of others, and with remarks."""
         pairs = [*zip(names, of, strict=True)]
         times = {**self.times, **{name: self.times[other] for name, other in pairs}}
         columns = {name: factor * self.columns[other] for name, other in pairs}
@@ -102,7 +102,7 @@ class Log:
         return replace(self, times=times, columns=columns, remarks=(*self.remarks, *remarks))
 
     def pair(self, names: Sequence[str]) -> tuple[Floats, Floats]:
-        """Times (N,) and values (N, len(names)) of columns that come together."""
+        """Times (N,) and values (N, len(names)) of columns with common times."""
         return self.times[names[0]], np.column_stack([self.columns[name] for name in names])
 
 
@@ -132,9 +132,9 @@ def log_of(
 
 
 def joined(logs: Sequence[Log]) -> Log:
-    """Several logs of one robot as one: at rest, without commands, between them.
+    """Join several logs of one robot, with rest and no commands between them.
 
-    Raises LogError where no column is in all of them.
+    Raises LogError if no column is in all of them.
     """
     if len(logs) == 1:
         return logs[0]
@@ -211,11 +211,11 @@ def _of_table(
 
 
 def with_torques(log: Log, constant: float | None, resistance: float | None = None) -> Log:
-    """The log with torques made of motor currents or voltages.
+    """The log with torques computed from motor currents or voltages.
 
     ``constant``: newton metres at a wheel per ampere; ``resistance`` of a motor [ohm], for
-    voltages.  Raises ArgumentError where one is not positive, or has nothing to act on; LogError
-    where there are currents or voltages alone and one is not given.
+    voltages. Raises ArgumentError if one is not positive, or no column needs it; LogError if there
+    are only currents or voltages and one is missing.
     """
     source: Names = next((names for names in (CURRENT, VOLTAGE) if log.has(names)), ())
     for name, value in {"torque_constant": constant, "resistance": resistance}.items():
@@ -250,9 +250,9 @@ MOST_COUNTS = 1_000_000
 
 
 def with_counts(log: Log, counts: float | None) -> tuple[Log, float | None]:
-    """The log with wheels' angles as counts, and how many make a turn.
+    """The log with wheel angles converted to counts, and the number of counts per turn.
 
-    Where ``counts`` is None the smallest step of the angles is taken for one.
+    If ``counts`` is None, the smallest step of the angles is one count.
     """
     if log.has(COUNTS.elements) or not log.has(WHEEL_ANGLE):
         return log, counts
@@ -269,7 +269,7 @@ def with_counts(log: Log, counts: float | None) -> tuple[Log, float | None]:
 
 
 def seen_by(log: Log) -> str:
-    """Name of the columns that show the motion: counts before speeds, measured before true ones."""
+    """Name of the columns that show the motion: counts before speeds, measured before true."""
     if log.has(COUNTS.elements):
         return COUNTS.name
     if log.has(WHEEL_SPEED):
@@ -294,7 +294,7 @@ NEAR = 0.08
 
 
 def unit_of(ratio: float, near: float = NEAR) -> str | None:
-    """Units that are mistaken for each other where two columns have about this ratio."""
+    """Units that may have been confused if two columns have about this ratio."""
     size = max(ratio, 1 / ratio) if ratio > 0 else 0.0
     factor = min(FACTORS, key=lambda item: abs(size / item - 1))
     if abs(size / factor - 1) > near:

@@ -1,4 +1,4 @@
-"""What of a log is put right before anything else: repeated stamps, and counters that wrap."""
+"""Corrections of a log before all else: repeated stamps, and counters that wrap."""
 
 import math
 from dataclasses import replace
@@ -25,14 +25,12 @@ SURE = 2
 
 
 def mended(log: Log) -> Log:
-    """The log with one row a time, counters that go on where they wrapped, and even stamps."""
+    """The log with one row per time, unwrapped counters, and even stamps."""
     return evened(unwrapped(_once(log)))
 
 
 def evened(log: Log) -> Log:
-    """The log on an even clock, where its stamps scatter about one and the wheels' turn is smoother
-    over it.
-    """
+    """The log on an even clock, if stamps scatter about one and wheels move more smoothly on it."""
     seen = next((pair for pair in (COUNTS.elements, WHEEL_ANGLE) if log.has(pair)), None)
     if seen is None:
         return log
@@ -51,7 +49,7 @@ def evened(log: Log) -> Log:
 
 
 def _even(t: Floats) -> Floats | None:
-    """Times (N,) of an even clock that stamps scatter about; None where there is none."""
+    """Times (N,) of the even clock about which the stamps scatter; None if there is none."""
     if len(t) < LEAST_EVEN or not np.median(np.diff(t)) > 0:
         return None
     place = np.cumsum(np.maximum(np.rint(np.diff(t, prepend=t[0]) / np.median(np.diff(t))), 0))
@@ -68,13 +66,13 @@ def _even(t: Floats) -> Floats | None:
 
 
 def _rough(t: Floats, turned: Floats) -> float:
-    """Mean square of readings (N, 2) less the line between their neighbours."""
+    """Mean square difference between readings (N, 2) and the line through their neighbours."""
     share = ((t[1:-1] - t[:-2]) / np.maximum(t[2:] - t[:-2], 1e-300))[:, None]
     return float(np.mean((turned[1:-1] - (1 - share) * turned[:-2] - share * turned[2:]) ** 2))
 
 
 def _once(log: Log) -> Log:
-    """The log without rows at the time of the row before, if they are few: the first one stays."""
+    """The log without rows that repeat the time of the row before, if they are few."""
     times, columns, most = {}, {}, 0
     for name, t in log.times.items():
         new = np.diff(t, prepend=-np.inf) != 0
@@ -89,7 +87,7 @@ def _once(log: Log) -> Log:
 
 
 def unwrapped(log: Log) -> Log:
-    """The log whose counters go on where they wrap, at any modulus."""
+    """The log with unwrapped counters, for any modulus."""
     if not log.has(COUNTS.elements):
         return log
     columns, notes = dict(log.columns), list(log.notes)
@@ -108,7 +106,7 @@ def unwrapped(log: Log) -> Log:
 
 
 def _modulus(counts: Floats, step: Floats, near: Floats) -> float:
-    """Counts after which a counter begins again; 0 where it does not."""
+    """Modulus of a counter: counts after which it restarts; 0 if it does not."""
     span = float(np.ptp(counts))
     off = np.abs(step - near)
     jumps = off > max(JUMP * span, LEAST_JUMP)

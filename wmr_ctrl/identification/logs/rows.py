@@ -1,7 +1,7 @@
-"""Rows and commands of a log that a fit may use: odd readings, drivers off, commands that cease.
+"""Rows and commands of a log that a fit may use, without odd readings and switched-off drives.
 
-What a row says is compared with a quick first-order fit; readings that are left out are replaced by
-a straight line between their neighbours, so that whatever looks at speeds sees none of them.
+Each row is compared with a quick first-order fit; excluded readings are replaced by a straight line
+between their neighbours, so that no later step sees them.
 """
 
 import math
@@ -42,10 +42,10 @@ COARSE, FINE, LONGEST_TIMEOUT = 0.1, 0.02, 4.0
 
 @dataclass(frozen=True)
 class Rows:
-    """Samples as a fit may use them, what was left out, and what was noticed.
+    """Usable samples, the stretches that were left out, and remarks.
 
-    ``samples.use`` (N, 2) says which readings count, and ``samples.command`` has the zeros that a
-    base inserts ``timeout`` [s] after its last command, None where no command ceases.
+    ``samples.use`` (N, 2) marks the readings to use, and ``samples.command`` has the zeros that a
+    base inserts ``timeout`` [s] after its last command, None if commands never cease.
     """
 
     samples: Samples
@@ -55,9 +55,9 @@ class Rows:
 
 
 def usable(samples: Samples, timeout: float | None = None) -> Rows:
-    """Rows and commands of a base that takes velocities.
+    """Usable rows and commands of a base that takes velocities.
 
-    ``timeout``: the base's own [s], where it is known.
+    ``timeout``: the base's own [s], if it is known.
     """
     notes: list[Note] = []
     left_out: list[LeftOut] = []
@@ -97,16 +97,16 @@ def usable(samples: Samples, timeout: float | None = None) -> Rows:
 
 
 def quick_fit(log: AxisLog) -> LoopFit:
-    """A first-order loop by least squares."""
+    """Fit of a first-order loop by least squares."""
     gain, shift, _ = shifted_gain(log)
     start = math.log(max(abs(gain), 1e-3)), math.log(0.1), min(max(shift - 0.05, 0.005), 0.3)
     return fitted(log, LOOP, LOOPS[LOOP], np.array(start), PASSES, PASSES)
 
 
 def odd_readings(speed: Floats, left: Floats) -> Mask:
-    """Readings (N,) that leave their neighbours and come back at once.
+    """Mask (N,) of readings that leave their neighbours for a moment.
 
-    ``left`` (N,) is what a fit leaves over: what it explains is not odd.
+    ``left`` (N,) is the residual of a fit: motion that the fit explains is not odd.
     """
     quick = float(np.quantile(np.abs(speed), 0.95))
     steps = np.abs(np.diff(speed))
@@ -139,7 +139,7 @@ def odd_readings(speed: Floats, left: Floats) -> Mask:
 
 
 def off_stretches(rows: Samples) -> list[Pair]:
-    """Begin and end [s] of stretches at rest in spite of commands that move the base elsewhere."""
+    """Begin and end [s] of stretches at rest although commands would move the base."""
     t, resting = rows.t, np.ones(len(rows.t), bool)
     at = np.searchsorted(rows.command_t, t - 0.2, "right") - 1
     sent = np.abs(np.where((at >= 0)[:, None], rows.command[np.maximum(at, 0)], 0.0))
@@ -171,7 +171,7 @@ def off_stretches(rows: Samples) -> list[Pair]:
 def _with_silences(
     rows: Samples, driven: list[int], known: float | None, notes: list[Note]
 ) -> tuple[Samples, float | None]:
-    """The samples with zeros where the base stops by itself, and after which silence it does."""
+    """The samples with zero commands after the base's time-out, and that time-out [s]."""
     sent = rows.command_t
     usual = float(np.median(np.diff(sent)))
     silent = np.diff(sent, append=max(rows.t[-1], sent[-1]))
@@ -202,7 +202,7 @@ def _with_silences(
 
 
 def _misfit(rows: Samples, driven: list[int]) -> float:
-    """Minus twice the log-likelihood of a quick fit."""
+    """Twice the negative log-likelihood of a quick fit."""
     total = 0.0
     for axis in driven:
         log = axis_log(rows, axis)
@@ -220,7 +220,7 @@ def _stopped(rows: Samples, silent: Floats, timeout: float) -> Samples:
 
 
 def _runs(mask: Mask, bridge: int = 0) -> list[list[int]]:
-    """Begin and end of runs of True; gaps of at most ``bridge`` rows are bridged."""
+    """Begin and end indices of runs of True; gaps of at most ``bridge`` rows are closed."""
     ends = np.flatnonzero(np.diff(mask, prepend=False, append=False))
     begin, end = ends[::2], ends[1::2]
     bridged = np.flatnonzero(begin[1:] - end[:-1] < bridge)

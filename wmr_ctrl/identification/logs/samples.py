@@ -45,10 +45,10 @@ RESTS, STILL = 0.3, 0.05
 class Samples:
     """Measurements and commands on the clocks of the log.
 
-    ``t`` (N,) [s] and ``seen`` (N, 2): way [m] and turn [rad], or both speeds (``of_speed``), with
-    variances (2,) that are known of each; ``command_t`` (M,) [s] and ``command`` (M, 2): torques
-    [N m] or speeds, each held until the next; ``first``: indices of t at which a stretch without
-    gap begins; ``use`` (N, 2): readings that count, all where it is None.
+    ``t`` (N,) [s] and ``seen`` (N, 2): path length [m] and rotation [rad], or both speeds
+    (``of_speed``), with known variances (2,); ``command_t`` (M,) [s] and ``command`` (M, 2):
+    torques [N m] or speeds, each kept until the next; ``first``: indices of t at which a stretch
+    without gap begins; ``use`` (N, 2): readings to use, None for all.
     """
 
     t: Floats
@@ -77,7 +77,7 @@ class Samples:
         return self.t - self.t[self.stretches[0]]
 
     def until(self, end: float, begin: float = -np.inf) -> Samples:
-        """The same between two times [s]; commands before are kept."""
+        """Samples between two times [s], with all earlier commands."""
         inside = np.flatnonzero((self.t >= begin) & (self.t < end))
         low, high = (int(inside[0]), int(inside[-1]) + 1) if inside.size else (0, 0)
         first = self.first[(self.first > low) & (self.first < high)] - low
@@ -91,7 +91,7 @@ class Samples:
 
 
 def motion_of(raw: Log, scenario: Scenario, source: str, commands: Names = TORQUES) -> Samples:
-    """Samples of a log whose motion is read from ``source``."""
+    """Samples of a log whose motion is read from the columns ``source``."""
     r, half_track = scenario.robot.r, scenario.robot.l
     sent, command = raw.pair(commands)
     variance, of_speed = np.zeros(2), source != COUNTS.name
@@ -114,7 +114,7 @@ def motion_of(raw: Log, scenario: Scenario, source: str, commands: Names = TORQU
 
 
 def speeds(log: Samples, over: float = 0.1) -> Floats:
-    """Smoothed speeds (N, 2) [m/s, rad/s], differenced over a time [s], across no gap."""
+    """Smoothed speeds (N, 2) [m/s, rad/s]: differences over a time [s], never across a gap."""
     if log.of_speed:
         return log.seen
     later = np.minimum(np.searchsorted(log.t, log.t + over / 2), len(log.t) - 1)
@@ -126,7 +126,7 @@ def speeds(log: Samples, over: float = 0.1) -> Floats:
 
 
 def held_range(log: Samples) -> dict[str, Pair]:
-    """Least and largest v and omega [m/s, rad/s] held for `HELD`: single readings do not count."""
+    """Range of v and omega [m/s, rad/s] that lasted for `HELD`; single readings are ignored."""
     speed = speeds(log)
     rows = min(round(HELD / float(np.median(np.diff(log.t)))) + 1, len(speed))
     held = sliding_window_view(speed, rows, axis=0)
@@ -135,7 +135,7 @@ def held_range(log: Samples) -> dict[str, Pair]:
 
 
 def held_speeds(log: Samples) -> Pair:
-    """Largest |v1| and |omega| [m/s, rad/s] held for `HELD`."""
+    """Largest |v1| and |omega| [m/s, rad/s] that lasted for `HELD`."""
     v, omega = (max(-low, high, 0.0) for low, high in held_range(log).values())
     return v, omega
 
@@ -154,7 +154,7 @@ def wheels(speed: Floats, half_track: float) -> Floats:
 
 @dataclass(frozen=True)
 class AxisLog:
-    """Command and speed of one axis; ``of_way``: speeds are means since the sample before.
+    """Commands and speeds of one axis; with ``of_way``, speeds are means since the sample before.
 
     ``t``, ``speed``, ``in_fit`` (N,); ``sent_t``, ``sent`` (M,); ``first``: where stretches begin.
     """
@@ -169,7 +169,7 @@ class AxisLog:
     period: float
 
     def until(self, end: float) -> AxisLog:
-        """The same up to a time [s]."""
+        """The log of the axis before a time [s]."""
         n = int(np.searchsorted(self.t, end))
         first = self.first[self.first < n]
         return replace(
@@ -178,9 +178,9 @@ class AxisLog:
 
     @cached_property
     def stretches(self) -> list[tuple[Floats, Floats, Floats]]:
-        """Of each stretch its times (n,), edges (K + 1,) of even steps, and mean commands (K,).
+        """Per stretch: its times (n,), edges (K + 1,) of even steps, and mean commands (K,).
 
-        The steps begin BEFORE its first time.
+        The steps start a time BEFORE earlier than the stretch.
         """
         h, result = self.period / math.ceil(self.period / STEP - 1e-9), []
         for t in np.split(self.t, self.first[1:]):
@@ -200,7 +200,7 @@ class AxisLog:
 
 
 def axis_log(log: Samples, axis: int) -> AxisLog:
-    """Speeds of one axis; of counts their difference over the time between samples."""
+    """Log of one axis; speeds from counts are differences divided by the time between samples."""
     speed = log.seen[:, axis]
     if not log.of_speed:
         step = np.diff(log.t, prepend=log.t[0] - 1.0)
@@ -222,17 +222,18 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
 
 
 def interpolated(t: Floats, times: Floats, values: Floats) -> Floats:
-    """Columns (N, K) at other times (M,), by straight lines."""
+    """Linear interpolation of columns (N, K) at times (M,)."""
     return np.column_stack([np.interp(t, times, column) for column in values.T])
 
 
 def differenced(
     log: Samples, fewest: int
 ) -> tuple[Floats, Floats, Floats, Callable[[float], Floats]]:
-    """Times of an even grid, accelerations and speeds there, and the commands for a shift [s].
+    """Times of an even grid, accelerations and speeds there, and a function of a shift [s] for
+    commands.
 
-    Second differences of way and turn over 0.1 s, of at least ``fewest`` steps, weigh what was
-    accelerated by a triangle, as the commands are weighed here.
+    Second differences of path length and rotation over 0.1 s, of at least ``fewest`` steps, weight
+    the acceleration by a triangle; commands get the same weights.
     """
     T = log.period
     t = np.arange(log.t[0], log.t[-1], T)
@@ -253,12 +254,12 @@ def differenced(
 
 
 def shifts_of(period: float) -> Floats:
-    """Shifts of commands against the motion that are looked at [s]."""
+    """Shifts of commands against the motion that are tried [s]."""
     return np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(period, 0.01))
 
 
 def shifted_gain(log: AxisLog) -> tuple[float, float, float]:
-    """Gain, the shift [s] at which the command explains most of the speed, and that share."""
+    """Gain, shift [s] at which the command explains most of the speed, and the explained share."""
     shifts = shifts_of(log.period)
     some = np.flatnonzero(log.in_fit)
     some = some[:: max(1, len(some) // ENOUGH_ROWS)]

@@ -1,4 +1,4 @@
-"""Many runs: which ones, how they are run, and the table of plain numbers that they leave.
+"""Many runs: which ones, how they are run, and the resulting table of plain numbers.
 
 One engine (`engine`) runs the paper's plan, the comparison past the paper (`comparison`: every law
 with and without the guard) and the studies of users (`study_plan`, `study_run`, `study_store`).

@@ -1,9 +1,9 @@
-"""From which start on do the linear loop and the run part?  Compiled runs from many starts.
+"""Compare the linear loop with compiled runs from many starts: sizes at which they differ.
 
-The deviation of a start: the weighted RMS, over the horizon, of the difference between the linear
-answer and the run's, by that of the linear answer itself.  The run's answer is its tracking error
-less that of the run from the reference with the same noise; the error's angle counts by half the
-track, so that the three elements are a displacement of the wheels [m].
+The deviation of a start is the weighted RMS, over the horizon, of the difference between the linear
+response and the run's, divided by that of the linear response.  The run's response is its tracking
+error less that of the run from the reference with the same noise; the angle error is multiplied by
+half the track, so that the three elements are displacements of the wheels [m].
 """
 
 from __future__ import annotations
@@ -57,11 +57,11 @@ COARSE, FINE, ROUNDS = 28, 6, 2
 
 @dataclass(frozen=True)
 class Parting:
-    """One direction: deviations at sizes, and an example.
+    """One direction: deviations by size, and an example.
 
-    ``sizes`` (N) in ``unit``; ``one_per_cent`` and ``ten_per_cent``: the size from which on the
-    deviation is larger, None where that is not so, with the ``reason``.  ``linear`` and ``run``
-    (samples, 3): both answers [m, m, rad] from the start of size ``shown``.
+    ``sizes`` (N) in ``unit``; ``one_per_cent`` and ``ten_per_cent``: the size above which the
+    deviation is larger, None if there is none, with the ``reason``.  ``linear`` and ``run``
+    (samples, 3): both responses [m, m, rad] from the start of size ``shown``.
     """
 
     unit: str
@@ -88,7 +88,7 @@ class LawAgainstRun:
 
 @dataclass(frozen=True)
 class AgainstRun:
-    """Linear loops against runs on one scenario; ``refused``: reasons of laws without an answer."""
+    """Linear loops compared with runs on one scenario; ``refused``: reasons by law."""
 
     scenario: str
     laws: Mapping[str, LawAgainstRun]
@@ -107,7 +107,7 @@ class AgainstRun:
         return {**found, **{law: {"refused": text} for law, text in self.refused.items()}}
 
     def table(self) -> str:
-        """The same as text."""
+        """The sizes as a text table."""
         lines = [f"{'law':10}{'reference is':14}{'1 %':>10}{'10 %':>10}"]
         for law, each in self.laws.items():
             for way, item in each.directions.items():
@@ -120,7 +120,7 @@ class AgainstRun:
         return "\n".join(lines)
 
     def plot(self, path: str | Path) -> Path:
-        """Draw both answers and the deviations into one picture; returns its path."""
+        """Draw both responses and the deviations into one picture; returns its path."""
         return cast("Path", late_bound("draw_against_run")(self, Path(path)))
 
 
@@ -131,9 +131,9 @@ def against_run(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> AgainstRun:
-    """Linear loop against run for each law; ``build`` compiles a loop.
+    """Compare linear loop and run for each law; ``build`` compiles a loop.
 
-    What a law refuses is raised if it is the only one.
+    The error of a refused law is raised if it is the only one.
     """
     found, refused = dict[str, LawAgainstRun](), dict[str, str]()
     for k, law in enumerate(laws):
@@ -171,7 +171,7 @@ def _of_law(
 
 
 def _remarks(scenario: Scenario) -> tuple[str, ...]:
-    """What the linear loop leaves out, in words."""
+    """Sentences on effects that the linear loop neglects."""
     guard = "without the guard, which is on in the run" if scenario.guard.enabled else ""
     late = scenario.takes_velocity and scenario.base.delay > 0
     waits = "without the start's wait, in which no command has come and the base slows"
@@ -180,7 +180,7 @@ def _remarks(scenario: Scenario) -> tuple[str, ...]:
 
 
 def _parting(runs: _Runs, vector: Floats, linear: Floats, weights: Floats) -> Parting:
-    """Runs of growing size in one direction, then more of them where a level is passed."""
+    """Runs of growing size in one direction, then more of them near each level."""
     unit, largest = ("rad", WIDEST) if vector[2] else ("m", FARTHEST)
     whole, apart = np.linalg.norm(linear * weights), dict[float, float]()
     answers = dict[float, Floats | None]()
@@ -210,7 +210,7 @@ def _parting(runs: _Runs, vector: Floats, linear: Floats, weights: Floats) -> Pa
 
 
 def _passed(apart: Mapping[float, float], level: float) -> tuple[float | None, float | None]:
-    """Last size within a level before it is passed, and the next one; None: no such."""
+    """Last size within a level before it is exceeded, and the next one; None if there is none."""
     inside = None
     for size, share in sorted(apart.items()):
         if share <= level:
@@ -221,7 +221,7 @@ def _passed(apart: Mapping[float, float], level: float) -> tuple[float | None, f
 
 
 class _Runs:
-    """The compiled runs of a law from starts off the point, less that from the point itself."""
+    """A law's compiled runs from starts off the point, less the run from the point itself."""
 
     def __init__(
         self,
@@ -232,7 +232,7 @@ class _Runs:
         samples: int,
         jobs: int | None,
     ) -> None:
-        """Compile, settle on the reference, and make the run from there."""
+        """Compile, settle on the reference, and run from there."""
         period = scenario.clock.control
         timed = override(scenario, {"clock.duration": samples * period})
         self.at, self.samples, self.jobs = at, samples, jobs
@@ -253,7 +253,7 @@ class _Runs:
         self.base = base
 
     def answers(self, offs: Sequence[Floats]) -> list[Floats | None]:
-        """Tracking error (samples, 3) by start, less that without any; None: the run ended."""
+        """Tracking error (samples, 3) by start, less the undisturbed one; None if a run ended."""
         columns = places(self.loop.compiled.layout.columns)
         pose = [columns[signal.name].start for signal in PLANT_STATE[:3]]
 
@@ -272,13 +272,13 @@ def _start(scenario: Scenario, at: Point, off: Floats) -> tuple[float, ...]:
 
 
 def _begun(loop: RunnableLoop, state: Floats) -> RunnableLoop:
-    """The loop that begins in a state."""
+    """The loop with another initial state."""
     start = tuple(map(float, state))
     return replace(loop, compiled=replace(loop.compiled, start=start))
 
 
 def _remembering(loop: RunnableLoop, at: Point) -> RunnableLoop:
-    """The loop whose law begins with the memory of a point."""
+    """The loop whose law starts with the memory of a point."""
     state, rows = np.array(loop.compiled.start), places(loop.compiled.layout.state)
     own = places(port.signal for port in law_loop(loop.scenario, loop.law).core.state)
     for name in own.keys() & rows.keys():
@@ -287,7 +287,7 @@ def _remembering(loop: RunnableLoop, at: Point) -> RunnableLoop:
 
 
 def _settled(loop: RunnableLoop, at: Point) -> RunnableLoop:
-    """The loop after its own time on the reference, moved back to where that begins."""
+    """The loop in its final state on the reference, moved back to the reference's beginning."""
     memory = laid_out([Task(loop, 0, _start(loop.scenario, at, np.zeros(3)))], [], log=True)
     memory.run()
     clock, after = loop.scenario.clock, memory.state[:, 0].copy()

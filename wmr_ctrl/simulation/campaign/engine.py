@@ -1,4 +1,4 @@
-"""The one engine of many runs: cases are compiled once each, then run for all their seeds."""
+"""The engine of many runs: each case is compiled once, then run for all its seeds."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -20,28 +20,28 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Refusal:
-    """A guard's words where it cannot keep its limits under the bounds of a case."""
+    """Message of a guard that cannot keep its limits under the bounds of a case."""
 
     text: str
 
 
 @runtime_checkable
 class PhaseProgress(Protocol):
-    """Whatever shows progress; each phase of a job is one ``start``, many ``advance``, ``done``."""
+    """Protocol of progress displays: each phase is one ``start``, many ``advance``, ``done``."""
 
     def start(self, total: int, text: str) -> None:
-        """A phase of ``total`` steps begins; ``text`` says what it does."""
+        """Begin a phase of ``total`` steps; ``text`` describes it."""
 
     def advance(self, count: int = 1) -> None:
-        """``count`` further steps of the phase are done."""
+        """Report that ``count`` further steps of the phase are done."""
 
     def done(self) -> None:
-        """The phase is over, finished or given up."""
+        """End the phase, finished or not."""
 
 
 @contextmanager
 def phase(progress: PhaseProgress | None, total: int, text: str) -> Iterator[Callable[[int], None]]:
-    """A phase of a job; it gives what is called with the number of further steps that are done."""
+    """Context of a phase; yields a function to call with the number of further steps done."""
     if progress is None:
         yield lambda count: None
         return
@@ -53,7 +53,7 @@ def phase(progress: PhaseProgress | None, total: int, text: str) -> Iterator[Cal
 
 
 def build_loop(case: PlannedCase, device: str = "cpu") -> RunnableLoop:
-    """The compiled loop of a case, without its plant for the rigid body.  Raises as `settle`."""
+    """The compiled loop of a case; for the rigid body without its plant.  Raises as `settle`."""
     from wmr_ctrl.simulation.engines import runnable
 
     return runnable(case.overridden(), case.law, case.plant, device)
@@ -62,10 +62,10 @@ def build_loop(case: PlannedCase, device: str = "cpu") -> RunnableLoop:
 def built_loops(
     cases: Iterable[PlannedCase], progress: PhaseProgress | None, text: str, device: str = "cpu"
 ) -> list[RunnableLoop | Refusal]:
-    """The loop of each case for a device, in their order, each different one compiled once.
+    """The loop of each case for a device, in order; equal ones are compiled once.
 
-    A guard that refuses gives its Refusal; what cannot be without the guard either is raised, with
-    what tells its case from the others.
+    If a guard refuses, its Refusal; a case that is invalid without the guard, too, raises the error
+    with the properties that distinguish it.
     """
     known: dict[str, RunnableLoop | Refusal] = {}
 
@@ -93,7 +93,7 @@ def built_loops(
 
 
 def _apart(case: PlannedCase, others: Iterable[PlannedCase]) -> str:
-    """Law and changes by which a case differs from others, as a sentence; empty for none."""
+    """Sentence on law and changes that distinguish a case from others; empty if none do."""
     apart = [
         f"{key} = {show(value)}"
         for key, value in {"law": case.law, **case.overrides}.items()
@@ -105,7 +105,7 @@ def _apart(case: PlannedCase, others: Iterable[PlannedCase]) -> str:
 def accepted(
     loops: Sequence[RunnableLoop | Refusal], seeds: Sequence[int]
 ) -> tuple[list[int], list[tuple[RunnableLoop, int]]]:
-    """Places of the runs that are not refused, and their loops and seeds."""
+    """Indices of the runs that are not refused, with their loops and seeds."""
     pairs = enumerate(zip(loops, seeds, strict=True))
     ready = {k: (loop, seed) for k, (loop, seed) in pairs if not isinstance(loop, Refusal)}
     return [*ready], [*ready.values()]
@@ -150,7 +150,7 @@ def run_cases(
 
 @dataclass(frozen=True)
 class Campaign:
-    """A finished plan: ``table`` has a row per run, ``runs`` the whole first run of each case.
+    """A finished plan: ``table`` has a row per run, ``runs`` the full first run of each case.
 
     ``runs`` maps (scenario, law) to the Run of the lowest seed.  Without rows: not run.
     """
@@ -169,10 +169,10 @@ def run_campaign(
 ) -> Campaign:
     """Compile, then run all of ``plan`` on ``jobs`` threads (default: one per core).
 
-    Rows have ``figures`` and those of other packages; ``whole``: keep whole first runs.  A
-    guard's refusal becomes a row; that of an unguarded case is raised.  The result is the same for
-    any ``jobs``.  An exception in a run, or an interrupt, ends the campaign at once: what has not
-    begun is dropped.  Raises ArgumentError for jobs < 1 or an empty plan.
+    Rows have ``figures`` and those of other packages; ``whole``: keep full first runs. A guard's
+    refusal becomes a row; that of an unguarded case is raised. The result is the same for any
+    ``jobs``. An exception in a run, or an interrupt, ends the campaign immediately: runs that have
+    not begun are dropped. Raises ArgumentError for jobs < 1 or an empty plan.
     """
     check_jobs(jobs)
     if not plan:

@@ -1,9 +1,9 @@
-"""Confidence intervals, and the rule by which a study stops early without fooling itself.
+"""Confidence intervals, and a valid rule for stopping a study early.
 
-A rule looks at the runs of a case after fixed numbers of seeds only, doubling from ``first``.  Each
-of the J looks that the plan allows takes an interval of confidence 1 - (1 - c)/J (Bonferroni), so
-that all of them together hold with probability c at least, wherever the rule stops: exactly for
-Clopper and Pearson's interval of a share, nearly for Wilson's and for the bootstrap of a mean.
+A rule examines the runs of a case only after fixed numbers of seeds, doubling from ``first``.  Each
+of the J looks that the plan allows uses an interval of confidence 1 - (1 - c)/J (Bonferroni), so
+that all of them together are correct with probability c at least, wherever the rule stops: exactly
+for Clopper and Pearson's interval of a share, nearly for Wilson's and for the bootstrap of a mean.
 """
 
 import math
@@ -22,7 +22,7 @@ RESAMPLES = 2000
 
 
 class StopRule(Section, key="stop"):
-    """Rule to stop a case: its figure's interval is as narrow as asked for.
+    """Rule to stop a case: the interval of its figure is narrow enough.
 
     ``interval`` "": Clopper-Pearson of a share, the bootstrap of a mean.
     """
@@ -37,11 +37,11 @@ class StopRule(Section, key="stop"):
 
     @property
     def share(self) -> bool:
-        """True for a figure that is 0 or 1 a run."""
+        """True for a figure that is 0 or 1 in each run."""
         return self.figure in SHARES
 
     def relate(self) -> None:
-        """Raise ArgumentError where the interval is not one of such a figure."""
+        """Raise ArgumentError if the interval does not suit the figure."""
         allowed = ("", EXACT, WILSON) if self.share else ("", BOOTSTRAP)
         if self.interval not in allowed:
             raise ArgumentError(
@@ -50,7 +50,7 @@ class StopRule(Section, key="stop"):
             )
 
     def looks(self, seeds: int) -> list[int]:
-        """Numbers of seeds after which is looked; the last is all of them."""
+        """Numbers of seeds after which the rule is evaluated; the last is all of them."""
         counts = []
         count = self.first
         while count < seeds:
@@ -59,7 +59,7 @@ class StopRule(Section, key="stop"):
         return [*counts, seeds]
 
     def reached(self, values: Floats, looks: int, cell: int) -> bool:
-        """True where the runs of a case are enough; never where a value is missing."""
+        """True if the runs of a case are enough; never if a value is missing."""
         if not np.isfinite(values).all():
             return False
         low, high = self.bounds(values, 1 - (1 - self.confidence) / max(looks, 1), cell)
@@ -74,7 +74,7 @@ class StopRule(Section, key="stop"):
 
 
 def clopper_pearson(hits: int, count: int, confidence: float) -> tuple[float, float]:
-    """Exact interval of a share: it holds with at least this probability, for every share."""
+    """Exact interval of a share: its coverage is at least this, for every share."""
     from scipy.stats import beta  # slow to import, and seldom needed
 
     tail = (1 - confidence) / 2
@@ -84,7 +84,7 @@ def clopper_pearson(hits: int, count: int, confidence: float) -> tuple[float, fl
 
 
 def wilson(hits: int, count: int, confidence: float) -> tuple[float, float]:
-    """Wilson's score interval of a share: shorter than the exact one, and right on average."""
+    """Wilson's score interval of a share: shorter than the exact one, correct on average."""
     z = NormalDist().inv_cdf((1 + confidence) / 2)
     share, scale = hits / count, 1 + z * z / count
     middle = (share + z * z / (2 * count)) / scale

@@ -1,9 +1,8 @@
-"""Plans of many runs: scenario, laws, guards, plant, seeds, grid, sample and rule to stop.
+"""Plans of many runs: scenario, laws, guards, plant, seeds, grid, sample and stopping rule.
 
-The paper's runs, those past the paper, those on the rigid body and every study of a user are a
-`Study` each.  Its runs are counted by an index: points of grid and sample, then laws, then guards,
-then seeds (the last change fastest).  A run is what its index says, whoever makes it, in whatever
-order.
+The paper's runs, further comparisons, those on the rigid body and every study of a user are a
+`Study` each.  Its runs are numbered: points of grid and sample, then laws, then guards, then seeds
+(the last change fastest).  A run depends only on its index, not on who makes it or in which order.
 """
 
 import hashlib
@@ -39,10 +38,10 @@ MOST_SEEDS_EACH = 10_000
 
 @dataclass(frozen=True)
 class PlannedCase:
-    """Common to all seeds: scenario (a preset's name, or the thing itself), law, guard, changes.
+    """Part common to all seeds: scenario (a preset's name, or a Scenario), law, guard, changes.
 
-    ``guard`` None: as the scenario says; ``plant`` "mujoco" is the rigid body.  ``name``: what
-    tables call it; ``base``: the group of cases that it is compared in.
+    ``guard`` None: as the scenario says; ``plant`` "mujoco" is the rigid body.  ``name``: its name
+    in tables; ``base``: the group of cases that it is compared in.
     """
 
     scenario: str | Scenario
@@ -55,7 +54,7 @@ class PlannedCase:
 
     @property
     def labels(self) -> dict[str, object]:
-        """The columns that tell it from other cases in a table of runs."""
+        """Columns that distinguish it from other cases in a table of runs."""
         about = {"case": self.name, "law": self.law, "base": self.base}
         return {**about, "guard": self.guard, "plant": self.plant}
 
@@ -68,7 +67,7 @@ class PlannedCase:
 
 
 class PlannedRun(NamedTuple):
-    """A run to be made."""
+    """A run to make."""
 
     case: PlannedCase
     seed: int
@@ -88,7 +87,7 @@ class SamplePlan:
 
     @cached_property
     def points(self) -> NDArray[np.float64]:
-        """The points, one a row, in the order of ``ranges``."""
+        """The points, one per row, in the order of ``ranges``."""
         low, high = np.array(list(self.ranges.values())).T
         if self.method == SOBOL:
             sampler: Any = library("SALib.sample.sobol", "study")
@@ -105,7 +104,7 @@ class SamplePlan:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Faults of the sample that can be avoided, one sentence each."""
+        """Sentences on avoidable faults of the sample."""
         if self.method != SOBOL or self.n.bit_count() == 1:
             return ()
         below = 1 << (self.n.bit_length() - 1)
@@ -116,27 +115,27 @@ class SamplePlan:
 
     @property
     def described(self) -> dict[str, object]:
-        """The sample in plain values."""
+        """The sample as plain values."""
         ranges = {key: list(pair) for key, pair in self.ranges.items()}
         return {"method": self.method, "n": self.n, "seed": self.seed, "ranges": ranges}
 
     @property
     def problem(self) -> dict[str, object]:
-        """The box as SALib wants it."""
+        """The box in SALib's format."""
         bounds = [list(pair) for pair in self.ranges.values()]
         return {"num_vars": len(bounds), "names": list(self.ranges), "bounds": bounds}
 
 
 @dataclass(frozen=True)
 class Study:
-    """Runs of a scenario (a preset's name, or the thing itself).
+    """Runs of a scenario (a preset's name, or a Scenario).
 
-    ``seeds``: how many at most, from ``first_seed`` on; ``name``: what tables call it, where it
-    changes fields (``overrides``); ``title``, where the report tells it; ``laws``: none are all
-    that are run; ``guards``: whether the guard is on (None: as the scenario says); ``base``: the
-    group that it is compared in; ``grid`` and ``sample``: values of fields that differ from run to
-    run; ``stop``: when a case has enough runs; ``chunk``: runs between two times that results are
-    written; ``stated``: keys that the plan, or its scenario's file, states.
+    ``seeds``: their largest number, from ``first_seed`` on; ``name``: its name in tables, if it
+    changes fields (``overrides``); ``title``, if the report describes it; ``laws``: empty for all;
+    ``guards``: whether the guard is on (None: as the scenario says); ``base``: the group that it is
+    compared in; ``grid`` and ``sample``: values of fields that differ from run to run; ``stop``:
+    when a case has enough runs; ``chunk``: number of runs after which results are written;
+    ``stated``: keys that the plan, or its scenario's file, states.
     """
 
     scenario: str | Scenario
@@ -158,7 +157,7 @@ class Study:
 
     @cached_property
     def loaded(self) -> Scenario:
-        """The scenario itself.  Raises ScenarioError."""
+        """The Scenario.  Raises ScenarioError."""
         return load_scenario(self.scenario) if isinstance(self.scenario, str) else self.scenario
 
     @property
@@ -170,7 +169,7 @@ class Study:
     def planned(
         self, laws: Sequence[str], seeds: Sequence[int], plant: str = "ode"
     ) -> Iterator[PlannedRun]:
-        """Its runs on that plant, with those of the laws that it has and the first of the seeds."""
+        """Its runs on that plant, for the given laws that it includes and the first seeds."""
         chosen = tuple(law for law in laws if law in (self.laws or laws))
         study = replace(self, laws=chosen, plant=plant)
         for case in map(study.case, range(study.cells)):
@@ -193,12 +192,12 @@ class Study:
 
     @property
     def cells(self) -> int:
-        """Cases that differ by more than their seed."""
+        """Number of cases, which differ by more than their seed."""
         return self.points * len(self.laws) * len(self.guards)
 
     @property
     def runs(self) -> int:
-        """Runs of the whole plan, if no rule stops it."""
+        """Number of runs of the whole plan, if no rule stops it."""
         return self.cells * self.seeds
 
     @property
@@ -224,13 +223,13 @@ class Study:
 
     @cached_property
     def identity(self) -> str:
-        """Hash that two plans share if one can go on where the other was interrupted."""
+        """Hash that is equal for two plans if one can continue the other's interrupted work."""
         points = None if self.sample is None else self.sample.points.tobytes().hex()
         text = json.dumps([self.described(), points], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def described(self) -> dict[str, object]:
-        """The plan in plain values; `chunk` is no part of what the results are."""
+        """The plan as plain values, without `chunk`, which does not affect the results."""
         sample = self.sample
         return {
             "scenario": {"name": self.loaded.name, **scenario_dict(self.loaded)},
@@ -246,7 +245,7 @@ class Study:
 
 
 def studies_in(package: str, file: str) -> tuple[Study, ...]:
-    """Studies of a package's TOML file; ``with`` names the one that fills what a study omits."""
+    """Studies of a package's TOML file; ``with`` names a study to inherit omitted fields from."""
     known: dict[str, dict[str, Any]] = {}
     for row in data(package, file)["study"]:
         like = known.get(row.get("with", ""), {})

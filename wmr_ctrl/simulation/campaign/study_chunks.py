@@ -48,9 +48,9 @@ MOST_LOOPS = 16
 
 @dataclass(frozen=True)
 class StudyChunk:
-    """A worker's task: some runs of a study, and the figures to take of them.
+    """A worker's task: some runs of a study, and the figures to compute.
 
-    ``loops``: that of each run, where the worker need not build them; ``device``: as in `study`.
+    ``loops``: that of each run, if the worker need not build them; ``device``: as in `study`.
     """
 
     runs: tuple[tuple[PlannedCase, int], ...]
@@ -59,7 +59,7 @@ class StudyChunk:
     device: str = "cpu"
 
     def with_loops(self) -> StudyChunk:
-        """The same with its loops; as it is where almost every run has a case of its own."""
+        """The chunk with its loops; unchanged if almost every run has a separate case."""
         cases = [case for case, _ in self.runs]
         if len(set(map(id, cases))) > MOST_LOOPS:
             return self
@@ -67,9 +67,9 @@ class StudyChunk:
 
 
 def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
-    """Outcome, a guard's refusal and figures of each run of a chunk; a refused one has none.
+    """Outcome, refusal by a guard, and figures of each run of a chunk; refused runs have none.
 
-    On ``jobs`` threads, or processes for the rigid body; what an executor's worker calls.
+    Called by an executor's worker, on ``jobs`` threads, or processes for the rigid body.
     """
     cases = (case for case, _ in chunk.runs)
     loops = chunk.loops or built_loops(cases, None, "", chunk.device)
@@ -112,10 +112,10 @@ def executor_named(
 ) -> Iterator[Executor | None]:
     """The executor of that name, closed at the end; None for threads of this process.
 
-    ``facts`` gives this process's versions; ``asked`` is what each worker is asked to compare.
-    Processes of this machine use its libraries: they are sent loops.
-    Raises UnknownNameError, MissingExtraError without distributed, ArgumentError for a scheduler
-    that does not answer or a worker of another version.
+    ``facts`` returns this process's versions; ``asked`` is called on each worker for comparison.
+    Processes of this machine use its libraries, so they receive loops. Raises UnknownNameError,
+    MissingExtraError without distributed, ArgumentError for an unreachable scheduler or a worker of
+    another version.
     """
     if isinstance(name, Executor):
         yield name
@@ -134,7 +134,7 @@ def executor_named(
 
 
 class _SendsLoops(Executor):
-    """An executor whose workers get the loops of a chunk, and so need no graphs of their own."""
+    """An executor whose workers receive the loops of a chunk, and so need no graphs."""
 
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
@@ -149,7 +149,7 @@ class _SendsLoops(Executor):
 
 @contextmanager
 def _local(jobs: int | None) -> Iterator[Executor]:
-    """Processes of this machine, without Dask's looks at what they do 100 times a second."""
+    """Processes of this machine, without Dask's profiling of them 100 times a second."""
     distributed: Any = library("distributed", "cluster")
     configured: Any = library("dask.config", "cluster")
     with configured.set(QUIET):
@@ -176,7 +176,7 @@ def _client(distributed: Any, address: object, name: str) -> Iterator[Any]:
 
 
 def _compare(client: Any, facts: Facts, asked: Callable[[], Facts]) -> None:
-    """Raise where a worker's code is not this process's, or there is none."""
+    """Raise if a worker's code differs from this process's, or there is no worker."""
     client.wait_for_workers(1, timeout=PATIENCE)
     for address, theirs in client.run(asked).items():
         differ = [key for key in facts if theirs.get(key) != facts[key]]

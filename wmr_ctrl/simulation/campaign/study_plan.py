@@ -1,4 +1,4 @@
-"""Plans of users' studies: TOML, or tables, into a checked `Study`."""
+"""Read users' study plans, TOML or tables, into a checked `Study`."""
 
 import itertools
 import json
@@ -53,20 +53,20 @@ class PlanTable(Section):
     chunk: int = quantity(1024, "1", "runs between two writes", minimum=1, below=SEED_END)
 
     def relate(self) -> None:
-        """Raise ScenarioError where a law or flag stands twice."""
+        """Raise ScenarioError if a law or flag is listed twice."""
         for name, listed in (("laws", self.laws), ("guard", self.guard)):
             if len(set(listed)) < len(listed):
                 raise ScenarioError(f"{name} = {show(listed)} has a value twice; give each once.")
 
 
 class Seeds(Section, key="seeds"):
-    """Seeds in a row."""
+    """Consecutive seeds."""
 
     first: int = quantity(0, "1", "first seed", minimum=0, below=SEED_END)
     count: int = quantity(20, "1", "number of seeds", minimum=1, below=SEED_END)
 
     def relate(self) -> None:
-        """Raise ScenarioError where the last seed is too large."""
+        """Raise ScenarioError if the last seed is too large."""
         if self.first + self.count >= SEED_END:
             raise ScenarioError(f"seeds.first + seeds.count must be below {SEED_END}.")
 
@@ -141,7 +141,7 @@ def plan_of(raw: Raw, folder: Path = Path()) -> Study:
 
 
 def _check_places(tables: Mapping[str, Iterable[str]]) -> None:
-    """Raise where a field stands in two tables."""
+    """Raise if a field is in two tables."""
     for one, two in itertools.combinations(tables, 2):
         double = sorted({*tables[one]} & {*tables[two]})
         if double:
@@ -152,7 +152,7 @@ def _check_places(tables: Mapping[str, Iterable[str]]) -> None:
 
 
 def _check_guard(tables: Mapping[str, Iterable[str]]) -> None:
-    """Raise where a table would say again, or otherwise, what the plan's `guard` says."""
+    """Raise if a table sets guard.enabled, which the plan's `guard` states."""
     for name, keys in tables.items():
         if ENABLED in keys:
             raise ArgumentError(
@@ -162,7 +162,7 @@ def _check_guard(tables: Mapping[str, Iterable[str]]) -> None:
 
 
 def _check(plan: Study) -> None:
-    """Raise where there are too many runs, or a value by itself is refused."""
+    """Raise if there are too many runs, or a single value is refused."""
     sizes = [len(plan.laws), len(plan.guards), plan.seeds, *map(len, plan.grid.values())]
     if plan.sample:
         sizes.append(plan.sample.n)
@@ -178,7 +178,7 @@ def _check(plan: Study) -> None:
 
 
 def flat(table: Raw, head: str = "") -> dict[str, object]:
-    """Key paths of nested tables: ``"robot.m"`` and robot.m are the same key."""
+    """Key paths of nested tables: ``"robot.m"`` and robot.m are one key."""
     rows: dict[str, object] = {}
     for key, value in table.items():
         path = f"{head}.{key}" if head else key
@@ -187,7 +187,7 @@ def flat(table: Raw, head: str = "") -> dict[str, object]:
 
 
 def _law_given(item: object) -> LawGiven:
-    """An element of ``laws``: a name, a file or a Law; what is neither is refused with the rest."""
+    """Check that an element of ``laws`` is a name, a file or a Law."""
     if isinstance(item, str | Path | Law):
         return item
     raise ArgumentError(f"laws: {show(item)} is not a law's name, the path of its file or a Law.")
@@ -234,7 +234,7 @@ def _sample(table: Raw) -> SamplePlan:
 
 
 def _figures(names: Sequence[str], plant: str) -> tuple[str, ...]:
-    """The figures of those names, or all that are there without a log."""
+    """The named figures, or all that need no log."""
     on_tyres = plant == "mujoco"
     if not names:
         return (*SHARES, *(f.name for f in (*SUMMED, *(RIGID if on_tyres else ()))))

@@ -1,4 +1,4 @@
-"""Running a study: chunk after chunk by an executor, look after look, until the table is there."""
+"""Run a study: chunk after chunk by an executor, look after look, until the table is complete."""
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -41,10 +41,10 @@ MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
 
 @dataclass(frozen=True)
 class StudyOutcome:
-    """Results of a study: its folder, the table's path, the runs made and those of the whole plan.
+    """Results of a study: its folder, the table's path, the numbers of runs made and planned.
 
     ``stopped``: cases that the rule ended before all their seeds; ``warnings``: the plan's;
-    ``refused``: how many runs a guard refused for each reason (`counted_reasons`).
+    ``refused``: number of runs that a guard refused, by reason (`counted_reasons`).
     """
 
     folder: Path
@@ -57,7 +57,7 @@ class StudyOutcome:
 
     @property
     def all_refused(self) -> bool:
-        """True where no run was made, since the guard refused each."""
+        """True if no run was made because the guard refused each."""
         return sum(self.refused.values()) == self.runs > 0
 
     def __str__(self) -> str:
@@ -82,12 +82,11 @@ def study(
 
     ``executor``: "threads" of this process, "dask" for processes of this machine, a Dask scheduler
     as "dask://HOST:PORT", or any `concurrent.futures` executor; ``jobs``: threads or processes;
-    ``device``: "gpu" for the graphics processor of whoever makes the runs (CUDA: extra gpu).
-    The table has the same bytes for all of them.  After an interruption, the same call makes only
-    the runs that are missing.  Runs of the plant "mujoco" (extra physics) are made by processes
-    instead of threads.  Raises ArgumentError,
-    UnknownNameError, ScenarioError, ResultFileError, MissingExtraError or CompilerError; finished
-    runs are kept.
+    ``device``: "gpu" for the graphics processor of the process that makes the runs (CUDA: extra
+    gpu). The table has the same bytes for all of them. After an interruption, the same call makes
+    only the runs that are missing. Runs of the plant "mujoco" (extra physics) are made by processes
+    instead of threads. Raises ArgumentError, UnknownNameError, ScenarioError, ResultFileError,
+    MissingExtraError or CompilerError; finished runs are kept.
     """
     from wmr_ctrl.simulation.engines import check_device
 
@@ -122,10 +121,10 @@ def study(
 def study_facts(
     scenario: Scenario, laws: tuple[str, ...], plant: str, device: str = "cpu"
 ) -> dict[str, str]:
-    """Facts that decide a result besides the plan: the version, and the code of the plan's laws.
+    """Facts that determine a result besides the plan: the version, and the code of the plan's laws.
 
-    The laws' loops without guard are compiled for it, here or on the worker that is asked, so that
-    a kind of machine does so before its first chunk.
+    The laws' loops without guard are compiled for it, here or on the queried worker, so that each
+    kind of machine compiles before its first chunk.
     """
     cases = (PlannedCase(scenario, law, False, plant=plant) for law in laws)
     digests = [build_loop(case, device).compiled.digest for case in cases]
@@ -151,8 +150,8 @@ def run_study(
     """Make the runs of ``plan`` that the folder ``out`` lacks, and write the table.
 
     ``executor`` None: in this process on ``jobs`` threads; else ``make`` is sent to it, one thread
-    a chunk.  The table's bytes depend on neither, nor on interruptions.  Raises ResultFileError,
-    and whatever a run raises; finished chunks stay.
+    per chunk. The table's bytes depend on neither, nor on interruptions. Raises ResultFileError,
+    and the errors of a run; finished chunks stay.
     """
     with opened(out, plan, facts) as folder:
         rule = plan.stop
@@ -205,7 +204,7 @@ def _finished(
     jobs: int | None,
     advance: Callable[[int], None],
 ) -> list[Path]:
-    """Paths of a look's chunks, in order; those that are not there yet are made."""
+    """Paths of a look's chunks, in order; missing chunks are computed."""
     paths = []
 
     def missing() -> Iterator[tuple[Path, list[int]]]:
@@ -231,7 +230,7 @@ def _finished(
 
 
 def _chunk(plan: Study, device: str, block: Sequence[int]) -> StudyChunk:
-    """The runs of some indices; those of a cell share their case."""
+    """The runs with some indices; runs of one cell share their case."""
     cases = {cell: plan.case(cell) for cell in dict.fromkeys(k // plan.seeds for k in block)}
     runs = ((cases[k // plan.seeds], plan.first_seed + k % plan.seeds) for k in block)
     return StudyChunk(tuple(runs), plan.figures, device=device)
@@ -245,7 +244,7 @@ def _sent(
     jobs: int | None,
     keep: Callable[[Path, list[int], Rows], None],
 ) -> None:
-    """Send chunks to an executor, few ahead of those that run, and keep the results."""
+    """Send chunks to an executor, slightly ahead of the running ones, and store the results."""
     ahead = IN_FLIGHT * (jobs or 4)
     waiting: dict[Future[Rows | WmrError], tuple[Path, list[int]]] = {}
     try:
@@ -265,9 +264,9 @@ def _sent(
 
 
 def _told(make: MakeRows, chunk: StudyChunk, jobs: int | None) -> Rows | WmrError:
-    """The rows of a chunk, or the error that a user can mend.
+    """The rows of a chunk, or a user's error as a value.
 
-    What is raised in a worker, Dask prints there with its traceback.
+    Dask would print an exception raised in a worker there, with its traceback.
     """
     try:
         return make(chunk, jobs)
@@ -276,9 +275,9 @@ def _told(make: MakeRows, chunk: StudyChunk, jobs: int | None) -> Rows | WmrErro
 
 
 def _blocks(indices: Iterator[int], count: int, longest: int) -> Iterator[list[int]]:
-    """The ``count`` indices in as few lists of at most ``longest`` as can be, all nearly as long.
+    """Split ``count`` indices into the fewest lists of at most ``longest``, of nearly equal length.
 
-    A short last chunk would leave all workers but one without work.
+    A short last chunk would leave all workers but one idle.
     """
     lists = -(-count // longest)
     for k in range(lists):

@@ -1,4 +1,4 @@
-"""The folder of a study: plan, provenance, chunks written whole or not at all, and the table.
+"""The folder of a study: plan, provenance, chunks written atomically, and the table.
 
 study.json      the plan, its identity, what made the results
 chunks/*.npz    rows of finished chunks: index, outcome, refusal, figures
@@ -47,11 +47,11 @@ class StudyFolder:
         self.members = {"index", "outcome", REFUSAL, *plan.figures}
 
     def chunk_path(self, look: int, indices: Sequence[int]) -> Path:
-        """File of the rows of some runs; the name tells which they are."""
+        """File of the rows of some runs; the name identifies them."""
         return self.chunks / f"{look:02d}-{indices[0]:012d}-{indices[-1]:012d}-{len(indices)}.npz"
 
     def rows(self, path: Path) -> Rows | None:
-        """Rows of a finished chunk; None where it is not there, or damaged in any way."""
+        """Rows of a finished chunk; None if it is missing or damaged."""
         try:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
                 rows = {name: archive[name] for name in archive.files}
@@ -60,7 +60,7 @@ class StudyFolder:
         return rows if rows.keys() == self.members else None
 
     def keep(self, path: Path, rows: Rows) -> None:
-        """Write the rows of a chunk, whole or not at all.  Raises ResultFileError."""
+        """Write the rows of a chunk atomically.  Raises ResultFileError."""
         with atomic_write(path) as file:
             np.savez(file, **rows)  # type: ignore[arg-type]
 
@@ -84,7 +84,7 @@ class StudyFolder:
         return target
 
     def _cells(self, paths: Sequence[Path]) -> Iterator[tuple[int | str, ...]]:
-        """The table's row of each run in some chunks, its index first."""
+        """The table's row of each run in some chunks, beginning with its index."""
         plan = self.plan
         for path in paths:
             rows = self.rows(path)
@@ -109,9 +109,9 @@ class StudyFolder:
 
 
 def counted_reasons(refusals: Iterable[str]) -> dict[str, int]:
-    """Counts of each reason among texts, the most frequent first; empty texts are none.
+    """Counts of each reason among texts, the most frequent first; empty texts are skipped.
 
-    Reasons that differ by numbers alone are one; "..." stands for what differs.
+    Reasons that differ only in numbers are merged; "..." replaces the differing parts.
     """
     counts: dict[str, int] = {}
     numbers: dict[str, list[str | None]] = {}
@@ -160,10 +160,10 @@ def _field(plan: Study, key: str) -> tuple[str, str]:
 
 @contextmanager
 def opened(folder: Path, plan: Study, facts: Mapping[str, str]) -> Iterator[StudyFolder]:
-    """The folder of a study, begun or gone on with, for one process at a time.
+    """Context of a study's folder, new or continued, for one process at a time.
 
-    Raises ResultFileError for a folder of another plan or another version, one that another
-    process works on, or one that cannot be written.
+    Raises ResultFileError for a folder of another plan or version, one in use by another process,
+    or one that cannot be written.
     """
     try:
         (folder / "chunks").mkdir(parents=True, exist_ok=True)
@@ -213,7 +213,7 @@ def _same_study(folder: Path, plan: Study, facts: Mapping[str, str]) -> None:
 
 @contextmanager
 def finished_study(folder: Path) -> Iterator[None]:
-    """Context of reading a study's files; raises ResultFileError where none is finished."""
+    """Context for reading a study's files; raises ResultFileError if none is finished."""
     try:
         yield
     except ResultFileError:
@@ -223,7 +223,7 @@ def finished_study(folder: Path) -> Iterator[None]:
 
 
 def _unfinished(folder: Path, error: Exception) -> str:
-    """Cause and remedy where no study is found."""
+    """Why no study was found, with the remedy."""
     if not folder.exists():
         why = f"there is no folder {str(folder)!r}."
     elif isinstance(error, OSError) and error.filename:
@@ -238,11 +238,11 @@ def _unfinished(folder: Path, error: Exception) -> str:
 
 
 def write_columns(folder: str | Path) -> Path:
-    """Write table.parquet beside a study's table.csv, whole or not at all; returns its path.
+    """Write table.parquet atomically beside a study's table.csv; returns its path.
 
-    Numbers are doubles, empty cells null; index and seed whole numbers, guard a Boolean, lists of
-    a grid their JSON text.  Raises ResultFileError where no study is finished or the file cannot be
-    written, MissingExtraError without pyarrow.
+    Numbers are doubles, empty cells null; index and seed integers, guard a Boolean, lists of a grid
+    their JSON text.  Raises ResultFileError if no study is finished or the file cannot be written,
+    MissingExtraError without pyarrow.
     """
     where = Path(folder)
     arrow: Any = library("pyarrow")

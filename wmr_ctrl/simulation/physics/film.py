@@ -1,8 +1,8 @@
-"""A run on the rigid body as pictures in three dimensions, painted by MuJoCo.
+"""Three-dimensional pictures of a run on the rigid body, rendered by MuJoCo.
 
-The log tells where the robot was, not how it lay, so the run is made once more from its seed, and
-refused where it comes out otherwise.  OpenGL is chosen before MuJoCo is loaded: the pictures are
-painted in a process of their own, by EGL or OSMesa, or by what MUJOCO_GL says.
+The log has the robot's position, not its full orientation, so the run is repeated from its seed,
+and refused if the result differs.  OpenGL is chosen before MuJoCo is loaded: a separate process
+renders, by EGL or OSMesa, or as MUJOCO_GL says.
 """
 
 import os
@@ -42,8 +42,8 @@ class Moments:
     """Data of the frames of a run.
 
     ``model``: the robot as MJCF; ``rows`` (n,) of the log; ``positions`` (n, 9): MuJoCo's, the
-    body's and the wheels'; ``target`` (n, 2): the desired position [m]; ``slip_max`` [m/s]: from
-    where on a tread slides; ``tube`` (n,) [m]: corridor about the path, nan where there is none.
+    body's and the wheels'; ``target`` (n, 2): the desired position [m]; ``slip_max`` [m/s]: speed
+    above which a tread slides; ``tube`` (n,) [m]: corridor about the path, nan without one.
     """
 
     model: str
@@ -55,10 +55,10 @@ class Moments:
 
 
 def moments_of(loop: RunnableLoop, run: Run, most: int) -> Moments:
-    """At most ``most`` moments of a run, the last sample among them, from the run made once more.
+    """Moments of a repeated run, at most ``most``, with the last sample.
 
     ``loop`` is that of the run's scenario and law.  Raises ArgumentError for a run without a
-    sample, or one that does not come out the same here.
+    sample, or one whose repetition differs.
     """
     if not run.rows:
         raise ArgumentError("the run has no sample to show: it ended before the first one.")
@@ -81,7 +81,7 @@ def moments_of(loop: RunnableLoop, run: Run, most: int) -> Moments:
 
 
 def pictures(moments: Moments) -> Iterator[Picture]:
-    """The picture of each moment, (480, 640, 3); MissingExtraError where none can be painted."""
+    """The picture of each moment, (480, 640, 3); MissingExtraError if rendering is impossible."""
     worker = _painter()
     try:
         for first in range(0, len(moments.rows), _AT_A_TIME):
@@ -94,13 +94,13 @@ def pictures(moments: Moments) -> Iterator[Picture]:
 
 
 def check_painter() -> None:
-    """Raise MissingExtraError, with the remedy, where no picture can be painted."""
+    """Raise MissingExtraError, with the remedy, if rendering is impossible."""
     mujoco()
     _painter().end()
 
 
 def _painter() -> Worker:
-    """A process that paints; the first of EGL and OSMesa that does, or what MUJOCO_GL says."""
+    """A rendering process, with the first of EGL and OSMesa that works, or with MUJOCO_GL."""
     reasons = []
     for choice in [os.environ[CHOICE]] if os.environ.get(CHOICE) else CHOICES:
         worker = Worker({CHOICE: choice})
@@ -126,7 +126,7 @@ def paint(
     first: int,
     tube: Floats | None = None,
 ) -> list[Picture]:
-    """Pictures of some moments, numbered from ``first``; what the process that paints does."""
+    """Pictures of some moments, numbered from ``first``; called in the rendering process."""
     stage, numbered = _scenery(model), enumerate(positions, first + 1)
     stage.lay(target, np.full(len(target), np.nan) if tube is None else tube)
     return [stage.picture(position, driven[:k], target[:k]) for k, position in numbered]
@@ -138,7 +138,7 @@ def _scenery(model: str) -> "_Scenery":
 
 
 class _Scenery:
-    """A model, a renderer and a camera that goes with the robot."""
+    """A model, a renderer and a camera that follows the robot."""
 
     def __init__(self, model: str) -> None:
         engine: Any = mujoco()
@@ -152,7 +152,7 @@ class _Scenery:
         self._slabs: list[tuple[Floats, Floats, Floats]] = []
 
     def lay(self, path: Floats, widths: Floats) -> None:
-        """A band within ``widths`` (n) [m] of a path (n, 2) on the ground, from now on."""
+        """Show a band within ``widths`` (n) [m] of a path (n, 2) on the ground from now on."""
         self._slabs, most = [], np.maximum(widths[:-1], widths[1:])
         for (one, other), width in zip(pairwise(path), most, strict=True):
             ahead = other - one
@@ -164,7 +164,7 @@ class _Scenery:
                 self._slabs.append((size, np.array([*(one + other) / 2, 0.001]), turned))
 
     def picture(self, position: Floats, driven: Floats, target: Floats) -> Picture:
-        """The robot, its way, the desired way, a post where the robot should be, the band."""
+        """The robot, its path, the desired path, a post at the desired position, the band."""
         self._data.qpos[:] = position
         self._engine.mj_forward(self._model, self._data)
         self._camera.lookat[:] = (*driven[-1], 0.1)

@@ -1,13 +1,13 @@
-"""The rigid body as a plant: its MJCF text, and step by step the plane plant's state out.
+"""The rigid body as a plant: its MJCF text, and the plane plant's state from it, step by step.
 
-It takes torques and forces.  ``description`` is the robot of a scenario as a text, with the numbers
-that a run may change.
+It takes torques and forces.  ``description`` is a scenario's robot as a text, with the numbers that
+a run may change.
 
 Body frame: origin in the axle's midpoint, x to the right wheel, y forward, z up, so that theta is
-the rotation about z.  Contacts are named pairs, since MuJoCo would else take the larger friction
-of two shapes; casters have none.  Coulomb friction of the scenario is that of the wheels' bearings,
-mu m g r/2 each: it holds the robot like the plane model's at low speed, but brakes rotation too.
-A wheel turns about -x, so that forward is positive.
+the rotation about z. Contacts are named pairs, since MuJoCo would otherwise use the larger friction
+of two shapes; casters have none. Coulomb friction of the scenario is that of the wheels' bearings,
+mu m g r/2 each: it acts like the plane model's at low speed, but also brakes rotation. A wheel
+turns about -x, so that forward is positive.
 """
 
 import math
@@ -42,7 +42,7 @@ _STEP_MAX = 0.005
 
 @dataclass(frozen=True)
 class Loads:
-    """The parts' loads, from the robot's mass, inertia and friction.
+    """Mass distribution and bearing friction, from the robot's mass, inertia and friction.
 
     ``mass`` of the chassis [kg]; ``lift``: its centre of mass above the axle [m]; ``inertia`` of
     the chassis about it (pitch, roll, yaw) [kg m2]; ``drag`` of each wheel's bearing [N m].
@@ -55,7 +55,7 @@ class Loads:
 
 
 def loads(scenario: Scenario, robot: Robot) -> Loads:
-    """The parts of a robot; raises ScenarioError where the wheels alone are heavier than it."""
+    """The mass distribution of a robot; raises ScenarioError if the wheels alone outweigh it."""
     m, body = robot.m, scenario.body
     _, across = wheel_inertia(scenario)
     chassis = m - 2 * body.wheel_mass
@@ -78,7 +78,7 @@ def wheel_inertia(scenario: Scenario) -> tuple[float, float]:
 
 
 def gravity(scenario: Scenario) -> tuple[float, float, float]:
-    """Gravity [m/s2] in the ground's frame: the ground is level there, and gravity inclined."""
+    """Gravity [m/s2] in the ground's frame, in which the ground is level and gravity inclined."""
     g, slope, uphill = scenario.robot.g, scenario.body.slope, scenario.body.uphill
     along = -g * math.sin(slope)
     return -along * math.sin(uphill), along * math.cos(uphill), -g * math.cos(slope)
@@ -87,8 +87,8 @@ def gravity(scenario: Scenario) -> tuple[float, float, float]:
 def description(scenario: Scenario) -> str:
     """The robot on its ground as MJCF, at rest over the origin and looking along +Y.
 
-    Raises ScenarioError for numbers that no rigid body has or that nobody states, a step that is
-    too long for one, or the plane model's slope, which would pull on level ground.
+    Raises ScenarioError for numbers that are impossible for a rigid body or unstated, a step that
+    is too long for one, or the plane model's slope, which would pull on level ground.
     """
     if unknown := unknown_keys(scenario):
         raise MissingKeysError(f"the rigid body: {missing_text(unknown, sections())}")
@@ -126,7 +126,7 @@ _SETTLING = 0.5
 
 
 def mujoco() -> ModuleType:
-    """The package `mujoco`; MissingExtraError without it, ArgumentError where it does not load."""
+    """The package `mujoco`; MissingExtraError without it, ArgumentError if it cannot be loaded."""
     try:
         return import_module("mujoco")
     except RuntimeError as error:
@@ -142,15 +142,15 @@ class RigidBody:
     """A scenario's robot on its tyres, at the scenario's start.
 
     ``pose`` x, y [m] of the axle's midpoint, theta [rad], continuous; ``velocity`` v1 [m/s] along
-    the heading, omega [rad/s]; ``path`` [m], the way that both wheels rolled in the mean, and
-    ``turned`` [rad], theta as their rolling tells it, whatever the body did; ``wheels``: speed
-    (right, left) [rad/s]; ``slip`` (2,): tread over ground [m/s], forward on a wheel that spins;
-    ``tilt`` [rad] between the robot's axis and the ground's normal. Two bodies with the same inputs
-    move alike, to the bit, on one machine.
+    the heading, omega [rad/s]; ``path`` [m], the mean distance that both wheels rolled, and
+    ``turned`` [rad], theta computed from their rolling, for any motion of the body; ``wheels``:
+    speed (right, left) [rad/s]; ``slip`` (2,): tread over ground [m/s], forward on a wheel that
+    spins; ``tilt`` [rad] between the robot's axis and the ground's normal. Two bodies with the same
+    inputs move alike, to the bit, on one machine.
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        """Sunk into its tyres and moving as the scenario begins.
+        """Place the body, sunk into its tyres, with the scenario's initial motion.
 
         Raises MissingExtraError, or ScenarioError as `description` does.
         """
@@ -172,7 +172,7 @@ class RigidBody:
         return number
 
     def _settle(self) -> None:
-        """Let it sink under the part of gravity that presses it to the ground."""
+        """Let the body sink under the gravity component that presses it to the ground."""
         self.model.opt.gravity[:] = (0.0, 0.0, gravity(self.scenario)[2])
         for _ in range(round(_SETTLING / self._step)):
             self._mujoco.mj_step(self.model, self.data)
@@ -180,7 +180,7 @@ class RigidBody:
         self.data.time = 0.0
 
     def _place(self) -> None:
-        """Start as the scenario does, with the wheels rolling."""
+        """Set the scenario's initial pose and velocity, with rolling wheels."""
         (x, y, theta), (v1, omega) = self.scenario.initial.pose, self.scenario.initial.velocity
         turned, stands = np.zeros(4), self.data.qpos[3:7].copy()
         yaw = np.array([math.cos(theta / 2), 0.0, 0.0, math.sin(theta / 2)])
@@ -196,7 +196,7 @@ class RigidBody:
         self._read()
 
     def _read(self) -> None:
-        """State and slip from what MuJoCo has; theta goes on from where it was."""
+        """Read state and slip from MuJoCo; theta is continued from its last value."""
         x, y, _, w, qx, qy, qz, *rolled = self.data.qpos.tolist()
         vx, vy, _, *spin, right, left = self.data.qvel.tolist()
         ahead = 2 * (qx * qy - w * qz), 1 - 2 * (qx * qx + qz * qz)
@@ -215,7 +215,7 @@ class RigidBody:
     def step(self, acting: Sequence[float]) -> None:
         """One plant step under wheel torques, torques that disturb (2 each), thrust and moment.
 
-        In the order of `signals.TORQUE`, `TORQUE_NOISE`, `BODY_FORCE`; the force acts in the
+        In the order of `signals.TORQUE`, `TORQUE_NOISE`, `BODY_FORCE`; the force acts at the
         chassis' centre of mass, along the heading.
         """
         right, left, noise_right, noise_left, thrust, moment = acting
@@ -228,7 +228,7 @@ class RigidBody:
         self._read()
 
     def change(self, change: Change) -> None:
-        """New mass, inertia and friction from now on; what the change leaves out stays."""
+        """Set new mass, inertia and friction; numbers that the change omits stay."""
         self._robot = robot = replace(self._robot, **change.values())
         own = loads(self.scenario, robot)
         self.model.body_mass[self._chassis] = own.mass
@@ -239,15 +239,15 @@ class RigidBody:
 
     @property
     def plane_state(self) -> tuple[float, ...]:
-        """State of the plane plant, then what sensors on the wheels may ask: PATH and SKID."""
+        """State of the plane plant, then further outputs for wheel sensors: PATH and SKID."""
         return *self.pose, *self.velocity, self.path, self.turned - self._theta
 
     @property
     def tip_margin(self) -> float:
-        """Distance of the load's centre from the edge of the support: 1 over the axle's midpoint.
+        """Distance of the load's centre from the support's edge: 1 for the axle's midpoint.
 
-        1 - |p_x|/l - |p_y|/caster for the centre of pressure p of the last step; 0 where the robot
-        stands on one edge of the rhombus of wheels and casters, or on nothing.
+        1 - |p_x|/l - |p_y|/caster for the centre of pressure p of the last step; 0 if the robot
+        rests on one edge of the rhombus of wheels and casters, or has no contact.
         """
         load, force = dict.fromkeys(self._geoms.values(), 0.0), np.zeros(6)
         for i, (one, other) in enumerate(self.data.contact.geom.tolist()):

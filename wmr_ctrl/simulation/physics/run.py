@@ -1,4 +1,4 @@
-"""Runs on the rigid body: the compiled loop on one side of the wheels, MuJoCo on the other."""
+"""Runs on the rigid body: the compiled loop up to the wheels, MuJoCo beyond them."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -28,9 +28,10 @@ _ROWS_PER_REPORT = 100
 
 
 def run_rigid(loop: RunnableLoop, seed: int, progress: Progress | None = None) -> Run:
-    """One run of a loop from `codegen.build.build_plantless`; it ends where the robot has tipped.
+    """One run of a loop from `codegen.build.build_plantless`; it ends if the robot tips over.
 
-    Raises MissingExtraError, CompilerError, or ScenarioError for what no rigid body can be.
+    Raises MissingExtraError, CompilerError, or ScenarioError for numbers impossible for a rigid
+    body.
     """
     return run_to_end(loop, seed, progress)[0]
 
@@ -38,7 +39,7 @@ def run_rigid(loop: RunnableLoop, seed: int, progress: Progress | None = None) -
 def run_to_end(
     loop: RunnableLoop, seed: int, progress: Progress | None = None
 ) -> tuple[Run, tuple[float, ...]]:
-    """The Run, and the state in which it ended: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."""
+    """The Run, and its final state: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."""
     scenario, layout = loop.scenario, loop.compiled.layout
     coupling, rows = Coupling(loop, seed), list[list[float]]()
     for k in range(scenario.clock.samples):
@@ -62,7 +63,7 @@ def run_rigid_each(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> list[T]:
-    """Results of ``then`` for place and Run of each pair (loop, seed), as of `sim.many.run_each`.
+    """Results of ``then`` for index and Run of each pair (loop, seed), as `sim.many.run_each`.
 
     On ``jobs`` processes (default: cores); the result is the same for any number of them.
     ``progress`` is called with the share done.  Errors as in `run_rigid`, and ArgumentError for
@@ -75,7 +76,7 @@ def run_rigid_each(
 class Coupling:
     """A compiled loop and a rigid body, sample by sample.
 
-    ``ended``: whether the run must end; ``seen``: what the body showed so far.
+    ``ended``: whether the run must end; ``seen``: monitor of the body so far.
     """
 
     def __init__(self, loop: RunnableLoop, seed: int) -> None:
@@ -92,7 +93,7 @@ class Coupling:
         self.ended = self._watched() or self.loop.ended
 
     def sample(self) -> list[float]:
-        """A row of the log; then the steps of its period, to the run's end at most."""
+        """Make a row of the log, then the steps of its period, at most to the run's end."""
         body, margin = self.body, self.body.tip_margin
         self._margin = min(self._margin, margin)
         shown = self.loop.sampled(body.plane_state)
@@ -110,7 +111,7 @@ class Coupling:
         return row
 
     def _watched(self) -> bool:
-        """Take note of the body; True where it has tipped."""
+        """Record extremes of the body; True if it has tipped over."""
         body, limits = self.body, self.scenario.body
         slip = max(abs(body.slip[0]), abs(body.slip[1]))
         self._slip, self._tilt = max(self._slip, slip), max(self._tilt, body.tilt)
@@ -141,7 +142,7 @@ def rigid_table(
     """The table of some runs, each made once for all of its figures; as `sim.many.tabulated`.
 
     ``jobs``: processes; ``build``: from a scenario to its loop without a plant, for tasks with a
-    start of their own.  Errors as in `run_rigid`.
+    separate start.  Errors as in `run_rigid`.
     """
     pairs = []
     for task in tasks:
@@ -155,9 +156,9 @@ def rigid_table(
 
 
 def rigid_row(loop: RunnableLoop, seed: int, further: Sequence[str] = ()) -> dict[str, object]:
-    """Figures, outcome and ``tracked`` of a run; it counts as stopped where it has tipped.
+    """Figures, outcome and ``tracked`` of a run; it counts as stopped if it has tipped over.
 
-    ``further``: names of figures of the catalogue that are taken besides.
+    ``further``: names of further figures of the catalogue.
     """
     run, end = run_to_end(loop, seed)
     asked = values_of(run, map(FIGURES.__getitem__, further))
@@ -166,9 +167,9 @@ def rigid_row(loop: RunnableLoop, seed: int, further: Sequence[str] = ()) -> dic
 
 
 def figures_from_run(run: Run, end: tuple[float, ...]) -> dict[str, float | None]:
-    """Every number of `COLUMNS` of one run, and of its body; ``end`` is its last state, (5,).
+    """All numbers of `COLUMNS` of one run, and of its body; ``end`` is its last state, (5,).
 
-    They are those of `sim.many.tabulated` but for the rounding of sums.
+    They equal those of `sim.many.tabulated` up to the rounding of sums.
     """
     seen = run.monitor
     row = values_of(run, (*SUMMED, *(RIGID if seen.rigid else ())))

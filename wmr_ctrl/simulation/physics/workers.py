@@ -1,7 +1,7 @@
-"""Runs in processes of their own: MuJoCo's steps and Python's between them want a core each.
+"""Runs in separate processes: MuJoCo's steps and the Python between them need a core each.
 
-Unlike those of `multiprocessing` the processes do not import the user's script once more, so that
-many runs may stand at its top level.
+Unlike those of `multiprocessing` the processes do not import the user's script again, so that many
+runs may be at its top level.
 """
 
 import os
@@ -36,10 +36,10 @@ def make_each(
 ) -> list[T]:
     """Results of ``make`` for each pair (loop, seed), in their order.
 
-    On ``jobs`` processes (default: one per core), or here for one; ``make`` must be importable by
-    its name.  The result is the same for any ``jobs``.  ``progress`` is called with the share done.
-    Ctrl-C ends all processes.  Raises what ``make`` raises, MissingExtraError, and ArgumentError
-    for jobs < 1.
+    On ``jobs`` processes (default: one per core), or in this process for one; ``make`` must be
+    importable by its name. The result is the same for any ``jobs``. ``progress`` is called with the
+    share done. Ctrl-C ends all processes. Raises what ``make`` raises, MissingExtraError, and
+    ArgumentError for jobs < 1.
     """
     check_jobs(jobs)
     mujoco()
@@ -54,7 +54,7 @@ def make_each(
 
 @contextmanager
 def _makers(make: Callable[[RunnableLoop, int], T], count: int) -> Iterator[ResultsOf[T]]:
-    """Results of runs that are made here or by several processes; none is left at the end."""
+    """Context that yields results of runs made here or by several processes, which end with it."""
     if count <= 1:
         yield lambda runs: (make(loop, seed) for loop, seed in runs)
         return
@@ -80,10 +80,10 @@ def _makers(make: Callable[[RunnableLoop, int], T], count: int) -> Iterator[Resu
 
 
 class Worker:
-    """A process that makes calls for another one, one after the other."""
+    """A process that executes calls for another one, one after the other."""
 
     def __init__(self, environment: Mapping[str, str] | None = None) -> None:
-        """Start it, without waiting for it; ``environment``: variables that it is given besides."""
+        """Start the process without waiting for it; ``environment``: additional variables."""
         paths = filter(None, (_ROOT, os.environ.get("PYTHONPATH")))
         own = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **(environment or {})}
         self._process = subprocess.Popen(
@@ -91,7 +91,7 @@ class Worker:
         )
 
     def ask(self, make: Callable[..., T], given: tuple[object, ...]) -> T:
-        """``make(*given)``; raises what it raised there, WmrError if the process ended.
+        """Return ``make(*given)``; raises its error, or WmrError if the process ended.
 
         ``make`` must be importable by its name.
         """
@@ -113,7 +113,7 @@ class Worker:
         return answer
 
     def end(self) -> None:
-        """End it, whatever it does."""
+        """End the process, whatever it is doing."""
         self._process.kill()
         self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout):
@@ -122,9 +122,9 @@ class Worker:
 
 
 def serve() -> None:
-    """Worker main loop: answer each call until the input ends.
+    """Main loop of a worker: execute each call until the input ends.
 
-    What is printed meanwhile goes to stderr; Ctrl-C is left to the process that asked.
+    Its output goes to stderr; Ctrl-C is left to the calling process.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with os.fdopen(os.dup(1), "wb") as answers:

@@ -1,4 +1,4 @@
-"""Gains of a law for a scenario, found by search on runs."""
+"""Gains of a law for a scenario, found by a search over runs."""
 
 from .gains import Tuning as Tuning
 from .gains import judged as judged

@@ -1,18 +1,18 @@
-"""Tuning: gains of a law found by CMA-ES on runs, for a robot that is not as heavy as believed.
+"""Tuning: gains of a law found by CMA-ES over runs, also for masses other than the believed one.
 
-Objective, to be made small: the root of the mean over all training runs of
+Objective, to be minimised: the root of the mean over all training runs of
 
     position_rms^2 + (weight torque_change_rms)^2
 
 with the position's RMS over the last quarter and the torques' change over the last half of a run,
-of a path that stops over its drive (`results.measures`); with merit = "corridor" the certified
-corridor stands in the place of position_rms (`Corridor.merit`), and gains that have one stand
-before all that have none.  The runs: every training seed, once with the scenario as it is and once
-for each of `MASSES`, the true mass and inertia over the believed ones, without the scenario's
-changes.  A base that takes velocities is judged by its position alone, with its own mass.  Fewer
-runs that end early come before a smaller objective of the others.  Gains are searched as
-logarithms, from the scenario's own; the guard is off, so that it hides nothing.  Seeds of the test,
-and references that were not trained on, judge.
+or over the drive for a path that stops (`results.measures`); with merit = "corridor" the certified
+corridor replaces position_rms (`Corridor.merit`), and gains with a corridor rank before all without
+one. The runs: every training seed, once with the scenario as it is and once for each of `MASSES`,
+the true mass and inertia over the believed ones, without the scenario's changes. A base that takes
+velocities is judged by its position alone, with its own mass. Fewer runs that end early rank before
+a smaller objective of the others. Gains are searched as logarithms, from the scenario's own; the
+guard is off, so that it hides nothing. The result is judged by test seeds, and by references that
+were not trained on.
 """
 
 import math
@@ -57,7 +57,7 @@ WORSE = 0.05
 
 @dataclass(frozen=True)
 class WorseFigure:
-    """A figure of the test that tuning made worse: its reference, robot, and both values."""
+    """A test figure that tuning made worse: its reference, robot, and both values."""
 
     reference: str
     mass: float
@@ -68,9 +68,9 @@ class WorseFigure:
 
 @dataclass(frozen=True)
 class Tuning:
-    """The scenario with the gains that were found, and both sides of the comparison.
+    """The scenario with the gains found, and the figures before and after.
 
-    ``corridor``: certified before and after [m], None where there is none or it was not asked for.
+    ``corridor``: certified before and after [m], None if there is none or it was not requested.
     """
 
     plan: search.TuningPlan
@@ -84,7 +84,7 @@ class Tuning:
 
     @property
     def worse(self) -> tuple[WorseFigure, ...]:
-        """Figures of the test that are worse after than before, in the order of the table."""
+        """Test figures that are worse after tuning than before, in the order of the table."""
         v1, omega = self.scenario.limits.v_u1
         judged_by = _ERRORS[:1] if self.scenario.takes_velocity else _ERRORS
         allowed = {name: np.maximum((1 + WORSE) * self.before[name], FLOOR) for name in judged_by}
@@ -140,13 +140,13 @@ def tune(
 ) -> Tuning:
     """Find gains of ``law`` on ``scenario``, and write that scenario with them to ``out`` (.toml).
 
-    ``weight`` [m/(N m)] is the price of torque change; ``hold`` lists keys of gains to keep;
-    ``merit`` is "tracking", the distance in runs, or "corridor", the certified one (which takes the
-    extra proofs, and a scenario and law that `find_corridor` covers); ``trials`` sets of gains are
-    tried, rounded up to whole generations.  Until the end they are kept in ``out``.trials.json, so
-    that after an interruption the same call continues, with the same result.  Raises
-    MissingExtraError without the extra tune, ArgumentError (that file belongs to another search,
-    say), ScenarioError, UnknownNameError, ResultFileError.
+    ``weight`` [m/(N m)] weights torque change; ``hold`` lists keys of gains to keep; ``merit`` is
+    "tracking", the distance in runs, or "corridor", the certified one (which takes the extra
+    proofs, and a scenario and law that `find_corridor` covers); ``trials`` sets of gains are tried,
+    rounded up to whole generations. Until the end they are stored in ``out``.trials.json, so that
+    after an interruption the same call continues, with the same result. Raises MissingExtraError
+    without the extra tune, ArgumentError (that file belongs to another search, say), ScenarioError,
+    UnknownNameError, ResultFileError.
     """
     law = law_name(law)
     chosen = scenario_of(scenario)
@@ -223,12 +223,12 @@ def _start(plan: search.TuningPlan) -> dict[str, tuple[float, ...]]:
 
 
 def _masses(scenario: Scenario) -> tuple[float, ...]:
-    """True over believed masses of the training and the test, beside 1."""
+    """Ratios of true to believed mass in training and test, besides 1."""
     return () if scenario.takes_velocity else MASSES
 
 
 def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
-    """The scenario unguarded, as it is, then with robots that are not as heavy as believed."""
+    """The unguarded scenario, then copies with other true masses than the believed one."""
     free = _unguarded(scenario)
     yield 1.0, free
     believed = scenario.believed
@@ -263,7 +263,7 @@ def _costs(
 
 
 def _check_corridor(scenario: Scenario, law: str) -> None:
-    """ArgumentError where there is none to be made smaller, MissingExtraError without its extra."""
+    """Raise ArgumentError without a corridor to minimise, MissingExtraError without its extra."""
     proofs()
     tube = find_corridor(scenario, law)
     if tube.linear is None:
@@ -280,7 +280,7 @@ def _table(
     jobs: int | None,
     figures: Sequence[str] = (),
 ) -> RunTable:
-    """All seeds of each case, a row a run."""
+    """All seeds of each case, one row per run."""
     listed = [case for case in cases for _ in seeds]
     return table_of("ode", listed, law, [*seeds] * len(cases), figures=figures, jobs=jobs)
 
@@ -288,7 +288,7 @@ def _table(
 def judged(
     scenario: str | Path | Scenario, law: str, seeds: Iterable[int], jobs: int | None = None
 ) -> RunTable:
-    """Test of a law on a scenario as `tune` tells it: a row a reference and robot.
+    """Test of a law on a scenario as in `tune`: one row per reference and robot.
 
     ``reference``; ``mass``, true over believed; over the seeds the medians of tracking_drive_rms,
     torque_change_rms and other packages' figures, the greatest max_abs_v1 and max_abs_v2, and
@@ -317,7 +317,7 @@ def judged(
 
 
 def _document(tuning: Tuning) -> str:
-    """The scenario, headed by how its gains came about."""
+    """The scenario's text, headed by the origin of its gains."""
     plan, (first, last) = tuning.plan, tuning.objective
     masses = ", ".join(f"{ratio:g}" for ratio in _masses(plan.scenario))
     effort = f" + ({plan.weight:g} torque_change_rms)^2" if masses else ""

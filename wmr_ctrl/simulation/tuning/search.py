@@ -26,8 +26,8 @@ MEASURED = {TRACKING: "position_rms", CORRIDOR: "corridor"}
 class TuningPlan:
     """Law, scenario, seeds and length of a search; ``weight`` in m per N m.
 
-    ``hold``: keys of gains that stay as they are, such as those that several laws share;
-    ``merit``: one of `MERITS`, what is made small beside the torques' change.
+    ``hold``: keys of gains that are not changed, such as those that several laws share; ``merit``:
+    one of `MERITS`, the quantity to minimise besides the torques' change.
     """
 
     scenario: Scenario
@@ -40,7 +40,7 @@ class TuningPlan:
     merit: str = TRACKING
 
     def __post_init__(self) -> None:
-        """Raise ArgumentError for what cannot be meant."""
+        """Raise ArgumentError for invalid values."""
         if not self.seeds or not self.test_seeds:
             raise ArgumentError("seeds: give at least one for training and one for testing.")
         shared = sorted(set(self.seeds) & set(self.test_seeds))
@@ -72,13 +72,13 @@ class TuningPlan:
 
     @property
     def searched(self) -> tuple[str, ...]:
-        """Keys of the gains that are searched."""
+        """Keys of the searched gains."""
         pairs = zip(tunable(LAWS[self.law]), self._keys, strict=True)
         return tuple(key for shared, key in pairs if not {shared, key} & {*self.hold})
 
     @property
     def _keys(self) -> tuple[str, ...]:
-        """Those of `tunable`; of Eq. (7) the law's own, where there are such."""
+        """Keys of `tunable` gains; the law's own k of Eq. (7) if it has one."""
         own = f"gains.{self.law}.kinematics"
         stated = self.scenario.gains.get(self.law, {}).get("kinematics") is not None
         keys = tunable(LAWS[self.law])
@@ -86,7 +86,7 @@ class TuningPlan:
 
 
 def tunable(law: Law) -> tuple[str, ...]:
-    """Keys of the gains that are searched: the law's own, then those of Eq. (7) if it has it."""
+    """Keys of the gains that can be searched: the law's own, and those of Eq. (7) if it uses it."""
     own = tuple(f"gains.{law.name}.{name}" for name in law.tuned)
     return (*own, "gains.kinematics.k") if own and law.traits.auxiliary else own
 
@@ -97,10 +97,10 @@ SPREAD, WIDEST, DIGITS = 0.4, 3.4, 4
 
 @dataclass(frozen=True, order=True)
 class Cost:
-    """Cost of a set of gains, in this order: each entry outweighs all after it.
+    """Cost of a set of gains; entries are compared in this order.
 
-    ``refused``: there is no corridor, where one is asked for; ``lost``: runs that ended early;
-    ``metres``: the objective, of the runs that did not [m].
+    ``refused``: a requested corridor does not exist; ``lost``: number of runs that ended early;
+    ``metres``: the objective of the other runs [m].
     """
 
     refused: bool
@@ -109,19 +109,19 @@ class Cost:
 
     @property
     def sentence(self) -> str:
-        """All of it in words."""
+        """The cost as text."""
         ended = f", {self.lost} of the runs ended early" if self.lost else ""
         return f"{1e3 * self.metres:.4g} mm{' without a corridor' if self.refused else ''}{ended}"
 
 
 def digest_of(*parts: object) -> str:
-    """Hash that tells one search from another."""
+    """Hash that distinguishes searches."""
     rules = (SPREAD, WIDEST, DIGITS, [item.name for item in fields(Cost)])
     return hashlib.sha256(repr((*parts, *rules)).encode()).hexdigest()
 
 
 class Search:
-    """CMA-ES over the logarithms of gains relative to the start's; the same for the same plan."""
+    """CMA-ES over the logarithms of gains relative to the start's; deterministic for a plan."""
 
     def __init__(self, start: Mapping[str, Sequence[float]]) -> None:
         """Search from gains by key, all positive; raises MissingExtraError without cma."""
@@ -137,14 +137,14 @@ class Search:
         self._best = Cost(True, sys.maxsize, math.inf), np.zeros(size)
 
     def ask(self) -> list[Floats]:
-        """Candidates of the next generation; the start is one of the first."""
+        """Candidates of the next generation; the start is one of the first ones."""
         asked = [np.asarray(item, dtype=float) for item in self._engine.ask()]
         if self.generation == 0:
             asked[0] = np.zeros_like(asked[0])
         return asked
 
     def tell(self, candidates: Sequence[Floats], costs: Sequence[Cost]) -> None:
-        """Take the candidates' costs, of which the search reads no more than their order."""
+        """Process the candidates' costs, of which only the order matters."""
         different = sorted(set(costs))
         self._engine.tell(list(candidates), [float(different.index(cost)) for cost in costs])
         least = min(costs)
@@ -154,7 +154,7 @@ class Search:
         self.generation += 1
 
     def gains(self, logarithms: Floats) -> dict[str, tuple[float, ...]]:
-        """Gains by key, rounded to the digits that they are given with."""
+        """Gains by key, rounded to their printed digits."""
         factors, scaled_by_key = iter(np.exp(logarithms)), {}
         for key, values in self.start.items():
             scaled = (value * next(factors) for value in values)
@@ -162,20 +162,20 @@ class Search:
         return scaled_by_key
 
     def best(self) -> dict[str, tuple[float, ...]]:
-        """The gains that cost least."""
+        """The gains with the least cost."""
         return self.gains(self._best[1])
 
 
 def trials_file(target: Path) -> Path:
-    """File that keeps the trials until ``target`` is written."""
+    """File that stores the trials until ``target`` is written."""
     return target.with_name(f"{target.name}.trials.json")
 
 
 class Trials:
-    """Costs of the generations that were tried, in a file beside the result."""
+    """Costs of the generations so far, in a file beside the result."""
 
     def __init__(self, target: Path, digest: str) -> None:
-        """Beside ``target``; raises ArgumentError where it holds another search."""
+        """Open the file beside ``target``; raises ArgumentError if it belongs to another search."""
         self.path, self.digest = trials_file(target), digest
         self.costs: list[list[Cost]] = []
         if self.path.exists():
@@ -198,16 +198,16 @@ class Trials:
         ]
 
     def known(self, generation: int) -> list[Cost] | None:
-        """Costs of a generation that was tried before."""
+        """Costs of a generation that was evaluated before; None for a new one."""
         return self.costs[generation] if generation < len(self.costs) else None
 
     def keep(self, costs: list[Cost]) -> None:
-        """One generation more."""
+        """Store the costs of a further generation."""
         self.costs.append(costs)
         with atomic_text(self.path) as file:
             costs_told = [[astuple(cost) for cost in generation] for generation in self.costs]
             json.dump({"search": self.digest, "costs": costs_told}, file)
 
     def forget(self) -> None:
-        """The search is over."""
+        """Delete the file when the search is over."""
         self.path.unlink(missing_ok=True)

@@ -1,8 +1,8 @@
 """Checks before a run: sample time, preconditions, start, network, barrier, bounds.
 
-`warnings_for` answers for one law on one scenario; nothing here simulates more than one control
-period, and nothing is ever refused. A law gets only findings about what it has: about Eq. (7), a
-theorem, of a barrier or of a believed model where its `Traits` state them.
+`warnings_for` checks one law on one scenario; nothing here simulates more than one control period,
+and nothing is ever refused. A law gets only findings about its own parts: about Eq. (7), a theorem,
+of a barrier or of a believed model where its `Traits` state them.
 """
 
 from collections.abc import Callable, Iterator
@@ -63,9 +63,10 @@ OF_VELOCITY_BASES = (units, start, sample_time, preconditions, coarse_step, velo
 
 @lru_cache(maxsize=256)
 def warnings_for(setup: Setup, work: float = OF_RUN) -> tuple[Warning, ...]:
-    """Warnings from theory for a law on a scenario; empty where it has no objection.
+    """Warnings from theory for a law on a scenario; empty if there is no objection.
 
-    What takes more than this ``work`` (`wmr_ctrl.theory.checks.budget`) is a warning "not-checked".
+    A check that takes more than this ``work`` (`wmr_ctrl.theory.checks.budget`) becomes a warning
+    "not-checked".
     """
     loop = loop_of(setup)
     checks = OF_VELOCITY_BASES if setup.takes_velocity else CHECKS
@@ -74,7 +75,7 @@ def warnings_for(setup: Setup, work: float = OF_RUN) -> tuple[Warning, ...]:
 
 
 def warnings_heard(setup: Setup, asked: bool, work: float = OF_RUN) -> tuple[Warning, ...]:
-    """The same without those on gains that are nobody's choice (`judges_gains`).
+    """`warnings_for`, without those on gains that nobody chose (`judges_gains`).
 
     ``asked``: whether the caller named this law.
     """

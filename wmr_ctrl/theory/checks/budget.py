@@ -1,4 +1,4 @@
-"""Work of a verdict: counted, not timed, so that its limit is the same on every machine.
+"""Work of a verdict, counted instead of timed, so that its limit is the same on every machine.
 
 A unit is about 1 ms of one processor: the eigenvalues of a small loop, or a step of Newton's method
 on a large one.
@@ -26,11 +26,11 @@ T = TypeVar("T")
 
 
 class OverBudgetError(WmrError):
-    """An answer takes more work than is allowed."""
+    """A result needs more work than is allowed."""
 
 
 class _Account(local):
-    """Work that this thread has spent, and the most that it may."""
+    """Work spent by this thread, and its limit."""
 
     spent = 0.0
     most = math.inf
@@ -41,7 +41,7 @@ _account = _Account()
 
 @contextmanager
 def budget(most: float) -> Iterator[None]:
-    """Within, raise OverBudgetError as soon as more than ``most`` is spent."""
+    """Context that raises OverBudgetError as soon as more work than ``most`` is spent."""
     before = _account.spent, _account.most
     _account.spent, _account.most = 0.0, most
     try:
@@ -51,16 +51,16 @@ def budget(most: float) -> Iterator[None]:
 
 
 def spend(size: int, times: float = 1.0) -> None:
-    """Count so many evaluations with matrices of this ``size``."""
+    """Record ``times`` evaluations with matrices of this ``size``."""
     _account.spent += times * (1 + (size / LARGE) ** 3)
     if _account.spent > _account.most:
         raise OverBudgetError("the answer takes more work than is allowed here.")
 
 
 def counted(function: Callable[P, T]) -> Callable[P, T]:
-    """Cache a function; an answer from the cache costs the work that it once took.
+    """Cache a function; a cached result is charged with the work that it once took.
 
-    So what fits a budget does not depend on what was asked before.
+    So the result of a check does not depend on which checks ran before.
     """
 
     @lru_cache(maxsize=64)

@@ -1,7 +1,7 @@
-"""The loop's own graphs but for law and reference, with their gradients, seen from the reference.
+"""The loop's graphs without law and reference, with their gradients, relative to the reference.
 
-The robot's pose is seen as tracking error, Eq. (8), a remembered pose in the frame of its sample,
-all else as it is.  So a motion of constant velocity has one matrix.
+The robot's pose becomes the tracking error, Eq. (8); a remembered pose is given in the frame of its
+sample; all else is unchanged.  So a motion of constant velocity has one matrix.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ ROBOT, COMMAND, HELD = 5, 2, 4
 
 
 class World:
-    """A scenario's graphs but for law and reference, their random numbers 0, nothing rounded.
+    """A scenario's graphs without law and reference, with random numbers 0 and without rounding.
 
-    ``sensed`` (clock, x, m, p, e, T): measured pose and velocity, what disturbs, next slow state,
+    ``sensed`` (clock, x, m, p, e, T): measured pose and velocity, disturbances, next slow state,
     and gradient of all by fast state x and slow state m, whose ports have their ``rows`` and
-    ``slow_rows``.  ``step`` (clock, z, theta, u, p, v_d):
-    the fast state z one plant step later, both with the tracking error in the place of the pose;
-    ``slopes``: its gradient by z and what is held u; ``rates`` and ``rate_slopes``: its change and
-    that of its gradient per time, for steps without length.
+    ``slow_rows``.  ``step`` (clock, z, theta, u, p, v_d): the fast state z one plant step later,
+    both with the tracking error in the place of the pose; ``slopes``: its gradient by z and by the
+    held inputs u; ``rates`` and ``rate_slopes``: rates of change of the state and of that gradient,
+    for steps of length 0.
     """
 
     step: ca.Function
@@ -49,7 +49,7 @@ class World:
     rate_slopes: ca.Function
 
     def __init__(self, setup: Setup, like: World | None = None) -> None:
-        """Differentiate; plant steps and parameters are those of another World, if it is given."""
+        """Differentiate the graphs; with ``like``, share its plant steps and parameters."""
         self.setup = setup
         if like is None:
             full = PlantlessGraphs(setup)
@@ -116,18 +116,18 @@ class World:
         return names_of(self.fast)
 
     def numbers(self, changed: Mapping[str, float]) -> list[float]:
-        """Values of the parameters, some of them others than the scenario's."""
+        """Values of the parameters: the scenario's, except those in ``changed``."""
         listed = ((changed.get(item.signal.name), item.value) for item in self.ports)
         return [n for new, own in listed for n in (own if new is None else (new,))]
 
     def place(self, name: str) -> int:
-        """Place of a parameter's number among all."""
+        """Index of a parameter's number among all numbers."""
         names = [item.signal.name for item in self.ports for _ in item.value]
         return names.index(name)
 
 
 def carried(pose: ca.SX, v: ca.SX, h: ca.SX) -> ca.SX:
-    """Pose (3,) after h [s] at a velocity (2,), by the Runge-Kutta step that moves the plant."""
+    """Pose (3,) after h [s] at a constant velocity (2,), by the plant's Runge-Kutta step."""
     thetas = (pose[2], pose[2] + h / 2 * v[1], pose[2] + h * v[1])
     first, middle, last = (pose_rate(theta, v) for theta in thetas)
     return pose + h / 6 * (first + 4 * middle + last)
@@ -143,7 +143,7 @@ def _pose_slope(e: ca.SX, theta: ca.SX) -> ca.SX:
 
 
 def _slope(graph: ca.SX, by: ca.SX) -> ca.SX:
-    """Derivative of a matrix by a number, where that is 0."""
+    """Derivative of a matrix by a scalar, at 0."""
     slope = ca.jacobian(ca.vec(ca.densify(graph)), by)
     return ca.reshape(ca.substitute(slope, by, ca.SX(0)), graph.shape)
 
@@ -153,11 +153,11 @@ def _quiet(expr: ca.SX, draws: ca.SX) -> ca.SX:
 
 
 def names_of(ports: tuple[Port, ...]) -> list[str]:
-    """Elements of a state."""
+    """Names of a state's elements."""
     return [name for item in ports for name in item.signal.elements]
 
 
 @lru_cache(maxsize=256)
 def world_of(scenario: Scenario) -> World:
-    """The World of a scenario, made once."""
+    """The World of a scenario, built once."""
     return World(settle(scenario, next(iter(LAWS))))

@@ -1,4 +1,4 @@
-"""Loop: a law's graph in error coordinates, its linear closed loop, and where it starts."""
+"""A law's graph in error coordinates, its linear closed loop, and its start."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class StartPoint:
 
 @dataclass(frozen=True)
 class LinearLaw:
-    """m_next = a m + b s and force = c m + d s, for s = e, v (5) as measured and a memory m.
+    """Linear law: m_next = a m + b s, force = c m + d s; s = measured (e, v) (5), memory m.
 
-    The last elements of m are the commands ``sent``, so many numbers, the latest first.
+    The last ``sent`` elements of m are commands, the latest first.
     """
 
     a: Floats
@@ -55,11 +55,11 @@ class LinearLaw:
 
 @dataclass(frozen=True)
 class Loop:
-    """A law on a scenario, settled.
+    """A law on a scenario, with all its settings derived.
 
-    Estimates and weights of a law that learns keep their start values; any other memory (a
-    previous sample, a filter) is part of the loop.  ``in_flight`` commands are what its graph
-    predicts over; those of the scenario's clock unless given.
+    Estimates and weights of a law that learns keep their start values; any other memory (a previous
+    sample, a filter) is part of the loop.  ``in_flight``: number of commands over which its graph
+    predicts; default: that of the scenario's clock.
     """
 
     setup: Setup
@@ -96,26 +96,26 @@ class Loop:
         return surroundings(self.scenario)
 
     def over(self, commands: int) -> Loop:
-        """The same law, built to predict over so many commands."""
+        """The loop of a law built to predict over this number of commands."""
         own = self.setup.predicted if self.in_flight is None else self.in_flight
         return self if commands == own else _over(self, commands)
 
     def at_period(self, period: float) -> Loop:
-        """The loop for a control period [s]; a law remembers as many commands as are under way."""
+        """The loop for a control period [s]; a law remembers as many commands as are in transit."""
         return self
 
     @property
     def graphs(self) -> Loop:
-        """The loop that its graphs belong to."""
+        """The loop whose graphs this one uses."""
         return self
 
     @property
     def longest(self) -> float:
-        """Control period [s] beyond which a command is not held until the next one comes."""
+        """Longest control period [s] for which each command is held until the next one arrives."""
         return np.inf
 
     def with_delay(self, delay: float) -> Loop:
-        """The loop of a law that knows of a ``delay`` [s], where its graph depends on that."""
+        """The loop of a law that assumes a ``delay`` [s], if its graph depends on that."""
         return self
 
     @property
@@ -125,13 +125,13 @@ class Loop:
 
     @property
     def equations(self) -> str:
-        """Those of the linear loop: robot, outer loop where it is Eq. (7), tracking error."""
+        """Equations of the linear loop: robot, outer loop if it is Eq. (7), tracking error."""
         outer = "(7), " if self.traits.auxiliary else ""
         return f"Eqs. (4), {outer}(33)-(35)"
 
     @cached_property
     def start(self) -> StartPoint:
-        """Start as seen from the reference: Eqs. (8) and (7) at t = 0."""
+        """Start relative to the reference: Eqs. (8) and (7) at t = 0."""
         scenario, k = self.scenario, ca.DM(self.setup.kinematics.k)
         reference = sample(scenario, np.zeros(1))[0]
         pose_d, v_d = ca.DM(reference[:3]), ca.DM(reference[3:5])
@@ -142,7 +142,7 @@ class Loop:
 
     @property
     def guarded(self) -> bool:
-        """True if the guard stands between the law and the wheels."""
+        """True if the guard is between the law and the wheels."""
         return self.scenario.guard.enabled
 
     def uses(self, prefix: str) -> bool:
@@ -164,10 +164,9 @@ class Loop:
     ) -> Floats:
         """Matrix of the loop from one ``sample`` to the next, near a point.
 
-        The state: that of `Surroundings.plant`, error and velocity (5) first, then the law's
-        memory.  ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.
-        The sample is one in which a pose comes, unless it is given; the ``law`` is `linear`, if it
-        is not at hand.
+        Its state is that of `Surroundings.plant`, error and velocity (5) first, then the law's
+        memory. ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.
+        The default sample is one with a new pose; the default ``law`` is `linear`.
         """
         law = law or self.linear(at, period, drives=drives)
         plant = self.around.plant(at.motion, period, drives=drives, robot=robot, sample=sample)
@@ -192,11 +191,11 @@ class Loop:
         learning: bool = False,
         commands: int | None = None,
     ) -> LinearLaw:
-        """The law near a point with a ``period`` [s], with what it gets from its drives in its
-        memory.
+        """The law near a point for a ``period`` [s]; its memory includes what it receives from its
+        drives.
 
         Estimates and weights stay as they are, unless the law is ``learning``.  It predicts over
-        the ``commands`` that the period leaves under way, or so many.
+        ``commands``; default: the number that the period leaves in transit.
         """
         count = commands_predicted(self.setup.gains, period) if commands is None else commands
         law, moving = self.over(count), learning or not self.traits.estimates
@@ -221,10 +220,11 @@ class Loop:
         )  # fmt: skip
 
     def on_reference(self, v_d: Floats, theta: float = 0.0) -> Point:
-        """The law on the reference at v_d (2): its memory is its start's, or that after one sample.
+        """The operating point on the reference at v_d (2), with the law's start memory or that
+        after a sample.
 
-        The forces that it knows of are those that friction takes, as it believes.  ``theta`` [rad]
-        counts where something acts by it.
+        The forces that it remembers are the friction that it assumes.  ``theta`` [rad] matters only
+        if the plant depends on it.
         """
         key = tuple(map(float, v_d))
         if key not in self._points:
@@ -238,15 +238,16 @@ class Loop:
     def resting(
         self, v_d: Floats, theta: float, period: float, robot: Robot | None = None
     ) -> Point | None:
-        """The point to linearise at for a ``period`` [s] and a ``robot``; None where it has none.
+        """The point to linearise at for a ``period`` [s] and a ``robot``; None if there is none.
 
-        Of a base that takes torques `on_reference`: the loop's slopes hardly change about it.
+        For a base that takes torques it is `on_reference`, near which the loop's slopes hardly
+        change.
         """
         return self.on_reference(v_d, theta)
 
     @property
     def learns(self) -> bool:
-        """True if estimates and weights move in its linear loop, false if they are held."""
+        """True if estimates and weights are states of the linear loop, not constants."""
         return False
 
     @cached_property
@@ -254,7 +255,7 @@ class Loop:
         return {}
 
     def _slopes_at(self, at: Point, period: float, learning: bool) -> Floats:
-        """Slopes of force, and of memory if that moves, by s, memory and forces."""
+        """Gradient of the force, and of the memory if it changes, by s, memory and forces."""
         graph = self.graphs._gradient_learning if learning else self.graphs._gradient
         forces, numbers = np.tile(at.force, len(self.remembered)), self.parameters(period)
         return evaluated(graph, at.s, at.v_d, at.v_d_dot, at.memory, forces, numbers)[0]
@@ -264,9 +265,10 @@ class Loop:
         return {}
 
     def after_a_sample(self, point: Point) -> Point:
-        """The same with the memory that a sample leaves there, and the force that it asks for.
+        """The point with the memory that a sample leaves there, and the force that the law
+        commands.
 
-        Estimates stay as they are.
+        Estimates keep their values.
         """
         forces = np.tile(point.force, len(self.remembered))
         force, memory = evaluated(
@@ -277,14 +279,14 @@ class Loop:
         return replace(point, memory=after, force=force.ravel())
 
     def force_towards(self, v: Floats, v_c0: Floats, period: float | None = None) -> Floats:
-        """Force (2, N) [N, N m] at velocities ``v`` (2, N), for an auxiliary velocity that stays.
+        """Force (2, N) [N, N m] at velocities ``v`` (2, N), for a constant auxiliary velocity.
 
-        ``v_c0`` (2) is that velocity; both in m/s, rad/s.  With the clock's period unless given.
+        ``v_c0`` (2) is that velocity; both in m/s, rad/s.  ``period`` defaults to the clock's.
         """
         return self._near(v, v_c0, period)[0]
 
     def slope_towards(self, v: Floats, v_c0: Floats, period: float | None = None) -> Floats:
-        """Its derivative (2) by each axis' own velocity at ``v`` (2) [N s/m, N m s/rad]."""
+        """Derivative (2) of that force by each axis' velocity at ``v`` (2) [N s/m, N m s/rad]."""
         return self._near(v, v_c0, period)[1].ravel()
 
     def _near(self, v: Floats, v_c0: Floats, period: float | None) -> list[Floats]:
@@ -297,10 +299,11 @@ class Loop:
 
     @cached_property
     def act(self) -> ca.Function:
-        """Force and next memory by e and v (5), v_d (2), its rate (2), memory, forces, parameters.
+        """Force and next memory as functions of (e, v) (5), v_d (2), its rate (2), memory, forces,
+        parameters.
 
-        The robot is at the origin along +Y, and the reference where that gives e.  The forces are
-        those that the law remembers.
+        The robot is at the origin along +Y, and the reference is placed such that e results.  The
+        forces are those that the law remembers.
         """
         s, v_d, rate = ca.SX.sym("s", ROBOT), ca.SX.sym("v_d", 2), ca.SX.sym("r", 2)
         core = self.core
@@ -333,7 +336,7 @@ class Loop:
 
     @cached_property
     def _towards(self) -> ca.Function:
-        """At e = 0 the auxiliary velocity is v_d, and v_d' can be chosen such that it stays."""
+        """Graph at e = 0: there the auxiliary velocity is v_d, constant for a suitable v_d'."""
         v, v_c0, core = ca.SX.sym("v", 2), ca.SX.sym("v_c0", 2), self.core
         e, k = ca.SX.zeros(3), ca.SX(ca.DM(self.setup.kinematics.k))
         rate = -kinematics.auxiliary_rate(e, v, v_c0, ca.SX.zeros(2), k)
@@ -349,12 +352,12 @@ class Loop:
         return [n for name, own in listed for n in timed.get(name, own)]
 
     def timed(self, period: float) -> dict[str, tuple[float, ...]]:
-        """Parameters that a control period [s] decides."""
+        """Values of the parameters that depend on the control period [s]."""
         return {PERIOD: (period,)}
 
     @property
     def own_period(self) -> float:
-        """Control period that it is made for [s]."""
+        """Control period that the law is built for [s]."""
         return self.scenario.clock.control
 
 

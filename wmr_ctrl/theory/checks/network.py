@@ -1,4 +1,4 @@
-"""Learning of the network: a wide one learns faster than its own loop can follow."""
+"""Stability of the network's learning: a wide network learns faster than its loop can follow."""
 
 import math
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ def network(loop: Loop) -> Iterator[Warning]:
 
 
 def unstable_width(loop: Loop) -> Iterator[Warning]:
-    """Yield the axes on which learning with the regressor held still is unstable, in one line.
+    """Yield the axes on which learning is unstable for a frozen regressor, as one warning.
 
     Per axis the linear loop is s^3 + a s^2 + (b + a K) s + b K with a = rho1/(2 M1), K the gain of
     Eq. (7), b = Gamma |S|^2/M1: the feed-forward that Eq. (57) leaves out costs the phase.
@@ -49,7 +49,7 @@ def unstable_width(loop: Loop) -> Iterator[Warning]:
 
 
 def learning_too_fast(loop: Loop) -> Iterator[Warning]:
-    """Yield the axis on which the weights' Euler step outruns the control period."""
+    """Yield the axis whose weights' Euler steps are unstable at the control period."""
     size = largest_square(loop, loop.setup.own(NetworkGains).eta)
     limits = [learning_limit(loop, axis, size) for axis in (0, 1)]
     axis, period = int(np.argmin(limits)), loop.scenario.clock.control
@@ -78,7 +78,7 @@ class AxisLearning:
 
 
 def axis_learning(loop: Loop, axis: int) -> AxisLearning:
-    """The numbers of axis 0 or 1."""
+    """The learning parameters of axis 0 or 1."""
     gains, robot, k = loop.setup.own(NetworkGains), loop.scenario.robot, loop.setup.kinematics.k
     mass, gamma = (robot.m, robot.I)[axis], gains.Gamma[axis]
     a = gains.rho1[axis] / (2 * mass)
@@ -101,7 +101,7 @@ def learning_limit(loop: Loop, axis: int, size: float) -> float:
 
 
 def largest_square(loop: Loop, eta: float) -> float:
-    """Largest |S|^2 over the reference, at Z = (0, 0, 1, 1, v_d): A/(v - v_c1) is 1 there."""
+    """Largest |S|^2 over the reference, at Z = (0, 0, 1, 1, v_d), where A/(v - v_c1) is 1."""
     points = operating_points(loop.scenario)
     each = (np.concatenate(((0.0, 0.0, 1.0, 1.0), v_d)) for v_d in points)
     return max(float(_square_of()(z, eta, loop.setup.own(NetworkGains).node)) for z in each)
@@ -122,7 +122,7 @@ def _square_of() -> ca.Function:
 
 
 def _widest(loop: Loop, bound: float, eta: float) -> float:
-    """Width below which |S|^2 stays under ``bound``: it grows with the width."""
+    """Largest width for which |S|^2, which grows with the width, stays under ``bound``."""
     below, above = 0.0, eta
     for _ in range(40):
         middle = (below + above) / 2

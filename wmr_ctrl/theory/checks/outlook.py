@@ -1,8 +1,8 @@
-"""Prior knowledge of a run: objections, the torque that its motion needs.
+"""Knowledge about a run in advance: objections, and the torque that its motion needs.
 
-A run's verdict rests on it beside the log: it is not well where `wmr-ctrl check` would object, and
-whether torques are large or restless is judged by what the motion needs.  Judged once for each
-scenario, law and plant, when a run's remarks are first asked for; making runs costs nothing.
+A run's verdict uses it besides the log: a run is not good if `wmr-ctrl check` would object, and
+torques are large or restless only relative to what the motion needs.  It is computed once for each
+scenario, law and plant, when a run's remarks are first read; making runs costs nothing.
 """
 
 from collections.abc import Sequence
@@ -36,9 +36,9 @@ OF_THEORY = (OBJECTED, NOT_CHECKED)
 
 
 def outlook(scenario: Scenario, law: str, plant: str = "ode") -> Outlook:
-    """The Outlook of a law on a scenario and a plant; raises what `settle` raises.
+    """The Outlook of a law on a scenario and a plant; raises the errors of `settle`.
 
-    A law that is not the scenario's `default_law` was asked for.
+    A law other than the scenario's `default_law` counts as named by the user.
     """
     setup = settle(scenario, law)
     grip = grip_warnings(setup) if plant == "mujoco" else ()
@@ -57,9 +57,9 @@ def _has_exact_pose(scenario: Scenario) -> bool:
 
 
 def outlook_of(run: Run) -> Outlook | None:
-    """The Outlook of a run; None where its scenario is not known here.
+    """The Outlook of a run; None if its scenario or law is not known here.
 
-    Of a law that is not known here, such as somebody else's controller, theory says nothing.
+    For an unknown law, such as another author's controller, theory says nothing.
     """
     scenario = scenario_of_run(run)
     if scenario is None:
@@ -72,7 +72,7 @@ def outlook_of(run: Run) -> Outlook | None:
 def needed_by(run: Run) -> Floats | None:
     """Wheel torques (rows, 2) [N m] that the desired motion needs.
 
-    None as `outlook_of`, and where the robot is not known.
+    None as in `outlook_of`, and if the robot is not known.
     """
     scenario = scenario_of_run(run)
     if scenario is None or unknown_keys(scenario):
@@ -85,7 +85,7 @@ def needed_by(run: Run) -> Floats | None:
 
 
 def scenario_of_run(run: Run) -> Scenario | None:
-    """The scenario of a run; None where it was not kept, or has parts that are not installed."""
+    """The scenario of a run; None if it was not saved, or needs packages that are not installed."""
     try:
         text = run.provenance.get(TEXT)
         return None if text is None else _scenario(text, run.scenario)
@@ -95,18 +95,18 @@ def scenario_of_run(run: Run) -> Scenario | None:
 
 @lru_cache(maxsize=64)
 def _scenario(text: str, name: str) -> Scenario:
-    """With its name, it equals the scenario that was run, and nothing is worked out again."""
+    """Load a run's scenario; with its name it equals the original, so cached results are reused."""
     return loads_scenario(text, name)
 
 
 @lru_cache(maxsize=256)
 def _outlook(scenario: Scenario, law: Law, plant: str) -> Outlook:
-    """`outlook`, judged once for each law, of which another may have its name later."""
+    """`outlook`, cached per law object, since another law may get the same name later."""
     return outlook(scenario, law.name, plant)
 
 
 class CheckVerdict(StrEnum):
-    """Verdict of `check` in a word."""
+    """One-word verdict of `check`."""
 
     HOLDS = "holds"
     IN_PART = "holds-in-part"
@@ -115,9 +115,9 @@ class CheckVerdict(StrEnum):
 
 
 def verdict(warnings: Sequence[Warning], run: Run | None) -> CheckVerdict:
-    """Of what theory says and one run shows; ``objected`` where either finds a fault.
+    """Verdict from theory's warnings and one run; ``objected`` if either finds a fault.
 
-    ``not-checked`` where neither does, and theory was not asked to the end.
+    ``not-checked`` if neither does, and theory was not evaluated completely.
 
     The grip of tyres, which the plane model does not have, is reported and not part of it.
     """

@@ -36,12 +36,12 @@ GRAPH = 12.0
 def largest_radius(
     loop: Loop, period: float, drives: DriveTimes | None = None, robot: Robot | None = None
 ) -> float:
-    """Spectral radius, per sample, over a period of the reference; the largest of its points else.
+    """Spectral radius per sample over a period of the reference, or the largest over its points.
 
-    A reference that does not repeat is looked at as if each of some points went on for ever, and so
-    is the orientation where something acts by it, a slope say.
-    ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.  inf for
-    periods over which no command is held.
+    An aperiodic reference is replaced by several constant operating points, and so is the
+    orientation if the plant depends on it, on a slope for example. ``drives`` and ``robot`` default
+    to the scenario's; the law keeps its own model.  inf for periods so long that a command is not
+    held until the next one.
     """
     if period > loop.longest * (1 + 10 * RTOL):
         return math.inf
@@ -78,8 +78,8 @@ def from_pose_to_pose(
 ) -> Floats:
     """Matrix of the sampled loop from one pose to the next, near a point.
 
-    Scaled back where it grows beyond doubles: hundreds of powers of ten on, the one pose in between
-    makes no difference.
+    Scaled back where it grows beyond doubles: beyond hundreds of powers of ten one pose makes no
+    difference.
     """
     law = loop.linear(at, period, drives=drives, learning=learning)
     closed = partial(loop.closed, at, period, drives=drives, robot=robot, law=law)
@@ -94,7 +94,7 @@ def from_pose_to_pose(
 
 
 def only_forwards(loop: Loop) -> float:
-    """The least v1_d [m/s] of a reference if errors fade there only forwards; 0.0 if not."""
+    """The reference's least v1_d [m/s] if errors decay forwards but not backwards; else 0.0."""
     period, slowest = loop.scenario.clock.control, reference_bounds(loop.scenario)[0]
 
     def fades(v1_d: float) -> bool:
@@ -105,7 +105,7 @@ def only_forwards(loop: Loop) -> float:
 
 
 def radius(matrix: Floats) -> float:
-    """Spectral radius; inf for a law that has no derivative there."""
+    """Spectral radius; inf if the law has no derivative there."""
     spend(len(matrix))
     if not np.isfinite(matrix).all():
         return math.inf
@@ -113,9 +113,9 @@ def radius(matrix: Floats) -> float:
 
 
 def _of_product(matrices: Sequence[Floats], counts: NDArray[np.intp]) -> float:
-    """Spectral radius, per factor, of the product of matrices that stand so many times each.
+    """Spectral radius, per factor, of a product of matrix powers with exponents ``counts``.
 
-    A product that grows or falls far is scaled on the way.
+    A product that becomes very large or small is scaled on the way.
     """
     if not all(np.isfinite(matrix).all() for matrix in matrices):
         return math.inf
@@ -133,9 +133,10 @@ def _of_product(matrices: Sequence[Floats], counts: NDArray[np.intp]) -> float:
 
 @lru_cache(maxsize=64)
 def stretches_of(scenario: Scenario) -> tuple[list[Floats], Floats, float] | None:
-    """Desired velocities (2) over a period of the reference in time, its shares, the period [s].
+    """Desired velocities (2) over one period of the reference, their shares of it, and the period
+    [s].
 
-    Neighbours that are alike are one; None where the velocities are constant or do not repeat.
+    Equal neighbours are merged; None if the velocities are constant or do not repeat.
     """
     cycle = scenario.reference.cycle
     if not math.isfinite(cycle) or scenario.reference.arrival is not None:
@@ -163,7 +164,7 @@ def operating_points(scenario: Scenario) -> list[Floats]:
 def supremum(
     of: Callable[[float], float], shortest: float = SHORTEST, ratio: float = RATIO
 ) -> float:
-    """Largest period up to which the spectral radius ``of(period)`` stays at or below 1."""
+    """Largest period up to which the spectral radius ``of(period)`` is at most 1."""
     below, period = 0.0, shortest
     while of(period) <= 1 + MARGIN:
         if period >= LONGEST:
@@ -173,20 +174,21 @@ def supremum(
 
 
 def edge(of: Callable[[float], float], stable: float, unstable: float) -> float:
-    """The last stable value on the way to an ``unstable`` one, ``of`` being the spectral radius."""
+    """The last stable value between ``stable`` and ``unstable``, by the spectral radius ``of``."""
     return crossing(lambda value: of(value) - 1 - MARGIN, stable, unstable)
 
 
 def crossing(
     excess: Callable[[float], float], inside: float, outside: float, rtol: float = RTOL
 ) -> float:
-    """An x on the way from ``inside`` to ``outside`` with ``excess(x)`` <= 0, beside one above 0.
+    """An x between ``inside`` and ``outside`` with ``excess(x)`` <= 0, next to one with excess
+    above 0.
 
-    The last such x where excess changes its sign once on the way.  It is positive at ``outside``,
-    which may be the smaller of the two.  A guess is on the line
-    through the last two points outside, where there are two: a mode that stays at 1 makes it flat
-    inside.  What is tried lies beyond the guess, so that both ends close in on it, and at least
-    every other step halves what is between them.
+    It is the last such x if excess changes its sign once on the way.  Excess is positive at
+    ``outside``, which may be the smaller of the two.  Guesses are on the line through the last two
+    points outside, if there are two: a mode that stays at 1 makes excess flat inside.  Each trial
+    is placed beyond the guess, so that both ends move, and at least every second step halves the
+    interval.
     """
     span, size = outside - inside, max(abs(inside), abs(outside))
     tolerance = rtol * size / abs(span)

@@ -1,4 +1,4 @@
-"""Where a law's loop rests while its reference keeps a velocity: Newton's method on its graphs."""
+"""Equilibrium of a law's loop at constant reference velocity: Newton's method on its graphs."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ COST = 0.4
 def rest(
     loop: Loop, around: Surroundings, start: Point, period: float, robot: Robot | None = None
 ) -> Point | None:
-    """The point near ``start`` that a sample of ``period`` [s] leaves as it is; None for none.
+    """The equilibrium near ``start`` for a control ``period`` [s]; None if there is none.
 
-    Friction, gains, a wrong model and what a law learns are in it.  Drives give what they are sent,
-    however late, and sensors show what is.
+    Friction, gains, a wrong model and what a law learns are included.  Drives deliver their
+    commands without delay, and sensors show the present state.
     """
     world = around.worlds(period)[0][1]
     step = period / steps_in(period, loop.scenario.clock.plant)
@@ -53,7 +53,7 @@ def rest(
 
 @lru_cache(maxsize=32)
 def _graph(loop: Loop, around: Surroundings, world: World) -> ca.Function:
-    """Change of fast state, force and memory in a step and a sample, and its slope by them."""
+    """Change of fast state, force and memory over a step and a sample, and its gradient by them."""
     core, z = loop.core, ca.SX.sym("z", world.size)
     force, v_d, rate = (ca.SX.sym(name, COMMAND) for name in ("force", "v_d", "rate"))
     theta, p = ca.SX.sym("theta"), ca.SX.sym("p", world.step.size1_in(4))
@@ -69,9 +69,11 @@ def _graph(loop: Loop, around: Surroundings, world: World) -> ca.Function:
 
 
 def newton(change: ca.Function, start: Floats, given: tuple[ArrayLike, ...] = ()) -> Floats | None:
-    """A zero of ``change``, whose second output is its slope, by its first input; None for none.
+    """A zero of ``change`` by its first input; the second output is its gradient.  None for no
+    zero.
 
-    What nothing changes stays as it is, such as the integral of a speed loop with base.ki = 0.
+    A variable that nothing changes keeps its value, such as the integral of a speed loop with
+    base.ki = 0.
     """
     point = start.copy()
     for _ in range(STEPS):

@@ -1,8 +1,8 @@
-"""Longest control period: the linear loop, the barrier's kink, the first step.
+"""Longest control period, from the linear loop, the barrier's kink, and the first step.
 
-The linear loop is that of the graphs that run, along the reference (`world`).  Its state:
-e (3) and v (2) of the robot, what drives and sensors keep, and the law's memory, its observer
-included, but for estimates and weights.
+The linear loop is that of the graphs that run, along the reference (`world`).  Its state: e (3) and
+v (2) of the robot, the states of drives and sensors, and the law's memory including its observer,
+without estimates and weights.
 """
 
 from collections.abc import Iterator
@@ -68,9 +68,9 @@ def sample_time(loop: Loop) -> Iterator[Warning]:
 def kink_limits(loop: Loop, period: float | None = None) -> Floats:
     """Longest period (2) [s] that is stable at the barrier's kink, |v| = v_u2 with v_c0 beyond it.
 
-    There the force pulls towards v_u2 with its full slope, twice that of the linear loop, so a
-    period below 2 M1/slope is needed: 2/rho for the model-based law.  The slope is that of a law
-    that runs at ``period``, by default the scenario's.
+    There the slope of the force towards v_u2 is twice that of the linear loop, so a period below 2
+    M1/slope is needed: 2/rho for the model-based law.  The slope is that of a law that runs at
+    ``period``, by default the scenario's.
     """
     u1, u2 = (np.array(limit) for limit in (loop.scenario.limits.v_u1, loop.scenario.limits.v_u2))
     slope = -loop.slope_towards(u2, u2 + 0.5 / (u1 - u2), period)
@@ -98,12 +98,12 @@ def _linear(loop: Loop) -> Iterator[Warning]:
 
 
 def checked_by(law: str) -> str:
-    """The command that checks a law whatever the work, as a sentence without its full stop."""
+    """Sentence, without its full stop, on the command that checks a law without a limit of work."""
     return f"`wmr-ctrl check --law {LAWS.spelled(law)}` has no such limit, and may take minutes"
 
 
 def _unstable(loop: Loop) -> Warning:
-    """Warning on a loop that is unstable at its control period, with the periods that are not."""
+    """Warning about a loop that is unstable at its control period, with the stable periods."""
     period, (low, limit) = loop.scenario.clock.control, stable_periods(loop)
     words = delays_by_name(loop.setup)
     late = "".join(f"a {word} of {value:g} s and " for word, value in words.items())
@@ -142,7 +142,7 @@ def _unstable(loop: Loop) -> Warning:
 
 
 def _without_loop(loop: Loop) -> Iterator[Warning]:
-    """Yield why there is no linear loop that could be stable."""
+    """Yield reasons why there is no linear loop, or none that could be stable."""
     period = loop.scenario.clock.control
     if period > loop.longest:
         yield Warning(
@@ -171,7 +171,7 @@ def _without_loop(loop: Loop) -> Iterator[Warning]:
 
 
 def _mass(loop: Loop) -> Iterator[Warning]:
-    """Yield a robot unlike the believed one, from which on the loop is unstable, if it is near."""
+    """Yield the ratios of true to believed mass outside which the loop is unstable, if near 1."""
     if not loop.traits.model or _stands(loop) or (masses := stable_masses(loop)) is None:
         return
     yield Warning(
@@ -190,7 +190,7 @@ def _stable(loop: Loop) -> bool:
 
 
 def _blames_gain(loop: Loop) -> bool:
-    """Whether a base that takes velocities would be stable if its gain were 1."""
+    """True if a base that takes velocities would be stable with a gain of 1."""
     if not loop.setup.takes_velocity:
         return False
     right = override(loop.scenario, {"base.gain": [1.0, 1.0], "filter.kind": "none"})
@@ -198,7 +198,7 @@ def _blames_gain(loop: Loop) -> bool:
 
 
 def _stands(loop: Loop) -> bool:
-    """Whether the loop is stable with every mass that is near the believed one."""
+    """True if the loop is stable for every mass near the believed one."""
     masses = stable_masses(loop, BEYOND_NEAR)
     return masses is not None and masses[0] <= NEAR[0] and masses[1] >= NEAR[1]
 

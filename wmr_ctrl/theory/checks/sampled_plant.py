@@ -1,7 +1,7 @@
-"""Robot, drives and sensors from one control sample to the next, by gradients of their graphs.
+"""Robot, drives and sensors over one control sample, linearised from their graphs.
 
-Plant steps follow each other between the instants at which a command takes over; the commands under
-way are a shift register.
+Plant steps are joined between the times at which commands take effect; commands in transit are a
+shift register.
 """
 
 from __future__ import annotations
@@ -55,8 +55,8 @@ class Motion:
 class Point:
     """Operating point: e (3) [m, m, rad], v (2), v_d (2) and its rate (2), memory, force (2).
 
-    The force is the one that the law gets as applied and sent; ``theta`` [rad] that of the
-    reference, where something acts by it.
+    The force is what the law receives as applied and sent; ``theta`` [rad] is the reference's
+    orientation, if the plant depends on it.
     """
 
     e: Floats
@@ -78,17 +78,17 @@ class Point:
 
     @cached_property
     def motion(self) -> Motion:
-        """The robot's part of it."""
+        """The motion part of the point."""
         e, v, v_d = (tuple(map(float, item)) for item in (self.e, self.v, self.v_d))
         return Motion(e, v, v_d, self.theta)
 
 
 @dataclass(frozen=True)
 class SampledPlant:
-    """x_next = moved x + forced u + pushed d for the command u and a disturbance d [N, N m].
+    """Linear plant: x_next = moved x + forced u + pushed d, command u, disturbance d [N, N m].
 
-    ``measured`` x is tracking error and velocity as the sensors show them (5).  The first elements
-    of x are those of the robot; ``names`` has one for each element behind them.
+    ``measured`` x is tracking error and velocity as sensors show them (5).  The first elements of x
+    are those of the robot; ``names`` has one for each further element.
     """
 
     moved: Floats
@@ -99,13 +99,13 @@ class SampledPlant:
 
     @property
     def sent(self) -> NDArray[np.intp]:
-        """Indices of the commands in flight, the latest first."""
+        """Indices of the commands in transit, the latest first."""
         in_flight = [name.startswith(SENT) for name in self.names]
         return ROBOT + np.flatnonzero(in_flight)
 
 
 def by_age(unit: Floats, now: int, sent: slice) -> list[Floats]:
-    """Rows that pick commands out of a state and the one that is given ``now``, by age."""
+    """Rows that select commands by age: the one at index ``now``, then those in the state."""
     queue = unit[sent]
     return [
         unit[now : now + COMMAND],
@@ -115,12 +115,12 @@ def by_age(unit: Floats, now: int, sent: slice) -> list[Floats]:
 
 @dataclass(frozen=True)
 class Assembly:
-    """The rows of a SampledPlant, block by block: fast state, commands sent, slow state.
+    """Builder of a SampledPlant, block by block: fast state, commands sent, slow state.
 
-    ``worlds`` with weights; ``every``: samples from one pose to the next; ``step``: about a plant
-    step [s]; ``numbers`` of a world's parameters, by the step; ``sent``: what is held by a command
-    (2, 2); ``wheels``: torques by force (2, 2); ``torque`` (2): what keeps the velocity [N m];
-    ``sends``: velocities are commanded.
+    ``worlds`` with weights; ``every``: samples from one pose to the next; ``step``: approximate
+    plant step [s]; ``numbers`` of a world's parameters, by the step; ``sent``: held inputs per
+    command (2, 2); ``wheels``: torques per force (2, 2); ``torque`` (2): torque that keeps the
+    velocity [N m]; ``sends``: velocities are commanded.
     """
 
     worlds: Sequence[tuple[float, World]]
@@ -136,11 +136,11 @@ class Assembly:
 
     @property
     def world(self) -> World:
-        """One of them: the fast state is that of all."""
+        """One of the worlds: all have the same fast state."""
         return self.worlds[0][1]
 
     def _fast(self, back: float) -> Floats:
-        """The fast state some time [s] before, drives at the torque that keeps the velocity."""
+        """The fast state ``back`` [s] earlier, with drives at the velocity's steady torque."""
         (v, omega), world = self.motion.v, self.world
         theta = self.motion.theta - omega * back
         known = {"x": v * back * math.sin(theta), "y": -v * back * math.cos(theta), "theta": theta,
@@ -153,7 +153,7 @@ class Assembly:
         return state
 
     def _step(self, graph: ca.Function, step: float) -> Floats:
-        """Output of a plant-step graph for one of ``step`` [s]."""
+        """Output of a plant-step graph for a step of ``step`` [s]."""
         return self._of_step(graph, step, self._command(step) if self.sends else self.torque)
 
     def _of_step(self, graph: ca.Function, step: float, command: Floats) -> Floats:
@@ -164,7 +164,7 @@ class Assembly:
         return evaluated(graph, 0, z, motion.theta, held, numbers, motion.v_d)[0]
 
     def _command(self, step: float) -> Floats:
-        """Velocity (2) that keeps the robot's over a plant step when it is sent [m/s, rad/s]."""
+        """Velocity command (2) that keeps the robot's velocity over a plant step [m/s, rad/s]."""
         world, v = self.world, np.array(self.motion.v)
         robot, sent = slice(ROBOT - COMMAND, ROBOT), slice(world.size, world.size + COMMAND)
         graphs = (world.step, world.slopes)
@@ -177,7 +177,7 @@ class Assembly:
         return {}
 
     def flow(self, time: float) -> tuple[Floats, Floats]:
-        """The fast state after a time [s] by that before, and by the held inputs."""
+        """Gradient of the fast state after a time [s] by its initial value and held inputs."""
         if time not in self._flows:
             self._flows[time] = self._flow(time)
         return self._flows[time]
@@ -191,11 +191,11 @@ class Assembly:
 
     @cached_property
     def steady(self) -> list[Floats]:
-        """What is `sensed` in a sample with a pose, and in one without."""
+        """The matrices `sensed` of a sample with a pose, and of one without."""
         return [self.sensed(self.every + k) for k in range(min(self.every, 2))]
 
     def sensed(self, sample: int) -> Floats:
-        """Slopes of measurements, disturbances and memory after a sample."""
+        """Gradient of measurements, disturbances and memory after a sample."""
         if len(self.worlds) == 1:  # the same, in a tenth of the time
             return self._of(self.world, sample)
         size, shown = self.world.size, ROBOT + HELD
@@ -220,7 +220,7 @@ class Assembly:
         return evaluated(world.sensed, *given)[0]
 
     def plant(self, delay: float, sample: int | None) -> SampledPlant:
-        """All of it, but for what shows in nothing, and for the way, which has no origin."""
+        """The full plant without unobservable states and without the absolute path length."""
         after, size = 0 if sample is None else sample - self.every, self.world.size
         kept = 0 <= after < len(self.steady)
         seen = self.steady[after] if kept else self.sensed(self.every + after)
@@ -255,7 +255,7 @@ class Assembly:
         return self._reduced(plant, self.steady, slow)
 
     def rates(self) -> tuple[Floats, Floats, Floats, tuple[str, ...]]:
-        """Slopes of rates: the gradient of a plant step, by its length."""
+        """Gradient of the rates: the derivative of a plant step by its length."""
         slopes, names = self._step(self.world.rate_slopes, 0.0), self.world.names
         used = [i for i, name in enumerate(names) if name not in (PATH.name, SKID.name)]
         free, torque, push = np.split(slopes[used], [len(names), len(names) + COMMAND], axis=1)
@@ -266,7 +266,7 @@ class Assembly:
         return free[:, used], forced, pushed, named
 
     def _reduced(self, plant: SampledPlant, steady: list[Floats], slow: slice) -> SampledPlant:
-        """Without what no sensor shows in any sample, and without the way's origin."""
+        """The plant without states that no sensor ever shows, and without the path's origin."""
         names, size = self.world.names, self.world.size
         if PATH.name in names:
             plant = _without_origin(plant, names.index(PATH.name), slow)
@@ -291,7 +291,7 @@ class Assembly:
 
 
 def _diagonal(blocks: Sequence[Floats]) -> Floats:
-    """Square matrices along a diagonal."""
+    """Block-diagonal matrix."""
     ends = np.cumsum([0, *map(len, blocks)]).tolist()
     whole = np.zeros((ends[-1], ends[-1]))
     for block, (first, end) in zip(blocks, pairwise(ends), strict=True):
@@ -300,9 +300,9 @@ def _diagonal(blocks: Sequence[Floats]) -> Floats:
 
 
 def _without_origin(plant: SampledPlant, way: int, memory: slice) -> SampledPlant:
-    """The plant in which nothing depends on where the way is counted from.
+    """Change coordinates such that nothing depends on the absolute path length.
 
-    As much way more, in all that remembers it, is a state that stays and that nothing shows.
+    Adding a constant to the path length, and to all memories of it, changes no output.
     """
     own, alike = plant.moved[memory, memory], np.eye(len(plant.moved))[way]
     alike[memory] = np.linalg.lstsq(np.eye(len(own)) - own, plant.moved[memory, way], rcond=None)[0]
@@ -314,7 +314,7 @@ def _without_origin(plant: SampledPlant, way: int, memory: slice) -> SampledPlan
 
 
 def divided(value: float, period: float) -> tuple[int, float]:
-    """Whole periods and the rest [s]; a rest next to none or to a period is none."""
+    """Number of whole periods and the rest [s]; a rest close to 0 or to a period becomes 0."""
     ratio = value / period
     whole = math.floor(ratio + GRID)
     rest = value - whole * period
@@ -322,5 +322,5 @@ def divided(value: float, period: float) -> tuple[int, float]:
 
 
 def steps_in(time: float, step: float) -> int:
-    """Plant steps next to ``step`` [s] into which a time [s] is divided."""
+    """Number of plant steps of about ``step`` [s] that divide a time [s]."""
     return max(1, round(time / step))

@@ -1,7 +1,7 @@
-"""Loop of a law on its base: what is sent to a base that takes velocities, where nothing cuts it.
+"""Loop of a law on a base that takes velocities, as long as the base limits no command.
 
-What is sent is the graph that the controller is made from, without its filter, which passes every
-command inside (ledger: corridor.filter).
+The command is computed by the controller's own graph without its filter, which passes every command
+within the limits (ledger: corridor.filter).
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ LONG = 0.1
 
 @dataclass(frozen=True)
 class SendingLoop(Loop):
-    """A law's loop whose output is the velocity that is sent.
+    """Loop of a law whose output is the velocity command.
 
-    ``sender``: another graph of it than the controller's; ``period`` and ``delay`` of commands that
-    it is made for [s], the scenario's unless given.
+    ``sender``: a graph to use instead of the controller's; ``period`` and ``delay`` of commands for
+    which it is built [s], by default the scenario's.
     """
 
     sender: System | None = None
@@ -46,7 +46,7 @@ class SendingLoop(Loop):
 
     @cached_property
     def core(self) -> System:
-        """Law, adapter and what they remember."""
+        """Law and adapter with their memory."""
         if self.sender is not None:
             return self.sender
         if not self._is_timed:
@@ -55,17 +55,17 @@ class SendingLoop(Loop):
 
     @property
     def _is_timed(self) -> bool:
-        """True if it is made for a period or delay of commands that may not be the scenario's."""
+        """True if it is built for a period or delay of commands other than the scenario's."""
         return self.period is not None or self.delay is not None
 
     @cached_property
     def own_period(self) -> float:
-        """Control period that it is made for [s]."""
+        """Control period that it is built for [s]."""
         return self.scenario.clock.control if self.period is None else self.period
 
     @cached_property
     def _late(self) -> tuple[int, int, int]:
-        """Delay of commands: whole periods and plant steps beyond; plant steps of a period."""
+        """Delay of commands in whole periods and further plant steps; plant steps per period."""
         delay = self.scenario.base.delay if self.delay is None else self.delay
         steps = steps_in(self.own_period, self.scenario.clock.plant)
         whole, part = divmod(round(delay / (self.own_period / steps)), steps)
@@ -73,22 +73,22 @@ class SendingLoop(Loop):
 
     @cached_property
     def _alike(self) -> SendingLoop:
-        """The loop whose graph has this one's plant steps as parameters."""
+        """The equal loop whose graph has the numbers of plant steps as parameters."""
         whole, part, _ = self._late
         return _alike(self.setup, self.in_flight, whole, part > 0)
 
     @property
     def graphs(self) -> Loop:
-        """The loop that its graphs belong to: periods and delays of one structure share them."""
+        """The loop whose graphs this one uses: periods and delays of one structure share them."""
         return self._alike if self._is_timed else self
 
     def timed(self, period: float) -> dict[str, tuple[float, ...]]:
-        """Parameters that a control period [s] decides."""
+        """Values of the parameters that depend on the control period [s]."""
         late = zip(LATE, self._late[1:], strict=True) if self._is_timed else ()
         return {**super().timed(period), **{name: (float(count),) for name, count in late}}
 
     def at_period(self, period: float) -> Loop:
-        """The loop for a control period [s], which remembers the commands that are under way."""
+        """The loop for a control period [s]; it remembers the commands in transit."""
         own = self.scenario.base.delay if self.delay is None else self.delay
         same = period == self.scenario.clock.control
         return self if same or own == 0 or not self._remembers else _made_for(self, period, own)
@@ -99,7 +99,7 @@ class SendingLoop(Loop):
         return self.scenario.base.timeout
 
     def with_delay(self, delay: float) -> Loop:
-        """The loop of a law that knows of a delay of its commands [s]."""
+        """The loop of a law that assumes a delay of its commands [s]."""
         return _made_for(self, self.period, delay) if self._remembers else self
 
     @property
@@ -107,7 +107,7 @@ class SendingLoop(Loop):
         return bool(remembered(_law_graph(self.setup, self.in_flight)))
 
     def on_reference(self, v_d: Floats, theta: float = 0.0) -> Point:
-        """The robot on the reference, its commands having been those of the reference for long."""
+        """Operating point on the reference after a long time with constant commands."""
         key = tuple(map(float, v_d))
         if key not in self._points:
             self._points[key] = self._driving(np.array(key))
@@ -115,13 +115,13 @@ class SendingLoop(Loop):
 
     @property
     def learns(self) -> bool:
-        """Estimates are part of where it rests, so they move."""
+        """True if the law has estimates: they are part of its equilibrium, so they move."""
         return self.traits.estimates
 
     def resting(
         self, v_d: Floats, theta: float, period: float, robot: Robot | None = None
     ) -> Point | None:
-        """The point where it really rests, whose commands are all alike, however late they act."""
+        """The true equilibrium; its commands are equal, so their delay does not matter."""
         own = self._own
         at = _at_rest(own, tuple(map(float, v_d)), theta, period, robot)
         if at is None or self is own:
@@ -133,7 +133,7 @@ class SendingLoop(Loop):
 
     @cached_property
     def _own(self) -> Loop:
-        """The loop of the scenario's own period and delay."""
+        """The loop for the scenario's own period and delay."""
         return loop_of(self.setup)
 
     def _driving(self, speed: Floats) -> Point:
@@ -147,10 +147,10 @@ class SendingLoop(Loop):
 def _at_rest(
     loop: Loop, v_d: tuple[float, ...], theta: float, period: float, robot: Robot | None
 ) -> Point | None:
-    """The rest of a loop whose commands act at once.
+    """Equilibrium of a loop whose commands act without delay.
 
-    In a short period a law may change its command little, which hides the rest from Newton's method
-    on its way; that of a long period is near.
+    In a short period a law may change its command too little for Newton's method; then the
+    equilibrium of a long period, which is near, is the start.
     """
     find, on = partial(rest, loop, loop.around), loop.on_reference(np.array(v_d), theta)
     at = find(on, period, robot)
@@ -165,7 +165,7 @@ def _law_graph(setup: Setup, in_flight: int | None) -> System:
 
 
 def _sent(setup: Setup, in_flight: int | None, late: Lateness | None) -> System:
-    """Law, adapter and what they remember, of a base that cuts no command."""
+    """Law and adapter with their memory, for a base that limits no command."""
     law = _law_graph(setup, in_flight)
     counts = [
         Port(Signal(name, "1", "plant steps"), count, (1.0,))
@@ -194,7 +194,7 @@ def _made_for(loop: SendingLoop, period: float | None, delay: float) -> SendingL
 def loop_of(setup: Setup) -> Loop:
     """The Loop of a setup, built once.
 
-    Raises MissingKeysError where the law reads a number of the robot that nobody states.
+    Raises MissingKeysError if the law needs a number of the robot that nobody states.
     """
     if unknown_keys(setup.scenario):
         unfiltered_controller(setup)

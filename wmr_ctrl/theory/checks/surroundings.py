@@ -42,7 +42,7 @@ MANY = 16.0
 
 @dataclass(frozen=True)
 class DriveTimes:
-    """Time until a command takes over [s], the part of it that the law knows, and the known lag."""
+    """Delay until a command acts [s], the part of it that the law knows, and the known lag."""
 
     delay: float
     known: float
@@ -51,10 +51,10 @@ class DriveTimes:
 
 @dataclass(frozen=True)
 class KnownDrives:
-    """A controller's memory of the forces that it sent, as its graph follows the drives.
+    """A controller's memory of the forces that it sent, as its own model of the drives updates it.
 
-    Next memory by memory and by the force that is sent; ``known`` of it: the mean force of the
-    period that has ended, then commands.  The last ``sent`` elements are commands, latest first.
+    Next memory by memory and by the sent force; ``known`` of it: the mean force of the last period,
+    then commands.  The last ``sent`` elements are commands, latest first.
     """
 
     moved: Floats
@@ -65,20 +65,20 @@ class KnownDrives:
 
 @lru_cache(maxsize=64)
 def idle_base(scenario: Scenario) -> Scenario:
-    """The scenario with a base that cuts, rounds and loses nothing, and without filter."""
+    """The scenario without filter, for a base that limits, rounds and drops nothing."""
     return override(scenario, IDLE)
 
 
 class Surroundings:
-    """Robot, drives and sensors at any control period; of a base that takes velocities, idle.
+    """Robot, drives and sensors at any control period; a base that takes velocities is ideal.
 
-    Drives that vary are at their slowest, and all poses come that are due.  What a sensor counts in
-    samples is the nearest whole number of them; where a few make a velocity late, what the numbers
-    below and above show is weighed.  No window is shorter than a sample.
+    Drives that vary are at their slowest, and every due pose arrives.  Numbers of samples in
+    sensors are rounded to the nearest integer; if few samples delay a velocity, the results for the
+    integers below and above are interpolated.  No window is shorter than a sample.
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        """Nothing is differentiated yet."""
+        """Prepare the scenario; nothing is differentiated yet."""
         self._sends = sends = scenario.takes_velocity
         scenario = idle_base(scenario) if sends else scenario
         self.scenario, self._worlds = scenario, dict[tuple[object, ...], World]()
@@ -110,7 +110,7 @@ class Surroundings:
         )
 
     def worlds(self, period: float) -> list[tuple[float, World]]:
-        """Its graphs at a control period [s], with weights that sum to 1."""
+        """The graphs at a control period [s], with weights that sum to 1."""
         if self._alike:
             return self._alike.worlds(period)
         own = period if self._foreign else self.scenario.clock.control
@@ -131,7 +131,7 @@ class Surroundings:
 
     @cached_property
     def headings(self) -> tuple[float, ...]:
-        """Orientations [rad] at which the loop is another: one, unless something acts by it."""
+        """Orientations [rad] to linearise at: a single one, unless the plant depends on it."""
         clock = self.scenario.clock.control
         thetas = (0.0, 1.0, 2.0)  # a slope has the same gradient at two of them, not at three
         motions = (Motion((0.0, 0.0, 0.0), (0.2, 0.1), (0.2, 0.1), theta) for theta in thetas)
@@ -160,7 +160,7 @@ class Surroundings:
         robot: Robot | None = None,
         sample: int | None = None,
     ) -> SampledPlant:
-        """Robot, drives and sensors from a ``sample`` to the next; one with a pose unless given.
+        """Robot, drives and sensors over a ``sample``; by default one with a pose.
 
         ``drives`` and ``robot`` default to the scenario's.
         """
@@ -168,14 +168,15 @@ class Surroundings:
         return self._plant(motion, period, late.delay, robot, sample)
 
     def rates(self, motion: Motion) -> tuple[Floats, Floats, Floats, tuple[str, ...]]:
-        """Slopes of the rates of robot and drives without delay: by their state, force, push.
+        """Gradients of the rates of robot and drives, without delay, by their state, force and
+        push.
 
-        With names as in a SampledPlant.
+        The names are those of a SampledPlant.
         """
         return self._assembly(motion, self.scenario.clock.control).rates()
 
     def rate(self, z: ca.SX, force: ca.SX, v_d: Floats | tuple[float, ...]) -> ca.SX:
-        """Rate of the fast state z, tracking error in the place of the pose, under a force (2)."""
+        """Rate of the fast state z, with tracking error in place of the pose, under a force (2)."""
         clock = self.scenario.clock
         world = self.worlds(clock.control)[0][1]
         numbers, torque = self.numbers(world, clock.control, 0.0, None), self.torque(world, force)
@@ -191,7 +192,7 @@ class Surroundings:
         return after
 
     def torque(self, world: World, *forces: ca.SX) -> ca.SX:
-        """Inputs held over a sample for a force and a disturbance (2) [N, N m]."""
+        """Inputs held over a sample that give a force and a disturbance (2) [N, N m]."""
         by = (self._sent, self._wheels)
         given = [ca.DM(rows) @ force for rows, force in zip(by, forces, strict=False)]
         return ca.vertcat(*given, ca.SX.zeros(world.held - COMMAND * len(given)))
@@ -199,7 +200,7 @@ class Surroundings:
     def _known_of_drives(
         self, period: float, late: DriveTimes, applied: bool, commands: int
     ) -> KnownDrives:
-        """Memory of ``applied`` forces, if asked for, and of so many ``commands``."""
+        """Memory of ``applied`` forces, if the law uses them, and of ``commands``."""
         whole, rest = divided(late.known, period)
         queue = max(applied * (whole + (rest > 0)), commands)
         sizes = (COMMAND * (applied and late.lag > 0), COMMAND * applied, COMMAND * queue)
@@ -231,7 +232,7 @@ class Surroundings:
 
 
 def _still(scenario: Scenario, period: float, times: Mapping[str, float]) -> Scenario:
-    """The scenario at a control period [s], its drives in time and constant, its guard off."""
+    """The scenario at a control period [s], with constant, punctual drives and guard off."""
     none = ("actuator.delay", "actuator.unmodelled_delay", "actuator.jitter", "actuator.lag_spread")
     changed: dict[str, object] = {**dict.fromkeys((*none, "sensor.pose_dropout"), 0.0), **times}
     clock, changed["guard.enabled"] = scenario.clock, False
@@ -243,7 +244,7 @@ def _still(scenario: Scenario, period: float, times: Mapping[str, float]) -> Sce
 
 
 def _counts(key: str, ratio: float, late: bool) -> list[tuple[float, int]]:
-    """Whole numbers of samples that stand for a ``ratio`` of them, with weights.
+    """Integers that represent a non-integer ``ratio`` of samples, with weights.
 
     ``late``: an effect that delays or averages a velocity.
     """
@@ -262,7 +263,7 @@ def _samples(every: float, period: float) -> int:
 
 @lru_cache(maxsize=64)
 def wheels(r: float, l: float) -> Floats:
-    """Torques (right, left) [N m] by generalised force (2, 2), of a robot with r and l [m]."""
+    """Matrix (2, 2) from generalised force to torques (right, left) [N m], for r and l [m]."""
     force = ca.SX.sym("force", 2)
     torque = force_to_wheel(ca.SX(r), ca.SX(l), force)
     return np.asarray(ca.evalf(ca.jacobian(torque, force)))
@@ -270,12 +271,12 @@ def wheels(r: float, l: float) -> Floats:
 
 @lru_cache(maxsize=64)
 def surroundings(scenario: Scenario) -> Surroundings:
-    """The Surroundings of a scenario, made once."""
+    """The Surroundings of a scenario, built once."""
     return Surroundings(scenario)
 
 
 def delays_by_name(setup: Setup) -> dict[str, float]:
-    """Delays [s] by name; a window of one sample goes with the period itself."""
+    """Delays [s] by name; a window of about one sample is part of the period itself."""
     bound, late = setup.bound, setup.scenario.section(PoseDelay).pose_delay
     window = max(bound.window)
     parts = {
@@ -287,21 +288,21 @@ def delays_by_name(setup: Setup) -> dict[str, float]:
 
 
 def oldest_shown(setup: Setup) -> float:
-    """Age of the oldest velocity or pose that a sensor still shows [s]."""
+    """Age of the oldest velocity or pose in a sensor's output [s]."""
     bound = setup.bound
     ages = [age + window for age, window in zip(bound.age, bound.window, strict=True)]
     return max(*ages, setup.scenario.section(PoseDelay).pose_delay)
 
 
 def is_sampled(setup: Setup) -> bool:
-    """True if there is more than a lag: no differential equation has a place for it."""
+    """True if there is more than a lag, so that only a sampled model applies."""
     sensor = setup.scenario.section(PoseSensor)
     filtered = sensor.correction < 1 or sensor.pose_period > 0
     return setup.bound.delay > 0 or oldest_shown(setup) > 0 or filtered
 
 
 def lost_samples(scenario: Scenario) -> str:
-    """Words on lost poses, velocities and commands, which the linear loop leaves out, if any."""
+    """Remark on lost poses, velocities and commands, which the linear loop neglects; "" if none."""
     poses, base = scenario.section(PoseSensor).pose_dropout, scenario.base
     counts = {"velocities": scenario.section(VelocityLoss).velocity_losses}
     counts |= {"commands": base.losses} if scenario.takes_velocity else {}
@@ -311,7 +312,7 @@ def lost_samples(scenario: Scenario) -> str:
 
 
 def rounded_effects(scenario: Scenario) -> str:
-    """Words on effects that round and on a dead band, without derivative; empty if none."""
+    """Remark on rounding effects and dead bands, which have no derivative; empty if none."""
     rounding = []
     for item in EFFECTS.present(scenario):
         system = item.system(scenario)
@@ -325,7 +326,7 @@ def rounded_effects(scenario: Scenario) -> str:
 
 
 def rare_poses(scenario: Scenario) -> str:
-    """Words on rare or lost poses, which a time-invariant loop leaves out."""
+    """Remark on rare or lost poses, which a time-invariant loop neglects."""
     sensor, period = scenario.section(PoseSensor), scenario.clock.control
     parts = [f"a pose comes every {sensor.pose_period:g} s"] * (sensor.pose_period > period)
     parts += [f"{sensor.pose_dropout:.0%} of them do not come"] * (sensor.pose_dropout > 0)

@@ -1,6 +1,6 @@
-"""Torques: those of the first sample, of sensors' noise and of the reference, and their limits.
+"""Torques: of the first sample, of sensor noise and of the reference, and their limits.
 
-The wheels' limit, what the motion needs, and where tyres spin or lift.
+These are the wheels' limit, the demand of the motion, and where tyres spin or lift.
 """
 
 import math
@@ -36,7 +36,7 @@ of the error has in it what does not change from sample to sample, such as a wor
 
 
 def largest_force(robot: Robot, most: float) -> Floats:
-    """Thrust and moment (2) [N, N m], each alone, of wheels that give ``most`` [N m]."""
+    """Largest thrust and moment (2) [N, N m], each alone, of wheels with up to ``most`` [N m]."""
     thrust = full_thrust(robot.r, most)
     return np.array((thrust, robot.l * thrust))
 
@@ -45,7 +45,7 @@ def largest_force(robot: Robot, most: float) -> Floats:
 def first_torques(setup: Setup) -> tuple[float, float]:
     """Torques (right, left) [N m] that a law commands at t = 0, without noise.
 
-    Of a base that takes velocities, the command (v, omega) [m/s, rad/s].
+    For a base that takes velocities: the command (v, omega) [m/s, rad/s].
     """
     scenario, system = setup.scenario, controller(setup)
     names = (item.name for item in (*REFERENCE, *PLANT_STATE))
@@ -59,19 +59,19 @@ def first_torques(setup: Setup) -> tuple[float, float]:
 
 @lru_cache(maxsize=64)
 def _reference_torques(scenario: Scenario) -> Floats:
-    """Wheel torques (N, 2) [N m] with which the plane model stays on the reference."""
+    """Wheel torques (N, 2) [N m] that keep the plane model on the reference."""
     times = np.linspace(0.0, scenario.clock.duration, INSTANTS)
     rows = sample(scenario, times)
     return needed_torque(scenario, times, rows[:, 3:5], rows[:, 5:7])
 
 
 def reference_torque(scenario: Scenario) -> float:
-    """Largest wheel torque [N m] with which the plane model stays on the reference."""
+    """Largest wheel torque [N m] that keeps the plane model on the reference."""
     return float(np.abs(_reference_torques(scenario)).max())
 
 
 def weak_drives(loop: Loop) -> Iterator[Warning]:
-    """Yield a torque limit that friction uses up."""
+    """Yield a torque limit that friction alone exhausts."""
     scenario, most = loop.scenario, loop.scenario.actuator.tau_max
     thrust, friction = largest_force(scenario.robot, most)[0], largest_friction(scenario)
     if friction >= thrust:
@@ -130,11 +130,12 @@ def _heavy_wheels(scenario: Scenario) -> Iterator[Warning]:
 
 
 def noise_gain(loop: Loop) -> Iterator[Warning]:
-    """Yield where noise of velocity and pose, times the law's gains, drives the wheels.
+    """Yield noise of velocity and pose that the law's gains amplify to large wheel torques.
 
     An error within +-n in every sample has a standard deviation of n/sqrt(3), that of rounding down
-    to counts n/sqrt(6); two samples differ by sqrt(2) of it.  Each goes through the gradient of the
-    law's own graph on the reference; errors of pose and of both velocities add up as squares.
+    to counts n/sqrt(6); the difference of two samples has sqrt(2) times that.  Each passes through
+    the gradient of the law's own graph on the reference; errors of pose and of both velocities add
+    up as squares.
     """
     if _quiet(loop):
         return
@@ -150,19 +151,19 @@ def noise_gain(loop: Loop) -> Iterator[Warning]:
 
 
 def _quiet(loop: Loop) -> bool:
-    """Whether noise moves the torques by little beside what the motion needs, or the limit."""
+    """True if noise changes the torques little, compared with the motion's demand or the limit."""
     limit = loop.setup.tau_max if math.isfinite(loop.setup.tau_max) else 0.0
     return _change_by_noise(loop) <= max(NOISY * _needed(loop.scenario), OF_LIMIT * limit)
 
 
 def _needed(scenario: Scenario) -> float:
-    """RMS torque of a wheel that the motion itself takes [N m]."""
+    """RMS wheel torque that the motion itself needs [N m]."""
     return float(np.sqrt(np.mean(_reference_torques(scenario) ** 2)))
 
 
 @lru_cache(maxsize=64)
 def _change_by_noise(loop: Loop) -> float:
-    """RMS change of a wheel's torque from sample to sample by sensors' noise alone [N m]."""
+    """RMS change of a wheel's torque between samples from sensor noise alone [N m]."""
     scenario, robot = loop.scenario, loop.scenario.robot
     speeds = sample(scenario, np.linspace(0.0, scenario.clock.duration, INSTANTS))[:, 3:5]
     bound = np.array(scenario.limits.v_u2)

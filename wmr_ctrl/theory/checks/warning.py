@@ -1,4 +1,4 @@
-"""Warning: one thing that theory has to say against a run; and words that several checks share."""
+"""Warning: one objection of theory to a run; and texts that several checks share."""
 
 from collections.abc import Callable, Iterable, Mapping
 
@@ -17,13 +17,13 @@ FORCE_UNITS = ("N", "N m")
 
 
 def joined(parts: Iterable[str]) -> str:
-    """The parts as in "a", "a and b" or "a, b and c"."""
+    """Join texts as in "a", "a and b" or "a, b and c"."""
     *head, last = parts
     return f"{', '.join(head)} and {last}" if head else last
 
 
 def is_taken(scenario: Scenario, changes: Mapping[str, object], law: str | None) -> bool:
-    """Whether a scenario with these keys changed is valid for a law, or for any."""
+    """True if the scenario with these keys changed is valid for a law, or for any law (None)."""
     try:
         settle(override(scenario, changes), law)
     except ScenarioError:
@@ -32,9 +32,9 @@ def is_taken(scenario: Scenario, changes: Mapping[str, object], law: str | None)
 
 
 def gains_that_fit(loop: Loop, cured: Callable[[Loop], bool]) -> str:
-    """Source of gains that fit the control period, as the end of a sentence.
+    """End of a sentence: where to find gains that fit the control period.
 
-    Those of `guide` are named where the loop that they make is ``cured`` of the finding.
+    Those of `guide` are named if the loop with them is ``cured`` of the finding.
     """
     tuned = ", as `wmr-ctrl tune` finds them" if loop.setup.control_law.tuned else ""
     if not isinstance(loop.setup.gains, ProxGains):

@@ -36,7 +36,7 @@ def pushed_through(loop: Loop) -> Iterator[Warning]:
 def largest_pull(loop: Loop, phase: Phase) -> Floats:
     """Largest force and moment (2) [N, N m] that slow the axes between v_u2 and v_u1.
 
-    At the v_c0 of the start, held still, with the robot's friction of ``phase``.  Zero or less: the
+    For the start's v_c0, held constant, and the robot's friction in ``phase``.  Zero or less: the
     velocity is pushed through the limit.
     """
     limits = loop.scenario.limits
@@ -67,9 +67,9 @@ def _warning(loop: Loop, axis: int, phase: Phase) -> Warning:
 
 
 def wrong_model(loop: Loop) -> Iterator[Warning]:
-    """Yield the largest steady error that a friction other than the believed one leaves.
+    """Yield the largest steady error caused by a friction other than the believed one.
 
-    Laws that estimate or observe make up for it, and are not asked.
+    Laws that estimate or observe compensate it, and are skipped.
     """
     learns = loop.traits.estimates or loop.traits.observer
     asked = loop.traits.model and not learns
@@ -97,7 +97,7 @@ def wrong_model(loop: Loop) -> Iterator[Warning]:
 
 
 def unmodelled(loop: Loop) -> Iterator[Warning]:
-    """Yield how far friction leaves a law behind that neither knows nor learns it, if too far."""
+    """Yield the lag caused by friction, for a law that neither models nor learns it."""
     traits, tolerance = loop.traits, loop.scenario.metrics.tolerance
     makes_up = traits.model or traits.estimates or traits.observer
     if makes_up or not traits.auxiliary:
@@ -119,7 +119,7 @@ def unmodelled(loop: Loop) -> Iterator[Warning]:
 
 
 def _largest_error(loop: Loop) -> tuple[float, Phase]:
-    """The steady error of v1 [m/s] that is largest in size, and when."""
+    """The steady error of v1 [m/s] that is largest in size, and its phase."""
     errors = ((velocity_error(loop, phase), phase) for phase in phases(loop.scenario))
     return max(errors, key=lambda pair: abs(pair[0]))
 
@@ -129,7 +129,7 @@ def _from(phase: Phase) -> str:
 
 
 def velocity_error(loop: Loop, phase: Phase) -> float:
-    """Steady v1 - v_c0[1] [m/s] on the reference: surplus of force over the law's slope there."""
+    """Steady v1 - v_c0[1] [m/s] on the reference: excess force divided by the law's slope there."""
     v_d = max(operating_points(loop.scenario), key=lambda point: float(abs(point[0])))
     surplus = loop.force_towards(v_d, v_d) - drag(phase.robot, v_d)
     return float(-surplus[0, 0] / loop.slope_towards(v_d, v_d)[0])

@@ -46,41 +46,41 @@ def find_corridor(
 
 
 def certified_corridor(scenario: Scenario, law: str) -> Corridor:
-    """The corridor for good, without a search for smaller inputs that would have one."""
+    """The corridor that is valid for ever; if it is refused, smaller inputs are not tried."""
     answer: Corridor = proofs(ASKED).certified_corridor(settle(scenario, law))
     return answer
 
 
 def corridor_course(scenario: Scenario, law: str, *, whole: bool = True) -> Corridor | None:
-    """The Corridor that runs of the scenario are in, with its ``course``; None without one.
+    """The Corridor of the scenario's runs, with its ``course``; None without one.
 
-    The course (2, n) has one column that holds ``until`` the robot changes, or for good; or, where
-    one corridor does not hold for all of a run that begins on its path, one a sample of that run,
-    which takes some seconds, and is left out without ``whole``.
+    The course (2, n) has one column that is valid ``until`` the robot changes, or for ever; or, if
+    one corridor is not valid for all of a run that begins on its path, one column per sample of
+    that run, which takes some seconds, and is left out without ``whole``.
     """
     setup = settle(scenario, law)
     return proofs(ASKED).course_of(setup, whole) if is_open() else None
 
 
 def corridor_monitor(scenario: Scenario, law: str) -> System:
-    """The monitor of a law's corridor, for what a robot measures; to be stepped at every sample.
+    """The monitor of a law's corridor for a robot's measurements; to be stepped at every sample.
 
-    Raises ScenarioError where there is no corridor, or none that can be watched,
+    Raises ScenarioError if there is no corridor, or none that can be monitored, and
     MissingExtraError without the extra proofs.
     """
     return proofs(ASKED).monitor_of(scenario, law)
 
 
 def is_covered(run: Run) -> bool:
-    """True if the plane model moved the robot, with torques as late as the scenario says."""
+    """True if the plane model moved the robot, with the torque delays of the scenario."""
     return run.settings.plant_kind == "ode" and run.provenance.get("master") != "jacobi"
 
 
 def left_corridor(run: Run) -> CorridorLeft | None:
-    """The first leaving of the corridor by a run that was settled in it, None without one.
+    """The first time at which a run leaves the corridor that it had settled in; None without one.
 
-    Asked of runs on the rigid body, on somebody else's plant, under a master that delays torques,
-    and with effects of other packages: nothing proves those; None without python-flint.
+    Meant for runs that no proof covers: on the rigid body, on another author's plant, under a
+    master that delays torques, and with effects of other packages; None without python-flint.
     """
     scenario = scenario_of_run(run)
     if scenario is None or run.law not in LAWS or LAWS[run.law].inside is None:

@@ -1,6 +1,6 @@
-"""Corridor: how far a law's robot is off its path at most, as a value and in words.
+"""Corridor: the largest distance of a law's robot from its path, as values and as text.
 
-Worked out by `wmr_proofs.corridor.masses`, which takes python-flint.
+It is computed by `wmr_proofs.corridor.masses`, which needs python-flint.
 """
 
 from __future__ import annotations
@@ -22,28 +22,26 @@ ALONE = "around that mass alone (others were not tried) it"
 class Corridor:
     """Certified distance of a law's robot from its path, or why there is none.
 
-    ``position`` [m] and ``heading`` [rad]: the most that the robot is ever off its place on the
-    path, at plant steps, if it starts there.  ``linear`` [m]: what a linear loop would leave of the
-    position, which a push attains; None where there is no such loop.  ``binding`` names what comes
-    nearest to acting (the wheels' limit, the guard, a limit of the law), ``share`` how near.
+    ``position`` [m] and ``heading`` [rad]: the largest deviation from the path at plant steps, if
+    the robot starts on it.  ``linear`` [m]: the position deviation of a linear loop, which a push
+    attains; None without such a loop.  ``binding`` names the limit that comes nearest to acting
+    (the wheels' limit, the guard, a limit of the law), ``share`` how near.
 
-    ``push``: largest torque on each wheel [N m], held over a sample; ``pose``: the most that the
-    measured position is off [m]; ``velocity``: the same of each measured velocity; ``mass`` [kg].
-    ``until`` [s]: the robot's first change, None without one.
+    ``push``: largest torque on each wheel [N m], held over a sample; ``pose``: largest error of the
+    measured position [m]; ``velocity``: that of each measured velocity; ``mass`` [kg]. ``until``
+    [s]: the robot's first change, None without one.
 
-    ``refused`` says why there is none; ``closes``: share of push and errors with which there is,
-    from a share ``near`` of ``start``; None where none was found.
-    ``alone``: that was tried for the refused cell of masses alone.
-    ``masses``: intervals of mass and inertia [kg, kg m2], None for ``mass`` alone.  ``start``: how
-    far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
-    ``late``: what drives, or the base's own loop, hold at the start, in words; empty if nothing.
-    ``missing``: samples in a row at most to which no pose comes.
-    ``anew``: a change of mass or inertia leads from any of these masses to any other.
-    ``run`` [s]: it is of a run that lasts so long, with all that changes in it, and not for good.
-    ``whole``: where it ends with a change of the robot, or drives and commands hold something at
-    the start, that of the whole run, if it was asked for.
-    ``clearance``: what is left to the scenario's obstacles, None without any.  ``course`` (2, n):
-    of a run, position and heading in each sample.
+    ``refused`` says why there is none; ``closes``: share of push and errors with which there is
+    one, from a share ``near`` of ``start``; None if none was found. ``alone``: that was tried for
+    the refused cell of masses alone. ``masses``: intervals of mass and inertia [kg, kg m2], None
+    for ``mass`` alone.  ``start``: initial bounds of e [m, m, rad]; ``position_late`` [m]: the
+    position deviation in the long run. ``late``: what drives, or the base's own loop, contain at
+    the start, as text; empty if nothing. ``missing``: largest number of consecutive samples without
+    a pose. ``anew``: mass or inertia may change from any of these values to any other. ``run`` [s]:
+    duration of the run that it is valid for, with all changes in it; else for ever. ``whole``: the
+    corridor of the whole run, if it was requested, and this one ends at a change of the robot or
+    excludes initial contents of drives. ``clearance``: distance left to the scenario's obstacles,
+    None without any.  ``course`` (2, n): of a run, position and heading in each sample.
     """
 
     law: str
@@ -74,10 +72,11 @@ class Corridor:
 
     @property
     def merit(self) -> tuple[bool, float]:
-        """Figure of merit of a search, less is better: whether it is refused, then a distance [m].
+        """Figure of merit of a search, smaller is better: whether it is refused, then a distance
+        [m].
 
-        Any certified corridor stands before any that is refused, however wide.  The distance is
-        the position, where one is refused what the linear loop leaves, inf without such a loop.
+        A certified corridor ranks before any refused one, however wide it is.  The distance is the
+        position; for a refused one that of the linear loop, inf without such a loop.
         """
         if self.position is not None:
             return False, self.position
@@ -85,7 +84,7 @@ class Corridor:
 
     @property
     def sentence(self) -> str:
-        """All of it in words."""
+        """One-sentence summary."""
         whole = "" if self.whole is None else self.whole._over_run
         beside = "" if self.clearance is None else f"; {self.clearance.sentence}"
         return f"{self._promise}{whole}{beside}"
@@ -107,7 +106,7 @@ class Corridor:
 
     @property
     def _over_run(self) -> str:
-        """Of the whole run behind what holds for a part of it."""
+        """Clause on the whole run, after the promise for a part of it."""
         if self.position is None:
             return f"; over the whole run {self._promise}"
         idle = f"with {self.late} at first, " if self.late else ""
@@ -131,7 +130,7 @@ class Corridor:
 
     @property
     def _least(self) -> float:
-        """Smallest distance [m] and angle [rad] worth a word: more where nothing disturbs."""
+        """Smallest distance [m] and angle [rad] to print; larger if nothing disturbs the robot."""
         return 0.0 if self.push or self.pose or any(self.velocity) else COARSE
 
     @property
@@ -161,7 +160,7 @@ class Corridor:
         return f"while {bounds(share * self.push, share * self.pose, velocity)}{reckoned}"
 
     def _closing(self, share: float) -> str:
-        """With which pushes and errors, and from where."""
+        """Clause on the disturbances and starts for which a corridor exists."""
         if self.near == 1 or not any(self.start):
             return self._while(share, ", and")
         if not self.near:
@@ -191,12 +190,12 @@ class Corridor:
 
 
 def _counted(size: float | None) -> float:
-    """A distance [m] or angle [rad] as it is told, as rounding in the loop is not counted."""
+    """A distance [m] or angle [rad] to print, at least 1e-9, as rounding is not modelled."""
     return max(size or 0.0, 1e-9)
 
 
 def bounds(push: float, pose: float, velocity: tuple[float, float]) -> str:
-    """Sizes of what disturbs, rounded down, as a clause: torque [N m], position [m], velocities."""
+    """Clause on the sizes of disturbances, rounded down: torque [N m], position [m], velocities."""
     parts = [f"each wheel is pushed by at most {rounded(push, 3, up=False)} N m"] * (push > 0)
     if pose > 0:
         parts.append(f"positions are measured to within {length(pose, up=False)}")

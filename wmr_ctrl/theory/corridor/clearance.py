@@ -1,7 +1,7 @@
-"""Clearance: what is left between a path and `reference.keep_out` beside body and corridor.
+"""Clearance between a path and the obstacles in `reference.keep_out`, less body and corridor.
 
-The path is looked at in a grid of times; from one to the next it goes no farther than its speed
-admits, and half of that is taken off, so that no obstacle is missed in between.
+The path is sampled on a grid of times; between two of them it moves no farther than its speed
+admits, and half of that is subtracted, so that no obstacle is missed in between.
 """
 
 from dataclasses import dataclass
@@ -19,12 +19,11 @@ TIMES = 20_000
 
 @dataclass(frozen=True)
 class Clearance:
-    """Distance ``path`` [m] of a path from its nearest obstacle, and what stays free of it.
+    """Distance ``path`` [m] of a path from its nearest obstacle, and the part that stays free.
 
-    Obstacle number ``obstacle``, from 1, is nearest at ``time`` [s].  ``free`` [m]: what the body
-    (``radius`` [m] about the axle's midpoint) and the law's corridor leave, None without one that
-    holds from a run's first commands on;
-    below 0 the obstacle may be touched.
+    Obstacle number ``obstacle``, from 1, is nearest at ``time`` [s].  ``free`` [m]: distance less
+    the body (``radius`` [m] about the axle's midpoint) and the law's corridor; None without a
+    corridor that is valid from a run's first command; below 0 the obstacle may be touched.
     """
 
     path: float
@@ -35,7 +34,7 @@ class Clearance:
 
     @property
     def sentence(self) -> str:
-        """All of it in words."""
+        """One-sentence summary."""
         place = f"keep_out[{self.obstacle}], at t = {self.time:.4g} s"
         if self.path < 0:
             return f"clearance: none, the path leads through {place}"
@@ -56,7 +55,7 @@ class Clearance:
 def find_clearance(scenario: Scenario, corridor: float | None) -> Clearance | None:
     """The Clearance of a scenario whose law keeps within ``corridor`` [m] of its path.
 
-    None where nothing is kept out.
+    None without obstacles.
     """
     obstacles, radius = scenario.reference.keep_out, scenario.body.radius
     if not obstacles or radius is None:

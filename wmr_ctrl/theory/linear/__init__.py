@@ -1,7 +1,7 @@
-"""Linear analysis in python-control's language: exact, named, and held against nonlinear runs.
+"""Linear analysis in python-control's language: exact, named, and compared with nonlinear runs.
 
 Start with `report_linear` for figures, `closed_loop` for a `control.StateSpace`, `loop_nlsys` for
-the nonlinear loop; the page docs/linear.md tells what is where.
+the nonlinear loop; docs/linear.md is the guide.
 """
 
 from .answer import start_off as start_off

@@ -1,6 +1,6 @@
-"""The linear loop's answer to a start off the reference, sample by sample.
+"""Response of the linear loop to a start off the reference, sample by sample.
 
-Also what it takes to hold it against runs: poses of such a start, and tracking errors of a run.
+Also the tools to compare it with runs: poses of such a start, and tracking errors of a run.
 """
 
 from collections.abc import Sequence
@@ -26,16 +26,16 @@ INSTANTS = 100
 
 
 def operating_point(scenario: Scenario, law: str) -> Point:
-    """On the reference at t = 0; of a law that adapts at rest, with what it has learned."""
+    """The point on the reference at t = 0; for an adaptive law the equilibrium of its learning."""
     return learned_point(scenario, law) or on_reference(scenario, law)
 
 
 def linear_answer(scenario: Scenario, law: str, at: Point, samples: int) -> Floats:
-    """Deviation of the tracking error (samples, 3, 3) by that of the start, linearised near ``at``.
+    """Gradient (samples, 3, 3) of the tracking error by its start value, linearised near ``at``.
 
-    Sampled with the scenario's clock, with drives, sensors and rare poses in it; estimates and
-    weights move.  Where the desired velocity varies, the loop is linearised on the reference at
-    `INSTANTS` times; what an adaptive law has learned there is that of ``at``.
+    Sampled with the scenario's clock, including drives, sensors and rare poses; estimates and
+    weights move.  If the desired velocity varies, the loop is linearised on the reference at
+    `INSTANTS` times, with the learned values of ``at``.
     """
     loop, period = law_loop(scenario, law), scenario.clock.control
     every, first = loop.around.samples_a_pose(period), _matrix(loop, at, period, 0)
@@ -56,7 +56,7 @@ def linear_answer(scenario: Scenario, law: str, at: Point, samples: int) -> Floa
 
 
 def _matrix(loop: Loop, at: Point, period: float, place: int) -> Floats:
-    """From one sample to the next; the first pose sets every estimate of it."""
+    """Matrix from one sample to the next; the first pose sets all pose estimates."""
     return loop.closed(at, period, sample=place, law=loop.linear(at, period, learning=True))
 
 
@@ -66,7 +66,7 @@ def start_off(
 ) -> Floats:
     """Pose and velocity (5) at t = 0 with tracking error ``e`` (3) [m, m, rad], for `starts`.
 
-    The velocity ``v`` (2) [m/s, rad/s] is the desired one unless given.
+    ``v`` (2) [m/s, rad/s] defaults to the desired velocity.
     """
     pose = _placed(sample(scenario, np.zeros(1))[0, :ERROR], np.asarray(e, dtype=float))
     pose[2] = outward(float(pose[2]), scenario.frames)
@@ -75,7 +75,7 @@ def start_off(
 
 
 def _placed(desired: Floats, e: Floats) -> Floats:
-    """Pose (3) with a tracking error by a desired one: Eq. (8) backwards."""
+    """Pose (3) with tracking error ``e`` relative to a desired pose: inverse of Eq. (8)."""
     return desired - np.asarray(ca.evalf(error_rotation(ca.SX(desired[2] - e[2])))).T @ e
 
 
@@ -91,5 +91,5 @@ def _errors() -> ca.Function:
 
 
 def moved_along(pose: Floats, start: Floats, end: Floats) -> Floats:
-    """The pose (3) that is to ``start`` what ``pose`` is to ``end``, paper frames."""
+    """Pose (3) relative to ``start`` as ``pose`` is to ``end``, in the paper's frames."""
     return _placed(start, tracking_errors(end[None], pose[None])[0])

@@ -1,4 +1,4 @@
-"""Linear analysis of a law on a scenario, as one value, as JSON and as text."""
+"""Linear analysis of a law on a scenario, as a value, as JSON and as text."""
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
@@ -60,17 +60,17 @@ SLOW_PARTS = 8
 
 @dataclass(frozen=True)
 class LinearReport:
-    """Figures of one law on one scenario, near the reference ``at`` a time [s].
+    """Figures of one law on one scenario, linearised at the time ``at`` [s] of the reference.
 
-    Where the desired velocity varies that is the time asked for, else where it is largest.
-    ``guarded``: the guard is on, and inactive there.
+    If the desired velocity varies, that is the requested time, else the time of the largest
+    velocity. ``guarded``: the guard is on, and inactive there.
 
     Poles in 1/s; times in s; ``margins`` per generalised force, continuous and ``sampled`` with the
     scenario's clock.  None: there is no such limit, or it does not apply.
 
-    Every figure has drives and sensors in it.  Where ``late`` (a delay, an old or averaged
-    velocity) there is no continuous loop: poles are ln z / T of the sampled one, and ``margins``
-    are the sampled ones.
+    Every figure includes drives and sensors.  If ``late`` (a delay, an old or averaged velocity)
+    there is no continuous loop: poles are ln z / T of the sampled one, and ``margins`` are the
+    sampled ones.
     """
 
     scenario: Scenario
@@ -98,12 +98,12 @@ class LinearReport:
 
     @property
     def stable(self) -> bool:
-        """True if the loop is stable, estimates and weights held; marginal counts."""
+        """True if the loop with constant estimates and weights is stable or marginal."""
         return is_stable(self.poles)
 
     @property
     def adaptive_stable(self) -> bool | None:
-        """True if it is stable with them moving; None for a law that does not adapt."""
+        """True if it is stable with moving estimates and weights; None if the law never adapts."""
         return None if self.adaptive_poles is None else is_stable(self.adaptive_poles)
 
     @property
@@ -120,7 +120,7 @@ class LinearReport:
 
     @property
     def drops_guard(self) -> bool:
-        """True if the scenario has a guard, and the figures are those without it."""
+        """True if the scenario has a guard, but the figures are those without it."""
         return self.scenario.guard.enabled and not self.guarded
 
     @cached_property
@@ -129,7 +129,7 @@ class LinearReport:
         return [(abs(p), -p.real / abs(p) if p else 1.0) for p in self.poles]
 
     def to_json(self) -> dict[str, object]:
-        """Plain data: complex numbers as [re, im], what is not finite or does not exist as None."""
+        """Plain data: complex numbers as [re, im], non-finite or missing values as None."""
         smallest = worst(self.margins)
         each = smallest.as_dict() if smallest else dict.fromkeys(_MARGIN_NAMES)
         content = {
@@ -171,7 +171,7 @@ class LinearReport:
         return {key: json_safe(item) for key, item in content.items()}
 
     def table(self, width: int = 100) -> str:
-        """The same as text of at most ``width`` columns: a line each, then the warnings."""
+        """The figures as text of at most ``width`` columns, one per line, then the warnings."""
         from .table import lines_of
 
         return "\n".join(lines_of(self, width))
@@ -191,12 +191,12 @@ def report_linear(
     guard: bool = False,
     progress: Progress | None = None,
 ) -> LinearReport:
-    """All figures of ``law`` on ``scenario``, ``at`` a time of the reference [s].
+    """All figures of ``law`` on ``scenario`` at the time ``at`` [s] of the reference.
 
-    Without a time they are taken where the reference drives fastest; stability and the largest
-    stable period are those of its whole period, or of its worst point.  With ``guard`` the guard is
-    on; ArgumentError where it acts at that point, and for a time outside the run.  Raises
-    UnknownNameError or ScenarioError.  ``progress`` is called with the share that is done.
+    By default that is where the reference is fastest; stability and the largest stable period are
+    those of its whole period, or of its worst point.  With ``guard`` the guard is on; ArgumentError
+    if it acts at that point, and for a time outside the run.  Raises UnknownNameError or
+    ScenarioError. ``progress`` is called with the share that is done.
     """
     shares = (min(1.0, k / SLOW_PARTS) for k in count(1))
 

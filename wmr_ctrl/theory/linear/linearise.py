@@ -1,7 +1,7 @@
 """Exact linearisation of a System: gradients of its graph by CasADi, as a named StateSpace.
 
-The points to linearise at are on the reference, or where the loop really settles.  Beside them the
-names of what is linearised, and numerical helpers that the other files share.
+Operating points are on the reference, or at the loop's true equilibrium.  The module also names the
+signals, and has numerical helpers for the other files.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -60,13 +60,13 @@ def column(value: ArrayLike) -> Floats:
 
 
 def check_axis(axis: int) -> None:
-    """Raise ArgumentError for an axis that is none."""
+    """Raise ArgumentError for an invalid axis."""
     if axis not in (0, 1):
         raise ArgumentError(f"axis = {axis} must be 0, the thrust, or 1, the moment.")
 
 
 def check_period(period: float | None, remedy: str = "Leave it out for a continuous loop.") -> None:
-    """Raise ArgumentError for a period that is no time [s]; None: continuous."""
+    """Raise ArgumentError for an invalid period [s]; None means continuous."""
     if period is not None and not 0.0 < period < np.inf:
         raise ArgumentError(f"period = {period!r} s must be finite and above 0. {remedy}")
 
@@ -79,7 +79,7 @@ def is_stable(poles: ArrayLike, sampled: bool = False) -> bool:
 
 
 def lowest(of: Callable[[Floats], Floats], grid: Floats, xatol: float) -> tuple[float, float]:
-    """Place and value of the smallest ``of`` (N) -> (N) on a ``grid`` (N), then near its best."""
+    """Location and value of the minimum of ``of`` (N) -> (N): on a ``grid`` (N), then refined."""
     values = np.asarray(of(grid))
     best = int(values.argmin())
     near = minimize_scalar(
@@ -124,17 +124,17 @@ SAMPLES = 200
 
 
 def law_loop(scenario: Scenario, law: str) -> Loop:
-    """``law`` on ``scenario`` as the checks see it, built once."""
+    """``law`` on ``scenario`` as the checks model it, built once."""
     return loop_of(settle(scenario, law))
 
 
 def sent_names(scenario: Scenario) -> list[str]:
-    """Names of what a law sends: a generalised force, or a velocity."""
+    """Names of a law's outputs: a generalised force, or a velocity."""
     return element_names(COMMAND) if scenario.takes_velocity else FORCES
 
 
 def check_reading(scenario: Scenario, period: float | None) -> None:
-    """Raise ArgumentError for a period that is none, or for none where a base needs one."""
+    """Raise ArgumentError for an invalid period, or if a base needs one and it is missing."""
     check_period(period)
     if period is None and scenario.takes_velocity:
         raise ArgumentError(
@@ -155,9 +155,9 @@ def reference_velocity(scenario: Scenario, t: float) -> tuple[Floats, Floats]:
 
 
 def instant(scenario: Scenario, at: float | None) -> float:
-    """A time [s] of the reference: the one asked for, else that at which it drives fastest.
+    """Time [s] of the reference to linearise at; by default its time of largest speed.
 
-    ArgumentError for one outside the run.
+    Raises ArgumentError for a time outside the run.
     """
     duration = scenario.clock.duration
     if at is None:
@@ -175,9 +175,9 @@ def instant(scenario: Scenario, at: float | None) -> float:
 def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     """The robot exactly on its reference at time ``t`` [s]: e = 0, v = v_d.
 
-    Estimates and weights have their start values; a remembered sample is that of the reference.  Of
-    a base that takes velocities it is where the loop rests, estimates settled; ArgumentError where
-    it does not.
+    Estimates and weights have their start values; a remembered sample is that of the reference. For
+    a base that takes velocities it is the loop's equilibrium with settled estimates; ArgumentError
+    if there is none.
     """
     if not 0.0 <= t < np.inf:
         raise ArgumentError(f"t = {t:g} s must be a time of the reference, from 0 s on.")
@@ -192,10 +192,10 @@ def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
 
 @checks_arguments
 def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
-    """The loop's true resting point around its reference, desired velocities held: Newton's method.
+    """The loop's true equilibrium for constant desired velocities, by Newton's method.
 
-    Friction, a wrong model and the leak of the weights are in it.  Memory that has no rest there is
-    an error (ArgumentError).
+    Friction, a wrong model and the leak of the weights are included.  Raises ArgumentError if the
+    memory has no equilibrium there.
     """
     start, around = on_reference(scenario, law, t), surroundings(alone(scenario))
     if scenario.takes_velocity:
@@ -220,7 +220,7 @@ def _driving(scenario: Scenario, law: str, v_d: Floats, theta: float) -> Point:
 
 
 def alone(scenario: Scenario) -> Scenario:
-    """The robot by itself: drives and sensors ideal, nothing on its way."""
+    """The robot without other effects: ideal drives and sensors, no disturbances."""
     drives = replace(type(scenario.actuator)(), tau_max=scenario.actuator.tau_max)
     return replace(scenario, actuator=drives, sensor=type(scenario.sensor)(), effects={})
 
@@ -236,9 +236,9 @@ def learned_point(scenario: Scenario, law: str, t: float = 0.0) -> Point | None:
 
 
 def check_inactive(scenario: Scenario, law: str, t: float) -> None:
-    """Raise ArgumentError where the guard changes the force on the reference at time ``t`` [s].
+    """Raise ArgumentError if the guard changes the force on the reference at time ``t`` [s].
 
-    The guard's own graph is asked, with the robot held there: its own refusals are raised too.
+    The guard's own graph is evaluated, so its own refusals are raised, too.
     """
     on = replace(scenario, guard=replace(scenario.guard, enabled=True))
     system = controller(settle(on, law))

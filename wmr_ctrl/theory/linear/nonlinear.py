@@ -1,7 +1,7 @@
 """The nonlinear loop as python-control objects: plant, law and reference as `control.nlsys`.
 
-Continuous time (the law read continuously) or sampled with the scenario's clock, where the law is
-exactly what the compiled code computes.  All signals have their names from the catalogue.
+Continuous time (the law read continuously) or sampled with the scenario's clock, with exactly the
+law that the compiled code computes. All signals have their names from the catalogue.
 """
 
 from collections.abc import Mapping
@@ -48,7 +48,8 @@ def to_nlsys(system: System) -> ct.NonlinearIOSystem:
 
 @checks_arguments
 def plant_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIOSystem:
-    """The robot: wheel torques, their disturbance [N m] and a force on the body to its motion.
+    """The robot: from wheel torques, disturbing torques [N m] and a force on the body to its
+    motion.
 
     ``sampled``: over one control period with its inputs held, by the clock's Runge-Kutta steps.
     """
@@ -90,9 +91,10 @@ def reference_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIO
 def loop_nlsys(
     scenario: Scenario, law: str, sampled: bool = False, memory: str = "learning"
 ) -> ct.InterconnectedSystem:
-    """The whole nonlinear loop: disturbing torques and body force to pose, velocity and torques.
+    """The whole nonlinear loop: from disturbing torques and body force to pose, velocity and
+    torques.
 
-    Its start is `start_of`.  The sampled loop steps at the control period.
+    Its initial state is `start_of`.  The sampled loop steps at the control period.
     """
     moving, acting = plant_nlsys(scenario, sampled), law_nlsys(scenario, law, sampled, memory)
     shown = [*moving.output_labels, *acting.output_labels]
@@ -104,7 +106,7 @@ def loop_nlsys(
 
 @checks_arguments
 def start_of(scenario: Scenario, law: str, memory: str = "learning") -> Floats:
-    """Start of `loop_nlsys`: the law's memory, then pose and velocity."""
+    """Initial state of `loop_nlsys`: the law's memory, then pose and velocity."""
     own = controller(settle(scenario, law)).x0 if memory == "learning" else []
     return np.array([*own, *scenario.initial.pose, *scenario.initial.velocity])
 

@@ -2,7 +2,7 @@
 
 The limits without learning are those of the warnings before a run (`wmr_ctrl.theory.checks`); this
 module adds the loops whose weights move, and one-step safety at the barrier: the longest hold that
-cannot jump across either limit.
+cannot cross either limit.
 """
 
 from collections.abc import Callable, Iterable
@@ -51,7 +51,10 @@ def spectral_radius(
 def radius_of(
     scenario: Scenario, law: str, point: Point | None = None, memory: str = "frozen"
 ) -> Callable[[float], float]:
-    """Spectral radius, per sample, by the period [s], at ``point`` (default: on the reference)."""
+    """Function that gives the spectral radius per sample for a period [s], at ``point``.
+
+    ``point`` defaults to the one on the reference.
+    """
     at = on_reference(scenario, law) if point is None else point
 
     loop, learning = law_loop(scenario, law), is_learning(memory)
@@ -66,7 +69,7 @@ def radius_of(
 
 @checks_arguments
 def largest_learning_period(scenario: Scenario, law: str, point: Point | None = None) -> float:
-    """Supremum of the stable periods [s] with weights and estimates moving; 0.0 if there is none.
+    """Supremum of the stable periods [s] with moving weights and estimates; 0.0 if there is none.
 
     Linearised at ``point`` (default: on the reference with the start's weights); inf if every
     period up to 10 s is stable.
@@ -77,9 +80,9 @@ def largest_learning_period(scenario: Scenario, law: str, point: Point | None = 
 
 @checks_arguments
 def regressor_square(scenario: Scenario) -> tuple[float, Floats]:
-    """Largest |S|^2 of the network of nn over the reference, and its bound for each axis (2).
+    """Largest |S|^2 of nn's network over the reference, and its stability limit for each axis (2).
 
-    Above the bound learning is unstable in continuous time, the leak left out; inf if never.
+    Above the limit learning is unstable in continuous time, if the leak is neglected; inf if never.
     """
     loop = law_loop(scenario, "nn")
     bounds = np.array([square_bound(loop, axis) for axis in (0, 1)])
@@ -88,10 +91,10 @@ def regressor_square(scenario: Scenario) -> tuple[float, Floats]:
 
 @checks_arguments
 def kink_periods(scenario: Scenario, law: str) -> Floats | None:
-    """Longest stable period (2) [s] where v sits at v_u2 with v_c0 beyond; None without a barrier.
+    """Longest stable period (2) [s] at v = v_u2 with v_c0 beyond it; None without a barrier.
 
-    At the kink the rate of the velocity loop is rho instead of rho/2: 2/rho for mb.  inf where a
-    law adapts its gains to its period such that no period is too long.
+    At the kink the rate of the velocity loop is rho instead of rho/2: 2/rho for mb.  inf for a law
+    that adapts its gains such that no period is too long.
     """
     loop = law_loop(scenario, law)
     if not loop.has_barrier or loop.setup.takes_velocity:
@@ -100,9 +103,9 @@ def kink_periods(scenario: Scenario, law: str) -> Floats | None:
 
 
 def _for_own_period(loop: Loop, limit: Callable[[float], Floats]) -> Floats:
-    """Limits (2) [s] of the period that hold when the law itself runs at that period.
+    """Limits (2) [s] on the period that are valid when the law runs at that very period.
 
-    Where the law's force does not depend on the period that is ``limit`` of any.
+    If the law's force does not depend on the period, this is ``limit`` of any period.
     """
     if not loop.uses(PERIOD):
         return limit(loop.scenario.clock.control)
@@ -115,10 +118,10 @@ def _for_own_period(loop: Loop, limit: Callable[[float], Floats]) -> Floats:
 
 @checks_arguments
 def one_step_period(scenario: Scenario, law: str, v_c0: Floats | None = None) -> Floats | None:
-    """Longest period (2) [s] after which no |v| < v_u1 has left the limit, v_c0 (2) held still.
+    """Longest period (2) [s] in which no |v| < v_u1 can cross the limit, for constant v_c0 (2).
 
-    The worst v of each axis; v_c0 defaults to the start's.  Friction is taken as compensated.  None
-    for a law without a barrier, inf where no hold is too long.
+    It is the minimum over v on each axis; v_c0 defaults to the start's.  Friction is assumed to be
+    compensated.  None for a law without a barrier, inf if no hold is too long.
     """
     loop = law_loop(scenario, law)
     if not loop.has_barrier or loop.setup.takes_velocity:
@@ -136,7 +139,7 @@ def _shortest(scenario: Scenario, law: str, axis: int, v_c0: Floats, period: flo
     mass = (scenario.robot.m, scenario.robot.I)[axis]
 
     def crossing(v: Floats) -> Floats:
-        """Time to reach the limit that the force points to, at the acceleration it has now."""
+        """Time to reach the limit in the force's direction, at the present acceleration."""
         acceleration = pull(v) / mass
         room: Floats = u1 - np.copysign(1.0, acceleration) * v
         return room / np.maximum(np.abs(acceleration), 1e-300)
@@ -158,10 +161,11 @@ def smallest(of: Callable[[Floats], Floats], u1: float, u2: float) -> float:
 def pull_of(
     scenario: Scenario, law: str, axis: int, v_c0: Floats, period: float | None = None
 ) -> Callable[[float | Floats], Floats]:
-    """Force [N] or moment [N m] of ``axis`` (0, 1) at its velocity, friction compensation aside.
+    """Force [N] or moment [N m] of ``axis`` (0, 1) over its velocity, without friction
+    compensation.
 
-    ``v_c0`` (2) stays; the other axis rests at its own v_c0.  The friction that the law believes
-    in is taken off, so that with a correct model the barrier's own pull is left.  The law runs at
+    ``v_c0`` (2) is constant; the other axis is at its own v_c0.  The friction that the law models
+    is subtracted, so that with a correct model the barrier's own pull remains.  The law runs at
     ``period`` [s], by default the scenario's.
     """
     check_takes_torques(scenario, "forces of a barrier are computed")
@@ -180,7 +184,7 @@ def pull_of(
 
 @checks_arguments
 def pull_curve(scenario: Scenario, law: str, axis: int, v_c0: float, speeds: Floats) -> Floats:
-    """Force [N] or moment [N m] of the law over ``speeds`` (N,), its friction term taken off."""
+    """Force [N] or moment [N m] of the law at ``speeds`` (N,), less its friction term."""
     check_axis(axis)
     asked = np.zeros(2)
     asked[axis] = v_c0

@@ -1,7 +1,7 @@
 """The closed loop as python-control objects: plant, law, both joined, and along a reference.
 
-``memory`` says what becomes of the law's memory: "frozen" keeps estimates and weights at their
-values (a remembered sample stays part of the loop), "learning" lets them move.
+``memory`` selects the treatment of the law's memory: "frozen" keeps estimates and weights constant
+(a remembered sample stays part of the loop), "learning" lets them move.
 """
 
 import casadi as ca
@@ -51,11 +51,11 @@ def is_learning(memory: str) -> bool:
 
 @checks_arguments
 def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> ct.StateSpace:
-    """The plant near ``point``: force and disturbance to e, v1, omega.
+    """The plant near ``point``: from force and disturbance to e, v1, omega.
 
-    Continuous behind the drives' lag, but for a delay and late sensors, which no differential
-    equation has.  With ``period`` [s] sampled, with all of them: the force is the command, e, v1
-    and omega are as measured, in a sample in which a pose comes.
+    Continuous with the drives' lag, but without delay and late sensors, which no differential
+    equation can describe.  With ``period`` [s] sampled, with all of them: the force is the command,
+    and e, v1 and omega are as measured, in a sample with a new pose.
     """
     check_reading(scenario, period)
     around = surroundings(scenario)
@@ -75,14 +75,14 @@ def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> c
 
 
 def late(scenario: Scenario) -> bool:
-    """True if only a sampled loop can show the drives or sensors, or what is sent."""
+    """True if only a sampled loop can represent the drives, the sensors, or a velocity command."""
     if scenario.takes_velocity:
         return True
     return is_sampled(settle(unguarded(scenario), "pid"))  # the same for every law
 
 
 def with_inputs(system: ct.StateSpace, names: list[str]) -> ct.StateSpace:
-    """The system with these inputs only; python-control's own indexing forgets states' names."""
+    """The system with these inputs only; python-control's own indexing loses the states' names."""
     columns = [system.input_labels.index(name) for name in names]
     return ct.ss(
         system.A, system.B[:, columns], system.C, system.D[:, columns], system.dt,
@@ -97,9 +97,9 @@ def law_at(
 ) -> ct.StateSpace:
     """The law near ``point``: e, v1, omega to force; continuous, or sampled with ``period`` [s].
 
-    A law that asks for the torque applied before remembers what it sent, and what it was told that
-    drives make of it.  Read continuously a law predicts nothing, and its drives are ideal: there is
-    no delay to predict over.
+    A law that uses the torque applied before remembers its commands, and its model of the drives.
+    Read continuously a law predicts nothing, and its drives are ideal: there is no delay to predict
+    over.
     """
     check_reading(scenario, period)
     loop, own = law_loop(scenario, law), scenario.clock.control if period is None else period
@@ -129,8 +129,8 @@ def closed_loop(
     """The linear closed loop near ``point`` (default: on the reference at t = 0).
 
     Inputs: disturbing force and moment [N, N m]; outputs: e [m, m, rad], v1 [m/s], omega [rad/s],
-    force [N, N m].  Continuous, but for a delay and late sensors, or sampled with ``period`` [s],
-    with all of them.  Raises UnknownNameError, ArgumentError for a period that is none.
+    force [N, N m].  Continuous, without delay and late sensors, or sampled with ``period`` [s],
+    with all of them.  Raises UnknownNameError, or ArgumentError for an invalid period.
     """
     at = on_reference(scenario, law) if point is None else point
     parts = [plant_at(scenario, at, period), law_at(scenario, law, at, period, memory)]
@@ -142,7 +142,7 @@ def closed_loop(
 
 
 def poles_at(scenario: Scenario, law: str, at: Point, memory: str = "frozen") -> Floats:
-    """Poles [1/s], those furthest right first; ln z / T of the sampled loop where it is late."""
+    """Poles [1/s], rightmost first; ln z / T of the sampled loop if it is late."""
     if not late(scenario):
         return _sorted(closed_loop(scenario, law, at, memory=memory).poles())
     loop, period = law_loop(scenario, law), scenario.clock.control
@@ -157,7 +157,7 @@ def _sorted(poles: ArrayLike) -> Floats:
 
 
 def constant_speed(scenario: Scenario) -> bool:
-    """True if the desired velocity is the same all along the reference."""
+    """True if the desired velocity is constant along the reference."""
     end = min(scenario.clock.duration, scenario.reference.cycle)
     desired = sample(scenario, np.linspace(0.0, end, 257))[:, 3:7]
     swing = np.ptp(desired[:, :2], axis=0).max()

@@ -41,7 +41,7 @@ def _folded(text: str, width: int) -> str:
 
 
 def _figures(figures: list[tuple[str, str]], width: int) -> Iterator[str]:
-    """A line for each name and value; the value below its name where they do not fit."""
+    """A line for each name and value; the value on its own line if it does not fit."""
     for name, value in figures:
         line = f"{name:<{_NAMES}} {value}"
         if len(line) <= width:
@@ -52,7 +52,7 @@ def _figures(figures: list[tuple[str, str]], width: int) -> Iterator[str]:
 
 
 def _table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]], width: int) -> Iterator[str]:
-    """Columns to the right of the rows' names; a paragraph for each row where they do not fit."""
+    """Columns to the right of the rows' names; a paragraph for each row if they do not fit."""
     cells = zip_longest(header, *rows, fillvalue="")
     first, *others = (max(map(len, column)) + 2 for column in cells)
     if first + sum(others) <= width:

@@ -1,4 +1,4 @@
-"""Values of CasADi functions as arrays, without a matrix of CasADi's for each number given."""
+"""Values of CasADi functions as arrays, without a CasADi matrix for each number."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ Floats = NDArray[np.float64]
 
 
 class InPlace:
-    """A function, which has no gaps, between arrays that stay where they are: a call renews them.
+    """A dense function with fixed arrays for its inputs and outputs; a call updates the outputs.
 
-    Threads may share the function, and none of these.
+    Threads may share the function, but not these objects.
     """
 
     def __init__(
@@ -33,20 +33,21 @@ class InPlace:
 
     @classmethod
     def with_arrays(cls, function: ca.Function) -> Self:
-        """The function between arrays of its own, which are 0."""
+        """The function with new arrays of zeros."""
         inputs = [np.zeros(function.numel_in(k)) for k in range(function.n_in())]
         outputs = [np.zeros(function.numel_out(k)) for k in range(function.n_out())]
         return cls(function, inputs, outputs)
 
     def __call__(self) -> None:
-        """Evaluate it."""
+        """Evaluate the function."""
         self._run()
 
 
 def evaluated(function: ca.Function, *given: ArrayLike) -> list[Floats]:
-    """Outputs (rows, columns) of a function whose inputs are vectors and which has no gaps.
+    """Outputs (rows, columns) of a dense function whose inputs are vectors.
 
-    The numbers are those of a call, in a fifth of its time.  Threads may share the function.
+    The numbers equal those of a normal call, in a fifth of its time.  Threads may share the
+    function.
     """
     sizes, shapes = _sizes(function)
     inputs: list[Floats] = [np.array(item, dtype=float).ravel() for item in given]
@@ -58,7 +59,7 @@ def evaluated(function: ca.Function, *given: ArrayLike) -> list[Floats]:
 
 @lru_cache(maxsize=64)
 def _sizes(function: ca.Function) -> tuple[list[int], list[tuple[int, int]]]:
-    """Size of each input and columns and rows of each output, which has no gaps."""
+    """Sizes of the inputs, and (columns, rows) of the outputs of a dense function."""
     shapes = [function.size_out(k)[::-1] for k in range(function.n_out())]
     assert [function.nnz_out(k) for k in range(len(shapes))] == [m * n for m, n in shapes]
     return [function.nnz_in(k) for k in range(function.n_in())], shapes

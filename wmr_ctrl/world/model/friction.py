@@ -12,7 +12,7 @@ from .system import Number
 
 
 def shape(v: ca.SX, v_s: ca.SX) -> ca.SX:
-    """Share of the full friction at a speed ``v``, with its sign; ``v_s`` smooths the step at 0."""
+    """Signed share of the full friction at a speed ``v``; ``v_s`` smooths the step at 0."""
     return ca.tanh(v / v_s)
 
 

@@ -1,8 +1,8 @@
-"""A CasADi function read into single assignments: compiled, and the subject of proofs.
+"""A CasADi function as single assignments, which are compiled and are the subject of proofs.
 
 CasADi lists instructions on reused work slots and writes a choice as (c ? a : 0) + (!c ? b : 0).
 Here every value has one number, equal expressions share it, a choice is one operation, and
-quotients by parameters are written as the compiler is to see them.  Nothing else in the package
+quotients by parameters are written as the compiler should see them. Nothing else in the package
 reads CasADi's instructions.
 """
 
@@ -76,19 +76,19 @@ class Graph:
         return bool(arms) and all(self.is_logical(arm) for arm in arms)
 
     def cost(self, number: int) -> int:
-        """Rough price of one operation: 20 for a call, 5 for a division or root, else 1."""
+        """Approximate cost of one operation: 20 for a call, 5 for a division or root, else 1."""
         op = self.nodes[number].op
         return 20 if op in _CALLS else 5 if op in _SLOW else 1
 
 
 def read(function: ca.Function, inputs: Iterable[str], outputs: Iterable[str]) -> Graph:
-    """The graph of an SX function whose vectors have these names; values unused are left out."""
+    """The graph of an SX function whose vectors have these names, without unused values."""
     reader = _Reader(function, tuple(inputs), tuple(outputs))
     return without_unused(*_with_reciprocals(reader.into.nodes, reader.stores))
 
 
 class _Numbering:
-    """Values in order, each once."""
+    """Numbering of values, each once."""
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
@@ -101,7 +101,7 @@ class _Numbering:
         number: float = 0.0,
         place: tuple[str, int] | None = None,
     ) -> int:
-        """Number of a value; its own where it is new."""
+        """Number of a value; a new number for a new value."""
         key = (op, operands) if operands else (op, repr(number), place)
         own = self._known.get(key)
         if own is None:
@@ -134,7 +134,7 @@ class _Reader:
                 slots[into[0]] = self._chosen(op, tuple([slots[i] for i in operands]))
 
     def _chosen(self, op: int, operands: tuple[int, ...]) -> int:
-        """Number of a value that stays as it is, that may not be taken, or that may be a choice."""
+        """Number of an assignment, of a conditional, or of an operation that may be a choice."""
         if op == ca.OP_ASSIGN:
             return operands[0]
         if op == ca.OP_IF_ELSE_ZERO:
@@ -144,7 +144,7 @@ class _Reader:
         return self.into.number_of(SELECT, chosen) if chosen else self.into.number_of(op, operands)
 
     def _choice(self, left: int, right: int) -> tuple[int, ...] | None:
-        """Operands of (c ? a : 0) + (!c ? b : 0), either way round, as one choice."""
+        """Operands of (c ? a : 0) + (!c ? b : 0), in either order, as one choice; else None."""
         if not (self._zero_else(left) and self._zero_else(right)):
             return None
         for first, second in ((left, right), (right, left)):
@@ -163,11 +163,11 @@ class _Reader:
 
 
 def _with_reciprocals(nodes: list[Node], stores: list[Store]) -> tuple[list[Node], list[Store]]:
-    """Quotients of a changing value and a parameter (or an expression of such) as products.
+    """Quotients of a changing value by a parameter (or an expression of parameters) as products.
 
-    ``a / b`` becomes ``a * (1 / b)`` where b stays the same during a run and a does not: a division
-    takes as long as three multiplications, and these stand in chains.  The rule looks at nothing
-    but a and b, so an expression is computed alike in whatever function it stands.
+    ``a / b`` becomes ``a * (1 / b)`` if b is constant during a run and a is not: a division takes
+    as long as three multiplications, and these are in chains.  The rule depends only on a and b, so
+    an expression is computed equally in every function.
     """
     kind = kinds(nodes)
     rewritten = {
@@ -201,7 +201,7 @@ def kinds(nodes: Iterable[Node]) -> list[int]:
 
 
 def without_unused(nodes: list[Node], stores: list[Store]) -> Graph:
-    """The graph of those values that the results need."""
+    """The graph with only those values that the results need."""
     live = {item.node for item in stores}
     for number in range(len(nodes) - 1, -1, -1):
         if number in live:
@@ -218,17 +218,17 @@ _ROUNDING = frozenset({ca.OP_FLOOR, ca.OP_CEIL})
 
 
 def rounds(expr: ca.SX, varying: ca.SX) -> bool:
-    """True where anything that depends on ``varying`` is rounded in a column."""
+    """True if some element of a column rounds an expression that depends on ``varying``."""
     return _unrounded(expr, varying)[1]
 
 
 def unrounded(expr: ca.SX, varying: ca.SX) -> ca.SX:
-    """The same column with nothing that depends on ``varying`` rounded."""
+    """The column without rounding of expressions that depend on ``varying``."""
     return _unrounded(expr, varying)[0]
 
 
 def _unrounded(expr: ca.SX, varying: ca.SX) -> tuple[ca.SX, bool]:
-    """Both, by one walk through the instructions."""
+    """Results of `unrounded` and `rounds`, by one walk through the instructions."""
     fixed = [item for item in ca.symvar(expr) if not ca.depends_on(varying, item)]
     inputs = [varying, *fixed]
     f = ca.Function("f", inputs, [ca.densify(expr)])

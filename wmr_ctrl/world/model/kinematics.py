@@ -58,7 +58,7 @@ def auxiliary_rate(e: ca.SX, v: ca.SX, v_d: ca.SX, v_d_dot: ca.SX, k: ca.SX) -> 
 
 
 def reference_rate(e: ca.SX, v_d: ca.SX, v_d_dot: ca.SX, k: ca.SX) -> ca.SX:
-    """The reference's share of v_c0': by v_d' alone, the error held."""
+    """Part of v_c0' due to the reference's v_d', for constant error."""
     return _rate_along(ca.SX.zeros(3), e, v_d, v_d_dot, k)
 
 

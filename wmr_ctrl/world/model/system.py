@@ -1,7 +1,7 @@
 """System: the one shape of plants, laws, references and estimators, and its Parameters.
 
-A System is a set of CasADi SX expressions with named, unit-carrying ports.  Code generation, the
-compiled loop, FMUs, linearisation and proofs read nothing else.
+A System is a set of CasADi SX expressions with named, unit-carrying ports. Code generation, the
+compiled loop, FMUs, linearisation and proofs use only Systems.
 """
 
 from __future__ import annotations
@@ -40,13 +40,12 @@ class Output:
 
 @dataclass(frozen=True)
 class Draw:
-    """Random numbers for each sample of a block: one or two independent numbers.
+    """Random numbers for each sample of a block: one number, or two independent ones.
 
-    ``kind``: "uniform" on [-1, 1), or "normal" with ``bound`` standard deviations as the largest
-    (a pair beyond it is drawn again).  ``wanted``: a truth value of the parameters; where it is 0
-    nothing is drawn and the numbers are 0.  The name of the port's signal picks the stream.  A
-    block that acts in each plant step is given numbers of that step, or with ``held`` those of
-    the control sample that the step is in.
+    ``kind``: "uniform" on [-1, 1), or "normal" with ``bound`` standard deviations as the largest (a
+    pair beyond it is drawn again). ``wanted``: a truth value of the parameters; where it is 0
+    nothing is drawn and the numbers are 0. The name of the port's signal picks the stream. A block
+    at plant rate receives numbers of its step, or with ``held`` those of its control sample.
     """
 
     port: Port
@@ -80,7 +79,7 @@ class System:
     transport: ca.SX | None = None
 
     def __post_init__(self) -> None:
-        """Check shapes and that no symbol is free."""
+        """Check shapes, and that no symbol is free."""
         if self.update.numel() != self.x.numel():
             raise ValueError(
                 f"{self.name}: {self.update.numel()} rows of update, {self.x.numel()} of state"
@@ -181,7 +180,7 @@ def draw(
 
 
 def ports(signals: Iterable[Signal], start: Iterable[float] | None = None) -> tuple[Port, ...]:
-    """Fresh symbols for signals, with a start value of each where given."""
+    """Fresh symbols for signals, each with its start value if given."""
     listed = tuple(signals)
     numbers = tuple(start) if start is not None else (0.0,) * len(listed)
     return tuple(port(signal, number) for signal, number in zip(listed, numbers, strict=True))
@@ -206,7 +205,7 @@ class Parameters:
     """
 
     def __init__(self, numbers: KeyedNumbers, known: Iterable[Port] = ()) -> None:
-        """Start with the ports of another System's graph, so that both share their symbols."""
+        """Start with the ports of another System's graph, so that both share symbols."""
         self._numbers = numbers
         self._ports: dict[str, Port] = {port.signal.name: port for port in known}
 
@@ -218,7 +217,7 @@ class Parameters:
     def take(self, key: str) -> ca.SX:
         """Symbol of the number ``key``: ``robot.m``, ``gains.mb.rho``, ``guard.dbar``.
 
-        ``model.*`` is what the laws believe.  Raises KeyError for a key that names no number.
+        ``model.*`` is the laws' model of the robot. Raises KeyError for a key that names no number.
         """
         if key not in self._ports:
             signal, value = self._numbers.number(key)

@@ -1,10 +1,10 @@
-"""Waypoints from a file: a table, one point a row, or YAML, as navigation stacks print a path.
+"""Waypoints from a file: a table with one point per row, or YAML as navigation stacks print paths.
 
-Of a table see `core.fields.tables`; without a header, it has x and y in m.  YAML: a list of poses,
-or a mapping with one below `LISTS`, or poses by name, or one pose a document.  A pose is a mapping
-with x and y in m, perhaps below ``position`` and that below ``pose``, or a list of x, y and more;
-in GeoJSON, which is YAML, it is a point's or each of a line's.  Headers, z and orientations are
-passed over, since the path's direction follows from its points.
+For tables see `core.fields.tables`; without a header, the columns are x and y in m.  YAML: a list
+of poses, or a mapping with one below `LISTS`, or poses by name, or one pose per document.  A pose
+is a mapping with x and y in m, perhaps below ``position`` and that below ``pose``, or a list of x,
+y and more; in GeoJSON, which is YAML, it is a point, or each point of a line.  Headers, z and
+orientations are ignored, since the path's direction follows from its points.
 """
 
 import math
@@ -35,7 +35,7 @@ SAME = 1e-9
 
 
 def read_points(file: Path) -> tuple[Point, ...]:
-    """Return the points of a file [m]; those at the place of the one before are left out.
+    """Return the points of a file [m] without points that repeat the one before.
 
     Raises ScenarioError, starting with the key and naming line or pose from 1.
     """
@@ -97,7 +97,7 @@ def _of_yaml(text: str, place: str) -> Iterator[tuple[str, tuple[object, ...]]]:
 
 
 def _poses(document: object) -> list[object] | None:
-    """Poses of a path; None for what is none."""
+    """Poses of a path; None if the document is not a path."""
     inner = document
     while isinstance(inner, Mapping):
         below = [inner[key] for key in (*LISTS, "ros__parameters") if key in inner]

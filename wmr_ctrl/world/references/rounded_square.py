@@ -46,7 +46,7 @@ class RoundedSquare(Reference):
         return {"speed": speed, "corner": corner, "side": SIDE * corner}
 
     def relate(self) -> None:
-        """Two corners must fit on a side."""
+        """Check that two corners fit on a side."""
         known = self.stated("corner") and self.stated("side")
         if known and self.corner > self.side / 2:
             raise ScenarioError(
@@ -99,7 +99,7 @@ def _corner(corner: float) -> Array:
 
 
 def _graded(length: float, step: float) -> Array:
-    """Distances from a corner along half a side, ``length`` first and 0 last, growing steps."""
+    """Distances from a corner along half a side, from ``length`` to 0, with growing steps."""
     distances = [0.0]
     while distances[-1] + step < 0.7 * length:
         distances.append(distances[-1] + step)

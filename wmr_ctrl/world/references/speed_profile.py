@@ -1,12 +1,12 @@
 """Time-optimal speed along a path under limits, by two passes over a grid.
 
 In each cell of the grid the path's parameter has a constant second derivative u, and the square x
-of its rate is then linear in the parameter.  All limits are linear in u and x at every place of a
-cell.  A pass from the end finds the largest x from which the rest can still be driven; a pass from
-the start takes the largest u.  That is the fastest motion on this grid (the method of reachable
+of its rate is then linear in the parameter. All limits are linear in u and x at every place of a
+cell. A pass from the end finds the largest x from which the rest can still be driven; a pass from
+the start takes the largest u. That is the fastest motion on this grid (the method of reachable
 sets: Pham and Pham, "A new approach to time-optimal path parameterization based on reachability
-analysis", IEEE Transactions on Robotics, 2018).  Between the places the limits are looked at
-afterwards, and the whole motion is stretched in time by as much as they ask for.
+analysis", IEEE Transactions on Robotics, 2018). Between these places the limits are checked
+afterwards, and the whole motion is slowed down as much as they require.
 """
 
 from dataclasses import dataclass
@@ -39,10 +39,10 @@ class PathLimits:
 
 @dataclass(frozen=True, eq=False)
 class SpeedProfile:
-    """A path's parameter in time: row j holds from ``starts[j]`` [s] on, (rows,) each.
+    """A path's parameter over time: row j is valid from ``starts[j]`` [s] on, (rows,) each.
 
     ``places``, ``rates`` [1/s] and ``accelerations`` [1/s2] are the parameter and its derivatives
-    at a row's start, the last constant within the row.  The last row is what follows the end.
+    at a row's start, the last constant within the row.  The last row is the motion after the end.
     """
 
     starts: Array
@@ -138,7 +138,7 @@ def _squares(cells: _Cells, limits: PathLimits) -> Array:
 def _driven(
     cells: _Cells, limits: PathLimits, most: Array, begin: float | None, end: float
 ) -> tuple[Array, Array]:
-    """Squares of the rate at the points and the acceleration of each cell: backwards, forwards."""
+    """Squared rates at grid points and accelerations of cells: a backward, then a forward pass."""
     admitted = _squares(cells, limits)
     lines = [_lines(cells, limits, admitted[k], k) for k in range(len(cells.widths))]
     reach = np.append(most[:-1], min(end, most[-1]))
@@ -170,7 +170,7 @@ def _lines(cells: _Cells, limits: PathLimits, squares: Array, k: int) -> Array:
 
 
 def _bounds(lines: Array, width: float, next_most: float) -> tuple[Array, Array, float]:
-    """Lower and upper bounds of u as lines (at x = 0, slope), and the largest x by itself."""
+    """Bounds of u as lines in x (value at 0, slope), lower and upper, and the largest x alone."""
     a, b, c = lines.T
     flat = a <= 1e-12 * np.maximum(np.abs(b), 1e-300)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -183,7 +183,7 @@ def _bounds(lines: Array, width: float, next_most: float) -> tuple[Array, Array,
 
 
 def _widest(lines: Array, width: float, next_most: float) -> float:
-    """Largest x for which some u keeps all limits and reaches at most ``next_most``."""
+    """Largest x for which some u satisfies all limits and reaches at most ``next_most``."""
     lower, upper, alone = _bounds(lines, width, next_most)
     slopes = lower[:, None, 1] - upper[None, :, 1]
     gaps = upper[None, :, 0] - lower[:, None, 0]
@@ -205,7 +205,7 @@ def _in_time(cells: _Cells, squares: Array, accelerations: Array, stop: bool) ->
 
 
 def _stretched(path: SplinePath, limits: PathLimits, profile: SpeedProfile) -> SpeedProfile:
-    """The profile, slower by as much as the limits between the grid's points ask for."""
+    """The profile, slowed down such that limits between the grid's points hold, too."""
     cells = _cells(path, FINE)
     u = profile.accelerations[:-1, None]
     x = profile.rates[:-1, None] ** 2 + 2 * u * cells.widths[:, None] * FINE

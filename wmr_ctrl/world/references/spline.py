@@ -280,7 +280,7 @@ def simplified(points: Array, within: float, closed: bool) -> Array:
 
 
 def _missed(points: Array) -> Array:
-    """Distance of each inner point from the line between the ends, or behind one before it [m]."""
+    """Distance of each inner point from the line between the ends, or its way back [m]."""
     way, away = points[-1] - points[0], points - points[0]
     length = float(np.hypot(*way))
     direction = way / length if length > 0 else np.zeros(2)
@@ -290,7 +290,7 @@ def _missed(points: Array) -> Array:
 
 
 def _sides(ways: Array, lengths: Array, tolerance: float, closed: bool) -> Array:
-    """Length of both its lines that each point's corner takes [m], (n + 1,); 0 where none is."""
+    """Length that each point's corner takes from both lines [m], (n + 1,); 0 without corner."""
     before, after = (np.roll(ways, 1, axis=0), ways)
     cosines = np.clip(np.einsum("ij,ij->i", before, after), -1, 1)
     halves = np.sqrt((1 - cosines) / 2)  # sin(turn/2)

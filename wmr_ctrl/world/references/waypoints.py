@@ -94,7 +94,7 @@ class Waypoints(Reference):
         return {"speed": speed, "omega_max": turning, **own}
 
     def relate(self) -> None:
-        """The path must exist: enough points, none twice in a row, no turning on the spot."""
+        """Check that the path exists: enough points, none repeated, no turning on the spot."""
         profile_of(self)
 
     @property
@@ -172,7 +172,7 @@ def _checked_points(reference: Waypoints) -> spline.Array:
 
 
 def _thinned(points: spline.Array, within: float, closed: bool) -> spline.Array:
-    """Those of many points that a path within so many metres of all needs."""
+    """The points that a path within a distance ``within`` [m] of all points needs."""
     left = spline.simplified(points, within, closed)
     if _least(closed) <= len(left) <= MOST_POINTS:
         return left
@@ -205,7 +205,7 @@ def _check_count(count: int, closed: bool, tolerance: float | None) -> None:
 
 
 def _check_forward(path: spline.SplinePath, points: spline.Array) -> None:
-    """Refuse a path that nearly stops to turn; where it does not, theta_d's branch is certain."""
+    """Refuse a path that nearly stops to turn; otherwise theta_d's branch is unambiguous."""
     velocity = path.derivatives(1, np.linspace(0, 1, spline.SAMPLES + 1))
     share = np.hypot(velocity[..., 0], velocity[..., 1])
     theta = spline.headings(path.coefficients)
@@ -257,7 +257,7 @@ def trajectory(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
 
 
 def _row_at(tau: ca.SX, table: ca.SX) -> ca.SX:
-    """The last row that has begun at ``tau``, the first before any: by halves, so nested little."""
+    """The last row that begins at or before ``tau``, else the first, by bisection."""
     if table.size1() == 1:
         return table
     half = table.size1() // 2

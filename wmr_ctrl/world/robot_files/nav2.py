@@ -17,7 +17,7 @@ VECTORS = ("max_velocity", "min_velocity", "max_accel", "max_decel")
 
 
 def reads(node: str) -> bool:
-    """True for a node of nav2 that says something on the robot."""
+    """True for a nav2 node whose parameters describe the robot."""
     last = node.rpartition("/")[2]
     return last in ("velocity_smoother", "controller_server") or last.endswith("costmap")
 

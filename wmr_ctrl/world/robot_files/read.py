@@ -1,4 +1,4 @@
-"""Reader of robot files of all kinds, told apart by what is in them."""
+"""Reader of robot files of all kinds, which it recognises by their content."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ KINDS = (
 
 
 def read_robot_files(files: Sequence[str | os.PathLike[str]]) -> Sheet:
-    """What robot files say together; where they disagree, the controller's value counts.
+    """Merge robot files; if they disagree, the controller's value is used.
 
-    Raises ScenarioError, naming the file, for a file of an unknown kind and whatever is wrong.
+    Raises ScenarioError, naming the file, for a file of an unknown kind and for any error in it.
     """
     texts = {Path(file): read_text(Path(file), "--from", (*XML, *YAML), LARGEST) for file in files}
     items: list[Found] = []
@@ -45,7 +45,7 @@ def read_robot_files(files: Sequence[str | os.PathLike[str]]) -> Sheet:
 
 
 def _parameters(text: str, file: str, named: list[str]) -> Iterator[Found]:
-    """Values of a YAML file; the controller's wheel joints go to ``named``."""
+    """Values of a YAML file; the controller's wheel joints are appended to ``named``."""
     known, drive = False, ""
     for node, params in nodes(yaml_document(text, file)):
         if controllers.is_controller(params):

@@ -1,4 +1,4 @@
-"""URDF: mass, inertia, wheels and track of a robot that stands in its zero position.
+"""URDF: mass, inertia, wheels and track of a robot in its zero position.
 
 Source: the URDF specification.  Positions are those of all joints at 0, in the frame of the root
 link, x ahead, y to the left, z up.
@@ -46,8 +46,8 @@ class Wheel:
 def read(root: Element, file: str, named: Sequence[str] = ()) -> Iterator[Found]:
     """Mass, inertia about the vertical through the axle's middle, radius and track.
 
-    ``named``: the joints that a controller drives; without them, the pairs of wheels are found by
-    their places.  Raises ScenarioError where there is no pair, or a number is impossible.
+    ``named``: the joints that a controller drives; without them, pairs of wheels are found by
+    position.  Raises ScenarioError if there is no pair, or a number is impossible.
     """
     links, joints = _named(root, "link", file), _named(root, "joint", file)
     poses = _poses(links, joints, file)
@@ -138,9 +138,9 @@ def _wheels(
     file: str,
     named: Sequence[str],
 ) -> list[Wheel]:
-    """Joints that turn without end about an axis to the side, or those that are named.
+    """Continuous joints with a lateral axis, or the named ones.
 
-    A wheel that is steered, or turns with a caster, drives no side of a robot.
+    A wheel that is steered, or belongs to a caster, is not a drive wheel.
     """
     wheels, steered = [], _steered(joints)
     for name, joint in joints.items():
@@ -166,7 +166,7 @@ def _steered(joints: dict[str, Element]) -> set[str]:
 
 
 def _radius(link: Element, place: str) -> float:
-    """Radius [m] of a cylinder or sphere, that for collisions before the visible one; 0: none."""
+    """Radius [m] of a cylinder or sphere, preferably of the collision shape; 0 if there is none."""
     for kind in ("collision", "visual"):
         for part in link.iterchildren(kind):
             for shape in ("cylinder", "sphere"):
@@ -177,9 +177,9 @@ def _radius(link: Element, place: str) -> float:
 
 
 def _driven(wheels: list[Wheel], file: str, named: bool) -> tuple[list[Wheel], str]:
-    """Wheels of the largest mirrored pair and of those like it, and words on the others.
+    """The driven wheels: the largest mirrored pair and similar ones; a note on the others.
 
-    Wheels that a controller names all drive, where they are on both sides.
+    Wheels that a controller names are all driven, if they are on both sides.
     """
     if named and len({np.sign(wheel.place[1]) for wheel in wheels}) == 2:
         return wheels, ""
@@ -203,7 +203,7 @@ def _driven(wheels: list[Wheel], file: str, named: bool) -> tuple[list[Wheel], s
 
 
 def _size(wheel: Wheel) -> tuple[float, float]:
-    """Radius and distance from the middle [m], by which driven wheels come before casters."""
+    """Radius and distance from the middle [m]: sort key with driven wheels before casters."""
     return wheel.radius, float(abs(wheel.place[1]))
 
 

@@ -20,7 +20,7 @@ EXPAND = "Expand it where it is installed, by `xacro FILE NAME:=VALUE > robot.ur
 
 
 def tree(text: str, place: str) -> Element:
-    """The root of an XML text.  Raises ScenarioError for what is damaged or declares entities."""
+    """Root element of an XML text.  Raises ScenarioError if it is damaged or declares entities."""
     from lxml import etree
 
     parser = etree.XMLParser(
@@ -42,15 +42,15 @@ def tree(text: str, place: str) -> Element:
 
 
 def has_macros(root: Element) -> bool:
-    """True where xacro has something to expand."""
+    """True if xacro has something to expand."""
     return any(XACRO in item.nsmap for item in root.iter())
 
 
 def expanded(file: Path, place: str) -> str:
     """The text of a xacro file with all macros expanded, arguments at their defaults.
 
-    Packages are those of the file's workspace: the package that it is in, and those beside it.
-    Raises ScenarioError for whatever stops xacro.
+    Known packages are the one that contains the file, and those beside it. Raises ScenarioError if
+    xacro fails.
     """
     import xacro
     from xacro import substitution_args
@@ -70,7 +70,7 @@ def expanded(file: Path, place: str) -> str:
 
 
 def package(name: str, file: Path) -> Path:
-    """Folder of the ROS package ``name``: one that holds ``file``, or one beside such a package."""
+    """Folder of the ROS package ``name``: it contains ``file``, or is beside such a package."""
     for folder in file.resolve().parents:
         if (folder / "package.xml").is_file():
             for other in sorted(folder.parent.glob("*/package.xml")):
@@ -82,7 +82,7 @@ def package(name: str, file: Path) -> Path:
 
 
 def numbers(item: Element, path: str, name: str, place: str, count: int) -> tuple[float, ...]:
-    """Numbers of an attribute of the element at ``path``; zeros where it is left out."""
+    """Numbers of an attribute of the element at ``path``; zeros if it is absent."""
     part = item.find(path)
     value = None if part is None else part.get(name)
     if value is None:

@@ -1,6 +1,6 @@
 """Scenarios: frozen, validated dataclasses, read from TOML presets and users' files.
 
-This layer knows nothing of control laws or symbolic expressions; gains are kept as raw values.
+This layer does not depend on control laws or symbolic expressions; gains are kept as raw values.
 """
 
 from wmr_ctrl.core.fields.section import Section as Section

@@ -1,8 +1,8 @@
-"""Scenario from and to plain dictionaries, as TOML and JSON have them, and one put over another.
+"""Scenario from and to plain dictionaries, as in TOML and JSON, and merging of two of them.
 
-Overrides, such as ``limits.v_u2[1] = 0.7``, are put on a raw scenario before it is checked.
-A key is dotted, with indices from 1.  A text value is TOML, also with numbers such as .95 and 1.;
-failing that, a bare comma list is an array, and a bare word is text.
+Overrides, such as ``limits.v_u2[1] = 0.7``, are applied to a raw scenario before it is checked. A
+key is dotted, with indices from 1.  A text value is TOML, also with numbers such as .95 and 1.;
+otherwise a bare comma list is an array, and a bare word is text.
 """
 
 import re
@@ -73,12 +73,12 @@ def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
 
 
 def raw_with_units(raw: Mapping[str, object]) -> Raw:
-    """A raw scenario whose numbers with a unit are in SI; texts at its top are no numbers."""
+    """A raw scenario whose numbers with a unit are converted to SI; top-level texts are kept."""
     return {k: value if isinstance(value, str) else with_units(value) for k, value in raw.items()}
 
 
 def _whole(errors: list[ScenarioError], **parts: Any) -> Scenario:
-    """The scenario of its parts; else the first of the errors, with the others behind it."""
+    """Build the scenario from its parts; else raise the first error, extended by the others."""
     try:
         scenario = Scenario(**parts)
     except MissingKeysError as error:
@@ -91,7 +91,7 @@ def _whole(errors: list[ScenarioError], **parts: Any) -> Scenario:
 
 
 def _built(section: type[Section], raw: object, errors: list[ScenarioError]) -> Section:
-    """The section of a raw table; where it is refused, of those of its values that are not."""
+    """Build a section from a raw table, or from its valid values, to find all errors."""
     try:
         return build(section, raw)
     except ScenarioError as error:
@@ -119,7 +119,7 @@ def _built(section: type[Section], raw: object, errors: list[ScenarioError]) -> 
 
 
 def _reference(raw: object, errors: list[ScenarioError]) -> Reference | None:
-    """The desired motion; None where no kind is stated, or where it is refused."""
+    """The reference; None if no kind is stated, or if it is refused."""
     try:
         return _of_kind(raw)
     except ScenarioError as error:
@@ -149,10 +149,10 @@ def _changes(raw: object) -> tuple[Change, ...]:
 
 
 def scenario_dict(scenario: Scenario) -> Raw:
-    """Return all of a scenario but its name, as plain values; fields left out are missing.
+    """Return all of a scenario except its name, as plain values; omitted fields are missing.
 
-    ``from_dict(scenario_dict(s), s.name) == s`` for every scenario; orientations that do not come
-    from a file with ``frames = "rep103"`` are off by rounding then.
+    ``from_dict(scenario_dict(s), s.name) == s`` for every scenario; orientations that are not from
+    a file with ``frames = "rep103"`` then have rounding errors.
     """
     raw: Raw = {"title": scenario.title}
     if scenario.law is not None:
@@ -179,7 +179,7 @@ def frames_of(raw: Mapping[str, object]) -> str:
 
 
 def in_frames(raw: Mapping[str, object], frames: object) -> Raw:
-    """Return ``raw`` with its orientations as ``frames`` counts them, which it names then."""
+    """Return ``raw`` with its orientations converted to ``frames``, which is stored in it."""
     had, wanted = frames_of(raw), checked_frames(frames)
     result = dict(raw)
     if had == wanted:
@@ -199,7 +199,7 @@ def in_frames(raw: Mapping[str, object], frames: object) -> Raw:
 
 
 def _section_dict(section: Section) -> Raw:
-    """A section's fields that are stated, arrays as lists."""
+    """A section's stated fields, with arrays as lists."""
     return {
         key: _plain(value)
         for key, value in vars(section).items()
@@ -212,7 +212,7 @@ def _plain(value: object) -> object:
 
 
 def copied(raw: Mapping[str, object]) -> Raw:
-    """A copy of a raw table, of which nothing that can be changed is shared."""
+    """Deep copy of a raw table."""
     return {key: _copied(value) for key, value in raw.items()}
 
 
@@ -242,7 +242,7 @@ def merge(base: Mapping[str, object], over: Mapping[str, object]) -> Raw:
 
 
 def stated_in(raw: Mapping[str, object]) -> set[str]:
-    """Keys that a raw scenario states, those of gains with their law."""
+    """Keys that a raw scenario states; keys of gains include their law."""
     tables = {table: part for table, part in raw.items() if isinstance(part, Mapping)}
     gains = _table(raw, "gains").items()
     tables |= {f"gains.{law}": part for law, part in gains if isinstance(part, Mapping)}
@@ -252,7 +252,7 @@ def stated_in(raw: Mapping[str, object]) -> set[str]:
 def _no_longer_assumed(
     raw: Raw, before: object, stated: Iterable[str], more: object = None
 ) -> None:
-    """Take what is ``stated``, a key or a whole table, from the keys that are assumed."""
+    """Remove the ``stated`` keys or tables from the list of assumed keys."""
     keys = as_list(before)
     if keys is not None:
         ours = tuple(stated)
@@ -316,7 +316,7 @@ def override(scenario: Scenario, overrides: Mapping[str, object]) -> Scenario:
 
 
 def parse_assignments(texts: Iterable[str]) -> dict[str, str]:
-    """Split texts ``KEY=VALUE`` into a mapping of overrides; of a repeated key the last counts."""
+    """Split texts ``KEY=VALUE`` into a mapping of overrides; the last of a repeated key is used."""
     pairs = {}
     for text in texts:
         key, equals, value = text.partition("=")
@@ -351,12 +351,12 @@ def _toml_value(text: str) -> tuple[object] | None:
 
 
 def apply(raw: Mapping[str, object], overrides: Mapping[str, object]) -> Raw:
-    """Return a copy of ``raw`` with the overrides put on it.
+    """Return a copy of ``raw`` with the overrides applied.
 
-    Other ``frames`` restate what is there, and say how the other overrides are meant.
-    Another ``reference.kind`` starts from that kind's defaults; a shorter ``clock.duration``
-    drops the changes that the run no longer reaches, unless changes are overridden too.  A
-    relative ``reference.file`` is relative to the current directory.
+    New ``frames`` convert what is there, and define the orientations of the other overrides.
+    Another ``reference.kind`` starts from that kind's defaults; a shorter ``clock.duration`` drops
+    the changes that the run no longer reaches, unless changes are overridden too. A relative
+    ``reference.file`` is relative to the current directory.
     """
     if not overrides:
         return copied(raw)
@@ -403,7 +403,7 @@ def parse_key(key: str) -> list[Step]:
 
 
 def _assign(raw: Raw, steps: list[Step], value: object, key: str) -> None:
-    """Put a value in its place; missing tables are made, and an element after a list's last.
+    """Assign a value; missing tables are created, and an element after a list's last is appended.
 
     A table with required keys keeps what ``value`` does not state; other tables are replaced.
     """
@@ -424,14 +424,14 @@ def _assign(raw: Raw, steps: list[Step], value: object, key: str) -> None:
 
 
 def _requires(table: str) -> bool:
-    """Whether a table of the scenario has keys that must be stated."""
+    """True if a table of the scenario has keys that must be stated."""
     section = SECTIONS.get(table)
     fields = quantities(section) if section else ()
     return any(isinstance(what.default, Unknown) for _, what in fields)
 
 
 def _list_at(place: object, step: Step, is_table: bool, fresh: object, key: str) -> list[object]:
-    """The list that has the index ``step``, perhaps with ``fresh`` as a new last table."""
+    """The list with the index ``step``, perhaps extended by ``fresh`` as a new last table."""
     if isinstance(step, int) and isinstance(place, list):
         if step == len(place) and is_table:
             place.append(fresh)

@@ -1,4 +1,4 @@
-"""Scenario: everything that a run needs to know besides the law, checked and unchangeable."""
+"""Scenario: all inputs of a run except the law, checked and immutable."""
 
 import dataclasses
 from collections.abc import Iterator, Mapping
@@ -60,7 +60,7 @@ def clean_gains(raw: object) -> Gains:
 
 
 def _gain(value: object, path: str) -> Gain:
-    """A gain; one that was written with its unit keeps it until the law's gains are made."""
+    """A gain; one that is written with its unit keeps it until the law's gains are built."""
     value = with_units(value)
     if isinstance(value, Stated):
         return value
@@ -77,7 +77,7 @@ def _gain(value: object, path: str) -> Gain:
 
 
 class MissingKeysError(ScenarioError):
-    """Keys that a scenario needs and does not state, all in one message."""
+    """Keys that a scenario needs and does not state, in one message."""
 
 
 ROUNDING = 1e-9
@@ -101,14 +101,13 @@ class Scenario:
     """A robot, what its laws believe, limits, gains, a start, a reference, and what disturbs it.
 
     It must state limits.v_u1, a reference, and of the robot what its base needs (`unstated`); all
-    other defaults belong to no robot.  SI units.
-    ``gains`` holds those that the scenario names, by law and gain; numbers are floats, arrays
-    tuples of floats.  A law's other gains are the law's own defaults.  ``effects`` holds the
-    sections of effects that have a table of their own, by its key; see `section`.  ``frames`` says
-    how files, tables and runs state orientations: "paper" (0 along +Y) or "rep103" (0 along +X).
-    The fields here are the paper's in either.  ``assumed`` names keys, such as "limits.v_u1", whose
-    values nobody stated.  ``law`` is the law that drives where a caller names none; see
-    `wmr_ctrl.control.given.default_law`.
+    other defaults belong to no robot. SI units. ``gains`` holds those that the scenario names, by
+    law and gain; numbers are floats, arrays tuples of floats. A law's other gains are the law's own
+    defaults. ``effects`` holds the sections of effects that have a table of their own, by its key;
+    see `section`. ``frames`` says how files, tables and runs state orientations: "paper" (0 along
+    +Y) or "rep103" (0 along +X). The fields here are the paper's in either. ``assumed`` names keys,
+    such as "limits.v_u1", whose values nobody stated. ``law`` is the law to use if a caller names
+    none; see `wmr_ctrl.control.given.default_law`.
     """
 
     name: str = "unnamed"
@@ -137,7 +136,7 @@ class Scenario:
     ros: Ros = field(default_factory=Ros)
 
     def __post_init__(self) -> None:
-        """Freeze what is inside and check the relations between the sections."""
+        """Freeze the contents and check the relations between the sections."""
         _check_types(self)
         object.__setattr__(self, "assumed", _assumed(self.assumed))
         object.__setattr__(self, "gains", clean_gains(self.gains))
@@ -171,8 +170,8 @@ class Scenario:
     def gains_by_law(self) -> Mapping[str, Section]:
         """The gains in effect, by law: those of the scenario, for the others the law's defaults.
 
-        ``kinematics`` has those of Eq. (7).  Raises ScenarioError or UnknownNameError where
-        ``gains`` names what does not exist.
+        ``kinematics`` has those of Eq. (7). Raises ScenarioError or UnknownNameError if ``gains``
+        contains an unknown name.
         """
         return cast("Mapping[str, Section]", late_bound("gains_by_law")(self))
 
@@ -183,7 +182,7 @@ class Scenario:
 
     @property
     def believed(self) -> Robot:
-        """The robot as the laws believe it to be; no change ever alters it."""
+        """The laws' model of the robot; no change ever alters it."""
         given = {key: value for key, value in vars(self.model).items() if value is not None}
         return dataclasses.replace(self.robot, **given)
 
@@ -238,7 +237,7 @@ class Scenario:
 
     @checks_arguments
     def value(self, key: str) -> tuple[float, ...]:
-        """Value of the number at a key path alone."""
+        """Value of the number at a key path."""
         section, _, name = key.partition(".")
         return numbers_in(self.table(section), name) if name else self._of_reference(key)[1]
 
@@ -282,7 +281,7 @@ def _check_types(scenario: Scenario) -> None:
 
 
 def _assumed(raw: object) -> tuple[str, ...]:
-    """Keys that are assumed, each once; raises ScenarioError for what is no key."""
+    """Assumed keys, each once; raises ScenarioError for an unknown key."""
     keys = as_list(raw)
     if keys is None:
         raise ScenarioError(f'assumed = {show(raw)} must be an array of keys, as in ["robot.m"].')
@@ -324,7 +323,7 @@ def _relate(scenario: Scenario) -> None:
 
 
 def multiples() -> Iterator[tuple[str, str, int]]:
-    """Keys of times, the time of which each is a multiple, and how often at most (0: any)."""
+    """Keys of times, the time of which each is a multiple, and the largest factor (0: any)."""
     for part in dict.fromkeys(effect.section.KEY for effect in EFFECTS):
         for name, what in quantities(sections()[part]):
             if what.multiple_of:

@@ -1,4 +1,4 @@
-"""Values of a scenario that look like a slip of units, each as a question."""
+"""Values of a scenario whose unit looks mistaken, each as a question."""
 
 import math
 from collections.abc import Iterator
@@ -38,7 +38,7 @@ def _parts(scenario: Scenario) -> Iterator[tuple[str, Section]]:
 
 
 def _inertia(robot: Robot) -> Iterator[tuple[str, str]]:
-    """Ask about an inertia that does not fit the mass and the track."""
+    """Ask about an inertia that does not fit mass and track."""
     if any(isinstance(value, Unstated) for value in (robot.m, robot.I, robot.l)):
         return
     about = robot.m * robot.l**2
@@ -68,7 +68,7 @@ def _way(reference: Waypoints) -> Iterator[tuple[str, str]]:
 
 @contextmanager
 def asking_about_units(scenario: Scenario) -> Iterator[None]:
-    """Put the questions before a refusal of the scenario: a slip of units may be its cause."""
+    """Context that prepends questions to a refusal: a mistaken unit may be its cause."""
     try:
         yield
     except ScenarioError as error:
