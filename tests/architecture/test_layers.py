@@ -21,7 +21,7 @@ ROS_MESSAGES = {
 THIRD_PARTY = {
     "version": set(),
     "core": {"casadi", "yaml"},
-    "results": {"numpy", "rosbags"},
+    "results": {"lazy_loader", "numpy", "rosbags"},
     "world": {"casadi", "lxml", "numpy", "scipy", "tomlkit", "xacro"},
     "control": {"casadi", "numpy"},
     "codegen": {"casadi", "filelock", "jinja2", "numpy", "platformdirs"},

@@ -1,43 +1,8 @@
-"""A finished run: its log, outcome, figures of merit and files; the committed ledger of proofs."""
+"""A finished run: its log, outcome, figures of merit and files; the committed ledger of proofs.
 
-from .drive import RecordedDrive as RecordedDrive
-from .figures import FIGURES as FIGURES
-from .figures import values_of as values_of
-from .files import atomic_path as atomic_path
-from .files import atomic_text as atomic_text
-from .files import check_writable as check_writable
-from .files import make_folder as make_folder
-from .files import new_folder as new_folder
-from .files import write_all as write_all
-from .formats import load_run as load_run
-from .frames import json_safe as json_safe
-from .frames import summary as summary
-from .measures import Rises as Rises
-from .measures import distance as distance
-from .measures import e_rms as e_rms
-from .measures import ise as ise
-from .measures import position_rms as position_rms
-from .measures import rises as rises
-from .measures import tau_peak as tau_peak
-from .measures import tau_rms as tau_rms
-from .measures import tracked as tracked
-from .outcomes import Monitor as Monitor
-from .outcomes import Outcome as Outcome
-from .outcomes import RigidMonitor as RigidMonitor
-from .outcomes import outcome_of as outcome_of
-from .remarks import NOT_CHECKED as NOT_CHECKED
-from .remarks import OBJECTED as OBJECTED
-from .remarks import percent as percent
-from .remarks import speeds as speeds
-from .run import Floats as Floats
-from .run import Run as Run
-from .run import split_columns as split_columns
-from .settings import PLANTS as PLANTS
-from .settings import Assumptions as Assumptions
-from .settings import Settings as Settings
-from .table import REFUSED as REFUSED
-from .table import RunTable as RunTable
-from .table import table_of_rows as table_of_rows
-from .windows import driving as driving
-from .windows import labouring as labouring
-from .windows import robots_over as robots_over
+`__init__.pyi` lists what other rooms import from here; each name is loaded when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
