@@ -114,7 +114,7 @@ def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
     laws = {f"law{place}": one.colour for place, one in enumerate(scene.actors)}
     colours = {**laws, "muted": style.MUTED, "limit": style.LIMIT, "ink": style.INK,
                "paper": style.PAPER, "line": style.RULE_LINE}  # fmt: skip
-    dark = {name: style.AFTER_DARK.get(colour, colour) for name, colour in colours.items()}
+    dark = {name: style.after_dark(colour) for name, colour in colours.items()}
     environment = style.page_environment()
     environment.filters["distance"] = length
     text = environment.get_template("animation.html.j2").render(

@@ -64,10 +64,15 @@ _LOOKS = {
 AFTER_DARK: Mapping[str, str] = {
     INK: "#dfe3e8", MUTED: "#9aa4b0", GRID: "#343b44", RULE_LINE: "#2a3038", PAPER: "#15191e",
     LIMIT: "#ff6b5e", "#e69f00": "#f0b429", "#00956d": "#2fc79a", "#1f77c9": "#5aaaf5",
-    "#5b0e3b": "#d987b8", "#d6336c": "#ff7aa2", "#6b7a1e": "#b9c94f", "#7f7f7f": "#a3a9b0",
-    "#b0408f": "#e08fc6", "#4c4c9d": "#9f9ff0",
+    "#5b0e3b": "#d987b8", "#d6336c": "#ff7aa2", "#6b7a1e": "#b9c94f", "#8a5a2b": "#d69a63",
+    "#7f7f7f": "#a3a9b0", "#b0408f": "#e08fc6", "#4c4c9d": "#9f9ff0",
 }  # fmt: skip
 """Each colour of a drawing, and its counterpart where a reader has asked for dark pages."""
+
+
+def after_dark(colour: str) -> str:
+    """A drawing's colour where a reader has asked for dark pages."""
+    return AFTER_DARK.get(colour, colour)
 
 
 def look(law: str) -> Look:

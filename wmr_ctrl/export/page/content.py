@@ -12,7 +12,7 @@ from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.core.signals import Signal, elements
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
-from wmr_ctrl.report.style import unit_text
+from wmr_ctrl.report.style import after_dark, unit_text
 from wmr_ctrl.theory.corridor import corridor_course
 from wmr_ctrl.version import __version__
 from wmr_ctrl.world.scenario import Scenario
@@ -29,15 +29,8 @@ from .scenes import (
 
 Plain = dict[str, Any]
 Row = dict[str, float]
-DARK = (0x12, 0x16, 0x1C)
-"""The page's background in the dark."""
-CONTRAST = (5.0, 10.0)
-"""Contrast with it of the lightest and the darkest colours, more than the 4.5 that guidelines
-ask of text: those that were dark on white are light on black."""
 EVERY = 0.1
 """Time [s] for which a corridor that varies has one width, its largest there."""
-LIGHT = 0.2
-"""Luminance of the lightest."""
 
 
 @dataclass(frozen=True)
@@ -221,22 +214,4 @@ def _look(member: PageMember) -> Plain:
     chosen = member.look
     dash = [] if isinstance(chosen.dash, str) else list(chosen.dash[1])
     words = {"name": member.name, "law": member.law, "label": chosen.label, "title": member.title}
-    return {**words, "colour": chosen.colour, "dark": _in_the_dark(chosen.colour), "dash": dash}
-
-
-def _in_the_dark(colour: str) -> str:
-    """A colour mixed with as much white as makes it stand out from black."""
-    own = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-    shares = (step / 50 for step in range(51))
-    mixes = ([part + share * (1 - part) for part in own] for share in shares)
-    darkness = max(1.0 - _luminance(*own) / LIGHT, 0.0)
-    wanted = CONTRAST[0] + darkness * (CONTRAST[1] - CONTRAST[0])
-    dark = _luminance(*(part / 255 for part in DARK))  # contrast with it as WCAG 2 defines it
-    lighter = next(mix for mix in mixes if (_luminance(*mix) + 0.05) / (dark + 0.05) >= wanted)
-    return "#" + "".join(f"{round(255 * part):02x}" for part in lighter)
-
-
-def _luminance(red: float, green: float, blue: float) -> float:
-    parts = (red, green, blue)
-    linear = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts)
-    return sum(share * part for share, part in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
+    return {**words, "colour": chosen.colour, "dark": after_dark(chosen.colour), "dash": dash}
