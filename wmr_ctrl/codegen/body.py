@@ -37,6 +37,8 @@ FEWEST = 4
 def body(graph: Graph, dialect: Dialect) -> list[str]:
     """Statements of a function that computes the graph: branches, loops, and results last."""
     items: list[Item] = [*statements(graph)]
+    if dialect.plain:
+        return _Writer(graph, dialect, items, {}).text()
     if sum(node.op == SELECT for node in graph.nodes) <= MOST_BRANCHED:
         items = branched(graph, items)
     if dialect.exp_batch:

@@ -49,7 +49,8 @@ class Dialect:
 
     ``exp_batch``: independent exponentials are computed side by side, in arrays of multiples of
     this size; 0: one by one.  ``packs_stores``: single operations that fill an array do so four at
-    a time.  ``pairs_sines``: sine and cosine of one angle are one call.
+    a time.  ``pairs_sines``: sine and cosine of one angle are one call.  ``plain``: every operation
+    is one line, without loops and branches.
     """
 
     header: str
@@ -60,6 +61,7 @@ class Dialect:
     exp_batch: int = 0
     packs_stores: bool = False
     pairs_sines: bool = False
+    plain: bool = False
 
     def pattern(self, op: int) -> str:
         """The expression of an operation, with {0} and {1} for its operands.
@@ -102,4 +104,6 @@ HEADER = "arithmetic.h"
 _SCALAR = MappingProxyType(_NUMBERS | _COMPARISONS | _JOINED)
 _VECTOR = MappingProxyType(_NUMBERS | _MASKS | _JOINED_MASKS)
 SCALAR = Dialect(HEADER, "double", "int", _SCALAR, exp_batch=8, packs_stores=True)
+PLAIN = Dialect(HEADER, "double", "int", _SCALAR, plain=True)
+"""Quick to write, for functions whose speed does not matter."""
 LANES = Dialect(HEADER, "wmr_v", "wmr_m", _VECTOR, lanes=True, exp_batch=1, pairs_sines=True)
