@@ -55,6 +55,7 @@ def test_a_run_saves_draws_and_sums_itself_up(make_run, tmp_path):
     assert run.summary() == summary(run)
     assert summary(run)["watched_every"] == run.settings.plant
     assert run.law in run._repr_html_()
+    assert "position error" in run._repr_html_()
 
 
 def test_other_tools_read_the_columns_of_a_parquet_file(make_run, tmp_path):

@@ -9,17 +9,16 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from wmr_ctrl.core.errors import library
+from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import TIME
 
 from .figures import FIGURES, READINGS, values_of
-from .measures import tracked
 from .settings import COUNTED
-from .windows import driving
 
 if TYPE_CHECKING:
     import pandas
@@ -132,23 +131,12 @@ def labels(run: Run) -> dict[str, object]:
 
 
 def run_html(run: Run) -> str:
-    """A run's labels, outcome and main figures."""
-    names = ("position_rms", "tracking_drive_rms", "ise_total", "tau_peak")
-    taken = values_of(run, map(FIGURES.__getitem__, names))
-    whole, late, ise, peak = (figure(taken[name]) for name in names)
-    reached, guarded = tracked(run), ", guarded" if run.guard else ""
-    rows = [
-        ("outcome", run.outcome.value),
-        ("tracked", ABSENT if reached is None else "yes" if reached else "no"),
-        ("position error, RMS [m]", whole),
-        (f"position error, RMS of the {driving(run)} [m]", late),
-        ("ISE [m² s + rad² s]", ise),
-        ("largest |v1| [m/s], |omega| [rad/s]", ", ".join(map(figure, run.monitor.max_abs_v))),
-        ("largest wheel torque [N m]", peak),
-        *((remark.key, remark.text) for remark in run.remarks),
-    ]
+    """A run's labels, outcome, the figures that matter for its base, and remarks."""
+    guarded = ", guarded" if run.guard else ""
+    figures = cast("list[tuple[str, str]]", late_bound("rows_of")(run))
+    remarks = [(remark.key, remark.text) for remark in run.remarks]
     title = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine"
-    return table_html(title, rows)
+    return table_html(title, [("outcome", run.outcome.value), *figures, *remarks])
 
 
 def table_html(title: str, rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
