@@ -32,7 +32,7 @@ THIRD_PARTY = {
     "export": {"casadi", "fmpy", "lxml", "numpy"},
     "api": set(),
     "extend": {"lazy_loader"},
-    "ros2": {"numpy", "rclpy", *ROS_MESSAGES},
+    "ros2": {"jinja2", "numpy", "rclpy", *ROS_MESSAGES},
     "__init__": {"lazy_loader"},
     "__main__": set(),
     "wmr_proofs": {"casadi", "flint", "numpy", "z3"},

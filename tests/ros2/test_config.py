@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from wmr_ctrl.control.filter.gate import ODOMETRY_USES
 from wmr_ctrl.ros2.parameters import DRIVE, FILTER
 
 SHIPPED = Path(__file__).parents[2] / "ros" / "wmr_ctrl_ros" / "config"
@@ -19,3 +20,7 @@ def test_a_shipped_file_states_each_nodes_own_values(name, declared):
 
     assert values == {key: declared[key].default for key in values}
     assert set(declared) - set(values) <= {"scenario", "law", "autostart"}
+
+
+def test_uses_of_odometry_are_those_of_the_gate():
+    assert tuple(FILTER["odometry"].choices) == ODOMETRY_USES

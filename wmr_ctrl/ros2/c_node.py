@@ -2,21 +2,22 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from wmr_ctrl.codegen.package import text_engine
 from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.control.filter.gate import GATE_FLAGS, GateSettings
+from wmr_ctrl.core.data import with_tuples
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.results import write_all
 from wmr_ctrl.world.scenario import Scenario, scenario_hash
 
 from .diagnosis import ERRORS, WARNINGS
-from .filter_core import core_files
-from .native import HAPPENINGS, in_ns
-from .parameters import FILTER, OTHER_PARTS, TRIGGERS, Default
+from .filter_core import core_files, node_templates
+from .native import HAPPENINGS
+from .parameters import FILTER, Default
 
 LIBRARIES = ("rcl", "rcl_yaml_param_parser", "rcutils", "rmw", "rosidl_runtime_c")
 INTERFACES = (
@@ -61,44 +62,29 @@ def node_settings(given: Sequence[str]) -> NodeSettings:
     Raises ArgumentError for a name that is none, or a value that is not of its kind.
     """
     values = dict(_parsed(word) for word in given)
-    trigger = _one_of("trigger", str(values.pop("trigger", TRIGGERS[0])))
-    settings = NodeSettings(at_once=trigger == "command")
-    settings = replace(
-        settings,
-        frame=str(values.pop("base_frame", settings.frame)),
-        stamped=bool(values.pop("stamped", settings.stamped)),
-        discovery=float(values.pop("discovery_time", settings.discovery)),  # type: ignore[arg-type]
-        refuses_parts=_one_of("other_parts", str(values.pop("other_parts", "count"))) == "refuse",
-    )
-    pairs = {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}
-    known = {item.name for item in fields(GateSettings)}
-    assert known.issuperset(pairs)
-    return replace(settings, gate=GateSettings(**pairs))  # type: ignore[arg-type]
+    named = {"base_frame": "frame", "discovery_time": "discovery", "stamped": "stamped"}
+    own = {ours: values.pop(name) for name, ours in named.items() if name in values}
+    own["at_once"] = values.pop("trigger", "") == "command"
+    own["refuses_parts"] = values.pop("other_parts", "") == "refuse"
+    gate: dict[str, Any] = with_tuples(values)
+    return NodeSettings(gate=GateSettings(**gate), **own)
 
 
-CHOICES = {"trigger": TRIGGERS, "other_parts": OTHER_PARTS}
-
-
-def _one_of(name: str, value: str) -> str:
-    if value not in CHOICES[name]:
-        raise ArgumentError(f"{name} = {value!r} must be one of {', '.join(CHOICES[name])}.")
-    return value
-
-
-def _parsed(word: str) -> tuple[str, Default]:
+def _parsed(word: str) -> tuple[str, Any]:
     name, _, text = word.partition("=")
     if name not in GIVEN:
         raise ArgumentError(
             f"{name!r} is not a parameter that can be compiled into the node. These can: "
             f"{', '.join(GIVEN)}."
         )
-    default = FILTER[name].default
-    if isinstance(default, str):
-        return name, text
-    value = _like(default, text)
+    stated = FILTER[name]
+    if isinstance(stated.default, str):
+        return name, stated.chosen(name, text)
+    value = _like(stated.default, text)
     if value is None:
-        raise ArgumentError(f"{name} = {text!r} must be like its default: {json.dumps(default)}.")
-    low, high = FILTER[name].range or (-math.inf, math.inf)
+        told = json.dumps(stated.default)
+        raise ArgumentError(f"{name} = {text!r} must be like its default: {told}.")
+    low, high = stated.range or (-math.inf, math.inf)
     if isinstance(value, float) and not low <= value <= high:
         raise ArgumentError(f"{name} = {text} is out of its range: {low:g} to {high:g}.")
     return name, value
@@ -123,15 +109,21 @@ def node_files(scenario: Scenario, settings: NodeSettings) -> dict[str, str]:
 
     Raises ScenarioError where the filter is not set, or cannot be met.
     """
-    engine, context = text_engine(Path(__file__).parent / "templates"), {
+
+    def masked(words: set[str]) -> int:
+        return sum(bit for bit, word in GATE_FLAGS.items() if word in words)
+
+    engine, context = node_templates(), {
         "name": NAME, "packages": (*LIBRARIES, RMW, *INTERFACES), "kept": kept(scenario, settings),
         "kind": "TwistStamped" if settings.stamped else "Twist", "libraries": " ".join(LINKED),
+        "settings": settings, "frame": settings.frame or scenario.ros.base_frame,
+        "errors": masked(ERRORS), "warnings": masked(WARNINGS), "flags": GATE_FLAGS,
+        "happenings": {1 << k: word for k, word in enumerate(HAPPENINGS)},
     }  # fmt: skip
-    written = ("CMakeLists.txt", "package.xml", "README.md")
+    written = ("CMakeLists.txt", "package.xml", "README.md", "node_settings.h")
     return {
         **core_files(scenario, settings.gate),
         **c_texts(*SOURCES, folder="ros2"),
-        "node_settings.h": _header(scenario, settings),
         **{name: engine.get_template(f"{name}.j2").render(context) for name in written},
     }
 
@@ -155,48 +147,3 @@ def kept(scenario: Scenario, settings: NodeSettings) -> str:
         f"{gate.command_timeout:g} s, odometry {gate.odometry}, "
         f"odometry_timeout {gate.odometry_timeout:g} s"
     )
-
-
-def _header(scenario: Scenario, settings: NodeSettings) -> str:
-    def masked(words: set[str]) -> int:
-        return sum(bit for bit, word in GATE_FLAGS.items() if word in words)
-
-    defined: Mapping[str, object] = {
-        "WMR_STAMPED": int(settings.stamped),
-        "WMR_AT_ONCE": int(settings.at_once),
-        "WMR_DISCOVERY": f"INT64_C({in_ns(settings.discovery)})",
-        "WMR_BASE_FRAME": _quoted(settings.frame or scenario.ros.base_frame),
-        "WMR_REFUSES_PARTS": int(settings.refuses_parts),
-        "WMR_KEPT": _quoted(kept(scenario, settings)),
-        "WMR_FLAGS": len(GATE_FLAGS),
-        "WMR_ERRORS": masked(ERRORS),
-        "WMR_WARNINGS": masked(WARNINGS),
-    }
-    lines = [f"#define {name} {value}" for name, value in defined.items()]
-    return "\n".join([
-        "/* Generated by wmr_ctrl: what is compiled into the node; do not edit. */",
-        *lines,
-        "",
-        "typedef struct {",
-        "    int64_t bit;",
-        "    const char *word;",
-        "} wmr_word;",
-        "",
-        _table("wmr_flags", GATE_FLAGS),
-        _table("wmr_happenings", {1 << k: word for k, word in enumerate(HAPPENINGS)}),
-        "",
-    ])  # fmt: skip
-
-
-def _table(name: str, words: Mapping[int, str]) -> str:
-    rows = ", ".join(f"{{{bit}, {_quoted(word)}}}" for bit, word in words.items())
-    return f"static const wmr_word {name}[] = {{{rows}}};"
-
-
-def _quoted(text: str) -> str:
-    """A text as C writes it: what is not plain ASCII in octal."""
-    plain = "".join(
-        chr(byte) if 32 <= byte < 127 and byte not in b'"\\?' else f"\\{byte:03o}"
-        for byte in text.encode()
-    )
-    return f'"{plain}"'

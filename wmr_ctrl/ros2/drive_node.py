@@ -14,7 +14,7 @@ from wmr_ctrl.world.scenario import Scenario
 from .drive_core import DriveCore, DriveSettings
 from .graph import KEPT, LATEST, SURE
 from .node import SafeNode, guarded, stamp_of
-from .parameters import DRIVE, REFERENCES
+from .parameters import DRIVE
 from .refusals import Received
 from .twists import command_kind, twist_message
 
@@ -33,14 +33,12 @@ class DriveNode(SafeNode[DriveCore]):
 
     def build(self, scenario: Scenario) -> tuple[DriveCore, float]:
         """Law, reference and gate."""
-        law, motion = str(self.value("law")), str(self.value("reference"))
+        law = str(self.value("law"))
         if not law:
             raise WmrError(
                 "the parameter law is not set: which law drives the base has no default. Name "
                 "one, such as --ros-args -p law:=kanayama; `wmr-ctrl laws` lists them."
             )
-        if motion not in REFERENCES:
-            raise WmrError(f"reference = {motion!r} must be one of {', '.join(REFERENCES)}.")
         self.wheels = [str(name) for name in self.value("wheels")]  # type: ignore[attr-defined]
         if sorted(self.wheels) != sorted(SIDES):
             raise WmrError(f"wheels = {self.wheels} must name left and right, each once.")
@@ -52,7 +50,7 @@ class DriveNode(SafeNode[DriveCore]):
         self.frame, self.stamped = self.frame_of(scenario), bool(self.value("stamped"))
         settings = DriveSettings(
             gate=gate, odometry_frame=str(self.value("odometry_frame")), base_frame=self.frame,
-            jump=self.pair("jump"), path=motion == "path",
+            jump=self.pair("jump"), path=self.choice("reference") == "path",
         )  # fmt: skip
         setup = settle(scenario, law_name(law))
         if not (setup.takes_velocity or scenario.guard.enabled):

@@ -8,14 +8,13 @@ from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 
 from wmr_ctrl.control.filter.gate import GateSettings
-from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.world.scenario import Scenario
 
 from .diagnosis import MORE_PARTS, TOO_FAST
 from .filter_core import FilterCore
 from .graph import LATEST, SURE
 from .node import SafeNode, guarded, stamp_of
-from .parameters import FILTER, OTHER_PARTS, SCALE, SPEED_SCALE, TRIGGERS
+from .parameters import CHANGING, FILTER, SPEED_SCALE
 from .refusals import Received
 from .twists import command_kind, other_parts, twist_message
 
@@ -27,8 +26,7 @@ class FilterNode(SafeNode[FilterCore]):
 
     def __init__(self) -> None:
         """Declare the parameters."""
-        super().__init__("wmr_filter", FILTER)
-        self.declare(SPEED_SCALE, SCALE)
+        super().__init__("wmr_filter", FILTER | CHANGING)
         self._with_other_parts = 0
 
     def build(self, scenario: Scenario) -> tuple[FilterCore, float]:
@@ -41,14 +39,9 @@ class FilterNode(SafeNode[FilterCore]):
         )  # fmt: skip
         self.frame, self.stamped = self.frame_of(scenario), bool(self.value("stamped"))
         self.limits, self.settings = scenario.limits.v_u1, settings
-        parts = str(self.value("other_parts"))
-        if parts not in OTHER_PARTS:
-            raise WmrError(f"other_parts = {parts!r} must be one of {', '.join(OTHER_PARTS)}.")
-        self._refuses_parts = parts == "refuse"
-        trigger = str(self.value("trigger"))
-        if trigger not in TRIGGERS:
-            raise WmrError(f"trigger = {trigger!r} must be one of {', '.join(TRIGGERS)}.")
-        core = FilterCore(scenario, settings, self.frame, at_once=trigger == "command")
+        self._refuses_parts = self.choice("other_parts") == "refuse"
+        at_once = self.choice("trigger") == "command"
+        core = FilterCore(scenario, settings, self.frame, at_once=at_once)
         core.scale = float(self.value(SPEED_SCALE))  # type: ignore[arg-type]
         return core, core.period / 4 if core.at_once else core.period
 

@@ -93,6 +93,7 @@ class SafeNode(LifecycleNode, Generic[C]):
     def __init__(self, name: str, parameters: Table) -> None:
         """Declare the parameters."""
         super().__init__(name)
+        self._declared = parameters
         for key, stated in parameters.items():
             self.declare(key, stated)
         self.core: C | None = None
@@ -167,6 +168,10 @@ class SafeNode(LifecycleNode, Generic[C]):
         if len(numbers) != 2:
             raise WmrError(f"{name} has {len(numbers)} numbers and must have two.")
         return numbers
+
+    def choice(self, name: str) -> str:
+        """Value of a parameter with choices.  Raises WmrError for one that is none of them."""
+        return self._declared[name].chosen(name, str(self.value(name)))
 
     @transition
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
