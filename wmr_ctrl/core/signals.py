@@ -1,13 +1,14 @@
 """Signal: name, unit, size and meaning of one quantity, and the catalogue that fixes every order.
 
-Everything that is ordered follows this page: vectors in CasADi graphs, enums in C, variables of
-FMUs, columns of results, labels of plots.  It imports nothing of the package, so that every
-layer may use it.
+Everything that is ordered follows signals.toml: vectors in CasADi graphs, enums in C, variables of
+FMUs, columns of results, labels of plots.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
+
+from .data import data
 
 
 @dataclass(frozen=True)
@@ -49,75 +50,43 @@ def elements(signals: Iterable[Signal]) -> tuple[str, ...]:
     return tuple(name for signal in signals for name in signal.elements)
 
 
+_GROUPS = {
+    group: tuple(Signal(name, *row) for name, row in rows.items())
+    for group, rows in data(__package__, "signals.toml").items()
+}
+_SINGLE = {signal.name: signal for signal in _GROUPS["single"]}
 LARGEST = 1e12
 """Largest size of any input or parameter, in the SI unit of each: up to here every law's
 force and memory stay finite.  Stands for `unlimited` too."""
-TIME = Signal("t", "s", "time")
+TIME = _SINGLE["t"]
 
-PLANT_STATE = (
-    Signal("x", "m", "position of the axle's midpoint along X"),
-    Signal("y", "m", "position of the axle's midpoint along Y"),
-    Signal("theta", "rad", "orientation, 0 along +Y, forward = (-sin theta, cos theta)"),
-    Signal("v1", "m/s", "linear velocity"),
-    Signal("omega", "rad/s", "angular velocity (v2 in the paper)"),
-)
+PLANT_STATE = _GROUPS["plant_state"]
 POSE = PLANT_STATE[:3]
 VELOCITY = PLANT_STATE[3:]
-PSI = Signal("psi", "rad", "usual heading, psi = theta + pi/2")
+PSI = _SINGLE["psi"]
 
-MEASURED_POSE = (
-    Signal("x_measured", "m", "measured position along X"),
-    Signal("y_measured", "m", "measured position along Y"),
-    Signal("theta_measured", "rad", "measured orientation"),
-)
-MEASURED_VELOCITY = (
-    Signal("v1_measured", "m/s", "measured linear velocity"),
-    Signal("omega_measured", "rad/s", "measured angular velocity"),
-)
+MEASURED_POSE = _GROUPS["measured_pose"]
+MEASURED_VELOCITY = _GROUPS["measured_velocity"]
 """Inputs of a law in the place of pose and velocity."""
 MEASURED = (*MEASURED_POSE, *MEASURED_VELOCITY)
-ODOMETRY_AGE = Signal("odometry_age", "s", "age of the odometry; negative: there is none")
-SAMPLE = Signal("sample", "1", "number of the control sample, from 0")
-STEP = Signal("step", "1", "number of the plant step, from 0")
-TRAVEL = Signal("travel", "m, rad", "way and turn since the previous sample", 2)
-PATH = Signal("path", "m", "way since the start, backwards counted negative")
-SKID = Signal("skid", "rad", "turn since the start by the wheels' rolling, less the body's")
+ODOMETRY_AGE = _SINGLE["odometry_age"]
+SAMPLE = _SINGLE["sample"]
+STEP = _SINGLE["step"]
+TRAVEL = _SINGLE["travel"]
+PATH = _SINGLE["path"]
+SKID = _SINGLE["skid"]
 """Zero on a plant whose wheels only roll."""
-REFERENCE = (
-    Signal("x_d", "m", "desired position along X"),
-    Signal("y_d", "m", "desired position along Y"),
-    Signal("theta_d", "rad", "desired orientation, continuous in time"),
-    Signal("v1_d", "m/s", "desired linear velocity"),
-    Signal("v2_d", "rad/s", "desired angular velocity"),
-    Signal("v1_d_dot", "m/s2", "rate of the desired linear velocity"),
-    Signal("v2_d_dot", "rad/s2", "rate of the desired angular velocity"),
-)
+REFERENCE = _GROUPS["reference"]
 
-TORQUE = (
-    Signal("tau_right", "N.m", "torque on the right wheel, as commanded"),
-    Signal("tau_left", "N.m", "torque on the left wheel, as commanded"),
-)
-TORQUE_NOISE = (
-    Signal("noise_right", "N.m", "disturbance torque on the right wheel"),
-    Signal("noise_left", "N.m", "disturbance torque on the left wheel"),
-)
-BODY_FORCE = (
-    Signal("thrust", "N", "disturbance force on the body along its heading"),
-    Signal("moment", "N.m", "disturbance moment on the body"),
-)
+TORQUE = _GROUPS["torque"]
+TORQUE_NOISE = _GROUPS["torque_noise"]
+BODY_FORCE = _GROUPS["body_force"]
 DISTURBING = (*TORQUE_NOISE, *BODY_FORCE)
-COMMAND = (
-    Signal("v_command", "m/s", "commanded linear velocity, as sent to the base"),
-    Signal("omega_command", "rad/s", "commanded angular velocity, as sent to the base"),
-)
+COMMAND = _GROUPS["command"]
 """Inputs of a base that takes velocities."""
-ASKED = Signal("v_asked", "m/s, rad/s", "commanded velocity (linear, angular), unfiltered", 2)
-SENT_BEFORE = Signal(
-    "v_sent_before", "m/s, rad/s", "velocity sent at the previous sample, behind the filter", 2
-)
-TAU_APPLIED = Signal(
-    "tau_applied", "N.m", "torque applied over the previous sample (right, left)", 2
-)
+ASKED = _SINGLE["v_asked"]
+SENT_BEFORE = _SINGLE["v_sent_before"]
+TAU_APPLIED = _SINGLE["tau_applied"]
 
 
 def tau_sent(age: int) -> Signal:
@@ -125,36 +94,20 @@ def tau_sent(age: int) -> Signal:
     return Signal(f"tau_sent{age}", "N.m", f"torque commanded {age} samples ago", 2)
 
 
-FORCE = Signal("force", "N, N.m", "force that a law asks for (thrust, turning moment)", 2)
+FORCE = _SINGLE["force"]
 
-TRACKING_ERROR = Signal("e", "m, m, rad", "tracking error, Eq. (8): ahead, to the left, angle", 3)
-DIAGNOSTICS = (
-    Signal("v_c0", "m/s, rad/s", "auxiliary velocity, Eq. (7)", 2),
-    Signal("v_c1", "m/s, rad/s", "minimiser of the barrier function, Eq. (18)", 2),
-    Signal("V1", "1", "barrier Lyapunov function, Eq. (12)"),
-    Signal("q", "1", "(v - v_c1)/A, in (0, 1]", 2),
-    Signal(
-        "margin", "1", "distance to the velocity limit as measured, min over axes of 1 - |v|/v_u1"
-    ),
-)
-GUARD_DIAGNOSTICS = (
-    Signal("clip_active", "1", "1 where the guard changed the force, else 0", 2),
-    Signal(
-        "d_least", "N, N.m", "smallest disturbance that can explain the previous sample's motion", 2
-    ),
-    Signal("feasible", "1", "1 where the guard's bounds leave a safe force at every state, else 0"),
-)
+TRACKING_ERROR = _SINGLE["e"]
+DIAGNOSTICS = _GROUPS["diagnostics"]
+GUARD_DIAGNOSTICS = _GROUPS["guard_diagnostics"]
 """Diagnostics of a guarded controller beside its law's."""
-GUARD_ACTED = Signal("guard_acted", "1", "1 where the guard or filter acted, else 0")
-REFUSED = Signal("refused", "1", "1 where an input was refused, else 0")
-D_HAT = Signal("d_hat", "N, N.m", "disturbance as the observer estimates it", 2)
+GUARD_ACTED = _SINGLE["guard_acted"]
+REFUSED = _SINGLE["refused"]
+D_HAT = _SINGLE["d_hat"]
 
-WHEEL_SPEED = Signal("wheel_speed", "rad/s", "speed of the wheels (right, left)", 2)
-SLIP = Signal("slip", "m/s", "tread over ground (right, left), positive on a wheel that spins", 2)
-TILT = Signal("tilt", "rad", "angle between the robot's axis and the ground's normal")
-TIP_MARGIN = Signal(
-    "tip_margin", "1", "distance of the load's centre from the edge of the support, 1 over the axle"
-)
+WHEEL_SPEED = _SINGLE["wheel_speed"]
+SLIP = _SINGLE["slip"]
+TILT = _SINGLE["tilt"]
+TIP_MARGIN = _SINGLE["tip_margin"]
 RIGID = (WHEEL_SPEED, SLIP, TILT, TIP_MARGIN)
 """Columns of a rigid body's log after those that every plant has."""
 MOTION = (TIME, *PLANT_STATE, PSI, *REFERENCE)
