@@ -6,9 +6,6 @@ that all of them together are correct with probability c at least, wherever the 
 for Clopper and Pearson's interval of a share, nearly for Wilson's and for the bootstrap of a mean.
 """
 
-import math
-from statistics import NormalDist
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -69,27 +66,18 @@ class StopRule(Section, key="stop"):
         """The interval of the share or mean of ``values``."""
         if not self.share:
             return bootstrap(values, confidence, cell)
-        hits, count = int(np.sum(values > 0)), len(values)
-        return (wilson if self.interval == WILSON else clopper_pearson)(hits, count, confidence)
+        return of_share(int(np.sum(values > 0)), len(values), confidence, self.interval)
 
 
-def clopper_pearson(hits: int, count: int, confidence: float) -> tuple[float, float]:
-    """Exact interval of a share: its coverage is at least this, for every share."""
-    from scipy.stats import beta  # slow to import, and seldom needed
+def of_share(hits: int, count: int, confidence: float, kind: str) -> tuple[float, float]:
+    """Interval of a share: Clopper and Pearson's holds with at least this probability for each.
 
-    tail = (1 - confidence) / 2
-    low = 0.0 if hits == 0 else float(beta.ppf(tail, hits, count - hits + 1))
-    high = 1.0 if hits == count else float(beta.ppf(1 - tail, hits + 1, count - hits))
-    return low, high
+    Wilson's is shorter, and right on average.
+    """
+    from scipy.stats import binomtest  # slow to import, and seldom needed
 
-
-def wilson(hits: int, count: int, confidence: float) -> tuple[float, float]:
-    """Wilson's score interval of a share: shorter than the exact one, correct on average."""
-    z = NormalDist().inv_cdf((1 + confidence) / 2)
-    share, scale = hits / count, 1 + z * z / count
-    middle = (share + z * z / (2 * count)) / scale
-    half = z / scale * math.sqrt(share * (1 - share) / count + z * z / (4 * count**2))
-    return max(0.0, middle - half), min(1.0, middle + half)
+    method = "wilson" if kind == WILSON else "exact"
+    return binomtest(hits, count).proportion_ci(confidence, method)
 
 
 def bootstrap(values: Floats, confidence: float, key: int = 0) -> tuple[float, float]:
