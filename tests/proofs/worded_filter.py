@@ -130,7 +130,7 @@ def _governed(rng: np.random.Generator, more: Mapping[str, object]) -> dict[str,
     n = Numbers(rng, graph.system)
     V, push, gain = stated(rng, n)
     T, tau = PERIOD * positive(rng), positive(rng)
-    H = graph.plan.longest * T
+    H = graph.plans[0].longest * T
     taus = [tau, tau * (1 + share(rng))]
     l, error = positive(rng), [0.3 * x * share(rng) for x in V]
     n.of |= {"clock.control": [T], "filter.tau": taus, "filter.odometry": error}
@@ -159,7 +159,7 @@ def _governed(rng: np.random.Generator, more: Mapping[str, object]) -> dict[str,
         slack = [positive(rng) * share(rng) for _ in own]
         n.of[name] = [np.where(late, known, way * w + x) for w, x in zip(own, slack, strict=True)]
     if "in_time" in n.of:
-        n.of["in_time"] = [np.where(late, 0.0, float(graph.plan.oldest))]
+        n.of["in_time"] = [np.where(late, 0.0, float(graph.oldest))]
     n.of["odometry_age"] = [np.where(share(rng) < 0.5, 0.0, -1.0)]
     n.of["v_odometry"] = [
         v + e * rng.uniform(-1, 1, SAMPLES) for v, e in zip(speeds, error, strict=True)

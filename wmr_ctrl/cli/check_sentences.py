@@ -24,7 +24,7 @@ from wmr_ctrl.theory.checks.warning import joined
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import against
 from wmr_ctrl.world.scenario import Scenario, override, parse_assignments, title_of
-from wmr_ctrl.world.scenario.command_filter import Filter
+from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Filter
 from wmr_ctrl.world.scenario.sections import Guard
 from wmr_ctrl.world.scenario.toml_io import InheritedValue, stated_keys
 from wmr_ctrl.world.speed_loops import KINDS, loops_of
@@ -176,7 +176,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
         f"m/s, {omega} rad/s on any base inside the stated bounds"
         f"{', with odometry in every step' if hears(setup.scenario) else ''}{_slowed(setup)}"
     )
-    gain = "gain" if stated.loop == "first-order" else "peak gain"
+    gain = "gain" if stated.loop == FIRST_ORDER else "peak gain"
     if facts.kind == "band":
         yield (
             "a delay costs nothing of that as long as it stays the same; delays that vary by a "
@@ -213,7 +213,10 @@ def _slowed(setup: Setup) -> str:
     slows = {
         "base.w_max": case.base.w_max < math.inf,
         "base.deadband": any(case.base.deadband),
-        "[resistance]": case.filter.loop == "first-order" and any(against(case)),
+        "[resistance]": any(
+            loop == "first-order" and slower
+            for loop, slower in zip(case.filter.loop, against(case), strict=True)
+        ),
     }
     named = [name for name, acts in slows.items() if acts and case.filter.kind == "clip"]
     return f", but for what {' and '.join(named)} take" + "s" * (len(named) == 1) if named else ""

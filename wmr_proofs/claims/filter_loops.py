@@ -56,7 +56,7 @@ def in_time(mutation: Mutation) -> Statement:
     """
     graph = Governor(load_scenario("paper-simulation", COUNTING))
     (count,) = list(graph.counted)
-    most, came = graph.plan.oldest, graph.came
+    most, came = graph.oldest, graph.came
     named = elements_of(graph.elapsed, count, *graph.p.ports) | symbols("since")
     since = named["since"]
     either = nonnegative(came * (came - 1), came * (1 - came))

@@ -259,7 +259,7 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
 def _timely(graph: Governor) -> ca.SX:
     """1 where a sample came as the filter was told, within its jitter."""
     elapsed, T = graph.elapsed.sym, graph.T
-    near = ca.fabs(elapsed - T) <= (graph.plan.jitter + NEAR) * T
+    near = ca.fabs(elapsed - T) <= (graph.plans[0].jitter + NEAR) * T
     return ca.logic_or(elapsed == 0, near)
 
 
@@ -288,7 +288,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     graph = governor(more)
     ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
     table, cuts = elements_of(*ports) | symbols("kappa gone"), dict[str, ca.SX]()
-    T, longest = graph.T, graph.plan.longest
+    T, longest = graph.T, graph.plans[0].longest
     goals, given = list[Relation](), [above(T)]
     low, _ = graph.motions[0].tau
     kappa = 1 / ca.expm1(longest * T / low)

@@ -19,7 +19,7 @@ def test_a_rim_has_the_pushes_of_both_axes_and_the_widest_of_their_gains() -> No
     scenario = load_scenario("paper-simulation", stated)
     p = Parameters(scenario)
     numbers = ca.SX([0.9, 0.8]), ca.SX([1.1, 1.3]), ca.SX([0.05, 0.1])
-    right, left = channels_of(scenario, p, numbers, ca.SX(0))
+    right, left = channels_of(scenario, p, numbers)
     b = right.bounds
     rows = (side.of(unit) for side in (right, left) for unit in ((1, 0), (0, 1)))
     rim = ca.vertcat(b.V, b.dbar, b.nbar, b.K_min, b.K_max, *rows)

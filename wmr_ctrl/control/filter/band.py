@@ -38,6 +38,7 @@ from .channels import (
     TINY,
     UNSOUND,
     channels_of,
+    gains_of,
     limited,
     passed,
     scaled,
@@ -89,7 +90,7 @@ class BandGovernor:
         delta = port(DELTA, [item.push for item in peak_gains(scenario)])
         ports = (item for own in (*known, *slopes) for item in own)
         self.p = Parameters(scenario, (delta, *ports))
-        gain, self.T = self.p.take("filter.gain"), self.p.take("clock.control")
+        gains, self.T = gains_of(self.p), self.p.take("clock.control")
         symbols = [
             (
                 (own[0].sym, own[1].sym, own[2].sym, own[3].sym, own[4].sym),
@@ -100,8 +101,7 @@ class BandGovernor:
         self.tables = [ResponseTable(*own) for own, _ in symbols]
         self.fading = [own for _, own in symbols]
         self.inverse = [[item.sym for item in own] for own in slopes]
-        numbers = ca.vertcat(gain[0], gain[0]), ca.vertcat(gain[1], gain[1]), delta.sym
-        self.channels = channels_of(scenario, self.p, numbers, ca.SX(0))
+        self.channels = channels_of(scenario, self.p, (*gains, delta.sym))
         self.sound = sound(self.channels)
         self.command, self.refused = usable_command(self.asked.sym)
 
@@ -311,10 +311,10 @@ def check_beat(scenario: Scenario) -> None:
 def enclosed(scenario: Scenario, axis: int) -> Band:
     """Tables of an axis' family.  ScenarioError where it is too slow for the control period."""
     settings, T = scenario.filter, scenario.clock.control
-    if settings.loop == "pi":
+    if settings.loop[axis] == "pi":
         known = _pi_band(pi_loop(scenario, axis), T, settings.jitter)
     else:
-        family = settings.interval("frequency"), settings.interval("damping")
+        family = settings.intervals("frequency")[axis], settings.intervals("damping")[axis]
         known = _second_order_band(*family, T, settings.jitter)
     if not known.left <= LARGEST_LEFT:
         far = f"{known.left:.2g} times that" if known.left < np.inf else "any amount"

@@ -31,6 +31,9 @@ that are taken for the same (1e-9 of a period), are far below it."""
 TINY = 1e-30
 """Room of a limit that is used up [m/s], so that no share is 0/0."""
 
+MEMORYLESS = ca.SX(0), ca.SX(0)
+"""kappa of both axes where nothing is known of the speed."""
+
 ELAPSED = Signal("elapsed", "s", "time since the previous sample; 0: the clock's period")
 SENT = Signal("v_sent", "m/s, rad/s", "command that is safe", 2)
 DELTA = Signal("filter.delta", "m/s, rad/s", "largest speed that pushes alone lead to", 2)
@@ -75,15 +78,33 @@ class Channel:
         return self.ways[0] * pair[0] + self.ways[1] * (self.arm * pair[1])
 
 
+def ends_of(p: Parameters, name: str) -> list[tuple[ca.SX, ca.SX]]:
+    """Least and largest number called ``name`` of v and of omega, by one interval or by two."""
+    ends = ca.vertsplit(p.take(f"filter.{name}"))
+    return [(ends[0], ends[1]), (ends[-2], ends[-1])]
+
+
+def gains_of(p: Parameters) -> tuple[ca.SX, ca.SX]:
+    """Least and largest gain of each axis (2,)."""
+    linear, angular = ends_of(p, "gain")
+    return ca.vertcat(linear[0], angular[0]), ca.vertcat(linear[1], angular[1])
+
+
 def channels_of(
-    scenario: Scenario, p: Parameters, numbers: tuple[ca.SX, ca.SX, ca.SX], kappa: ca.SX
+    scenario: Scenario,
+    p: Parameters,
+    numbers: tuple[ca.SX, ca.SX, ca.SX],
+    kappa: Sequence[ca.SX] = MEMORYLESS,
 ) -> list[Channel]:
-    """Channels of a scenario's filter; ``numbers``: gain (least, largest of each axis), push."""
+    """Channels of a scenario's filter; ``numbers``: gain (least, largest of each axis), push.
+
+    ``kappa``: of each axis.
+    """
     settings, limits = scenario.filter, scenario.limits.v_u1
     K_min, K_max, d = numbers
     V = p.take("limits.v_u1") * (1 - ROUNDING)
     nbar = p.take("filter.odometry") if settings.odometry else ca.SX.zeros(2)
-    body = [FirstOrder(V[i], d[i], nbar[i], K_min[i], K_max[i], kappa) for i in AXES]
+    body = [FirstOrder(V[i], d[i], nbar[i], K_min[i], K_max[i], kappa[i]) for i in AXES]
     both = [Channel((1 - i, i), ca.SX(1), body[i], limits[i]) for i in AXES]
     wheels = settings.channels == "wheels"
     if not wheels and settings.wheel_speed is None:
@@ -96,7 +117,7 @@ def channels_of(
         most += [limits[0], scenario.robot.l * limits[1]]
     rim = FirstOrder(
         reduce(ca.fmin, top), d[0] + l * d[1], nbar[0] + l * nbar[1],
-        ca.fmin(K_min[0], K_min[1]), ca.fmax(K_max[0], K_max[1]), kappa,
+        ca.fmin(K_min[0], K_min[1]), ca.fmax(K_max[0], K_max[1]), kappa[0],
     )  # fmt: skip
     made_of = (l, *top, *ca.vertsplit(K_min), *ca.vertsplit(K_max))
     sides = [Channel((1, way), l, rim, min(most), made_of) for way in WAYS]

@@ -1,7 +1,8 @@
 """Memoryless clip of commands: what keeps the limit without odometry, whatever came before.
 
 A base that never overshoots is kept by |u| <= (V - dbar)/K_max; a linear loop, which may, by |u| <=
-(V - delta)/N with its peak gain N and what pushes alone lead to, delta (`peak_gain`).  Neither
+(V - delta)/N with its peak gain N and what pushes alone lead to, delta (`peak_gain`).  One axis may
+be the one and the other the other.  Neither
 asks when a command arrives: late, lost, jittering and timed-out ones are commands within the same
 bounds.
 
@@ -21,6 +22,7 @@ import casadi as ca
 from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
 from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER
 
 from .channels import (
     AXES,
@@ -59,7 +61,7 @@ class Clip:
     def __init__(self, scenario: Scenario) -> None:
         """Take the ports; the peak gain of a linear loop is computed here, and is a parameter."""
         self.scenario, self.asked, self.elapsed = scenario, port(ASKED), port(ELAPSED)
-        if scenario.filter.loop == "first-order":
+        if scenario.filter.loop == FIRST_ORDER:
             self.p = Parameters(scenario)
             numbers = stated(self.p)
         else:
@@ -74,7 +76,7 @@ class Clip:
                 self.p = Parameters(scenario, (delta, reach))
                 least, most, _ = stated(self.p)
                 numbers = least, most, delta.sym + self.p.take("filter.slew") * reach.sym
-        self.channels: list[Channel] = channels_of(scenario, self.p, numbers, ca.SX(0))
+        self.channels: list[Channel] = channels_of(scenario, self.p, numbers)
         self.T = self.p.take("clock.control")
         self.limits = [largest_command(c.bounds.V, c.bounds) for c in self.channels]
         self.command, self.refused = usable_command(self.asked.sym)
@@ -136,13 +138,12 @@ def slew_reach(scenario: Scenario) -> tuple[float, float]:
     Of samples ``jitter`` apart from the period, the shortest lets commands change fastest.
     """
     settings, T = scenario.filter, scenario.clock.control
-    first, last = settings.delay
-    H = (1 + settings.losses) * (T + settings.jitter) + last - first
-    K, quicker, peaks = settings.gain[1], T / (T - settings.jitter), peak_gains(scenario)
-    families = AXES if settings.loop == "pi" else AXES[:1]  # else one for both axes
-    swings = [longest_swing(scenario, axis) for axis in families]
-    linear, angular = (
-        quicker * (K * swings[min(i, len(swings) - 1)] + peaks[i].gain * H / 2) * (1 + 2.0**-49)
-        for i in AXES
-    )
-    return linear, angular
+    acts, quicker = (1 + settings.losses) * (T + settings.jitter), T / (T - settings.jitter)
+    reach = []
+    for i, peak in enumerate(peak_gains(scenario)):
+        (first, last), (_, K) = settings.intervals("delay")[i], settings.intervals("gain")[i]
+        H = acts + last - first
+        reach.append(
+            quicker * (K * longest_swing(scenario, i) + peak.gain * H / 2) * (1 + 2.0**-49)
+        )
+    return reach[0], reach[1]

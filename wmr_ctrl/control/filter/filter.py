@@ -20,7 +20,7 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.model.system import Output, System, port, stack, values
 from wmr_ctrl.world.scenario import Scenario, asking_about_units, load_scenario, unit_questions
-from wmr_ctrl.world.scenario.command_filter import Filter
+from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Filter
 
 from .band import NAMES, BandGovernor, check_beat
 from .channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
@@ -37,8 +37,8 @@ def _damped(scenario: Scenario, axis: int) -> str:
     Of a PI loop those of one interval's end that leave an interval; all where none does.
     """
     fades, stated = -1.02 * math.log(1 - 2 / (LARGEST_PEAK + 1)) / math.pi, scenario.filter
-    if stated.loop == "second-order":
-        return f"filter.damping[1] of at least {rounded(fades, 3)}"
+    if stated.loop[axis] == "second-order":
+        return f"{stated.place('damping', axis, 1)} of at least {rounded(fades, 3)}"
     loop = pi_loop(scenario, axis)
     (least, most), (soft, stiff), (light, heavy) = loop.kp, loop.ki, loop.M
     firm, bound = 2 * fades * math.sqrt(stiff * heavy), (least / (2 * fades)) ** 2
@@ -76,16 +76,14 @@ def check_filter(scenario: Scenario) -> None:
             'filter.kind = "none": this scenario has no command filter. Set filter.kind = "clip", '
             '"governor" or "band".'
         )
-    peaks = peak_gains(scenario) if settings.loop != "first-order" else None
-    reached = [item.push for item in peaks] if peaks else settings.d
-    pi = settings.loop == "pi"
-    pushes = pi and any(settings.push)
-    name, stated = ("push", settings.push) if pushes else ("d", settings.d)
-    high = [i for i in AXES if peaks and peaks[i].gain > LARGEST_PEAK * settings.gain[1]]
+    peaks, K = peak_gains(scenario), settings.intervals("gain")
+    reached = [item.push for item in peaks]
+    high = [i for i in AXES if peaks[i].gain > LARGEST_PEAK * K[i][1]]
     faults = []
-    if peaks and high:
+    if high:
         driven = " and ".join(f"{NAMES[i]} to {_finite(peaks[i].gain)}" for i in high)
-        most = f"{LARGEST_PEAK:g}{'' if pi else ' filter.gain[2]'}"
+        pi = settings.loop[high[0]] == "pi"
+        most = f"{LARGEST_PEAK:g}{'' if pi else ' ' + settings.place('gain', high[0], 2)}"
         advice = " and ".join(dict.fromkeys(_damped(scenario, i) for i in high))
         faults.append(
             f"filter.loop: commands of at most 1 can drive {driven}, the peak gain N. N <= {most} "
@@ -95,6 +93,8 @@ def check_filter(scenario: Scenario) -> None:
     for i in AXES:
         if i not in high and reached[i] >= limits[i] * (1 - ROUNDING):
             far, bound, less, more = _which(reached[i], limits[i], f"limits.v_u1[{i + 1}]")
+            pushes = settings.loop[i] == "pi" and any(settings.push)
+            name, stated = ("push", settings.push) if pushes else ("d", settings.d)
             faults.append(
                 f"filter.{name}[{i + 1}] = {stated[i]:.12g} alone drives the base to {far}, "
                 f"which must be below {bound}: no command is safe. State a push below "
@@ -132,9 +132,10 @@ def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
 
 def worthwhile_slew(scenario: Scenario) -> tuple[float, float]:
     """Slew [m/s2, rad/s2] of a linear loop from which on slow commands gain nothing."""
-    reach, peaks, K = slew_reach(scenario), peak_gains(scenario), scenario.filter.gain[1]
+    reach, peaks, K = slew_reach(scenario), peak_gains(scenario), scenario.filter.intervals("gain")
     linear, angular = (
-        (scenario.limits.v_u1[i] - peaks[i].push) * (1 - K / peaks[i].gain) / reach[i] for i in AXES
+        (scenario.limits.v_u1[i] - peak.push) * (1 - K[i][1] / peak.gain) / reach[i]
+        for i, peak in enumerate(peaks)
     )
     return linear, angular
 
@@ -163,7 +164,7 @@ def derived_numbers(scenario: Scenario) -> dict[str, tuple[Signal, tuple[float, 
 
     Peak gains, what pushes lead to, tables of step responses.
     """
-    if scenario.filter.kind == "none" or scenario.filter.loop == "first-order":
+    if scenario.filter.kind == "none" or scenario.filter.loop == FIRST_ORDER:
         return {}
     stated = {f"filter.{name}" for name, _ in quantities(Filter)}
     own = (item for item in filter_system(scenario).params if item.signal.name not in stated)

@@ -10,6 +10,7 @@ import casadi as ca
 
 from wmr_ctrl.control.guard.lateness import Times
 from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.values import Pair
 from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
 from wmr_ctrl.world.model.system import Output, Parameters, System, port
 from wmr_ctrl.world.scenario import Scenario, asking_about_units
@@ -26,6 +27,8 @@ from .channels import (
     UNUSED,
     WAYS,
     channels_of,
+    ends_of,
+    gains_of,
     limited,
     punctual,
     scaled,
@@ -65,14 +68,19 @@ def check_jitter(scenario: Scenario) -> None:
         )
 
 
-def schedule(scenario: Scenario) -> Schedule:
-    """The filter's times in control periods.
+def schedules(scenario: Scenario) -> tuple[Schedule, Schedule]:
+    """The filter's times of v and of omega in control periods.
 
     Raises ScenarioError where they span more samples than the filter counts through.
     """
-    settings, T = scenario.filter, scenario.clock.control
     check_jitter(scenario)
-    first, last = settings.delay
+    linear, angular = (_schedule(scenario, delay) for delay in scenario.filter.intervals("delay"))
+    return linear, angular
+
+
+def _schedule(scenario: Scenario, delay: Pair) -> Schedule:
+    settings, T = scenario.filter, scenario.clock.control
+    first, last = delay
     times = first, last, settings.jitter, settings.age, settings.hold
     in_periods = (float(item) for item in map(Times(T, scenario.clock.plant).in_periods, times))
     soonest, latest, jitter, age, hold = in_periods
@@ -93,47 +101,52 @@ class Governor:
 
     def __init__(self, scenario: Scenario) -> None:
         """Take the ports; ScenarioError where the times span too many samples."""
-        self.scenario, self.plan, self.p = scenario, schedule(scenario), Parameters(scenario)
+        self.scenario, self.plans, self.p = scenario, schedules(scenario), Parameters(scenario)
         self.asked, self.odometry = port(ASKED), port(ODOMETRY)
         self.age, self.elapsed = port(ODOMETRY_AGE, -1.0), port(ELAPSED)
-        oldest = self.plan.oldest
+        self.oldest = oldest = max(plan.oldest for plan in self.plans)
         self.before = [port(_sent(number)) for number in range(1, oldest + 1)]
         self.counted = (port(IN_TIME, oldest),) if oldest > 1 else ()
-        self.T, tau = self.p.take("clock.control"), self.p.take("filter.tau")
-        kappa = 1 / ca.expm1(self.plan.longest * self.T / tau[0])
+        self.T, tau = self.p.take("clock.control"), ends_of(self.p, "tau")
+        loops = list(zip(self.plans, tau, strict=True))
+        kappa = [1 / ca.expm1(plan.longest * self.T / least) for plan, (least, _) in loops]
         self.channels = channels_of(scenario, self.p, stated(self.p), kappa)
         self.bounds = [channel.bounds for channel in self.channels]
-        self.motions = [SpeedBound(self.plan, b, (tau[0], tau[1]), self.T) for b in self.bounds]
+        owners = [loops[0] if c.ways[0] else loops[1] for c in self.channels]  # alike for wheels
+        pairs = zip(self.bounds, owners, strict=True)
+        self.motions = [SpeedBound(plan, b, own, self.T) for b, (plan, own) in pairs]
         largest = [channel.largest for channel in self.channels]
         self.known = [port(_known(*side, len(largest)), largest) for side in SIDES]
         self.command, self.refused = usable_command(self.asked.sym)
-        times = ca.logic_and(tau[0] > 0, tau[1] >= tau[0]), self.T > 0, self.T <= LARGEST
-        self.sound = reduce(ca.logic_and, (*times, tau[1] <= LARGEST, sound(self.channels)))
+        apart = tau[: self.p.take("filter.tau").numel() // 2]
+        times = [ca.logic_and(least > 0, most >= least) for least, most in apart]
+        times += [self.T > 0, self.T <= LARGEST, *(most <= LARGEST for _, most in apart)]
+        self.sound = reduce(ca.logic_and, (*times, sound(self.channels)))
 
     @cached_property
     def seen(self) -> ca.SX:
         """1 where there is odometry, young enough and a number."""
         if self.scenario.filter.odometry is None:
             return ca.SX(0)
-        age = 0.5 * self.plan.age * self.T
+        age = 0.5 * self.plans[0].age * self.T
         young = within(self.age.sym - age, age + NEAR * self.T)
         return reduce(ca.logic_and, [young, *(within(self.odometry.sym[i], LARGEST) for i in AXES)])
 
     @cached_property
     def came(self) -> ca.SX:
         """1 where the sample came within its jitter."""
-        return punctual(self.elapsed.sym, self.T, self.plan.jitter)
+        return punctual(self.elapsed.sym, self.T, self.plans[0].jitter)
 
     @cached_property
     def in_time(self) -> list[ca.SX]:
         """Samples that came in time since one that did not, none where just one command may act."""
-        most = self.plan.oldest
+        most = self.oldest
         return [ca.if_else(self.came, ca.fmin(n.sym + 1, most), 0) for n in self.counted]
 
     @cached_property
     def punctual(self) -> ca.SX:
         """1 where all commands that may still act were sent in time."""
-        return self.in_time[0] >= self.plan.oldest if self.counted else self.came
+        return self.in_time[0] >= self.oldest if self.counted else self.came
 
     @cached_property
     def now(self) -> Sides:
@@ -174,11 +187,13 @@ class Governor:
         """Largest commands that are safe, forwards and backwards, of all channels."""
         sides = []
         for way, side in zip(WAYS, self.start, strict=True):
-            v_bar = [m.takeover(side[i], self._targets(way, i)) for i, m in enumerate(self.motions)]
-            if self.plan.delay[1]:
-                pairs = zip(v_bar, self.bounds, strict=True)
-                v_bar = [ca.if_else(self.trusted, v, b.V) for v, b in pairs]
-            sides.append([largest_command(*pair) for pair in zip(v_bar, self.bounds, strict=True)])
+            limits = []
+            for i, motion in enumerate(self.motions):
+                v_bar, b = motion.takeover(side[i], self._targets(way, i)), motion.bounds
+                if motion.schedule.delay[1]:
+                    v_bar = ca.if_else(self.trusted, v_bar, b.V)
+                limits.append(largest_command(v_bar, b))
+            sides.append(limits)
         return sides
 
     @cached_property
@@ -240,9 +255,8 @@ def contradiction(V: ca.SX) -> ca.SX:
 
 
 def stated(p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Gain, least and largest of each axis, and push as they are stated, of one loop for both."""
-    gain = p.take("filter.gain")
-    return ca.vertcat(gain[0], gain[0]), ca.vertcat(gain[1], gain[1]), p.take("filter.d")
+    """Gain, least and largest of each axis, and push, as they are stated."""
+    return *gains_of(p), p.take("filter.d")
 
 
 def _known(name: str, meaning: str, size: int) -> Signal:

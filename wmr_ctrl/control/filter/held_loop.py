@@ -231,11 +231,14 @@ def held_friction(scenario: Scenario) -> Iterator[str]:
     if x < 2:
         slowest = -h / math.log1p(math.expm1(-h / scenario.base.tau[0]) * (1 - x / 2))
     governs = stated.kind == "governor" and stated.channels == "body"
-    if governs and stated.tau is not None and slowest > stated.tau[1] * (1 + ROUNDING):
+    if not governs:
+        return
+    _, longest = stated.intervals("tau")[0]
+    if slowest > longest * (1 + ROUNDING):
         more = f"Raise it to {rounded(slowest, 4)} s, or shorten" if x < 2 else "Shorten"
         yield (
-            f"{begin}lets v change near rest more slowly than filter.tau[2] = {stated.tau[1]:g} s "
-            f"says. {more} clock.plant."
+            f"{begin}lets v change near rest more slowly than {stated.place('tau', 0, 2)} = "
+            f"{longest:g} s says. {more} clock.plant."
         )
 
 

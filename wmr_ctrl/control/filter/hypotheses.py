@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 
 from wmr_ctrl.control.laws.law import Predicting
 from wmr_ctrl.core.errors import ScenarioError, show
@@ -87,38 +88,63 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 f"{item.title} states no bound that a filter may rely on. Give its Effect one, or "
                 "remove it from the scenario."
             )
-    if stated.loop == "pi" and has_loop(scenario, "pi"):
+    if stated.loop == ("pi", "pi") and has_loop(scenario, "pi"):
         yield from _of_pi_loops(scenario, bound)
         return
-    if stated.loop == "second-order" and has_loop(scenario, "second-order"):
-        yield from _of_second_order_loops(scenario)
-        yield from _of_pushes(scenario, bound)
-        return
-    if stated.loop != "first-order":
-        yield (
-            f'filter.loop = "{stated.loop}" does not fit the base of this run, whose base.loop = '
-            f"{show(list(scenario.base.loop))}. State the loop that the base has."
-        )
-    if bound.overshoots:
+    yield from _of_loops_by_axis(scenario)
+    missed = (own != loop == "first-order" for loop, own in _loops(scenario))
+    if bound.overshoots and (any(missed) or has_loop(scenario, "first-order")):
         yield (
             f"{bound.overshoots} A filter for first-order loops is for speeds that never exceed "
             "their command. State filter.loop as the base has it, with its intervals."
         )
     if has_loop(scenario, "first-order"):
-        for axis, gain in enumerate(scenario.base.gain, 1):
-            if not _within(gain, (governs * stated.gain[0], stated.gain[1])):
-                yield _outside(f"base.gain[{axis}]", gain, "1", "filter.gain", stated.gain)
         yield from _of_pushed_weak_motors(scenario, bound)
         yield from _of_wheels(scenario)
+    if has_loop(scenario, "first-order", [0]):
         yield from held_friction(scenario)
     yield from _of_pushes(scenario, bound)
 
 
+def _loops(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """The loop that the filter counts on and that of the base, of each axis."""
+    return zip(scenario.filter.loop, scenario.base.loop, strict=True)
+
+
+def _of_loops_by_axis(scenario: Scenario) -> Iterator[str]:
+    """Loops of v and omega, each by itself, and their numbers."""
+    stated, base, governs = scenario.filter, scenario.base, scenario.filter.kind == "governor"
+    for axis, (loop, own) in enumerate(_loops(scenario)):
+        if loop not in ("first-order", own):
+            yield (
+                f'filter.loop = "{loop}" does not fit the base of this run, whose base.loop = '
+                f"{show(list(base.loop))}. State the loop that the base has."
+            )
+        elif own == "pi" and loop == own:
+            yield (
+                f"base.loop = {show(list(base.loop))}: no filter counts on a PI loop of one axis "
+                "beside another loop. Use loops of one kind."
+            )
+        elif loop == own:
+            least, most = stated.intervals("gain")[axis]
+            bounds = {"gain": ("1", (governs * least, most))}
+            if own == "second-order":
+                bounds["damping"] = "1", stated.intervals("damping")[axis]
+                if stated.frequency is not None:
+                    bounds["frequency"] = "rad/s", stated.intervals("frequency")[axis]
+                yield from _of_swinging_loop(scenario, axis)
+            for key, (unit, ends) in bounds.items():
+                value = getattr(base, key)[axis]
+                if not _within(value, ends):
+                    yield _outside(f"base.{key}[{axis + 1}]", value, unit, f"filter.{key}", ends)
+
+
 def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
     """Pushes on a first-order base beyond d; of a governor's base also those that slow it."""
-    swings = scenario.filter.loop == "second-order"
-    slowed = against(scenario) if scenario.filter.kind == "governor" or swings else (0.0, 0.0)
-    held = 2 * largest_friction(scenario) * swings  # it changes while the loop's force is held
+    governs = scenario.filter.kind == "governor"
+    swings = [loop == "second-order" for loop in scenario.filter.loop]
+    slowed = [s * (governs or swing) for s, swing in zip(against(scenario), swings, strict=True)]
+    held = 2 * largest_friction(scenario) * swings[0]  # it changes while the loop's force is held
     both = bound.dbar[0] + slowed[0] + held, bound.dbar[1] + slowed[1]
     pushes, held = push_speeds(scenario, replace(bound, dbar=both)), 0.0
     if counts_on_rims(scenario):
@@ -127,7 +153,7 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
         if speed <= (d := scenario.filter.d[axis]) * (1 + ROUNDING):
             continue
         said, why, other = "Disturbances and errors of the command may push the base on by", "", ""
-        if slowed[axis] and not swings:
+        if slowed[axis] and not swings[axis]:
             said = "[resistance] and pushes together slow the base by up to"
             why = ": on its way back to rest the speed changes faster than the governor counts on"
             other = ', or use filter.kind = "clip"'
@@ -142,26 +168,16 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
         )
 
 
-def _of_swinging_loops(scenario: Scenario) -> Iterator[str]:
+def _of_swinging_loop(scenario: Scenario, axis: int) -> Iterator[str]:
     """Objections to what no filter for loops that overshoot counts on."""
-    if any(start := scenario.initial.velocity):
+    start = scenario.initial.velocity
+    if start[axis]:
         yield (
             f"initial.velocity = [{start[0]:g}, {start[1]:g}]: a filter for loops that overshoot "
             "counts on a base at rest at the start, since it does not know what drove it before. "
             "Set it to [0, 0]."
         )
     yield from _of_weak_motors(scenario)
-
-
-def _of_second_order_loops(scenario: Scenario) -> Iterator[str]:
-    stated, base = scenario.filter, scenario.base
-    bounds = {"gain": ("1", (0.0, stated.gain[1])), "damping": ("1", stated.damping),
-              "frequency": ("rad/s", stated.frequency)}  # fmt: skip
-    for key, (unit, ends) in bounds.items():
-        for axis, value in enumerate(getattr(base, key), 1):
-            if ends is not None and not _within(value, ends):
-                yield _outside(f"base.{key}[{axis}]", value, unit, f"filter.{key}", ends)
-    yield from _of_swinging_loops(scenario)
 
 
 def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
@@ -186,7 +202,8 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
         if not _within(viscous[axis], (least, most)):
             key, name = f"resistance.viscous[{axis + 1}]", "filter.friction" + " robot.l^2" * axis
             yield _outside(key, viscous[axis], unit, name, (least, most))
-    yield from _of_swinging_loops(scenario)
+    for axis in (0, 1):
+        yield from _of_swinging_loop(scenario, axis)
     rolling = rolling_against(scenario)
     pushes = bound.dbar[0] + largest_friction(scenario) + rolling[0], bound.dbar[1] + rolling[1]
     for axis, (push, unit) in enumerate(zip(pushes, ("N", "N.m"), strict=True)):
@@ -294,9 +311,9 @@ def _of_slow_commands(scenario: Scenario, bound: Bound) -> Iterator[str]:
 def _of_the_times(scenario: Scenario, bound: Bound) -> Iterator[str]:
     """Delays and losses beyond what is stated."""
     stated = scenario.filter
-    for late in bound.takeover:
-        if not _within(late, stated.delay):
-            yield _outside("A command's delay", late, "s", "filter.delay", stated.delay)
+    for late, ends in product(bound.takeover, dict.fromkeys(stated.intervals("delay"))):
+        if not _within(late, ends):
+            yield _outside("A command's delay", late, "s", "filter.delay", ends)
     if bound.losses > stated.losses:
         yield (
             f"base.losses = {bound.losses} commands in a row may be lost, and filter.losses = "
@@ -311,10 +328,12 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
             f"{bound.hidden} The governor relies on a speed that begins to change at once, and "
             'anything that it does not see breaks its guarantee. Use filter.kind = "clip".'
         )
-    if has_loop(scenario, "first-order") and stated.tau is not None:
-        for axis, tau in enumerate(scenario.base.tau, 1):
-            if not _within(tau, stated.tau):
-                yield _outside(f"base.tau[{axis}]", tau, "s", "filter.tau", stated.tau)
+    if has_loop(scenario, "first-order"):
+        for axis, (tau, ends) in enumerate(
+            zip(scenario.base.tau, stated.intervals("tau"), strict=True), 1
+        ):
+            if not _within(tau, ends):
+                yield _outside(f"base.tau[{axis}]", tau, "s", "filter.tau", ends)
     yield from _of_the_times(scenario, bound)
     if stated.odometry is None:
         return

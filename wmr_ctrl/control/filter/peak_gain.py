@@ -199,17 +199,22 @@ def refuse_all(faults: Iterable[str]) -> None:
 
 
 def peak_gains(scenario: Scenario) -> tuple[PeakGain, PeakGain]:
-    """Peak gains of v's and omega's linear loop, as a scenario's filter states them."""
+    """Peak gains of v's and omega's loop, as a scenario's filter states them."""
+    return _peak_gain(scenario, 0), _peak_gain(scenario, 1)
+
+
+def _peak_gain(scenario: Scenario, axis: int) -> PeakGain:
+    """Of an axis; the gain of a first-order loop, which never overshoots."""
     settings = scenario.filter
-    if settings.loop == "second-order":
-        damping, K = settings.interval("damping")[0], settings.gain[1]
-        v, omega = (second_order(damping, K, d) for d in settings.d)
-        return v, omega
-    force, moment = settings.push
-    at_rim = over_square((0.0, moment), scenario.robot.l)[1] if moment else 0.0
-    peaks = pi_loop(scenario, 0).peak(force), pi_loop(scenario, 1).peak(at_rim)
-    v, omega = (_with_error(*pair) for pair in zip(peaks, settings.d, strict=True))
-    return v, omega
+    loop, d, (_, K) = settings.loop[axis], settings.d[axis], settings.intervals("gain")[axis]
+    if loop == "first-order":
+        return PeakGain(K, d)
+    if loop == "second-order":
+        return second_order(settings.intervals("damping")[axis][0], K, d)
+    push = settings.push[axis]
+    if axis and push:
+        push = over_square((0.0, push), scenario.robot.l)[1]
+    return _with_error(pi_loop(scenario, axis).peak(push), d)
 
 
 def _with_error(peak: PeakGain, error: float) -> PeakGain:
@@ -249,40 +254,38 @@ def overshoot(scenario: Scenario) -> tuple[float, float]:
 
     In doubles, of the corner where N is largest.
     """
-    v, omega = (_overshoot(scenario, z) for z in _dampings(scenario))
+    v, omega = (_overshoot(scenario, axis, _damping(scenario, axis)) for axis in (0, 1))
     return v, omega
 
 
 def less_damped(scenario: Scenario, axis: int, more: float) -> float:
     """Share of its damping that is left to a base whose steps overshoot by ``more`` more."""
-    z = _dampings(scenario)[axis]
-    wanted, low, high = _overshoot(scenario, z) + more, 0.0, 1.0
+    z = _damping(scenario, axis)
+    wanted, low, high = _overshoot(scenario, axis, z) + more, 0.0, 1.0
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if _overshoot(scenario, middle * z) < wanted else (middle, high)
+        less = _overshoot(scenario, axis, middle * z) < wanted
+        low, high = (low, middle) if less else (middle, high)
     return low
 
 
 BISECTIONS = 40
 
 
-def _dampings(scenario: Scenario) -> tuple[float, float]:
-    """Least damping of both axes: of PI loops without friction."""
+def _damping(scenario: Scenario, axis: int) -> float:
+    """Least damping of an axis: of a PI loop without friction, 1 of a first-order one."""
     settings = scenario.filter
-    if settings.loop == "second-order":
-        z = settings.interval("damping")[0]
-        return z, z
-    v, omega = (pi_loop(scenario, axis) for axis in (0, 1))
-    return _least_damping(v), _least_damping(omega)
-
-
-def _least_damping(loop: PiLoop) -> float:
+    if settings.loop[axis] == "first-order":
+        return 1.0
+    if settings.loop[axis] == "second-order":
+        return settings.intervals("damping")[axis][0]
+    loop = pi_loop(scenario, axis)
     return float(loop.kp[0] / (2 * (loop.ki[1] * loop.M[1]) ** 0.5))
 
 
-def _overshoot(scenario: Scenario, damping: float) -> float:
+def _overshoot(scenario: Scenario, axis: int, damping: float) -> float:
     z, ratio, left = _swing(_off_one(damping, -1))
-    own = left if scenario.filter.loop == "second-order" else exp(-2 * z * ratio)
+    own = exp(-2 * z * ratio) if scenario.filter.loop[axis] == "pi" else left
     return float(own.hi)
 
 

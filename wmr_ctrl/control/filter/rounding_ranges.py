@@ -6,7 +6,7 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import Scenario
 
 from .governor import Schedule
-from .governor_step import schedule
+from .governor_step import schedules
 
 OLDEST = 60.0
 """Largest age of odometry, over the least time constant."""
@@ -24,7 +24,7 @@ def unproved_roundings(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """
     if scenario.filter.kind != "governor":
         return
-    for key, number, bound in _of_long_times(scenario):
+    for key, number, bound in dict.fromkeys(_of_long_times(scenario)):
         yield (
             key,
             f"{number} is beyond {bound}: up to that it is proved that the share of the limit "
@@ -34,36 +34,39 @@ def unproved_roundings(scenario: Scenario) -> Iterator[tuple[str, str]]:
 
 
 def _of_long_times(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
-    settings, T, plan = scenario.filter, scenario.clock.control, schedule(scenario)
-    fastest, slowest = settings.interval("tau")
+    settings, T = scenario.filter, scenario.clock.control
     if (jitter := settings.jitter) > T / 2:
         yield (
             "filter.jitter",
             f"filter.jitter = {jitter:g} s",
             f"half of clock.control, {T / 2:g} s",
         )
-    if settings.age > (most := OLDEST * fastest):
-        bound = f"{OLDEST:g} filter.tau[1], {most:g} s"
-        yield "filter.age", f"filter.age = {settings.age:g} s", bound
-    if (pieces := _most_pieces(plan)) * SHORTEST * slowest > T:
-        bound = (
-            f"clock.control 2^13/{pieces}, {T / pieces / SHORTEST:g} s, {pieces} being the pieces "
-            "that commands which may act divide a period into"
-        )
-        yield "filter.tau", f"filter.tau[2] = {slowest:g} s", bound
+    for axis, plan in enumerate(schedules(scenario)):
+        fastest, slowest = settings.intervals("tau")[axis]
+        if settings.age > (most := OLDEST * fastest):
+            bound = f"{OLDEST:g} {settings.place('tau', axis, 1)}, {most:g} s"
+            yield "filter.age", f"filter.age = {settings.age:g} s", bound
+        if (pieces := _most_pieces(plan)) * SHORTEST * slowest > T:
+            bound = (
+                f"clock.control 2^13/{pieces}, {T / pieces / SHORTEST:g} s, {pieces} being the "
+                "pieces that commands which may act divide a period into"
+            )
+            yield "filter.tau", f"{settings.place('tau', axis, 2)} = {slowest:g} s", bound
 
 
 def check_single_precision(scenario: Scenario) -> None:
     """Raise ScenarioError for a governor whose bounds rise by less than a float's rounding."""
-    slowest, T = scenario.filter.interval("tau")[1], scenario.clock.control
-    longest = T / (SHORTEST_SINGLE * _most_pieces(schedule(scenario)))
-    if slowest > longest:
-        raise ScenarioError(
-            f"filter.tau[2] = {slowest:g} s is beyond {longest:.4g} s, the longest time constant "
-            f"of a governor in single precision at clock.control = {T:g} s: what the base gains in "
-            "a period gets lost in a float's rounding. Write the package in double precision, or "
-            "lengthen clock.control."
-        )
+    settings, T = scenario.filter, scenario.clock.control
+    for axis, plan in enumerate(schedules(scenario)):
+        _, slowest = settings.intervals("tau")[axis]
+        longest = T / (SHORTEST_SINGLE * _most_pieces(plan))
+        if slowest > longest:
+            raise ScenarioError(
+                f"{settings.place('tau', axis, 2)} = {slowest:g} s is beyond {longest:.4g} s, the "
+                "longest time constant of a governor in single precision at clock.control = "
+                f"{T:g} s: what the base gains in a period gets lost in a float's rounding. Write "
+                "the package in double precision, or lengthen clock.control."
+            )
 
 
 def _most_pieces(plan: Schedule) -> int:

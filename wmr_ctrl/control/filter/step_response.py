@@ -245,9 +245,10 @@ def swing(cells: Cells) -> float:
 def longest_swing(scenario: Scenario, axis: int) -> float:
     """`swing` of an axis' family, as a scenario's filter states it."""
     settings = scenario.filter
-    if settings.loop == "pi":
+    if settings.loop[axis] == "pi":
         return _pi_swing(pi_loop(scenario, axis))
-    return _second_order_swing(settings.interval("frequency"), settings.interval("damping"))
+    frequency, damping = (settings.intervals(key)[axis] for key in ("frequency", "damping"))
+    return _second_order_swing(frequency, damping)
 
 
 @lru_cache(maxsize=64)

@@ -15,7 +15,7 @@ from typing import Any, ClassVar, TypeVar, cast, dataclass_transform
 from wmr_ctrl.core.errors import ScenarioError, UnknownKeyError, UnknownNameError, show
 from wmr_ctrl.core.signals import Signal
 
-from .values import Quantity, Range, kind_of
+from .values import Quantity, Range, is_by_axis, kind_of
 
 REQUIRED = dataclasses.MISSING
 """Default of a field that every scenario must give (a number)."""
@@ -39,6 +39,7 @@ def quantity(
     most: int = 0,
     orientation: int = 0,
     alike: bool = False,
+    by_axis: bool = False,
 ) -> Any:
     """Return a dataclass field whose metadata hold ``quantity``, ``unit``, ``doc``, ``bounds``.
 
@@ -53,7 +54,8 @@ def quantity(
     ``multiple_of`` is the key of a time of which this one is a whole multiple: at most ``most``
     times it, unless that is 0.  ``orientation``: which element, from 1, is an orientation of the
     plane, 0 along +Y; a scenario's ``frames`` says how files state it.  ``alike``: one value
-    for both elements of a pair may be given, too.
+    for both elements of a pair may be given, too.  ``by_axis``: a vector may be stated twice, for
+    v and for omega.
     """
     bounds = Range(above, minimum, below, maximum, infinite)
     elements = len(default) if isinstance(default, tuple) and kind is None else size
@@ -73,6 +75,7 @@ def quantity(
         most,
         orientation,
         alike,
+        by_axis,
     )
     metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}
     if default is REQUIRED:
@@ -178,13 +181,16 @@ def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[flo
     """Signal called ``path`` and value of a section's field; raises as `numbers_in`."""
     numbers = numbers_in(section, name)
     what = dict(quantities(type(section)))[name]
-    return Signal(path, what.unit, what.doc, len(numbers)), numbers
+    of_both = ", of v, then of omega" * (0 < what.size < len(numbers))
+    return Signal(path, what.unit, what.doc + of_both, len(numbers)), numbers
 
 
 def numbers_in(section: Section, name: str) -> tuple[float, ...]:
     """Value of a section's field as numbers; UnknownNameError where it is something else."""
     value = vars(section).get(name)
     numbers = value if isinstance(value, tuple) else (value,)
+    if is_by_axis(value) and dict(quantities(type(section)))[name].by_axis:
+        numbers = numbers[0] + numbers[1]
     if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in numbers):
         raise UnknownNameError("number", key(section.KEY, name), dict(quantities(type(section))))
     return tuple(map(float, numbers))

@@ -100,7 +100,7 @@ class Quantity:
     ``size`` is the number of elements of a vector, 0 for a scalar; ``options`` are the texts
     that a text field accepts (any, if empty); ``usual`` is the range of sizes beyond which it is
     asked whether the unit is meant (None: that of the unit); ``multiple_of``,
-    ``most``, ``orientation`` and ``alike`` as in `quantity`.
+    ``most``, ``orientation``, ``alike`` and ``by_axis`` as in `quantity`.
     """
 
     default: Any
@@ -115,6 +115,7 @@ class Quantity:
     most: int = 0
     orientation: int = 0
     alike: bool = False
+    by_axis: bool = False
 
     def clean(self, value: object, path: str) -> Any:
         """Return ``value`` in the field's own type, or raise ScenarioError naming ``path``."""
@@ -124,9 +125,18 @@ class Quantity:
             value is None or (isinstance(value, str) and value == "none")
         ):
             return None
+        rows = as_list(value) if self.by_axis else None
+        if rows and any(as_list(row) is not None for row in rows):
+            return self._apart(rows, path)
         if self.size:
             return self._vector(value, path)
         return getattr(self, "_" + self.kind)(value, path)
+
+    def _apart(self, rows: list[object], path: str) -> tuple[object, ...]:
+        """The values of v and of omega."""
+        if len(rows) != 2:
+            raise self.refuse(rows, path, "one for both axes, or two, of v and of omega")
+        return tuple(self._vector(row, f"{path}[{i}]") for i, row in enumerate(rows, start=1))
 
     def refuse(self, value: object, path: str, rule: str, asked: str = "") -> ScenarioError:
         """Build the error: path and value, the rule, what the field is, its default, a question."""
@@ -150,6 +160,9 @@ class Quantity:
             return
         numbers = value if isinstance(value, tuple) else (value,)
         for i, number in enumerate(numbers):
+            if isinstance(number, tuple):
+                yield from self.questions(number, f"{path}[{i + 1}]")
+                continue
             unit, usual = self._measure(i)
             if usual is not None and not is_usual(number, usual):
                 place = f"{path}[{i + 1}]" if self.size else path
@@ -234,7 +247,10 @@ class Quantity:
         if items is None or len(items) != self.size:
             example = list(self.default or range(1, self.size + 1))
             what = f"{self.size} {'texts' if self.kind == 'text' else 'numbers'}"
-            rule = f"{'one for both, or ' * self.alike}an array of {what}, such as {show(example)}"
+            rule = (
+                f"{'one for both, or ' * self.alike}an array of {what}, such as {show(example)}"
+                f"{', or two such, of v and of omega' * self.by_axis}"
+            )
             raise self.refuse(value, path, rule)
         return tuple(self._element(item, f"{path}[{i + 1}]", i) for i, item in enumerate(items))
 
@@ -314,6 +330,11 @@ def as_list(value: object) -> list[object] | None:
         items = list(islice(value, LONGEST + 1))
         return items if len(items) <= LONGEST else None
     return None
+
+
+def is_by_axis(value: object) -> bool:
+    """True for a clean value that is stated twice, for v and for omega."""
+    return isinstance(value, tuple) and bool(value) and isinstance(value[0], tuple)
 
 
 def kind_of(default: object) -> str:

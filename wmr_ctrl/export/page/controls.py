@@ -11,6 +11,7 @@ from wmr_ctrl.control.numbers import ranges_of
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER
 
 Span = tuple[float, float]
 
@@ -68,7 +69,7 @@ def controls_of(
     scenario: Scenario, parameters: Iterable[Signal], values: Mapping[str, float]
 ) -> list[Control]:
     """Sliders for the elements of parameters that some group names, in the groups' order."""
-    unused = () if scenario.filter.loop == "first-order" else OF_FIRST_ORDER
+    unused = () if scenario.filter.loop == FIRST_ORDER else OF_FIRST_ORDER
     signals = {item.name: item for item in parameters if item.name not in unused}
     bounds = ranges_of(scenario, signals)
     moved = {name for names in ALONG.values() for name in names}

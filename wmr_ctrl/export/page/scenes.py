@@ -106,8 +106,8 @@ def _ways(scenario: Scenario, law: str) -> Iterator[tuple[str, Mapping[str, obje
 def _is_swinging(scenario: Scenario) -> bool:
     """Whether the filter knows how fast a loop swings that overshoots, and when commands come."""
     own = scenario.filter
-    known = own.loop == "pi" or (own.loop == "second-order" and own.frequency is not None)
-    return known and own.jitter < scenario.clock.control
+    known = "second-order" not in own.loop or own.frequency is not None
+    return "first-order" not in own.loop and known and own.jitter < scenario.clock.control
 
 
 def _filters(scenario: Scenario) -> Iterator[tuple[str, Mapping[str, object]]]:

@@ -94,7 +94,7 @@ def _of_guard(setup: Setup) -> Iterator[ZeroBound]:
 
 def _of_filter(setup: Setup) -> Iterator[ZeroBound]:
     stated = setup.scenario.filter
-    if stated.loop == "pi":
+    if stated.loop == ("pi", "pi"):
         yield from _zero("filter.push", stated.push, PUSHES)
         yield from _zero("filter.d", stated.d, COMMANDS, COMMAND_ERROR)
     else:

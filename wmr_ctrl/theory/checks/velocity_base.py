@@ -1,8 +1,9 @@
 """Bases that take velocities: the command filter's statement that holds, and its price."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results.settings import Pair
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Intervals
 from wmr_ctrl.world.torque_noise import SIGMAS, unbounded
 from wmr_ctrl.world.velocity_mean import VelocityMean
 
@@ -74,9 +76,10 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
     if not setup.takes_velocity or stated.kind == "none":
         return None
     usable, broken = usable_speed(scenario), broken_hypotheses(scenario, setup.bound)
-    (low, high), (first, last) = stated.gain, stated.delay
+    later = stated.each("delay", lambda ends: (ends[0], ends[1] + MILLISECOND))
+    high = max(most for _, most in stated.intervals("gain"))
     statement = STATEMENTS[stated.kind]
-    if stated.loop != "first-order":  # where a command acts is no matter to a clip, nor to a band
+    if stated.loop != FIRST_ORDER:  # where a command acts is no matter to a clip, nor to a band
         late: Pair | None = (0.0, 0.0)
         strong = None
         if stated.kind == "clip":
@@ -84,12 +87,13 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
             statement, high = OF_LINEAR_LOOPS.format(*peaks), max(peaks)
             sent = [speed + d for speed, d in zip(usable, stated.d, strict=True)]
             lost = [
-                (u + d * (stated.loop == "pi")) / 101 for u, d in zip(sent, stated.d, strict=True)
+                (u + d * (loop == "pi")) / 101
+                for u, d, loop in zip(sent, stated.d, stated.loop, strict=True)
             ]
             strong = lost[0], lost[1]
         if stated.slew is not None:  # what varies of a delay is what costs
             statement, strong = BEHIND_SLEW.format(*stated.slew), None
-            late = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
+            late = _cost(scenario, usable, {"filter.delay": later})
         swung, rise = _swung(scenario, usable, usable_speed), None
         slower = None
         if stated.kind == "band" and (rise := rise_times(scenario)) is not None:
@@ -99,8 +103,9 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
             stated.kind, statement, high, usable, late, strong, broken, overshoot(scenario), swung,
             rise, slower,
         )  # fmt: skip
-    delayed = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
-    stronger = _cost(scenario, usable, {"filter.gain": [low, high * 1.01]})
+    delayed = _cost(scenario, usable, {"filter.delay": later})
+    larger = stated.each("gain", lambda ends: (ends[0], ends[1] * 1.01))
+    stronger = _cost(scenario, usable, {"filter.gain": larger})
     return FilterFacts(stated.kind, statement, high, usable, delayed, stronger, broken)
 
 
@@ -124,7 +129,7 @@ def usable_speed(scenario: Scenario) -> Pair:
             ends[axis] = _governed(filtering, scenario, asked, axis)
         else:
             sent = [filtering.step(asked).command for _ in range(_steps(scenario))][-1]
-            ends[axis] = stated.gain[0] * sent[axis] - stated.d[axis]
+            ends[axis] = stated.intervals("gain")[axis][0] * sent[axis] - stated.d[axis]
     return ends[0], ends[1]
 
 
@@ -140,17 +145,17 @@ def _governed(
 ) -> float:
     """Speed at which the weakest base of an axis comes to rest behind a governor."""
     stated = scenario.filter
-    assert stated.tau is not None
     assert stated.odometry is not None
-    T, tau, d = scenario.clock.control, stated.tau[1], stated.d[axis]
-    whole, part = divmod(stated.delay[1] / T, 1.0)
+    (_, tau), (_, last), (K, _) = (stated.intervals(key)[axis] for key in ("tau", "delay", "gain"))
+    T, d = scenario.clock.control, stated.d[axis]
+    whole, part = divmod(last / T, 1.0)
     v, commands, measured = 0.0, [0.0] * (int(whole) + 2), [0.0, 0.0]
     for _ in range(_steps(scenario)):
         measured[axis] = v + stated.odometry[axis]
         sent = filtering.step(asked, measured, age=stated.age).command[axis]
         commands = [sent, *commands[:-1]]
         for command, share in ((commands[int(whole) + 1], part), (commands[int(whole)], 1 - part)):
-            v -= math.expm1(-share * T / tau) * (stated.gain[0] * command - d - v)
+            v -= math.expm1(-share * T / tau) * (K * command - d - v)
     return v
 
 
@@ -178,24 +183,30 @@ def _swung(
     of: Callable[[Scenario], Pair | None],
 ) -> Pair | None:
     """The loss of ``of`` where steps of v, and of omega, overshoot by one per cent more."""
-    key = "damping" if scenario.filter.loop == "second-order" else "kp"
-    least, most = scenario.filter.interval(key)
-    costs = []
-    for axis in (0, 1):
+    costs = [0.0, 0.0]
+    for axis, loop in enumerate(scenario.filter.loop):
+        if loop == "first-order":
+            continue
+        key = "damping" if loop == "second-order" else "kp"
         share = less_damped(scenario, axis, PER_CENT)
-        harder = {f"filter.{key}": [share * least, most]}
-        if (loss := _cost(scenario, usable, harder, of)) is None:
+        harder = scenario.filter.each(key, partial(_weakened, share))
+        if (loss := _cost(scenario, usable, {f"filter.{key}": harder}, of)) is None:
             return None
-        costs.append(loss[axis])
+        costs[axis] = loss[axis]
     return costs[0], costs[1]
+
+
+def _weakened(share: float, ends: Pair) -> Pair:
+    return share * ends[0], ends[1]
 
 
 def _steps(scenario: Scenario) -> int:
     """Commands after which a filter sends all that it will."""
     stated, T = scenario.filter, scenario.clock.control
     if stated.kind == "governor":
-        assert stated.tau is not None
-        return min(MOST_STEPS, int((SETTLED * stated.tau[1] + stated.delay[1]) / T) + 2)
+        times = zip(stated.intervals("tau"), stated.intervals("delay"), strict=True)
+        longest = max(SETTLED * tau + last for (_, tau), (_, last) in times)
+        return min(MOST_STEPS, int(longest / T) + 2)
     if stated.slew is not None:
         limits = zip(scenario.limits.v_u1, stated.slew, strict=True)
         return math.ceil(max(V / a for V, a in limits) / T) + 1
@@ -205,7 +216,7 @@ def _steps(scenario: Scenario) -> int:
 def _cost(
     scenario: Scenario,
     usable: Pair,
-    overrides: dict[str, list[float]],
+    overrides: Mapping[str, Intervals],
     of: Callable[[Scenario], Pair | None] | None = None,
 ) -> Pair | None:
     """Loss of usable speed by a harder statement; None where the filter does not take that."""

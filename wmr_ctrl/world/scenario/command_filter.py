@@ -1,7 +1,11 @@
 """The section of the command filter: the base that it counts on, and how commands are limited."""
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.fields.values import Pair, is_by_axis
 
 from .sections import check_intervals
 
@@ -11,6 +15,11 @@ CHANNELS = ("body", "wheels")
 SCALES = ("curvature", "axes", "turn", "drive")
 MOST_PERIODS = 64
 """Most control periods of delay, age and losses that the governor counts through."""
+BY_AXIS = ("tau", "gain", "delay", "damping", "frequency")
+"""Bounds that v and omega may have each for itself."""
+FIRST_ORDER = ("first-order", "first-order")
+Intervals: TypeAlias = Pair | tuple[Pair, Pair]
+"""An interval of both axes, or one of v and one of omega."""
 
 
 class Filter(Section, key="filter"):
@@ -20,17 +29,22 @@ class Filter(Section, key="filter"):
     gain and push are anywhere within their intervals and may vary.  Samples are clock.control
     apart.  ``clip`` needs the upper end of ``gain`` and ``d`` alone, and holds for every base that
     never overshoots; ``governor`` needs all of them, and uses odometry to allow more speed.
+    An interval is of both axes; of two the first is of v and the second of omega, as `intervals`
+    gives them.
     """
 
     kind: str = quantity("none", "1", "how commands are limited", options=FILTERS)
-    loop: str = quantity("first-order", "1", "how the base follows its command", options=LOOPS)
-    tau: tuple[float, float] | None = quantity(
-        None, "s", "bounds of the speed loop's time constant", above=0, size=2,
-        usual=(1e-3, 20),
+    loop: tuple[str, str] = quantity(
+        FIRST_ORDER, "1", "how the base follows its command", kind="text", size=2, options=LOOPS,
+        alike=True,
     )  # fmt: skip
-    gain: tuple[float, float] = quantity(
+    tau: Intervals | None = quantity(
+        None, "s", "bounds of the speed loop's time constant", above=0, size=2,
+        usual=(1e-3, 20), by_axis=True,
+    )  # fmt: skip
+    gain: Intervals = quantity(
         (1.0, 1.0), "1", "bounds of the steady-state speed divided by the command", above=0,
-        usual=(0.1, 10),
+        usual=(0.1, 10), by_axis=True,
     )  # fmt: skip
     d: tuple[float, float] = quantity(
         (0.0, 0.0), "m/s, rad/s",
@@ -41,9 +55,9 @@ class Filter(Section, key="filter"):
         minimum=0, size=2,
     )  # fmt: skip
     age: float = quantity(0.0, "s", "largest age of odometry", minimum=0, usual=(0, 1))
-    delay: tuple[float, float] = quantity(
+    delay: Intervals = quantity(
         (0.0, 0.0), "s", "bounds of a command's delay, which may vary", minimum=0,
-        usual=(0, 1),
+        usual=(0, 1), by_axis=True,
     )  # fmt: skip
     losses: int = quantity(0, "1", "largest number of consecutive lost commands", minimum=0)
     jitter: float = quantity(
@@ -67,12 +81,13 @@ class Filter(Section, key="filter"):
         None, "m/s",
         "limit of each wheel's speed over the ground, for wheels whose loops are alike", above=0,
     )  # fmt: skip
-    damping: tuple[float, float] | None = quantity(
-        None, "1", "bounds of a second-order loop's damping ratio", above=0, size=2
+    damping: Intervals | None = quantity(
+        None, "1", "bounds of a second-order loop's damping ratio", above=0, size=2, by_axis=True
     )
-    frequency: tuple[float, float] | None = quantity(
-        None, "rad/s", "bounds of a second-order loop's natural frequency", above=0, size=2
-    )
+    frequency: Intervals | None = quantity(
+        None, "rad/s", "bounds of a second-order loop's natural frequency", above=0, size=2,
+        by_axis=True,
+    )  # fmt: skip
     mass: tuple[float, float] | None = quantity(
         None, "kg", "bounds of the mass, for PI loops", above=0, size=2
     )
@@ -101,10 +116,11 @@ class Filter(Section, key="filter"):
 
     def relate(self) -> None:
         """Intervals are the right way round, and a filter has what it counts on."""
-        linear = ("tau", "gain", "delay", "damping", "frequency")
         of_wheels = ("mass", "inertia", "kp", "ki", "friction")
-        check_intervals(self, dict.fromkeys((*linear, *of_wheels), "it"))
-        self._relate_loop()
+        check_intervals(self, dict.fromkeys((*BY_AXIS, *of_wheels), "it"))
+        for axis in (0, 1):
+            self._relate_loop(axis)
+        self._relate_axes()
         if self.kind == "band":
             self._relate_band()
         if self.slew is not None:
@@ -120,16 +136,17 @@ class Filter(Section, key="filter"):
                 "which the base follows its command. Give tau = [low, high] [s], or use "
                 'filter.kind = "clip", which holds for every base that never overshoots.'
             )
-        if self.tau is not None and self.tau[1] > 1e6 * self.tau[0]:
-            raise ScenarioError(
-                f"filter.tau = [{self.tau[0]!r}, {self.tau[1]!r}] spans more than a factor of "
-                "1e6, too wide for any guarantee. Narrow the interval."
-            )
+        for low, high in self.intervals("tau") if self.tau is not None else ():
+            if high > 1e6 * low:
+                raise ScenarioError(
+                    f"filter.tau = [{low!r}, {high!r}] spans more than a factor of 1e6, too wide "
+                    "for any guarantee. Narrow the interval."
+                )
 
     @property
     def reads(self) -> tuple[str, ...]:
         """Keys of the robot that the filter depends on."""
-        rims = self.channels == "wheels" or self.wheel_speed or self.loop == "pi"
+        rims = self.channels == "wheels" or self.wheel_speed or "pi" in self.loop
         return ("robot.l",) if self.kind != "none" and rims else ()
 
     def interval(self, name: str) -> tuple[float, float]:
@@ -137,28 +154,57 @@ class Filter(Section, key="filter"):
         low, high = getattr(self, name)
         return low, high
 
-    def _relate_loop(self) -> None:
+    def intervals(self, name: str) -> tuple[Pair, Pair]:
+        """Bounds called ``name`` of v and of omega, which `relate` has seen."""
+        stated = getattr(self, name)
+        linear, angular = stated if is_by_axis(stated) else (stated, stated)
+        return linear, angular
+
+    def each(self, name: str, change: Callable[[Pair], Pair]) -> Intervals:
+        """Value of ``name`` with a change made to its interval, or to both."""
+        linear, angular = map(change, self.intervals(name))
+        return (linear, angular) if is_by_axis(getattr(self, name)) else linear
+
+    def place(self, name: str, axis: int, end: int) -> str:
+        """Key of an end, 1 or 2, of an axis' bounds called ``name``."""
+        own = f"[{axis + 1}]" * is_by_axis(getattr(self, name))
+        return f"filter.{name}{own}[{end}]"
+
+    def _relate_axes(self) -> None:
+        """Raise ScenarioError for bounds by axis of wheels, which have part in both."""
+        apart = [name for name in BY_AXIS if is_by_axis(getattr(self, name))]
+        apart += ["loop"] * (self.loop[0] != self.loop[1])
+        wheels = "channels" if self.channels == "wheels" else "wheel_speed" * bool(self.wheel_speed)
+        if apart and wheels:
+            raise ScenarioError(
+                f"filter.{apart[0]} is stated for v and omega each, and filter.{wheels} limits "
+                "wheels, whose speeds are made of both and whose loops have to be alike. State one "
+                f"that both axes keep, or leave out filter.{wheels}."
+            )
+
+    def _relate_loop(self, axis: int) -> None:
         """Raise ScenarioError where a loop lacks its numbers, or the kind does not hold for it."""
-        needed = {"second-order": ("damping",), "pi": ("mass", "inertia", "kp", "ki")}
-        for name in needed.get(self.loop, ()):
+        loop = self.loop[axis]
+        needed = {"second-order": ("damping",), "pi": (("mass", "inertia")[axis], "kp", "ki")}
+        for name in needed.get(loop, ()):
             if getattr(self, name) is None:
                 raise ScenarioError(
-                    f'filter.{name} is missing: filter.loop = "{self.loop}" relies on its bounds. '
+                    f'filter.{name} is missing: filter.loop = "{loop}" relies on its bounds. '
                     f"Give {name} = [low, high]."
                 )
-        if self.loop != "first-order" and self.kind == "governor":
+        if loop != "first-order" and self.kind == "governor":
             raise ScenarioError(
-                f'filter.kind = "governor" does not hold for filter.loop = "{self.loop}": it '
+                f'filter.kind = "governor" does not hold for filter.loop = "{loop}": it '
                 "relies on a speed that responds at once, which a loop with an internal state does "
                 'not. Set filter.kind = "clip" or "band".'
             )
-        if self.loop == "pi" and self.gain != (1.0, 1.0):
+        if loop == "pi" and self.intervals("gain")[axis] != (1.0, 1.0):
             raise ScenarioError(
                 'filter.loop = "pi" reaches its command at rest: state filter.gain = [1, 1], the '
                 "largest push as push = [N, N.m], and as filter.d the largest error of the command "
                 "that acts, such as half a quantum."
             )
-        if self.loop == "pi" and (self.channels == "wheels" or self.wheel_speed):
+        if loop == "pi" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
                 'filter.loop = "pi" has different masses for v and omega, so that a wheel\'s '
                 "speed does not depend on that wheel's command alone: leave out filter.channels "
@@ -167,12 +213,12 @@ class Filter(Section, key="filter"):
 
     def _relate_slew(self) -> None:
         """Raise ScenarioError where a limit on how fast commands change is worth nothing."""
-        if self.kind != "clip" or self.loop == "first-order":
+        if self.kind != "clip" or "first-order" in self.loop:
             raise ScenarioError(
                 'filter.slew is for filter.kind = "clip" with loops that overshoot, less so when '
                 "commands change slowly. Other filters do not need it. Leave it out."
             )
-        if self.loop == "second-order" and self.frequency is None:
+        if "second-order" in self.loop and self.frequency is None:
             raise ScenarioError(
                 "filter.frequency is missing: with filter.slew the clip relies on how fast the "
                 "loop is. Give frequency = [low, high] [rad/s], or leave out filter.slew."
@@ -186,17 +232,18 @@ class Filter(Section, key="filter"):
 
     def _relate_band(self) -> None:
         """Raise ScenarioError for what the band does not count with: it knows its own commands."""
-        if self.loop == "first-order":
+        if "first-order" in self.loop:
             raise ScenarioError(
                 'filter.kind = "band" is for loops that overshoot: state filter.loop = "pi" or '
                 '"second-order" with its numbers, or use filter.kind = "governor".'
             )
-        if self.loop == "second-order" and self.frequency is None:
+        if "second-order" in self.loop and self.frequency is None:
             raise ScenarioError(
                 "filter.frequency is missing: the band relies on bounds of the natural frequency. "
                 'Give frequency = [low, high] [rad/s], or use filter.kind = "clip".'
             )
-        late = {"losses": self.losses, "hold": self.hold, "delay": self.delay[1] - self.delay[0]}
+        spread = max(high - low for low, high in self.intervals("delay"))
+        late = {"losses": self.losses, "hold": self.hold, "delay": spread}
         for name, size in late.items():
             if size > 0:
                 raise ScenarioError(

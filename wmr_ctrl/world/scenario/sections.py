@@ -7,7 +7,7 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import REQUIRED, Section, quantity
 from wmr_ctrl.core.fields.units import plain
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated, derived, unknown
-from wmr_ctrl.core.fields.values import Pair, check_multiple
+from wmr_ctrl.core.fields.values import Pair, check_multiple, is_by_axis
 
 CHANGING = {"m": "kg", "I": "kg m2", "mu": ""}
 """Fields of the robot that may change during a run, with their units in words."""
@@ -337,9 +337,11 @@ class Guard(Section, key="guard"):
 def check_intervals(section: Section, names: Mapping[str, str]) -> None:
     """Raise ScenarioError where an interval is the wrong way round; ``names``: what lies in it."""
     for name, what in names.items():
-        first, second = getattr(section, name) or (0.0, 0.0)
-        if first > second:
-            raise ScenarioError(
-                f"{section.KEY}.{name} = [{first!r}, {second!r}] is the wrong way round: {what} "
-                f"lies between the first and the second. Write [{second!r}, {first!r}]."
-            )
+        value = getattr(section, name)
+        rows = value if is_by_axis(value) else () if value is None else (value,)
+        for first, second in rows:
+            if first > second:
+                raise ScenarioError(
+                    f"{section.KEY}.{name} = [{first!r}, {second!r}] is the wrong way round: "
+                    f"{what} lies between the first and the second. Write [{second!r}, {first!r}]."
+                )

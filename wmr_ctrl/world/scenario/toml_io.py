@@ -387,7 +387,7 @@ def _add_or_tell(table: Table | tomlkit.TOMLDocument, name: str, value: Any, not
 
 def _add(table: Table | tomlkit.TOMLDocument, name: str, value: Any, note: str) -> None:
     item = tomlkit.item(value)
-    if isinstance(value, list) and value and isinstance(value[0], list):
+    if isinstance(value, list) and len(value) > 2 and isinstance(value[0], list):
         item.multiline(True)
     if note:
         item.comment(note)

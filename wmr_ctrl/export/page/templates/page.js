@@ -350,8 +350,9 @@ class Page {
     const { fleet } = this, found = new Set(this.refused ? [this.refused] : []);
     if (this.unmet.length) found.add(`The link asks for what cannot be had here, and was followed without it: ${this.unmet.slice(0, 3).join(", ")}${this.unmet.length > 3 ? " and more" : ""}.`);
     for (const number of ["gain", "tau"]) {
-      const [low, high] = [1, 2].map((end) => fleet.value(`filter.${number}[${end}]`));
-      for (const name of [`base.${number}[1]`, `base.${number}[2]`]) {
+      for (const axis of [1, 2]) {
+        const name = `base.${number}[${axis}]`, apart = Number.isNaN(fleet.value(`filter.${number}[4]`)) ? 0 : 2 * (axis - 1);
+        const [low, high] = [1, 2].map((end) => fleet.value(`filter.${number}[${end + apart}]`));
         const own = fleet.value(name), all = number === "gain" && own > high;
         if (own < low || own > high) found.add(`${name} = ${shownNumber(own)} is outside of filter.${number}, ${shownNumber(low)} to ${shownNumber(high)}: ${all ? "no filter" : "the governor does not"} promise${all ? "s" : ""} anything for such a base.`);
       }
