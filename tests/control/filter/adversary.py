@@ -21,21 +21,25 @@ RAMPED = 6
 """Parts of a sample over which ramped commands are held."""
 
 
+Interval = tuple[float, float] | tuple[tuple[float, float], tuple[float, float]]
+
+
 @dataclass(frozen=True)
 class Base:
     """True numbers of the base and its wires: intervals, within which the adversary chooses.
 
-    ``loops``: what has a loop of its own, "body" (v and omega) or "wheels"; where v and omega are
-    "alike", one time constant and gain for both.  ``d`` and ``error``, of both axes, are shares of
-    their limits.  ``accel``, ``decel``: ramps of the firmware, as in [base].  A base that hears
+    ``tau``, ``gain``, ``delay``: one interval of both axes, or two.  ``loops``: what has a loop of
+    its own, "body" (v and omega) or "wheels"; where v and omega are "alike", one time constant and
+    gain for both.  ``d`` and ``error``, of both axes, are shares of their limits.  ``accel``,
+    ``decel``: ramps of the firmware, as in [base].  A base that hears
     nothing for ``hold`` stops; with it, nothing is sent now and then for some periods.
     """
 
-    tau: tuple[float, float] = (0.2, 0.3)
-    gain: tuple[float, float] = (0.9, 1.1)
+    tau: Interval = (0.2, 0.3)
+    gain: Interval = (0.9, 1.1)
     d: float = 0.05
     error: float = 0.02
-    delay: tuple[float, float] = (0.0, 0.0)
+    delay: Interval = (0.0, 0.0)
     losses: int = 0
     jitter: float = 0.0
     age: float = 0.0
@@ -103,8 +107,10 @@ def fastest(
     ends = base.d * np.abs(loops) @ tops[:2]
     own, rim = np.sign(rows[after]) / (1.0, l), np.array(HEADINGS) / (1.0, l)
     heading = np.where((every % 2 == 0)[:, None], own, rng.choice(rim, trials) * seen_as)
-    keep = int(np.ceil((base.delay[1] + base.age) / (T - base.jitter))) + base.losses + 3
-    sent, since = np.zeros((trials, keep, 2)), np.full((trials, keep), LONG_AGO)
+    delays = np.reshape(base.delay, (-1, 2))  # of both axes, or of each
+    tau, K = (np.reshape(item, (-1, 2)).T for item in (base.tau, base.gain))
+    keep = int(np.ceil((delays.max() + base.age) / (T - base.jitter))) + base.losses + 3
+    sent, since = np.zeros((trials, keep, 2)), np.full((trials, keep, 2), LONG_AGO)
     v, inner, acting = (np.zeros((trials, 2)) for _ in range(3))
     now, way, dt, worst = np.zeros(trials), np.ones(trials), np.zeros(trials), np.zeros(trials)
     past_v, past_t, lost = [v], [now], np.zeros(trials, int)
@@ -132,32 +138,35 @@ def fastest(
             command = base.quantum * np.round(command / base.quantum)
         drop = (rng.random(trials) < 0.5) & (lost < base.losses)
         lost = np.where(drop, lost + 1, 0)
-        takes = now + rng.choice([*base.delay, rng.uniform(*base.delay)], trials)
-        takes = np.where(drop, np.inf, np.maximum(takes, _newest(since)))
+        late = [rng.choice([*ends, rng.uniform(*ends)], trials) for ends in delays]
+        takes = np.maximum(now[:, None] + np.transpose(late), _newest(since))
+        takes = np.where(drop[:, None], np.inf, takes)
         sent = np.concatenate([sent[:, 1:], command[:, None]], axis=1)
-        since = np.c_[since[:, 1:], takes]
+        since = np.concatenate([since[:, 1:], takes[:, None]], axis=1)
         dt = T + base.jitter * rng.choice([-1.0, 0.0, 1.0], trials)
         if np.isfinite(base.hold):
             dt = np.where(rng.random(trials) < 0.02, T * rng.uniform(1, 9, trials), dt)
         end = now + dt
-        cuts = np.c_[now, since, end, now[:, None] + dt[:, None] * inside]
+        taken = since.reshape(trials, -1)
+        cuts = np.c_[now, taken, end, now[:, None] + dt[:, None] * inside]
         if np.isfinite(base.hold):
-            cuts = np.c_[cuts, since + base.hold]
+            cuts = np.c_[cuts, taken + base.hold]
         cuts = np.sort(np.clip(cuts, now[:, None], end[:, None]), axis=1)
         for a, b in zip(cuts.T[:-1], cuts.T[1:], strict=True):
-            place = np.argmax(np.where(since <= a[:, None], np.arange(keep), -1), axis=1)
-            given = np.where((a < since[every, place] + base.hold)[:, None], sent[every, place], 0)
+            began, ages = since <= a[:, None, None], np.arange(keep)[:, None]
+            place = np.argmax(np.where(began, ages, -1), axis=1)[:, None]
+            last, told = (np.take_along_axis(item, place, 1)[:, 0] for item in (since, sent))
+            given = np.where(a[:, None] < last + base.hold, told, 0)
             acting = _ramped(acting, given, base, (b - a)[:, None]) if ramps else given
             told = acting @ loops.T
             share = np.where(style == 2, rng.random(trials), 1.0)[:, None]
             side = way[:, None] * (weights if base.loops == "alike" else towards)
-            gain = np.where(_forward(told * side, base), base.gain[1], base.gain[0])
+            gain = np.where(_forward(told * side, base), K[1], K[0])
             aim = gain * told + way[:, None] * towards * ends * share
             if base.second_lag:
                 aim = inner = aim + (inner - aim) * np.exp(-(b - a) / base.second_lag)[:, None]
             quick = _forward((aim - v) * side, base)
-            tau = np.where(quick, base.tau[0], base.tau[1])
-            v = aim + (v - aim) * np.exp(-(b - a)[:, None] / tau)
+            v = aim + (v - aim) * np.exp(-(b - a)[:, None] / np.where(quick, tau[0], tau[1]))
             worst = np.maximum(worst, (np.abs(v @ (rows @ back).T) / tops).max(axis=1))
             past_v.append(v)
             past_t.append(b)
@@ -171,7 +180,7 @@ HEADINGS = ((1, 0), (0, 1), (1, 1), (5, 1), (1, 5))
 
 
 def _newest(since: np.ndarray) -> np.ndarray:
-    """The last instant at which a command took over or will."""
+    """The last instant at which a command took over or will, of each axis."""
     return np.max(np.where(np.isfinite(since), since, LONG_AGO), axis=1)
 
 

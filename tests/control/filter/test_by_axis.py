@@ -1,0 +1,161 @@
+"""Bounds of v and of omega, each for itself: what each axis may do is what it may do alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from tests.control.filter.adversary import Base, fastest
+from tests.control.filter.test_filter import scenario
+from wmr_ctrl.control.filter import command_filter
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.theory.checks.velocity_base import filter_facts, usable_speed
+from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override, to_toml
+
+APART = {"tau": ((0.1, 0.15), (0.4, 0.6)), "gain": ((0.95, 1.05), (0.8, 1.5))}
+LATE = {"delay": ((0.02, 0.02), (0.02, 0.2)), "losses": 1, "jitter": 0.004, "age": 0.08}
+SWUNG = {
+    "loop": "second-order", "damping": ((0.5, 0.6), (0.3, 0.9)), "tau": None, "odometry": None,
+    "frequency": ((4.0, 5.0), (2.9, 3.6)), "gain": ((0.9, 1.1), (0.8, 1.5)),
+}  # fmt: skip
+MOWER = {
+    "loop": ("first-order", "second-order"), "damping": (0.4, 1.2), "tau": None, "odometry": None,
+    "frequency": (3.0, 4.0), "gain": ((0.95, 1.05), (0.9, 1.1)),
+}  # fmt: skip
+CASES: Mapping[str, tuple[str, Mapping[str, object]]] = {
+    "clip": ("clip", APART),
+    "governor": ("governor", APART),
+    "governor, late": ("governor", APART | LATE),
+    "clip of linear loops": ("clip", SWUNG),
+    "clip of a mower": ("clip", MOWER),
+    "clip of slow commands": ("clip", SWUNG | {"slew": (0.1, 0.1), "delay": LATE["delay"]}),
+    "band": ("band", SWUNG | {"delay": ((0.0, 0.0), (0.1, 0.1))}),
+}
+
+
+AXES = np.eye(2)
+
+
+def alone(stated: Mapping[str, object], axis: int) -> dict[str, object]:
+    """What is stated of an axis, for both."""
+    return {
+        name: value[axis] if isinstance(value, tuple) and not isinstance(value[0], float) else value
+        for name, value in stated.items()
+    }
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_each_axis_is_sent_what_it_is_sent_where_both_are_like_it(name: str) -> None:
+    kind, stated = CASES[name]
+    apart = command_filter(scenario(kind, **stated, scale="axes"))
+    own = [command_filter(scenario(kind, **alone(stated, i), scale="axes")) for i in (0, 1)]
+    rng, v, gone = np.random.default_rng(0), np.zeros(2), -np.expm1(-0.05 / np.array([0.14, 0.5]))
+    for k in range(60):
+        asked = rng.uniform(-3, 3, 2) if k % 7 else np.zeros(2)
+        heard = name == "governor" and k % 3
+        sent = apart.step(asked, v if heard else None).command
+        for i, item in enumerate(own):  # the other axis rests, inside whatever bounds
+            assert item.step(asked * AXES[i], v * AXES[i] if heard else None).command[i] == sent[i]
+        v += gone * (sent - v)
+
+
+def test_the_bounds_of_one_axis_cost_the_other_nothing() -> None:
+    hull = {"tau": (0.1, 0.6), "gain": (0.8, 1.5)}
+    for kind in ("clip", "governor"):
+        narrow, wide = (usable_speed(scenario(kind, **item)) for item in (APART, hull))
+        assert narrow[0] > 1.25 * wide[0]
+        assert narrow[1] >= wide[1]
+
+
+WORLD = Base(**APART, **LATE)
+WRONG = {
+    "gain of v": {"gain": ((0.95, 1.155), (0.8, 1.5))},
+    "gain of omega": {"gain": ((0.95, 1.05), (0.8, 1.65))},
+    "tau of v": {"tau": ((0.09, 0.15), (0.4, 0.6))},
+    "tau of omega": {"tau": ((0.1, 0.15), (0.36, 0.6))},
+    "delay of v": {"delay": ((0.02, 0.04), (0.02, 0.2))},
+    "delay of omega": {"delay": ((0.02, 0.02), (0.02, 0.22))},
+}
+
+
+def test_no_adversary_within_them_passes_a_limit() -> None:
+    worst = fastest(scenario("governor", **APART, **LATE), WORLD, trials=60, samples=120)
+    assert 0.999 < worst.max() <= 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WRONG)
+def test_bounds_of_either_axis_that_do_not_hold_break_its_limit(name: str) -> None:
+    stated = scenario("governor", **APART, **LATE)
+    assert fastest(stated, WORLD.wrong(**WRONG[name]), trials=400, samples=200).max() > 1.0005
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_they_are_read_back_from_toml(name: str) -> None:
+    kind, stated = CASES[name]
+    made = scenario(kind, **stated)
+    assert loads_scenario(to_toml(made), made.name) == made
+
+
+def test_they_can_be_overridden_one_by_one() -> None:
+    made = load_scenario("clearpath-jackal", {"filter.gain": "[[0.95,1.05],[0.8,1.5]]"})
+    assert made.filter.gain == ((0.95, 1.05), (0.8, 1.5))
+    assert override(made, {"filter.gain[2][1]": "0.7"}).filter.gain == ((0.95, 1.05), (0.7, 1.5))
+
+
+@pytest.mark.parametrize("name", ["tau", "gain", "delay", "damping", "frequency", "loop"])
+@pytest.mark.parametrize("wheels", [{"channels": "wheels"}, {"wheel_speed": 0.8}])
+def test_wheels_take_none_that_differ(name: str, wheels: Mapping[str, object]) -> None:
+    value = ("first-order", "first-order") if name == "loop" else ((0.5, 0.6), (0.5, 0.7))
+    (key,) = wheels
+    with pytest.raises(ScenarioError, match=rf"^filter\.{name} is stated for v .* filter\.{key}"):
+        scenario("clip", **{name: value}, **wheels)
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ({"gain": [[0.9, 1.1]]}, "one for both axes, or two"),
+        ({"gain": [[0.9, 1.1], [1.1, 0.9]]}, r"Write \[0\.9, 1\.1\]"),
+        ({"gain": [[0.9, 1.1], 1.1]}, r"filter\.gain\[2\] = 1\.1 must be an array of 2 numbers"),
+        ({"gain": [0.9, 1.1, 1.2]}, "or two such, of v and of omega"),
+        ({"loop": ["pi", "linear"]}, r'filter\.loop\[2\] = "linear" is not known'),
+        ({"tau": [[0.1, 0.2], [1e-7, 0.2]]}, r"filter\.tau = \[1e-07, 0\.2\] spans"),
+        ({"loop": ["first-order", "second-order"]}, r"filter\.damping is missing"),
+        ({"kind": "band", "loop": ["first-order", "second-order"], "damping": [0.4, 0.5]}, "band"),
+        ({"loop": ["first-order", "second-order"], "damping": [[0.4, 0.5], [1e-3, 1.0]]},
+         r"omega to .* State filter\.damping\[2\]\[1\] of at least"),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_refused_with_its_place(stated, words: str) -> None:
+    with pytest.raises(ScenarioError, match=words):
+        command_filter(scenario(**{"kind": "clip", **stated}))
+
+
+BASE = {
+    "base.kind": "velocity", "base.tau": (0.14, 0.5), "base.gain": (1.0, 1.2), "robot.mu": 0.0,
+    "disturbance.std": 0.0, "changes": [],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("tau", (0.3, 0.14)), ("gain", (1.2, 1.0)), ("tau", (0.14, 0.3))]
+)
+def test_a_run_is_held_against_the_bounds_of_its_axis(key: str, value: tuple[float, float]) -> None:
+    fits = override(scenario("governor", **APART, odometry=None), BASE)
+    settle(fits, "kanayama")
+    with pytest.raises(ScenarioError, match=rf"base\.{key}\[\d\] = .* is outside filter\.{key} = "):
+        settle(override(fits, {f"base.{key}": value}), "kanayama")
+
+
+def test_check_counts_each_axis_by_its_own() -> None:
+    facts = filter_facts(settle(override(scenario("clip", **APART), BASE), "kanayama"))
+    assert facts is not None
+    sent = [0.95 * gain for gain in (0.95 / 1.05, 0.8 / 1.5)]
+    assert facts.gain == 1.5
+    assert facts.usable_speed == pytest.approx([speed - 0.05 for speed in sent], abs=1e-6)
+    assert facts.gain_cost == pytest.approx([speed / 101 for speed in sent], abs=1e-6)
+    assert facts.delay_cost == (0.0, 0.0)
