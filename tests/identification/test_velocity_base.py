@@ -218,5 +218,5 @@ def test_a_pi_loop_of_a_run_gives_its_peak_gain_back(tmp_path):
         assert found.parameters[f"wn{axis}"].value == pytest.approx(wn, rel=0.02)
         zeta = PI["kp"] / (2 * np.sqrt(PI["ki"] * mass))
         assert found.parameters[f"zeta{axis}"].value == pytest.approx(zeta, rel=0.03)
-    assert found.scenario.filter.loop == "pi"
+    assert found.scenario.filter.loop == ("pi", "pi")
     assert found.scenario.filter.kind == "clip", found.remarks

@@ -109,10 +109,10 @@ def test_they_can_be_overridden_one_by_one() -> None:
 @pytest.mark.parametrize("name", ["tau", "gain", "delay", "damping", "frequency", "loop"])
 @pytest.mark.parametrize("wheels", [{"channels": "wheels"}, {"wheel_speed": 0.8}])
 def test_wheels_take_none_that_differ(name: str, wheels: Mapping[str, object]) -> None:
-    value = ("first-order", "first-order") if name == "loop" else ((0.5, 0.6), (0.5, 0.7))
+    value = ("first-order", "second-order") if name == "loop" else ((0.5, 0.6), (0.5, 0.7))
     (key,) = wheels
     with pytest.raises(ScenarioError, match=rf"^filter\.{name} is stated for v .* filter\.{key}"):
-        scenario("clip", **{name: value}, **wheels)
+        scenario("clip", **{"damping": (0.5, 0.6), name: value}, **wheels)
 
 
 @pytest.mark.parametrize(

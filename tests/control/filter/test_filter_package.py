@@ -194,8 +194,11 @@ def printed_by(program: str, folder: Path) -> list[str]:
         ("governor", True, {}),
         ("clip", False, {}),
         ("clip", True, {"scale": "axes"}),
+        ("governor", True, {"tau": ((0.1, 0.15), (0.4, 0.6)), "gain": ((0.95, 1.05), (0.8, 1.5)),
+                            "delay": ((0.02, 0.02), (0.02, 0.2))}),
+        ("clip", False, {"loop": ("first-order", "second-order"), "damping": (0.4, 1.2)}),
     ],
-)
+)  # fmt: skip
 @pytest.mark.slow_but("governor-True-stated1", "clip-False-stated2")
 def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_path):
     needs("gcc")
