@@ -9,6 +9,7 @@ import pytest
 
 from tests.control.filter.adversary import Base, fastest
 from tests.control.filter.test_filter import scenario
+from wmr_ctrl import simulate
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
@@ -159,3 +160,25 @@ def test_check_counts_each_axis_by_its_own() -> None:
     assert facts.usable_speed == pytest.approx([speed - 0.05 for speed in sent], abs=1e-6)
     assert facts.gain_cost == pytest.approx([speed / 101 for speed in sent], abs=1e-6)
     assert facts.delay_cost == (0.0, 0.0)
+
+
+CUTTER = {
+    "robot.l": 0.2, "robot.mu": 0.0, "disturbance.std": 0.0, "changes": [], "clock.duration": 8.0,
+    "initial.velocity": (0.2, 0.0), "initial.pose": (-2.0, -2.0, -0.7),
+    "base.kind": "velocity", "base.loop": ("first-order", "second-order"),
+    "base.damping": (1.0, 0.45), "base.frequency": (9.0, 3.5), "base.gain": (1.0, 1.0),
+}  # fmt: skip
+
+
+def test_one_axis_may_swing_while_the_other_does_not() -> None:
+    run = simulate(override(scenario("clip", **MOWER), CUTTER), "kanayama")
+    assert run.monitor.violations == 0
+    assert run["clip_active"].any()
+    for changes, words in (
+        ({"initial.velocity": (0.2, 0.1)}, "at rest at the start"),
+        ({"base.damping": (1.0, 0.39)}, r"base\.damping\[2\] = 0\.39 is outside"),
+        ({"base.loop": ("second-order", "second-order")}, "for speeds that never exceed"),
+        ({"base.loop": "first-order"}, r'filter\.loop = "second-order" does not fit'),
+    ):
+        with pytest.raises(ScenarioError, match=words):
+            settle(override(scenario("clip", **MOWER), CUTTER | changes), "kanayama")
