@@ -1,7 +1,7 @@
-"""Functions of the product in a statement's graph, found by altering their results.
+"""Find the product's functions in a statement's graph, by altering their results.
 
-A statement is built by calling functions of the product.  Those calls are watched; a function is in
-the graph if another result of it gives another graph.
+A statement is built by calling functions of the product.  These calls are recorded; a function is
+in the graph if another result of it gives another graph.
 """
 
 import sys
@@ -54,7 +54,7 @@ def functions_called(build: Callable[[], object]) -> list[str]:
 
 
 def function_named(name: str) -> FunctionType | None:
-    """The function behind ``module:function``, a property's getter included; None for others."""
+    """The function called ``module:function``, or a property's getter; None for others."""
     module, _, path = name.partition(":")
     try:
         value: object = import_module(module)
@@ -71,7 +71,7 @@ def function_named(name: str) -> FunctionType | None:
 
 @contextmanager
 def altered(name: str, change: Change) -> Iterator[None]:
-    """Context in which every caller of the function gets altered results."""
+    """Context in which every caller of the function receives altered results."""
     function = function_named(name)
     assert function is not None, name
     code, defaults, named = function.__code__, function.__defaults__, function.__kwdefaults__
@@ -94,7 +94,7 @@ def _stand_in(*args: object, **named: object) -> object:
 
 
 def changed(value: object, change: Change) -> object:
-    """A result with ``change`` made to every expression in it."""
+    """A result with ``change`` applied to every expression in it."""
     if isinstance(value, ca.SX | Traced):
         return change(value)
     if isinstance(value, Port):
@@ -109,12 +109,13 @@ def changed(value: object, change: Change) -> object:
 
 
 def functions_of(claim: Claim, first: Sequence[str] = ()) -> tuple[str, ...]:
-    """Functions of the product that the claim's graph holds.
+    """Functions of the product that the claim's graph contains.
 
-    Of those that are called, a function is held if its results, multiplied by a number, make
-    another graph.  Many are tried at a time, by numbers of their own: where the graph stays, it
-    holds none of them.  What cannot be built with its results altered is not held.  Of those in
-    ``first``, which it held before, it is looked up whether the graph still reads their results.
+    Of the functions that are called, one is contained if its results, multiplied by a number, make
+    another graph.  Many are tried together, with different numbers: if the graph is unchanged, it
+    contains none of them.  A function is not contained if the statement cannot be built with its
+    results altered.  For those in ``first``, which were contained before, it is tested whether the
+    graph still reads their results.
     """
     before: list[Statement | None] = []
     forget()
@@ -128,7 +129,7 @@ def functions_of(claim: Claim, first: Sequence[str] = ()) -> tuple[str, ...]:
 
 
 def _read(claim: Claim, names: Sequence[str]) -> set[str]:
-    """Functions whose results the graph reads: each has a symbol as its factor."""
+    """Functions whose results the graph reads: each result is multiplied by a symbol."""
     marks = {name: ca.SX.sym(f"result {k}") for k, name in enumerate(names)}
     changes = {name: partial(_marked, mark) for name, mark in marks.items()}
     statement = built(claim, changes, marks) if marks else None
@@ -156,9 +157,9 @@ def _marked(mark: ca.SX, value: Any) -> Any:
 def built(
     claim: Claim, changes: Mapping[str, Change] = {}, marks: Mapping[str, ca.SX] = {}
 ) -> Statement | None:
-    """The claim's statement with functions altered; None where it cannot be built like this.
+    """The claim's statement with altered functions; None if it cannot be built so.
 
-    ``marks``: symbols that the alterations bring in, by the names that its graph has for them.
+    ``marks``: symbols of the alterations, by their names in its graph.
     """
     forget()
     try:
@@ -180,7 +181,7 @@ def built(
 
 @contextmanager
 def _open_systems() -> Iterator[None]:
-    """Context in which a System may read symbols of no port."""
+    """Context in which a System may read symbols that belong to no port."""
     check = System.__post_init__
 
     def unchecked(self: System) -> None:

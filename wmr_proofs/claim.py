@@ -1,7 +1,7 @@
 """Claim: one line of the ledger before it is checked; a file writes its claims as functions.
 
-The function builds the relations; the first paragraph of its docstring is the claim's wording (but
-for the period that ends it), the second what it means for a robot:
+The function builds the relations; the first paragraph of its docstring is the claim's wording
+(without its final period), the second its meaning for a robot:
 
     claim = Claims(by=Z3())
 
@@ -39,7 +39,7 @@ class Mutation(float):
         return claimed if self > 0 else mutated
 
     def __neg__(self) -> Mutation:
-        """The other one: for a claim that is another's mutation."""
+        """The opposite sign, for a claim that is another's mutation."""
         return Mutation(-float(self))
 
 
@@ -50,9 +50,9 @@ CLAIMED, MUTATED = Mutation(1.0), Mutation(-1.0)
 class Claim:
     """A claim, its meaning for a robot, and its method of proof.
 
-    ``statement(mutation)`` builds the claim's relations from the product's graphs.
-    A claim without statement has its verdict given (HAND, OPEN or DEFINITION).  ``premises`` names
-    the entries that it rests on.
+    ``statement(mutation)`` builds the claim's relations from the product's graphs. A claim without
+    statement has its verdict given (HAND, OPEN or DEFINITION). ``premises`` names the entries that
+    it depends on.
     """
 
     id: str
@@ -97,13 +97,13 @@ class Claims:
         over: Iterable[Mapping[str, Any]] = (),
         **values: Any,
     ) -> Callable[[Written], Written]:
-        """Enter the function below as the claim ``id`` about these equations of the paper.
+        """Decorator that enters a function as the claim ``id`` about these equations of the paper.
 
-        ``given`` are the hypotheses in words, ``by`` a method or a verdict that is given,
-        ``premises`` ids, ``wording`` the claim where the docstring's is another one's.
-        ``values`` stand in every text, and in each other, where their name is in braces, and are
-        handed to the function (and to ``by``) where it asks for them; ``over``: one claim for each
-        of these tables, which may have ``equations`` of their own.
+        ``given`` are the hypotheses in words, ``by`` a method or a given verdict, ``premises`` ids,
+        ``wording`` the claim if the docstring belongs to another one. ``values`` replace their
+        names in braces in every text, and in each other, and are passed to the function (and to
+        ``by``) if it has such arguments; ``over``: one claim for each of these tables, which may
+        have their own ``equations``.
         """
         way = by or self.by
 
@@ -129,13 +129,13 @@ class Claims:
 
 
 def rows(**columns: Sequence[Any]) -> tuple[dict[str, Any], ...]:
-    """Tables for ``over``, one for each place of the columns: both axes, say, or both ways."""
+    """Tables for ``over``, one per position of the columns: for both axes, or both directions."""
     places = zip(*columns.values(), strict=True)
     return tuple(dict(zip(columns, values, strict=True)) for values in places)
 
 
 def _filled(text: str, values: Mapping[str, Any]) -> str:
-    """The text in one line, with the values that it names, and those that they name."""
+    """The text in one line, with names in braces replaced by values, recursively."""
     line = " ".join(text.split())
     while values and "{" in line:
         line = line.format(**values)
@@ -143,7 +143,7 @@ def _filled(text: str, values: Mapping[str, Any]) -> str:
 
 
 def _asked(function: Callable[..., Any], values: Mapping[str, Any]) -> Callable[..., Any]:
-    """The function with those of the values that it asks for."""
+    """The function with the values for its arguments bound."""
     named = signature(function).parameters
     kept = {name: value for name, value in values.items() if name in named}
     return partial(function, **kept) if kept else function

@@ -1,4 +1,4 @@
-"""How the verdicts of a run of `prove` compare with the committed ledger."""
+"""Comparison of the verdicts of a run of `prove` with the committed ledger."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from wmr_ctrl.results.ledger import UNCHECKED, Entry, Ledger
 
 @dataclass(frozen=True)
 class Difference:
-    """An entry whose verdict is not the committed one."""
+    """An entry whose verdict differs from the committed one."""
 
     id: str
     committed: str
@@ -16,7 +16,7 @@ class Difference:
 
 
 def differences(ledger: Ledger, committed: Ledger, complete: bool = True) -> list[Difference]:
-    """Verdicts that differ; with ``complete``, also entries that only one of the two has."""
+    """Verdicts that differ; with ``complete``, also entries that only one of both has."""
     known, found = committed.by_id(), ledger.by_id()
     ids = [*known, *(i for i in found if i not in known)] if complete else list(found)
     pairs = ((i, _verdict(known, i), _verdict(found, i)) for i in ids)
@@ -24,13 +24,13 @@ def differences(ledger: Ledger, committed: Ledger, complete: bool = True) -> lis
 
 
 def stale(hashes: Mapping[str, str], committed: Ledger) -> list[str]:
-    """Ids whose hash is no longer the one that the committed verdict is about."""
+    """Ids whose hash differs from that of the committed verdict."""
     known = ((entry.id, entry.graph_hash) for entry in committed.entries if entry.graph_hash)
     return [key for key, hashed in known if hashes.get(key, hashed) != hashed]
 
 
 def exit_code(ledger: Ledger, committed: Ledger, complete: bool = True) -> int:
-    """0 as committed; 1 where a verdict differs; 3 where entries could not be checked."""
+    """0 as committed; 1 if a verdict differs; 3 if entries could not be checked."""
     changed = [d for d in differences(ledger, committed, complete) if d.now != "NOT_CHECKED"]
     if changed:
         return 1

@@ -1,12 +1,12 @@
-"""Graph of the compiled function as a list of nodes, and the one walker that evaluates it.
+"""The compiled function as a list of nodes, and the walker that evaluates it.
 
-The nodes are those of `wmr_ctrl.world.model.graph`, which the emitter of C is given: a choice is
-one node ``choose``, so that a method never looks at a branch that is not taken, and a quotient by a
+The nodes are those of `wmr_ctrl.world.model.graph`, which the C emitter uses, too: a choice is one
+node ``choose``, so that a method never evaluates a branch that is not taken, and a quotient by a
 parameter is the product that C computes.
 
 A method of proof is an `Arithmetic`: constants, inputs, operations and, for conditions, either a
-decision or a merge.  Where a condition cannot be decided the walk takes both ways, one after the
-other, and what is to be shown must hold on each.
+decision or a merge.  If a condition cannot be decided the walk takes both ways, one after the
+other, and the claim must be proved on each.
 """
 
 import hashlib
@@ -38,14 +38,14 @@ class ProvedNode(NamedTuple):
 
 @dataclass(frozen=True)
 class ProvedGraph:
-    """Nodes in an order of evaluation, and the node of each output."""
+    """Nodes in order of evaluation, and the node of each output."""
 
     nodes: tuple[ProvedNode, ...]
     outputs: tuple[int, ...]
 
     @cached_property
     def logical(self) -> frozenset[int]:
-        """Nodes whose value is a truth."""
+        """Nodes whose value is a truth value."""
         return frozenset(k for k, node in enumerate(self.nodes) if node.op in LOGICAL)
 
     @property
@@ -80,12 +80,12 @@ def graph_of(
     cuts: Mapping[str, ca.SX] | None = None,
     numbers: Mapping[str, float] | None = None,
 ) -> ProvedGraph:
-    """ProvedGraph of scalar expressions in named scalar symbols, as the compiler is given it.
+    """ProvedGraph of scalar expressions in named scalar symbols, as the compiler receives it.
 
-    A cut replaces the node that computes its expression by an input of that name (a constant
-    stays: the same number may stand elsewhere for something else); ``numbers`` are
-    values of inputs.  Both are put in after the graph was read, so what is left is the compiled
-    text.  ValueError where an output still depends on a symbol that is not named.
+    A cut replaces the node of its expression by an input of that name (a constant is not replaced:
+    the same number may have another meaning elsewhere); ``numbers`` are values of inputs.  Both are
+    substituted after the graph was read, so the rest is the compiled text.  ValueError if an output
+    depends on an unnamed symbol.
     """
     cut = dict(cuts or {})
     symbols = {symbol.element_hash() for symbol in inputs.values()}
@@ -107,14 +107,14 @@ def graph_of(
 
 
 def is_parameter(symbol: ca.SX) -> bool:
-    """True if a symbol stands for a number of the scenario: those have a dotted key."""
+    """True if a symbol is a number of the scenario: those have dotted keys."""
     return "." in symbol.name()
 
 
 def _compiled(
     given: Mapping[str, ca.SX], exprs: Sequence[ca.SX]
 ) -> tuple[compiled_graph.Graph, list[int]]:
-    """Graph as the emitter gets it, with the place of every symbol in ``given`` kept."""
+    """Graph for the emitter, with the index of every symbol in ``given`` preserved."""
     groups = {False: ca.SX.zeros(len(given)), True: ca.SX.zeros(len(given))}
     for row, symbol in enumerate(given.values()):
         for group in groups:
@@ -132,7 +132,7 @@ def _named(node: compiled_graph.Node, names: Sequence[str]) -> ProvedNode:
 
 
 def _compact(graph: ProvedGraph) -> ProvedGraph:
-    """Only the nodes that an output needs, in an order fixed by the outputs alone."""
+    """The nodes that an output needs, in an order that depends on the outputs alone."""
     place: dict[int, int] = {}
     nodes: list[ProvedNode] = []
     stack = [(k, False) for k in reversed(graph.outputs)]
@@ -156,7 +156,7 @@ NO_OPERATION = frozenset({"const", "input", "choose"}) | COMPARISONS | LOGICAL
 
 
 class UndecidedError(ArithmeticError):
-    """A condition or a domain that a method cannot settle: goals that rest on it stay open."""
+    """A condition or a domain that a method cannot decide; goals that depend on it remain open."""
 
 
 class Arithmetic(Protocol):
@@ -175,11 +175,11 @@ class Arithmetic(Protocol):
         """Truth of ``lt``, ``le``, ``eq`` or ``ne``; ``ask`` decides what the arithmetic cannot."""
 
     def logic(self, op: str, args: list[Any]) -> Any:
-        """Truth of ``and``, ``or`` or ``not``: plain logic, where conditions are plain bools."""
+        """Truth of ``and``, ``or`` or ``not``: Python's logic, for conditions that are bools."""
         return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
 
     def merge(self, condition: Any, yes: Any, no: Any) -> Any:
-        """Value of a choice whose condition is a term: never, where conditions are decided."""
+        """Value of a choice whose condition is a term; not called if conditions are decided."""
         raise UndecidedError(f"a choice by {condition} between {yes} and {no}")
 
     def number(self, condition: Any) -> Any:
@@ -187,7 +187,7 @@ class Arithmetic(Protocol):
 
 
 class Walk:
-    """One evaluation of a graph along decided conditions, only of the needed nodes."""
+    """One evaluation of a graph along decided conditions, of the needed nodes only."""
 
     def __init__(
         self, graph: ProvedGraph, arithmetic: Arithmetic, ask: Callable[[Hashable], bool]
@@ -246,7 +246,7 @@ class Walk:
         return self.arithmetic.merge(truth, *self._numbers(args[1:]))
 
     def truth(self, k: int) -> Any:
-        """A condition; a number counts as true where it is not 0, as in C."""
+        """A condition; as in C, a number is true if it is not 0."""
         if k in self.graph.logical:
             return self.values[k]
         if k not in self.truths:
@@ -264,7 +264,7 @@ def paths(
 ) -> Iterator[tuple[dict[Hashable, bool], Any]]:
     """Results of ``run(ask)`` on every way through the undecided conditions.
 
-    UndecidedError where there are more than ``limit`` ways.
+    UndecidedError if there are more than ``limit`` ways.
     """
     pending: list[dict[Hashable, bool]] = [{}]
     done = 0

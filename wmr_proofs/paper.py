@@ -10,7 +10,7 @@ from wmr_ctrl.core.data import data
 class Equation:
     """One numbered equation.
 
-    ``home`` is where it lives: ``module:function``, or a module for what needs no function.
+    ``home`` is its place in the code: ``module:function``, or a module if it needs no function.
     """
 
     number: int
@@ -23,7 +23,7 @@ class Equation:
 
 @dataclass(frozen=True)
 class Symbol:
-    """A symbol, its meaning, its SI unit, and its name in the code (empty where it has none)."""
+    """A symbol, its meaning, its SI unit, and its name in the code (empty if it has none)."""
 
     symbol: str
     meaning: str

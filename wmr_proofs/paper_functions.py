@@ -1,8 +1,8 @@
 """The paper's functions that no run evaluates, as graphs: Lyapunov functions, bounds, matrices.
 
-Eqs. (1), (2), (4), (31), (62) and kin, and the proof of Theorem 1's, Eqs. (39)-(56).  None becomes
-C: one function for each equation that exists to prove something about the laws, in the paper's
-letters, on the same symbols as the laws' own graphs.
+Eqs. (1), (2), (4), (31), (62) and kin, and the proof of Theorem 1's, Eqs. (39)-(56). None is
+compiled to C: one function for each equation that is only used in proofs about the laws, in the
+paper's letters, on the same symbols as the laws' own graphs.
 
 Of Theorem 1: whole-number coefficients (10 x < 2 for x < 0.2) keep every constant exact.  E stands
 for |e2| at the start t0 of the window of length T; v1dmin <= v1d <= v1dmax; l > 5 is the proof's
@@ -112,7 +112,7 @@ def strict_lyapunov(e: ca.SX, k2: ca.SX, eps: ca.SX) -> ca.SX:
 
 
 def strict_rate(e: ca.SX, v_d: ca.SX, k: ca.SX, eps: ca.SX) -> ca.SX:
-    """Its rate along Eqs. (33)-(35) with v = v_c0 of Eq. (7) (not in the paper)."""
+    """Rate of `strict_lyapunov` along Eqs. (33)-(35), v = v_c0 of Eq. (7) (not in the paper)."""
     symbol = ca.SX.sym("e", 3)
     direction = error_rate(e, auxiliary_velocity(e, v_d, k), v_d)
     rate = ca.jtimes(strict_lyapunov(symbol, k[1], eps), symbol, direction)
@@ -122,8 +122,8 @@ def strict_rate(e: ca.SX, v_d: ca.SX, k: ca.SX, eps: ca.SX) -> ca.SX:
 def authority_limit(s: ca.SX) -> ca.SX:
     """s (s - 1 - ln s)/(1 - s), s = (u1 - |v|)/(u1 - |v_c1|): (|v_c0| - u1) V1i/A_i far away.
 
-    Its maximum over 0 < s < 1, about 0.2162, times rho is what the barrier withstands there (not in
-    the paper).
+    Its maximum over 0 < s < 1, about 0.2162, times rho is the disturbance that the barrier
+    withstands there (not in the paper).
     """
     return s * (s - 1 - ca.log(s)) / (1 - s)
 
@@ -213,5 +213,5 @@ def corner_centres(dimensions: int, node: float) -> list[tuple[float, ...]]:
 
 
 def gaussian_basis(z: ca.SX, eta: ca.SX, centres: list[tuple[float, ...]]) -> ca.SX:
-    """S(Z) by its definition, one exponential a node: what `corner_basis` must equal."""
+    """S(Z) by its definition, one exponential per node, which `corner_basis` must equal."""
     return ca.vertcat(*(ca.exp(-ca.sumsqr(z - ca.DM(centre)) / (eta * eta)) for centre in centres))

@@ -1,4 +1,4 @@
-"""Regions of a claim: a `Case` is one; and the charts of one axis of the barrier.
+"""Regions of a claim (each a `Case`), and the charts of one axis of the barrier.
 
 A case is given as a chart of free positive numbers onto the region: ``values`` maps the chart's
 numbers to the inputs that it fixes, in any arithmetic (rationals, z3, fraction fields), so that the
@@ -31,7 +31,7 @@ class Case:
     declared: Mapping[str, str] = field(default_factory=dict)
 
     def sample(self, names: tuple[str, ...], shift: int) -> dict[str, Fraction]:
-        """A rational point of the case: one value for each input in ``names``."""
+        """A rational point of the case, with a value for each input in ``names``."""
         chart = {name: _sample(k + shift) for k, name in enumerate(self.numbers)}
         fixed = dict(self.values(chart))
         point = {name: Fraction(fixed[name]) for name in names if name in fixed}
@@ -44,7 +44,7 @@ class Case:
     def described(self) -> list[Any]:
         """Fingerprint for records: numbers and domains, and the chart at two exact points.
 
-        Charts are quotients of polynomials, so others than this one have other values there.
+        Charts are quotients of polynomials, so different charts have different values there.
         """
         charts = [{name: _sample(3 * k + s) for k, name in enumerate(self.numbers)} for s in (1, 2)]
         points = [sorted((n, str(x)) for n, x in self.values(chart).items()) for chart in charts]
@@ -73,7 +73,7 @@ CHARTED = ("far", "middle", "near", "beyond", "out", "in")
 def axis_case(suffix: str, target: str, side: str, order: str = "") -> Case:
     """One region, of inputs v<suffix>, c<suffix>, u1<suffix>, u2<suffix>.
 
-    ``order`` (``<``, ``=``, ``>``) relates |v| and |v_c1| where they share an interval.
+    ``order`` (``<``, ``=``, ``>``) relates |v| and |v_c1| if they are in one interval.
     """
     u2_name, b_name, j_name, i_name = (f"{name}{suffix}" for name in ("u2", "b", "j", "i"))
     is_placed = side[:-1] in CHARTED and order != "="
@@ -139,7 +139,7 @@ def open_cases(suffix: str = "") -> tuple[Case, ...]:
 def _ordered_cases(
     targets: Iterable[str], sides: Iterable[str], orders: tuple[str, ...], *more: tuple[str, str]
 ) -> tuple[Case, ...]:
-    """Regions; with each order of |v| and |v_c1| where they share one, or are ``more`` pairs."""
+    """Regions, with every order of |v| and |v_c1| if both share an interval or are in ``more``."""
     return tuple(
         axis_case("", t, s, order)
         for t, s in product(targets, sides)
@@ -148,7 +148,7 @@ def _ordered_cases(
 
 
 def all_cases() -> tuple[Case, ...]:
-    """All regions with their boundaries, and the order of |v| and |v_c1| where they share one."""
+    """All regions with their boundaries, and the order of |v| and |v_c1| in a common interval."""
     return _ordered_cases((*TARGETS, *TARGET_EDGES), (*SIDES, *SIDE_EDGES), ("<", "=", ">"))
 
 
@@ -185,10 +185,11 @@ def joined(one: Case, two: Case) -> Case:
 
 
 def paired_cases() -> tuple[Case, ...]:
-    """Every open region of axis 1 and of axis 2 once, against a different one of the other.
+    """Every open region of axis 1 and of axis 2 once, each with a different region of the other
+    axis.
 
-    Enough where the statement is a sum of one term per axis: terms of independent variables whose
-    sum is 0 are constant on their regions.
+    This is enough if the statement is a sum of one term per axis: terms of independent variables
+    whose sum is 0 are constant on their regions.
     """
     return tuple(map(joined, open_cases("1"), open_cases("2")[::-1]))
 

@@ -1,4 +1,4 @@
-"""Relations between expressions, of which claims are made."""
+"""Relations between expressions, from which claims are built."""
 
 from dataclasses import dataclass
 
@@ -55,7 +55,7 @@ def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, ...]:
 
 
 def when(condition: ca.SX, relation: Relation) -> Relation:
-    """``condition`` implies the relation, which must be one that 0 fulfils."""
+    """``condition`` implies the relation, which must be true for the expression 0."""
     return Relation(ca.if_else(condition, relation.expr, 0), relation.kind)
 
 

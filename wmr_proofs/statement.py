@@ -1,9 +1,9 @@
 """Statement of a claim: relations between expressions of the product's own graphs.
 
-Where it speaks of computed numbers, every operation that rounds becomes an input of its own, any
-number that is within the unit of rounding of the exact result of that operation on numbers so
-computed: the standard model of IEEE arithmetic without overflow and underflow.  What is shown of
-all such numbers is shown of the compiled text (`assumption.libm`).
+For statements on computed numbers, every rounding operation becomes a separate input: any number
+within the unit of rounding of the exact result of that operation on such numbers, which is the
+standard model of IEEE arithmetic without overflow and underflow.  A proof for all such numbers is
+valid for the compiled text (`assumption.libm`).
 """
 
 import hashlib
@@ -27,10 +27,10 @@ ROUNDED = frozenset({"add", "sub", "mul", "div", "inv", "sq", "sqrt"})
 
 @dataclass(frozen=True)
 class RoundedGraph:
-    """Nodes with an input for each rounding, the places of the results, and the inputs' bounds.
+    """Nodes with an input for each rounding, the indices of the results, and the inputs' bounds.
 
-    ``bounds`` are nodes that are not negative: the unit's share of an exact result, less how far
-    the computed one is from it, either way.
+    ``bounds`` are nodes that are not negative: the unit's share of an exact result, less the
+    distance of the computed one, for both signs.
     """
 
     nodes: tuple[ProvedNode, ...]
@@ -39,7 +39,7 @@ class RoundedGraph:
 
 
 def rounded(graph: ProvedGraph, unit: float) -> RoundedGraph:
-    """``graph`` as doubles compute it.  ValueError where an operation's error is not known."""
+    """``graph`` as doubles compute it.  ValueError for an operation with an unknown error."""
     nodes: list[ProvedNode] = []
     place: list[int] = []
     bounds: list[int] = []
@@ -67,17 +67,17 @@ def rounded(graph: ProvedGraph, unit: float) -> RoundedGraph:
 
 
 def behind(graph: ProvedGraph, k: int) -> tuple[int, ...]:
-    """The exact operation whose computed result an input stands for: `rounded` has it just before.
+    """The exact operation whose computed result an input represents; it is just before the input.
 
-    A result that is read has to be defined, although the graph goes no further than this input.
+    Such a result must be defined, although the graph ends at this input.
     """
     return (k - 1,) if graph.nodes[k].name.startswith(COMPUTED) else ()
 
 
 def linked(graph: ProvedGraph, parts: RoundedGraph, names: Sequence[str]) -> ProvedGraph:
-    """``graph`` with the computed results in the place of its inputs of these ``names``.
+    """``graph`` with its inputs ``names`` replaced by computed results.
 
-    Its outputs, and behind them the bounds of all roundings.
+    Its outputs are followed by the bounds of all roundings.
     """
     results = dict(zip(names, parts.outputs, strict=True))
     nodes = list(parts.nodes)
@@ -96,10 +96,10 @@ def linked(graph: ProvedGraph, parts: RoundedGraph, names: Sequence[str]) -> Pro
 class Statement:
     """For all ``symbols`` with ``given``: every goal holds.
 
-    ``cuts`` names inner expressions that stand as free inputs: the statement is then shown for
-    whatever value they have.  ``numbers`` are symbols with one value.  Each of the symbols named
-    in ``computed`` is whatever the compiled text may compute for its expression, every operation
-    rounded with a relative error of at most ``unit``.
+    ``cuts`` names inner expressions that become free inputs: the statement is then proved for all
+    their values. ``numbers`` are symbols with one value. Each of the symbols named in ``computed``
+    is whatever the compiled text may compute for its expression, every operation rounded with a
+    relative error of at most ``unit``.
     """
 
     symbols: Mapping[str, ca.SX]
@@ -139,9 +139,10 @@ class Statement:
 
 
 def instance(proved: Statement, values: Mapping[str, ca.SX]) -> tuple[Relation, ...]:
-    """Each goal of a statement that is proved, for these ``values`` of its symbols.
+    """Each goal of a proved statement, for these ``values`` of its symbols.
 
-    It holds where all of the statement's hypotheses do for them; nothing is cut or computed in it.
+    It is true if all of the statement's hypotheses are true for them; nothing is cut or computed in
+    it.
     """
     given, goals = (valued(part, proved.symbols, values) for part in (proved.given, proved.goals))
     truth = {EQUAL: "eq", AT_LEAST: "ge", ABOVE: "gt"}
@@ -152,7 +153,7 @@ def instance(proved: Statement, values: Mapping[str, ca.SX]) -> tuple[Relation, 
 def valued(
     relations: Sequence[Relation], names: Mapping[str, ca.SX], values: Mapping[str, ca.SX]
 ) -> tuple[Relation, ...]:
-    """The relations with ``values`` in the place of the symbols of these names."""
+    """The relations with the symbols of these names replaced by ``values``."""
     old, exprs = [names[name] for name in values], [item.expr for item in relations]
     put = ca.substitute(exprs, old, [*values.values()])
     return tuple(Relation(e, item.kind) for e, item in zip(put, relations, strict=True))

@@ -1,4 +1,4 @@
-"""Symbols that a claim speaks of, by their names."""
+"""Symbols of claims, by name."""
 
 from collections.abc import Iterable, Mapping
 
@@ -25,7 +25,7 @@ class Symbols(dict[str, ca.SX]):
 
 
 class Named:
-    """Base of a setting: its ``symbols`` are items and attributes of it, too.
+    """Base of a setting whose ``symbols`` are its items and attributes, too.
 
     ``always`` are goals of each of its statements.
     """
@@ -54,7 +54,7 @@ class Named:
 
 
 def symbols(names: str, fixed: str = "") -> Symbols:
-    """Fresh scalar symbols by name; those in ``fixed`` are parameters to the compiler."""
+    """Fresh scalar symbols by name; those in ``fixed`` are parameters for the compiler."""
     known = set(fixed.split())
     return Symbols({n: ca.SX.sym(f"p.{n}" if n in known else n) for n in names.split()})
 
@@ -66,7 +66,7 @@ def column(name: str, size: int, fixed: bool = False) -> Symbols:
 
 
 def exchanged(expr: ca.SX, old: Mapping[str, ca.SX], new: Mapping[str, ca.SX]) -> ca.SX:
-    """The expression with the symbols of one table in the place of the other's of these names."""
+    """The expression with the symbols ``old`` replaced by those of equal name in ``new``."""
     both = [(old[name], new[name]) for name in old if name in new]
     return ca.substitute(expr, *(ca.vertcat(*side) for side in zip(*both, strict=True)))
 

@@ -1,8 +1,8 @@
-"""Traced: a number that keeps the expression it stands for, so that plain code makes a graph.
+"""Traced: a number with its expression, so that ordinary code builds a graph.
 
-An effect's bound is computed from the numbers of a scenario.  Where these are traced, what comes
-out is an expression of symbols, for the way through the code that the numbers took: `Tracing.met`
-has what each comparison found on it.
+An effect's bound is computed from the numbers of a scenario.  If these are traced, the result is an
+expression of symbols, valid for the path through the code that the numbers took: `Tracing.met` has
+the result of each comparison on it.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ class Tracing:
 
 
 class Traced(float):
-    """A number, its expression, and where comparisons are written down."""
+    """A number, its expression, and the record of comparisons."""
 
     expr: ca.SX
     trace: Tracing
 
     def __new__(cls, value: float, expr: ca.SX, trace: Tracing) -> Traced:
-        """The number ``value`` that stands for ``expr``."""
+        """The number ``value`` with the expression ``expr``."""
         made = super().__new__(cls, value)
         made.expr, made.trace = expr, trace
         return made
@@ -91,7 +91,7 @@ for _name in NEGATED:
 
 
 def _kept(name: str) -> Callable[[float], float]:
-    """A function of ``math`` that keeps its argument's expression."""
+    """A function of ``math`` that preserves its argument's expression."""
 
     def call(x: float) -> float:
         value: float = getattr(math, name)(x)
@@ -103,7 +103,7 @@ def _kept(name: str) -> Callable[[float], float]:
 
 
 def _least(*values: Any) -> float:
-    """The least number, as ``min``; of traced ones the expression holds all of them."""
+    """The least number, as by ``min``; the expression is the minimum of the traced ones."""
     values = values if len(values) > 1 else tuple(values[0])
     given = [item for item in values if not isinf(item)]
     known = [item.trace for item in given if isinstance(item, Traced)]
@@ -114,11 +114,11 @@ def _least(*values: Any) -> float:
 
 @contextmanager
 def functions_for_traced(package: str, but: str) -> Iterator[None]:
-    """Context in which the modules of a package have sin, expm1, min and float that keep
+    """Context in which the modules of a package have sin, expm1, min and float that preserve
     expressions.
 
-    Their other functions of ``math`` see a traced number as the float that it is, and so do all of
-    the module ``but``, which looks at results alone.
+    Their other ``math`` functions use a traced number as a float, and so do all functions of the
+    module ``but``, which only checks results.
     """
     maths = SimpleNamespace(**{**vars(math), **{name: _kept(name) for name in ("sin", "expm1")}})
     given = {"math": maths, "min": _least, "float": lambda x: x if type(x) is Traced else float(x)}
@@ -143,7 +143,7 @@ def traced(
 ) -> tuple[Scenario, Tracing]:
     """The scenario with symbols for the finite numbers of these tables.
 
-    Their values, by which the code finds its way, are those of the scenario times ``share``.
+    Their values, which select the path through the code, are the scenario's times ``share``.
     """
     trace = Tracing()
 

@@ -1,4 +1,4 @@
-"""Items of one function as lines of C: exponentials, sines and stores side by side, then text."""
+"""One function's items as lines of C; exponentials, sines and stores are grouped first."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -52,9 +52,9 @@ def body(graph: Graph, dialect: Dialect) -> list[str]:
 
 
 def batch_exponentials(graph: Graph, items: Sequence[Item]) -> list[Item]:
-    """The items with exponentials of one rank, of which none needs another, as one item each.
+    """Merge independent exponentials of one rank into one item each.
 
-    Rank: how many exponentials stand before one on the longest way from the inputs.
+    Rank: number of exponentials before one on the longest path from the inputs.
     """
     rank: dict[int, int] = {}
     groups: dict[int, list[int]] = {}
@@ -75,7 +75,7 @@ def batch_exponentials(graph: Graph, items: Sequence[Item]) -> list[Item]:
 
 
 def pair_sines(graph: Graph, items: Sequence[Item]) -> list[Item]:
-    """The items with sine and cosine of one angle as one item."""
+    """Merge the sine and cosine of one angle into one item."""
     by_angle: dict[int, dict[int, int]] = {ca.OP_SIN: {}, ca.OP_COS: {}}
     for item in items:
         if isinstance(item, Operation) and (op := graph.nodes[item.node].op) in by_angle:
@@ -90,7 +90,7 @@ def pair_sines(graph: Graph, items: Sequence[Item]) -> list[Item]:
 
 
 def pack_stores(items: Sequence[Item], places: Mapping[int, tuple[str, int]]) -> list[Item]:
-    """The items with the single lines that fill four elements of an array as one item."""
+    """Merge single lines that fill four elements of an array into one item."""
     placed = (item for item in items if isinstance(item, Operation) and item.node in places)
     lines = {places[item.node]: item for item in placed}
     packs = []
@@ -194,7 +194,7 @@ class _Writer:
         return self.dialect.number(node.number) if node.leaf else f"t{number}"
 
     def _room(self, array: str) -> str:
-        """Name in C of an array: several that are not needed at once share one."""
+        """C name of an array; several that are not needed at the same time share one."""
         return self.rooms.get(array, array)
 
     def _real(self, number: int) -> str:
@@ -211,7 +211,7 @@ class _Writer:
         return [head, f"{indent}{_STEP}{target} = {self._looped(loop, 0)};", f"{indent}}}"]
 
     def _looped(self, loop: ArrayLoop, shift: int, j: str = "j") -> str:
-        """Element ``shift + j`` of a loop's result; without ``j`` that of one line."""
+        """Element ``shift + j`` of a loop's result; without ``j`` that of a single line."""
         if loop.op == SELECT:
             condition, *arms = loop.operands
             assert isinstance(condition, int)  # the same for all elements
@@ -256,7 +256,7 @@ class _Writer:
         return self._truth(operand) if self.graph.is_logical(choice) else self._real(operand)
 
     def _lane_block(self, block: IfElse, indent: str) -> list[str]:
-        """Each side where any lane wants it; the second is put in by lane."""
+        """Both sides, each computed if any lane needs it; the second is selected per lane."""
         condition, inner = self._truth(block.condition), indent + _STEP
         zero, found = self.dialect.number(0.0), list[str]()
         for k in block.defines:

@@ -64,9 +64,9 @@ class Dialect:
     plain: bool = False
 
     def pattern(self, op: int) -> str:
-        """The expression of an operation, with {0} and {1} for its operands.
+        """The C expression of an operation, with {0} and {1} for its operands.
 
-        Raises ArgumentError for one that no graph of ours has.
+        Raises ArgumentError for an operation that our graphs never contain.
         """
         if op not in self.patterns:
             name = next(k for k, code in vars(ca).items() if k.startswith("OP_") and code == op)

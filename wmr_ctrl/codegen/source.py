@@ -1,4 +1,4 @@
-"""C text of a set of kernels: kernels.h, kernels.c and exports.h for the runtime; plain C for FMUs.
+"""C text of a set of kernels: kernels.h, kernels.c and exports.h; plain C for FMUs.
 
 A kernel's text is kept in the cache, so that a second process does not write it again: reading a
 graph and finding its branches and loops takes a few tenths of a second.  Its serialised form is
@@ -43,9 +43,9 @@ def sources(
 
 
 def plain_sources(kernels: Iterable[emit.Kernel], name: str) -> dict[str, str]:
-    """``name.h`` and ``name.c``: every operation one line, no loops, no branches.
+    """``name.h`` and ``name.c`` with one line per operation, without loops and branches.
 
-    Quick to write, for functions whose speed does not matter.
+    It is written quickly, for functions whose speed does not matter.
     """
     listed = tuple(kernels)
     bodies = "\n".join(cached_definition(item, PLAIN) for item in listed)
@@ -64,7 +64,7 @@ def _header(name: str, head: str, signatures: Iterable[str]) -> str:
 
 
 def _exported(item: emit.Kernel, dialect: Dialect) -> str:
-    """The kernel by itself, with its preparation where it has one."""
+    """The kernel's text with its preparation, if it has one."""
     head = emit.prototype(replace(item, prepared=False), dialect)
     shown = head.replace("WMR_KERNEL void wmr_", "WMR_EXPORT void wmr_export_")
     inputs, lines = item.inputs, ""
@@ -88,7 +88,7 @@ def cached_definition(item: emit.Kernel, dialect: Dialect = SCALAR) -> str:
 
 @cache
 def _fingerprint() -> str:
-    """Hash of the emitter's source: another emitter writes another text."""
+    """Hash of the emitter's source, since a changed emitter writes other text."""
     digest = hashlib.sha256(Path(graph.__file__).read_bytes())
     for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.read_bytes())

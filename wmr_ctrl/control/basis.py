@@ -22,9 +22,10 @@ ANY_BASIS = Basis(
 
 
 def basis_of(scenario: Scenario) -> Basis:
-    """The numbers from which gains follow that nobody states.
+    """The numbers from which unstated gains are derived.
 
-    Late are commands, drives, the base's own loop by half of its time constant, and sensors.
+    The total delay includes commands, drives, half of the time constant of the base's own loop, and
+    sensors.
     """
     base, limits, believed = scenario.base, scenario.limits.v_u1, scenario.believed
     bounds = (item.bounded(scenario) for item in EFFECTS.present(scenario))

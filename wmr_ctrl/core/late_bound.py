@@ -1,4 +1,4 @@
-"""Functions of higher layers that values and commands offer, imported when asked for.
+"""Functions of higher layers that values and commands offer, imported on first use.
 
 Folders import downwards only.  A Run that draws itself and a Scenario that shows its gains are for
 the user's convenience, and commands write the same files; these few names are the whole of it, and
@@ -30,5 +30,5 @@ HOMES = {
 
 
 def late_bound(name: str) -> Callable[..., object]:
-    """The function of that name, one of `HOMES`; its module is imported now."""
+    """The function called ``name``, one of `HOMES`; its module is imported now."""
     return cast("Callable[..., object]", vars(import_module(HOMES[name]))[name])

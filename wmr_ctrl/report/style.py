@@ -1,4 +1,4 @@
-"""One look for every figure, number and page: colours, sizes, digits, units' signs, templates."""
+"""Common style of figures, numbers and pages: colours, sizes, digits, unit signs, templates."""
 
 import base64
 import math
@@ -76,7 +76,7 @@ def after_dark(colour: str) -> str:
 
 
 def look(law: str) -> Look:
-    """The look of a law; laws of other origin get one of the spare looks, by their name."""
+    """The look of a law; laws of other origin get one of the spare looks, by name."""
     if law in _LOOKS:
         return _LOOKS[law]
     colour, dash, marker = _SPARE[sum(law.encode()) % len(_SPARE)]
@@ -84,9 +84,10 @@ def look(law: str) -> Look:
 
 
 def colours_of(laws: Sequence[str]) -> list[str]:
-    """Colours of runs of ``laws``: their own; of a law's further runs the least like those before.
+    """Colours of runs of ``laws``: their own; for repeated laws the colours least similar to the
+    others.
 
-    A law that is among ``laws`` keeps its colour to itself as long as others are free.
+    A law among ``laws`` keeps its colour for itself as long as others are free.
     """
     spare = [*(one.colour for one in _LOOKS.values()), *(colour for colour, *_ in _SPARE)]
     own, taken = {look(law).colour for law in laws}, list[str]()
@@ -107,7 +108,7 @@ def driver(law: str, guarded: bool) -> str:
 
 
 def verbatim(name: str) -> str:
-    """A name of the user's as a picture shows it: one line, and no formula between ``$``."""
+    """A user's name for a picture: on one line, and without formulas between ``$``."""
     return printable(name).replace("$", r"\$")
 
 
@@ -120,7 +121,7 @@ _COLOURS: dict[Any, Any] = {
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Matplotlib's defaults with ours on top, whatever a user has set; restored afterwards."""
+    """Context with matplotlib's defaults and our style on top, for any user settings."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(mpl.rc_params_from_file(_SHEET, use_default_template=False))
@@ -129,7 +130,7 @@ def house_style() -> Iterator[None]:
 
 
 def unit_text(unit: str) -> str:
-    """A unit as readers write it (``N.m`` -> ``N m``, ``m2.s + rad2.s`` -> ``m² s + rad² s``)."""
+    """A unit for readers (``N.m`` -> ``N m``, ``m2.s + rad2.s`` -> ``m² s + rad² s``)."""
     return " + ".join(_SIGNS.get(part, part) for part in unit.split(" + "))
 
 
@@ -140,7 +141,7 @@ def with_unit(text: str, unit: str) -> str:
 
 
 def shown(value: float | None, digits: int = 3) -> str:
-    """A number with ``digits`` significant digits, never in programmers' notation; – for None."""
+    """A number with ``digits`` significant digits, without programmers' notation; – for None."""
     if value is None or math.isnan(value):
         return ABSENT
     if value == 0:
@@ -155,7 +156,7 @@ def shown(value: float | None, digits: int = 3) -> str:
 
 @cache
 def page_environment(package: str = "wmr_ctrl.report") -> Environment:
-    """A package's templates; texts are escaped, and a name that is not given is an error."""
+    """A package's templates; texts are escaped, and an undefined name is an error."""
     environment = Environment(
         loader=PackageLoader(package, "templates"),
         autoescape=True,
@@ -169,7 +170,7 @@ def page_environment(package: str = "wmr_ctrl.report") -> Environment:
 
 
 def picture(path: Path) -> str:
-    """An SVG file as the address of an image, so that the page needs no other file."""
+    """An SVG file as a data address, so that the page needs no other file."""
     text = two_schemes(path.read_text(encoding="utf-8"))
     return "data:image/svg+xml;base64," + base64.b64encode(text.encode()).decode("ascii")
 
@@ -179,9 +180,9 @@ _COLOUR = re.compile(r"(?<=: )#([0-9a-f]{6})\b")
 
 
 def two_schemes(svg: str) -> str:
-    """The drawing with its colours as names, and both meanings of each name: light and dark.
+    """The drawing with named colours, and two definitions of each name: light and dark.
 
-    A colour that has no dark one stays as it is in both.
+    A colour without a dark variant is equal in both.
     """
     light = "".join(f"--{colour[1:]}:{colour};" for colour in AFTER_DARK)
     dark = "".join(f"--{colour[1:]}:{after};" for colour, after in AFTER_DARK.items())

@@ -1,6 +1,6 @@
-"""Runs and their figures as plain values, tables of pandas, data sets of xarray, and HTML.
+"""Runs and their figures as plain values, pandas tables, xarray data sets, and HTML.
 
-pandas and xarray are imported when somebody asks.
+pandas and xarray are imported on first use.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ reached the end of its steps late, or has a description that breaks FMI's rules.
 
 @np.errstate(over="ignore", invalid="ignore")
 def summary(run: Run) -> dict[str, object]:
-    """The run's identity, outcome and figures, as ``wmr-ctrl run --json`` prints them.
+    """The run's identity, outcome and figures, as printed by ``wmr-ctrl run --json``.
 
-    Plain Python values only; None stands for a window that the run did not cover and for a number
-    that is not finite.
+    Plain Python values only; None for a window that the run did not cover and for a number that is
+    not finite.
     """
     known = run.settings
     values = {
@@ -66,7 +66,7 @@ def summary(run: Run) -> dict[str, object]:
 
 
 def json_safe(value: object) -> object:
-    """``value`` in plain dicts, lists, texts and numbers; null (None) for inf and NaN.
+    """``value`` as plain dicts, lists, texts and numbers; null (None) for inf and NaN.
 
     NumPy scalars and arrays become numbers and lists.
     """
@@ -116,7 +116,7 @@ def run_dataset(run: Run) -> xarray.Dataset:
 
 
 def table_frame(columns: Mapping[str, ArrayLike], units: Mapping[str, str]) -> pandas.DataFrame:
-    """Columns of equal length as a table; ``attrs["units"]`` has the unit of each that has one."""
+    """Columns of equal length as a table; units are in ``attrs["units"]``."""
     frame = library("pandas").DataFrame(dict(columns))
     frame.attrs = {"units": {name: units[name] for name in columns if name in units}}
     return frame
@@ -149,7 +149,7 @@ def table_html(title: str, rows: Iterable[Sequence[str]], header: Sequence[str] 
 
 
 def figure(value: object) -> str:
-    """A number with four digits, a text as it is, – for None."""
+    """A number with four digits, a text unchanged, – for None."""
     if value is None:
         return ABSENT
     return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,4 +1,4 @@
-"""Lifecycle node ``wmr_drive``: odometry in, commands of one of the laws out."""
+"""Lifecycle node ``wmr_drive``: reads odometry, sends the commands of a control law."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class DriveNode(SafeNode[DriveCore]):
         super().__init__("wmr_drive", DRIVE)
 
     def build(self, scenario: Scenario) -> tuple[DriveCore, float]:
-        """Law, reference and gate."""
+        """Build law, reference and gate."""
         law = str(self.value("law"))
         if not law:
             raise WmrError(
@@ -60,7 +60,7 @@ class DriveNode(SafeNode[DriveCore]):
         return DriveCore(setup, settings), scenario.clock.control
 
     def connect(self) -> None:
-        """Topics as in the page."""
+        """Create the topics that the documentation page lists."""
         assert self.core
         self.twists = self.core.setup.takes_velocity
         kind = command_kind(self.stamped) if self.twists else Float64MultiArray

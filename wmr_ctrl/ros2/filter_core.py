@@ -1,7 +1,7 @@
-"""Decisions of ``wmr_filter``: messages and ticks to the command that goes to the base.
+"""Decisions of ``wmr_filter``: from messages and ticks to the command for the base.
 
-They are C (`fmu/ros2/filter_core.c`), which the node in C has as well.  Nothing here knows ROS: the
-node hands on what came and when.
+They are C (`fmu/ros2/filter_core.c`), which the node in C uses, too.  Nothing here depends on ROS:
+the node passes on what arrived and when.
 """
 
 import ctypes
@@ -78,7 +78,7 @@ def core_files(scenario: Scenario, settings: GateSettings) -> dict[str, str]:
 
 
 class _Core(ctypes.Structure):
-    """``wmr_filter_core`` but for the gate's state, which is last."""
+    """``wmr_filter_core`` without the gate's state, which is its last member."""
 
     _fields_ = [
         ("commands", IntakeStruct),
@@ -94,16 +94,16 @@ class _Core(ctypes.Structure):
 
 
 class FilterCore:
-    """Gate, intakes and clocks of a filter node; ``period`` [s], ``last`` what was sent.
+    """Gate, intakes and clocks of a filter node; ``period`` [s], ``last`` command sent.
 
-    ``commands`` and ``odometry`` count messages.  ``at_once``: a command that comes when one is due
-    is answered at once, and the timer only watches; else the timer answers.
+    ``commands`` and ``odometry`` count messages.  ``at_once``: a command that arrives when one is
+    due is passed on immediately, and the timer only watches; else the timer sends.
     """
 
     def __init__(
         self, scenario: Scenario, settings: GateSettings, frame: str = "", *, at_once: bool = False
     ) -> None:
-        """Compile the gate; ``frame``: the base's.  Raises ScenarioError, CompilerError."""
+        """Compile the gate; ``frame`` is that of the base.  Raises ScenarioError, CompilerError."""
         path = build_library(core_files(scenario, settings), name="filter", flags=VISIBLE)
         self._c = functions_of(ctypes.CDLL(str(path)), _RETURNS, "wmr_filter_core_")
         size = self._c["size"]()
@@ -120,37 +120,38 @@ class FilterCore:
 
     @property
     def scale(self) -> float:
-        """Share of each command that is passed on."""
+        """Share of each command that is passed on (speed scale)."""
         return float(self._core.scale)
 
     @scale.setter
     def scale(self, share: float) -> None:
-        """Pass on another share."""
+        """Set the share of each command that is passed on."""
         self._core.scale = share
 
     @property
     def measured(self) -> tuple[float, float]:
-        """Velocity of the newest odometry that counts [m/s, rad/s]."""
+        """Velocity of the newest accepted odometry [m/s, rad/s]."""
         return self._core.measured[0], self._core.measured[1]
 
     def refuse_other_parts(self) -> str:
-        """Count a command that is refused for its other parts; the reason."""
+        """Count a command refused for its other components; returns the reason."""
         (reason,) = (k for k, word in enumerate(reason_words()) if word.startswith("other parts"))
         node_functions()["intake_refuse"](byref(self._core.commands), c_int64(reason))
         return reason_words()[reason]
 
     def start(self) -> None:
-        """Begin anew: no command, no odometry, nothing latched."""
+        """Reset: no command, no odometry, nothing latched."""
         self._call("start")
 
     def see(self, now: Moment) -> tuple[str, ...]:
-        """Look at the time; what happened to it, for the report."""
+        """Check the clocks; returns what happened to them, for the report."""
         return named_happenings(self._call("see", byref(now.struct)))
 
     def command(
         self, velocity: Sequence[float], stamp: int, frame: str, now: Moment
     ) -> tuple[str, Gated | None]:
-        """Take a command: why it is refused, else ""; and what is sent to the base, if anything.
+        """Take a command; returns the reason if it is refused ("" if not), and the command sent, if
+        any.
 
         ``velocity``: v [m/s], omega [rad/s]; ``stamp`` [ns] is its own, 0 where it has none.
         """
@@ -169,26 +170,26 @@ class FilterCore:
         frame: str,
         now: Moment,
     ) -> str:
-        """Take odometry; why it is refused, else "".  ``quaternion``: x, y, z, w."""
+        """Take odometry; returns why it is refused, else "".  ``quaternion``: x, y, z, w."""
         pair, turn = (c_double * 2)(*velocity), (c_double * 4)(*quaternion)
         framed = c_int64(fits(self._frame, frame, False))
         reason = self._call("odometry", pair, turn, framed, c_int64(stamp), byref(now.struct))
         return reason_words()[reason]
 
     def halt(self, stop: bool, now: Moment) -> Gated | None:
-        """Take the word of ~/stop; true stops at once."""
+        """Process a message on ~/stop; true stops at once."""
         self._core.stop = stop
         return self._send(False, 0, now) if stop else None
 
     def reset(self) -> bool:
-        """Leave at the next tick what a stop or a base too fast has latched.
+        """Release at the next tick the latch of a stop or of a base that was too fast.
 
-        False while ~/stop says true: then it stays stopped.
+        Returns False while ~/stop is true, which keeps the base stopped.
         """
         return bool(self._call("reset"))
 
     def tick(self, now: Moment) -> Gated | None:
-        """The command for the base where the timer has to send one."""
+        """The command for the base if the timer has to send one."""
         if self.at_once and not self._call("overdue", byref(now.struct)):
             return None
         return self._send(False, 0, now)

@@ -42,7 +42,7 @@ def _drive(servo: Servo) -> Drive:
 
 
 def reach(period: ca.SX, tau: ca.SX) -> ca.SX:
-    """s [s]: over a ``period`` [s] a first order changes by period/s of the way to its input."""
+    """s [s]: in a ``period`` [s] a first-order lag covers the share period/s of its way."""
     return period / -ca.expm1(-period / tau)
 
 

@@ -35,7 +35,7 @@ def assumed_lags(scenario: Scenario) -> list[float]:
 
 
 def build(scenario: Scenario) -> System:
-    """System of the plant's rate: commanded and true velocity to wheel torques [N m]."""
+    """Plant-rate System: from commanded and true velocity to wheel torques [N m]."""
     command, velocity, p = ports(COMMAND), ports(VELOCITY), Parameters(scenario)
     u, v = (stack(item.sym for item in side) for side in (command, velocity))
     m, inertia, mu, r, half_track, g, v_s = map(p.take, KEYS)

@@ -86,7 +86,7 @@ class HeldStep:
     """
 
     def __init__(self, behind: bool) -> None:
-        """With ``behind`` the speed behind the step is a symbol, too."""
+        """Name the numbers; with ``behind`` the speed after the step is a symbol, too."""
         self.robot = robot = plant(load_scenario(PRESET))
         t = scalars((*robot.inputs, *robot.state, *robot.params)) | symbols("step", "step")
         self.m, _, self.mu, r, l, self.g, self.v_s = (t[key] for key in KEYS)

@@ -72,7 +72,7 @@ def near_limit(sign: int) -> Case:
 
 
 def charted(target: str) -> Case:
-    """The same near the limit with v_c0 in one of its regions, whatever rho M/D is."""
+    """Region near the limit with v_c0 in one of its regions, for any rho M/D."""
 
     def values(n: Mapping[str, Any]) -> dict[str, Any]:
         u2, b = n["u2"], n["b"]

@@ -1,1 +1,1 @@
-"""Engine of the certified corridor, in ball arithmetic."""
+"""Computation of the certified corridor, in ball arithmetic."""

@@ -3,13 +3,13 @@
     y = c + L xi + r',     |xi_k| <= 1,  |r'| <= r
 
 They are expressions of the box's middle and half-widths, composed once for a graph, and CasADi
-evaluates them for each box.  With ``size`` at least as large as all that was added up, an
-operation's rounding is at most ROUNDING of it, and is added to r.  Both sides of an undecided
-choice are enclosed by their hull, of |x|, min and max by a secant.
+evaluates them for each box.  With ``size`` at least the sum of all sizes added, an operation's
+rounding error is at most ROUNDING of it, and is added to r. Both sides of an undecided choice are
+enclosed by their hull, of |x|, min and max by a secant.
 
-CasADi simplifies what is composed by identities of real numbers, and no bound rests on how a number
-was rounded, so what is simplified is not rounded by more.  fmin and fmax pass over what is no
-number, and so does a condition: where they are used, what is added up of the operands keeps it.
+CasADi simplifies these expressions by identities of real numbers, and no bound depends on how a
+number was rounded, so simplified expressions have no larger error.  fmin, fmax and conditions
+ignore NaN: where they are used, the operands' sums preserve it.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ class Form:
 
     @cached_property
     def range(self) -> tuple[ca.SX, ca.SX]:
-        """Ends of an interval that holds it, with rounding."""
+        """Interval that contains it, with rounding."""
         radius = self.radius + ca.fabs(self.c) * ROUNDING
         return self.c - radius, self.c + radius
 
 
 @dataclass(frozen=True)
 class Truth:
-    """Whether a condition is certain to hold, and whether it is certain not to."""
+    """Whether a condition is certainly true, and whether it is certainly false."""
 
     yes: ca.SX
     no: ca.SX
@@ -182,7 +182,7 @@ def _mul(a: Form, b: Form) -> Form:
 
 
 def _along(a: Form, slope: ca.SX, least: ca.SX, most: ca.SX) -> Form:
-    """slope a + what lies between ``least`` and ``most``."""
+    """slope a plus an interval from ``least`` to ``most``."""
     middle, half = (least + most) / 2, (most - least) / 2
     size = ca.fabs(slope) * a.size + ca.fabs(least) + ca.fabs(most)
     return _rounded(slope * a.c + middle, a.L * slope, ca.fabs(slope) * a.r + half, size)
@@ -219,7 +219,7 @@ def _hull(a: Form, b: Form) -> Form:
 
 
 def _picked(truth: Truth, a: Form, b: Form, other: Form) -> Form:
-    """``a`` where it is certain, ``b`` where its contrary is, else ``other``."""
+    """``a`` if the condition is certainly true, ``b`` if certainly false, else ``other``."""
 
     def of(one: ca.SX, two: ca.SX, three: ca.SX) -> ca.SX:
         return ca.if_else(truth.yes, one, ca.if_else(truth.no, two, three))
@@ -270,7 +270,7 @@ def _curve(
 
 
 def _nearest(low: ca.SX, high: ca.SX) -> ca.SX:
-    """Least size on an interval, 0 where it holds 0."""
+    """Least absolute value on an interval; 0 if it contains 0."""
     holds = ca.logic_and(low <= 0, high >= 0)
     return ca.if_else(holds, 0.0, ca.fmin(ca.fabs(low), ca.fabs(high)))
 

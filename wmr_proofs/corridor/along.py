@@ -76,14 +76,14 @@ class Along:
         self.most = (sizes.middle - sizes.radius)[0] * (1 - 2**-50)
 
     def place(self, k: int) -> str:
-        """When a sample is and how the reference moves there, in words."""
+        """Text on the time of a sample and the reference's motion there."""
         time, (v, w) = k * self.setup.scenario.clock.control, self.motion.v_d[k]
         return f"at t = {time:.4g} s, where v_d = {v:.3g} m/s and w_d = {w:.3g} rad/s"
 
     def chunks(self) -> list[tuple[int, int]]:
         """First and last samples of the chunks that share one bound of the second derivatives.
 
-        The first sample is alone, and so is one in which the robot changes.
+        The first sample is a chunk of its own, and so is one in which the robot changes.
         """
         n, period = len(self.motion.v_d), self.setup.scenario.clock.control
         size = self.batch * max(1, round(CHUNK / period / self.batch))
@@ -95,24 +95,24 @@ class Along:
 
     @cached_property
     def batch(self) -> int:
-        """Samples of a block, which are propagated together."""
+        """Number of samples in a block, which are propagated together."""
         period = self.setup.scenario.clock.control
         return min(BATCH_MOST, max(1, round(BATCH_TIME / period)))
 
     def count_from(self, k: int) -> int:
-        """Samples of a block that begins at ``k``: fewer soon after a change of the robot."""
+        """Samples in a block that begins at ``k``: fewer soon after a change of the robot."""
         lately = any(moved <= k < moved + self.memory for moved in self.motion.moved)
         return max(1, self.batch // (1 + lately))
 
     @cached_property
     def young(self) -> int:
-        """Samples that keep all their generators."""
+        """Number of recent samples that keep all their generators."""
         blocks = max(1, round(YOUNG / self.setup.scenario.clock.control / self.batch))
         return min(self.memory, blocks * self.batch)
 
     @cached_property
     def spacings(self) -> list[tuple[int, int]]:
-        """Ages from which of so many samples that have columns one keeps them."""
+        """Thinning of generators: pairs (age from which it applies, samples for each kept one)."""
         period = self.setup.scenario.clock.control
         return [
             (self.young, max(1, int(APART / period + 1e-9))),
@@ -140,7 +140,7 @@ class Along:
 
     @cached_property
     def typical(self) -> Floats:
-        """Sizes of errors (5, 2) that pushes of 1 N m lead to, halfway; nothing rests on them."""
+        """Typical sizes of errors (5, 2) by pushes of 1 N m, halfway; no bound depends on them."""
         here = self.halfway
         A, x, seen = here.A.middle[0], here.push.middle[0], 0.0
         for _ in range(LONGEST):
@@ -184,7 +184,7 @@ class Along:
         return np.concatenate([self.fine[at, :-1], acts, push, body], axis=2)
 
     def _residuals(self) -> tuple[Floats, Floats]:
-        """Largest differences of the undisturbed run's numbers from the graphs', in any sample.
+        """Largest differences between the undisturbed run and the graphs, over all samples.
 
         Of the law's outputs, and of the fast state at the end of each plant step.
         """
@@ -215,22 +215,22 @@ class Along:
         return one, widened(other, self.laps.spread[first:last].max())
 
     def _law_numbers(self, at: IntArray) -> MidRadius:
-        """Numbers of the law at some samples, and in laps that these represent."""
+        """Numbers of the law at some samples, and in the laps that these represent."""
         return MidRadius(self.loop.law_numbers[at], self.laps.spread[at, None])
 
     def _step_numbers(self, at: IntArray) -> MidRadius:
-        """Numbers of all plant steps of each sample, and in laps that these represent."""
+        """Numbers of all plant steps of each sample, and in the laps that these represent."""
         return widened(hull(self.loop.step_numbers[at], 1), self.laps.spread[at, None])
 
     def jump(self, k: int, other: int) -> tuple[Floats, Floats]:
-        """Differences at two samples: the undisturbed loop's state, and commands sent before."""
+        """Differences between two samples, of the undisturbed loop's state and of sent commands."""
         state = np.abs(self.states[k] - self.states[other])
         ages = np.arange(1, self.loop.queue + 1)
         sent = self.outs[k - ages, :COMMAND] - self.outs[other - ages, :COMMAND]
         return state * UP, np.abs(sent[::-1]) * UP
 
     def steady_until(self, k: int) -> tuple[int, int]:
-        """First and last of the samples about ``k`` in which reference and robot are the same."""
+        """First and last of the samples around ``k`` with constant reference and robot."""
         changing = self._changing
         before, after = changing[changing <= k], changing[changing > k]
         ends = before.max(initial=0), after.min(initial=len(self.motion.v_d))
@@ -245,7 +245,7 @@ class Along:
         return np.flatnonzero(differs) + 1
 
     def held(self, first: int, last: int) -> Stretch:
-        """Matrices that enclose those of each of some samples."""
+        """Matrices that enclose those of several samples."""
         loop = self.loop
         law = loop.law_curve.slopes(*(item[None, :] for item in self.law_range(first, last)))
         step = loop.step_curve.slopes(*(item[None, :] for item in self.step_range(first, last)))
@@ -255,14 +255,14 @@ class Along:
         return stretch(self.loop, *self._slopes(at), self.knots)
 
     def _slopes(self, at: IntArray) -> tuple[MidRadius, MidRadius]:
-        """Slopes of the law at samples, and of the plant step over all steps of each sample."""
+        """Gradients of the law at samples, and of the plant step over all steps of each sample."""
         loop = self.loop
         by = MidRadius(self._law_by(at)), self._law_numbers(at)
         steps = hull(self._step_by(at), 1), self._step_numbers(at)
         return loop.law_curve.slopes(*by), loop.step_curve.slopes(*steps)
 
     def matrices(self, first: int, last: int) -> Stretch:
-        """Matrices from cached slopes; each new cache entry covers more samples than the last."""
+        """Matrices from cached gradients; each new entry covers more samples than the last."""
         for begin, end, law, step in self._kept:
             if begin <= first and last <= end:
                 part = slice(first - begin, last - begin)
@@ -278,11 +278,11 @@ class Along:
 
     @cached_property
     def brief(self) -> int:
-        """Samples that boxes of secants are for."""
+        """Number of samples that a secant box covers."""
         return max(1, round(BRIEF / self.setup.scenario.clock.control))
 
     def is_slow(self, first: int, last: int, reach: Floats) -> bool:
-        """True where friction may turn over in some samples."""
+        """True if friction may change its sign in some samples."""
         v = self.fine[first:last, :, 3]
         most = SLOW * self.setup.scenario.robot.v_s + SPREAD * reach[3]
         return bool(np.abs(v).min() < most or v.min() < 0 < v.max())
@@ -307,7 +307,7 @@ class Along:
         return SecantCurve(self.loop.step_curve)
 
     def distance(self, off: Floats, reach: Floats) -> Floats:
-        """Distances [m] from the place on the path, by what rows reach beside an `off` (J, r)."""
+        """Distances [m] from the place on the path, for ``reach`` around an `off` (J, r)."""
         directions = slice(len(self.loop.names), len(self.loop.names) + DIRECTIONS)
         most = (off[:, 1:] + reach[:, directions]).max(axis=1)
         return np.asarray((most + off[:, 0]) / cos(pi / (2 * DIRECTIONS)) * UP)
@@ -331,7 +331,7 @@ class Along:
 
 
 def _lap(scenario: Scenario) -> int:
-    """Samples after which the reference does about the same again, 0 if it never does."""
+    """Number of samples after which the reference approximately repeats; 0 if it never does."""
     samples = scenario.reference.cycle / scenario.clock.control
     return round(samples) if samples <= scenario.clock.samples else 0
 

@@ -1,4 +1,4 @@
-"""Corridors as they are asked for: each worked out once, by one thread at a time."""
+"""Requested corridors, each computed once, by one thread at a time."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -32,43 +32,43 @@ _ONE = RLock()
 
 @contextmanager
 def _alone() -> Iterator[None]:
-    """For one thread: python-flint has one precision for all, which others may have left as any."""
+    """Context for one thread at a time, as python-flint's precision is global and must be set."""
     with _ONE, ctx.workprec(BITS):
         yield
 
 
 def corridor_of(setup: Setup, whole_run: bool, work: float) -> Corridor:
-    """As `wmr_ctrl.theory.corridor.find_corridor`."""
+    """Cached result of `wmr_ctrl.theory.corridor.find_corridor`."""
     with _alone():
         return _found(setup, whole_run, work)
 
 
 def certified_corridor(setup: Setup) -> Corridor:
-    """The corridor for good, without a search for smaller inputs that would have one."""
+    """The corridor that is valid for ever; if it is refused, smaller inputs are not tried."""
     with _alone():
         return masses.certified(setup, closing=False)
 
 
 def run_corridor(scenario: Scenario, law: str) -> Corridor:
-    """The Corridor of the scenario's whole run, with its ``course``; that takes some seconds."""
+    """The Corridor of the scenario's whole run, with its ``course``; it takes some seconds."""
     with _alone():
         return _of_run(settle(scenario, law))
 
 
 def course_of(setup: Setup, whole_run: bool) -> Corridor | None:
-    """As `wmr_ctrl.theory.corridor.corridor_course`."""
+    """Cached result of `wmr_ctrl.theory.corridor.corridor_course`."""
     with _alone():
         return _course_of(setup, whole_run)
 
 
 def monitor_of(scenario: Scenario, law: str) -> System:
-    """As `wmr_ctrl.theory.corridor.corridor_monitor`."""
+    """Cached result of `wmr_ctrl.theory.corridor.corridor_monitor`."""
     with _alone():
         return latch.monitor_of(scenario, law)
 
 
 def left_by(run: Run, scenario: Scenario) -> CorridorLeft | None:
-    """The first leaving of the corridor by a run that was settled in it, None without one."""
+    """Time at which a run first leaves the corridor that it had settled in; None without one."""
     with _alone():
         return latch.left_by(run, scenario)
 
@@ -92,7 +92,7 @@ def _course_of(setup: Setup, whole_run: bool) -> Corridor | None:
 
 
 def _within(setup: Setup, work: float) -> Corridor:
-    """The corridor of the whole run; "not checked" where that takes more than this work."""
+    """The corridor of the whole run; "not checked" if it takes more work than ``work``."""
     try:
         with budget(work):
             return whole.certified_run(setup)

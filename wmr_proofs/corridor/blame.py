@@ -32,7 +32,7 @@ def blamed(along: Along, reach: Floats, k: int) -> str:
 
 
 def _bends_near(along: Along, reach: Floats, k: int) -> Floats:
-    """Second derivatives of a plant step, on the largest part of the box that has bounds."""
+    """Second derivatives of a plant step, on the largest scaled box for which they are bounded."""
     by, numbers = along.step_range(k, k + 1)
     wide, nz = np.zeros(by.middle.shape), len(along.loop.names)
     for share in PARTS:

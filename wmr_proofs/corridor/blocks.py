@@ -1,4 +1,4 @@
-"""Blocks: some samples of a flowpipe at once, and how disturbances reach their outputs."""
+"""Blocks: several samples of a flowpipe, and the effect of disturbances on their outputs."""
 
 from dataclasses import dataclass
 
@@ -18,19 +18,18 @@ DOT = rounding(MOST_NUMBERS)
 
 @dataclass(frozen=True)
 class FollowedBlock:
-    """J samples at the places ``at`` of a stretch.
+    """J samples at the indices ``at`` of a stretch.
 
     ``chain`` (J + 1, n, n): products of matrices until each sample and until the end.  ``inner``
-    (J, rows, n): rows of each sample by the state at which it begins.  ``columns`` (n, J, w): what
-    each sample adds, at the end: what is known, from the second of ``ends`` on by a disc's pair,
-    from the third by the law's force, then by boxes.  ``by`` (J times all rows, j w): sizes of rows
-    at the end of sample j and at its beginning of what the first j add.
+    (J, rows, n): rows of each sample by the state at its beginning.  ``columns`` (n, J, w): each
+    sample's contribution at the end: by known disturbances, from the second of ``ends`` on by a
+    disc's pair, from the third by the law's force, then by boxes.  ``by`` (J times all rows, j w):
+    sizes of rows at the end and at the beginning of sample j, by contributions of the first j.
 
-    What does not depend on the deviations: ``ahead`` (J, all rows, n): rows at the end and at the
-    beginning of each sample by the state before the block, ``own`` (J, all rows) their sizes by
-    what disturbs.  ``wide`` (J, outputs, n): error of the law's linear part by the state,
-    ``direct`` that by errors of what is measured.  Of boxes: ``box`` (J, n), and what is added by
-    the state and the law.
+    Independent of the deviations: ``ahead`` (J, all rows, n): rows at the end and at the beginning
+    of each sample by the state before the block, ``own`` (J, all rows) their sizes by disturbances.
+    ``wide`` (J, outputs, n): error of the law's linear part by the state, ``direct`` that by
+    measurement errors.  Of boxes: ``box`` (J, n), and contributions by the state and the law.
     """
 
     at: IntArray
@@ -49,7 +48,7 @@ class FollowedBlock:
 
 
 def inputs_of(here: Stretch, inputs: Inputs, at: IntArray) -> tuple[Floats, Floats]:
-    """Columns (..., n, m) of what disturbs samples, and pairs of a disc."""
+    """Columns (..., n, m) of the disturbances of samples, and pairs of a disc."""
     by_law, push, seen = (getattr(here, name).middle[at] for name in ("law", "push", "seen"))
     known = push * inputs.push
     if inputs.velocity.any():
@@ -60,9 +59,9 @@ def inputs_of(here: Stretch, inputs: Inputs, at: IntArray) -> tuple[Floats, Floa
 def blocks_of(
     here: Stretch, inputs: Inputs, at: IntArray, which: tuple[Floats, Floats, IntArray]
 ) -> list[FollowedBlock]:
-    """Blocks of the samples at the places ``at`` (blocks, J) of a stretch.
+    """Blocks of the samples at the indices ``at`` (blocks, J) of a stretch.
 
-    ``which``: rows (r, n) of the state and of the fast state, and which of the law's outputs.
+    ``which``: rows (r, n) of the state and of the fast state, and indices of the law's outputs.
     """
     rows, knot_rows, outputs = which
     A, law = here.A.middle[at], here.law.middle[at]
@@ -106,7 +105,7 @@ def blocks_of(
 
 
 def _wide(here: Stretch, inputs: Inputs, at: IntArray, which: IntArray) -> dict[str, Floats]:
-    """Contributions of the matrices' radii and rounding at some places."""
+    """Contributions of the matrices' radii and rounding at some indices."""
     A, law, outputs, push, seen = (
         MidRadius(part.middle[at], part.radius[at])
         for part in (here.A, here.law, here.outputs, here.push, here.seen)

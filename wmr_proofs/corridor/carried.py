@@ -21,11 +21,11 @@ BLOCK = 2**17
 
 @dataclass(frozen=True)
 class CarriedColumns:
-    """Columns ``weight`` (m, K) times ``values`` (n, m, K) of K samples, the oldest first.
+    """Generators ``weight`` (m, K) times ``values`` (n, m, K) of K samples, the oldest first.
 
-    ``born`` (K): the first sample that each is part of.  Of a sample's m, those before the first of
-    ``ends`` are of what disturbs, those until the second of the law's force and of boxes'
-    components, and what is left is a disc's pair.
+    ``born`` (K): the first sample that each belongs to.  Of a sample's m generators, those before
+    the first of ``ends`` are disturbances, those until the second are the law's force and box
+    components, and the rest is a disc's pair.
     """
 
     born: IntArray
@@ -44,7 +44,7 @@ class CarriedColumns:
         return sizes_of(self.values, self.weight) * UP
 
     def later(self, P: Floats, oldest: int) -> tuple[CarriedColumns, Floats]:
-        """Multiplied by P, without those born before; sizes (n) of these."""
+        """Generators times P, without those born before ``oldest``; sizes (n) of the latter."""
         lost = int(np.searchsorted(self.born, oldest))
         values = (P @ self.values.reshape(len(P), -1)).reshape(self.values.shape)
         gone = sizes_of(values[..., :lost], self.weight[:, :lost])
@@ -68,8 +68,8 @@ class CarriedColumns:
     def thinned(self, first: int, last: int, apart: int) -> tuple[CarriedColumns, Floats]:
         """Order reduction: keep one in ``apart`` of the samples born from ``first`` to ``last``.
 
-        The first and the last stay.  Each sample between is interpolated with one sign; the rest is
-        returned as a box, its sizes (n).
+        The first and the last are kept.  Each sample between is interpolated with one sign; the
+        remainder is returned as a box, its sizes (n).
         """
         begin, end = np.searchsorted(self.born, (first, last + 1)).tolist()
         count = end - begin
@@ -97,9 +97,9 @@ class CarriedColumns:
         return replace(self, born=self.born + samples)
 
     def sums(self, rows: Floats, sizes: Floats) -> tuple[Floats, Floats]:
-        """Sizes of rows (..., r, n) of the sum of all: of what disturbs alone, and of all.
+        """Sizes of rows (..., r, n) of the sum: of disturbances alone, and of all generators.
 
-        In single precision, with its rounding counted by the ``sizes``.
+        In single precision, whose rounding is bounded by ``sizes``.
         """
         count = len(self.born)
         flat = (self.values * self.weight).reshape(len(self.values), -1)
@@ -116,7 +116,7 @@ class CarriedColumns:
 
 @lru_cache(maxsize=64)
 def _shares(born: tuple[int, ...], apart: int) -> tuple[IntArray, Floats]:
-    """Places of one in so many samples, with the ends, and the shares (places, samples) of each."""
+    """Indices of kept samples, with the ends, and shares (kept, samples) of each in all."""
     last = len(born) - 1
     nodes = np.unique(np.linspace(0, last, -(-last // apart) + 1).round().astype(int))
     ends = np.array(born)[nodes]
@@ -129,7 +129,7 @@ def sizes_of(values: Floats, weight: Floats) -> Floats:
 
 
 def _absolute(rows: Floats, columns: Floats) -> Floats:
-    """Sums of the sizes of the products, by rows, in blocks too small for the threads of BLAS."""
+    """Sums of absolute products, by rows, in blocks that are too small for BLAS threads."""
     result, single = np.zeros(rows.shape[:-1]), rows.astype(np.float32)
     width = max(1, BLOCK // (rows.shape[-1] * rows.shape[-2]))
     for first in range(0, columns.shape[1], width):

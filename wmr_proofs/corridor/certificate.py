@@ -1,13 +1,13 @@
-"""The corridor: a box that the loop cannot leave, closed by a fixed point that is checked.
+"""The corridor: a box that the loop cannot leave, from a verified fixed point.
 
-With g the peak gains of the linear loop, dbar the inputs and nu(X) what the linear part leaves of
-the graphs on the box |x| <= X,
+With g the peak gains of the linear loop, dbar the inputs and nu(X) the linearisation remainder on
+the box |x| <= X,
 
     g(inputs) dbar + g(remainders) nu(X) + start <= X      in every component             (*)
 
-and nothing cuts on that box: then a loop that starts on its reference, but for what ``start``
-allows, has |x| <= X at all plant steps (ledger: corridor.induction).  The left side without start,
-taken of X and then of itself, bounds what is left of x in the long run.
+and no limit acts on that box: then a loop that starts within ``start`` of its reference has |x| <=
+X at all plant steps (ledger: corridor.induction).  The left side without start, evaluated at X and
+then at itself, bounds x in the long run.
 """
 
 from __future__ import annotations
@@ -57,9 +57,10 @@ class Certifier:
     def __init__(
         self, setup: Setup, overlap: Overlap | None = None, sizes: Floats | None = None
     ) -> None:
-        """NoCorridorError where the loop is not covered.
+        """Build it; NoCorridorError if the loop is not covered.
 
-        ``overlap``, and ``sizes`` of forces for a guard that counts late commands, if given.
+        ``overlap``, and ``sizes`` of forces for a guard that counts late commands, are given if
+        known.
         """
         check_covered(setup)
         if overlap is None:
@@ -96,7 +97,7 @@ class Certifier:
         self.begun, self.old = self._reckoning_gap(), self._old_velocity()
 
     def _reckoning_gap(self) -> float:
-        """Distance [m] by which dead reckoning over a sample misses the reference."""
+        """Error [m] of dead reckoning over a sample on the reference."""
         share, loop = self.loop.setup.scenario.sensor.correction, self.loop
         if not loop.filter:
             return 0.0
@@ -107,9 +108,9 @@ class Certifier:
         return float(self.law_rest[place : place + 2].sum() / (1 - share) * UP)
 
     def _old_velocity(self) -> tuple[Floats, Floats]:
-        """Errors (2) of the velocity that an observer remembers by which it observes no force.
+        """Errors (2) of an observer's remembered velocity for which its force estimate is 0.
 
-        Where the measured one is off by 1, and where it would observe 1 of its own.
+        For a measured velocity with error 1, and for an own force estimate of 1.
         """
         if self.loop.observed is None:
             return np.zeros(COMMAND), np.zeros(COMMAND)
@@ -122,9 +123,9 @@ class Certifier:
         return measured * share * UP, share
 
     def _before(self, inputs: Inputs, law: Floats) -> Floats:
-        """Error of the velocity (2) that an observer in effect remembers at the start.
+        """Effective error of the velocity (2) that an observer remembers at the start.
 
-        It observes no force at its first sample, however far off the measured velocity is.
+        Its first force estimate is 0, for any error of the measured velocity.
         """
         if self.loop.observed is None or not inputs.velocity.any():
             return np.zeros(COMMAND)
@@ -134,7 +135,7 @@ class Certifier:
         return np.asarray((by_measured * inputs.velocity + by_force * rest) * UP)
 
     def tube(self, inputs: Inputs) -> Tube:
-        """The closed box for some inputs; NoCorridorError where none closes or something cuts."""
+        """The closed box for some inputs; NoCorridorError if none closes or a limit acts."""
         linear = self._tube(self.linear(inputs))
         self._check(linear, ", which is so for the linear loop already")
         try:
@@ -146,7 +147,7 @@ class Certifier:
         return tube
 
     def _check(self, tube: Tube, more: str = "") -> None:
-        """NoCorridorError where a condition is broken."""
+        """Raise NoCorridorError if a condition is violated."""
         if not tube.share <= 1:
             place = [item.name for item in self.loop.conditions].index(tube.binding)
             reach = self.level[place] + tube.peaks.law[-self.loop.count :][place]
@@ -154,25 +155,25 @@ class Certifier:
             raise NoCorridorError(text)
 
     def linear(self, inputs: Inputs) -> Peaks:
-        """Peaks of the linear loop, with the residuals that remain on the reference."""
+        """Peaks of the linear loop, including the residuals on the reference."""
         rest, nothing = self._rest(inputs), np.zeros(COMMAND)
         return self._peaks(inputs, rest, self._law_rest(inputs, nothing), nothing)
 
     def _law_rest(self, inputs: Inputs, commands: Floats) -> Floats:
-        """Errors of the law's outputs on the reference, with commands off by up to ``commands`` (2)
-        that act otherwise than they are sent.
+        """Errors of the law's outputs on the reference, if commands with deviations up to
+        ``commands`` (2) act differently than sent.
         """
         rest, level = self.law_rest.copy(), np.abs(self.loop.remains[:COMMAND])
         rest[:COMMAND] += inputs.misheard(level - commands)
         return rest
 
     def _rest(self, inputs: Inputs) -> Floats:
-        """Increment of a plant step on the reference, by another mass included."""
+        """Increment of a plant step on the reference, including that by another mass."""
         return np.asarray((self.step_rest + self.by_body @ inputs.body) * UP)
 
     @property
     def linear_position(self) -> float:
-        """Distance [m] that the linear loop alone can be brought to."""
+        """Largest distance [m] for the linear loop alone."""
         return self._tube(self.linear(self.inputs)).position
 
     def _closed(self, inputs: Inputs) -> Tube:
@@ -198,7 +199,7 @@ class Certifier:
         return replace(self._tube(peaks), position_late=self.position(late))
 
     def position(self, peaks: Peaks) -> float:
-        """Distance [m] from the place on the path of anything within these deviations."""
+        """Distance [m] of the robot's place on the path, within these deviations."""
         nz = len(self.loop.names)
         ahead = peaks.fast[nz : nz + DIRECTIONS].max()
         return float(ahead / cos(pi / (2 * DIRECTIONS)) * UP)
@@ -215,7 +216,7 @@ class Certifier:
         return Tube(peaks, position, position, float(peaks.fast[2]), name, share)
 
     def image(self, inputs: Inputs, peaks: Peaks, *, started: bool = True) -> Peaks:
-        """Left side of (*), with the start or after it has been forgotten."""
+        """Left side of (*), with the start or after its effect has decayed."""
         inputs = self._reckoned(inputs, peaks)
         return self._peaks(
             inputs, *self._added(inputs, peaks), self._changes(inputs, peaks), started
@@ -227,7 +228,7 @@ class Certifier:
         return self.reckoning.added(inputs, measured, peaks.fast) if inputs.missing else inputs
 
     def _changes(self, inputs: Inputs, peaks: Peaks) -> Floats:
-        """Largest changes (2) from one command that acts to the next."""
+        """Largest changes (2) from one acting command to the next."""
         if not self.loop.overlap.steps:
             return np.zeros(COMMAND)
         heard = 2 * inputs.misheard(np.zeros(COMMAND))
@@ -241,7 +242,7 @@ class Certifier:
         return Peaks(*((part + item.left * norm) * UP for part, item in parts))
 
     def next_sample(self, inputs: Inputs, state: Floats, peaks: Peaks) -> Peaks:
-        """Sizes over one sample from a state within ``state``, while nothing leaves ``peaks``."""
+        """Sizes over one sample from a state within ``state``, while all is within ``peaks``."""
         inputs = self._reckoned(inputs, peaks)
         step, law = self._added(inputs, peaks)
         given = self._given(inputs, law, self._changes(inputs, peaks))
@@ -254,7 +255,7 @@ class Certifier:
         return Peaks(*map(of, self._three))
 
     def share(self, peaks: Peaks) -> float:
-        """Largest use of any condition within these deviations; at 1 it is broken."""
+        """Largest use of a condition within these deviations; beyond 1 it is violated."""
         return self._tube(peaks).share
 
     @property
@@ -262,7 +263,7 @@ class Certifier:
         return self.gains.fast, self.gains.state, self.gains.law
 
     def _added(self, inputs: Inputs, peaks: Peaks) -> tuple[Floats, Floats]:
-        """Remainders that a plant step and the law add within these deviations."""
+        """Remainders of a plant step and of the law within these deviations."""
         step, law = self._remainders(inputs, peaks)
         return (
             (self._rest(inputs) + step.sum(axis=(1, 2))) * UP,
@@ -311,7 +312,7 @@ class Certifier:
         return Peaks(*map(of, self._three))
 
     def _blamed(self, inputs: Inputs, peaks: Peaks) -> str:
-        """The product of two deviations that adds most to the distance, in words."""
+        """Text on the product of two deviations that adds most to the distance."""
         step, law = self._remainders(inputs, peaks)
         rows = slice(len(self.loop.names), len(self.loop.names) + DIRECTIONS)
         by = self.gains.fast.by[rows, COMMAND : COMMAND + len(law)].max(axis=0)
@@ -326,7 +327,7 @@ class Certifier:
 
 
 def _overlap(setup: Setup) -> Overlap:
-    """The overlap of a setup's commands; of a ramp for a little more than the linear loop needs."""
+    """The overlap of a setup's commands; for a ramp, slightly more than the linear loop needs."""
     scenario = setup.scenario
     if not setup.takes_velocity:
         return jitter_overlap(scenario)
@@ -338,7 +339,7 @@ def _overlap(setup: Setup) -> Overlap:
 
 
 def _force_sizes(setup: Setup, overlap: Overlap) -> Floats:
-    """Sizes of the forces (2) that a guard counts for late commands, a little more than linear."""
+    """Force sizes (2) that a guard counts for late commands, slightly above the linear ones."""
     if not counts_late(setup):
         return NOTHING
     free = Certifier(setup, overlap, NOTHING)

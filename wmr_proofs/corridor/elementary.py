@@ -1,6 +1,6 @@
-"""Sines, exponentials and tanh of many numbers at once, each within a radius that is counted.
+"""Sines, exponentials and tanh of many numbers, each with a rigorous radius.
 
-By their series, of which sums, products and quotients alone are taken.
+They use series, with sums, products and quotients only.
 """
 
 from math import factorial, log
@@ -25,7 +25,7 @@ No series' derivative is larger than the series, for arguments that are off by l
 
 
 def _series(x: MidRadius, orders: range) -> MidRadius:
-    """Sum of x^k times the reciprocal of the k-th of the orders' factorials, with signs."""
+    """Power series whose coefficients are reciprocal factorials of ``orders``, with signs."""
     sign = -1.0 if orders.step == 2 else 1.0
     result = np.zeros_like(x.middle)
     for k, order in reversed(list(enumerate(orders))):
@@ -79,7 +79,7 @@ def _ends(a: MidRadius) -> list[Floats]:
 
 
 def _between(low: MidRadius, high: MidRadius | None = None) -> MidRadius:
-    """Enclosure of a rising function that has these values at the ends of its argument."""
+    """Enclosure of an increasing function with these values at the ends of its argument."""
     if high is None:
         return low
     apart = high - low

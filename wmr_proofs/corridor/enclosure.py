@@ -1,7 +1,7 @@
 """Graphs in balls: python-flint's midpoint and radius arithmetic, rounded outwards.
 
-What is walked is the graph that C is made from (`wmr_ctrl.world.model.graph`).  A condition that a
-ball leaves open is not guessed: `OpenBoxError` names the graph.
+It evaluates the graph that C is made from (`wmr_ctrl.world.model.graph`).  A condition that a ball
+does not decide is not guessed: `OpenBoxError` names the graph.
 """
 
 import operator
@@ -20,14 +20,14 @@ OFTEN = 3
 
 
 class OpenBoxError(ArithmeticError):
-    """Values of a ball go two ways at a condition, or leave an operation's domain."""
+    """A ball does not decide a condition, or leaves an operation's domain."""
 
 
 class Enclosure:
     """A CasADi expression of named columns, evaluated in balls."""
 
     def __init__(self, name: str, inputs: Sequence[ca.SX], output: ca.SX) -> None:
-        """Read the graph; only the entries of ``output`` that can differ from 0 are evaluated."""
+        """Read the graph; only the non-zero entries of ``output`` are evaluated."""
         self.pattern = list(zip(*output.sparsity().get_triplet(), strict=True))
         function = ca.Function("enclosed", list(inputs), [output.nz[:]])
         self._program = _program(name, function.serialize())
@@ -150,9 +150,9 @@ _SIGNS = {operator.add: "+", operator.sub: "-", operator.mul: "*", operator.true
 
 
 class BentEnclosure(Enclosure):
-    """Second derivatives of a graph where it has one formula: value and slopes are looked at, too.
+    """Second derivatives of a graph, valid only where value and gradient have one formula, too.
 
-    A box on which any of the three leaves a condition open, or has a kink, is refused.
+    A box is refused if any of the three has an undecided condition or a kink on it.
     """
 
     def __init__(self, name: str, inputs: Sequence[ca.SX], output: ca.SX, by: ca.SX) -> None:
@@ -171,5 +171,5 @@ class BentEnclosure(Enclosure):
 
 
 def upper(value: arb) -> float:
-    """A double that is at least the size of every number in the ball."""
+    """A double that is at least the absolute value of every number in the ball."""
     return float(value.abs_upper()) * (1 + 2**-50)

@@ -1,8 +1,9 @@
 """Propagation of a flowpipe over one block of samples, by a guess that is then verified.
 
-The remainders of the law in a sample follow from the deviations X at its begin, those of its plant
-steps from a box Z that the fast state stays in within the sample.  All remainders of a block are
-guessed; the guess holds if it contains the remainders that it implies (ledger: corridor.passage).
+The remainders of the law in a sample follow from the deviations X at its beginning, those of its
+plant steps from a box Z that contains the fast state within the sample.  All remainders of a block
+are guessed; the guess is valid if it contains the remainders that it implies (ledger:
+corridor.passage).
 """
 
 from dataclasses import dataclass
@@ -36,9 +37,9 @@ GUESSED, GROWN = 1.003, 1.02
 class _Until:
     """Part of a block's bounds that does not depend on the guess.
 
-    ``linear``, ``after`` (J, rows): of the rows at samples' ends, by what disturbs alone and in
-    all; ``inner``: of inner ones.  ``through`` (n): all columns' sizes by those of the last matrix.
-    ``box`` (J, n): what is added beside.
+    ``linear``, ``after`` (J, rows): bounds of the rows at samples' ends, by disturbances alone and
+    in all; ``inner``: those of inner rows.  ``through`` (n): sizes of all generators propagated by
+    the last matrix.  ``box`` (J, n): additional box.
     """
 
     linear: Floats
@@ -102,7 +103,7 @@ class Following(Remainders):
         return np.hstack([reach[:, : self.nz], reach[:, len(self.along.rows) :]])
 
     def _until(self, now: Instant) -> _Until:
-        """The part that does not depend on the guess."""
+        """Compute the part that does not depend on the guess."""
         block, motion, count = now.block, self.along.motion, len(self.rows)
         sizes = self.carried.sizes
         through = np.abs(block.chain) @ (sizes + self.pending)
@@ -128,8 +129,8 @@ class Following(Remainders):
     ) -> tuple[tuple[Floats, Floats], Floats]:
         """Propagate the bounds of the rows, by disturbances alone and in all, to a block's end.
 
-        Also returns the numbers of RunBounds of each sample (J, 5).  OtherBoxError where boxes of
-        secants are left, or on a ``first`` try wider than they need be.
+        Also returns the numbers of RunBounds of each sample (J, 5). OtherBoxError if deviations
+        leave the secant boxes, or these are too wide on a ``first`` try.
         """
         self.tried = now.k + now.count
         spend(0, COST + self.carried.weight.size / COLUMNS)
@@ -242,7 +243,7 @@ class Following(Remainders):
     def _moved(
         self, carried: CarriedColumns, now: Instant, new: CarriedColumns
     ) -> tuple[CarriedColumns, Floats]:
-        """Generators at the end of a block, with its own; sizes (n) of those dropped."""
+        """Generators at the end of a block, with its own; sizes (n) of the dropped ones."""
         along, last = self.along, now.k + now.count
         columns, gone = carried.later(now.block.chain[-1], last + 1 - along.memory)
         for age, apart in along.spacings:
@@ -257,7 +258,7 @@ class Following(Remainders):
         return rest
 
     def _added(self, now: Instant, force: Floats, box: Floats) -> tuple[CarriedColumns, Floats]:
-        """Generators that a block adds, at its end, and the box (n) beside them."""
+        """Generators that a block adds, at its end, and an additional box (n)."""
         lasting, (known, first) = self.along.lasting, now.block.ends
         law, boxes = range(first, first + COMMAND), first + COMMAND
         places = [*range(known), *law, *(boxes + k for k in lasting), *range(known, first)]

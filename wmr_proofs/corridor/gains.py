@@ -1,9 +1,9 @@
-"""Peak gains of the sampled loop, enclosed: how far bounded inputs can push any linear output.
+"""Enclosed peak gains of the sampled loop: largest linear outputs under bounded inputs.
 
-The matrix A of a sample has a ball for each entry, and its powers are taken in as many bits as the
-growth of |A|^k asks for, so that no coordinates need to be block in which the loop is diagonal.
-With q = ||A^K|| < 1 in a weighed norm, which is computed, all that comes after K samples is at most
-q/(1-q) of what came before.  Sums are of sizes in doubles, with their rounding added.
+The matrix A of a sample has a ball for each entry, and its powers are computed with as many bits as
+the growth of |A|^k requires, so that no diagonalising coordinates are needed. With q = ||A^K|| < 1
+in a weighted norm, which is computed, all terms after K samples are at most q/(1-q) of those
+before.  Sums are of absolute values in doubles, with their rounding added.
 """
 
 from __future__ import annotations
@@ -42,12 +42,13 @@ PAIRS = [(a, b) for a in range(ROBOT) for b in range(a + 1, ROBOT)]
 
 @dataclass(frozen=True)
 class LoopGains:
-    """Gains of the fast state at all plant steps, of the state at samples, of the law's outputs.
+    """Gains of the fast state at all plant steps, of the state at samples, and of the law's
+    outputs.
 
     Rows of ``fast``: its elements, directions of (e1, e2), then for each of PAIRS the sum and the
-    difference of its first with ``ratios`` times its second, and what dead reckoning over one, two
-    and more samples is off (3 each), if that was asked for.  ``damping`` is q, over ``samples``,
-    ``scale`` the weights of its norm.
+    difference of its first with ``ratios`` times its second, and the error of dead reckoning over
+    one, two and more samples (3 each), if requested.  ``damping`` is q, over ``samples``, ``scale``
+    the weights of its norm.
     """
 
     fast: Gains
@@ -75,11 +76,11 @@ class LoopGains:
 def loop_gains(
     loop: SampledLoop, start: Floats, added: Floats, reckoning: Reckoning | None = None
 ) -> LoopGains:
-    """All gains of a loop, from a start off by shares of the columns ``start`` (n, columns).
+    """All gains of a loop, for initial deviations by shares of the columns ``start`` (n, columns).
 
-    ``added``: what every plant step adds to the fast state, always the same.  With a
-    ``reckoning`` also by how much (3) it is off over one sample and more.
-    SlowLoopError where it is unstable or too slow to be enclosed.
+    ``added``: constant increment of the fast state in every plant step.  With a ``reckoning`` also
+    its error (3) over one sample and more.  SlowLoopError if the loop is unstable or too slow to be
+    enclosed.
     """
     with ctx.workprec(SPARE_BITS):
         rough = doubles(SampleMatrices(loop).A)
@@ -94,7 +95,7 @@ def loop_gains(
 
 
 def _samples(a: Floats) -> tuple[int, float]:
-    """Samples until A^K is small, and the growth of |A|^k: estimates, nothing rests on them."""
+    """Estimates, used in no bound, of the samples until A^K is small and the growth of |A|^k."""
     damping, growth = (float(np.abs(np.linalg.eigvals(m)).max()) for m in (a, np.abs(a)))
     samples = ceil(log(LEFT) / log(damping)) + 2 * len(a) if 0 < damping < 1 else MOST_SAMPLES + 1
     if samples > MOST_SAMPLES:

@@ -61,14 +61,14 @@ class NoCorridorError(ArithmeticError):
 
 @dataclass(frozen=True)
 class Inputs:
-    """Sizes that are never exceeded.
+    """Bounds of the inputs.
 
-    ``push``: torque on each wheel (2) [N m], held over a sample; ``pose``: distance of the measured
-    position from the true one [m]; ``velocity``: error of each measured velocity (2); ``body``:
-    how far mass and inertia are off the scenario's (2) [kg, kg m2]; ``command``: by how much a
-    velocity that acts is off the one that was sent (2); ``dead``: the size below which it may be
-    taken for 0 (2); ``missing``: samples in a row to which no pose comes; ``reckoned``: how far the
-    pose that is taken instead is off besides (3) [m, m, rad].
+    ``push``: torque on each wheel (2) [N m], held over a sample; ``pose``: error of the measured
+    position [m]; ``velocity``: error of each measured velocity (2); ``body``: deviation of mass and
+    inertia from the scenario's (2) [kg, kg m2]; ``command``: difference of an acting velocity from
+    the one sent (2); ``dead``: the size below which it may be treated as 0 (2); ``missing``:
+    consecutive samples without a pose; ``reckoned``: additional error of the dead-reckoned pose (3)
+    [m, m, rad].
     """
 
     push: Floats
@@ -81,17 +81,17 @@ class Inputs:
     reckoned: Floats = field(default_factory=lambda: np.zeros(3))
 
     def scaled(self, share: float) -> Inputs:
-        """Push and errors so many times as large."""
+        """The inputs with push and errors scaled."""
         return replace(
             self, push=share * self.push, pose=share * self.pose, velocity=share * self.velocity
         )
 
     def hearing(self, share: float) -> Inputs:
-        """Errors of commands so many times as large."""
+        """The inputs with command errors scaled."""
         return replace(self, command=share * self.command, dead=share * self.dead)
 
     def misheard(self, least: Floats) -> Floats:
-        """Error (2) of the command that acts, where its size is at least ``least`` (2)."""
+        """Error (2) of an acting command whose size is at least ``least`` (2)."""
         acts = least - self.command > self.dead
         return np.asarray((self.command + np.where(acts, 0.0, self.dead)) * (1 + 1e-15))
 
@@ -103,7 +103,7 @@ class Inputs:
 
     @property
     def any(self) -> bool:
-        """True where anything disturbs."""
+        """True if there is any disturbance."""
         return bool(self.push.any() or self.pose or self.velocity.any())
 
 
@@ -141,7 +141,7 @@ def bounded_inputs(setup: Setup) -> Inputs:
 
 
 def _told_by(effect: Effect, scenario: Scenario) -> str:
-    """The keys that switch an effect on, with their numbers."""
+    """The keys that switch an effect on, with their values."""
     section, defaults = scenario.section(effect.section), dict(quantities(effect.section))
     names = effect.switches or tuple(defaults)
     numbers = {name: getattr(section, name) for name in names}
@@ -151,7 +151,7 @@ def _told_by(effect: Effect, scenario: Scenario) -> str:
 
 
 def _missing(scenario: Scenario) -> int:
-    """Samples in a row at most to which no pose comes; NoCorridorError for too many."""
+    """Largest number of consecutive samples without a pose; NoCorridorError for too many."""
     sensor = scenario.section(PoseSensor)
     losses = scenario.corridor.losses
     if sensor.pose_dropout > 0 and not losses:
@@ -169,7 +169,7 @@ def _missing(scenario: Scenario) -> int:
 
 
 def without_pose(scenario: Scenario, losses: int) -> int:
-    """Samples in a row without a pose, if ``losses`` poses in a row are lost."""
+    """Number of consecutive samples without a pose, if ``losses`` consecutive poses are lost."""
     period = scenario.section(PoseSensor).pose_period
     return max(1, round(period / scenario.clock.control)) * (1 + losses) - 1
 
@@ -186,7 +186,7 @@ def check_covered(setup: Setup) -> None:
 
 
 def at_first(setup: Setup, *, run: bool) -> str:
-    """Initial state of drives, base and law, in words: of a ``run``, or for all time."""
+    """Text on the initial state of drives, base and law: for a ``run``, or for all time."""
     scenario = setup.scenario
     if not setup.takes_velocity:
         if scenario.actuator.ideal:
@@ -207,7 +207,7 @@ def at_first(setup: Setup, *, run: bool) -> str:
 
 
 def _check_base(scenario: Scenario) -> None:
-    """NoCorridorError for a base or a filter that takes commands otherwise than is counted."""
+    """NoCorridorError for a base or a filter that treats commands differently from the model."""
     stated = scenario.filter
     if stated.kind == "band":
         raise NoCorridorError(
@@ -232,7 +232,7 @@ def _check_base(scenario: Scenario) -> None:
 
 
 def check_size(loop: SampledLoop) -> None:
-    """NoCorridorError for a loop with more numbers than the sums' rounding is counted for."""
+    """NoCorridorError for a loop whose size exceeds that assumed for the sums' rounding."""
     count = len(loop.names) + COMMAND * loop.queue + loop.memory + loop.acting
     if count > MOST_NUMBERS:
         raise NoCorridorError(
@@ -242,9 +242,10 @@ def check_size(loop: SampledLoop) -> None:
 
 
 def _in_the_step(effect: Effect, scenario: Scenario) -> bool:
-    """True for an effect inside the plant step's graph: a force of heading and velocity alone.
+    """True for an effect in the plant step's graph: a force that depends on heading and velocity
+    alone.
 
-    That graph is read at one place and time, with random numbers 0.
+    That graph is evaluated at one place and time, with random numbers 0.
     """
     if effect.role is not EffectRole.DISTURBANCE or effect.rate is not Rate.STEP:
         return False
@@ -272,7 +273,7 @@ def _push(effect: Effect, setup: Setup) -> Floats:
 
 
 def is_steady(setup: Setup) -> bool:
-    """True on a circle or a line, where the desired velocity never changes."""
+    """True on a circle or a line, where the desired velocity is constant."""
     system = reference(setup.scenario)
     v_d, rates = (ca.vertcat(*(item.expr for item in part))
                   for part in (system.outputs[3:5], system.outputs[5:]))  # fmt: skip
@@ -293,7 +294,7 @@ def steady_motion(setup: Setup) -> Floats:
 
 
 def conditions(setup: Setup, force: ca.SX, v: ca.SX) -> list[Condition]:
-    """Sizes with which neither the wheels' limit nor the guard changes an asked ``force`` (2)."""
+    """Conditions under which neither the wheels' limit nor the guard changes a ``force`` (2)."""
     return [*_within_torque(setup, force), *_within_guard(setup, force, v)]
 
 
@@ -333,6 +334,6 @@ def _within_guard(setup: Setup, force: ca.SX, v: ca.SX) -> Iterator[Condition]:
 
 
 def product(a: int, b: int) -> str:
-    """The product of two deviations of error and velocity, in words."""
+    """Text on the product of two deviations of error and velocity."""
     first, second = (WORDS[place] for place in sorted((a, b)))
     return f"{first}^2" if a == b else f"{first} {second}"

@@ -20,9 +20,8 @@ AGAIN, FASTEST = 1.005, 1.2
 class RunBounds:
     """Certified bounds along a motion, by samples.
 
-    ``position``, ``linear`` [m] and ``heading`` [rad] (n): the most in each sample, the second
-    without what is not linear; ``share`` (n): of the condition that is used most, ``binding`` (n)
-    its number.
+    ``position``, ``linear`` [m] and ``heading`` [rad] (n): largest deviations in each sample, the
+    second without remainders; ``share`` (n): of the most used condition, ``binding`` (n) its index.
     """
 
     position: Floats
@@ -34,9 +33,9 @@ class RunBounds:
 
 @dataclass(frozen=True)
 class Instant:
-    """The samples of a block: their first, the end of those that their matrices are for.
+    """The samples of a block: the first, and the end of those that their matrices are valid for.
 
-    ``held``: each of them stands for all samples until that end.
+    ``held``: each of them represents all samples until that end.
     """
 
     k: int
@@ -71,7 +70,7 @@ class Guess:
     left: Floats
 
     def holds(self, other: Guess) -> bool:
-        """True where no size of the other is larger, and all are finite."""
+        """True if no size of the other is larger, and all are finite."""
         pairs = zip(self.parts, other.parts, strict=True)
         return all(bool(((its <= mine) & np.isfinite(mine)).all()) for mine, its in pairs)
 
@@ -97,7 +96,7 @@ class Guess:
         return Guess(*parts)
 
     def grown(self, by: float) -> Guess:
-        """All sizes larger, but those that are 0."""
+        """The guess with all sizes that are not 0 enlarged."""
         return Guess(*(part * by + UNSURE * (part > 0) for part in self.parts))
 
     def and_more(self, other: Guess) -> Guess:
@@ -106,7 +105,7 @@ class Guess:
 
 
 class OtherBoxError(ArithmeticError):
-    """Boxes of secants do not fit; with a guess of what samples add."""
+    """Secant boxes do not fit; contains a guess of the samples' contributions."""
 
     def __init__(self, guess: Guess | None = None) -> None:
         super().__init__("a box does not fit")

@@ -1,9 +1,9 @@
-"""The latch: from when on a run is held by the corridor, wherever it started, and whether it left.
+"""The latch: decides when the corridor is valid for a run, and whether the run leaves it.
 
-With Y a box that what follows K samples in it does not leave, and b a box of states at samples from
-which no sample leaves Y: a run that was within b at K samples running stays in Y from then on, and
-after K more samples within what follows them (ledger: corridor.latch).  So a run that leaves proves
-that something was not as the scenario says: a push, a mass, a measurement, the plane model.
+Let Y be a box that is not left after K samples in it, and b a box of states at samples from which
+no sample leaves Y: a run within b at K consecutive samples stays in Y from then on, and after K
+more samples within the box that follows (ledger: corridor.latch).  So a run that leaves proves that
+something differs from the scenario: a push, a mass, a measurement, the plane model.
 """
 
 from functools import lru_cache
@@ -36,9 +36,9 @@ ALONE = {"corridor.start": (0.0, 0.0, 0.0), "corridor.cells": 0}
 
 
 def latch_of(certifier: Certifier, inputs: Inputs) -> Latch | None:
-    """The Latch of a loop whose corridor closes; None where no larger box does.
+    """The Latch of a loop whose corridor closes; None if no larger box does.
 
-    Raises NoCorridorError where there is no corridor.
+    Raises NoCorridorError if there is no corridor.
     """
     peaks = certifier.tube(inputs).peaks
     for factor in LARGER:
@@ -97,7 +97,7 @@ def monitor_of(scenario: Scenario, law: str) -> System:
 
 
 def left_by(run: Run, scenario: Scenario) -> CorridorLeft | None:
-    """The first leaving of the corridor by a run on ``scenario`` that was settled in it."""
+    """The first time at which a run on ``scenario`` leaves the corridor that it had settled in."""
     try:
         setup = settle(override(scenario, {"guard.enabled": run.guard, **ALONE}), run.law)
         latch = _latch(setup)
@@ -131,7 +131,7 @@ def _latch(setup: Setup) -> Latch | None:
 
 
 def _watched(run: Run, graph: System, end: int) -> dict[Signal, Floats]:
-    """The monitor's outputs at each of a run's first samples."""
+    """The monitor's outputs at the first samples of a run."""
     columns = {item: run[item.name][:end] for item in (*REFERENCE[:3], *POSE, *VELOCITY, *TORQUE)}
     for item in (REFERENCE[2], POSE[2]):
         columns[item] = inward(columns[item], run.settings.frames)

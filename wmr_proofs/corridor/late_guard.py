@@ -1,13 +1,13 @@
-"""Conditions on which a guard that counts late commands changes no force.
+"""Conditions under which a guard that counts late commands changes no force.
 
 With the slope S of the guard's ceiling, commands F_j that may still act for tau_j, all within a
 size N >= net, and P = sum tau_j F_j, the ceiling is at least F where
 
     |F + S y + alpha P| <= S (u1 - nbar) - net - alpha N sum tau_j,
 
-and so without S y for a robot at rest, and without F for its safe point.  With jitter J the last
-command counts for J more, or F for 1 + alpha J times as much; of pieces in which either of two
-commands may act, each of the two is looked at (ledger: corridor.guard-late-constant,
+and so without S y for a robot at rest, and without F for its safe point. With jitter J the last
+command counts for J more, or F for 1 + alpha J times as much; for pieces in which either of two
+commands may act, both are considered (ledger: corridor.guard-late-constant,
 corridor.guard-late-jitter, corridor.guard-sums).
 """
 
@@ -32,20 +32,20 @@ ROOM = 1.6
 
 
 def counts_late(setup: Setup) -> bool:
-    """True where a guard counts commands under way."""
+    """True if a guard counts commands in transit."""
     scenario = setup.scenario
     late = setup.guard.lateness(scenario.clock)
     return scenario.guard.enabled and any(not item.at_once for item in late)
 
 
 def is_plain(setup: Setup) -> bool:
-    """True where commands under way are all that it counts: no lag, no late velocity."""
+    """True if it counts only commands in transit: no lag, no late velocity."""
     late = setup.guard.lateness(setup.scenario.clock)
     return all(not (x.lag or x.oldest or x.varying or x.tail) for x in late)
 
 
 def commands_counted(setup: Setup) -> int:
-    """Number of commands under way that a plain guard counts, 0 without one."""
+    """Number of commands in transit that a plain guard counts; 0 without one."""
     if not counts_late(setup):
         return 0
     return max(item.commands for item in setup.guard.lateness(setup.scenario.clock))
@@ -60,7 +60,7 @@ def sizes_of_forces(setup: Setup, forces: Floats) -> Floats:
 def late_conditions(
     setup: Setup, force: ca.SX, v: ca.SX, sent: Sequence[ca.SX], sizes: Floats
 ) -> Iterator[Condition]:
-    """For an asked ``force`` (2) at a measured velocity, behind commands ``sent``, latest first.
+    """Conditions for a ``force`` (2) at a measured velocity, after commands ``sent``, latest first.
 
     ``sizes``: N (2).
     """
@@ -92,7 +92,7 @@ def late_conditions(
 
 
 def _lines(late: Counting, alpha: float) -> list[tuple[float, list[tuple[tuple[int, ...], float]]]]:
-    """Weights of the new force, and of the commands before it with the times of their pieces.
+    """Weights of the new force, and of the earlier commands with the times of their pieces.
 
     ``alpha``: per period.
     """

@@ -1,4 +1,5 @@
-"""The sampled loop around its reference as two graphs: the law a sample, the robot a plant step.
+"""The sampled loop around its reference as two graphs: the law per sample, the robot per plant
+step.
 
 Both are the graphs that loops are compiled from (`wmr_ctrl.theory.checks.error_coordinates`, a
 law's ``inside``), in error coordinates, each with its slopes and second derivatives in balls.  In
@@ -53,7 +54,7 @@ numbers that a loop's state may have, and columns that are summed up."""
 
 
 class Curve:
-    """A graph near a point: its values there, its slopes, and second derivatives over a box."""
+    """A graph near a point: its values and gradient there, and second derivatives over a box."""
 
     def __init__(self, name: str, by: ca.SX, output: ca.SX, at: Floats) -> None:
         """Differentiate ``output`` by ``by`` near ``at``."""
@@ -69,7 +70,7 @@ class Curve:
         return self._value([arb(x) for x in self.at])
 
     def slopes(self) -> list[list[arb]]:
-        """Jacobian at the point, in the precision that is set."""
+        """Jacobian at the point, in the current precision."""
         rows = [[arb(0)] * len(self.at) for _ in range(self.size)]
         point = [arb(x) for x in self.at]
         for (i, j), value in zip(self._slope.pattern, self._slope(point), strict=True):
@@ -93,12 +94,12 @@ class Curve:
 class SampledLoop:
     """A law's loop on the reference.
 
-    ``law``: of (e, v, memory, sent, acting) its command, next memory, what acts, and conditions'
-    values; ``step``: of the fast state, command, push and BODY the fast state a plant step later.
-    ``conditions`` in the order of those values; ``late`` the plant steps until a command acts.
-    Where poses are corrected in part, the last ``filter`` numbers of the memory are the estimated
-    pose's error and the velocity that it was reckoned with.  ``observed``: where in the memory an
-    observer's force and the velocity that it remembers begin, None without one.
+    ``law``: function of (e, v, memory, sent, acting): command, next memory, acting command, and
+    conditions' values; ``step``: function of fast state, command, push and BODY: the fast state a
+    plant step later.  ``conditions`` in the order of those values; ``late``: plant steps until a
+    command acts. If poses are corrected in part, the last ``filter`` numbers of the memory are the
+    estimated pose's error and the velocity that it was reckoned with.  ``observed``: indices in the
+    memory at which an observer's force and its remembered velocity begin, None without one.
     """
 
     overlap: Overlap = ALONE
@@ -112,9 +113,9 @@ class SampledLoop:
         overlap: Overlap = ALONE,
         force_sizes: Floats = NOTHING,
     ) -> None:
-        """Compose the graphs; ``asked``: conditions on the asked force and measured velocity.
+        """Compose the graphs; ``asked``: conditions on the law's force and measured velocity.
 
-        ``force_sizes``: those for which a guard that counts late commands is looked at.
+        ``force_sizes``: force sizes for which a guard that counts late commands is checked.
         """
         self.overlap, self.force_sizes = overlap, force_sizes
         robot = setup.scenario.robot
@@ -150,7 +151,7 @@ class SampledLoop:
 
     @cached_property
     def reckoning(self) -> Curve:
-        """Error (3) that dead reckoning over a sample leads to, by e and v (5) at its begin."""
+        """Error (3) of dead reckoning over a sample, by e and v (5) at its beginning."""
         at = self.step.at[:ROBOT]
         by, v_d = ca.SX.sym("s", ROBOT), ca.SX(ca.DM(at[3:]))
         period, none = ca.SX(self.setup.scenario.clock.control), ca.SX(0)
@@ -158,7 +159,7 @@ class SampledLoop:
         return Curve("dead reckoning", by, ahead, at)
 
     def _changes(self, changes: ca.SX) -> list[Condition]:
-        """Conditions on the change from one command to the next, which are the last."""
+        """Conditions on the change from one command to the next; they are the last ones."""
         most = np.minimum(self.overlap.most, FREE)
         return [
             Condition(
@@ -168,7 +169,7 @@ class SampledLoop:
         ]
 
     def acts(self, s: int) -> tuple[int, float]:
-        """Age of the command that acts at a plant step of a sample, and the earlier one's share."""
+        """Age of the command that acts at a plant step of a sample; share of the earlier one."""
         behind, rest = divmod(self.late, self.steps)
         phase, share = (s - rest) % self.steps, self.overlap.share
         return behind + (s < rest), float(share[phase]) if phase < len(share) else 0.0
@@ -176,7 +177,7 @@ class SampledLoop:
     def _step_graph(
         self, world: World, v_d: ca.SX, changed: Mapping[str, ca.SX]
     ) -> tuple[ca.SX, ca.SX]:
-        """Fast state, command, push and BODY in one, and the fast state a plant step later.
+        """Fast state, command, push and BODY in one vector, and the fast state a plant step later.
 
         The reference moves at ``v_d``; ``changed``: other numbers of the robot by their names.
         """
@@ -238,7 +239,8 @@ class SampledLoop:
     ) -> tuple[ca.SX, ca.SX, ca.SX]:
         """The law's inputs as one column, its outputs, and the sizes of the conditions' values.
 
-        The reference moves at ``v_d``, which changes at ``rate``, and came at ``came`` (2 each).
+        The reference's velocity is ``v_d``, its rate ``rate``, and its previous velocity ``came``
+        (2 each).
         """
         setup, scenario, core = self.setup, self.setup.scenario, loop.core
         period = scenario.clock.control
@@ -316,7 +318,7 @@ def estimated(past: ca.SX, e: ca.SX, v_d: ca.SX, T: ca.SX, share: ca.SX) -> ca.S
 
 
 def _placed(desired: ca.SX, e: ca.SX) -> ca.SX:
-    """The pose (3,) that is off the desired one by the tracking error e, Eq. (8)."""
+    """The pose (3,) with the tracking error e, Eq. (8), from the desired one."""
     return desired - error_rotation(desired[2] - e[2]).T @ e
 
 

@@ -1,6 +1,6 @@
-"""Corridor of a law for all masses that the guard assumes, cell by cell if ``corridor.cells``.
+"""Corridor of a law for all masses that the guard assumes, cell by cell with ``corridor.cells``.
 
-If no corridor exists, it finds the share of pushes and errors that has one.
+If no corridor exists, the share of pushes and errors for which one exists is searched.
 """
 
 import math
@@ -39,9 +39,9 @@ SHARES = 12
 
 
 def certified(setup: Setup, *, closing: bool = True) -> Corridor:
-    """The Corridor of a setup, or why it has none; with cells, of all masses in them.
+    """The Corridor of a setup, or why it has none; with cells, for all masses in them.
 
-    ``closing``: where there is none, search for the share of inputs with which there is one.
+    ``closing``: if there is none, search for the share of inputs for which there is one.
     """
     until = min((item.t for item in setup.scenario.changes), default=None)
     known = Corridor(
@@ -85,10 +85,10 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
 def _of_all_cells(
     cells: Sequence[tuple[Setup, Floats]], error: NoCorridorError
 ) -> tuple[float | None, bool, str]:
-    """Share of the inputs with which each cell closes, at most that of the refused one.
+    """Share of the inputs for which each cell closes, at most that of the refused one.
 
-    That of the refused cell alone, and True, where others were not tried; None, False and a clause
-    where one has none.
+    That of the refused cell alone, and True, if others were not tried; None, False and a clause if
+    a cell has none.
     """
     share = error.closes
     if share is None or error.near != 1 or len(cells) > MOST_CELLS:
@@ -105,7 +105,7 @@ def _of_all_cells(
 
 
 def _least_closed(certifier: Certifier, inputs: Inputs, share: float) -> float | None:
-    """The share of the inputs where it closes with it, else the largest below that does."""
+    """``share`` if the box closes with this share of the inputs, else the largest smaller one."""
     try:
         certifier.tube(inputs.scaled(share))
     except NoCorridorError:
@@ -115,13 +115,13 @@ def _least_closed(certifier: Certifier, inputs: Inputs, share: float) -> float |
 
 
 def mass_ranges(setup: Setup) -> tuple[tuple[float, float], ...]:
-    """Intervals of mass and inertia that the guard counts on [kg, kg m2]."""
+    """Intervals of mass and inertia that the guard assumes [kg, kg m2]."""
     return tuple(mass_range(setup.guard, i) for i in (0, 1))
 
 
 @contextmanager
 def refused_open(text: str) -> Iterator[None]:
-    """NoCorridorError with a text where an enclosure stays open."""
+    """Context that raises NoCorridorError with a text if an enclosure is undecided."""
     try:
         yield
     except OpenBoxError as error:
@@ -129,7 +129,7 @@ def refused_open(text: str) -> Iterator[None]:
 
 
 def with_inputs(known: Corridor, inputs: Inputs, *, first: bool) -> Corridor:
-    """Add a cell's inputs to the answer; NoCorridorError if its push is not the first cell's."""
+    """Add a cell's inputs to the result; NoCorridorError if its push is not the first cell's."""
     push = float(max(inputs.push))
     if not first and push != known.push:
         raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
@@ -141,7 +141,7 @@ def with_inputs(known: Corridor, inputs: Inputs, *, first: bool) -> Corridor:
 def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:
     """The setup by cells of mass and inertia, each with its half-widths [kg, kg m2].
 
-    One of no width without ``corridor.cells``, else the guard's intervals cut up alike.
+    One cell of width 0 without ``corridor.cells``, else equal parts of the guard's intervals.
     """
     scenario, count = setup.scenario, setup.scenario.corridor.cells
     if not count or not scenario.guard.enabled:
@@ -161,9 +161,10 @@ def _cells(setup: Setup, count: int) -> tuple[Floats, Floats]:
 
 
 def mass_courses(setup: Setup) -> list[tuple[Setup, Floats]]:
-    """Cells for a whole run: at a change of mass or inertia, any cell may follow any other.
+    """Sequences of cells for a whole run: at a change of mass or inertia, any cell may follow any
+    other.
 
-    NoCorridorError for more courses than are followed.
+    NoCorridorError for too many sequences.
     """
     count, changes = setup.scenario.corridor.cells, setup.scenario.changes
     if not count or not setup.scenario.guard.enabled or not changes:
@@ -182,12 +183,12 @@ def mass_courses(setup: Setup) -> list[tuple[Setup, Floats]]:
 
 
 def changes_body(change: Change) -> bool:
-    """Whether a change is one of mass or inertia: with cells it is one of both."""
+    """True if a change affects mass or inertia; with cells it counts as one of both."""
     return change.m is not None or change.I is not None
 
 
 def check_within(setup: Setup) -> None:
-    """NoCorridorError where the scenario's robot has a mass that the guard does not count on."""
+    """NoCorridorError if the scenario's robot has a mass that the guard does not assume."""
     scenario = setup.scenario
     robots = [scenario.robot, *scenario.changes]
     for name, (low, high) in zip(("m", "I"), mass_ranges(setup), strict=True):
@@ -201,14 +202,14 @@ def check_within(setup: Setup) -> None:
 
 
 def _course(changes: Sequence[Change], bodies: Sequence[Body]) -> list[Body]:
-    """Mass and inertia at first and after each change, None where it changes neither."""
+    """Mass and inertia initially and after each change; None if it changes neither."""
     first, *later = bodies
     left = iter(later)
     return [first, *(next(left) if changes_body(item) else (None, None) for item in changes)]
 
 
 def _with_robots(setup: Setup, robots: Sequence[Body]) -> Setup:
-    """The setup whose robot has such masses and inertias, and believes what it did."""
+    """The setup with these true masses and inertias, and an unchanged model."""
     scenario = setup.scenario
     (m, I), *later = robots
     changes = tuple(
@@ -232,9 +233,9 @@ def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube
 
 
 def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]:
-    """Largest shares of inputs and of the start, of those tried, with which there is a corridor.
+    """Largest tried shares of inputs and of the start with which there is a corridor.
 
-    A share of the start with all inputs; where there is none, from the path, a share of these.
+    A share of the start with all inputs; if there is none, a share of the inputs from the path.
     """
     if not certifier.gains.starts:
         return _largest(lambda share: certifier.tube(inputs.scaled(share))), 1.0
@@ -246,9 +247,10 @@ def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]
 
 
 def _others(certifier: Certifier, inputs: Inputs) -> str:
-    """Smaller numbers stated elsewhere with which there is one, where no share of inputs has.
+    """Clause on smaller numbers of other kinds with which there is one, if no share of inputs has
+    one.
 
-    Of many cells the refused one alone is tried, around its own middle.
+    Of many cells only the refused one is tried, around its own centre.
     """
     which = "it"
     result, tried = list[str](), ["pushes and errors"] * inputs.any
@@ -286,7 +288,7 @@ def _enough_cells(setup: Setup, count: int) -> int | None:
 
 
 def _oftener(certifier: Certifier, inputs: Inputs) -> str:
-    """Settings with fewer samples without a pose with which it closes; empty where none does."""
+    """Settings with fewer samples without a pose for which it closes; empty if none does."""
     if not inputs.missing:
         return ""
 
@@ -317,7 +319,7 @@ def _nearer(certifier: Certifier, share: float) -> Certifier:
 
 
 def _largest(closed: Callable[[float], object]) -> float | None:
-    """Largest of some shares with which something closes, None where none does."""
+    """Largest of several shares for which something closes; None if none does."""
     low, high = 0.0, 1.0
     for _ in range(SHARES):
         middle = (low + high) / 2

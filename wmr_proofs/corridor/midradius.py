@@ -1,4 +1,4 @@
-"""Spans: many intervals at once, each a midpoint and a radius in doubles, rounded outwards."""
+"""Spans: many intervals, each a midpoint and a radius in doubles, rounded outwards."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class MidRadius:
 
     @property
     def most(self) -> Floats:
-        """Doubles that are at least the sizes of all numbers within."""
+        """Upper bounds of the absolute values of all numbers within."""
         return np.asarray((np.abs(self.middle) + self.radius) * OUTWARD + SMALLEST)
 
     def __add__(self, other: MidRadius) -> MidRadius:
@@ -104,7 +104,7 @@ def widened(a: MidRadius, more: Floats | float) -> MidRadius:
 
 
 def hull(points: Floats, axis: int) -> MidRadius:
-    """The spans that hold all points along an axis."""
+    """The spans that contain all points along an axis."""
     low, high = points.min(axis=axis), points.max(axis=axis)
     size = np.maximum(np.abs(low), np.abs(high))
     wide = (high - low) / 2 * (1 + 2**-40) + ROUNDED * size

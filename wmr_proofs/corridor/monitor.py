@@ -1,8 +1,8 @@
-"""The latch as a monitor, one sampled System: is a robot held by its corridor, and did it leave.
+"""Monitor of the latch, one sampled System: whether a robot is in its corridor or left it.
 
-A robot that was within the latch's box at K samples running is held by the corridor from then on
-(ledger: corridor.latch), so one that leaves it afterwards refutes what the certificate counts on.
-Runs are judged by this graph, and C packages and FMUs are made from it.
+A robot that was within the latch's box at K consecutive samples is in the corridor from then on
+(ledger: corridor.latch), so one that leaves it later refutes an assumption of the certificate. Runs
+are judged by this graph, and C packages and FMUs are made from it.
 """
 
 from collections.abc import Iterable
@@ -35,11 +35,12 @@ OUTPUTS = (IN_CORRIDOR, LEFT, MOST, DISTANCE)
 
 @dataclass(frozen=True)
 class Latch:
-    """Box ``b`` of deviations of the state at samples, the ``samples`` K, and what then holds.
+    """Box ``b`` of deviations of the state at samples, the number ``samples`` K, and the resulting
+    bounds.
 
-    ``position`` [m]: the most that the robot is off its place after K samples in b, after 2 K, and
-    so on; the last holds from then on.  ``level``: the state on the reference; ``inputs``: what was
-    counted on.
+    ``position`` [m]: largest deviation from its place after K samples in b, after 2 K, and so on;
+    the last is valid from then on.  ``level``: the state on the reference; ``inputs``: the assumed
+    ones.
     """
 
     box: Floats
@@ -50,7 +51,7 @@ class Latch:
 
 
 def seen(certifier: Certifier) -> bool:
-    """True where a monitor has the whole state: drives remember nothing, laws only what is SEEN."""
+    """True if a monitor knows the whole state: drives without memory, laws with SEEN only."""
     setup = certifier.loop.setup
     memory = [item.signal for item in loop_of(setup).core.state]
     size = sum(item.size for item in memory)
@@ -62,8 +63,8 @@ def seen(certifier: Certifier) -> bool:
 def monitor(setup: Setup, latch: Latch, *, measured: bool) -> System:
     """The monitor of a setup whose state is ``seen``, to be stepped at every sample.
 
-    Its inputs are what the law is given and the torques that are sent; with an observer, also what
-    that tells.  ``measured``: pose and velocity are the law's, errors and all; else the true ones.
+    Its inputs are the law's inputs and the torques sent; with an observer, also its estimate.
+    ``measured``: pose and velocity are the law's, with errors; else the true ones.
     """
     memory = [item.signal for item in loop_of(setup).core.state]
     desired, pose, v, torque = map(ports, (REFERENCE[:3], POSE, VELOCITY, TORQUE))
@@ -116,7 +117,7 @@ def monitor(setup: Setup, latch: Latch, *, measured: bool) -> System:
 
 
 def _numbers(setup: Setup, latch: Latch, measured: bool) -> list[tuple[Signal, Floats]]:
-    """Parameters of the monitor; measurement errors shrink its box."""
+    """Parameters of the monitor; measurement errors make its box smaller."""
     n, errors, slack = len(latch.level), latch.inputs.velocity, np.zeros(len(latch.level))
     off = latch.inputs.pose if measured else 0.0
     if measured:

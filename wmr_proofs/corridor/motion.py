@@ -1,9 +1,9 @@
-"""The sampled loop along any motion of its reference: nominal trajectory and slopes.
+"""The sampled loop along any motion of its reference: nominal trajectory and gradients.
 
 The motion is given by the reference's numbers at the samples.  Between two of them a robot that
-keeps its place moves at one velocity ``way``, which ends at the later pose but for ``gap``.  Where
-a reference does the same again, the undisturbed loop of one lap serves for later ones, too: what
-its end differs from its begin is a deviation, and numbers that differ from lap to lap are spans.
+keeps its place moves at one velocity ``way``, which ends at the later pose up to ``gap``.  If a
+reference repeats, the undisturbed loop of one lap is used for later ones, too: the difference
+between its end and its beginning is a deviation, and numbers that differ between laps are spans.
 """
 
 from collections.abc import Callable
@@ -43,10 +43,10 @@ class RunMotion:
     """A reference over ``n`` samples.
 
     ``v_d`` and ``rate`` (n, 2) at the samples, ``way`` (n + 1, 2) from each sample to the next and
-    before the first one; ``gap`` [m] (n): between where ``way`` leads and the next desired
-    position; ``reckoned`` [m] (n): the same of dead reckoning by ``way`` in one step of a sample;
-    ``aside`` [m] (n): the largest of these distances at plant steps within a sample.
-    ``robot`` (n, steps, 3): mass, inertia and friction at each plant step.
+    before the first one; ``gap`` [m] (n): distance from the end of ``way`` to the next desired
+    position; ``reckoned`` [m] (n): that of dead reckoning by ``way`` in one step per sample;
+    ``aside`` [m] (n): the largest of these distances at plant steps within a sample. ``robot`` (n,
+    steps, 3): mass, inertia and friction at each plant step.
     """
 
     v_d: Floats
@@ -60,7 +60,7 @@ class RunMotion:
 
     @cached_property
     def moved(self) -> list[int]:
-        """Samples in which, or before which, the robot changes."""
+        """Samples in which, or just before which, the robot changes."""
         bodies = self.robot
         within = (bodies != bodies[:, :1]).any(axis=(1, 2))
         within[1:] |= (bodies[1:, 0] != bodies[:-1, -1]).any(axis=1)
@@ -92,8 +92,8 @@ def motion_of(scenario: Scenario) -> RunMotion:
 class Laps:
     """Laps of a repeating reference, ``lap`` samples each; 0: it does not repeat.
 
-    ``end`` (n): the sample until which each sample's laps go, 0 where there are none.  ``spread``
-    (n): how far the reference's numbers are off at most in later laps.
+    ``end`` (n): the sample until which each sample's laps last, 0 without any.  ``spread`` (n):
+    largest difference of the reference's numbers in later laps.
     """
 
     lap: int
@@ -101,14 +101,14 @@ class Laps:
     spread: Floats
 
     def are_from(self, k: int) -> bool:
-        """True where a lap from a sample on stands for a part of the next one at least."""
+        """True if a lap from a sample on represents at least a part of the next one."""
         return bool(
             self.lap > 0 and self.end[k : k + self.lap].min(initial=len(self.end)) > k + self.lap
         )
 
 
 def laps_of(motion: RunMotion, lap: int) -> tuple[Laps, RunMotion]:
-    """Laps of a motion, and the motion with each distance enlarged to the largest of later laps."""
+    """Laps of a motion, and the motion with distances enlarged to their maximum in later laps."""
     n = len(motion.v_d)
     numbers = np.hstack([motion.v_d, motion.rate, motion.way[:-1], motion.way[1:]])
     most = np.column_stack([motion.gap, motion.reckoned, motion.aside, motion.turned])
@@ -129,7 +129,7 @@ def laps_of(motion: RunMotion, lap: int) -> tuple[Laps, RunMotion]:
 
 
 def _chord(start: Floats, end: Floats, turn: Floats, period: float) -> Floats:
-    """Velocity along an arc of a given turn whose chord is as long as the way, with its sign."""
+    """Signed velocity along an arc of a given turn whose chord has the length of the way."""
     half = turn * period / 2
     way = end[:, :2] - start[:, :2]
     angle = start[:, 2] + half
@@ -138,7 +138,7 @@ def _chord(start: Floats, end: Floats, turn: Floats, period: float) -> Floats:
 
 
 def _apart(start: Floats, every: Floats, way: Floats, steps: int, h: float) -> Floats:
-    """Distances (n, steps) [m] of the desired from the carried position at each plant step."""
+    """Distances (n, steps) [m] between desired and propagated position at each plant step."""
     pose, v, n = ca.SX.sym("pose", 3), ca.SX.sym("v", 2), len(start)
     course = [pose]
     for _ in range(steps):
@@ -150,7 +150,7 @@ def _apart(start: Floats, every: Floats, way: Floats, steps: int, h: float) -> F
 
 
 def _rounding(poses: Floats, steps: int) -> float:
-    """Largest rounding error of poses that are carried over so many steps in doubles."""
+    """Largest rounding error of poses that are propagated over this number of steps in doubles."""
     return float(OPERATIONS * (steps + 1) * ROUNDED * (1 + np.abs(poses[:, :3]).max()))
 
 
@@ -166,12 +166,12 @@ def _robots(scenario: Scenario, n: int, steps: int) -> Floats:
 
 
 class MovingCurve:
-    """A graph of variables and of numbers that the motion changes: values, slopes, bends."""
+    """A graph of variables and of numbers that the motion changes: values, gradients, bends."""
 
     def __init__(
         self, name: str, by: ca.SX, numbers: ca.SX, output: ca.SX, steep: tuple[slice, float]
     ) -> None:
-        """Differentiate; ``steep``: outputs with friction, and a size negligible there."""
+        """Differentiate; ``steep``: outputs with friction, and a size that is negligible there."""
         self.steep, self.little = steep
         self.by, self.numbers, self.output = by, numbers, output
         self.name, self.shape = name, (output.numel(), by.numel())
@@ -204,10 +204,11 @@ class MovingCurve:
     def bend_within(
         self, by: MidRadius, wide: Floats, numbers: MidRadius, *, fine: bool = False
     ) -> Floats:
-        """A ``bend`` that holds for deviations up to ``wide`` from anywhere in ``by``.
+        """A ``bend`` that is valid for deviations up to ``wide`` from any point in ``by``.
 
         A remainder is the integral of 1 - s times the second derivatives at s times the deviation:
-        with m equal parts of s, those on k/m of the box weigh ((m + 1 - k)^2 - (m - k)^2) / m^2.
+        with m equal parts of s, those on k/m of the box have the weight ((m + 1 - k)^2 - (m - k)^2)
+        / m^2.
         """
 
         def on(share: float) -> Floats:
@@ -225,7 +226,7 @@ class MovingCurve:
         return np.asarray(np.tensordot(weights, parts, 1) * (1 + 1e-14))
 
     def remainders(self, bend: Floats, products: Floats) -> Floats:
-        """Remainder of each output's linear part, for products (..., n, n) of deviations."""
+        """Linearisation remainder of each output, for products (..., n, n) of deviations."""
         _, i, j = self.bends.T
         return np.asarray((bend * products[..., i, j]) @ self._rows)
 
@@ -275,7 +276,7 @@ class MovingLoop(SampledLoop):
 
     @cached_property
     def _sample(self) -> ca.Function:
-        """The state a sample later, the fast state at plant steps, the law's outputs."""
+        """Graph of the state a sample later, the fast state at plant steps, the law's outputs."""
         nz, nq, nm = len(self.names), COMMAND * self.queue, self.memory
         x, p = ca.MX.sym("x", len(self.start)), ca.MX.sym("p", 6)
         q = ca.MX.sym("q", 5, self.steps)
@@ -295,12 +296,12 @@ class MovingLoop(SampledLoop):
 
     @cached_property
     def _given(self) -> tuple[Floats, Floats]:
-        """Numbers of the law and of the plant steps, each sample's in a row."""
+        """Numbers of the law and of the plant steps, one row per sample."""
         given = np.concatenate([self.step_numbers, self.motion.robot[..., :2]], axis=2)
         return self.law_numbers, given.reshape(len(given), -1)
 
     def sampled(self, k: int) -> Callable[[Floats], Floats]:
-        """The state a sample later, by the state at sample ``k``."""
+        """Function from the state at sample ``k`` to the state a sample later."""
         law, steps = (part[k] for part in self._given)
         return lambda x: evaluated(self._sample, x, law, steps)[0].ravel()
 

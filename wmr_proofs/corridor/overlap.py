@@ -21,8 +21,8 @@ ROOM = 1.5
 class Overlap:
     """Overlap error in each plant step after a command's arrival.
 
-    ``share`` (n): of the earlier command in what is taken to act; ``off`` (n, 2): by which share of
-    the change that is off at most; ``most`` (2): the largest change for which this holds.
+    ``share`` (n): share of the earlier command in the modelled one; ``off`` (n, 2): largest error
+    of that, as a share of the change; ``most`` (2): the largest change for which this is valid.
     """
 
     share: Floats
@@ -40,21 +40,21 @@ ALONE = Overlap(np.zeros(0), np.zeros((0, COMMAND)), np.full(COMMAND, np.inf))
 
 
 def jitter_overlap(scenario: Scenario) -> Overlap:
-    """Either command acts until the jitter is over: their mean, and half of the change."""
+    """Overlap by jitter: the mean of both commands, with half of the change as error."""
     steps = int(np.floor(scenario.actuator.jitter / scenario.clock.plant + 0.5))
     return Overlap(np.full(steps, 0.5), np.full((steps, COMMAND), 0.5), np.full(COMMAND, np.inf))
 
 
 def ramps(scenario: Scenario) -> bool:
-    """True where the firmware limits the acceleration."""
+    """True if the firmware limits the acceleration."""
     return bool(np.isfinite([*scenario.base.accel, *scenario.base.decel]).any())
 
 
 def ramp_overlap(scenario: Scenario, changes: Floats) -> Overlap:
-    """Rest that a ramp leaves of changes of up to some room above ``changes`` (2).
+    """Remainder that a ramp leaves of changes up to slightly more than ``changes`` (2).
 
-    In a plant step h it takes a h at least, but in one in which it stops at 0: of a change D is
-    left D - p a h at most in the p-th, which is D (1 - p/L) or less for D <= L a h.
+    In a plant step h it covers at least a h, except in one in which it stops at 0: of a change D at
+    most D - p a h remains in the p-th, which is D (1 - p/L) or less for D <= L a h.
     """
     base, clock = scenario.base, scenario.clock
     reach = clock.plant * np.minimum(base.accel, base.decel) * (1 - 1e-12)

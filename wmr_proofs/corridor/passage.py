@@ -138,7 +138,7 @@ class Passing(Following):
         return reach
 
     def _followed(self, now: Instant) -> None:
-        """Keep a block for later laps."""
+        """Store a block for later laps."""
         if self._blocks is not None:
             self._blocks.append((now, self.last, tuple(self.bends)))
 
@@ -177,7 +177,7 @@ class Passing(Following):
         return [Instant(first + int(x.at[0]), first + int(x.at[-1]) + 1, here, x) for x in blocks]
 
     def _lapped(self, k: int) -> None:
-        """Follow a lap from ``k`` on, if one stands for others, and with it all that follow."""
+        """Follow a lap from ``k`` on, if it represents others, and with it all later ones."""
         along, lap = self.along, self.along.laps.lap
         since = max(self._first, *(m + 1 for m in (-1, *along.motion.moved) if m < k))
         if k < since + along.memory or not along.laps.are_from(k):
@@ -203,9 +203,10 @@ class Passing(Following):
     def _later_laps(self, blocks: list[LapBlock], k: int, end: int) -> Floats:
         """The numbers of RunBounds of all samples until ``end`` after a lap from ``k`` on.
 
-        Lap by lap from sets that are a little larger than what is reached, until one is found that
-        a lap begins and ends in, which then holds for all that follow: at the end of a lap
-        deviations are from its begin again (ledger: corridor.passage).  NoCorridorError without it.
+        Lap by lap, it starts from sets slightly larger than the reached ones, until a lap begins
+        and ends in one set, which is then valid for all later ones: at the end of a lap deviations
+        are counted from its beginning again (ledger: corridor.passage).  NoCorridorError without
+        such a set.
         """
         along, lap = self.along, self.along.laps.lap
         stop, left = k + ((end - k) % lap or lap), -(-(end - k) // lap) - 1
@@ -239,7 +240,7 @@ class Passing(Following):
         raise NoCorridorError("no set is shown that a lap begins and ends in")
 
     def _moved_on(self, samples: int, jump: Floats, heard: Floats) -> None:
-        """All deviations at a sample so much later, where the undisturbed loop is off by a jump."""
+        """Move all deviations by ``samples`` samples, with a ``jump`` of the undisturbed loop."""
         self.carried = self.carried.older(samples).with_more(1.0, 0.0, None)
         newest = self.carried.bent[-1, COMMAND:]
         newest[:] = (newest + jump[self.along.lasting]) * UP
@@ -297,7 +298,7 @@ class Passing(Following):
         return None
 
     def _standing(self, now: Instant, most: Floats) -> CarriedColumns:
-        """The columns, had every block been like this one and had each added the ``most``."""
+        """The generators if every block had been like this one and had added ``most``."""
         new, _ = self._added(now, most[:, :COMMAND], np.zeros((now.count, len(self.pending))))
         new.bent[:] = most
         result = self._none()
@@ -308,9 +309,10 @@ class Passing(Following):
         return result
 
     def _apart(self, standing: CarriedColumns) -> tuple[Floats, bool]:
-        """Sizes (n) by which the columns are off shares of standing ones, and whether they are.
+        """Sizes (n) of the generators' differences from shares of standing ones, and if they are
+        bounded.
 
-        What is off in a component that lasts has to have room beside its newest box.
+        A difference in a component that persists must fit beside its newest box.
         """
         own = self.carried
         if not np.array_equal(own.born, standing.born):

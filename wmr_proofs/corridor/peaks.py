@@ -1,4 +1,4 @@
-"""Peaks: largest deviations of the loop, and a tube of them."""
+"""Peaks: largest deviations of the loop, and a tube from them."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ class Peaks:
 
     @property
     def parts(self) -> tuple[Floats, Floats, Floats]:
-        """All three."""
+        """All three parts."""
         return self.fast, self.state, self.law
 
     @property
     def every(self) -> Floats:
-        """All in one vector."""
+        """All numbers in one vector."""
         return np.concatenate(self.parts)
 
     def times(self, factor: float, more: float = LEAST) -> Peaks:
-        """So many times as large, and some more."""
+        """The peaks times a factor, plus ``more``."""
         return Peaks(*(part * factor + more for part in self.parts))
 
     def limit(self, first: Peaks, second: Peaks) -> Peaks:
-        """A little beyond where these three lead if they grow by ever the same share."""
+        """Slightly beyond the limit of these three, if they grow geometrically."""
         before, now = second.every - first.every, self.every - second.every
         share = float((now / np.where(before > 0, before, np.inf)).max())
         more = 1.01 * share / (1 - share) if share < 1 else 0.0
@@ -43,15 +43,15 @@ class Peaks:
         return Peaks(*(last + more * np.maximum(last - old, 0.0) for last, old in parts))
 
     def within(self, other: Peaks) -> bool:
-        """True where no element is larger than another's."""
+        """True if no element is larger than the other's."""
         return bool((self.every <= other.every).all())
 
 
 @dataclass(frozen=True)
 class Tube:
-    """A closed box: ``position`` [m], ``heading`` [rad], and the condition that is used most.
+    """A closed box: ``position`` [m], ``heading`` [rad], and the most used condition.
 
-    ``position_late`` [m]: what the position comes down to in the long run.
+    ``position_late`` [m]: bound of the position in the long run.
     """
 
     peaks: Peaks

@@ -1,14 +1,14 @@
 """Dead reckoning between poses: its error bound.
 
-Let e be the tracking error and e + y that of the pose that the law is shown.  A sample without a
-pose takes both by the same map f of error and measured velocity, but for what f misses of the
-robot's own motion, r:
+Let e be the tracking error and e + y that of the pose that the law receives.  A sample without a
+pose changes both by one map f of error and measured velocity, except for the error r of f on the
+robot's true motion:
 
     y' = f(e + y, v) - e' = Phi y - r + what is of second order,    Phi = df/de on the reference.
 
-So y is what the last pose was off, which keeps its size (ledger: corridor.reckoning), and a sum of
+So y is the error of the last pose, which keeps its size (ledger: corridor.reckoning), plus a sum of
 products Phi^i r, whose peak gain is a row of the loop: r is mostly the change of velocity within a
-sample, and what one sample adds the next takes away.
+sample, and contributions of successive samples cancel.
 """
 
 from dataclasses import dataclass, replace
@@ -50,7 +50,7 @@ class Reckoning:
 
     @cached_property
     def turning(self) -> Floats:
-        """Phi (3, 3): what reckoning over a sample makes of an error of its first pose."""
+        """Phi (3, 3): propagation of a pose error by reckoning over a sample."""
         with ctx.workprec(BITS):
             slopes = self.loop.reckoning.slopes()
             return doubles(np.array([row[:3] for row in slopes], dtype=object))
@@ -65,7 +65,7 @@ class Reckoning:
 
     @cached_property
     def _rest(self) -> Floats:
-        """Remainder of f on the reference (3), also where its frames differ."""
+        """Remainder of f on the reference (3), also for different frames."""
         curve, period = self.loop.reckoning, self.loop.setup.scenario.clock.control
         rest = np.array([upper(item) for item in curve.value()])
         rest[:2] += 3 * reference_gap(curve.at[3:], period)
@@ -75,7 +75,7 @@ class Reckoning:
         """The inputs with the errors of a pose after up to ``inputs.missing`` samples without one.
 
         ``measured``: sizes of e and v as measured (5); the last of ``fast`` are those of the linear
-        part, (row_samples, 3).  NoCorridorError where an error makes itself grow without end.
+        part, (row_samples, 3).  NoCorridorError if an error amplifies itself without end.
         """
         rows = fast[-3 * self.row_samples :].reshape(-1, 3)
         linear, pose = self._summed(rows, inputs.missing), np.array([inputs.pose, inputs.pose, 0.0])
@@ -103,6 +103,6 @@ class Reckoning:
         return np.concatenate(sums)[:count]
 
     def _gathered(self, each: Floats, count: int) -> Floats:
-        """Sizes (count, 3) of sums of errors that every sample adds with either sign."""
+        """Sizes (count, 3) of sums of errors with either sign in every sample."""
         ways = np.cumsum(self._powers[:-1], axis=0) @ each * UP
         return self._summed(ways, count)

@@ -22,7 +22,7 @@ than that makes them anew."""
 
 
 class Remainders:
-    """Remainder bounds by second derivatives on a box, kept while it fits, or by secants."""
+    """Remainder bounds by second derivatives on a box, reused while it fits, or by secants."""
 
     def __init__(self, along: Along, inputs: Inputs) -> None:
         """Begin without any deviation, for one loop under bounded inputs."""
@@ -35,7 +35,7 @@ class Remainders:
         self.bends: list[tuple[Floats, Floats] | None] = [None, None]
 
     def _products(self, reach: Floats, error: Floats) -> Floats:
-        """Largest products (J, 5, 5) of two of the robot's errors as they are measured."""
+        """Largest products (J, 5, 5) of two of the robot's measured errors."""
         along, sizes = self.along, reach[:, :ROBOT]
         pairs = sizes[:, :, None] * sizes[:, None]
         both = reach[:, -2 * len(along.pairs) :].reshape(len(reach), -1, 2).max(axis=2)
@@ -58,18 +58,18 @@ class Remainders:
         return np.asarray((curve.remainders(bend, pairs) + off) * UP)
 
     def roomy(self, sizes: Floats) -> Floats:
-        """A box of secants for deviations of such sizes."""
+        """A secant box for deviations of these sizes."""
         wide = sizes * SLOW_ROOM
         wide[:, :ROBOT] += SLOW_SHARE * self.along.typical @ self.inputs.push
         return wide
 
     def _leaves(self, now: Instant) -> bool:
-        """True where boxes of secants are left."""
+        """True if deviations leave the secant boxes."""
         pairs = zip(now.here.secants or (), self.latest, strict=False)
         return any((sizes > item.wide[now.block.at]).any() for item, sizes in pairs)
 
     def _too_wide(self, now: Instant) -> bool:
-        """True where boxes of secants are wider than they need be."""
+        """True if secant boxes are wider than necessary."""
         for item, sizes in zip(now.here.secants or (), self.latest, strict=False):
             need = TOO_WIDE * self.roomy(sizes) + 2 * LEAST
             if (need < item.wide[now.block.at])[:, :ROBOT].any():
@@ -77,7 +77,7 @@ class Remainders:
         return False
 
     def _bent(self, now: Instant) -> bool:
-        """True where boxes of bends were left, which are made anew."""
+        """True if deviations left the boxes of the bends, which are then recomputed."""
         bends = zip(self.bends, self.latest, strict=True)
         left = [p for p, (bend, x) in enumerate(bends) if bend and (x > bend[0]).any()]
         for place in left if now.here.secants is None else ():
@@ -94,7 +94,7 @@ class Remainders:
         return self._left(0, sizes, products, now)
 
     def _step(self, guess: Floats, commands: Floats, now: Instant) -> Floats:
-        """Largest errors of a plant step's linear part while the state stays within Z."""
+        """Largest linearisation errors of a plant step while the state stays within Z."""
         count = now.count
         every = np.vstack([self.commands, commands])
         acts = np.max([every[k : k + count] for k in range(len(every) - count + 1)], axis=0)
@@ -103,7 +103,7 @@ class Remainders:
         return self._left(1, sizes, self._products(guess, np.zeros(ROBOT)), now)
 
     def _bend(self, place: int, now: Instant) -> tuple[Floats, Floats]:
-        """A box with room about the latest deviations, and the bends on it, which are kept."""
+        """A box with a margin around the latest deviations, and the stored bends on it."""
         sizes = self.latest[place].max(axis=0)
         little = (sizes[:ROBOT] < LITTLE * self.along.typical @ self.inputs.push).all()
         room = FIRST_ROOM if little else MORE_ROOM if self.bends[place] else ROOM

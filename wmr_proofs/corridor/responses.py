@@ -1,4 +1,4 @@
-"""Responses of the sampled loop to a unit of each input, and what rows of outputs make of them."""
+"""Responses of the sampled loop to a unit of each input, and gains of rows of outputs from them."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
@@ -15,18 +15,17 @@ from .sample import FLOOR, ROUNDING, OutputRows
 
 @dataclass(frozen=True)
 class Gains:
-    """Largest rows for inputs of size 1 in every sample, whatever their signs.
+    """Largest values of rows for inputs of size 1 in every sample, with any signs.
 
-    ``by``: columns push (2), errors of the law's outputs, errors of the command that acts in each
-    plant step of the overlap (2 each), a disc of (e1, e2) as measured, errors of e1, e2,
-    e3, v1 and omega as measured.
-    ``steps``: by what a plant step leaves, in every one.  ``start``: largest values at any time
-    after a start that is off by shares of the columns that were asked for; ``misled``: after
-    one whose estimated position is off by 1 m in any direction, alone; ``before`` (2 columns):
-    after one at which an observer remembers a velocity that is off by 1, alone.  ``first``: the
-    same within one sample, by the state at its begin and then as ``by`` and ``steps``.  ``left``:
-    what is left after ``samples``, by the state's largest deviation in units of ``scale``.
-    ``constant``: largest values under what every plant step adds alike, alone.
+    ``by``: columns push (2), errors of the law's outputs, errors of the acting command in each
+    plant step of the overlap (2 each), a disc of measured (e1, e2), errors of measured e1, e2, e3,
+    v1 and omega. ``steps``: by increments in every plant step.  ``start``: largest values at any
+    time after an initial deviation by shares of the requested columns; ``misled``: after an initial
+    estimate whose position is off by 1 m in any direction, alone; ``before`` (2 columns): after an
+    observer's remembered velocity is off by 1, alone.  ``first``: the same within one sample, by
+    the state at its beginning and then as ``by`` and ``steps``.  ``left``: remainder after
+    ``samples``, by the state's largest deviation in units of ``scale``.  ``constant``: largest
+    values under equal increments of every plant step, alone.
     """
 
     by: Floats
@@ -41,11 +40,11 @@ class Gains:
 
 @dataclass
 class Responses:
-    """The loop's course from each input's unit, (samples, n, courses), and sums over it.
+    """The loop's response to a unit of each input, (samples, n, courses), and sums over it.
 
-    ``which`` (inputs) of the courses: many inputs have the same.  ``powers``: sizes of what the
-    powers are sums of; ``norms`` (samples, inputs): weighed ones of the course, ``steady_norm``:
-    the sum of those of ``steady``.
+    ``which`` (inputs): index of each input's course, as many inputs share one.  ``powers``: sizes
+    of the terms of the powers; ``norms`` (samples, inputs): weighted norms of the course,
+    ``steady_norm``: the sum of those of ``steady``.
     """
 
     course: Floats
@@ -73,8 +72,8 @@ class Responses:
         """Gains of some rows: sums of sizes with the shares of rounding and tail, and the direct
         part.
 
-        ``added``: what the present sample has added so far, of what it always adds, to the state
-        that ``rows`` picks from; None: nothing.
+        ``added``: contribution of the present sample so far, of its constant increment, to the
+        state that ``rows`` select from; None: nothing.
         """
         size = np.abs(rows.picked) @ np.abs(rows.state)
         direct, constant = np.hstack(_direct(rows)), self._constant(rows, size, added)
@@ -87,8 +86,8 @@ class Responses:
     ) -> Iterator[Gains]:
         """Gains of y with y' = ``turned`` y + ``rows``, from 0, after 1, 2, ... ``count`` samples.
 
-        Direct rows have signs, so what one sample adds and the next takes away does not count.
-        There is no ``first``.
+        Direct rows have signs, so contributions of successive samples may cancel.  There is no
+        ``first``.
         """
         size = np.abs(rows.picked) @ np.abs(rows.state)
         ways, constant = self._ways(rows)[:, self.which], self._constant(rows, size, added)
@@ -121,10 +120,11 @@ class Responses:
         constant: Floats,
         more: Floats | float = 0.0,
     ) -> Gains:
-        """Gains of responses, ``direct`` and to plant steps of their ``own`` sample as well.
+        """Gains of responses, including ``direct`` ones and those to plant steps of the ``own``
+        sample.
 
-        ``which`` of the ``ways`` (rows, any, samples) is that of each column; ``size`` (rows, n):
-        of the rows that the responses are sums of; ``more``: further rounding.
+        ``which`` of the ``ways`` (rows, any, samples) belongs to each column; ``size`` (rows, n):
+        sizes of the rows that the responses are sums of; ``more``: further rounding.
         """
         n, seen = self.n, np.abs(ways)
         slack = ROUNDING * size @ (self.powers @ self.inputs) + FLOOR + more
@@ -143,7 +143,7 @@ class Responses:
         return Gains(by, steps, start, misled, before, first, left, constant)
 
     def _started(self, ways: Floats, which: IntArray, slack: Floats, reach: Floats) -> Floats:
-        """Largest values after a start at any sum of shares of the columns ``start``."""
+        """Largest values after an initial sum of shares of the columns ``start``."""
         size = np.abs(self.start).sum(axis=1)
         if not size.any():
             return np.zeros(len(reach))
@@ -156,7 +156,7 @@ class Responses:
         return np.asarray((most + off + rest @ size) * UP)
 
     def _constant(self, rows: OutputRows, size: Floats, added: Floats | None) -> Floats:
-        """Largest values of the sums, with their signs, of what every sample adds alike."""
+        """Largest values of the signed sums of equal increments in every sample."""
         now = np.zeros(rows.picked.shape[1]) if added is None else added
         each = rows.picked @ rows.state @ self.steady.T
         course = np.cumsum(np.hstack([(rows.picked @ now)[:, None], each]), axis=1)
@@ -167,7 +167,7 @@ class Responses:
         return np.asarray((np.abs(course).max(axis=1) + slack + rest) * UP)
 
     def _misled(self, seen: Floats, which: IntArray, slack: Floats, reach: Floats) -> Floats:
-        """Largest values after a start whose estimated position alone is off."""
+        """Largest values after a start at which only the estimated position is off."""
         if self.estimate is None:
             return np.zeros(len(reach))
         e = slice(self.estimate, self.estimate + 2)
@@ -176,7 +176,7 @@ class Responses:
         return np.asarray((size + rest.sum(axis=1)) * UP)
 
     def _before(self, seen: Floats, which: IntArray, slack: Floats, reach: Floats) -> Floats:
-        """Largest values after a start at which one remembered velocity is off (2 columns)."""
+        """Largest values after a start at which only one remembered velocity is off (2 columns)."""
         if self.old is None:
             return np.zeros((len(reach), COMMAND))
         v = slice(self.old, self.old + COMMAND)
@@ -190,12 +190,12 @@ def _direct(rows: OutputRows) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def _with_disc(columns: Floats, disc: Floats) -> Floats:
-    """Columns with that of the disc before e1 as measured."""
+    """Columns with that of the disc inserted before measured e1."""
     return np.insert(columns, columns.shape[1] - ROBOT, disc, axis=1)
 
 
 def stacked(each: Sequence[Gains]) -> Gains:
-    """All of their rows, one after the other."""
+    """The rows of all, one after the other."""
     held, direct, own = map(np.concatenate, zip(*(item.first for item in each), strict=True))
     names = [item.name for item in fields(Gains) if item.name != "first"]
     rows = {name: np.concatenate([getattr(item, name) for item in each]) for name in names}
@@ -203,7 +203,7 @@ def stacked(each: Sequence[Gains]) -> Gains:
 
 
 def largest(each: Sequence[Gains]) -> Gains:
-    """Entry by entry."""
+    """Entry-wise maximum."""
     by, steps, start, misled, before, left, constant = (
         np.max([getattr(item, name) for item in each], axis=0)
         for name in ("by", "steps", "start", "misled", "before", "left", "constant")

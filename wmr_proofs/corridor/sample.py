@@ -24,12 +24,12 @@ STRIDE = 16
 
 
 class SlowLoopError(ArithmeticError):
-    """The loop does not come to rest within the samples and bits that are spent."""
+    """The loop does not settle within the allowed numbers of samples and bits."""
 
 
 @dataclass(frozen=True)
 class OutputRows:
-    """Rows of outputs: of the state, directly of each input, and of plant steps of the sample."""
+    """Rows of outputs: by the state, directly by each input, and by plant steps of the sample."""
 
     picked: Floats
     state: Floats
@@ -41,10 +41,10 @@ class OutputRows:
 
 
 class SampleMatrices:
-    """Matrices of one sample in balls, in the precision that is set.
+    """Matrices of one sample in balls, in the current precision.
 
-    The state is fast state, commands sent, memory, what acts; the law's outputs its command, next
-    memory, what acts, and the conditions' values.
+    The state is fast state, commands sent, memory, acting command; the law's outputs are its
+    command, next memory, acting command, and the conditions' values.
     """
 
     def __init__(self, loop: SampledLoop) -> None:
@@ -118,7 +118,7 @@ class SampleMatrices:
         )  # fmt: skip
 
     def reckoned_rows(self, loop: SampledLoop) -> OutputRows:
-        """Rows of e at a sample's end less where dead reckoning from its begin would have it.
+        """Rows of e at a sample's end less its value by dead reckoning from the beginning.
 
         Direct ones have their signs.
         """
@@ -146,10 +146,11 @@ def powers_of(matrix: BallArray, count: int) -> list[BallArray]:
 
 
 def powers_until(matrix: BallArray, samples: int) -> tuple[Floats, Floats, Floats]:
-    """Powers of A before each sample (samples, n, n), sums of sizes they are of, and the one after.
+    """Powers of A before each sample (samples, n, n), sums of their terms' sizes, and the next
+    power.
 
-    Each is a product in doubles of a power of A below STRIDE and a power of A**STRIDE, but the
-    last, which is that of balls.
+    Each is a product in doubles of a power of A below STRIDE and a power of A**STRIDE, except the
+    last, which is computed in balls.
     """
     A = arb_mat(matrix.tolist())
     first = [A**0]
@@ -181,14 +182,14 @@ def sizes(picked: Floats, block: Floats) -> Floats:
 
 
 def balls(rows: int, columns: int) -> BallArray:
-    """Zeros."""
+    """Array of zero balls."""
     block = np.empty((rows, columns), dtype=object)
     block[...] = arb(0)
     return block
 
 
 def unit_matrix(size: int) -> BallArray:
-    """Ones on its diagonal."""
+    """Identity matrix in balls."""
     block = balls(size, size)
     for k in range(size):
         block[k, k] = arb(1)
@@ -196,7 +197,7 @@ def unit_matrix(size: int) -> BallArray:
 
 
 def doubles(matrix: BallArray) -> Floats:
-    """Midpoints; SlowLoopError where a ball is wider than what sums allow for."""
+    """Midpoints; SlowLoopError if a ball is wider than the sums allow for."""
     flat = matrix.ravel()
     middle = np.fromiter(map(float, flat), float, len(flat))
     wide = np.fromiter(map(float, map(arb.rad, flat)), float, len(flat))

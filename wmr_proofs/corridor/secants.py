@@ -1,9 +1,9 @@
 """Secants: linear maps that enclose a graph over boxes, with remainders, at many places.
 
-Where friction turns over, slopes at a point say little about a box.  There an affine form of the
-graph over the box (`wmr_proofs.corridor.affine`) serves instead: f(x) = c + S (x - x_c) + off, with
-|off| <= r on the box.  With ``off`` known at the undisturbed point x_0, f(x_0 + d) is f(x_0) + S d
-and at most r and the size of that beside.
+Where friction changes its sign, gradients at a point say little about a box. There an affine form
+of the graph over the box (`wmr_proofs.corridor.affine`) is used instead: f(x) = c + S (x - x_c) +
+off, with |off| <= r on the box. With ``off`` known at the undisturbed point x_0, f(x_0 + d) is
+f(x_0) + S d plus at most r and the size of that.
 """
 
 from dataclasses import dataclass

@@ -38,7 +38,7 @@ def sending(setup: Setup, law: Inside, asked: Asked) -> tuple[System, list[Condi
 
 
 def _passing(setup: Setup, command: ca.SX) -> Iterator[Condition]:
-    """That the filter and the firmware leave a command (2,) as it is."""
+    """Conditions under which filter and firmware leave a ``command`` (2) unchanged."""
     scenario = setup.scenario
     for name, row, most in passing_commands(scenario):
         yield Condition(f"the filter's limit ({name})", row[0] * command[0] + row[1] * command[1],
@@ -54,7 +54,7 @@ def _passing(setup: Setup, command: ca.SX) -> Iterator[Condition]:
 
 
 def balanced(scenario: Scenario, state: tuple[Port, ...], v_d: Floats) -> Floats:
-    """A base's own state while it drives at ``v_d`` (2): it gives what friction takes."""
+    """A base's state while it drives at ``v_d`` (2), with a force that balances friction."""
     robot = scenario.robot
     force = drag(robot, np.asarray(v_d))[:, 0]
     torque = np.asarray(

@@ -1,4 +1,4 @@
-"""Graphs in spans: evaluated at thousands of places of a path by an operation of arrays a node."""
+"""Graphs in spans: evaluated at thousands of places of a path, one array operation per node."""
 
 from collections.abc import Callable
 
@@ -19,7 +19,7 @@ class MidRadiusGraph:
     """A CasADi expression of columns, at many places at once."""
 
     def __init__(self, name: str, inputs: list[ca.SX], output: ca.SX) -> None:
-        """Read the graph; ``pattern`` (row, column) are its entries that can differ from 0."""
+        """Read the graph; ``pattern`` (row, column) are its non-zero entries."""
         self.name, self.pattern = name, np.array(output.sparsity().get_triplet()).reshape(2, -1)
         places = [f"i{k}" for k in range(len(inputs))]
         self._place = {place: k for k, place in enumerate(places)}
@@ -89,13 +89,13 @@ _Both = tuple[NDArray[np.bool_], NDArray[np.bool_]]
 
 
 def _apart(a: MidRadius, b: MidRadius) -> tuple[Floats, Floats]:
-    """Midpoints' difference b - a, and the size at which it decides."""
+    """Difference b - a of midpoints, and the size from which it decides."""
     gap = b.middle - a.middle
     return gap, (a.radius + b.radius) * OUTWARD + ROUNDED * np.abs(gap) * (a.radius + b.radius > 0)
 
 
 def _truth(a: MidRadius) -> _Both:
-    """Where a number is certainly not 0, which counts as true, and where it is 0."""
+    """Masks of numbers that are certainly not 0, which count as true, and that are 0."""
     return np.abs(a.middle) > a.radius, (a.middle == 0) & (a.radius == 0)
 
 
@@ -147,5 +147,5 @@ _OPERATIONS: dict[int, Callable[..., MidRadius]] = {
 
 
 def _lesser(a: MidRadius, b: MidRadius) -> MidRadius:
-    """The minimum: within the larger of both radii of the lesser midpoint."""
+    """The minimum: the lesser midpoint, with the larger of both radii."""
     return MidRadius(np.minimum(a.middle, b.middle), np.maximum(a.radius, b.radius))

@@ -15,7 +15,7 @@ from .secants import Secants
 class Within:
     """A time within samples: rows of the fast state by the state, a push, an added command.
 
-    ``apart`` (3): the largest sizes by which such rows are off the chord to the next such time.
+    ``apart`` (3): largest distances of such rows from the chord to the next such time.
     """
 
     state: MidRadius
@@ -26,13 +26,13 @@ class Within:
 
 @dataclass(frozen=True)
 class Stretch:
-    """Samples of a motion, the first axis of all.
+    """Samples of a motion, along the first axis of all arrays.
 
-    ``A`` (n, n): the state a sample later; ``push`` (n, 2), ``law`` (n, outputs): by what disturbs
-    and by what is added to the law's outputs; ``outputs`` (outputs, n): the law's linear part, and
-    ``seen`` (outputs, 5) that of what is measured.  ``steps`` (fast, fast): sizes by which what
-    each plant step leaves adds up; ``body`` (fast, 2): of a plant step by mass and inertia.
-    ``secants``: of law and plant step, where these are not slopes at points.
+    ``A`` (n, n): the state a sample later; ``push`` (n, 2), ``law`` (n, outputs): by disturbances,
+    and by additions to the law's outputs; ``outputs`` (outputs, n): the law's linear part, and
+    ``seen`` (outputs, 5) that by measurements.  ``steps`` (fast, fast): sizes by which increments
+    of plant steps add up; ``body`` (fast, 2): effect of mass and inertia on a plant step.
+    ``secants``: of law and plant step, if these are not gradients at points.
     """
 
     A: MidRadius
@@ -112,7 +112,7 @@ def _course(step: MidRadius, n: int, acting: list[int]) -> MidRadius:
 
 
 def _closed(course: MidRadius, outputs: MidRadius, n: int) -> MidRadius:
-    """Rows of the fast state by the state alone: the law's command is substituted."""
+    """Rows of the fast state by the state alone, with the law's command substituted."""
     shape, command = course.middle.shape, slice(n, n + COMMAND)
     middle, radius = (x.reshape(len(x), -1, shape[-1]) for x in (course.middle, course.radius))
     law, share = outputs[:, :COMMAND], rounding(COMMAND + 1)
@@ -126,9 +126,9 @@ def _closed(course: MidRadius, outputs: MidRadius, n: int) -> MidRadius:
 
 
 def _within(course: MidRadius, n: int, first: int, last: int) -> Within:
-    """Rows from the begin of plant step ``first`` until the begin of ``last``.
+    """Rows from the beginning of plant step ``first`` to that of ``last``.
 
-    Inner points are no larger than the chord's ends and what they are off the chord.
+    Inner points are bounded by the chord's ends plus their distance from the chord.
     """
     begin, end, inner = (course[:, place] for place in (first, last, slice(first + 1, last)))
     share = (np.arange(1, last - first) / (last - first))[:, None, None]

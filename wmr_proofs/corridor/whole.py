@@ -40,9 +40,9 @@ BEYOND, EARLY = 1.0, 0.25
 
 
 def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
-    """The Corridor of a setup over the run of its scenario; with cells, of all masses in them.
+    """The Corridor of a setup over its scenario's run; with cells, for all masses in them.
 
-    ``closing``: where there is none, search for the share of inputs with which there is one.
+    ``closing``: if there is none, search for the share of inputs for which there is one.
     """
     scenario, cells = setup.scenario, list[tuple[Setup, Floats]]()
     known = Corridor(
@@ -128,12 +128,13 @@ def _followed(passing: Passing, until: int | None = None) -> RunBounds:
 
 
 def _closing(refused: Passing, start: Floats) -> float | None:
-    """The first half, quarter, eighth, ... of the inputs with which there is a corridor.
+    """The first of the half, quarter, eighth, ... of the inputs for which there is a corridor.
 
-    If the half has none, the others are bisected, as if there were one with all that is less.  They
-    are tried about the robot's changes, begun there without deviations, which takes little time,
-    and about what all of them were refused for, unless that was EARLY.  What passes there is
-    followed over the whole run; where that is refused twice at a place, they are tried there.
+    If the half has none, the others are bisected, as if smaller inputs always had one.  They are
+    tried around the robot's changes, started there without deviations, which takes little time, and
+    around the place at which all of them were refused, unless that was EARLY.  A share that passes
+    there is followed over the whole run; if that is refused twice at a place, the shares are tried
+    there.
     """
     along, inputs = refused.along, refused.inputs
     early = refused.tried < EARLY * len(along.states)
@@ -181,7 +182,7 @@ def _hearing(refused: Passing, start: Floats) -> str:
 
 
 def _passes(along: Along, inputs: Inputs, start: Floats, k: int) -> bool:
-    """True if a flowpipe about a sample exists."""
+    """True if a flowpipe exists around a sample."""
     beyond = round(BEYOND / along.setup.scenario.clock.control)
     passing = Passing(along, inputs, start, max(0, k - along.memory))
     try:

@@ -1,6 +1,6 @@
 """INTERVAL: branch and bound with intervals over a box.
 
-The box is cut until every goal holds on every part, or one is refuted.
+The box is split until every goal is proved on every part, or one is refuted.
 """
 
 from collections.abc import Callable, Hashable, Mapping
@@ -22,11 +22,11 @@ from .spec import Ball, Finding
 
 
 class EmptyWayError(Exception):
-    """The conditions taken on this way contradict each other on the whole box."""
+    """The conditions assumed on this way contradict each other on the whole box."""
 
 
 class IntervalArithmetic(Arithmetic):
-    """Values over a box; a condition that is taken one way narrows what it compares.
+    """Values over a box; assuming a condition narrows the compared values.
 
     With ``doubles``, inputs are doubles: x < y means that x is at most the double below y.
     """
@@ -49,7 +49,7 @@ class IntervalArithmetic(Arithmetic):
         return self.inputs[name]
 
     def apply(self, op: str, args: list[Any]) -> Interval | None:
-        """Enclosure of an operation; None where it may be undefined."""
+        """Enclosure of an operation; None if it may be undefined."""
         for arg in args:
             if arg is None:
                 return None
@@ -64,7 +64,7 @@ class IntervalArithmetic(Arithmetic):
         return found
 
     def compare(self, op: str, left: Any, right: Any, ask: Callable[[Hashable], bool]) -> bool:
-        """Truth of a comparison; where it is open, both ways are taken, each narrowed."""
+        """Truth of a comparison; if undecided, both ways are taken, each with narrowed values."""
         if left is None or right is None:
             raise UndecidedError("a comparison of what may be undefined")
         a, b = self._now(left), self._now(right)
@@ -88,7 +88,7 @@ class IntervalArithmetic(Arithmetic):
         return self.count
 
     def _name(self, op: str, args: list[Interval]) -> int:
-        """Name of an operation on quantities; equal operations share it, so that forms can meet."""
+        """Name of an operation on quantities; equal operations share it, so that forms combine."""
         name: tuple[Hashable, ...] = (op, *[arg.key or ("number", arg.lo) for arg in args])
         if op == "sub" and (op, name[2], name[1]) in self.known:
             return -self.known[op, name[2], name[1]]
@@ -97,7 +97,7 @@ class IntervalArithmetic(Arithmetic):
         return self.known[name]
 
     def _now(self, value: Interval) -> Interval:
-        """The value, narrowed by the conditions met since."""
+        """The value, narrowed by the conditions assumed since."""
         if abs(value.key) not in self.narrowed:
             return value
         low, high = self.narrowed[abs(value.key)]
@@ -167,7 +167,7 @@ ALL_OF, ONE_IN = 64, 16
 
 
 def decide(statement: Statement, method: Ball) -> Finding:
-    """PROVED when no part is left, REFUTED by an exact point of a part, OPEN out of budget."""
+    """PROVED if no part is left, REFUTED by an exact point, OPEN if the budget is spent."""
     whole = {name: (_beyond(low, -inf), _beyond(high, inf))
              for name, (low, high) in method.box.items()}  # fmt: skip
     pending, count, unsure = [whole], 0, 0
@@ -195,7 +195,7 @@ def decide(statement: Statement, method: Ball) -> Finding:
 
 
 def _holds_on(statement: Statement, box: Box, doubles: bool) -> bool:
-    """All goals on all ways, where a hypothesis that cannot hold closes a way."""
+    """True if all goals hold on all ways; a hypothesis that cannot hold closes a way."""
 
     def run(ask: Callable[[Hashable], bool]) -> bool:
         try:
@@ -241,6 +241,6 @@ def _probes(box: Box, statement: Statement) -> list[dict[str, Fraction]]:
 
 
 def _beyond(value: Fraction, end: float) -> float:
-    """The double next to a number, not on the side that is away from ``end``, -inf or inf."""
+    """The double next to a number on the side of ``end``, which is -inf or inf."""
     near = float(value)
     return nextafter(near, end) if (Fraction(near) - value) * (1 if end > 0 else -1) < 0 else near

@@ -44,7 +44,7 @@ class QuotientField:
         return self.ring.from_dict(dict(terms))
 
     def over(self, numer: fmpq_mpoly, denom: fmpq_mpoly) -> Quotient:
-        """numer/denom, brought to lowest terms.  ZeroDivisionError where denom is 0."""
+        """numer/denom in lowest terms.  ZeroDivisionError if denom is 0."""
         if denom.is_zero():
             raise ZeroDivisionError("a quotient with the denominator 0")
         if not denom.is_constant():
@@ -54,9 +54,7 @@ class QuotientField:
         return self.monic(numer, denom)
 
     def monic(self, numer: fmpq_mpoly, denom: fmpq_mpoly) -> Quotient:
-        """Quotient of polynomials without a common factor whose denominator begins with the
-        coefficient 1.
-        """
+        """Quotient of coprime polynomials whose denominator has the leading coefficient 1."""
         first = denom.leading_coefficient()
         if first != 1:
             numer, denom = numer / first, denom / first
@@ -64,7 +62,7 @@ class QuotientField:
 
 
 class Quotient:
-    """One element: the only way to write it, so that equal ones have equal parts."""
+    """One element in its unique form, so that equal elements have equal parts."""
 
     __slots__ = ("_hash", "denom", "field", "numer")
 
@@ -74,14 +72,14 @@ class Quotient:
 
     @property
     def number(self) -> Fraction | None:
-        """The rational that it is; None where generators are left."""
+        """Its value if it is rational; None if it contains generators."""
         if not (self.numer.is_constant() and self.denom.is_constant()):
             return None
         found = self.numer.leading_coefficient() if self else fmpq(0)
         return Fraction(int(found.numerator), int(found.denominator))
 
     def __bool__(self) -> bool:
-        """True if it is another element than 0."""
+        """True unless it is 0."""
         return not self.numer.is_zero()
 
     def __eq__(self, other: object) -> bool:
@@ -164,7 +162,7 @@ class Algebra:
         return self.field(value)
 
     def atom(self, function: str, argument: Any, domain: str) -> Any:
-        """Generator that stands for ``function(argument)``."""
+        """Generator that represents ``function(argument)``."""
         key = (function, argument)
         if key not in self.atoms:
             index = len(self.domains)
@@ -180,7 +178,7 @@ class Algebra:
         return self.generators.index(generator)
 
     def relate(self, generator: Any, square: Any) -> None:
-        """State generator^2 = square."""
+        """Add the relation generator^2 = square."""
         self.squares[self.index(generator)] = square
 
     def reduced(self, element: Any) -> Any:

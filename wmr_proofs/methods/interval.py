@@ -1,13 +1,13 @@
-"""Intervals of doubles that hold both the real value and the IEEE double that C computes.
+"""Intervals of doubles that contain both the real value and the IEEE double that C computes.
 
 Bounds of the four operations and the root are rounded to nearest and then moved outward by one unit
-in the last place unless that is not needed, so each interval holds the real results and, rounding
+in the last place unless they are exact, so each interval contains the real results and, rounding
 being monotone, the rounded ones.  Elementary functions come from flint's balls, widened by the
 stated accuracy of the C library.
 
-An interval may also carry a form: value = sum of c_k b_k with 0 <= c_k in known ranges and b_k >= 0
-named quantities.  The quotient of two such forms lies between the least and the largest quotient
-of their coefficients, which bounds x/(x + y) near x = y = 0, where plain intervals know nothing.
+An interval may also have a form: value = sum of c_k b_k with 0 <= c_k in known ranges and b_k >= 0
+named quantities.  The quotient of two such forms lies between the least and the largest quotient of
+their coefficients, which bounds x/(x + y) near x = y = 0, where plain intervals fail.
 """
 
 from collections.abc import Callable
@@ -35,7 +35,7 @@ class Interval:
 
     @property
     def sign(self) -> int:
-        """1 where nowhere negative, -1 where nowhere positive, 0 unknown."""
+        """1 if nowhere negative, -1 if nowhere positive, 0 if unknown."""
         return 1 if self.lo >= 0 else (-1 if self.hi <= 0 else 0)
 
     @property
@@ -61,14 +61,14 @@ def up(value: float) -> float:
 
 
 def _missed(a: float, b: float) -> float:
-    """a + b less the rounded sum, exactly, by Knuth's two-sum."""
+    """Exact rounding error of the sum a + b, by Knuth's two-sum."""
     total = a + b
     back = total - a
     return (a - (total - back)) + (b - back)
 
 
 def add(a: Interval, b: Interval) -> Interval:
-    """a + b, its ends exact where the sums are; a form where both have the same sign."""
+    """a + b, with exact ends for exact sums; with a form if both have the same sign."""
     low, high = a.lo + b.lo, a.hi + b.hi
     found = Interval(
         low if _missed(a.lo, b.lo) >= 0 and isfinite(low) else down(low),
@@ -92,7 +92,7 @@ def _merged(a: Form | None, b: Form | None) -> Form | None:
 
 
 def _widened(low: float, high: float) -> tuple[float, float]:
-    """Room for the rounding of the operation itself."""
+    """Both ends moved outward by the rounding of the operation itself."""
     return down(low * (1 - 2 * UNIT)) if low > 0 else 0.0, up(high * (1 + 2 * UNIT))
 
 
@@ -102,7 +102,7 @@ def negative(a: Interval) -> Interval:
 
 
 def multiply(a: Interval, b: Interval) -> Interval:
-    """a b; a form where signs are known, from the factor that reaches closest to 0."""
+    """a b; with a form if signs are known, from the factor that reaches closest to 0."""
     sign = a.sign * b.sign
     if not sign:
         corners = [_product(x, y) for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
@@ -131,7 +131,7 @@ def _scaled(kept: Interval, factor: Interval) -> Form | None:
 
 
 def divide(a: Interval, b: Interval) -> Interval | None:
-    """a/b; None where b may be 0."""
+    """a/b; None if b may be 0."""
     if b.lo <= 0 <= b.hi:
         return None
     corners = [x / y for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
@@ -161,14 +161,14 @@ def _bound_by_forms(found: Interval, a: Interval, b: Interval, sign: int) -> Non
 
 
 def root(a: Interval) -> Interval | None:
-    """Square root; None where a may be negative."""
+    """Square root; None if a may be negative."""
     if a.lo < 0:
         return None
     return Interval(max(0.0, down(sqrt(a.lo))), up(sqrt(a.hi)))
 
 
 def smaller(a: Interval, b: Interval) -> Interval:
-    """Minimum; one of the two where it is clear which."""
+    """Minimum; one of the two if it is clear which."""
     if a.hi <= b.lo:
         return a
     return b if b.hi <= a.lo else Interval(min(a.lo, b.lo), min(a.hi, b.hi))
@@ -182,7 +182,7 @@ def magnitude(a: Interval) -> Interval:
 
 
 def elementary(call: Callable[[arb], arb], a: Interval, monotone: bool = True) -> Interval | None:
-    """An elementary function by flint, with room for the C library's error."""
+    """An elementary function by flint, widened by the C library's error."""
     if not (isfinite(a.lo) and isfinite(a.hi)):
         return None
     balls = [call(arb(a.lo)), call(arb(a.hi))] if monotone else [call(arb(a.lo).union(arb(a.hi)))]

@@ -1,6 +1,6 @@
-"""POINT: a graph at one exact point, in rationals where it can be and in 300-bit balls elsewhere.
+"""POINT: a graph at one exact point, in rationals if possible and in 300-bit balls otherwise.
 
-This is what a counterexample must survive: hypotheses certain, goal certainly violated.
+A counterexample must pass this test: hypotheses certainly true, a goal certainly violated.
 """
 
 from collections.abc import Callable, Hashable, Iterable, Mapping
@@ -47,7 +47,7 @@ class PointArithmetic(Arithmetic):
         return Pi(Fraction(value.split()[0])) if isinstance(value, str) else value
 
     def apply(self, op: str, args: list[Any]) -> Any:
-        """Exact where every operand is rational and the operation keeps it so."""
+        """Exact if every operand is rational and the operation keeps it so."""
         if all(type(a) is arb for a in args):
             return _of_balls(op, args)
         if any(isinstance(a, Pi) for a in args):
@@ -66,7 +66,7 @@ class PointArithmetic(Arithmetic):
         return bool(COMPARE[op](sign_of(self.apply("sub", [left, right])), 0))
 
     def merge(self, condition: Any, yes: Any, no: Any) -> Any:
-        """A condition that is a number: nonzero means true."""
+        """Choice by a condition that is a number; nonzero means true."""
         return yes if sign_of(condition) != 0 else no
 
     def number(self, condition: bool) -> Fraction:
@@ -75,7 +75,7 @@ class PointArithmetic(Arithmetic):
 
 
 def decide_points(statement: Statement, method: Refute) -> Finding:
-    """REFUTED by the first point that keeps every hypothesis and breaks a goal."""
+    """REFUTED by the first point that satisfies every hypothesis and violates a goal."""
     found = first_violation(statement, method.points)
     verdict = OPEN if found is None else REFUTED
     return Finding(verdict, {"points tried": len(method.points)}, found)
@@ -91,7 +91,7 @@ def first_violation(statement: Statement, points: Iterable[Point]) -> Point | No
 
 
 def decide_table(statement: Statement, method: Table) -> Finding:
-    """PROVED if it holds at every point, REFUTED by the first at which it certainly does not."""
+    """PROVED if it is true at every point, REFUTED by the first at which it is certainly false."""
     points = method.points()
     for point in points:
         # Coordinates that are doubles as exact balls are faster.
@@ -115,15 +115,15 @@ def evaluate(statement: Statement, point: Mapping[str, Any]) -> list[Any]:
 
 
 def holds(kind: str, value: Any) -> bool:
-    """True if ``value`` certainly stands in relation ``kind`` to 0; UndecidedError if unsure."""
+    """True if ``value`` certainly has relation ``kind`` to 0; UndecidedError if uncertain."""
     s = sign_of(value)
     return s == 0 if kind == EQUAL else (s > 0 if kind == ABOVE else s >= 0)
 
 
 def judge(statement: Statement, point: Mapping[str, Any]) -> tuple[bool, bool]:
-    """(all hypotheses hold, all goals hold) at ``point``; unsure hypotheses count as not holding.
+    """(all hypotheses hold, all goals hold) at ``point``; uncertain hypotheses count as false.
 
-    A goal that cannot be told from its bound counts as holding: no refutation rests on it.
+    A goal that cannot be distinguished from its bound counts as true: no refutation is based on it.
     """
     met, kept = judged(statement, point)
     return met, all(kept)
@@ -160,7 +160,7 @@ def _certain(kind: str, value: Any, default: bool) -> bool:
 
 
 def sign_of(value: Any) -> int:
-    """-1, 0 or 1, certain."""
+    """-1, 0 or 1, if certain."""
     if isinstance(value, Pi):
         value = value.times
     if type(value) is not arb and isinstance(value, Fraction):
@@ -183,7 +183,7 @@ def _ball(value: Any) -> arb:
 
 
 def _unwrap(op: str, value: Any) -> Any:
-    """pi into what the operation can use: quarter turns keep sine and cosine rational."""
+    """Convert a multiple of pi for the operation: quarter turns keep sine and cosine rational."""
     if not isinstance(value, Pi):
         return value
     if op in ("sin", "cos") and (2 * value.times).denominator == 1:

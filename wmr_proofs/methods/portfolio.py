@@ -1,4 +1,4 @@
-"""z3's engines for the reals as a portfolio: each asked by name, the long attempts last."""
+"""z3's engines for the reals as a portfolio: each is called by name, long attempts last."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ it 60 million units are about 30 s of a processor."""
 
 @dataclass(frozen=True)
 class Answer:
-    """sat, unsat or unknown; a model if there is one; the engine, unless the first one soon."""
+    """sat, unsat or unknown; a model if there is one; the engine, empty for a quick first one."""
 
     word: str
     model: Any = None
@@ -45,16 +45,16 @@ class Answer:
 
 
 class Portfolio:
-    """All questions on one statement, which share the method's ``effort``.
+    """All questions on one statement, with a common ``effort``.
 
-    ``spent``: millions of units so far; ``tried``: engines that were asked, in order.
+    ``spent``: millions of units so far; ``tried``: engines that were called, in order.
     """
 
     def __init__(self, method: Z3) -> None:
         self.method, self.spent, self.tried = method, 0.0, dict[str, None]()
 
     def ask(self, terms: list[Any], place: int = 0) -> Answer:
-        """Answer of the first engine that finds one; ``place`` of the question in its statement."""
+        """Answer of the first engine that finds one; ``place``: the question's index."""
         over = set[str]()
         for engine, size in self._attempts(place):
             if engine in over or self._left <= 0:
@@ -69,7 +69,7 @@ class Portfolio:
         return Answer("unknown")
 
     def other_models(self, terms: list[Any]) -> Iterator[Any]:
-        """The model of each engine that finds one soon."""
+        """The model of each engine that finds one quickly."""
         for engine in ENGINES:
             if self._left > 0:
                 _, model = self.attempt(engine, terms, ATTEMPTS[0])
@@ -77,7 +77,7 @@ class Portfolio:
                     yield model
 
     def attempt(self, engine: str, terms: list[Any], size: tuple[float, float]) -> tuple[Any, Any]:
-        """z3's answer and model, in a context of its own, so that each attempt goes the same way.
+        """z3's answer and model, in a separate context, so that each attempt is reproducible.
 
         ``size``: most work [millions of units] and seconds.
         """
@@ -98,7 +98,7 @@ class Portfolio:
         return self.method.effort - self.spent
 
     def _attempts(self, place: int) -> Iterator[tuple[str, tuple[float, float]]]:
-        """Engines and sizes: the one that answered before, then all, ever longer."""
+        """Engines and sizes: first the one that answered before, then all, with growing limits."""
         yield from ((name, KNOWN) for name in self.method.first[place : place + 1] if name)
         yield from ((name, size) for size in ATTEMPTS for name in ENGINES)
 

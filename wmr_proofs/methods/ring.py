@@ -1,6 +1,6 @@
-"""RING: exact algebra, one case after the other, every way through undecided conditions.
+"""RING: exact algebra, case by case, on every way through undecided conditions.
 
-Of the logarithm only ln t >= 1 - 1/t (t > 0) is known.
+About the logarithm only ln t >= 1 - 1/t (t > 0) is used.
 """
 
 from collections.abc import Callable, Hashable, Iterator
@@ -45,7 +45,7 @@ def _proved(statement: Statement, method: Ring, case: Case) -> bool:
     shared = RingArithmetic(case, names, method.fixed, method.spare)
 
     def run(ask: Callable[[Hashable], bool]) -> bool:
-        """Goals hold, and so do the hypotheses: a case lies inside what the statement assumes."""
+        """True if goals and hypotheses hold: a case lies inside the statement's assumptions."""
         shared.ask = ask
         values = Walk(statement.graph, shared, ask).outputs()
         goals = zip(statement.goal_kinds, values, strict=False)
@@ -77,7 +77,7 @@ def _violation(statement: Statement, cases: list[Case]) -> Point | None:
 
 
 def _witnesses(statement: Statement, method: Ring) -> Iterator[Point]:
-    """Points that keep the hypotheses (and, as a check of the algebra, the goals)."""
+    """Points that satisfy the hypotheses (and, as a check of the algebra, the goals)."""
     for case in method.cases:
         point = case.sample(statement.graph.input_names, 0)
         given, goal = judge(statement, point)
@@ -108,7 +108,7 @@ def at_least_by_lemma(algebra: Algebra, value: Any, strict: bool) -> bool:
 
 
 def _split(algebra: Algebra, value: Any) -> tuple[Any, Any, dict[Any, int]] | None:
-    """(P, q, {argument: n}) with value = P + q sum n ln(argument), n whole; else None."""
+    """(P, q, {argument: n}) with value = P + q sum n ln(argument), n integer; else None."""
     logs = {
         k: argument for k, (function, argument) in algebra.arguments.items() if function == "log"
     }

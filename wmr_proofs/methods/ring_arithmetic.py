@@ -17,7 +17,7 @@ HUGE = 1e100
 
 
 class RingArithmetic(Arithmetic):
-    """Values of one case; conditions decided by signs, else by ``ask``."""
+    """Values of one case; conditions are decided by signs, else by ``ask``."""
 
     def __init__(
         self, case: Case, names: tuple[str, ...], fixed: Mapping[float, bool], spare: int
@@ -40,7 +40,7 @@ class RingArithmetic(Arithmetic):
         return self.algebra.field(value)
 
     def apply(self, op: str, args: list[Any]) -> Any:
-        """Element of an operation; None where it is undefined."""
+        """Element of an operation; None if it is undefined."""
         if any(arg is None for arg in args):
             return None
         if op in ("div", "inv"):
@@ -53,7 +53,7 @@ class RingArithmetic(Arithmetic):
         return _OPERATIONS[op](self, *args)
 
     def _nonzero(self, below: Any) -> Any:
-        """A denominator; UndecidedError where it may be 0 in this case."""
+        """A denominator; UndecidedError if it may be 0 in this case."""
         if below not in self.nonzero and not self.algebra.never_zero(below):
             raise UndecidedError("a denominator that may be 0")
         return below
@@ -69,13 +69,13 @@ class RingArithmetic(Arithmetic):
         return self._asked(op, gap, ask) if known is None else known
 
     def _asked(self, op: str, gap: Any, ask: Callable[[Hashable], bool]) -> bool:
-        """One question per sign, so that related conditions are decided alike."""
+        """Ask one question per sign, so that related conditions are decided consistently."""
         if op in ("eq", "ne"):
             return ask(("zero", gap)) == (op == "eq")
         return ask(("above", gap)) if op == "lt" else not ask(("above", -gap))
 
     def _stated(self, op: str, left: Any, right: Any) -> bool | None:
-        """Bound of ``left`` by a hypothesis ``left < constant``, or by its negation if false."""
+        """Truth of a bound on ``left`` by a hypothesis ``left < constant``, or its negation."""
         if op != "lt" or right.number is None:
             return None
         for value, truth in self.fixed.items():
@@ -89,13 +89,13 @@ class RingArithmetic(Arithmetic):
         return self.algebra.number(int(condition))
 
     def smaller(self, left: Any, right: Any) -> Any:
-        """Minimum of two elements, where the sign of their difference is known."""
+        """Minimum of two elements, if the sign of their difference is known."""
         if right.number is not None and right.number > HUGE:
             return left
         return self._pick(right - left, left, right)
 
     def larger(self, left: Any, right: Any) -> Any:
-        """Maximum of two elements, where the sign of their difference is known."""
+        """Maximum of two elements, if the sign of their difference is known."""
         return self._pick(right - left, right, left)
 
     def _pick(self, gap: Any, if_positive: Any, if_negative: Any) -> Any:
@@ -152,7 +152,7 @@ class RingArithmetic(Arithmetic):
         return total
 
     def exponential(self, value: Any) -> Any:
-        """exp of a sum with whole coefficients as a product of atoms; else one atom."""
+        """exp of a sum with integer coefficients as a product of atoms; else one atom."""
         if any(c.denominator != 1 for c in value.numer.coeffs()):
             return self.algebra.atom("exp", value, POSITIVE)
         product, field = self.algebra.number(1), self.algebra.field
@@ -162,7 +162,7 @@ class RingArithmetic(Arithmetic):
         return product
 
     def sine_cosine(self, angle: Any) -> tuple[Any, Any]:
-        """(sin, cos) of a sum of generators, by angle addition; else of one opaque atom."""
+        """(sin, cos) of a sum of generators, by angle addition; else one opaque atom."""
         terms = _integer_terms(angle)
         if terms is None:
             return self._pair(angle)
@@ -202,7 +202,7 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
 
 
 def _polynomial_root(poly: Any) -> Any:
-    """Square root of a polynomial; None where there is none."""
+    """Square root of a polynomial; None if there is none."""
     try:
         return poly.sqrt()
     except (DomainError, ValueError):

@@ -1,4 +1,4 @@
-"""Proof methods as light values, so that claims load without the proving packages."""
+"""Proof methods as light values, so that claims load without the proof packages."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -20,8 +20,8 @@ Point = Mapping[str, Any]
 class Finding:
     """Verdict (PROVED, REFUTED or OPEN), counts of cases or boxes, and an exact point.
 
-    The point violates the statement where it is refuted, and satisfies its hypotheses where it is
-    proved (so that they are not empty).
+    The point violates a refuted statement, and satisfies the hypotheses of a proved one (so that
+    they are consistent).
     """
 
     verdict: str
@@ -31,7 +31,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Method:
-    """Base: ``decide`` loads the engine, ``module.function``, when it is first needed."""
+    """Base: ``decide`` loads the engine, ``module.function``, on first use."""
 
     ENGINE: ClassVar[str] = ""
     NAME: ClassVar[str] = ""
@@ -50,9 +50,9 @@ class Method:
 class Ring(Method):
     """Exact algebra over all cases.
 
-    ``fixed`` decides conditions ``... < constant`` by hypothesis; ``log_lemma`` allows
-    ln t <= t - 1 as the only fact about the logarithm; ``spare`` is the room for atoms; ``quick``
-    stops at the first case that an exact point refutes.
+    ``fixed`` decides conditions ``... < constant`` by hypothesis; ``log_lemma`` allows ln t <= t -
+    1 as the only fact about the logarithm; ``spare`` is the number of generators for atoms;
+    ``quick`` stops at the first case that an exact point refutes.
     """
 
     ENGINE: ClassVar[str] = "ring.decide"
@@ -69,10 +69,10 @@ class Ring(Method):
 class Z3(Method):
     """z3 on the graph: its engines for the reals, one after the other.
 
-    ``effort`` bounds them all together on one statement, in millions of units of work: whether an
-    answer is found does not depend on how busy a machine is.  The default is about 30 s of a
-    processor.  ``first`` names for each question of the statement the engine that answered it
-    before, or none; it is asked first.
+    ``effort`` limits their total work on one statement, in millions of units, so whether an answer
+    is found does not depend on the machine's load.  The default is about 30 s of a processor.
+    ``first`` names for each question of the statement the engine that answered it before, if any;
+    it is called first.
     """
 
     ENGINE: ClassVar[str] = "smt.decide"
@@ -90,7 +90,7 @@ class Ball(Method):
     """Interval and ball arithmetic with branch and bound over ``box`` (rational bounds per input).
 
     ``float_mode`` encloses what IEEE double arithmetic computes for the same instructions;
-    ``cuts_at`` are coordinates where boxes are cut first; ``budget`` bounds the number of boxes.
+    ``cuts_at`` are coordinates where boxes are split first; ``budget`` bounds the number of boxes.
     """
 
     ENGINE: ClassVar[str] = "ball.decide"
@@ -115,7 +115,7 @@ class Table(Method):
 
 @dataclass(frozen=True)
 class Refute(Method):
-    """Nothing but exact points: REFUTED by one of them, else OPEN."""
+    """Exact points only: REFUTED by one of them, else OPEN."""
 
     ENGINE: ClassVar[str] = "point.decide_points"
     NAME: ClassVar[str] = "POINT"
@@ -168,23 +168,23 @@ def described(value: Any) -> Any:
 
 
 def versions(method: Method) -> dict[str, str]:
-    """Version of each package whose correctness a verdict of this method rests on."""
+    """Version of each package whose correctness a verdict of this method depends on."""
     return {name: _version(name) for name in needs(method)}
 
 
 @cache
 def _version(package: str) -> str:
-    """All that is installed is looked through, half a second long: once in a process."""
+    """Version of a package, from a slow search through all that is done once per process."""
     return version(packages_distributions()[package][0])
 
 
 def parts(method: Method) -> tuple[Method, ...]:
-    """The method, or both of two, and theirs."""
+    """The method, or both of two with their parts."""
     return (*parts(method.first), *parts(method.second)) if isinstance(method, Both) else (method,)
 
 
 def rounds(method: Method) -> bool:
-    """True if it encloses what doubles compute, by the C library's accuracy."""
+    """True if it encloses computed doubles, which depends on the C library's accuracy."""
     return isinstance(method, Ball) and method.float_mode
 
 
@@ -195,7 +195,7 @@ def named(method: Method) -> str:
 
 
 def trusted(method: Method) -> tuple[str, ...]:
-    """Packages whose correctness a verdict of this method rests on."""
+    """Packages whose correctness a verdict of this method depends on."""
     every = ((*part.TRUSTED, *["libm"] * rounds(part)) for part in parts(method))
     return tuple(dict.fromkeys(chain.from_iterable(every)))
 

@@ -1,4 +1,4 @@
-"""Data of the page's script: loops, scenes, numbers, looks."""
+"""Data for the page's script: loops, scenes, numbers, looks."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -35,7 +35,7 @@ EVERY = 0.1
 
 @dataclass(frozen=True)
 class Content:
-    """Compiled loops, their room, the data that the script gets, and the robot's mass [kg]."""
+    """Compiled loops, their room, the script's data, and the robot's mass [kg]."""
 
     loops: tuple[PageLoop, ...]
     room: Room
@@ -46,9 +46,10 @@ class Content:
 def content_of(
     scenes: Sequence[PageScene], laws: tuple[str, ...], seed: int, progress: Callable[[float], None]
 ) -> Content:
-    """Settle every variant of every scene for every law; ``progress`` hears of the share done.
+    """Settle every variant of every scene for every law; ``progress`` is called with the share
+    done.
 
-    Raises what `settle` raises for a scene's own variant.
+    Raises the errors of `settle` for a scene's own variant.
     """
     loops, phases, steps = PageLoops(), 1, 0
     scenery = list[Plain]()
@@ -126,9 +127,9 @@ def _scene(
 
 
 def _tube(setup: Setup, whole: bool) -> Plain | None:
-    """Certified distance from the path, each for some time, and until when; None without one.
+    """Certified distances from the path over time, and when they end; None without any.
 
-    Only with ``whole`` that of a run past its changes: a story of many runs would take a minute.
+    With ``whole`` also past the robot's changes: for a story of many runs that would take a minute.
     ``widths`` [m], each for ``every`` seconds, the last from there on; ``until`` [s].
     """
     tube = corridor_course(setup.scenario, setup.name, whole=whole)
@@ -148,7 +149,7 @@ def _tube(setup: Setup, whole: bool) -> Plain | None:
 
 
 def _admitted(scenario: Scenario, parameters: Iterable[Signal]) -> Plain:
-    """Bounds of the scenario's fields by key, and keys that have another name in the loop."""
+    """Bounds of the scenario's fields by key, and keys with another name in the loop."""
     signals = [item.name for item in parameters]
     own = dict(quantities(type(scenario.reference)))
     aliases = {f"reference.{name}": f"ref_{name}" for name in own if f"ref_{name}" in signals}
@@ -174,7 +175,7 @@ def _variant(item: SettledVariant, base: Mapping[str, Row], loops: PageLoops) ->
 
 
 def _law(setup: Setup, base: Row, loop: PageLoop) -> Plain:
-    """A law's loop, first plant steps of its phases, and rows: what differs from the row before."""
+    """A law's loop, first plant steps of its phases, and differences between successive rows."""
     rows = _rows(setup, loop)
     pairs = zip([base, *rows[:-1]], rows, strict=True)
     changed = [
@@ -200,12 +201,12 @@ def _spelled(row: Row) -> Plain:
 
 
 def _number(value: float) -> float | str:
-    """JSON has no infinity: a text that JavaScript's Number reads."""
+    """A number for JSON; infinity becomes a text that JavaScript's Number reads."""
     return value if math.isfinite(value) else "Infinity" if value > 0 else "-Infinity"
 
 
 def _unit(unit: str) -> str:
-    """A unit as readers write it: kg m² for kg.m2."""
+    """A unit for readers: kg m² for kg.m2."""
     return unit_text(unit).replace(".", " ").translate(str.maketrans("23", "²³"))
 
 

@@ -37,7 +37,8 @@ MASSES = 20.0
 
 @checks_arguments
 def largest_stable_period(scenario: Scenario, law: str) -> float:
-    """Supremum [s] of the stable periods about the scenario's, or of the next below.
+    """Supremum [s] of the range of stable periods that contains the scenario's, or of the next
+    below.
 
     Over all points of the reference; 0.0 if the scenario's period and all shorter ones that were
     tried are unstable, inf if all longer ones (up to 10 s) are stable.  Raises UnknownNameError
@@ -48,12 +49,13 @@ def largest_stable_period(scenario: Scenario, law: str) -> float:
 
 @dataclass(frozen=True)
 class Stability:
-    """Around the reference: stable periods, largest delay [s], ratios of true to believed mass.
+    """Stable periods, largest delay [s], and ratios of true to believed mass, around the reference.
 
     Delay and masses are for the scenario's period; see the functions of these names. ``tried`` is
-    the shortest period that was looked at; ``held``: beyond which the base stops between commands;
-    ``least_delay``: from which on it is stable; ``off``: how far from the reference it rests [m],
-    None where it does not; ``any_mass``: the base's own loop makes up for its mass; ``remarks``.
+    the shortest period that was tried; ``held``: period beyond which the base stops between
+    commands; ``least_delay``: smallest stable delay; ``off``: distance from the reference at rest
+    [m], None without an equilibrium; ``any_mass``: the base's own loop compensates its mass;
+    ``remarks``.
     """
 
     shortest: float
@@ -69,7 +71,7 @@ class Stability:
 
     @property
     def delay_words(self) -> str:
-        """Delays at which it is stable, in words."""
+        """Text on the stable delays."""
         low = (
             f"for a delay of {self.least_delay:.3g} to" if self.least_delay else "up to a delay of"
         )
@@ -77,7 +79,7 @@ class Stability:
 
     @property
     def mass_words(self) -> str:
-        """The ratios in words; an end of the range that was tried is no limit."""
+        """Text on the stable mass ratios; an end of the tried range is not reported as a limit."""
         if self.any_mass:
             return "whatever its mass, which the base's own loop makes up for"
         low, high = self.masses or (math.nan, math.nan)
@@ -86,7 +88,7 @@ class Stability:
 
 
 def stability(scenario: Scenario, law: str) -> Stability:
-    """All three for a law on a scenario; raises UnknownNameError for a law."""
+    """Stability of a law on a scenario; raises UnknownNameError for a law."""
     loop = loop_of(settle(scenario, law))
     delays, masses = stable_delays(loop), stable_masses(loop)
     any_mass = scenario.takes_velocity and "pi" not in scenario.base.loop
@@ -98,9 +100,9 @@ def stability(scenario: Scenario, law: str) -> Stability:
 
 
 def distance_at_rest(loop: Loop) -> float | None:
-    """The largest distance [m] from the reference at which the loop rests, of all its points.
+    """Largest distance [m] of an equilibrium from the reference, over all its operating points.
 
-    None where it rests at none, or beyond the limits.
+    None if there is no equilibrium, or it is beyond the limits.
     """
     points = _rests(loop)
     inside = (at and (np.abs(at.v) <= loop.scenario.limits.v_u1).all() for at in points)
@@ -115,7 +117,7 @@ def _rests(loop: Loop) -> list[Point | None]:
 
 
 def _remarks(loop: Loop) -> Iterator[str]:
-    """Words on what the linear loop of a base that takes velocities leaves out."""
+    """Texts on effects that the linear loop of a base that takes velocities neglects."""
     base, robot = loop.scenario.base, loop.scenario.robot
     if not loop.setup.takes_velocity:
         return
@@ -131,16 +133,16 @@ def _remarks(loop: Loop) -> Iterator[str]:
 
 
 def largest_period(loop: Loop) -> float:
-    """The same for a Loop that is at hand."""
+    """`largest_stable_period` of an existing Loop."""
     return stable_periods(loop)[1]
 
 
 @counted
 def stable_periods(loop: Loop) -> tuple[float, float]:
-    """Ends [s] of the stretch of stable periods that holds the scenario's, or of the next below.
+    """Ends [s] of the range of stable periods that contains the scenario's, or of the next below.
 
-    The lower end is 0.0 where all shorter ones that were tried are stable too, which a delay can
-    prevent; (0.0, 0.0) where the scenario's period and all shorter ones that were tried are not.
+    The lower end is 0.0 if all shorter periods that were tried are stable, too, which a delay can
+    prevent; (0.0, 0.0) if the scenario's period and all shorter ones that were tried are unstable.
     """
     shortest, inside = shortest_tried(loop), loop.scenario.clock.control
 
@@ -161,7 +163,7 @@ def stable_periods(loop: Loop) -> tuple[float, float]:
 
 
 def shortest_tried(loop: Loop) -> float:
-    """The shortest period that is tried [s]: so many commands may be under way, and no more."""
+    """Shortest period that is tried [s], since the number of commands in transit is limited."""
     late = max(loop.around.drives.delay, loop.setup.prediction)
     return max(SHORTEST, (late + oldest_shown(loop.setup)) / MOST_UNDER_WAY)
 
@@ -175,9 +177,9 @@ def largest_stable_delay(loop: Loop) -> float | None:
 def stable_delays(loop: Loop) -> tuple[float, float] | None:
     """Least and supremum of the drives' delay [s] that are stable at the scenario's period.
 
-    Their lag and sensors are as they are.  The least is 0, or the scenario's delay for a law that
-    predicts and where the loop is unstable without any; None where it is with that, too.  The
-    supremum is inf where all that were tried, up to 40 periods, are stable.
+    Lag and sensors are unchanged.  The least is 0, or the scenario's delay for a law that predicts
+    and for a loop that is unstable without delay; None if it is unstable with that delay, too.  The
+    supremum is inf if all delays that were tried, up to 40 periods, are stable.
     """
     period = loop.scenario.clock.control
     own = loop.around.drives
@@ -199,7 +201,7 @@ def stable_masses(loop: Loop, most: float = MASSES) -> tuple[float, float] | Non
     """Smallest and largest ratio of true to believed mass and inertia with a stable loop.
 
     Both are scaled alike, at the scenario's period; tried from 1/``most`` to ``most``, as far as a
-    scenario can state them.  None for a law that believes no mass, and where the loop is unstable
+    scenario can state them. None for a law without a model of the mass, and if the loop is unstable
     with the believed one.
     """
     if not loop.traits.model:
@@ -218,7 +220,7 @@ def stable_masses(loop: Loop, most: float = MASSES) -> tuple[float, float] | Non
 
 
 def _last(of: Callable[[float], float], start: float, tried: Sequence[float]) -> float | None:
-    """Stability limit along ``tried``, inf if none is met; None if unstable at ``start``."""
+    """Stability limit along ``tried``; inf if all are stable, None if ``start`` is not."""
     of = cache(of)
     if of(start) > 1 + MARGIN:
         return None

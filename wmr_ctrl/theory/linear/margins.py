@@ -1,7 +1,8 @@
-"""Margins: how much gain, phase, delay and model error the loop stands at each generalised force.
+"""Margins: how much gain, phase, delay and model error the loop tolerates at each generalised
+force.
 
-The loop is cut at one force at a time, the other axis closed, at the point where the robot is on
-its reference.  Margins are statements about that point: they do not see the barrier at all.
+The loop is cut at one force at a time, with the other axis closed and the robot on its reference.
+Margins are statements about that point: they do not show the barrier at all.
 """
 
 import math
@@ -68,10 +69,10 @@ def open_loop(
 ) -> ct.StateSpace:
     """The loop cut at force ``axis`` (0 thrust, 1 moment) as a negative-feedback loop L.
 
-    L goes from the force that acts on the robot to minus the force that the law then asks for; the
-    other axis stays closed.  Continuous, but for a delay and late sensors, which no differential
-    equation has, or sampled with ``period`` [s], with all of them; python-control's `margin` reads
-    these by ``method="frd"``.  Raises ArgumentError for another axis or a period that is none.
+    L goes from the force on the robot to minus the force that the law then commands; the other axis
+    stays closed.  Continuous, without delay and late sensors, which no differential equation can
+    describe, or sampled with ``period`` [s], with all of them; python-control's `margin` needs
+    ``method="frd"`` for these.  Raises ArgumentError for an invalid axis or period.
     """
     check_axis(axis)
     at = on_reference(scenario, law) if point is None else point
@@ -107,7 +108,7 @@ def margins_at(
 def disk(loop: ct.StateSpace) -> float:
     """Balanced disk margin alpha: the least 1 / |S - 1/2| of the sensitivity S = 1 / (1 + L).
 
-    The worst frequency is looked for on a grid, then near the best of the grid.
+    The worst frequency is searched on a grid, then near the best of the grid.
     """
 
     def alphas(at: Floats) -> Floats:
@@ -119,7 +120,7 @@ def disk(loop: ct.StateSpace) -> float:
 
 
 def response(loop: ct.StateSpace, frequencies: Floats) -> NDArray[np.complex128]:
-    """Frequency response of a single loop at ``frequencies`` [rad/s], at all of them at once."""
+    """Frequency response of a single loop at all ``frequencies`` [rad/s]."""
     on = (np.exp(1j * frequencies * loop.dt) if loop.dt else 1j * frequencies)[:, None, None]
     states = np.linalg.solve(on * np.eye(len(loop.A)) - loop.A, loop.B + 0j)
     return np.asarray((loop.C @ states + loop.D)[:, 0, 0])
@@ -146,7 +147,7 @@ def worst(given: list[Margins | None]) -> Margins | None:
 
 @checks_arguments
 def with_robot(scenario: Scenario, m: float = 1.0, I: float = 1.0, mu: float = 1.0) -> Scenario:
-    """The robot's mass, inertia and friction times these factors; the laws' model stays."""
+    """The scenario with scaled mass, inertia and friction of the robot; the model stays."""
     robot, believed = scenario.robot, scenario.believed
     other = replace(robot, m=m * robot.m, I=I * robot.I, mu=mu * robot.mu)
     return replace(scenario, robot=other, model=Model(m=believed.m, I=believed.I, mu=believed.mu))
@@ -190,9 +191,9 @@ def _roots(of: Callable[[float], float], grid: Floats, values: Floats) -> list[f
 
 @dataclass(frozen=True)
 class ModelError:
-    """One parameter of the robot times ``factor``, the law's model unchanged.
+    """Margins with one parameter of the robot times ``factor``, and the law's model unchanged.
 
-    Phase margin [degrees] and disk margin of the worse force; None where the loop is unstable.
+    Phase margin [degrees] and disk margin of the worse force; None if the loop is unstable.
     """
 
     parameter: str

@@ -1,4 +1,4 @@
-"""What a scenario must state, and what follows where it is left out."""
+"""Keys that a scenario must state, and values derived for omitted ones."""
 
 import dataclasses
 from collections.abc import Iterator, Mapping
@@ -29,13 +29,13 @@ def missing_keys(scenario: "Scenario") -> tuple[str, ...]:
 
 
 def unknown_keys(scenario: "Scenario") -> tuple[str, ...]:
-    """Keys of [robot] that nobody states, as nothing in the loop depends on them."""
+    """Unstated keys of [robot], on which nothing in the loop depends."""
     values = vars(scenario.robot).items()
     return tuple(f"robot.{name}" for name, value in values if isinstance(value, Unknown))
 
 
 def guessed_keys(scenario: "Scenario") -> tuple[str, ...]:
-    """Keys of the base's own speed loop that the motion depends on and nobody states."""
+    """Unstated keys of the base's own speed loop on which the motion depends."""
     if not scenario.takes_velocity:
         return ()
     base = vars(scenario.base)
@@ -86,7 +86,7 @@ FORCING = (EffectRole.DISTURBANCE, EffectRole.DRIVE, EffectRole.LOOP)
 
 
 def following(scenario: "Scenario") -> Iterator[tuple[str, Section]]:
-    """Yield the tables in which something is left out that follows from other tables."""
+    """Yield the tables with omitted values, which are derived from other tables."""
     robot, clock, initial = scenario.robot, scenario.clock, scenario.initial
     room = (0.05, scenario.limits.v_u1[0]) if isinstance(robot.l, Unknown) else (0.2, robot.l)
     yield from _replaced(
@@ -119,7 +119,7 @@ def following(scenario: "Scenario") -> Iterator[tuple[str, Section]]:
 
 
 def _starts_at_rest(scenario: "Scenario") -> bool:
-    """True behind a guard that hears late: what it hears counts from rest on."""
+    """True with a guard and late velocity sensors, which assume rest before the start."""
     if not scenario.guard.enabled:
         return False
     bounds = (item.bounded(scenario) for item in EFFECTS.present(scenario))
@@ -127,7 +127,7 @@ def _starts_at_rest(scenario: "Scenario") -> bool:
 
 
 def _shares(section: Section, shares: Mapping[str, tuple[float, float]]) -> dict[str, object]:
-    """Fields of a section that are left out, each a share of a size, or of its placeholder."""
+    """Omitted fields of a section, each as a share of a size or of its placeholder."""
     values = vars(section)
     return {
         name: derived(share * size)
