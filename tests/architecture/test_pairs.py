@@ -12,7 +12,7 @@ TESTS = ROOT / "tests"
 
 
 @cache
-def tests() -> dict[Path, ast.Module]:
+def parsed() -> dict[Path, ast.Module]:
     """Every Python file below tests, parsed."""
     return {path: ast.parse(path.read_text("utf-8")) for path in sorted(TESTS.rglob("*.py"))}
 
@@ -20,7 +20,7 @@ def tests() -> dict[Path, ast.Module]:
 def test_what_tests_import_of_each_other_is_there():
     missing = {
         f"{path.relative_to(ROOT)}: {node.module}"
-        for path, tree in tests().items()
+        for path, tree in parsed().items()
         for node in nodes_of(tree)
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("tests.")
         if not is_there(node.module or "")

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.world.effect import Bound, Effect
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.model.system import System
-from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.registry import EFFECTS as REGISTRY
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 Changes = Mapping[str, Any]
 Rows = list[dict[str, list[float]]]
@@ -96,3 +97,44 @@ def delayed(motion: Rows, steps: int) -> Rows:
 def bound_of(effect: Effect, changes: Changes) -> Bound:
     assert effect.bound is not None
     return effect.bound(scenario(changes))
+
+
+BASE: Changes = {
+    "changes": [],
+    "base": {"kind": "velocity"},
+    "clock.control": 0.05,
+    "clock.duration": 3.0,
+    "limits": {"v_u1": [1.0, 2.0], "v_u2": [0.7, 1.4]},
+}
+
+
+def based(**base: Any) -> Scenario:
+    given = {**BASE, "base": {"kind": "velocity", **base}}
+    return override(load_scenario("paper-simulation-noise-free"), given)
+
+
+def acting(scenario: Scenario, commands: np.ndarray, draws: Sequence[float] = ()) -> np.ndarray:
+    """What one effect makes of commands (N, 2), one for each plant step."""
+    system = REGISTRY.present(scenario, EffectRole.COMMAND)[-1].system(scenario)
+    graph = system.function("act", [ca.densify(system.update), ca.densify(system.y)])
+    state, rows = np.array(system.x0), []
+    for number, command in enumerate(commands):
+        given = [*command, *([number] if len(system.inputs) > 2 else [])]
+        drawn = [[draws[number], 0.0]] if system.draws else []
+        state, y = evaluated(graph, given, state, system.p0, *drawn)
+        rows.append(y.ravel())
+    return np.array(rows)
+
+
+WHEELED = {"r": 0.1, "l": 0.25, "radius": (0.02, -0.01), "track": 0.02}
+GROUND = {"m": 50.0, "g": 9.81, "l": 0.25, "v_s": 0.01}
+
+
+def assert_is_twin(
+    effect: Effect, changes: Changes, twin: Callable[..., Any], late: int = 0
+) -> None:
+    """The System computes what its twin in plain Python does, fed with a motion that wanders."""
+    motion = delayed(rows(400, np.random.default_rng(7)), late)
+    wanted = np.array([twin(k, row) for k, row in enumerate(motion)])
+
+    assert np.abs(fed(effect.build(scenario(changes)), motion) - wanted).max() < 1e-12

@@ -10,9 +10,7 @@ from hypothesis import strategies as st
 
 from tests.papers_robot import paper_toml
 from wmr_ctrl.core.errors import ScenarioError, WmrError
-from wmr_ctrl.core.fields.section import build
 from wmr_ctrl.world.scenario import Scenario, load_scenario, loads_scenario
-from wmr_ctrl.world.scenario.command_filter import Filter
 
 TWO_CHANGES = "[[changes]]\nt = 40.0\nm = 60.0\n[[changes]]\n"
 POINTS = "[reference]\nkind = 'waypoints'\npoints = "
@@ -257,39 +255,3 @@ def test_an_error_names_the_file_that_it_is_in(tmp_path, text):
     file.write_text("")
     with pytest.raises(ScenarioError, match=r"[^)]$"):
         load_scenario(file, {"robot.r": -1})
-
-
-FILTER_INTERVALS = ("tau", "gain", "delay", "damping", "frequency", "mass", "inertia", "kp", "ki",
-                    "friction")  # fmt: skip
-
-
-@pytest.mark.parametrize("name", FILTER_INTERVALS)
-def test_an_interval_of_a_filter_is_the_right_way_round(name):
-    with pytest.raises(ScenarioError, match=rf"filter\.{name}\b"):
-        build(Filter, {"kind": "clip", name: [2.0, 1.0]})
-
-
-@pytest.mark.parametrize(
-    ("values", "word"),
-    [
-        ({"kind": "clip", "scale": "axes", "wheel_speed": 1.0}, 'filter.scale = "axes"'),
-        ({"kind": "clip", "scale": "axes", "channels": "wheels"}, 'filter.scale = "axes"'),
-        ({"kind": "governor", "tau": [1e-4, 101.0]}, "more than a factor of 1e6"),
-        ({"kind": "governor"}, "filter.tau is missing"),
-    ],
-)
-def test_what_a_filter_cannot_be_asked_for_together_is_refused(values, word):
-    with pytest.raises(ScenarioError) as refused:
-        build(Filter, values)
-    assert word in str(refused.value)
-
-
-def test_a_filter_may_know_a_time_constant_within_a_factor_of_a_million():
-    assert build(Filter, {"kind": "governor", "tau": [1e-4, 99.0]}).tau == (1e-4, 99.0)
-
-
-def test_a_gain_that_a_preset_states_need_not_be_left_out():
-    pi = {name: [1.0, 2.0] for name in ("mass", "inertia", "kp", "ki")} | {"loop": "pi"}
-    with pytest.raises(ScenarioError, match=r"state filter\.gain = \[1, 1\]"):
-        build(Filter, {"kind": "clip", "gain": [0.9, 1.1], **pi})
-    assert build(Filter, {"kind": "clip", "gain": [1, 1], **pi}).gain == (1.0, 1.0)

@@ -1,0 +1,80 @@
+"""Kinematics against the mathematics that defines them."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from wmr_ctrl.core.signals import PLANT_STATE, PSI
+from wmr_ctrl.world.model.kinematics import error_rate, error_rotation, pose_rate, tracking_error
+from wmr_proofs.paper_functions import constraint, velocity_map
+
+ANGLES = np.linspace(-7.0, 7.0, 29)
+
+
+def value(expression: ca.SX, symbols: list[ca.SX], *numbers: object) -> np.ndarray:
+    return ca.Function("value", symbols, [expression])(*numbers).full()
+
+
+def test_the_robot_never_moves_sideways() -> None:
+    """H' A = 0: every velocity that H allows satisfies the constraint (3)."""
+    theta = ca.SX.sym("theta")
+    product = velocity_map(theta).T @ constraint(theta)
+
+    assert max(abs(value(product, [theta], angle)).max() for angle in ANGLES) < 1e-15
+
+
+def test_pose_rate_is_h_times_v() -> None:
+    theta, v = ca.SX.sym("theta"), ca.SX.sym("v", 2)
+    gap = pose_rate(theta, v) - velocity_map(theta) @ v
+
+    assert all(not value(gap, [theta, v], angle, (0.3, -1.1)).any() for angle in ANGLES)
+
+
+def test_tracking_error_is_the_rotation_of_the_difference() -> None:
+    pose_d, pose = ca.SX.sym("pose_d", 3), ca.SX.sym("pose", 3)
+    gap = tracking_error(pose_d, pose) - error_rotation(pose[2]) @ (pose_d - pose)
+
+    assert abs(value(gap, [pose_d, pose], (1, 2, 3), (-0.5, 0.4, 0.9))).max() < 1e-15
+
+
+def test_error_rate_follows_from_both_kinematics() -> None:
+    """Eqs. (33)-(35) are the derivative of Eq. (8) along q' = H v, q_d' = H_d v_d."""
+    pose_d, pose, v_d, v = (ca.SX.sym(n, k) for n, k in (("qd", 3), ("q", 3), ("vd", 2), ("v", 2)))
+    e = tracking_error(pose_d, pose)
+    moving = ca.jtimes(
+        e, ca.vertcat(pose_d, pose), ca.vertcat(pose_rate(pose_d[2], v_d), pose_rate(pose[2], v))
+    )
+    gap = moving - error_rate(e, v, v_d)
+    for angle in ANGLES:
+        assert (
+            abs(
+                value(
+                    gap,
+                    [pose_d, pose, v_d, v],
+                    (1, 2, angle),
+                    (-1, 0.5, 0.3),
+                    (0.2, 0.1),
+                    (0.7, -1),
+                )
+            ).max()
+            < 1e-14
+        )
+
+
+def test_orientation_and_heading_are_what_their_meanings_say():
+    """As a formula that a reader types: both name the way in which the graph drives."""
+    theta = 0.3
+    known = {"theta": theta, "pi": math.pi}
+    forward = PLANT_STATE[2].meaning.split("forward = ")[1]
+    sines = {"sin": math.sin, "cos": math.cos, **known}
+    named = eval(re.sub(r"(sin|cos) theta", r"\1(theta)", forward), sines)
+    psi = eval(PSI.meaning.split("psi = ")[1], known)
+    driven = np.asarray(ca.evalf(pose_rate(ca.SX(theta), ca.SX([1.0, 0.0])))).ravel()
+
+    assert named == pytest.approx(driven[:2])
+    assert (math.cos(psi), math.sin(psi)) == pytest.approx(driven[:2])

@@ -1,0 +1,44 @@
+"""References in closed form, and what they are where nobody sizes them."""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+import pytest
+
+from wmr_ctrl.core.signals import LARGEST
+from wmr_ctrl.world.references.curves import (
+    CIRCLE,
+    LEMNISCATE,
+    LINE,
+    STOP_AND_GO,
+    Circle,
+    circle,
+    line,
+)
+
+
+def test_a_circle_and_a_line_are_their_formulas() -> None:
+    """Radius 2 m, 0.5 rad/s for 3 s; a line along (-sin, cos)."""
+    found = ca.evalf(circle(ca.SX(3.0), {"ref_radius": ca.SX(2.0), "ref_rate": ca.SX(0.5)}))
+    x, y = 2 * math.sin(1.5), 2 - 2 * math.cos(1.5)
+    assert found.full().ravel() == pytest.approx([x, y, 1.5 - math.pi / 2, 1.0, 0.5, 0, 0])
+
+    own = {"ref_speed": ca.SX(0.2), "ref_heading": ca.SX(0.3), "ref_origin": ca.SX([1.0, -1.0])}
+    found = ca.evalf(line(ca.SX(5.0), own)).full().ravel()
+    assert found[:2] == pytest.approx([1 - math.sin(0.3), -1 + math.cos(0.3)])
+    assert found[2:] == pytest.approx([0.3, 0.2, 0, 0, 0])
+
+
+@pytest.mark.parametrize("kind", [CIRCLE, LINE, LEMNISCATE, STOP_AND_GO])
+def test_what_is_left_out_is_within_the_limits(kind) -> None:
+    limits = (0.8, 1.2)
+    sizes = kind.section().sized(limits, (LARGEST, LARGEST))
+
+    assert all(value > 0 for value in sizes.values())
+    if kind is CIRCLE:
+        assert sizes == pytest.approx({"rate": 0.3, "radius": 0.4 / 0.3})
+        assert Circle(radius=10.0).sized(limits, (LARGEST, LARGEST))["rate"] == pytest.approx(0.04)
+    if kind is LINE:
+        assert sizes == {"speed": 0.4}

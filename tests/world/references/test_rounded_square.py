@@ -1,0 +1,35 @@
+"""Squares with smoothed corners."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.papers_robot import paper
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.references.rounded_square import RoundedSquare, square_path, square_points
+from wmr_ctrl.world.scenario import override
+
+
+@pytest.mark.parametrize("corner", [0.2, 1.5])
+def test_it_is_a_square_that_looks_alike_from_every_side(corner: float) -> None:
+    points = square_points(3.0, corner) - [0.0, 1.5]
+
+    assert np.abs(points).max(axis=0) == pytest.approx([1.5, 1.5], abs=1e-12)
+    quarter = len(points) // 4
+    turned = points[:quarter] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+    assert points[quarter : 2 * quarter] == pytest.approx(turned, abs=1e-12)
+
+
+def test_a_lap_takes_as_long_as_its_way_at_its_speed() -> None:
+    square = RoundedSquare(side=3.0, corner=0.8, speed=0.25)
+    sides = 4 * (3.0 - 2 * 0.8)
+
+    assert square.cycle == square_path(square).duration
+    assert sides + 4 * 0.8 * np.sqrt(2) < 0.25 * square.cycle < 12.0
+
+
+def test_two_corners_share_a_side() -> None:
+    with pytest.raises(ScenarioError, match=r"reference\.corner = 1\.6 must be at most half"):
+        override(paper(), {"reference.kind": "rounded-square", "reference.corner": 1.6,
+                           "reference.side": 3.0})  # fmt: skip

@@ -1,0 +1,56 @@
+"""The jerk limit of the firmware."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.world.motion import acting, based
+from wmr_ctrl.world.command_jerk import COMMAND_JERK, build
+
+JERKY = {"jerk": [3.0, 40.0]}
+
+
+def test_a_jerk_limit_bends_the_command_so_much_and_reaches_it_without_passing() -> None:
+    wanted = np.repeat([[0.5, 1.0], [-0.4, -2.0], [0.0, 0.0]], 2500, axis=0)
+    found = acting(based(**JERKY), wanted)
+    bends = np.diff(np.vstack((np.zeros((2, 2)), found)), n=2, axis=0)
+    assert (np.abs(bends) <= np.array([3.0, 40.0]) * 1e-6 * (1 + 1e-6)).all()
+    assert np.abs(bends).max(axis=0) == pytest.approx(np.array([3.0, 40.0]) * 1e-6, rel=1e-6)
+    assert found[[2499, 4999, 7499]] == pytest.approx(wanted[[2499, 4999, 7499]], abs=1e-12)
+    assert np.abs(found).max(axis=0) == pytest.approx([0.5, 2.0], rel=1e-12)
+    reached = np.argmax(np.isclose(found[:2500, 0], 0.5, rtol=1e-9))
+    assert reached * 1e-3 == pytest.approx(2 * (0.5 / 3.0) ** 0.5, rel=0.02)
+
+
+def test_an_axis_without_limit_is_where_its_command_is() -> None:
+    wanted = np.random.default_rng(2).uniform(-1, 1, (300, 2))
+    found = acting(based(jerk=[3.0, float("inf")]), wanted)
+    assert found[:, 1] == pytest.approx(wanted[:, 1], abs=1e-12)
+    assert np.abs(found[:, 0]).max() < 0.1
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.slow_but("0")
+def test_whatever_comes_it_stays_between_the_commands_so_far(seed: int) -> None:
+    """The hypothesis of the clip, which asks nothing else of a stage of the base."""
+    rng = np.random.default_rng(seed)
+    held = np.repeat(rng.uniform(-1, 1, (60, 2)), rng.integers(1, 150, 60), axis=0)
+    found = acting(based(**JERKY, **({"accel": [0.8, 5.0]} if seed % 2 else {})), held)
+    top = np.maximum.accumulate(np.vstack((np.zeros((1, 2)), held)), axis=0)[1:]
+    bottom = np.minimum.accumulate(np.vstack((np.zeros((1, 2)), held)), axis=0)[1:]
+    assert (found <= top + 1e-12).all()
+    assert (found >= bottom - 1e-12).all()
+    assert np.abs(found - held).max() > 0.1
+
+
+@pytest.mark.parametrize(("accel", "decel"), [(1.0, 3.0), (3.0, 1.0)])
+def test_the_rate_grows_to_the_larger_limit(accel: float, decel: float) -> None:
+    system = build(based(accel=[accel] * 2, decel=[decel] * 2))
+    step = system.function("step", [system.y, system.update])
+
+    sent, after = (part.full().ravel() for part in step([9.0, -9.0], [0.0] * 4, system.p0))
+
+    assert after[2:] == pytest.approx([3.0, -3.0])
+    assert sent == pytest.approx([3e-3, -3e-3])
+    assert "rounds" in COMMAND_JERK.bounded(based(**JERKY)).hidden

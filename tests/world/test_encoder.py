@@ -1,0 +1,115 @@
+"""Encoders: counts against a twin, and the time between counts."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.papers_robot import paper
+from tests.world import twins
+from tests.world.motion import EFFECTS, WHEELED, assert_is_twin, bound_of, fed, rows, scenario
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.encoder import ENCODER
+from wmr_ctrl.world.scenario import override
+
+PLAIN = {"r": 0.1, "l": 0.25, "radius": (0.0, 0.0), "track": 0.0}
+
+
+def test_counts_of_one_period_are_the_twins():
+    twin = twins.EncoderTwin({**PLAIN, "counts": 512, "periods": 1, "T": 0.01})
+
+    assert_is_twin(ENCODER, {"encoder.counts": 512}, twin)
+
+
+@pytest.mark.slow
+def test_counts_of_other_wheels_over_a_window_are_the_twins():
+    twin = twins.EncoderTwin({**WHEELED, "counts": 512, "periods": 4, "T": 0.01})
+
+    changes = {"encoder.counts": 512, "encoder.window": 0.04, **EFFECTS["wheels"]}
+    assert_is_twin(ENCODER, changes, twin)
+
+
+def test_less_than_one_count_is_nearest_to_one() -> None:
+    with pytest.raises(ScenarioError, match=r"The nearest is 1\."):
+        override(paper(), {"encoder.counts": 0.4})
+
+
+def test_the_time_between_counts_shows_a_steady_speed_to_rounding():
+    """Forwards, backwards, and so slow that a count takes many samples."""
+    effect = ENCODER.build(scenario(EFFECTS["encoder by time"]))
+    for speed in (0.5, -0.3, 0.004):
+        motion = rows(400, np.random.default_rng(1))
+        for k, row in enumerate(motion):
+            row |= {"path": [0.01 * k * speed], "theta": [0.0], "skid": [0.0]}
+        shown = fed(effect, motion)
+
+        assert np.abs(shown[-100:, 0] - speed).max() < 1e-9 * abs(speed)
+        assert np.abs(shown[:, 0]).max() <= abs(speed) * (1 + 1e-9)
+        assert not shown[:, 1].any()
+
+
+def test_the_time_between_counts_forgets_a_speed_when_the_robot_stops():
+    motion = rows(300, np.random.default_rng(1))
+    for k, row in enumerate(motion):
+        row |= {"path": [0.005 * min(k, 100)], "theta": [0.0], "skid": [0.0]}
+    shown = fed(ENCODER.build(scenario(EFFECTS["encoder by time"])), motion)[:, 0]
+    count = 2 * math.pi * 0.1 / 1024
+
+    assert shown[99] == pytest.approx(0.5)
+    assert (np.diff(shown[102:]) < 0).all()
+    assert shown[-1] < count / 1.9
+
+
+# Why the time between counts has no bound.
+
+COUNTS = pytest.mark.parametrize("counts", [64, 1024, 65536])
+
+
+def timed(counts: int, v1: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """(v1, omega) shown for velocities (n,) that hold over a sample each."""
+    motion = rows(len(v1) + 1, np.random.default_rng(1))
+    way, turn = (np.concatenate([[0.0], np.cumsum(0.01 * item)]) for item in (v1, omega))
+    for k, row in enumerate(motion):
+        row |= {"path": [float(way[k])], "theta": [float(turn[k])], "skid": [0.0]}
+    changes = {"encoder.counts": counts, "encoder.method": "time"}
+    return fed(ENCODER.build(scenario(changes)), motion)[1:]
+
+
+@COUNTS
+@pytest.mark.slow_but("64", "65536")
+def test_the_first_counts_after_a_stand_show_the_mean_over_all_of_it(counts):
+    v1 = np.concatenate([np.full(50, 0.5), np.zeros(1000), np.full(5, 0.9)])
+    shown = timed(counts, v1, 0 * v1)[:, 0]
+
+    assert v1[1050] == 0.9
+    assert shown[1050] < 0.01
+    assert shown[1052] == pytest.approx(0.9)
+
+
+@COUNTS
+def test_two_windows_mix_turn_and_thrust_whatever_the_counts(counts):
+    """The left wheel stands while the right one drives, then friction stops the turn."""
+    omega = np.concatenate([np.full(300, 1.5), np.zeros(20)])
+    v1 = np.full(320, 0.25 * 1.5)
+    v1[0] += 0.4 * 2 * math.pi * 0.1 / counts / 0.01  # so that the left wheel stands between edges
+    shown = timed(counts, v1, omega)
+    off = v1[300:] - shown[300:, 0]
+
+    assert off.max() == pytest.approx(0.25 * 1.5 / 2, rel=0.05)
+    assert bound_of(ENCODER, {"encoder.counts": counts, "encoder.method": "time"}).void
+
+
+@COUNTS
+@pytest.mark.slow_but("1024")
+def test_a_wheel_turns_by_nearly_a_count_unseen(counts):
+    """As far as a difference over one period may be off, of the mean over that period."""
+    count = 2 * math.pi * 0.1 / counts
+    speed = 0.98 * count / 0.01
+    v1 = np.zeros(2002)
+    v1[0], v1[2001] = 1.01 * count / 0.01, speed
+    shown = timed(counts, v1, 0 * v1)[2001, 0]
+    nbar = bound_of(ENCODER, {"encoder.counts": counts}).nbar[0]
+
+    assert 0.97 * nbar < speed - shown < nbar
