@@ -49,12 +49,13 @@ class Module:
                 yield from self._from(node)
 
     def _from(self, node: ast.ImportFrom) -> Iterator[str]:
-        base = self._absolute(node)
+        base = self.origin(node)
         for alias in node.names:
             full = f"{base}.{alias.name}"
             yield full if full in names_of_modules() else base
 
-    def _absolute(self, node: ast.ImportFrom) -> str:
+    def origin(self, node: ast.ImportFrom) -> str:
+        """The module that such a statement imports from."""
         if not node.level:
             return node.module or ""
         package = self.name if self.path.name == "__init__.py" else self.name.rpartition(".")[0]

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
 from wmr_ctrl import load_run, simulate
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.units import length, rounded
-from wmr_ctrl.results.obstacles import distance, nearest
+from wmr_ctrl.results.obstacles import nearest
 from wmr_ctrl.theory.corridor.clearance import find_clearance
 from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
 
-SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 CIRCLE, WALL = [0.0, 2.0, 0.5], [[2.6, -1.0], [2.8, -1.0], [2.8, 5.0], [2.6, 5.0]]
 
 
@@ -23,22 +20,6 @@ def placed(shapes, **others):
     """The guarded circle, of 2 m about (0, 2), with obstacles and a body of 0.3 m."""
     told = {"reference.keep_out": shapes, "body.radius": 0.3, **others}
     return override(load_scenario("safe-simulation"), told)
-
-
-def test_distances_from_a_square_are_those_of_its_sides_and_corners():
-    points = np.array([[2.0, 0.5], [2.0, 2.0], [0.5, 0.75], [-3.0, -4.0], [1.0, 0.5]])
-
-    assert distance(SQUARE, points) == pytest.approx([1.0, math.sqrt(2), -0.25, 5.0, 0.0])
-
-
-def test_distance_is_lipschitz_and_does_not_depend_on_where_the_polygon_begins():
-    rng = np.random.default_rng(1)
-    a, b = rng.uniform(-2, 3, size=(2, 500, 2))
-    turned, backwards = SQUARE[2:] + SQUARE[:2], SQUARE[::-1]
-
-    assert (np.abs(distance(SQUARE, a) - distance(SQUARE, b)) <= np.hypot(*(a - b).T) + 1e-12).all()
-    for same in (turned, backwards):
-        assert distance(same, a) == pytest.approx(distance(SQUARE, a), abs=1e-12)
 
 
 def test_clearance_of_a_circle_is_what_geometry_says():
@@ -101,11 +82,3 @@ def test_what_is_no_obstacle_is_refused(shapes, words):
 def test_obstacles_without_a_body_are_refused():
     with pytest.raises(ScenarioError, match=r"body\.radius is not stated"):
         override(load_scenario("safe-simulation"), {"reference.keep_out": [CIRCLE]})
-
-
-def test_lengths_are_never_said_to_be_less_than_they_are_nor_what_is_free_more():
-    assert (length(0.0072532), length(0.0072532, up=False)) == ("7.26 mm", "7.25 mm")
-    assert (length(0.1392), length(0.1392, up=False)) == ("0.14 m", "0.139 m")
-    assert length(0.1 + 0.2) == length(0.1 + 0.2, up=False) == "0.3 m"  # a double's own rounding
-    assert (rounded(-0.0123, 2), rounded(-0.0123, 2, up=False)) == ("-0.012", "-0.013")
-    assert (rounded(0.0, 2), rounded(float("inf"), 2)) == ("0", "inf")

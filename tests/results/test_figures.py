@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from wmr_ctrl.results.figures import FIGURES
+
 import json
 import math
 
@@ -115,3 +117,10 @@ def test_a_figure_of_another_package_with_a_name_of_ours_is_refused(monkeypatch)
 
     with pytest.raises(ArgumentError, match="'tau_rms' of another package"):
         list(FigureRegistry())
+
+
+def test_a_figure_is_found_by_its_name():
+    names = [figure.name for figure in FIGURES]
+
+    assert len(set(names)) == len(names)
+    assert [FIGURES[name].name for name in names] == names

@@ -19,10 +19,9 @@ from wmr_ctrl.results.measures import (
     torque_change_rms,
     tracked,
 )
-from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
 from wmr_ctrl.results.remarks import CHATTER, HELD_BACK, OF_LIMIT
 from wmr_ctrl.results.verdicts import Outlook
-from wmr_ctrl.results.windows import covered, working
+from wmr_ctrl.results.windows import working
 
 
 def stopped(time: float | None) -> Monitor:
@@ -68,13 +67,6 @@ def test_only_who_lived_beyond_the_goals_time_has_arrived(rows, end, there) -> N
     assert found == {"reference": 6.0, "robot": there}
 
 
-@pytest.mark.parametrize(("k", "stop"), [(3, 0.3), (3, 0.1 * 3), (2, 0.29), (3, 0.3999)])
-def test_a_period_counts_once_it_is_over_however_its_end_is_rounded(k: int, stop: float) -> None:
-    run = build(rows=5, duration=1.0, control=0.1, monitor=stopped(stop))
-
-    assert covered(run) == k
-
-
 def test_changes_of_torque_are_from_the_row_before_and_never_from_the_very_first() -> None:
     torque = np.array([[1.0, 1.0], [2.0, 5.0], [2.0, 2.0]])
     still = np.r_[9.0, np.zeros(9)]
@@ -99,36 +91,6 @@ def test_rises_of_the_barrier_are_counted_before_the_split() -> None:
 
     assert barrier(build(duration=0.1, split=0.05, V1=V1))["rises"] == 1
     assert barrier(build(duration=0.1, split=0.06, V1=V1))["rises"] == 2
-
-
-@pytest.mark.parametrize("count", [100, 101])
-def test_the_fast_swing_is_what_a_slow_part_leaves_of_the_power(count: int) -> None:
-    """By Parseval: half of a sine's square, all of what alternates from sample to sample."""
-    k, period = np.arange(count), 0.01
-    whole = 2 * np.pi * k / count
-    slow, fast = 5.0 + 0 * whole, 0.3 * np.sin(20 * whole)
-    other = 0.4 * np.cos(np.pi * k) if count % 2 == 0 else 0.4 * np.cos(50 * whole)
-    power = 0.3**2 / 2 + (0.4**2 if count % 2 == 0 else 0.4**2 / 2)
-
-    both = np.column_stack((slow + fast + other, slow))
-
-    assert fast_swing_rms(both, period) == pytest.approx(np.sqrt(power / 2))
-
-
-def test_a_swing_of_a_thousandth_of_a_newton_metre_is_none() -> None:
-    swing = np.sin(np.arange(200) * 2 * np.pi / 10)
-
-    assert oscillation(build(duration=2.0, tau_right=4e-4 * swing)) is None
-    assert oscillation(build(duration=2.0, tau_right=4e-3 * swing)) is not None
-
-
-@pytest.mark.parametrize(("periods", "told"), [(40, True), (10, False)])
-def test_of_few_periods_a_line_needs_more_of_the_power(periods: int, told: bool) -> None:
-    """Two waves in the last 8 s, the slower with a little more than half of the power."""
-    t = 0.01 * np.arange(1600)
-    waves = 1.05 * np.sin(2 * np.pi * periods / 8 * t) + np.sin(2 * np.pi * 200 / 8 * t)
-
-    assert (oscillation(build(duration=16.0, tau_right=waves, tau_left=waves)) is not None) is told
 
 
 ALTERNATING = np.where(np.arange(800) % 2, 1.0, -1.0)

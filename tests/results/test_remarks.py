@@ -83,95 +83,6 @@ def test_limit_cycles_under_delay_are_told(period: float, delay: float) -> None:
     assert "Nothing needs to be done" not in run.explanation
 
 
-@pytest.mark.parametrize(
-    ("law", "duration"),
-    [
-        ("pid", 2.0),
-        ("mb", 3.0),
-        pytest.param("nn", 2.0, marks=pytest.mark.slow),
-        pytest.param("prox", 5.0, marks=pytest.mark.slow),
-        pytest.param("smc", 10.0, marks=pytest.mark.slow),
-        pytest.param("kanayama", 20.0, marks=pytest.mark.slow),
-        pytest.param("pid", 30.0, marks=pytest.mark.slow),
-    ],
-)
-def test_a_short_run_that_settles_is_no_oscillation(law: str, duration: float) -> None:
-    """One or two periods are what the start leaves behind, a few more what noise does."""
-    for seed in range(3):
-        late = {"clock.duration": duration}
-        assert oscillation(simulate("paper-simulation", law, seed=seed, overrides=late)) is None
-
-
-def test_nor_is_a_guarded_far_start() -> None:
-    short = {"guard.enabled": True, "disturbance.truncate": 3.0, "clock.duration": 5.0}
-    assert oscillation(simulate("far-start", "prox", overrides=short)) is None
-
-
-@pytest.mark.parametrize(
-    ("duration", "period", "delay"),
-    [(10.0, 0.02, 0.06), (6.0, 0.05, 0.05), (20.0, 0.01, 0.05)],
-)
-@pytest.mark.slow_but("10.0-0.02-0.06")
-def test_limit_cycles_are_told_on_short_runs_too(
-    duration: float, period: float, delay: float
-) -> None:
-    late = {"clock.control": period, "actuator.delay": delay, "clock.duration": duration, **CYCLES}
-    found = oscillation(simulate("safe-simulation", "prox", overrides=late))
-
-    assert found is not None
-    assert found.swing == pytest.approx(40.0)  # the wheels give 20 N m either way
-    assert 2 < found.frequency < 3
-
-
-@pytest.mark.parametrize(("decay", "periods", "told"), [
-    (0.0, 40, True), (0.0, 5, True), (0.0, 2.5, False), (0.5, 40, False), (-0.3, 40, True),
-    (0.12, 40, False), (0.05, 40, True),
-])  # fmt: skip
-def test_a_cycle_has_periods_and_does_not_decay(
-    make_run: MakeRun, decay: float, periods: float, told: bool
-) -> None:
-    """exp(-decay t) sin(2 pi f t), the given number of periods in the last half of 16 s."""
-    t = 0.01 * np.arange(1600)
-    wave = np.exp(-decay * t) * np.sin(2 * np.pi * periods / 8 * t)
-    found = oscillation(make_run(duration=16.0, tau_right=wave, tau_left=wave))
-
-    assert (found is not None) is told
-
-
-@pytest.mark.parametrize(
-    ("law", "reference"),
-    [("prox", "lemniscate"), ("kanayama", "rounded-square"), ("nn", "stop-and-go")],
-)
-@pytest.mark.slow
-def test_noise_and_moving_references_are_no_oscillation(law: str, reference: str) -> None:
-    run = simulate("safe-simulation", law, overrides={"reference.kind": reference})
-
-    assert oscillation(run) is None
-
-
-@pytest.mark.parametrize("law", ["prox", "kanayama"])
-@pytest.mark.slow_but("prox")
-def test_nor_is_the_answer_to_noise_at_100_ms(law: str) -> None:
-    """With gains for 100 ms; with k1 = 16.8 and a slow observer prox does cycle."""
-    own = {"gains.prox.kinematics": [5.0, 81.0, 3.6], "gains.prox.rho": [13.9, 8.93],
-           "gains.prox.wo": 4.5}  # fmt: skip
-
-    assert oscillation(simulate("safe-simulation", law, overrides=AT_100_MS | own)) is None
-    if law == "prox":
-        slow = AT_100_MS | {"gains.prox": {"rho": [42.9, 21.74], "wo": 2.301}}
-        assert oscillation(simulate("safe-simulation", law, overrides=slow)) is not None
-
-
-def test_a_cycle_has_its_frequency_and_swing(make_run: MakeRun) -> None:
-    t = 0.01 * np.arange(800)
-    wave = 1.0 + np.sin(2 * np.pi * 5.0 * t)
-    found = oscillation(make_run(duration=8.0, tau_right=wave, tau_left=wave))
-
-    assert found is not None
-    assert found.frequency == pytest.approx(5.0, abs=0.05)
-    assert found.swing == pytest.approx(2.0, rel=0.02)
-
-
 def test_a_guard_that_holds_back_is_told() -> None:
     fast = {**AT_100_MS, "reference.kind": "line", "reference.speed": 0.9, "clock.duration": 40.0}
     run = simulate("safe-simulation", "kanayama", overrides={**fast, "changes": []})
@@ -237,12 +148,3 @@ def test_shares_read_as_percent() -> None:
     assert [percent(x) for x in shares] == [
         "0 %", "0.275 %", "50 %", "100 %", "100 %", "150 %", "1230 %",
     ]  # fmt: skip
-
-
-def test_a_swing_is_no_larger_than_the_wheels_allow(make_run: MakeRun) -> None:
-    """A square wave between the torque limits holds a line that is longer than the wave."""
-    square = np.where(np.arange(1600) % 40 < 20, 6.0, -6.0)
-    found = oscillation(make_run(duration=16.0, tau_right=square, tau_left=square))
-
-    assert found is not None
-    assert found.swing == pytest.approx(12.0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from hypothesis import strategies as st
 
 from wmr_ctrl.results import Monitor, Run, e_rms, ise, summary, tau_peak, tau_rms
 from wmr_ctrl.results.measures import ise_over
-from wmr_ctrl.results.windows import covered, window
 
 MakeRun = Callable[..., Run]
 CONTROLS = st.sampled_from([0.001, 0.01, 0.1, 0.3, 1 / 3])
@@ -74,34 +72,6 @@ def test_a_full_turn_of_the_angle_is_an_error_of_two_pi(make_run: MakeRun) -> No
     assert ise(make_run(theta=2 * math.pi))["total"] == pytest.approx(4 * math.pi**2)
 
 
-@given(k=st.integers(1, 299), control=CONTROLS)
-def test_windows_are_half_open(make_run: MakeRun, k: int, control: float) -> None:
-    spike = np.zeros(300)
-    spike[k] = 2.0
-    run = make_run(duration=300 * control, control=control, x=spike)
-
-    assert ise_over(run, 0.0, k * control) == 0.0
-    assert ise_over(run, k * control, (k + 1) * control) == pytest.approx(4.0 * control)
-    assert ise_over(run, (k + 1) * control, 300 * control) == 0.0
-
-
-@given(
-    a=st.integers(0, 1200),
-    b=st.integers(0, 1200),
-    control=st.sampled_from([Fraction(1, 100), Fraction(1, 10), Fraction(3, 10)]),
-)
-def test_a_window_holds_the_samples_that_exact_arithmetic_puts_there(
-    make_run: MakeRun, a: int, b: int, control: Fraction
-) -> None:
-    start, end = Fraction(a, 1000), Fraction(a + b, 1000)
-    run = make_run(duration=float(300 * control), control=float(control))
-    inside = [k for k in range(300) if start <= k * control < end]
-    rows = window(run, float(start), float(end))
-
-    assert rows is not None
-    assert list(range(300))[rows] == inside
-
-
 @pytest.mark.parametrize(("start", "end"), [(-0.1, 0.5), (0.5, 0.4), (0.0, 1.01), (2.0, 3.0)])
 def test_a_window_outside_the_run_has_no_figure(
     make_run: MakeRun, start: float, end: float
@@ -137,17 +107,6 @@ def test_a_period_that_the_run_did_not_live_through_is_not_covered(make_run: Mak
     assert run.rows == 100
     assert ise(run)["total"] is None
     assert ise_over(run, 0.0, 0.99) == pytest.approx(0.99)
-
-
-@given(k=st.integers(1, 99), control=CONTROLS)
-def test_a_stop_at_a_sample_covers_every_period_before_it(
-    make_run: MakeRun, k: int, control: float
-) -> None:
-    monitor = Monitor((2.0, 1000.0), 3, (0.0, 1), (k * control, 2), "diverged")
-    run = make_run(duration=100 * control, control=control, rows=k, monitor=monitor)
-
-    assert covered(run) == k
-    assert ise_over(run, 0.0, k * control) == 0.0
 
 
 def test_a_run_that_ended_at_once_has_no_figures(make_run: MakeRun) -> None:

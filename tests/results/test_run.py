@@ -13,7 +13,7 @@ import pytest
 from tests.equal_runs import runs_equal
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.core.signals import LOG_HEAD, Signal
-from wmr_ctrl.results import Monitor, Outcome, Run, Settings
+from wmr_ctrl.results import Monitor, Outcome, Run
 
 MakeRun = Callable[..., Run]
 
@@ -120,34 +120,6 @@ def test_further_diagnostics_of_a_law_are_columns_like_any(make_run: MakeRun) ->
 
     assert "W_norm[2]" in run
     assert np.array_equal(run["W_norm[2]"], np.full(100, 2.0))
-
-
-@pytest.mark.parametrize("control", [0.001, 0.01, 0.1, 1 / 3, 0.7])
-def test_every_sample_time_finds_its_own_index(control: float) -> None:
-    settings = Settings(control, control, 1000 * control, (1.0, 1.0), 0.0)
-
-    assert settings.samples == 1000
-    assert [settings.index(k * control) for k in range(1001)] == list(range(1001))
-    assert [settings.index((k + 0.5) * control) for k in range(1000)] == list(range(1, 1001))
-
-
-@pytest.mark.parametrize(
-    "fields",
-    [
-        {"control": 0.0},
-        {"plant": -0.001},
-        {"duration": float("inf")},
-        {"split": float("nan")},
-        {"rms_from": -1.0},
-        {"v_u1": (1.0, 0.0)},
-        {"v_u1": (float("nan"), 1.0)},
-    ],
-)
-def test_impossible_settings_are_refused_by_name(fields: dict[str, float]) -> None:
-    good = {"control": 0.01, "plant": 0.001, "duration": 1.0, "v_u1": (1.0, 1.5), "split": 0.5}
-
-    with pytest.raises(ArgumentError, match=next(iter(fields))):
-        Settings(**{**good, **fields})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

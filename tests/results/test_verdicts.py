@@ -12,7 +12,7 @@ from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.results import Run, tracked
 from wmr_ctrl.results.measures import saturated_share, torque_needed_rms, tracking
-from wmr_ctrl.results.oscillation import KEPT, SLOWEST, fast_swing_rms, oscillation
+from wmr_ctrl.results.verdicts import CorridorLeft, Outlook, Warning
 from wmr_ctrl.theory.checks.outlook import CheckVerdict, outlook, verdict
 
 MakeRun = Callable[..., Run]
@@ -138,50 +138,6 @@ def test_cycles_below_half_a_hertz_are_told(seed: int) -> None:
     assert {"oscillates", "objected"} <= keys(run)
 
 
-@pytest.mark.parametrize(("frequency", "swing", "told"), [
-    (0.2, 0.6, True), (0.2, 0.3, False), (0.05, 0.6, False), (2.0, 0.6, True),
-])  # fmt: skip
-def test_a_velocity_that_cycles_is_told_by_its_swing(
-    make_run: MakeRun, frequency: float, swing: float, told: bool
-) -> None:
-    """Peak to peak about the desired one, of a limit of 1.5 rad/s; 40 s are looked at."""
-    t = 0.01 * np.arange(8000)
-    run = make_run(duration=80.0, omega=swing / 2 * np.sin(2 * np.pi * frequency * t))
-    found = oscillation(run)
-
-    assert (found is not None) is told
-    if found is not None:
-        assert (found.quantity, found.unit) == ("omega", "rad/s")
-        assert found.frequency == pytest.approx(frequency, rel=0.05)
-
-
-@pytest.mark.parametrize(("share", "told"), [(KEPT - 0.1, False), (KEPT + 0.1, True)])
-def test_a_swing_that_falls_below_its_share_in_a_quarter_decays(
-    make_run: MakeRun, share: float, told: bool
-) -> None:
-    """A wave of 5 Hz whose last quarter has that share of the amplitude before."""
-    t = 0.01 * np.arange(1600)
-    wave = np.sin(10 * np.pi * t) * np.where(t < 14.0, 1.0, share)
-
-    assert (KEPT, oscillation(make_run(duration=16.0, tau_right=wave)) is not None) == (2 / 3, told)
-
-
-def test_what_is_faster_than_half_a_hertz_swings() -> None:
-    t = 0.01 * np.arange(4000)
-    slow, fast = (np.sin(2 * np.pi * f * SLOWEST * t) for f in (0.5, 4.0))
-    signal = np.stack((slow + 3 * fast, 3 * fast), axis=1)
-
-    assert fast_swing_rms(signal, 0.01) == pytest.approx(3 / np.sqrt(2))
-
-
-@pytest.mark.parametrize(("periods", "rms"), [(1, 0.0), (3, 0.0), (5, 1 / np.sqrt(2))])
-def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods: int, rms: float) -> None:
-    """A window of half a second, however fast they are."""
-    signal = np.sin(2 * np.pi * periods * np.arange(50) / 50)[:, None]
-
-    assert fast_swing_rms(signal, 0.01) == pytest.approx(rms, abs=1e-9)
-
-
 @pytest.mark.slow
 def test_encoders_beside_the_true_pose_are_told() -> None:
     counted = {"encoder.counts": 8192.0, "clock.duration": 20.0}
@@ -264,3 +220,17 @@ def test_a_law_is_judged_in_a_word(preset: str, law: str, word: CheckVerdict) ->
     seen = outlook(scenario_of(preset), law)
 
     assert verdict(seen.warnings, simulate(preset, law)) is word
+
+
+def test_what_theory_says_is_a_sentence_with_its_place_and_only_some_of_it_objects() -> None:
+    fault, limit = (Warning("law", text, "Eq. (9)", text == "a") for text in "ab")
+
+    assert str(fault) == "a [Eq. (9)]"
+    assert Outlook(1.0, (fault, limit), exact_pose=True).objections == (fault,)
+
+
+def test_a_corridor_that_was_left_is_told_in_numbers() -> None:
+    left = CorridorLeft(12.0, 0.0305, 0.02, 3.0, "dbar holds")
+
+    assert left.sentence.startswith("At t = 12 s the robot was 30.5 mm from its place")
+    assert "no more than 20 mm are possible while dbar holds" in left.sentence

@@ -5,6 +5,9 @@ Each toy runs natively, in lanes, in the closed-loop FMU and in co-simulation, w
 
 from __future__ import annotations
 
+from wmr_ctrl.world.effect import EffectRole
+from wmr_ctrl.world.registry import EFFECTS, OURS, SHARED
+
 import numpy as np
 import pytest
 from fmpy import simulate_fmu
@@ -239,3 +242,20 @@ def test_structures_of_foreign_effects_are_never_shared():
 
     assert one.compiled.structure != other.compiled.structure
     assert one.compiled.library == other.compiled.library  # their C is the same all the same
+
+
+def test_effects_have_names_and_sections_of_their_own():
+    names = [effect.name for effect in EFFECTS]
+
+    assert len(set(names)) == len(names) > len(OURS)
+    assert all(effect.section.__doc__ for effect in EFFECTS)
+    assert not set(EFFECTS.sections()) & set(SHARED)
+
+
+def test_only_what_acts_in_a_role_is_present():
+    scenario = scenario_of("paper-simulation", {"gust.size": [1.0, 0.0]})
+
+    pushing = {item.name for item in EFFECTS.present(scenario, EffectRole.DISTURBANCE)}
+    assert "gust" in pushing
+    assert "slope" not in pushing
+    assert pushing < {item.name for item in EFFECTS.present(scenario)}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from wmr_ctrl.control.laws.registry import LAWS
+
 from importlib.metadata import EntryPoint
 
 import numpy as np
@@ -69,3 +71,8 @@ def test_an_entry_point_that_cannot_be_loaded_is_named(monkeypatch: pytest.Monke
 
     with pytest.raises(ArgumentError, match=r"'lost' = 'nowhere_at_all:LAW'.* cannot be loaded"):
         LAWS["lost"]
+
+
+def test_a_law_is_found_by_the_name_that_it_gives_itself():
+    assert len(LAWS) == len(set(LAWS)) > 3
+    assert all(law.name == name for name, law in LAWS.items())

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from wmr_ctrl.world.references.speed_profile import PathLimits, fastest
+from wmr_ctrl.world.references.waypoints import waypoint_path
+
 import math
 from dataclasses import replace
 from itertools import pairwise
@@ -162,3 +165,14 @@ def test_errors_name_the_pose(tmp_path, text, message):
     with pytest.raises(ScenarioError, match=r"way\.yaml") as caught:
         read_points(tmp_path / "way.yaml")
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("top", "time"), [(10.0, 2 * math.sqrt(4.0 / 0.5)), (0.4, 4.0 / 0.4 + 0.4 / 0.5)]
+)
+def test_a_straight_line_takes_as_long_as_a_triangle_or_a_trapezium_of_speed(top, time):
+    """4 m at 0.5 m/s2, with and without a limit of the speed."""
+    path = waypoint_path(Waypoints(points=((0.0, 0.0), (4.0, 0.0)), **PLAIN))
+    limits = PathLimits(speed=top, turning=1.0, acceleration=0.5, angular_acceleration=1.0)
+
+    assert fastest(path, limits, rest=True, stop=True).duration == pytest.approx(time, rel=0.01)

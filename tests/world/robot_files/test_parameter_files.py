@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from wmr_ctrl.world.robot_files.parameter_files import nodes
+
 import random
 
 import pytest
@@ -201,3 +203,11 @@ def test_other_files_are_refused_by_name(name, tmp_path):
         (tmp_path / name).write_text("x", encoding="utf-8")
     with pytest.raises(ScenarioError, match=name):
         read_robot_files([tmp_path / name])
+
+
+def test_nodes_have_their_parameters_flat_by_dotted_name():
+    of_ros2 = {"/**": {"a": {"/b": {"ros__parameters": {"x": {"y": 1}, "z": [2, 3]}}}}}
+
+    assert list(nodes(of_ros2)) == [("a/b", {"x.y": 1, "z": [2, 3], "z[1]": 2, "z[2]": 3})]
+    assert list(nodes({"c": {"type": "drive", "r": 1}})) == [("c", {"type": "drive", "r": 1})]
+    assert list(nodes({"type": "no node"})) == list(nodes(7)) == []

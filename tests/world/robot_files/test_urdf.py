@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from wmr_ctrl.world.robot_files import urdf
+from wmr_ctrl.world.robot_files.xml_text import tree
+
 import math
 import random
 
@@ -225,3 +228,13 @@ def test_xacro_is_expanded_with_packages_of_the_workspace(tmp_path):
     )
 
     assert read_robot_files([file]).found["robot.l"].value == 0.3
+
+
+def test_wheels_are_found_by_the_joints_that_a_controller_names():
+    turned = wheel("lidar", 0.3, 0.0, radius=0.03)
+    root = tree(robot(wheel("a", 0.0, 0.3), wheel("b", 0.0, -0.3), turned), "robot.urdf")
+
+    found = {item.key: item.value for item in urdf.read(root, "robot.urdf", ["a_joint", "b_joint"])}
+
+    assert found["robot.r"] == pytest.approx(0.1)
+    assert found["robot.l"] == pytest.approx(0.3)

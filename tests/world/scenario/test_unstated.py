@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from tests.papers_robot import paper
+from wmr_ctrl.world.scenario import sections
+from wmr_ctrl.world.scenario.unstated import guessed_keys, missing_keys, missing_text, unknown_keys
+
 import tomllib
 from dataclasses import replace
 
@@ -214,3 +218,14 @@ def test_gains_follow_the_robot_unless_they_are_stated():
     assert settle(heavy, "pid").gains.Kp[0] == pytest.approx(2 * settle(light, "pid").gains.Kp[0])
     assert settle(stated, "pid").gains.Kp == (5.0, 5.0)
     assert all(settle(light, law).gains for law in LAWS)
+
+
+def test_what_is_missing_unknown_or_guessed_is_listed():
+    base = from_dict(VELOCITY)
+
+    assert missing_keys(paper()) == unknown_keys(paper()) == guessed_keys(paper()) == ()
+    assert set(unknown_keys(base)) >= {"robot.m", "robot.I"}
+    assert guessed_keys(base) == ("base.tau",)
+    one = missing_text(("robot.m",), sections())
+    assert one.startswith("A key is missing: robot.m [kg]: ")
+    assert "state them, or extend" in missing_text(("robot.m", "reference.kind"), sections())

@@ -1,0 +1,407 @@
+"""Bags: what a robot's topics hold arrives under our names, in our angles, on one clock."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.core.errors import ArgumentError, ResultFileError
+
+pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
+
+from rosbags.rosbag2 import StoragePlugin, Writer
+
+from wmr_ctrl.results.bag import (
+    JOINTS,
+    ODOMETRY,
+    ROW,
+    SECOND,
+    STAMPED,
+    TWIST,
+    message_types,
+)
+from wmr_ctrl.results.bag_topics import read_topics
+
+TYPES = message_types().types
+EPOCH = 1_700_000_000
+WHEELS = ("base_right_wheel", "base_left_wheel")
+
+
+def header(t, frame="odom"):
+    ns = round(t * SECOND)
+    time = TYPES["builtin_interfaces/msg/Time"](sec=ns // SECOND, nanosec=ns % SECOND)
+    return TYPES["std_msgs/msg/Header"](stamp=time, frame_id=frame)
+
+
+def twist(v, w):
+    vector = TYPES["geometry_msgs/msg/Vector3"]
+    return TYPES[TWIST](linear=vector(x=v, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=w))
+
+
+def odometry(t, v=0.5, w=0.0, pose=(0.0, 0.0, 0.0), frame="odom", norm=1.0):
+    x, y, yaw = pose
+    turn = TYPES["geometry_msgs/msg/Quaternion"](
+        x=0.0, y=0.0, z=norm * math.sin(yaw / 2), w=norm * math.cos(yaw / 2)
+    )
+    point = TYPES["geometry_msgs/msg/Point"](x=x, y=y, z=0.0)
+    nothing = np.zeros(36)
+    return TYPES[ODOMETRY](
+        header=header(t, frame),
+        child_frame_id="base_link",
+        pose=TYPES["geometry_msgs/msg/PoseWithCovariance"](
+            pose=TYPES["geometry_msgs/msg/Pose"](position=point, orientation=turn),
+            covariance=nothing,
+        ),
+        twist=TYPES["geometry_msgs/msg/TwistWithCovariance"](twist=twist(v, w), covariance=nothing),
+    )
+
+
+def joints(t, angle=(), speed=(), effort=(), names=WHEELS):
+    return TYPES[JOINTS](
+        header=header(t, ""), name=list(names), position=np.array(angle, float),
+        velocity=np.array(speed, float), effort=np.array(effort, float),
+    )  # fmt: skip
+
+
+def array(*values):
+    layout = TYPES["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
+    return TYPES[ROW](layout=layout, data=np.array(values))
+
+
+def bag(folder, messages, plugin=StoragePlugin.MCAP):
+    """A bag of (topic, type, time of receipt [s], message)."""
+    place = folder / "drive"
+    with Writer(place, version=9, storage_plugin=plugin) as writer:
+        connections = {
+            (topic, kind): writer.add_connection(topic, kind, typestore=message_types())
+            for topic, kind in dict.fromkeys((topic, kind) for topic, kind, _, _ in messages)
+        }
+        for topic, kind, t, message in messages:
+            data = message_types().serialize_cdr(message, kind)
+            writer.write(connections[topic, kind], round(t * SECOND), data)
+    return place
+
+
+def odom_at(stamps, late=0.0, **about):
+    return [("/odom", ODOMETRY, t + late, odometry(t, **about)) for t in stamps]
+
+
+@pytest.mark.parametrize("plugin", StoragePlugin)
+def test_a_drive_around_a_circle_arrives_in_our_frame(tmp_path, plugin):
+    """REP 103 has 0 along +X: there theta is -pi/2, it is not wrapped, and speeds are the same."""
+    t = EPOCH + np.arange(0, 10, 0.1)
+    yaw = 1.3 * (t - EPOCH)
+    poses = list(zip(0.4 / 1.3 * np.sin(yaw), 0.4 / 1.3 * (1 - np.cos(yaw)), yaw, strict=True))
+    messages = [
+        ("/robot/odom", ODOMETRY, s, odometry(s, 0.4, 1.3, pose))
+        for s, pose in zip(t, poses, strict=True)
+    ]
+
+    place = bag(tmp_path, messages, plugin)
+    whole = read_topics(place)
+
+    assert whole.times["theta_measured"] == pytest.approx(t - EPOCH, abs=1e-6)
+    theta = whole.columns["theta_measured"]
+    assert theta == pytest.approx(yaw - math.pi / 2, abs=1e-9)
+    x, y = whole.columns["x_measured"], whole.columns["y_measured"]
+    middle = (theta[1:] + theta[:-1]) / 2
+    way = np.hypot(np.diff(x), np.diff(y))
+    assert np.diff(x) == pytest.approx(-np.sin(middle) * way, abs=1e-12)
+    assert np.diff(y) == pytest.approx(np.cos(middle) * way, abs=1e-12)
+    assert set(whole.columns["omega_measured"]) == {1.3}
+
+    file = next(path for path in place.iterdir() if path.suffix in (".mcap", ".db3"))
+    alone = read_topics(file)
+    assert all(np.array_equal(alone.columns[key], whole.columns[key]) for key in whole.columns)
+
+
+def test_stamps_count_before_times_of_receipt(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    jitter = np.random.default_rng(0).uniform(0, 0.03, len(t))
+    messages = odom_at(t, late=0.0)
+    late = [
+        (topic, kind, s + j, m) for (topic, kind, s, m), j in zip(messages, jitter, strict=True)
+    ]
+
+    told = read_topics(bag(tmp_path, late))
+
+    assert told.times["v1_measured"] == pytest.approx(t - EPOCH, abs=1e-6)
+    assert any("times are the stamps" in text for text in told.remarks)
+
+
+@pytest.mark.parametrize(("apart", "two"), [(0.4, False), (-0.4, False), (0.6, True), (-0.6, True)])
+def test_clocks_half_a_second_apart_are_one(tmp_path, apart, two):
+    t = np.arange(1, 7, 0.1)
+    messages = odom_at(EPOCH + t, late=apart)
+    messages += [("/cmd_vel", TWIST, EPOCH + s, twist(0.5, 0.0)) for s in t]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert any("two clocks" in text for text in told.remarks) is two
+    delay = told.times["v1_measured"][0] - told.times["v_command"][0]
+    assert delay == pytest.approx(apart if two else 0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("rate", [0.59, 0.995, 1.0, 3.0])
+@pytest.mark.parametrize("pause", [0.0, 8.0])
+def test_receipts_of_commands_are_put_on_the_stamps_of_another_clock(tmp_path, rate, pause):
+    """A simulation at `rate` of real time that may stand still, messages up to 30 ms late."""
+    rng, t = np.random.default_rng(0), np.arange(1, 21, 0.05)
+    late = 0.002 + np.minimum(rng.exponential(0.004, (2, len(t))), 0.03)
+    odom, sent = EPOCH + t / rate + pause * (t > 9.98) + late
+    messages = [("/odom", ODOMETRY, r, odometry(s)) for r, s in zip(odom, t, strict=True)]
+    messages += [("/cmd_vel", TWIST, r, twist(0.5, 0.0)) for r in sent]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    off = told.times["v_command"] - told.times["v_command"][0] - (t - t[0])
+    assert np.abs(off).max() < 0.035 * max(rate, 1.0)
+    assert told.times["v_command"][0] < 0.035 * max(rate, 1.0)
+    assert told.times["v1_measured"][-1] == pytest.approx(t[-1] - t[0], abs=0.03 * rate)
+    said = " ".join(told.remarks)
+    assert "two clocks" in said
+    assert ("runs at" in said) is (rate != 1.0)
+    assert ("stands still for 8 s" in said) is bool(pause)
+
+
+def test_clocks_whose_rates_differ_are_told_though_they_begin_together(tmp_path):
+    t = EPOCH + np.arange(0, 20, 0.05)
+    drift = 1.01 * (t - EPOCH)
+    messages = [("/odom", ODOMETRY, EPOCH + r, odometry(s)) for r, s in zip(drift, t, strict=True)]
+    messages += [("/cmd_vel", TWIST, EPOCH + r, twist(0.5, 0.0)) for r in drift]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert told.times["v_command"] == pytest.approx(told.times["v1_measured"], abs=1e-6)
+
+
+def test_stamps_of_two_clocks_are_put_on_one(tmp_path):
+    """Commands stamped by another machine, whose clock is days off."""
+    t = np.arange(1, 7, 0.1)
+    messages = odom_at(EPOCH + t, late=0.002)
+    kind = TYPES[STAMPED]
+    messages += [
+        ("/cmd_vel", STAMPED, EPOCH + s + 0.002, kind(header=header(s), twist=twist(0.5, 0.0)))
+        for s in t
+    ]
+
+    told = read_topics(bag(tmp_path, messages, StoragePlugin.SQLITE3))
+
+    assert told.times["v_command"] == pytest.approx(told.times["v1_measured"], abs=0.01)
+
+
+def test_a_simulation_whose_rate_changes_is_refused_with_both_rates(tmp_path):
+    t = np.arange(1, 21, 0.05)
+    received = EPOCH + np.where(t < 10, 2 * t, 10 + t)
+    messages = [("/odom", ODOMETRY, r, odometry(s)) for r, s in zip(received, t, strict=True)]
+    messages += [("/cmd_vel", TWIST, r, twist(0.5, 0.0)) for r in received]
+
+    with pytest.raises(ResultFileError, match=r"run at 0.5 to 1 seconds in a second"):
+        read_topics(bag(tmp_path, messages))
+
+
+def test_messages_out_of_order_are_sorted_and_repeated_ones_left_out(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    stamps = t.copy()
+    stamps[[20, 21]] = stamps[[21, 20]]
+    stamps[40] = stamps[39]
+    messages = [
+        ("/odom", ODOMETRY, t[k], odometry(s, v=float(round((s - EPOCH) / 0.1))))
+        for k, s in enumerate(stamps)
+    ]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert np.all(np.diff(told.times["v1_measured"]) > 0)
+    assert told.columns["v1_measured"] == pytest.approx(
+        np.round(told.times["v1_measured"] / 0.1), abs=1e-9
+    )
+    assert len(told.times["v1_measured"]) == len(t) - 1
+    assert any("out of order" in text for text in told.remarks)
+    assert any("repeat a stamp" in text for text in told.remarks)
+
+
+def test_a_clock_that_was_set_back_is_refused(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    messages = odom_at(t) + [("/odom", ODOMETRY, s + 6, odometry(s)) for s in t]
+
+    with pytest.raises(ResultFileError, match="goes back by"):
+        read_topics(bag(tmp_path, messages))
+
+
+@pytest.mark.parametrize(("back", "refused"), [(0.95, False), (1.05, True)])
+def test_a_message_a_second_late_is_put_in_order_and_a_later_one_is_a_clock_set_back(
+    tmp_path, back, refused
+):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    messages = odom_at(t)
+    messages[41] = ("/odom", ODOMETRY, t[41], odometry(t[40] - back, v=7.0))
+    place = bag(tmp_path, messages)
+
+    if refused:
+        with pytest.raises(ResultFileError, match=r"by 1.05 s at message 42"):
+            read_topics(place)
+    else:
+        told = read_topics(place)
+        at = told.times["v1_measured"][told.columns["v1_measured"] == 7.0]
+        assert at == pytest.approx([t[40] - EPOCH - back], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("about", "word"),
+    [
+        ({"frame": "map"}, "frame map"),
+        ({"frame": "robot/map"}, "frame map"),
+        ({"norm": 0.0}, "no rotations"),
+        ({"norm": 1.02}, "no rotations"),
+        ({}, "never change"),
+    ],
+)
+def test_poses_that_tell_no_motion_are_left_out(tmp_path, about, word):
+    """Of quaternions one that is no rotation is enough."""
+    s = np.arange(0, 6, 0.1)
+    messages = [
+        ("/odom", ODOMETRY, EPOCH + t, odometry(EPOCH + t, pose=(t if about else 0, 0, 0), **own))
+        for t in s
+        for own in [about if "norm" not in about or t == s[7] else {}]
+    ]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert set(told.columns) == {"v1_measured", "omega_measured"}
+    assert any(word in text for text in told.remarks)
+
+
+def test_joints_are_found_by_their_side_and_by_their_names(tmp_path):
+    names = ("caster", "base_left_wheel", "base_right_wheel")
+    messages = [
+        ("/joint_states", JOINTS, EPOCH + s,
+         joints(EPOCH + s, (0.0, s, 2 * s), (math.nan,) * 3, (9.0, 1.0, 2.0), names))
+        for s in np.arange(0, 6, 0.1)
+    ]  # fmt: skip
+    place = bag(tmp_path, messages)
+
+    told = read_topics(place)
+    other = read_topics(place, {"right": "base_left_wheel", "left": "caster"})
+
+    assert told.columns["wheel_angle[1]"] == pytest.approx(2 * told.columns["wheel_angle[2]"])
+    assert set(told.columns["tau_right"]) == {2.0}
+    assert "wheel_speed[1]" not in told.columns
+    assert set(other.columns["tau_left"]) == {9.0}
+    with pytest.raises(ResultFileError, match="right: none"):
+        read_topics(place, {"right": "nobody"})
+
+
+def test_four_wheels_are_averaged_and_other_joints_and_publishers_are_not_mixed_in(tmp_path):
+    wheels = ("front_left_wheel", "front_right_wheel", "rear_left_wheel", "rear_right_wheel")
+    messages = []
+    for s in np.arange(0, 3, 0.1):
+        turns = (s, 2 * s, 3 * s, 4 * s)
+        messages += [
+            ("/joint_states", JOINTS, EPOCH + s, joints(EPOCH + s, turns, turns, turns, wheels)),
+            ("/joint_states", JOINTS, EPOCH + s + 0.03,
+             joints(EPOCH + s + 0.03, *(3 * ((7.0, 7.0),)), ("arm_left", "arm_right"))),
+        ]  # fmt: skip
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert told.columns["wheel_angle[1]"] == pytest.approx(3 * np.arange(0, 3, 0.1))
+    assert told.columns["wheel_angle[2]"] == pytest.approx(2 * np.arange(0, 3, 0.1))
+    assert any("not read: arm_left, arm_right" in text for text in told.remarks)
+
+
+def test_joints_that_could_be_two_pairs_are_a_remark_where_other_topics_suffice(tmp_path):
+    names = ("a_left", "b_left", "a_right")
+    messages = [
+        item
+        for s in np.arange(0, 3, 0.1)
+        for item in (
+            ("/odom", ODOMETRY, EPOCH + s, odometry(EPOCH + s)),
+            ("/joint_states", JOINTS, EPOCH + s, joints(EPOCH + s, *(3 * ((s, s, s),)), names)),
+        )
+    ]
+    place = bag(tmp_path, messages)
+
+    told = read_topics(place)
+    left_out = read_topics(place, {"joints": "none"})
+
+    assert "wheel_angle[1]" not in told.columns
+    assert any("left: a_left, b_left" in text for text in told.remarks)
+    assert not any("a_left" in text for text in left_out.remarks)
+    with pytest.raises(ResultFileError, match="is not clear"):
+        read_topics(place, {"joints": "/joint_states"})
+
+
+def test_bags_of_ros_1_are_read(tmp_path):
+    from rosbags.rosbag1 import Writer as OldWriter
+    from rosbags.typesys import Stores, get_typestore
+
+    types = get_typestore(Stores.ROS1_NOETIC)
+    kind = types.types
+    with OldWriter(tmp_path / "old.bag") as writer:
+        there = writer.add_connection("/cmd_vel", TWIST, typestore=types)
+        for k in range(20):
+            vector = kind["geometry_msgs/msg/Vector3"]
+            message = kind[TWIST](
+                linear=vector(x=0.1 * k, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=1.0)
+            )
+            data = types.serialize_ros1(message, TWIST)
+            writer.write(there, (EPOCH + k) * SECOND, data)
+
+    told = read_topics(tmp_path / "old.bag")
+
+    assert told.columns["v_command"] == pytest.approx(0.1 * np.arange(20))
+
+
+def test_efforts_of_a_topic_go_before_those_of_joints(tmp_path):
+    messages = []
+    for s in np.arange(0, 6, 0.1):
+        messages += [
+            ("/joint_states", JOINTS, EPOCH + s, joints(EPOCH + s, (s, s), (), (1.0, 1.0))),
+            ("/effort/commands", ROW, EPOCH + s, array(3.0, 4.0)),
+        ]
+
+    told = read_topics(bag(tmp_path, messages), {"effort": "/effort/commands"})
+
+    assert set(told.columns["tau_right"]) == {3.0}
+    assert set(told.columns["tau_left"]) == {4.0}
+
+
+def test_topics_are_asked_for_by_role_and_what_is_not_there_is_named(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    messages = [("/a/odom", ODOMETRY, s, odometry(s, v=1.0)) for s in t]
+    messages += [("/b/odom", ODOMETRY, s, odometry(s, v=2.0)) for s in t]
+    place = bag(tmp_path, messages)
+
+    assert set(read_topics(place, {"odom": "/b/odom"}).columns["v1_measured"]) == {2.0}
+    with pytest.raises(ResultFileError, match="would all fit"):
+        read_topics(place)
+    with pytest.raises(ResultFileError, match=r"/a/odom \(nav_msgs/msg/Odometry\)"):
+        read_topics(place, {"odom": "/b/odom", "cmd": "/cmd_vel"})
+    with pytest.raises(ArgumentError, match="unknown role"):
+        read_topics(place, {"speed": "/odom"})
+
+
+def test_what_is_no_bag_is_refused_in_one_paragraph(tmp_path):
+    (tmp_path / "noise.mcap").write_bytes(b"no bag")
+    (tmp_path / "noise.db3").write_bytes(b"no bag")
+
+    for name in ("noise.mcap", "noise.db3", "none.mcap"):
+        with pytest.raises(ResultFileError, match="cannot be read") as told:
+            read_topics(tmp_path / name)
+        assert "\n" not in str(told.value)
+
+
+def test_stamped_commands_and_plain_ones_are_the_same(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    stamped = TYPES[STAMPED]
+    messages = odom_at(t)
+    messages += [("/cmd_vel", STAMPED, s, stamped(header=header(s), twist=twist(0.2, -0.3)))
+                 for s in t]  # fmt: skip
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert set(told.columns["v_command"]) == {0.2}
+    assert set(told.columns["omega_command"]) == {-0.3}

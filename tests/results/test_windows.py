@@ -1,0 +1,109 @@
+"""Windows of samples, and whether a run lasted through them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.results.conftest import build
+from wmr_ctrl.results import Monitor, Run, Settings
+from wmr_ctrl.results.measures import ise_over
+from wmr_ctrl.results.windows import (
+    at_rest,
+    covered,
+    drive,
+    driving,
+    labouring,
+    robots_over,
+    rows_of,
+    window,
+    windows_of,
+    working,
+)
+
+MakeRun = Callable[..., Run]
+CONTROLS = st.sampled_from([0.001, 0.01, 0.1, 0.3, 1 / 3])
+SETTINGS = Settings(0.1, 0.01, 8.0, (1.0, 1.5), 4.0)
+
+
+@given(k=st.integers(1, 299), control=CONTROLS)
+def test_windows_are_half_open(make_run: MakeRun, k: int, control: float) -> None:
+    spike = np.zeros(300)
+    spike[k] = 2.0
+    run = make_run(duration=300 * control, control=control, x=spike)
+
+    assert ise_over(run, 0.0, k * control) == 0.0
+    assert ise_over(run, k * control, (k + 1) * control) == pytest.approx(4.0 * control)
+    assert ise_over(run, (k + 1) * control, 300 * control) == 0.0
+
+
+@given(
+    a=st.integers(0, 1200),
+    b=st.integers(0, 1200),
+    control=st.sampled_from([Fraction(1, 100), Fraction(1, 10), Fraction(3, 10)]),
+)
+def test_a_window_holds_the_samples_that_exact_arithmetic_puts_there(
+    make_run: MakeRun, a: int, b: int, control: Fraction
+) -> None:
+    start, end = Fraction(a, 1000), Fraction(a + b, 1000)
+    run = make_run(duration=float(300 * control), control=float(control))
+    inside = [k for k in range(300) if start <= k * control < end]
+    rows = window(run, float(start), float(end))
+
+    assert rows is not None
+    assert list(range(300))[rows] == inside
+
+
+@given(k=st.integers(1, 99), control=CONTROLS)
+def test_a_stop_at_a_sample_covers_every_period_before_it(
+    make_run: MakeRun, k: int, control: float
+) -> None:
+    monitor = Monitor((2.0, 1000.0), 3, (0.0, 1), (k * control, 2), "diverged")
+    run = make_run(duration=100 * control, control=control, rows=k, monitor=monitor)
+
+    assert covered(run) == k
+    assert ise_over(run, 0.0, k * control) == 0.0
+
+
+@pytest.mark.parametrize(("k", "stop"), [(3, 0.3), (3, 0.1 * 3), (2, 0.29), (3, 0.3999)])
+def test_a_period_counts_once_it_is_over_however_its_end_is_rounded(k: int, stop: float) -> None:
+    ended = Monitor((0.0, 0.0), stopped=(stop, 1), stop_reason="diverged")
+    run = build(rows=5, duration=1.0, control=0.1, monitor=ended)
+
+    assert covered(run) == k
+
+
+def test_a_motion_is_judged_over_its_end_and_a_path_that_stops_over_its_drive():
+    stops = replace(SETTINGS, arrival=6.0)
+
+    assert (drive(SETTINGS), working(SETTINGS), at_rest(SETTINGS)) == ((60, 80), (40, 80), (80, 80))
+    assert (drive(stops), working(stops), at_rest(stops)) == ((30, 60), (30, 60), (60, 80))
+    assert working(replace(SETTINGS, duration=0.1))[0] == 1
+    assert windows_of(stops)["before"] == (0, 40)
+    assert windows_of(stops)["end"] == (60, 80)
+    assert rows_of(build(duration=8.0, control=0.1, rows=59), drive(stops)) is None
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "words"),
+    [
+        (0.0, 8.0, "50 kg, from 4 s on 65 kg"),
+        (0.0, 4.0, "50 kg"),
+        (4.0, 8.0, "65 kg"),
+    ],
+)
+def test_robots_of_a_window_are_told_where_they_change(start, end, words):
+    changing = replace(SETTINGS, robots=((0.0, "50 kg"), (4.0, "65 kg")))
+    run = replace(build(duration=8.0, control=0.1), settings=changing)
+
+    assert robots_over(changing, start, end) == words
+    assert robots_over(SETTINGS) == ""
+    assert driving(run) == "last quarter (6 to 8 s: 65 kg)"
+    assert labouring(run) == "last half (4 to 8 s: 65 kg)"
+    assert driving(replace(run, settings=replace(SETTINGS, arrival=6.0))) == "drive (3 to 6 s)"
