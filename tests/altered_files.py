@@ -278,7 +278,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("nn.py", "/ (1 + leak)", "* (1 - leak)"),
     ),
     *_rows(
-        "wmr_ctrl/results/", "tests/results/test_verdicts.py::"
+        "wmr_ctrl/results/", "tests/results/test_oscillation.py::"
         "test_a_swing_that_falls_below_its_share_in_a_quarter_decays",
         ("oscillation.py", "KEPT = 2 / 3", "KEPT = 1 / 3"),
     ),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from wmr_ctrl.results.figures import FIGURES
-
 import json
 import math
 

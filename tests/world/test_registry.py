@@ -5,9 +5,6 @@ Each toy runs natively, in lanes, in the closed-loop FMU and in co-simulation, w
 
 from __future__ import annotations
 
-from wmr_ctrl.world.effect import EffectRole
-from wmr_ctrl.world.registry import EFFECTS, OURS, SHARED
-
 import numpy as np
 import pytest
 from fmpy import simulate_fmu
@@ -25,6 +22,8 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownKeyError
 from wmr_ctrl.results import Run
 from wmr_ctrl.simulation.engines import runnable
+from wmr_ctrl.world.effect import EffectRole
+from wmr_ctrl.world.registry import EFFECTS, OURS, SHARED
 from wmr_ctrl.world.scenario import loads_scenario, to_toml
 
 pytestmark = pytest.mark.usefixtures("toy_world")

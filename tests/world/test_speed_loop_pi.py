@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.world.motion import based
+from tests.world.test_speed_loops import forced
 from wmr_ctrl.world.scenario import override
 from wmr_ctrl.world.speed_loop_pi import PI
 
@@ -16,15 +17,11 @@ from wmr_ctrl.world.speed_loop_pi import PI
 def test_the_integral_rests_where_the_wheels_miss_what_it_would_add(most, antiwindup, rate) -> None:
     """An error of 0.1 m/s and 0.4 rad/s, whose moment is l^2 = 1/16 as much."""
     gains = {"loop": "pi", "kp": 150.0, "ki": 300.0, "antiwindup": antiwindup}
-    system = PI.build(override(based(**gains), {"actuator.tau_max": most}))
-    step = system.function("step", [system.y, system.update])
+    base = override(based(**gains), {"actuator.tau_max": most})
 
-    torque, after = step([0.1, 0.4, 0.0, 0.0], [0.0, 0.0, 2.0, 0.5], system.p0)
+    force, after = forced(base, [0.1, 0.4, 0.0, 0.0], [0.0, 0.0, 2.0, 0.5])
 
-    right, left = torque.full().ravel()
     if most > 1.0:
-        assert (right + left) / 0.1 == pytest.approx(15.0 + 2.0)
-        assert 0.25 * (right - left) / 0.1 == pytest.approx(150 * 0.4 / 16 + 0.5)
-    found = (after.full().ravel()[2:] - [2.0, 0.5]) / 0.001
-    assert found == pytest.approx(rate)
-    assert "exceeds its command" in PI.bounded(based(loop="pi")).overshoots
+        assert force == pytest.approx((15.0 + 2.0, 150 * 0.4 / 16 + 0.5))
+    assert (after[2:] - [2.0, 0.5]) / 0.001 == pytest.approx(rate)
+    assert PI.overshoots

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from wmr_ctrl.control.laws.registry import LAWS
-
 from importlib.metadata import EntryPoint
 
 import numpy as np

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from wmr_ctrl.world.references.speed_profile import PathLimits, fastest
-from wmr_ctrl.world.references.waypoints import waypoint_path
-
 import math
 from dataclasses import replace
 from itertools import pairwise
@@ -17,7 +14,8 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references import Waypoints
 from wmr_ctrl.world.references import sample as sample_scenario
 from wmr_ctrl.world.references.point_files import read_points
-from wmr_ctrl.world.references.waypoints import profile_of
+from wmr_ctrl.world.references.speed_profile import PathLimits, fastest
+from wmr_ctrl.world.references.waypoints import profile_of, waypoint_path
 from wmr_ctrl.world.scenario import load_scenario
 
 ZIGZAG = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.5), (4.0, 1.5), (4.5, -1.0))

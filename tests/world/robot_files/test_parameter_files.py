@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from wmr_ctrl.world.robot_files.parameter_files import nodes
-
 import random
 
 import pytest
@@ -11,6 +9,7 @@ import pytest
 from tests.world.robot_files.test_urdf import PAIR, read, robot
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.robot_files import read_robot_files
+from wmr_ctrl.world.robot_files.parameter_files import nodes
 
 CONTROLLER = """
 controller_manager:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from wmr_ctrl.world.robot_files import urdf
-from wmr_ctrl.world.robot_files.xml_text import tree
-
 import math
 import random
 
@@ -12,7 +9,9 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.robot_files import urdf
 from wmr_ctrl.world.robot_files.read import read_robot_files
+from wmr_ctrl.world.robot_files.xml_text import tree
 
 DRAWS = 50
 
@@ -237,4 +236,4 @@ def test_wheels_are_found_by_the_joints_that_a_controller_names():
     found = {item.key: item.value for item in urdf.read(root, "robot.urdf", ["a_joint", "b_joint"])}
 
     assert found["robot.r"] == pytest.approx(0.1)
-    assert found["robot.l"] == pytest.approx(0.3)
+    assert found["separation"] == pytest.approx(0.6)

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from tests.papers_robot import paper
-from wmr_ctrl.world.scenario import sections
-from wmr_ctrl.world.scenario.unstated import guessed_keys, missing_keys, missing_text, unknown_keys
-
 import tomllib
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from tests.papers_robot import paper
 from wmr_ctrl import simulate
 from wmr_ctrl.control.controller import lacking
 from wmr_ctrl.control.laws import LAWS
@@ -28,9 +25,11 @@ from wmr_ctrl.world.scenario import (
     load_scenario,
     loads_scenario,
     override,
+    sections,
     to_toml,
 )
 from wmr_ctrl.world.scenario.toml_io import MARK
+from wmr_ctrl.world.scenario.unstated import guessed_keys, missing_keys, missing_text, unknown_keys
 
 ROBOT = {"m": 12.0, "I": 0.6, "mu": 0.05, "r": 0.08, "l": 0.2}
 LIMITS = {"v_u1": [0.6, 1.2]}
