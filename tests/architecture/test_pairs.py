@@ -63,7 +63,7 @@ def uses(tree: ast.Module, name: str) -> bool:
 def imports_of(tree: ast.Module) -> Iterator[tuple[str, str]]:
     """Names that a file imports, each with the module where it is defined."""
     for node in nodes_of(tree):
-        if isinstance(node, ast.ImportFrom):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("wmr_ctrl"):
             for alias in node.names:
                 yield alias.asname or alias.name, home(node.module or "", alias.name)
 
@@ -77,11 +77,11 @@ def home(package: str, name: str) -> str:
     if package not in by_name or by_name[package].path.stem != "__init__":
         return package
     own = by_name[package]
-    for node in nodes_of(own.tree):
-        if isinstance(node, ast.ImportFrom):
-            for alias in node.names:
-                if (alias.asname or alias.name) == name and own.origin(node) != package:
-                    return home(own.origin(node), alias.name)
+    stub = own.path.with_suffix(".pyi")
+    tree = ast.parse(stub.read_text("utf-8")) if stub.is_file() else own.tree
+    for node in (item for item in nodes_of(tree) if isinstance(item, ast.ImportFrom)):
+        if own.origin(node) != package and name in {alias.name for alias in node.names}:
+            return home(own.origin(node), name)
     return package
 
 
