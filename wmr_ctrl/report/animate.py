@@ -23,7 +23,7 @@ from wmr_ctrl.simulation.campaign import PhaseProgress, phase
 from wmr_ctrl.simulation.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
 
 from . import style
-from .drawing import target_of
+from .drawing import target_of, write_html
 from .scene import BODY, TRACK, WHEEL, Scene, scene_of, scene_of_drives, with_tubes
 from .stage import FRAME, Picture, frames
 
@@ -117,13 +117,15 @@ def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
     dark = {name: style.after_dark(colour) for name, colour in colours.items()}
     environment = style.page_environment()
     environment.filters["distance"] = length
-    text = environment.get_template("animation.html.j2").render(
+    write_html(
+        path,
+        "animation.html.j2",
+        environment,
         scene=scene,
         said=list(zip([one.label for one in scene.actors], said, strict=True)),
         data=_json(scene),
         schemes=(colours, dark),
     )
-    path.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _json(scene: Scene) -> str:

@@ -1,5 +1,6 @@
 """Helpers of the figures: a figure as a value, axes placed by inches, marks, thinned traces."""
 
+import io
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -7,6 +8,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
+from jinja2 import Environment
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
@@ -15,9 +17,27 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.core.fields.files import AnyPath
-from wmr_ctrl.results import Floats, Settings, atomic_path, check_writable, robots_over
+from wmr_ctrl.results import (
+    Floats,
+    Settings,
+    atomic_path,
+    atomic_text,
+    check_writable,
+    robots_over,
+)
 
-from .style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look, shown
+from .style import (
+    INK,
+    LIMIT,
+    MUTED,
+    RULE_LINE,
+    Dash,
+    house_style,
+    look,
+    page_environment,
+    picture,
+    shown,
+)
 
 SUFFIXES = (".svg", ".png")
 Place: TypeAlias = Figure | SubFigure
@@ -60,12 +80,24 @@ class Drawing:
                 save_figure(figure, path)
         return figure
 
+    def inlined(self) -> str:
+        """The figure in the house's style, as `inlined`."""
+        with house_style():
+            return inlined(self.figure())
+
 
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a figure to ``path``, without dates in it, so that equal figures are equal files."""
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower())
     with atomic_path(path) as scratch:
         figure.savefig(scratch, metadata=metadata)
+
+
+def inlined(figure: Figure) -> str:
+    """A figure as the address of an image, so that a page needs no other file."""
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None})
+    return picture(text.getvalue())
 
 
 def target_of(path: AnyPath, suffixes: Sequence[str], what: str, *, write: bool = True) -> Path:
@@ -83,6 +115,16 @@ def target_of(path: AnyPath, suffixes: Sequence[str], what: str, *, write: bool 
     if write:
         check_writable(target)
     return target
+
+
+def write_html(
+    path: AnyPath, template: str, environment: Environment | None = None, **values: object
+) -> None:
+    """Write a page from a template of reports, atomically; errors as `target_of`."""
+    target = target_of(path, (".html",), "the page is .html")
+    text = (environment or page_environment()).get_template(template).render(values)
+    with atomic_text(target) as file:
+        file.write(text)
 
 
 PICTURES = (".png", ".svg", ".pdf")

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections import Counter
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
 
 from wmr_ctrl.core.fields.files import AnyPath
-from wmr_ctrl.results import atomic_text
 
 from . import drawing
-from .style import INK, LIMIT, MUTED, PAPER, page_environment, picture
+from .style import INK, LIMIT, MUTED, PAPER
 
 if TYPE_CHECKING:
     from wmr_ctrl.identification import BaseIdentification
@@ -42,21 +39,19 @@ def write_identification(
     """
     targets = drawing.picture_targets(plot, "an identification is drawn")
     traces = result.traces()
-    with tempfile.TemporaryDirectory() as folder:
-        drawn = Path(folder, "fit.svg")
-        drawing_of(result, traces).written([*targets, drawn])
-        if page is not None:
-            image, section = picture(drawn), result.bounds.section
-            text = page_environment().get_template("identified.html.j2").render(
-                result=result, scenario=result.scenario, section=section, drive=drive,
-                verdicts=Counter(item.verdict for item in result.parameters.values()),
-                visited=np.nanmax(np.abs(traces.measured), axis=0).tolist(),
-                seconds=float(np.ptp(traces.t)),
-                picture=lambda name: image,
-                guarded=section == "guard",
-            )  # fmt: skip
-            with atomic_text(drawing.target_of(page, (".html",), "the page is .html")) as file:
-                file.write(text)
+    drawn, section = drawing_of(result, traces), result.bounds.section
+    if targets:
+        drawn.written(targets)
+    if page is not None:
+        drawing.write_html(
+            page, "identified.html.j2",
+            result=result, scenario=result.scenario, section=section, drive=drive,
+            verdicts=Counter(item.verdict for item in result.parameters.values()),
+            visited=np.nanmax(np.abs(traces.measured), axis=0).tolist(),
+            seconds=float(np.ptp(traces.t)),
+            picture=lambda name: drawn.inlined(),
+            guarded=section == "guard",
+        )  # fmt: skip
 
 
 def drawing_of(result: BaseIdentification, traces: Traces) -> drawing.Drawing:

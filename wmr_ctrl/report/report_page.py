@@ -9,14 +9,13 @@ from pathlib import Path
 from jinja2 import Environment
 
 from wmr_ctrl.core.paper import CITATION, PAPER_TIMES
-from wmr_ctrl.results import atomic_text
 from wmr_ctrl.results.ledger import load
 from wmr_ctrl.results.windows import BEFORE, LATE, seconds
 from wmr_ctrl.simulation.campaign import Campaign
 from wmr_ctrl.simulation.campaign.paper_runs import BARRIER_LAWS, STUDIES
 from wmr_ctrl.world.scenario import preset_titles
 
-from .drawing import Drawing
+from .drawing import Drawing, write_html
 from .paper_claims import RULE, Judged, Verdict, load_readings
 from .style import page_environment, picture, shown
 from .tables import headed, ranged, scenario_table, stress_table
@@ -59,11 +58,12 @@ def write_page(
     """
     campaign, judged, facts = reproduction.campaign, reproduction.judged, reproduction.facts
     count = Counter(one.verdict for one in judged)
-    text = report_environment().get_template("report.html.j2").render(
+    write_html(
+        path, "report.html.j2", report_environment(),
         citation=CITATION, rule=RULE, judged=judged, facts=facts, table=campaign.table,
         counts=[(v, count[v]) for v in Verdict if count[v] or v in _ALWAYS_COUNTED],
         changed=[one for one in judged if not one.as_expected],
-        picture=lambda name: picture(figures / f"{name}.svg"),
+        picture=lambda name: picture((figures / f"{name}.svg").read_text("utf-8")),
         panels=[one for one in drawings if one.title],
         figures_of=partial(scenario_table, campaign),
         stress=partial(stress_table, campaign.table),
@@ -71,8 +71,6 @@ def write_page(
         scenarios=_scenarios(campaign),
         ledger=load(),
     )  # fmt: skip
-    with atomic_text(path) as file:
-        file.write(text)
 
 
 def report_environment() -> Environment:

@@ -169,10 +169,10 @@ def page_environment(package: str = "wmr_ctrl.report") -> Environment:
     return environment
 
 
-def picture(path: Path) -> str:
-    """An SVG file as a data address, so that the page needs no other file."""
-    text = two_schemes(path.read_text(encoding="utf-8"))
-    return "data:image/svg+xml;base64," + base64.b64encode(text.encode()).decode("ascii")
+def picture(svg: str) -> str:
+    """An SVG text as a data address, so that the page needs no other file."""
+    text = base64.b64encode(two_schemes(svg).encode()).decode("ascii")
+    return f"data:image/svg+xml;base64,{text}"
 
 
 _COLOUR = re.compile(r"(?<=: )#([0-9a-f]{6})\b")
