@@ -6,8 +6,10 @@ law with a barrier, else the distance from the desired position.
 
 import math
 import os
+from collections.abc import Mapping
 from functools import partial
 from textwrap import wrap
+from typing import TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -33,6 +35,8 @@ from wmr_ctrl.theory.checks.unknown_zero import FINE, finest
 
 from . import course, drawing, style
 
+Lines: TypeAlias = Mapping[str, tuple[Run, str, style.Dash]]
+"""Run, colour and dashes by name."""
 _SIZE = (8.3, 11.0)
 _HEAD = 0.75
 MARGINS = drawing.Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
@@ -90,33 +94,42 @@ def _draw(figure: Figure, run: Run) -> None:
     heights = (_HEAD, 1.4 * rest, rest, rest, rest)
     grid = figure.add_gridspec(5, 2, height_ratios=heights, hspace=0.0, wspace=0.0)
     parts = [figure.add_subfigure(grid[row, column]) for row in range(1, 5) for column in (0, 1)]
-    _path(parts[0], run, tube)
+    lines: Lines = {"": (run, style.look(run.law).colour, "-")}
+    draw_paths(parts[0], lines, tube)
     _facts(parts[1], run)
-    _velocity(parts[2], run, 0)
-    _velocity(parts[3], run, 1)
+    draw_velocity(parts[2], lines, 0)
+    draw_velocity(parts[3], lines, 1)
     position = {"e₁": run["e[1]"], "e₂": run["e[2]"]}
     _errors(parts[4], run, "Position errors, Eq. (8)", position, tube)
     _errors(parts[5], run, "Orientation error e₃", {"e₃": heading_error(run)}, tube)
     (_filtered if "v_asked" in run else _torques)(parts[6], run)
     has_barrier = run.law in LAWS and LAWS[run.law].traits.barrier
-    (_barrier if has_barrier else _distance)(parts[7], run)
+    if has_barrier:
+        _barrier(parts[7], run)
+    else:
+        draw_distance(parts[7], lines)
 
 
 BAND = 800
 """Most points of a band."""
 
 
-def _path(part: SubFigure, run: Run, tube: Floats | None) -> None:
-    """The robot's path on top of the desired one, with start, waypoints and goal."""
-    axes, colour = drawing.one_axes(part, MARGINS), style.look(run.law).colour
-    if tube is not None:  # as wide as the corridor is there, as long as there is one
-        rows = np.unique(np.linspace(0, run.rows - 1, BAND).astype(int))
-        edges = course.band(np.array([run["x_d"][rows], run["y_d"][rows]]), tube[0, rows])
-        axes.fill(*edges, color=colour, alpha=course.FAINT, lw=0, zorder=1.4)
-    drawing.plot_reference(axes, *drawing.thin_path(run["x_d"], run["y_d"], 64))
-    axes.plot(*drawing.thin_path(run["x"], run["y"], 3000), color=colour, lw=1.2)
-    drawing.mark_start(axes, run["x"], run["y"])
-    drawing.finish_path(axes, ["dots: reference, ring: start", *course.course_of(run).draw(axes)])
+def draw_paths(part: SubFigure, lines: Lines, tube: Floats | None = None) -> None:
+    """Paths on top of the desired one, with start, waypoints and goal; a band of one run."""
+    axes = drawing.one_axes(part, MARGINS)
+    longest = max((run for run, *_ in lines.values()), key=_ended)
+    for run, colour, dash in lines.values():
+        if tube is not None:  # as wide as the corridor is there, as long as there is one
+            rows = np.unique(np.linspace(0, run.rows - 1, BAND).astype(int))
+            edges = course.band(np.array([run["x_d"][rows], run["y_d"][rows]]), tube[0, rows])
+            axes.fill(*edges, color=colour, alpha=course.FAINT, lw=0, zorder=1.4)
+        opaque = 0.85 if len(lines) > 1 else 1.0
+        way = drawing.thin_path(run["x"], run["y"], 3000)
+        axes.plot(*way, color=colour, ls=dash, lw=1.2, alpha=opaque)
+        drawing.mark_start(axes, *way)
+    drawing.plot_reference(axes, *drawing.thin_path(longest["x_d"], longest["y_d"], 64))
+    marks = course.course_of(longest).draw(axes)
+    drawing.finish_path(axes, ["dots: reference, ring: start", *marks])
 
 
 def _facts(part: SubFigure, run: Run) -> None:
@@ -172,19 +185,25 @@ def _error(value: float | None, unit: str, least: float = FINE) -> str:
     return f"{style.shown(value and 1e3 * value)} m{unit}"
 
 
-def _velocity(part: SubFigure, run: Run, axis: int) -> None:
-    name, desired, unit = (("v1", "v1_d", "m/s"), ("omega", "v2_d", "rad/s"))[axis]
-    symbol, sent = ("v₁", "ω")[axis], ("v_command", "omega_command")[axis]
-    limit, commanded = run.settings.v_u1[axis], sent in run.columns
-    true, wanted = (drawing.thin(run.time, run[column]) for column in (name, desired))
-    text = f"{symbol} [{unit}], limit ±{limit:g}; dashed: desired"
-    axes = time_axes(part, run, text + (", thin: command" if commanded else ""))
+def draw_velocity(part: SubFigure, lines: Lines, axis: int) -> None:
+    """Velocities with their limit, the desired one, and the command of a single run."""
+    name, desired, unit = (("v1", "v1_d", "v₁ [m/s]"), ("omega", "v2_d", "ω [rad/s]"))[axis]
+    runs, several = [run for run, *_ in lines.values()], len(lines) > 1
+    longest = max(runs, key=_ended)
+    limit, sent = longest.settings.v_u1[axis], ("v_command", "omega_command")[axis]
+    commanded = sent in longest.columns and not several
+    text = f"{unit}, limit ±{limit:g}; {'black, ' * several}dashed: desired"
+    axes = _time_axes(part, text + ", thin: command" * commanded, *runs)
     if commanded:
-        steps = drawing.thin(run.time, run[sent])
+        steps = drawing.thin(longest.time, longest[sent])
         axes.plot(*steps, color=style.MUTED, lw=0.7, drawstyle="steps-post", zorder=1.9)
-    axes.plot(*true, color=style.look(run.law).colour, lw=1.3, alpha=0.6)
+    width, opaque = (0.9, 0.8) if several else (1.3, 0.6)
+    for run, colour, dash in lines.values():
+        trace = drawing.thin(run.time, run[name])
+        axes.plot(*trace, color=colour, ls=dash, lw=width, alpha=opaque)
+    wanted = drawing.thin(longest.time, longest[desired])
     axes.plot(*wanted, color=style.INK, ls=style.DASHED, lw=0.9, zorder=2.4)
-    drawing.view_limits(axes, limit, {"": run[name]})
+    drawing.view_limits(axes, limit, {label: run[name] for label, (run, *_) in lines.items()})
 
 
 def _errors(
@@ -199,7 +218,7 @@ def _errors(
     if farthest < LARGE:
         unit, scale = f"m{unit}", 1e3
     rows = {label: scale * row for label, row in errors.items()}
-    axes = time_axes(part, run, f"{title} [{unit}]")
+    axes = _time_axes(part, f"{title} [{unit}]", run)
     _plot_pair(axes, run, rows)
     if tube is not None:
         most = scale * tube[1 if len(errors) == 1 else 0]
@@ -232,7 +251,7 @@ def _torques(part: SubFigure, run: Run) -> None:
     limit *= scale
     rows = {"right": scale * run["tau_right"], "left": scale * run["tau_left"]}
     bound = "" if math.isinf(limit) else f", limit {limit:g}"
-    axes = time_axes(part, run, f"Wheel torques [{unit}]{bound}")
+    axes = _time_axes(part, f"Wheel torques [{unit}]{bound}", run)
     width = max(1, round(MEAN_TIME / run.settings.control))
     _plot_pair(axes, run, rows, alpha=0.3)
     _plot_pair(axes, run, {name: drawing.running_mean(row, width) for name, row in rows.items()})
@@ -247,19 +266,17 @@ def _filtered(part: SubFigure, run: Run) -> None:
     """What the filter changed: the command less what the law asked for, in shares of the limits."""
     sent = np.stack([run["v_command"], run["omega_command"]], axis=1)
     off = 100 * (sent - run["v_asked"]) / np.array(run.settings.v_u1)
-    axes = time_axes(part, run, "Changed by the filter [% of the limit]")
+    axes = _time_axes(part, "Changed by the filter [% of the limit]", run)
     _plot_pair(axes, run, {"v₁": off[:, 0], "ω": off[:, 1]})
 
 
-def _distance(part: SubFigure, run: Run) -> None:
-    axes = time_axes(part, run, "Distance from the desired position [mm]")
-    axes.plot(*drawing.thin(run.time, np.maximum(1e3 * distance(run), LEAST_DISTANCE)),
-              color=style.look(run.law).colour, lw=0.9)  # fmt: skip
-    log_distance(axes)
-
-
-def log_distance(axes: Axes) -> None:
-    """A logarithmic axis of distances [mm], drawn from `LEAST_DISTANCE` on."""
+def draw_distance(part: SubFigure, lines: Lines) -> None:
+    """Distances from the desired position, on a logarithmic axis from `LEAST_DISTANCE` on."""
+    title, runs = "Distance from the desired position [mm]", [run for run, *_ in lines.values()]
+    axes = _time_axes(part, title, *runs)
+    for run, colour, dash in lines.values():
+        far = np.maximum(1e3 * distance(run), LEAST_DISTANCE)
+        axes.plot(*drawing.thin(run.time, far), color=colour, ls=dash, lw=0.9)
     if axes.dataLim.ymin <= LEAST_DISTANCE:
         drawing.say_below(axes, f"axis starts at {LEAST_DISTANCE:g} mm")
     axes.set_yscale("log")
@@ -284,7 +301,7 @@ def _focus(axes: Axes, run: Run, columns: list[Floats], unit: str) -> None:
 
 
 def _barrier(part: SubFigure, run: Run) -> None:
-    axes = time_axes(part, run, "Barrier function V₁ [1]")
+    axes = _time_axes(part, "Barrier function V₁ [1]", run)
     values, colour = np.maximum(run["V1"], LEAST), style.look(run.law).colour
     if values.min() <= LEAST:
         drawing.say_below(axes, f"axis starts at {LEAST:g}")
@@ -314,14 +331,10 @@ def shown_until(*runs: Run) -> float:
     return soon if last > 0 and soon < SHORT * end else end
 
 
-def time_axes(part: SubFigure, run: Run, title: str, end: float | None = None) -> Axes:
-    """Axes over the time up to ``end`` [s], in which the robot's changes are marked.
-
-    By default as long as the run moves.
-    """
-    axes = drawing.one_axes(part, MARGINS)
-    end = shown_until(run) if end is None else end
+def _time_axes(part: SubFigure, title: str, *runs: Run) -> Axes:
+    """Axes over the time in which any run moves, with the changes of the longest's robot."""
+    axes, end = drawing.one_axes(part, MARGINS), shown_until(*runs)
     axes.set(xlabel="t [s]", xlim=(0, end))
     axes.set_title(title, weight="normal")
-    drawing.mark_switch(axes, run.settings, end)
+    drawing.mark_switch(axes, max(runs, key=_ended).settings, end)
     return axes

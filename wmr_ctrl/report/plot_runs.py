@@ -4,18 +4,17 @@ Of runs: paths, distance from the reference, both velocities.  Of drives: the pa
 else their bags have, over time.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import ceil
 from textwrap import fill
 from typing import TypeAlias
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from wmr_ctrl.core.fields.files import AnyPath
-from wmr_ctrl.results import Floats, Run, distance
+from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.drive import (
     COMMANDS,
     NEVER,
@@ -28,13 +27,10 @@ from wmr_ctrl.results.drive import (
 )
 
 from . import drawing
-from .course import course_of
-from .plot_run import LEAST_DISTANCE, MARGINS, log_distance, shown_until, time_axes
+from .plot_run import MARGINS, draw_distance, draw_paths, draw_velocity
 from .scene import names_of, scene_of
-from .style import DASHED, DASHES, DOTTED, INK, MUTED, Dash, colours_of, verbatim
+from .style import DASHED, DASHES, DOTTED, INK, MUTED, colours_of, verbatim
 
-Lines: TypeAlias = Mapping[str, tuple[Run, str, Dash]]
-"""Run, colour and dashes by name."""
 _SIZE = (8.3, 7.0)
 _HEAD = 0.55
 
@@ -59,49 +55,10 @@ def _draw(figure: Figure, runs: Sequence[Run]) -> None:
     handles += drawing.switch_handles(runs[0].settings)
     drawing.heading(top, verbatim(runs[0].scenario), handles)
     parts = [figure.add_subfigure(grid[row, column]) for row in (1, 2) for column in (0, 1)]
-    _path(parts[0], lines)
-    _distance(parts[1], lines)
-    _velocity(parts[2], lines, 0)
-    _velocity(parts[3], lines, 1)
-
-
-def _longest(lines: Lines) -> Run:
-    return max((run for run, *_ in lines.values()), key=lambda run: run.rows * run.settings.control)
-
-
-def _axes(part: SubFigure, lines: Lines, title: str) -> Axes:
-    end = shown_until(*(run for run, *_ in lines.values()))
-    return time_axes(part, _longest(lines), title, end)
-
-
-def _path(part: SubFigure, lines: Lines) -> None:
-    axes, longest = drawing.one_axes(part, MARGINS), _longest(lines)
-    for run, colour, dash in lines.values():
-        x, y = drawing.thin_path(run["x"], run["y"], 3000)
-        axes.plot(x, y, color=colour, ls=dash, lw=1.2, alpha=0.85)
-        drawing.mark_start(axes, x, y)
-    drawing.plot_reference(axes, *drawing.thin_path(longest["x_d"], longest["y_d"], 64))
-    drawing.finish_path(axes, ["dots: reference, ring: start", *course_of(longest).draw(axes)])
-
-
-def _distance(part: SubFigure, lines: Lines) -> None:
-    axes = _axes(part, lines, "Distance from the desired position [mm]")
-    for run, colour, dash in lines.values():
-        far = np.maximum(1e3 * distance(run), LEAST_DISTANCE)
-        axes.plot(*drawing.thin(run.time, far), color=colour, ls=dash, lw=0.9)
-    log_distance(axes)
-
-
-def _velocity(part: SubFigure, lines: Lines, axis: int) -> None:
-    name, desired, text = (("v1", "v1_d", "v₁ [m/s]"), ("omega", "v2_d", "ω [rad/s]"))[axis]
-    longest = _longest(lines)
-    limit = longest.settings.v_u1[axis]
-    axes = _axes(part, lines, f"{text}, limit ±{limit:g}; black, dashed: desired")
-    for run, colour, dash in lines.values():
-        axes.plot(*drawing.thin(run.time, run[name]), color=colour, ls=dash, lw=0.9, alpha=0.8)
-    wanted = drawing.thin(longest.time, longest[desired])
-    axes.plot(*wanted, color=INK, ls=DASHED, lw=0.9, zorder=2.4)
-    drawing.view_limits(axes, limit, {label: run[name] for label, (run, *_) in lines.items()})
+    draw_paths(parts[0], lines)
+    draw_distance(parts[1], lines)
+    draw_velocity(parts[2], lines, 0)
+    draw_velocity(parts[3], lines, 1)
 
 
 _WIDTH, _TITLE, _HIGH, _PATH = 8.3, 0.72, 1.9, 2.9
