@@ -1,15 +1,15 @@
 """Files of a finished reproduction: figures, tables, claims and page.  No simulation here."""
 
-import csv
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.core.paper import CITATION
 from wmr_ctrl.results import FIGURES, atomic_text, check_writable, json_safe, make_folder
+from wmr_ctrl.results.files import write_csv
 from wmr_ctrl.results.table import STATISTICS, RunTable
 from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign, PhaseProgress, phase
 from wmr_ctrl.simulation.campaign.paper_runs import REPORTED
@@ -130,14 +130,6 @@ def check_folder(folder: Path, names: Sequence[str]) -> None:
 
 
 # -- the data: cells are empty, and JSON null, where there is no number ---------------------
-
-
-def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
-    """Write a header and rows atomically; None becomes an empty cell."""
-    with atomic_text(path) as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(rows)
 
 
 def write_table(path: Path, table: RunTable) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import os
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +19,7 @@ from wmr_ctrl.core.fields.orientation import inward
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import Signal, elements
 
-from .files import atomic_write
+from .files import write_csv
 from .run import Floats, Run
 
 if TYPE_CHECKING:
@@ -182,14 +180,11 @@ class RecordedDrive:
         t = np.unique(np.concatenate(list(self.times.values())))
         cells = np.full((len(t), len(self.columns)), "", dtype=object)
         for place, (name, values) in enumerate(self.columns.items()):
-            cells[np.searchsorted(t, self.times[name]), place] = list(map(repr, values.tolist()))
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
+            cells[np.searchsorted(t, self.times[name]), place] = values.tolist()
         units = {signals.TIME.name: signals.TIME.unit, **UNITS}
-        writer.writerow([f"{name} [{units[name]}]" for name in (signals.TIME.name, *self.columns)])
-        writer.writerows([repr(at), *row] for at, row in zip(t.tolist(), cells, strict=True))
-        with atomic_write(path) as file:
-            file.write(text.getvalue().encode())
+        header = [f"{name} [{units[name]}]" for name in (signals.TIME.name, *self.columns)]
+        rows = zip(t.tolist(), cells, strict=True)
+        write_csv(path, header, ([at, *row] for at, row in rows))
 
 
 def drive_of(run: Run, name: str = "") -> RecordedDrive:

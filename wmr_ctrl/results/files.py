@@ -1,9 +1,10 @@
 """Atomic writing of files: a reader finds the whole file or none."""
 
+import csv
 import errno
 import os
 import secrets
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -57,6 +58,14 @@ def atomic_text(path: AnyPath) -> Iterator[IO[str]]:
     """An open UTF-8 text file that becomes ``path`` on success."""
     with atomic_path(path) as scratch, scratch.open("w", encoding="utf-8", newline="\n") as file:
         yield file
+
+
+def write_csv(path: AnyPath, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Write a header and rows atomically; None is an empty cell, a number its shortest text."""
+    with atomic_text(path) as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)
 
 
 def make_folder(folder: Path) -> None:

@@ -214,7 +214,7 @@ def _csv_of(run: Run) -> bytes:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([f"{signal.name} [{signal.unit}]" for signal in run.elements])
     table = np.column_stack([run.columns[signal.name] for signal in run.signals])
-    writer.writerows([repr(number) for number in row] for row in table.tolist())
+    writer.writerows(table.tolist())
     return text.getvalue().encode()
 
 

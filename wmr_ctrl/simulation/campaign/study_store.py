@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ResultFileError, library
 from wmr_ctrl.results import FIGURES, atomic_path, atomic_text
-from wmr_ctrl.results.files import atomic_write
+from wmr_ctrl.results.files import atomic_write, write_csv
 from wmr_ctrl.world.scenario import Section, quantities
 
 from .plan import CORRIDOR, Study
@@ -72,18 +72,14 @@ class StudyFolder:
     def write_table(self, looks: Sequence[Sequence[Path]]) -> Path:
         """Write table.csv and columns.csv from the chunks of each look.  Raises ResultFileError."""
         target = self.folder / "table.csv"
-        with atomic_text(self.folder / "columns.csv") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(("name", "unit", "meaning"))
-            writer.writerows(described_columns(self.plan))
+        described = described_columns(self.plan)
+        write_csv(self.folder / "columns.csv", ("name", "unit", "meaning"), described)
         streams = [self._cells(paths) for paths in looks]
-        with atomic_text(target) as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow((*HEAD, *self.plan.keys, "outcome", *self.plan.figures, REFUSAL))
-            writer.writerows(heapq.merge(*streams))
+        header = (*HEAD, *self.plan.keys, "outcome", *self.plan.figures, REFUSAL)
+        write_csv(target, header, heapq.merge(*streams))
         return target
 
-    def _cells(self, paths: Sequence[Path]) -> Iterator[tuple[int | str, ...]]:
+    def _cells(self, paths: Sequence[Path]) -> Iterator[tuple[object, ...]]:
         """The table's row of each run in some chunks, beginning with its index."""
         plan = self.plan
         for path in paths:
@@ -103,7 +99,7 @@ class StudyFolder:
                     labels = case.law, str(case.guard).lower()
                     given = plan.values(cell)
                     values = [v if isinstance(v, str) else json.dumps(v) for v in given]
-                numbers = [repr(x) if math.isfinite(x) else "" for x in figures]
+                numbers = [x if math.isfinite(x) else None for x in figures]
                 seed = plan.first_seed + place
                 yield (index, *labels, seed, *values, outcome, *numbers, refusal)
 
