@@ -94,7 +94,7 @@ def save_figure(figure: Figure, path: Path) -> None:
 
 
 def inlined(figure: Figure) -> str:
-    """A figure as the address of an image, so that a page needs no other file."""
+    """A figure as a data address, so that a page needs no other file."""
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None})
     return picture(text.getvalue())
