@@ -213,6 +213,7 @@ def _slowed(setup: Setup) -> str:
     slows = {
         "base.w_max": case.base.w_max < math.inf,
         "base.deadband": any(case.base.deadband),
+        "base.wheel_deadband": case.base.wheel_deadband > 0,
         "[resistance]": any(
             loop == "first-order" and slower
             for loop, slower in zip(case.filter.loop, against(case), strict=True)

@@ -28,6 +28,7 @@ from wmr_ctrl.world.speed_loops import lags
 from wmr_ctrl.world.velocity_loss import VELOCITY_LOSS
 
 from .applied import Lateness, followed, is_partial
+from .filter.asked import turned
 from .filter.channels import (
     BOUNDS_LEFT,
     ELAPSED,
@@ -111,7 +112,7 @@ class SentVelocity:
     def filtered(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """The velocity that is sent (2,), the filter's flags and its next state."""
         if self.filter is None:
-            return self.asked, ca.SX(0), ca.SX(0, 1)
+            return turned(self.setup.scenario, self.p, self.asked), ca.SX(0), ca.SX(0, 1)
         told = {item.signal: item.sym for item in self.age}
         return self._through(self.filter, {signals.ASKED: self.asked, **told})
 
@@ -157,7 +158,7 @@ class SentVelocity:
         told: tuple[Port, ...] = ()
         held: tuple[Port, ...] = ()
         shown: tuple[Output, ...] = ()
-        sent, filtering = asked, ca.SX(0, 1)
+        sent, filtering = turned(self.setup.scenario, self.p, asked), ca.SX(0, 1)
         if self.filter is not None:
             own = called_filter(self.setup.scenario)
             given = (signals.ODOMETRY_AGE, ELAPSED)

@@ -23,13 +23,19 @@ def build(scenario: Scenario) -> System:
     """Plant-rate System: from arriving to acting command [m/s, rad/s]."""
     command, p = ports(COMMAND), Parameters(scenario)
     band, u = p.take("base.deadband"), stack(item.sym for item in command)
-    title, shown = "dead band of the command", outputs(COMMAND, ca.if_else(ca.fabs(u) < band, 0, u))
+    title, shown = "dead band of the command", outputs(COMMAND, heard(u, band))
     return System("command_dead_band", title, inputs=command, params=p.ports, outputs=shown)
 
 
+def heard(u: ca.SX, band: ca.SX) -> ca.SX:
+    """What acts of a command."""
+    return ca.if_else(ca.fabs(u) < band, 0, u)
+
+
 def bound(scenario: Scenario) -> Bound:
-    """Hidden effect: the acting command differs from the one sent, which the governor assumes."""
-    return Bound(hidden="base.deadband: small commands do not act.")
+    """A command that may act as 0: to a filter that counts on what acts, off by the dead band."""
+    v, omega = scenario.section(CommandDeadBand).deadband
+    return Bound(dropped=(v, omega))
 
 
 COMMAND_DEAD_BAND = Effect(

@@ -55,7 +55,7 @@ Pair: TypeAlias = tuple[float, float]
 T = TypeVar("T")
 ROUNDING = 1e-9
 """Share by which sums of times may miss each other."""
-PAIRS = ("dbar", "nbar", "mass", "lag", "age", "window", "command")
+PAIRS = ("dbar", "nbar", "mass", "lag", "age", "window", "command", "dropped")
 SENTENCES = ("hidden", "overshoots", "void")
 """Fields of a Bound that have a number for each axis, or a smallest and a largest."""
 
@@ -92,7 +92,8 @@ class Bound:
     Late sensors: the velocity is the mean over a ``window`` [s] that ended ``age`` [s] ago, to
     within nbar.
 
-    Bases that take velocities: the command that arrives is off by at most ``command`` [m/s, rad/s].
+    Bases that take velocities: the command that arrives is off by at most ``command`` [m/s, rad/s],
+    and one of at most ``dropped`` [m/s, rad/s] may act as 0.
     ``hidden`` names an effect that the governor does not model, ``overshoots`` one that makes the
     base overshoot its command, each in a sentence that begins with the key at fault.
 
@@ -109,6 +110,7 @@ class Bound:
     age: Pair = (0.0, 0.0)
     window: Pair = (0.0, 0.0)
     command: Pair = (0.0, 0.0)
+    dropped: Pair = (0.0, 0.0)
     losses: int = 0
     hidden: str = ""
     overshoots: str = ""

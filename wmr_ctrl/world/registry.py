@@ -42,6 +42,7 @@ from .torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
 from .velocity_loss import VELOCITY_LOSS, VelocityLoss
 from .velocity_mean import VELOCITY_MEAN, VelocityMean
 from .velocity_noise import VELOCITY_NOISE, VelocityNoise
+from .wheel_commands import WHEEL_COMMANDS, WheelCommands
 from .wheel_speed_limit import WHEEL_SPEED_LIMIT, WheelSpeedLimit
 from .wheels import WHEELS
 
@@ -52,7 +53,7 @@ OURS = (
     ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, VELOCITY_LOSS, POSE_DELAY, POSE_SENSOR,
     TORQUE_NOISE_EFFECT, PUSH, GUST, SLOPE, RESISTANCE,
     COMMAND_DELAY, COMMAND_LOSS, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT,
-    COMMAND_RAMP, COMMAND_JERK, SPEED_LOOP,
+    WHEEL_COMMANDS, COMMAND_RAMP, COMMAND_JERK, SPEED_LOOP,
     DELAY, JITTER, MOTOR, LAG, WHEELS,
 )  # fmt: skip
 GROUP = "wmr_ctrl.effects"
@@ -84,15 +85,19 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
 
 
 class Base(
-    CommandJerk, CommandRamp, WheelSpeedLimit, CommandDeadBand, CommandQuantum, CommandLoss,
-    CommandDelay, PiLoopGains, SecondOrderGains, LoopGain, FirstOrderGains,
-    BaseKind, key="base",
+    CommandJerk, CommandRamp, WheelCommands, WheelSpeedLimit, CommandDeadBand, CommandQuantum,
+    CommandLoss, CommandDelay, PiLoopGains, SecondOrderGains, LoopGain, FirstOrderGains, BaseKind,
+    key="base",
 ):  # fmt: skip
     """Input of the base: wheel torques, or velocities that a speed loop of its own follows.
 
     Each wheel of the speed loop gives at most actuator.tau_max.
     """
 
+    min_radius: float = quantity(
+        0.0, "m", "least turning radius of a base that cannot turn on the spot; 0: it can",
+        minimum=0,
+    )  # fmt: skip
     tau_believed: tuple[float, float] | None = quantity(
         None,
         "s",

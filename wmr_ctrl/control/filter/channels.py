@@ -39,7 +39,7 @@ SENT = Signal("v_sent", "m/s, rad/s", "command that is safe", 2)
 DELTA = Signal("filter.delta", "m/s, rad/s", "largest speed that pushes alone lead to", 2)
 FLAGS = Signal("filter_flags", "1", "sum of the bits of what is told")
 
-LIMITED, UNUSED, BOUNDS_LEFT, LATE, REFUSED, UNSOUND = 1, 2, 4, 8, 16, 32
+LIMITED, UNUSED, BOUNDS_LEFT, LATE, REFUSED, UNSOUND, TURN_RADIUS = 1, 2, 4, 8, 16, 32, 2048
 """Bits of the flags, of which CommandFilter.step tells the meaning."""
 FLAG_NAMES = {
     LIMITED: "limited",
@@ -48,6 +48,7 @@ FLAG_NAMES = {
     LATE: "late",
     REFUSED: "refused",
     UNSOUND: "unsound",
+    TURN_RADIUS: "turn-radius",
 }
 FLAG_MEANINGS = {
     LIMITED: "the command was not sent as it came",
@@ -56,6 +57,7 @@ FLAG_MEANINGS = {
     LATE: "the step came outside its jitter",
     REFUSED: "the command was no number",
     UNSOUND: "the parameters are such as no filter can keep",
+    TURN_RADIUS: "the base cannot turn as tightly as it was asked to",
 }
 
 

@@ -22,6 +22,7 @@ from wmr_ctrl.world.model.system import Output, System, port, stack, values
 from wmr_ctrl.world.scenario import Scenario, asking_about_units, load_scenario, unit_questions
 from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Filter
 
+from .asked import for_base
 from .band import NAMES, BandGovernor, check_beat
 from .channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
 from .clip import Clip, slew_reach
@@ -75,6 +76,12 @@ def check_filter(scenario: Scenario) -> None:
         raise ScenarioError(
             'filter.kind = "none": this scenario has no command filter. Set filter.kind = "clip", '
             '"governor" or "band".'
+        )
+    if scenario.base.min_radius and settings.scale != "curvature":
+        raise ScenarioError(
+            f'filter.scale = "{settings.scale}" may slow the base down and let it turn on, tighter '
+            f"than base.min_radius = {scenario.base.min_radius:g} m. Use "
+            'filter.scale = "curvature".'
         )
     peaks, K = peak_gains(scenario), settings.intervals("gain")
     reached = [item.push for item in peaks]
@@ -182,7 +189,7 @@ def filter_system(scenario: Scenario) -> System:
     """
     with asking_about_units(scenario):
         check_filter(scenario)
-        return BUILDERS[scenario.filter.kind](scenario).system
+        return for_base(BUILDERS[scenario.filter.kind](scenario).system, scenario)
 
 
 def filter_questions(scenario: Scenario) -> Iterator[str]:
@@ -297,9 +304,9 @@ class CommandFilter:
         breaks a band's limit.  A command that is
         not a number counts as (0, 0), with the flag "refused"; further flags are "limited",
         "unused" (odometry was not used), "bounds-left" (it contradicts the stated bounds: one of
-        them is wrong), "late" (the step came outside its jitter) and "unsound" (parameters that no
-        filter can satisfy, such as a push beyond the limit: (0, 0) is sent).  Raises ArgumentError
-        for wrong lengths.
+        them is wrong), "late" (the step came outside its jitter), "turn-radius" (the base
+        turns no tighter than base.min_radius) and "unsound" (parameters that no filter can satisfy,
+        such as a push beyond the limit: (0, 0) is sent).  Raises ArgumentError for wrong lengths.
         """
         asked = _pair(command, "command")
         u = list(asked)

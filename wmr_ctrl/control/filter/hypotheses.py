@@ -53,6 +53,9 @@ def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
     """
     if scenario.filter.kind == "none":
         return ()
+    if scenario.filter.kind != "clip" or scenario.filter.slew is not None:  # 0 is no limit to it
+        v, omega = (sum(pair) for pair in zip(bound.command, bound.dropped, strict=True))
+        bound = replace(bound, command=(v, omega))
     sentences = [*_of_every_filter(scenario, bound)]
     if scenario.filter.kind == "governor":
         sentences += _of_the_governor(scenario, bound)
@@ -88,6 +91,13 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 f"{item.title} states no bound that a filter may rely on. Give its Effect one, or "
                 "remove it from the scenario."
             )
+    rates = scenario.base.wheel_accel, scenario.base.wheel_decel
+    if rates[0] != rates[1]:
+        yield (
+            f"base.wheel_accel = {rates[0]:g} m/s2, wheel_decel = {rates[1]:g} m/s2: with two rates "
+            "one wheel may stop while the other turns on, so that v or omega passes its command. "
+            "State one rate for both, if it holds for the base."
+        )
     if stated.loop == ("pi", "pi") and has_loop(scenario, "pi"):
         yield from _of_pi_loops(scenario, bound)
         return

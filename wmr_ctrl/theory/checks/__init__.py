@@ -12,6 +12,7 @@ from wmr_ctrl.control.given import judges_gains
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.results.verdicts import Warning as Warning
 
+from .base import beyond_base
 from .budget import OF_RUN, budget
 from .loop import Loop
 from .network import network
@@ -57,7 +58,9 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     violent_alpha,
 )
 """In the order in which they are printed: what ends a run first comes first."""
-OF_VELOCITY_BASES = (units, start, sample_time, preconditions, coarse_step, velocity_base)
+OF_VELOCITY_BASES = (
+    units, start, sample_time, preconditions, beyond_base, coarse_step, velocity_base,
+)  # fmt: skip
 """Those that hold for a base that takes velocities."""
 
 

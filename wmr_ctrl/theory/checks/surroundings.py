@@ -320,8 +320,9 @@ def rounded_effects(scenario: Scenario) -> str:
         if rounds(ca.vertcat(system.update, system.y), ca.vertcat(*seen, system.x)):
             rounding.append(f"[{item.section.KEY}]")
     texts = [f"as if there were no rounding in {' and '.join(rounding)}"] if rounding else []
-    if scenario.takes_velocity and max(scenario.base.deadband) > 0:
-        texts.append("as if base.deadband let every command pass")
+    for name in ("deadband", "wheel_deadband"):
+        if scenario.takes_velocity and np.any(getattr(scenario.base, name)):
+            texts.append(f"as if base.{name} let every command pass")
     return " and ".join(texts)
 
 
