@@ -3,6 +3,8 @@
 Source: firmware that does not let motors hum at rest.
 """
 
+from __future__ import annotations
+
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import COMMAND
 from wmr_ctrl.core.symbolic import ca

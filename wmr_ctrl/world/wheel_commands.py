@@ -7,6 +7,8 @@ rate keep v and omega between the commands before and after; at two rates one wh
 the other is still slow to start, and |v| or |omega| passes both.
 """
 
+from __future__ import annotations
+
 import math
 
 from wmr_ctrl.core.fields.section import Section, quantity

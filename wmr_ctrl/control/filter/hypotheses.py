@@ -94,8 +94,8 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
     rates = scenario.base.wheel_accel, scenario.base.wheel_decel
     if rates[0] != rates[1]:
         yield (
-            f"base.wheel_accel = {rates[0]:g} m/s2, wheel_decel = {rates[1]:g} m/s2: with two rates "
-            "one wheel may stop while the other turns on, so that v or omega passes its command. "
+            f"base.wheel_accel = {rates[0]:g} m/s2, wheel_decel = {rates[1]:g} m/s2: with two "
+            "rates one wheel may stop while the other turns on, and v or omega passes its command. "
             "State one rate for both, if it holds for the base."
         )
     if stated.loop == ("pi", "pi") and has_loop(scenario, "pi"):
