@@ -1,10 +1,8 @@
-"""Dead bands and ramps of wheels, and bases that cannot turn on the spot."""
+"""Filters of bases with dead bands and ramps of wheels, and of those that cannot turn on the spot."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,84 +12,8 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override
-from wmr_ctrl.world.wheel_commands import WHEEL_COMMANDS
 
 CREATE3 = load_scenario("irobot-create3", {"clock.duration": 10.0})
-L = CREATE3.robot.l
-BAND = 0.03
-
-
-def acting(changes: Mapping[str, Any], commands: np.ndarray) -> np.ndarray:
-    """Commands (n, ..., 2) behind the firmware of the wheels, from its graph."""
-    system = WHEEL_COMMANDS.system(override(CREATE3, changes))
-    asked = commands.reshape(len(commands), -1, 2)
-    step = system.function("step", [system.update, system.y]).map(asked.shape[1])
-    x, p = (np.tile(np.array(item)[:, None], asked.shape[1]) for item in (system.x0, system.p0))
-    rows = []
-    for command in asked:
-        x, y = step(command.T, x, p)
-        rows.append(np.array(y).T)
-    return np.array(rows).reshape(commands.shape)
-
-
-def rims(pairs: np.ndarray) -> np.ndarray:
-    return np.stack([pairs[:, 0] + L * pairs[:, 1], pairs[:, 0] - L * pairs[:, 1]], axis=1)
-
-
-def test_a_wheel_within_its_dead_band_stands_and_the_other_turns() -> None:
-    commands = np.random.default_rng(1).uniform(-1, 1, (500, 2)) * (0.08, 0.6)
-    wanted, got = rims(commands), rims(acting({"base.wheel_deadband": BAND}, commands))
-    assert got == pytest.approx(np.where(np.abs(wanted) < BAND, 0.0, wanted), abs=1e-15)
-    assert 0.2 < (np.abs(wanted) < BAND).mean() < 0.8
-
-
-@pytest.mark.parametrize(("accel", "decel"), [(0.5, 0.5), (0.4, 1.2), (math.inf, 0.6)])
-def test_rims_change_no_faster_than_their_ramps(accel: float, decel: float) -> None:
-    commands = np.repeat(np.random.default_rng(2).uniform(-1, 1, (40, 2)) * (0.3, 1.5), 50, axis=0)
-    ramps = {"base.wheel_accel": accel, "base.wheel_decel": decel}
-    got, h = rims(acting(ramps, commands)), CREATE3.clock.plant
-    before = np.vstack([np.zeros((1, 2)), got[:-1]])
-    away = np.abs(got) > np.abs(before)
-    assert (np.abs(got - before) <= h * np.where(away, accel, decel) + 1e-12).all()
-    assert (got * before >= -1e-15).all()  # a rim stops at 0 before it turns round
-    reached = rims(commands)[49::50]
-    assert (np.abs(got[49::50] - reached) < 1e-12).any(axis=1).mean() > 0.1
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("changes", "off"),
-    [({"base.wheel_deadband": BAND}, BAND / 2),
-     ({"base.wheel_accel": 0.9, "base.wheel_decel": 0.9}, 0.9e-3),
-     ({"base.wheel_deadband": BAND, "base.wheel_accel": 0.9, "base.wheel_decel": 0.9},
-      BAND / 2 + 0.9e-3)],
-)  # fmt: skip
-def test_wheels_take_the_base_no_farther_than_is_counted(
-    changes: Mapping[str, Any], off: float
-) -> None:
-    """Commands within a box, that change at any time: what acts is within it but for the bound."""
-    rng = np.random.default_rng(5)
-    told = WHEEL_COMMANDS.bounded(override(CREATE3, changes))
-    assert told is not None
-    assert told.command == pytest.approx((off, off / L))
-    most = np.stack([rng.uniform(0.02, 0.3, 300), rng.uniform(0.2, 1.9, 300)], axis=1)
-    commands, held = np.zeros((1500, 300, 2)), np.zeros((300, 2))
-    for row in commands:
-        anew = rng.random(300) < 0.03
-        held[anew] = (rng.choice([-1, 1, 0.3, -0.9], (300, 2)) * most)[anew]
-        row[:] = held
-    worst = np.abs(acting(changes, commands)).max(axis=0) - most
-    assert (worst <= np.array(told.command) + 1e-12).all()
-    assert worst.max() > 0
-
-
-def test_wheels_that_start_and_stop_at_two_rates_leave_the_box() -> None:
-    """So no filter takes them; 0.15 of 0.1 m/s in the draft's example."""
-    turn = 0.2 / L
-    commands = np.repeat([[0.1, turn], [0.1, -turn]], 2000, axis=0)
-    apart = {"base.wheel_accel": math.inf, "base.wheel_decel": 0.5}
-    assert acting(apart, commands)[:, 0].max() > 0.24
-    assert acting({**apart, "base.wheel_accel": 0.5}, commands)[:, 0].max() < 0.101
 
 
 REFUSED = {
