@@ -1,4 +1,4 @@
-"""Filters of bases with dead bands and ramps of wheels, and of those that cannot turn on the spot."""
+"""Filters of bases with dead bands and ramps of wheels, and of those with a least radius."""
 
 from __future__ import annotations
 
