@@ -6,8 +6,22 @@
 {'PROVED': 1, 'REFUTED': 1}
 """
 
-from wmr_ctrl.results.ledger import Entry as Entry
-from wmr_ctrl.results.ledger import Ledger as Ledger
-from wmr_ctrl.results.ledger import load as load
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from .runner import prove as prove
+if TYPE_CHECKING:
+    from wmr_ctrl.results.ledger import Entry as Entry
+    from wmr_ctrl.results.ledger import Ledger as Ledger
+    from wmr_ctrl.results.ledger import load as load
+
+    from .runner import prove as prove
+
+LEDGER = "wmr_ctrl.results.ledger"
+PLACES = {"prove": "wmr_proofs.runner", "Entry": LEDGER, "Ledger": LEDGER, "load": LEDGER}
+
+
+def __getattr__(name: str) -> Any:
+    """Loaded when first used: `wmr_proofs.check` runs without any other package."""
+    if name not in PLACES:
+        raise AttributeError(f"module 'wmr_proofs' has no attribute {name!r}")
+    return vars(import_module(PLACES[name]))[name]

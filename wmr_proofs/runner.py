@@ -69,8 +69,8 @@ def selected(only: Sequence[str]) -> list[str]:
 
 def check_id(key: str, anew: bool = False) -> Entry:
     """One entry, in whatever process."""
-    from .check import check
     from .claims import all_claims
+    from .entry import check
 
     claim = next(claim for claim in all_claims() if claim.id == key)
     return check(claim, None if anew else _committed().get(key))
@@ -83,8 +83,8 @@ def _committed() -> dict[str, Entry]:
 
 def hashes(ids: Iterable[str] | None = None) -> dict[str, str]:
     """Hash of each claim's graph (of those named, or of all) as the product is now."""
-    from .check import graph_hash
     from .claims import all_claims
+    from .entry import graph_hash
 
     asked = None if ids is None else set(ids)
     claims = (claim for claim in all_claims() if asked is None or claim.id in asked)
@@ -210,11 +210,8 @@ def run_export(folder: Path, only: Iterable[str] = ()) -> None:
             continue
         if not uses_z3(claim.method):
             continue
-        texts = {
-            f"{item.name}.smt2": f"; {claim.id} ({entry.verdict}), {item.name}: expected "
-            f"{item.wanted}\n(set-info :status {item.wanted})\n{item.text}"
-            for item in of_entry(claim.statement(CLAIMED), entry)
-        }
+        items = of_entry(claim.statement(CLAIMED), entry)
+        texts = {f"{item.name}.smt2": item.file(claim.id) for item in items}
         count += len(write_all(texts, folder / claim.id))
     sys.stdout.write(f"{count} obligations in {folder}; its README.md says how to check them.\n")
 

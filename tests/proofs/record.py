@@ -19,10 +19,10 @@ from tests.proofs.noticed import tried
 from tests.proofs.second_solvers import confirmed_by
 from wmr_ctrl.results.ledger import COMMITTED, OPEN, Entry, Ledger, load
 from wmr_proofs.alterations import functions_of
-from wmr_proofs.check import graph_hash
 from wmr_proofs.claim import CLAIMED, Claim
 from wmr_proofs.claims import all_claims
 from wmr_proofs.comparison import stale
+from wmr_proofs.entry import graph_hash
 from wmr_proofs.methods.obligations import uses_z3
 from wmr_proofs.runner import prove, selected
 

@@ -15,8 +15,8 @@ from wmr_ctrl.control.laws import mb, nn
 from wmr_ctrl.results.ledger import load
 from wmr_ctrl.world.model import dynamics, kinematics
 from wmr_proofs import paper_barrier as barrier
-from wmr_proofs.check import graph_hash
 from wmr_proofs.claims import all_claims
+from wmr_proofs.entry import graph_hash
 
 AXIS, SMOOTH = stable_barrier.Axis, stable_barrier.SmoothAxis
 GRADIENT = '0.5 * context.per_axis("w") / context.per_axis("q")'

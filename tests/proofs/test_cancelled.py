@@ -11,9 +11,9 @@ import pytest
 
 from wmr_ctrl.results.ledger import LEMMA, OPEN, PROVED, load
 from wmr_proofs.cancelled import cancelled_operations, positive_sums, uncancelled, undefined
-from wmr_proofs.check import check
 from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.claims import all_claims
+from wmr_proofs.entry import check
 from wmr_proofs.methods.spec import Z3, Ball, Method, Ring
 from wmr_proofs.regions import POSITIVE, Case
 from wmr_proofs.relation import Relation, above, at_least, equal

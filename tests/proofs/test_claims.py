@@ -15,7 +15,8 @@ import pytest
 from tests.proofs import second_solvers
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.results.ledger import Entry, Ledger, load
-from wmr_proofs import check, prove, runner
+from wmr_proofs import entry as entries
+from wmr_proofs import prove, runner
 from wmr_proofs.alterations import function_named
 from wmr_proofs.claim import CLAIMED, MUTATED, Claim, Mutation
 from wmr_proofs.claims import all_claims
@@ -240,7 +241,7 @@ def test_a_symbol_may_have_the_name_of_a_command(solver) -> None:
 
 
 def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys) -> None:
-    monkeypatch.setattr(check, "missing", lambda method: ("z3",) if method else ())
+    monkeypatch.setattr(entries, "missing", lambda method: ("z3",) if method else ())
 
     assert runner.run_prove(["eq86", "eq03", "lemma.log"]) == 3
     assert "pip install" in capsys.readouterr().out
@@ -271,9 +272,9 @@ def test_everything_is_as_committed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def proved_here(patterns: Sequence[str], monkeypatch: pytest.MonkeyPatch) -> Ledger:
     """Proved in this process, of functions that are named in the ledger where it names some."""
-    search = check.functions_of
+    search = entries.functions_of
     monkeypatch.setattr(
-        check, "functions_of", lambda claim, first=(): tuple(first) or search(claim)
+        entries, "functions_of", lambda claim, first=(): tuple(first) or search(claim)
     )
     gc.disable()  # in another thread it would free a solver's terms while the solver works on them
     try:

@@ -9,9 +9,9 @@ import pytest
 
 from tests.proofs import noticed, record
 from wmr_ctrl.results.ledger import LEMMA, OPEN, PROVED, REFUTED, Entry, Ledger, load
-from wmr_proofs.check import check, graph_hash
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.claims import all_claims
+from wmr_proofs.entry import check, graph_hash
 from wmr_proofs.methods.spec import Z3, Ball, Method, Ring
 from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
 from wmr_proofs.relation import above, at_least

@@ -11,11 +11,9 @@ from wmr_ctrl.results.ledger import REFUTED, Entry
 from wmr_proofs.statement import Statement
 
 from .point import judged
+from .printed import printed
 from .smt import Problem, posed
 from .spec import Z3, Both, Method
-
-COMMANDS = frozenset({"assert", "echo", "exit", "pop", "push", "reset"})
-"""Words of the language that may be a symbol's name here; z3 alone reads them as one."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +23,11 @@ class Obligation:
     name: str
     text: str
     wanted: str
+
+    def file(self, key: str) -> str:
+        """The text as it is exported for the entry ``key``, with the answer that is expected."""
+        head = f"; {key}, {self.name}: expected {self.wanted}"
+        return f"{head}\n(set-info :status {self.wanted})\n{self.text}"
 
 
 def of_entry(statement: Statement, entry: Entry) -> Iterator[Obligation]:
@@ -65,16 +68,11 @@ def obligations(
         for name, value in (point or {}).items()
         if name in inputs and not value.endswith("pi")
     ]
-    here = z3.And(z3.BoolVal(True, context), *pinned)
-    yield Obligation("hypotheses", _text(problem, here), "sat")
+    yield Obligation("hypotheses", _text(problem, *pinned), "sat")
 
 
-def _text(problem: Problem, term: Any) -> str:
-    context, inputs = problem.terms.context, problem.terms.inputs
-    renamed = [(inputs[n], z3.Real(f"{n} (symbol)", context)) for n in COMMANDS & set(inputs)]
-    solver = z3.Solver(ctx=context)
-    solver.add(*(z3.substitute(known, *renamed) for known in (*problem.base, term)))
-    return f"(set-logic QF_NRA)\n{solver.to_smt2()}"
+def _text(problem: Problem, *terms: Any) -> str:
+    return printed([*problem.base, *terms], problem.terms.inputs)
 
 
 def uses_z3(method: Method | None) -> bool:

@@ -313,8 +313,8 @@ def violations(walk: Walk, goals: int, but: Container[int] = ()) -> Iterator[Any
     for k, guard in guards.items():
         node = walk.graph.nodes[k]
         if node.op in OUTSIDE and k not in but:
-            outside = z3.simplify(OUTSIDE[node.op](*(walk.values[arg] for arg in node.args)))
-            if not z3.is_false(outside):
+            outside = OUTSIDE[node.op](*(walk.values[arg] for arg in node.args))
+            if not z3.is_false(z3.simplify(outside)):
                 yield z3.And(guard, outside)
 
 
