@@ -22,7 +22,9 @@ from z3 import z3util
 from .claim import CLAIMED, Claim
 from .claims import forget
 from .graph import ProvedGraph, UndecidedError
+from .methods.obligations import Obligation
 from .methods.portfolio import Portfolio
+from .methods.printed import printed
 from .methods.smt import Problem, posed
 from .methods.spec import Z3, Ball, Both, Method, Ring, described
 from .regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case
@@ -66,8 +68,16 @@ def cancelled_operations(claim: Claim) -> tuple[Problem, list[Any]]:
     plain = uncancelled(claim)
     kept, raw = posed(claim.statement(CLAIMED)), posed(plain, derived_powers(plain.graph))
     before = {z3.simplify(term).sexpr() for term in kept.undefined}
-    terms = {(found := z3.simplify(term)).sexpr(): found for term in raw.undefined}
+    terms = {z3.simplify(term).sexpr(): term for term in raw.undefined}
     return raw, [term for text, term in terms.items() if text not in before]
+
+
+def cancelled_obligations(claim: Claim) -> Iterator[Obligation]:
+    """Each of them that is not to be undefined, as text."""
+    raw, gone = cancelled_operations(claim)
+    for number, term in enumerate(gone, 1):
+        text = printed([*raw.base, term], raw.terms.inputs)
+        yield Obligation(f"cancelled-{number}", text, "unsat")
 
 
 def uncancelled(claim: Claim) -> Statement:

@@ -62,7 +62,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         verdict, reason, cancelled = _defined(claim, verdict)
     counted = [pair for pair in (("case", "cases"), ("box", "boxes")) if pair[1] in told]
     counts = [f"{told[many]} {one if told[many] == 1 else many}" for one, many in counted]
-    return _entry(
+    made = _entry(
         claim,
         verdict,
         method=", ".join([spec.named(claim.method), *counts]),
@@ -78,6 +78,11 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         cancelled=cancelled,
         evidence={**told, **reason},
     )
+    if find_spec("z3") is None or verdict not in (PROVED, LEMMA, REFUTED):
+        return made
+    from .certificates import with_certificate
+
+    return with_certificate(claim, made)
 
 
 def graph_hash(claim: Claim) -> str:

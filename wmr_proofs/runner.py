@@ -5,12 +5,14 @@ What was found is compared with the committed ledger.
 
 import gc
 import os
+import shutil
 import signal
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import lru_cache
 from importlib.resources import files
@@ -22,6 +24,7 @@ from wmr_ctrl.results import atomic_text, write_all
 from wmr_ctrl.results.ledger import COMMITTED, PROVED, Entry, Ledger, load
 from wmr_ctrl.simulation.batch import deaf_to_interrupts
 
+from .claim import Claim
 from .comparison import differences, exit_code, stale
 
 PROCESSES = 2
@@ -37,16 +40,16 @@ def prove(
     only: Iterable[str] = (),
     progress: Progress | None = None,
     processes: int = PROCESSES,
-    anew: bool = False,
+    examine: bool = False,
 ) -> Ledger:
     """Check the claims that ``only`` names (all by default): ids, their beginnings, or globs.
 
     ``progress(share, entry)`` is called after each, with the share of the whole cost that is done.
-    ``anew``: nothing is taken from the committed ledger (`check` says what is otherwise).
+    ``examine``: functions are altered again, which takes hours for all entries.
     UnknownNameError where something in ``only`` names no entry.
     """
     ids = selected(tuple(only))
-    checked = {entry.id: entry for entry in _run(ids, progress, processes, anew)}
+    checked = {entry.id: entry for entry in _run(ids, progress, processes, examine)}
     return Ledger(tuple(checked[key] for key in ids))
 
 
@@ -67,13 +70,18 @@ def selected(only: Sequence[str]) -> list[str]:
     return [key for key in known if not only or any(_matches(key, asked) for asked in only)]
 
 
-def check_id(key: str, anew: bool = False) -> Entry:
+def check_id(key: str, examine: bool = False) -> Entry:
     """One entry, in whatever process."""
     from .claims import all_claims
     from .entry import check
 
     claim = next(claim for claim in all_claims() if claim.id == key)
-    return check(claim, None if anew else _committed().get(key))
+    entry = check(claim, _committed().get(key))
+    if not examine or entry.verdict != PROVED:
+        return entry
+    from .noticed import tried
+
+    return replace(entry, altered=tried(claim, tuple(entry.altered), {}))
 
 
 @lru_cache(maxsize=1)
@@ -102,10 +110,12 @@ def _matches(key: str, asked: str) -> bool:
     return key == asked or key.startswith(asked + ".")
 
 
-def _run(ids: Sequence[str], progress: Progress | None, processes: int, anew: bool) -> list[Entry]:
+def _run(
+    ids: Sequence[str], progress: Progress | None, processes: int, examine: bool
+) -> list[Entry]:
     checked: list[Entry] = []
     costs, done = _costs(ids), 0.0
-    for entry in _entries(sorted(ids, key=lambda key: -costs[key]), processes, anew):
+    for entry in _entries(sorted(ids, key=lambda key: -costs[key]), processes, examine):
         checked.append(entry)
         done += costs[entry.id]
         if progress:
@@ -113,14 +123,14 @@ def _run(ids: Sequence[str], progress: Progress | None, processes: int, anew: bo
     return checked
 
 
-def _entries(ids: Sequence[str], processes: int, anew: bool) -> Iterable[Entry]:
+def _entries(ids: Sequence[str], processes: int, examine: bool) -> Iterable[Entry]:
     if processes < 2 or len(ids) < 2:
-        yield from (check_id(key, anew) for key in ids)
+        yield from (check_id(key, examine) for key in ids)
         return
     context = get_context("spawn")
     with ProcessPoolExecutor(processes, context, _begin, (os.getpid(),)) as pool:
         with deaf_to_interrupts():
-            jobs = [pool.submit(_checked, key, anew) for key in ids]
+            jobs = [pool.submit(_checked, key, examine) for key in ids]
         for future in as_completed(jobs):
             yield future.result()
 
@@ -140,8 +150,8 @@ def _begin(parent: int) -> None:
     follow_parent(parent)
 
 
-def _checked(key: str, anew: bool) -> Entry:
-    entry = check_id(key, anew)
+def _checked(key: str, examine: bool) -> Entry:
+    entry = check_id(key, examine)
     gc.collect()
     gc.freeze()  # modules and graphs stay: the next collection need not walk them
     return entry
@@ -172,22 +182,22 @@ def run_prove(
     only: Iterable[str] = (),
     json_file: Path | None = None,
     progress: Progress | None = None,
-    anew: bool = False,
+    examine: bool = False,
 ) -> int:
     """Check, print a summary, write ``json_file``; the exit code of `ledger.exit_code`.
 
-    ``anew``: nothing is taken from the committed ledger.
+    ``examine``: functions are altered again.
     """
     asked = tuple(only)
     cost = sum(_costs(selected(asked)).values())
-    ledger = prove(asked, progress, 1 if cost <= AT_ONCE else PROCESSES, anew)
+    ledger = prove(asked, progress, 1 if cost <= AT_ONCE else PROCESSES, examine)
     committed = load() if COMMITTED.exists() else Ledger(())
     if json_file is not None:
         with atomic_text(json_file) as stream:
             stream.write(ledger.to_json() + "\n")
     if asked:
         sys.stdout.write("\n".join(map(described, ledger.entries)) + "\n")
-    sys.stdout.write("\n".join(summary(ledger, committed, not asked, anew)) + "\n")
+    sys.stdout.write("\n".join(summary(ledger, committed, not asked, examine)) + "\n")
     return exit_code(ledger, committed, complete=not asked)
 
 
@@ -197,23 +207,43 @@ def run_export(folder: Path, only: Iterable[str] = ()) -> None:
     SMT-LIB 2 files with the expected answers, for other solvers.  Raises ResultFileError where a
     file cannot be written.
     """
-    from .claim import CLAIMED
-    from .claims import all_claims
-    from .methods.obligations import of_entry, uses_z3
+    from .certificates import obligations_of
 
     readme = files("wmr_proofs").joinpath("obligations.md").read_text(encoding="utf-8")
     write_all({"README.md": readme}, folder)
-    wanted, count = set(selected(tuple(only))), 0
-    for claim in all_claims():
-        entry = _committed().get(claim.id)
-        if claim.id not in wanted or entry is None or not claim.statement:
-            continue
-        if not uses_z3(claim.method):
-            continue
-        items = of_entry(claim.statement(CLAIMED), entry)
-        texts = {f"{item.name}.smt2": item.file(claim.id) for item in items}
-        count += len(write_all(texts, folder / claim.id))
+    count = 0
+    for claim, entry in _recorded(only):
+        texts = {f"{o.name}.smt2": o.file(claim.id) for o in obligations_of(claim, entry)}
+        count += len(write_all(texts, folder / claim.id)) if texts else 0
     sys.stdout.write(f"{count} obligations in {folder}; its README.md says how to check them.\n")
+
+
+def run_certificates(folder: Path, only: Iterable[str] = ()) -> int:
+    """Write index and certificates beside the obligations that ``only`` names; prove nothing.
+
+    1 if an obligation of the index is another one by the graphs of today, else 0.
+    """
+    from .certificates import FOLDER, differing, index
+
+    run_export(folder, only)
+    for path in FOLDER.iterdir():
+        shutil.copyfile(path, folder / path.name)
+    known = index()
+    others = {claim.id: names for claim, entry in _recorded(only)
+              if claim.id in known and (names := differing(claim, entry))}  # fmt: skip
+    for key, names in others.items():
+        sys.stdout.write(f"{key}: other obligations than in the index: {', '.join(names)}\n")
+    sys.stdout.write("python -I -S wmr_proofs/check.py FOLDER checks the certificates.\n")
+    return 1 if others else 0
+
+
+def _recorded(only: Iterable[str]) -> Iterable[tuple[Claim, Entry]]:
+    """The claims that ``only`` names, with their committed entries."""
+    from .claims import all_claims
+
+    wanted = set(selected(tuple(only)))
+    known = _committed()
+    return [(c, known[c.id]) for c in all_claims() if c.id in wanted and c.id in known]
 
 
 def described(entry: Entry) -> str:
@@ -230,6 +260,7 @@ def described(entry: Entry) -> str:
         "not tried": ", ".join(name for name, said in entry.altered.items() if not said),
         "altered": ", ".join(f"{n} {ALTERED[key]}" for key, n in (entry.alterations or {}).items()),
         "confirmed by": ", ".join(entry.confirmed_by),
+        "certificate": "of each obligation" * bool(entry.certificate),
         "cancelled by CasADi": f"{entry.cancelled} operations, all defined" * bool(entry.cancelled),
         "versions": ", ".join(f"{name} {number}" for name, number in entry.versions.items()),
     }
@@ -237,13 +268,14 @@ def described(entry: Entry) -> str:
     return "\n".join([*lines, *(f"  {name}: {text}" for name, text in rows.items() if text), ""])
 
 
-def provenance(ledger: Ledger, committed: Ledger, anew: bool) -> str:
+def provenance(ledger: Ledger, committed: Ledger, examine: bool) -> str:
     """Summary of entries checked now, given, and taken from the committed ledger."""
     known = {entry.id: entry for entry in committed.entries if entry.cancelled is not None}
     checked = [entry for entry in ledger.entries if entry.graph_hash]
     given = sum(1 for e in ledger.entries if not e.graph_hash and e.verdict != "NOT_CHECKED")
-    altered = sum(1 for entry in checked if entry.alterations)
+    altered = 0 if examine else sum(1 for entry in checked if entry.alterations)
     confirmed = sum(1 for entry in checked if entry.confirmed_by)
+    certified = sum(1 for entry in checked if entry.certificate)
     then = ((known[e.id], e) for e in checked if e.id in known)
     defined = sum(1 for old, e in then if old.is_about(e.graph_hash, e.versions))
     taken = (
@@ -253,15 +285,15 @@ def provenance(ledger: Ledger, committed: Ledger, anew: bool) -> str:
     )
     return (
         f"{len(checked)} checked now, their functions searched anew; {given} given (by hand, "
-        f"definitions, open). From the record: {'nothing' if anew else taken}. Claims are about "
-        "real numbers, except where an entry's id or method speaks of rounding."
+        f"definitions, open). {certified} have certificates. From the record: {taken}. Claims are "
+        "about real numbers, except where an entry's id or method speaks of rounding."
     )
 
 
-def summary(ledger: Ledger, committed: Ledger, complete: bool, anew: bool) -> list[str]:
+def summary(ledger: Ledger, committed: Ledger, complete: bool, examine: bool) -> list[str]:
     """Counts and their source, differences from the committed ledger, and missing extras."""
     counts = ", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items())
-    lines = [counts, provenance(ledger, committed, anew)]
+    lines = [counts, provenance(ledger, committed, examine)]
     others = differences(ledger, committed, complete)
     lines += [f"{d.id}: {d.now}, committed {d.committed}" for d in others]
     if any(entry.verdict == "NOT_CHECKED" for entry in ledger.entries):

@@ -127,6 +127,8 @@ def how(entry: Entry) -> str:
     if not entry.method:
         return _rests(entry).strip(" ;") or "-"
     trusted = f"; trusted: {', '.join(entry.trusted)}" if entry.trusted else ""
+    if entry.certificate:
+        trusted = f"; certificates of {entry.certificate['obligations']} obligations"
     second = f"; confirmed by {', '.join(entry.confirmed_by)}" if entry.confirmed_by else ""
     return f"{entry.method}{trusted}{second}{_rests(entry)}"
 

@@ -9,13 +9,13 @@ today. That is refused where an entry's graph, relations or method are others by
 """
 
 import argparse
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from tests.proofs.ledger_page import page
-from tests.proofs.noticed import tried
 from tests.proofs.second_solvers import confirmed_by
 from wmr_ctrl.results.ledger import COMMITTED, OPEN, Entry, Ledger, load
 from wmr_proofs.alterations import functions_of
@@ -24,15 +24,28 @@ from wmr_proofs.claims import all_claims
 from wmr_proofs.comparison import stale
 from wmr_proofs.entry import graph_hash
 from wmr_proofs.methods.obligations import uses_z3
+from wmr_proofs.noticed import tried
 from wmr_proofs.runner import prove, selected
 
-PAGE = Path(__file__).parents[2] / "docs" / "ledger.md"
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "ledger.md"
+COUNTING = (ROOT / "README.md", ROOT / "docs" / "proofs.md")
+COUNT = r"\d+ of \d+ entries by z3"
 
 
 def record(ledger: Ledger) -> None:
-    """Save the ledger where `load` finds it, and the page in docs/."""
+    """Save the ledger where `load` finds it, the page in docs/, and what pages count of it."""
     ledger.save(COMMITTED)
     PAGE.write_text(page(ledger), encoding="utf-8")
+    for path in COUNTING:
+        text = path.read_text(encoding="utf-8")
+        path.write_text(re.sub(COUNT, certified(ledger), text), encoding="utf-8")
+
+
+def certified(ledger: Ledger) -> str:
+    """How many entries by z3 rest on certificates, as `COUNTING` pages say it."""
+    asked = [entry for entry in ledger.entries if re.search(r"\bZ3\b", entry.method)]
+    return f"{sum(1 for entry in asked if entry.certificate)} of {len(asked)} entries by z3"
 
 
 def merged(new: Ledger, old: Ledger) -> Ledger:
@@ -63,9 +76,12 @@ def examined(entry: Entry, anew: bool = False) -> Entry:
 
 
 def confirmed(entry: Entry) -> Entry:
-    """An entry with the solvers that agree, where it rests on one alone so far."""
+    """An entry with the solvers that agree, where it rests on one alone so far.
+
+    Solvers are not asked where all obligations have certificates.
+    """
     claim = _claim_of(entry)
-    if entry.confirmed_by or not claim.statement or not uses_z3(claim.method):
+    if entry.certificate or entry.confirmed_by or not claim.statement or not uses_z3(claim.method):
         return entry
     agree = confirmed_by(claim.statement(CLAIMED), entry.satisfied_at)
     sys.stderr.write(f"{entry.id}: confirmed by {', '.join(agree) or 'no other'}\n")

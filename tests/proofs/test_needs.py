@@ -7,7 +7,7 @@ from dataclasses import replace
 import casadi as ca
 import pytest
 
-from tests.proofs import noticed
+from wmr_proofs import noticed
 from wmr_proofs.claims import all_claims
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import at_least

@@ -7,8 +7,9 @@ from fractions import Fraction
 
 import pytest
 
-from tests.proofs import noticed, record
+from tests.proofs import record
 from wmr_ctrl.results.ledger import LEMMA, OPEN, PROVED, REFUTED, Entry, Ledger, load
+from wmr_proofs import noticed
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.claims import all_claims
 from wmr_proofs.entry import check, graph_hash
@@ -143,13 +144,14 @@ def test_what_was_taken_is_said() -> None:
     given, none = load().by_id()["lemma.integration"], Ledger(())
     now = Ledger((entry, given))
 
-    said = provenance(now, now, anew=False)
+    said = provenance(now, now, examine=False)
     assert said.startswith("1 checked now")
     assert "1 given" in said
     assert "the alterations of 1 of them, the second solvers' answers for 1 and" in said
     assert "what CasADi cancels is defined for 1, where" in said
-    assert "what CasADi cancels is defined for 0, where" in provenance(now, none, anew=False)
-    assert "From the record: nothing." in provenance(now, now, anew=True)
+    assert "what CasADi cancels is defined for 0, where" in provenance(now, none, examine=False)
+    assert "the alterations of 0 of them" in provenance(now, now, examine=True)
+    assert "0 have certificates" in said
 
 
 def test_entries_of_another_claim_are_not_kept() -> None:

@@ -65,7 +65,13 @@ def reproduce(
 
 
 @opt.command("prove")
-def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: bool) -> None:
+def prove(
+    only: tuple[str, ...],
+    file: str | None,
+    folder: str | None,
+    certified: str | None,
+    examine: bool,
+) -> None:
     """Prove or refute the paper's numbered equations and theorems, and our own results.
 
     Claims are about the expressions from which the C is generated. Every verdict is derived again,
@@ -83,10 +89,12 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
     if folder is not None:
         runner.run_export(Path(folder), only)
         return
+    if certified is not None:
+        raise click.exceptions.Exit(runner.run_certificates(Path(certified), only))
     opt.check_output(file, (".json",), "--json")
     with Progress("proofs") as progress:
         target = Path(file) if file else None
-        code = runner.run_prove(only, target, lambda share, _: progress(share), anew)
+        code = runner.run_prove(only, target, lambda share, _: progress(share), examine)
     raise click.exceptions.Exit(code)
 
 

@@ -16,8 +16,8 @@ HAND, OPEN, NOT_CHECKED = "HAND", "OPEN", "NOT_CHECKED"
 VERDICTS = (PROVED, REFUTED, LEMMA, DEFINITION, HAND, OPEN, NOT_CHECKED)
 PUBLIC_KEYS = (
     "id", "equations", "claim", "form", "verdict", "method", "trusted", "mutation_refuted",
-    "functions", "premises", "altered", "alterations", "confirmed_by", "cancelled",
-    "counterexample", "seconds", "graph_hash", "versions",
+    "functions", "premises", "altered", "alterations", "confirmed_by", "certificate",
+    "cancelled", "counterexample", "seconds", "graph_hash", "versions",
 )  # fmt: skip
 UNCHECKED = 3
 """Exit code of `wmr-ctrl prove` where something could not be checked."""
@@ -39,8 +39,10 @@ class Entry:
     the product's functions that the graph holds, as ``module:function``, each with the entry's
     verdict where the function is altered: REFUTED, OPEN, PROVED if it makes no difference, empty if
     not tried yet. ``premises`` are entries that the claim depends on, ``confirmed_by`` further
-    solvers that agree. ``cancelled`` counts the operations that CasADi cancelled, each of which was
-    shown to be defined; None if that was not shown. ``seconds`` is processor time.
+    solvers that agree. ``certificate`` has the number of obligations and the hash of their row in
+    the index of certificates, if each of them has one; such an entry depends on no solver.
+    ``cancelled`` counts the operations that CasADi cancelled, each of which was shown to be
+    defined; None if that was not shown. ``seconds`` is processor time.
     """
 
     id: str
@@ -61,6 +63,7 @@ class Entry:
     premises: tuple[str, ...] = ()
     altered: Mapping[str, str] = field(default_factory=dict)
     confirmed_by: tuple[str, ...] = ()
+    certificate: Mapping[str, object] | None = None
     cancelled: int | None = None
     theme: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)

@@ -11,11 +11,12 @@ from functools import cache
 from time import process_time
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
-from wmr_proofs.alterations import Change, built
-from wmr_proofs.claim import CLAIMED, Claim
-from wmr_proofs.claims import all_claims
-from wmr_proofs.methods.spec import Z3, Ball, Both, Method, Ring
-from wmr_proofs.statement import Statement
+
+from .alterations import Change, built
+from .claim import CLAIMED, Claim
+from .claims import all_claims
+from .methods.spec import Z3, Ball, Both, Method, Ring
+from .statement import Statement
 
 CHANGES: Mapping[str, Change] = {
     "* 9/8": lambda x: 1.125 * x,

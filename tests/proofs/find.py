@@ -1,0 +1,504 @@
+"""Finds certificates for `wmr_proofs.check`: ``python -m tests.proofs.find ID``; needs z3.
+
+Nothing here is trusted.  A model of z3 says which choice is violated: that one is split.  Where z3
+says that the facts of a case contradict each other, a few of them that do so are looked for, and
+products of these that add up to 0, by exact linear programming.  What a case does not need of its
+condition closes the other cases as well.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from math import prod
+from time import process_time
+from typing import Any
+
+import z3
+
+from tests.proofs.record import merged, record
+from wmr_ctrl.results.ledger import REFUTED, Entry, Ledger, load
+from wmr_proofs.certificates import (
+    Row,
+    forget_others,
+    held,
+    obligations_of,
+    save,
+    with_certificate,
+    words_hash,
+)
+from wmr_proofs.check import (
+    WORK,
+    Case,
+    Choice,
+    Fact,
+    Formula,
+    Join,
+    Monomial,
+    Polynomial,
+    Problem,
+    Quotient,
+    Refused,
+    add,
+    check,
+    const,
+    digest,
+    key,
+    mul,
+    names,
+    var,
+)
+from wmr_proofs.claim import Claim
+from wmr_proofs.claims import all_claims
+from wmr_proofs.methods.obligations import Obligation, uses_z3
+from wmr_proofs.runner import selected
+
+Facts = Mapping[str, Fact]
+ROOT = "~"
+"""Begins the name of a square in a search."""
+DEGREE, DEPTH = 5, 40
+"""Factors of a product, and cases within cases, at most."""
+EVERY, MOST = 8000, 600
+"""Products that are tried, and those of them that share monomials, at most."""
+SECONDS = 10.0
+"""Of the processor for one obligation."""
+SOON, LATER = 300_000, 3_000_000
+"""z3's work for a question about a few facts, and about those of a case."""
+
+
+class NotFound(Exception):  # noqa: N818
+    """No certificate is found in this way, or in time."""
+
+
+def proof(text: str, seconds: float = SECONDS) -> Any:
+    """A tree that refutes an obligation; NotFound where none is found in time."""
+    WORK.left = 10**15
+    problem = Problem(text)
+    end = process_time() + seconds
+    return Search(end).tree(Case(problem, problem.facts, {}, {}))
+
+
+def point(text: str, known: Mapping[str, str]) -> Any:
+    """Rational numbers for all symbols at which an obligation holds, if possible with these."""
+    symbols, asserted = Problem(text).symbols, z3.parse_smt2_string(text)
+    given = [_real(name) == z3.RealVal(value) for name, value in known.items()
+             if f"|{name}|" in symbols and not value.endswith("pi")]  # fmt: skip
+    for more in (given, []):
+        for name in ("smt", "qfnra-nlsat"):
+            solver = z3.Tactic(name).solver()
+            solver.set("rlimit", LATER)
+            solver.add(*asserted, *more)
+            if solver.check() != z3.sat:
+                continue
+            values = {name: solver.model().eval(_real(name), True) for name in symbols}
+            if all(map(z3.is_rational_value, values.values())):
+                return {name: str(value.as_fraction()) for name, value in values.items()}
+    raise NotFound("no point of rational numbers")
+
+
+def _real(name: str) -> Any:
+    return z3.Real(name.strip("|"))
+
+
+class Search:
+    """A search that ends in time."""
+
+    def __init__(self, end: float) -> None:
+        self.end = end
+        self.good: list[tuple[frozenset[str], int]] = []
+
+    def tree(self, case: Case, depth: int = 0) -> Any:
+        """A tree that refutes a case."""
+        if depth > DEPTH:
+            raise NotFound("too many cases within cases")
+        facts = _facts(case)
+        inner = case
+        signs = []
+        for number, sign, total in self._signs(case, facts):
+            signs.append((inner, number, sign, total))
+            inner = inner.signed(number, sign)
+        node = self._node(inner, _facts(inner) if signs else facts, depth)
+        for outer, number, sign, total in reversed(signs):
+            if not _refutes(outer, node):
+                node = ["den", number, sign, total, node]
+        return node
+
+    def _node(self, case: Case, facts: Facts, depth: int) -> Any:
+        found = self._sum(facts, 1)
+        for used, degree in self.good if found is None else ():
+            if found is None and used <= set(facts):
+                found = self._sum({name: facts[name] for name in used}, degree)
+        if found is not None:
+            return found
+        answer, model = self._asked(facts.values(), LATER)
+        if answer == z3.unsat:
+            found = self._closed(facts)
+            if found is not None:
+                return found
+        return self._split(case, facts, model, depth)
+
+    def _closed(self, facts: Facts) -> Any:
+        """A sum of facts that z3 finds to contradict each other."""
+        few = self._core(facts)
+        unknowns = set[str]().union(*(names(fact.poly) for fact in few.values()))
+        near = {name: fact for name, fact in facts.items()
+                if len(fact.poly) == 1 and names(fact.poly) <= unknowns}  # fmt: skip
+        for degree in range(2, DEGREE + 1):
+            signed = {**near, **few}
+            for chosen in (few, signed, {**signed, **_squares(few)})[: 2 + (degree < 4)]:
+                found = self._sum(chosen, degree)
+                if found is not None:
+                    used = {name for item in found[1] for name in item[1]}
+                    used |= {item[0] for item in found[2]}
+                    self.good.insert(0, (frozenset(used), degree))
+                    del self.good[8:]
+                    return found
+        return None
+
+    def _core(self, facts: Facts) -> Facts:
+        """Few facts that contradict each other."""
+        kept, size = list(facts), max(1, len(facts) // 2)
+        while size:
+            place = 0
+            while place < len(kept):
+                less = kept[:place] + kept[place + size :]
+                if self._asked([facts[name] for name in less], SOON)[0] == z3.unsat:
+                    kept = less
+                else:
+                    place += size
+            size //= 2
+        return {name: facts[name] for name in kept}
+
+    def _signs(self, case: Case, facts: Facts) -> Iterator[tuple[int, int, Any]]:
+        """Quotients whose denominators have a sign, each with a sum that shows it."""
+        seen = set(case.signs)
+        for number, atom in enumerate(case.problem.atoms):
+            if not isinstance(atom, Quotient) or key(atom.below) in seen:
+                continue
+            below = case.plain(atom.below)
+            if any(name.startswith("?") for name in names(below)):
+                continue
+            for sign in (1, -1):
+                total = self._contradicted({**facts, "*": Fact(add({}, below, -sign), ">=")})
+                if total is not None:
+                    seen.add(key(atom.below))
+                    yield number, sign, total
+                    break
+
+    def _contradicted(self, facts: Facts) -> Any:
+        unknowns = names(facts["*"].poly)
+        near = {name: fact for name, fact in facts.items() if names(fact.poly) <= unknowns}
+        for degree in (1, 2):
+            found = self._sum(near, degree)
+            if found is not None:
+                return found
+        answer, _ = self._asked(facts.values(), SOON)
+        return self._closed(facts) if answer == z3.unsat else None
+
+    def _split(self, case: Case, facts: Facts, model: Any, depth: int) -> Any:
+        """The cases of a choice, or of a disjunction, which a model violates if there is one."""
+        atoms = case.problem.atoms
+        read = {name for fact in facts.values() for name in names(fact.poly)}
+
+        def holds(formula: Formula) -> bool:
+            return z3.is_true(model.eval(_formula(_plain(case, formula)), model_completion=True))
+
+        def is_violated(number: int, choice: Choice) -> bool:
+            value = choice.yes if holds(choice.condition) else choice.no
+            return not holds(Fact(add(var(f"?{number}"), value, -1), "="))
+
+        choices = [(number, atom) for number, atom in enumerate(atoms)
+                   if isinstance(atom, Choice) and number not in case.chosen]  # fmt: skip
+        broken = [name for name, formula in case.facts.items() if isinstance(formula, Join)
+                  and not any(other.startswith(f"{name}:") for other in case.facts)
+                  and (model is None or not holds(formula))]  # fmt: skip
+        if model is not None:
+            choices = [pair for pair in choices if is_violated(*pair)]
+        ready = [number for number, choice in choices if not _waits(case, choice.condition)]
+        if model is None:
+            ready = [number for number in ready if f"?{number}" in read] or ready
+        if broken and (model is not None or not ready):
+            name = broken[0]
+            parts = case.facts[name].parts  # type: ignore[union-attr]
+            cases = [case.having(f"{name}:{k}", part) for k, part in enumerate(parts)]
+            return self._cases(["or", name], case, cases, depth)
+        if not choices:
+            raise NotFound("no case is left to be split")
+        number = ready[-1] if ready else choices[0][0]
+        return self._cases(
+            ["ite", number], case, [case.taking(number, yes) for yes in (True, False)], depth
+        )
+
+    def _cases(self, head: list[Any], case: Case, cases: list[Case], depth: int) -> Any:
+        for part in cases:
+            node = self.tree(part, depth + 1)
+            if _refutes(case, node):
+                return node
+            head.append(node)
+        return head
+
+    def _asked(self, facts: Any, work: int) -> tuple[Any, Any]:
+        """z3's answer and model."""
+        if process_time() > self.end:
+            raise NotFound("out of time")
+        for name in ("qfnra-nlsat", "smt"):
+            solver = z3.Tactic(name).solver()
+            solver.set("rlimit", work)
+            solver.add(*map(_formula, facts))
+            answer = solver.check()
+            if answer != z3.unknown:
+                return answer, solver.model() if answer == z3.sat else None
+        return z3.unknown, None
+
+    def _sum(self, facts: Facts, degree: int) -> Any:
+        """A sum of products of at most ``degree`` facts and of multiples of equations."""
+        if process_time() > self.end:
+            raise NotFound("out of time")
+        products = _products(facts, degree)
+        multiples = _multiples(facts, products, degree)
+        if len(products) + len(multiples) > EVERY:
+            return None
+        products = _able_to_cancel(products, multiples)
+        polys = {**{used: p for used, (p, _) in products.items()}, **multiples}
+        for part in _linked(polys):
+            above = {used: products[used][1] for used in part if used in products}
+            if any(above.values()) and len(part) <= MOST:
+                found = self._program({used: polys[used] for used in part}, above)
+                if found is not None:
+                    return found
+        return None
+
+    def _program(self, polys: Mapping[Any, Polynomial], above: Mapping[Any, bool]) -> Any:
+        """A sum of shares of these, by exact linear programming; those in ``above`` >= 0."""
+        if process_time() > self.end:
+            raise NotFound("out of time")
+        rows: dict[Monomial, list[Any]] = {}
+        solver = z3.SolverFor("QF_LRA")
+        solver.set("rlimit", LATER)
+        shares = {known: z3.Real(f"x{k}") for k, known in enumerate(polys)}
+        for known, p in polys.items():
+            for monomial, c in p.items():
+                rows.setdefault(monomial, []).append(z3.RealVal(str(c)) * shares[known])
+        solver.add(*(z3.Sum(row) == 0 for row in rows.values()))
+        solver.add(*(shares[known] >= 0 for known in above))
+        solver.add(z3.Sum([shares[known] for known, strict in above.items() if strict]) > 0)
+        if solver.check() != z3.sat:
+            return None
+        model = solver.model()
+        value = {known: model.eval(share, True).as_fraction() for known, share in shares.items()}
+        equations: dict[str, Polynomial] = {}
+        for known in (known for known in polys if known not in above):
+            equations.setdefault(known[0], {})[known[1]] = value[known]
+        told = [[name, _told(p)] for name, p in equations.items() if any(p.values())]
+        return ["sum", [_item(value[used], used) for used in above if value[used]], told]
+
+
+def _facts(case: Case) -> Facts:
+    return {name: case.fact(name) for name, formula in case.facts.items()
+            if isinstance(formula, Fact)}  # fmt: skip
+
+
+def _refutes(case: Case, node: Any) -> bool:
+    try:
+        case.refuted(node)
+    except Refused:
+        return False
+    return True
+
+
+def _plain(case: Case, formula: Formula) -> Formula:
+    if isinstance(formula, Fact):
+        return Fact(case.plain(formula.poly), formula.kind)
+    return Join(formula.word, tuple(_plain(case, part) for part in formula.parts))
+
+
+def _waits(case: Case, condition: Formula) -> bool:
+    """True if a condition reads choices that are open."""
+    if isinstance(condition, Join):
+        return any(_waits(case, part) for part in condition.parts)
+    left = (int(name[1:]) for name in names(case.plain(condition.poly)) if name.startswith("?"))
+    return any(isinstance(case.problem.atoms[number], Choice) for number in left)
+
+
+def _formula(formula: Formula) -> Any:
+    """A formula for z3."""
+    if isinstance(formula, Join):
+        parts = [_formula(part) for part in formula.parts]
+        return z3.And(*parts) if formula.word == "and" else z3.Or(*parts)
+    terms = [
+        prod([_real(name) ** power if power > 1 else _real(name) for name, power in monomial],
+             start=z3.RealVal(str(c)))
+        for monomial, c in formula.poly.items()
+    ]  # fmt: skip
+    value = z3.Sum([z3.RealVal(0), *terms])
+    return {"=": value == 0, ">": value > 0, ">=": value >= 0}[formula.kind]
+
+
+def _squares(facts: Facts) -> Facts:
+    """Squares that are perhaps completed in a fact; their roots are their names."""
+    roots: list[Polynomial] = []
+    for p, _ in facts.values():
+        for name in names(p):
+            if max(dict(m).get(name, 0) for m in p) == 2:
+                roots.append(_derivative(p, name))
+    told = (f"{ROOT}{json.dumps(_told(root))}" for root in roots)
+    return {name: Fact(mul(root, root), ">=") for name, root in zip(told, roots, strict=True)}
+
+
+def _derivative(p: Polynomial, name: str) -> Polynomial:
+    total: Polynomial = {}
+    for m, c in p.items():
+        rest = _rest(m, ((name, 1),))
+        if rest is not None:
+            total[rest] = c * dict(m)[name]
+    return total
+
+
+def _item(share: Fraction, used: tuple[str, ...]) -> list[Any]:
+    """A product as a certificate has it."""
+    roots = [json.loads(name[1:]) for name in used if name.startswith(ROOT)]
+    facts = [name for name in used if not name.startswith(ROOT)]
+    return [str(share), facts, roots] if roots else [str(share), facts]
+
+
+Products = dict[tuple[str, ...], tuple[Polynomial, bool]]
+
+
+def _products(facts: Facts, degree: int) -> Products:
+    """Products of inequalities, and whether they are above 0."""
+    above = {name: fact for name, fact in facts.items() if fact.kind != "="}
+    level: Products = {(): (const(1), True)}
+    found = dict(level)
+    for _ in range(degree):
+        if len(found) > EVERY:
+            break
+        level = {
+            (*used, name): (mul(p, fact.poly), strict and fact.kind == ">")
+            for used, (p, strict) in level.items()
+            for name, fact in above.items()
+            if not used or name >= used[-1]
+        }
+        found |= level
+    return found
+
+
+def _multiples(
+    facts: Facts, products: Products, degree: int
+) -> dict[tuple[str, Monomial], Polynomial]:
+    """Multiples of equations that have a monomial in common with products."""
+    equations = {name: fact.poly for name, fact in facts.items() if fact.kind == "="}
+    found: dict[tuple[str, Monomial], Polynomial] = {}
+    known = {m for p, _ in products.values() for m in p} if equations else set()
+    for name, p in equations.items():
+        for whole in known:
+            for part in p:
+                rest = _rest(whole, part)
+                if rest is not None and sum(power for _, power in rest) <= degree:
+                    found[name, rest] = mul(p, {rest: 1})
+    return found
+
+
+def _rest(whole: Monomial, part: Monomial) -> Monomial | None:
+    """The quotient of two monomials if it is one."""
+    powers = dict(whole)
+    for name, power in part:
+        powers[name] = powers.get(name, 0) - power
+    if min(powers.values(), default=0) < 0:
+        return None
+    return tuple((name, power) for name, power in sorted(powers.items()) if power)
+
+
+def _able_to_cancel(products: Products, multiples: Mapping[Any, Polynomial]) -> Products:
+    """Products without those of which a monomial occurs with one sign alone."""
+    free = {monomial for p in multiples.values() for monomial in p}
+    while True:
+        signs = {(m, c > 0) for p, _ in products.values() for m, c in p.items()}
+        alone = {m for m, up in signs if (m, not up) not in signs} - free
+        kept = {known: item for known, item in products.items() if not alone & set(item[0])}
+        if len(kept) == len(products):
+            return kept
+        products = kept
+
+
+def _linked(polys: Mapping[Any, Polynomial]) -> Iterator[list[Any]]:
+    """Polynomials that share monomials, or are linked by such: sums of others are 0 by parts."""
+    groups: dict[Monomial, list[Any]] = {}
+    for known, p in polys.items():
+        touched = {id(groups[m]): groups[m] for m in p if m in groups}
+        group = max(touched.values(), key=len, default=[])
+        group.append(known)
+        for other in touched.values():
+            if other is not group:
+                group += other
+                groups.update((m, group) for item in other for m in polys[item])
+        groups.update((m, group) for m in p)
+    yield from ([known] for known, p in polys.items() if not p)
+    yield from {id(group): group for group in groups.values()}.values()
+
+
+def _told(p: Polynomial) -> list[Any]:
+    """A polynomial as a certificate has it."""
+    return [[str(c), *(x for pair in m for x in pair)] for m, c in sorted(p.items()) if c]
+
+
+def find(claim: Claim, entry: Entry, seconds: float) -> Row:
+    """Certify what can be certified of an entry, save it, and return its row of the index.
+
+    What is committed and shows an obligation of today is kept.
+    """
+    kept = held(claim.id)
+    rows, found = [], {}
+    for item in obligations_of(claim, entry):
+        text = item.file(claim.id)
+        certificate = _certificate(text, item, kept.get(item.name, ("", None))[1], entry, seconds)
+        if certificate is not None:
+            found[item.name] = [text, certificate]
+        shown = digest(certificate) if certificate is not None else ""
+        rows.append([item.name, item.wanted, digest(text), shown])
+    row = {"id": claim.id, "verdict": entry.verdict, "claim": words_hash(claim)}
+    row |= {"obligations": rows}
+    save(row, found)
+    return row
+
+
+def _certificate(text: str, item: Obligation, known: Any, entry: Entry, seconds: float) -> Any:
+    """The certificate that is known, if it is one, or another; None if none is found."""
+    try:
+        if check(text, known) == item.wanted:
+            return known
+    except Refused:
+        pass
+    at = entry.counterexample if entry.verdict == REFUTED else entry.satisfied_at
+    try:
+        if item.wanted == "unsat":
+            found = {"proof": proof(text, seconds)}
+        else:
+            found = {"point": point(text, at or {})}
+        return found if check(text, found) == item.wanted else None
+    except (NotFound, Refused) as error:
+        sys.stderr.write(f"{entry.id}, {item.name}: {error}\n")
+        return None
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Find certificates of the entries that are named, and enter them in the ledger."""
+    parser = argparse.ArgumentParser(prog="python -m tests.proofs.find", description=__doc__)
+    parser.add_argument("ids", nargs="*", metavar="ID", help="entries, or globs of them; none: all")
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="of the processor, for each")
+    given = parser.parse_args(arguments)
+    wanted, entries = set(selected(given.ids)), load().by_id()
+    claims = {claim.id: claim for claim in all_claims() if claim.id in wanted & set(entries)}
+    fresh = []
+    for claim in claims.values():
+        if uses_z3(claim.method):
+            row = find(claim, entries[claim.id], given.seconds)
+            shown = sum(1 for item in row["obligations"] if item[3])
+            sys.stdout.write(f"{claim.id}: {shown} of {len(row['obligations'])}\n")
+            fresh.append(with_certificate(claim, entries[claim.id]))
+    forget_others({claim.id for claim in all_claims()})
+    record(merged(Ledger(tuple(fresh)), load()))
+
+
+if __name__ == "__main__":
+    main()

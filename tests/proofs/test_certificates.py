@@ -1,0 +1,115 @@
+"""The committed certificates: of today's obligations, all of them checked, and what has none."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.proofs.record import COUNTING, certified
+from tests.proofs.test_checker import said
+from wmr_ctrl.results.ledger import Entry, load
+from wmr_proofs.certificates import FOLDER, differing, index, with_certificate, words_hash
+from wmr_proofs.check import digest
+from wmr_proofs.claims import all_claims
+
+ROOT = Path(__file__).parents[2]
+CLAIMS = {claim.id: claim for claim in all_claims()}
+ENTRIES = load().by_id()
+REMEDY = "python -m tests.proofs.find "
+PROMISES = (
+    "guard.lemma", "guard.delay.lemma", "guard.late.lemma", "guard.varying.lemma",
+    "guard.promise", "guard.promise-late", "filter.clip", "filter.induction",
+    "filter.peak-gain", "thm1.velocity", "prox.optimal", "prox.optimal-smooth", "eq17-18",
+)  # fmt: skip
+"""Guard, clip, governor, the model-based law's V1' <= -rho V1, and the minimiser."""
+BUILT = ("guard.upper", "guard.feasible", "prox.inside")
+"""Entries whose obligations the default tests build from the graphs."""
+
+
+def behind(ids: tuple[str, ...]) -> dict[str, Entry]:
+    """These entries and all that they rest on."""
+    found: dict[str, Entry] = {}
+    todo = list(ids)
+    while todo:
+        entry = ENTRIES[todo.pop()]
+        if entry.id not in found:
+            found[entry.id] = entry
+            todo += entry.premises
+    return found
+
+
+def by_z3(entry: Entry) -> bool:
+    return re.search(r"\bZ3\b", entry.method) is not None
+
+
+def test_all_certificates_are_checked_with_the_standard_library_alone() -> None:
+    code, text = said(FOLDER)
+
+    assert code == 0, text
+    whole, rest = re.fullmatch(
+        r"(\d+) entries whole, (\d+) without certificate", text.splitlines()[-1]
+    ).groups()
+    assert int(whole) == sum(1 for entry in ENTRIES.values() if entry.certificate)
+    assert int(whole) + int(rest) == len(index())
+
+
+def test_entries_say_what_the_index_says() -> None:
+    for key, row in index().items():
+        rows = row["obligations"]
+        whole = {"obligations": len(rows), "sha256": digest(rows)}
+        assert ENTRIES[key].certificate == (whole if all(item[3] for item in rows) else None), key
+        if ENTRIES[key].certificate:
+            assert ENTRIES[key].trusted == ("certificate",), key
+            assert not ENTRIES[key].confirmed_by, key
+    assert [e.id for e in ENTRIES.values() if e.certificate and e.id not in index()] == []
+
+
+def test_the_index_is_about_what_the_claims_say() -> None:
+    others = [key for key, row in index().items() if row["claim"] != words_hash(CLAIMS[key])]
+
+    assert others == [], f"say it of today's words: {REMEDY}{' '.join(others)}"
+
+
+@pytest.mark.parametrize("key", BUILT)
+def test_obligations_are_those_of_the_graphs_of_today(key) -> None:
+    assert differing(CLAIMS[key], ENTRIES[key]) == [], REMEDY + key
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)
+def test_all_obligations_are_those_of_the_graphs_of_today() -> None:
+    others = [key for key in index() if differing(CLAIMS[key], ENTRIES[key])]
+
+    assert others == [], REMEDY + " ".join(others)
+
+
+def test_every_proved_entry_of_the_index_has_goals_and_a_point() -> None:
+    for key, row in index().items():
+        names = {(item[0].split("-")[0], item[1]) for item in row["obligations"]}
+        wanted = {("hypotheses", "sat")}
+        wanted |= {("goal", "sat" if row["verdict"] == "REFUTED" else "unsat")}
+        assert wanted <= names, key
+        assert row["verdict"] == ENTRIES[key].verdict, key
+
+
+def test_an_entry_rests_on_certificates_where_all_its_obligations_have_one() -> None:
+    key = "guard.upper"
+    found = with_certificate(CLAIMS[key], ENTRIES[key])
+
+    assert found.certificate == ENTRIES[key].certificate
+
+
+def test_what_promises_rest_on_has_certificates_or_is_named() -> None:
+    text = " ".join((ROOT / "docs" / "proofs.md").read_text(encoding="utf-8").split())
+    said = re.search(r"no certificate was found in time: (.*?)\.\s", text)
+    named = set(re.split(r",\s+|\s+and\s+", said[1])) if said else set()
+    without = {e.id for e in behind(PROMISES).values() if by_z3(e) and not e.certificate}
+
+    assert named == without
+
+
+def test_the_pages_say_how_many_entries_have_certificates() -> None:
+    for path in COUNTING:
+        assert certified(load()) in path.read_text(encoding="utf-8"), path
