@@ -196,9 +196,9 @@ def table(runs: int) -> str:
     return "\n".join([
         head, "|---|---|---|---|---|---|---|", *rows, "",
         f"The adversary took {16 * (len(CASES) + len(ENDS) - 1)} runs, random pushes and errors "
-        f"{runs * sum(case.kind != 'start' for case in CASES)} of {LASTS:g} or 12 s, whose last "
-        "quarter is looked at; none left its corridor but those a fifth beyond the "
-        "bound, where it says so.",
+        f"took {runs * sum(case.kind != 'start' for case in CASES)} of {LASTS:g} or 12 s, judged "
+        "on their last quarter. None left its corridor except those a fifth beyond the bound, "
+        "where it says so.",
     ])  # fmt: skip
 
 

@@ -303,9 +303,9 @@ def linear_against_run(
 ) -> AgainstRun:
     """Compare the linear loop with compiled runs: start sizes at which they differ by 1 % and 10 %.
 
-    For each law (as in `simulate`) and direction, over 20 s or what the run has; docs/linear.md
-    says how it is measured.  `.plot(path)` draws both answers.  ArgumentError where the run leaves
-    its reference by itself.
+    For each law (as in `simulate`) and direction, over 20 s or the whole run if that is shorter;
+    docs/linear.md says how it is measured. `.plot(path)` draws both responses. Raises ArgumentError
+    if the run leaves its reference by itself.
 
     >>> found = linear_against_run("paper-simulation-nominal", ["mb"])
     >>> round(found.laws["mb"].directions["ahead"].one_per_cent, 3)  # m

@@ -21,7 +21,7 @@ int64_t wmr_filter_core_size(void);
 /* Everything at its start. */
 void wmr_filter_core_make(wmr_filter_core *core);
 
-/* Begin anew: no command, no odometry, nothing latched; counters, ~/stop and scale stay. */
+/* Reset: no command, no odometry, nothing latched; counters, ~/stop and scale stay. */
 void wmr_filter_core_start(wmr_filter_core *core);
 
 /* Looks at the time; what happened to it.  After a jump back what came before counts no more.  After a freeze the gate

@@ -52,10 +52,10 @@ int64_t wmr_intake_take(
 /* Counts a message that is refused; the reason again. */
 int64_t wmr_intake_refuse(wmr_intake *intake, int64_t reason);
 
-/* Time since what the message tells [s]; -1 if there is none. */
+/* Age of the message's data [s]; -1 without a message. */
 double wmr_intake_age(const wmr_intake *intake, const wmr_moment *now);
 
-/* Begin anew, as after a jump of ROS time. */
+/* Reset, as after a jump of ROS time. */
 void wmr_intake_forget(wmr_intake *intake);
 
 /* The reason in words. */

@@ -237,7 +237,7 @@ def _merged(answers: Answers) -> Iterator[tuple[str | None, checks.Warning]]:
 def head(answers: Answers, detailed: bool = False) -> Iterator[str]:
     """Questions about units, the promise, and the findings that do not depend on the law.
 
-    Where all `findings` follow, ``detailed``, it leaves out what they have.
+    With ``detailed``, all `findings` follow, so that what they repeat is left out here.
     """
     case = answers.scenario
     yield wrapped(check_sentences.valid(case))

@@ -92,7 +92,7 @@ def _show_study(result: StudyOutcome, as_json: bool) -> None:
 
 
 WORSE = (
-    "What stands under worse is worse than before on the test seeds. Take these gains only "
+    "Figures under worse are worse than before on the test seeds. Take these gains only "
     "if the robot does not drive like that; otherwise tune on that reference, or raise "
     "--weight where the torque is worse."
 )

@@ -289,9 +289,9 @@ class Footprint:
     """Memory [bytes] and instructions per sample of a package on a Cortex-M4F.
 
     Bytes of code with constants, of writable data, and of stack: ``stack`` is the sum of the frames
-    of the package's own functions, without libm's, as the GNU Arm compiler tells; ``deepest`` is
-    the stack used in ten seconds of closed loop on an emulated board, with libm and caller.
-    ``instructions`` is the median there, ``most_instructions`` the slowest sample.  None: not
+    of the package's own functions, without libm's, as the GNU Arm compiler reports it; ``deepest``
+    is the stack used in ten seconds of closed loop on an emulated board, with libm and caller.
+    ``instructions`` is the median there, ``most_instructions`` the slowest sample. None: not
     measured.
     """
 

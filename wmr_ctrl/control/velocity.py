@@ -1,15 +1,15 @@
-"""Velocity sent to a base that takes velocities: the law's wish, then the command filter.
+"""Velocity for a base that takes velocities: the law's output, then the command filter.
 
 A law that asks for a force F is adapted by inverting the believed first-order loop of the base:
 
     a = M1^-1 (F - F1(v)),    u = v + s a,    s = T/(1 - exp(-T/tau)),
 
-so that the mean acceleration of the sample is the one that the law asks for.  With M1 = diag(tau)
-and F1 = 0 that is u = v + F for T << tau.  Source: Martins, Sarcinelli-Filho and Carelli, A
+so that the mean acceleration of the sample is the one that the law asks for. With M1 = diag(tau)
+and F1 = 0 that is u = v + F for T << tau. Source: Martins, Sarcinelli-Filho and Carelli, A
 velocity-based dynamic model and its properties for differential drive mobile robots (2017), whose
-model has coupling and drag terms beside the two time constants; they are 0 here.  The force that
-acted is worked back from the command that was sent, behind filter and known delay, so that an
-observer does not wind up.
+model has coupling and drag terms beside the two time constants; they are 0 here. The applied force
+is computed back from the command that was sent, behind filter and known delay, so that an observer
+does not wind up.
 """
 
 from collections.abc import Mapping, Sequence
@@ -50,15 +50,15 @@ NEAR = 1e-6
 class SentVelocity:
     """Law, adapter and filter of a setup, from the law's output to the velocity that is sent.
 
-    ``wish``: what the law asks for, a force [N, N m] within the wheels' reach, or a velocity.
+    ``wish``: the law's output, a force [N, N m] within the wheels' reach, or a velocity.
     """
 
     def __init__(
         self, setup: Setup, core: System, p: Parameters, wish: ca.SX, late: Lateness | None = None
     ) -> None:
-        """Take the ports of the law's System ``core``, whose parameters ``p`` has.
+        """Create the ports of the law's System ``core``, whose parameters are in ``p``.
 
-        ``late``: the delay of commands, the scenario's unless given.
+        ``late``: the delay of commands, by default the scenario's.
         """
         self.setup, self.core, self.p, self.wish = setup, core, p, wish
         clock, delay = setup.scenario.clock, setup.scenario.base.delay
@@ -93,7 +93,7 @@ class SentVelocity:
 
     @cached_property
     def reach(self) -> ca.SX:
-        """s (2,) [s], for the time constants that are believed."""
+        """s (2,) [s], for the believed time constants."""
         scenario, take = self.setup.scenario, self.p.take
         if scenario.base.tau_believed is not None:
             tau = take("base.tau_believed")
@@ -103,7 +103,7 @@ class SentVelocity:
 
     @cached_property
     def asked(self) -> ca.SX:
-        """Velocity that the law asks for (2,)."""
+        """Velocity (2,) that the law requests."""
         if self.core.outputs[0].signal == signals.ASKED:
             return self.wish
         return self.v + self.reach * (self.wish - self.F1) / self.mass
@@ -119,7 +119,7 @@ class SentVelocity:
     def _through(
         self, own: System, told: Mapping[signals.Signal, ca.SX]
     ) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Velocity sent (2,), flags and next state of the filter ``own``; inputs not told are 0."""
+        """Velocity sent (2,), flags and next state of the filter ``own``; missing inputs are 0."""
         known = {ODOMETRY: self.v, **told}
         inputs = stack(known.get(item.signal, ca.SX(0)) for item in own.inputs)
         p = stack(self.p.take(item.signal.name) for item in own.params)
@@ -129,10 +129,10 @@ class SentVelocity:
         return sent, flags, following
 
     def system(self) -> System:
-        """The sampled System, whose state is the law's, then the last commands, then the filter's.
+        """The sampled System; its state is the law's, then the last commands, then the filter's.
 
-        Of the guard's diagnostics ``clip_active`` tells where the filter changed the command,
-        ``feasible`` whether odometry agrees with the stated bounds; no push is looked for.
+        Of the guard's diagnostics ``clip_active`` says whether the filter changed the command,
+        ``feasible`` whether odometry agrees with the stated bounds; pushes are not monitored.
         """
         sent, flags, filtering = self.filtered
         memory, following = self._remembering(sent)
@@ -147,11 +147,11 @@ class SentVelocity:
         return replace(law, diagnostics=diagnostics)
 
     def refusing(self) -> System:
-        """`system` for C on a robot, where inputs may be no numbers and samples late.
+        """`system` for C on a robot, where inputs may be NaN and samples late.
 
-        Further inputs are the odometry's age and the time passed, where the filter uses them, and
-        ``refused``: then (0, 0) is asked for, the law keeps its memory, and no odometry is used.
-        Outputs are the command and, of a filter, its flags and whether it changed the command.
+        Further inputs are the odometry's age and the elapsed time, if the filter uses them, and
+        ``refused``: then the request is (0, 0), the law keeps its memory, and odometry is not used.
+        Outputs are the command and, with a filter, its flags and whether it changed the command.
         """
         refused = port(signals.REFUSED)
         asked = ca.if_else(refused.sym, 0, self.asked)
@@ -178,10 +178,10 @@ class SentVelocity:
         return self._around(memory, (*told, refused), held, update, command)
 
     def asking(self) -> System:
-        """The same without the filter: it asks for a velocity, and is told the command sent.
+        """`system` without the filter: its output is a requested velocity, its input the one sent.
 
-        The further input v_sent does not touch what is asked for, but what is remembered: 0 for
-        what is no number.  To the bit it is what `system` remembers.
+        The further input v_sent affects only the memory, not the request; NaN is stored as 0.  It
+        equals the memory of `system` to the bit.
         """
         sent, asked = port(SENT), self.asked
         usable = ca.vertcat(*usable_command(sent.sym)[0])
@@ -190,9 +190,10 @@ class SentVelocity:
         return self._around(memory, (sent,), (), update, (Output(signals.ASKED, asked),))
 
     def _learnt(self, sent: ca.SX) -> ca.SX:
-        """The law's next memory: estimates stay while another velocity is sent than it asks for.
+        """The law's next memory; estimates are frozen while the sent velocity differs from the
+        request.
 
-        What is left of the error then is not that of the estimates.
+        The remaining error is then not due to the estimates.
         """
         if not self.setup.control_law.traits.integrates:
             return self.core.update
@@ -201,7 +202,7 @@ class SentVelocity:
         return ca.if_else(passed, self.core.update, self.core.x)
 
     def _remembering(self, sent: ca.SX) -> tuple[list[Port], list[ca.SX]]:
-        """State behind the law for the velocity that is sent (2,), and its next values."""
+        """Memory beside the law's for the velocity sent (2,), and its next values."""
         memory: list[Port] = [*self.earlier]
         following = [sent, *(item.sym for item in self.earlier[:-1])]
         if self.applied is not None:
@@ -217,7 +218,7 @@ class SentVelocity:
         update: ca.SX,
         shown: tuple[Output, ...],
     ) -> System:
-        """The law with the parameters of all, its inputs without its memory's, and more of both."""
+        """The law with all parameters and further ports, without inputs supplied by memory."""
         known, core = {item.signal for item in memory}, self.core
         own = (item for item in core.inputs if item.signal not in known)
         return System(
@@ -226,7 +227,7 @@ class SentVelocity:
         )  # fmt: skip
 
     def _acting(self, sent: ca.SX) -> ca.SX:
-        """Mean torque (2,) [N m] over the coming sample, as the believed loop exerts it."""
+        """Mean torque (2,) [N m] over the coming sample, by the believed speed loop."""
         commands = [sent, *(item.sym for item in self.earlier)]
         u, _ = followed(commands, self.late, ca.SX.zeros(2), 0.0)
         a = (u - self.v) / self.reach

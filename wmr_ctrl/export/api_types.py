@@ -66,10 +66,10 @@ class PageOptions(TypedDict, total=False):
 
 
 class Measurements(TypedDict):
-    """Results of the benchmarks: ratios by name, None with a reason if one could not be measured,
-    quartiles and targets.
+    """Results of the benchmarks: ratios by name, with quartiles and targets.
 
-    ``ns`` per step of each candidate; ``paper``: the paper's times and ours.
+    A ratio that could not be measured is None, with the reason. ``ns`` per step of each candidate;
+    ``paper``: the paper's times and ours.
     """
 
     ratios: dict[str, float | None]

@@ -286,7 +286,8 @@ def fitted(
     """Fisher scoring from ``theta``, damped until each step lowers the negative log-likelihood.
 
     The first ``plain`` passes are least squares on unwhitened residuals, which converge from
-    farther away; if all passes are, so is the fit.  ``fixed``: numbers that are not searched.
+    farther away; if all passes are such, the fit is by least squares. ``fixed``: numbers that are
+    not searched.
     """
     damping, done, fixed = 1e-3, False, dict(fixed or {})
     block = blocks_of(log.t)

@@ -141,7 +141,7 @@ def undetermined(parameters: Mapping[str, Estimate]) -> list[str]:
 
 
 def not_found(sure: set[str], samples: Samples, parameters: Mapping[str, Estimate]) -> Names:
-    """Keys that a scenario must state, but that neither the log shows nor anybody states."""
+    """Keys that a scenario must state, but that neither the log nor a user gives."""
     still = [f"{LIMITS}[{axis}]" for axis in (1, 2) if held_speeds(samples)[axis - 1] <= LEAST_SEEN]
     missing = [key for key in undetermined(parameters) if key not in sure]
     if LIMITS not in sure and not sure.issuperset(still):

@@ -152,7 +152,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Quoted:
-    """A test in a sentence: its median, or another reading of the runs, by its format.
+    """A test quoted in a sentence: its median, or another reading of the runs, by its format.
 
     ``%``: the median in per cent; ``mm``: the median in mm; ``range``: least to greatest in mm;
     ``broken``: in how many seeds a share of the limit is above 1.

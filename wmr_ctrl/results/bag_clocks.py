@@ -96,7 +96,7 @@ def _onto_stamps(topic: Topic, remarks: list[str]) -> Callable[[Integers], Integ
     apart = abs(float(r0 - s0) / SECOND + offset) > APART
     if not (apart or stood[-1] > 0 or abs(rate - 1) * s[-1] > BEND):
         return None
-    said = ["stamps and the recorder are on two clocks: times of receipt are put on the stamps'"]
+    said = ["stamps and the recorder are on two clocks: times of receipt are moved to the stamps'"]
     if abs(rate - 1) > STEADY:
         said.append(f"that clock runs at {1 / rate:.4g} of the recorder's")
     if stood[-1] > 0:

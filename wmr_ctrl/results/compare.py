@@ -133,8 +133,8 @@ def _compare_drives(drive_a: RecordedDrive, drive_b: RecordedDrive, tolerance: f
     if left:
         counted = ", ".join(f"{count} of {name}" for name, count in left.items())
         notes.append(
-            f"Samples of the first at which the second has nothing, or a gap of more than {_GAP:g} "
-            f"s: {counted}."
+            f"Samples of the first at which the second has no value, or a gap of more than "
+            f"{_GAP:g} s: {counted}."
         )
     notes.append(
         "Times count from the first message of each. At those of the first, the second's commands "

@@ -1,8 +1,8 @@
 """Wheel encoders: whole counts of each wheel's rotation, and the velocity computed from them.
 
 Source: quadrature encoders on the wheels, read at every sample. The controller knows the counts and
-the wheels' size as believed. Their difference over a window gives the mean velocity in it; the time
-between counts resolves slow motion better, at the price of an unknown age.
+the wheels' size as believed. The difference of counts over a window gives the mean velocity in it;
+the time between counts resolves slow motion better, at the price of an unknown age.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
 
     @property
     def ideal(self) -> bool:
-        """True where the torque acts at once (it may still be limited)."""
+        """True if the torque acts without delay and lag (it may still be limited)."""
         return self.lag == 0 and self.delay == 0 and self.unmodelled_delay == 0 and self.jitter == 0
 
 
@@ -89,7 +89,7 @@ class Base(
     CommandLoss, CommandDelay, PiLoopGains, SecondOrderGains, LoopGain, FirstOrderGains, BaseKind,
     key="base",
 ):  # fmt: skip
-    """Input of the base: wheel torques, or velocities that a speed loop of its own follows.
+    """Input of the base: wheel torques, or velocities that its own speed loop follows.
 
     Each wheel of the speed loop gives at most actuator.tau_max.
     """
@@ -134,7 +134,7 @@ class EffectRegistry:
         yield from (*OURS, *self.plugins)
 
     def present(self, scenario: "Scenario", *roles: EffectRole) -> tuple[Effect, ...]:
-        """Those that are part of a scenario's loop; of these roles only, where some are named."""
+        """Effects in a scenario's loop; if roles are named, only effects of these roles."""
         asked = (item for item in self if not roles or item.role in roles)
         return tuple(item for item in asked if item.present(scenario))
 

@@ -1,7 +1,7 @@
 """Slope: an inclined plane; it pulls along the heading, and turns a robot with offset mass.
 
-Source: gravity on an incline.  What pulls across is taken by the wheels; with the centre of mass
-``offset`` ahead of the axle it has an arm.  The wheels' load, and so the friction, stays that of
+Source: gravity on an incline. The wheels resist the lateral pull, which has a lever arm if the
+centre of mass is ``offset`` ahead of the axle. The wheels' load, and so the friction, stays that of
 level ground.
 """
 

@@ -51,8 +51,8 @@ Numbers: TypeAlias = "Callable[[str], ca.SX]"
 class Drive:
     """Force [N, N m] that the speed loop of an axis wants.
 
-    ``following(given)``: the loop's next own state, where the wheels give so much more force than
-    both loops want (2,) [N, N m].
+    ``following(given)``: the loop's next own state, for the force (2,) [N, N m] by which the wheels
+    exceed what both loops want.
     """
 
     force: ca.SX

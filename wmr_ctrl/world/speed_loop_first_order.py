@@ -1,12 +1,12 @@
-"""First-order speed loop: tau v' = K u - v on each axis, pushes coming on top as force over mass.
+"""First-order speed loop: tau v' = K u - v on each axis, with pushes added as force over mass.
 
 Source: the usual model of a velocity-controlled base.  The loop knows the robot's true mass and
 friction; held over a plant step h, its force takes the speed to where a first order takes it,
 
     F = M (K u - v)/s + F1(v),      s = h/(1 - exp(-h/tau)),
 
-but for the change of the friction within the step, which pulls against every change of the speed.
-A push f ends at the speed d = s f/M.
+except for the change of friction within the step, which opposes every change of the speed. A push f
+ends at the speed d = s f/M.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Second-order speed loop: v' = a, a' = w^2 (K u - v) - 2 z w a on each axis.
 
-Source: what a step response that overshoots is fitted by; a first order behind a lag of the drives.
-w is the frequency, z the damping, K the gain (`speed_loop_first_order`).  The loop knows the
+Source: the usual fit of a step response that overshoots; a first-order loop behind a lag of the
+drives. w is the frequency, z the damping, K the gain (`speed_loop_first_order`). The loop knows the
 robot's true mass and friction; held over a plant step h, its force takes v to where the loop takes
-it, and a is what the loop has reached then.  With E = exp(-z w h), e = K u - v, q = w sqrt(z^2 - 1)
+it, and a is what the loop has reached then. With E = exp(-z w h), e = K u - v, q = w sqrt(z^2 - 1)
 and S, C = sinh(q h)/q, cosh(q h), below z = 1 the same of sine and cosine,
 
     v+ = v + e - E ((C + z w S) e - S a),       a+ = E ((C - z w S) a + w^2 S e).

@@ -28,7 +28,7 @@ def lags(scenario: Scenario, take: Numbers, mass: ca.SX) -> list[ca.SX]:
 
 
 def assumed_lags(scenario: Scenario) -> list[float]:
-    """The same as numbers: base.tau_believed, or of the believed mass."""
+    """`lags` as numbers: base.tau_believed if it is stated, else for the believed mass."""
     mass = ca.SX([scenario.believed.m, scenario.believed.I])
     own = lags(scenario, lambda key: ca.SX(scenario.value(key)), mass)
     return [*(scenario.base.tau_believed or map(float, own))]
@@ -66,9 +66,9 @@ def build(scenario: Scenario) -> System:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """What passes its command has none; the first-order loop is one that the governor knows.
+    """Bound of the loops: none for a loop that overshoots; the governor itself models first order.
 
-    Unless a torque limit holds it back.
+    A torque limit hides what it does to a first-order loop.
     """
     for name in scenario.section(BaseKind).loop:
         if KINDS[name].overshoots:

@@ -30,7 +30,7 @@ AXES = rows(axis=(0, 1), id=("linear", "angular"))
 
 
 def named_axes(angular: str = "-angular") -> tuple[dict[str, Any], ...]:
-    """Both axes; the id of the angular entry has this ending."""
+    """Tables of both axes; the id of the angular entry gets the ending ``angular``."""
     return rows(axis=(0, 1), of=("", angular), where=("linear", "angular"))
 
 

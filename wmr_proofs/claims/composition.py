@@ -1,9 +1,9 @@
 """Parts put together, and arguments by hand in pieces.
 
-Put together are desired motions, dead reckoning, prediction to when a command acts.  The pieces are
-steps of sums, motions, logarithm, sine by derivatives; the integrals, means and inductions
-themselves are in docs/lemmas.md.  Of the functions the solver knows (sin t)^2 + (cos t)^2 = 1 at
-most; from a derivative's sign to the inequality leads `lemma.integration`.
+The assembled parts are desired motions, dead reckoning, and the prediction to when a command acts.
+The pieces are steps of sums, motions, logarithm, sine by derivatives; the integrals, means and
+inductions themselves are in docs/lemmas.md. Of the functions, the solver knows at most (sin t)^2 +
+(cos t)^2 = 1; `lemma.integration` leads from a derivative's sign to the inequality.
 """
 
 from functools import reduce

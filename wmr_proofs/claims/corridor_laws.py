@@ -1,7 +1,7 @@
 """Assumptions of the certified corridor about laws, guard and wheels off their limits.
 
-Each condition that is checked for a scenario leaves the graph as `wmr_ctrl.theory.corridor` reads
-it.
+Under the conditions that are checked for a scenario, the graph is what `wmr_ctrl.theory.corridor`
+reads.
 """
 
 import casadi as ca

@@ -1,6 +1,6 @@
 """The band of the command filter: bounds by its forecasts, and the commands that it admits.
 
-Tables of a few pieces and the tail: every piece of longer ones is reckoned alike.
+Tables of a few pieces and the tail: the pieces of longer tables are all treated in the same way.
 """
 
 from itertools import product
@@ -108,11 +108,11 @@ INSIDE = f"before it {WITHIN}, and under <= c' = c (1 + 2^-30) once 0 is sent"
 
 
 class BandStep(BandAxis):
-    """A step of the band on tables of a period and one piece, and the conditions it is held to.
+    """A step of the band on tables of a period and one piece, and the conditions on it.
 
-    ``everywhere``: all pieces and what is behind them; ``inverse``: 1 over the slopes of all
-    conditions, for a command held, and where 0 follows; ``steps``: the largest rise and fall of a
-    command that is held; ``stopped``: the largest change of each condition where 0 follows.
+    ``everywhere``: all pieces and the tail; ``inverse``: reciprocal slopes of all conditions, for a
+    constant command and if 0 follows; ``steps``: largest rise and fall of a constant command;
+    ``stopped``: largest change that each condition allows if 0 follows.
     """
 
     def __init__(self) -> None:
@@ -134,7 +134,7 @@ class BandStep(BandAxis):
         return (*super().stated, *younger, *steep)
 
     def most(self, held: bool) -> ca.SX:
-        """c'' where a command is held, c' where 0 follows."""
+        """c'' for a constant command, c' if 0 follows."""
         return self.c * (HELD if held else 1 + FLATTEST)
 
     def within(self, forecast: Forecast, part: int, way: int, *, held: bool = True) -> Relation:
@@ -142,7 +142,7 @@ class BandStep(BandAxis):
         return at_least(self.most(held), way * forecast.u + bound_of(forecast, way, part))
 
     def held(self, *parts: int) -> tuple[Relation, ...]:
-        """Bounds of these parts before the step, with the command held."""
+        """Bounds of these parts before the step, for a constant command."""
         return tuple(self.within(self.forecast, part, way) for part in parts for way in (1, -1))
 
     def inside(self, *parts: int) -> tuple[Relation, ...]:

@@ -1,6 +1,6 @@
 """Rounding of the command filter's band: forecasts and limits as the compiled text computes them.
 
-A computed number is whatever roundings of at most 2^-53 of each operation give (`rounded`).
+A computed number is any result of rounding each operation by at most 2^-53 of it (`rounded`).
 """
 
 import casadi as ca

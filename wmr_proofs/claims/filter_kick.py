@@ -1,4 +1,4 @@
-"""Rims of a run's own base, whose loop makes up for friction once a plant step."""
+"""Rims of a run's own base, whose loop compensates friction once per plant step."""
 
 from collections.abc import Iterable, Iterator
 from itertools import combinations, product
@@ -80,7 +80,8 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
 
 
 class HeldStep:
-    """A Runge-Kutta step h of the plant: v1 behind it, its way if friction stayed, and at stages.
+    """A Runge-Kutta step h of the plant: v1 after it and at its stages, and its way under constant
+    friction.
 
     ``at`` are these speeds; friction's tanh at each is a symbol of the same name.
     """
@@ -170,14 +171,14 @@ def held_kick(mutation: Mutation) -> Statement:
 
 
 class Command(Named):
-    """A rim of a first-order base while one command acts, as far as friction lets it go.
+    """A rim of a first-order base while one command acts, with the effect of friction.
 
-    ``gone`` is the share of its way that the loop went; of the ``kick`` that friction leads to at
-    most, it may still lead to ``credit`` at the start and to what is ``left`` now.
+    ``gone`` is the share of its way that the loop has covered. Friction causes at most the
+    deviation ``kick``, of which it may still cause ``credit`` at the start and ``left`` now.
     """
 
     def __init__(self, mutation: Mutation) -> None:
-        """Name the numbers; what counts as a push leads to the kick in the shortest while."""
+        """Create the symbols; friction counts as a push that causes the kick in the least time."""
         fixed = "gone_least gone_most V d K_max kick"
         self.symbols = t = symbols(f"start bound asked gone credit left {fixed}", fixed)
         self.push = held_loop.push_of_kick(mutation(1, 0.9) * t.kick, t.gone_least)
@@ -193,7 +194,7 @@ class Command(Named):
         )  # fmt: skip
 
     def reached(self, start: ca.SX, push: ca.SX, gone: ca.SX) -> ca.SX:
-        """Speed behind a while."""
+        """Speed after the loop has covered the share ``gone`` of its way."""
         return (1 - gone) * start + gone * (self.K_max * self.asked + push)
 
 

@@ -1,8 +1,8 @@
-"""One axis of the guard in one sample: its symbols and hypotheses, however late things may be.
+"""One axis of the guard in one sample: its symbols and hypotheses, for any kind of lateness.
 
-Lateness changes what is known of v where the new command takes over, and what the guard's graph
-reads; what it makes of the room to the limit is one function.  What commands under way count for
-are free sums, so that a statement holds for any number of them; exponentials are symbols.
+Lateness changes what is known of v when the new command takes over, and what the guard's graph
+reads; the map from the room to a force is one function. Effects of commands in transit are free
+sums, so that a statement is valid for any number of them; exponentials are symbols.
 """
 
 from dataclasses import dataclass
@@ -30,15 +30,14 @@ FREE = (
 class GuardAxis(Named):
     """The guard's numbers, and what happens in one sample.
 
-    ``lateness``: velocities and drives are at once; behind a delay, ``arrived`` bounding v+ where
-    the new command takes over; late in any way, ``sent`` being the last command; the same behind
-    a lag in [fast, slow].  ``varies``: with jitter, or J = mixed = 0 and the graph of that.
-    ``way`` is 1 forwards and -1 backwards.  What the guard's graph makes of the numbers is asked of
-    it anew each time.
+    ``lateness``: none; behind a delay, with ``arrived`` a bound of v+ when the new command takes
+    over; late in any way, with ``sent`` the last command; the same behind a lag in [fast, slow].
+    ``varies``: with jitter, or J = mixed = 0 and the graph for that. ``way`` is 1 forwards and -1
+    backwards. Results of the guard's graph are computed anew at each use.
 
-    ``net`` is dbar - f_min, written down here: what the guard subtracts is to be compared with it.
-    Times: all that counts of what was sent (``late``), the delay's range J, and how long either of
-    two commands may act (``both_act``).
+    ``net`` is dbar - f_min, written down here, to be compared with what the guard subtracts. Times:
+    that for which sent commands matter (``late``), the delay's range J, and how long either of two
+    commands may act (``both_act``).
     """
 
     lateness: int = AT_ONCE
@@ -61,7 +60,7 @@ class GuardAxis(Named):
 
     @property
     def again(self) -> InFlight:
-        """Push of the last command where the new one comes late."""
+        """Push of the last command if the new one comes as late as possible."""
         if self.lateness == LAGGING:
             return InFlight(self.again_ahead, self.again_back)
         pair = ca.vertcat(self.sent, self.other)
@@ -92,7 +91,7 @@ class GuardAxis(Named):
 
     @property
     def S(self) -> ca.SX:
-        """Most that any command pushes."""
+        """Largest push of any command."""
         return self.largest + self.net
 
     @property
@@ -103,12 +102,12 @@ class GuardAxis(Named):
 
     @property
     def cuts(self) -> dict[str, ca.SX]:
-        """Caps that stand for any numbers with what `capped` says of them."""
+        """Caps as free numbers that satisfy `capped`."""
         return {"brakes": self.bounds.braking, "largest": self.largest} if self.lateness else {}
 
     @property
     def rooms(self) -> dict[str, ca.SX]:
-        """Caps and, where the room has several lines, rooms that stand for any numbers."""
+        """Caps and, if the room has several lines, rooms as free numbers."""
         rooms = dict(zip(("room_ahead", "room_back"), self.left, strict=True))
         return self.cuts if self.lateness < LATE else self.cuts | rooms
 
@@ -127,7 +126,7 @@ class GuardAxis(Named):
         return floor(self.y, self.bounds, self.coming)
 
     def push(self, way: int) -> ca.SX:
-        """Most that pushes while the new command acts."""
+        """Largest push while the new command acts."""
         return way * self.force(self.asked) + self.net
 
     @property
@@ -146,7 +145,7 @@ class GuardAxis(Named):
         return (*jitter, at_least(self.usual, mixed), late) if self.varies else (late,)
 
     def sound(self, faster: float = 1) -> tuple[Relation, ...]:
-        """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1, order of times; not a word of dbar."""
+        """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1, order of times; nothing on dbar."""
         b = self.bounds
         quick = at_least(ca.SX(faster), b.alpha * b.period)
         return (*self._signs, quick, at_least(b.u1, 2 * b.nbar), *self._times)
@@ -200,7 +199,7 @@ class GuardAxis(Named):
         return at_least(more * b.M_min * b.alpha * most, need)
 
     def can_brake(self, more: float = 1) -> tuple[Relation, ...]:
-        """Why there is a safe force; a factor above 1 relaxes it."""
+        """Condition for a safe force to exist; a factor above 1 relaxes it."""
         if not self.lateness:
             return self.feasible(more)
         sums = self.moving if self.lateness < LATE else ()
@@ -288,17 +287,17 @@ class GuardAxis(Named):
         return (*self.stated, *past, *left)
 
     def ordered(self, way: int) -> tuple[Relation, ...]:
-        """lo <= hi, of which forwards nothing hangs: the clip to hi is the last."""
+        """lo <= hi; forwards nothing depends on it, since the clip to hi is the last."""
         return (at_least(self.hi, self.lo),) if self.lateness and way < 0 else ()
 
     def withstands(self, extra: ca.SX) -> Relation:
-        """The brakes do, a push that is ``extra`` too large."""
+        """The brakes withstand a push that is too large by ``extra``."""
         b, spare = self.bounds, self.bounds.braking - self.net
         lightest, heaviest = (1, 1) if self.lateness else (b.M_min, b.M_max)
         return at_least(spare * lightest, heaviest * extra)
 
     def lasts(self, way: int) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Z now and later, and M_min times what the last command adds, of one direction."""
+        """For one direction: Z now and later, and M_min times what the last command adds."""
         z = self("z_", way)
         if not self.varies:
             return z, z, ca.SX(0)

@@ -52,7 +52,7 @@ class QueuedAxis(RoundedAxis):
 
     @property
     def caps(self) -> dict[str, ca.SX]:
-        """The computed caps, which stand for any numbers with what `bounded` says of them."""
+        """The computed caps, as free numbers that satisfy `bounded`."""
         return {"brakes": self.aimed.braking, "largest": largest_force(self.aimed)}
 
     @property
@@ -95,7 +95,7 @@ class QueuedAxis(RoundedAxis):
         return (*least, at_least(largest), at_least(largest, self.net + room))
 
     def arrives(self, way: int) -> tuple[Relation, ...]:
-        """arrived <= max(way v, f_speed) + what was computed to be under way, and <= u1."""
+        """arrived <= max(way v, f_speed) + the computed push under way, and <= u1."""
         fastest = ca.fmax(way * self.v, self.f_speed)
         most = fastest + self("", way) * (1 + self.held_back / 64) + self.u1 * self.held_back / 8
         return at_least(most, self.arrived), at_least(self.u1, self.arrived)

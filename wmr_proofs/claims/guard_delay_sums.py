@@ -1,7 +1,7 @@
 """Rounding in the sums over commands in transit, one command after the other.
 
-What is computed before the last command is cut off and stands for any number, so what is shown of
-one command more holds for any queue.
+Results before the last command are replaced by free numbers, so what is proved for one more command
+is true for any queue.
 """
 
 import casadi as ca
@@ -25,8 +25,8 @@ WAYS = rows(way=(1, -1), word=("ahead", "back"), sign=("", "-"))
 class Queue(Named):
     """Commands under way on one axis, their sums without the factor T/M_min.
 
-    What is computed before the last command is cut off (``before``): any number, so any queue, none
-    as well.  ``last``: force and time of the last command.
+    Results before the last command are free numbers (``before``), so the queue may have any length,
+    also 0. ``last``: force and time of the last command.
     """
 
     def __init__(self, axis: int) -> None:

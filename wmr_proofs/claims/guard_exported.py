@@ -1,4 +1,4 @@
-"""The guard as it is exported: what its graphs are put together of, and that the flag is enough."""
+"""The guard as it is exported: the parts of its graphs, and proof that the flag is enough."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -110,7 +110,7 @@ class Assembled:
             yield equal(self.told["d_least"][axis], known)
 
     def slow_drives(self) -> list[ca.SX]:
-        """Conditions for the drives to be no slower than is counted on."""
+        """Conditions for the drives to be no slower than assumed."""
         if not self.sent:
             return []
         return [self.p["actuator.delay"] <= len(self.sent) * self.p["clock.control"]]
@@ -181,14 +181,14 @@ def exported(mutation: Mutation, kind: str, e: Assembled) -> Statement:
 
 
 def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
-    """Speed where the new command takes over or f_speed where that is more, ahead and back."""
+    """Speed when the new command takes over, or f_speed if that is larger, ahead and back."""
     if a.lateness:
         return a.arrived_ahead, a.arrived_back
     return ca.fmax(a.v, a.f_speed), ca.fmax(-a.v, a.f_speed)
 
 
 def physical(a: GuardAxis) -> tuple[Relation, ...]:
-    """Signs and a sample that begins inside, at once or behind a delay; nothing of the theorem."""
+    """Hypotheses: signs, and a sample that begins inside, at once or behind a delay."""
     b, late = a.bounds, [a.delay] if a.lateness else []
     not_negative = map(at_least, (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed))
     signs = (*positive(b.u1, b.period, b.M_min, b.alpha, *late), *not_negative)
@@ -203,7 +203,7 @@ def physical(a: GuardAxis) -> tuple[Relation, ...]:
 
 
 def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relation]:
-    """Either way it stays inside with this force."""
+    """Goal: the speed stays inside with this force, forwards and backwards."""
     for way, start in zip((1, -1), begun(a), strict=True):
         yield at_least(a.u1, start + a.t * ca.fmax(way * force + a.net, 0) / a.mass)
 

@@ -1,8 +1,8 @@
-"""The exported guard with late velocities and slow drives: the sums that it takes, and how.
+"""The exported guard with late velocities and slow drives: which sums it takes, and how.
 
-Sums and pushes are written down here of one piece of time after the other, as the entries about
-pieces have them (guard.late.piece, guard.late.tail, guard.varying.*).  How long a piece is, and
-what it weighs, are the scenario's numbers.
+Sums and pushes are written down here for one piece of time after the other, as in the entries about
+pieces (guard.late.piece, guard.late.tail, guard.varying.*). The length of a piece, and its weight,
+are numbers of the scenario.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -125,7 +125,7 @@ class LateAssembled(Assembled):
     def _followed(
         self, pieces: Sequence[Passage], forces: Sequence[ca.SX], axis: int, b: Bounds, k: int
     ) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Z's integrals, as mean and rest, and its end; ``forces``: the latest first."""
+        """Integrals of Z, for mean and rest, and its end value; ``forces``: the latest first."""
         z = self.p["guard_tail"][2 * axis + k] + ca.fmax(b.net, 0)
         mean = rest = ca.SX(0)
         for piece in pieces:

@@ -1,7 +1,7 @@
 """The guard behind a varying lag: bounds of the acting force, and the limit that is still kept.
 
-Exponentials are symbols with what is true of them; the sums may be those of any number of commands.
-That the push felt stays below Z is by hand (guard.varying.lag).
+Exponentials are symbols with their relations; the sums may be those of any number of commands. That
+the acting push stays below Z is argued by hand (guard.varying.lag).
 """
 
 from dataclasses import replace

@@ -1,9 +1,9 @@
 """The velocity guard: what keeps the limit, and what brings the robot back.
 
-All parameters are symbols.  The statements are about one sample of one axis: with velocities and
+All parameters are symbols. The statements are about one sample of one axis: with velocities and
 drives at once, behind a delay, with late velocities, jitter and lag, behind a lag that varies.
-What commands under way count for is in `guard_sent`; that nothing better can be had, and by hand
-what follows for every instant of a run, in `guard_limits`.
+Effects of commands in transit are in `guard_sent`; `guard_limits` shows that no guard does better
+and, by hand, what follows for every instant of a run.
 """
 
 from typing import Any

@@ -1,6 +1,6 @@
 """Push of the commands in flight, and the room that the guard leaves for braking.
 
-Any number of them: what one adds is shown of one, the rest of their sums.
+For any number of them: the share of one is proved for one, the rest for their sums.
 """
 
 from dataclasses import replace

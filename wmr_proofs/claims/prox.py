@@ -1,9 +1,9 @@
 """The sampled-data law: the barrier's proximal map, and its step's effect on V1, target, limit.
 
-Of the map: that the closed form is it, and that it never expands.  The step is
-v+ = X_(1-E)(E v* + (1-E) c+), on the graph of `prox_step`.  Proximal maps, the
-carried velocity v* and values of V1 stand as free numbers with what other entries say of them; what
-holds none of the graphs is a LEMMA.
+About the map: the closed form equals it, and it never expands. The step is v+ = X_(1-E)(E v* +
+(1-E) c+), on the graph of `prox_step`. Proximal maps, the carried velocity v* and values of V1 are
+free numbers with the properties that other entries prove; a statement without any of the graphs is
+a LEMMA.
 """
 
 from typing import TypeAlias

@@ -1,6 +1,6 @@
 """The sampled-data law on its own graph: the effect of a push on a sample, and its decay.
 
-v+, friction and the observer's force stand as free numbers with what other entries say of them.
+v+, friction and the observer's force are free numbers with the properties that other entries prove.
 """
 
 from functools import cached_property

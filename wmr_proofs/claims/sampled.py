@@ -147,7 +147,7 @@ def slow(mutation: Mutation, s: Held) -> Statement:
 
 
 def _pairs() -> Iterator[Case]:
-    """y and v each on one of the 7 sides; at the corners the jump below its largest, and that."""
+    """y and v, each on one of the 7 sides; at corners with smaller jumps, and the largest."""
     for y_side in (*SIDES, *SIDE_EDGES):
         for v_side in (*SIDES, *SIDE_EDGES):
             for jump in ("part", "whole") if v_side in SIDE_EDGES else ("",):

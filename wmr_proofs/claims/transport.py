@@ -1,7 +1,7 @@
 """The level transport: V1 and |w| do not rise when a velocity is carried along with its target.
 
-V1 enters by values at a few points, which stand as free numbers with what is known of them: that
-V1(.; c) lies above its chords and, by w^2/2, above its minimum at v_c1.
+V1 enters by values at a few points, which are free numbers with known properties: that V1(.; c)
+lies above its chords and, by w^2/2, above its minimum at v_c1.
 """
 
 import casadi as ca

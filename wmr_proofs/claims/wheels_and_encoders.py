@@ -58,8 +58,8 @@ class EffectGraph(Named):
     def bound(self, name: str) -> ca.SX:
         """The pair or number ``name`` of the effect's Bound, for the symbols of its graph.
 
-        What it asks of its numbers on the way becomes part of what is claimed (`states`).
-        ValueError where it hangs on a number that is no symbol.
+        Conditions that its code tests on the way become part of the claim (`states`). ValueError if
+        it depends on a number that is no symbol.
         """
         pairs = []
         for told, trace in ((self.told, self.trace), self._bounded(1.25)):

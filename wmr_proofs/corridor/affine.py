@@ -36,7 +36,7 @@ sums of up to 8,000 numbers."""
 
 @dataclass(frozen=True)
 class Form:
-    """``c``, the row ``L`` (1, columns), ``r`` and ``size``."""
+    """An affine form (see the module): ``c``, the row ``L`` (1, columns), ``r`` and ``size``."""
 
     c: ca.SX
     L: ca.SX

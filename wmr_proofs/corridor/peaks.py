@@ -22,7 +22,7 @@ class Peaks:
 
     @property
     def parts(self) -> tuple[Floats, Floats, Floats]:
-        """All three parts."""
+        """The fast, state and law parts."""
         return self.fast, self.state, self.law
 
     @property

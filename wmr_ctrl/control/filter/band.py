@@ -1,8 +1,9 @@
 """Governor of linear loops of any damping, from the commands that it sent: no odometry is used.
 
-The base: v = sum of Delta_j S(age_j) + what pushes lead to, |.| <= delta, with Delta_j the changes
-of its command so far and a step response S between low and high (`step_response`), the same at
-all times.  What is known of v and of -v at s from now, if the command stays as it is, is
+The base: v = sum of Delta_j S(age_j) + the response to pushes, which is at most delta in size, with
+Delta_j the changes of its command so far and a step response S between low and high
+(`step_response`), the same at all times. What is known of v and of -v at s from now, if the command
+stays as it is, is
 
     v(s) <= u + over(s),   -v(s) <= -u + under(s)                                        s >= 0
     over(s) = sum Delta_j^+ (high(age_j + s) - 1) + Delta_j^- (1 - low(age_j + s))
@@ -75,7 +76,7 @@ CONDITIONS = {
 
 
 class BandGovernor:
-    """The graph of the band's step; its state is the forecast of each axis."""
+    """Graph of the band's step; its state is the forecast of each axis."""
 
     def __init__(self, scenario: Scenario) -> None:
         """Take the ports, and enclose the family's step responses."""
@@ -107,23 +108,23 @@ class BandGovernor:
 
     @cached_property
     def off(self) -> ca.SX:
-        """Lateness of the sample: time since the one before, less a period."""
+        """Lateness of the sample: time since the previous one, less a period."""
         return passed(self.elapsed.sym, self.T) - self.T
 
     @cached_property
     def apart(self) -> ca.SX:
-        """Largest earliness and lateness of samples on its beat, itself among them (2,)."""
+        """Largest earliness and lateness (2,) among the samples on its beat, including itself."""
         return spread_of(self.spread.sym, self.off)
 
     @cached_property
     def came(self) -> ca.SX:
-        """1 where some beat has the sample and all since the last untimely one in its jitter."""
+        """1 if one beat fits this sample and all since the last untimely one, within the jitter."""
         most = 2 * self.jitter + NEAR * self.T
         return ca.logic_and(within(self.off, most), ca.sum1(self.apart) <= most)
 
     @cached_property
     def faded(self) -> list[Fading]:
-        """Rest of each axis' past at the sample."""
+        """Remainder of each axis' past at the sample."""
         time, rows = passed(self.elapsed.sym, self.T), []
         for i, (reach, past, held) in enumerate(self.far):
             _, rate, soonest = self.fading[i]
@@ -144,13 +145,13 @@ class BandGovernor:
 
     @cached_property
     def most(self) -> list[ca.SX]:
-        """Largest command of each axis that may be held."""
+        """Largest constant command of each axis."""
         bounds = (self.channels[axis].bounds for axis in AXES)
         return [largest_command(b.V, b) for b in bounds]
 
     @cached_property
     def ends(self) -> list[tuple[ca.SX, ca.SX]]:
-        """Least and largest command of each axis that may be held from now on."""
+        """Least and largest command of each axis that may be kept from now on."""
         both = []
         for i in AXES:
             known = self.forecasts[i]
@@ -160,7 +161,7 @@ class BandGovernor:
 
     @cached_property
     def stopping(self) -> list[ca.SX]:
-        """Largest size of a command behind which 0 may follow, in the direction asked for."""
+        """Largest command, in the requested direction, that may be followed by 0."""
         rows = []
         for i, (least, most) in enumerate(self.ends):
             ahead = self.command[i] >= 0
@@ -171,9 +172,9 @@ class BandGovernor:
 
     @cached_property
     def limits(self) -> list[ca.SX]:
-        """Largest size of a command that is sent in the direction that is asked for.
+        """Largest command that is sent in the requested direction.
 
-        Where 0 is not admitted, behind an untimely sample, the last command may stay.
+        If 0 is not admitted, after an untimely sample, the last command may be repeated.
         """
         rows = []
         for i, (least, most) in enumerate(self.ends):
@@ -184,7 +185,7 @@ class BandGovernor:
 
     @cached_property
     def sent(self) -> ca.SX:
-        """The safe command (2,): within its limits, and where it may be held from now on."""
+        """The safe command (2,), within its limits and such that it may be kept from now on."""
         asked = [ca.if_else(self.sound, r, 0) for r in self.command]
         room = [ca.fmin(ca.fmax(limit, TINY), LARGEST) for limit in self.limits]
         back, scale = [-most for most in room], self.scenario.filter.scale
@@ -193,7 +194,7 @@ class BandGovernor:
         return self.held(list(limited))
 
     def held(self, safe: Sequence[ca.SX]) -> ca.SX:
-        """The nearest command (2,) that may be held; 0 where the parameters are unsound."""
+        """The nearest command (2,) that may be kept; 0 if the parameters are unsound."""
         within = (ca.fmin(ca.fmax(safe[i], ends[0]), ends[1]) for i, ends in enumerate(self.ends))
         return ca.if_else(self.sound, ca.vertcat(*within), 0)
 
@@ -238,7 +239,7 @@ def _forecast(axis: int, size: int) -> tuple[Port, ...]:
 
 
 def _slopes(axis: int, known: Band) -> list[Port]:
-    """Divisors of the conditions, worked out once: divisions take most of a step's time."""
+    """Divisors of the conditions, computed once, since divisions take most of a step's time."""
     slopes = zip(CONDITIONS.items(), rounded_slopes(response_table(known)), strict=True)
     return [
         port(Signal(f"filter.{name}_{NAMES[axis]}", "1", what, len(own)), own)
@@ -247,7 +248,7 @@ def _slopes(axis: int, known: Band) -> list[Port]:
 
 
 def _faded_ports(name: str, unit: str) -> tuple[Port, ...]:
-    """Ports of a Fading, in the order of its fields."""
+    """Ports of a `Fading`, in the order of its fields."""
     return (
         port(Signal(f"reach_{name}", unit, f"bound of {name} from its end, at the sample")),
         port(Signal(f"past_{name}", unit, "the same before the last untimely sample")),
@@ -256,7 +257,7 @@ def _faded_ports(name: str, unit: str) -> tuple[Port, ...]:
 
 
 def response_table(known: Band) -> ResponseTable:
-    """A Band as the numbers of a ResponseTable, of which nothing fades."""
+    """A Band as a ResponseTable without fading."""
     above, below = (np.nextafter(item, np.inf) for item in (known.high - 1, 1 - known.low))
     none, left = ca.SX(0, 1), ca.SX(known.left)
     table = ResponseTable(ca.SX(ca.DM(above)), ca.SX(ca.DM(below)), none, left, ca.SX(0))
@@ -264,19 +265,19 @@ def response_table(known: Band) -> ResponseTable:
 
 
 def rounded_slopes(table: ResponseTable) -> list[np.ndarray]:
-    """`inverse_slopes`, rounded so that none of them admits more."""
+    """`inverse_slopes`, rounded such that none admits more."""
     held, rise, fall = (np.array(_numbers_of(item)) for item in inverse_slopes(table))
     wider = 2.0**-50
     return [1 / (1 / held + wider), 1 / (1 / rise + wider), 1 / (1 / fall - wider)]
 
 
 def _numbers_of(values: ca.SX) -> list[float]:
-    """The numbers of a column without symbols."""
+    """Values of a column without symbols."""
     return [float(item) for item in ca.DM(values).full().ravel()]
 
 
 def _table(axis: int, known: Band, T: float, jitter: float) -> tuple[Port, ...]:
-    """Ports of a ResponseTable, in the order of its fields; then what it fades from, and how."""
+    """Ports of a `ResponseTable`, in the order of its fields, then its initial bound and decay."""
     name, table = NAMES[axis], response_table(known)
     times = np.array([T, T - 2 * jitter - NEAR * T])
     fading, soonest = np.exp(-known.rate * times) * SPARE
@@ -297,14 +298,14 @@ def _table(axis: int, known: Band, T: float, jitter: float) -> tuple[Port, ...]:
 
 
 def check_beat(scenario: Scenario) -> None:
-    """Raise ScenarioError where samples may be too far off their beat."""
+    """Raise ScenarioError if samples may be too far from their beat."""
     settings, T = scenario.filter, scenario.clock.control
     if settings.jitter > T / 4:
         raise ScenarioError(
             f'filter.jitter = {settings.jitter:g} s: with filter.kind = "band" samples may be off '
             f"their beat by at most a quarter of clock.control = {T:g} s, that is {T / 4:g} s. "
-            "State that much, and give each step the time since the last one (elapsed): what is "
-            "later or earlier is then told from it."
+            "State that much, and give each step the time since the last one (elapsed), which "
+            "shows how late or early each is."
         )
 
 

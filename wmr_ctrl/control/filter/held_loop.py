@@ -1,6 +1,6 @@
 """Speed loops of a run's own base, whose force is held over plant steps.
 
-A PI loop swings more by that.
+Holding the force makes a PI loop oscillate more.
 
 A step h changes the speed by (h/M)(F - c v + d), F = kp (u - v) + f, and f by h ki (u - v): the
 steps of Euler's method for the loop of the same numbers.  With
@@ -42,7 +42,7 @@ PI = Span.of(np.pi, np.nextafter(np.pi, np.inf))
 
 @dataclass(frozen=True)
 class Through:
-    """Loop through the samples of a held one: a, b, gamma, w^2 and R, each one interval."""
+    """Continuous loop through a held loop's samples: intervals of a, b, gamma, w^2 and R."""
 
     a: Span
     b: Span
@@ -54,7 +54,7 @@ class Through:
 
 @dataclass(frozen=True)
 class HeldLoop:
-    """Numbers of an axis of a run's base, at the wheels' rim, and the step over which it holds."""
+    """Numbers of an axis of a run's base, at the wheels' rim, and the step of its held force."""
 
     M: tuple[float, float]
     kp: float
@@ -63,9 +63,9 @@ class HeldLoop:
     step: float
 
     def through(self) -> Through | None:
-        """The loop through its samples; None where it is too quick for its steps.
+        """The loop through its samples; None if it is too fast for its steps.
 
-        There a swing changes its sign with every step, does not fade, or is larger than the step.
+        Then an oscillation changes its sign with every step, does not decay, or exceeds the step.
         """
         h, mass, ki, c = self.step, Span.of(*self.M), Span.of(self.ki), Span.of(*self.c)
         a, b, gamma = (self.kp + c) / mass, ki / mass, c / mass
@@ -88,7 +88,7 @@ class HeldLoop:
 
 
 def held_loop(scenario: Scenario, axis: int) -> HeldLoop | None:
-    """The base that a scenario with a filter for PI loops runs; None where it has none."""
+    """The simulated base of a scenario with a filter for PI loops; None without one."""
     if not has_loop(scenario, "pi"):
         return None
     robot, gains = scenario.robot, scenario.section(PiLoopGains)
@@ -102,7 +102,7 @@ def held_loop(scenario: Scenario, axis: int) -> HeldLoop | None:
 
 
 def too_quick(scenario: Scenario) -> Iterator[str]:
-    """Objections to loops of a run's base that no filter's bounds cover as they are held."""
+    """Objections to loops of a run's base that are too fast for any filter's bounds when held."""
     h = scenario.clock.plant
     for axis, name in enumerate(("v", "omega")):
         own = held_loop(scenario, axis)
@@ -117,9 +117,9 @@ def too_quick(scenario: Scenario) -> Iterator[str]:
 def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
     """Speeds [m/s, rad/s] at which pushes and errors of the command alone would end.
 
-    Those of a first-order loop, whose friction is made up for: d = s f/M + K times the error, with
+    Those of a first-order loop, whose friction is compensated: d = s f/M + K times the error, with
     s = h/(1 - exp(-h/tau)), half a plant step h above tau, since the loop's force is held over it.
-    Of a second-order loop, which swings, those of steady ones that lead as far.
+    For a second-order loop, which swings: those of steady pushes that lead as far.
     """
     if "pi" in scenario.base.loop or not scenario.takes_velocity:
         return 0.0, 0.0
@@ -159,27 +159,27 @@ def _time_of_pushes(scenario: Scenario, axis: int) -> float:
 def pace_of_friction(step: Number, slope: Number, mass: Number) -> Number:
     """x: friction's slope at rest over the mass, times a plant step of a first-order loop.
 
-    The loop makes up for friction as it was at the step's start, and its change pulls against the
-    motion: of the way a share of 1 - x/2 at least is left (`filter.held-friction`).
+    The loop compensates the friction at the step's start, and its change acts against the motion:
+    at least a share 1 - x/2 of the way is covered (`filter.held-friction`).
     """
     return step * slope / mass
 
 
 def quickest_friction(scenario: Scenario) -> float:
-    """The largest x of a run."""
+    """The largest x in a run."""
     h, robots = scenario.clock.plant, [phase.robot for phase in phases(scenario)]
     return max(pace_of_friction(h, steepness(robot), robot.m) for robot in robots)
 
 
 def counts_on_rims(scenario: Scenario) -> bool:
-    """True where a filter counts on rims that follow first-order loops of their own."""
+    """True if a filter assumes that the rims follow first-order loops of their own."""
     stated = scenario.filter
     wheels = stated.kind == "governor" and stated.channels == "wheels"
     return (wheels or stated.wheel_speed is not None) and has_loop(scenario, "first-order")
 
 
 def kick_of_friction(scenario: Scenario) -> float:
-    """B [m/s]: by which friction takes v off its loop's way at most while one command acts.
+    """B [m/s]: largest deviation of v from its loop by friction while one command acts.
 
     It is h times all of friction's range over the mass, 2 mu g (`filter.held-kick`).
     """
@@ -188,21 +188,21 @@ def kick_of_friction(scenario: Scenario) -> float:
 
 
 def push_of_kick(kick: Number, gone: Number) -> Number:
-    """Push [m/s] that leads to ``kick`` while a loop goes a share ``gone`` of its way."""
+    """Push [m/s] that causes a deviation ``kick`` while a loop covers the share ``gone``."""
     return kick / gone
 
 
 def push_of_share(x: Number, most: Number) -> Number:
-    """Push [m/s] that counts for x/2 of v's way, from ``most`` to rest, in a step."""
+    """Push [m/s] equivalent to x/2 of v's way from ``most`` to rest in a step."""
     return x / 2 * most
 
 
 def friction_at_a_rim(scenario: Scenario, push: float, bound: Bound) -> float:
-    """Push [m/s] that counts for friction where rims are limited, beside a ``push`` on v.
+    """Push [m/s] equivalent to friction if rims are limited, in addition to a ``push`` on v.
 
-    It leads to B in the time of a command, which is a plant step where a base changes it by itself,
-    and covers what pushes to and fro add near rest.  Behind a clip, whose commands are at most V,
-    it need not be more than x/2 of V: a rim goes farther by that only where v nears rest
+    It causes B in the time of a command, which is a plant step if the base itself changes commands,
+    and covers the effect of alternating pushes near rest.  Behind a clip, whose commands are at
+    most V, it need not exceed x/2 of V: a rim moves farther by it only while v approaches rest
     (`filter.held-share`).
     """
     clock, x = scenario.clock, quickest_friction(scenario)
@@ -243,7 +243,7 @@ def held_friction(scenario: Scenario) -> Iterator[str]:
 
 
 def _started_rims(scenario: Scenario) -> Iterator[str]:
-    """Objections to a start from which friction may take a rim beyond its limit."""
+    """Objections to a start from which friction may push a rim beyond its limit."""
     stated, l, (v, omega) = scenario.filter, scenario.robot.l, scenario.initial.velocity
     V, turn = scenario.limits.v_u1
     tops = (V, l * turn) if stated.channels == "wheels" else ()
@@ -259,7 +259,7 @@ def _started_rims(scenario: Scenario) -> Iterator[str]:
 def arc_over(x: Span) -> Span:
     """Enclosure of arctan(sqrt x)/sqrt x for x > -1, which is artanh(sqrt -x)/sqrt -x below 0.
 
-    It falls.  Near 0 the terms of its series that are left out are less than 1e-16.
+    It decreases.  Near 0 the omitted terms of its series are below 1e-16.
     """
     return Span(_arc_over(x.hi) * (1 - 2.0**-48), _arc_over(x.lo) * (1 + 2.0**-48))
 

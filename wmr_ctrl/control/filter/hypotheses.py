@@ -1,4 +1,4 @@
-"""Assumptions of a filter that a run breaks: refused, unless `filter.trust` says it is meant."""
+"""Assumptions of a filter that a run violates: refused, unless `filter.trust` permits it."""
 
 import math
 from collections.abc import Iterator
@@ -32,7 +32,7 @@ CAPPED = " Here actuator.traction limits tau_max; false leaves that as it is sta
 
 
 def check_velocity_base(scenario: Scenario, gains: Section, bound: Bound) -> None:
-    """Raise ScenarioError for what a base that takes velocities cannot have."""
+    """Raise ScenarioError for options that a base that takes velocities cannot have."""
     if scenario.guard.enabled:
         raise ScenarioError(
             'guard.enabled: the guard limits wheel torques, and base.kind = "velocity" takes '
@@ -47,7 +47,7 @@ def check_velocity_base(scenario: Scenario, gains: Section, bound: Bound) -> Non
 
 
 def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
-    """Sentences on what of the filter's theorem does not hold; empty where all does.
+    """Sentences on violated conditions of the filter's theorem; empty if all hold.
 
     ``bound``: sum of the bounds of all effects that are present.
     """
@@ -68,7 +68,7 @@ def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
 
 
 def refuse_broken_hypotheses(scenario: Scenario, bound: Bound) -> None:
-    """Raise ScenarioError for them, some at once, unless filter.trust says that it is meant."""
+    """Raise ScenarioError for violated conditions, unless filter.trust is set."""
     sentences = broken_hypotheses(scenario, bound)
     if sentences and not scenario.filter.trust:
         raise ScenarioError(  # at most both axes of two things
@@ -117,7 +117,7 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 
 def _loops(scenario: Scenario) -> Iterator[tuple[str, str]]:
-    """The loop that the filter counts on and that of the base, of each axis."""
+    """For each axis: the loop that the filter assumes, and the base's loop."""
     return zip(scenario.filter.loop, scenario.base.loop, strict=True)
 
 
@@ -150,7 +150,7 @@ def _of_loops_by_axis(scenario: Scenario) -> Iterator[str]:
 
 
 def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    """Pushes on a first-order base beyond d; of a governor's base also those that slow it."""
+    """Pushes on a first-order base beyond d; for a governor also those that slow it."""
     governs = scenario.filter.kind == "governor"
     swings = [loop == "second-order" for loop in scenario.filter.loop]
     slowed = [s * (governs or swing) for s, swing in zip(against(scenario), swings, strict=True)]
@@ -179,7 +179,7 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 
 def _of_swinging_loop(scenario: Scenario, axis: int) -> Iterator[str]:
-    """Objections to what no filter for loops that overshoot counts on."""
+    """Objections to effects that no filter for overshooting loops covers."""
     start = scenario.initial.velocity
     if start[axis]:
         yield (
@@ -232,7 +232,7 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 
 def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
-    """A torque limit that the loop may reach."""
+    """Objections to a torque limit that the loop may reach."""
     if not math.isinf(most := scenario.actuator.tau_max):
         yield (
             f"actuator.tau_max = {most:g} N.m: behind a torque limit the integral of the loop may "
@@ -242,15 +242,15 @@ def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
 
 
 def _of_pushed_weak_motors(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    """A torque limit that a first-order loop may reach while it is pushed.
+    """Objections to a torque limit that a pushed first-order loop may reach.
 
-    A wheel at its limit brakes on neither axis as the loop wants: pushes go on to drive the base,
-    however small they are, where both wheels are at theirs for a turn.
+    A wheel at its limit does not brake as the loop wants on either axis: pushes of any size then
+    drive the base on, if both wheels are at their limits for a turn.
     """
     most, needed = scenario.actuator.tau_max, most_torque(scenario)
     if any(bound.dbar) and most < needed:
         yield (
-            f"actuator.tau_max = {most:g} N.m: a wheel at its limit does not hold against pushes, "
+            f"actuator.tau_max = {most:g} N.m: a wheel at its limit does not resist pushes, "
             "which may then drive the base on beyond filter.d. Raise it to "
             f"{rounded(needed, 3)} N.m, which the loop never asks for here, or take out what "
             "pushes (disturbances, slopes)."
@@ -258,7 +258,7 @@ def _of_pushed_weak_motors(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 
 def _of_wheels(scenario: Scenario) -> Iterator[str]:
-    """Limits of wheels that need loops of v and omega which change alike."""
+    """Objections to wheel limits that need equal loops of v and omega."""
     stated, base, governs = scenario.filter, scenario.base, scenario.filter.kind == "governor"
     speed, alike = stated.wheel_speed is not None, counts_on_rims(scenario)
     which = "filter.wheel_speed" if speed else 'the governor of filter.channels = "wheels"'
@@ -282,7 +282,7 @@ def _of_wheels(scenario: Scenario) -> Iterator[str]:
 
 
 def most_torque(scenario: Scenario) -> float:
-    """Largest torque [N m] that a first-order loop asks of a wheel, all speeds within limits."""
+    """Largest wheel torque [N m] of a first-order loop, for all speeds within limits."""
     base, robot, h = scenario.base, scenario.robot, scenario.clock.plant
     robots = [phase.robot for phase in phases(scenario)]
     masses = max(item.m for item in robots), max(item.I for item in robots)
@@ -294,7 +294,7 @@ def most_torque(scenario: Scenario) -> float:
 
 
 def _of_the_band(bound: Bound) -> Iterator[str]:
-    """Objections to what lies between the band's commands and the loop that its tables know."""
+    """Objections to effects between the band's commands and the loop of its tables."""
     if bound.hidden:
         yield (
             f"{bound.hidden} The band relies on every command reaching the loop as it was sent. "
@@ -309,7 +309,7 @@ def _of_the_band(bound: Bound) -> Iterator[str]:
 
 
 def _of_slow_commands(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    """Objections to what makes the acting command change faster than it was sent."""
+    """Objections to effects that make the acting command change faster than it was sent."""
     if bound.hidden:
         yield (
             f"{bound.hidden} With filter.slew the clip relies on every command reaching the loop "
@@ -319,7 +319,7 @@ def _of_slow_commands(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 
 def _of_the_times(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    """Delays and losses beyond what is stated."""
+    """Objections to delays and losses beyond the stated ones."""
     stated = scenario.filter
     for late, ends in product(bound.takeover, dict.fromkeys(stated.intervals("delay"))):
         if not _within(late, ends):

@@ -5,16 +5,17 @@
 
 N, the integral of the impulse response's size, is the largest |v| that any commands |u| <= 1 reach
 from rest, held, late, lost or jittering as they may be; no smaller number is (Boyd, Doyle 1987).
-With r = exp(-pi z/w), w = sqrt(1 - z^2) what half a swing leaves (0 for z >= 1):
+With r = exp(-pi z/w), w = sqrt(1 - z^2) the remainder after half an oscillation (0 for z >= 1):
 
     second order   N = K (1 + r)/(1 - r)
     PI loop        N = 1 + 2 o/(1 - r),  o = exp(-2 z acos(z)/w),  z = kp/(2 sqrt(ki M)),  c = 0
     its push       4 z exp(-z acos(z)/w)/(1 - r) dbar/(kp + c),    z = (kp + c)/(2 sqrt(ki M))
 
 N is enclosed over the whole family: boxes that cover its numbers are halved, each bounded in
-intervals that are rounded outward, until none may hold more than what was seen by a few millionths.
-No corner is taken for the worst; `filter.peak-worst` says which one is.  Where a scenario has such
-a base of its own, its loop as it is held over plant steps counts beside the family (`held_loop`).
+intervals that are rounded outward, until none may contain a value that exceeds the largest one
+found by more than a few millionths. No corner is assumed to be the worst; `filter.peak-worst` says
+which one is. Where a scenario has such a base of its own, its loop, held over plant steps, is
+included in the family (`held_loop`).
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -42,7 +43,7 @@ HALF_PI = 0.5 * PI
 
 @dataclass(frozen=True)
 class PeakGain:
-    """Largest |v| per commanded speed, and the largest that the push alone causes [m/s, rad/s]."""
+    """Largest |v| per commanded speed, and largest |v| caused by the push alone [m/s, rad/s]."""
 
     gain: float
     push: float
@@ -52,7 +53,8 @@ class PeakGain:
 class PiLoop:
     """Family of PI loops of one axis, all numbers intervals: M, kp, ki, c, at the wheels' rim.
 
-    kg, N.s/m, N/m, N.s/m; of the angular axis over l^2.  ``held``: a run's own base, beside them.
+    kg, N.s/m, N/m, N.s/m; those of the angular axis are divided by l^2.  ``held``: a run's own
+    base, in addition.
     """
 
     M: tuple[float, float]
@@ -62,14 +64,14 @@ class PiLoop:
     held: HeldLoop | None = None
 
     def peak(self, push: float) -> PeakGain:
-        """Peak gain of the whole family; ``push`` [N] is the largest of its disturbances."""
+        """Peak gain of the whole family; ``push`` [N] is its largest disturbance."""
         gain, pushed = _peak(self)
         return PeakGain(gain, float((Span.of(pushed) * push).hi) if push else 0.0)
 
 
 @lru_cache(maxsize=64)
 def _peak(loop: PiLoop) -> tuple[float, float]:
-    """N of a family, and what a push of 1 N leads to, over boxes that cover it."""
+    """N of a family, and the response to a push of 1 N, over boxes that cover it."""
     M, kp, ki, c = (Span.of(*pair) for pair in (loop.M, loop.kp, loop.ki, loop.c))
     s = root(ki * M)
     family = largest(_gain_bound, kp / s, c / s), largest(_push_bound, kp + c, s)
@@ -80,17 +82,17 @@ def _peak(loop: PiLoop) -> tuple[float, float]:
 
 
 def _of_held(own: Through) -> tuple[float, float]:
-    """The same of a loop that is held."""
+    """N, and the response to a push of 1 N, of a held loop."""
     s, share = root(own.b), own.mass / own.ratio
     gain = _gain_bound((own.a - own.gamma) / s, own.gamma / s)
     return float(gain), float(_push_bound(own.a * share, s * share))
 
 
 def largest(bound: Callable[[Span, Span], Floats], first: Span, second: Span) -> float:
-    """Bound from above of a function of two numbers on a box, hardly larger than its largest value.
+    """Upper bound of a function of two numbers on a box, close to its maximum.
 
-    ``bound``: the same on many boxes at once.  Boxes are halved until none is left that may hold a
-    value beyond what was seen in the middle of some, by a share of `TOLERANCE`.
+    ``bound``: the function's upper bounds on many boxes at once.  Boxes are halved until none may
+    exceed the largest value seen at centres by more than `TOLERANCE`, relatively.
     """
     x, y = (Span(np.atleast_1d(item.lo), np.atleast_1d(item.hi)) for item in (first, second))
     wide = [_width(item) for item in (x, y)]
@@ -108,13 +110,13 @@ def largest(bound: Callable[[Span, Span], Floats], first: Span, second: Span) ->
 
 
 def _width(x: Span) -> float:
-    """Length of a box's side; inf for one that roundings alone made, which is not cut."""
+    """Length of a box's side; inf for a side caused by rounding alone, which is not split."""
     length = float(x.hi[0] - x.lo[0])
     return length if length > 2.0**-40 * float(x.size[0]) + 2.0**-900 else np.inf
 
 
 def _halves(x: Span, y: Span, wide: Sequence[float]) -> tuple[Span, Span]:
-    """Both halves of boxes, cut across the side that is longer of the first box's."""
+    """Both halves of boxes, split across the side that is longer in the first box."""
     across = (x.hi - x.lo) / wide[0] >= (y.hi - y.lo) / wide[1]
     cut_x, cut_y = 0.5 * (x.lo + x.hi), 0.5 * (y.lo + y.hi)
     lower = Span(x.lo, np.where(across, cut_x, x.hi)), Span(y.lo, np.where(across, y.hi, cut_y))
@@ -154,7 +156,7 @@ def _gain_bound(b: Span, drag: Span) -> Floats:
 
 
 def _push_bound(k: Span, s: Span) -> Floats:
-    """Upper bounds of 2 exp(-z acos(z)/w)/((1 - r) s) with z = k/(2 s): what 1 N leads to."""
+    """Upper bounds of 2 exp(-z acos(z)/w)/((1 - r) s) with z = k/(2 s): the response to 1 N."""
     z = k / (2 * s)
     w = _frequency(z)
     swinging = ((HALF_PI - increasing(np.arctan, z / _positive(w))) / _positive(w)).lo
@@ -171,7 +173,7 @@ def _frequency(z: Span) -> Span:
 
 
 def _arc(x: Span) -> Floats:
-    """Lower bounds of arcsin(q)/q, q^2 = x, which is arsinh(q)/q, q^2 = -x, below 0; it grows.
+    """Lower bounds of arcsin(q)/q, q^2 = x, which is arsinh(q)/q, q^2 = -x, below 0; increasing.
 
     The first terms of its series, beyond which all are positive for x > 0 and alternate for x < 0;
     0 where x may be beyond -1.
@@ -188,12 +190,12 @@ def _left(z: Span, w: Span) -> Span:
 
 
 def _positive(x: Span) -> Span:
-    """The part of intervals that is above 2^-100, where only that is of use."""
+    """The part of intervals above 2^-100, where only that part matters."""
     return Span(np.maximum(x.lo, 2.0**-100), np.maximum(x.hi, 2.0**-100))
 
 
 def refuse_all(faults: Iterable[str]) -> None:
-    """Raise ScenarioError with the sentences on all axes at once, each but once; none: nothing."""
+    """Raise ScenarioError with the distinct sentences on all axes, if there are any."""
     if said := " ".join(dict.fromkeys(faults)):
         raise ScenarioError(said)
 
@@ -204,7 +206,7 @@ def peak_gains(scenario: Scenario) -> tuple[PeakGain, PeakGain]:
 
 
 def _peak_gain(scenario: Scenario, axis: int) -> PeakGain:
-    """Of an axis; the gain of a first-order loop, which never overshoots."""
+    """Peak gain of an axis; for a first-order loop, which never overshoots, its gain."""
     settings = scenario.filter
     loop, d, (_, K) = settings.loop[axis], settings.d[axis], settings.intervals("gain")[axis]
     if loop == "first-order":
@@ -218,7 +220,7 @@ def _peak_gain(scenario: Scenario, axis: int) -> PeakGain:
 
 
 def _with_error(peak: PeakGain, error: float) -> PeakGain:
-    """The same where the command that acts is off by an error, which adds its peak gain times."""
+    """The peak gain with a command error, which adds its own peak gain."""
     pushed = (peak.push + peak.gain * error) * (1 + 2.0**-50)
     return replace(peak, push=pushed) if error else peak
 
@@ -232,15 +234,15 @@ def pi_loop(scenario: Scenario, axis: int) -> PiLoop:
 
 
 def over_square(values: tuple[float, float], l: float) -> tuple[float, float]:
-    """Bounds of values over l^2: the first from below, the second from above."""
+    """Bounds of values divided by l^2: the first from below, the second from above."""
     least, most = (Span.of(value) / square(Span.of(l)) for value in values)
     return max(float(least.lo), 0.0), float(most.hi)
 
 
 def second_order(damping: float, gain: float, d: float) -> PeakGain:
-    """Peak gain of loops with at least this damping and at most this gain at rest.
+    """Peak gain of loops with at least this damping and at most this steady gain.
 
-    ``d``: the speed at which the push alone would end.
+    ``d``: the steady speed due to the push alone.
     """
     _, _, left = _swing(_off_one(damping, -1))
     if not (1 - left).lo > 0:  # no swing is certainly smaller than the one before
@@ -250,16 +252,16 @@ def second_order(damping: float, gain: float, d: float) -> PeakGain:
 
 
 def overshoot(scenario: Scenario) -> tuple[float, float]:
-    """Largest overshoot of a step of v and of omega, as a share of it, for the stated numbers.
+    """Largest relative overshoot of a step of v and of omega, for the stated numbers.
 
-    In doubles, of the corner where N is largest.
+    Computed in doubles, at the corner with the largest N.
     """
     v, omega = (_overshoot(scenario, axis, _damping(scenario, axis)) for axis in (0, 1))
     return v, omega
 
 
 def less_damped(scenario: Scenario, axis: int, more: float) -> float:
-    """Share of its damping that is left to a base whose steps overshoot by ``more`` more."""
+    """Factor by which a base's damping must shrink to raise its overshoot by ``more``."""
     z = _damping(scenario, axis)
     wanted, low, high = _overshoot(scenario, axis, z) + more, 0.0, 1.0
     for _ in range(BISECTIONS):
@@ -273,7 +275,7 @@ BISECTIONS = 40
 
 
 def _damping(scenario: Scenario, axis: int) -> float:
-    """Least damping of an axis: of a PI loop without friction, 1 of a first-order one."""
+    """Least damping of an axis: that of a PI loop without friction, or 1 for a first-order loop."""
     settings = scenario.filter
     if settings.loop[axis] == "first-order":
         return 1.0
@@ -290,7 +292,7 @@ def _overshoot(scenario: Scenario, axis: int, damping: float) -> float:
 
 
 def _off_one(z: float, way: int) -> float:
-    """The damping, or one that is not near 1, smaller for ``way`` -1 and larger for 1."""
+    """The damping, moved away from 1 if it is near: below for ``way`` -1, above for 1."""
     return 1 + way * OFF_ONE if abs(z - 1) < OFF_ONE else z
 
 

@@ -1,4 +1,4 @@
-"""Numbers up to which it is proved that what a filter keeps back covers its roundings."""
+"""Ranges of numbers for which the filter's margin provably covers its rounding errors."""
 
 from collections.abc import Iterator
 
@@ -17,10 +17,10 @@ SHORTEST_SINGLE = 2.0**-8
 
 
 def unproved_roundings(scenario: Scenario) -> Iterator[tuple[str, str]]:
-    """Key of each number for which nobody proved that the margin against rounding suffices.
+    """Key of, and sentence on, each number beyond the proved range of the rounding margin.
 
-    And a sentence on it.  The ranges are those of `filter.rounding.governor`; all its others
-    a scenario keeps by itself.
+    The ranges are those of `filter.rounding.governor`; a scenario satisfies all its others by
+    itself.
     """
     if scenario.filter.kind != "governor":
         return
@@ -70,7 +70,7 @@ def check_single_precision(scenario: Scenario) -> None:
 
 
 def _most_pieces(plan: Schedule) -> int:
-    """Most pieces from a sample to the next, to the latest takeover, or in a period before it."""
+    """Most pieces in a sample, before the latest takeover, or in a period before it."""
     back = plan.pieces(-plan.age, 0.0, 1)
     ahead = plan.pieces(0.0, 1 + plan.jitter, 0, 1 - plan.jitter)
     taken = plan.pieces(0.0, plan.delay[1], 1, plan.delay[0])

@@ -7,8 +7,9 @@ A loop that reaches its command at rest has the step response S = 1 - e, and e t
     e(t) = exp(-a t/2) (cos(w t) + (gamma - a/2) sin(w t)/w),    w^2 = b - a^2/4 of any sign
 
 The family is covered by cells of (a, b), or of (w0, z), on each of which e and e' are enclosed at
-the ends of pieces of time.  Within a piece e is as near to its ends as e'' lets it be: e'' = -a e'
-- b e, and e'^2 + b e^2 never grows.  Behind the last piece exp(lambda t) e is held by a like sum.
+the ends of pieces of time. Within a piece, e'' bounds the distance of e from the values at its
+ends: e'' = -a e' - b e, and e'^2 + b e^2 never grows. Behind the last piece exp(lambda t) e is held
+by a like sum.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ class Cells:
         return self.a, self.b, self.gamma, self.w2
 
     def beside(self, other: Cells) -> Cells:
-        """These cells and further ones."""
+        """These cells together with further ones."""
         pairs = zip(self._every, other._every, strict=True)
         ends = (((x.lo, y.lo), (x.hi, y.hi)) for x, y in pairs)
         return Cells(*(Span(np.hstack(low), np.hstack(high)) for low, high in ends))
@@ -72,8 +73,8 @@ class Cells:
 class Band:
     """low <= S <= high on each piece of time; |S - 1| <= left exp(-rate (t - end)) behind them.
 
-    Everywhere |S - 1| <= reach exp(-rate t).  On pieces and behind them t may be late by twice a
-    jitter, and by times that count as the same.
+    Everywhere |S - 1| <= reach exp(-rate t). On pieces and behind them t may be late by twice a
+    jitter, and by times that are treated as equal.
     """
 
     low: Floats
@@ -84,7 +85,7 @@ class Band:
 
 
 def pi_cells(loop: PiLoop) -> Cells:
-    """Cells of (a, b) that some loop of the family may lie in, with all its gamma there."""
+    """Cells of (a, b) that cover all loops of the family, with all gamma in each."""
     M, kp, ki, c = (Span.of(*pair) for pair in (loop.M, loop.kp, loop.ki, loop.c))
     held = kp + c
     a, b = _grid(_quotient(held, M), _quotient(ki, M))
@@ -108,7 +109,7 @@ def pi_cells(loop: PiLoop) -> Cells:
 
 
 def _beside(place: Floats, low: Floats, high: Floats) -> Span:
-    """A place within bounds as an interval that is wider than its rounding."""
+    """A point, moved into its bounds, as an interval wider than its rounding error."""
     inside = np.clip(place, low, high)
     return Span(inside * (1 - 2.0**-50), inside * (1 + 2.0**-50))
 
@@ -159,9 +160,9 @@ def band(cells: Cells, T: float, pieces: int, most: int, jitter: float = 0.0) ->
 
 @dataclass(frozen=True)
 class _Grid:
-    """Times at which pieces begin and end, and what is late by twice the jitter; the last such.
+    """Times at which pieces begin and end, also twice a jitter later; index of the last.
 
-    Pieces may be late by ``near``, too, which counts as no time.
+    Pieces may also be late by ``near``, a time that counts as 0.
     """
 
     times: Floats
@@ -170,7 +171,7 @@ class _Grid:
     near: float
 
     def joined(self, values: Floats, worse: np.ufunc) -> Floats:
-        """Of every piece the worst of its parts, and of what came twice a jitter before it."""
+        """Worst value over each piece's parts, and over those up to twice a jitter before it."""
         if self.parts == 1:
             return values
         before = np.concatenate([values[:1], values[1:-1:2]])  # from t - 2 jitter to t
@@ -188,7 +189,7 @@ def _times(cells: Cells, T: float, pieces: int, most: int, jitter: float) -> _Gr
 
 
 def _responses(cells: Cells, times: Floats) -> Iterator[tuple[Cells, Span, Span]]:
-    """Some cells after the other, with e and e' of each at all times."""
+    """Chunks of cells, with e and e' of each at all times."""
     for start in range(0, len(cells.a.lo), CHUNK):
         part = cells[start : start + CHUNK]
         e, speed = deviation(part, Span(_down(times)[None], _up(times)[None]))
@@ -196,7 +197,7 @@ def _responses(cells: Cells, times: Floats) -> Iterator[tuple[Cells, Span, Span]
 
 
 def _between(x: Span, bent: Floats) -> tuple[Floats, Floats]:
-    """Bounds of a response x on each piece, from what it is at the ends and `_bent` between."""
+    """Bounds of a response x on each piece, from its end values and its bending (`_bent`)."""
     upper = _up(np.maximum(x.hi[:, :-1], x.hi[:, 1:]) + bent)
     lower = _down(np.minimum(x.lo[:, :-1], x.lo[:, 1:]) - bent)
     return lower, upper
@@ -205,27 +206,27 @@ def _between(x: Span, bent: Floats) -> tuple[Floats, Floats]:
 def _bent(cells: Cells, x: Span, slope: Span, length: float) -> Span:
     """Largest distance of a response from the chord of each piece.
 
-    Its energy never grows, so that of a piece's start bounds how much it bends.
+    Its energy never grows, so the energy at a piece's start bounds how much it bends.
     """
     energy = square(slope[..., :-1]) + cells.b * square(x[..., :-1])
     return (cells.a + root(cells.b)) * root(energy) * (length**2 * (1 + 1e-12) / 8)
 
 
 def _strayed(cells: Cells, x: Span, slope: Span, time: float) -> Span:
-    """Most by which a response on each piece is off where it is late by a little ``time``.
+    """Largest change of a response on each piece if it is late by a small ``time``.
 
-    Its slope is at most the root of its energy, which a little before was at most twice as large.
+    Its slope is at most the root of its energy, which a moment earlier was at most twice as large.
     """
     energy = square(slope[..., :-1]) + cells.b * square(x[..., :-1])
     return root(energy) * (2 * time)
 
 
 def swing(cells: Cells) -> float:
-    """Largest integral of |1 - S| [s] that a member has from when its response first reaches 1 on.
+    """Largest integral of |1 - S| [s] over the family, from the time when S first reaches 1.
 
-    Before, e = 1 - S only falls.  Within a piece |e| is below the line between its ends by no more
-    than e bends, and pieces on which e is surely positive, as on all before, do not count; behind
-    the last piece it fades.
+    Before that, e = 1 - S only falls.  Within a piece |e| exceeds the line between its ends at most
+    by e's bending; initial pieces on which e is surely positive do not count; after the last piece
+    e decays.
     """
     rate = _slowest(cells)
     times = np.linspace(0.0, 2 * SWINGS / rate, SWING_PIECES + 1)
@@ -243,7 +244,7 @@ def swing(cells: Cells) -> float:
 
 
 def longest_swing(scenario: Scenario, axis: int) -> float:
-    """`swing` of an axis' family, as a scenario's filter states it."""
+    """`swing` of an axis' family, as stated in a scenario's filter."""
     settings = scenario.filter
     if settings.loop[axis] == "pi":
         return _pi_swing(pi_loop(scenario, axis))
@@ -253,7 +254,7 @@ def longest_swing(scenario: Scenario, axis: int) -> float:
 
 @lru_cache(maxsize=64)
 def _pi_swing(loop: PiLoop) -> float:
-    """Of a held base a sum over steps, no more than the integral and h (N - 1) beyond it."""
+    """`swing` of PI loops, plus h (N - 1) for a held base, whose sum may exceed the integral."""
     held = loop.held.step * (loop.peak(0.0).gain - 1) if loop.held else 0.0
     return (swing(pi_cells(loop)) + held) * (1 + 2.0**-50)
 
@@ -264,14 +265,14 @@ def _second_order_swing(frequency: tuple[float, float], damping: tuple[float, fl
 
 
 def _slowest(cells: Cells) -> float:
-    """A rate at which every member's step response fades, with a tenth to spare."""
+    """A decay rate of every member's step response, with a reserve of a tenth."""
     half = 0.5 * cells.a.lo
     under = np.sqrt(np.maximum(half**2 - cells.b.lo, 0.0))
     return 0.9 * float(np.min(half - under))
 
 
 def _left(cells: Cells, e: Span, speed: Span, rate: float, at: int) -> Floats:
-    """Largest |e| exp(rate (t - start)) of each cell from a time on, ``start``, of this number."""
+    """Largest |e| exp(rate (t - start)) of each cell after ``start``, the time with index at."""
     count = e.lo.shape[1]
     last = [item[:, at % count : at % count + 1] for item in (e, speed)]
     stiff = cells.b - rate * cells.a + rate * rate

@@ -100,8 +100,8 @@ def _drives(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
         if stated[1] < high * (1 - ROUNDING) or (varies and stated[0] * (1 - ROUNDING) > least):
             yield Contradiction(
                 f"guard.{name}",
-                f"guard.{name} = [{stated[0]:g}, {stated[1]:g}] s leaves out what the scenario's "
-                f"drives have, {what} between {rounded(least, 6, up=False)} and "
+                f"guard.{name} = [{stated[0]:g}, {stated[1]:g}] s does not cover the scenario's "
+                f"drives, which have {what} between {rounded(least, 6, up=False)} and "
                 f"{rounded(high, 6)} s. State at least that range, or leave it out.",
             )
 

@@ -122,7 +122,7 @@ def quantities(cls: type[Section]) -> tuple[tuple[str, Quantity], ...]:
 
 
 def default(cls: type[S]) -> S:
-    """The section in which all is as it is by default, made once."""
+    """The section with all its default values, made once."""
     if cls not in _DEFAULTS:
         _DEFAULTS[cls] = cls()
     return cast("S", _DEFAULTS[cls])
@@ -150,7 +150,7 @@ def build(cls: type[S], raw: object, path: str | None = None) -> S:
 
 
 def questions(section: Section, path: str) -> Iterator[tuple[str, str]]:
-    """Yield key and question of each value of a section that looks like a slip of units."""
+    """Yield key and question for each value of a section whose unit looks mistaken."""
     for name, what in quantities(type(section)):
         for sentence in what.questions(getattr(section, name), key(path, name)):
             yield key(path, name), sentence
@@ -158,7 +158,7 @@ def questions(section: Section, path: str) -> Iterator[tuple[str, str]]:
 
 @contextmanager
 def asking(*parts: tuple[str, Section]) -> Iterator[None]:
-    """Put questions about sections at their paths behind a refusal: a slip may be its cause."""
+    """Context that adds questions about units to a refusal: a wrong unit may be its cause."""
     try:
         yield
     except ScenarioError as error:
@@ -171,7 +171,7 @@ IF_NOT = "If not: "
 
 
 def put_first(error: ScenarioError, asked: Iterable[str]) -> None:
-    """Put those of the questions before the error's text that are not yet in it."""
+    """Prepend to the error's text those questions that are not yet in it."""
     text = str(error)
     if new := [sentence for sentence in asked if sentence not in text]:
         error.args = (f"{' '.join(new)} {'' if IF_NOT in text else IF_NOT}{text}",)

@@ -30,7 +30,7 @@ MOST_UNPACKED, RATIO = 200_000_000, 100
 
 
 def may_unpack(packed: int, unpacked: int) -> bool:
-    """True if so many bytes may be unpacked to so many."""
+    """True if ``packed`` bytes may be unpacked to ``unpacked`` bytes."""
     return unpacked <= max(MOST_UNPACKED, RATIO * packed)
 
 
@@ -139,7 +139,7 @@ class Quantity:
         return tuple(self._vector(row, f"{path}[{i}]") for i, row in enumerate(rows, start=1))
 
     def refuse(self, value: object, path: str, rule: str, asked: str = "") -> ScenarioError:
-        """Build the error: path and value, the rule, what the field is, its default, a question."""
+        """Build the error: path and value, rule, meaning of the field, its default, a question."""
         plain = isinstance(self.default, bool | float | int | str)
         has_default = plain and not isinstance(self.default, Unstated)
         remedy = f"; the default is {show(self.default)}" if has_default else ""
@@ -307,7 +307,7 @@ class Quantity:
 
 
 def _crossing(corners: Sequence[Pair]) -> tuple[int, int] | None:
-    """Numbers, from 1, of two corners after which sides of a polygon cross; None without any."""
+    """Numbers, from 1, of two corners whose sides cross in a polygon; None without any."""
 
     def turn(a: Pair, b: Pair, c: Pair) -> float:
         return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -322,7 +322,7 @@ def _crossing(corners: Sequence[Pair]) -> tuple[int, int] | None:
 def as_list(value: object) -> list[object] | None:
     """Return an array-like value (list, tuple, NumPy array) as a list; ``None`` for others.
 
-    One of more than `LONGEST` elements is none.
+    Values with more than `LONGEST` elements are refused, too.
     """
     if hasattr(value, "tolist"):
         value = value.tolist()

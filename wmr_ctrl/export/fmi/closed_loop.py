@@ -101,8 +101,8 @@ def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
 def _drives(setup: Setup) -> dict[str, Range]:
     """Ranges of the drives' numbers, from which the loop's known torque and its memory are built.
 
-    Fixed are: whether there is a lag, the delay, with either of them the clock's steps, and numbers
-    that decide the form of an effect's graph.
+    These cannot be changed: whether there is a lag; the delay; with either of them the clock's
+    steps; numbers that decide the form of an effect's graph.
     """
     scenario = setup.scenario
     numbers = {key: scenario.value(key) for item in setup.effects for key in item.shape}

@@ -18,7 +18,7 @@ Span = tuple[float, float]
 
 @dataclass(frozen=True)
 class Group:
-    """A drawer of sliders: title, hint, and how the keys begin that belong there."""
+    """A group of sliders: title, hint, and the beginnings of its keys."""
 
     key: str
     title: str
@@ -52,7 +52,7 @@ ENDS = ("least", "most")
 class Control:
     """A slider: element of a parameter, its group, unit, meaning, range, and coupled parameters.
 
-    ``bounds``: what its field admits, for numbers from a link.
+    ``bounds``: range of its field, for numbers from a link.
     """
 
     name: str
@@ -68,7 +68,7 @@ class Control:
 def controls_of(
     scenario: Scenario, parameters: Iterable[Signal], values: Mapping[str, float]
 ) -> list[Control]:
-    """Sliders for the elements of parameters that some group names, in the groups' order."""
+    """Sliders for the parameter elements that belong to a group, in the groups' order."""
     unused = () if scenario.filter.loop == FIRST_ORDER else OF_FIRST_ORDER
     signals = {item.name: item for item in parameters if item.name not in unused}
     bounds = ranges_of(scenario, signals)

@@ -1,12 +1,12 @@
 """Scenes of the page, a story or one scenario to play with, their variants and their robots.
 
-Numbers are parameters of a loop and change while it runs.  What decides the form of its graphs does
-not: the law, the guard, how many commands are in flight.  A variant is a choice of those; it has a
-loop for each law, and the numbers that the product derives for it, such as the guard's.
+Numbers are parameters of a loop and change while it runs. Structural choices do not: the law, the
+guard, the number of commands in transit.  A variant is a combination of those; it has a loop for
+each law, and the numbers that the product derives for it, such as the guard's.
 
-There is a robot for each law, or for a base that takes velocities one for each filter.
-There what is to be seen is the filter: the same law asks for all of the limit, and its commands are
-clipped, smoothed as is usual, or filtered in each way that the scenario's numbers admit.
+There is a robot for each law, or for a base that takes velocities one for each filter. Such pages
+demonstrate the filter: one law requests the full limit, and its commands are clipped, smoothed as
+usual, or filtered in each way that the scenario's numbers allow.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -64,7 +64,7 @@ WAYS: Mapping[str, tuple[str, str, Dash, str]] = {
 
 
 def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...]:
-    """Robots of a scenario's page for these laws; raises ScenarioError where none can drive."""
+    """Robots of a scenario's page for these laws; raises ScenarioError if none can drive."""
     if not scenario.takes_velocity:
         return tuple(PageMember(law, law, look(law), LAWS[law].title) for law in laws)
     several = len(laws) > 1
@@ -104,14 +104,14 @@ def _ways(scenario: Scenario, law: str) -> Iterator[tuple[str, Mapping[str, obje
 
 
 def _is_swinging(scenario: Scenario) -> bool:
-    """Whether the filter knows how fast a loop swings that overshoots, and when commands come."""
+    """True if the filter has the numbers for a band: the loop's oscillation and the timing."""
     own = scenario.filter
     known = "second-order" not in own.loop or own.frequency is not None
     return "first-order" not in own.loop and known and own.jitter < scenario.clock.control
 
 
 def _filters(scenario: Scenario) -> Iterator[tuple[str, Mapping[str, object]]]:
-    """Filters that the scenario's numbers are enough for, with their overrides."""
+    """Filters that the scenario's numbers allow, with their overrides."""
     own = scenario.filter
     yield "clip", {"filter.kind": "clip"}
     if own.slew:
@@ -125,9 +125,9 @@ def _filters(scenario: Scenario) -> Iterator[tuple[str, Mapping[str, object]]]:
 
 @dataclass(frozen=True)
 class PageScene:
-    """A start of the page: its scenario, its text, and the laws that are shown first.
+    """A start of the page: its scenario, its text, and the laws shown first.
 
-    ``speed``: simulated seconds in one of the clock.
+    ``speed``: simulated seconds per second.
     """
 
     key: str
@@ -153,7 +153,7 @@ def is_story(scenario: Scenario) -> bool:
 
 
 def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
-    """The story for ``laws`` where a scenario is the one it begins with, else one scene of it."""
+    """The story for ``laws`` if it begins with this scenario, else a single scene."""
     steps = story()
     if scenario != steps[0].scenario:
         most = MOST_WAYS if scenario.takes_velocity else MOST_SHOWN
@@ -166,7 +166,7 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
 
 
 def _own_title(scenario: Scenario) -> str:
-    """A scenario's title, or its name where the title is that of a preset with other numbers."""
+    """A scenario's title, or its name if the title belongs to an unmodified preset."""
     title, name = title_of(scenario), scenario.name
     own = title == scenario.title or name in preset_titles()
     return title if own and title else name
@@ -184,7 +184,7 @@ LATE = (0, 2, 5)
 
 @dataclass(frozen=True)
 class Variant:
-    """One choice; period and delay [s]."""
+    """One combination; period and delay [s]."""
 
     guard: bool
     period: float
@@ -192,14 +192,14 @@ class Variant:
 
     @property
     def overrides(self) -> Mapping[str, object]:
-        """Fields that make it of a scenario."""
+        """Overrides that make this variant from a scenario."""
         times = {"clock.control": self.period, "actuator.delay": self.delay}
         return {"guard.enabled": self.guard, **times}
 
 
 @dataclass(frozen=True)
 class SettledVariant:
-    """A variant with the setup of each robot, or why the product refuses it."""
+    """A variant with the setup of each robot, or the reason for its refusal."""
 
     variant: Variant
     setups: Mapping[str, Setup]
@@ -207,9 +207,9 @@ class SettledVariant:
 
 
 def settled_variants(scenario: Scenario, members: Sequence[PageMember]) -> Iterator[SettledVariant]:
-    """All variants of a scenario, its own first; of a base that takes velocities that one alone.
+    """All variants of a scenario, its own first; on a base that takes velocities only that one.
 
-    Raises as `settle` does where its own is refused.
+    Raises as `settle` does if its own is refused.
     """
     own = Variant(scenario.guard.enabled, scenario.clock.control, scenario.actuator.delay)
     yield SettledVariant(own, {member.name: member.settled(scenario) for member in members})
@@ -232,7 +232,7 @@ def _others(scenario: Scenario, own: Variant, law: str) -> Iterator[Variant]:
 
 
 def _periods(scenario: Scenario, own: Variant, law: str) -> tuple[float, ...]:
-    """Periods that the scenario's loop may have: its own, and more if nothing counts its steps."""
+    """Possible control periods of the scenario's loop: several, unless it counts its steps."""
     clock = scenario.clock
     fitting = [p for p in PERIODS if multiple(p, clock.plant) and multiple(clock.duration, p)]
     try:

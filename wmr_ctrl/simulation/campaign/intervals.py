@@ -70,9 +70,10 @@ class StopRule(Section, key="stop"):
 
 
 def of_share(hits: int, count: int, confidence: float, kind: str) -> tuple[float, float]:
-    """Interval of a share: Clopper and Pearson's holds with at least this probability for each.
+    """Interval of a share: Clopper and Pearson's, or Wilson's.
 
-    Wilson's is shorter, and right on average.
+    The first contains any true share with at least this probability; Wilson's is shorter, and right
+    on average.
     """
     from scipy.stats import binomtest  # slow to import, and seldom needed
 

@@ -78,8 +78,8 @@ def from_pose_to_pose(
 ) -> Floats:
     """Matrix of the sampled loop from one pose to the next, near a point.
 
-    Scaled back where it grows beyond doubles: beyond hundreds of powers of ten one pose makes no
-    difference.
+    A matrix that grows beyond the range of doubles is scaled down; at that size one pose more or
+    less makes no difference.
     """
     law = loop.linear(at, period, drives=drives, learning=learning)
     closed = partial(loop.closed, at, period, drives=drives, robot=robot, law=law)

@@ -119,7 +119,7 @@ def _unstable(loop: Loop) -> Warning:
             linear, angular = loop.scenario.base.gain
             return Warning(
                 "base.gain",
-                f"{beginning}: what is sent counts on base.gain = [1, 1], with which it is stable, "
+                f"{beginning}: the law assumes base.gain = [1, 1], with which it is stable, "
                 f"and the base's is [{linear:g}, {angular:g}]. Have its driver divide commands by "
                 "that, and do not lower the law's gains.",
                 f"{loop.equations}, linearised",

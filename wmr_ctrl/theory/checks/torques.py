@@ -123,7 +123,7 @@ def _heavy_wheels(scenario: Scenario) -> Iterator[Warning]:
         yield Warning(
             "body.wheel_mass",
             f"Two wheels of body.wheel_mass = {wheel:g} kg are as heavy as the robot of {least:g} "
-            "kg or heavier: no rigid body is, and what is said of its tyres is wrong. State the "
+            "kg or heavier: no rigid body is, and statements on its tyres are wrong. State the "
             "mass of its wheels.",
             GRIP,
         )

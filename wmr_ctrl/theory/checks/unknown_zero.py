@@ -1,4 +1,4 @@
-"""Bounds of size 0: what is not known of pushes and errors, and so is taken to be nothing."""
+"""Bounds of size 0: unknown pushes and errors that are assumed not to exist."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -53,7 +53,7 @@ A tenth of a millimetre is what no floor and no tape measure knows of a robot.
 
 @dataclass(frozen=True)
 class ZeroBound:
-    """A bound with a zero: its key, and what it says of the robot, in words."""
+    """A bound that is 0: its key, and the statement about the robot that it implies."""
 
     key: str
     words: str
@@ -79,9 +79,9 @@ def is_guarded(setup: Setup) -> bool:
 
 
 def zeros(setup: Setup) -> tuple[ZeroBound, ...]:
-    """Bounds that the guard or filter assumes to be 0 on an axis; without either, the scenario's.
+    """Bounds that are 0 on an axis: those of the guard or filter, or of the scenario without them.
 
-    Of effects that state no bound nothing is known, and nothing is said.
+    Effects that state no bound are not reported.
     """
     return tuple(_of_filter(setup) if setup.takes_velocity and is_guarded(setup) else
                  _of_guard(setup) if is_guarded(setup) else _of_scenario(setup))  # fmt: skip
@@ -121,7 +121,7 @@ def _zero(
 
 
 def exactness(setup: Setup) -> str:
-    """What bounds of size 0 say, as "nothing pushes the robot and its speed ..."; or empty."""
+    """What bounds of size 0 imply, as "nothing pushes the robot and its speed ..."; or empty."""
     found = zeros(setup)
     return joined(item.words for item in found) if found else ""
 
@@ -144,7 +144,7 @@ def unknown_zero(setup: Setup) -> Warning | None:
 
 
 def is_undisturbed(scenario: Scenario) -> bool:
-    """True where no push and no error acts in a scenario's runs, as far as effects state theirs."""
+    """True if no push and no error acts in a scenario's runs, according to the effects' bounds."""
     present = tuple(item for item in EFFECTS if item.present(scenario))
     bound = bound_of(scenario, present)
     known = all(item.bound is not None for item in present)
@@ -153,12 +153,12 @@ def is_undisturbed(scenario: Scenario) -> bool:
 
 
 def finest(scenario: Scenario | None) -> float:
-    """Errors [m, rad] below which no digit is printed; None: of a scenario that is not known."""
+    """Resolution [m, rad] of printed errors; a scenario of None is an unknown one."""
     return COARSE if scenario is not None and is_undisturbed(scenario) else FINE
 
 
 def promise_of_run(run: Run) -> str:
-    """What guard, filter or scenario take to be exact in a run, as a sentence; or empty."""
+    """Sentence on what guard, filter or scenario assume to be exact in a run; or empty."""
     scenario = scenario_of_run(run)
     if scenario is None:
         return ""

@@ -31,10 +31,10 @@ def find_corridor(
 ) -> Corridor:
     """The Corridor of ``law`` on ``scenario``; raises what `settle` raises.
 
-    On a circle or a line it holds for good, or until the robot changes.  ``whole``: also of the
+    On a circle or a line it is valid for ever, or until the robot changes. ``whole``: also for the
     scenario's whole run, along any path, with all changes and with drives and commands as a run
     finds them, which takes some seconds; where that takes more than this ``work``
-    (`wmr_ctrl.theory.checks.budget`), it is refused as "not checked".  Without python-flint (the
+    (`wmr_ctrl.theory.checks.budget`), it is refused as "not checked". Without python-flint (the
     extra ``proofs``) its ``refused`` is NOT_CHECKED.
     """
     setup = settle(scenario, law)

@@ -138,7 +138,7 @@ def check_reading(scenario: Scenario, period: float | None) -> None:
     check_period(period)
     if period is None and scenario.takes_velocity:
         raise ArgumentError(
-            'base.kind = "velocity": what is sent depends on the period, so there is no continuous '
+            'base.kind = "velocity": the command depends on the period, so there is no continuous '
             "loop. State period=, such as scenario.clock.control."
         )
 

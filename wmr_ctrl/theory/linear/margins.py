@@ -205,10 +205,12 @@ class ModelError:
 
 
 def model_errors(scenario: Scenario, law: str, t: float = 0.0) -> list[ModelError]:
-    """Mass, inertia and friction 50 % lower and 50 % higher, one at a time, at time ``t`` [s].
+    """Margins with mass, inertia and friction 50 % lower and higher, one at a time, at time ``t``
+    [s].
 
-    Of a first- or second-order speed loop, which makes up for them, its tau or frequencies.
-    Of the continuous loop, or of the sampled one where drives or sensors are late.
+    For a first- or second-order speed loop, which compensates these, its tau or frequencies are
+    changed instead. The margins are those of the continuous loop, or of the sampled one if drives
+    or sensors are late.
     """
     period, errors = scenario.clock.control if late(scenario) else None, []
     own = [of for loop, of in OWN.items() if has_loop(scenario, loop)]  # mass is made up for

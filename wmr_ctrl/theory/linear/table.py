@@ -99,7 +99,7 @@ def _poles(report: LinearReport, width: int) -> Iterator[str]:
     yield from _figures(figures, width)
     if report.late:
         yield _folded(
-            "Poles are ln z / T of the loop sampled with the clock, delay and late sensors in it; "
+            "Poles are ln z / T of the loop sampled with the clock, with delay and late sensors; "
             "where poses are rare, from one pose to the next, T being the time between two.",
             width,
         )

@@ -1,7 +1,7 @@
 """Friction of the ground, Eq. (4): its shape, its force, and the largest force and slope.
 
-All that hangs on the shape stands here.  `tests/world/model/test_friction.py` scans the graph for
-both bounds, so that a new shape with old bounds is noticed.
+Everything that depends on the shape is in this module. `tests/world/model/test_friction.py` scans
+the graph for both bounds, so that a new shape with old bounds is noticed.
 """
 
 from __future__ import annotations

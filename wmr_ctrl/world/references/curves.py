@@ -21,7 +21,7 @@ EIGHT_TURNS = 3.2
 class Circle(Reference):
     """Circle through the origin, as in Section V: x = R sin wt, y = R - R cos wt.
 
-    What is left out follows: half of the limit of speed, a quarter of that of turning at most.
+    Omitted fields are derived: the speed is half its limit, turning at most a quarter of its own.
     """
 
     radius: float = quantity(derived(1.0), "m", "radius of the desired circle", minimum=1e-6)
@@ -58,7 +58,7 @@ class Line(Reference):
     origin: tuple[float, float] = quantity((0.0, 0.0), "m", "desired position x, y at t = 0")
 
     def sized(self, limits: Pair, accel: Pair) -> Mapping[str, float]:
-        """Speed."""
+        """The speed, if it is omitted: half of its limit."""
         return {"speed": driven(limits)[0]}
 
 
@@ -73,7 +73,7 @@ def line(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
 class StopAndGo(Reference):
     """The circle with a speed that rises from 0 and falls to 0 again in every period.
 
-    What is left out follows: half of the limit of speed, a quarter of that of turning at most.
+    Omitted fields are derived: the speed is half its limit, turning at most a quarter of its own.
     """
 
     radius: float = quantity(derived(1.0), "m", "radius of the desired circle", minimum=1e-6)
@@ -109,7 +109,7 @@ def stop_and_go(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
 class Lemniscate(Reference):
     """Figure of eight (of Gerono): x = a sin wt, y = a sin wt cos wt.
 
-    What is left out follows: half of the limit of speed, a quarter of that of turning at most.
+    Omitted fields are derived: the speed is half its limit, turning at most a quarter of its own.
     """
 
     size: float = quantity(

@@ -22,7 +22,7 @@ GROWTH = 2.5
 class RoundedSquare(Reference):
     """Square with smoothed corners, counter-clockwise from the middle of its lower side.
 
-    What is left out follows: half of the limit of speed, a quarter of that of turning at most.
+    Omitted fields are derived: the speed is half its limit, turning at most a quarter of its own.
     """
 
     side: float = quantity(derived(3.0), "m", "side of the square", minimum=1e-6)

@@ -6,10 +6,10 @@ path is periodic.  At the ends of an open path the second and third derivatives 
 it goes over into a straight line as smoothly as the velocities' rates need.  In the graph of the
 motion the table's numbers are parameters; only the number of segments is part of it.
 
-Of straight lines through points it is stated how far the path may cut a corner: each is a
-polynomial of degree five whose first three control points lie on the one line and
-whose last three on the other, evenly spaced towards the corner: direction and curvature are
-continuous where it meets the lines.  Points beyond need are left out before (`simplified`).
+For straight lines through points, a tolerance states how far the path may cut a corner. Each corner
+is a polynomial of degree five whose first three control points lie on the one line and whose last
+three on the other, evenly spaced towards the corner, so direction and curvature are continuous
+where it meets the lines. Unnecessary points are left out before (`simplified`).
 """
 
 from __future__ import annotations
@@ -67,9 +67,9 @@ class SplinePath:
 def fit(points: Array, speed: float, closed: bool) -> SplinePath:
     """Return the spline path through ``points`` (n, 2) [m] at the mean speed ``speed`` [m/s].
 
-    The parameter is the chord length at first.  Taking the arc length of the spline found so far
-    instead makes the speed more even where the points are; where they are far apart in a bend it
-    would not, so that each round is kept only as long as it helps.
+    The parameter is the chord length at first. Replacing it by the arc length of the spline found
+    so far makes the speed more even, except where points are far apart in a bend; so each round is
+    kept only as long as it helps.
     """
     if closed:
         points = np.vstack([points, points[:1]])
@@ -262,8 +262,8 @@ def rounded(points: Array, tolerance: float, closed: bool) -> SplinePath:
 def simplified(points: Array, within: float, closed: bool) -> Array:
     """Ramer-Douglas-Peucker simplification of ``points`` (n, 2) [m].
 
-    Straight lines through those that are left stay within that distance [m] of the lines through
-    all, at a place that is as far along: what is left out goes back by no more than that either.
+    Straight lines through the remaining points stay within that distance [m] of the lines through
+    all points, compared at equal progress, so what is left out never goes back by more than that.
     """
     ring = np.vstack([points, points[:1]]) if closed else points
     corners = {0, len(ring) - 1}

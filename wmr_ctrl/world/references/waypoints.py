@@ -1,12 +1,12 @@
 """Path through given points, driven as fast as stated limits admit, with a rest at its end.
 
-``file = "way.csv"`` may replace ``points`` (x,y, a point a row, in m or in the unit that
-its header states, such as ``x [mm]``; columns also by semicolons or tabs) or ``"way.yaml"`` (a path
-message: ``poses`` with ``position``).  The smooth path through the points has four
-continuous derivatives; with ``tolerance`` it is straight lines whose corners are rounded, and of
-more than MOST_POINTS points those are left out that half of the tolerance does not need.  At the
-beginning and at the end v1_d is 0, and the theorems of the paper, which ask for v1_d > 0, then
-promise nothing: the laws stay defined, and that the robot arrives is what a run shows.
+``file = "way.csv"`` may replace ``points`` (x,y, a point a row, in m or in the unit that its header
+states, such as ``x [mm]``; columns also by semicolons or tabs) or ``"way.yaml"`` (a path message:
+``poses`` with ``position``). The smooth path through the points has four continuous derivatives;
+with ``tolerance`` it is straight lines whose corners are rounded, and beyond MOST_POINTS points,
+those that half of the tolerance does not need are left out. At the beginning and at the end v1_d is
+0, and the theorems of the paper, which ask for v1_d > 0, then promise nothing: the laws stay
+defined, and that the robot arrives is what a run shows.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The section of the command filter: the base that it counts on, and how commands are limited."""
+"""Section of the command filter: the base that it assumes, and how commands are limited."""
 
 from collections.abc import Callable
 from typing import TypeAlias
@@ -26,11 +26,11 @@ class Filter(Section, key="filter"):
     """Filter of commanded velocities that keeps |v1|, |omega| within limits.v_u1.
 
     The base follows its command by a first-order lag: tau v' = K u + d - v, whose time constant,
-    gain and push are anywhere within their intervals and may vary.  Samples are clock.control
-    apart.  ``clip`` needs the upper end of ``gain`` and ``d`` alone, and holds for every base that
-    never overshoots; ``governor`` needs all of them, and uses odometry to allow more speed.
-    An interval is of both axes; of two the first is of v and the second of omega, as `intervals`
-    gives them.
+    gain and push are anywhere within their intervals and may vary. Samples are clock.control apart.
+    ``clip`` needs the upper end of ``gain`` and ``d`` alone, and is valid for every base that never
+    overshoots; ``governor`` needs all of them, and uses odometry to allow more speed. One interval
+    applies to both axes; of two, the first is for v and the second for omega, as `intervals` gives
+    them.
     """
 
     kind: str = quantity("none", "1", "how commands are limited", options=FILTERS)
@@ -115,7 +115,7 @@ class Filter(Section, key="filter"):
     trust: bool = quantity(False, "1", "allow runs in which a hypothesis does not hold")
 
     def relate(self) -> None:
-        """Intervals are the right way round, and a filter has what it counts on."""
+        """Check that intervals are ordered, and that a filter has the numbers that it needs."""
         of_wheels = ("mass", "inertia", "kp", "ki", "friction")
         check_intervals(self, dict.fromkeys((*BY_AXIS, *of_wheels), "it"))
         for axis in (0, 1):
@@ -150,7 +150,7 @@ class Filter(Section, key="filter"):
         return ("robot.l",) if self.kind != "none" and rims else ()
 
     def interval(self, name: str) -> tuple[float, float]:
-        """Bounds called ``name``, which the loop counts on and `relate` has seen."""
+        """Bounds called ``name``, which the loop needs and `relate` has checked."""
         low, high = getattr(self, name)
         return low, high
 
@@ -171,7 +171,7 @@ class Filter(Section, key="filter"):
         return f"filter.{name}{own}[{end}]"
 
     def _relate_axes(self) -> None:
-        """Raise ScenarioError for bounds by axis of wheels, which have part in both."""
+        """Raise ScenarioError for bounds by axis if wheels are limited: these take part in both."""
         apart = [name for name in BY_AXIS if is_by_axis(getattr(self, name))]
         apart += ["loop"] * (self.loop[0] != self.loop[1])
         wheels = "channels" if self.channels == "wheels" else "wheel_speed" * bool(self.wheel_speed)
@@ -183,7 +183,7 @@ class Filter(Section, key="filter"):
             )
 
     def _relate_loop(self, axis: int) -> None:
-        """Raise ScenarioError where a loop lacks its numbers, or the kind does not hold for it."""
+        """Raise ScenarioError if a loop lacks its numbers, or the filter does not suit it."""
         loop = self.loop[axis]
         needed = {"second-order": ("damping",), "pi": (("mass", "inertia")[axis], "kp", "ki")}
         for name in needed.get(loop, ()):
@@ -212,11 +212,11 @@ class Filter(Section, key="filter"):
             )
 
     def _relate_slew(self) -> None:
-        """Raise ScenarioError where a limit on how fast commands change is worth nothing."""
+        """Raise ScenarioError if a limit on the rate of commands has no use."""
         if self.kind != "clip" or "first-order" in self.loop:
             raise ScenarioError(
-                'filter.slew is for filter.kind = "clip" with loops that overshoot, less so when '
-                "commands change slowly. Other filters do not need it. Leave it out."
+                'filter.slew is for filter.kind = "clip" with loops that overshoot: they do so '
+                "less if commands change slowly. Other filters do not need it. Leave it out."
             )
         if "second-order" in self.loop and self.frequency is None:
             raise ScenarioError(
@@ -231,7 +231,7 @@ class Filter(Section, key="filter"):
             )
 
     def _relate_band(self) -> None:
-        """Raise ScenarioError for what the band does not count with: it knows its own commands."""
+        """Raise ScenarioError for options that the band does not support."""
         if "first-order" in self.loop:
             raise ScenarioError(
                 'filter.kind = "band" is for loops that overshoot: state filter.loop = "pi" or '

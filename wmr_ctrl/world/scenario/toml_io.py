@@ -63,7 +63,7 @@ def preset_titles() -> Mapping[str, str]:
 
 
 def title_of(scenario: Scenario) -> str:
-    """A scenario's title; where it is that of a preset with other numbers, which preset that is."""
+    """A scenario's title; for a modified preset, also which preset that is."""
     named = [name for name, title in preset_titles().items() if title == scenario.title]
     if not named or replace(scenario, name=named[0]) == load_scenario(named[0]):
         return scenario.title
@@ -83,7 +83,7 @@ _READ_BY = {
 
 
 def _no_scenario(name: str) -> ScenarioError:
-    """The error for a file's name that does not end in .toml, with the files that may be meant."""
+    """Error for a file's name that does not end in .toml, with similar files."""
     path = Path(name)
     if path.suffix.lower() in _READ_BY:
         return ScenarioError(f"{name} is {_READ_BY[path.suffix.lower()].format(name)}.")
@@ -91,7 +91,7 @@ def _no_scenario(name: str) -> ScenarioError:
 
 
 def _beside(path: Path) -> str:
-    """Sentence on the scenario beside a path that may be meant; empty where there is none."""
+    """Sentence on similar scenario files beside a path; empty if there is none."""
     files = [item.name for item in path.parent.glob(f"*{_SUFFIX}")]
     near = get_close_matches(path.name, files, cutoff=0.8) or sorted(files)[:3]
     return f" There is {' and '.join(near)}." if near else ""
@@ -132,9 +132,9 @@ def load_scenario(name_or_path: AnyPath, overrides: Mapping[str, object] | None 
 
 @contextmanager
 def naming_file(source: object, overrides: Iterable[str] = ()) -> Iterator[None]:
-    """End an error in what a file says with the file's name; those of overrides stay as they are.
+    """Context that appends the file's name to an error, unless an override caused it.
 
-    ``source`` may be anything else than a file's path; then nothing is added.
+    ``source`` may be something else than a file's path; then nothing is added.
     """
     try:
         yield
@@ -226,7 +226,7 @@ class InheritedValue:
 
 
 def inherited(scenario: Scenario) -> tuple[InheritedValue, ...]:
-    """Fields that the scenario calls assumed, and those of the base that nobody states."""
+    """Fields that the scenario lists as assumed, and unstated fields of the base."""
     values = []
     for key in dict.fromkeys((*scenario.assumed, *guessed_keys(scenario))):
         table, _, name = key.partition(".")
@@ -243,12 +243,12 @@ def inherited(scenario: Scenario) -> tuple[InheritedValue, ...]:
 
 
 def raw_of(source: str) -> Raw:
-    """What a preset or a file states, or anything that it extends."""
+    """Raw dictionary of a preset or file, including everything that it extends."""
     return _resolved(source, Path(), ())
 
 
 def stated_keys(source: str, overridden: Iterable[str] = ()) -> set[str]:
-    """Fields that overrides, the file ``source`` or one that it extends state; presets do not."""
+    """Keys stated by overrides, by the file ``source`` or files that it extends; not presets."""
     keys = {key.partition("[")[0] for key in overridden}
     return keys | _stated(Path(source)) if is_path(source) else keys
 
@@ -277,10 +277,10 @@ def to_toml(
 ) -> str:
     """Return TOML text that loads back to an equal scenario (the name is the file's).
 
-    ``gains_docs`` tells the laws' gains: those that the scenario does not name are then printed
-    too, at their defaults, so that the text holds every gain of a run.  ``only``: keys that are
-    written, beside those whose values are not the defaults.  ``marked``: comments on values that
-    are no defaults begin with `MARK`.
+    ``gains_docs`` has the laws' gains: those that the scenario does not name are then printed, too,
+    with their defaults, so that the text holds every gain of a run. ``only``: keys that are
+    written, beside those whose values are not the defaults. ``marked``: comments on values that are
+    no defaults begin with `MARK`.
     """
     mark = f"{MARK} " * marked
     raw: dict[str, Any] = scenario_dict(scenario)
@@ -363,7 +363,7 @@ def _fields(
     tell: bool = True,
     mark: str = "",
 ) -> Table:
-    """Fields of a section that are in ``raw``; others as comments, if ``tell``."""
+    """Fields of a section that are in ``raw``; with ``tell``, the others as comments."""
     for name, what in quantities(type(part)):
         usual = vars(part)[name] == what.default and not isinstance(what.default, Unstated)
         own = mark * (name in raw and not usual)
@@ -378,7 +378,7 @@ def _note(unit: str, doc: str) -> str:
 
 
 def _add_or_tell(table: Table | tomlkit.TOMLDocument, name: str, value: Any, note: str) -> None:
-    """A field; one that is left out is a comment, where there are comments."""
+    """Add a field, or a comment for an omitted one if comments are on."""
     if value is not None:
         _add(table, name, value, note)
     elif note:

@@ -64,9 +64,9 @@ def missing_text(keys: tuple[str, ...], known: Mapping[str, type[Section]]) -> s
 def needed_of_robot(scenario: "Scenario") -> list[str]:
     """Keys of [robot] on which the loop depends, whichever law drives.
 
-    A base that takes torques depends on all.  One that takes velocities follows its command
-    whatever its mass, but by a PI loop, unless something exerts a force or limits one; beyond that
-    it depends on what the graphs of sensors and commands read.
+    A base that takes torques depends on all of them. One that takes velocities follows its command
+    whatever its mass, unless its loop is a PI loop or something exerts or limits a force; beyond
+    that it depends on what the graphs of sensors and commands read.
     """
     unknown = list(unknown_keys(scenario))
     if not unknown or not scenario.takes_velocity:
