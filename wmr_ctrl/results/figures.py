@@ -78,7 +78,7 @@ READINGS: Mapping[str, Callable[[Run], object]] = {
     "tracked": measures.tracked,
     "arrival": measures.arrival,
     "guard_share": measures.guard_share,
-    "filter_share": measures.filter_share,
+    "filter_share": lambda run: measures.filter_share(run),
     "usable_speed": attrgetter("settings.usable"),
     "reference_speed": attrgetter("settings.asked"),
     "torque_change_rms": measures.torque_change_rms,

@@ -211,12 +211,12 @@ def guard_share(run: Run, samples: windows.Span | None = None) -> Pair | None:
     return _changed_share(run, samples) if run.guard else (0.0, 0.0)
 
 
-def filter_share(run: Run) -> Pair | None:
+def filter_share(run: Run, samples: windows.Span | None = None) -> Pair | None:
     """Share of the samples in which the filter changed v and omega; zeros without filter.
 
-    None where there is no sample.
+    Over all rows, or a window of samples; None where there is none.
     """
-    return _changed_share(run) if "filter_flags" in run else (0.0, 0.0)
+    return _changed_share(run, samples) if "filter_flags" in run else (0.0, 0.0)
 
 
 def _changed_share(run: Run, samples: windows.Span | None = None) -> Pair | None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from .run import Run
 
 HELD_BACK = 0.25
-"""Share of the drive's samples from which the guard holds a run back."""
+"""Share of the drive's samples from which guard, filter or base hold a run back."""
 SATURATED = 0.2
 """Share of the samples with a wheel at its torque limit from which drives are too weak."""
 CHATTER, OF_LIMIT, OF_PEAK = 1.0, 0.1, 1e-3
@@ -38,6 +39,8 @@ NEAR = 0.9
 """Share of the speed at which a law's barrier begins, from which a desired one is close to it."""
 SWAY = 0.2
 """RMS of a velocity about the desired one, as a share of its limit, that is no steady drive."""
+BASE_CAUSES = ("dead-band", "wheel-limit", "quantum", "ramps", "losses")
+"""Keys of what a base that takes velocities makes of commands."""
 OBJECTED = "objected"
 """Key of what `wmr-ctrl check` objects to."""
 NOT_CHECKED = "not-checked"
@@ -50,6 +53,12 @@ SHORT = {
     "chatter": "its torques chatter",
     "saturated": "its wheels are at their torque limit",
     "guard-holds-back": "the guard holds it back",
+    "filter-holds-back": "the filter holds it back",
+    "dead-band": "the base's dead band stops it",
+    "wheel-limit": "its wheels are at their speed limit",
+    "quantum": "its commands are rounded to 0",
+    "ramps": "the base ramps its commands",
+    "losses": "its commands are lost",
     "obstacle": "it touched an obstacle",
     "corridor-left": "it left its certified corridor",
     "exact-pose": "its pose was exact",
@@ -163,10 +172,15 @@ def _not_arrived(run: Run) -> Iterator[str]:
         )
     elif settings.tolerance is not None and run.rows:
         away = float(np.hypot(run["x"][-1] - run["x_d"][-1], run["y"][-1] - run["y_d"][-1]))
+        remedy = (
+            "At rest a sideways error is not corrected: slow down the end of the path "
+            "(reference.a_max), or use a law that tracks more closely."
+        )
+        if run.outlook is not None and run.outlook.causes:
+            remedy = "See the other remarks for the cause."
         yield (
             f"At the end the robot was {away:.3g} m from the goal; metrics.tolerance is "
-            f"{settings.tolerance:g} m. At rest a sideways error is not corrected: slow down the "
-            "end of the path (reference.a_max), or use a law that tracks more closely."
+            f"{settings.tolerance:g} m. {remedy}"
         )
 
 
@@ -298,6 +312,24 @@ def _held_back(run: Run) -> Iterator[str]:
         )
 
 
+def _filtered(run: Run) -> Iterator[str]:
+    shares = measures.filter_share(run, drive(run.settings))
+    if shares is not None and max(shares) >= HELD_BACK:
+        v, omega = map(percent, shares)
+        yield (
+            f"In the {driving(run)} the filter changed v in {v} and omega in {omega} of the "
+            "samples: the law asks for more than it lets pass. Ask for a slower reference, lower "
+            "the law's gains, or state narrower bounds in [filter] if they are true."
+        )
+
+
+def _caused(run: Run, key: str) -> Iterator[str]:
+    """What the base did to the commands of a run that missed its path or goal."""
+    causes = run.outlook.causes if run.outlook is not None else {}
+    if key in causes and any((*_not_tracked(run), *_not_arrived(run))):
+        yield causes[key]
+
+
 def _void(run: Run) -> Iterator[str]:
     late = run.provenance.get("master") == "jacobi" and "v_command" in run.columns
     if (run.guard or late) and run.settings.void:
@@ -314,6 +346,8 @@ _PARTS: Mapping[str, Callable[[Run], Iterator[str]]] = {
     "chatter": _chatters,
     "saturated": _saturated,
     "guard-holds-back": _held_back,
+    "filter-holds-back": _filtered,
+    **{key: partial(_caused, key=key) for key in BASE_CAUSES},
     "exact-pose": _exact_pose,
     "assumption-void": _void,
     OBJECTED: _objected,

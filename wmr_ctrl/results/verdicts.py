@@ -1,6 +1,7 @@
 """Statements of theory about a run, as values that the run can carry."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from wmr_ctrl.core.fields.units import length
 
@@ -32,7 +33,8 @@ class Outlook:
     ``tau_max``: torque limit of each wheel [N m], inf for none; ``warnings``: those of theory;
     ``exact_pose``: whether the pose is perfect while velocities come from encoders; ``known``:
     whether the law is known, and so was checked; ``barrier``: speeds [m/s, rad/s] at which the
-    law's barrier begins, None for a law without; ``assumed``: keys that nobody stated.
+    law's barrier begins, None for a law without; ``assumed``: keys that nobody stated; ``causes``:
+    what the base did to the run's commands, in sentences by the remark's key.
     """
 
     tau_max: float
@@ -41,6 +43,7 @@ class Outlook:
     known: bool = True
     barrier: tuple[float, float] | None = None
     assumed: tuple[str, ...] = ()
+    causes: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def objections(self) -> tuple[Warning, ...]:

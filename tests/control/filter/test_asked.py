@@ -92,14 +92,3 @@ def found(scenario: Scenario) -> dict[str, str]:
 def test_check_objects_to_a_path_tighter_than_the_base() -> None:
     assert "base.min_radius" not in found(turning(0.8))
     assert "radius of 0.8 m" in found(turning(0.81))["base.min_radius"]
-
-
-def test_check_objects_to_a_path_within_a_dead_band() -> None:
-    """The circle takes 0.16 m/s and 0.2 rad/s."""
-    assert "base.deadband" not in found(override(CREATE3, {"base.deadband": [0.15, 0.19]}))
-    slow = found(override(CREATE3, {"base.deadband": [0.15, 0.21]}))
-    assert (
-        "for 100 % of its time the path asks for less than base.deadband" in slow["base.deadband"]
-    )
-    wheel = override(CREATE3, {"base.wheel_deadband": 0.14, "filter.trust": True})
-    assert "base.wheel_deadband" in found(wheel)

@@ -1,9 +1,12 @@
 """What a base that takes velocities makes of its commands, and where a path asks for more."""
 
 from collections.abc import Iterator
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
+from wmr_ctrl.results import Run
 from wmr_ctrl.results.remarks import HELD_BACK, percent
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.world.references.kind import GRID, sample
@@ -12,6 +15,7 @@ from wmr_ctrl.world.scenario import Scenario
 from .error_coordinates import Floats
 from .loop import Loop
 
+Bools: TypeAlias = NDArray[np.bool_]
 STILL = 1e-9
 """Speed [m/s, rad/s] that counts as none."""
 SAME = 1e-6
@@ -23,7 +27,7 @@ def rims(scenario: Scenario, pairs: Floats) -> Floats:
     return pairs @ np.array([[1.0, 1.0], [scenario.robot.l, -scenario.robot.l]])
 
 
-def dead(scenario: Scenario, pairs: Floats) -> dict[str, Floats]:
+def dead(scenario: Scenario, pairs: Floats) -> dict[str, Bools]:
     """Where commands (n, 2) other than 0 lie within a dead band, by its key."""
     base = scenario.base
     bands = {
@@ -61,4 +65,55 @@ def beyond_base(loop: Loop) -> Iterator[Warning]:
                 "commands do nothing: the base leaves the path until the law asks for more. Ask "
                 "for a faster or tighter path.",
                 "docs/howto/velocity_base.md",
+                objects=False,
             )
+
+
+LAST = 10.0
+"""Time [s] at the end of a run in which causes are looked for."""
+SHARE = 0.1
+"""Change of a command, as a share of the limits, that is missed where it is lost."""
+REMEDIES = {
+    "dead-band": "set filter.least = true, raise the law's gains, or ask for a faster path",
+    "wheel-limit": "ask for a slower path, or lower limits.v_u1",
+    "quantum": "raise the law's gains, or ask for a faster path",
+    "ramps": "lower the law's gains, or ask for a smoother path",
+    "losses": "lower the law's gains, or mend the link",
+}
+
+
+def _done(scenario: Scenario, u: Floats) -> Iterator[tuple[str, str, Bools]]:
+    """Key of each cause, what of commands (n, 2) it is in words, and in which rows."""
+    base, T, w = scenario.base, scenario.clock.control, rims(scenario, u)
+
+    def changed(asked: Floats, periods: int = 1) -> Floats:
+        return np.abs(asked[periods:] - asked[:-periods])
+
+    for key, within in dead(scenario, u).items():
+        yield "dead-band", f"less than {key}", within
+    yield "wheel-limit", "more than base.w_max", np.abs(w) > scenario.robot.r * base.w_max
+    rounded = (np.abs(u) < np.array(base.quantum) / 2) & (np.abs(u) > STILL)
+    yield "quantum", "less than half of base.quantum", rounded
+    rates = np.maximum(base.accel, base.decel), max(base.wheel_accel, base.wheel_decel)
+    for asked, rate, names in zip((u, w), rates, ("accel", "wheel_accel"), strict=True):
+        yield "ramps", f"faster changes than base.{names}", changed(asked) > T * rate
+    if base.losses:
+        most = SHARE * np.array(scenario.limits.v_u1)
+        said = f"changes by a tenth of the limits within base.losses = {base.losses} commands"
+        yield "losses", said, changed(u, base.losses) > most
+
+
+def causes(scenario: Scenario, run: Run) -> dict[str, str]:
+    """What the base did to the commands at a run's end, in sentences by the remark's key."""
+    if not scenario.takes_velocity or "v_command" not in run:
+        return {}
+    count = min(run.rows, round(LAST / scenario.clock.control))
+    u = np.stack([run[name][run.rows - count :] for name in ("v_command", "omega_command")], axis=1)
+    shares = ((key, what, float(np.mean(rows.reshape(len(rows), -1).any(axis=1))))
+              for key, what, rows in _done(scenario, u) if len(rows))  # fmt: skip
+    return {
+        key: f"For {percent(share)} of the last {count * scenario.clock.control:g} s the law asked "
+        f"for {what}: {REMEDIES[key]}."
+        for key, what, share in shares
+        if share >= HELD_BACK
+    }

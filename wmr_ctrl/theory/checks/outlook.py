@@ -6,6 +6,7 @@ scenario, law and plant, when a run's remarks are first read; making runs costs 
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from enum import StrEnum
 from functools import lru_cache
 
@@ -25,6 +26,7 @@ from wmr_ctrl.world.pose_sensor import PoseSensor
 from wmr_ctrl.world.scenario import Scenario, loads_scenario, unknown_keys
 
 from . import grip_warnings, warnings_heard
+from .base import causes
 from .torques import GRIP
 
 TEXT = "scenario_toml"
@@ -66,7 +68,8 @@ def outlook_of(run: Run) -> Outlook | None:
         return None
     if run.law not in LAWS:
         return Outlook(scenario.actuator.tau_max, (), _has_exact_pose(scenario), known=False)
-    return _outlook(scenario, LAWS[run.law], run.settings.plant_kind)
+    known = _outlook(scenario, LAWS[run.law], run.settings.plant_kind)
+    return replace(known, causes=causes(scenario, run))
 
 
 def needed_by(run: Run) -> Floats | None:
