@@ -1,7 +1,9 @@
 """Parameters of nav2 that a base's delay and accelerations limit."""
 
 import math
+from pathlib import Path
 
+from wmr_ctrl.codegen.package import text_engine
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.identification import BaseIdentification
 from wmr_ctrl.identification.bounds import DETERMINED, ROUGHLY
@@ -24,19 +26,14 @@ def nav2_of(result: BaseIdentification) -> str:
     down = [values.get(f"decel{axis}", most) for axis, most in zip((1, 2), up, strict=True)]
     late = max(values.get(f"delay{axis}", math.inf) for axis in (1, 2))
     slow = [values.get(f"dead{axis}", 0.0) for axis in (1, 2)]
-    lines = [f"# from {result.name} by wmr-ctrl identify", "controller_server:"]
-    lines += ["  ros__parameters:", "    FollowPath:"]
-    lines += [_line("      model_delay", [late]), _line("      ax_max", up[:1])]
-    lines += [_line("      ax_min", [-down[0]]), _line("      az_max", [min(up[1], down[1])])]
-    lines += ["velocity_smoother:", "  ros__parameters:"]
-    lines.append(_line("    max_accel", [up[0], 0.0, up[1]]))
-    lines.append(_line("    max_decel", [-down[0], 0.0, -down[1]]))
-    lines.append(_line("    deadband_velocity", [slow[0], 0.0, slow[1]]))
-    return "\n".join([*lines, ""])
+    engine = text_engine(Path(__file__).parent / "templates")
+    return engine.get_template("nav2.yaml.j2").render(
+        name=result.name, row=_row, up=up, down=down, late=late, slow=slow
+    )
 
 
-def _line(name: str, values: list[float]) -> str:
+def _row(name: str, *values: float) -> str:
     if not all(map(math.isfinite, values)):
-        return name.replace(name.lstrip(), f"# {name.lstrip()}: the log shows none")
+        return f"# {name}: the log shows none"
     shown = [float(f"{value:.4g}") for value in values]
     return f"{name}: {shown if len(shown) > 1 else shown[0]}"
