@@ -13,7 +13,16 @@ from click.testing import CliRunner
 pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
 
 from tests.results.conftest import build
-from tests.results.test_bag import EPOCH, JOINTS, ODOMETRY, TWIST, bag, joints, odometry, twist
+from tests.results.test_bag_topics import (
+    EPOCH,
+    JOINTS,
+    ODOMETRY,
+    TWIST,
+    bag,
+    joints,
+    odometry,
+    twist,
+)
 from wmr_ctrl import RecordedDrive, compare, identify, load_drive, load_run
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import drive_text
