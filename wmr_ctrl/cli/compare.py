@@ -26,7 +26,6 @@ from .console import (
 
 if TYPE_CHECKING:
     from wmr_ctrl.results import RecordedDrive, Run
-    from wmr_ctrl.results.compare import Comparison
 
 HEADER: tuple[str, ...] = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
 TORQUES = ("tau_peak", "torque_change_rms")
@@ -64,28 +63,31 @@ def compare(
     own ROS 2 bag may take the place of a run; then only the columns that a bag can have are
     compared: pose, velocities, commands, torques and wheels.
     """
-    if laws:
-        runs = dict(_simulated(sources, laws, seed, assignments, guard))
+    from wmr_ctrl.results import Run
+    from wmr_ctrl.results.compare import compare as difference
+
+    from .summary import draw_drives, drives_of, drives_text
+
+    loaded = (
+        dict(_simulated(sources, laws, seed, assignments, guard))
+        if laws
+        else _loaded(sources, opt.roles(topics))
+    )
+    runs = {name: one for name, one in loaded.items() if isinstance(one, Run)}
+    drives = drives_of(loaded) if len(runs) < len(loaded) else []
+    if drives:
+        draw_drives(drives, plot, animate)
     else:
-        from wmr_ctrl.results import Run
-
-        loaded = _loaded(sources, opt.roles(topics))
-        runs = {name: one for name, one in loaded.items() if isinstance(one, Run)}
-        if len(runs) < len(loaded):
-            from .summary import compare_sources
-
-            if not compare_sources(loaded, tolerance, plot, animate, as_json):
-                ctx.exit(DIFFERENCE)
-            return
-    write_file(plot, "plot_runs", [*runs.values()])
-    write_file(animate, "animate_runs", [*runs.values()], "animation")
-    pair = None if laws or len(runs) > 2 else _difference(runs, tolerance)
+        write_file(plot, "plot_runs", [*runs.values()])
+        write_file(animate, "animate_runs", [*runs.values()], "animation")
+    shown: list[Run | RecordedDrive] = [*(drives or runs.values())]
+    pair = None if laws or len(shown) > 2 else difference(shown[0], shown[1], tolerance)
     if not as_json:
-        click.echo(comparison_text(runs) if pair is None else f"{pair}\n\n{comparison_text(runs)}")
+        text = drives_text(drives) if drives else comparison_text(runs)
+        click.echo(text if pair is None else f"{pair}\n\n{text}")
     elif pair is None:
-        from wmr_ctrl.results import summary
-
-        print_json({name: summary(run) for name, run in runs.items()})
+        figures = {name: run.summary() for name, run in runs.items()}
+        print_json([drive.summary() for drive in drives] or figures)
     else:
         print_json(asdict(pair))
     if pair is not None and pair.verdict not in ("equal", "agree"):
@@ -140,13 +142,6 @@ def _loaded(sources: Sequence[str], topics: Mapping[str, str]) -> dict[str, Run 
         name = source if source not in runs else f"{source} ({len(runs) + 1})"
         runs[name] = load_source(source, topics if is_bag(source) else None)
     return runs
-
-
-def _difference(runs: dict[str, Run], tolerance: float) -> Comparison:
-    from wmr_ctrl.results.compare import compare as compare_runs
-
-    first, second = runs.values()
-    return compare_runs(first, second, tolerance)
 
 
 def comparison_text(runs: dict[str, Run]) -> str:

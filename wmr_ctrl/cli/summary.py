@@ -1,7 +1,6 @@
 """A run's verdict and figures as text; a recorded drive as ``show`` and ``compare`` print it."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
 from itertools import product
 
 import click
@@ -83,7 +82,7 @@ def show_drive(drive: RecordedDrive, as_json: bool, **files: str | None) -> None
             "--film simulates a run again on the rigid body, and a recorded drive cannot be "
             "simulated. Use --animate."
         )
-    _draw([drive], files["plot"], files["animate"])
+    draw_drives([drive], files["plot"], files["animate"])
     if out:
         drive.save(out)
         say("wrote", out)
@@ -93,34 +92,18 @@ def show_drive(drive: RecordedDrive, as_json: bool, **files: str | None) -> None
         click.echo(drive_text(drive))
 
 
-def compare_sources(
-    sources: Mapping[str, Run | RecordedDrive],
-    tolerance: float,
-    plot: str | None,
-    animate: str | None,
-    as_json: bool,
-) -> bool:
-    """Compare drives or runs, and print the result; False if two of them differ."""
-    from wmr_ctrl.results.compare import compare
-
-    drives = [_named(name, one) for name, one in sources.items()]
-    _draw(drives, plot, animate)
-    pair = compare(drives[0], drives[1], tolerance) if len(drives) == 2 else None
-    if not as_json:
-        text = drives_text(drives)
-        click.echo(text if pair is None else f"{pair}\n\n{text}")
-    else:
-        print_json([drive.summary() for drive in drives] if pair is None else asdict(pair))
-    return pair is None or pair.verdict in ("equal", "agree")
+def drives_of(sources: Mapping[str, Run | RecordedDrive]) -> list[RecordedDrive]:
+    """Drives and runs by name as drives of these names."""
+    return [
+        drive_of(one, name)
+        if isinstance(one, Run)
+        else RecordedDrive(name, one.times, one.columns, one.remarks)
+        for name, one in sources.items()
+    ]
 
 
-def _named(name: str, one: Run | RecordedDrive) -> RecordedDrive:
-    if isinstance(one, Run):
-        return drive_of(one, name)
-    return RecordedDrive(name, one.times, one.columns, one.remarks)
-
-
-def _draw(drives: list[RecordedDrive], plot: str | None, animate: str | None) -> None:
+def draw_drives(drives: list[RecordedDrive], plot: str | None, animate: str | None) -> None:
+    """Draw and film drives into the files that are named."""
     write_file(animate, "animate_drives", drives, "animation")  # it may have nothing to show
     write_file(plot, "plot_drives", drives)
 
