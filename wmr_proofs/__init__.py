@@ -1,4 +1,4 @@
-"""What needs python-flint or z3: claims about the graphs, methods that check them, corridor.
+"""Proofs with python-flint and z3: claims about the graphs, methods that check them, corridor.
 
 >>> from wmr_proofs import prove
 >>> ledger = prove(only=["eq25"])  # doctest: +SKIP

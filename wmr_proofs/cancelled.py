@@ -1,9 +1,10 @@
-"""Operations that CasADi cancels while it builds a graph, such as x (1/x): they are defined, too.
+"""Operations that CasADi cancels while it builds a graph, such as x (1/x): they must be defined,
+too.
 
-A claim is built once more with nothing simplified.  Each quotient, root and logarithm that its
-goals read there and not on the graph that is compiled has to be defined wherever the hypotheses
-hold.  That is asked of z3, whatever method closed the claim; where the hypotheses are regions, it
-is told which inputs, sums and differences are positive in all of them.
+A claim is built a second time without simplification.  Each quotient, root and logarithm that its
+goals read there but not in the compiled graph must be defined wherever the hypotheses hold.  z3
+decides that, whatever method proved the claim; if the hypotheses are regions, it is given the
+inputs, sums and differences that are positive in all of them.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -39,9 +40,9 @@ _SIGNS: dict[str, bool] = {}
 
 
 def undefined(claim: Claim) -> tuple[int, str]:
-    """Number of operations that were cancelled, and which of them may be undefined: empty if none.
+    """Number of cancelled operations, and those that may be undefined (empty if none).
 
-    Of a claim that has been proved.
+    Only for a proved claim.
     """
     assert claim.method is not None
     try:
@@ -60,9 +61,9 @@ def undefined(claim: Claim) -> tuple[int, str]:
 
 
 def cancelled_operations(claim: Claim) -> tuple[Problem, list[Any]]:
-    """The claim posed with nothing simplified; when each operation is undefined that is cancelled.
+    """The claim posed without simplification, and when each cancelled operation is undefined.
 
-    Raises UndecidedError where it cannot be posed.
+    Raises UndecidedError if it cannot be posed.
     """
     assert claim.statement is not None
     plain = uncancelled(claim)
@@ -73,7 +74,7 @@ def cancelled_operations(claim: Claim) -> tuple[Problem, list[Any]]:
 
 
 def cancelled_obligations(claim: Claim) -> Iterator[Obligation]:
-    """Each of them that is not to be undefined, as text."""
+    """The obligation, as text, for each cancelled operation that must be defined."""
     raw, gone = cancelled_operations(claim)
     for number, term in enumerate(gone, 1):
         text = printed([*raw.base, term], raw.terms.inputs)
@@ -81,7 +82,7 @@ def cancelled_obligations(claim: Claim) -> Iterator[Obligation]:
 
 
 def uncancelled(claim: Claim) -> Statement:
-    """The claim's statement, on graphs of which CasADi has simplified nothing."""
+    """The claim's statement on graphs that CasADi has not simplified."""
     assert claim.statement is not None
     with _nothing_simplified():
         # The function with new copies of the objects that it is given: they keep what they built.
@@ -105,7 +106,7 @@ def _nothing_simplified() -> Iterator[None]:
 
 
 def derived_powers(graph: ProvedGraph) -> frozenset[int]:
-    """Logarithms that the derivative of x^n reads, times 0 where n is a number: ln(x) x^n alone."""
+    """Logarithms in the derivative of x^n, which are multiplied by 0 for a number n."""
     readers: dict[int, list[int]] = {}
     for k, node in enumerate(graph.nodes):
         for arg in node.args:
@@ -124,7 +125,7 @@ def derived_powers(graph: ProvedGraph) -> frozenset[int]:
 
 
 def _within(method: Method, inputs: Mapping[str, Any], context: Any) -> list[Any]:
-    """Hypotheses that a method holds in regions or boxes, about these inputs."""
+    """Hypotheses that a method contains as regions or boxes, about these inputs."""
     if isinstance(method, Both):  # each of the two shows the claim by itself
         one = method.second if isinstance(method.first, Ring) else method.first
         return _within(one, inputs, context)
@@ -144,7 +145,7 @@ def _within(method: Method, inputs: Mapping[str, Any], context: Any) -> list[Any
 def _never(
     term: Any, base: Sequence[Any], inputs: Mapping[str, Any], context: Any, cases: Sequence[Case]
 ) -> bool:
-    """True if the term is false in each of the regions, the inputs put in as their charts say."""
+    """True if the term is false in each of the regions, with the inputs given by their charts."""
     for case in cases:
         free = {name: z3.Real(f"{name} of the chart", context) for name in case.numbers}
         chart = {name: value if z3.is_expr(value) else _number(value, context)
@@ -163,7 +164,7 @@ def _number(value: Fraction, context: Any) -> Any:
 
 
 def positive_sums(cases: Sequence[Case]) -> tuple[Signs, ...]:
-    """Inputs, and sums and differences of two, that are above 0 in each of the cases."""
+    """Inputs, and sums and differences of two, that are positive in each of the cases."""
     key = str(described(cases))
     if key not in _KNOWN:
         ones = {name: Fraction(1) for case in cases for name in case.numbers}
@@ -181,7 +182,7 @@ def positive_sums(cases: Sequence[Case]) -> tuple[Signs, ...]:
 
 
 def _positive(signs: Signs, cases: Sequence[Case]) -> bool:
-    """True if the sum is shown to be above 0 in each case; points of them are looked at first."""
+    """True if the sum is proved positive in each case; points of the cases are tested first."""
     points = (case.sample(tuple(signs), shift) for case in cases for shift in range(3))
     if any(sum(sign * point[name] for name, sign in signs.items()) <= 0 for point in points):
         return False

@@ -22,7 +22,7 @@ Row = Mapping[str, Any]
 
 
 def obligations_of(claim: Claim, entry: Entry) -> Iterator[Obligation]:
-    """All that z3 was asked for the verdict of an entry; nothing where z3 was not asked."""
+    """All obligations that z3 was asked for an entry's verdict; empty if z3 was not asked."""
     if claim.statement is None or not uses_z3(claim.method):
         return
     yield from of_entry(claim.statement(CLAIMED), entry)
@@ -31,7 +31,7 @@ def obligations_of(claim: Claim, entry: Entry) -> Iterator[Obligation]:
 
 
 def words_hash(claim: Claim) -> str:
-    """SHA-256 of what a claim says."""
+    """SHA-256 of a claim's words."""
     return digest([claim.claim, claim.hypotheses, claim.meaning])
 
 
@@ -43,7 +43,7 @@ def index() -> dict[str, Row]:
 
 
 def with_certificate(claim: Claim, entry: Entry) -> Entry:
-    """The entry, which rests on certificates alone where all of its obligations have one."""
+    """The entry, which relies on certificates alone if all of its obligations have one."""
     row = index().get(claim.id)
     found = _whole(row) if row and not differing(claim, entry) else None
     trusted = ("certificate",) if found else spec.trusted(claim.method) if claim.method else ()
@@ -52,7 +52,7 @@ def with_certificate(claim: Claim, entry: Entry) -> Entry:
 
 
 def _whole(row: Row) -> dict[str, Any] | None:
-    """Number of obligations and hash of their row, where all of them have certificates."""
+    """Number of obligations and hash of their row, if all of them have certificates."""
     rows = row["obligations"]
     if not all(item[3] for item in rows):
         return None
@@ -60,7 +60,7 @@ def _whole(row: Row) -> dict[str, Any] | None:
 
 
 def differing(claim: Claim, entry: Entry) -> list[str]:
-    """Names of obligations that are others today than in the index, or not in it."""
+    """Names of obligations that today differ from those in the index, or are missing there."""
     row = index().get(claim.id, {"obligations": []})
     known = {tuple(item[:3]) for item in row["obligations"]}
     items = obligations_of(claim, entry)
@@ -87,7 +87,7 @@ def save(row: Row, certificates: Mapping[str, Any]) -> None:
 
 
 def forget_others(known: Container[str]) -> None:
-    """Drop the certificates of entries that are no more."""
+    """Drop the certificates of entries that no longer exist."""
     gone = [key for key in index() if key not in known]
     for key in gone:
         (FOLDER / f"{key}.json.xz").unlink(missing_ok=True)

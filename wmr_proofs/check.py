@@ -56,12 +56,12 @@ class Refused(Exception):  # noqa: N818
 
 
 class Work:
-    """What is left of the work allowed for one obligation."""
+    """Remaining work allowed for one obligation."""
 
     left = MOST_WORK
 
     def spend(self, amount: int) -> None:
-        """Refuse where more is asked for than is left."""
+        """Raise Refused if more work is requested than is left."""
         self.left -= amount
         need(self.left >= 0, "more work than is allowed")
 
@@ -70,7 +70,7 @@ WORK = Work()
 
 
 def need(truth: object, why: str) -> None:
-    """Refuse unless it is so."""
+    """Raise Refused unless the condition is true."""
     if not truth:
         raise Refused(why)
 
@@ -98,7 +98,7 @@ def var(name: str) -> Polynomial:
 
 
 def add(a: Polynomial, b: Polynomial, times: Number = 1) -> Polynomial:
-    """The sum of a and a number times b."""
+    """a plus a number times b."""
     WORK.spend(_words(a) + _words(b))
     total = dict(a)
     for monomial, c in b.items():
@@ -132,7 +132,7 @@ def joined(m: Monomial, n: Monomial) -> Monomial:
 
 
 def key(p: Polynomial) -> tuple[tuple[Monomial, Number], ...]:
-    """The same for equal polynomials."""
+    """A key that is equal for equal polynomials."""
     return tuple(sorted(p.items()))
 
 
@@ -159,7 +159,7 @@ Formula = Fact | Join
 
 
 def negated(formula: Formula) -> Formula:
-    """What holds where the formula does not."""
+    """The negation of the formula."""
     WORK.spend(10)
     if isinstance(formula, Join):
         other = "or" if formula.word == "and" else "and"
@@ -171,7 +171,7 @@ def negated(formula: Formula) -> Formula:
 
 
 def formula_key(formula: Formula) -> tuple[Any, ...]:
-    """The same for equal formulas."""
+    """A key that is equal for equal formulas."""
     WORK.spend(10)
     if isinstance(formula, Fact):
         return key(formula.poly), formula.kind
@@ -189,7 +189,7 @@ def flat(name: str, formula: Formula) -> Iterator[tuple[str, Formula]]:
 
 
 class Choice(NamedTuple):
-    """A number that is one of two."""
+    """A number that is one of two values."""
 
     condition: Formula
     yes: Polynomial
@@ -197,7 +197,7 @@ class Choice(NamedTuple):
 
 
 class Quotient(NamedTuple):
-    """A number that is one by another."""
+    """A number that is the quotient of two others."""
 
     above: Polynomial
     below: Polynomial
@@ -538,7 +538,7 @@ def _list(value: Any) -> list[Any]:
 
 
 def check(text: str, certificate: Any) -> str:
-    """``unsat`` or ``sat``, whichever the certificate shows of an obligation; else Refused."""
+    """``unsat`` or ``sat``, as the certificate shows for an obligation; else raise Refused."""
     WORK.left = MOST_WORK
     try:
         problem = Problem(text)

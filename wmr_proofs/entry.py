@@ -1,4 +1,4 @@
-"""One claim to one entry: the statement, its mutation, and whether its hypotheses can be met."""
+"""Check one claim: its statement, its mutation, and whether its hypotheses can be satisfied."""
 
 import json
 from collections.abc import Mapping
@@ -22,17 +22,17 @@ ENGINES, ENGINES_ALTERED = "engines", "engines of the altered claim"
 
 
 def missing(method: Method | None) -> tuple[str, ...]:
-    """Packages that the method needs and that are not installed."""
+    """Packages that the method needs but that are not installed."""
     return tuple(name for name in spec.needs(method) if find_spec(name) is None) if method else ()
 
 
 def check(claim: Claim, known: Entry | None = None) -> Entry:
-    """The claim's entry; NOT_CHECKED where a package is missing.
+    """The claim's entry; NOT_CHECKED if a package is missing.
 
-    The verdict is found and the product's functions are searched anew in any case; an earlier
-    entry, ``known``, says what to try first.  Three things are taken from it where graphs, method
-    and versions are the same: other solvers' word; that what CasADi cancels is defined; what
-    altering each function did.
+    The verdict is derived anew and the product's functions are searched anew in any case; an
+    earlier entry, ``known``, says what to try first.  Three results are taken from it if graphs,
+    method and versions are equal: confirmations by other solvers; that cancelled operations are
+    defined; effects of altering each function.
     """
     if claim.statement is None or claim.method is None:
         return _entry(claim, claim.verdict)
@@ -86,7 +86,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
 
 
 def graph_hash(claim: Claim) -> str:
-    """Hash of claim, alterations, graph and method as they are now; see `Entry`."""
+    """Hash of claim, alterations, graph and method at present; see `Entry`."""
     if claim.statement is None:
         return ""
     assert claim.method is not None
@@ -99,15 +99,13 @@ def _hash(claimed: Statement, altered: Statement, method: Method) -> str:
 
 
 def _quickest(method: Method, evidence: Mapping[str, Any], key: str) -> Method:
-    """The method, with what closed each question before asked first: that saves time alone."""
+    """The method, with the engines that answered before asked first, which only saves time."""
     first = tuple(evidence.get(key, ()))
     return replace(method, first=first) if isinstance(method, Z3) else method
 
 
 def _quick(method: Method) -> Method:
-    """Method for the altered claim: the first case that fails is enough; of two methods each must
-    refute.
-    """
+    """Method for the altered claim: one failing case is enough; of two methods each must refute."""
     if isinstance(method, Both):
         return Both(_quick(method.first), _quick(method.second), all_refute=True)
     return replace(method, quick=True) if isinstance(method, Ring) else method
@@ -116,7 +114,7 @@ def _quick(method: Method) -> Method:
 def _guarded(
     finding: Finding, mutated: bool | None, functions: tuple[str, ...]
 ) -> tuple[str, dict[str, str]]:
-    """PROVED only of functions of the product, with a refuted mutation and possible hypotheses."""
+    """PROVED only with functions of the product, a refuted mutation and satisfiable hypotheses."""
     if finding.verdict != PROVED:
         return finding.verdict, {}
     if not mutated:
@@ -127,7 +125,7 @@ def _guarded(
 
 
 def _defined(claim: Claim, verdict: str) -> tuple[str, dict[str, str], int | None]:
-    """The verdict, unless CasADi has cancelled what may be undefined; how much it has cancelled."""
+    """The verdict, unless cancelled operations may be undefined; the number of cancelled ones."""
     if find_spec("z3") is None:
         return NOT_CHECKED, {"held back": "what CasADi cancels is asked of z3"}, None
     from .cancelled import undefined
@@ -139,7 +137,7 @@ def _defined(claim: Claim, verdict: str) -> tuple[str, dict[str, str], int | Non
 
 
 def _text(point: Mapping[str, Any] | None) -> dict[str, str] | None:
-    """A point as exact text: ``p/q``, or ``1 pi``."""
+    """A point as exact texts: ``p/q``, or ``1 pi``."""
     if point is None:
         return None
     return {name: v if isinstance(v, str) else str(Fraction(v)) for name, v in point.items()}

@@ -1,6 +1,6 @@
 """Verdicts of entries when the product's functions are altered.
 
-An entry that stays PROVED whatever is done to the functions in its graph says nothing of them.
+An entry that stays PROVED under every alteration of a function says nothing about that function.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ PATIENCE = 600.0
 def tried(
     claim: Claim, functions: Sequence[str], known: Mapping[str, str], patience: float = PATIENCE
 ) -> dict[str, str]:
-    """Verdict of the claim with each of the functions altered, where it is not ``known``.
+    """Verdict of the claim with each of the functions altered, if it is not ``known``.
 
-    Empty where it was not tried within so many seconds of the processor.
+    Empty if it was not tried within so many seconds of processor time.
     """
     found, started = {name: known.get(name, "") for name in functions}, process_time()
     for name in functions:
@@ -67,7 +67,7 @@ def after_alteration(claim: Claim, name: str) -> str:
 
 
 def is_noticed(claim: Claim, name: str, change: Change) -> bool:
-    """True if the claim is PROVED no longer with the function altered."""
+    """True if the claim is no longer PROVED with the function altered."""
     statement = built(claim, {name: change})
     return statement is not None and fails(claim, statement)
 
@@ -75,7 +75,7 @@ def is_noticed(claim: Claim, name: str, change: Change) -> bool:
 def fails(claim: Claim, statement: Statement) -> bool:
     """True if the claim's method does not prove an altered statement.
 
-    That it does not within a short budget counts where it proves the claim as it is within one.
+    A failure within a short budget counts if the method proves the claim itself within one.
     """
     assert claim.method is not None
     verdict = _verdict(short_budget(claim.method), statement)
@@ -86,7 +86,7 @@ def fails(claim: Claim, statement: Statement) -> bool:
 
 @cache
 def proves_quickly(key: str) -> bool:
-    """True if the method within a short budget proves the claim of this id."""
+    """True if the method proves the claim of this id within a short budget."""
     claim = next(claim for claim in all_claims() if claim.id == key)
     assert claim.statement is not None
     assert claim.method is not None

@@ -1,6 +1,6 @@
-"""``wmr-ctrl prove``: all claims on two processes, longest first, printed with progress.
+"""``wmr-ctrl prove``: all claims in two processes, longest first, with progress.
 
-What was found is compared with the committed ledger.
+The results are compared with the committed ledger.
 """
 
 import gc
@@ -45,8 +45,8 @@ def prove(
     """Check the claims that ``only`` names (all by default): ids, their beginnings, or globs.
 
     ``progress(share, entry)`` is called after each, with the share of the whole cost that is done.
-    ``examine``: functions are altered again, which takes hours for all entries.
-    UnknownNameError where something in ``only`` names no entry.
+    ``examine``: functions are altered again, which takes hours for all entries. UnknownNameError if
+    a name in ``only`` matches no entry.
     """
     ids = selected(tuple(only))
     checked = {entry.id: entry for entry in _run(ids, progress, processes, examine)}
@@ -54,7 +54,7 @@ def prove(
 
 
 def selected(only: Sequence[str]) -> list[str]:
-    """Ids of the claims that are asked for, in the ledger's order."""
+    """Ids of the requested claims, in the ledger's order."""
     from .claims import all_claims
 
     known = [claim.id for claim in all_claims()]
@@ -71,7 +71,7 @@ def selected(only: Sequence[str]) -> list[str]:
 
 
 def check_id(key: str, examine: bool = False) -> Entry:
-    """One entry, in whatever process."""
+    """Check one entry, in any process."""
     from .claims import all_claims
     from .entry import check
 
@@ -90,7 +90,7 @@ def _committed() -> dict[str, Entry]:
 
 
 def hashes(ids: Iterable[str] | None = None) -> dict[str, str]:
-    """Hash of each claim's graph (of those named, or of all) as the product is now."""
+    """Hash of each claim's graph at present (of the named ones, or all)."""
     from .claims import all_claims
     from .entry import graph_hash
 
@@ -136,12 +136,11 @@ def _entries(ids: Sequence[str], processes: int, examine: bool) -> Iterable[Entr
 
 
 def _begin(parent: int) -> None:
-    """Set up a process that works: it ends with its parent, and its solvers know one thread only.
+    """Set up a worker process: it ends with its parent, and its solvers use one thread only.
 
-    Ctrl-C ends it in silence, though not before it has come so far.
-
-    What they no longer need is collected between two entries: a collection in the thread that
-    watches the parent would free a solver's terms while the solver works on them.
+    Ctrl-C ends it silently, though only after this set-up.  Garbage is collected between two
+    entries: a collection in the thread that watches the parent would free a solver's terms while
+    the solver uses them.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     if os.name != "nt":
@@ -158,7 +157,7 @@ def _checked(key: str, examine: bool) -> Entry:
 
 
 def follow_parent(parent: int) -> None:
-    """End this process when ``parent`` is gone, however it went: a solver would work on for it."""
+    """End this process when ``parent`` is gone for any reason, since a solver would continue."""
 
     def watch() -> None:
         while os.getppid() == parent:
@@ -169,7 +168,7 @@ def follow_parent(parent: int) -> None:
 
 
 def _costs(ids: Sequence[str]) -> Mapping[str, float]:
-    """Seconds by the committed ledger: the longest first, so that both processes end together."""
+    """Seconds from the committed ledger: longest first, so that both processes end together."""
     known, new = _committed(), 5 * LEAST_COST
     return {key: max(known[key].seconds, LEAST_COST) if key in known else new for key in ids}
 
@@ -202,10 +201,10 @@ def run_prove(
 
 
 def run_export(folder: Path, only: Iterable[str] = ()) -> None:
-    """Write the obligations of the z3 entries that ``only`` names, and say how many.
+    """Write the obligations of the z3 entries that ``only`` names, and print their number.
 
-    SMT-LIB 2 files with the expected answers, for other solvers.  Raises ResultFileError where a
-    file cannot be written.
+    SMT-LIB 2 files with the expected answers, for other solvers.  Raises ResultFileError if a file
+    cannot be written.
     """
     from .certificates import obligations_of
 
@@ -219,9 +218,9 @@ def run_export(folder: Path, only: Iterable[str] = ()) -> None:
 
 
 def run_certificates(folder: Path, only: Iterable[str] = ()) -> int:
-    """Write index and certificates beside the obligations that ``only`` names; prove nothing.
+    """Write index and certificates of the obligations that ``only`` names; prove nothing.
 
-    1 if an obligation of the index is another one by the graphs of today, else 0.
+    Returns 1 if an obligation of the index differs from that of the present graphs, else 0.
     """
     from .certificates import FOLDER, differing, index
 
@@ -247,7 +246,7 @@ def _recorded(only: Iterable[str]) -> Iterable[tuple[Claim, Entry]]:
 
 
 def described(entry: Entry) -> str:
-    """All about one entry, as text."""
+    """An entry with all its data, as text."""
     point = ", ".join(f"{name} = {value}" for name, value in (entry.counterexample or {}).items())
     rows = {
         "claim": entry.claim,
@@ -269,7 +268,7 @@ def described(entry: Entry) -> str:
 
 
 def provenance(ledger: Ledger, committed: Ledger, examine: bool) -> str:
-    """Summary of entries checked now, given, and taken from the committed ledger."""
+    """Numbers of entries checked now, given, and taken from the committed ledger, as text."""
     known = {entry.id: entry for entry in committed.entries if entry.cancelled is not None}
     checked = [entry for entry in ledger.entries if entry.graph_hash]
     given = sum(1 for e in ledger.entries if not e.graph_hash and e.verdict != "NOT_CHECKED")

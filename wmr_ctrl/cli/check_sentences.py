@@ -58,7 +58,7 @@ def remedy(key: str) -> str | None:
 
 
 def rest(arrival: float, duration: float) -> str:
-    """The time [s] at which the desired motion comes to rest, and a run that ends before."""
+    """State when the desired motion comes to rest [s], and warn if the run ends earlier."""
     late = f"{arrival:.4g} s" if arrival < 3600 else f"{arrival:.0f} s, {arrival / 3600:.3g} h"
     early = f", but the run ends at {duration:g} s: lengthen clock.duration"
     return (
@@ -74,7 +74,7 @@ def valid(case: Scenario) -> str:
 
 
 def promise(setup: Setup) -> str:
-    """The promise on the limits, if there is one: by what, and as long as what."""
+    """The promise on the limits, if any: who gives it, and under which assumptions."""
     case = setup.scenario
     linear, angular = case.limits.v_u1
     limits = f"|v1| <= {linear:g} m/s and |omega| <= {angular:g} rad/s"
@@ -124,13 +124,13 @@ def promise(setup: Setup) -> str:
 
 
 def _whose(scenario: Scenario, table: str) -> str:
-    """Whose the bounds of a table are: nobody's, where one of them is assumed."""
+    """Origin of a table's bounds: "assumed" as soon as one of them is assumed."""
     assumed = any(key.startswith(f"{table}.") for key in scenario.assumed)
     return "assumed" if assumed else {"filter": "its stated", "guard": "the guard's"}[table]
 
 
 def guard_numbers(setup: Setup) -> dict[str, object] | None:
-    """The guard's numbers for JSON, their sources, and the speeds it leaves; None without guard."""
+    """The guard's numbers for JSON, their sources, and the usable speeds; None without a guard."""
     if not setup.scenario.guard.enabled:
         return None
     known = assumption_sources(setup.scenario, setup.guard, setup.effects)
@@ -144,7 +144,7 @@ def guard_numbers(setup: Setup) -> dict[str, object] | None:
 
 
 def guard_lines(setup: Setup) -> Iterator[str]:
-    """The same in two sentences; none without guard."""
+    """Two lines on the guard: its assumptions and the usable speeds.  Empty without a guard."""
     if not setup.scenario.guard.enabled:
         return
     known = assumption_sources(setup.scenario, setup.guard, setup.effects)
@@ -179,8 +179,8 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     gain = "gain" if stated.loop == FIRST_ORDER else "peak gain"
     if facts.kind == "band":
         yield (
-            "a delay costs nothing of that as long as it stays the same; delays that vary by a "
-            "millisecond, or by any other time, are refused (filter.delay)"
+            "a constant delay costs nothing of that; delays that vary, even by a millisecond, are "
+            "refused (filter.delay)"
         )
     costs = {
         "millisecond of delay": None if facts.kind == "band" else facts.delay_cost,
@@ -208,7 +208,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
 
 
 def _slowed(setup: Setup) -> str:
-    """Further slowing of a base at rest, which a clip need not count."""
+    """Clause on effects that slow a base further and that a clip does not model."""
     case = setup.scenario
     slows = {
         "base.w_max": case.base.w_max < math.inf,
@@ -235,7 +235,7 @@ def inherited_robot(taken: Sequence[InheritedValue]) -> str:
 
 
 def idle_keys(case: Scenario) -> tuple[str, ...]:
-    """Keys that are not as by default and do nothing, as what they belong to is switched off."""
+    """Keys that differ from their default but have no effect, as their feature is switched off."""
     off = [effect.section for effect in EFFECTS if not effect.active(case)]
     acting = [*loops_of(case)] if case.takes_velocity else []
     used = {section for loop in acting for section in loop.gains}
@@ -255,7 +255,7 @@ def idle_keys(case: Scenario) -> tuple[str, ...]:
 def idle_by_user(
     case: Scenario, source: str, assignments: Sequence[str], laws: Sequence[str]
 ) -> tuple[str, ...]:
-    """Those of `idle_keys` that the user states, and gains set that no law which runs has."""
+    """Keys among `idle_keys` that the user stated, and gains of laws that are not run."""
     given = parse_assignments(assignments)
     stated = stated_keys(source, given)
     gains = [key for key in given if key.startswith("gains.") and key.count(".") > 1]
@@ -266,7 +266,7 @@ def idle_by_user(
 
 
 def unread_k(case: Scenario, laws: Sequence[str], stated: Set[str]) -> Iterator[str]:
-    """Sentences on laws with a k of their own, where a user states the shared one alone."""
+    """Remarks on laws that read their own k, not the shared one that the user stated."""
     for law in laws if SHARED_K in stated else ():
         own, gains = f"gains.{law}.{KINEMATICS}", gains_of(case, LAWS[law])
         if isinstance(gains, OwnKinematics) and gains.kinematics and own not in stated:
@@ -277,7 +277,7 @@ def unread_k(case: Scenario, laws: Sequence[str], stated: Set[str]) -> Iterator[
 
 
 def sight(run: Run) -> str:
-    """One run in a sentence."""
+    """One-sentence summary of a run."""
     parts, shares, times = tracking(run), guard_share(run), arrival(run)
     away = " and ".join(
         f"{_away(run, part['position_rms'])} RMS from the desired position in the {place}"
@@ -295,13 +295,13 @@ def sight(run: Run) -> str:
 
 
 def _away(run: Run, distance: float) -> str:
-    """A distance, of which no digit is printed where nothing but rounding is left of it."""
+    """A distance as text; values below the rounding errors of the run are shown as "below ..."."""
     least = finest(scenario_of_run(run))
     return f"below {length(least)}" if distance < least else f"{distance:.3g} m"
 
 
 def stable(limits: Stability, period: float) -> str:
-    """Periods, delays and masses with which a loop is stable, in words."""
+    """Sentence on the periods, delays and masses for which a loop is stable."""
     if limits.off is None:
         return f"no rest near the reference within the limits at {period:g} s"
     if limits.period == 0:
@@ -337,7 +337,7 @@ def _masses(known: Mapping[str, SourcedNumber]) -> str:
 
 
 def _differs(setup: Setup) -> str:
-    """True mass or inertia where the laws believe another one within the guard's interval."""
+    """State that true mass or inertia differ from the laws' model, within the guard's interval."""
     texts = [
         f"{name} = {setup.value(f'robot.{name}')[0]:.4g} {unit}"
         for name, unit in (("m", "kg"), ("I", "kg m2"))
@@ -359,7 +359,7 @@ def _digits(values: Iterable[float]) -> str:
 
 
 def _made(item: SourcedNumber) -> str:
-    """Sources of a number, in brackets."""
+    """Sources of a number, as text in brackets."""
     texts = [
         source if added in (None, item.value) else f"{source} {_digits(added or ())}"
         for source, added in item.sources.items()

@@ -145,7 +145,7 @@ def _loaded(sources: Sequence[str], topics: Mapping[str, str]) -> dict[str, Run 
 
 
 def comparison_text(runs: dict[str, Run]) -> str:
-    """Figures of runs by name as a table, a line of what its columns are, and the remarks."""
+    """Figures of runs by name as a table, a line that explains its columns, and the remarks."""
     from wmr_ctrl.report.run_rows import takes_velocities
     from wmr_ctrl.results import driving, labouring
 

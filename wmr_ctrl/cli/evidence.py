@@ -113,11 +113,11 @@ def linearize(
 ) -> None:
     """Linearise the closed loop along the reference, exactly: poles, margins, stability limits.
 
-    On a circle or a line the loop is time-invariant in error coordinates.  On other references,
+    On a circle or a line the loop is time-invariant in error coordinates. On other references,
     poles and margins are those at one time, which is printed. The spectral radius (without --at)
     and the largest stable period cover a whole period of the reference, or its worst point if it
-    does not repeat. With --against-run, nothing of that: runs from growing starts off the
-    reference, against what the linear loop makes of them.
+    does not repeat. With --against-run, none of that is computed: runs that start farther and
+    farther off the reference are compared with the linear loop's prediction.
     """
     case = opt.load(scenario, assignments)
     if against_run:

@@ -74,7 +74,7 @@ def new(
 
 
 def _notes(made: NewScenario) -> Iterator[str]:
-    """Sizes on which files disagree, and limits that hold the faster direction back."""
+    """Notes on sizes on which the files disagree, and on limits that slow the faster direction."""
     from wmr_ctrl.world.robot_files.found import SMALLER
     from wmr_ctrl.world.scenario.new import LIMITS
 

@@ -15,9 +15,9 @@ from .kernels import logged_kernels
 
 @dataclass(frozen=True)
 class StreamNumbers:
-    """A stream of random numbers: its number in the generator's counter, and how many at a time.
+    """A stream of random numbers: its index in the generator's counter, and its size.
 
-    ``held``: those of a sample are kept over its plant steps; ``wanted``: else they are 0;
+    ``held``: a sample's numbers are kept over its plant steps; ``wanted``: if false they are 0;
     ``bound``: of normal numbers.
     """
 
@@ -31,7 +31,7 @@ class StreamNumbers:
 
 @dataclass(frozen=True)
 class LoopFunctions:
-    """A loop's graphs as functions that CasADi evaluates in place, with the numbers of a scenario.
+    """A loop's graphs as functions that CasADi evaluates in place, with a scenario's numbers.
 
     ``sample``: from (k, x, p, draws) to the next slow state, what is held, and the log's row;
     ``step``: from (step, held, fast state, p, draws) to the next fast state; ``sampled`` and
@@ -47,7 +47,7 @@ class LoopFunctions:
 
 
 def loop_functions(setup: Setup) -> LoopFunctions:
-    """The closed loop of a setup without a compiler."""
+    """The closed loop of a setup for a machine without a compiler."""
     program = program_of(setup)
     loop = program.loop
     functions = {item.name: item.function for item in logged_kernels(loop)}

@@ -1,4 +1,4 @@
-"""The kernels of one closed loop: which graphs become C, under which names, with which sizes."""
+"""The kernels of one closed loop: graphs to translate to C, their names and sizes."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -33,7 +33,7 @@ def loop_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:
 
 
 def logged_kernels(loop: LoopGraphs) -> tuple[Kernel, Kernel, Kernel]:
-    """Those of runs with a log."""
+    """The C functions of runs with a log."""
     left = {"next": loop.next_slow, "held": loop.held, "row": loop.row}
     moved, after = _stepped(loop), {"next": loop.next_fast}
     named = "sample_logged", "A control sample with its log."
@@ -43,14 +43,14 @@ def logged_kernels(loop: LoopGraphs) -> tuple[Kernel, Kernel, Kernel]:
 
 
 def outside_kernels(loop: PlantlessGraphs) -> tuple[Kernel, ...]:
-    """The C functions of sensors, disturbances and drives, for a controller and plant elsewhere."""
+    """The C functions of sensors, disturbances and drives, for an external controller and plant."""
     left = {"next": stack(loop.sample.following), "y": loop.measured}
     measure = kernel("measure", "What the sensors show, and what disturbs.", _sampled(loop), left)
     return _clock(loop), measure, _acting(loop)
 
 
 def plantless_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:
-    """The C functions of a whole loop whose plant alone is elsewhere."""
+    """The C functions of a whole loop with an external plant."""
     clock, logged, _ = logged_kernels(loop)
     return clock, replace(logged, prepared=False), _acting(loop)
 
@@ -75,25 +75,25 @@ def _stepped(loop: Graphs) -> dict[str, ca.SX]:
 
 
 def controller_kernel(system: System, name: str = "controller") -> Kernel:
-    """One sample of the controller by itself, under a name."""
+    """One sample of the controller alone."""
     given, left = {"u": system.u, "x": system.x, "p": system.p}, {"next": system.update}
     return kernel(name, f"One sample: {system.title}.", given, {**left, "y": system.y})
 
 
 def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
-    """Sizes and places that the runtime is written against, by their names in C."""
+    """Sizes and indices that the runtime needs, by their names in C."""
     sizes = {"ROW": loop.row.numel(), "SUMS": len(SUMS), "WINDOW": len(WINDOW), "SEEN": len(SEEN)}
     places = {f"SEEN_{name.upper()}": place for place, name in enumerate(SEEN)}
     return {**sizes, **places, **_constants(loop)}
 
 
 def outside_constants(loop: PlantlessGraphs) -> Mapping[str, int | str]:
-    """The same for sensors, disturbances and drives alone."""
+    """Sizes and indices for sensors, disturbances and drives alone."""
     return {"MEASURED": loop.measured.numel(), **_beside_plant(loop), **_constants(loop)}
 
 
 def plantless_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
-    """The same for a whole loop whose plant alone is elsewhere."""
+    """Sizes and indices for a whole loop with an external plant."""
     return {"ROW": loop.row.numel(), **_beside_plant(loop), **_constants(loop)}
 
 
@@ -121,13 +121,13 @@ def _constants(loop: Graphs) -> Mapping[str, int | str]:
 
 
 def _stream(item: Stream) -> str:
-    """A row of the table of streams: number, whether normal, pairs, for each step, held."""
+    """A row of the table of streams: number, normal, pairs, per step, held."""
     flags = (int(item.rate is Rate.STEP), int(item.draw.held))
     numbers = (f"{item.number}u", int(item.normal), item.size // 2, *flags)
     return f"{{{', '.join(map(str, numbers))}}}"
 
 
 def sizes_of(role: str, system: System) -> Mapping[str, int]:
-    """Lengths of a System's vectors, under the letters that C uses."""
+    """Lengths of a System's vectors, by the letters used in C."""
     vectors = {"NU": system.u, "NX": system.x, "NP": system.p, "NY": system.y, "ND": system.d}
     return {f"{role.upper()}_{key}": vector.numel() for key, vector in vectors.items()}

@@ -25,49 +25,50 @@ from .velocity import SentVelocity
 def controller(setup: Setup) -> System:
     """The law, the guard if it is on, then the wheels' limit: tau_right, tau_left [N m].
 
-    For a base that takes velocities the law, an adapter if it asks for a force, then the command
-    filter if there is one: v_command [m/s], omega_command [rad/s].
-    A law's inputs tau_applied and tau_sent become state of this System, which remembers what it
-    commanded and what the drives made of it.
+    For a base that takes velocities: the law, an adapter if the law outputs a force, then the
+    command filter if there is one: v_command [m/s], omega_command [rad/s]. A law's inputs
+    tau_applied and tau_sent become state of this System, which remembers its commands and the
+    drives' response to them.
     """
     return _composed(setup, watched=setup.scenario.guard.enabled)
 
 
 def watched_controller(setup: Setup) -> System:
-    """`controller` with the guard's diagnostics whether it is on or off; torques to the bit.
+    """`controller` with the guard's diagnostics, whether it is on or off; torques are
+    bit-identical.
 
-    Without guard nothing is clipped (clip_active = 0), and d_least and feasible are about the
-    bounds that a guard would use: where they cannot be met, feasible = 0 and nothing is refused.
+    Without guard nothing is clipped (clip_active = 0), and d_least and feasible refer to the bounds
+    that a guard would use: if they cannot be met, feasible = 0 and nothing is refused.
     """
     return _composed(setup, watched=True)
 
 
 def asking_controller(setup: Setup) -> System:
-    """`watched_controller`, whose last diagnostic is the force that the law asks for.
+    """`watched_controller` whose last diagnostic is the force that the law requests.
 
-    That is what `guard` takes: the law's own wish, before a guard of this System and the wheels'
-    limit.
+    That is the input of `guard`: the law's output before this System's guard and wheel limit.
     """
     return _composed(setup, watched=True, asking=True)
 
 
 def unfiltered_controller(setup: Setup) -> System:
-    """`controller` of a base that takes velocities without its filter, which is elsewhere.
+    """`controller` of a base that takes velocities, for a filter elsewhere.
 
-    It gives v_asked, and is told v_sent, which what it asks for does not depend on.
+    Its output is v_asked; its input v_sent does not affect that output.
     """
     return _checked(setup, velocity_sender(setup, law_graph(setup)).asking())
 
 
 def refusing_controller(setup: Setup) -> System:
-    """`controller` of a base that takes velocities for C, with inputs that may be refused."""
+    """`controller` of a base that takes velocities, for C, with inputs that may be refused."""
     return _checked(setup, velocity_sender(setup, law_graph(setup)).refusing())
 
 
 def law_graph(setup: Setup, in_flight: int | None = None) -> System:
-    """The law by itself, whose output is the generalised force (N, N m).
+    """The law alone, whose output is the generalised force (N, N m).
 
-    ``in_flight`` commands are what it predicts over, those of the scenario's clock unless given.
+    ``in_flight``: number of commands over which it predicts, by default that of the scenario's
+    clock.
     """
     law = setup.control_law
     build = law.command if setup.takes_velocity and law.command else law.build
@@ -81,7 +82,7 @@ def law_graph(setup: Setup, in_flight: int | None = None) -> System:
 
 
 def guard(setup: Setup) -> System:
-    """The guard by itself: asked force and measured velocity to wheel torques within tau_max."""
+    """The guard alone: requested force and measured velocity to wheel torques within tau_max."""
     asked, velocity = port(FORCE), ports(VELOCITY)
     p = Parameters(setup)
     applied, v = Applied(setup, p), stack(item.sym for item in velocity)
@@ -102,7 +103,7 @@ def guard(setup: Setup) -> System:
 def _guarded_torque(
     setup: Setup, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied
 ) -> tuple[ca.SX, GuardMonitor]:
-    """Wheel torques (2,) [N m] of a guarded force, with the memory and the monitor behind it."""
+    """Wheel torques (2,) [N m] of a guarded force, and the monitor with its memory."""
     r, half_track, phi = _wheels(setup, p)
     late = setup.guard.lateness(setup.scenario.clock)
     both, tails = bounds_of(p, late), Tails("guard_tail", late)
@@ -121,13 +122,13 @@ def _guarded_torque(
 
 
 def _limited_torque(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
-    """Wheel torques (2,) [N m] of a force without guard, the thrust served first."""
+    """Wheel torques (2,) [N m] of an unguarded force; the thrust has priority."""
     r, half_track, _ = _wheels(setup, p)
     return force_to_wheel(r, half_track, _reached(setup, p, asked))
 
 
 def _reached(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
-    """The part of a force (2,) [N, N m] that the wheels can give, the thrust served first."""
+    """The part of a force (2,) [N, N m] that the wheels can exert; the thrust has priority."""
     _, half_track, phi = _wheels(setup, p)
     return linear_first(asked, phi, half_track)
 
@@ -153,11 +154,11 @@ def _monitor(
 
 
 def _built_for(setup: Setup, p: Parameters) -> list[ca.SX]:
-    """Conditions for drives to be no slower, no sooner and no more varied than is counted on.
+    """Conditions that drives are neither slower, earlier nor more variable than assumed.
 
-    Those with which the scenario's drives were settled, for numbers that may change at runtime.  A
-    sum or difference that was rounded when they were settled gets room for that: delays that other
-    effects add, the least where a delay varies.
+    They compare the settled numbers with those at run time, which may change.  Sums and differences
+    that were rounded when the setup was settled get a tolerance: delays that other effects add, and
+    the least value of a varying delay.
     """
     stated, bound, drives = setup.guard, setup.bound, setup.scenario.actuator
     met, near = [], 1 + ROUNDING
@@ -183,9 +184,9 @@ def _built_for(setup: Setup, p: Parameters) -> list[ca.SX]:
 
 
 def _counted(setup: Setup, p: Parameters, time: float) -> ca.SX:
-    """A time [s] that the graph counts in control periods, at the clock's period of now.
+    """A time [s] that the graph counts in control periods, for the present clock period.
 
-    At the settled period it is no less than the time, as doubles compute it.
+    At the settled period it is not less than the time, in double arithmetic.
     """
     period = setup.scenario.clock.control
     periods = time / period
@@ -195,7 +196,7 @@ def _counted(setup: Setup, p: Parameters, time: float) -> ca.SX:
 
 
 def _wheels(setup: Setup, p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Radius and half track [m], and the force 2 tau_max/r [N] that the wheels give at most."""
+    """Radius and half track [m], and the largest force 2 tau_max/r [N] of the wheels."""
     r, half_track = p.take("robot.r"), p.take("robot.l")
     return r, half_track, full_thrust(r, wheel_limit(setup, p))
 
@@ -247,7 +248,7 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
 
 
 def velocity_sender(setup: Setup, core: System, late: Lateness | None = None) -> SentVelocity:
-    """Sender of a law's command on a base that takes velocities; ``late`` as in SentVelocity."""
+    """The SentVelocity of a law for a base that takes velocities; ``late`` as in SentVelocity."""
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
     direct = core.outputs[0].signal == ASKED
@@ -255,7 +256,7 @@ def velocity_sender(setup: Setup, core: System, late: Lateness | None = None) ->
 
 
 def lacking(scenario: Scenario, law: str) -> tuple[str, ...]:
-    """Keys of the robot that a law's controller reads and nobody states."""
+    """Keys of the robot that a law's controller needs and nobody states."""
     if not unknown_keys(scenario):
         return ()
     setup = settle(scenario, law)
@@ -263,7 +264,7 @@ def lacking(scenario: Scenario, law: str) -> tuple[str, ...]:
 
 
 def _unknown_in(setup: Setup, system: System) -> tuple[str, ...]:
-    """Keys of the robot that nobody states, and on which this System of a controller depends."""
+    """Unstated keys of the robot on which this System of a controller depends."""
     scenario = setup.scenario
     unknown, result = unknown_keys(scenario), ca.vertcat(system.update, system.y)
     read = []
@@ -277,7 +278,7 @@ def _unknown_in(setup: Setup, system: System) -> tuple[str, ...]:
 
 
 def _checked(setup: Setup, system: System) -> System:
-    """The controller; raises MissingKeysError where it depends on what nobody states."""
+    """The controller itself; raises MissingKeysError if it depends on unstated numbers."""
     if lacks := _unknown_in(setup, system):
         raise MissingKeysError(f"law {setup.name}: {missing_text(lacks, sections())}")
     return system

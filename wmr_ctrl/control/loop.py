@@ -1,4 +1,4 @@
-"""The closed loop of a setup as two graphs, one a rate, over one state and one parameter vector.
+"""The closed loop of a setup as two graphs, one per rate, with common state and parameters.
 
     sample (every T)  reference, sensors, controller, disturbances  ->  what is held over the period
     step   (every h)  disturbances, drives, plant                   ->  the next fast state
@@ -73,12 +73,12 @@ NO_VIOLATION = 1e-12
 
 
 class Graphs:
-    """State, parameters, random numbers and acting forces of both rates' graphs.
+    """State, parameters, random numbers and acting forces of the graphs of both rates.
 
-    ``sample`` and ``step``: the wirings of both rates; ``plant``: whose state comes first; ``u``:
-    what a sample leaves to its steps; ``acting``: torques that act over a plant step, and what
-    disturbs; ``resting``: the fast state after it where the plant is elsewhere; ``clock``: see
-    CLOCK; ``rolling``: what the sensors ask of the plant beside its state.
+    ``sample`` and ``step``: the wirings of both rates; ``plant``: its state comes first; ``u``:
+    values that a sample passes to its steps; ``acting``: torques and disturbances over a plant
+    step; ``resting``: the fast state after it if the plant is external; ``clock``: see CLOCK;
+    ``rolling``: plant outputs beside its state that sensors need.
     """
 
     parameters: Parameters
@@ -93,12 +93,12 @@ class Graphs:
 
     @property
     def fast(self) -> tuple[Port, ...]:
-        """The part of the state that moves with every plant step, the plant's first."""
+        """The part of the state that changes with every plant step, the plant's first."""
         return (*self.plant.state, *self.step.state)
 
     @property
     def slow(self) -> tuple[Port, ...]:
-        """The part of the state that moves with every sample."""
+        """The part of the state that changes with every sample."""
         return tuple(self.sample.state)
 
     @property
@@ -123,15 +123,15 @@ class Graphs:
 
     @property
     def resting(self) -> ca.SX:
-        """The fast state after a step of everything but the plant."""
+        """The fast state after a step of everything except the plant."""
         return ca.vertcat(self.plant.x, *self.step.following)
 
     def _join_sensors(
         self, setup: Setup, *, external_plant: bool, like: Graphs | None = None
     ) -> list[System]:
-        """Plant and wirings of both rates, with the sensors' readings; returns these.
+        """Create the plant and the wirings of both rates, with the sensors, which are returned.
 
-        Plant, steps and parameters' symbols are those of graphs ``like`` it, if they are given.
+        With ``like``, plant, steps and parameter symbols are those of these graphs.
         """
         taken = like.parameters.ports if like else ()
         known = (replace(item, value=setup.value(item.signal.name)) for item in taken)
@@ -153,7 +153,7 @@ class Graphs:
         return sensors
 
     def _join_drives(self, drives: list[System], gusts: list[System], *, pushed: bool) -> None:
-        """Torques and disturbances over a plant step, from held values."""
+        """Add torques and disturbances over a plant step, from the held values."""
         rate = self.step
         signals = held_signals(rate.setup, pushed)
         self.u = port(Signal("held", "1", "what a sample leaves to its steps", len(signals)))
@@ -165,7 +165,7 @@ class Graphs:
         self._rim = self.parameters.take("filter.wheel_speed") if limited else ca.SX(LARGEST)
 
     def plant_step(self) -> ca.SX:
-        """The fast state after a plant step, from what is held and has arrived."""
+        """The fast state after a plant step, from held values and the arrived command."""
         h = ca.SX.sym("h")
         moved = rk4_step(self.plant, h)
         old = ca.vertcat(self.plant.u, self.plant.p, h)
@@ -174,9 +174,9 @@ class Graphs:
         return ca.vertcat(ca.substitute(moved, old, new), *self.step.following)
 
     def _know_exerted(self, drives: list[System]) -> None:
-        """Make known, as the torques of a sample, what the speed loop exerted before it.
+        """Make the torques that the speed loop exerted before known to a sample.
 
-        NaN where the robot that they are of is not known.
+        NaN if the robot's numbers are unknown.
         """
         every_state = (item for system in drives for item in system.state)
         exerted = next(item.sym for item in every_state if item.signal == EXERTED)
@@ -189,7 +189,7 @@ class Graphs:
 
     @cached_property
     def clock(self) -> ca.SX:
-        """Numbers of CLOCK, then two for each stream."""
+        """The numbers of CLOCK, then two for each stream."""
         h = self.parameters.take("clock.plant")
         steps = ca.floor(self._late / h + 0.5)
         said = (item.said for item in self.streams)
@@ -199,14 +199,14 @@ class Graphs:
 
     @cached_property
     def delay_steps(self) -> ca.Function:
-        """Graph of the delay in plant steps, from the values of the parameters."""
+        """Graph of the delay in plant steps as a function of the parameters."""
         return ca.Function("delay", [self.p], [self.clock[CLOCK.index("delay_steps")]])
 
 
 class LoopGraphs(Graphs):
     """Both graphs of a setup's closed loop.
 
-    ``fast`` and ``slow``: ports of the state; ``held``: what a sample leaves to its steps;
+    ``fast`` and ``slow``: ports of the state; ``held``: values that a sample passes to its steps;
     ``columns`` and ``row``: a line of the log; ``seen``: see SEEN.
     """
 
@@ -222,7 +222,7 @@ class LoopGraphs(Graphs):
 
     @property
     def next_slow(self) -> ca.SX:
-        """The slow state of the next sample."""
+        """The slow state at the next sample."""
         return stack(self.sample.following)
 
     @cached_property
@@ -268,7 +268,7 @@ class LoopGraphs(Graphs):
         return ca.vertcat(*summed, peak, known["clip_active"], least, self._beyond(least))
 
     def _beyond(self, least: ca.SX) -> ca.SX:
-        """1 where d_least (2,) contradicts the guard's bounds; no guard is on a velocity base."""
+        """1 where d_least (2,) contradicts the guard's bounds; 0 if the base takes velocities."""
         if self.setup.takes_velocity:
             return ca.SX.zeros(2)
         keys = ("guard.M_max", "limits.v_u1", "clock.control", "guard.dbar")
@@ -297,12 +297,11 @@ class LoopGraphs(Graphs):
 
 
 class PlantlessGraphs(Graphs):
-    """The loop without reference, controller and plant, which are coupled from outside.
+    """The loop without reference, controller and plant, which are connected from outside.
 
-    ``measured``: what the sensors show, what disturbs over the sample, ``columns`` of the log, and
-    the age of the odometry where it varies (``dated``);
-    ``steady``: whether what acts is the same in all steps of a sample; ``calm``: or would be if the
-    drives were elsewhere, too.
+    ``measured``: sensor outputs, disturbances over the sample, ``columns`` of the log, and the age
+    of the odometry if it varies (``dated``); ``steady``: whether all steps of a sample have the
+    same inputs; ``calm``: whether they would with external drives.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -326,7 +325,7 @@ class PlantlessGraphs(Graphs):
 
 
 class SensedGraphs(Graphs):
-    """Sensors and disturbances of a sample, with plant and steps of graphs ``like`` it."""
+    """Sensors and disturbances of a sample; plant and steps are those of the graphs ``like``."""
 
     def __init__(self, setup: Setup, like: Graphs) -> None:
         sensors = self._join_sensors(setup, external_plant=True, like=like)
@@ -335,7 +334,7 @@ class SensedGraphs(Graphs):
 
 
 def rolling_of(sensors: Sequence[System]) -> tuple[Signal, ...]:
-    """Plant outputs beside its state for sensors: none, PATH, or PATH and SKID."""
+    """Plant outputs beside its state that sensors need: none, PATH, or PATH and SKID."""
     asked = {item.signal for system in sensors for item in system.inputs}
     way = (PATH,) if asked & {PATH, SKID, TRAVEL} else ()
     return (*way, *((SKID,) if SKID in asked else ()))

@@ -125,8 +125,9 @@ class Fit:
 
     @property
     def inside(self) -> Mask:
-        """Mask (n,) of the free parameters without noise parameters at a bound, whose gradients
-        would bias the others.
+        """Mask (n,) of the free parameters, except noise parameters at a bound.
+
+        The gradients of those would bias the other parameters.
         """
         least, most = ends(self.problem, self.free)
         noise = np.array([name in LOGARITHMIC - {"m", "I"} for name in NAMES])

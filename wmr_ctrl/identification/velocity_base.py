@@ -318,8 +318,8 @@ def _of_pi(
     """A PI loop of both wheels: kp and ki that act on robot.m, and the measured inertia."""
     m, l = scenario.robot.m, scenario.robot.l
     remarks.append(
-        f"kp and ki go with robot.m = {m:g} kg as it was given: a log of velocities "
-        "tells kp/M and ki/M alone. Coulomb friction is left to the loop (robot.mu = 0), and "
+        f"kp and ki are for robot.m = {m:g} kg as it was given: a log of velocities "
+        "determines only kp/M and ki/M. Coulomb friction is left to the loop (robot.mu = 0), and "
         "filter.push is the least push that makes the largest deviation seen."
     )
     pulls = [(2 * v["zeta"] * v["wn"], v["wn"] ** 2) for v in values]

@@ -1,4 +1,4 @@
-"""Moving pictures of a run: the robot on its path as a page, a GIF or a film; on tyres a 3D film.
+"""Animations of a run: the robot on its path as a page, a GIF or a film; on tyres a 3D film.
 
 Each shows the desired pose too.  A film of the rigid body has its figures below the picture.
 """
@@ -55,7 +55,7 @@ def animate_drives(
     path: AnyPath,
     progress: PhaseProgress | None = None,
 ) -> None:
-    """The same of drives, which have no desired pose and no limits; errors as `scene_of_drives`."""
+    """Animate drives, which have no desired pose and no limits; errors as `scene_of_drives`."""
     target = _film_target(path, SUFFIXES, "a drive is animated as .gif, .mp4, .html")
     scene = scene_of_drives(drives, _FRAMES[target.suffix.lower()])
     _animate(scene, [f"{drive.duration:.4g} s." for drive in drives], target, progress)
@@ -64,7 +64,7 @@ def animate_drives(
 def _animate(
     scene: Scene, said: Sequence[str], target: Path, progress: PhaseProgress | None
 ) -> None:
-    """Write a scene; ``said`` is a sentence a robot, for the page."""
+    """Write a scene; ``said`` is a sentence per robot, for the page."""
     suffix, count = target.suffix.lower(), len(scene.t)
     with phase(progress, count, "Drawing the animation") as advance, atomic_path(target) as scratch:
         if suffix == ".html":
@@ -75,7 +75,7 @@ def _animate(
 
 
 def check_film(path: AnyPath, plant: str) -> None:
-    """Raise, before anything is computed, where a run on ``plant`` cannot be filmed there.
+    """Raise, before any computation, if a run on ``plant`` cannot be filmed there.
 
     ArgumentError for the plane model, ResultFileError for the file, MissingExtraError without
     OpenGL, or ffmpeg for .mp4.
@@ -93,7 +93,7 @@ def check_film(path: AnyPath, plant: str) -> None:
 def write_moments(
     run: Run, moments: Moments, path: AnyPath, progress: PhaseProgress | None = None
 ) -> None:
-    """Write the film of a run on tyres, whole or not at all; errors as `Run.film` says."""
+    """Write the film of a run on tyres atomically.  Errors as in `Run.film`."""
     target, size, count = Path(path), (WIDTH, _height(moments)), len(moments.rows)
     with phase(progress, count, "Painting the film") as advance, atomic_path(target) as scratch:
         _write_frames(_captioned(run, moments), size, scratch, target.suffix.lower(), advance)
@@ -129,7 +129,7 @@ def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
 
 
 def _json(scene: Scene) -> str:
-    """Everything that the script draws, rounded to what can be seen; safe inside a script."""
+    """Data that the page's script draws, rounded to visible precision; safe inside a script."""
     moving = (np.column_stack((one.pose, one.velocity)) for one in scene.actors)
     rows = [scene.t] if scene.target is None else [scene.t, scene.target]
     off_path, isnan = scene.off_path.tolist(), math.isnan
@@ -172,7 +172,7 @@ def _write_frames(
 
 
 def _write_gif(shown: Iterable[Picture], path: Path, advance: Advance) -> None:
-    """Write frames, all in the palette of the last one, which shows everything."""
+    """Write frames, all with the palette of the last one, which contains all elements."""
     images = []
     for picture in shown:
         images.append(Image.fromarray(picture))
@@ -185,7 +185,7 @@ def _write_gif(shown: Iterable[Picture], path: Path, advance: Advance) -> None:
 
 
 def find_ffmpeg() -> str:
-    """The ffmpeg program; raises MissingExtraError with the remedy where there is none."""
+    """The ffmpeg program; raises MissingExtraError with the remedy if it is missing."""
     program = shutil.which("ffmpeg")
     if program is None:
         raise MissingExtraError(
@@ -199,7 +199,7 @@ def find_ffmpeg() -> str:
 def _write_film(
     shown: Iterable[Picture], size: tuple[int, int], path: Path, advance: Advance
 ) -> None:
-    """Write frames as a film; ResultFileError where ffmpeg fails."""
+    """Write frames as a film; ResultFileError if ffmpeg fails."""
     kind = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "{}x{}".format(*size))
     raw = (*kind, "-r", str(FILM_RATE), "-i", "-")
     coding = ("-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart")
@@ -218,7 +218,7 @@ def _write_film(
 
 
 def _feed(shown: Iterable[Picture], pipe: IO[bytes], advance: Advance) -> bool:
-    """Hand over all frames; whether the other side closed the pipe before the end."""
+    """Send all frames; True if the receiver closed the pipe before the end."""
     try:
         with pipe:
             for picture in shown:
@@ -238,7 +238,7 @@ _LEFT = (10, 135, 290, 500)
 
 
 def _captioned(run: Run, moments: Moments) -> Iterator[Picture]:
-    """Pictures with the figures of their rows; red beyond a limit."""
+    """Pictures with the figures of their rows; values beyond a limit are red."""
     font = ImageFont.load_default(15)
     name = style.driver(run.law, run.guard)
     title = f"{name}, {run.scenario}, seed {run.seed}, on tyres; orange: desired"
@@ -262,7 +262,7 @@ def _height(moments: Moments) -> int:
 
 
 def _off_path(run: Run, row: int, width: float) -> str:
-    """Distance from the place on the path, beside the corridor's [m], which knows no tyres."""
+    """Distance from the place on the path, and the corridor's width [m], which ignores slip."""
     off = math.hypot(run["x"][row] - run["x_d"][row], run["y"][row] - run["y_d"][row])
     most = "" if math.isnan(width) else f"; band: certified {length(width)}, without slip"
     return f"{length(off)} off its place on the path{most}"

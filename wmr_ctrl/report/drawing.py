@@ -1,4 +1,4 @@
-"""Helpers of the figures: a figure as a value, axes placed by inches, marks, thinned traces."""
+"""Helpers of the figures: a figure as a value, axes placed in inches, marks, thinned curves."""
 
 import io
 import math
@@ -67,13 +67,13 @@ class Drawing:
         return figure
 
     def save(self, folder: Path, suffixes: tuple[str, ...] = SUFFIXES) -> tuple[Path, ...]:
-        """Write one file per suffix into ``folder``, each whole or not at all."""
+        """Write one file per suffix into ``folder``, each atomically."""
         paths = tuple(folder / f"{self.name}{suffix}" for suffix in suffixes)
         self.written(paths)
         return paths
 
     def written(self, paths: Iterable[Path]) -> Figure:
-        """The figure in the house's style, in files too, each whole or not at all."""
+        """The figure in the house style, also written to files."""
         with house_style():
             figure = self.figure()
             for path in paths:
@@ -87,7 +87,7 @@ class Drawing:
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure to ``path``, without dates in it, so that equal figures are equal files."""
+    """Write a figure to ``path`` without dates, so that equal figures are equal files."""
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower())
     with atomic_path(path) as scratch:
         figure.savefig(scratch, metadata=metadata)
@@ -101,9 +101,9 @@ def inlined(figure: Figure) -> str:
 
 
 def target_of(path: AnyPath, suffixes: Sequence[str], what: str, *, write: bool = True) -> Path:
-    """The path of a file to be written; ``what`` says which suffixes are known.
+    """Checked path of a file to be written; ``what`` is the message on known suffixes.
 
-    Raises ResultFileError for another suffix or, unless ``write`` is off, where nothing can be
+    Raises ResultFileError for another suffix or, unless ``write`` is off, if nothing can be
     written.
     """
     target = Path(path)
@@ -160,7 +160,7 @@ def one_axes(place: Place, padding: Padding) -> Axes:
 def row_of_axes(
     place: Place, padding: Padding, widths: Sequence[float], gap: float
 ) -> tuple[Axes, ...]:
-    """Axes side by side, as wide as ``widths`` relate, ``gap`` inches between them."""
+    """Axes side by side with relative ``widths``, ``gap`` inches between them."""
     width, height = size_of(place)
     inner = width - padding.left - padding.right - gap * (len(widths) - 1)
     high = (height - padding.bottom - padding.top) / height
@@ -198,17 +198,17 @@ def dot_handle(
 
 
 def law_handles(laws: Iterable[str]) -> list[Line2D]:
-    """One line per law, as legends want them."""
+    """One legend line per law."""
     return [line_handle(one.label, one.colour, dash=one.dash) for one in map(look, laws)]
 
 
 def law_marks(laws: Iterable[str]) -> list[Line2D]:
-    """One mark per law, as legends of dots want them."""
+    """One legend mark per law, for plots of dots."""
     return [dot_handle(one.label, one.colour, one.colour, one.marker) for one in map(look, laws)]
 
 
 def plot_reference(axes: Axes, x: Floats, y: Floats) -> None:
-    """Points of the reference's path (N,) [m]: dots with a rim, to be seen on any law's line."""
+    """Points of the reference's path (N,) [m]: dots with a rim, visible on any law's line."""
     axes.plot(x, y, ls="", marker="o", ms=2.6, mfc=INK, mec="white", mew=0.6, zorder=3.5)
 
 
@@ -222,7 +222,7 @@ SLENDER = 12.0
 
 
 def finish_path(axes: Axes, marks: Iterable[str]) -> None:
-    """Labels, title and scales of a map, whose ``marks`` say what is drawn."""
+    """Labels, title and scales of a map; ``marks`` are the texts of its legend."""
     wide, high = np.ptp(axes.dataLim.intervalx), np.ptp(axes.dataLim.intervaly)
     said = list(marks)
     if max(wide, high) > SLENDER * min(wide, high) > 0:
@@ -246,7 +246,7 @@ def include(axes: Axes, levels: Iterable[float]) -> None:
 
 
 def shade_limits(axes: Axes, limit: float) -> None:
-    """Shade what lies beyond +-``limit`` and draw its edges; the view stays as it is."""
+    """Shade the area beyond +-``limit`` and draw its edges; the view is unchanged."""
     low, high = axes.get_ylim()
     for start, end in ((limit, max(high, limit)), (min(low, -limit), -limit)):
         axes.axhspan(start, end, color=LIMIT, alpha=0.10, lw=0, zorder=0.5)
@@ -260,9 +260,9 @@ FAR = 4.0
 
 
 def view_limits(axes: Axes, limit: float, traces: Mapping[str, Floats]) -> None:
-    """View named velocities with their limits, up to FAR times these; what leaves the view is said.
+    """Show velocities with their limits, up to FAR times these; values out of view are named.
 
-    The far side of the limits is shaded.
+    The area beyond the limits is shaded.
     """
     include(axes, (-1.15 * limit, 1.15 * limit))
     low, high = axes.get_ylim()
@@ -279,7 +279,7 @@ def view_limits(axes: Axes, limit: float, traces: Mapping[str, Floats]) -> None:
 
 
 def say_below(axes: Axes, text: str) -> None:
-    """Add a remark to the label of the horizontal axis, where no curve is."""
+    """Add a remark to the label of the horizontal axis, which no curve covers."""
     axes.set_xlabel(f"{axes.get_xlabel()}   ({text})")
 
 
@@ -337,9 +337,9 @@ def law_rows(axes: Axes, laws: Iterable[str]) -> None:
 
 
 def thin(t: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
-    """At most ``points`` samples of y(t): the least and the greatest of each stretch, in order.
+    """Thin y(t) to ``points`` samples: minimum and maximum of each stretch, in order.
 
-    ``t`` and ``y`` have the shape (N,); short traces and their NaN pass unchanged.
+    ``t`` and ``y`` have the shape (N,); short curves and their NaN are unchanged.
     """
     count = len(t)
     stretches = points // 2
@@ -372,9 +372,9 @@ def running_rms(values: Floats, width: int) -> Floats:
 
 
 def thin_path(x: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
-    """At most ``points`` points of a path in the plane, denser where it moves fast.
+    """Thin a path in the plane to ``points`` points, denser on fast parts.
 
-    Points are spread evenly over path length and sample number together; the ends are kept.
+    Points are evenly distributed over path length and sample number together; the ends are kept.
     """
     count = len(x)
     if count <= points:

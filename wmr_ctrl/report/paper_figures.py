@@ -1,4 +1,4 @@
-"""Fig. 3 and Fig. 5 of the paper: each of the twelve panels by itself, and all on a sheet."""
+"""Fig. 3 and Fig. 5 of the paper: each of the twelve panels alone, and all on a sheet."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ SHEET_SIZE = (11.7, 15.6)
 class Panel:
     """One panel: its letter in the paper, a name for files, a title, and its drawing function.
 
-    ``laws`` restricts it to laws that have what it shows (None: all); a ``path`` has the reference
+    ``laws`` restricts it to laws that have the quantity (None: all); a ``path`` has the reference
     in its legend, all others the change of parameters.
     """
 
@@ -49,7 +49,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Trace:
-    """A quantity over time and how it is shown.
+    """A quantity over time and its presentation.
 
     ``value`` takes it from a run, shape (N,); ``early`` [s] is the length of the enlarged start;
     ``limit_axis`` (0 or 1) names the velocity limit to shade; ``smooth`` [s] draws a running mean
@@ -143,9 +143,9 @@ def draw_trajectory(place: drawing.Place, group: Group, padding: drawing.Padding
 def _draw_paths(
     axes: Axes, group: Group, points: int, dots: int, end: float | None = None
 ) -> tuple[Floats, Floats]:
-    """Each law's path, the reference as dots on top of them, and a ring where the robot starts.
+    """Each law's path, the reference as dots on top, and a ring at the robot's start.
 
-    ``end`` [s]: nothing after it is drawn.  Returns the least and greatest x, y [m].
+    Nothing after ``end`` [s] is drawn.  Returns the least and greatest x, y [m].
     """
     seen = []
     for law, run in group.items():

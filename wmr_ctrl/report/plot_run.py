@@ -1,7 +1,7 @@
-"""One run on one page: path, velocities with their limits, errors, and what its base and law have.
+"""One run on one page: path, velocities with limits, errors, and curves for its base and law.
 
-Torques on a base that takes torques, what the filter changed on one that takes velocities; V1 of a
-law with a barrier, else the distance from the desired position.
+Torques on a base that takes torques, the filter's changes on one that takes velocities; V1 of a law
+with a barrier, else the distance from the desired position.
 """
 
 import math
@@ -62,7 +62,7 @@ NEAR = 3.0
 
 
 def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw an overview of ``run``, into a .png, .svg or .pdf file too; as `Run.plot`."""
+    """Draw an overview of ``run``, optionally into a .png, .svg or .pdf file; as `Run.plot`."""
     targets = drawing.picture_targets(path, "a run is drawn")
     return overview(run).written(targets)
 
@@ -115,7 +115,7 @@ BAND = 800
 
 
 def draw_paths(part: SubFigure, lines: Lines, tube: Floats | None = None) -> None:
-    """Paths on top of the desired one, with start, waypoints and goal; a band of one run."""
+    """Paths on top of the desired one, with start, waypoints and goal; a single run's corridor."""
     axes = drawing.one_axes(part, MARGINS)
     longest = max((run for run, *_ in lines.values()), key=_ended)
     for run, colour, dash in lines.values():
@@ -133,7 +133,7 @@ def draw_paths(part: SubFigure, lines: Lines, tube: Floats | None = None) -> Non
 
 
 def _facts(part: SubFigure, run: Run) -> None:
-    """Outcome of the run, in words and figures, and which remarks there are."""
+    """Outcome of the run as text and figures, and the keys of its remarks."""
     lines = [*wrap(run.explanation, 58), "", *_figures(run)]
     keys = dict.fromkeys(item.key for item in run.remarks if item.key != run.outcome.value)
     if keys:
@@ -167,7 +167,7 @@ def _figures(run: Run) -> list[str]:
 
 
 def _effort(run: Run) -> str:
-    """What the base had to do, in words."""
+    """Text on the base's effort."""
     shares = filter_share(run)
     if "v_asked" in run and shares:
         linear, angular = map(percent, shares)
@@ -177,7 +177,7 @@ def _effort(run: Run) -> str:
 
 
 def _error(value: float | None, unit: str, least: float = FINE) -> str:
-    """An error [m, rad] in a unit that suits it."""
+    """An error [m, rad] in a suitable unit."""
     if value is not None and value < least:
         return f"below {1e3 * least:g} m{unit}"
     if value is not None and value >= LARGE:
@@ -209,9 +209,9 @@ def draw_velocity(part: SubFigure, lines: Lines, axis: int) -> None:
 def _errors(
     part: SubFigure, run: Run, title: str, errors: dict[str, Floats], tube: Floats | None
 ) -> None:
-    """Errors over time, so that the start and what is left at the end are seen.
+    """Errors over time, scaled such that both the start and the final error are visible.
 
-    Dotted: the certified corridor, which is that of a robot on its path.
+    Dotted: the certified corridor of a robot that starts on its path.
     """
     farthest = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in errors.values())
     unit, scale = "rad" if len(errors) == 1 else "m", 1.0
@@ -263,7 +263,7 @@ def _torques(part: SubFigure, run: Run) -> None:
 
 
 def _filtered(part: SubFigure, run: Run) -> None:
-    """What the filter changed: the command less what the law asked for, in shares of the limits."""
+    """Changes by the filter: sent less requested command, relative to the limits."""
     sent = np.stack([run["v_command"], run["omega_command"]], axis=1)
     off = 100 * (sent - run["v_asked"]) / np.array(run.settings.v_u1)
     axes = _time_axes(part, "Changed by the filter [% of the limit]", run)
@@ -287,7 +287,7 @@ def draw_distance(part: SubFigure, lines: Lines) -> None:
 
 
 def _focus(axes: Axes, run: Run, columns: list[Floats], unit: str) -> None:
-    """Zoom to the samples after the start, unless they fill most of the view."""
+    """Zoom to the samples after the start, unless they already fill most of the view."""
     tail = np.concatenate([column[run.settings.index(START) :] for column in columns])
     if not tail.size or not np.isfinite(tail).all():
         return
@@ -317,7 +317,7 @@ def _ended(run: Run) -> float:
 
 
 def shown_until(*runs: Run) -> float:
-    """Time up to which runs are drawn [s]: their end, or soon after the last motion of any."""
+    """Time up to which runs are drawn [s]: their end, or shortly after the last motion of any."""
     end, last = max(map(_ended, runs)), 0.0
     for run in runs:
         pairs = (("v1", "v1_d"), ("omega", "v2_d"))

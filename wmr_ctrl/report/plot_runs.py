@@ -1,7 +1,7 @@
 """Several runs, or drives, in one picture.
 
-Of runs: paths, distance from the reference, both velocities.  Of drives: the path, and whatever
-else their bags have, over time.
+For runs: paths, distance from the reference, both velocities.  For drives: the path, and all other
+data of their bags, over time.
 """
 
 from collections.abc import Callable, Sequence
@@ -79,9 +79,10 @@ Panel: TypeAlias = Callable[[SubFigure], None]
 
 
 def plot_drives(drives: Sequence[RecordedDrive], path: AnyPath | None = None) -> Figure:
-    """Draw drives over each other, into a .png, .svg or .pdf file too; as `RecordedDrive.plot`.
+    """Draw drives over each other, optionally into a .png, .svg or .pdf file; as
+    `RecordedDrive.plot`.
 
-    What none of them has is left out, and named.
+    Quantities that no drive has are left out, and named.
     """
     targets = drawing.picture_targets(path, "drives are drawn")
     return page_of(drives).written(targets)
@@ -122,7 +123,7 @@ def _draw_page(
 
 
 def _drive_paths(lines: Drives, part: SubFigure) -> None:
-    """Paths as odometry has them, each with its start."""
+    """Paths from odometry, each with its start."""
     axes = drawing.one_axes(part, MARGINS)
     for drive, colour in lines:
         if drive.has(POSES):
@@ -147,5 +148,5 @@ def _panel(
 
 
 def _trace(drive: RecordedDrive, name: str) -> tuple[Floats, Floats]:
-    """Times and values of a column, none where the drive has it not."""
+    """Times and values of a column; empty if the drive lacks it."""
     return drawing.thin(drive.times.get(name, NOTHING), drive.columns.get(name, NOTHING))

@@ -1,4 +1,4 @@
-"""Figures of a run that matter for its base, as rows of a name and a text."""
+"""Figures of a run that suit its base, as rows of a name and a text."""
 
 from collections.abc import Iterator, Sequence
 from itertools import chain, islice
@@ -23,12 +23,12 @@ MOST_ROWS = 8
 
 
 def is_foreign(run: Run) -> bool:
-    """True if the plant was somebody else's."""
+    """True if the plant was a foreign one."""
     return run.settings.plant_kind == "fmu"
 
 
 def rows_of(run: Run, verbose: bool = False) -> list[Row]:
-    """The figures that matter for the base of a run, at most `MOST_ROWS`; or all."""
+    """The figures that suit the base of a run, at most `MOST_ROWS`; or all."""
     figures = results.summary(run)
     rows = _rows(run, figures)
     if not verbose:
@@ -37,7 +37,7 @@ def rows_of(run: Run, verbose: bool = False) -> list[Row]:
 
 
 def guard_relies_on(run: Run) -> str:
-    """The guard's assumptions in a sentence; empty without guard."""
+    """Sentence on the guard's assumptions; empty without guard."""
     known = run.settings
     if not run.guard or known.masses is None or known.nbar is None:
         return ""
@@ -49,7 +49,7 @@ def guard_relies_on(run: Run) -> str:
 
 
 def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
-    """What matters for the base of a run, the most important first."""
+    """Rows that suit the base of a run, the most important first."""
     yield from _position(run, figures)
     yield from _velocities(run, figures)
     if run.monitor.rigid is not None:
@@ -65,7 +65,7 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 
 def takes_velocities(run: Run) -> bool:
-    """Whether the base of a run takes velocities, whose wheel torques nobody commands."""
+    """True if the base of a run takes velocities, so that no wheel torques are commanded."""
     return "v_command" in run.columns
 
 
@@ -78,7 +78,7 @@ def _torque(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 
 def _details(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
-    """Figures for those who compare runs."""
+    """Further figures, for comparisons of runs."""
     whole, least = figures["position_rms"]["all"], finest(scenario_of_run(run))
     robots = results.robots_over(run.settings)
     yield "position error, whole run", _about(f"{_small(whole, 'm', least)} RMS", robots)
@@ -124,7 +124,7 @@ def _rigid(seen: RigidMonitor) -> Iterator[Row]:
 
 
 def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
-    """The headline: how far the robot was from where it should have been."""
+    """The main figure: distance of the robot from its desired position."""
     parts, tolerance = figures["tracking"], run.settings.tolerance
     least = finest(scenario_of_run(run))
     windows = {"drive": results.driving(run), "end": "after arrival"}
@@ -165,12 +165,12 @@ def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 
 def _about(text: str, robots: str) -> str:
-    """A figure, and the robots that it is about where they change."""
+    """A figure, with the robots that it belongs to, if they change."""
     return ", ".join(filter(None, (text, robots)))
 
 
 def _without_turns(run: Run, window: str) -> str:
-    """The heading error without whole turns, where it has some."""
+    """The heading error without whole turns, if it has some."""
     begin, end = map(float, window.split("-"))
     angle, turns = heading_rms(run, begin, end) or (0.0, False)
     return f"; {_small(angle, 'rad')} without whole turns" if turns else ""
@@ -195,7 +195,7 @@ def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 
 def _rims(run: Run) -> Iterator[Row]:
-    """The faster wheel at the samples, where the scenario of a run limits it."""
+    """Speed of the faster wheel at the samples, if the run's scenario limits it."""
     case, first = scenario_of_run(run), run.monitor.first_violation
     if case is None or not case.takes_velocity or (limit := case.filter.wheel_speed) is None:
         return
@@ -225,7 +225,7 @@ def _digits(value: float | None) -> str:
 
 
 def _small(value: float | None, unit: str, least: float = FINE) -> str:
-    """An error [m, rad] in thousandths where it is below one."""
+    """An error [m, rad], in thousandths if it is below one of them."""
     if value is None or value >= 1:
         return _number(value, unit)
     if 0 < value < least:

@@ -1,4 +1,4 @@
-"""Scene of an animation: poses at the times of the frames, and the gauges' readings then."""
+"""Scene of an animation: poses at the frames' times, and readings of the gauges."""
 
 import math
 from collections.abc import Sequence
@@ -34,8 +34,8 @@ class Actor:
     """A robot of an animation: its name, colour, and poses and velocities at the frames.
 
     ``pose`` (frames, 3): x, y [m], theta [rad]; ``velocity`` (frames, 2): v1 [m/s], omega [rad/s].
-    ``tube`` (frames,) [m]: its certified corridor, nan from ``certified`` [s] on; None without.
-    ``widest`` [m]: the largest of it, also between frames.
+    ``tube`` (frames,) [m]: width of its certified corridor, nan from ``certified`` [s] on; None
+    without. ``widest`` [m]: the largest width, also between frames.
     """
 
     label: str
@@ -48,15 +48,15 @@ class Actor:
 
     @property
     def has_one_width(self) -> bool:
-        """True where the corridor is as wide everywhere."""
+        """True if the corridor has one width everywhere."""
         return self.tube is not None and float(np.nanmin(self.tube)) == self.widest
 
 
 @dataclass(frozen=True)
 class Gauge:
-    """A scale below the map: its words, and each robot's readings, (frames, robots).
+    """A scale below the map: its text, and each robot's readings, (frames, robots).
 
-    1 is the ``edges``' value, nan nothing; ``limited``: what is beyond an edge is red.
+    1 is the ``edges``' value, nan means no reading; if ``limited``, values beyond an edge are red.
     """
 
     words: str
@@ -69,10 +69,9 @@ class Gauge:
 class Scene:
     """Robots and desired pose at evenly spaced times ``t`` [s] of shape (frames,).
 
-    ``target`` has the shape (frames, 3) of a pose; None: nobody knows it.  ``scales`` of |v1| [m/s]
-    and |omega| [rad/s] are the limits of all where these are ``limited``, else the largest that
-    occur.  ``view`` is x from, x to, y from, y to [m].
-    ``course``: what the map shows beside the paths.
+    ``target`` has the shape (frames, 3) of a pose; None: unknown. ``scales`` of |v1| [m/s] and
+    |omega| [rad/s] are the limits of all where these are ``limited``, else the largest that occur.
+    ``view`` is x from, x to, y from, y to [m]. ``course``: further parts of the map.
     """
 
     title: str
@@ -91,7 +90,7 @@ class Scene:
 
     @property
     def gauges(self) -> list[Gauge]:
-        """Velocities, and the way off the place on the path where a corridor is certified."""
+        """Gauges of velocities and, with a corridor, of the distance from the place on the path."""
         word = "limit" if self.limited else "largest"
         gauges = []
         for axis, (symbol, unit) in enumerate((("v₁", "m/s"), ("ω", "rad/s"))):
@@ -105,12 +104,12 @@ class Scene:
 
     @property
     def tubes(self) -> bool:
-        """True where a robot has a certified corridor."""
+        """True if a robot has a certified corridor."""
         return any(one.tube is not None for one in self.actors)
 
     @property
     def off_path(self) -> Floats:
-        """Distance of each robot from its place on the path over its corridor, nan without."""
+        """Each robot's distance from its place on the path, relative to its corridor, or nan."""
         return np.column_stack([self._off(one) for one in self.actors])
 
     @property
@@ -135,9 +134,9 @@ class Scene:
 
 
 def scene_of(runs: Sequence[Run], frames: int) -> Scene:
-    """At most ``frames`` frames of runs side by side, the last sample of the longest among them.
+    """Scene of runs side by side, of up to ``frames`` frames, with the longest run's last sample.
 
-    A robot whose run ended early stays where it was.  Raises ArgumentError for a run without any
+    A robot whose run ended early keeps its last pose.  Raises ArgumentError for a run without any
     sample, and for runs with other limits or another reference than the first.
     """
     for run in runs:
@@ -167,7 +166,7 @@ def scene_of(runs: Sequence[Run], frames: int) -> Scene:
 
 
 def _held(run: Run, t: Floats) -> NDArray[np.intp]:
-    """Rows that a run shows at times [s]."""
+    """Rows of a run that are shown at times [s]."""
     return np.searchsorted(run.time, t + 1e-9, side="right") - 1
 
 
@@ -187,10 +186,10 @@ def with_tubes(scene: Scene, runs: Sequence[Run]) -> Scene:
 
 
 def scene_of_drives(drives: Sequence[RecordedDrive], frames: int) -> Scene:
-    """At most ``frames`` frames of drives, which know neither a desired pose nor limits.
+    """Scene of drives, of up to ``frames`` frames, without a desired pose and limits.
 
-    A robot stands where it was first or last seen; between two messages it moves evenly.  Raises
-    ArgumentError, by name, for a drive without poses and velocities.
+    Before its first and after its last message a robot rests; between two messages it moves evenly.
+    Raises ArgumentError, with names, for a drive without poses and velocities.
     """
     for drive in drives:
         lacking = [name for name in (*POSES, *SPEEDS) if not drive.has([name])]
@@ -214,7 +213,7 @@ def scene_of_drives(drives: Sequence[RecordedDrive], frames: int) -> Scene:
 
 
 def _view(poses: Sequence[Floats], course: Course) -> tuple[float, float, float, float]:
-    """A square with all poses and waypoints, and room for the robot's body."""
+    """A square that contains all poses and waypoints, with space for the robot's body."""
     points = np.concatenate([part[:, :2] for part in poses])
     points = np.concatenate([points, np.reshape(course.waypoints, (-1, 2))])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -235,7 +234,7 @@ def _columns(run: Run, rows: NDArray[np.intp], *names: str) -> Floats:
 
 
 def names_of(runs: Sequence[Run]) -> list[str]:
-    """Law and guard of each run, with its seed where two have the same."""
+    """Law and guard of each run, with its seed if two would be equal."""
     names = [driver(run.law, run.guard) for run in runs]
     return [
         f"{name}, seed {run.seed}" if names.count(name) > 1 else name

@@ -1,4 +1,4 @@
-"""The catalogue of figures of merit: a number of a run, under one name wherever runs are tabulated.
+"""The catalogue of figures of merit: numbers of a run with one name in all tables.
 
 Other packages add theirs through the entry-point group ``wmr_ctrl.figures`` (value = a `Figure`).
 """
@@ -36,7 +36,7 @@ class Sum:
     """Rule that makes a figure from the loop's sums over a window, named with "+" between.
 
     ``over``: the name of a window of `windows_of`; ``how``: "rms" of ``count`` numbers a sample,
-    "mean", "largest" (a root), or "integral" over time.
+    "mean", "largest" (of which the root is taken), or "integral" over time.
     """
 
     sums: str
@@ -47,7 +47,7 @@ class Sum:
 
 @dataclass(frozen=True)
 class Figure:
-    """A number of a run: name, SI unit, meaning, and how to take it (None where it has none).
+    """A number of a run: name, SI unit, meaning, and its function (None if a run has no value).
 
     ``sum``: the loop's sums from which it is computed without a log; ``key``: the key of
     ``run --json`` that contains it, by itself or as an element; empty for one in `figures`.
@@ -62,7 +62,7 @@ class Figure:
 
     @property
     def heading(self) -> str:
-        """Name and unit, as columns are headed."""
+        """Name and unit, as in headings of columns."""
         return f"{self.name} [{self.unit}]"
 
 
@@ -98,14 +98,14 @@ READINGS: Mapping[str, Callable[[Run], object]] = {
 
 
 def _stopped(run: Run) -> tuple[float, ...] | None:
-    """Time at which a run ended early, also of the rigid body's fall."""
+    """Time at which a run ended early, also by a fall of the rigid body."""
     rigid = run.monitor.rigid
     tipped = None if rigid is None else rigid.tipped
     return run.monitor.stopped if tipped is None else (tipped,)
 
 
 def _windowed(of: Callable[[Run, Span], float | None]) -> Callable[[Run], object]:
-    """A number of a window, by window."""
+    """Function that evaluates ``of`` for every window of time, by the window's name."""
     return lambda run: {f"{a}-{b}": of(run, (a, b)) for a, b in WINDOWS}
 
 
@@ -131,7 +131,7 @@ _SOURCES: Mapping[str, Callable[[Run], object]] = {
 
 
 def _at(of: Callable[[Run], object], path: Sequence[str | int]) -> Take:
-    """An element of a reading."""
+    """Function that selects an element of the value of ``of``."""
 
     def take(run: Run) -> float | None:
         value: Any = of(run)
@@ -150,7 +150,7 @@ def _figures(
     sum: Sequence[Any] = (),
     windows: Sequence[int] = (),
 ) -> Iterator[Figure]:
-    """The figure of a row of figures.toml, or one for each of its windows."""
+    """Figures of a row of figures.toml: one, or one per window."""
     source, *path = of or [name]
     key = source if source in READINGS else ""
     reading, total = _SOURCES[source], Sum(*sum) if sum else None
@@ -228,9 +228,9 @@ FIGURES = FigureRegistry()
 
 @np.errstate(over="ignore", invalid="ignore")
 def values_of(run: Run, figures: Iterable[Figure]) -> dict[str, float | None]:
-    """Figures of a run by name; None where it has none or where it is not finite.
+    """Figures of a run by name; missing and non-finite values are None.
 
-    Raises ArgumentError where a figure of another package fails.
+    Raises ArgumentError if a figure of another package fails.
     """
     values: dict[str, float | None] = {}
     for figure in figures:

@@ -1,4 +1,4 @@
-"""Monitor and outcome of a run: extremes and events of every plant step, and its end.
+"""Monitor and outcome of a run: extremes and events of every plant step, and the run's end.
 
 An outcome is a value, never an exception, with a sentence that says what to do about it.
 """
@@ -29,10 +29,9 @@ _SAID = data(__package__, "outcomes.toml")
 class RigidMonitor:
     """Extremes and events of a rigid body, over t = 0 and every plant step.
 
-    ``tipped``, ``slipped``: first time [s] at which it leant over by more than body.tilt_max, which
-    ends the run, and at which a tread moved over the ground by more than body.slip_max; None if
-    never.  ``max_slip`` [m/s], ``max_wheel_speed`` [rad/s], ``max_tilt`` [rad];
-    ``least_tip_margin`` [1], over the samples.
+    ``tipped``, ``slipped``: first time [s] at which its tilt exceeded body.tilt_max, which ends the
+    run, and at which a tread slipped faster than body.slip_max; None if never. ``max_slip`` [m/s],
+    ``max_wheel_speed`` [rad/s], ``max_tilt`` [rad]; ``least_tip_margin`` [1], over the samples.
     """
 
     tipped: float | None = None
@@ -110,7 +109,7 @@ def _event(name: str, value: Event | None) -> Event | None:
 
 
 class Outcome(StrEnum):
-    """End of a run.  The value is the word that files and ``--json`` show."""
+    """End of a run.  The value is the word in files and ``--json``."""
 
     COMPLETED = "completed"
     BOUNDS_LEFT = "bounds-left"
@@ -122,7 +121,7 @@ class Outcome(StrEnum):
     FAILED = "failed"
 
     def sentence(self, monitor: Monitor, guard: bool = False) -> str:
-        """Sentence about what the monitor saw, with time [s], axis and remedy.
+        """Sentence on the monitor's finding, with time [s], axis and remedy.
 
         ``guard``: whether the velocity guard was on.
         """
@@ -146,7 +145,7 @@ class Outcome(StrEnum):
 
 
 def _cause(outside: bool, guard: bool) -> str:
-    """Reason why a limit was broken, with the remedy; a start outside may not be the only one."""
+    """Why a limit was broken, with the remedy; a start outside may be only one of the causes."""
     if not outside:
         return _SAID["uncovered"] if guard else f"Switch {_SAID['unguarded']}"
     text = "The run started outside the limits: start inside them."
@@ -154,16 +153,16 @@ def _cause(outside: bool, guard: bool) -> str:
 
 
 def beyond_bounds(monitor: Monitor) -> str:
-    """Sentence on motion beyond the guard's bounds, of a run with a graver outcome."""
+    """Sentence on motion beyond the guard's bounds, in a run with a more severe outcome."""
     return f"The {_place(monitor.bounds_left)} {_SAID['unexplained']}"
 
 
 def outcome_of(monitor: Monitor, guard: bool = False) -> Outcome:
-    """The gravest thing that the monitor saw.
+    """The most severe finding of the monitor.
 
     In this order: failed, non-finite, diverged, tipped, limit-violated, slipped, bounds-left,
-    completed.  Bounds are left for nothing where the ``guard`` was off: such a run had no guarantee
-    to lose.
+    completed. Without ``guard`` bounds-left is never the outcome: such a run had no guarantee to
+    lose.
     """
     if monitor.failure:
         return Outcome.FAILED

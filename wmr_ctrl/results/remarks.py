@@ -1,6 +1,6 @@
-"""Remarks: what a user has to know of a finished run, each with a key, numbers and a remedy.
+"""Remarks on a finished run for its user, each with a key, numbers and a remedy.
 
-Thresholds and why: docs/verdicts.md, whose labelled runs hold them to account.
+Thresholds and reasons: docs/verdicts.md, whose labelled runs test them.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ CALMER = "Lower the law's gains, or shorten clock.control and the drives' delay.
 
 @dataclass(frozen=True)
 class Remark:
-    """One finding: a key for scripts, and a text that says what, by how much, and the remedy."""
+    """One finding: a key for scripts, and a text with the fault, its size and the remedy."""
 
     key: str
     text: str
@@ -85,24 +85,24 @@ ROUNDED = 1e-9
 
 
 def percent(share: float) -> str:
-    """A share as "12.3 %": three digits, never as a power of ten from 1 % on."""
+    """A share such as "12.3 %": three digits, without an exponent from 1 % on."""
     return f"{float(f'{100 * share:.3g}'):g} %"
 
 
 def speeds(pair: Sequence[float]) -> str:
-    """Speeds of both axes as "0.98 m/s, 1.4 rad/s"."""
+    """Speeds of both axes, such as "0.98 m/s, 1.4 rad/s"."""
     return f"{pair[0]:.3g} m/s, {pair[1]:.3g} rad/s"
 
 
 def remarks_on(run: Run) -> tuple[Remark, ...]:
-    """All that is to be said against a run; empty only if all is well."""
+    """All remarks on a run; empty only if all is well."""
     others = (Remark(key, text) for key, part in _PARTS.items() for text in part(run))
     apart = (Remark(key, text) for key, text in contradictions(run).items())
     return (*_outcome(run), *apart, *others)
 
 
 def in_short(remarks: tuple[Remark, ...]) -> str:
-    """The remarks that no outcome tells, as "it did not track and its torques oscillate"."""
+    """Remarks beyond the outcome, in short, as "it did not track and its torques oscillate"."""
     *head, last = dict.fromkeys(SHORT[item.key] for item in remarks if item.key in SHORT)
     return f"{', '.join(head)} and {last}" if head else last
 
@@ -254,7 +254,7 @@ def _chatters(run: Run) -> Iterator[str]:
 
 
 def _movers(run: Run, barrier: tuple[float, float] | None) -> tuple[str, str]:
-    """Causes of torques that the motion does not need, and the first words of the remedies."""
+    """Causes of torques that the motion does not need, and the beginning of the remedies."""
     for axis, name, unit in ((0, "v1_d", "m/s"), (1, "v2_d", "rad/s")):
         asked = float(np.max(np.abs(run[name]), initial=0.0))
         if barrier is not None and asked > NEAR * barrier[axis]:

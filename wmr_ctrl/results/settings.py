@@ -1,4 +1,4 @@
-"""Numbers of a scenario that are needed to read a finished run, the guard's assumptions too."""
+"""Numbers of a scenario that are needed to read a finished run, with the guard's assumptions."""
 
 import math
 from collections.abc import Mapping
@@ -30,12 +30,12 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class CountedNumbers:
-    """Numbers that a guard counts on or leaves; None where they are not known.
+    """Numbers that a guard assumes or results in; None if they are not known.
 
-    ``dbar``: bound of the disturbance that the scenario states or implies [N, N m]; ``void``: what
-    the scenario has that no such bound covers, in sentences; ``usable`` and ``asked``, with the
-    guard on: largest steady speeds that it leaves, and those of the reference [m/s, rad/s];
-    ``M_min``, ``M_max`` [kg, kg m2], ``nbar`` [m/s, rad/s] and ``alpha`` [1/s]: as in `Guard`.
+    ``dbar``: bound of the disturbance that the scenario states or implies [N, N m]; ``void``:
+    sentences on effects that no such bound covers; ``usable`` and ``asked``, with the guard on:
+    largest steady speeds that it allows, and those of the reference [m/s, rad/s]; ``M_min``,
+    ``M_max`` [kg, kg m2], ``nbar`` [m/s, rad/s] and ``alpha`` [1/s]: as in `Guard`.
     """
 
     dbar: Pair | None = None
@@ -55,14 +55,13 @@ class Settings(CountedNumbers):
     ``control`` and ``plant``: control period and plant step [s]; ``duration`` [s], as requested;
     ``v_u1``: limits of |v1| [m/s] and |omega| [rad/s]; ``split``: time that separates the ISE
     before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s];
-    ``tolerance``: position error that counts as tracked [m], None where not known;
-    ``plant_kind``: "ode", the plane model, "mujoco", a rigid body, or "fmu", somebody else's, whose
-    ``plant`` is the time between two looks of the monitor; ``arrival``: time at which
-    the desired motion comes to rest for good [s], None if it never does; ``keep_out``: circles
-    and polygons that a body of ``radius`` [m] must not touch; ``frames``: how the columns state
-    orientations, as in a scenario; ``robots``: the robot from each time [s] on, as
-    "65 kg"; empty where it does not change.
-    Raises ArgumentError where a number is not finite or not positive.
+    ``tolerance``: position error that counts as tracked [m], None where not known; ``plant_kind``:
+    "ode", the plane model, "mujoco", a rigid body, or "fmu", a foreign plant, whose ``plant`` is
+    the monitor's sampling time; ``arrival``: time at which the desired motion comes to rest for
+    good [s], None if it never does; ``keep_out``: circles and polygons that a body of ``radius``
+    [m] must not touch; ``frames``: how the columns state orientations, as in a scenario;
+    ``robots``: the robot from each time [s] on, as "65 kg"; empty where it does not change. Raises
+    ArgumentError if a number is not finite or not positive.
     """
 
     control: float
@@ -111,7 +110,7 @@ class Settings(CountedNumbers):
 
     @property
     def masses(self) -> tuple[Pair, Pair] | None:
-        """Smallest and largest mass and inertia [kg, kg m2]; None where not known."""
+        """Smallest and largest mass and inertia [kg, kg m2]; None if not known."""
         return None if self.M_min is None or self.M_max is None else (self.M_min, self.M_max)
 
     @property
@@ -120,7 +119,7 @@ class Settings(CountedNumbers):
         return self.index(self.duration)
 
     def index(self, time: float) -> int:
-        """The first sample k with k * control >= ``time`` [s]; never decided by rounding errors."""
+        """The first sample k with k * control >= ``time`` [s], regardless of rounding errors."""
         return math.ceil(time / self.control - _GRID)
 
 
@@ -129,12 +128,12 @@ def _message(name: str, value: object, wanted: str) -> str:
 
 
 def stopping_force(mass: Pair, limit: Pair, period: float) -> Pair:
-    """Force that stops the robot from the limit in one sample [N, N m]; symbols will do too."""
+    """Force that stops the robot from the limit in one sample [N, N m]; numbers or symbols."""
     return mass[0] * limit[0] / period, mass[1] * limit[1] / period
 
 
 def admitted(dbar: Pair, largest: Pair) -> Pair:
-    """Largest d_least that does not contradict ``dbar``; arguments as in `Assumptions`."""
+    """Largest d_least consistent with ``dbar``; arguments as in `Assumptions`."""
     return dbar[0] + ROUNDING * largest[0], dbar[1] + ROUNDING * largest[1]
 
 
@@ -142,7 +141,7 @@ def admitted(dbar: Pair, largest: Pair) -> Pair:
 class Assumptions(CountedNumbers):
     """A guard's assumptions on the motion; ``dbar`` is always known.
 
-    ``force`` stops the robot in one sample [N, N m]: the scale of what the monitor compares.
+    ``force`` stops the robot in one sample [N, N m]: the scale of the monitor's comparison.
     """
 
     dbar: Pair
@@ -158,9 +157,9 @@ def first_beyond(columns: Mapping[str, NDArray[np.float64]], bounds: Assumptions
 
 
 def largest_push(columns: Mapping[str, NDArray[np.float64]]) -> Pair | None:
-    """Largest d_least of a log [N, N m]; None where no row has one, as with a foreign controller.
+    """Largest d_least of a log [N, N m]; None if no row has one, as for a foreign controller.
 
-    Rows that are not a number are passed over.
+    Rows with NaN are skipped.
     """
     least = columns.get("d_least", np.empty((0, 2)))
     if np.isnan(least).all(axis=0).any():

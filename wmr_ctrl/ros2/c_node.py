@@ -1,4 +1,4 @@
-"""``wmr_filter`` as a node in C: its sources, what it is built with, what it says of itself."""
+"""``wmr_filter`` as a node in C: its sources, build files and documentation."""
 
 import json
 import math
@@ -40,12 +40,12 @@ GIVEN = tuple(name for name in FILTER if name not in ("scenario", "autostart"))
 
 @dataclass(frozen=True, kw_only=True)
 class NodeSettings:
-    """Settings compiled into the node: its gate, ``frame`` of base and commands, kind of message.
+    """Settings compiled into the node: its gate, ``frame`` of base and commands, message type.
 
     Without a ``frame`` it is the scenario's ros.base_frame.
 
-    ``at_once``: a command is answered when it comes, where one is due.  ``discovery``: how long
-    others are looked for before it starts [s].
+    ``at_once``: a command is passed on as soon as it arrives, if one is due. ``discovery``: how
+    long it searches for other nodes before it starts [s].
     """
 
     gate: GateSettings = field(default_factory=GateSettings)
@@ -91,7 +91,7 @@ def _parsed(word: str) -> tuple[str, Any]:
 
 
 def _like(default: Default, text: str) -> Default | None:
-    """A value of JSON that has the default's kind; None for another."""
+    """Parse a JSON value of the default's type; None for another type."""
     try:
         value = json.loads(text)
         if isinstance(default, list):
@@ -139,7 +139,7 @@ def write_node(
 
 
 def kept(scenario: Scenario, settings: NodeSettings) -> str:
-    """The limits that a node keeps, in one line."""
+    """The limits that a node keeps, as one line of text."""
     (v, omega), own, gate = scenario.limits.v_u1, scenario.filter, settings.gate
     return (
         f"{scenario.name}, hash {scenario_hash(scenario)}: filter {own.kind}, limits {v:g} m/s "

@@ -51,7 +51,7 @@ def node_templates() -> Environment:
 
 
 def _quoted(text: str) -> str:
-    """A text as C writes it: what is not plain ASCII in octal."""
+    """A text as a C string literal, with octal escapes for all but plain ASCII."""
     plain = "".join(
         chr(byte) if 32 <= byte < 127 and byte not in b'"\\?' else f"\\{byte:03o}"
         for byte in text.encode()

@@ -1,4 +1,4 @@
-"""Lifecycle node ``wmr_filter``: commands in, commands out that keep a base within its limits."""
+"""Lifecycle node ``wmr_filter``: reads commands, sends commands within a base's limits."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class FilterNode(SafeNode[FilterCore]):
         self._with_other_parts = 0
 
     def build(self, scenario: Scenario) -> tuple[FilterCore, float]:
-        """The gate and its intakes."""
+        """Build the gate and its intakes."""
         settings = GateSettings(
             command_timeout=float(self.value("command_timeout")),  # type: ignore[arg-type]
             odometry_timeout=float(self.value("odometry_timeout")),  # type: ignore[arg-type]
@@ -46,7 +46,7 @@ class FilterNode(SafeNode[FilterCore]):
         return core, core.period / 4 if core.at_once else core.period
 
     def connect(self) -> None:
-        """Topics as in the page."""
+        """Create the topics that the documentation page lists."""
         kind = command_kind(self.stamped)
         self.out = self.create_lifecycle_publisher(kind, "cmd_vel", SURE)
         # rclpy takes what waits in this order: a command is answered with the odometry before it.
@@ -68,7 +68,7 @@ class FilterNode(SafeNode[FilterCore]):
         return shown | {"commands with other parts": str(self._with_other_parts)}
 
     def causes(self, flags: Collection[str]) -> list[str]:
-        """Also the speed that is too fast."""
+        """Clauses on the causes of flags, with the speed that is too fast."""
         assert self.core
         causes = super().causes(flags)
         if TOO_FAST in flags:
@@ -114,7 +114,7 @@ class FilterNode(SafeNode[FilterCore]):
         self.refused("odometry", seen.explained(reason))
 
     def change(self, key: str, value: object) -> str:
-        """Also the share of commands that is passed on, at any time."""
+        """Change a parameter; the share of commands that is passed on may change at any time."""
         if key != SPEED_SCALE:
             return super().change(key, value)
         assert self.core

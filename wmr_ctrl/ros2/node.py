@@ -1,7 +1,7 @@
-"""Both nodes' lifecycle: timers, stop and reset, last zeros, diagnostics.
+"""Lifecycle of both nodes: timers, stop and reset, last zeros, diagnostics.
 
-Timers are on the steady clock; ROS time only orders messages.  Whatever happens in a callback
-ends in a command that may be sent.
+Timers use the steady clock; ROS time only orders messages.  Whatever happens in a callback, it ends
+in a command that may be sent.
 """
 
 from __future__ import annotations
@@ -42,25 +42,25 @@ LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
 
 
 class Core(Protocol):
-    """Decisions of a node: when which command goes to the base."""
+    """Decisions of a node: which command goes to the base, and when."""
 
     last: Gated
     clocks: Clocks
 
     def start(self) -> None:
-        """Begin anew."""
+        """Reset to the start."""
 
     def see(self, now: Moment) -> tuple[str, ...]:
-        """Look at the time; what happened to it."""
+        """Check the clocks; returns what happened to them."""
 
     def tick(self, now: Moment) -> Gated | None:
         """The command of a tick, if there is one."""
 
     def halt(self, stop: bool, now: Moment) -> Gated | None:
-        """Take the word of ~/stop."""
+        """Process a message on ~/stop."""
 
     def reset(self) -> bool:
-        """Leave what is latched; False where it stays."""
+        """Release the latch; False if it stays."""
 
 
 C = TypeVar("C", bound=Core)
@@ -68,7 +68,7 @@ R = TypeVar("R")
 
 
 def guarded(callback: Callable[..., R], failed: R | None = None) -> Callable[..., R]:
-    """Let a callback's exception stop the base and be told, not end the node or be dropped."""
+    """Wrap a callback: an exception stops the base and is reported, and the node continues."""
 
     @wraps(callback)
     def safe(self: SafeNode[Core], *given: object) -> R:
@@ -105,7 +105,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         self.add_on_set_parameters_callback(self._on_parameters)
 
     def declare(self, key: str, stated: Declared) -> None:
-        """Declare a parameter.  Raises WmrError where what is given for it cannot be."""
+        """Declare a parameter.  Raises WmrError if its given value is invalid."""
         shown = ParameterDescriptor(
             description=stated.text, additional_constraints=stated.constraints
         )
@@ -126,11 +126,11 @@ class SafeNode(LifecycleNode, Generic[C]):
     # -- a node's own -------------------------------------------------------------------------
 
     def build(self, scenario: Scenario) -> tuple[C, float]:
-        """Core and period [s]; raises WmrError where the parameters cannot be met."""
+        """Build core and period [s]; raises WmrError if the parameters cannot be met."""
         raise NotImplementedError
 
     def connect(self) -> None:
-        """Make publisher ``out`` and subscriptions, through `listen`."""
+        """Create the publisher ``out`` and the subscriptions, by `listen`."""
         raise NotImplementedError
 
     def send(self, command: tuple[float, float]) -> None:
@@ -142,18 +142,18 @@ class SafeNode(LifecycleNode, Generic[C]):
         return {}
 
     def change(self, key: str, value: object) -> str:
-        """Take a parameter while the node is configured; the reason if it cannot change then."""
+        """Set a parameter of a configured node; returns the reason if it cannot change then."""
         return f"{key} can change only while the node is not configured: clean it up first"
 
     def causes(self, flags: Collection[str]) -> list[str]:
-        """Numbers and names behind some flags, each as a clause."""
+        """Clauses with the numbers and names behind some flags."""
         waited = {"odometry": NO_ODOMETRY in flags, "command": diagnosis.NO_COMMAND in flags}
         refused = {what: reason for what, reason in self._last_refused.items() if reason}
         return [f"{what} refused: {refused[what]}" for what in waited.keys() & refused.keys()
                 if waited[what]]  # fmt: skip
 
     def frame_of(self, scenario: Scenario) -> str:
-        """Frame of commands and child frame of odometry: the parameter's, else the scenario's."""
+        """Frame of commands, and child frame of odometry: the parameter's, else the scenario's."""
         return str(self.value("base_frame")) or scenario.ros.base_frame
 
     # -- lifecycle ----------------------------------------------------------------------------
@@ -175,7 +175,7 @@ class SafeNode(LifecycleNode, Generic[C]):
 
     @transition
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Read the scenario and compile; a sentence in the log where that fails."""
+        """Read the scenario and compile; log the reason if that fails."""
         path = str(self.value("scenario"))
         try:
             self._refuse_undeclared()
@@ -202,7 +202,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         return super().on_configure(state)
 
     def _refuse_undeclared(self) -> None:
-        """Raise WmrError for a parameter that was given and that the node does not have."""
+        """Raise WmrError for a given parameter that the node does not have."""
         given = self._parameter_overrides  # rclpy has no public name for them
         own = [name for name in given if not name.startswith("qos_overrides.")]
         for name in own:
@@ -215,7 +215,7 @@ class SafeNode(LifecycleNode, Generic[C]):
                 )
 
     def _look(self) -> None:
-        """Raise WmrError where somebody else commands the base, or nothing of a sender is heard."""
+        """Raise WmrError if another node commands the base, or if a sender cannot be received."""
         end = time.monotonic() + float(self.value("discovery_time"))  # type: ignore[arg-type]
         while time.monotonic() < end:
             problem = graph.useless(self, self.out, self._heard)
@@ -244,7 +244,7 @@ class SafeNode(LifecycleNode, Generic[C]):
 
     @transition
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Send from now on."""
+        """Start sending."""
         assert self.core
         self.core.start()
         self.active = True
@@ -257,7 +257,7 @@ class SafeNode(LifecycleNode, Generic[C]):
 
     @transition
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Take down what configuring made."""
+        """Remove what configuring created."""
         self._disconnect()
         return super().on_cleanup(state)
 
@@ -279,7 +279,7 @@ class SafeNode(LifecycleNode, Generic[C]):
     # -- callbacks ----------------------------------------------------------------------------
 
     def now(self) -> Moment:
-        """Both clocks; what happened to them goes into the log."""
+        """Read both clocks; log what happened to them."""
         clock = self.get_clock()
         now = Moment(clock.now().nanoseconds, time.monotonic_ns(), clock.ros_time_is_active)
         happened = self.core.see(now) if self.core else ()
@@ -289,7 +289,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         return now
 
     def refused(self, what: str, reason: str) -> None:
-        """Tell of a message that does not count; "" for one that does."""
+        """Log a refused message; an empty ``reason`` marks an accepted one."""
         self._last_refused[what] = reason
         if reason:
             self.get_logger().warning(f"{what} refused: {reason}", throttle_duration_sec=1.0)
@@ -323,11 +323,11 @@ class SafeNode(LifecycleNode, Generic[C]):
                 self.sent(sent)
 
     def passing(self, flag: str) -> None:
-        """Report a flag of this moment with the next diagnostics."""
+        """Report a momentary flag with the next diagnostics."""
         self._passing.add(flag)
 
     def sent(self, gated: Gated) -> None:
-        """Send what the core decided, and tell what is grave about it when that changes."""
+        """Send the core's command, and log its grave flags when they change."""
         if not self.active:
             return
         self._passing |= diagnosis.PASSING & set(gated.flags)
@@ -354,7 +354,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         self.active = False
 
     def fail(self, text: str) -> None:
-        """Stop the base after an exception, and tell it, also where nothing can be sent."""
+        """Stop the base after an exception and report it, even if nothing can be sent."""
         try:
             self.emit((0.0, 0.0))
         except Exception as error:  # then silence is all that is left, and the base's time-out
@@ -405,21 +405,21 @@ class SafeNode(LifecycleNode, Generic[C]):
 
 
 class _Told(logging.Handler):
-    """Log records of compilers as lines of a node's log."""
+    """Logging handler that writes compiler builds into a node's log."""
 
     def __init__(self, log: RcutilsLogger, path: str) -> None:
         super().__init__(logging.INFO)
         self._log, self._path = log, path
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Tell of a build, and how to make it beforehand."""
+        """Log a build, and how to run it beforehand."""
         remedy = f"`python -m wmr_ctrl.ros2 prepare {self._path}` does it beforehand"
         self._log.info(f"{record.getMessage()}; {remedy}, with this node's parameters")
 
 
 @contextmanager
 def _telling_of_builds(log: RcutilsLogger, path: str) -> Iterator[None]:
-    """Within, builds that the cache lacks go into the node's log."""
+    """Context in which builds missing from the cache are written to the node's log."""
     handler, before = _Told(log, path), BUILDS.level
     BUILDS.addHandler(handler)
     BUILDS.setLevel(logging.INFO)

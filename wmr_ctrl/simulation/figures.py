@@ -38,7 +38,7 @@ def empty_figures(count: int) -> Figures:
 
 
 def put(figures: Figures, places: Sequence[int], memory: Results, runs: Sequence[Task]) -> None:
-    """Write a batch's figures where its runs stand."""
+    """Write a batch's figures at the indices of its runs."""
     where, settings = list(places), runs[0].loop.settings
     each = {id(run.loop): _facts(run.loop) for run in runs}
     known = np.array([each[id(run.loop)] for run in runs])
@@ -56,7 +56,7 @@ def put(figures: Figures, places: Sequence[int], memory: Results, runs: Sequence
 
 
 def _facts(loop: RunnableLoop) -> tuple[float, ...]:
-    """Of a loop: whether it has a guard, a filter, a path that stops; and the error allowed [m]."""
+    """Properties of a loop: has a guard, a filter, a path that stops; and the tolerance [m]."""
     scenario, settings = loop.scenario, loop.settings
     first, end = at_rest(settings)
     switches = scenario.guard.enabled, scenario.base.kind == "velocity", first < end
@@ -64,7 +64,7 @@ def _facts(loop: RunnableLoop) -> tuple[float, ...]:
 
 
 def _outcomes(memory: Results, settings: Settings, guarded: NDArray[np.bool_]) -> NDArray[np.str_]:
-    """Outcome of each run; runs that are alike in all that decides it are judged once."""
+    """Outcome of each run; runs with equal data are judged once."""
     row = memory.row
     most = np.maximum(row("max_v1"), row("max_omega"))
     events = (most >= DIVERGENCE, row("violations") > 0, row("left_sample") >= 0, guarded)
@@ -78,7 +78,7 @@ def _outcomes(memory: Results, settings: Settings, guarded: NDArray[np.bool_]) -
 def monitors(
     memory: Results, settings: Settings, places: NDArray[np.intp] | slice = slice(None)
 ) -> list[Monitor]:
-    """Monitors of the runs of a batch, or of those at some places."""
+    """Monitors of the runs of a batch, or of selected ones."""
     columns = memory.findings[:, : memory.count].T[places].tolist()
     rows = [dict(zip(memory.layout.findings, numbers, strict=True)) for numbers in columns]
     return [monitor(row, settings.plant, settings.control) for row in rows]
@@ -107,7 +107,7 @@ def monitor(
 
 
 def final_state(end: Iterable[V], frames: str) -> dict[str, V]:
-    """The figures of the state at the end, by name; its orientation as ``frames`` counts it."""
+    """Figures of the final state, by name; its orientation is converted to ``frames``."""
     values = {f"final_{name}": value for (name, _), value in zip(STATE, end, strict=False)}
     return values | {"final_theta": outward(values["final_theta"], frames)}
 
@@ -137,7 +137,7 @@ def _from_findings(memory: Results, settings: Settings) -> Figures:
 
 
 def _from_sums(memory: Results, settings: Settings) -> Iterator[tuple[str, Floats]]:
-    """Figures that have sums, by name; NaN where a run did not last the figure's window."""
+    """Figures computed from sums, by name; NaN if a run did not last the figure's window."""
     windows = windows_of(settings)
     full = {name: covered(span, settings, memory) for name, span in windows.items()}
     place = {name: k for k, name in enumerate(windows)}
@@ -153,7 +153,7 @@ def _from_sums(memory: Results, settings: Settings) -> Iterator[tuple[str, Float
 
 
 def _made(how: Sum, added: Floats, samples: Floats, period: float) -> Floats:
-    """A figure from its sums over a window of so many samples."""
+    """A figure from its sums over a window with this number of samples."""
     if how.how == "integral":
         return added * period
     with np.errstate(divide="ignore", invalid="ignore"):

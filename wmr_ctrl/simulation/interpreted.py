@@ -1,8 +1,8 @@
-"""The closed loop without a compiler: its graphs in CasADi's virtual machine, steered by NumPy.
+"""The closed loop without a compiler: its graphs in CasADi's virtual machine, run by NumPy.
 
-It does what fmu/runtime/loop.c does, in the same order: draws, commands under way, changes of
+It does the same as fmu/runtime/loop.c, in the same order: draws, commands in transit, changes of
 parameters, monitor, log.  Elementary functions and random numbers are CasADi's and NumPy's, so it
-agrees with the compiled loop but for their rounding.
+agrees with the compiled loop up to their rounding.
 """
 
 from collections.abc import Callable
@@ -50,7 +50,7 @@ def run_interpreted(
 
 
 class _Run:
-    """The state of a run, and its commands under way."""
+    """The state of a run, and its commands in transit."""
 
     def __init__(self, loop: "LoopFunctions", seed: int, settings: Settings) -> None:
         self.numbers, self.substeps = loop.numbers, round(settings.control / settings.plant)
@@ -90,7 +90,7 @@ class _Run:
         self.watch.see(step + 1, self.x)
 
     def _change(self, step: int) -> None:
-        """Parameters of the last phase that has begun at this plant step."""
+        """Set the parameters of the last phase that has begun at this plant step."""
         starts = self.numbers.phase_start
         while self.phase + 1 < len(starts) and step >= starts[self.phase + 1]:
             self.phase += 1
@@ -99,7 +99,7 @@ class _Run:
 
 
 class _Draws:
-    """Random numbers of one stream, in the blocks in which NumPy's generator draws them."""
+    """Random numbers of one stream, in the blocks of NumPy's generator."""
 
     def __init__(self, stream: "StreamNumbers", key: tuple[int, int]) -> None:
         self.stream, self.key = stream, np.array(key, np.uint64)
@@ -128,7 +128,7 @@ class _Draws:
         return np.clip(drawn, -bound, bound)
 
     def _uniforms(self, pair: int, attempt: int) -> Floats:
-        """Numbers (_BLOCK, 2) in [0, 1) of 53 bits, of Philox blocks in a row."""
+        """Numbers (_BLOCK, 2) in [0, 1) with 53 bits, from consecutive Philox blocks."""
         counter = self.first + (self.stream.number << 64) + (attempt << 128) + (pair << 192)
         before = (counter - 1) % 2**256  # the generator counts up before it draws
         words = np.random.Philox(key=self.key, counter=before).random_raw(4 * _BLOCK)
@@ -144,9 +144,10 @@ def _joined(draws: list[_Draws], index: int, sample: int = 0) -> Floats:
 
 @dataclass
 class _Watch:
-    """Extremes and events of a run; beyond ``limits`` a violation is counted.
+    """Extremes and events of a run; values beyond ``limits`` are counted as violations.
 
-    They are those of |v1|, |omega| and a wheel's speed [m/s, rad/s, m/s], and half the track [m].
+    The limits are those of |v1|, |omega| and a wheel's speed [m/s, rad/s, m/s], and half the track
+    [m].
     """
 
     limits: tuple[float, ...]
@@ -158,7 +159,7 @@ class _Watch:
     reason: str = ""
 
     def see(self, step: int, state: Floats) -> None:
-        """Take note of the state after ``step`` plant steps."""
+        """Record the state after ``step`` plant steps."""
         speeds = abs(state[_VELOCITY]), abs(state[_VELOCITY + 1])
         for axis, speed in enumerate(speeds):
             if not np.isfinite(speed):

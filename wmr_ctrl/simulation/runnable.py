@@ -1,4 +1,4 @@
-"""A compiled loop that is ready to run, and the Run that is made of an engine's results."""
+"""A compiled loop that is ready to run, and the Run from an engine's results."""
 
 import platform
 from collections.abc import Mapping
@@ -30,11 +30,11 @@ def assemble_run(
     bounds: Assumptions,
     plant: str = "ode",
 ) -> Run:
-    """The Run of an engine's results.
+    """The Run from an engine's results.
 
-    ``bounds`` are what a guard assumes, be it on or off: with them the monitor tells the first
-    motion that contradicts them, and how near the least disturbance came; none is looked for on a
-    base that takes velocities.  ``plant``: as in `Settings`.
+    ``bounds`` are the guard's assumptions, whether it is on or off: with them the monitor reports
+    the first motion that contradicts them, and how near the least disturbance came; on a base that
+    takes velocities there is no such check.  ``plant``: as in `Settings`.
     """
     (signals, columns, seen), guard = log, scenario.guard.enabled
     signals, columns = _stated(signals, columns, scenario.frames)
@@ -51,7 +51,7 @@ def assemble_run(
 def _stated(
     signals: tuple[Signal, ...], columns: Mapping[str, np.ndarray], frames: str
 ) -> tuple[tuple[Signal, ...], Mapping[str, np.ndarray]]:
-    """Signals and columns with orientations as ``frames`` counts them."""
+    """Signals and columns with orientations converted to ``frames``."""
     if frames == PAPER:
         return signals, columns
     turned = {name: outward(columns[name], frames) for name in ORIENTATIONS if name in columns}
@@ -82,7 +82,7 @@ def provenance(scenario: Scenario) -> Mapping[str, str]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of the computing packages."""
+    """Versions of the packages that compute."""
     return {
         "version": __version__,
         "python": platform.python_version(),

@@ -30,12 +30,12 @@ def build(scenario: Scenario) -> System:
 
 
 def heard(u: ca.SX, band: ca.SX) -> ca.SX:
-    """What acts of a command."""
+    """The command that acts behind the dead band."""
     return ca.if_else(ca.fabs(u) < band, 0, u)
 
 
 def bound(scenario: Scenario) -> Bound:
-    """A command that may act as 0: to a filter that counts on what acts, off by the dead band."""
+    """Command error of the size of the dead band, since a command may act as 0."""
     v, omega = scenario.section(CommandDeadBand).deadband
     return Bound(dropped=(v, omega))
 

@@ -1,7 +1,8 @@
-"""Assumptions of the certified corridor about what is sent: to bases that take velocities, or late.
+"""Assumptions of the certified corridor on commands: late ones, and those to bases that take
+velocities.
 
-Each condition that is checked for a scenario leaves the graph as `wmr_ctrl.theory.corridor` reads
-it.
+Under the conditions that are checked for a scenario, the graph is what `wmr_ctrl.theory.corridor`
+reads.
 """
 
 from dataclasses import replace

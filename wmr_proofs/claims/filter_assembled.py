@@ -65,7 +65,8 @@ class AssembledStep:
     def given(self, mutation: Mutation, target: ca.SX) -> tuple[Relation, ...]:
         """Hypotheses on base, speed, odometry and exponentials; the mean under a command.
 
-        Odometry is as stated where it is there, and what was kept where the sample came in time.
+        Odometry, if there is any, is as stated; so are the stored bounds, if the sample came in
+        time.
         """
         graph, axis, f = self.graph, self.axis, self.free
         b, v, y = graph.bounds[axis], f.v, graph.odometry.sym[axis]
@@ -151,10 +152,10 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
 
 
 def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
-    """Points at which what is kept as next bound is as low as it may be.
+    """Points at which the next stored bound is as low as it may be.
 
-    By turns: driven up and down from a bound that was kept, from odometry, from the limit where
-    the sample was late, and from a bound that was kept while odometry is not there.
+    In turn: driven up and down from a stored bound, from odometry, from the limit after a late
+    sample, and from a stored bound without odometry.
     """
     own, other, way = axis + 1, 2 - axis, WAYS[side]
     names = ("v_above", "v_below") if side == 0 else ("v_below", "v_above")

@@ -1,6 +1,6 @@
 """Rounding of the command filter: commands brought inside all limits, at once or slowly.
 
-A computed number is whatever roundings of at most 2^-53 of each operation give (`rounded`).
+A computed number is any result of rounding each operation by at most 2^-53 of it (`rounded`).
 """
 
 import casadi as ca
@@ -69,7 +69,7 @@ class Limited:
         return not all(channel.ways)
 
     def kept(self, command: list[ca.SX], spare: float, axes: bool) -> tuple[Relation, ...]:
-        """v and omega (``axes``), or the wheels, within their limits but for ``spare``."""
+        """v and omega (``axes``), or the wheels, within their limits, except for ``spare``."""
         kept = list[Relation]()
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             if self.is_axis(channel) == axes:

@@ -1,8 +1,8 @@
 """Rounding of the command filter: clip and governor as the compiled text computes them.
 
-A computed number is whatever roundings of at most 2^-53 of each operation give (`rounded`), an
-exponential within 2^-49 of its own.  V is the limit that the text aims at, the stated one less
-2^-26: the speed stays within V (1 + 2^-28).
+A computed number is any result of rounding each operation by at most 2^-53 of it (`rounded`), an
+exponential by at most 2^-49. V is the limit that the text aims at, the stated one less 2^-26: the
+speed stays within V (1 + 2^-28).
 """
 
 import casadi as ca
@@ -41,7 +41,7 @@ def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:
 
 
 def _computed(value: ca.SX, exact: ca.SX, off: ca.SX | float = 0.0) -> tuple[Relation, Relation]:
-    """A computed exponential, of a time that is off by so much of it."""
+    """A computed exponential of a time whose relative error is ``off``."""
     return between((1 - LIBM) * exact - off, value, (1 + LIBM) * exact + off)
 
 

@@ -257,7 +257,7 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
 
 
 def _timely(graph: Governor) -> ca.SX:
-    """1 where a sample came as the filter was told, within its jitter."""
+    """1 if a sample came when the filter expects one, within its jitter."""
     elapsed, T = graph.elapsed.sym, graph.T
     near = ca.fabs(elapsed - T) <= (graph.plans[0].jitter + NEAR) * T
     return ca.logic_or(elapsed == 0, near)

@@ -66,7 +66,7 @@ class GateStep:
 
     @property
     def sound(self) -> tuple[Relation, ...]:
-        """Parameters that leave a command which is safe."""
+        """Hypotheses: the parameters leave some safe command."""
         given = list[Relation]()
         for V, dbar, low, high in self.bounds:
             given += [above(V, dbar), at_least(dbar), above(low), at_least(high, low)]

@@ -1,8 +1,8 @@
 """The exported guard's flag with rounding, and the parts around the guard.
 
 The flag has no tolerance, so that its own rounding is all that separates the published 1 from the
-theorem's conditions.  Around the guard are runs without it, what is kept as applied, and what is
-kept back.
+theorem's conditions. Parts around the guard: runs without it, the torque stored as applied, and the
+margin kept back.
 """
 
 import casadi as ca

@@ -1,4 +1,4 @@
-"""The queries that a verdict of z3 rests on, as SMT-LIB 2 text for any other solver."""
+"""Queries behind a verdict of z3, as SMT-LIB 2 text for any other solver."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -25,13 +25,13 @@ class Obligation:
     wanted: str
 
     def file(self, key: str) -> str:
-        """The text as it is exported for the entry ``key``, with the answer that is expected."""
+        """The exported text for the entry ``key``, with the expected answer."""
         head = f"; {key}, {self.name}: expected {self.wanted}"
         return f"{head}\n(set-info :status {self.wanted})\n{self.text}"
 
 
 def of_entry(statement: Statement, entry: Entry) -> Iterator[Obligation]:
-    """Obligations of a claim whose verdict is known.
+    """Obligations of a claim with a known verdict.
 
     Those of a refuted claim are the goals that its counterexample violates, and its hypotheses:
     both are expected to be satisfiable.
@@ -56,7 +56,7 @@ def obligations(
 ) -> Iterator[Obligation]:
     """Each goal and each domain, to be unsatisfiable; the hypotheses alone, to be satisfiable.
 
-    Those are asked at ``point``, exact rationals as text, if one is given.
+    The latter are posed at ``point``, exact rationals as text, if one is given.
     """
     problem = posed(statement)
     for kind, terms in (("goal", problem.wrong), ("domain", problem.undefined)):
@@ -76,7 +76,7 @@ def _text(problem: Problem, *terms: Any) -> str:
 
 
 def uses_z3(method: Method | None) -> bool:
-    """True if a verdict of this method rests on z3."""
+    """True if a verdict of this method depends on z3."""
     return isinstance(method, Z3) or (
         isinstance(method, Both) and (uses_z3(method.first) or uses_z3(method.second))
     )

@@ -1,6 +1,6 @@
 """Terms as SMT-LIB 2 text, written here and not by z3, so that no version of z3 changes it.
 
-What is read more than once has a name, ``$1``, ``$2`` and so on in the order in which it is met.
+A term that is read more than once has a name, ``$1``, ``$2`` and so on in the order of first use.
 """
 
 from collections import Counter
@@ -18,7 +18,7 @@ COMMANDS = frozenset({"assert", "echo", "exit", "pop", "push", "reset"})
 
 
 def printed(asserted: Sequence[Any], inputs: Mapping[str, Any]) -> str:
-    """All that is asserted, with the symbols that it reads."""
+    """All assertions, with the symbols that they read."""
     readers = Counter[int]()
     ordered = list(_in_order(asserted, readers))
     symbols = {term.decl().name(): _symbol(term) for term in ordered if _is_symbol(term)}
@@ -41,7 +41,7 @@ def printed(asserted: Sequence[Any], inputs: Mapping[str, Any]) -> str:
 
 
 def _in_order(asserted: Sequence[Any], readers: Counter[int]) -> Iterator[Any]:
-    """Each term once, behind all that it reads; ``readers`` counts who reads it."""
+    """Each term once, after all terms that it reads; ``readers`` counts its readers."""
     done = set[int]()
     for root in asserted:
         readers[root.get_id()] += 1

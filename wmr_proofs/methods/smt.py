@@ -1,8 +1,8 @@
-"""Z3: the graph as terms over the reals, roots and sines by their relations, the rest opaque.
+"""Z3: the graph as terms over the reals; roots and sines by their relations, others opaque.
 
-A goal means something only where its operations are defined: a quotient needs a denominator that is
-not 0, a logarithm a positive argument, a root one that is not negative, wherever the goal reads
-them; the untaken side of a choice asks for nothing.
+A goal is meaningful only if its operations are defined: a quotient needs a denominator that is not
+0, a logarithm a positive argument, a root one that is not negative, wherever the goal reads them;
+the branch of a choice that is not taken needs nothing.
 """
 
 from collections.abc import Callable, Container, Hashable, Iterator, Mapping, Sequence
@@ -30,10 +30,10 @@ WORK = "work"
 
 
 class TermArithmetic(Arithmetic):
-    """z3 terms; ``facts`` collects what is known about roots, sines and exponentials.
+    """z3 terms; ``facts`` collects known relations of roots, sines and exponentials.
 
-    They live in a context of their own: z3 orders terms by their number, so that in a common one
-    what it finds, and when, would hang on all that was asked before.
+    They are in a separate context: z3 orders terms by their number, so in a shared one its results
+    and times would depend on all earlier questions.
     """
 
     def __init__(self) -> None:
@@ -81,7 +81,7 @@ class TermArithmetic(Arithmetic):
         return term
 
     def _mul(self, a: Any, b: Any) -> Any:
-        """A product with an inverse as the quotient that it is: solvers are better at those."""
+        """A product with an inverse as a quotient, which solvers handle better."""
         for one, other in ((a, b), (b, a)):
             if other.get_id() in self.inverses:
                 return one / self.inverses[other.get_id()][1]
@@ -133,7 +133,7 @@ class TermArithmetic(Arithmetic):
         )
 
     def angles(self) -> Mapping[str, tuple[Any, Any]]:
-        """(sine, cosine) of every input that is used as an angle by itself."""
+        """(sine, cosine) of every input that is directly used as an angle."""
         return {
             name: (self.atoms["sin", name], self.atoms["cos", name])
             for name in self.inputs
@@ -151,7 +151,7 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
 
 
 def _power(a: Any, b: Any) -> Any:
-    """A whole power as a product: SMT-LIB has no other."""
+    """An integer power as a product, since SMT-LIB has no other."""
     whole = z3.is_rational_value(b) and b.denominator_as_long() == 1
     times = b.numerator_as_long() if whole else -1
     if times < 0:
@@ -160,7 +160,7 @@ def _power(a: Any, b: Any) -> Any:
 
 
 def decide(statement: Statement, method: Z3) -> Finding:
-    """PROVED if no goal can fail or be undefined and the hypotheses can be met.
+    """PROVED if no goal can fail or be undefined and the hypotheses can be satisfied.
 
     REFUTED by an exact point.
     """
@@ -200,13 +200,13 @@ def _evidence(answers: Sequence[Answer], engines: Portfolio) -> dict[str, Any]:
 
 
 def _effort(engines: Portfolio) -> dict[str, str]:
-    """What an open statement cost: engines that were asked, and the work of them all."""
+    """Cost of an open statement: engines that were called, and their total work."""
     spent = f"{engines.spent:.3g} of {engines.method.effort:g} million units"
     return {"tried": f"{', '.join(engines.tried)}: {spent} of z3's work"}
 
 
 def _engines(answers: Sequence[Answer]) -> dict[str, list[str]]:
-    """Engine for each question that the first engine left open."""
+    """Engine for each question that the first engine did not answer."""
     names = [answer.engine for answer in answers]
     while names and not names[-1]:
         names.pop()
@@ -224,7 +224,7 @@ class Problem:
 
 
 def posed(statement: Statement, but: Container[int] = ()) -> Problem:
-    """The statement for a solver: it holds if ``base`` with each wrong term is unsatisfiable.
+    """The statement for a solver: it is true if ``base`` with each wrong term is unsatisfiable.
 
     ``but``: nodes that may be undefined.
     """
@@ -261,7 +261,7 @@ def _unless_undefined_or_vacuous(
 def _broken_at(
     statement: Statement, problem: Problem, terms: list[Any], model: Any, engines: Portfolio
 ) -> Point | None:
-    """The first exact counterexample among the points of models."""
+    """The first exact counterexample among points from models."""
     return first_violation(statement, _met(statement, problem.terms, terms, model, engines))
 
 
@@ -272,7 +272,7 @@ def _met(
     model: Any,
     engines: Portfolio,
 ) -> Iterator[Point]:
-    """Points of a model, if there is one, then of each engine's: some have roots, some do not."""
+    """Points of a model, if there is one, then of each engine's: only some have rational values."""
     if model is None:
         return
     yield from _points(statement, arithmetic, model)

@@ -1,7 +1,7 @@
-"""What is asked of the filter of a base that cannot do all that it is asked for.
+"""Commands that a base cannot follow, reduced to what it can do before they are filtered.
 
-A base with a least turning radius does not turn on the spot: omega is asked for as far as |v| over
-that radius lets it.
+A base with a least turning radius cannot turn on the spot: omega is limited to |v| over that
+radius.
 """
 
 from dataclasses import replace
@@ -24,13 +24,13 @@ def turning(asked: ca.SX, radius: ca.SX) -> ca.SX:
 
 
 def turned(scenario: Scenario, p: Parameters, asked: ca.SX) -> ca.SX:
-    """What a base of this scenario can do of the command ``asked`` (2,)."""
+    """The part of the command ``asked`` (2,) that a base of this scenario can follow."""
     able = not scenario.takes_velocity or not scenario.base.min_radius
     return asked if able else turning(asked, p.take("base.min_radius"))
 
 
 def for_base(system: System, scenario: Scenario) -> System:
-    """A filter that is asked for what the base can do."""
+    """A filter that receives only what the base can do."""
     p = Parameters(scenario, system.params)
     (asked,) = (item.sym for item in system.inputs if item.signal == ASKED)
     able = turned(scenario, p, asked)

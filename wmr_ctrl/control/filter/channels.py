@@ -1,12 +1,11 @@
-"""Speeds that are limited, and one command brought inside all of their limits.
+"""Limited speeds, and a command scaled to meet all of their limits.
 
-A channel is a speed that follows its own command by itself: v and omega, or the speed of each wheel
-over the ground, v + l omega and v - l omega.  Their limits are a convex set of commands with 0
-inside, so that every command has a largest share that is safe: scaled by it, it keeps omega/v, the
-curvature of the path.
+A channel is a speed that follows its own command independently: v and omega, or the ground speed of
+each wheel, v + l omega and v - l omega.  Their limits are a convex set of commands around 0, so
+each command has a largest share that is safe; scaled by it, it keeps omega/v, the path's curvature.
 
-Wheels that are not alike couple v and omega: there the wheels are the channels, each limited to
-min(V, l Omega), so that |v| <= V and |omega| <= Omega follow (`filter.wheel-box`).
+Unequal wheels couple v and omega: then the wheels are the channels, each limited to min(V, l
+Omega), so that |v| <= V and |omega| <= Omega follow (`filter.wheel-box`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -63,10 +62,10 @@ FLAG_MEANINGS = {
 
 @dataclass(frozen=True)
 class Channel:
-    """Speed ways[0] v + ways[1] arm omega with its numbers; ``largest``: value of its limit.
+    """Speed ways[0] v + ways[1] arm omega, with its numbers; ``largest``: value of its limit.
 
-    ``ways``: 1, -1 or 0 each.  ``made_of``: positive numbers of which the least or the largest is
-    among them, each of which may be none.
+    ``ways``: 1, -1 or 0 each.  ``made_of``: positive numbers; its numbers are the least or largest
+    of them, and each may be absent.
     """
 
     ways: tuple[int, int]
@@ -144,7 +143,7 @@ def scaled(
 def stretched(
     r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], scale: str
 ) -> ca.SX:
-    """Both axes' commands by one factor or, with ``scale`` "axes", each by its own."""
+    """Both axes' commands scaled by one factor or, with ``scale`` "axes", each by its own."""
     shares = admitted([channel.of(r) for channel in channels], lo, hi)
     common = reduce(ca.fmin, shares)
     factors = shares if scale == "axes" else [common, common]
@@ -154,9 +153,9 @@ def stretched(
 def one_first(
     r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], first: int
 ) -> ca.SX:
-    """One axis' command (of both), then the other's within what it leaves.
+    """One axis' command (of both) limited first, then the other's within the remaining range.
 
-    What is asked for meets the limits one by one, so that those known first do not wait for others.
+    The limits apply one by one, so that those known early do not wait for others.
     """
     sent = [ca.SX(0), ca.SX(0)]
     for axis in (first, 1 - first):
@@ -171,7 +170,7 @@ def one_first(
 def _ends(
     sent: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], axis: int
 ) -> Iterator[tuple[ca.SX, ca.SX]]:
-    """Ends, back and ahead, to which each channel lets an axis go beside the other's command."""
+    """Range (back, ahead) of an axis that each channel allows, given the other axis' command."""
     for channel, low, high in zip(channels, lo, hi, strict=True):
         way, used = channel.ways[axis], channel.of(sent)
         if way:
@@ -181,32 +180,32 @@ def _ends(
 
 
 def usable_command(asked: ca.SX) -> tuple[list[ca.SX], ca.SX]:
-    """The command of both axes, 0 where it is no number, and the flag that says so."""
+    """The command of both axes, 0 if it is not a number, and the flag for that."""
     usable = reduce(ca.logic_and, (within(asked[i], LARGEST) for i in AXES))
     return [ca.if_else(usable, asked[i], 0) for i in AXES], ca.if_else(usable, 0, REFUSED)
 
 
 def within(value: ca.SX, size: ca.SX | float) -> ca.SX:
-    """1 where |value| <= size; 0 else, and for what is no number."""
+    """1 if |value| <= size; 0 otherwise, and for NaN."""
     return ca.logic_and(value >= -size, value <= size)
 
 
 def passed(elapsed: ca.SX, T: ca.SX) -> ca.SX:
-    """Time since the previous sample, the period where nobody tells it."""
+    """Time since the previous sample; the period if ``elapsed`` is 0 (unknown)."""
     return ca.if_else(elapsed == 0, T, elapsed)
 
 
 def usable_time(elapsed: ca.SX, T: ca.SX) -> ca.SX:
-    """Time in which a command may change: since the previous sample, a period at most.
+    """Time in which a command may change: since the previous sample, at most one period.
 
-    0 where a clock stood still or went back, or tells no number.
+    0 if the clock did not advance, went back, or gives no number.
     """
     since = passed(elapsed, T)
     return ca.if_else(since >= T, T, ca.if_else(since >= 0, since, 0))
 
 
 def punctual(elapsed: ca.SX, T: ca.SX, jitter: float) -> ca.SX:
-    """1 where a sample came within its jitter [periods]; 0 else, and for what is no number."""
+    """1 if a sample came within its jitter [periods]; 0 otherwise, and for NaN."""
     return within(passed(elapsed, T) - T, (jitter + NEAR) * T)
 
 
@@ -216,12 +215,12 @@ def has_bit(flags: ca.SX, bit: int) -> ca.SX:
 
 
 def limited(sent: ca.SX, r: Sequence[ca.SX]) -> ca.SX:
-    """The flag of a command that is not sent as it was asked for."""
+    """Flag of a command that was changed before it was sent."""
     return ca.if_else(ca.logic_and(sent[0] == r[0], sent[1] == r[1]), 0, LIMITED)
 
 
 def sound(channels: Sequence[Channel]) -> ca.SX:
-    """1 where every channel's numbers leave a command that is safe; 0 for what is no number."""
+    """1 if every channel's numbers allow a safe command; 0 otherwise, and for NaN."""
     tests = []
     for b in (channel.bounds for channel in channels):
         tests += [b.dbar >= 0, b.dbar < b.V, b.V <= LARGEST, b.nbar >= 0, b.nbar <= LARGEST]

@@ -1,10 +1,9 @@
-"""Memoryless clip of commands: what keeps the limit without odometry, whatever came before.
+"""Memoryless clip of commands: it keeps the limit without odometry, whatever was sent before.
 
 A base that never overshoots is kept by |u| <= (V - dbar)/K_max; a linear loop, which may, by |u| <=
-(V - delta)/N with its peak gain N and what pushes alone lead to, delta (`peak_gain`).  One axis may
-be the one and the other the other.  Neither
-asks when a command arrives: late, lost, jittering and timed-out ones are commands within the same
-bounds.
+(V - delta)/N with its peak gain N and what pushes alone lead to, delta (`peak_gain`). The two axes
+may differ in this. Neither bound depends on when a command arrives: late, lost, jittering and
+timed-out ones are commands within the same bounds.
 
 Commands that change by at most ``slew`` a second, a, swing a linear loop less.  What acts is then
 within a H/2 of a command that changes at most so fast, with H the longest that one may act, so that
@@ -56,10 +55,10 @@ UNTOLD = 0.25
 
 
 class Clip:
-    """The graph of a clip: its channels, their limits and the command that is sent."""
+    """Graph of a clip: its channels, their limits and the command that is sent."""
 
     def __init__(self, scenario: Scenario) -> None:
-        """Take the ports; the peak gain of a linear loop is computed here, and is a parameter."""
+        """Create the ports; a linear loop's peak gain is computed here and is a parameter."""
         self.scenario, self.asked, self.elapsed = scenario, port(ASKED), port(ELAPSED)
         if scenario.filter.loop == FIRST_ORDER:
             self.p = Parameters(scenario)
@@ -87,7 +86,7 @@ class Clip:
         self.sent = ca.if_else(self.sound, self._slowly(safe) if self.last else safe, 0)
 
     def _sound_ramp(self) -> list[ca.SX]:
-        """1 where the slew leads somewhere in a period, each; 0 for what is no number."""
+        """Conditions that the slew allows a change within a period; 0 for NaN."""
         if not self.last:
             return []
         slew, reach = self.p.take("filter.slew"), self.p.take(REACH.name)
@@ -96,11 +95,11 @@ class Clip:
 
     @cached_property
     def time(self) -> ca.SX:
-        """Time in which the command may change."""
+        """Time in which the command may change [s]."""
         return usable_time(self.elapsed.sym, self.T)
 
     def _slowly(self, wanted: ca.SX) -> ca.SX:
-        """The command (2,) on the way to ``wanted`` that the slew leads to in the time there is."""
+        """The command (2,) moved from the last one towards ``wanted``, at most at the slew rate."""
         most, last = self.p.take("filter.slew") * self.time, self.last[0].sym
         shares = ramp_shares(last, wanted, most)
         if self.scenario.filter.scale != "axes":
@@ -109,7 +108,7 @@ class Clip:
 
     @property
     def system(self) -> System:
-        """The sampled System, whose state is what was sent last where that counts."""
+        """The sampled System; its state is the last command sent, if that matters."""
         jitter = self.scenario.filter.jitter / self.scenario.clock.control
         came = punctual(self.elapsed.sym, self.T, max(jitter, UNTOLD))
         flags = limited(self.sent, self.command) + self.refused + ca.if_else(came, 0, LATE)
@@ -123,19 +122,19 @@ class Clip:
 
 
 def ramp_shares(last: ca.SX, wanted: ca.SX, most: ca.SX) -> list[ca.SX]:
-    """Share of each axis' way to ``wanted`` that changes of at most ``most`` allow."""
+    """Share of each axis' change to ``wanted`` that a change of at most ``most`` allows."""
     return admitted(ca.vertsplit(wanted - last), ca.vertsplit(-most), ca.vertsplit(most))
 
 
 def moved(last: ca.SX, wanted: ca.SX, share: ca.SX) -> ca.SX:
-    """The command that is this share of the way from ``last`` to ``wanted``."""
+    """The command at this share of the way from ``last`` to ``wanted``."""
     return last + share * (wanted - last)
 
 
 def slew_reach(scenario: Scenario) -> tuple[float, float]:
-    """K L + N H/2 of both axes [s], rounded up, for commands as the filter times them.
+    """K L + N H/2 of both axes [s], rounded up, for the filter's timing of commands.
 
-    Of samples ``jitter`` apart from the period, the shortest lets commands change fastest.
+    With ``jitter``, the shortest possible period lets commands change fastest.
     """
     settings, T = scenario.filter, scenario.clock.control
     acts, quicker = (1 + settings.losses) * (T + settings.jitter), T / (T - settings.jitter)

@@ -33,9 +33,9 @@ from .peak_gain import peak_gains, pi_loop, refuse_all
 
 
 def _damped(scenario: Scenario, axis: int) -> str:
-    """Changes by which a loop's peak gain is at most LARGEST_PEAK, hardly larger than needed.
+    """Advice on how to lower a loop's peak gain to just below LARGEST_PEAK.
 
-    Of a PI loop those of one interval's end that leave an interval; all where none does.
+    For a PI loop: changes of a single end that leave a valid interval; all changes if none does.
     """
     fades, stated = -1.02 * math.log(1 - 2 / (LARGEST_PEAK + 1)) / math.pi, scenario.filter
     if stated.loop[axis] == "second-order":
@@ -55,9 +55,9 @@ def _damped(scenario: Scenario, axis: int) -> str:
 
 
 def _which(reached: float, limit: float, of: str) -> tuple[str, str, float, float]:
-    """The speed that pushes reach and the bound that it is not below, in words.
+    """Texts of the speed that pushes reach and of the bound that it violates.
 
-    Then a push that is, as a share of the stated one, and a limit, as a share of what is reached.
+    Then factors for the stated push and for the limit that would satisfy the bound.
     """
     if reached >= limit:
         return f"{reached:g}", f"{of} = {limit:g}", limit / reached, 1.0
@@ -70,7 +70,7 @@ def _finite(speed: float) -> str:
 
 
 def check_filter(scenario: Scenario) -> None:
-    """Raise ScenarioError where no command is safe, or where there is nothing to filter."""
+    """Raise ScenarioError if no command is safe, or if there is nothing to filter."""
     settings, limits = scenario.filter, scenario.limits.v_u1
     if settings.kind == "none":
         raise ScenarioError(
@@ -126,11 +126,11 @@ def check_filter(scenario: Scenario) -> None:
 
 
 def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
-    """Raise ScenarioError where commands that change slowly are allowed no more than others."""
+    """Raise ScenarioError if the slew limit does not allow larger commands."""
     check_jitter(scenario)
     refuse_all(
         f"filter.slew[{i + 1}] = {slew[i]:g} brings no gain: from {worth:.3g} on, slow commands "
-        "may be no larger than any others. State a smaller value, leave out filter.slew, or use "
+        "get no larger limit than others. State a smaller value, leave out filter.slew, or use "
         'filter.kind = "band".'
         for i, worth in enumerate(worthwhile_slew(scenario))
         if slew[i] >= worth
@@ -138,7 +138,7 @@ def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
 
 
 def worthwhile_slew(scenario: Scenario) -> tuple[float, float]:
-    """Slew [m/s2, rad/s2] of a linear loop from which on slow commands gain nothing."""
+    """Slew [m/s2, rad/s2] of a linear loop above which slow commands gain nothing."""
     reach, peaks, K = slew_reach(scenario), peak_gains(scenario), scenario.filter.intervals("gain")
     linear, angular = (
         (scenario.limits.v_u1[i] - peak.push) * (1 - K[i][1] / peak.gain) / reach[i]
@@ -167,9 +167,9 @@ BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
 
 
 def derived_numbers(scenario: Scenario) -> dict[str, tuple[Signal, tuple[float, ...]]]:
-    """Parameters of a linear loop's filter that no field states, by name.
+    """Parameters of a linear loop's filter that are derived, not stated, by name.
 
-    Peak gains, what pushes lead to, tables of step responses.
+    These are peak gains, responses to pushes, and tables of step responses.
     """
     if scenario.filter.kind == "none" or scenario.filter.loop == FIRST_ORDER:
         return {}
@@ -193,7 +193,7 @@ def filter_system(scenario: Scenario) -> System:
 
 
 def filter_questions(scenario: Scenario) -> Iterator[str]:
-    """Questions about numbers of a filter that look like another unit, or that nobody stated."""
+    """Questions about filter numbers whose unit looks mistaken, or that nobody stated."""
     for key, question in unit_questions(scenario):
         if key.startswith(UNITS_COUNT):
             yield question
@@ -203,10 +203,10 @@ def filter_questions(scenario: Scenario) -> Iterator[str]:
 
 
 def called_filter(scenario: Scenario) -> System:
-    """`filter_system` as programs call it: once the time was told, 0 says that none has passed.
+    """`filter_system` for callers: after the first time that is not 0, 0 means that no time passed.
 
-    Before that 0 says that nobody tells it.  A clip without memory tells no repeated call: no limit
-    of its hangs on the time.
+    Before that, 0 means that the time is unknown.  A clip without memory ignores repeated calls:
+    its limits do not depend on the time.
     """
     system = filter_system(scenario)
     if not system.state:
@@ -227,11 +227,12 @@ def called_filter(scenario: Scenario) -> System:
 
 
 def passing_commands(scenario: Scenario) -> list[tuple[str, tuple[float, float], float]]:
-    """Speeds, as parts of v and of omega, by name, with the size within which a command passes.
+    """Speeds, as parts of v and omega, by name, with the size below which a command passes
+    unchanged.
 
-    Whatever came before: the clip's own limits, than which a governor's are never less, since the
-    speed that it counts on is at most V (ledger: filter.contains-clip).  Of a clip without slew or
-    a governor; empty without filter.  0 where none passes.
+    This is valid for any history: the limits are the clip's own, and a governor's are never
+    smaller, since its speed bound is at most V (ledger: filter.contains-clip).  For a clip without
+    slew or a governor; empty without filter.  0 if no command passes.
     """
     if scenario.filter.kind == "none":
         return []
@@ -256,7 +257,7 @@ def passing_commands(scenario: Scenario) -> list[tuple[str, tuple[float, float],
 
 @dataclass(frozen=True)
 class Filtered:
-    """Result of a filter: velocities [m/s, rad/s], and flags as words."""
+    """Result of a filter: velocities [m/s, rad/s], and flags as texts."""
 
     command: tuple[float, float]
     flags: tuple[str, ...]
@@ -275,15 +276,15 @@ class CommandFilter:
         self.start()
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Built again from the scenario, with the memory of this one."""
+        """Pickle as the scenario and the memory."""
         return CommandFilter, (self._scenario,), {"_x": self._x.copy()}
 
     def start(self) -> None:
-        """Restart: what was sent before counts as 0.
+        """Restart with 0 as the last command.
 
-        A band and a clip with slew are started where the base rests; in motion a band breaks its
-        limit.  A governor's base may have any speed within its limits, but commands before must
-        have ceased to act, unless delay, losses and age are 0.  A clip has no memory.
+        Start a band or a clip with slew only while the base rests; in motion a band breaks its
+        limit. A governor's base may have any speed within its limits, but earlier commands must
+        have ceased to act, unless delay, losses and age are 0. A clip has no memory.
         """
         self._x = np.array(self.system.x0)
 
@@ -297,16 +298,16 @@ class CommandFilter:
     ) -> Filtered:
         """The safe command (v [m/s], omega [rad/s]) nearest to ``command``, and flags.
 
-        ``measured``: the odometry's velocities, ``age`` [s] old, if there are any.  ``dt`` [s]:
-        time since the last step by a steady clock (`time.monotonic`), by default the clock's
-        period, on whose beat a band's steps must then come, until one was told: then it counts as
-        0.  0 or less says that the clock stood still or was set back, and more than has passed
-        breaks a band's limit.  A command that is
-        not a number counts as (0, 0), with the flag "refused"; further flags are "limited",
-        "unused" (odometry was not used), "bounds-left" (it contradicts the stated bounds: one of
-        them is wrong), "late" (the step came outside its jitter), "turn-radius" (the base
-        turns no tighter than base.min_radius) and "unsound" (parameters that no filter can satisfy,
-        such as a push beyond the limit: (0, 0) is sent).  Raises ArgumentError for wrong lengths.
+        ``measured``: the odometry's velocities, ``age`` [s] old, if there are any. ``dt`` [s]: time
+        since the last step by a steady clock (`time.monotonic`), by default the clock's period, and
+        a band's steps must then come on that beat; once a ``dt`` was given, a missing one counts as
+        0. 0 or less means that the clock stopped or was set back; a ``dt`` longer than the time
+        that has passed breaks a band's limit. A command that is not a number counts as (0, 0), with
+        the flag "refused"; further flags are "limited", "unused" (odometry was not used),
+        "bounds-left" (it contradicts the stated bounds: one of them is wrong), "late" (the step
+        came outside its jitter), "turn-radius" (the base turns no tighter than base.min_radius) and
+        "unsound" (parameters that no filter can satisfy, such as a push beyond the limit: (0, 0) is
+        sent). Raises ArgumentError for wrong lengths.
         """
         asked = _pair(command, "command")
         u = list(asked)
@@ -322,7 +323,7 @@ class CommandFilter:
         return Filtered((sent[0], sent[1]), names)
 
     def _ask(self, dt: float) -> None:
-        """Warn of a time that would be the clock's period in another unit."""
+        """Warn if a time would be the clock's period in another unit."""
         if asked := meant(dt, "s", (0.5 * self.period, 2 * self.period)):
             warnings.warn(
                 f"dt = {dt:g} s: clock.control is {self.period:g} s. {asked}", stacklevel=4

@@ -1,9 +1,9 @@
 """Gate before a base: a command filter that also ramps, times out, stops, and stays stopped.
 
-What feeds it may die, repeat itself, jump or go wild: a command that is too old, odometry that is
-missing where it is required, a base that is faster than its bounds allow, and a stop each end in
-zeros.  The filter has the last word, so whatever comes in, what leaves it is a command that the
-filter may send.
+Its source may die, repeat itself, jump or send nonsense: a command that is too old, missing
+odometry where it is required, a base that is faster than its bounds allow, and a stop each lead to
+zeros. The filter is the last stage, so for any input the output is a command that the filter may
+send.
 """
 
 import math
@@ -46,11 +46,11 @@ ODOMETRY_USES = ("none", "watched", "required")
 class GateSettings:
     """Times and ramps of a gate.
 
-    ``command_timeout`` and ``odometry_timeout`` [s]: older ones are none.  ``odometry``: "required"
-    (without it the base is brought to rest), "watched" (it is told to be missing) or "none".
-    ``rise`` and ``fall``: largest change of the command away from zero and towards it [m/s2,
-    rad/s2].  ``excess`` [m/s, rad/s]: odometry this far beyond the limits says that a bound which
-    the filter counts on is wrong.
+    ``command_timeout`` and ``odometry_timeout`` [s]: older messages are ignored. ``odometry``:
+    "required" (without it the base is brought to rest), "watched" (its absence is reported) or
+    "none". ``rise`` and ``fall``: largest change of the command away from zero and towards it
+    [m/s2, rad/s2]. ``excess`` [m/s, rad/s]: odometry this far beyond the limits says that a bound
+    which the filter assumes is wrong.
     """
 
     command_timeout: float = 0.25
@@ -61,7 +61,7 @@ class GateSettings:
     excess: tuple[float, float] = (0.05, 0.1)
 
     def __post_init__(self) -> None:
-        """Refuse what no gate can keep."""
+        """Refuse settings that no gate can satisfy."""
         if self.odometry not in ODOMETRY_USES:
             raise ArgumentError(
                 f"odometry = {self.odometry!r} must be one of {', '.join(ODOMETRY_USES)}."
@@ -82,7 +82,7 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
 
 
 def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, ca.SX]:
-    """`gate_system`, and the command and flags of its filter to which its ramp leads."""
+    """`gate_system`, and the command and flags that its ramp aims at."""
     if scenario.filter.slew is not None:
         raise ScenarioError(
             "filter.slew: a gate sends 0 at once when its program stops, but this filter "
@@ -137,9 +137,9 @@ def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, c
 
 
 def ramp(last: ca.SX, wanted: ca.SX, rates: tuple[float, float], time: ca.SX) -> ca.SX:
-    """The value nearest to ``wanted`` that a ``time`` [s] leads to from ``last``.
+    """The value nearest to ``wanted`` that is reachable from ``last`` in a ``time`` [s].
 
-    ``rates``: away from 0 and towards it; of a change of sign each has its share of the time.
+    ``rates``: away from 0 and towards it; a change of sign uses each for its part of the time.
     """
     rise, fall = rates
     up, down = last + fall * time, last - fall * time  # beyond 0 the rest of the time rises
@@ -161,14 +161,14 @@ def _usable(pair: ca.SX) -> ca.SX:
 
 
 def _beyond(odometry: ca.SX, scenario: Scenario, settings: GateSettings) -> ca.SX:
-    """1 where odometry is beyond a limit by more than the excess, or is no number."""
+    """1 if odometry exceeds a limit by more than the excess, or is NaN."""
     tops = [scenario.limits.v_u1[i] + settings.excess[i] for i in AXES]
     return ca.logic_not(reduce(ca.logic_and, (within(odometry[i], tops[i]) for i in AXES)))
 
 
 @dataclass(frozen=True)
 class Gated:
-    """Result of a gate's step: velocities [m/s, rad/s], and flags as words."""
+    """Result of a gate's step: velocities [m/s, rad/s], and flags as texts."""
 
     command: tuple[float, float]
     flags: tuple[str, ...]

@@ -59,7 +59,7 @@ SIDES = (("v_above", "bound of the velocity"), ("v_below", "bound of the velocit
 
 
 def check_jitter(scenario: Scenario) -> None:
-    """Raise ScenarioError where samples may come as early as those before."""
+    """Raise ScenarioError if a sample may come as early as the one before it."""
     jitter, T = scenario.filter.jitter, scenario.clock.control
     if jitter >= T:
         raise ScenarioError(
@@ -97,10 +97,10 @@ def _schedule(scenario: Scenario, delay: Pair) -> Schedule:
 
 
 class Governor:
-    """The graph of a governor, step by step from odometry to the command that is sent."""
+    """Graph of a governor, from odometry to the command that is sent."""
 
     def __init__(self, scenario: Scenario) -> None:
-        """Take the ports; ScenarioError where the times span too many samples."""
+        """Create the ports; ScenarioError if the times span too many samples."""
         self.scenario, self.plans, self.p = scenario, schedules(scenario), Parameters(scenario)
         self.asked, self.odometry = port(ASKED), port(ODOMETRY)
         self.age, self.elapsed = port(ODOMETRY_AGE, -1.0), port(ELAPSED)
@@ -125,7 +125,7 @@ class Governor:
 
     @cached_property
     def seen(self) -> ca.SX:
-        """1 where there is odometry, young enough and a number."""
+        """1 if there is odometry, young enough and a number."""
         if self.scenario.filter.odometry is None:
             return ca.SX(0)
         age = 0.5 * self.plans[0].age * self.T
@@ -134,23 +134,23 @@ class Governor:
 
     @cached_property
     def came(self) -> ca.SX:
-        """1 where the sample came within its jitter."""
+        """1 if the sample came within its jitter."""
         return punctual(self.elapsed.sym, self.T, self.plans[0].jitter)
 
     @cached_property
     def in_time(self) -> list[ca.SX]:
-        """Samples that came in time since one that did not, none where just one command may act."""
+        """Number of punctual samples since the last late one; empty if only one command may act."""
         most = self.oldest
         return [ca.if_else(self.came, ca.fmin(n.sym + 1, most), 0) for n in self.counted]
 
     @cached_property
     def punctual(self) -> ca.SX:
-        """1 where all commands that may still act were sent in time."""
+        """1 if all commands that may still act were sent on time."""
         return self.in_time[0] >= self.oldest if self.counted else self.came
 
     @cached_property
     def now(self) -> Sides:
-        """Bounds of the speed at the sample: what was carried here, and what odometry says."""
+        """Bounds of the present speed: the propagated one combined with odometry."""
         sides = []
         for way, known in zip(WAYS, self.known, strict=True):
             odometry = [
@@ -164,19 +164,19 @@ class Governor:
 
     @cached_property
     def agrees(self) -> ca.SX:
-        """1 where odometry and the stated bounds do not contradict each other."""
+        """1 if odometry and the stated bounds are consistent."""
         both = zip(*self.now, self.bounds, strict=True)
         agree = [above + below >= -contradiction(b.V) for above, below, b in both]
         return reduce(ca.logic_and, agree)
 
     @cached_property
     def trusted(self) -> ca.SX:
-        """1 where the bounds count; else the memoryless clip acts."""
+        """1 if the bounds are valid; otherwise the memoryless clip is used."""
         return ca.logic_and(self.agrees, self.punctual)
 
     @cached_property
     def start(self) -> Sides:
-        """Bounds of the speed at the sample, V where they are not to be trusted."""
+        """Bounds of the present speed, V if they are not trusted."""
         return [
             [ca.if_else(self.trusted, v, b.V) for v, b in zip(side, self.bounds, strict=True)]
             for side in self.now
@@ -184,7 +184,7 @@ class Governor:
 
     @cached_property
     def limits(self) -> Sides:
-        """Largest commands that are safe, forwards and backwards, of all channels."""
+        """Largest safe commands of all channels, forwards and backwards."""
         sides = []
         for way, side in zip(WAYS, self.start, strict=True):
             limits = []
@@ -198,19 +198,19 @@ class Governor:
 
     @cached_property
     def safe(self) -> ca.SX:
-        """The safe command (2,) of sound parameters."""
+        """The safe command (2,) for sound parameters."""
         upper, lower = self.limits
         backwards, scale = [-limit for limit in lower], self.scenario.filter.scale
         return scaled(self.command, self.channels, backwards, upper, scale)
 
     @cached_property
     def sent(self) -> ca.SX:
-        """The safe command (2,); 0 where the parameters are unsound."""
+        """The safe command (2,); 0 if the parameters are unsound."""
         return ca.if_else(self.sound, self.safe, 0)
 
     @cached_property
     def following(self) -> Sides:
-        """Bounds of the speed at the next sample, behind the safe command."""
+        """Bounds of the speed at the next sample, after the safe command."""
         return [
             [
                 motion.following(side[i], self._targets(way, i, self.safe))
@@ -220,7 +220,7 @@ class Governor:
         ]
 
     def _targets(self, way: int, number: int, newest: ca.SX | None = None) -> list[ca.SX]:
-        """Speed towards which each command may drive a channel, by its age; [0]: the newest."""
+        """Steady speed to which each command may drive a channel, by its age; [0]: the newest."""
         first = self.before[0].sym if newest is None else newest
         commands, channel = [first, *(item.sym for item in self.before)], self.channels[number]
         most = drive if way > 0 else drive_back
@@ -250,12 +250,12 @@ class Governor:
 
 
 def contradiction(V: ca.SX) -> ca.SX:
-    """Tolerance by which bounds of a speed may fall short of each other [m/s, rad/s]."""
+    """Tolerance [m/s, rad/s] for a contradiction between two bounds of a speed."""
     return AGREED * V
 
 
 def stated(p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Gain, least and largest of each axis, and push, as they are stated."""
+    """The stated gains, least and largest of each axis, and the stated push."""
     return *gains_of(p), p.take("filter.d")
 
 

@@ -1,4 +1,4 @@
-"""The numbers that the guard counts on: stated, or derived from the scenario and its effects."""
+"""The numbers that the guard assumes: stated, or derived from the scenario and its effects."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -31,14 +31,14 @@ LATENESS = ("delay", "lag", "age", "window")
 
 
 def rounding(in_flight: int) -> float:
-    """Share of v_u1 that is kept back against rounding, with commands ``in_flight``."""
+    """Share of v_u1 reserved for rounding, for ``in_flight`` commands."""
     return ROUNDING * (1 + in_flight)
 
 
 class GuardNumbers(Guard):
-    """A guard's numbers as they were stated or implied, whether or not they can be met.
+    """A guard's numbers as stated or implied, whether or not they can be met.
 
-    ``age`` and ``window`` are what all sensors together add up to (`Bound`).
+    ``age`` and ``window`` are the totals over all sensors (`Bound`).
     """
 
     age: tuple[float, float] = quantity(
@@ -49,7 +49,7 @@ class GuardNumbers(Guard):
     )
 
     def relate(self) -> None:
-        """Nothing is refused here: an unguarded run may state what no guard could keep."""
+        """Refuse nothing: an unguarded run may state numbers that no guard could meet."""
 
     @property
     def latest(self) -> float:
@@ -58,7 +58,7 @@ class GuardNumbers(Guard):
 
     @property
     def jitter(self) -> float:
-        """Largest amount by which a command can be less late [s]."""
+        """Largest amount by which a command can be earlier than the latest [s]."""
         return pair_of(self.delay)[1] - pair_of(self.delay)[0]
 
     @property
@@ -72,22 +72,22 @@ class GuardNumbers(Guard):
         return first, second
 
     def since_last(self, clock: Clock) -> tuple[Since | None, Since | None]:
-        """Their weights in the velocity change since the previous sample."""
+        """Weights of past commands in the velocity change since the previous sample."""
         first, second = (since_last(self._times(clock, axis)) for axis in AXES)
         return first, second
 
     def knows_force(self, delay: float, lag: float) -> bool:
-        """True if velocities are measured at once, and drives have this delay and lag and no other.
+        """True if velocities have no age and the drives' delay and lag are exactly these.
 
-        The mean force of a sample is known then.
+        Then the mean force of a sample is known.
         """
         known = self.delay == (delay, delay) and self.lag == (lag, lag)
         return known and not (any(self.age) or any(self.window))
 
     def commands(self, clock: Clock, delay: float, lag: float) -> int:
-        """Number of past commands that the guard or its monitor counts.
+        """Number of past commands that the guard or its monitor uses.
 
-        Where ``delay`` and ``lag`` of the drives tell the force, the monitor counts none.
+        If ``delay`` and ``lag`` determine the force, the monitor uses none.
         """
         count = max(item.commands for item in self.lateness(clock))
         if self.knows_force(delay, lag):
@@ -101,7 +101,7 @@ class GuardNumbers(Guard):
 
 
 def assumptions(scenario: Scenario, guard: Guard) -> Assumptions:
-    """A guard's assumptions on the motion, be it on or off."""
+    """A guard's assumptions on the motion, whether it is on or off."""
     low, high = pair_of(guard.M_min), pair_of(guard.M_max)
     force = stopping_force(high, scenario.limits.v_u1, scenario.clock.control)
     dbar, nbar, alpha = pair_of(guard.dbar), guard.nbar, guard.alpha
@@ -109,7 +109,7 @@ def assumptions(scenario: Scenario, guard: Guard) -> Assumptions:
 
 
 def derived_guard(scenario: Scenario, bound: Bound, tau_max: float) -> GuardNumbers:
-    """Guard numbers as of `feasible_guard`, also where that refuses."""
+    """Guard numbers as in `feasible_guard`, even if that refuses them."""
     given = GuardNumbers(**asdict(scenario.guard), age=bound.age, window=bound.window)
     (low, high), add = mass_bounds(scenario), bound.mass
     stated = replace(
@@ -142,7 +142,7 @@ def mass_range(guard: Guard, axis: int) -> Pair:
 
 
 def slope(guard: Guard, axis: int) -> float:
-    """M_min alpha of one axis: by this the guard's ceiling falls with the speed [N s/m, N m s]."""
+    """M_min alpha of one axis: slope of the guard's ceiling against the speed [N s/m, N m s]."""
     return mass_range(guard, axis)[0] * float(guard.alpha or 0.0)
 
 
@@ -152,25 +152,25 @@ def net(guard: Guard, axis: int) -> float:
 
 
 def aim(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
-    """v_u1 less the margin against rounding [m/s or rad/s]."""
+    """v_u1 less the margin for rounding [m/s or rad/s]."""
     count = max(item.roundings for item in guard.lateness(scenario.clock))
     return scenario.limits.v_u1[axis] * (1.0 - rounding(count))
 
 
 def lateness_time(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
-    """Time during which sent commands still count: window, delay and lag together [s]."""
+    """Time during which sent commands matter: window, delay and lag together [s]."""
     return scenario.clock.control * guard.lateness(scenario.clock)[axis].most
 
 
 def mixed_time(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
-    """Time in which either of two commands may act, as the mean counts it [s]."""
+    """Time in which either of two commands may act, weighted as for the mean [s]."""
     return scenario.clock.control * guard.lateness(scenario.clock)[axis].mixed
 
 
 def reach(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
-    """M_min (v_u1 - f_speed)/(1/alpha + lateness) of one axis [N or N m]: its brake.
+    """Braking force M_min (v_u1 - f_speed)/(1/alpha + lateness) of one axis [N or N m].
 
-    With jitter at most M_min (v_u1 - 2 nbar)/mixed, too.
+    With jitter it is also at most M_min (v_u1 - 2 nbar)/mixed.
     """
     alpha, mixed = float(guard.alpha or 0.0), mixed_time(scenario, guard, axis)
     u1 = aim(scenario, guard, axis)
@@ -182,15 +182,15 @@ def reach(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
 
 
 def pair_of(pair: Pair | None) -> Pair:
-    """A pair that is there once the numbers are derived."""
+    """The pair, which is never None once the numbers are derived."""
     assert pair is not None
     return pair
 
 
 def _derived_brake(scenario: Scenario, guard: GuardNumbers, tau_max: float) -> Pair:
-    """The largest allowed without torque limits, else dbar and a share of the spare torque.
+    """The largest allowed brake without torque limits, else dbar and a share of the spare torque.
 
-    The wheels' reach is counted less ROUNDING of it: what is computed of the sum is within reach.
+    The wheels' reach is reduced by ROUNDING, so that the computed sum is within reach.
     """
     caps = tuple(max(reach(scenario, guard, i) - net(guard, i), 0.0) for i in AXES)
     if math.isinf(tau_max):
@@ -222,7 +222,7 @@ _PARTS: Mapping[str, Callable[[Bound], Pair]] = {
 
 @dataclass(frozen=True)
 class SourcedNumber:
-    """A number that the guard counts on, per axis or from least to most, and its sources."""
+    """A number that the guard assumes, per axis or as (least, most), and its sources."""
 
     name: str
     value: Pair

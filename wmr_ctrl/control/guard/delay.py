@@ -1,8 +1,8 @@
-"""The guard with late velocities or behind slow drives: what was sent cannot be called back.
+"""The guard with late velocities or slow drives: commands in transit cannot be recalled.
 
-A command that is computed now acts only after the delay.  Until then the commands that were sent
-before it act, and where the measured velocity is old they have acted since.  By the time the new
-one takes over, v can have risen, and -v can have risen, by at most
+A command that is computed now acts only after the delay.  Until then the earlier commands act, and
+if the measured velocity is old they have acted since it.  By the time the new command takes effect,
+v can have risen, and -v can have risen, by at most
 
     ahead = sum tau_j max(F_j + net, 0)/M_min,      back = sum tau_j max(net - F_j, 0)/M_min,
 
@@ -11,8 +11,8 @@ command acts for tau_j from now on.  The guard counts that as speed: the limit i
 
     reached = max(max(y + nbar, f_speed) + ahead, f_speed + ahead counted from the oldest instant)
 
-leaves.  The second part is there for means alone: friction may have stopped the robot within the
-window.  With a jitter J of the delay, the last command may act for J more.
+leaves.  The second part matters only for averaged velocities: friction may have stopped the robot
+within the window. With a jitter J of the delay, the last command may act for J more.
 
 So that the room ahead and the room behind never run out together, no command may be larger than
 
@@ -54,7 +54,7 @@ Both = tuple[ca.SX, ca.SX]
 
 @dataclass(frozen=True)
 class Lagging:
-    """Z [N or N m] when the new command may first take over, ``now``, and when it is sure to.
+    """Z [N or N m] at the earliest (``now``) and the latest start of the new command.
 
     A command of larger p than Z counts for ``rise`` [s] more of the difference than for the time T
     that it acts, for ``rise_late`` more than for T + J.
@@ -67,12 +67,12 @@ class Lagging:
 
     @property
     def mirrored(self) -> Lagging:
-        """The same seen in the other direction."""
+        """This value for the opposite direction."""
         now, after = self.now[::-1], self.after[::-1]
         return Lagging((now[0], now[1]), (after[0], after[1]), self.rise, self.rise_late)
 
     def left(self, room: ca.SX, again: ca.SX, b: Bounds) -> list[ca.SX]:
-        """Bounds on the room left [m/s or rad/s] less ``again``, for a p larger than Z."""
+        """Bounds [m/s or rad/s] on the room, less ``again``, for a p larger than Z."""
         sure = room - again + self.rise * self.after[0] / b.M_min
         lines = [sure / (1 + b.alpha * self.rise)]
         if b.jitter is not None:
@@ -83,11 +83,11 @@ class Lagging:
 
 @dataclass(frozen=True)
 class InFlight:
-    """Most that an axis' commands in flight add to v (ahead) and to -v (back) [m/s or rad/s].
+    """Largest change of v (ahead) and -v (back) by an axis' commands in transit [m/s or rad/s].
 
-    ``since_rest``: the same counted from the window's oldest instant; ``again``: what the last
-    command adds where the new one comes as late as it may; ``slow``: what is felt behind a lag that
-    varies.  None where that makes no difference.
+    ``since_rest``: counted from the window's oldest time; ``again``: the last command's share if
+    the new one comes as late as possible; ``slow``: the push that acts behind a varying lag.  None
+    if it makes no difference.
     """
 
     ahead: ca.SX
@@ -97,24 +97,24 @@ class InFlight:
     slow: Lagging | None = None
 
     def plus(self, other: InFlight, share: float) -> InFlight:
-        """The sums with a share of others'."""
+        """These sums plus ``share`` times the other's."""
         return InFlight(self.ahead + share * other.ahead, self.back + share * other.back)
 
     @property
     def mirrored(self) -> InFlight:
-        """The same seen in the other direction."""
+        """This value for the opposite direction."""
         rest, again = (item and item.mirrored for item in (self.since_rest, self.again))
         return InFlight(self.back, self.ahead, rest, again, self.slow and self.slow.mirrored)
 
     def reached(self, fastest: ca.SX, b: Bounds) -> ca.SX:
-        """Largest v+ when the new command takes over at the earliest, from ``fastest`` measured."""
+        """Largest v+ at the earliest start of the new command, from the measured ``fastest``."""
         measured = fastest + self.ahead
         if self.since_rest is None:
             return measured
         return ca.fmax(measured, b.f_speed + self.since_rest.ahead)
 
     def left(self, room: ca.SX, b: Bounds) -> ca.SX:
-        """Room [m/s or rad/s] less the push of either command until the new one is sure to act."""
+        """Room [m/s or rad/s] less the push of both commands until the new one surely acts."""
         lines, again = [room], ca.SX(0)
         if self.again is not None:
             assert b.jitter is not None
@@ -126,7 +126,7 @@ class InFlight:
 
 
 def in_flight(sent: Sent, axis: int, b: Bounds) -> InFlight:
-    """Sums over forces that were sent, with the periods for which each counts."""
+    """Sums over the sent forces, each with the number of periods for which it acts."""
     ahead, back = ca.SX(0), ca.SX(0)
     for force, periods in sent:
         ways = ca.horzsplit(force[axis, :])
@@ -150,7 +150,7 @@ def delayed_push(
 ) -> InFlight | None:
     """Push of ``forces`` (2,), the latest first, and of the older ones in ``tails``.
 
-    None where nothing is late.
+    None if nothing is late.
     """
     if late.at_once:
         return None
@@ -170,7 +170,7 @@ def delayed_push(
 def _felt(
     forces: Sequence[ca.SX], late: Counting, numbers: Varying, axis: int, b: Bounds, tails: Tails
 ) -> InFlight:
-    """Integrals of the push that can be felt behind a varying lag, and b times its last value."""
+    """Integrals of the push that acts behind a varying lag, plus b times its last value."""
     ahead, back = tails.followed(forces, numbers.pieces, axis, b)
     left = b.period * numbers.longest
     mean, rest = (
@@ -193,7 +193,7 @@ def _felt(
 def moved_since(
     sent: Sequence[ca.SX], since: Since, axis: int, b: Bounds, tails: Tails
 ) -> tuple[InFlight, InFlight]:
-    """Motion since the previous sample that ``sent`` explains, as mean and rest count."""
+    """Motion since the previous sample that ``sent`` explains, with weights of mean and rest."""
     if since.varying:
         ahead, back = tails.followed(sent, since.varying.pieces, axis, b)
         return (
@@ -205,13 +205,13 @@ def moved_since(
 
 
 def acting(pieces: Sequence[Piece], forces: Sequence[ca.SX]) -> Sent:
-    """The forces of each piece with what it counts for; ``forces`` (2,), the latest first."""
+    """The forces of each piece, with their weight; ``forces`` (2,), the latest first."""
     return [(ca.horzcat(*(forces[j - 1] for j in which)), time) for which, time in pieces]
 
 
 @dataclass(frozen=True)
 class Followed:
-    """Integral of Z over the pieces [N s or N m s], as mean and rest count, and its end."""
+    """Integral of Z over the pieces [N s or N m s], weighted for mean and rest, and its end."""
 
     mean: ca.SX
     rest: ca.SX
@@ -221,8 +221,8 @@ class Followed:
 def follow(
     start: ca.SX, forces: Sequence[ca.SX], pieces: Sequence[Passage], axis: int, b: Bounds, way: int
 ) -> Followed:
-    """Push carried from ``start`` through the pieces; ``forces`` (2,), the latest first; ``way`` 1
-    or -1.
+    """Propagate the push from ``start`` through the pieces; ``forces`` (2,), the latest first;
+    ``way`` is 1 or -1.
     """
     mean, rest, z = ca.SX(0), ca.SX(0), start
     for item in pieces:
@@ -234,7 +234,7 @@ def follow(
 
 
 def push(forces: Sequence[ca.SX], b: Bounds, way: int) -> ca.SX:
-    """Largest max(F + net, 0), or max(net - F, 0) for -1, of forces of which any may act."""
+    """Largest max(F + net, 0), or max(net - F, 0) for way -1, over the forces that may act."""
     if way > 0:
         return ca.fmax(reduce(ca.fmax, forces) + b.net, 0)
     return ca.fmax(b.net - reduce(ca.fmin, forces), 0)
@@ -256,15 +256,15 @@ def waiting(z: ca.SX, p: ca.SX, time: Number, rise: Number) -> ca.SX:
 
 
 class Tails:
-    """State behind a lag, of commands older than those listed, both axes, both ways.
+    """State for commands older than those listed, behind a lag, for both axes and directions.
 
-    What they count for [N.s or N.m.s], or where the lag varies the push that is felt of them when
-    the oldest listed one begins [N or N.m].  Kept as a difference from where a force of 0 leads, so
-    that it starts at 0.
+    It is their weight [N.s or N.m.s] or, for a varying lag, the push from them that acts when the
+    oldest listed one begins [N or N.m].  It is stored as the difference from the value for a force
+    of 0, so that it starts at 0.
     """
 
     def __init__(self, name: str, late: tuple[Counting, Counting]) -> None:
-        """``name`` of the state; there is none without a lag."""
+        """Create the state called ``name``; there is none without a lag."""
         self.late = late
         unit, meaning = "N.s, N.s, N.m.s, N.m.s", "what older commands still do"
         if late[0].varying or late[1].varying:
@@ -275,7 +275,7 @@ class Tails:
         self.state: tuple[Port, ...] = (port(signal),) if late[0].lag or late[1].lag else ()
 
     def added(self, sums: InFlight, axis: int, b: Bounds, *, averaged: bool = False) -> InFlight:
-        """The sums of listed commands with those of older ones."""
+        """The sums of listed commands plus those of older ones."""
         tail = self.late[axis].tail
         if tail is None:
             return sums
@@ -287,13 +287,13 @@ class Tails:
     def followed(
         self, forces: Sequence[ca.SX], pieces: Sequence[Passage], axis: int, b: Bounds
     ) -> tuple[Followed, Followed]:
-        """Push ahead and back behind a lag that varies, from the oldest listed command on."""
+        """Push ahead and back behind a varying lag, from the oldest listed command on."""
         starts = [self.state[0].sym[2 * axis + i] + ca.fmax(b.net, 0) for i in (0, 1)]
         ahead = follow(starts[0], forces, pieces, axis, b, 1)
         return ahead, follow(starts[1], forces, pieces, axis, b, -1)
 
     def following(self, forces: Sequence[ca.SX], both: Bounds) -> ca.SX:
-        """The next state; ``forces`` (2,) with the new one first."""
+        """The next state; ``forces`` (2,) start with the new one."""
         rows = [self._next(axis, forces, both.axis(axis)) for axis in (0, 1)]
         return ca.vertcat(*rows) if self.state else ca.SX(0, 1)
 

@@ -9,7 +9,8 @@ velocity y:
     hi(y)   = max(slope room(y) - net, -brake),     slope = M_min alpha inside, M_max/T outside
     lo(y)   = -hi(-y),                              F = min(max(asked, lo), hi)
 
-With late velocities or drives the room shrinks by what was sent meanwhile (see `guard.delay`).
+With late velocities or drives the room shrinks by the effect of commands in transit (see
+`guard.delay`).
 
 No logarithm, no model of the friction, nothing that the law knows.  Choose it whenever the limit
 has to hold; its price is the speed that the bounds cost (see `usable_speed`).
@@ -40,11 +41,11 @@ NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed
 
 @dataclass(frozen=True)
 class Bounds:
-    """Symbols (or numbers) of one axis that the guard's formula reads; SI units as in Guard.
+    """Symbols (or numbers) of one axis in the guard's formula; SI units as in Guard.
 
-    ``delay`` [s] is all that may count of what was sent, ``mixed`` [s] that of pieces in which one
-    of two commands acts, ``jitter`` [s] by how much a delay varies: what the graph was built for,
-    None where there is no such thing.
+    ``delay`` [s] is the total time that sent commands may matter, ``mixed`` [s] that of pieces in
+    which one of two commands acts, ``jitter`` [s] the variation of the delay: values for which the
+    graph was built, None if absent.
     """
 
     u1: ca.SX
@@ -63,12 +64,12 @@ class Bounds:
 
     @property
     def net(self) -> ca.SX:
-        """Disturbance less the friction that is sure to act [N or N m]."""
+        """Disturbance less the least friction [N or N m]."""
         return self.dbar - self.f_min
 
     @property
     def cap(self) -> ca.SX:
-        """Most that it may brake with; without delay also what hi is at rest."""
+        """Upper bound of the braking force; without delay also hi at rest."""
         reach = self.M_min * self.alpha * (self.u1 - self.f_speed)
         reach = reach if self.delay is None else reach / (1 + self.alpha * self.delay)
         if self.mixed is not None:
@@ -77,11 +78,11 @@ class Bounds:
 
     @property
     def braking(self) -> ca.SX:
-        """Largest force with which it brakes [N or N m]."""
+        """Largest braking force [N or N m]."""
         return ca.fmin(self.brake, self.cap)
 
     def axis(self, i: int) -> "Bounds":
-        """The bounds of axis ``i``, for bounds that hold both."""
+        """The bounds of axis ``i``, from bounds of both axes."""
 
         def own(value: ca.SX) -> ca.SX:
             return value[i] if value.numel() > 1 else value
@@ -93,7 +94,7 @@ class Bounds:
 
 
 def bounds_of(p: Parameters, late: tuple[Counting, Counting]) -> Bounds:
-    """Symbols of both axes' bounds with the guard's numbers; u1 is shrunk against rounding."""
+    """Symbols of both axes' bounds with the guard's numbers; u1 less the rounding margin."""
     read = {name: p.take(f"guard.{name}") for name in NUMBERS}
     period = p.take("clock.control")
     u1 = p.take("limits.v_u1") * (1 - rounding(max(item.roundings for item in late)))
@@ -108,14 +109,14 @@ def bounds_of(p: Parameters, late: tuple[Counting, Counting]) -> Bounds:
 
 
 def _times(period: ca.SX, each: Sequence[float]) -> ca.SX | None:
-    """Times of both axes from numbers of periods; one if they are equal, None if there are none."""
+    """Times of both axes from numbers of periods; a scalar if equal, None if all are 0."""
     if not any(each):
         return None
     return period * (each[0] if each[0] == each[1] else ca.SX(ca.DM(each)))
 
 
 def room(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
-    """Room of one axis to its limit at the measured velocity y [m/s or rad/s]."""
+    """Room of one axis up to its limit at the measured velocity y [m/s or rad/s]."""
     fastest = ca.fmax(y + b.nbar, b.f_speed)
     if coming is None:
         return b.u1 - fastest
@@ -123,9 +124,9 @@ def room(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
 
 
 def ceiling(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
-    """hi(y) of one axis [N or N m]: largest force that is safe at the measured velocity y.
+    """hi(y) of one axis [N or N m]: largest safe force at the measured velocity y.
 
-    ``coming`` goes with bounds that have a delay.
+    ``coming`` is needed for bounds with a delay.
     """
     left = room(y, b, coming)
     slope = ca.if_else(left >= 0, b.M_min * b.alpha, b.M_max / b.period)
@@ -134,17 +135,17 @@ def ceiling(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
 
 
 def floor(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
-    """lo(y) of one axis [N or N m]: smallest force that is safe."""
+    """lo(y) of one axis [N or N m]: smallest safe force."""
     return -ceiling(-y, b, None if coming is None else coming.mirrored)
 
 
 def clipped(asked: ca.SX, y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
-    """The nearest safe force of one axis; a force that is not a number becomes a safe one."""
+    """The nearest safe force of one axis, also for NaN."""
     return ca.fmin(ca.fmax(asked, floor(y, b, coming)), ceiling(y, b, coming))
 
 
 def feasible(b: Bounds) -> ca.SX:
-    """1 where lo <= hi for every y, hence where there is always a safe force; else 0."""
+    """1 if lo <= hi for every y, so that a safe force always exists; else 0."""
     need = 2 * b.net if b.delay is None else 2 * b.net * (1 + b.alpha * b.delay)
     conditions = [
         need <= b.M_min * b.alpha * (b.u1 - b.f_speed),
@@ -161,7 +162,7 @@ def feasible(b: Bounds) -> ca.SX:
 
 @dataclass(frozen=True)
 class Guarded:
-    """Output of the guard: both axes' force, the safe point, whether it acted."""
+    """Output of the guard: both axes' force, the safe point, whether it changed the force."""
 
     force: ca.SX
     safe: ca.SX
@@ -176,7 +177,7 @@ def guarded(
 ) -> Guarded:
     """Pass (thrust, moment) [N, N m] through both axes' guards at measured velocity (2,).
 
-    ``coming``: what each axis' commands under way count for, where they do.
+    ``coming``: effect of each axis' commands in transit, if any.
     """
     axes = [(v[i], both.axis(i), coming[i]) for i in (0, 1)]
     force = ca.vertcat(*(clipped(asked[i], *axis) for i, axis in enumerate(axes)))
@@ -185,24 +186,24 @@ def guarded(
 
 
 def possible(both: Bounds, phi: ca.SX, half_track: ca.SX, built_for: Sequence[ca.SX] = ()) -> ca.SX:
-    """1 where both axes' bounds can be met, by the wheels too (``phi`` = 2 tau_max/r [N]).
+    """1 if both axes' bounds can be met, also by the wheels (``phi`` = 2 tau_max/r [N]).
 
-    0 as well where drives are not what the graph was ``built_for``, conditions of its parameters.
+    0 also if the drives violate the conditions ``built_for`` of the graph's parameters.
     """
     axes = ca.logic_and(feasible(both.axis(0)), feasible(both.axis(1)))
     return reduce(ca.logic_and, [axes, within_reach(both, phi, half_track), *built_for])
 
 
 def within_reach(both: Bounds, phi: ca.SX, half_track: ca.SX) -> ca.SX:
-    """1 where the wheels can brake both axes at once, FB1 + FB2/l <= phi; else 0."""
+    """1 if the wheels can brake both axes at the same time, FB1 + FB2/l <= phi; else 0."""
     first, second = (b.braking for b in (both.axis(0), both.axis(1)))
     return first + second / half_track <= phi
 
 
 def linear_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None = None) -> ca.SX:
-    """Force (N, N m) within the wheels' reach phi [N]: thrust first, the moment takes the rest.
+    """Force (N, N m) within the wheels' reach phi [N]: thrust first, then the moment.
 
-    The thrust leaves what the moment of the safe point (2,) needs.
+    The thrust leaves room for the moment of the safe point (2,).
     """
     room = phi if safe is None else phi - ca.fabs(safe[1]) / half_track
     thrust = _clip(force[0], room)
@@ -211,7 +212,7 @@ def linear_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None
 
 
 def rotation_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None = None) -> ca.SX:
-    """The same with the axes' order exchanged: the moment first, the thrust takes the rest."""
+    """Force (N, N m) within the wheels' reach phi [N]: moment first, then the thrust."""
     room = phi if safe is None else phi - ca.fabs(safe[0])
     moment = _clip(force[1], half_track * room)
     thrust = _clip(force[0], phi - ca.fabs(moment) / half_track)

@@ -1,4 +1,4 @@
-"""Cost of the guard: the steady speeds that it leaves, beside those the reference asks for."""
+"""Cost of the guard: the steady speeds that it allows, compared with the reference's."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,10 +12,10 @@ from .bounds import AXES, GuardNumbers, Pair, mass_range, net, pair_of, slope
 
 @dataclass(frozen=True)
 class SpeedPrice:
-    """Speeds of both axes [m/s, rad/s], against the largest friction of the run.
+    """Speeds of both axes [m/s, rad/s], for the largest friction of the run.
 
-    ``usable``: largest steady ones that the guard admits; ``unbeatable``: no guard can admit more;
-    ``asked``: the largest of the reference.
+    ``usable``: largest steady speeds that the guard admits; ``unbeatable``: no guard can admit
+    more; ``asked``: the largest of the reference.
     """
 
     usable: Pair
@@ -24,13 +24,13 @@ class SpeedPrice:
 
     @property
     def short(self) -> tuple[bool, bool]:
-        """True if the reference asks for more than is usable, per axis."""
+        """True, per axis, if the reference is faster than is usable."""
         return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]
 
 
 @lru_cache(maxsize=64)
 def speed_price(scenario: Scenario, guard: GuardNumbers) -> SpeedPrice:
-    """Usable speeds by `usable_speed`; friction brakes the way ahead, and no turn."""
+    """Usable speeds by `usable_speed`; friction acts on v1 and not on turning."""
     friction = (largest_friction(scenario), 0.0)
     slowest, fastest, turning = reference_bounds(scenario)
     return SpeedPrice(
@@ -43,15 +43,16 @@ def speed_price(scenario: Scenario, guard: GuardNumbers) -> SpeedPrice:
 def usable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
     """Largest steady speeds that the guard admits against ``friction`` [N, N m], per axis.
 
-    See `usable_formula`.  Negative where the guard would not let the robot move at all, which is
-    also where the same with the whole window is above v_u1 - f_speed, the measured speed left out.
+    See `usable_formula`.  Negative if the guard would not let the robot move at all; this happens
+    exactly if the same value with the whole window exceeds v_u1 - f_speed, without the measured
+    speed.
     """
     first, second = (_usable(scenario, guard, friction[i], i) for i in AXES)
     return first, second
 
 
 def usable_formula(guard: GuardNumbers, axis: int) -> str:
-    """The formula of `usable_speed`, with the times that ``guard`` has."""
+    """Formula of `usable_speed` as text, with the times that ``guard`` has."""
     late = guard.age[axis] or guard.window[axis] or guard.slowest
     time = "age + window/2 + delay + lag" if late else "delay"
     return f"v_u1 - nbar - ({('friction + ', '')[axis]}dbar - f_min) (1/alpha + {time})/M_min"
@@ -67,11 +68,11 @@ def _usable(scenario: Scenario, guard: GuardNumbers, friction: float, i: int) ->
 
 
 def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
-    """No guard can admit larger steady speeds; arguments as in `usable_speed`.
+    """Largest steady speeds that any guard can admit; arguments as in `usable_speed`.
 
-    v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M: the friction that a steady
-    force has overcome may go and the push come right after what a sample sees of the velocity, and
-    the command of that sample acts until T + delay after it.
+    v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M: the friction that a steady force
+    overcomes may vanish and the push begin just after a sample's velocity was measured, and that
+    sample's command acts until T + delay after it.
     """
     first, second = (
         scenario.limits.v_u1[i]
@@ -85,7 +86,7 @@ def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) ->
 
 
 def early_speed(guard: GuardNumbers) -> Pair:
-    """Speed that a push can add before the first command acts, or behind a lag after it.
+    """Speed that a push can add before the first command acts (behind a lag: has acted).
 
     (delay + lag) (dbar - f_min)/M [m/s, rad/s], M the smallest mass or inertia.
     """

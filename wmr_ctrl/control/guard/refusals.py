@@ -1,4 +1,4 @@
-"""Refusal of limits that no guard, or this one, can meet: inequality, numbers, remedy."""
+"""Refusal of limits that no guard, or not this one, can meet: inequality, numbers, remedy."""
 
 import math
 from collections.abc import Callable
@@ -41,11 +41,10 @@ SLACK = 1e-9
 def feasible_guard(
     scenario: Scenario, bound: Bound, tau_max: float, bound_of: BoundOf | None = None
 ) -> GuardNumbers:
-    """The scenario's guard with every number in it, for wheels with ``tau_max`` [N m].
+    """The scenario's guard with all its numbers, for wheels with ``tau_max`` [N m].
 
-    ``bound`` is what the effects add up to, ``bound_of`` what they would with other numbers, by
-    default the same.  Raises ScenarioError where no force keeps the limit, with inequality,
-    numbers and remedy.
+    ``bound`` is the effects' sum, ``bound_of`` the same for other numbers.  Raises ScenarioError if
+    no force keeps the limit, with inequality, numbers and remedy.
     """
     complete = derived_guard(scenario, bound, tau_max)
     Guard.relate(complete)
@@ -128,7 +127,7 @@ def _check_push(
 
 
 def _lower(scenario: Scenario, bound: Bound, name: str, i: int, most: float) -> str:
-    """The remedy by dbar or nbar: the key if it is stated and may be ``most``, else its cause."""
+    """Remedy by dbar or nbar: the key if it is stated and may be ``most``, else its cause."""
     stated, true, causes, unit = {
         "dbar": (
             scenario.guard.dbar,
@@ -147,10 +146,10 @@ def _lower(scenario: Scenario, bound: Bound, name: str, i: int, most: float) -> 
 def _heavier(
     scenario: Scenario, guard: GuardNumbers, bound: Bound, bound_of: BoundOf, i: int, share: float
 ) -> str:
-    """The remedy by mass: the key as it must be written where that is true, else another robot.
+    """Remedy by mass: the key's new value if that is true of the robot, else another robot.
 
-    ``share``: mass or inertia that is needed for each N or N m of 2 (dbar - f_min).  Empty where a
-    heavier robot is pushed harder and none is found.
+    ``share``: mass or inertia needed per N or N m of 2 (dbar - f_min).  Empty if a heavier robot is
+    pushed harder and none is found.
     """
     unit, least = MASS_UNITS[i], _above(2.0 * net(guard, i) * share)
     if min(mass for _, mass in masses(scenario, i)) - bound.mass[i] < least:
@@ -170,7 +169,7 @@ def _heavier(
 
 
 def _lateness_words(guard: GuardNumbers, i: int, late: float, alpha: float) -> tuple[str, str]:
-    """Suffixes of the inequality and of its numbers where something is late."""
+    """Suffixes of the inequality and of its numbers for late velocities or drives."""
     if late == 0:
         return "", ""
     divided = f"/{1 + alpha * late:g}"
@@ -201,7 +200,7 @@ def _check_mixed(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) 
 
 
 def _sooner(scenario: Scenario, longest: float, alpha: float, late: float, delay: float) -> str:
-    """The remedies by time, for 1/alpha + ``late`` <= ``longest`` [s]; none where neither does."""
+    """Remedies by time, for 1/alpha + ``late`` <= ``longest`` [s]; empty if none helps."""
     others = late - delay
     shorter = delay > 0 and longest >= 1.0 / alpha + others
     most = max(longest - 1 / alpha - others, 0.0)
@@ -212,7 +211,7 @@ def _sooner(scenario: Scenario, longest: float, alpha: float, late: float, delay
 
 
 def _earlier(scenario: Scenario, most: float) -> str:
-    """The remedy by delay: of what the guard is told, else of all that delays, in plant steps."""
+    """Remedy by delay: guard.delay if it is stated, else all delays together, in plant steps."""
     if scenario.guard.delay is not None:
         return f"with guard.delay[2] <= {_below(most):g} s, if that is true"
     names = [key for key in LATE if scenario.value(f"actuator.{key}")[0]] or LATE[:1]
@@ -222,7 +221,7 @@ def _earlier(scenario: Scenario, most: float) -> str:
 
 
 def _faster(scenario: Scenario, alpha: float) -> str:
-    """The remedy by rate: a larger alpha where T allows it, else a shorter T."""
+    """Remedy by rate: a larger alpha if T allows it, else a shorter T."""
     clock = scenario.clock
     if _above(alpha) * clock.control <= 1.0:
         return f"from guard.alpha >= {_above(alpha):g} 1/s on"
@@ -238,9 +237,9 @@ def _check_brake(
     robot, brake = scenario.robot, pair_of(guard.brake)
 
     def pushed(limit: float) -> float:
-        """Push on the wheels with another torque limit, which effects may read [N].
+        """Push on the wheels [N] for another torque limit, which effects may depend on.
 
-        inf where the guard would be refused for another reason then.
+        inf if the guard would then be refused for another reason.
         """
         other = override(scenario, {"actuator.tau_max": limit})
         pushes = bound_of(other)
@@ -266,7 +265,7 @@ def _check_brake(
 
 
 def _pushed(guard: GuardNumbers, half_track: float) -> Pair:
-    """dbar - f_min of both axes as forces at the wheels [N]; nothing where friction is larger."""
+    """dbar - f_min of both axes as forces at the wheels [N]; 0 if friction is larger."""
     return max(net(guard, 0), 0.0), max(net(guard, 1), 0.0) / half_track
 
 
@@ -293,10 +292,10 @@ def _refuse_wheels(
 
 
 def _enough(needed: Callable[[float], float], least: float, r: float) -> float | None:
-    """The torque limit [N m], at least ``least``, from which on the wheels hold; None for none.
+    """Smallest sufficient torque limit [N m] from ``least`` on; None if there is none.
 
-    ``needed``: the force [N] to hold against at a limit.  It may grow with the limit, so the limit
-    is tried: doubled until it is enough, then halved in between; four digits, rounded up.
+    ``needed``: required force [N] for a limit.  It may grow with the limit, so limits are tried:
+    doubled until sufficient, then bisected; four digits, rounded up.
     """
     low = high = float(rounded(least, 4))
     for _ in range(DOUBLINGS):
@@ -312,16 +311,16 @@ def _enough(needed: Callable[[float], float], least: float, r: float) -> float |
 
 
 def _told_apart(larger: float, smaller: float) -> tuple[str, str]:
-    """Two numbers that differ, with as many digits, six at least, as it takes to see that."""
+    """Two different numbers as texts, with at least six digits and enough to differ."""
     texts = ((f"{larger:.{n}g}", f"{smaller:.{n}g}") for n in range(6, 18))
     return next(pair for pair in texts if pair[0] != pair[1])
 
 
 def _above(value: float) -> float:
-    """A number of four digits that is larger."""
+    """A larger number with four digits."""
     return float(rounded(value * (1.0 + SLACK), 4))
 
 
 def _below(value: float) -> float:
-    """A number of four digits that is smaller, 0 for 0."""
+    """A smaller number with four digits; 0 for 0."""
     return float(rounded(max(value, 0.0) * (1.0 - SLACK), 4, up=False))

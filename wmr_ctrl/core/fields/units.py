@@ -1,4 +1,4 @@
-"""Values that look like a slip of units: usual sizes, and units mistaken for another; digits."""
+"""Values whose unit looks mistaken: usual sizes, units that are often confused; digits."""
 
 import math
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ OTHERS: Mapping[str, list[tuple[str, str]]] = UNITS["others"]
 
 
 def is_usual(value: float, usual: tuple[float, float]) -> bool:
-    """True if the size of a value lies in a range, and for 0 and what is not finite."""
+    """True if the size of a value is in a range; also for 0 and for values that are not finite."""
     return not value or not math.isfinite(value) or usual[0] <= abs(value) <= usual[1]
 
 
@@ -23,7 +23,7 @@ def written(usual: tuple[float, float]) -> str:
 
 
 def meant(value: float, unit: str, usual: tuple[float, float]) -> str:
-    """Ask for the units in which ``value`` would be usual; empty where there is none."""
+    """Ask whether ``value`` was meant in another unit, in which it would be usual; else empty."""
     here = f" {unit}" if unit != "1" else ""
     return " ".join(
         f"{words.capitalize()}? {value:g} {sign} is {value * size:.4g}{here}."
@@ -33,7 +33,7 @@ def meant(value: float, unit: str, usual: tuple[float, float]) -> str:
 
 
 def rounded(value: float, digits: int, up: bool = True) -> str:
-    """A number in significant digits, upwards or downwards unless it is one of them to 1e-12."""
+    """A number with ``digits`` significant digits, rounded up or down (tolerance 1e-12)."""
     if not (math.isfinite(value) and value):
         return f"{value:g}"
     exact = Decimal(value * (1 - 1e-12 if up == (value > 0) else 1 + 1e-12))
@@ -42,14 +42,14 @@ def rounded(value: float, digits: int, up: bool = True) -> str:
 
 
 def plain(value: float) -> str:
-    """A number of up to ten digits, without an exponent for sizes that a robot may have."""
+    """A number of up to ten digits, without an exponent for the sizes that occur on robots."""
     text = f"{value:.10g}"
     usual = math.isfinite(value) and (not value or 1e-6 <= abs(value) < 1e15)
     return f"{Decimal(text):f}" if usual else text
 
 
 def sized(value: float, unit: str, digits: int = 4) -> str:
-    """A number with its unit, in thousandths or millionths of it where it is below 0.1."""
+    """A number with its unit, in thousandths or millionths of the unit if it is below 0.1."""
     steps = ((1.0, ""), (1e3, "m"), (1e6, "µ")) if unit else ((1.0, ""),)
     fits = (step for step in steps if abs(value) * step[0] >= 0.1 or not value)
     size, prefix = next(fits, steps[-1])
@@ -57,5 +57,5 @@ def sized(value: float, unit: str, digits: int = 4) -> str:
 
 
 def length(value: float, up: bool = True) -> str:
-    """A length with its unit, in mm where it is short; never below its value, or never above."""
+    """A length with its unit, in mm if it is short; rounded up, or down without ``up``."""
     return f"{rounded(1e3 * value, 3, up)} mm" if value < 0.1 else f"{rounded(value, 3, up)} m"

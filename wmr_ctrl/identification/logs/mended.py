@@ -44,7 +44,7 @@ def evened(log: Log) -> Log:
         times[name] = stamps if even is None else even
     scatter, period = 1e3 * float(np.std(t - clock)), 1e3 * (clock[-1] - clock[0]) / (len(t) - 1)
     note = Note("clocks", "", f"stamps scatter by {scatter:.2g} ms about an even clock of "
-                f"{period:.4g} ms: the wheels turn smoother over it, and it is used.")  # fmt: skip
+                f"{period:.4g} ms, which is used: wheels turn more smoothly on it.")  # fmt: skip
     return replace(log, times=times, notes=(*log.notes, note))
 
 

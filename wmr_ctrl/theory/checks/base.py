@@ -1,4 +1,4 @@
-"""What a base that takes velocities makes of its commands, and where a path asks for more."""
+"""Effects of a base that takes velocities on its commands, and where a path demands more."""
 
 from collections.abc import Iterator
 from typing import TypeAlias
@@ -42,7 +42,7 @@ def dead(scenario: Scenario, pairs: Floats) -> dict[str, Bools]:
 
 
 def beyond_base(loop: Loop) -> Iterator[Warning]:
-    """Yield where the path turns tighter than the base, or asks for less than its dead band."""
+    """Yield where the path turns more tightly than the base, or asks less than its dead band."""
     scenario = loop.scenario
     if not loop.setup.takes_velocity:
         return

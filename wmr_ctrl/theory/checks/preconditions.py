@@ -32,7 +32,7 @@ def units(loop: Loop) -> Iterator[Warning]:
 
 
 def start(loop: Loop) -> Iterator[Warning]:
-    """Yield where the run starts outside or at the limit, and a law that does not look at it."""
+    """Yield a start outside or at the limit, and a law that ignores such a start."""
     limits = loop.scenario.limits
     back = "only the guard brings it back" if loop.guarded else "nothing certainly brings it back"
     for axis, (v, u1) in enumerate(zip(loop.start.v, limits.v_u1, strict=True)):
@@ -75,9 +75,10 @@ def _blind(loop: Loop) -> Iterator[Warning]:
 
 
 def preconditions(loop: Loop) -> Iterator[Warning]:
-    """Yield what of 0 < v1_d < v_u2[1], |v2_d| < v_u2[2], k_2 >= 1 does not hold.
+    """Yield those conditions of 0 < v1_d < v_u2[1], |v2_d| < v_u2[2], k_2 >= 1 that do not hold.
 
-    A law without barrier is asked to stay below v_u1; one without Eq. (7) about nothing else.
+    A law without a barrier need only stay below v_u1; a law without Eq. (7) has no further
+    conditions.
     """
     slowest, fastest, turning = reference_bounds(loop.scenario)
     if loop.traits.auxiliary and slowest <= STANDSTILL:
@@ -115,7 +116,7 @@ def _too_fast(loop: Loop, fastest: float) -> Iterator[Warning]:
 
 
 def _beyond(loop: Loop, axis: int, what: str, value: float, end: str) -> Iterator[Warning]:
-    """A speed of the reference that is not below what the law can hold: v_u2, or v_u1."""
+    """Yield a reference speed not below the largest that the law can keep: v_u2, or v_u1."""
     limits, unit = loop.scenario.limits, UNITS[axis]
     limit, name = limits.v_u1[axis], f"v_u1[{axis + 1}]"
     bound, raised = f"limits.{name} = {limit:g} {unit}", f"limits.{name}"
@@ -153,7 +154,7 @@ def _not_moving(loop: Loop, slowest: float) -> Warning:
 
 
 def late_drives(loop: Loop) -> Iterator[Warning]:
-    """Yield a delay of one sample, or a prediction over more than every command is sure to have."""
+    """Yield a delay of a sample or more, or a prediction beyond the shortest command delay."""
     stated, bound = loop.setup.prediction, loop.setup.bound
     true = bound.delay - bound.jitter
     if stated and stated > true * (1 + WHOLE):
@@ -188,7 +189,7 @@ def _late(loop: Loop) -> Warning:
 
 
 def noise(loop: Loop) -> Iterator[Warning]:
-    """Yield that no barrier is sure to hold against the noise: on its weakest axis."""
+    """Yield the weakest axis, if no barrier is sure to withstand the noise."""
     disturbance, robot = loop.scenario.disturbance, loop.scenario.robot
     if disturbance.std == 0 or loop.guarded or not loop.has_barrier:
         return
@@ -210,7 +211,7 @@ def noise(loop: Loop) -> Iterator[Warning]:
 
 
 def coarse_step(loop: Loop) -> Iterator[Warning]:
-    """Yield where a plant step is long for mu m g tanh(v1/v_s) at rest, whose slope is steepest."""
+    """Yield a plant step that is long for mu m g tanh(v1/v_s) at rest, where it is steepest."""
     step, robots = loop.scenario.clock.plant, [item.robot for item in phases(loop.scenario)]
     slope = max(steepness(robot) / robot.m for robot in robots)
     if step * slope <= COARSE:

@@ -122,7 +122,7 @@ def _remarks(loop: Loop) -> Iterator[str]:
     if not loop.setup.takes_velocity:
         return
     if loop.traits.estimates:
-        yield "its estimates move; what a transient leaves in them may let it settle beyond"
+        yield "its estimates move; after a transient they may let it settle beyond"
     sent = np.array([at.force for at in _rests(loop) if at]).reshape(-1, 2)
     if (np.abs(sent) @ (1.0, robot.l) > robot.r * base.w_max).any():
         yield "as if base.w_max let the commands pass that its path takes"

@@ -1,4 +1,4 @@
-"""Bases that take velocities: the command filter's statement that holds, and its price."""
+"""Bases that take velocities: the guarantee of the command filter, and its price."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -44,17 +44,17 @@ MOST_STEPS = 5000
 
 @dataclass(frozen=True)
 class FilterFacts:
-    """Result of a command filter on a scenario.
+    """Results of a command filter on a scenario.
 
-    ``gain``: largest gain that is counted on, of the clip of linear loops their peak gain, of the
-    axis where it is larger; ``usable_speed`` (linear, angular) [m/s, rad/s]: at rest on the weakest
-    base that is stated, of a command far beyond the limit; ``delay_cost``: what one
-    more millisecond of delay takes of it (of a band of one that is constant: others it refuses);
-    ``gain_cost``: what one more per cent of that gain takes; ``broken``: what of the theorem does
-    not hold.  Of linear loops ``overshoot`` is the largest
-    share by which a step overshoots, and ``overshoot_cost`` what one more per cent of it takes.  Of
-    a band ``rise`` [s] is how long commands far beyond the limit take to come to NEARLY all of it,
-    and ``rise_cost`` what one more per cent of overshoot adds: its speed at rest is hardly less.
+    ``gain``: largest assumed gain (of a clip of linear loops, the peak gain), of the larger axis;
+    ``usable_speed`` (linear, angular) [m/s, rad/s]: speed at rest on the weakest stated base, for a
+    command far beyond the limit; ``delay_cost``: its loss per further millisecond of delay (for a
+    band, of a constant delay: it refuses others); ``gain_cost``: its loss per further per cent of
+    that gain; ``broken``: conditions of the theorem that do not hold.  For linear loops
+    ``overshoot`` is the largest relative overshoot of a step, and ``overshoot_cost`` the loss per
+    further per cent of it. For a band ``rise`` [s] is the time until commands far beyond the limit
+    reach NEARLY all of it, and ``rise_cost`` the increase per further per cent of overshoot: its
+    speed at rest hardly changes.
     """
 
     kind: str
@@ -71,7 +71,7 @@ class FilterFacts:
 
 
 def filter_facts(setup: Setup) -> FilterFacts | None:
-    """The facts of a setup's filter; None where it has none."""
+    """The results of a setup's filter; None without a filter."""
     scenario, stated = setup.scenario, setup.scenario.filter
     if not setup.takes_velocity or stated.kind == "none":
         return None
@@ -110,13 +110,14 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
 
 
 def usable_speed(scenario: Scenario) -> Pair:
-    """Speeds at rest [m/s, rad/s] of the weakest base that the filter is stated for.
+    """Steady speeds [m/s, rad/s] of the weakest base that the filter is stated for.
 
-    The filter's own graph drives it, each axis by itself: the smallest gain, pushed back by d, with
-    odometry of the stated age in every step that tells too much by its whole error, or with none
-    where the sensors' is older.  At rest neither time constant nor delay counts.  Of a band what it
-    admits after eight times as many commands as its longest tables hold; of a governor of wheels,
-    whose weakest base is not known, what it admits without odometry, which is less.
+    The filter's own graph drives it, one axis at a time: the smallest gain, pushed back by d, with
+    odometry of the stated age that always reads too high by its whole error, or without odometry if
+    the sensors' is older.  In steady state neither time constant nor delay matters.  For a band:
+    the speed admitted after eight times as many commands as its longest tables contain; for a
+    governor of wheels, whose weakest base is not known: the speed admitted without odometry, which
+    is less.
     """
     filtering, stated = CommandFilter(scenario), scenario.filter
     alone = stated.channels == "body" and stated.wheel_speed is None
@@ -134,7 +135,7 @@ def usable_speed(scenario: Scenario) -> Pair:
 
 
 def hears(scenario: Scenario) -> bool:
-    """True where a governor's odometry is young enough for it to use."""
+    """True if a governor's odometry is young enough to be used."""
     stated, age = scenario.filter, scenario.section(VelocityMean).velocity_age
     young = age <= stated.age + NEAR * scenario.clock.control
     return stated.kind == "governor" and stated.odometry is not None and young
@@ -143,7 +144,7 @@ def hears(scenario: Scenario) -> bool:
 def _governed(
     filtering: CommandFilter, scenario: Scenario, asked: Sequence[float], axis: int
 ) -> float:
-    """Speed at which the weakest base of an axis comes to rest behind a governor."""
+    """Steady speed of the weakest base of an axis behind a governor."""
     stated = scenario.filter
     assert stated.odometry is not None
     (_, tau), (_, last), (K, _) = (stated.intervals(key)[axis] for key in ("tau", "delay", "gain"))
@@ -160,9 +161,9 @@ def _governed(
 
 
 def rise_times(scenario: Scenario) -> Pair | None:
-    """Times [s] after which a filter sends NEARLY all of its limits; None where it never does.
+    """Times [s] after which a filter sends NEARLY all of its limits; None if it never does.
 
-    Of commands far beyond them, from rest, each axis by itself; between samples on a line.
+    For commands far beyond them, from rest, one axis at a time; linear between samples.
     """
     scenario = override(scenario, {"filter.scale": "axes"})
     step, limits = CommandFilter(scenario).step, np.array(scenario.limits.v_u1)
@@ -182,7 +183,7 @@ def _swung(
     usable: Pair,
     of: Callable[[Scenario], Pair | None],
 ) -> Pair | None:
-    """The loss of ``of`` where steps of v, and of omega, overshoot by one per cent more."""
+    """Loss of ``of`` if steps of v, and of omega, overshoot by one per cent more."""
     costs = [0.0, 0.0]
     for axis, loop in enumerate(scenario.filter.loop):
         if loop == "first-order":
@@ -201,7 +202,7 @@ def _weakened(share: float, ends: Pair) -> Pair:
 
 
 def _steps(scenario: Scenario) -> int:
-    """Commands after which a filter sends all that it will."""
+    """Number of commands after which a filter's output is steady."""
     stated, T = scenario.filter, scenario.clock.control
     if stated.kind == "governor":
         times = zip(stated.intervals("tau"), stated.intervals("delay"), strict=True)
@@ -219,7 +220,7 @@ def _cost(
     overrides: Mapping[str, Intervals],
     of: Callable[[Scenario], Pair | None] | None = None,
 ) -> Pair | None:
-    """Loss of usable speed by a harder statement; None where the filter does not take that."""
+    """Loss of usable speed for a more demanding statement; None if the filter refuses it."""
     try:
         less = (of or usable_speed)(override(scenario, overrides))
     except ScenarioError:
@@ -228,7 +229,7 @@ def _cost(
 
 
 def filter_advice(setup: Setup) -> str:
-    """Which filter to set, of those that hold with what the scenario states for it."""
+    """Advice on which filter to set, among those that are valid for the scenario."""
     if assumed := [key for key in setup.scenario.assumed if key.startswith("filter.")]:
         return f"Before you set filter.kind, state {', '.join(assumed)}: nobody did."
     tried = (({"filter.kind": kind, "filter.trust": False}, kind) for kind in ("clip", "governor"))
@@ -239,7 +240,7 @@ def filter_advice(setup: Setup) -> str:
 
 
 def velocity_base(loop: Loop) -> Iterator[Warning]:
-    """Yield what is not promised of a base that takes velocities."""
+    """Yield what is not guaranteed for a base that takes velocities."""
     scenario = loop.scenario
     if not loop.setup.takes_velocity:
         return
@@ -255,7 +256,7 @@ def velocity_base(loop: Loop) -> Iterator[Warning]:
     if stated.kind == "governor" and stated.odometry is not None and not hears(scenario):
         yield Warning(
             "filter.age",
-            f"filter.age = {stated.age:g} s: the velocity that sensors tell is {sensed:g} s old, "
+            f"filter.age = {stated.age:g} s: the sensors' velocity is {sensed:g} s old, "
             "so the governor uses none of it and leaves no more than a clip. Raise filter.age to "
             f"{sensed:g} s, or leave out filter.odometry.",
             "docs/filter.md",

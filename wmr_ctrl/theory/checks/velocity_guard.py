@@ -37,7 +37,7 @@ SHAKEN = 0.25
 
 
 def contradicted(loop: Loop) -> Iterator[Warning]:
-    """Yield bounds that the scenario breaks: stated ones, and with the guard on believed ones."""
+    """Yield bounds that the scenario violates: stated and, with the guard on, believed ones."""
     setup = loop.setup
     for item in setup.broken if loop.guarded else contradictions(setup.scenario, setup.bound):
         yield Warning(item.key, item.sentence, PLACE)
@@ -57,9 +57,9 @@ def guard_price(loop: Loop) -> Iterator[Warning]:
 
 
 def void_effects(setup: Setup) -> Iterator[str]:
-    """Yield for each effect that breaks an assumption why, with the remedy; first the key.
+    """Yield, for each effect that violates an assumption, its key, the reason and the remedy.
 
-    Runs tell it by a remark of its own, and nothing goes wrong for it.
+    Runs report it by a separate remark, and it is no fault.
     """
     for effect in setup.effects:
         bound = effect.bounded(setup.scenario)
@@ -69,7 +69,7 @@ def void_effects(setup: Setup) -> Iterator[str]:
 
 
 def _early_start(loop: Loop) -> Iterator[Warning]:
-    """A start inside the limit that a push can leave before the first command acts."""
+    """Yield a start within the limit that a push can leave before the first command acts."""
     scenario = loop.scenario
     gained = early_speed(loop.setup.guard)
     for i, (speed, unit) in enumerate(zip(SPEEDS, UNITS, strict=True)):
@@ -105,7 +105,7 @@ def _too_fast(loop: Loop, price: SpeedPrice, axis: int) -> Warning:
 
 
 def violent_alpha(loop: Loop) -> Iterator[Warning]:
-    """Yield where the velocity's error, through the guard's slope, shakes the torques."""
+    """Yield a velocity error that the guard's slope turns into shaking torques."""
     if not loop.guarded:
         return
     guard, robot, numbers = loop.scenario.guard, loop.scenario.robot, loop.setup

@@ -47,12 +47,12 @@ class Reference(Section, key="reference"):
     )
 
     def stated(self, name: str) -> float | None:
-        """Value of a number; None where it is left out."""
+        """Value of a field; None if it is left out."""
         value: float = vars(self)[name]
         return None if isinstance(value, Unstated) else value
 
     def sized(self, limits: Pair, accel: Pair) -> Mapping[str, float]:
-        """Values of fields that are left out, for limits of the speeds and of their rates, SI."""
+        """Values of omitted fields, from the limits of speeds and of their rates, SI."""
         return {}
 
     @property
@@ -67,7 +67,7 @@ class Reference(Section, key="reference"):
 
 
 def driven(limits: Pair) -> Pair:
-    """Speed and turning [m/s, rad/s] of a path that nobody sizes, from their limits."""
+    """Default speed and turning [m/s, rad/s] of a path, from their limits."""
     return DRIVEN[0] * limits[0], DRIVEN[1] * limits[1]
 
 
@@ -79,7 +79,7 @@ def field_numbers(reference: Reference) -> Numbers:
 
 
 def as_given(values: Raw) -> Raw:
-    """The raw table itself; its argument's name is promised, as that of every ``read``."""
+    """The raw table itself; the argument's name is part of the interface of every ``read``."""
     return values
 
 
@@ -88,10 +88,10 @@ class ReferenceKind:
     """One kind: its name in ``reference.kind``, its section, its graph, its numbers.
 
     ``build(scenario)`` gives a System from time to `signals.REFERENCE`: without state, or sampled
-    with the control period.  It takes its numbers from `Parameters`, by the names of ``numbers``:
-    those of the section's fields, unless the graph reads a table that is made of them.
-    ``read`` turns a raw table into the section's fields; ``example`` is a table to begin with,
-    where the defaults alone are none.
+    with the control period. It takes its numbers from `Parameters`, by the names of ``numbers``:
+    those of the section's fields, unless the graph reads a table computed from them. ``read`` turns
+    a raw table into the section's fields; ``example`` is a table to start from, if the defaults
+    alone are not valid.
     """
 
     name: str
@@ -140,7 +140,7 @@ def cross(a: ca.SX, b: ca.SX) -> ca.SX:
 def reference(scenario: Scenario) -> System:
     """The desired trajectory: System from time t [s] to the seven reference signals.
 
-    Raises ArgumentError, which names the kind, for one that gives something else.
+    Raises ArgumentError, which names the kind, if it gives something else.
     """
     kind = scenario.reference_kind
     remedy = "Mend it, or choose another kind; --debug shows where."
@@ -193,7 +193,7 @@ _STARTS: dict[tuple[object, ...], tuple[tuple[float, ...], tuple[float, ...]]] =
 def start_of(scenario: Scenario) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Pose (3,) [m, m, rad] and velocity (2,) [m/s, rad/s] of the desired motion at t = 0.
 
-    Those of rest at the origin where it is not finite, which is refused elsewhere.
+    Rest at the origin if it is not finite, which is refused elsewhere.
     """
     key = type(scenario.reference), scenario.reference, scenario.clock.control
     if key not in _STARTS:
@@ -230,9 +230,9 @@ def reference_bounds(scenario: Scenario) -> tuple[float, float, float]:
 
 
 def check_finite(scenario: Scenario) -> None:
-    """Raise ScenarioError where the reference is not finite: at samples, and on a grid between.
+    """Raise ScenarioError if the reference is not finite at samples, or on a grid between them.
 
-    Over one cycle of the velocities or the run, whichever is shorter, and MOST_SAMPLES at most.
+    Checked over one cycle of the velocities or the run, whichever is shorter, at most MOST_SAMPLES.
     """
     end, period = min(scenario.clock.duration, scenario.reference.cycle), scenario.clock.control
     samples = np.arange(min(end / period + 1, MOST_SAMPLES)) * period

@@ -1,4 +1,4 @@
-"""What robot files say: a value, its key in a scenario, and where it stands."""
+"""Content of robot files: a value, its key in a scenario, and its place in the file."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -35,7 +35,7 @@ ALIKE = 0.01
 
 
 class Rank(IntEnum):
-    """Kinds of sources: where two disagree, the first counts."""
+    """Kinds of sources; if two disagree, the first one is used."""
 
     CONTROLLER = 0
     GAZEBO = 1
@@ -59,7 +59,7 @@ class Found:
 
     @property
     def text(self) -> str:
-        """The value in words."""
+        """The value as text."""
         return shown(self.value)
 
 
@@ -74,17 +74,17 @@ def shown(value: Value) -> str:
 
 @dataclass(frozen=True)
 class Sheet:
-    """All that robot files say: what counts, by key, and what was overruled."""
+    """Content of all robot files: the values used, by key, and those overruled."""
 
     found: Mapping[str, Found]
     overruled: tuple[Found, ...] = ()
 
 
 def merged(items: Sequence[Found]) -> Sheet:
-    """The first of each key by rank, then by order; lengths times their multipliers.
+    """Choose the first value of each key by rank, then by order; apply multipliers to lengths.
 
-    A base brakes as it speeds up unless it says otherwise.  Both axes of a pair stand under the
-    pair's key where both are known.
+    A base brakes like it accelerates unless a file states otherwise.  Both axes of a pair are
+    stored under the pair's key if both are known.
     """
     factors = {item.key: item for item in reversed(items) if item.key.endswith("factor")}
     found: dict[str, Found] = {}
@@ -138,10 +138,10 @@ Table: TypeAlias = Mapping[str, Sequence[str]]
 def read_table(
     params: Mapping[str, object], table: Table, where: str, rank: Rank
 ) -> Iterator[Found]:
-    """Values of the parameters in a table.
+    """Values of the parameters listed in a table.
 
-    Several parameters may have one key: of limits and ramps the smallest size counts, of lengths
-    the mean, of names the first.  Rates [1/s] become the period.  0 says that nothing is stated.
+    Several parameters may have one key: for limits and ramps the smallest size is used, for lengths
+    the mean, for names the first.  Rates [1/s] become the period.  0 means that nothing is stated.
     """
     for key, names in table.items():
         given = {name: params[name] for name in names if params.get(name) is not None}
@@ -158,7 +158,7 @@ def _is_name(value: object) -> TypeGuard[bool | str]:
 
 
 def _combined(key: str, stated: dict[str, float], where: str, rank: Rank) -> Iterator[Found]:
-    """One value of all that are stated for a key, with words on how they differ."""
+    """One value for all that are stated for a key, with a note if they differ."""
     slowest, is_limit = key.startswith(PAIRS), key.startswith(PAIRS[0])
     for name, value in stated.items():
         if value < 0 and (not slowest or (is_limit and "max" in name)):
@@ -178,7 +178,7 @@ def _combined(key: str, stated: dict[str, float], where: str, rank: Rank) -> Ite
 
 
 def number(value: object, place: str) -> float | None:
-    """A finite number; None where the file leaves it open, as ``.nan`` does.
+    """A finite number; None if the file leaves it open, as by ``.nan``.
 
     Raises ScenarioError for anything else, such as a substitution.
     """
@@ -196,5 +196,5 @@ def number(value: object, place: str) -> float | None:
 
 
 def rounded(value: float) -> float:
-    """A value in six digits, without the dust of its computation."""
+    """A value with six digits, without rounding errors of its computation."""
     return float(f"{value:.6g}")

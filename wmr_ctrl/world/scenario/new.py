@@ -1,7 +1,7 @@
-"""A user's first scenario: what robot files say, cautious values for the rest, and a path to drive.
+"""A user's first scenario: content of robot files, cautious values for the rest, and a path.
 
-The shares below are ours.  They make a guard or filter that can be met and a circle that leaves it
-room, whatever the limits are.
+The shares below are our choice.  For all limits they give a guard or filter that can be met and a
+circle with reserve.
 """
 
 import math
@@ -44,10 +44,10 @@ TABLES = (
 
 @dataclass(frozen=True)
 class NewScenario:
-    """Text of a scenario; what in it was found, assumed (choices of ours) or unknown.
+    """Text of a scenario, and which of its values were found, assumed (our choices) or unknown.
 
-    ``unused``: what files say on keys that this base does not have, or that another overruled.
-    ``nodes``: parameters and topics for the ROS 2 nodes.
+    ``unused``: values in files for keys that this base lacks, or that others overruled.  ``nodes``:
+    parameters and topics for the ROS 2 nodes.
     """
 
     text: str
@@ -109,9 +109,9 @@ def _values(sheet: Sheet, base: str) -> dict[str, Value]:
 
 
 def _guarded(sizes: Mapping[str, float], v: float, omega: float, period: float) -> dict[str, Value]:
-    """A robot, drives that give half of its weight as thrust, and a guard that counts on less.
+    """A robot, drives whose thrust is half of its weight, and a guard that assumes less.
 
-    What is unknown of mass, half track and inertia follows from I = m l^2.
+    Unknown mass, half track or inertia follow from I = m l^2.
     """
     m, l, inertia = (sizes.get(f"robot.{name}") for name in ("m", "l", "I"))
     if m is None:
@@ -151,7 +151,7 @@ def _lines(
     unknown: list[str],
     title: str,
 ) -> Iterator[str]:
-    """Lines of the file: unit and meaning above each key, the source beside it."""
+    """Lines of the file: unit and meaning above each key, its source beside it."""
     yield f"title = {_toml(title)}"
     yield "# Nobody stated these: `wmr-ctrl check` lists them. Take one away when you state it."
     yield f"assumed = {_toml(unknown)}"

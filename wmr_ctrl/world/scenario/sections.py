@@ -23,9 +23,8 @@ ENDLESS = 60.0
 class Robot(Section, key="robot"):
     """Parameters of the plant, Eqs. (1)-(6): a two-wheeled robot with its mass on the axle.
 
-    A base that takes torques needs m, I, mu, r and l.  One that takes velocities needs those that
-    something else reads; while nobody states them, placeholders stand for the others, which no
-    motion depends on.
+    A base that takes torques needs m, I, mu, r and l. One that takes velocities needs those that
+    another part reads; the others may be placeholders, on which no motion depends.
     """
 
     m: float = quantity(unknown(1.0), "kg", "mass", above=0, usual=(0.02, 5000))
@@ -97,7 +96,7 @@ class Body(Section, key="body"):
 
 
 class Ros(Section, key="ros"):
-    """Names that the nodes of ROS 2 take where no parameter states them."""
+    """Default names for the ROS 2 nodes, if no parameter states them."""
 
     base_frame: str = quantity(
         "base_link", "1", "frame of commands and child frame of odometry; empty: any"
@@ -142,8 +141,8 @@ class Limits(Section, key="limits"):
 class Initial(Section, key="initial"):
     """Pose and velocity at t = 0; the velocity may lie outside the limits.
 
-    What is left out is the desired motion's at t = 0; behind a guard whose velocities are late the
-    robot then starts at rest.
+    Omitted values are the desired motion's at t = 0; with a guard and late velocities the robot
+    then starts at rest.
     """
 
     pose: tuple[float, float, float] = quantity(
@@ -184,7 +183,7 @@ class Clock(Section, key="clock"):
         return round(self.duration / self.control)
 
     def relate(self) -> None:
-        """The control period is a whole number of plant steps, the run one of control periods."""
+        """Check that the control period is whole plant steps, and the run whole control periods."""
         if isinstance(self.duration, Unstated):
             object.__setattr__(self, "duration", self.covering(self.duration))
         period, last = self.control, self.duration
@@ -229,7 +228,7 @@ class CorridorSettings(Section, key="corridor"):
 
 
 def robot_number(name: str, value: float) -> str:
-    """Mass, inertia or friction of a robot with its unit, as "65 kg"."""
+    """Mass, inertia or friction of a robot with its unit, such as "65 kg"."""
     return f"{plain(value)} {CHANGING[name]}".strip()
 
 
@@ -248,7 +247,7 @@ class Change(Section, key="changes"):
 
     @property
     def sentence(self) -> str:
-        """What the robot is from then on, in plain words."""
+        """Sentence on the robot's new numbers."""
         words = {
             "m": "weighs",
             "I": "has an inertia of",
@@ -263,11 +262,11 @@ class Change(Section, key="changes"):
 class Guard(Section, key="guard"):
     """Settings of the guard that keeps |v1|, |omega| within limits.v_u1 (linear, angular).
 
-    What is left out follows from the rest of the scenario: masses from what the laws believe of the
+    Omitted values are derived from the rest of the scenario: masses from the laws' model of the
     robot, dbar from the noise, nbar from the sensor, delay and lag from the drives, alpha from the
-    control period, brake from the torque limit.  Whether the settings can be met is checked where
+    control period, brake from the torque limit. Whether the settings can be met is checked where
     the guard is built, and there a stated bound that the scenario itself breaks is refused, unless
-    ``trust`` says that it is meant.  A robot that is not what is believed is run, without promise.
+    ``trust`` says that it is meant. A robot that is not what is believed is run, without promise.
     """
 
     enabled: bool = quantity(False, "1", "switch the guard on")
@@ -323,7 +322,7 @@ class Guard(Section, key="guard"):
         return self.M_min or (low * m, low * inertia), self.M_max or (high * m, high * inertia)
 
     def relate(self) -> None:
-        """Bounds are the right way round: M_min <= M_max where both are there, delay and lag."""
+        """Check that bounds are ordered: M_min <= M_max if both are there, delay and lag."""
         check_intervals(self, {"delay": "a command's delay", "lag": "the time constant"})
         pairs = zip(self.M_min or (), self.M_max or (), strict=False)
         for axis, (low, high) in enumerate(pairs, 1):
@@ -335,7 +334,7 @@ class Guard(Section, key="guard"):
 
 
 def check_intervals(section: Section, names: Mapping[str, str]) -> None:
-    """Raise ScenarioError where an interval is the wrong way round; ``names``: what lies in it."""
+    """Raise ScenarioError if an interval is reversed; ``names``: quantity in each interval."""
     for name, what in names.items():
         value = getattr(section, name)
         rows = value if is_by_axis(value) else () if value is None else (value,)
