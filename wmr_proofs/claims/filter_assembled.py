@@ -23,10 +23,16 @@ from .common import elements_of
 
 claim = Claims(by=Z3())
 STATED = {
-    "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
-    "filter.d": (0.05, 0.05), "filter.odometry": (0.02, 0.02),
+    "filter.kind": "governor", "filter.tau": ((0.2, 0.3), (0.1, 0.4)),
+    "filter.gain": ((0.9, 1.1), (0.8, 1.2)), "filter.d": (0.05, 0.05),
+    "filter.odometry": (0.02, 0.02),
 }  # fmt: skip
-"""Settings for the assembled graph's structure; its numbers are symbols all the same."""
+"""Settings for the assembled graph's structure; its numbers are symbols all the same.
+
+Bounds of v and of omega, each for itself: one interval for both is the case in which they agree.
+"""
+ALIKE = {"filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1)}
+"""What takes their place for wheels, whose loops are alike."""
 SIDES = tuple(
     {"side": side, "axis": axis, "id": f"{name}-{way}", "words": f"{name} axis, {way}"}
     for axis, name in enumerate(("linear", "angular"))
@@ -35,7 +41,7 @@ SIDES = tuple(
 ASSEMBLED = (
     f"{COMMANDS}, odometry within nbar or none, any time since the last sample; "
     "-v_below <= v <= v_above if that is a period, |v| <= V; v and omega limited, one factor for "
-    "both; "
+    "both, tau and K bounded for each by itself; "
     "no delay, jitter or losses, odometry of the sample, H = T; "
     "T > 0, 0 < tau_min <= tau_max; " + INTERVALS
 )
@@ -88,7 +94,7 @@ class AssembledStep:
 
 @claim(
     "filter.limits",
-    given="0 < K_min <= K_max, 0 <= dbar < V of both axes, T > 0, 0 < tau_min <= tau_max; any "
+    given="0 < K_min <= K_max, 0 <= dbar < V, 0 < tau_min <= tau_max of each axis, T > 0; any "
     "odometry of the sample, any time since the last one; v and omega limited; no delay, jitter or "
     "losses, H = T",
 )
@@ -169,8 +175,9 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
     )
     known = {
         "clock.control.1": 1, "limits.v_u1.1": 1, "limits.v_u1.2": 1, "filter.odometry.1": "1/10",
-        "filter.odometry.2": "1/10", "filter.d.1": "1/8", "filter.d.2": "1/8", "filter.tau.1": 1,
-        "filter.gain.1": 1, "filter.gain.2": 1, "filter.tau.2": 1, f"v_asked.{other}": 0,
+        "filter.odometry.2": "1/10", "filter.d.1": "1/8", "filter.d.2": "1/8",
+        **dict.fromkeys((f"filter.{key}.{i}" for key in ("tau", "gain") for i in range(1, 5)), 1),
+        f"v_asked.{other}": 0,
         "kappa": 1, "1/(exp(T/tau_min) - 1)": 1, "gone": "-1/2", "-most": "-1/2", "-least": "-1/4",
         "E": "1/2", f"v_odometry.{other}": 0, f"v_above.{other}": 1, f"v_below.{other}": 1,
     }  # fmt: skip

@@ -14,12 +14,13 @@ from wmr_proofs.symbols import Symbols, symbols
 
 from .command_filter import COMMANDS
 from .common import AXES, elements_of
+from .filter_assembled import STATED
 from .filter_band import WAYS
 
 claim = Claims(by=Z3())
 BANDED = {
     "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
-    "filter.frequency": (4.0, 5.0), "clock.control": 0.1,
+    "filter.frequency": (4.0, 5.0), "filter.gain": STATED["filter.gain"], "clock.control": 0.1,
 }  # fmt: skip
 """Settings for the structure of the band's graph; its numbers are symbols."""
 

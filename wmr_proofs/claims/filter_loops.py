@@ -39,14 +39,16 @@ def wheel_box(mutation: Mutation) -> Statement:
     return Statement(t, goals, tuple(given))
 
 
-COUNTING: dict[str, object] = {**STATED, "filter.delay": (0.0, 0.13), "clock.control": 0.05}
-"""A governor whose commands may act for several periods."""
+COUNTING: dict[str, object] = {
+    **STATED, "filter.delay": ((0.0, 0.03), (0.0, 0.13)), "clock.control": 0.05,
+}  # fmt: skip
+"""A governor whose commands may act for several periods, on one axis for longer."""
 
 
 @claim(
     "filter.in-time",
     given="samples have come in time since one that did not, and the filter's count is that many, "
-    "at most the commands that may act; the next comes in time or not",
+    "at most the commands that may act on either axis; the next comes in time or not",
 )
 def in_time(mutation: Mutation) -> Statement:
     """behind that one the count is as right, and the governor trusts its bounds where it is as many
@@ -66,7 +68,10 @@ def in_time(mutation: Mutation) -> Statement:
     return Statement(named, goals, given, {"came": came})
 
 
-SLOW = LINEAR | {"filter.frequency": (4.0, 5.0), "filter.slew": (0.1, 0.1), "filter.scale": "axes"}
+SLOW = LINEAR | {
+    "filter.gain": STATED["filter.gain"], "filter.frequency": (4.0, 5.0),
+    "filter.slew": (0.1, 0.1), "filter.scale": "axes",
+}  # fmt: skip
 
 
 def inside(clip: Clip) -> Iterator[Relation]:

@@ -32,17 +32,18 @@ from wmr_proofs.symbols import Symbols, symbols
 
 from .command_filter import COMMANDS, INTERVALS
 from .common import elements_of
-from .filter_assembled import STATED
+from .filter_assembled import ALIKE, STATED
 from .filter_band_times import BANDED
 from .filter_loops import LINEAR, SLOW
 
 claim = Claims(by=Z3())
 SHAPES: tuple[dict[str, object], ...] = (
-    {"key": "axes", "limited": "v and omega, each by its own factor or one first", "more": {},
+    {"key": "axes", "more": {}, "limited": "v and omega, whose bounds differ, each by its own "
+     "factor or one first",
      "scales": ("axes", "turn", "drive")},
     {"key": "wheels", "limited": "both wheels' speeds, by one factor or one axis first",
-     "more": {"filter.channels": "wheels"}, "scales": ("curvature", "turn", "drive")},
-    {"key": "beside", "more": {"filter.wheel_speed": 1.0}, "scales": ("turn", "drive"),
+     "more": {"filter.channels": "wheels", **ALIKE}, "scales": ("curvature", "turn", "drive")},
+    {"key": "beside", "more": {"filter.wheel_speed": 1.0, **ALIKE}, "scales": ("turn", "drive"),
      "limited": "v, omega and both wheels' speeds, one axis first"},
 )  # fmt: skip
 """Speeds that are limited, and the ways to scale a command that no other entry is about.
@@ -198,9 +199,9 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
 
 
 WHEELS = (
-    {"key": "wheels", "more": {"filter.channels": "wheels"}, "which": "min(V, l Omega)",
+    {"key": "wheels", "more": {"filter.channels": "wheels", **ALIKE}, "which": "min(V, l Omega)",
      "what": "wheels are limited instead of v and omega"},
-    {"key": "beside", "more": {"filter.wheel_speed": 1.0}, "which": "filter.wheel_speed",
+    {"key": "beside", "more": {"filter.wheel_speed": 1.0, **ALIKE}, "which": "filter.wheel_speed",
      "what": "wheels are limited beside v and omega"},
 )  # fmt: skip
 
@@ -287,18 +288,17 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     """
     graph = governor(more)
     ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
-    table, cuts = elements_of(*ports) | symbols("kappa gone"), dict[str, ca.SX]()
-    T, longest = graph.T, graph.plans[0].longest
-    goals, given = list[Relation](), [above(T)]
-    low, _ = graph.motions[0].tau
-    kappa = 1 / ca.expm1(longest * T / low)
-    cuts = {"1/(exp(H/tau_min) - 1)": kappa}
-    given += [above(table["kappa"]), equal(table["kappa"], kappa)]
-    given += [equal(-table["kappa"] * table["gone"], 1 + table["gone"]), above(1 + table["gone"])]
+    table, cuts = elements_of(*ports), dict[str, ca.SX]()
+    T, goals, given = graph.T, list[Relation](), [above(graph.T)]
     seen = graph.age.sym >= -NEAR * T
-    for axis, b in enumerate(graph.bounds):
-        v = ca.SX.sym(f"speed{axis}")
-        table[f"speed{axis}"] = v
+    for axis, motion in enumerate(graph.motions):
+        b, (low, _) = motion.bounds, motion.tau
+        v, known_kappa, gone = symbols(f"speed{axis} kappa{axis} gone{axis}").values()
+        table |= {f"speed{axis}": v, f"kappa{axis}": known_kappa, f"gone{axis}": gone}
+        kappa = 1 / ca.expm1(motion.schedule.longest * T / low)
+        cuts[f"1/(exp(H/tau_min) - 1) {axis}"] = kappa
+        given += [above(known_kappa), equal(known_kappa, kappa)]
+        given += [equal(-known_kappa * gone, 1 + gone), above(1 + gone)]
         given += [above(b.V, b.dbar), at_least(b.dbar), at_least(b.nbar), above(b.K_min)]
         given += [at_least(b.K_max, b.K_min), *within(v, b.V)]
         given += [when(seen, part) for part in within(graph.odometry.sym[axis] - v, b.nbar)]
@@ -308,7 +308,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
             table |= own
             known = graph.known[side].sym[axis]
             given += [when(graph.punctual, at_least(known, way * v))]
-            given += [*between(1 + table["gone"], E, 1), at_least(graph.limits[side][axis], u)]
+            given += [*between(1 + gone, E, 1), at_least(graph.limits[side][axis], u)]
             given.append(at_least(ca.fmax(drive(u, b), mutation(1, 9) * b.dbar), mean))
             goals.append(at_least(b.V, E * way * v + (1 - E) * mean))
     return Statement(table, tuple(goals), tuple(given), cuts)

@@ -23,7 +23,9 @@ from .common import elements_of, named_ports
 from .filter_assembled import STATED as OF_GOVERNOR
 from .filter_shapes import SHAPES, named_for
 
-STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
+STATED = {
+    "filter.kind": "clip", "filter.gain": OF_GOVERNOR["filter.gain"], "filter.d": [0.05, 0.05],
+}  # fmt: skip
 SOUND = (
     "a gate with its default times and ramps before a clip of first-order loops, one factor for v "
     "and omega; 0 < K_min <= K_max, 0 <= dbar < V; every real input of any size, any time since "
