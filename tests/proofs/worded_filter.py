@@ -35,6 +35,8 @@ BASE: dict[str, object] = {
     "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
     "filter.d": (0.05, 0.05), "filter.odometry": (0.02, 0.02), "clock.control": PERIOD,
 }  # fmt: skip
+APART = {"filter.tau": ((0.2, 0.3), (0.1, 0.4)), "filter.gain": ((0.9, 1.1), (0.8, 1.2))}
+"""Bounds of v and of omega, each for itself; wheels have no such."""
 CLIP = {key: value for key, value in BASE.items() if key != "filter.odometry"} | {
     "filter.kind": "clip"
 }
@@ -51,11 +53,19 @@ class Numbers:
         for item in (*system.inputs, *system.state, *system.params):
             self.of[item.signal.name] = [around(rng, 1.0) for _ in range(item.sym.numel())]
 
-    def bases(
-        self, gain: tuple[Array, Array], push: Sequence[Array], speed: Sequence[Array]
-    ) -> None:
-        """Numbers of the filter that are sound."""
-        self.of |= {"filter.gain": list(gain), "filter.d": list(push), "limits.v_u1": list(speed)}
+    def bases(self, push: Sequence[Array], speed: Sequence[Array]) -> list[tuple[Array, Array]]:
+        """Numbers of the filter that are sound; the gains of v and of omega."""
+        self.of |= {"filter.d": list(push), "limits.v_u1": list(speed)}
+        return self.ends("filter.gain")
+
+    def ends(self, name: str) -> list[tuple[Array, Array]]:
+        """Intervals of v and of omega, drawn anew, as one or as two."""
+        apart = list[tuple[Array, Array]]()
+        for _ in range(len(self.of[name]) // 2):
+            low = positive(self.rng)
+            apart.append((low, low * (1 + share(self.rng))))
+        self.of[name] = [end for pair in apart for end in pair]
+        return [apart[0], apart[-1]]
 
     def results(self, *outputs: ca.SX) -> list[Array]:
         """Outputs for each sample."""
@@ -69,14 +79,11 @@ class Numbers:
 
 def stated(
     rng: np.random.Generator, n: Numbers
-) -> tuple[list[Array], list[Array], tuple[Array, Array]]:
-    """V of v and omega, pushes below them, and the gains; set in the numbers."""
-    low = positive(rng)
-    gain = (low, low * (1 + share(rng)))
+) -> tuple[list[Array], list[Array], list[tuple[Array, Array]]]:
+    """V of v and omega, pushes below them, and the gains of each; set in the numbers."""
     speed = [positive(rng) for _ in range(2)]
     push = [0.999 * share(rng) * SPARE * V for V in speed]
-    n.bases(gain, push, speed)
-    return [V * SPARE for V in speed], push, gain
+    return [V * SPARE for V in speed], push, n.bases(push, speed)
 
 
 @about("filter.drive", "filter.inside", "filter.clip", "filter.contains-clip", "filter.necessary",
@@ -124,16 +131,20 @@ def one_axis(rng: np.random.Generator) -> dict[str, Array]:
     return found
 
 
+def axes_of(more: Mapping[str, object]) -> Mapping[str, object]:
+    """Bounds by axis, where no wheel is limited."""
+    return APART if {"filter.channels", "filter.wheel_speed"}.isdisjoint(more) else {}
+
+
 def _governed(rng: np.random.Generator, more: Mapping[str, object]) -> dict[str, Array]:
     """A governor's whole step: what is sent, what that leads to, and what is kept."""
-    graph = Governor(load_scenario("paper-simulation", {**BASE, **more}))
+    graph = Governor(load_scenario("paper-simulation", {**BASE, **axes_of(more), **more}))
     n = Numbers(rng, graph.system)
     V, push, gain = stated(rng, n)
-    T, tau = PERIOD * positive(rng), positive(rng)
+    T, taus = PERIOD * positive(rng), n.ends("filter.tau")
     H = graph.plans[0].longest * T
-    taus = [tau, tau * (1 + share(rng))]
     l, error = positive(rng), [0.3 * x * share(rng) for x in V]
-    n.of |= {"clock.control": [T], "filter.tau": taus, "filter.odometry": error}
+    n.of |= {"clock.control": [T], "filter.odometry": error}
     n.of |= {"robot.l": [l]} if "robot.l" in n.of else {}
     if "filter.wheel_speed" in n.of:
         n.of["filter.wheel_speed"] = [(push[0] + l * push[1]) / SPARE * (1 + positive(rng))]
@@ -149,6 +160,7 @@ def _governed(rng: np.random.Generator, more: Mapping[str, object]) -> dict[str,
         size = np.abs(speeds[0]) + l * np.abs(speeds[1])
         speeds = [x * np.minimum(1, W / size) for x in speeds]
     parts = [(1, 0, V[0], push[0]), (0, 1, V[1], push[1])] * (not wheels)
+    owners = [0, 1] * (not wheels) + [0, 0] * (W is not None)
     total = push[0] + l * push[1]
     parts += [(1, way * l, W, total) for way in (1, -1)] * (W is not None)
     own = [a * speeds[0] + b * speeds[1] for a, b, _, _ in parts]
@@ -164,22 +176,23 @@ def _governed(rng: np.random.Generator, more: Mapping[str, object]) -> dict[str,
     n.of["v_odometry"] = [
         v + e * rng.uniform(-1, 1, SAMPLES) for v, e in zip(speeds, error, strict=True)
     ]
-    n.of["v_asked"] = [around(rng, 3 * x / gain[0]) for x in V]
+    n.of["v_asked"] = [around(rng, 3 * x / K[0]) for x, K in zip(V, gain, strict=True)]
     limits = [x for side in graph.limits for x in side]
     outputs = n.results(graph.sent, ca.vertcat(*limits), graph.system.update)
     u, count = outputs[:2], len(parts)
     most, later = outputs[2 : 2 + 2 * count], outputs[2 + 2 * count :]
     found = {}
-    E = between(rng, np.exp(-H / taus[0]), np.ones(SAMPLES))
-    gone = between(rng, -np.expm1(-T / taus[1]), -np.expm1(-T / taus[0]))
     for i, (a, b, top, dbar) in enumerate(parts):
+        (low, high), (quick, slowest) = gain[owners[i]], taus[owners[i]]
+        E = between(rng, np.exp(-H / quick), np.ones(SAMPLES))
+        gone = between(rng, -np.expm1(-T / slowest), -np.expm1(-T / quick))
         for side, way in enumerate((1, -1)):
             limit, w = most[side * count + i], way * own[i]
             sent = way * (a * u[0] + b * u[1])
-            sizes = (np.abs(a * u[0]), np.abs(b * u[1]), top / gain[0])
+            sizes = (np.abs(a * u[0]), np.abs(b * u[1]), top / low)
             found[f"positive {i} {way}"] = left(limit, 0 * limit, top)
             found[f"sent {i} {way}"] = left(limit, sent, *sizes)
-            K, d = between(rng, *gain), dbar * rng.uniform(-1, 1, SAMPLES)
+            K, d = between(rng, low, high), dbar * rng.uniform(-1, 1, SAMPLES)
             mean = K * limit + d
             found[f"inside {i} {way}"] = left(top, E * w + (1 - E) * mean, mean)
             if not more:
@@ -266,7 +279,8 @@ def _clips(
 ) -> dict[str, Array]:
     found = {}
     for scale in scales:
-        clip = Clip(load_scenario("paper-simulation", {**settings, "filter.scale": scale}))
+        own = {**settings, **axes_of(settings), "filter.scale": scale}
+        clip = Clip(load_scenario("paper-simulation", own))
         n = Numbers(rng, clip.system)
         n.of = {name: [np.abs(x) + 1e-3 for x in columns] for name, columns in n.of.items()}
         if "filter.gain" in n.of:
@@ -298,12 +312,13 @@ def clips(rng: np.random.Generator) -> dict[str, Array]:
 def slow(rng: np.random.Generator) -> dict[str, Array]:
     found = {}
     for scale in SCALES:
-        settings = {**LINEAR, "filter.slew": (0.1, 0.1), "filter.scale": scale}
+        settings = {**LINEAR, **APART, "filter.slew": (0.1, 0.1), "filter.scale": scale}
         clip = Clip(load_scenario("paper-simulation", settings))
         n = Numbers(rng, clip.system)
         n.of = {name: [np.abs(x) + 1e-3 for x in columns] for name, columns in n.of.items()}
-        low, T = positive(rng), positive(rng)
-        n.of |= {"filter.gain": [low, low * (1 + share(rng))], "clock.control": [T]}
+        T = positive(rng)
+        n.ends("filter.gain")
+        n.of["clock.control"] = [T]
         slew, V = n.of["filter.slew"], n.of["limits.v_u1"]
         n.of["filter.slew_reach"] = [v * share(rng) / a / 2 for v, a in zip(V, slew, strict=True)]
         n.of["filter.delta"] = [v * share(rng) * 0.49 for v in V]
@@ -448,7 +463,8 @@ def gates(rng: np.random.Generator) -> dict[str, Array]:
     shapes = [(more, scale) for more in limits
               for scale in SCALES if scale != "axes" or not more]  # fmt: skip
     for k, (more, scale) in enumerate(shapes):
-        scenario = load_scenario("paper-simulation", {**CLIP, **more, "filter.scale": scale})
+        own = {**CLIP, **axes_of(more), **more, "filter.scale": scale}
+        scenario = load_scenario("paper-simulation", own)
         system = gate.gate_system(scenario, settings)
         n = Numbers(rng, system)
         V, push, gain = stated(rng, n)
@@ -464,9 +480,9 @@ def gates(rng: np.random.Generator) -> dict[str, Array]:
             top = np.minimum(V[0], l[0] * V[1])
         if "filter.channels" not in more:
             for i in (0, 1):
-                found[f"inside {i} {k}"] = left((V[i] - push[i]) / gain[1], np.abs(u[i]))
+                found[f"inside {i} {k}"] = left((V[i] - push[i]) / gain[i][1], np.abs(u[i]))
         if more:
-            most = (top - total) / gain[1]
+            most = (top - total) / gain[0][1]
             for way in (1, -1):
                 w = np.abs(u1 + way * l[0] * u2)
                 found[f"rim {way} {k}"] = np.where(most > 0, left(most, w, u1, l[0] * u2), 0)
