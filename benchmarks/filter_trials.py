@@ -120,7 +120,7 @@ def told_of(
     V = changes.get("limits.v_u1", (1.0, 1.0))
     stated: dict[str, Any] = {
         "gain": base.gain, "scale": scale,
-        "d": tuple(base.d * most + base.gain[1] * base.quantum / 2 for most in V),
+        "d": tuple(base.d * most + float(np.max(base.gain)) * base.quantum / 2 for most in V),
     }  # fmt: skip
     if kind == "governor":
         stated |= {
@@ -516,6 +516,11 @@ RAMPS: Sequence[Mapping[str, Any]] = (
     STOPPING, {**STOPPING, "delay": (0.0, 0.1), "losses": 2, "second_lag": 0.05},
     {**STOPPING, "accel": (0.5, 6.0), "decel": (3.0, 2.0)},
 )  # fmt: skip
+APART: Mapping[str, Any] = {"tau": ((0.1, 0.15), (0.4, 0.6)), "gain": ((0.95, 1.05), (0.8, 1.5))}
+LATE_APART: Mapping[str, Any] = {
+    **APART, "delay": ((0.02, 0.02), (0.02, 0.2)), "losses": 1, "jitter": 0.004, "age": 0.08,
+}  # fmt: skip
+"""Bounds of v and of omega, each for itself."""
 WHEEL_SCALES = ("curvature", "turn", "drive")
 SCALES = ("axes", *WHEEL_SCALES)
 UNLIKE: Mapping[str, Any] = {"loops": "body", "tau": (0.2, 0.21), "gain": (1.1, 1.1)}
@@ -642,6 +647,16 @@ STATEMENTS = (
         "one loss": wrong("governor", losses=1), "jitter, of 5 %": wrong("governor", jitter=0.0025),
         "a second lag of 5 ms": wrong("governor", second_lag=0.005),
         "hold": wrong("governor", {"hold": 0.12}, hold=0.126),
+    }),
+    Statement("governor, v and omega with bounds of their own", first_order(
+        "governor", [APART, LATE_APART], {}, SCALES), {
+        "gain of v": wrong("governor", APART, gain=((0.95, 1.1025), (0.8, 1.5))),
+        "gain of omega": wrong("governor", APART, gain=((0.95, 1.05), (0.8, 1.575))),
+        "tau of v": wrong("governor", APART, tau=((0.095, 0.15), (0.4, 0.6))),
+        "tau of omega": wrong("governor", APART, tau=((0.1, 0.15), (0.38, 0.6))),
+        "delay of v, by 5 % of a period": wrong(
+            "governor", APART, delay=((0.0, 0.0025), (0.0, 0.0))),
+        "delay of omega": wrong("governor", APART, delay=((0.0, 0.0), (0.0, 0.0025))),
     }),
     Statement("governor, `wheel_speed`", first_order("governor", alike(WORLDS), RIMS, WHEEL_SCALES),
               rims_broken("governor", **{
