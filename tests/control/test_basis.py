@@ -1,67 +1,25 @@
-"""The separable basis against its definition."""
+"""Robot, base and path in the numbers from which gains follow."""
 
 from __future__ import annotations
 
-import casadi as ca
-import mpmath as mp
-import numpy as np
 import pytest
 
-from wmr_ctrl.control.laws.nn import corner_basis, dot
-from wmr_proofs.paper_functions import corner_centres, gaussian_basis
+from tests.papers_robot import paper
+from wmr_ctrl.control.basis import REACHED, SLOWEST, basis_of
+from wmr_ctrl.world.scenario import override
 
 
-def functions(eta: float, node: float) -> tuple[ca.Function, ca.Function]:
-    z = ca.SX.sym("z", 6)
-    fast = corner_basis(z, ca.SX(eta), ca.SX(node))
-    slow = gaussian_basis(z, ca.SX(eta), corner_centres(6, node))
-    return tuple(ca.Function("basis", [z], [item, ca.jacobian(item, z)]) for item in (fast, slow))
+def test_it_is_the_believed_robot_on_its_path():
+    basis = basis_of(override(paper(), {"model.m": 40.0, "base.accel": [1.0, 1e3]}))
+
+    assert basis.mass[0] == 40.0
+    assert basis.weight == pytest.approx(40.0 * 9.81 * 0.1)
+    assert basis.accel == (1.0, pytest.approx(REACHED * basis.limits[1]))
+    assert basis.speed >= SLOWEST * basis.limits[0]
 
 
-@pytest.mark.parametrize(
-    ("eta", "node"),
-    [(2**0.5, 1.0), (3.0, 0.5), pytest.param(0.5, 1.0, marks=pytest.mark.slow)],
-)
-def test_product_form_equals_definition(eta: float, node: float) -> None:
-    """Values and derivatives, also where a coordinate is exactly zero."""
-    fast, slow = functions(eta, node)
-    draw = np.random.default_rng(0)
-    for _ in range(40):
-        z = draw.normal(size=6) * draw.choice([0.0, 0.3, 1.0, 3.0], size=6)
-        for found, wanted in zip(fast(z), slow(z), strict=True):
-            assert found.full() == pytest.approx(wanted.full(), rel=1e-12, abs=1e-300)
+def test_what_is_later_is_slower():
+    rates = [basis_of(override(paper(), {"actuator.delay": late})).wo for late in (0.0, 0.05, 0.2)]
 
-
-def test_right_to_fourteen_digits() -> None:
-    fast, _ = functions(2**0.5, 1.0)
-    z = (0.3, -1.2, 1.0, 2.5, 0.2, -0.1)
-    with mp.workdps(50):
-        centres = corner_centres(6, 1.0)
-        wanted = [
-            mp.exp(
-                -sum((mp.mpf(a) - b) ** 2 for a, b in zip(z, c, strict=True)) / mp.mpf(2**0.5) ** 2
-            )
-            for c in centres
-        ]
-        found = fast(z)[0].full().ravel()
-
-        assert max(abs(mp.mpf(f) / w - 1) for f, w in zip(found, wanted, strict=True)) < 1e-14
-
-
-@pytest.mark.parametrize("far", [1e3, 1e8, 1e160, 1e308, -1e308])
-def test_far_away_the_network_is_off_not_broken(far: float) -> None:
-    fast, _ = functions(2**0.5, 1.0)
-    basis = fast((far, 0, 1, 1, 0.2, 0.1))[0].full()
-
-    assert np.isfinite(basis).all()
-    assert (basis >= 0).all()
-    assert basis.max() == 0.0
-
-
-def test_lanes_do_not_change_the_inner_product() -> None:
-    a, b = ca.SX.sym("a", 64), ca.SX.sym("b", 64)
-    inner = ca.Function("inner", [a, b], [dot(a, b), ca.dot(a, b)])
-    draw = np.random.default_rng(0)
-    found, wanted = inner(draw.normal(size=64), draw.normal(size=64))
-
-    assert float(found) == pytest.approx(float(wanted), abs=1e-13)
+    assert rates == sorted(rates, reverse=True)
+    assert rates[0] > rates[2]

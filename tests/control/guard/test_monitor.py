@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from tests import oracle
 from tests.equal_runs import runs_equal
 from wmr_ctrl.api import simulate, simulate_many
+from wmr_ctrl.control.guard.monitor import least_push
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.results import Run, load_run
@@ -166,3 +169,20 @@ def test_a_push_of_dbar_itself_contradicts_nothing_by_rounding(law: str) -> None
     assert (run["d_least"].max(axis=0) > push).any()
     assert run.monitor.bounds_left is None
     assert np.isnan(table["bounds_left"]).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "v", "force", "least"),
+    [
+        (0.5, 0.6, 0.0, 40.0 * (0.1 - 0.02) / 0.1),
+        (0.5, 0.6, 10.0, 40.0 * (0.1 - 0.02) / 0.1 - 10.0),
+        (0.5, 0.4, -80.0, 80.0 - 60.0 * (0.1 + 0.02) / 0.1),
+        (-0.5, -0.6, 0.0, 40.0 * (0.1 - 0.02) / 0.1),
+        (-0.05, 0.05, 0.0, 0.0),
+    ],
+)
+def test_the_least_push_is_what_the_lightest_or_heaviest_robot_leaves_open(old, v, force, least):
+    """Speeds are known to 0.01, so a change to 0.02; a rise is made by the lightest robot."""
+    bounds = SimpleNamespace(nbar=0.01, period=0.1, M_min=40.0, M_max=60.0)
+
+    assert float(ca.evalf(least_push(*map(ca.SX, (v, old, force)), bounds))) == pytest.approx(least)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import law_graph
+from wmr_ctrl.control.laws.context import LawContext
+from wmr_ctrl.control.laws.kanayama import wanted_velocity
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import Run
 from wmr_ctrl.world.scenario import load_scenario
@@ -125,3 +128,18 @@ def test_a_full_turn_more_is_the_same_heading() -> None:
 
     for (_, force), (_, same) in zip(asked(rows), asked([r + turn for r in rows]), strict=True):
         assert same == pytest.approx(force, rel=1e-9, abs=1e-9)
+
+
+def test_it_wants_what_its_formula_says():
+    """At rest at the origin, the desired pose 0.3 ahead, 0.2 to the left, 0.1 rad round."""
+    context = LawContext(settle(load_scenario("paper-simulation"), LAW))
+    there = (ca.SX([-0.2, 0.3, 0.1]), ca.SX([0.4, 0.5]), ca.SX([0.0, 0.0]))
+    wanted = wanted_velocity(context.at(there, ca.SX([0.0, 0.0, 0.0]), ca.SX([0.0, 0.0])))
+    kx, ky, kt = settle(load_scenario("paper-simulation"), LAW).gains.k
+    ports = context.parameters.ports
+    p = ca.vertcat(*(item.sym for item in ports))
+    found = ca.Function("w", [p], [wanted])([x for item in ports for x in item.value])
+
+    assert found.full().ravel() == pytest.approx(
+        [0.4 * math.cos(0.1) + kx * 0.3, 0.5 + 0.4 * (ky * 0.2 + kt * math.sin(0.1))]
+    )

@@ -13,7 +13,7 @@ from tests.checks.asking import closed, told_of
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.laws.context import LawContext
-from wmr_ctrl.control.laws.prediction import ahead
+from wmr_ctrl.control.laws.prediction import ahead, slowed
 from wmr_ctrl.control.laws.prox import guide
 from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import settle
@@ -231,3 +231,8 @@ def test_prox_keeps_the_limit_behind_a_delay_that_it_predicts(share: float) -> N
 
     assert (np.array(with_it) < (1.0, 1.5)).all()
     assert (np.array(without) > (1.0, 1.5)).any()
+
+
+def test_friction_stops_and_never_turns_round() -> None:
+    for free, taken, left in ((0.1, 0.5, 0.0), (-0.1, -0.5, 0.0), (1.0, 0.25, 0.75), (-1, -2, 0)):
+        assert float(ca.evalf(slowed(ca.SX(free), ca.SX(taken)))) == left

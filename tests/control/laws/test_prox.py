@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import casadi as ca
 import numpy as np
 import pytest
 
 from tests.checks.asking import closed
+from tests.control.laws.points import DRIVING, M, T, at, graph
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.barrier.proximal import resolvent
 from wmr_ctrl.control.laws.prox import ProxGains, guide, prox_step
@@ -199,3 +202,21 @@ def test_first_sample_respects_the_laws_own_torque_limit() -> None:
 
     assert abs(limited["tau_right"]).max() <= 20.0 * (1 + 1e-15)
     assert max(abs(free["tau_right"]).max(), abs(free["tau_left"]).max()) > 150.0
+
+
+def test_prox_makes_up_for_friction_at_the_speed_that_it_is_after() -> None:
+    slow = {**DRIVING, "v1": 0.0, "omega": 0.0, "v1_d": 0.02}
+    rough, smooth = (at(graph("prox", **{"model.mu": mu}), slow)[0] for mu in (0.08, 0.0))
+
+    reached = T * smooth[0] / M
+    friction = 0.08 * M * 9.81 * math.tanh(reached / 0.01)
+    assert reached > 1e-3
+    assert rough - smooth == pytest.approx([friction, 0.0], rel=1e-6)
+
+
+@pytest.mark.parametrize(("period", "delay"), [(0.01, 0.0), (0.01, 0.05), (0.1, 0.1), (0.05, 0.2)])
+def test_the_guides_observer_slows_with_period_and_delay_together(period, delay) -> None:
+    assert guide(period, delay, 0.2).wo == pytest.approx(min(10.0, 0.45 / (period + delay)))
+    for wrong in ((0.0, delay, 0.2), (period, -1e-9, 0.2), (period, delay, 0.0)):
+        with pytest.raises(ValueError, match="needs period, speed > 0"):
+            guide(*wrong)

@@ -16,6 +16,7 @@ from wmr_ctrl.results.formats import save_run
 from wmr_ctrl.simulation.coupled import Coupled
 from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.simulation.memory import Task
+from wmr_ctrl.simulation.physics.run import figures_from_run, rigid_row, run_to_end
 from wmr_ctrl.world.scenario import load_scenario
 
 physics_run = importlib.import_module("wmr_ctrl.simulation.physics.run")
@@ -155,3 +156,15 @@ def test_rows_of_a_table_have_the_seeds_of_their_tasks(monkeypatch):
     physics_run.rigid_table([Task("one", 5), Task("other", 7), Task("one", 2)])
 
     assert made == [("one", 5), ("other", 7), ("one", 2)]
+
+
+def test_a_row_of_a_table_is_that_of_the_whole_run():
+    loop = runnable(load_scenario("paper-simulation", {"clock.duration": 0.1}), "mb", "mujoco")
+    run, end = run_to_end(loop, 3)
+    figures = figures_from_run(run, end)
+    row = rigid_row(loop, 3)
+
+    assert (len(end), run.rows) == (5, 10)
+    assert figures.items() <= row.items()
+    assert end[0] in figures.values()
+    assert row["seed"] == 3

@@ -6,7 +6,6 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.control.applied import followed
 from wmr_ctrl.control.loop import CLOCK, LoopGraphs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.scenario import load_scenario
@@ -25,26 +24,6 @@ def test_no_delay_loses_a_step(plant: float) -> None:
         for delay in (n * plant, n / round(1 / plant)):
             numbers[place] = delay
             assert float(graphs.delay_steps(numbers)) == n
-
-
-@pytest.mark.parametrize("part", [0, 3, 9])
-@pytest.mark.parametrize("decay", [0.0, 0.9])
-def test_a_torque_that_is_followed_is_that_of_every_step(part: int, decay: float) -> None:
-    """Commands of two ages one after the other, the older one first, behind a lag."""
-    commands, steps, acting = (
-        [np.array(pair) for pair in ((3.0, -1.0), (1.0, 2.0), (-4.0, 0.5))],
-        10,
-        np.zeros(2),
-    )
-    mean, end = followed(commands, (1, part, steps), acting, decay)
-    total = np.zeros(2)
-    for k in range(steps):
-        wanted = commands[2] if k < part else commands[1]
-        acting = wanted + decay * (acting - wanted)
-        total += acting
-
-    assert np.asarray(mean) == pytest.approx(total / steps)
-    assert np.asarray(end) == pytest.approx(acting)
 
 
 def test_what_rounding_adds_to_a_limit_is_no_violation() -> None:

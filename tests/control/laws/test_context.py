@@ -1,0 +1,51 @@
+"""What a law is given at a control sample."""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+import pytest
+
+from tests.papers_robot import paper
+from wmr_ctrl.control.barrier.stable import stable_barrier
+from wmr_ctrl.control.controller import law_graph
+from wmr_ctrl.control.laws.context import LawContext, own_diagnostics
+from wmr_ctrl.control.laws.pid import PidGains
+from wmr_ctrl.control.setup import settle
+
+
+@pytest.mark.parametrize("v", [0.9999995, 1.0, 1.7, -1.0, -5.0])
+def test_beyond_the_limit_barriers_are_those_just_inside(v: float) -> None:
+    context = LawContext(settle(paper(), "mb"))
+    V1 = context.barrier[0].V1
+    ports = context.parameters.ports
+    clip = ca.Function("clip", [ca.vertcat(*(i.sym for i in (*context.inputs, *ports)))], [V1])
+    numbers = [number for item in ports for number in item.value]
+    u = [0.0, 0.0, 0.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, v, 0.0]
+    inside = math.copysign(1.0 - 1e-6, v)
+
+    expected = stable_barrier(*map(ca.SX, (0.4, inside, 1.0, 0.8))).V1
+    assert float(clip([*u, *numbers])) == pytest.approx(float(ca.evalf(expected)), rel=1e-9)
+
+
+def test_at_another_instant_it_is_the_same_law():
+    context = LawContext(settle(paper(), "mb"))
+    _ = context.e
+    desired = ca.SX([1.0, 2.0, 0.3]), ca.SX([0.4, 0.2]), ca.SX([0.0, 0.0])
+    other = context.at(desired, ca.SX([1.0, 2.0, 0.3]), ca.SX([0.4, 0.2]))
+
+    assert other.e.is_zero()
+    assert other.parameters is context.parameters
+    assert not context.e.is_zero()
+
+
+def test_gains_are_of_the_law_and_its_own_diagnostics_come_last():
+    context = LawContext(settle(paper(), "mb"))
+
+    assert str(context.gain("rho")[0]) != str(context.gain("rho")[1])
+    with pytest.raises(AssertionError, match="mb: gains are not"):
+        context.own(PidGains)
+    assert own_diagnostics(law_graph(settle(paper(), "mb"))) == ()
+    shown = [item.name for item in own_diagnostics(law_graph(settle(paper(), "smc")))]
+    assert shown == ["m_hat", "F_hat"]

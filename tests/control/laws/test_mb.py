@@ -1,0 +1,29 @@
+"""The model-based law."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.control.laws.points import DRIVING, T, at, graph
+from wmr_ctrl.control.basis import ANY_BASIS
+from wmr_ctrl.control.laws.mb import LAW, inside, rule
+
+
+def test_the_exact_decay_is_that_of_a_whole_period() -> None:
+    """The force is linear in the rate: two rates tell which one the option stands for."""
+
+    def force(**gains: object) -> np.ndarray:
+        return at(graph(LAW.name, **{f"gains.mb.{name}": value for name, value in gains.items()}),
+                  DRIVING)[0]  # fmt: skip
+
+    rho = np.array([15.0, 57.6])
+    one, double, exact = force(), force(rho=(2 * rho).tolist()), force(decay="exact")
+    rate = rho * (1 + (exact - one) / (double - one))
+
+    assert rate == pytest.approx((1 - np.exp(-rho * T)) / T, rel=1e-9)
+
+
+def test_its_rate_follows_from_the_basis():
+    assert rule(ANY_BASIS) == {"rho": ANY_BASIS.rho}
+    assert LAW.inside is inside

@@ -1,0 +1,54 @@
+"""A law's compiled controller, called from Python."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+from tests.papers_robot import paper
+from wmr_ctrl.codegen.build import build_law
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.simulation.compiled_law import START_SAMPLE, CompiledLaw, seconds_of
+
+
+@pytest.fixture
+def law() -> CompiledLaw:
+    return CompiledLaw(build_law(settle(paper(), "pid")))
+
+
+def test_a_sample_moves_the_memory_and_a_copy_goes_on_alike(law):
+    law.u = START_SAMPLE
+    first = law.step().copy()
+    other = pickle.loads(pickle.dumps(law))
+
+    assert np.isfinite(first).all()
+    assert law.x.any()
+    assert np.array_equal(other.step(), law.step())
+    law.reset()
+    assert np.array_equal(law.step(), first)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, 2e12])
+def test_a_sample_that_cannot_be_is_refused_and_forgotten(law, wrong):
+    law.u = START_SAMPLE
+    law.step()
+    before = law.x.copy()
+    law.u[10] = wrong
+
+    with pytest.raises(ArgumentError, match=r"the sample is refused: v1 = "):
+        law.step()
+    assert not law.torque.any()
+    assert np.array_equal(law.x, before)
+
+
+def test_arrays_are_written_into_and_keep_their_size(law):
+    kept = law.u
+    law.u = [0.5] * 12
+
+    assert law.u is kept
+    with pytest.raises(ArgumentError, match="u takes 12 real numbers, not an array of float64"):
+        law.u = [0.5] * 11
+    assert 0 < seconds_of(law) < 1.0

@@ -1,0 +1,49 @@
+"""The Run that is made of an engine's results."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.papers_robot import paper
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.signals import LOG_HEAD
+from wmr_ctrl.results import Monitor
+from wmr_ctrl.simulation.runnable import assemble_run, provenance, settings_of, versions
+from wmr_ctrl.world.scenario import loads_scenario, override
+
+
+def assembled(**changed: object):
+    scenario = override(paper(), {"clock.duration": 0.1, **changed})
+    columns = {s.name: np.full((10, s.size) if s.size > 1 else 10, 0.5) for s in LOG_HEAD}
+    log = LOG_HEAD, {**columns, "t": np.arange(10) * 0.01}, Monitor((0.5, 0.5))
+    return assemble_run(
+        scenario, "mb", 7, "native", log, {"kernel_hash": "x"}, settle(scenario, "mb").assumptions
+    )
+
+
+def test_a_run_carries_its_scenario_and_who_made_it():
+    run = assembled()
+
+    assert (run.law, run.seed, run.engine, run.provenance["kernel_hash"]) == (
+        "mb",
+        7,
+        "native",
+        "x",
+    )
+    assert run.provenance["version"] == versions()["version"]
+    text = provenance(override(paper(), {"robot.m": 47.0}))["scenario_toml"]
+    assert loads_scenario(text, "again").robot.m == 47.0
+
+
+def test_orientations_are_counted_as_the_scenario_counts_them():
+    turned = assembled(frames="rep103")["theta"] - assembled()["theta"]
+
+    assert turned == pytest.approx(np.full(10, turned[0]))
+    assert abs(turned[0]) == pytest.approx(np.pi / 2)
+
+
+def test_settings_are_the_scenarios():
+    settings = settings_of(override(paper(), {"clock.duration": 8.0, "body.radius": 0.3}))
+
+    assert (settings.duration, settings.split, settings.radius) == (8.0, 4.0, 0.3)
