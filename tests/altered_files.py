@@ -192,7 +192,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("control/guard/price.py", "time * max(net(guard, i), 0.0)", "time * net(guard, i)"),
     ),
     *_rows(
-        "wmr_ctrl/", "tests/control/test_delay_steps.py",
+        "wmr_ctrl/", "tests/control/test_loop.py",
         ("control/loop.py", "ca.floor(self._late / h + 0.5)", "ca.floor(self._late / h)"),
     ),
     *_rows(
@@ -306,7 +306,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
          "operand.start - inner.target.start, j"),
     ),
     *_rows(
-        "wmr_ctrl/control/", "tests/control/test_delay_steps.py::"
+        "wmr_ctrl/control/", "tests/control/test_applied.py::"
         "test_a_torque_that_is_followed_is_that_of_every_step",
         ("applied.py", "pieces.insert(0, (", "pieces.append(("),
     ),
@@ -381,7 +381,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("page.c", "wmr_clock(parameters(&r->settings, &r->loop), r->loop.clock);", ""),
     ),
     *_rows(
-        "wmr_ctrl/control/", "tests/control/test_delay_steps.py",
+        "wmr_ctrl/control/", "tests/control/test_loop.py",
         ("loop.py", "* (1 + NO_VIOLATION)", ""),
     ),
 )  # fmt: skip
