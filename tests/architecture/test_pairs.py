@@ -14,7 +14,7 @@ from pathlib import Path
 from tests.architecture.tree import ROOT, Module, functions, modules, nodes_of
 
 TESTS = ROOT / "tests"
-ROOMS = ("core", "results", "world", "control", "simulation")
+ROOMS = ("core", "results", "world", "control", "codegen", "simulation", "export")
 WITHOUT: dict[str, str] = {}
 """Modules that need no test of their own, and why."""
 

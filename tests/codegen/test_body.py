@@ -6,7 +6,10 @@ import casadi as ca
 import numpy as np
 
 from tests.codegen.compiled import compiled, machine
+from wmr_ctrl.codegen.body import body
+from wmr_ctrl.codegen.dialect import LANES, SCALAR
 from wmr_ctrl.codegen.emit import Kernel, definition, kernel
+from wmr_ctrl.world.model.graph import read
 
 
 def one_after_the_other() -> Kernel:
@@ -34,3 +37,14 @@ def test_choices_that_read_each_other_keep_their_values() -> None:
         for signs in np.ndindex(2, 2, 2):
             x = np.array([0.3, 0.7, 1.1]) * (2 * np.array(signs) - 1)
             assert (step(x) == wanted(x)).all(), item.name
+
+
+def test_a_sine_and_a_cosine_of_one_angle_are_one_call_in_lanes() -> None:
+    x = ca.SX.sym("x")
+    function = ca.Function("both", [x], [ca.vertcat(ca.sin(x), ca.cos(x))])
+    graph = read(function, ["x"], ["y"])
+    scalar, lanes = ("\n".join(body(graph, dialect)) for dialect in (SCALAR, LANES))
+
+    assert "wmr_sin(" in scalar
+    assert "wmr_cos(" in scalar
+    assert "wmr_cos(" not in lanes

@@ -21,6 +21,7 @@ from click.testing import CliRunner
 from tests.codegen.measured import FILTERS
 from tests.codegen.test_package import WARNINGS, needs, run
 from wmr_ctrl.cli import root
+from wmr_ctrl.codegen.layouts import VERSION
 from wmr_ctrl.codegen.package import CORRIDOR, FILTER, files_of, package_files
 from wmr_ctrl.codegen.reference_package import reference_files
 from wmr_ctrl.codegen.resources import LAYOUTS
@@ -295,3 +296,7 @@ def test_a_layout_needs_a_folder_of_its_own(tmp_path: Path) -> None:
         assert done.exit_code == code, done.output
     assert "wmr_kanayama" in done.output
     assert not (tmp_path / "libs/src/wmr_kanayama.h").exists()
+
+
+def test_manifests_have_a_version_in_three_numbers():
+    assert re.fullmatch(r"\d+\.\d+\.\d+", VERSION)

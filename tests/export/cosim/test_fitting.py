@@ -15,6 +15,7 @@ from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.cosim.fitting import law_within
 from wmr_ctrl.export.cosim.slave import Slave
 from wmr_ctrl.export.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.export.fmi.ssp import export_ssp
@@ -200,3 +201,12 @@ def test_setting_fixed_drives_is_an_error(raw):
     assert loop.put({"actuator.delay": 0.0, "disturbance.push[1]": 5.0}) == OK
     assert loop.put({"disturbance.push[1]": -5.0}) in REFUSED
     loop.free()
+
+
+def test_the_law_within_one_of_our_controllers_is_known(exported, tmp_path):
+    (tmp_path / "no.fmu").write_text("no archive")
+
+    assert law_within(exported("nn", 3)) == "nn"
+    assert law_within(exported("plant", 3)) is None
+    assert law_within(tmp_path / "no.fmu") is None
+    assert law_within(None) is None

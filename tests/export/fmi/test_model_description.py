@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import posixpath
 import re
 import zipfile
@@ -18,8 +19,11 @@ from lxml import etree
 from tests.export.fmi.cases import FMUS, OTHER_LAWS, SOME_FMUS
 from wmr_ctrl.control.controller import asking_controller
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.signals import LARGEST, PLANT_STATE, TORQUE
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
+from wmr_ctrl.export.fmi.model_description import Role, Variable, finite, input_rows, rate_rows
 from wmr_ctrl.world.model.dynamics import plant
+from wmr_ctrl.world.model.system import ports
 from wmr_ctrl.world.scenario import load_scenario
 
 SCHEMA = Path(fmpy.__file__).parent / "schema"
@@ -242,3 +246,18 @@ def test_export_depends_on_content_alone(tmp_path):
     (first,) = export_fmu("plant", fmi=2, out=tmp_path / "a")
     (second,) = export_fmu("plant", fmi=2, out=tmp_path / "b")
     assert first.read_bytes() == second.read_bytes()
+
+
+def test_infinity_is_the_largest_number_and_keeps_its_sign():
+    assert [finite(x) for x in (math.inf, -math.inf, 2)] == [LARGEST, -LARGEST, 2.0]
+
+
+def test_inputs_begin_as_stated_and_rates_are_per_second():
+    rows = list(input_rows(ports(TORQUE), {"tau_left": 3.0}))
+    assert [(item.name, item.start) for item in rows] == [("tau_right", 0.0), ("tau_left", 3.0)]
+
+    state = Variable("v1", "m/s", PLANT_STATE[3].meaning, Role.START)
+    (rate,) = rate_rows([state])
+    assert (rate.name, rate.unit, rate.rate_of) == ("der(v1)", "m/s2", "v1")
+    assert state.known
+    assert not rate.known

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.export.modelica.diagram import edge, places_of_parts, wires_of_loop
 
 NUMBER = r"-?\d+(?:\.\d+)?"
 PAIR = rf"\{{({NUMBER}),({NUMBER})\}}"
@@ -175,3 +176,14 @@ def test_classes_are_capitalised(text):
     assert all(name[0].isupper() for name in names)
     for law in LAWS:
         assert f"extends Loop(redeclare Laws.{law.capitalize()} controller);" in text
+
+
+def test_ports_are_spread_over_an_edge_and_wires_join_equal_names():
+    assert [place.x for place in edge(["a", "b", "c"], -100, 90).values()][1] == 0
+    parts = places_of_parts(["d"], ["d", "v"], ["tau"], ["tau", "push"], ["v"])
+
+    wires = {(wire.start, wire.end) for wire in wires_of_loop(parts)}
+    assert wires == {
+        ("reference.d", "controller.d"), ("controller.tau", "plant.tau"),
+        ("disturbance.push", "plant.push"), ("plant.v", "controller.v"),
+    }  # fmt: skip

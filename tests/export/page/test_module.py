@@ -12,8 +12,12 @@ import pytest
 
 import wmr_ctrl
 from tests.compilers import NODE, where
+from tests.papers_robot import paper
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.export.page.module import PageLoops
 from wmr_ctrl.export.page.scenes import story
 from wmr_ctrl.results import Run
+from wmr_ctrl.world.scenario import override
 
 SCRIPT = Path(__file__).with_name("run.mjs")
 Request = tuple[str, float, Mapping[str, object]]
@@ -179,3 +183,13 @@ def test_a_successor_goes_on_and_a_limit_that_is_moved_is_watched(tmp_path: Path
 
     assert found["same"]
     assert found["before"] == 0 < found["after"]
+
+
+def test_setups_that_differ_in_numbers_share_a_loop() -> None:
+    loops = PageLoops()
+    first = loops.of(settle(paper(), "pid"))
+
+    assert loops.of(settle(override(paper(), {"robot.m": 60.0}), "pid")) is first
+    assert loops.of(settle(paper(), "mb")).name == "k1"
+    assert [item.name for item in loops] == ["k0", "k1"]
+    assert len(loops) == 2

@@ -9,6 +9,7 @@ import pytest
 import wmr_ctrl
 from wmr_ctrl.core.errors import ArgumentError, CompilerError, ResultFileError, UnknownNameError
 from wmr_ctrl.export.page import module
+from wmr_ctrl.export.page.write import LARGEST_SEED
 
 
 def test_unknown_law_and_scenario(tmp_path: Path) -> None:
@@ -20,7 +21,7 @@ def test_unknown_law_and_scenario(tmp_path: Path) -> None:
     with pytest.raises(ArgumentError, match="seed"):
         wmr_ctrl.write_page(out, seed=-1)
     with pytest.raises(ArgumentError, match="2\\^53"):
-        wmr_ctrl.write_page(out, seed=2**53)
+        wmr_ctrl.write_page(out, seed=LARGEST_SEED)
     assert list(tmp_path.iterdir()) == []
 
 

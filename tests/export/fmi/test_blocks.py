@@ -1,0 +1,43 @@
+"""Parts of the loop as models."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from tests.papers_robot import paper
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.export.fmi.blocks import CHANGED, guard_model, law_model, plant_model, stepped_plant
+from wmr_ctrl.export.fmi.model_description import Role
+from wmr_ctrl.world.model.dynamics import plant, rk4_step
+from wmr_ctrl.world.scenario import override
+
+
+def test_the_plants_step_is_that_of_the_loop():
+    system, step = stepped_plant(paper())
+    own, h = plant(paper()), ca.SX.sym("h")
+    wanted = ca.Function("w", [own.u, own.x, own.p, h], [rk4_step(own, h)])
+    u, x = np.arange(1.0, own.u.numel() + 1), [0.1, 0.2, 0.3, 0.4, 0.5]
+
+    found = step.function(u, x, system.p0)
+    assert found.full()[:5] == pytest.approx(wanted(u, x, own.p0, 0.001).full(), rel=1e-14)
+
+
+def test_of_a_plant_what_changes_in_a_run_is_tunable():
+    model = plant_model(paper())
+    tunable = {item.name for item in model.variables if item.role is Role.TUNABLE}
+
+    assert tunable == set(CHANGED)
+    assert model.variables[model.row("robot.r")].role is Role.FIXED
+    assert model.variables[model.row("tau_right")].role is Role.INPUT
+
+
+def test_a_law_and_a_guard_give_torques():
+    scenario = override(paper(), {"guard.enabled": True, "disturbance.truncate": 3.0})
+    for model in (law_model(settle(scenario, "mb")), guard_model(settle(scenario, None))):
+        torque = model.variables[model.row("tau_left")]
+        assert (torque.output, torque.discrete, torque.unit) == (True, True, "N.m")
+    with pytest.raises((ArgumentError, ScenarioError)):
+        law_model(settle(scenario, None))
