@@ -69,3 +69,11 @@ def test_columns_are_named_by_hand_with_their_unit():
     assert list(named.scaled({"stamp": [500.0], "t2": [1.0]}).columns["t"]) == [0.5]
     with pytest.raises(ScenarioError, match='no columns are named "stamp", which is to be t'):
         named.read(["time", "1"])
+
+
+def test_columns_without_names_are_called_by_their_place():
+    named = TableReader("way", {"t": "s", "x": "m"}, ("t",), columns={"x": "1", "t": "3 [ms]"})
+    found = named.read(["7,8,500", "9,8,1000"]).columns
+
+    assert list(found["t"]) == [0.5, 1.0]
+    assert list(found["x"]) == [7.0, 9.0]
