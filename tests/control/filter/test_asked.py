@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import wmr_ctrl
+from wmr_ctrl.control.filter import asked as able
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.theory.checks import warnings_for
@@ -92,3 +94,13 @@ def found(scenario: Scenario) -> dict[str, str]:
 def test_check_objects_to_a_path_tighter_than_the_base() -> None:
     assert "base.min_radius" not in found(turning(0.8))
     assert "radius of 0.8 m" in found(turning(0.81))["base.min_radius"]
+
+
+@pytest.mark.parametrize(
+    ("given", "sent"),
+    [((0.4, 0.5), 0.5), ((0.4, 2.0), 0.8), ((-0.4, -2.0), -0.8), ((0.0, 1.0), 0.0)],
+)
+def test_a_turn_is_no_tighter_than_the_least_radius(given, sent) -> None:
+    found = ca.evalf(able.turning(ca.SX(given), ca.SX(0.5))).full().ravel()
+
+    assert found == pytest.approx([given[0], sent])
