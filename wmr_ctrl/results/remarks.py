@@ -314,6 +314,8 @@ def _held_back(run: Run) -> Iterator[str]:
 
 def _filtered(run: Run) -> Iterator[str]:
     shares = measures.filter_share(run, drive(run.settings))
+    if "filter_flags" not in run or np.mean(run["filter_flags"] % 2) < HELD_BACK:
+        return  # bit 1: limited; filter.least changes commands, too, and holds nothing back
     if shares is not None and max(shares) >= HELD_BACK:
         v, omega = map(percent, shares)
         yield (

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -10,6 +12,8 @@ import pytest
 
 import wmr_ctrl
 from wmr_ctrl.control.filter import asked as able
+from wmr_ctrl.control.filter.filter import filter_system
+from wmr_ctrl.control.filter.gate import GateSettings, gate_system
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.theory.checks import warnings_for
@@ -104,3 +108,94 @@ def test_a_turn_is_no_tighter_than_the_least_radius(given, sent) -> None:
     found = ca.evalf(able.turning(ca.SX(given), ca.SX(0.5))).full().ravel()
 
     assert found == pytest.approx([given[0], sent])
+
+
+LEAST = {"base.deadband": [0.03, 0.26], "filter.least": True}
+DOCK = {
+    "initial.pose": [0.0, 0.0, -math.pi / 2], "clock.duration": 30.0, "metrics.tolerance": 0.02,
+    "reference": {"kind": "waypoints", "points": [[0.0, 0.0], [0.6, 0.0], [1.0, 0.1]],
+                  "speed": 0.06, "tolerance": 0.05},
+}  # fmt: skip
+
+
+def docked(changes: Mapping[str, Any], law: str, engine: str = "native") -> tuple[float, list[str]]:
+    run = wmr_ctrl.simulate(override(CREATE3, {**DOCK, **changes}), law, engine=engine)
+    away = np.hypot(run["x"][-1] - run["x_d"][-1], run["y"][-1] - run["y_d"][-1])
+    return float(away), [item.key for item in run.remarks]
+
+
+@pytest.mark.slow_but("kanayama")
+@pytest.mark.parametrize("law", ["kanayama", "pursuit", "prox"])
+def test_a_goal_within_the_dead_band_is_reached(law: str) -> None:
+    away, remarks = docked(LEAST, law)
+    assert away < 0.01
+    assert not {"not-tracked", "goal-not-reached", "dead-band", "filter-holds-back"} & {*remarks}
+    if law != "prox":
+        assert docked({**LEAST, "filter.least": False}, law)[0] > 0.09
+    assert docked(LEAST, law, "numpy")[0] == pytest.approx(away, abs=1e-9)
+
+
+@pytest.mark.parametrize("wheels", [False, True])
+def test_what_is_sent_acts_and_is_in_the_mean_what_was_asked(wheels: bool) -> None:
+    band = {"base.wheel_deadband": 0.03, "filter.d": [0.02, 0.2]} if wheels else LEAST
+    step = wmr_ctrl.command_filter(override(CREATE3, {**band, "filter.least": True})).step
+    l, rng = CREATE3.robot.l, np.random.default_rng(6)
+    parts = np.array([[1.0, l], [1.0, -l]]) if wheels else np.eye(2)
+    size = np.array([0.03, 0.03]) if wheels else np.array([0.03, 0.26])
+    asked = np.repeat(rng.uniform(-1, 1, (40, 2)) * (0.06, 0.3), rng.integers(1, 60, 40), axis=0)
+    sent = np.array([step(tuple(u)).command for u in asked])
+    asked, sent = asked @ parts.T, sent @ parts.T
+    assert ((np.abs(sent) >= size * (1 - 1e-12)) | (np.abs(sent) < 1e-12)).all()
+    small = np.abs(asked) < size
+    assert sent[~small] == pytest.approx(asked[~small], abs=1e-12)
+    for axis in (0, 1):
+        runs = np.split(np.arange(len(asked)), np.flatnonzero(np.diff(small[:, axis])) + 1)
+        for rows in runs:
+            drift = np.cumsum((asked - sent)[rows, axis])
+            assert np.abs(drift).max() <= size[axis] * (1 + 1e-6)
+    assert step((0.0, 0.0)).command == (0.0, 0.0)
+
+
+def test_the_least_command_is_sent_only_where_the_filter_admits_it() -> None:
+    weak = override(CREATE3, {**LEAST, "limits.v_u1": [0.306, 0.2], "limits.v_u2": [0.2, 0.15]})
+    step = wmr_ctrl.command_filter(weak).step
+    sent = np.array([step((0.0, 0.1)).command[1] for _ in range(50)])
+    assert 0 < sent.max() <= (0.2 - 0.05) / 1.05
+    assert "limited" in {flag for _ in range(9) for flag in step((0.0, 0.1)).flags}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["clip", "governor"])
+def test_no_base_leaves_its_limits_behind_least_commands(kind: str) -> None:
+    """Bases of the test's own, with dead bands of their own, against greedy and chance commands."""
+    free = [math.inf, math.inf]
+    scenario = override(CREATE3, {
+        **LEAST, "filter.kind": kind, "filter.tau": [0.05, 0.2], "base.accel": free,
+        "base.decel": free, "filter.delay": [0.0, 0.0], "filter.d": [0.035, 0.3], "base.delay": 0.0,
+    })  # fmt: skip
+    system, trials, T, rng = filter_system(scenario), 4000, 0.05, np.random.default_rng(8)
+    step = system.function("filter", [system.update, system.y]).map(trials)
+    x, p = (np.tile(np.array(item)[:, None], trials) for item in (system.x0, system.p0))
+    K, v = rng.uniform(0.95, 1.05, (2, trials)), np.zeros((2, trials))
+    top, band = (np.array(pair)[:, None] for pair in (scenario.limits.v_u1, (0.03, 0.26)))
+    push = rng.choice([-1, 1], (2, trials)) * np.array([[0.003], [0.02]])
+    size, worst = rng.choice([0.3, 1.0, 3.0, 40.0], (2, trials)), 0.0
+    for k in range(150):
+        if k % 7 == 0:
+            asked = band * size * rng.choice([-1, 1, 0.4], (2, trials))
+        u = np.zeros((system.u.numel(), trials))
+        u[:2] = asked
+        if kind == "governor":
+            u[4] = -1.0
+        x, y = (np.array(item) for item in step(u, x, p))
+        acts = np.where(np.abs(y[:2]) < band, 0.0, y[:2])
+        v = v + (1 - np.exp(-T / rng.uniform(0.05, 0.2, (2, trials)))) * (K * acts + push - v)
+        worst = max(worst, float((np.abs(v) / top).max()))
+    assert 0.8 < worst <= 1 + 1e-9
+
+
+def test_making_up_for_no_dead_band_is_refused() -> None:
+    with pytest.raises(ScenarioError, match=r"base\.deadband and base\.wheel_deadband are 0"):
+        wmr_ctrl.command_filter(override(CREATE3, {"filter.least": True}))
+    with pytest.raises(ScenarioError, match=r"filter\.least: a gate ramps commands"):
+        gate_system(override(CREATE3, LEAST), GateSettings())

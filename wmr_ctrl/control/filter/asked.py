@@ -1,18 +1,29 @@
 """Commands that a base cannot follow, reduced to what it can do before they are filtered.
 
 A base with a least turning radius cannot turn on the spot: omega is limited to |v| over that
-radius.
+radius.  With filter.least a command within the dead band becomes 0 or the least one that acts, b,
+so that the base does in the mean what was asked.  With r, what was asked for and not sent so far, a
+pulse of b begins once |r + u| >= b and ends once r + u has changed its sign: r stays within b.  The
+filter passes the result like any other command.
 """
 
 from dataclasses import replace
 
 import casadi as ca
 
-from wmr_ctrl.core.signals import ASKED, LARGEST
-from wmr_ctrl.world.model.system import Output, Parameters, System
+from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
+from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.wheel_commands import from_rims, to_rims
 
 from .channels import FLAGS, TURN_RADIUS, within
+
+JUST_ABOVE = 1 + 2.0**-26
+"""Share of a dead band at which a command acts, whatever is rounded."""
+OWN = (
+    ("rest", "m/s, rad/s", "what was asked for and not sent"),
+    ("way", "1", "sign of the least command that was sent last, or 0"),
+)
 
 
 def turning(asked: ca.SX, radius: ca.SX) -> ca.SX:
@@ -29,18 +40,50 @@ def turned(scenario: Scenario, p: Parameters, asked: ca.SX) -> ca.SX:
     return asked if able else turning(asked, p.take("base.min_radius"))
 
 
+def least_or_none(asked: ca.SX, least: ca.SX, rest: ca.SX, way: ca.SX) -> tuple[ca.SX, ...]:
+    """A command (2,) that acts or is 0, what of those asked for is not sent, and its way (2,)."""
+    total = rest + asked
+    begins = ca.if_else(ca.fabs(total) >= least, ca.sign(total), 0)
+    now = ca.if_else(total * way > 0, way, begins)
+    small = ca.logic_and(ca.fabs(asked) < least, asked != 0)
+    sent = ca.if_else(small, now * least, asked)
+    return sent, ca.if_else(small, total - sent, 0), ca.if_else(small, now, 0)
+
+
+def pulsed(
+    scenario: Scenario, p: Parameters, asked: ca.SX
+) -> tuple[ca.SX, list[Port], list[ca.SX]]:
+    """The command (2,) that acts or is 0 on v and omega, then on each rim; state and its update."""
+    base, state, following = scenario.base, list[Port](), list[ca.SX]()
+    for name, size in (("deadband", max(base.deadband)), ("wheel_deadband", base.wheel_deadband)):
+        if not scenario.filter.least or size == 0:
+            continue
+        rims, least = name != "deadband", p.take(f"base.{name}") * JUST_ABOVE
+        own = [port(Signal(f"{name}_{what}", unit, said, 2)) for what, unit, said in OWN]
+        state += own
+        l = p.take("robot.l") if rims else ca.SX(1)
+        parts = to_rims(asked, l) if rims else asked
+        parts, *updates = least_or_none(parts, least, own[0].sym, own[1].sym)
+        asked, following = from_rims(parts, l) if rims else parts, [*following, *updates]
+    return asked, state, following
+
+
 def for_base(system: System, scenario: Scenario) -> System:
     """A filter that receives only what the base can do."""
     p = Parameters(scenario, system.params)
     (asked,) = (item.sym for item in system.inputs if item.signal == ASKED)
-    able = turned(scenario, p, asked)
+    acts, state, following = pulsed(scenario, p, asked)
+    able = turned(scenario, p, acts)
     if able is asked:
         return system
     exprs = [system.update, *(item.expr for item in system.outputs)]
     update, *outputs = ca.substitute(exprs, [asked], [able])
-    tight = ca.if_else(able[1] == asked[1], 0, TURN_RADIUS)
+    tight = ca.if_else(able[1] == acts[1], 0, TURN_RADIUS)
     told = [
         Output(item.signal, expr + tight if item.signal == FLAGS else expr)
         for item, expr in zip(system.outputs, outputs, strict=True)
     ]
-    return replace(system, update=update, outputs=tuple(told), params=p.ports)
+    return replace(
+        system, update=ca.vertcat(update, *following), outputs=tuple(told), params=p.ports,
+        state=(*system.state, *state),
+    )  # fmt: skip

@@ -77,6 +77,12 @@ def check_filter(scenario: Scenario) -> None:
             'filter.kind = "none": this scenario has no command filter. Set filter.kind = "clip", '
             '"governor" or "band".'
         )
+    if settings.least and not any((*scenario.base.deadband, scenario.base.wheel_deadband)):
+        raise ScenarioError(
+            "filter.least = true sends the least command that acts for a smaller one, and "
+            "base.deadband and base.wheel_deadband are 0: every command acts. State a dead band, "
+            "or leave out filter.least."
+        )
     if scenario.base.min_radius and settings.scale != "curvature":
         raise ScenarioError(
             f'filter.scale = "{settings.scale}" may slow the base down and let it turn on, tighter '

@@ -89,6 +89,11 @@ def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, c
             "assumes that commands change only as it sends them. Leave it out: without it, "
             'filter.kind = "clip" or "band" keeps its promise behind a gate.'
         )
+    if scenario.filter.least:
+        raise ScenarioError(
+            "filter.least: a gate ramps commands through the base's dead band, and would take each "
+            "small one on a ramp for one to make up for. Leave it out here."
+        )
     inner = filter_system(scenario)
     ports = {item.signal: item for item in inner.inputs}
     asked, age, stop, reset = port(ASKED), port(COMMAND_AGE, -1.0), port(STOP), port(RESET)

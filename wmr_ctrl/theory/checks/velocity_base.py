@@ -109,6 +109,10 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
     return FilterFacts(stated.kind, statement, high, usable, delayed, stronger, broken)
 
 
+ON_THE_SPOT = {"base.min_radius": 0.0}
+"""A base of which each axis moves by itself."""
+
+
 def usable_speed(scenario: Scenario) -> Pair:
     """Steady speeds [m/s, rad/s] of the weakest base that the filter is stated for.
 
@@ -119,7 +123,7 @@ def usable_speed(scenario: Scenario) -> Pair:
     governor of wheels, whose weakest base is not known: the speed admitted without odometry, which
     is less.
     """
-    filtering, stated = CommandFilter(scenario), scenario.filter
+    filtering, stated = CommandFilter(override(scenario, ON_THE_SPOT)), scenario.filter
     alone = stated.channels == "body" and stated.wheel_speed is None
     ends = [0.0, 0.0]
     for axis, limit in enumerate(scenario.limits.v_u1):
@@ -165,7 +169,7 @@ def rise_times(scenario: Scenario) -> Pair | None:
 
     For commands far beyond them, from rest, one axis at a time; linear between samples.
     """
-    scenario = override(scenario, {"filter.scale": "axes"})
+    scenario = override(scenario, {"filter.scale": "axes", **ON_THE_SPOT})
     step, limits = CommandFilter(scenario).step, np.array(scenario.limits.v_u1)
     asked = (10 * limits).tolist()
     sent = np.array([(0.0, 0.0), *(step(asked).command for _ in range(_steps(scenario)))])

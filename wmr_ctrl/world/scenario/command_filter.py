@@ -112,6 +112,9 @@ class Filter(Section, key="filter"):
         None, "m/s2, rad/s2", "fastest change of commands that a linear loop's clip allows",
         size=2, above=0,
     )  # fmt: skip
+    least: bool = quantity(
+        False, "1", "send 0 or the least command that acts for one within the base's dead band"
+    )
     trust: bool = quantity(False, "1", "allow runs in which a hypothesis does not hold")
 
     def relate(self) -> None:
