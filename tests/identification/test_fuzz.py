@@ -53,7 +53,8 @@ def test_a_table_of_any_kind_is_a_log_or_an_error_in_one_paragraph(tmp_path, see
         place.write_text(spoilt(seed))
         try:
             log = mended(log_of(place))
-            lint.check_log(log, COMMAND)
+            lint.check_times(log)
+            lint.check_counters(log)
             usable(motion_of(log, paper(), "v1", COMMAND))
             read += 1
         except WmrError as problem:

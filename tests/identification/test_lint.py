@@ -122,11 +122,27 @@ def test_good_logs_are_not_accused(driven):
     scenario = override(paper(), KNOWN)
     for robot in range(4):
         log = of_columns("log", log_of(driven, robot, POSED))
-        lint.check_log(log)
+        lint.check_times(log)
+        lint.check_counters(log)
         samples = motion_of(log, scenario, COUNTS.name)
         lint.check_motion("log", samples, TRUTH.l, 10.0)
         lint.check_torques("log", samples, TRUTH.l)
         lint.check_poses("log", log, samples)
+
+
+def test_poses_of_a_straight_drive_tell_no_ratio_of_turns():
+    rng, t = np.random.default_rng(0), np.arange(800) * 0.015
+    v = 0.3 * (np.floor(t / 1.5) % 3 - 1)
+    noise = rng.normal(0, 0.3, len(t))
+    log = of_columns("log", {"t": t, "v1": v, "omega": noise, "x": 0 * t,
+                             "y": np.cumsum(v) * 0.015, "theta": 0 * t})  # fmt: skip
+    samples = motion_of(log, paper(), "v1", ("v1", "omega"))
+
+    way, turn = lint.pose_ratios(log, samples)
+
+    assert way == pytest.approx(1.0, abs=0.02)
+    assert math.isnan(turn)
+    lint.check_poses("log", log, samples)
 
 
 def test_poses_tell_the_size_of_the_wheels(driven):

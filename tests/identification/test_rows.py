@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -159,6 +160,25 @@ def test_rows_at_the_time_of_the_row_before_are_left_out_if_they_are_few():
     assert (np.diff(read.times["v1"]) > 0).all()
     assert read.columns["v1"][50:52].tolist() == [50.0, 52.0]
     assert [note.key for note in read.notes] == ["clocks"]
+
+
+@pytest.mark.parametrize("far", [700.0, -700.0, math.nan])
+def test_single_counts_that_are_far_off_or_no_numbers_are_left_out(far):
+    t = np.arange(500) * T
+    counts = [np.floor(400 * np.sin(rate * t)) for rate in (0.7, 1.1)]
+    odd = [50, 200, 201, 400]
+    spoilt = [counts[0].copy(), counts[1]]
+    spoilt[0][odd] += far
+    good = of_columns("log", {"t": t, **dict(zip(NAMES_OF_COUNTS, counts, strict=True))})
+    log = replace(good, columns=dict(zip(NAMES_OF_COUNTS, spoilt, strict=True)))
+
+    read = mended(log)
+
+    for name, rows in zip(NAMES_OF_COUNTS, counts, strict=True):
+        assert read.columns[name].tolist() == np.delete(rows, odd).tolist()
+        assert read.times[name].tolist() == np.delete(t, odd).tolist()
+    assert len(read.notes) == 1
+    assert not mended(good).notes
 
 
 def test_what_was_left_out_is_told_and_the_base_is_found_all_the_same():

@@ -14,7 +14,7 @@ import yaml
 
 import wmr_ctrl.identification.identification as identifying
 from benchmarks.own_plant import log_of
-from tests.identification.conftest import TRUTH
+from tests.identification.conftest import KNOWN, TRUTH
 from tests.identification.test_velocity_base import FIRST, steps
 from tests.papers_robot import paper
 from wmr_ctrl import identify
@@ -403,6 +403,43 @@ def test_short_logs_count_as_one_and_rest_between(tmp_path):
     with pytest.raises(LogError, match="no column is in all"):
         identify([several[0], {"t [s]": [0.0, 1.0], "v1 [m/s]": [0.0, 0.0],
                                "omega [rad/s]": [0.0, 0.0]}], base="velocity")  # fmt: skip
+
+
+@pytest.mark.parametrize("commanded", [(0.0, 0.0), (0.3, 0.5)])
+def test_constant_columns_determine_nothing_and_are_no_error(commanded, tmp_path):
+    count, (v, omega) = 1000, commanded
+    columns = {"v_command [m/s]": v, "omega_command [rad/s]": omega, "v1 [m/s]": v,
+               "omega [rad/s]": omega}  # fmt: skip
+    log = {"t [s]": [0.02 * k for k in range(count)],
+           **{name: [value] * count for name, value in columns.items()}}  # fmt: skip
+
+    found = of_velocities(log, limits__v_u1=[1.0, 2.0])
+
+    assert {*found.parameters} == {
+        f"{n}{axis}" for n in ("gain", "tau", "delay") for axis in (1, 2)
+    }
+    assert {item.verdict for item in found.parameters.values()} == {"undetermined"}
+    assert any("Change both commands by steps" in text for text in found.remarks)
+    assert found.traces().measured.shape == (count, 2)
+    file = tmp_path / "mine.toml"
+    file.write_text(found.to_toml())
+    written = tomllib.loads(file.read_text())
+    assert load_scenario(file).filter.kind == "none"
+    assert written["base"] == {"kind": "velocity"}
+    assert "# model_delay: the log shows none" in nav2_of(found)
+
+
+@pytest.mark.slow
+def test_constant_torques_determine_nothing_and_are_no_error(driven):
+    log = log_of(driven, 0)
+    still = {name: [0.5] * len(column) if name.startswith("tau") else list(column)
+             for name, column in log.items()}  # fmt: skip
+
+    found = identify(still, overrides=KNOWN)
+
+    assert {item.verdict for item in found.parameters.values()} == {"undetermined"}
+    assert not found.scenario.guard.enabled
+    assert any("determines nothing" in text for text in found.remarks)
 
 
 def test_parameters_of_nav2_are_numbers_of_one_type(silent):

@@ -97,6 +97,8 @@ def _write(path: str, text: Callable[[], str]) -> None:
 
 
 def _text(result: BaseIdentification) -> str:
+    from math import isfinite
+
     from wmr_ctrl.identification.bounds import UNITS
 
     rows = [
@@ -118,13 +120,14 @@ def _text(result: BaseIdentification) -> str:
         label = "peak gain" if name == "peak_gain" else f"{limited}.{name}"
         lines.append(f"{label} = [{value[0]:.4g}, {value[1]:.4g}]")
     bound, how = ("dbar", "over 1 s each") if limited == "guard" else ("d", "from commands")
-    ahead, around = score.foretold
-    held = score.constant_velocity
-    texts = [
-        f"{bound}: {result.bounds.sentence}.",
-        f"the last third, predicted {how} by a fit of the rest: {100 * ahead:.1f} % of v1's "
-        f"variance and {100 * around:.1f} % of omega's (by a constant velocity "
-        f"{100 * held[0]:.1f} and {100 * held[1]:.1f} %)",
+    texts = [f"{bound}: {result.bounds.sentence}."]
+    texts += [
+        f"the last third of {axis}, predicted {how} by a fit of the rest: {100 * told:.1f} % of "
+        f"its variance (by a constant velocity {100 * held:.1f} %)"
+        for axis, told, held in zip(
+            ("v1", "omega"), score.foretold, score.constant_velocity, strict=True
+        )
+        if isfinite(told)
     ]
     if score.usable_speed is not None and score.one_newton_more is not None:
         texts.append(

@@ -25,7 +25,7 @@ def nav2_of(result: BaseIdentification) -> str:
     up = [values.get(f"accel{axis}", math.inf) for axis in (1, 2)]
     down = [values.get(f"decel{axis}", most) for axis, most in zip((1, 2), up, strict=True)]
     late = max(values.get(f"delay{axis}", math.inf) for axis in (1, 2))
-    slow = [values.get(f"dead{axis}", 0.0) for axis in (1, 2)]
+    slow = [values.get(f"dead{axis}", 0 * values.get(f"gain{axis}", math.inf)) for axis in (1, 2)]
     engine = text_engine(Path(__file__).parent / "templates")
     return engine.get_template("nav2.yaml.j2").render(
         name=result.name, row=_row, up=up, down=down, late=late, slow=slow

@@ -310,7 +310,7 @@ def loop_remarks(judgements: Sequence[Judgement], estimates: Mapping[str, Estima
             f"undetermined: {', '.join(vague)}. Steps of the command show them, each held until "
             "the speed has settled."
         )
-    if any(name.startswith("delay") for name in vague):
+    if driven and any(name.startswith("delay") for name in vague):
         remarks.append(
             "where commands were lost or came late by turns, delays are undetermined too, and "
             "other numbers may lie outside their intervals: log when commands arrived, and state "

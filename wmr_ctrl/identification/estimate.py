@@ -39,7 +39,7 @@ from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats, Pair
 from .logs.samples import AxisLog, Samples, differenced, forces, speeds, wheels
-from .speed_loop import LINEAR, RANGES, Fits, LoopFit, forecast
+from .speed_loop import LINEAR, LOOPS, RANGES, Fits, LoopFit, forecast
 
 START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""
@@ -293,6 +293,9 @@ def free_runs(
 
 def loop_estimates(judgements: Sequence[Judgement], period: float) -> dict[str, Estimate]:
     """Value, interval and verdict of each parameter, for the axes that were driven."""
+    if not judgements:
+        keys = [f"{name}{axis}" for axis in (1, 2) for name in LOOPS["first-order"]]
+        return dict.fromkeys(keys, Estimate(math.nan, 0.0, math.inf, UNDETERMINED, share=9.0))
     estimates = {}
     sure = all(item.explained == EXPLAINED for item in judgements)
     for item in judgements:

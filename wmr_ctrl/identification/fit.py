@@ -226,6 +226,8 @@ FLOOR = 2e-3
 """Least relative half-width of an interval."""
 LEAST_BLOCKS, APART = 3, 2.0
 """Fewest blocks before and after a change, and sums of half-widths that set their values apart."""
+LEAST_TOLD = 1e-12
+"""Information on a number that the log does not tell at all."""
 WIDEST = 14.0
 """Largest half-width of a logarithm: from a millionth to a millionfold, all is undetermined."""
 
@@ -252,7 +254,7 @@ def _two_errors(gradient: Floats, fisher: Floats, free: Mask) -> tuple[Floats, F
         own = fisher[block][np.ix_(free, free)]
         if not own.any():
             continue
-        lacking = whole - own + 1e-9 * np.diag(np.diag(whole))
+        lacking = whole - own + 1e-9 * np.diag(np.maximum(np.diag(whole), LEAST_TOLD))
         moved.append(np.linalg.solve(lacking, gradient[block][free]))
     if not moved:
         return by_fisher, left
@@ -269,7 +271,7 @@ def _whole(fisher: Floats, free: Mask) -> Floats:
     intervals.
     """
     whole = fisher.sum(axis=0)[np.ix_(free, free)]
-    return np.asarray(whole + 1e-10 * np.diag(np.diag(whole)))
+    return np.asarray(whole + 1e-10 * np.diag(np.maximum(np.diag(whole), LEAST_TOLD)))
 
 
 def errors_of(gradient: Floats, fisher: Floats, free: Mask) -> Floats:

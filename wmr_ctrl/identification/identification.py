@@ -139,13 +139,15 @@ def identify(
     if counts is not None:
         scenario, sure = override(scenario, {COUNTED: counts}), {*sure, COUNTED}
     raw = mended(raw)
-    lint.check_log(raw, commands)
+    lint.check_times(raw)
+    lint.check_counters(raw)
     remarks = [*raw.remarks, *(note.text for note in raw.notes)]
     samples, scenario = _samples(raw, scenario, sure, remarks, commands)
     timeout = scenario.section(CommandLoss).timeout if TIMEOUT in sure else None
-    rows = Rows(samples) if base == "torque" else usable(samples, timeout)
+    rows = usable(samples, timeout, base)
     samples, remarks = rows.samples, [*remarks, *(note.text for note in rows.notes)]
-    lint.check_motion(raw.name, samples, scenario.robot.l, SHORTEST[base])
+    if np.ptp(samples.command, axis=0).any():
+        lint.check_motion(raw.name, samples, scenario.robot.l, SHORTEST[base])
     if base == "torque":
         lint.check_torques(raw.name, samples, scenario.robot.l)
     lint.check_poses(raw.name, raw, samples)
@@ -246,11 +248,12 @@ def _samples(
         poses = (
             lint.pose_ratios(raw, motion_of(raw, trial, source, commands)) if of_wheels else None
         )
-        if poses is None:
+        if poses is None or not np.isfinite(poses).all():
             raise LogError(
-                f"{raw.name}: {' and '.join(missing)} must be known, and there are no poses to "
-                "find them from. Give the wheels' radius and half the track, as in --set "
-                "robot.r=0.08 --set robot.l=0.2, or a scenario that has them: --robot known.toml."
+                f"{raw.name}: {' and '.join(missing)} must be known, and there are no poses that "
+                "turn with the wheels to find them from. Give the wheels' radius and half the "
+                "track, as in --set robot.r=0.08 --set robot.l=0.2, or a scenario that has them: "
+                "--robot known.toml."
             )
         r, half_track = poses[0], poses[0] / poses[1]
         text = f"r = {r:.4g} m and l = {half_track:.4g} m by poses against the wheels' turn."
@@ -302,9 +305,9 @@ def _of_torques(
             "not covered by their intervals."
         )
     if all(item.verdict == UNDETERMINED for item in estimates.values()):
-        raise LogError(
-            f"{name}: the log determines nothing about the robot: {' '.join(remarks)} Change the "
-            "speed of each wheel, at different times."
+        remarks.append(
+            "the log determines nothing about the robot. Change the speed of each wheel, at "
+            "different times."
         )
     unknown = all(estimates[key].verdict == UNDETERMINED for key in ("m", "I"))
     bare = bare_scenario(scenario, log, remarks)

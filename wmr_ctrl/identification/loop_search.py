@@ -12,7 +12,7 @@ import numpy as np
 
 from .fit import Tell
 from .logs.log import Floats, Names
-from .logs.samples import AxisLog, shifted_gain
+from .logs.samples import AxisLog
 from .residual import explainable
 from .speed_loop import (
     LINEAR,
@@ -140,7 +140,7 @@ def _starts(log: AxisLog, names: Names, beside: LoopFit | None) -> list[dict[str
     wide = max(round(0.1 / log.period), 1)
     slopes = np.abs(log.speed[wide:] - log.speed[:-wide])[log.in_fit[wide:]] / (wide * log.period)
     steepest = max(float(np.quantile(slopes, 0.98)), 0.02)
-    gain = max(shifted_gain(log)[0], RANGES["gain"][0])
+    gain = max(log.follows[0], RANGES["gain"][0])
     grid: dict[str, Sequence[float]] = {
         "gain": (gain, 1.25 * gain) if "accel" in names else (gain,),
         "tau": SPEEDS, "wn": [1 / x for x in SPEEDS], "zeta": (0.35, 1.0),

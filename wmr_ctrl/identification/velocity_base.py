@@ -11,6 +11,7 @@ from wmr_ctrl.control.filter.peak_gain import PeakGain, peak_gains, pi_loop
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.unstated import Unstated
+from wmr_ctrl.world.encoder import Encoder
 from wmr_ctrl.world.scenario import Scenario, override
 
 from .bounds import (
@@ -25,14 +26,14 @@ from .estimate import bare_scenario, cut_of, loop_estimates, loop_score
 from .fit import Tell
 from .judgement import NOT_EXPLAINED, Judgement, bent, judged
 from .logs.lint import check_following
-from .logs.log import COMMAND, UNITS, LogError, Pair
-from .logs.samples import AxisLog, Samples, axis_log, held_speeds, shifted_gain
+from .logs.log import COMMAND, UNITS, Pair
+from .logs.samples import AxisLog, Samples, axis_log, held_speeds
 from .loop_search import axis_fit
 from .speed_loop import SMOOTHED, Fits, LoopFit, fitted, forecast
 from .stated import LEAST_SEEN, MOST_FAR, rounded_down
 from .written import four_digits, outward
 
-LEAST_DRIVEN = 1e-3
+LOOP, LEAST_DRIVEN = "first-order", 1e-3
 TRAINED = 4
 LEAST_BACK = 2.0
 """Largest ratio of commands in both directions of a log that shows both."""
@@ -50,16 +51,18 @@ class VelocityIdentification(BaseIdentification):
     """
 
     bounds: FilterBounds
+    axes: tuple[AxisLog, ...]
     fits: Fits
     trained: Fits
 
     def traces(self) -> Traces:
         """Measured and predicted speeds, and their deviations as in filter.d."""
-        log = next(fit.log for fit in self.fits if fit is not None)
-        seen, foretold, left = np.full((3, len(log.t), 2), np.nan)
+        log = self.axes[0]
+        seen = np.column_stack([axis.speed for axis in self.axes])
+        foretold, left = np.full((2, *seen.shape), np.nan)
         for axis, (fit, trained) in enumerate(zip(self.fits, self.trained, strict=True)):
             if fit is not None and trained is not None:
-                seen[:, axis], left[:, axis] = fit.log.speed, fit.deviation()
+                left[:, axis] = fit.deviation()
                 foretold[:, axis] = np.where(log.in_fit, forecast(trained, fit.log), np.nan)
         return Traces(log.t, seen, foretold, left, self.score.held_out_from)
 
@@ -67,17 +70,12 @@ class VelocityIdentification(BaseIdentification):
 def of_velocities(
     name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Tell
 ) -> VelocityIdentification:
-    """Identify the base of a log; raises LogError if the log determines nothing."""
+    """Identify the base of a log; raises LogError if units, signs or clocks are wrong."""
     axes = [axis_log(log, axis) for axis in (0, 1)]
     driven = [bool(np.std(axis.sent) > LEAST_DRIVEN) for axis in axes]
-    if not any(driven):
-        raise LogError(
-            f"{name}: both commands are constant, so the log says nothing about the base. Change "
-            "both by steps, at different times."
-        )
     for axis, drives, column in zip(axes, driven, COMMAND, strict=True):
         if drives:
-            check_following(name, column, *shifted_gain(axis), log.period)
+            check_following(name, column, *axis.follows, log.period)
     fits = same_loop(axes, driven, tell)
     pairs = zip(fits, fits[::-1], strict=True)
     judgements = [judged(fit, other, place) for place, (fit, other) in enumerate(pairs) if fit]
@@ -88,13 +86,16 @@ def of_velocities(
     estimates = loop_estimates(judgements, log.period)
     remarks += loop_remarks(judgements, estimates)
     bare = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")
-    bounds, identified = _scenario(bare, log, judgements, estimates, remarks)
+    if judgements:
+        bounds, identified = _scenario(bare, log, judgements, estimates, remarks)
+    else:
+        bounds, identified = _unknown(bare, remarks)
     cut = cut_of(log)
     first, second = (fit and trained_on(fit, cut) for fit in fits)
     trained, said = (first, second), tuple(remarks)
     score = loop_score(axes, cut, trained)
     return VelocityIdentification(
-        name, estimates, bounds, said, score, identified, fits, trained,
+        name, estimates, bounds, said, score, identified, tuple(axes), fits, trained,
         judgements=tuple(judgements),
     )  # fmt: skip
 
@@ -117,6 +118,18 @@ def same_loop(axes: list[AxisLog], driven: list[bool], tell: Tell) -> Fits:
         (axis_fit(axes[0], tell, (second.loop,)), second),
     )
     return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
+
+
+def _unknown(base: Scenario, remarks: list[str]) -> tuple[FilterBounds, Scenario]:
+    """The scenario of a base that no command moved, without a filter."""
+    remarks.append("the filter is off. Change both commands by steps, at different times.")
+    least, most = (0.0, 0.0), (math.inf, math.inf)
+    bounds = FilterBounds(LOOP, most, most, (0.0, math.inf), "the log shows none")
+    result = override(base, {
+        "robot.mu": 0.0, "base.kind": "velocity", "base.loop": LOOP, "guard.enabled": False,
+        "filter.kind": "none", "disturbance.std": 0.0, "disturbance.push": list(least),
+    })  # fmt: skip
+    return bounds, replace(result, assumed=(*result.assumed, "robot.mu", "disturbance.std"))
 
 
 def _scenario(
@@ -148,8 +161,9 @@ def _scenario(
         "disturbance.std": 0.0, "disturbance.push": [0.0, 0.0],
     })  # fmt: skip
     loop, own = both[0].loop, ["robot.mu", "disturbance.std"]
-    if loop != "first-order" and isinstance(base.initial.velocity, Unstated):
-        # A filter for loops that overshoot counts on a base at rest.
+    rests = loop != "first-order" or base.section(Encoder).counts
+    if rests and isinstance(base.initial.velocity, Unstated):
+        # A filter for loops that overshoot counts on a base at rest, as encoders do.
         result = override(result, {"initial.velocity": [0.0, 0.0]})
     if "gain" in hull:
         # A gain that grows with the command grows on beyond those of the log.

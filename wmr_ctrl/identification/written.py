@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import replace
@@ -27,14 +28,15 @@ def toml_of(result: BaseIdentification, folder: Path | None = None) -> str:
     ``folder``: where the file will be, for the relative path of the base file; absolute if None.
     """
     assumed = [key for key in result.scenario.assumed if key not in result.missing]
-    ours = (key for key, names in result.places.items() if {*names} & {*result.parameters})
+    shown = [name for name, item in result.parameters.items() if not math.isnan(item.value)]
+    ours = (key for key, names in result.places.items() if {*names} & {*shown})
     only = {*result.words, *ours, *assumed, *result.origin.values}
     stated = replace(result.scenario, assumed=tuple(assumed))
     now = scenario_dict(stated)
     document = tomlkit.parse(to_toml(stated, only=only))
     said = {key: result.words.get(key) or "assumed, nobody stated it" for key in assumed}
     for key, names in result.places.items():
-        found = [_interval(result, name) for name in names if name in result.parameters]
+        found = [_interval(result, name) for name in names if name in shown]
         if found:
             said[key] = f"{'; '.join(found)}; from {result.name}, {result.seconds:.3g} s"
     for key, text in said.items():

@@ -93,9 +93,10 @@ def _residuals(part: SubFigure, result: BaseIdentification, traces: Traces, axis
     axes = drawing.one_axes(part, _MARGINS)
     axes.plot(*drawing.thin(traces.t, traces.residual[:, axis]), color=BLUE, lw=0.6)
     largest = result.bounds.pairs()[bound][0][axis]
-    for level in (-largest, largest):
-        axes.axhline(level, color=LIMIT, lw=1.0)
-    drawing.include(axes, (-1.15 * largest, 1.15 * largest))
+    if np.isfinite(largest):
+        for level in (-largest, largest):
+            axes.axhline(level, color=LIMIT, lw=1.0)
+        drawing.include(axes, (-1.15 * largest, 1.15 * largest))
     axes.set(xlabel="t [s]", xlim=(traces.t[0], traces.t[-1]))
 
 
@@ -114,6 +115,6 @@ def _intervals(part: SubFigure, result: BaseIdentification) -> None:
                       bbox={"fc": PAPER, "ec": "none", "pad": 0.6})  # fmt: skip
     for edge in (10.0, 30.0):
         axes.axvline(edge, color=MUTED, lw=0.8, ls=(0, (2, 2)))
-    axes.set_xlim(0.05, 8 * max(*shares, 30.0))
+    axes.set_xlim(0.05, 8 * max([*shares, 30.0]))
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     drawing.rows_of(axes, list(items))

@@ -144,6 +144,8 @@ def shown(value: float | None, digits: int = 3) -> str:
     """A number with ``digits`` significant digits, without programmers' notation; – for None."""
     if value is None or math.isnan(value):
         return ABSENT
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
     if value == 0:
         return "0"
     mantissa, power = f"{value:.{digits - 1}e}".split("e")

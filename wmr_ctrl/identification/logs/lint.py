@@ -7,11 +7,11 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from wmr_ctrl.world.encoder import COUNTS
 
-from .log import POSES, TORQUES, Floats, Log, LogError, Names, Pair, unit_of
+from .log import POSES, Floats, Log, LogError, Pair, unit_of
+from .mended import jumps_of
 from .samples import Samples, differenced, interpolated, shifts_of, speeds, wheels
 
 FEWEST_ROWS, LEAST_MOVING = 50, 0.2
@@ -23,6 +23,8 @@ MOST_SIZE, MOST_COUNTS = 1e6, 1e15
 """Largest number of a log in our units, and of counts."""
 OVER = 0.4
 """Time over which poses are compared with the wheels' turn [s]."""
+TOGETHER = 0.7
+"""Correlation of poses and wheels from which on they tell a ratio: a straight drive has no turn."""
 
 
 def check_times(log: Log) -> None:
@@ -80,13 +82,7 @@ def check_counters(log: Log) -> None:
         return
     for name in COUNTS.elements:
         t, counts = log.times[name], log.columns[name]
-        gap = np.diff(t)
-        step, even = np.diff(counts) * np.median(gap) / gap, gap < 1.5 * np.median(gap)
-        near = median_filter(step, 5, mode="nearest")
-        off = np.abs(step - near)
-        usual = float(np.quantile(off[even], 0.98)) if even.any() else 0.0
-        limit = max(12 * usual, 25.0, 0.5 * float(np.quantile(np.abs(step[even]), 0.99)))
-        jumps = np.flatnonzero(even & (off > limit))
+        step, near, limit, jumps = jumps_of(t, counts)
         if not jumps.size:
             continue
         at = int(jumps[0])
@@ -222,12 +218,11 @@ def pose_ratios(log: Log, seen: Samples) -> Pair | None:
 
 
 def _ratios(moved: Floats, rolled: Floats) -> Pair:
+    """Ratios of way and turn; NaN where one of both is but noise."""
+    pairs = (np.hypot(*moved[:, :2].T), np.abs(rolled[:, 0])), (moved[:, 2], rolled[:, 1])
     way, turn = (
-        float(a @ b / (b @ b)) if np.abs(b).max() > 1e-3 else 1.0
-        for a, b in (
-            (np.hypot(moved[:, 0], moved[:, 1]), np.abs(rolled[:, 0])),
-            (moved[:, 2], rolled[:, 1]),
-        )
+        float(a @ b / (b @ b)) if abs(a @ b) > TOGETHER * math.sqrt(a @ a * (b @ b)) else math.nan
+        for a, b in pairs
     )
     return way, turn
 
@@ -264,7 +259,7 @@ def _check_ratio(name: str, column: str, what: str, ratio: float) -> None:
             f"{name}: the {what} of {column} is {ratio:.3g} times that of the wheels: it "
             f"looks like {sense}. Name the unit in the header, or set encoder.counts."
         )
-    if not 0.5 < ratio < 2:
+    if not (math.isnan(ratio) or 0.5 < ratio < 2):
         raise LogError(
             f"{name}: the {what} of {column} is {ratio:.3g} times that of the wheels. Check "
             "encoder.counts, robot.r and robot.l, and the units of the poses."
@@ -303,17 +298,6 @@ def _check_heading(name: str, theta: Floats, moved: Floats, way: Floats) -> None
             f"{name}: the robot moves at {angle:.0f} degrees to theta, and it should be 90 "
             "(forward is (-sin theta, cos theta)). Turn the poses' frame, or the sign of the "
             "motion."
-        )
-
-
-def check_log(log: Log, commands: Names = TORQUES) -> None:
-    """All checks that need no knowledge of the robot."""
-    check_times(log)
-    check_counters(log)
-    if log.has(commands) and not any(np.ptp(log.columns[name]) > 0 for name in commands):
-        raise LogError(
-            f"{log.name}: {' and '.join(commands)} are constant, so nothing can be identified. "
-            "Change both by steps, at different times."
         )
 
 

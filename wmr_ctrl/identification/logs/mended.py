@@ -1,17 +1,22 @@
-"""Corrections of a log before all else: repeated stamps, and counters that wrap."""
+"""Corrections of a log before all else: its rows, stamps, and counters that wrap."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from wmr_ctrl.world.encoder import COUNTS
 
-from .log import WHEEL_ANGLE, Floats, Log, Note
+from .log import TOGETHER, WHEEL_ANGLE, Floats, Log, Mask, Note
 
-MOST_REPEATED, ALWAYS = 0.02, 2
-"""Share of rows, and their number, that may have the time of the row before."""
+MOST_LEFT_OUT, ALWAYS = 0.02, 2
+"""Share of rows, and their number, that may be left out."""
+ODD_ROWS = 3
+"""Rows for which a counter may be far off."""
 NEIGHBOURS = 7
 """Steps of a counter whose median is the usual one there."""
 LEAST_JUMP, JUMP = 25.0, 0.5
@@ -26,7 +31,7 @@ SURE = 2
 
 def mended(log: Log) -> Log:
     """The log with one row per time, unwrapped counters, and even stamps."""
-    return evened(unwrapped(_once(log)))
+    return evened(without_odd(unwrapped(_whole(log))))
 
 
 def evened(log: Log) -> Log:
@@ -71,19 +76,69 @@ def _rough(t: Floats, turned: Floats) -> float:
     return float(np.mean((turned[1:-1] - (1 - share) * turned[:-2] - share * turned[2:]) ** 2))
 
 
-def _once(log: Log) -> Log:
-    """The log without rows that repeat the time of the row before, if they are few."""
-    times, columns, most = {}, {}, 0
+def _whole(log: Log) -> Log:
+    """The log without rows that have no number, or the time of the row before, if they are few."""
+    keep = {}
     for name, t in log.times.items():
-        new = np.diff(t, prepend=-np.inf) != 0
-        repeated = int((~new).sum())
-        if repeated > max(ALWAYS, MOST_REPEATED * len(t)):
-            return log
-        times[name], columns[name], most = t[new], log.columns[name][new], max(most, repeated)
-    if not most:
+        group = next((item for item in TOGETHER if name in item), (name,))
+        read = [log.columns[item] for item in group if item in log.columns]
+        keep[name] = (np.diff(t, prepend=-np.inf) != 0) & ~np.isnan([t, *read]).any(axis=0)
+    return _of_rows(log, keep, "rows with no number, or the time of the row before,", "clocks")
+
+
+def _of_rows(log: Log, keep: Mapping[str, Mask], what: str, key: str) -> Log:
+    """The log with some rows of each column, if the others are few."""
+    most = max((int((~rows).sum()) for rows in keep.values()), default=0)
+    few = all((~rows).sum() <= max(ALWAYS, MOST_LEFT_OUT * len(rows)) for rows in keep.values())
+    if not (most and few):
         return log
-    note = Note("clocks", "", f"{most} rows with the time of the row before are left out.")
+    times, columns = (
+        {name: x[keep[name]] if name in keep else x for name, x in of.items()}
+        for of in (log.times, log.columns)
+    )
+    note = Note(key, "", f"{most} {what} are left out.")
     return replace(log, times=times, columns=columns, notes=(*log.notes, note))
+
+
+class Jumps(NamedTuple):
+    """Steps (N - 1,) of a counter, in counts an even row, with what is usual there and beyond which
+    distance from it they are jumps, and the rows before these.
+    """
+
+    steps: Floats
+    usual: Floats
+    limit: float
+    rows: NDArray[np.int64]
+
+
+def jumps_of(t: Floats, counts: Floats) -> Jumps:
+    """Jumps of a counter, between rows that lie as close as usual."""
+    gap = np.diff(t)
+    step, even = np.diff(counts) * np.median(gap) / gap, gap < 1.5 * np.median(gap)
+    near = median_filter(step, 5, mode="nearest")
+    off = np.abs(step - near)
+    usual = float(np.quantile(off[even], 0.98)) if even.any() else 0.0
+    limit = max(12 * usual, 25.0, 0.5 * float(np.quantile(np.abs(step[even]), 0.99)))
+    return Jumps(step, near, limit, np.flatnonzero(even & (off > limit)))
+
+
+def without_odd(log: Log) -> Log:
+    """The log without counts that go out and come back within some rows."""
+    if not log.has(COUNTS.elements):
+        return log
+    read = [x[name] for name in COUNTS.elements for x in (log.times, log.columns)]
+    if not np.isfinite(read).all() or not np.diff(read[::2]).all():
+        return log
+    keep = np.ones(len(log.times[COUNTS.elements[0]]), bool)
+    for name in COUNTS.elements:
+        counts = log.columns[name]
+        _, usual, limit, rows = jumps_of(log.times[name], counts)
+        for before, last in zip(rows[:-1].tolist(), rows[1:].tolist(), strict=True):
+            moved = counts[last + 1] - counts[before] - usual[before : last + 1].sum()
+            if last - before <= ODD_ROWS and abs(moved) <= limit:
+                keep[before + 1 : last + 1] = False
+    kept = dict.fromkeys(COUNTS.elements, keep)
+    return _of_rows(log, kept, "counts are single rows far off, and", "readings")
 
 
 def unwrapped(log: Log) -> Log:

@@ -13,7 +13,7 @@ from scipy.ndimage import median, median_filter
 
 from ..speed_loop import LOOPS, LoopFit, fitted
 from .log import AXES, Floats, LeftOut, Mask, Note, Pair
-from .samples import AxisLog, Samples, axis_log, shifted_gain
+from .samples import AxisLog, Samples, axis_log
 
 LOOP, PASSES = "first-order", 8
 MOST_ODD = 0.15
@@ -54,8 +54,8 @@ class Rows:
     notes: tuple[Note, ...] = ()
 
 
-def usable(samples: Samples, timeout: float | None = None) -> Rows:
-    """Usable rows and commands of a base that takes velocities.
+def usable(samples: Samples, timeout: float | None = None, base: str = "velocity") -> Rows:
+    """Usable rows and commands of a base; of one that takes torques only readings are judged.
 
     ``timeout``: the base's own [s], if it is known.
     """
@@ -67,7 +67,8 @@ def usable(samples: Samples, timeout: float | None = None) -> Rows:
         log = axis_log(samples, axis)
         if log.in_fit.sum() < 5 * NEIGHBOURS:
             continue
-        odd = odd_readings(log.speed, quick_fit(log).left)
+        left = quick_fit(log).left if base == "velocity" else log.speed
+        odd = odd_readings(log.speed, left)
         if not odd.any():
             continue
         share, when = float(odd.mean()), t[np.argmax(odd)]
@@ -87,6 +88,8 @@ def usable(samples: Samples, timeout: float | None = None) -> Rows:
             left_out += [LeftOut(float(low), float(high), reason) for low, high in ends]
         notes.append(Note("readings", AXES[axis], f"{text}."))
     rows = replace(samples, seen=seen, use=use)
+    if base == "torque":
+        return Rows(rows, None, tuple(left_out), tuple(notes))
     rows, timeout = _with_silences(rows, driven, timeout, notes)
     for begin, end in off_stretches(rows):
         use[(t >= begin) & (t <= end)] = False
@@ -98,7 +101,7 @@ def usable(samples: Samples, timeout: float | None = None) -> Rows:
 
 def quick_fit(log: AxisLog) -> LoopFit:
     """Fit of a first-order loop by least squares."""
-    gain, shift, _ = shifted_gain(log)
+    gain, shift, _ = log.follows
     start = math.log(max(abs(gain), 1e-3)), math.log(0.1), min(max(shift - 0.05, 0.005), 0.3)
     return fitted(log, LOOP, LOOPS[LOOP], np.array(start), PASSES, PASSES)
 

@@ -198,6 +198,20 @@ class AxisLog:
 
         return (until(end) - until(begin)) / (end - begin)
 
+    @cached_property
+    def follows(self) -> tuple[float, float, float]:
+        """Gain, the shift [s] at which the command explains most of the speed, and that share."""
+        shifts = shifts_of(self.period)
+        some = np.flatnonzero(self.in_fit)
+        some = some[:: max(1, len(some) // ENOUGH_ROWS)]
+        end = self.t[some][:, None] - shifts
+        u, v = self.mean_command(end - self.period, end), self.speed[some][:, None]
+        gains = np.sum(u * v, axis=0) / np.maximum(np.sum(u * u, axis=0), 1e-300)
+        shares = 1 - np.sum((v - gains * u) ** 2, axis=0) / max(float(np.sum(v * v)), 1e-12)
+        shares *= bool(v.any())
+        k = int(np.argmax(shares))
+        return float(gains[k]), float(shifts[k]), float(shares[k])
+
 
 def axis_log(log: Samples, axis: int) -> AxisLog:
     """Log of one axis; speeds from counts are differences divided by the time between samples."""
@@ -256,17 +270,3 @@ def differenced(
 def shifts_of(period: float) -> Floats:
     """Shifts of commands against the motion that are tried [s]."""
     return np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(period, 0.01))
-
-
-def shifted_gain(log: AxisLog) -> tuple[float, float, float]:
-    """Gain, shift [s] at which the command explains most of the speed, and the explained share."""
-    shifts = shifts_of(log.period)
-    some = np.flatnonzero(log.in_fit)
-    some = some[:: max(1, len(some) // ENOUGH_ROWS)]
-    end = log.t[some][:, None] - shifts
-    u, v = log.mean_command(end - log.period, end), log.speed[some][:, None]
-    gains = np.sum(u * v, axis=0) / np.maximum(np.sum(u * u, axis=0), 1e-300)
-    shares = 1 - np.sum((v - gains * u) ** 2, axis=0) / max(float(np.sum(v * v)), 1e-12)
-    shares *= bool(v.any())
-    k = int(np.argmax(shares))
-    return float(gains[k]), float(shifts[k]), float(shares[k])
