@@ -405,3 +405,16 @@ def test_stamped_commands_and_plain_ones_are_the_same(tmp_path):
 
     assert set(told.columns["v_command"]) == {0.2}
     assert set(told.columns["omega_command"]) == {-0.3}
+
+
+def test_times_of_receipt_count_where_the_recorders_clock_is_asked_for(tmp_path):
+    receipt = EPOCH + 0.1 * np.arange(50)
+    place = bag(tmp_path, [("/odom", ODOMETRY, t, odometry(t - 0.2 - 0.05 * (k % 2)))
+                           for k, t in enumerate(receipt)])  # fmt: skip
+
+    stamped, received = (read_topics(place, {"clock": name}) for name in ("stamps", "recorder"))
+
+    assert received.times["v1_measured"] == pytest.approx(receipt - EPOCH, abs=1e-6)
+    assert np.ptp(np.diff(stamped.times["v1_measured"])) == pytest.approx(0.1, abs=1e-6)
+    with pytest.raises(ArgumentError, match="clock = 'mine' must be stamps or recorder"):
+        read_topics(place, {"clock": "mine"})

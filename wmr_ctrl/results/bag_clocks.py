@@ -114,9 +114,11 @@ def _onto_stamps(topic: Topic, remarks: list[str]) -> Callable[[Integers], Integ
 def _clock(topic: Topic, clock: Integers, stamped: bool, remarks: list[str]) -> Integers:
     """Checked times (N,) [ns] of a topic's messages; appends remarks on them."""
     late = (topic.receipt - topic.stamps) / SECOND
+    seen = f"{1e3 * np.median(late):.3g} ms after its stamps, {1e3 * late.max():.3g} ms at most"
+    if abs(np.median(late)) > APART:
+        seen = "by another clock than that of its stamps"
     about = (
-        f"recorded {1e3 * np.median(late):.3g} ms after its stamps, {1e3 * late.max():.3g} ms at "
-        "most; times are the stamps"
+        f"recorded {seen}; times are the stamps"
         if stamped
         else "times are those of the recorder, so an identified delay lacks a message's way to it"
     )

@@ -31,6 +31,8 @@ ROLES: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "effort": ("", (bag.ROW,)),
 }
 """Roles of topics in a drive: the usual name, and the types that are read."""
+STAMPS, RECORDER = "stamps", "recorder"
+"""Whose times count: those of headers, or of receipt."""
 NONE = "none"
 """Name of a topic that leaves a role out."""
 SIDES = ("right", "left")
@@ -78,6 +80,9 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> dr
     recorder's differs. Raises ResultFileError, ArgumentError, MissingExtraError.
     """
     asked = dict(topics or {})
+    clock = asked.pop("clock", STAMPS)
+    if clock not in (STAMPS, RECORDER):
+        raise ArgumentError(f"topics: clock = {clock!r} must be {STAMPS} or {RECORDER}.")
     if unknown := sorted(set(asked) - set(ROLES) - set(SIDES)):
         raise ArgumentError(
             f"topics: unknown role {', '.join(unknown)}. Name topics as {', '.join(ROLES)}, and "
@@ -96,6 +101,8 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> dr
         parts |= _of_wheels(parts.pop("joints"), asked, remarks, needed=len(parts) == 0)
     if not parts:
         raise ResultFileError(f"{str(path)!r}: its topics for {', '.join(chosen)} are empty.")
+    if clock == RECORDER:
+        parts = {k: part._replace(stamps=0 * part.stamps) for k, part in parts.items()}
     clocks = clocks_of(parts, remarks)
     first = min(clock.min() for clock in clocks.values())
     times, columns = {}, {}

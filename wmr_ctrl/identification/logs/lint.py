@@ -320,5 +320,6 @@ def check_following(
     if share > 0.5 and shift < -max(2.5 * period, 0.03):
         raise LogError(
             f"{name}: the speed changes {-shift:.2f} s before {column}: the clocks of commands and "
-            "sensors differ, or a column was shifted. Take both times from one clock."
+            "sensors differ, or a column was shifted. Take both times from one clock, of a bag the "
+            "recorder's by --topics clock=recorder."
         )
