@@ -88,7 +88,7 @@ def assert_same_samples(one, other):
 def test_a_bag_tells_what_its_columns_tell(driven, read, tmp_path):
     """Angles of joints, whose steps are the counts, and their efforts, stamped on another day."""
     pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
-    from tests.results.test_bag import EPOCH, JOINTS, bag, joints
+    from tests.results.test_bag_topics import EPOCH, JOINTS, bag, joints
 
     log = {key: np.array(value) for key, value in log_of(driven, 0).items()}
     angle = np.column_stack([log[f"wheel_counts[{k}] [1]"] for k in (1, 2)])

@@ -29,7 +29,7 @@ from .logs.lint import check_following
 from .logs.log import COMMAND, UNITS, Pair
 from .logs.samples import AxisLog, Samples, axis_log, held_speeds
 from .loop_search import axis_fit
-from .speed_loop import SMOOTHED, Fits, LoopFit, fitted, forecast
+from .speed_loop import LOOPS, SMOOTHED, Fits, LoopFit, fitted, forecast
 from .stated import LEAST_SEEN, MOST_FAR, rounded_down
 from .written import four_digits, outward
 
@@ -178,7 +178,7 @@ def _scenario(
         own += ["robot.I"] if {"robot.m", "robot.l"} & {*base.assumed} else []
         result = _of_pi(result, values, hull, d, remarks)
     else:
-        result = _of_relaxing(result, loop, values, hull, d, remarks)
+        result = _of_relaxing(result, loop, values, hull, d)
     result = replace(result, assumed=(*result.assumed, *own))
     if loop == "first-order":
         peaks = [PeakGain(hull["gain"][1], item) for item in d]
@@ -299,27 +299,15 @@ def _of_relaxing(
     values: list[dict[str, float]],
     hull: Mapping[str, Pair],
     d: Sequence[float],
-    remarks: list[str],
 ) -> Scenario:
-    """A first-order loop to simulate; for a second-order one, a loop with the same mean lag."""
-    if loop == "first-order":
-        tau = [item["tau"] for item in values]
-        counted: dict[str, object] = {"filter.tau": list(hull["tau"])}
-    else:
-        tau = [2 * item["zeta"] / item["wn"] for item in values]
-        remarks.append(
-            "the loop is second-order without a zero, which runs cannot simulate: they take the "
-            "first-order loop of the same gain and mean lag. filter.trust makes them accept the "
-            "filter, which is for the identified loop."
-        )
-        counted = {
-            "filter.damping": list(hull["zeta"]), "filter.frequency": list(hull["wn"]),
-            "filter.trust": True,
-        }  # fmt: skip
-    return override(scenario, {
-        "base.loop": "first-order", "base.tau": tau, "base.gain": [v["gain"] for v in values],
-        "filter.loop": loop, "filter.gain": list(hull["gain"]), "filter.d": list(d), **counted,
-    })  # fmt: skip
+    """The scenario of a loop of first or second order."""
+    names = {"tau": "tau", "wn": "frequency", "zeta": "damping", "gain": "gain"}
+    numbers: dict[str, object] = {"base.loop": loop, "filter.loop": loop, "filter.d": list(d)}
+    for name in LOOPS[loop]:
+        if name in names:
+            numbers[f"base.{names[name]}"] = [item[name] for item in values]
+            numbers[f"filter.{names[name]}"] = list(hull[name])
+    return override(scenario, numbers)
 
 
 def _of_pi(
