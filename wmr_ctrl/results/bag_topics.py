@@ -80,9 +80,9 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> dr
     recorder's differs. Raises ResultFileError, ArgumentError, MissingExtraError.
     """
     asked = dict(topics or {})
-    clock = asked.pop("clock", STAMPS)
-    if clock not in (STAMPS, RECORDER):
-        raise ArgumentError(f"topics: clock = {clock!r} must be {STAMPS} or {RECORDER}.")
+    source = asked.pop("clock", STAMPS)
+    if source not in (STAMPS, RECORDER):
+        raise ArgumentError(f"topics: clock = {source!r} must be {STAMPS} or {RECORDER}.")
     if unknown := sorted(set(asked) - set(ROLES) - set(SIDES)):
         raise ArgumentError(
             f"topics: unknown role {', '.join(unknown)}. Name topics as {', '.join(ROLES)}, and "
@@ -101,7 +101,7 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> dr
         parts |= _of_wheels(parts.pop("joints"), asked, remarks, needed=len(parts) == 0)
     if not parts:
         raise ResultFileError(f"{str(path)!r}: its topics for {', '.join(chosen)} are empty.")
-    if clock == RECORDER:
+    if source == RECORDER:
         parts = {k: part._replace(stamps=0 * part.stamps) for k, part in parts.items()}
     clocks = clocks_of(parts, remarks)
     first = min(clock.min() for clock in clocks.values())
