@@ -180,10 +180,9 @@ def _scenario(
     else:
         result = _of_relaxing(result, loop, values, hull, d)
     result = replace(result, assumed=(*result.assumed, *own))
-    if loop == "first-order":
-        peaks = [PeakGain(hull["gain"][1], item) for item in d]
-    else:
-        peaks = list(peak_gains(override(result, {"filter.kind": "clip"})))
+    peaks = [PeakGain(hull["gain"][1], item) for item in d] if loop == LOOP else [
+        *peak_gains(override(result, {"filter.kind": "clip"}))
+    ]  # fmt: skip
     sentence = (
         f"largest deviation, averaged over {SMOOTHED:g} s, that was seen in "
         f"{log.t[-1] - log.t[0]:.3g} s, on this floor, with this load: no bound that is proved"
