@@ -100,6 +100,12 @@ WIDE_TURNS: Mapping[str, Any] = {
 """Limits of which that of omega counts for as much at a wheel as that of v."""
 RIMS = {**WIDE_TURNS, "filter.wheel_speed": 1.2}
 WHEELS = {**WIDE_TURNS, "filter.channels": "wheels"}
+BY_SIDE: Mapping[str, Any] = {"limits.v_min": (-0.05, -0.4), "limits.v_max": (0.8, 1.0)}
+"""A limit of each direction; backwards no command is admitted, as a push alone leads there."""
+WHEEL_SIDES: Mapping[str, Any] = {
+    **WIDE_TURNS, "filter.channels": "wheels", "limits.v_min": (-0.3, -4.0),
+    "limits.v_max": (0.8, 3.0),
+}  # fmt: skip
 WORLDS: Sequence[Mapping[str, Any]] = (
     {}, {"delay": (0.03, 0.03)}, {"delay": (0.13, 0.13)}, {"delay": (0.02, 0.06)}, {"losses": 2},
     {"jitter": 0.01}, {"age": 0.08}, {"hold": 0.12, "losses": 1}, {"quantum": 0.03},
@@ -567,6 +573,21 @@ EARLY = Calls("early", telling=False, jitter=T / 4)
 LOSSY, LONG, ANY_TIME = Calls(losses=2, late=1), Calls(samples=720), Calls("at any time")
 ALL_PI = (("M", 1), ("kp", -1), ("ki", 1))
 ALL_SWUNG = (("z", -1), ("K", 1), ("w0", -1))
+EXACT_CHAINS, EXACT_WORLDS = (
+    [world for world in worlds if "quantum" not in world] for worlds in (CHAINS, WORLDS)
+)
+"""Those without commands that are rounded, an error which counts as a push."""
+
+
+def sides_broken(kind: str, changes: Mapping[str, Any], loops: str = "body") -> dict[str, Any]:
+    """Hypotheses that are broken by 10 % behind a limit of each direction."""
+    broken: dict[str, Mapping[str, Any]] = {"push": {"d": 0.055}, "gain": {"gain": (0.9, 1.21)}}
+    if kind == "governor":
+        broken |= {"time constant": {"tau": (0.18, 0.3)}, "odometry": {"error": 0.022}}
+    told = {"loops": loops}
+    return {name: wrong(kind, told, changes, **what) for name, what in broken.items()}
+
+
 STATEMENTS = (
     Statement("clip, bases that never overshoot", first_order("clip", CHAINS, {}, SCALES), {
         "push": wrong("clip", d=0.0525), "gain": wrong("clip", gain=(0.9, 1.155)),
@@ -640,6 +661,13 @@ STATEMENTS = (
         float32=True), {
         "damping": beyond("clip", RIM_SWUNG, ("z", -1), of="wheels", changes=WHEELS, float32=True),
     }),
+    *(Statement(f"{kind}, a limit of each direction", first_order(kind, worlds, BY_SIDE, SCALES),
+                sides_broken(kind, BY_SIDE))
+      for kind, worlds in (("clip", EXACT_CHAINS), ("governor", EXACT_WORLDS))),
+    *(Statement(f"{kind}, wheels, a limit of each direction", first_order(
+        kind, alike(worlds, "wheels"), WHEEL_SIDES, WHEEL_SCALES),
+        sides_broken(kind, WHEEL_SIDES, "wheels"))
+      for kind, worlds in (("clip", CHAINS), ("governor", WORLDS))),
     Statement("governor, first-order bases", first_order("governor", WORLDS, {}, SCALES), {
         "push": wrong("governor", d=0.0525), "time constant": wrong("governor", tau=(0.19, 0.3)),
         "gain": wrong("governor", gain=(0.9, 1.155)), "odometry": wrong("governor", error=0.021),

@@ -61,15 +61,21 @@ static void end_lanes(wmr_loop *w, wmr_m moved, const wmr_v v[2])
 static void monitor(wmr_loop *w, wmr_m moved)
 {
     const wmr_v *state = wmr_loop_state(w);
-    const wmr_v v[2] = {wmr_abs(state[WMR_AT_V1]), wmr_abs(state[WMR_AT_OMEGA])};
-    const wmr_v *limit = w->clock + WMR_CLOCK_V_U1_LINEAR;
-    wmr_v *most = w->findings + WMR_FOUND_MAX_V1;
+    const wmr_v signed_v[2] = {state[WMR_AT_V1], state[WMR_AT_OMEGA]};
+    const wmr_v v[2] = {wmr_abs(signed_v[0]), wmr_abs(signed_v[1])};
+    const wmr_v *high = w->clock + WMR_CLOCK_V_MAX_LINEAR, *low = w->clock + WMR_CLOCK_V_MIN_LINEAR;
+    const wmr_v rim = v[0] + w->clock[WMR_CLOCK_HALF_TRACK] * v[1];
+    const wmr_v margin[2] = {wmr_min(high[0] - signed_v[0], signed_v[0] - low[0]),
+                             wmr_min(high[1] - signed_v[1], signed_v[1] - low[1])};
+    wmr_v *most = w->findings + WMR_FOUND_MAX_V1, *least = w->findings + WMR_FOUND_MARGIN_V1;
     const wmr_m calm = wmr_mask(v[0] < WMR_SPEED_MAX) & wmr_mask(v[1] < WMR_SPEED_MAX);
     const wmr_m first = moved & wmr_finite(v[0]), both = first & wmr_finite(v[1]);
-    const wmr_m linear = wmr_mask(v[0] > limit[0]), angular = wmr_mask(v[1] > limit[1]);
-    const wmr_m outside = linear | angular | wmr_mask(v[0] + limit[3] * v[1] > limit[2]); /* a rim */
+    const wmr_m linear = wmr_mask(margin[0] < 0.0), angular = wmr_mask(margin[1] < 0.0);
+    const wmr_m outside = linear | angular | wmr_mask(rim > w->clock[WMR_CLOCK_WHEEL_SPEED]);
     set(&most[0], first & wmr_mask(v[0] > most[0]), v[0]);
     set(&most[1], both & wmr_mask(v[1] > most[1]), v[1]);
+    set(&least[0], first & wmr_mask(margin[0] < least[0]), margin[0]);
+    set(&least[1], both & wmr_mask(margin[1] < least[1]), margin[1]);
     if (wmr_some(both & outside)) {
         count_violations(w, both & outside, linear, angular);
     }
@@ -132,6 +138,7 @@ void wmr_loop_start(const wmr_settings *s, wmr_loop *w)
         memset(s->sums, 0, (size_t)s->windows * WMR_WINDOW * sizeof(wmr_v));
     }
     w->findings[WMR_FOUND_FIRST_STEP] = w->findings[WMR_FOUND_LEFT_SAMPLE] = wmr_all(-1.0);
+    w->findings[WMR_FOUND_MARGIN_V1] = w->findings[WMR_FOUND_MARGIN_OMEGA] = wmr_all(WMR_NO_MARGIN);
     w->running = wmr_always();
     monitor(w, w->running);
 }

@@ -15,6 +15,9 @@ enum { WMR_RUNNING = 0, WMR_DIVERGED = 1, WMR_NON_FINITE = 2 };
 /* |v| at which a run counts as diverged [m/s, rad/s]. */
 #define WMR_SPEED_MAX 1e3
 
+/* Margin to the limits before a state was seen: more than any. */
+#define WMR_NO_MARGIN 1e300
+
 /* Everything that stays the same during a run; pointers are the caller's, and what holds wmr_v is
    aligned as wmr_v is. */
 typedef struct {

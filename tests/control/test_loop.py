@@ -32,6 +32,6 @@ def test_what_rounding_adds_to_a_limit_is_no_violation() -> None:
     numbers = [value for item in graphs.parameters.ports for value in item.value]
     counted = ca.Function("clock", [graphs.p], [graphs.clock])(numbers)
 
-    for axis, name in enumerate(("v_u1_linear", "v_u1_angular")):
+    for axis, name in enumerate(("v_max_linear", "v_max_angular")):
         share = float(counted[CLOCK.index(name)]) / graphs.setup.scenario.limits.v_u1[axis]
         assert 1 + 4 * 2.0**-52 < share <= 1 + 1.01e-12

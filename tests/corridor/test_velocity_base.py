@@ -127,7 +127,9 @@ def test_a_filter_passes_the_commands_within_its_sizes_whatever_came_before(kind
     largest = 0.0
     for _ in range(300):
         command = (rng.uniform(-1, 1, 2) * (0.25, 3.0)).tolist()
-        used = max(abs(row[0] * command[0] + row[1] * command[1]) / most for _, row, most in rows)
+        used = max(
+            abs(row[0] * command[0] + row[1] * command[1]) / most for _, row, (_, most) in rows
+        )
         filtered.step(rng.uniform(-3, 3, 2).tolist(), rng.uniform(-0.2, 0.2, 2).tolist())
         if used <= 1:
             seen = rng.uniform(-0.2, 0.2, 2).tolist()

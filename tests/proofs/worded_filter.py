@@ -510,8 +510,10 @@ def _sent_as_it_is(
 ) -> list[ca.SX]:
     """A command within limits A of v, B of omega, C of both wheels, scaled."""
     unused = governor.FirstOrder(*(ca.SX(0) for _ in range(6)))
-    axes = [Channel((1 - i, i), ca.SX(1), unused, 0.0) for i in (0, 1)] * ("axes" in kinds)
-    sides = [Channel((1, way), l, unused, 0.0) for way in (1, -1)] * ("wheels" in kinds)
+    axes = [Channel((1 - i, i), ca.SX(1), (unused,), (0.0, 0.0)) for i in (0, 1)] * (
+        "axes" in kinds
+    )
+    sides = [Channel((1, way), l, (unused,), (0.0, 0.0)) for way in (1, -1)] * ("wheels" in kinds)
     most = [A, B] * ("axes" in kinds) + [C, C] * ("wheels" in kinds)
     return ca.vertsplit(scaled((v, omega), [*axes, *sides], [-x for x in most], most, scale))
 

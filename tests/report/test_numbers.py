@@ -125,7 +125,7 @@ def test_what_is_beyond_four_times_a_limit_leaves_the_view_and_is_named() -> Non
     values = np.array([0.0, 3.9, -9.0])
     axes.plot(values)
 
-    view_limits(axes, 1.0, {"mb": values})
+    view_limits(axes, (-1.0, 1.0), {"mb": values})
 
     low, high = axes.get_ylim()
     assert (FAR, low) == (4.0, -4.0)

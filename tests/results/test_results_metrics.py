@@ -222,8 +222,9 @@ def test_the_summary_has_exactly_the_published_keys(make_run: MakeRun) -> None:
     assert " ".join(figures) == (
         "scenario law guard seed engine plant watched_every outcome robots ise position_rms "
         "position_max tracking tracked arrival guard_share filter_share usable_speed "
-        "reference_speed torque_change_rms torque_needed_rms saturated_share max_abs_v violations "
-        "kept rigid d_least dbar tau_peak tau_rms e_rms figures remarks provenance"
+        "reference_speed torque_change_rms torque_needed_rms saturated_share max_abs_v "
+        "least_margin violations kept rigid d_least dbar tau_peak tau_rms e_rms figures remarks "
+        "provenance"
     )
     assert [item["key"] for item in figures["remarks"]] == ["limit-violated"]
     assert list(figures["position_rms"]) == ["all", "last_quarter"]

@@ -28,8 +28,9 @@ BASES = {
     },
 }  # fmt: skip
 TIMES = {"clock.control", "clock.plant", "clock.duration", "actuator.delay", "actuator.lag"}
-FIXED = {*TIMES, "sensor.pose_period"}
-"""What a past command counts for is a number of the graph, and so are all times that it has."""
+FIXED = {*TIMES, "sensor.pose_period", "limits.v_min", "limits.v_max"}
+"""What a past command counts for is a number of the graph, and so are all times that it has.
+What limits each direction by itself makes another graph."""
 TABLES = ("robot", "limits", "initial", "disturbance", "sensor", "actuator")
 
 

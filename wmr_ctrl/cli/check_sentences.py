@@ -11,7 +11,7 @@ from wmr_ctrl.control.setup import KINEMATICS, Setup, gains_of, settle
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantities
-from wmr_ctrl.core.fields.units import length, rounded, sized
+from wmr_ctrl.core.fields.units import length, limits_in_words, rounded, sized
 from wmr_ctrl.core.fields.unstated import Unstated
 from wmr_ctrl.results import Run, driving, percent, speeds, tracked
 from wmr_ctrl.results.measures import arrival, guard_share, tracking
@@ -76,8 +76,11 @@ def valid(case: Scenario) -> str:
 def promise(setup: Setup) -> str:
     """The promise on the limits, if any: who gives it, and under which assumptions."""
     case = setup.scenario
-    linear, angular = case.limits.v_u1
-    limits = f"|v1| <= {linear:g} m/s and |omega| <= {angular:g} rad/s"
+    axes = zip(("v1", "omega"), case.limits.sides, ("m/s", "rad/s"), strict=True)
+    limits = " and ".join(
+        f"|{name}| <= {high:g} {unit}" if low == -high else f"{low:g} <= {name} <= {high:g} {unit}"
+        for name, (low, high), unit in axes
+    )
     words = exactness(setup)
     by = "filter" if setup.takes_velocity else "guard"
     assumed = f" The {by} assumes that {words}." if words else ""
@@ -91,7 +94,7 @@ def promise(setup: Setup) -> str:
             return f"No filter: {limits} are not guaranteed.{here} {filter_advice(setup)}"
         if facts.broken:
             return f"Filtered, but nothing is guaranteed: {facts.broken[0]}{assumed}"
-        late = any(abs(v) > V for v, V in zip(case.initial.velocity, case.limits.v_u1, strict=True))
+        late = max(case.limits.excess(case.initial.velocity)) > 0
         return (
             f"Filtered: {limits} are guaranteed{' for starts within them alone,' * late} "
             f"{while_exact}while the base is within {_whose(case, 'filter')} bounds (--only "
@@ -114,8 +117,8 @@ def promise(setup: Setup) -> str:
     named = {"masses": True, "pushes": any(setup.value("guard.dbar")),
              "errors": any(setup.value("guard.nbar"))}  # fmt: skip
     held = joined(name for name, there in named.items() if there)
-    starts = zip(case.initial.velocity, early_speed(setup.guard), case.limits.v_u1, strict=True)
-    late = any(abs(speed) + gained > most for speed, gained, most in starts)
+    beyond = zip(case.limits.excess(case.initial.velocity), early_speed(setup.guard), strict=True)
+    late = any(excess + gained > 0 for excess, gained in beyond)
     return (
         f"Guarded: {limits} are guaranteed{', once the speed is back from its start,' * late} "
         f"{while_exact}while {held} stay within {_whose(case, 'guard')} bounds "
@@ -168,12 +171,16 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     facts = filter_facts(setup)
     if facts is None:
         return
-    limits, stated = speeds(setup.scenario.limits.v_u1), setup.scenario.filter
-    v, omega = (rounded(max(speed, 0.0), 3, up=False) for speed in facts.usable_speed)
+    limits, stated = limits_in_words(setup.scenario.limits.sides), setup.scenario.filter
+    (back, v), (right, omega) = (
+        [rounded(max(size, 0.0), 3, up=False) for size in (-low, high)]
+        for low, high in facts.usable.values()
+    )
+    ways = f", and backwards {back} m/s, to the right {right} rad/s" * ((back, right) != (v, omega))
     held = "is not guaranteed to keep" if facts.broken else "keeps"
     yield (
         f"the filter ({facts.statement}) {held} {limits}; at rest it leaves at least {v} "
-        f"m/s, {omega} rad/s on any base inside the stated bounds"
+        f"m/s, {omega} rad/s{ways} on any base inside the stated bounds"
         f"{', with odometry in every step' if hears(setup.scenario) else ''}{_slowed(setup)}"
     )
     gain = "gain" if stated.loop == FIRST_ORDER else "peak gain"

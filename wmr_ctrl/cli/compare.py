@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.units import limits_in_words
 
 from . import options as opt
 from .console import (
@@ -181,8 +182,7 @@ def comparison_text(runs: dict[str, Run]) -> str:
 
 
 def _limits(run: Run) -> str:
-    linear, angular = run.settings.v_u1
-    return f"{linear:g} m/s and {angular:g} rad/s"
+    return limits_in_words(run.settings.sides)
 
 
 def _row(name: str, run: Run) -> tuple[str, ...]:

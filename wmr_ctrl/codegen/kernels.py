@@ -14,14 +14,14 @@ from wmr_ctrl.world.model.system import System, stack, values
 from .emit import Kernel, kernel
 
 FINDINGS = (
-    "max_v1", "max_omega", "violations", "first_step", "first_axis", "stop", "stop_step",
-    "stop_axis", "samples", "torque", "d_least1", "d_least2", "left_sample", "left_axis",
-    "clipped1", "clipped2",
+    "max_v1", "max_omega", "margin_v1", "margin_omega", "violations", "first_step", "first_axis",
+    "stop", "stop_step", "stop_axis", "samples", "torque", "d_least1", "d_least2", "left_sample",
+    "left_axis", "clipped1", "clipped2",
 )  # fmt: skip
-"""Run results: largest |v| [m/s, rad/s]; plant steps beyond a limit, step and axis of the
-first (-1, 0); reason, step and axis of an early end; samples made; and of runs without a log the
-largest |torque| [N m] and d_least [N, N m], sample and axis of the first beyond its bound (-1, 0),
-samples with the clip active."""
+"""Run results: largest |v| and least margin to the limits [m/s, rad/s]; plant steps beyond a limit,
+step and axis of the first (-1, 0); reason, step and axis of an early end; samples made; and of runs
+without a log the largest |torque| [N m] and d_least [N, N m], sample and axis of the first beyond
+its bound (-1, 0), samples with the clip active."""
 
 
 def loop_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:

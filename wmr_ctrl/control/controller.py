@@ -106,7 +106,7 @@ def _guarded_torque(
     """Wheel torques (2,) [N m] of a guarded force, and the monitor with its memory."""
     r, half_track, phi = _wheels(setup, p)
     late = setup.guard.lateness(setup.scenario.clock)
-    both, tails = bounds_of(p, late), Tails("guard_tail", late)
+    both, tails = bounds_of(p, late, setup.scenario.limits), Tails("guard_tail", late)
     sent = [wheel_to_force(r, half_track, item.sym) for item in applied.earlier]
     first, second = (
         delayed_push(sent, late[i], i, b, tails) for i, b in enumerate(map(both.axis, (0, 1)))
@@ -223,7 +223,8 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     else:
         torque = _limited_torque(setup, p, asked)
     if applied and watched and monitor is None:  # of the bounds that a guard would use
-        both = bounds_of(p, setup.guard.lateness(setup.scenario.clock))
+        scenario = setup.scenario
+        both = bounds_of(p, setup.guard.lateness(scenario.clock), scenario.limits)
         monitor = _monitor(setup, p, both, v, applied, torque, ca.SX.zeros(2))
     if applied:
         state += applied.state

@@ -51,6 +51,7 @@ from wmr_ctrl.world.speed_loop import EXERTED
 from .controller import watched_controller, wheel_limit
 from .laws.context import own_diagnostics
 from .setup import Setup
+from .sides import sides
 from .wiring import Named, Stream, Wiring, held_signals, pushes
 
 SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples", "needed", "saturated")
@@ -62,10 +63,11 @@ WINDOW = (*SUMS, "farthest")
 SEEN = (*SUMS, "peak", "clip1", "clip2", "least1", "least2", "beyond1", "beyond2")
 """Monitor of every run without a log: also the largest |torque| [N m], and of the guard's
 monitor per axis whether it clipped, d_least [N, N m], and whether that contradicts the bounds."""
-LIMITS = ("v_u1_linear", "v_u1_angular", "wheel_speed", "half_track")
+SIDES = ("v_max_linear", "v_max_angular", "v_min_linear", "v_min_angular")
+LIMITS = (*SIDES, "wheel_speed", "half_track")
 CLOCK = ("control", "plant", "delay_steps", *LIMITS)
 """Numbers that the runtime takes from the parameters, before two for each stream: wanted, bound.
-Beyond v_u1, a rim beyond wheel_speed, and NO_VIOLATION a step counts as a violation."""
+Beyond these limits of v and omega, or of a rim, and NO_VIOLATION a step counts as a violation."""
 TRAVELLED = Signal("travel_mark", "m, rad", "way and orientation at the previous sample", 2)
 TORQUE_BEFORE = Signal("tau_before", "N.m", "torque commanded at the previous sample", 2)
 NO_VIOLATION = 1e-12
@@ -89,6 +91,7 @@ class Graphs:
     u: Port
     acting: ca.SX
     _late: ca.SX
+    _sides: tuple[ca.SX, ca.SX]
     _rim: ca.SX
 
     @property
@@ -161,6 +164,7 @@ class Graphs:
         self._late = rate.drive(drives)
         rate.disturb(gusts)
         self.acting = rate.column((*TORQUE, *DISTURBING))
+        self._sides = sides(rate.setup.scenario.limits, self.parameters, -NO_VIOLATION)
         limited = rate.setup.takes_velocity and rate.setup.scenario.filter.wheel_speed is not None
         self._rim = self.parameters.take("filter.wheel_speed") if limited else ca.SX(LARGEST)
 
@@ -193,8 +197,8 @@ class Graphs:
         h = self.parameters.take("clock.plant")
         steps = ca.floor(self._late / h + 0.5)
         said = (item.said for item in self.streams)
-        most = ca.vertcat(self.parameters.take("limits.v_u1"), self._rim)
-        counted = most * (1 + NO_VIOLATION), self.parameters.take("robot.l")
+        ahead, back = self._sides
+        counted = ahead, -back, self._rim * (1 + NO_VIOLATION), self.parameters.take("robot.l")
         return ca.vertcat(self.parameters.take("clock.control"), h, steps, *counted, *said)
 
     @cached_property
@@ -321,7 +325,6 @@ class PlantlessGraphs(Graphs):
         self.calm = not gusts
         self.steady = not drives and self.calm
         self._join_drives(drives, gusts, pushed=True)
-        self.parameters.take("limits.v_u1")
 
 
 class SensedGraphs(Graphs):

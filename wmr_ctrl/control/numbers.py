@@ -49,7 +49,7 @@ def structure_of(setup: Setup) -> Hashable:
     guard = (scenario.guard.enabled, scenario.guard.map)
     sent = (scenario.filter, scenario.clock, scenario.base)  # the filter counts in samples
     steps = _steps(setup), setup.predicted, sent if setup.takes_velocity else None
-    told = guard, bool(unknown_keys(scenario))  # torques of what is unknown are NaN
+    told = guard, bool(unknown_keys(scenario)), scenario.limits.apart  # unknown torques are NaN
     return parts, sizes, tables, shape, told, steps, _form(setup.gains), _form(setup.kinematics)
 
 

@@ -271,10 +271,10 @@ def _off_path(run: Run, row: int, width: float) -> str:
 def _texts(run: Run, row: int, slip_max: float) -> tuple[tuple[str, bool], ...]:
     """Figures of a row, and whether each is beyond its limit."""
     v1, omega, slip = run["v1"][row], run["omega"][row], np.abs(run["slip"][row]).max()
-    limit_v, limit_w = run.settings.v_u1
+    (low_v, high_v), (low_w, high_w) = run.settings.sides
     return (
-        (f"v1 {v1:+.2f} m/s", abs(v1) > limit_v),
-        (f"omega {omega:+.2f} rad/s", abs(omega) > limit_w),
+        (f"v1 {v1:+.2f} m/s", not low_v <= v1 <= high_v),
+        (f"omega {omega:+.2f} rad/s", not low_w <= omega <= high_w),
         (f"slip {slip:.2f} m/s", slip > slip_max),
         (f"tilt {math.degrees(run['tilt'][row]):.0f}°", False),
     )

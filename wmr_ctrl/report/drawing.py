@@ -245,12 +245,12 @@ def include(axes: Axes, levels: Iterable[float]) -> None:
     axes.set_ylim(min(low, *levels), max(high, *levels))
 
 
-def shade_limits(axes: Axes, limit: float) -> None:
-    """Shade the area beyond +-``limit`` and draw its edges; the view is unchanged."""
+def shade_limits(axes: Axes, least: float, most: float) -> None:
+    """Shade what lies beyond ``least`` and ``most``, draw its edges; the view stays as it is."""
     low, high = axes.get_ylim()
-    for start, end in ((limit, max(high, limit)), (min(low, -limit), -limit)):
+    for start, end in ((most, max(high, most)), (min(low, least), least)):
         axes.axhspan(start, end, color=LIMIT, alpha=0.10, lw=0, zorder=0.5)
-    for level in (limit, -limit):
+    for level in (most, least):
         axes.axhline(level, color=LIMIT, lw=0.9, zorder=1.5)
     axes.set_ylim(low, high)
 
@@ -259,23 +259,31 @@ FAR = 4.0
 """A velocity is drawn up to so many times its limit."""
 
 
-def view_limits(axes: Axes, limit: float, traces: Mapping[str, Floats]) -> None:
-    """Show velocities with their limits, up to FAR times these; values out of view are named.
+def limits_in_words(least: float, most: float) -> str:
+    """The limits of a velocity, as "limit ±1" or "limits −0.2 to 1"."""
+    if least == -most:
+        return f"limit ±{most:g}"
+    return f"limits {least:g} to {most:g}".replace("-", "−")
+
+
+def view_limits(axes: Axes, sides: tuple[float, float], traces: Mapping[str, Floats]) -> None:
+    """View named velocities with their limits, up to FAR times these; what leaves the view is said.
 
     The area beyond the limits is shaded.
     """
-    include(axes, (-1.15 * limit, 1.15 * limit))
+    least, most = sides
+    include(axes, (1.15 * least, 1.15 * most))
     low, high = axes.get_ylim()
-    most = FAR * limit
-    axes.set_ylim(max(low, -most), min(high, most))
+    far = FAR * max(-least, most)
+    axes.set_ylim(max(low, -far), min(high, far))
     gone = []
     for name, values in traces.items():
         ends = float(np.nanmin(values, initial=0.0)), float(np.nanmax(values, initial=0.0))
-        gone += [f"{name} ↓ {shown(ends[0])}".strip()] * (ends[0] < -most)
-        gone += [f"{name} ↑ {shown(ends[1])}".strip()] * (ends[1] > most)
+        gone += [f"{name} ↓ {shown(ends[0])}".strip()] * (ends[0] < -far)
+        gone += [f"{name} ↑ {shown(ends[1])}".strip()] * (ends[1] > far)
     if gone:
         say_below(axes, f"out of view: {', '.join(gone)}")
-    shade_limits(axes, limit)
+    shade_limits(axes, least, most)
 
 
 def say_below(axes: Axes, text: str) -> None:

@@ -85,10 +85,10 @@ class Trace:
         if self.late:
             rest.set_ylim(self.late)
         if self.limit_axis is not None:
-            limit = run.settings.v_u1[self.limit_axis]
-            drawing.include(start, (-1.1 * limit, 1.1 * limit))
-            drawing.shade_limits(start, limit)
-            drawing.shade_limits(rest, limit)
+            low, high = run.settings.sides[self.limit_axis]
+            drawing.include(start, (1.1 * low, 1.1 * high))
+            drawing.shade_limits(start, low, high)
+            drawing.shade_limits(rest, low, high)
         drawing.mark_switch(rest, run.settings)
 
 

@@ -190,9 +190,10 @@ def draw_velocity(part: SubFigure, lines: Lines, axis: int) -> None:
     name, desired, unit = (("v1", "v1_d", "v₁ [m/s]"), ("omega", "v2_d", "ω [rad/s]"))[axis]
     runs, several = [run for run, *_ in lines.values()], len(lines) > 1
     longest = max(runs, key=_ended)
-    limit, sent = longest.settings.v_u1[axis], ("v_command", "omega_command")[axis]
+    sides, sent = longest.settings.sides[axis], ("v_command", "omega_command")[axis]
     commanded = sent in longest.columns and not several
-    text = f"{unit}, limit ±{limit:g}; {'black, ' * several}dashed: desired"
+    words = drawing.limits_in_words(*sides)
+    text = f"{unit}, {words}; {'black, ' * several}dashed: desired"
     axes = _time_axes(part, text + ", thin: command" * commanded, *runs)
     if commanded:
         steps = drawing.thin(longest.time, longest[sent])
@@ -203,7 +204,7 @@ def draw_velocity(part: SubFigure, lines: Lines, axis: int) -> None:
         axes.plot(*trace, color=colour, ls=dash, lw=width, alpha=opaque)
     wanted = drawing.thin(longest.time, longest[desired])
     axes.plot(*wanted, color=style.INK, ls=style.DASHED, lw=0.9, zorder=2.4)
-    drawing.view_limits(axes, limit, {label: run[name] for label, (run, *_) in lines.items()})
+    drawing.view_limits(axes, sides, {label: run[name] for label, (run, *_) in lines.items()})
 
 
 def _errors(
@@ -257,7 +258,7 @@ def _torques(part: SubFigure, run: Run) -> None:
     _plot_pair(axes, run, {name: drawing.running_mean(row, width) for name, row in rows.items()})
     if limit <= NEAR * scale * (tau_peak(run, START) or 0.0):
         drawing.include(axes, (-1.08 * limit, 1.08 * limit))
-        drawing.shade_limits(axes, limit)
+        drawing.shade_limits(axes, -limit, limit)
     else:
         _focus(axes, run, list(rows.values()), unit)
 

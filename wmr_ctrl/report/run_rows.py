@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from wmr_ctrl import results
-from wmr_ctrl.core.fields.units import sized
+from wmr_ctrl.core.fields.units import limits_in_words, sized
 from wmr_ctrl.results import RigidMonitor, Run
 from wmr_ctrl.results.measures import heading_rms
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
@@ -18,6 +18,8 @@ MISSING = "- (not reached)"
 Row = tuple[str, str]
 """Name of a figure, and its value with what it means."""
 TOO_FAST = ": TOO FAST"
+AT_LIMIT = 1e-9
+"""Share of a limit that is nothing to spare."""
 MOST_ROWS = 8
 """Rows of the short answer."""
 
@@ -177,17 +179,23 @@ def _without_turns(run: Run, window: str) -> str:
 
 
 def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
-    named = (("|v1|", "m/s"), ("|omega|", "rad/s"))
-    limits = run.settings.v_u1
-    for (name, unit), value, limit in zip(named, figures["max_abs_v"], limits, strict=True):
+    sides, most = run.settings.sides, figures["max_abs_v"]
+    margins = figures["least_margin"] or [
+        None if value is None else high - value
+        for value, (_, high) in zip(most, sides, strict=True)
+    ]
+    limits = limits_in_words(sides).split(" and ")
+    for i, name in enumerate(("|v1|", "|omega|")):
+        margin, (low, high), unit = margins[i], sides[i], ("m/s", "rad/s")[i]
         verdict = "kept" if run.rows == run.settings.samples else "kept until it ended"
-        if value is None or (value > limit and figures["violations"]):
+        if most[i] is None or margin is None or (margin < 0 and figures["violations"]):
             verdict = "BROKEN"
         elif figures["kept"] is None and run.rows == run.settings.samples:
             verdict = "NOT KNOWN, as the pose contradicts it"
-        elif value < limit:
-            verdict += f", {results.percent(1 - value / limit)} to spare"
-        yield f"largest {name}", f"{_number(value, unit)}, limit {limit:g} {unit}: {verdict}"
+        elif margin > AT_LIMIT * (high - low):
+            spare = results.percent(margin / high) if low == -high else _number(margin, unit)
+            verdict += f", {spare} to spare"
+        yield f"largest {name}", f"{_number(most[i], unit)}, limit {limits[i]}: {verdict}"
     yield from _rims(run)
     if figures["violations"]:
         steps = f"{figures['violations']} plant steps of {run.settings.plant:g} s"

@@ -151,7 +151,7 @@ def scene_of(runs: Sequence[Run], frames: int) -> Scene:
     for run, label, colour in zip(runs, names_of(runs), colours, strict=True):
         held, shared = _held(run, t), t <= run.time[-1]
         near = np.isclose(_columns(run, held, *_TARGET), target, rtol=0, atol=_SAME)
-        if run.settings.v_u1 != longest.settings.v_u1 or not near[shared].all():
+        if run.settings.sides != longest.settings.sides or not near[shared].all():
             raise ArgumentError(
                 "the runs have different limits or follow different references, so that one "
                 "picture cannot show them together. Draw each by `wmr-ctrl show RUN --plot FILE`."

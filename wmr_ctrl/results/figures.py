@@ -85,6 +85,7 @@ READINGS: Mapping[str, Callable[[Run], object]] = {
     "torque_needed_rms": measures.torque_needed_rms,
     "saturated_share": measures.saturated_share,
     "max_abs_v": attrgetter("monitor.max_abs_v"),
+    "least_margin": attrgetter("monitor.least_margin"),
     "violations": attrgetter("monitor.violations"),
     "kept": kept,
     "rigid": _rigid,

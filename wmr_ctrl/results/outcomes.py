@@ -46,9 +46,9 @@ class RigidMonitor:
 class Monitor:
     """Extremes and events of a run, over t = 0 and every plant step.
 
-    ``max_abs_v``: largest |v1| [m/s] and |omega| [rad/s]; ``violations``: number of plant steps
-    beyond a limit by more than rounding (1e-12 of it); ``first_violation``: time [s] and axis of
-    the first of them;
+    ``max_abs_v``: largest |v1| [m/s] and |omega| [rad/s]; ``least_margin``: the same to the nearer
+    limit, negative beyond it, None where not known; ``violations``: number of plant steps beyond a
+    limit by more than rounding (1e-12 of it); ``first_violation``: time [s] and axis of the first;
     ``stopped``: time [s] and axis that ended the run early, for ``stop_reason`` (empty if none);
     ``bounds_left``: time [s] and axis of the first motion that the guard's bounds do not explain,
     with the guard on or off.
@@ -68,6 +68,7 @@ class Monitor:
     failure: str = ""
     d_least: tuple[float, float] | None = None
     rigid: RigidMonitor | None = None
+    least_margin: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         linear, angular = self.max_abs_v
@@ -75,9 +76,10 @@ class Monitor:
         object.__setattr__(self, "violations", operator.index(self.violations))
         for name in ("first_violation", "stopped", "bounds_left"):
             object.__setattr__(self, name, _event(name, getattr(self, name)))
-        if self.d_least is not None:
-            force, moment = self.d_least
-            object.__setattr__(self, "d_least", (float(force), float(moment)))
+        for name in ("d_least", "least_margin"):
+            if getattr(self, name) is not None:
+                first, second = getattr(self, name)
+                object.__setattr__(self, name, (float(first), float(second)))
         if isinstance(self.rigid, Mapping):
             object.__setattr__(self, "rigid", RigidMonitor(**self.rigid))
         self._check()

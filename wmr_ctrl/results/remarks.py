@@ -37,6 +37,8 @@ BURST, PARTS, FEWEST = 1.5, 10, 32
 overlap, of no fewer samples."""
 NEAR = 0.9
 """Share of the speed at which a law's barrier begins, from which a desired one is close to it."""
+STILL = 1e-9
+"""Speed [m/s, rad/s] by which a desired one is beyond a limit through rounding alone."""
 SWAY = 0.2
 """RMS of a velocity about the desired one, as a share of its limit, that is no steady drive."""
 BASE_CAUSES = ("dead-band", "wheel-limit", "quantum", "ramps", "losses")
@@ -150,12 +152,14 @@ def _not_tracked(run: Run) -> Iterator[str]:
 
 
 def _too_fast(run: Run) -> Iterator[str]:
-    axes = zip(("v1_d", "v2_d"), ("m/s", "rad/s"), run.settings.v_u1, strict=True)
-    for name, unit, limit in axes:
-        asked = float(np.max(np.abs(run[name]), initial=0.0))
-        if asked > limit:
+    axes = zip(("v1_d", "v2_d"), ("m/s", "rad/s"), run.settings.sides, strict=True)
+    for name, unit, (least, most) in axes:
+        beyond = np.maximum(run[name] - most, least - run[name])
+        if np.max(beyond, initial=0.0) > STILL:
+            asked = float(run[name][np.argmax(beyond)])
+            limit = most if asked > 0 else least
             yield (
-                f"The desired motion reaches |{name}| = {asked:.4g} {unit}, above the limit of "
+                f"The desired motion reaches {name} = {asked:.4g} {unit}, beyond the limit of "
                 f"{limit:g} {unit}: no law is allowed to follow it. Ask for a slower reference."
             )
 

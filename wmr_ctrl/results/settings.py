@@ -53,7 +53,8 @@ class Settings(CountedNumbers):
     """Clocks, limits and windows under which a run was made.
 
     ``control`` and ``plant``: control period and plant step [s]; ``duration`` [s], as requested;
-    ``v_u1``: limits of |v1| [m/s] and |omega| [rad/s]; ``split``: time that separates the ISE
+    ``v_u1``: limits of |v1| [m/s] and |omega| [rad/s]; ``v_min`` and ``v_max``: the limits of v1
+    and omega, by default those; ``split``: time that separates the ISE
     before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s];
     ``tolerance``: position error that counts as tracked [m], None where not known; ``plant_kind``:
     "ode", the plane model, "mujoco", a rigid body, or "fmu", a foreign plant, whose ``plant`` is
@@ -77,13 +78,15 @@ class Settings(CountedNumbers):
     radius: float | None = None
     frames: str = PAPER
     robots: tuple[tuple[float, str], ...] = ()
+    v_min: Pair | None = None
+    v_max: Pair | None = None
 
     def __post_init__(self) -> None:
         for name in ("control", "plant", "duration", "split", "rms_from"):
             object.__setattr__(self, name, float(getattr(self, name)))
         linear, angular = self.v_u1
         object.__setattr__(self, "v_u1", (float(linear), float(angular)))
-        for name in ("dbar", "usable", "asked", "M_min", "M_max", "nbar"):
+        for name in ("dbar", "usable", "asked", "M_min", "M_max", "nbar", "v_min", "v_max"):
             if getattr(self, name) is not None:
                 first, second = getattr(self, name)
                 object.__setattr__(self, name, (float(first), float(second)))
@@ -107,6 +110,13 @@ class Settings(CountedNumbers):
             raise ArgumentError(_message("v_u1", self.v_u1, "two positive limits"))
         if self.dbar is not None and not all(bound >= 0 for bound in self.dbar):
             raise ArgumentError(_message("dbar", self.dbar, "two bounds from 0 up"))
+
+    @property
+    def sides(self) -> tuple[Pair, Pair]:
+        """Least and largest v1 [m/s], and omega [rad/s]."""
+        (v, omega), low, high = self.v_u1, self.v_min, self.v_max
+        least, most = low or (-v, -omega), high or (v, omega)
+        return (least[0], most[0]), (least[1], most[1])
 
     @property
     def masses(self) -> tuple[Pair, Pair] | None:

@@ -11,6 +11,7 @@ from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.control.filter.gate import GATE_FLAGS, GateSettings
 from wmr_ctrl.core.data import with_tuples
 from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.units import limits_in_words
 from wmr_ctrl.results import write_all
 from wmr_ctrl.world.scenario import Scenario, scenario_hash
 
@@ -139,11 +140,11 @@ def write_node(
 
 
 def kept(scenario: Scenario, settings: NodeSettings) -> str:
-    """The limits that a node keeps, as one line of text."""
-    (v, omega), own, gate = scenario.limits.v_u1, scenario.filter, settings.gate
+    """The limits that a node keeps, in one line."""
+    own, gate = scenario.filter, settings.gate
     return (
-        f"{scenario.name}, hash {scenario_hash(scenario)}: filter {own.kind}, limits {v:g} m/s "
-        f"and {omega:g} rad/s, period {scenario.clock.control:g} s, command_timeout "
-        f"{gate.command_timeout:g} s, odometry {gate.odometry}, "
+        f"{scenario.name}, hash {scenario_hash(scenario)}: filter {own.kind}, limits "
+        f"{limits_in_words(scenario.limits.sides)}, period {scenario.clock.control:g} s, "
+        f"command_timeout {gate.command_timeout:g} s, odometry {gate.odometry}, "
         f"odometry_timeout {gate.odometry_timeout:g} s"
     )

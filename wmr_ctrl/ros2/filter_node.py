@@ -8,6 +8,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 
 from wmr_ctrl.control.filter.gate import GateSettings
+from wmr_ctrl.core.fields.units import limits_in_words
 from wmr_ctrl.world.scenario import Scenario
 
 from .diagnosis import MORE_PARTS, TOO_FAST
@@ -38,7 +39,7 @@ class FilterNode(SafeNode[FilterCore]):
             rise=self.pair("rise"), fall=self.pair("fall"), excess=self.pair("excess"),
         )  # fmt: skip
         self.frame, self.stamped = self.frame_of(scenario), bool(self.value("stamped"))
-        self.limits, self.settings = scenario.limits.v_u1, settings
+        self.limits, self.settings = scenario.limits.sides, settings
         self._refuses_parts = self.choice("other_parts") == "refuse"
         at_once = self.choice("trigger") == "command"
         core = FilterCore(scenario, settings, self.frame, at_once=at_once)
@@ -73,10 +74,11 @@ class FilterNode(SafeNode[FilterCore]):
         causes = super().causes(flags)
         if TOO_FAST in flags:
             v, omega = self.core.measured
-            beyond = [a + b for a, b in zip(self.limits, self.settings.excess, strict=True)]
+            more = self.settings.excess
+            linear, angular = ((a - more[i], b + more[i]) for i, (a, b) in enumerate(self.limits))
             causes.append(
-                f"odometry says {v:.3g} m/s and {omega:.3g} rad/s, at most {beyond[0]:g} m/s and "
-                f"{beyond[1]:g} rad/s (limits.v_u1 and the parameter excess)"
+                f"odometry says {v:.3g} m/s and {omega:.3g} rad/s, at most "
+                f"{limits_in_words((linear, angular))} ([limits] and the parameter excess)"
             )
         return causes
 

@@ -30,6 +30,7 @@ from std_srvs.srv import Trigger
 from wmr_ctrl.codegen.toolchain import BUILDS
 from wmr_ctrl.control.filter.gate import Gated
 from wmr_ctrl.core.errors import WmrError
+from wmr_ctrl.core.fields.units import limits_in_words
 from wmr_ctrl.world.scenario import Scenario, load_scenario, scenario_hash
 
 from . import diagnosis, graph
@@ -193,10 +194,10 @@ class SafeNode(LifecycleNode, Generic[C]):
         except WmrError as error:
             self.get_logger().error(" ".join(str(error).split()))
             return TransitionCallbackReturn.FAILURE
-        (v, omega), settings = scenario.limits.v_u1, scenario.filter
+        settings, limits = scenario.filter, limits_in_words(scenario.limits.sides)
         self.get_logger().info(
             f"{Path(path).name}, hash {scenario_hash(scenario)}: filter {settings.kind}, guard "
-            f"{scenario.guard.enabled}, limits {v:g} m/s and {omega:g} rad/s, gain "
+            f"{scenario.guard.enabled}, limits {limits}, gain "
             f"{settings.gain}, push {settings.d}, period {scenario.clock.control:g} s"
         )
         return super().on_configure(state)

@@ -103,6 +103,7 @@ def monitor(
         STOP_REASONS[int(seen["stop"])],
         event("left", seen["left_sample"] * period) if period else None,
         failure,
+        least_margin=(seen["margin_v1"], seen["margin_omega"]),
     )
 
 
@@ -121,6 +122,8 @@ def _from_findings(memory: Results, settings: Settings) -> Figures:
         **final_state(memory.final.T, settings.frames),
         "max_abs_v1": row("max_v1"),
         "max_abs_v2": row("max_omega"),
+        "least_margin1": row("margin_v1"),
+        "least_margin2": row("margin_omega"),
         "violations": row("violations"),
         "first_violation": np.where(violated, row("first_step") * step, np.nan),
         "first_axis": np.where(violated, row("first_axis"), np.nan),

@@ -146,28 +146,31 @@ def _joined(draws: list[_Draws], index: int, sample: int = 0) -> Floats:
 class _Watch:
     """Extremes and events of a run; values beyond ``limits`` are counted as violations.
 
-    The limits are those of |v1|, |omega| and a wheel's speed [m/s, rad/s, m/s], and half the track
-    [m].
+    They are as in CLOCK: the largest and least v1 and omega, a wheel's speed, half the track.
     """
 
     limits: tuple[float, ...]
     period: float
     most: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    margin: list[float] = field(default_factory=lambda: [np.inf, np.inf])
     violations: int = 0
     first: Event | None = None
     stopped: Event | None = None
     reason: str = ""
 
     def see(self, step: int, state: Floats) -> None:
-        """Record the state after ``step`` plant steps."""
-        speeds = abs(state[_VELOCITY]), abs(state[_VELOCITY + 1])
+        """Take note of the state after ``step`` plant steps."""
+        v = state[_VELOCITY], state[_VELOCITY + 1]
+        high, low, (wheel, half_track) = self.limits[:2], self.limits[2:4], self.limits[4:]
+        speeds, room = (abs(v[0]), abs(v[1])), list[float]()
         for axis, speed in enumerate(speeds):
             if not np.isfinite(speed):
                 return self._stop(step, axis, _NON_FINITE)
+            room.append(float(min(high[axis] - v[axis], v[axis] - low[axis])))
             self.most[axis] = max(self.most[axis], float(speed))
-        rim = speeds[0] + self.limits[3] * speeds[1]
-        pairs = enumerate(zip((*speeds, rim), self.limits[:3], strict=True))
-        beyond = [axis for axis, (speed, most) in pairs if speed > most]
+            self.margin[axis] = min(self.margin[axis], room[axis])
+        room.append(wheel - (speeds[0] + half_track * speeds[1]))
+        beyond = [axis for axis, left in enumerate(room) if left < 0]
         if beyond:
             self.violations += 1
             self.first = self.first or (step * self.period, beyond[0] + 1)
@@ -181,5 +184,6 @@ class _Watch:
 
     def monitor(self) -> Monitor:
         """Monitor of the steps so far."""
-        most = self.most[0], self.most[1]
-        return Monitor(most, self.violations, self.first, self.stopped, self.reason)
+        most, margin = (self.most[0], self.most[1]), (self.margin[0], self.margin[1])
+        seen = self.violations, self.first, self.stopped, self.reason
+        return Monitor(most, *seen, least_margin=margin)

@@ -17,6 +17,8 @@ from wmr_proofs.symbols import Named, symbols
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
 INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"
+ANY_SIDE = "0 < K_min <= K <= K_max, |d| <= dbar <= V"
+"""The same where a push alone may lead to the limit of this direction."""
 COMMANDS = (
     "every command of real numbers (what is no number counts as 0, which "
     "tests/control/filter/test_filter_package.py tries)"
@@ -27,6 +29,11 @@ claim = Claims(by=Z3())
 def sound(b: FirstOrder) -> tuple[Relation, ...]:
     """0 < K_min <= K_max, 0 <= dbar < V."""
     return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar), above(b.V, b.dbar)
+
+
+def admits(b: FirstOrder) -> tuple[Relation, ...]:
+    """0 < K_min <= K_max, 0 <= dbar <= V."""
+    return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar), at_least(b.V, b.dbar)
 
 
 class FilterAxis(Named):
@@ -52,7 +59,7 @@ class FilterAxis(Named):
         return above(e), above(ca.SX(1), e), *between(e, E, 1), ratio
 
 
-@claim("filter.drive", given=INTERVALS)
+@claim("filter.drive", given=ANY_SIDE)
 def driven(mutation: Mutation) -> Statement:
     """K u + d <= drive(u) <= max(K_max u, 0) + dbar, and the same of -u and drive_back(u), for
     every u.
@@ -61,7 +68,7 @@ def driven(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     inside = between(a.K_min, a.K, a.K_max)
-    given = (*sound(a.bounds), *inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
+    given = (*admits(a.bounds), *inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
     u, b, reached = a.u, a.bounds, a.K * a.u
     ahead, back = drive(u, b), drive_back(u, b)
     least = at_least(ahead, reached + a.d), at_least(back, a.d - reached)
@@ -76,7 +83,7 @@ def highest(u: ca.SX, b: FirstOrder) -> ca.SX:
 
 @claim(
     "filter.inside",
-    given=f"{INTERVALS}; v <= v_bar <= V; mean <= drive(u), u <= hi(v_bar); e <= E <= 1 with "
+    given=f"{ANY_SIDE}; v <= v_bar <= V; mean <= drive(u), u <= hi(v_bar); e <= E <= 1 with "
     "e = exp(-H/tau_min), kappa = e/(1 - e)",
 )
 def inside(mutation: Mutation) -> Statement:
@@ -90,11 +97,11 @@ def inside(mutation: Mutation) -> Statement:
     known = at_least(a.v_bar, a.v), at_least(b.V, mutation(1, 0.99) * a.v_bar)
     sent = at_least(a.hi, a.u), at_least(drive(a.u, b), a.mean)
     goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
-    return Statement(a.symbols, (goal,), (*sound(a.bounds), *a.relaxing, *known, *sent))
+    return Statement(a.symbols, (goal,), (*admits(a.bounds), *a.relaxing, *known, *sent))
 
 
 @claim(
-    "filter.clip", given=f"{INTERVALS}; v <= V; kappa = 0, u <= hi; mean <= drive(u), 0 <= E <= 1"
+    "filter.clip", given=f"{ANY_SIDE}; v <= V; kappa = 0, u <= hi; mean <= drive(u), 0 <= E <= 1"
 )
 def clip(mutation: Mutation) -> Statement:
     """E v + (1 - E) mean <= V, whatever share E of the way is left.
@@ -106,25 +113,25 @@ def clip(mutation: Mutation) -> Statement:
     share = *between(0, E, 1), equal(a.kappa), at_least(b.V, a.v)
     sent = at_least(mutation(1, 1.01) * a.hi, a.u), at_least(drive(a.u, b), a.mean)
     goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
-    return Statement(a.symbols, (goal,), (*sound(a.bounds), *share, *sent))
+    return Statement(a.symbols, (goal,), (*admits(a.bounds), *share, *sent))
 
 
-@claim("filter.contains-clip", given=f"{INTERVALS}; v_bar <= V, kappa >= 0")
+@claim("filter.contains-clip", given=f"{ANY_SIDE}; v_bar <= V, kappa >= 0")
 def contains_clip(mutation: Mutation) -> Statement:
-    """hi(v_bar) >= (V - dbar)/K_max > 0.
+    """hi(v_bar) >= (V - dbar)/K_max >= 0.
 
     The governor is never stricter than the clip, and never refuses to stop: 0 is always safe.
     """
     a = FilterAxis()
     b = a.bounds
     smallest = (b.V - b.dbar) / b.K_max
-    given = (*sound(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
-    return Statement(a.symbols, (at_least(a.hi, smallest), above(smallest)), given)
+    given = (*admits(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
+    return Statement(a.symbols, (at_least(a.hi, smallest), at_least(smallest)), given)
 
 
 @claim(
     "filter.necessary",
-    given=f"{INTERVALS}; 0 <= u, hi(v_bar) < u; e = exp(-H/tau_min), kappa = e/(1 - e)",
+    given=f"{ANY_SIDE}; 0 <= u, hi(v_bar) < u; e = exp(-H/tau_min), kappa = e/(1 - e)",
 )
 def necessary(mutation: Mutation) -> Statement:
     """e v_bar + (1 - e)(K_max u + dbar) > V.
@@ -134,7 +141,7 @@ def necessary(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     b, e = a.bounds, a.e
-    given = (*sound(a.bounds), *a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u))
+    given = (*admits(a.bounds), *a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u))
     end = e * a.v_bar + (1 - e) * (b.K_max * a.u + b.dbar)
     return Statement(a.symbols, (above(end, b.V),), given)
 

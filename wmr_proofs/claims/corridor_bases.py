@@ -28,6 +28,7 @@ from .wheels_and_encoders import EffectGraph
 claim = Claims(by=Z3())
 
 NOTHING = FirstOrder(*(ca.SX(0) for _ in range(6)))
+NO_SIZE = (0.0, 0.0)
 SCALES = (
     {"key": "curvature", "words": "one factor", "scale": "curvature", "kinds": "axes wheels"},
     {"key": "axes", "words": "each axis its own factor", "scale": "axes", "kinds": "axes"},
@@ -48,8 +49,8 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     On this condition the base gets what the law asks for.
     """
     t = symbols("v omega l A B C", "l A B C")
-    axes = [Channel((1 - i, i), ca.SX(1), NOTHING, 0.0) for i in (0, 1)] * ("axes" in kinds)
-    wheels = [Channel((1, way), t.l, NOTHING, 0.0) for way in WAYS] * ("wheels" in kinds)
+    axes = [Channel((1 - i, i), ca.SX(1), (NOTHING,), NO_SIZE) for i in (0, 1)] * ("axes" in kinds)
+    wheels = [Channel((1, way), t.l, (NOTHING,), NO_SIZE) for way in WAYS] * ("wheels" in kinds)
     most = [t.A, t.B] * ("axes" in kinds) + [t.C, t.C] * ("wheels" in kinds)
     channels, asked = [*axes, *wheels], (t.v, t.omega)
     sent = scaled(asked, channels, [-item for item in most], most, scale)

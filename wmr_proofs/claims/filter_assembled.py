@@ -14,11 +14,20 @@ from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, between, equal, positive, when
+from wmr_proofs.relation import (
+    Relation,
+    above,
+    at_least,
+    between,
+    equal,
+    nonnegative,
+    positive,
+    when,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
-from .command_filter import COMMANDS, INTERVALS, highest
+from .command_filter import ANY_SIDE, COMMANDS, admits, highest
 from .common import elements_of
 
 claim = Claims(by=Z3())
@@ -33,6 +42,8 @@ Bounds of v and of omega, each for itself: one interval for both is the case in 
 """
 ALIKE = {"filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1)}
 """What takes their place for wheels, whose loops are alike."""
+BY_SIDE: dict[str, object] = {"limits.v_min": (-0.5, -1.0), "limits.v_max": (1.0, 1.5)}
+"""A limit of each direction, every one a symbol of its own."""
 SIDES = tuple(
     {"side": side, "axis": axis, "id": f"{name}-{way}", "words": f"{name} axis, {way}"}
     for axis, name in enumerate(("linear", "angular"))
@@ -40,10 +51,10 @@ SIDES = tuple(
 )
 ASSEMBLED = (
     f"{COMMANDS}, odometry within nbar or none, any time since the last sample; "
-    "-v_below <= v <= v_above if that is a period, |v| <= V; v and omega limited, one factor for "
-    "both, tau and K bounded for each by itself; "
+    "-v_below <= v <= v_above if that is a period, -V_d <= v <= V_u, the limits of both "
+    "directions; v and omega limited, one factor for both, tau and K bounded for each by itself; "
     "no delay, jitter or losses, odometry of the sample, H = T; "
-    "T > 0, 0 < tau_min <= tau_max; " + INTERVALS
+    "T > 0, 0 < tau_min <= tau_max; " + ANY_SIDE + " either way"
 )
 
 
@@ -56,14 +67,15 @@ class AssembledStep:
 
     def __init__(self, side: int, axis: int) -> None:
         """Read the graph of the step."""
-        self.graph = Governor(load_scenario("paper-simulation", STATED))
+        self.graph = Governor(load_scenario("paper-simulation", {**STATED, **BY_SIDE}))
         self.side, self.axis, self.way = side, axis, WAYS[side]
         self.free = symbols("v u E mean share kappa gone")
         system = self.graph.system
         ports = (*system.inputs, *system.state, *system.params)
         self.symbols = self.free | elements_of(*ports)
         self.limit = self.graph.limits[side][axis]
-        T, (low, high) = self.graph.T, self.graph.motions[axis].tau
+        self.bounds = self.graph.channels[axis].sides[side]
+        T, (low, high) = self.graph.T, self.graph.motions[side][axis].tau
         self.slow = above(low), at_least(high, low)
         self.cuts = {"1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / low)}
         self.cuts |= {"-most": ca.expm1(-T / low), "-least": ca.expm1(-T / high)}
@@ -75,14 +87,16 @@ class AssembledStep:
         time.
         """
         graph, axis, f = self.graph, self.axis, self.free
-        b, v, y = graph.bounds[axis], f.v, graph.odometry.sym[axis]
+        b, v, y = self.bounds, f.v, graph.odometry.sym[axis]
+        ahead, back = (own.V for own in graph.channels[axis].sides)
         kappa, most, least = self.cuts.values()
         up, down = (known.sym[axis] for known in graph.known)
         error = mutation(1, 1.01) * b.nbar
         there, elapsed = graph.age.sym >= -NEAR * graph.T, graph.elapsed.sym
         timely = ca.logic_or(elapsed == 0, ca.fabs(elapsed - graph.T) <= NEAR * graph.T)
         return (
-            above(b.V, b.dbar), at_least(b.dbar), at_least(b.V, v), at_least(b.V, -v),
+            at_least(ahead, b.dbar), at_least(back, b.dbar), at_least(b.dbar), at_least(ahead, v),
+            at_least(back, -v),
             at_least(b.nbar), above(b.K_min), at_least(b.K_max, b.K_min), equal(f.kappa, kappa),
             equal(f.gone, most), above(f.kappa), equal(-f.kappa * f.gone, 1 + f.gone),
             above(-least), at_least(least, most), above(1 + most), when(timely, at_least(up, v)),
@@ -94,33 +108,37 @@ class AssembledStep:
 
 @claim(
     "filter.limits",
-    given="0 < K_min <= K_max, 0 <= dbar < V, 0 < tau_min <= tau_max of each axis, T > 0; any "
-    "odometry of the sample, any time since the last one; v and omega limited; no delay, jitter or "
-    "losses, H = T",
+    given="0 < K_min <= K_max, 0 <= dbar <= V each way, 0 < tau_min <= tau_max of each axis, T > "
+    "0; any odometry of the sample, any time since the last one; v and omega limited; no delay, "
+    "jitter or losses, H = T",
 )
 def limits(mutation: Mutation) -> Statement:
-    """the largest command that the whole filter admits is above 0, on either axis, either way.
+    """the largest command that the whole filter admits is at least 0, on either axis, either way,
+    and above 0 where dbar < V.
 
-    Stopping is always allowed, and so is driving.
+    Stopping is always allowed, and so is driving where a push leaves room for it.
     """
-    graph, cuts = Governor(load_scenario("paper-simulation", STATED)), dict[str, ca.SX]()
+    stated, cuts = load_scenario("paper-simulation", {**STATED, **BY_SIDE}), dict[str, ca.SX]()
+    graph = Governor(stated)
     goals, given = list[Relation](), list[Relation]()
-    for axis, (b, motion) in enumerate(zip(graph.bounds, graph.motions, strict=True)):
-        (low, high), name = motion.tau, ("linear", "angular")[axis]
+    for axis, channel in enumerate(graph.channels):
+        (low, high), name = graph.motions[0][axis].tau, ("linear", "angular")[axis]
         growth = ca.expm1(graph.T / low)
         kappa = 1 / growth
         cuts |= {f"kappa {name}": kappa, f"-most {name}": ca.expm1(-graph.T / low)}
         cuts[f"-least {name}"] = ca.expm1(-graph.T / high)
-        given += [above(b.V, b.dbar), at_least(b.dbar), above(b.K_min), at_least(b.K_max, b.K_min)]
         given += [*positive(low, high, growth), above(kappa)]
-        goals += [above(side[axis], mutation(0, b.V)) for side in graph.limits]
+        for side, b in zip(graph.limits, channel.sides, strict=True):
+            given += admits(b)
+            goals.append(at_least(side[axis], mutation(0, b.V)))
+            goals.append(above(ca.if_else(b.dbar < b.V, side[axis], 1)))
     table = elements_of(*graph.system.inputs, *graph.system.state, *graph.system.params)
     return Statement(table, tuple(goals), tuple(given), cuts)
 
 
 @claim(
     "filter.sent-{id}",
-    given=f"{ASSEMBLED}; the four limits above 0 (filter.limits)",
+    given=f"{ASSEMBLED}; the four limits at least 0 (filter.limits)",
     premises="filter.limits",
     over=SIDES,
 )
@@ -132,7 +150,7 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     """
     step = AssembledStep(side, axis)
     every = {f"limit {s} {i}": step.graph.limits[s][i] for s, i in product(range(2), repeat=2)}
-    given = tuple(above(limit) for limit in every.values())
+    given = nonnegative(*every.values())
     every["numbers are sound"] = step.graph.sound
     most, commands = mutation(1, 0.99) * step.limit, (step.graph.sent, step.graph.safe)
     goals = tuple(at_least(most, step.way * command[axis]) for command in commands)
@@ -152,9 +170,9 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
     """
     step = AssembledStep(side, axis)
     u, E = step.free.u, step.free.E
-    given = (*step.given(mutation, drive(u, step.graph.bounds[axis])), at_least(step.limit, u))
+    given = (*step.given(mutation, drive(u, step.bounds)), at_least(step.limit, u))
     end = E * step.way * step.free.v + (1 - E) * step.free.mean
-    return Statement(step.symbols, (at_least(step.graph.bounds[axis].V, end),), given, step.cuts)
+    return Statement(step.symbols, (at_least(step.bounds.V, end),), given, step.cuts)
 
 
 def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
@@ -174,7 +192,8 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
         ("1/2", "1/2", 1, -1, -1, 1, "1/2", 0),
     )
     known = {
-        "clock.control.1": 1, "limits.v_u1.1": 1, "limits.v_u1.2": 1, "filter.odometry.1": "1/10",
+        "clock.control.1": 1, "limits.v_max.1": 1, "limits.v_max.2": 1, "limits.v_min.1": -1,
+        "limits.v_min.2": -1, "filter.odometry.1": "1/10",
         "filter.odometry.2": "1/10", "filter.d.1": "1/8", "filter.d.2": "1/8",
         **dict.fromkeys((f"filter.{key}.{i}" for key in ("tau", "gain") for i in range(1, 5)), 1),
         f"v_asked.{other}": 0,
@@ -209,7 +228,7 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     """
     step = AssembledStep(side, axis)
     v, share, (_, most, least) = step.way * step.free.v, step.free.share, step.cuts.values()
-    sent, b = step.way * step.graph.safe[axis], step.graph.bounds[axis]
+    sent, b = step.way * step.graph.safe[axis], step.bounds
     target = (drive, drive_back)[side](step.graph.safe[axis], b)
     within = at_least(step.limit, sent), *between(-least, share, -most)
     given = (*step.given(mutation, target), *within, *step.slow, at_least(highest(sent, b), target))

@@ -45,8 +45,8 @@ class Limited:
 
     def __init__(self, on: str) -> None:
         arm, ones = ca.SX.sym("p.l"), FirstOrder(*[ca.SX(1)] * 6)
-        axes = [Channel((1 - i, i), ca.SX(1), ones, 1.0) for i in AXES]
-        sides = [Channel((1, way), arm, ones, 1.0) for way in SIDES]
+        axes = [Channel((1 - i, i), ca.SX(1), (ones,), (1.0, 1.0)) for i in AXES]
+        sides = [Channel((1, way), arm, (ones,), (1.0, 1.0)) for way in SIDES]
         self.channels = {"body": axes, "wheels": sides, "both": [*axes, *sides]}[on]
         numbers = range(1, len(self.channels) + 1)
         limits = " ".join(f"hi{i} lo{i}" for i in numbers)

@@ -167,7 +167,7 @@ def rim(mutation: Mutation) -> Statement:
     The speed towards which a command drives a wheel is computed well enough.
     """
     s, b = _numbers("v omega l target", "l")
-    exact = drive(Channel((1, 1), s.l, b, 1.0).of((s.v, s.omega)), b)
+    exact = drive(Channel((1, 1), s.l, (b,), (1.0, 1.0)).of((s.v, s.omega)), b)
     size = ca.fabs(s.v) + s.l * ca.fabs(s.omega)
     most = mutation(8, 0.4) * UNIT * (b.K_max * size + b.dbar)
     goals = within(s.target - exact, most)

@@ -246,7 +246,7 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
         given += [when(seen, part) for part in within(graph.odometry.sym[i] - v, error[i])]
         given += within((f.d1, f.d2)[i], push[i])
     place = len(graph.channels) - 2 + wheel
-    channel, b = graph.channels[place], graph.bounds[place]
+    channel, b = graph.channels[place], graph.channels[place].bounds
     w, total = channel.of((f.v1, f.v2)), push[0] + p["robot.l"] * push[1]
     given += [*between(gain[0], f.K, gain[1]), above(b.V, total), *within(w, b.V)]
     for known, sign in zip(graph.known, WAYS, strict=True):
@@ -291,7 +291,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     table, cuts = elements_of(*ports), dict[str, ca.SX]()
     T, goals, given = graph.T, list[Relation](), [above(graph.T)]
     seen = graph.age.sym >= -NEAR * T
-    for axis, motion in enumerate(graph.motions):
+    for axis, motion in enumerate(graph.motions[0]):
         b, (low, _) = motion.bounds, motion.tau
         v, known_kappa, gone = symbols(f"speed{axis} kappa{axis} gone{axis}").values()
         table |= {f"speed{axis}": v, f"kappa{axis}": known_kappa, f"gone{axis}": gone}

@@ -207,7 +207,8 @@ def kept(mutation: Mutation) -> Statement:
     for n in range(1, 6):
         guarded = setup("linear-first", n)
         p = Parameters(guarded)
-        both = bounds_of(p, guarded.guard.lateness(guarded.scenario.clock))
+        late = guarded.guard.lateness(guarded.scenario.clock)
+        both = bounds_of(p, late, guarded.scenario.limits)
         table |= {f"{name} {n}": symbol for name, symbol in scalars(p.ports).items()}
         for axis, b in enumerate(map(both.axis, (0, 1))):
             u1 = p.take("limits.v_u1")[axis]

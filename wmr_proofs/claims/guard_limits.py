@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from wmr_ctrl.control.guard.delay import InFlight, waiting
+from wmr_ctrl.control.guard.delay import InFlight, largest_force, waiting
 from wmr_ctrl.control.guard.guard import ceiling, clipped, floor
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
@@ -68,6 +68,38 @@ def necessary(mutation: Mutation, late: bool) -> Statement:
     sizes = positive(u1, period, mass, dbar, *([delay] * late))
     goal = above(time * (dbar - force) / mass, u1)
     return Statement(t, (goal,), (*sizes, tight, at_least(ca.SX(0), force + dbar)))
+
+
+@claim(
+    "guard.{at}sides",
+    given="T, M_min, alpha, u1, the limit of -v{more} > 0; M_min <= M_max, alpha T <= 1; any v "
+    "and any push under way",
+    over=(
+        {"at": "", "a": GuardAxis(AT_ONCE), "more": ""},
+        {"at": "delay.", "a": GuardAxis(DELAYED), "more": ", delay"},
+        {"at": "late.", "a": GuardAxis(LATE), "more": ", delay, jitter, mixed"},
+    ),
+)  # fmt: skip
+def sides(mutation: Mutation, a: GuardAxis) -> Statement:
+    """with another limit for -v, hi is at least that of the guard whose one limit is the smaller of
+    both, and the caps are that guard's; lo, -hi of -v, with the limits exchanged.
+
+    So a safe force is left at every velocity (guard.feasible and those behind delays), and what is
+    shown of one direction holds with its own limit.
+    """
+    t = symbols("behind", "behind")
+    b, coming = replace(a.bounds, back=t.behind), a.coming
+    one = replace(a.bounds, u1=mutation(1, 1.01) * b.narrow)
+    goals = [at_least(ceiling(a.y, b, coming), ceiling(a.y, one, coming))]
+    if not a.lateness:  # else the caps stand for any numbers
+        goals.append(equal(b.mirrored.braking, one.braking))
+    late = [a.delay] * (a.lateness > AT_ONCE) + [a.jitter, a.mixed] * (a.lateness == LATE)
+    given = (
+        *positive(a.period, a.M_min, a.alpha, a.u1, t.behind, *late), at_least(a.M_max, a.M_min),
+        at_least(ca.SX(1), a.alpha * a.period),
+    )  # fmt: skip
+    caps = {"brakes": b.braking, "largest": largest_force(b)} if a.lateness else {}
+    return Statement(a.symbols | t, tuple(goals), given, caps)
 
 
 @claim("guard.delay.longer", given="one command under way")

@@ -40,9 +40,9 @@ def sending(setup: Setup, law: Inside, asked: Asked) -> tuple[System, list[Condi
 def _passing(setup: Setup, command: ca.SX) -> Iterator[Condition]:
     """Conditions under which filter and firmware leave a ``command`` (2) unchanged."""
     scenario = setup.scenario
-    for name, row, most in passing_commands(scenario):
-        yield Condition(f"the filter's limit ({name})", row[0] * command[0] + row[1] * command[1],
-                        ca.SX(most))  # fmt: skip
+    for name, row, (low, high) in passing_commands(scenario):
+        value = row[0] * command[0] + row[1] * command[1] - (low + high) / 2
+        yield Condition(f"the filter's limit ({name})", value, ca.SX((high - low) / 2))
     if np.isfinite(scenario.base.w_max):
         base = scenario.base
         off = base.quantum[0] / 2 + base.deadband[0]

@@ -75,13 +75,18 @@ def graphs(scenario: Scenario, trials: int) -> Sender:
     return send
 
 
-def limited_speeds(scenario: Scenario) -> tuple[np.ndarray, np.ndarray]:
-    """Speeds that are limited, each as its parts of v and of omega, and their limits."""
-    rim, l = scenario.filter.wheel_speed, scenario.robot.l
-    rows, tops = [(1.0, 0.0), (0.0, 1.0)], [*scenario.limits.v_u1]
+def limited_speeds(scenario: Scenario) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Speeds that are limited, each as its parts of v and of omega, and their limits.
+
+    The larger of both directions, then those of each, forwards first.
+    """
+    rim, l, limits = scenario.filter.wheel_speed, scenario.robot.l, scenario.limits
+    rows, tops = [(1.0, 0.0), (0.0, 1.0)], [*limits.v_u1]
+    sides = [(high, -low) for low, high in zip(limits.v_min, limits.v_max, strict=True)]
     if rim is not None:
         rows, tops = [*rows, (1.0, l), (1.0, -l)], [*tops, rim, rim]
-    return np.array(rows), np.array(tops)
+        sides += [(rim, rim)] * 2
+    return np.array(rows), np.array(tops), np.array(sides)
 
 
 def fastest(
@@ -100,7 +105,7 @@ def fastest(
     send, T, l = sending(scenario, trials), scenario.clock.control, scenario.robot.l
     governs, every = scenario.filter.kind == "governor", np.arange(trials)
     loops = np.array([[1.0, l], [1.0, -l]] if base.loops == "wheels" else np.eye(2))
-    back, (rows, tops) = np.linalg.inv(loops), limited_speeds(scenario)
+    back, (rows, tops, sides) = np.linalg.inv(loops), limited_speeds(scenario)
     after = rng.integers(0, len(rows), trials)
     weights, chance = (rows @ back)[after], rng.choice([-1.0, 1.0], (trials, 2))
     towards, seen_as = (np.where(w == 0, chance, np.sign(w)) for w in (weights, rows[after]))
@@ -167,7 +172,9 @@ def fastest(
                 aim = inner = aim + (inner - aim) * np.exp(-(b - a) / base.second_lag)[:, None]
             quick = _forward((aim - v) * side, base)
             v = aim + (v - aim) * np.exp(-(b - a)[:, None] / np.where(quick, tau[0], tau[1]))
-            worst = np.maximum(worst, (np.abs(v @ (rows @ back).T) / tops).max(axis=1))
+            reached = v @ (rows @ back).T
+            shares = np.maximum(reached / sides[:, 0], -reached / sides[:, 1])
+            worst = np.maximum(worst, shares.max(axis=1))
             past_v.append(v)
             past_t.append(b)
         now = end

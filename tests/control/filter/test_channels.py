@@ -29,4 +29,4 @@ def test_a_rim_has_the_pushes_of_both_axes_and_the_widest_of_their_gains() -> No
     assert found.full().ravel() == pytest.approx(
         [0.4, 0.05 + 0.2 * 0.1, 0.0, 0.8, 1.3, 1.0, 0.2, 1.0, -0.2], abs=1e-6
     )
-    assert right.largest == left.largest == pytest.approx(0.4)
+    assert right.largest == left.largest == pytest.approx((0.4, 0.4))

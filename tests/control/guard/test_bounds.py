@@ -150,7 +150,7 @@ GRAPHED = {"sensor.velocity_window": 0.03, "actuator.delay": 0.013, "guard.dbar"
 def test_reach_is_what_the_graph_brakes_with_and_what_holds_against(changed) -> None:
     setup = settle(load_scenario("paper-simulation-no-switch", {**GRAPHED, **changed}), None)
     p, late = Parameters(setup), setup.guard.lateness(setup.scenario.clock)
-    axes = [bounds_of(p, late).axis(i) for i in (0, 1)]
+    axes = [bounds_of(p, late, setup.scenario.limits).axis(i) for i in (0, 1)]
     held = ca.vertcat(*(b.cap + b.net for b in axes), *map(feasible, axes))
     symbols, numbers = stack(item.sym for item in p.ports), values(p.ports)
     first, second, *met = ca.Function("held", [symbols], [held])(numbers).full().ravel()
@@ -166,7 +166,10 @@ def test_at_the_usable_speed_the_graph_s_ceiling_is_the_friction(i) -> None:
     setup = settle(load_scenario("paper-simulation-no-switch", GRAPHED), None)
     friction = (39.24, 2.0)
     p, late = Parameters(setup), setup.guard.lateness(setup.scenario.clock)
-    b, speed = bounds_of(p, late).axis(i), usable_speed(setup.scenario, setup.guard, friction)[i]
+    b, speed = (
+        bounds_of(p, late, setup.scenario.limits).axis(i),
+        usable_speed(setup.scenario, setup.guard, friction)[i],
+    )
     sent = [ca.SX(ca.DM(friction))] * late[i].commands
     coming = delayed_push(sent, late[i], i, b, Tails("tail", late))
     symbols, numbers = stack(item.sym for item in p.ports), values(p.ports)

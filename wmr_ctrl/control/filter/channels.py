@@ -11,14 +11,17 @@ Omega), so that |v| <= V and |omega| <= Omega follow (`filter.wheel-box`).
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from itertools import chain
 
 import casadi as ca
 
+from wmr_ctrl.control.sides import sides
 from wmr_ctrl.core.signals import LARGEST, Signal
 from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario.sections import Limits
 
-from .governor import NEAR, FirstOrder, admitted
+from .governor import NEAR, FirstOrder, admitted, largest_command
 
 AXES = (0, 1)
 WAYS = (1, -1)
@@ -62,21 +65,33 @@ FLAG_MEANINGS = {
 
 @dataclass(frozen=True)
 class Channel:
-    """Speed ways[0] v + ways[1] arm omega, with its numbers; ``largest``: value of its limit.
+    """Speed ways[0] v + ways[1] arm omega with its numbers; ``largest``: values of its limits.
 
-    ``ways``: 1, -1 or 0 each.  ``made_of``: positive numbers; its numbers are the least or largest
-    of them, and each may be absent.
+    ``ways``: 1, -1 or 0 each.  ``sides``: numbers of the speed and of its negative, once where they
+    are the same.  ``made_of``: positive numbers of which the least or the largest is among them,
+    each of which may be none.
     """
 
     ways: tuple[int, int]
     arm: ca.SX
-    bounds: FirstOrder
-    largest: float
+    sides: tuple[FirstOrder, ...]
+    largest: tuple[float, float]
     made_of: tuple[ca.SX, ...] = ()
+
+    @property
+    def bounds(self) -> FirstOrder:
+        """Numbers of the speed; of its negative only the limit may be another."""
+        return self.sides[0]
 
     def of(self, pair: Sequence[ca.SX | int] | ca.SX) -> ca.SX:
         """The channel's part of (v, omega)."""
         return self.ways[0] * pair[0] + self.ways[1] * (self.arm * pair[1])
+
+
+def largest_commands(channels: Sequence[Channel]) -> tuple[list[ca.SX], list[ca.SX]]:
+    """Largest commands that are always safe, forwards and backwards, of each channel."""
+    ways = [[largest_command(b.V, b) for b in channel.sides] for channel in channels]
+    return [way[0] for way in ways], [way[-1] for way in ways]
 
 
 def ends_of(p: Parameters, name: str) -> list[tuple[ca.SX, ca.SX]]:
@@ -101,34 +116,56 @@ def channels_of(
 
     ``kappa``: of each axis.
     """
-    settings, limits = scenario.filter, scenario.limits.v_u1
+    settings, limits = scenario.filter, scenario.limits
     K_min, K_max, d = numbers
-    V = p.take("limits.v_u1") * (1 - ROUNDING)
+    V = _kept(limits, p, d)
     nbar = p.take("filter.odometry") if settings.odometry else ca.SX.zeros(2)
-    body = [FirstOrder(V[i], d[i], nbar[i], K_min[i], K_max[i], kappa[i]) for i in AXES]
-    both = [Channel((1 - i, i), ca.SX(1), body[i], limits[i]) for i in AXES]
+    body = [
+        tuple(FirstOrder(v[i], d[i], nbar[i], K_min[i], K_max[i], kappa[i]) for v in V)
+        for i in AXES
+    ]
+    sizes = [(high, -low) for low, high in limits.sides]
+    both = [Channel((1 - i, i), ca.SX(1), body[i], sizes[i]) for i in AXES]
     wheels = settings.channels == "wheels"
     if not wheels and settings.wheel_speed is None:
         return both
-    l, top, most = p.take("robot.l"), list[ca.SX](), list[float]()
+    l, tops, most = p.take("robot.l"), [list[ca.SX]() for _ in V], list[float]()
     if settings.wheel_speed is not None:
-        top, most = [p.take("filter.wheel_speed") * (1 - ROUNDING)], [settings.wheel_speed]
+        tops, most = [[p.take("filter.wheel_speed") * (1 - ROUNDING)]], [settings.wheel_speed]
     if wheels:
-        top += [V[0], l * V[1]]
-        most += [limits[0], scenario.robot.l * limits[1]]
-    rim = FirstOrder(
-        reduce(ca.fmin, top), d[0] + l * d[1], nbar[0] + l * nbar[1],
-        ca.fmin(K_min[0], K_min[1]), ca.fmax(K_max[0], K_max[1]), kappa[0],
+        turning = l * reduce(ca.fmin, [v[1] for v in V])
+        tops = [[*tops[0], v[0], turning] for v in V]
+        most.append(scenario.robot.l * min(sizes[1]))
+    rims = tuple(
+        FirstOrder(
+            reduce(ca.fmin, top), d[0] + l * d[1], nbar[0] + l * nbar[1],
+            ca.fmin(K_min[0], K_min[1]), ca.fmax(K_max[0], K_max[1]), kappa[0],
+        )
+        for top in tops
     )  # fmt: skip
-    made_of = (l, *top, *ca.vertsplit(K_min), *ca.vertsplit(K_max))
-    sides = [Channel((1, way), l, rim, min(most), made_of) for way in WAYS]
-    return sides if wheels else [*both, *sides]
+    ends = [min([*most, size] if wheels else most) for size in sizes[0]]
+    made_of = (l, *chain(*tops), *ca.vertsplit(K_min), *ca.vertsplit(K_max))
+    around = [Channel((1, way), l, rims, (ends[0], ends[1]), made_of) for way in WAYS]
+    return around if wheels else [*both, *around]
+
+
+def _kept(limits: Limits, p: Parameters, d: ca.SX) -> list[ca.SX]:
+    """Limits (2,) to aim at, forwards and backwards where they may differ.
+
+    What pushes alone lead to is never beyond one that admits it: 0 keeps it, and is then all that
+    is sent.
+    """
+    aimed = sides(limits, p, ROUNDING)
+    if not limits.apart:
+        return [aimed[0]]
+    pairs = zip(aimed, sides(limits, p), strict=True)
+    return [ca.fmax(less, ca.fmin(whole, d)) for less, whole in pairs]
 
 
 def scaled(
     r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], scale: str
 ) -> ca.SX:
-    """The command (2,) within the limits lo < 0 < hi of all channels.
+    """The command (2,) within the limits lo <= 0 <= hi of all channels.
 
     ``scale``: by one factor, each axis by its own, or one axis first and then the other.
     """
@@ -143,7 +180,9 @@ def scaled(
 def stretched(
     r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], scale: str
 ) -> ca.SX:
-    """Both axes' commands scaled by one factor or, with ``scale`` "axes", each by its own."""
+    """Both axes' commands by one factor or, with ``scale`` "axes", each by its own."""
+    if len(channels[0].sides) > 1:  # a limit may be 0
+        lo, hi = [ca.fmin(low, -TINY) for low in lo], [ca.fmax(high, TINY) for high in hi]
     shares = admitted([channel.of(r) for channel in channels], lo, hi)
     common = reduce(ca.fmin, shares)
     factors = shares if scale == "axes" else [common, common]
@@ -222,8 +261,9 @@ def limited(sent: ca.SX, r: Sequence[ca.SX]) -> ca.SX:
 def sound(channels: Sequence[Channel]) -> ca.SX:
     """1 if every channel's numbers allow a safe command; 0 otherwise, and for NaN."""
     tests = []
-    for b in (channel.bounds for channel in channels):
-        tests += [b.dbar >= 0, b.dbar < b.V, b.V <= LARGEST, b.nbar >= 0, b.nbar <= LARGEST]
+    for b in chain.from_iterable(channel.sides for channel in channels):
+        less = b.dbar <= b.V if len(channels[0].sides) > 1 else b.dbar < b.V
+        tests += [b.dbar >= 0, less, b.V <= LARGEST, b.nbar >= 0, b.nbar <= LARGEST]
         tests += [b.K_min > 0, b.K_max >= b.K_min, b.K_max <= LARGEST]
     for number in {id(item): item for channel in channels for item in channel.made_of}.values():
         tests += [number > 0, number <= LARGEST]

@@ -33,6 +33,7 @@ from .channels import (
     UNSOUND,
     Channel,
     channels_of,
+    largest_commands,
     limited,
     punctual,
     scaled,
@@ -40,7 +41,7 @@ from .channels import (
     usable_command,
     usable_time,
 )
-from .governor import admitted, largest_command
+from .governor import admitted
 from .governor_step import stated
 from .peak_gain import peak_gains
 from .step_response import longest_swing
@@ -77,11 +78,11 @@ class Clip:
                 numbers = least, most, delta.sym + self.p.take("filter.slew") * reach.sym
         self.channels: list[Channel] = channels_of(scenario, self.p, numbers)
         self.T = self.p.take("clock.control")
-        self.limits = [largest_command(c.bounds.V, c.bounds) for c in self.channels]
+        self.limits, behind = largest_commands(self.channels)
         self.command, self.refused = usable_command(self.asked.sym)
         self.last: tuple[Port, ...] = () if scenario.filter.slew is None else (port(LAST),)
         self.sound = reduce(ca.logic_and, self._sound_ramp(), sound(self.channels))
-        backwards = [-limit for limit in self.limits]
+        backwards = [-limit for limit in behind]
         safe = scaled(self.command, self.channels, backwards, self.limits, scenario.filter.scale)
         self.sent = ca.if_else(self.sound, self._slowly(safe) if self.last else safe, 0)
 

@@ -16,6 +16,7 @@ from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.fields.units import meant, rounded
+from wmr_ctrl.core.fields.values import Pair
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.model.system import Output, System, port, stack, values
@@ -24,10 +25,9 @@ from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Filter
 
 from .asked import for_base
 from .band import NAMES, BandGovernor, check_beat
-from .channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
+from .channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING, largest_commands
 from .clip import Clip, slew_reach
 from .enclosure import Floats
-from .governor import largest_command
 from .governor_step import Governor, check_jitter
 from .peak_gain import peak_gains, pi_loop, refuse_all
 
@@ -70,8 +70,8 @@ def _finite(speed: float) -> str:
 
 
 def check_filter(scenario: Scenario) -> None:
-    """Raise ScenarioError if no command is safe, or if there is nothing to filter."""
-    settings, limits = scenario.filter, scenario.limits.v_u1
+    """Raise ScenarioError where no command is safe, or where there is nothing to filter."""
+    settings, sizes = scenario.filter, [(high, -low) for low, high in scenario.limits.sides]
     if settings.kind == "none":
         raise ScenarioError(
             'filter.kind = "none": this scenario has no command filter. Set filter.kind = "clip", '
@@ -103,9 +103,12 @@ def check_filter(scenario: Scenario) -> None:
             "is required: a loop with hardly any damping leaves no useful limit. State "
             f"{advice}, if that holds for the base."
         )
+    faults += [*_unequal(scenario, reached)]
     for i in AXES:
-        if i not in high and reached[i] >= limits[i] * (1 - ROUNDING):
-            far, bound, less, more = _which(reached[i], limits[i], f"limits.v_u1[{i + 1}]")
+        largest = max(sizes[i])
+        if i not in high and reached[i] >= largest * (1 - ROUNDING):
+            key, _ = scenario.limits.side(i, 1 if largest == sizes[i][0] else -1)
+            far, bound, less, more = _which(reached[i], largest, key)
             pushes = settings.loop[i] == "pi" and any(settings.push)
             name, stated = ("push", settings.push) if pushes else ("d", settings.d)
             faults.append(
@@ -121,14 +124,40 @@ def check_filter(scenario: Scenario) -> None:
         _check_slew(scenario, settings.slew)
     rim, apart = reached[0] + scenario.robot.l * reached[1], settings.channels == "wheels"
     tops = [settings.wheel_speed] if settings.wheel_speed is not None else []
-    tops += [limits[0], scenario.robot.l * limits[1]] if apart else []
+    tops += [min(sizes[0]), scenario.robot.l * min(sizes[1])] if apart else []
     if tops and rim >= min(tops) * (1 - ROUNDING):
-        least = "the least of filter.wheel_speed, limits.v_u1[1] and robot.l limits.v_u1[2]"
+        least = (
+            "the least of filter.wheel_speed, of the limits of v and robot.l times those of omega"
+        )
         far, bound, *_ = _which(rim, min(tops), f"{least} that limits it")
         raise ScenarioError(
             f"filter.d drives a wheel to {far} m/s by itself, which must be below {bound}: no "
             "command is safe. State a smaller push, or a higher limit."
         )
+
+
+def _unequal(scenario: Scenario, reached: Sequence[float]) -> Iterator[str]:
+    """Limits that differ by the direction where that cannot be kept; ``reached`` by a push."""
+    settings, limits = scenario.filter, scenario.limits
+    for i in limits.unequal:
+        named = f"limits.v_min[{i + 1}] = {limits.v_min[i]:g}, limits.v_max[{i + 1}] ="
+        differ = f"{named} {limits.v_max[i]:g}: both directions differ, and"
+        if settings.kind == "band":
+            yield f'{differ} filter.kind = "band" keeps one for both. State one, or take the clip.'
+        elif settings.loop[i] != "first-order":
+            yield (
+                f"{differ} a loop that overshoots (filter.loop) swings through 0 when it stops. "
+                "State one limit for both."
+            )
+        for way, size in ((1, limits.v_max[i]), (-1, -limits.v_min[i])):
+            key, _ = limits.side(i, way)
+            if size < reached[i]:
+                yield (
+                    f"filter.d[{i + 1}] = {settings.d[i]:g} alone drives the base to "
+                    f"{way * reached[i]:g}, and {key} is {way * size:g}: nothing keeps it from "
+                    f"rolling that way. State {key} = {way * reached[i]:g}: then no command that "
+                    "way is sent unless one is asked for."
+                )
 
 
 def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
@@ -147,7 +176,7 @@ def worthwhile_slew(scenario: Scenario) -> tuple[float, float]:
     """Slew [m/s2, rad/s2] of a linear loop above which slow commands gain nothing."""
     reach, peaks, K = slew_reach(scenario), peak_gains(scenario), scenario.filter.intervals("gain")
     linear, angular = (
-        (scenario.limits.v_u1[i] - peak.push) * (1 - K[i][1] / peak.gain) / reach[i]
+        (scenario.limits.smaller[i] - peak.push) * (1 - K[i][1] / peak.gain) / reach[i]
         for i, peak in enumerate(peaks)
     )
     return linear, angular
@@ -232,9 +261,8 @@ def called_filter(scenario: Scenario) -> System:
     )
 
 
-def passing_commands(scenario: Scenario) -> list[tuple[str, tuple[float, float], float]]:
-    """Speeds, as parts of v and omega, by name, with the size below which a command passes
-    unchanged.
+def passing_commands(scenario: Scenario) -> list[tuple[str, Pair, Pair]]:
+    """Speeds, as parts of v and of omega, by name, with the ends between which a command passes.
 
     This is valid for any history: the limits are the clip's own, and a governor's are never
     smaller, since its speed bound is at most V (ledger: filter.contains-clip).  For a clip without
@@ -246,18 +274,18 @@ def passing_commands(scenario: Scenario) -> list[tuple[str, tuple[float, float],
     built: Clip | Governor = (
         Clip(scenario) if scenario.filter.kind == "clip" else Governor(scenario)
     )
-    limits = [largest_command(item.bounds.V, item.bounds) for item in built.channels]
+    ahead, back = (ca.vertcat(*way) for way in largest_commands(built.channels))
     units = ((1, 0), (0, 1))
     rows = ca.vertcat(*(ca.horzcat(*map(item.of, units)) for item in built.channels))
     ports = built.p.ports
     numbers = [stack(item.sym for item in ports)]
-    graph = ca.Function("passing", numbers, [ca.vertcat(*limits), rows, built.sound])
+    graph = ca.Function("passing", numbers, [ca.horzcat(-back, ahead), rows, built.sound])
     most, sides, sound = (item.full() for item in graph(values(ports)))
     most = most * sound
     names = SIDES[2:] if scenario.filter.channels == "wheels" else SIDES
     return [
-        (name, (float(row[0]), float(row[1])), float(size[0]) * SHRUNK)
-        for name, row, size in zip(names, sides, most, strict=False)
+        (name, (float(row[0]), float(row[1])), (float(ends[0]) * SHRUNK, float(ends[1]) * SHRUNK))
+        for name, row, ends in zip(names, sides, most, strict=False)
     ]
 
 

@@ -166,9 +166,14 @@ def _usable(pair: ca.SX) -> ca.SX:
 
 
 def _beyond(odometry: ca.SX, scenario: Scenario, settings: GateSettings) -> ca.SX:
-    """1 if odometry exceeds a limit by more than the excess, or is NaN."""
-    tops = [scenario.limits.v_u1[i] + settings.excess[i] for i in AXES]
-    return ca.logic_not(reduce(ca.logic_and, (within(odometry[i], tops[i]) for i in AXES)))
+    """1 where odometry is beyond a limit by more than the excess, or is no number."""
+    tests = [
+        ca.logic_and(
+            odometry[i] >= low - settings.excess[i], odometry[i] <= high + settings.excess[i]
+        )
+        for i, (low, high) in enumerate(scenario.limits.sides)
+    ]
+    return ca.logic_not(reduce(ca.logic_and, tests))
 
 
 @dataclass(frozen=True)

@@ -111,12 +111,17 @@ class Governor:
         loops = list(zip(self.plans, tau, strict=True))
         kappa = [1 / ca.expm1(plan.longest * self.T / least) for plan, (least, _) in loops]
         self.channels = channels_of(scenario, self.p, stated(self.p), kappa)
-        self.bounds = [channel.bounds for channel in self.channels]
         owners = [loops[0] if c.ways[0] else loops[1] for c in self.channels]  # alike for wheels
-        pairs = zip(self.bounds, owners, strict=True)
-        self.motions = [SpeedBound(plan, b, own, self.T) for b, (plan, own) in pairs]
-        largest = [channel.largest for channel in self.channels]
-        self.known = [port(_known(*side, len(largest)), largest) for side in SIDES]
+        pairs = list(zip(self.channels, owners, strict=True))
+        self.motions = [
+            [SpeedBound(plan, c.sides[place], own, self.T) for c, (plan, own) in pairs]
+            for place in (0, -1)
+        ]
+        starts = zip(*(channel.largest for channel in self.channels), strict=True)
+        self.known = [
+            port(_known(*side, len(start)), start)
+            for side, start in zip(SIDES, starts, strict=True)
+        ]
         self.command, self.refused = usable_command(self.asked.sym)
         apart = tau[: self.p.take("filter.tau").numel() // 2]
         times = [ca.logic_and(least > 0, most >= least) for least, most in apart]
@@ -152,21 +157,22 @@ class Governor:
     def now(self) -> Sides:
         """Bounds of the present speed: the propagated one combined with odometry."""
         sides = []
-        for way, known in zip(WAYS, self.known, strict=True):
+        for way, known, motions in zip(WAYS, self.known, self.motions, strict=True):
             odometry = [
                 motion.now(way * channel.of(self.odometry.sym), self.age.sym, self._targets(way, i))
-                for i, (motion, channel) in enumerate(zip(self.motions, self.channels, strict=True))
+                for i, (motion, channel) in enumerate(zip(motions, self.channels, strict=True))
             ]
-            pairs = zip(odometry, self.bounds, strict=True)
-            most = [ca.if_else(self.seen, bound, b.V) for bound, b in pairs]
+            pairs = zip(odometry, motions, strict=True)
+            most = [ca.if_else(self.seen, bound, m.bounds.V) for bound, m in pairs]
             sides.append([ca.fmin(known.sym[i], bound) for i, bound in enumerate(most)])
         return sides
 
     @cached_property
     def agrees(self) -> ca.SX:
-        """1 if odometry and the stated bounds are consistent."""
-        both = zip(*self.now, self.bounds, strict=True)
-        agree = [above + below >= -contradiction(b.V) for above, below, b in both]
+        """1 where odometry and the stated bounds do not contradict each other."""
+        largest = (reduce(ca.fmax, [b.V for b in c.sides]) for c in self.channels)
+        both = zip(*self.now, largest, strict=True)
+        agree = [above + below >= -contradiction(V) for above, below, V in both]
         return reduce(ca.logic_and, agree)
 
     @cached_property
@@ -178,17 +184,17 @@ class Governor:
     def start(self) -> Sides:
         """Bounds of the present speed, V if they are not trusted."""
         return [
-            [ca.if_else(self.trusted, v, b.V) for v, b in zip(side, self.bounds, strict=True)]
-            for side in self.now
+            [ca.if_else(self.trusted, v, m.bounds.V) for v, m in zip(side, motions, strict=True)]
+            for side, motions in zip(self.now, self.motions, strict=True)
         ]
 
     @cached_property
     def limits(self) -> Sides:
         """Largest safe commands of all channels, forwards and backwards."""
         sides = []
-        for way, side in zip(WAYS, self.start, strict=True):
+        for way, side, motions in zip(WAYS, self.start, self.motions, strict=True):
             limits = []
-            for i, motion in enumerate(self.motions):
+            for i, motion in enumerate(motions):
                 v_bar, b = motion.takeover(side[i], self._targets(way, i)), motion.bounds
                 if motion.schedule.delay[1]:
                     v_bar = ca.if_else(self.trusted, v_bar, b.V)
@@ -214,9 +220,9 @@ class Governor:
         return [
             [
                 motion.following(side[i], self._targets(way, i, self.safe))
-                for i, motion in enumerate(self.motions)
+                for i, motion in enumerate(motions)
             ]
-            for way, side in zip(WAYS, self.start, strict=True)
+            for way, side, motions in zip(WAYS, self.start, self.motions, strict=True)
         ]
 
     def _targets(self, way: int, number: int, newest: ca.SX | None = None) -> list[ca.SX]:

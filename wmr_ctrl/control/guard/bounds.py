@@ -152,9 +152,10 @@ def net(guard: Guard, axis: int) -> float:
 
 
 def aim(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
-    """v_u1 less the margin for rounding [m/s or rad/s]."""
-    count = max(item.roundings for item in guard.lateness(scenario.clock))
-    return scenario.limits.v_u1[axis] * (1.0 - rounding(count))
+    """The smaller limit of both ways less the margin against rounding [m/s or rad/s]."""
+    count, limits = max(i.roundings for i in guard.lateness(scenario.clock)), scenario.limits
+    larger = max(limits.v_max[axis], -limits.v_min[axis])
+    return limits.smaller[axis] - larger * rounding(count)
 
 
 def lateness_time(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:

@@ -139,10 +139,10 @@ def largest_force(b: Bounds) -> ca.SX:
     """Largest force of one axis behind a delay [N or N m], at least its braking force."""
     assert b.delay is not None
     held_back = ca.fmax(b.braking + b.net, 0) / b.alpha
-    largest = (b.M_min * (b.u1 - b.f_speed) - held_back) / b.delay - b.net
+    largest = (b.M_min * (b.narrow - b.f_speed) - held_back) / b.delay - b.net
     if b.mixed is None:
         return largest
-    return ca.fmin(largest, b.M_min * (b.u1 - 2 * b.nbar) / b.mixed - b.net)
+    return ca.fmin(largest, b.M_min * (b.narrow - 2 * b.nbar) / b.mixed - b.net)
 
 
 def delayed_push(

@@ -24,12 +24,14 @@ asked, so it stays in the box.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 
 import casadi as ca
 
+from wmr_ctrl.control.sides import sides
 from wmr_ctrl.world.model.system import Parameters
+from wmr_ctrl.world.scenario.sections import Limits
 
 from .bounds import rounding
 from .delay import InFlight, largest_force
@@ -43,9 +45,10 @@ NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed
 class Bounds:
     """Symbols (or numbers) of one axis in the guard's formula; SI units as in Guard.
 
-    ``delay`` [s] is the total time that sent commands may matter, ``mixed`` [s] that of pieces in
-    which one of two commands acts, ``jitter`` [s] the variation of the delay: values for which the
-    graph was built, None if absent.
+    ``u1``: limit of the velocity, ``back`` that of its negative, None for the same.
+    ``delay`` [s] is all that may count of what was sent, ``mixed`` [s] that of pieces in which one
+    of two commands acts, ``jitter`` [s] by how much a delay varies: what the graph was built for,
+    None where there is no such thing.
     """
 
     u1: ca.SX
@@ -61,6 +64,20 @@ class Bounds:
     delay: ca.SX | None = None
     jitter: ca.SX | None = None
     mixed: ca.SX | None = None
+    back: ca.SX | None = None
+
+    @property
+    def narrow(self) -> ca.SX:
+        """The smaller limit of both ways, by which braking and late commands are capped.
+
+        So a brake of one way never passes the limit of the other.
+        """
+        return self.u1 if self.back is None else ca.fmin(self.u1, self.back)
+
+    @property
+    def mirrored(self) -> "Bounds":
+        """The bounds of the velocity's negative."""
+        return self if self.back is None else replace(self, u1=self.back, back=self.u1)
 
     @property
     def net(self) -> ca.SX:
@@ -69,11 +86,11 @@ class Bounds:
 
     @property
     def cap(self) -> ca.SX:
-        """Upper bound of the braking force; without delay also hi at rest."""
-        reach = self.M_min * self.alpha * (self.u1 - self.f_speed)
+        """Most that it may brake with; without delay also what hi is at rest."""
+        reach = self.M_min * self.alpha * (self.narrow - self.f_speed)
         reach = reach if self.delay is None else reach / (1 + self.alpha * self.delay)
         if self.mixed is not None:
-            reach = ca.fmin(reach, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
+            reach = ca.fmin(reach, self.M_min * (self.narrow - 2 * self.nbar) / self.mixed)
         return reach - self.net
 
     @property
@@ -90,20 +107,21 @@ class Bounds:
         read = {name: own(getattr(self, name)) for name in ("u1", "period", *NUMBERS)}
         times = {name: own(t) for name in TIMES if (t := getattr(self, name)) is not None}
         late = {name: time for name, time in times.items() if not time.is_zero()}
-        return Bounds(**read, **late)
+        return Bounds(**read, **late, back=None if self.back is None else own(self.back))
 
 
-def bounds_of(p: Parameters, late: tuple[Counting, Counting]) -> Bounds:
-    """Symbols of both axes' bounds with the guard's numbers; u1 less the rounding margin."""
+def bounds_of(p: Parameters, late: tuple[Counting, Counting], limits: Limits) -> Bounds:
+    """Symbols of both axes' bounds with the guard's numbers; u1 is shrunk against rounding."""
     read = {name: p.take(f"guard.{name}") for name in NUMBERS}
     period = p.take("clock.control")
-    u1 = p.take("limits.v_u1") * (1 - rounding(max(item.roundings for item in late)))
+    u1, back = sides(limits, p, rounding(max(item.roundings for item in late)))
     return Bounds(
         u1=u1,
         period=period,
         delay=_times(period, [item.most for item in late]),
         jitter=_times(period, [item.jitter for item in late]),
         mixed=_times(period, [item.mixed for item in late]),
+        back=back if limits.apart else None,
         **read,
     )
 
@@ -135,8 +153,8 @@ def ceiling(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
 
 
 def floor(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
-    """lo(y) of one axis [N or N m]: smallest safe force."""
-    return -ceiling(-y, b, None if coming is None else coming.mirrored)
+    """lo(y) of one axis [N or N m]: smallest force that is safe."""
+    return -ceiling(-y, b.mirrored, None if coming is None else coming.mirrored)
 
 
 def clipped(asked: ca.SX, y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
@@ -148,15 +166,15 @@ def feasible(b: Bounds) -> ca.SX:
     """1 if lo <= hi for every y, so that a safe force always exists; else 0."""
     need = 2 * b.net if b.delay is None else 2 * b.net * (1 + b.alpha * b.delay)
     conditions = [
-        need <= b.M_min * b.alpha * (b.u1 - b.f_speed),
-        2 * b.nbar <= b.u1,
+        need <= b.M_min * b.alpha * (b.narrow - b.f_speed),
+        2 * b.nbar <= b.narrow,
         b.brake >= b.net,
         b.alpha * b.period <= 1,
         b.M_min <= b.M_max,
-        b.f_speed < b.u1,
+        b.f_speed < b.narrow,
     ]
     if b.mixed is not None:
-        conditions.append(2 * b.net * b.mixed <= b.M_min * (b.u1 - 2 * b.nbar))
+        conditions.append(2 * b.net * b.mixed <= b.M_min * (b.narrow - 2 * b.nbar))
     return reduce(ca.logic_and, conditions)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from wmr_ctrl.world.phases import largest_friction
-from wmr_ctrl.world.references.kind import reference_bounds
+from wmr_ctrl.world.references.kind import reference_spans
 from wmr_ctrl.world.scenario import Robot, Scenario
 
 from .bounds import AXES, GuardNumbers, Pair, mass_range, net, pair_of, slope
@@ -14,8 +14,9 @@ from .bounds import AXES, GuardNumbers, Pair, mass_range, net, pair_of, slope
 class SpeedPrice:
     """Speeds of both axes [m/s, rad/s], for the largest friction of the run.
 
-    ``usable``: largest steady speeds that the guard admits; ``unbeatable``: no guard can admit
-    more; ``asked``: the largest of the reference.
+    Each of the way, forwards or backwards, in which the reference asks for more of what is usable.
+    ``usable``: largest steady ones that the guard admits; ``unbeatable``: no guard can admit more;
+    ``asked``: the largest of the reference.
     """
 
     usable: Pair
@@ -32,22 +33,31 @@ class SpeedPrice:
 def speed_price(scenario: Scenario, guard: GuardNumbers) -> SpeedPrice:
     """Usable speeds by `usable_speed`; friction acts on v1 and not on turning."""
     friction = (largest_friction(scenario), 0.0)
-    slowest, fastest, turning = reference_bounds(scenario)
+    limits, spans = scenario.limits, reference_spans(scenario)
+    sizes, asked = [0.0, 0.0], [0.0, 0.0]
+    for i, (low, high) in enumerate(spans):
+        ways = (high, limits.v_max[i]), (-low, -limits.v_min[i])
+        wanted, sizes[i] = max(ways, key=lambda way: way[0] - way[1])
+        asked[i] = max(wanted, 0.0)
+    most = sizes[0], sizes[1]
     return SpeedPrice(
-        usable_speed(scenario, guard, friction),
-        unbeatable_speed(scenario, guard, friction),
-        (max(abs(slowest), abs(fastest)), turning),
+        usable_speed(scenario, guard, friction, most),
+        unbeatable_speed(scenario, guard, friction, most),
+        (asked[0], asked[1]),
     )
 
 
-def usable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
+def usable_speed(
+    scenario: Scenario, guard: GuardNumbers, friction: Pair, limits: Pair | None = None
+) -> Pair:
     """Largest steady speeds that the guard admits against ``friction`` [N, N m], per axis.
 
-    See `usable_formula`.  Negative if the guard would not let the robot move at all; this happens
-    exactly if the same value with the whole window exceeds v_u1 - f_speed, without the measured
-    speed.
+    ``limits``: of the ways that are asked about, by default the smaller ones of both.
+    See `usable_formula`.  Negative where the guard would not let the robot move at all, which is
+    also where the same with the whole window is above v_u1 - f_speed, the measured speed left out.
     """
-    first, second = (_usable(scenario, guard, friction[i], i) for i in AXES)
+    most = limits or scenario.limits.smaller
+    first, second = (_usable(scenario, guard, friction[i], i, most[i]) for i in AXES)
     return first, second
 
 
@@ -58,24 +68,27 @@ def usable_formula(guard: GuardNumbers, axis: int) -> str:
     return f"v_u1 - nbar - ({('friction + ', '')[axis]}dbar - f_min) (1/alpha + {time})/M_min"
 
 
-def _usable(scenario: Scenario, guard: GuardNumbers, friction: float, i: int) -> float:
+def _usable(scenario: Scenario, guard: GuardNumbers, friction: float, i: int, u1: float) -> float:
     late, force = guard.lateness(scenario.clock)[i], friction + net(guard, i)
-    u1, nbar, period = scenario.limits.v_u1[i], pair_of(guard.nbar)[i], scenario.clock.control
+    nbar, period = pair_of(guard.nbar)[i], scenario.clock.control
     first, least = 1.0 / float(guard.alpha or 0.0), mass_range(guard, i)[0]
     mean = u1 - nbar - force * (first + period * late.usual) / least
     rest = u1 - guard.f_speed[i] - force * (first + period * late.most) / least
     return mean if rest >= 0 else min(mean, rest)
 
 
-def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
-    """Largest steady speeds that any guard can admit; arguments as in `usable_speed`.
+def unbeatable_speed(
+    scenario: Scenario, guard: GuardNumbers, friction: Pair, limits: Pair | None = None
+) -> Pair:
+    """No guard can admit larger steady speeds; arguments as in `usable_speed`.
 
     v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M: the friction that a steady force
     overcomes may vanish and the push begin just after a sample's velocity was measured, and that
     sample's command acts until T + delay after it.
     """
+    most = limits or scenario.limits.smaller
     first, second = (
-        scenario.limits.v_u1[i]
+        most[i]
         - pair_of(guard.nbar)[i]
         - (friction[i] + net(guard, i))
         * (scenario.clock.control + guard.age[i] + guard.latest)

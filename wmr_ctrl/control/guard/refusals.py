@@ -88,18 +88,39 @@ def _check(scenario: Scenario, guard: GuardNumbers, bound: Bound, bound_of: Boun
 
 
 def _check_noise(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
-    u1, nbar = scenario.limits.v_u1[i], pair_of(guard.nbar)[i]
+    (key, value), nbar = scenario.limits.narrow(i), pair_of(guard.nbar)[i]
+    if value == 0:
+        _refuse_none_that_way(scenario, guard, i)
     if 2.0 * nbar > aim(scenario, guard, i):
         raise ScenarioError(
-            f"guard.nbar[{i + 1}] = {nbar:g} cannot be met: 2 nbar <= v_u1 is needed, with room "
-            f"for rounding, but it is {2 * nbar:g}, and limits.v_u1[{i + 1}] = {u1:g}. Measure the "
-            f"velocity to better than {u1 / 2:g}, or raise the limit."
+            f"guard.nbar[{i + 1}] = {nbar:g} cannot be met: 2 nbar <= {_letter(key)} is needed, "
+            f"with room for rounding, but it is {2 * nbar:g}, and {key} = {value:g}. "
+            f"Measure the velocity to better than {abs(value) / 2:g}, or allow more."
         )
-    if guard.f_speed[i] >= u1:
+    if guard.f_speed[i] >= abs(value):
         raise ScenarioError(
-            f"guard.f_speed[{i + 1}] = {guard.f_speed[i]:g} must be below limits.v_u1[{i + 1}] = "
-            f"{u1:g}. Lower it, or set guard.f_min to 0."
+            f"guard.f_speed[{i + 1}] = {guard.f_speed[i]:g} must be below {key} = {value:g} in "
+            "size. Lower it, or set guard.f_min to 0."
         )
+
+
+def _letter(key: str) -> str:
+    """A limit in an inequality: v_u1, v_max or |v_min|."""
+    return key[len("limits.") : -len("[1]")].replace("v_min", "|v_min|")
+
+
+def _refuse_none_that_way(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
+    """Refuse a limit of 0: a push or an error moves the robot that way before the guard knows."""
+    key, _ = scenario.limits.narrow(i)
+    time = 1 / float(guard.alpha or 0.0) + lateness_time(scenario, guard, i)
+    need = guard.f_speed[i] + 2 * max(net(guard, i), 0.0) * time / mass_range(guard, i)[0]
+    least = _above(max(need, 2 * pair_of(guard.nbar)[i]))
+    raise ScenarioError(
+        f"guard: {key} = 0 cannot be kept. {_letter(key)} must be above 0, at least f_speed + 2 "
+        f"(dbar - f_min) (1/alpha + late)/M_min = {need:.4g} and at least 2 nbar = "
+        f"{2 * pair_of(guard.nbar)[i]:.4g}: a push moves the robot that way before the guard "
+        f"knows. State {key} = {'-' * ('min' in key)}{least:g}, or larger."
+    )
 
 
 def _check_push(
@@ -111,14 +132,15 @@ def _check_push(
         return
     low, alpha = mass_range(guard, i)[0], float(guard.alpha or 0.0)
     late = lateness_time(scenario, guard, i)
-    room = scenario.limits.v_u1[i] - guard.f_speed[i]
+    key, value = scenario.limits.narrow(i)
+    room = abs(value) - guard.f_speed[i]
     said, divided = _lateness_words(guard, i, late, alpha)
     shown = _told_apart(need, have)
     who = "no force" if late <= guard.latest else "the guard"
     can = "can" if late <= guard.latest else "cannot"
     raise ScenarioError(
-        f"guard: {who} {can} keep limits.v_u1[{i + 1}] = {scenario.limits.v_u1[i]:g}: "
-        f"2 (dbar - f_min) <= M_min alpha (v_u1 - f_speed){said} is needed on axis {i + 1}, but "
+        f"guard: {who} {can} keep {key} = {value:g}: 2 (dbar - f_min) <= "
+        f"M_min alpha ({_letter(key)} - f_speed){said} is needed on axis {i + 1}, but "
         f"{shown[0]} > {low:g} * {alpha:g} * {room:g}{divided} = {shown[1]} {UNITS[i]}. It holds "
         f"{_sooner(scenario, low * room / need, alpha, late, guard.latest)}"
         f"{_lower(scenario, bound, 'dbar', i, _below(have / 2 + guard.f_min[i]))}"
@@ -191,8 +213,10 @@ def _check_mixed(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) 
         varies = f"a lag between {lag[0]:g} and {lag[1]:g} s" if lag[0] < lag[1] else jitter
         dbar, nbar_most = _below(have / (2 * mixed) + guard.f_min[i]), _below((u1 - need / low) / 2)
         raise ScenarioError(
-            f"guard: {varies} and nbar[{i + 1}] = {nbar:g} together cannot be "
-            f"met: 2 (dbar - f_min) mixed <= M_min (v_u1 - 2 nbar) is needed on axis {i + 1}, but "
+            f"guard: {varies} and nbar[{i + 1}] = {nbar:g} together cannot be met: "
+            "2 (dbar - f_min) mixed <= "
+            f"M_min ({_letter(scenario.limits.narrow(i)[0])} - 2 nbar) is needed on axis {i + 1}, "
+            "but "
             f"{2 * net(guard, i):g} * {mixed:.4g} = {need:.6g} > {have:.6g}. It holds "
             f"{_lower(scenario, bound, 'nbar', i, nbar_most)}, or "
             f"{_lower(scenario, bound, 'dbar', i, dbar)}, or where the drives vary less."

@@ -56,6 +56,15 @@ def sized(value: float, unit: str, digits: int = 4) -> str:
     return f"{value * size:.{digits}g} {prefix}{unit}".strip()
 
 
+def limits_in_words(sides: tuple[tuple[float, float], tuple[float, float]]) -> str:
+    """Limits of v and omega, as "1 m/s and 1.5 rad/s", or "-0.2 to 1 m/s" where they differ."""
+    named = zip(sides, ("m/s", "rad/s"), strict=True)
+    return " and ".join(
+        f"{high:g} {unit}" if low == -high else f"{low:g} to {high:g} {unit}"
+        for (low, high), unit in named
+    )
+
+
 def length(value: float, up: bool = True) -> str:
     """A length with its unit, in mm if it is short; rounded up, or down without ``up``."""
     return f"{rounded(1e3 * value, 3, up)} mm" if value < 0.1 else f"{rounded(value, 3, up)} m"

@@ -10,6 +10,7 @@ from wmr_ctrl.control.laws.law import WHOLE
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.world.phases import phases, steepness
 from wmr_ctrl.world.references import reference_bounds
+from wmr_ctrl.world.references.kind import reference_spans
 from wmr_ctrl.world.scenario import unit_questions
 
 from .loop import Loop
@@ -21,6 +22,8 @@ REACHED = 4.0
 STANDSTILL = 1e-9
 """Desired speed [m/s] that counts as none."""
 LIMIT = "limits.v_u1"
+ROUNDED = 1e-9
+"""Share of a limit that a desired speed may miss by rounding."""
 COARSE = 1.0
 """Plant step times slope of the friction that is coarse for RK4."""
 
@@ -35,21 +38,22 @@ def start(loop: Loop) -> Iterator[Warning]:
     """Yield a start outside or at the limit, and a law that ignores such a start."""
     limits = loop.scenario.limits
     back = "only the guard brings it back" if loop.guarded else "nothing certainly brings it back"
+    beyond = limits.excess(loop.start.v.tolist())
     for axis, (v, u1) in enumerate(zip(loop.start.v, limits.v_u1, strict=True)):
         named = f"initial.velocity[{axis + 1}] = {v:.9g} {UNITS[axis]}"
-        place = f"limits.v_u1[{axis + 1}]"
-        if abs(v) > u1:
+        place, most = limits.side(axis, v)
+        if beyond[axis] > 0:
             yield Warning(
                 "initial.velocity",
-                f"{named} is outside {place} = {u1:g}: the run begins with a violation, no "
+                f"{named} is outside {place} = {most:g}: the run begins with a violation, no "
                 f"guarantee holds there, and {back}. Start inside the limit.",
                 LIMIT,
             )
         elif loop.traits.barrier and abs(v) > u1 - limits.clip:
             yield Warning(
                 "initial.velocity",
-                f"{named} is within limits.clip = {limits.clip:g} of {place} = {u1:g}, where the "
-                "barrier is cut off and nearly powerless. Start further inside.",
+                f"{named} is within limits.clip = {limits.clip:g} of limits.v_u1[{axis + 1}] = "
+                f"{u1:g}, where the barrier is cut off and nearly powerless. Start further inside.",
                 "Eq. (15)",
             )
     filtered = loop.setup.takes_velocity and loop.scenario.filter.kind != "none"
@@ -88,6 +92,7 @@ def preconditions(loop: Loop) -> Iterator[Warning]:
     if loop.has_barrier:
         end = "the angle e3 falls behind and can wind up by whole turns"
     yield from _beyond(loop, 1, f"|v2_d| of the reference reaches {turning:.4g}", turning, end)
+    yield from _against_a_side(loop)
     k2 = loop.setup.kinematics.k[1]
     if loop.traits.auxiliary and k2 < 1:
         proof = f"proof of Theorem {loop.traits.theorem}" if loop.traits.theorem else "proof"
@@ -130,6 +135,22 @@ def _beyond(loop: Loop, axis: int, what: str, value: float, end: str) -> Iterato
             f"{'or wider ' * axis}reference, or raise {raised}.",
             _basis(loop),
         )
+
+
+def _against_a_side(loop: Loop) -> Iterator[Warning]:
+    """A desired motion that is not within the limit of its direction."""
+    limits = loop.scenario.limits
+    for axis, span in enumerate(reference_spans(loop.scenario) if limits.apart else ()):
+        for asked, way in zip(span, (-1, 1), strict=True):
+            key, limit = limits.side(axis, way)
+            if way * asked > max(STANDSTILL, way * limit * (1 - ROUNDED)):
+                yield Warning(
+                    "reference",
+                    f"v{axis + 1}_d of the reference reaches {asked:.4g} {UNITS[axis]}, not within "
+                    f"{key} = {limit:g} {UNITS[axis]}: the robot may not move like that and falls "
+                    f"behind. Ask for another reference, or allow more by {key}.",
+                    LIMIT,
+                )
 
 
 def _not_moving(loop: Loop, slowest: float) -> Warning:

@@ -127,7 +127,8 @@ def _remarks(loop: Loop) -> Iterator[str]:
     if (np.abs(sent) @ (1.0, robot.l) > robot.r * base.w_max).any():
         yield "as if base.w_max let the commands pass that its path takes"
     if loop.scenario.filter.kind in ("clip", "governor") and any(
-        (np.abs(sent @ row) > most).any() for _, row, most in passing_commands(loop.scenario)
+        ((sent @ row < low) | (sent @ row > high)).any()
+        for _, row, (low, high) in passing_commands(loop.scenario)
     ):
         yield "as if the filter let the commands pass that its path takes"
 

@@ -46,21 +46,23 @@ MOST_STEPS = 5000
 class FilterFacts:
     """Results of a command filter on a scenario.
 
-    ``gain``: largest assumed gain (of a clip of linear loops, the peak gain), of the larger axis;
-    ``usable_speed`` (linear, angular) [m/s, rad/s]: speed at rest on the weakest stated base, for a
-    command far beyond the limit; ``delay_cost``: its loss per further millisecond of delay (for a
-    band, of a constant delay: it refuses others); ``gain_cost``: its loss per further per cent of
-    that gain; ``broken``: conditions of the theorem that do not hold.  For linear loops
-    ``overshoot`` is the largest relative overshoot of a step, and ``overshoot_cost`` the loss per
-    further per cent of it. For a band ``rise`` [s] is the time until commands far beyond the limit
-    reach NEARLY all of it, and ``rise_cost`` the increase per further per cent of overshoot: its
-    speed at rest hardly changes.
+    ``gain``: largest gain that is counted on, of the clip of linear loops their peak gain, of the
+    axis where it is larger; ``usable``: least and largest speed ("v" [m/s], "omega" [rad/s]) at
+    rest on the weakest base that is stated, of a command far beyond the limit, and
+    ``usable_speed``, the smaller of both ways; ``delay_cost``: what one more millisecond of delay
+    takes of it (of a band of one that is constant: others it refuses); ``gain_cost``: what one more
+    per cent of that gain takes; ``broken``: what of the theorem does not hold.  Of linear loops
+    ``overshoot`` is the largest share by which a step overshoots, and ``overshoot_cost`` what one
+    more per cent of it takes.  Of a band ``rise`` [s] is how long commands far beyond the limit
+    take to come to NEARLY all of it, and ``rise_cost`` what one more per cent of overshoot adds:
+    its speed at rest is hardly less.
     """
 
     kind: str
     statement: str
     gain: float
     usable_speed: Pair
+    usable: Mapping[str, Pair]
     delay_cost: Pair | None
     gain_cost: Pair | None
     broken: tuple[str, ...]
@@ -75,7 +77,8 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
     scenario, stated = setup.scenario, setup.scenario.filter
     if not setup.takes_velocity or stated.kind == "none":
         return None
-    usable, broken = usable_speed(scenario), broken_hypotheses(scenario, setup.bound)
+    named, broken = usable_sides(scenario), broken_hypotheses(scenario, setup.bound)
+    usable, sided = _smaller(named), dict(zip(("v", "omega"), named, strict=True))
     later = stated.each("delay", lambda ends: (ends[0], ends[1] + MILLISECOND))
     high = max(most for _, most in stated.intervals("gain"))
     statement = STATEMENTS[stated.kind]
@@ -100,13 +103,13 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
             more = _swung(scenario, rise, rise_times)
             slower = None if more is None else (-more[0], -more[1])
         return FilterFacts(
-            stated.kind, statement, high, usable, late, strong, broken, overshoot(scenario), swung,
-            rise, slower,
+            stated.kind, statement, high, usable, sided, late, strong, broken, overshoot(scenario),
+            swung, rise, slower,
         )  # fmt: skip
     delayed = _cost(scenario, usable, {"filter.delay": later})
     larger = stated.each("gain", lambda ends: (ends[0], ends[1] * 1.01))
     stronger = _cost(scenario, usable, {"filter.gain": larger})
-    return FilterFacts(stated.kind, statement, high, usable, delayed, stronger, broken)
+    return FilterFacts(stated.kind, statement, high, usable, sided, delayed, stronger, broken)
 
 
 ON_THE_SPOT = {"base.min_radius": 0.0}
@@ -114,7 +117,24 @@ ON_THE_SPOT = {"base.min_radius": 0.0}
 
 
 def usable_speed(scenario: Scenario) -> Pair:
-    """Steady speeds [m/s, rad/s] of the weakest base that the filter is stated for.
+    """`usable_sides` of the way in which each axis is slower."""
+    return _smaller(usable_sides(scenario))
+
+
+def _smaller(sides: tuple[Pair, Pair]) -> Pair:
+    linear, angular = (min(-low, high) for low, high in sides)
+    return linear, angular
+
+
+def usable_sides(scenario: Scenario) -> tuple[Pair, Pair]:
+    """Speeds at rest, both ways, of each axis [m/s, rad/s]: see `_usable`."""
+    ahead = _usable(scenario, 1)
+    back = _usable(scenario, -1) if scenario.limits.unequal else ahead
+    return (-back[0], ahead[0]), (-back[1], ahead[1])
+
+
+def _usable(scenario: Scenario, way: int) -> Pair:
+    """Speeds at rest one ``way`` of the weakest base that the filter is stated for.
 
     The filter's own graph drives it, one axis at a time: the smallest gain, pushed back by d, with
     odometry of the stated age that always reads too high by its whole error, or without odometry if
@@ -129,12 +149,12 @@ def usable_speed(scenario: Scenario) -> Pair:
     for axis, limit in enumerate(scenario.limits.v_u1):
         filtering.start()
         asked = [0.0, 0.0]
-        asked[axis] = 10 * limit
+        asked[axis] = way * 10 * limit
         if alone and hears(scenario):
-            ends[axis] = _governed(filtering, scenario, asked, axis)
+            ends[axis] = way * _governed(filtering, scenario, asked, axis, way)
         else:
             sent = [filtering.step(asked).command for _ in range(_steps(scenario))][-1]
-            ends[axis] = stated.intervals("gain")[axis][0] * sent[axis] - stated.d[axis]
+            ends[axis] = stated.intervals("gain")[axis][0] * way * sent[axis] - stated.d[axis]
     return ends[0], ends[1]
 
 
@@ -146,17 +166,17 @@ def hears(scenario: Scenario) -> bool:
 
 
 def _governed(
-    filtering: CommandFilter, scenario: Scenario, asked: Sequence[float], axis: int
+    filtering: CommandFilter, scenario: Scenario, asked: Sequence[float], axis: int, way: int
 ) -> float:
     """Steady speed of the weakest base of an axis behind a governor."""
     stated = scenario.filter
     assert stated.odometry is not None
     (_, tau), (_, last), (K, _) = (stated.intervals(key)[axis] for key in ("tau", "delay", "gain"))
-    T, d = scenario.clock.control, stated.d[axis]
+    T, d = scenario.clock.control, way * stated.d[axis]
     whole, part = divmod(last / T, 1.0)
     v, commands, measured = 0.0, [0.0] * (int(whole) + 2), [0.0, 0.0]
     for _ in range(_steps(scenario)):
-        measured[axis] = v + stated.odometry[axis]
+        measured[axis] = v + way * stated.odometry[axis]
         sent = filtering.step(asked, measured, age=stated.age).command[axis]
         commands = [sent, *commands[:-1]]
         for command, share in ((commands[int(whole) + 1], part), (commands[int(whole)], 1 - part)):
@@ -170,7 +190,7 @@ def rise_times(scenario: Scenario) -> Pair | None:
     For commands far beyond them, from rest, one axis at a time; linear between samples.
     """
     scenario = override(scenario, {"filter.scale": "axes", **ON_THE_SPOT})
-    step, limits = CommandFilter(scenario).step, np.array(scenario.limits.v_u1)
+    step, limits = CommandFilter(scenario).step, np.array(scenario.limits.v_max)
     asked = (10 * limits).tolist()
     sent = np.array([(0.0, 0.0), *(step(asked).command for _ in range(_steps(scenario)))])
     times = []
@@ -213,7 +233,7 @@ def _steps(scenario: Scenario) -> int:
         longest = max(SETTLED * tau + last for (_, tau), (_, last) in times)
         return min(MOST_STEPS, int(longest / T) + 2)
     if stated.slew is not None:
-        limits = zip(scenario.limits.v_u1, stated.slew, strict=True)
+        limits = zip(scenario.limits.v_max, stated.slew, strict=True)
         return math.ceil(max(V / a for V, a in limits) / T) + 1
     return 8 * MOST_COMMANDS if stated.kind == "band" else 1  # pushes make it slow to get there
 

@@ -72,9 +72,11 @@ def _early_start(loop: Loop) -> Iterator[Warning]:
     """Yield a start within the limit that a push can leave before the first command acts."""
     scenario = loop.scenario
     gained = early_speed(loop.setup.guard)
+    excess = scenario.limits.excess(scenario.initial.velocity)
     for i, (speed, unit) in enumerate(zip(SPEEDS, UNITS, strict=True)):
-        start, u1 = abs(scenario.initial.velocity[i]), scenario.limits.v_u1[i]
-        if start <= u1 < start + gained[i]:
+        start, beyond = abs(scenario.initial.velocity[i]), excess[i]
+        u1 = start - beyond
+        if beyond <= 0 < beyond + gained[i]:
             yield Warning(
                 "initial.velocity",
                 f"Before the first command acts, a push of guard.dbar can add {gained[i]:.3g} "

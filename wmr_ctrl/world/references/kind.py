@@ -223,10 +223,16 @@ def reference_bounds(scenario: Scenario) -> tuple[float, float, float]:
     Taken on a fine grid over one cycle of the velocities or the run, whichever is shorter; the
     theorems ask for 0 < v1_d < v_u2[1] and |v2_d| < v_u2[2].
     """
+    (slowest, fastest), turning = reference_spans(scenario)
+    return slowest, fastest, max(map(abs, turning))
+
+
+def reference_spans(scenario: Scenario) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Least and largest v1_d [m/s], and v2_d [rad/s], as `reference_bounds` takes them."""
     end = min(scenario.clock.duration, scenario.reference.cycle)
     rows = sample(scenario, np.linspace(0, end, GRID))
-    v1, v2 = rows[:, 3], rows[:, 4]
-    return float(v1.min()), float(v1.max()), float(np.abs(v2).max())
+    linear, angular = ((float(v.min()), float(v.max())) for v in (rows[:, 3], rows[:, 4]))
+    return linear, angular
 
 
 def check_finite(scenario: Scenario) -> None:

@@ -1,7 +1,7 @@
 """Tables of a scenario that belong to no effect and no reference, a Section each."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import REQUIRED, Section, quantity
@@ -104,9 +104,20 @@ class Ros(Section, key="ros"):
 
 
 class Limits(Section, key="limits"):
-    """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20)."""
+    """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20).
+
+    ``v_min`` and ``v_max`` limit both directions apart, within v_u1, which is then what laws scale
+    with; v_u1 that is left out is the larger of both.
+    """
 
     v_u1: Pair = quantity(unknown((1.0, 1.0)), "m/s, rad/s", "limits of |v1| and |omega|", above=0)
+    v_min: Pair = quantity(
+        derived((-1.0, -1.0)), "m/s, rad/s",
+        "least v1 and omega, so that it may stop; 0: none backwards; default: -v_u1", maximum=0,
+    )  # fmt: skip
+    v_max: Pair = quantity(
+        derived((1.0, 1.0)), "m/s, rad/s", "largest v1 and omega; default: v_u1", minimum=0
+    )
     v_u2: Pair = quantity(
         derived((0.85, 0.85)),
         "m/s, rad/s",
@@ -118,7 +129,8 @@ class Limits(Section, key="limits"):
     )
 
     def relate(self) -> None:
-        """Each axis needs v_u2 < v_u1 and clip < v_u1 - v_u2."""
+        """Each axis needs -v_u1 <= v_min <= 0 <= v_max <= v_u1, v_u2 < v_u1, clip < v_u1 - v_u2."""
+        self._relate_sides()
         if isinstance(self.v_u2, Unstated):
             follows = derived(BARRIER_FROM * limit for limit in self.v_u1)
             object.__setattr__(self, "v_u2", follows)
@@ -135,6 +147,68 @@ class Limits(Section, key="limits"):
                 raise ScenarioError(
                     f"limits.clip = {self.clip!r} must be below v_u1[{axis}] - v_u2[{axis}] = "
                     f"{high - low:g} {unit}, or the barrier never acts. The default is 1e-06."
+                )
+
+    @property
+    def apart(self) -> bool:
+        """True where a direction is limited by itself."""
+        return not (isinstance(self.v_min, Unstated) and isinstance(self.v_max, Unstated))
+
+    @property
+    def sides(self) -> tuple[Pair, Pair]:
+        """Least and largest v1 [m/s], and omega [rad/s]."""
+        return (self.v_min[0], self.v_max[0]), (self.v_min[1], self.v_max[1])
+
+    @property
+    def unequal(self) -> tuple[int, ...]:
+        """Axes, from 0, whose two directions have different limits."""
+        return tuple(i for i in (0, 1) if self.v_max[i] != -self.v_min[i])
+
+    @property
+    def smaller(self) -> Pair:
+        """Speeds within the limits in both directions."""
+        v, omega = (min(-self.v_min[i], self.v_max[i]) for i in (0, 1))
+        return v, omega
+
+    def narrow(self, axis: int) -> tuple[str, float]:
+        """Key and value of the smaller limit of an axis, from 0."""
+        return self.side(axis, 1 if self.smaller[axis] == self.v_max[axis] else -1)
+
+    def side(self, axis: int, way: float) -> tuple[str, float]:
+        """Key and value of the limit of a velocity of this sign."""
+        if not self.apart:
+            return f"limits.v_u1[{axis + 1}]", self.v_u1[axis]
+        name, pair = ("v_max", self.v_max) if way > 0 else ("v_min", self.v_min)
+        return f"limits.{name}[{axis + 1}]", pair[axis]
+
+    def excess(self, v: Sequence[float]) -> Pair:
+        """How far velocities are beyond the limit of their direction; negative within."""
+        linear, angular = (max(v[i] - self.v_max[i], self.v_min[i] - v[i]) for i in (0, 1))
+        return linear, angular
+
+    def _relate_sides(self) -> None:
+        """What is left out of v_u1, v_min and v_max follows; ScenarioError for impossible ones."""
+        stated = [side for side in (self.v_min, self.v_max) if not isinstance(side, Unstated)]
+        if isinstance(self.v_u1, Unstated) and stated:
+            larger = derived(max(map(abs, pair)) for pair in zip(*stated, strict=True))
+            object.__setattr__(self, "v_u1", larger)
+        if isinstance(self.v_min, Unstated):
+            object.__setattr__(self, "v_min", derived(-limit for limit in self.v_u1))
+        if isinstance(self.v_max, Unstated):
+            object.__setattr__(self, "v_max", derived(self.v_u1))
+        rows = zip(self.v_min, self.v_max, self.v_u1, ("m/s", "rad/s"), strict=True)
+        for axis, (low, high, most, unit) in enumerate(rows, 1):
+            for name, value in (("v_min", low), ("v_max", high)):
+                if abs(value) > most:
+                    raise ScenarioError(
+                        f"limits.{name}[{axis}] = {value!r} {unit} is beyond limits.v_u1[{axis}] = "
+                        f"{most!r}, which holds both ways. Lower it, raise v_u1, or leave v_u1 "
+                        "out: it is then the larger of v_max and -v_min."
+                    )
+            if low == high == 0:
+                raise ScenarioError(
+                    f"limits.v_min[{axis}] and limits.v_max[{axis}] are both 0 {unit}: that axis "
+                    "could not move. State a larger v_max or a smaller v_min."
                 )
 
 

@@ -224,6 +224,12 @@ class Fleet {
     return NaN;
   }
 
+  // Least and largest velocity of an axis that are within its limits.
+  sides(axis) {
+    const most = this.value(`limits.v_u1[${axis}]`), [low, high] = ["v_min", "v_max"].map((side) => this.value(`limits.${side}[${axis}]`));
+    return [Number.isNaN(low) ? -most : low, Number.isNaN(high) ? most : high];
+  }
+
   push(force) {
     this.pushed = { until: this.time + PUSH_SECONDS, force };
     this.touched = true;

@@ -17,9 +17,13 @@ const CHARTS = [
 ];
 
 function limitsOf(fleet, axis) {
-  const limit = fleet.value(`limits.v_u1[${axis}]`), threshold = fleet.value(`limits.v_u2[${axis}]`);
-  const edges = [{ value: limit, beyond: 1 }, { value: -limit, beyond: -1 }];
+  const [least, most] = fleet.sides(axis), threshold = fleet.value(`limits.v_u2[${axis}]`);
+  const edges = [{ value: most, beyond: 1 }, { value: least, beyond: -1 }];
   return fleet.told.filtered ? edges : [...edges, { value: threshold, dotted: true }, { value: -threshold, dotted: true }];
+}
+
+function shownSides(least, most) {
+  return least === -most ? shownNumber(most) : `${shownNumber(least)} to ${shownNumber(most)}`;
 }
 
 // Certified distances; beside them the chart may show less than without.
@@ -321,7 +325,7 @@ class Page {
 
   // What each law has done so far, in words.
   board() {
-    const { fleet } = this, rows = byId("rows"), limits = [1, 2].map((axis) => fleet.value(`limits.v_u1[${axis}]`));
+    const { fleet } = this, rows = byId("rows"), limits = [1, 2].map((axis) => shownSides(...fleet.sides(axis)));
     rows.replaceChildren(...[...fleet.members.values()].map((member) => {
       const { most, first } = member.found(), { samples, clipped } = member.carried;
       const share = samples ? (100 * Math.max(...clipped)) / samples : 0;
@@ -331,8 +335,8 @@ class Page {
       return made("tr", {},
         made("th", { scope: "row" }, swatch(member.law), this.look.laws[member.law].label),
         cell(`${verdict}${member.ended ? ", then gave up" : ""}`, { className: !samples ? "" : kept ? "kept" : "left" }),
-        cell(`${shownNumber(most[0])} of ${shownNumber(limits[0])} m/s`),
-        cell(`${shownNumber(most[1])} of ${shownNumber(limits[1])} rad/s`),
+        cell(`${shownNumber(most[0])} of ${limits[0]} m/s`),
+        cell(`${shownNumber(most[1])} of ${limits[1]} rad/s`),
         cell(length(member.history.last("distance"))),
         cell(fleet.variant.guard || (this.told.filtered && share) ? `${shownNumber(share, 2)} %` : "–"));
     }));

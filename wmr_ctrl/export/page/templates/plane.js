@@ -165,7 +165,7 @@ class Plane extends Sheet {
   robot(member, fleet, look, held) {
     const { pen, body } = this, state = member.robot.state, at = member.robot.places.state;
     const [x, y, theta, v1, omega] = ["x", "y", "theta", "v1", "omega"].map((name) => state[at[name]]);
-    member.seen = { x, y, theta, beyond: Math.abs(v1) > fleet.value("limits.v_u1[1]") || Math.abs(omega) > fleet.value("limits.v_u1[2]") };
+    member.seen = { x, y, theta, beyond: [v1, omega].some((v, i) => v < fleet.sides(i + 1)[0] || v > fleet.sides(i + 1)[1]) };
     const colour = look.laws[member.law].colour;
     this.box(x, y, theta, body.size, 0);
     pen.globalAlpha = held ? 0.6 : 0.3;

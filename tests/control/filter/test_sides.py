@@ -1,0 +1,114 @@
+"""A limit of each direction: what the filter sends, what it refuses, adversaries against it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.control.filter.adversary import Base, fastest
+from wmr_ctrl.control.filter import CommandFilter
+from wmr_ctrl.control.filter.filter import filter_system, passing_commands
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import load_scenario
+
+STATED = {
+    "filter.gain": (0.9, 1.1), "filter.d": (0.05, 0.05), "filter.tau": (0.2, 0.3),
+    "filter.odometry": (0.02, 0.02), "clock.control": 0.05, "limits.v_u1": (1.0, 1.0),
+    "limits.v_u2": (0.7, 0.7), "limits.v_min": (-0.05, -0.4), "limits.v_max": (0.8, 1.0),
+}  # fmt: skip
+SWINGS = {"filter.loop": "second-order", "filter.damping": (0.5, 1.0), "filter.tau": None,
+          "filter.frequency": (3.0, 5.0), "filter.odometry": None}  # fmt: skip
+
+
+def stated(kind, **more):
+    return load_scenario("paper-simulation", {**STATED, "filter.kind": kind, **more})
+
+
+def test_a_clip_sends_what_the_limit_of_the_direction_leaves():
+    step = CommandFilter(stated("clip", **{"filter.scale": "axes"})).step
+    assert step((9, 9)).command == pytest.approx((0.75 / 1.1, 0.95 / 1.1), rel=1e-7)
+    assert step((-9, -9)).command == pytest.approx((0.0, -0.35 / 1.1), rel=1e-7)
+    assert step((0, 0)).flags == ()
+
+
+@pytest.mark.parametrize("kind", ["clip", "governor"])
+@pytest.mark.parametrize("scale", ["curvature", "axes", "turn", "drive"])
+def test_nothing_backwards_is_sent_where_a_push_alone_leads_to_the_limit(kind, scale):
+    """Not even by rounding; and stopping is never refused."""
+    filtered, draw = (
+        CommandFilter(stated(kind, **{"filter.scale": scale})),
+        np.random.default_rng(2),
+    )
+    for _ in range(200):
+        asked = draw.uniform(-3, 3, 2).tolist()
+        still = filtered.step(asked, [draw.uniform(-0.05, 0.8), draw.uniform(-0.4, 1.0)])
+        assert still.command[0] * asked[0] >= 0
+        if kind == "clip":
+            assert still.command[0] >= 0
+        assert filtered.step((0.0, 0.0)).command == (0.0, 0.0)
+
+
+def test_equal_limits_of_both_directions_are_one_limit():
+    both = {"limits.v_min": (-0.8, -1.0), "limits.v_max": (0.8, 1.0)}
+    for kind in ("clip", "governor"):
+        apart = CommandFilter(stated(kind, **both))
+        one = {**both, "limits.v_u1": (0.8, 1.0)}
+        del one["limits.v_min"], one["limits.v_max"]
+        plain = {key: value for key, value in STATED.items() if "v_m" not in key}
+        same = CommandFilter(
+            load_scenario("paper-simulation", {**plain, "filter.kind": kind, **one})
+        )
+        draw = np.random.default_rng(3)
+        for _ in range(100):
+            asked, seen = draw.uniform(-3, 3, 2).tolist(), draw.uniform(-0.3, 0.3, 2).tolist()
+            assert apart.step(asked, seen).command == pytest.approx(
+                same.step(asked, seen).command, rel=1e-7
+            )
+
+
+def test_a_command_between_its_ends_passes():
+    scenario = stated("governor")
+    filtered, draw = CommandFilter(scenario), np.random.default_rng(4)
+    rows = passing_commands(scenario)
+    assert rows[0][2] == pytest.approx((0.0, 0.75 / 1.1), rel=1e-7)
+    for _ in range(200):
+        command = [draw.uniform(*ends) for _, _, ends in rows]
+        filtered.step(draw.uniform(-3, 3, 2).tolist())
+        assert filtered.step(command).command == pytest.approx(command, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"limits.v_min": (0.0, -0.4)},
+         r"filter.d\[1\] = 0.05 alone drives the base to -0.05, and limits.v_min\[1\] is .*"
+         r"State limits.v_min\[1\] = -0.05: then no command that way"),
+        ({"limits.v_max": (0.8, 0.02)}, r"d\[2\] = 0.05 .* to 0.05, and limits.v_max\[2\] is"),
+        ({**SWINGS, "filter.kind": "band"}, r'v_min\[1\] = -0.05, .* = 0.8: .*"band" keeps one'),
+        (SWINGS, r"v_min\[1\] = -0.05, .*= 0.8: both .* differ, and a loop that overshoots"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_kept_is_refused_by_name(more, said):
+    with pytest.raises(ScenarioError, match=said) as refused:
+        filter_system(stated("clip", **more))
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["clip", "governor"])
+@pytest.mark.parametrize("world", [{}, {"delay": (0.02, 0.06), "losses": 1}])
+def test_adversaries_never_pass_the_limit_of_a_direction(kind, world):
+    base, more = Base(**world), {f"filter.{name}": value for name, value in world.items()}
+    worst = fastest(stated(kind, **more if kind == "governor" else {}), base, trials=300)
+    assert worst.max() <= 1 + 1e-9
+    assert worst.max() > 0.99, "and come close to it"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "wrong", [{"d": 0.055}, {"gain": (0.9, 1.21)}, {"tau": (0.18, 0.3)}, {"error": 0.022}]
+)
+def test_each_bound_that_is_ten_per_cent_wrong_breaks(wrong):
+    for kind in ("clip", "governor"):
+        if kind == "governor" or not wrong.keys() & {"tau", "error"}:
+            assert fastest(stated(kind), Base().wrong(**wrong), trials=300).max() > 1 + 1e-6
