@@ -19,6 +19,7 @@ from tests.proofs.ledger_page import page
 from tests.proofs.second_solvers import confirmed_by
 from wmr_ctrl.results.ledger import COMMITTED, OPEN, Entry, Ledger, load
 from wmr_proofs.alterations import functions_of
+from wmr_proofs.certificates import index, save_index, words_hash
 from wmr_proofs.claim import CLAIMED, Claim
 from wmr_proofs.claims import all_claims
 from wmr_proofs.comparison import stale
@@ -34,12 +35,17 @@ COUNT = r"\d+ of \d+ entries by z3"
 
 
 def record(ledger: Ledger) -> None:
-    """Save the ledger where `load` finds it, the page in docs/, and what pages count of it."""
+    """Save the ledger where `load` finds it, the page in docs/, and what pages count of it.
+
+    The index of certificates gets the hashes of the words of today.
+    """
     ledger.save(COMMITTED)
     PAGE.write_text(page(ledger), encoding="utf-8")
     for path in COUNTING:
         text = path.read_text(encoding="utf-8")
         path.write_text(re.sub(COUNT, certified(ledger), text), encoding="utf-8")
+    words = {claim.id: words_hash(claim) for claim in all_claims()}
+    save_index({key: row | {"claim": words[key]} for key, row in index().items() if key in words})
 
 
 def certified(ledger: Ledger) -> str:
