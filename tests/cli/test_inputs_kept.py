@@ -18,7 +18,6 @@ from wmr_ctrl.core.fields.files import note_input, one_command, read_text
 from wmr_ctrl.export.cosim.mapping import load_map
 from wmr_ctrl.export.cosim.slave import FmuFile
 from wmr_ctrl.identification.logs.log import log_of
-from wmr_ctrl.report import animate
 from wmr_ctrl.results import Run, atomic_text, check_writable, load_run, write_all
 from wmr_ctrl.results.bag_topics import load_drive
 from wmr_ctrl.simulation.campaign.study_plan import load_plan
@@ -87,8 +86,7 @@ def test_every_output_says_that_it_is_one():
 
 
 @pytest.mark.parametrize(("name", "option"), [*outputs("FILE")])
-def test_no_file_that_is_read_is_replaced(wmr, place, monkeypatch, name, option):
-    monkeypatch.setattr(animate, "check_film", lambda *_: None)  # no OpenGL is needed
+def test_no_file_that_is_read_is_replaced(wmr, place, name, option):
     words = WORDS[name]
     source = next(Path(word) for word in words if Path(word).suffix in (".toml", ".csv"))
     before = source.read_bytes()

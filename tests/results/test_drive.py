@@ -137,7 +137,6 @@ def test_a_picture_has_what_there_is(recorded, commands_alone, tmp_path):
     ("words", "word"),
     [
         (["--animate", "out.gif"], "has no x_measured, y_measured, theta_measured, v1_measured"),
-        (["--film", "out.gif"], "cannot be simulated"),
         (["--out", "out.npz"], "must end in .csv"),
         (["--topics", "odom=/nowhere"], "no topic /nowhere"),
         (["--topics", "odom"], "must be ROLE=NAME"),

@@ -108,7 +108,7 @@ def note_missing_proofs() -> None:
         say("note", LEFT_OUT)
 
 
-DRAWS_CORRIDORS = ("plot_run", "write_run_page", "plot_runs", "animate_runs", "film_run")
+DRAWS_CORRIDORS = ("plot_run", "write_run_page", "plot_runs", "animate_runs")
 
 
 def write_file(path: str | None, function: str, content: object, text: str = "") -> None:

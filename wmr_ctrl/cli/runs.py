@@ -39,10 +39,6 @@ def run(
     any other: the exit code is 0, and the outcome says so. Existing result files are replaced once
     the new ones are complete.
     """
-    if files["film"]:
-        from wmr_ctrl.report.animate import check_film
-
-        check_film(files["film"], plant)
     from wmr_ctrl.control.laws.registry import LAWS
 
     case = opt.load(scenario, assignments, guard)
@@ -61,7 +57,7 @@ def run(
 def show_saved(
     file: str, verbose: bool, as_json: bool, topics: str | None, **files: str | None
 ) -> None:
-    """Print how a saved run went, and draw, film or convert it; only --film simulates it again.
+    """Print how a saved run went, and draw, animate or convert it.
 
     RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote, or a robot's own ROS 2 bag (its
     folder, .mcap or .db3; extra `logs`). For a bag, the columns are listed with their rates, gaps
@@ -123,12 +119,11 @@ def deliver(run: Run, as_json: bool, verbose: bool, **files: str | None) -> None
 
 
 def write_run(run: Run, **files: str | None) -> None:
-    """Save, draw and film a run, each if its file is named (out, plot, report, animate, film)."""
+    """Save, draw and animate a run, each if its file is named (out, plot, report, animate)."""
     write_file(files.get("out"), "save_run", run)
     write_file(files.get("plot"), "plot_run", run)
     write_file(files.get("report"), "write_run_page", run)
     write_file(files.get("animate"), "animate_runs", [run], "animation")
-    write_file(files.get("film"), "film_run", run, "film")
 
 
 def show(run: Run, as_json: bool, verbose: bool = False) -> None:

@@ -77,11 +77,6 @@ def show_drive(drive: RecordedDrive, as_json: bool, **files: str | None) -> None
         raise ArgumentError(
             "--report is the page of a run, which a recorded drive is not. Use --plot."
         )
-    if files["film"]:
-        raise ArgumentError(
-            "--film simulates a run again on the rigid body, and a recorded drive cannot be "
-            "simulated. Use --animate."
-        )
     draw_drives([drive], files["plot"], files["animate"])
     if out:
         drive.save(out)

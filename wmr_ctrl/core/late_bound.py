@@ -20,7 +20,6 @@ HOMES = {
     "animate_runs": "wmr_ctrl.report.animate",
     "animate_drives": "wmr_ctrl.report.animate",
     "rows_of": "wmr_ctrl.report.run_rows",
-    "film_run": "wmr_ctrl.export.outputs",
     "gains_by_law": "wmr_ctrl.control.setup",
     "outlook_of": "wmr_ctrl.theory.checks.outlook",
     "needed_by": "wmr_ctrl.theory.checks.outlook",

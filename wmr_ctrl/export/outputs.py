@@ -1,13 +1,11 @@
-"""Outputs for other tools: FMUs, SSP package, Modelica package, Simulink kit; films."""
+"""Outputs for other tools: FMUs, SSP package, Modelica package, Simulink kit."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from importlib import import_module
 from inspect import signature
-from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +14,6 @@ from wmr_ctrl.core.fields.files import one_command
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results import Run
-    from wmr_ctrl.simulation.campaign import PhaseProgress
-
     from .api_types import ExportOptions
 
 SCENARIO = "paper-simulation"
@@ -56,19 +51,3 @@ def _writer(what: str) -> Callable[..., list[Path]]:
     module, name = _WRITERS.get(what, ("wmr_ctrl.export.fmi.fmu_files", "export_fmu"))
     write: Callable[..., list[Path]] = vars(import_module(module))[name]
     return write if what in _WRITERS else partial(write, what)
-
-
-def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None = None) -> None:
-    """Film a run on the rigid body in three dimensions; as `Run.film`."""
-    from wmr_ctrl.report.animate import MOST_MOMENTS, check_film, write_moments
-    from wmr_ctrl.report.course import course_behind
-    from wmr_ctrl.simulation.engines import runnable
-    from wmr_ctrl.simulation.physics.film import moments_of
-    from wmr_ctrl.world.scenario import loads_scenario
-
-    check_film(path, run.settings.plant_kind)
-    loop = runnable(loads_scenario(str(run.provenance["scenario_toml"])), run.law, "mujoco")
-    moments = moments_of(loop, run, MOST_MOMENTS[Path(path).suffix.lower()])
-    course = course_behind(run)
-    tube = None if course is None else course[0, moments.rows]
-    write_moments(run, replace(moments, tube=tube), path, progress)

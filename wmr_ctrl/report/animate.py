@@ -1,26 +1,22 @@
-"""Animations of a run: the robot on its path as a page, a GIF or a film; on tyres a 3D film.
-
-Each shows the desired pose too.  A film of the rigid body has its figures below the picture.
-"""
+"""Animations of a run: the robot and the desired pose on the path, as a page, a GIF or a film."""
 
 import json
 import math
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import IO, TypeAlias
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
-from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.core.errors import MissingExtraError, ResultFileError
 from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.results import RecordedDrive, Run, atomic_path
 from wmr_ctrl.simulation.campaign import PhaseProgress, phase
-from wmr_ctrl.simulation.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
 
 from . import style
 from .drawing import target_of, write_html
@@ -28,11 +24,8 @@ from .scene import BODY, TRACK, WHEEL, Scene, scene_of, scene_of_drives, with_tu
 from .stage import FRAME, Picture, frames
 
 SUFFIXES = (".gif", ".mp4", ".html")
-FILMS = (".mp4", ".gif")
 _FRAMES = {".gif": 250, ".mp4": 600, ".html": 2000}
 """At most as many frames are shown."""
-MOST_MOMENTS = {".mp4": 360, ".gif": 120}
-"""The same of the rigid body; each takes tenths of a second where there is no graphics card."""
 GIF_MILLISECONDS = 80
 """Time that a frame of a GIF is shown; whole runs thus take 20 s."""
 FILM_RATE = 30
@@ -72,31 +65,6 @@ def _animate(
             advance(count)
         else:
             _write_frames(frames(scene), FRAME, scratch, suffix, advance)
-
-
-def check_film(path: AnyPath, plant: str) -> None:
-    """Raise, before any computation, if a run on ``plant`` cannot be filmed there.
-
-    ArgumentError for the plane model, ResultFileError for the file, MissingExtraError without
-    OpenGL, or ffmpeg for .mp4.
-    """
-    target_of(path, FILMS, "a film is .mp4 or .gif", write=False)
-    if plant != "mujoco":
-        raise ArgumentError(
-            "a film shows the rigid body, but the run used the plane model. Use the plant mujoco "
-            "(--plant mujoco), or draw the run (--animate)."
-        )
-    _film_target(path, FILMS, "a film is .mp4 or .gif")
-    check_painter()
-
-
-def write_moments(
-    run: Run, moments: Moments, path: AnyPath, progress: PhaseProgress | None = None
-) -> None:
-    """Write the film of a run on tyres atomically.  Errors as in `Run.film`."""
-    target, size, count = Path(path), (WIDTH, _height(moments)), len(moments.rows)
-    with phase(progress, count, "Painting the film") as advance, atomic_path(target) as scratch:
-        _write_frames(_captioned(run, moments), size, scratch, target.suffix.lower(), advance)
 
 
 def _film_target(path: AnyPath, suffixes: tuple[str, ...], what: str) -> Path:
@@ -227,54 +195,3 @@ def _feed(shown: Iterable[Picture], pipe: IO[bytes], advance: Advance) -> bool:
     except BrokenPipeError:
         return True
     return False
-
-
-# -- the rigid body's figures below its picture -------------------------------------------------
-
-_STRIP, _LINE = 60, 24
-"""Height of the strip below the picture, and of one line more [pixels]."""
-_LEFT = (10, 135, 290, 500)
-"""Left edges of figures [pixels]."""
-
-
-def _captioned(run: Run, moments: Moments) -> Iterator[Picture]:
-    """Pictures with the figures of their rows; values beyond a limit are red."""
-    font = ImageFont.load_default(15)
-    name = style.driver(run.law, run.guard)
-    title = f"{name}, {run.scenario}, seed {run.seed}, on tyres; orange: desired"
-    for place, picture in enumerate(pictures(moments)):
-        row = int(moments.rows[place])
-        whole = Image.new("RGB", (WIDTH, _height(moments)), "white")
-        whole.paste(Image.fromarray(picture))
-        draw = ImageDraw.Draw(whole)
-        draw.text((10, HEIGHT + 8), title, style.INK, font)
-        draw.text((WIDTH - 100, HEIGHT + 8), f"t = {run.time[row]:.2f} s", style.INK, font)
-        for left, (text, bad) in zip(_LEFT, _texts(run, row, moments.slip_max), strict=True):
-            draw.text((left, HEIGHT + 32), text, style.LIMIT if bad else style.INK, font)
-        if moments.tube is not None:
-            line = _off_path(run, row, moments.tube[place])
-            draw.text((10, HEIGHT + 32 + _LINE), line, style.INK, font)
-        yield np.asarray(whole)
-
-
-def _height(moments: Moments) -> int:
-    return HEIGHT + _STRIP + _LINE * (moments.tube is not None)
-
-
-def _off_path(run: Run, row: int, width: float) -> str:
-    """Distance from the place on the path, and the corridor's width [m], which ignores slip."""
-    off = math.hypot(run["x"][row] - run["x_d"][row], run["y"][row] - run["y_d"][row])
-    most = "" if math.isnan(width) else f"; band: certified {length(width)}, without slip"
-    return f"{length(off)} off its place on the path{most}"
-
-
-def _texts(run: Run, row: int, slip_max: float) -> tuple[tuple[str, bool], ...]:
-    """Figures of a row, and whether each is beyond its limit."""
-    v1, omega, slip = run["v1"][row], run["omega"][row], np.abs(run["slip"][row]).max()
-    (low_v, high_v), (low_w, high_w) = run.settings.sides
-    return (
-        (f"v1 {v1:+.2f} m/s", not low_v <= v1 <= high_v),
-        (f"omega {omega:+.2f} rad/s", not low_w <= omega <= high_w),
-        (f"slip {slip:.2f} m/s", slip > slip_max),
-        (f"tilt {math.degrees(run['tilt'][row]):.0f}°", False),
-    )

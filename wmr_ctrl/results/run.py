@@ -126,16 +126,6 @@ class Run:
         late_bound("animate_runs")([self], path)
 
     @checks_arguments
-    def film(self, path: AnyPath) -> None:
-        """Film a run on the rigid body in three dimensions, into a .gif or .mp4 file.
-
-        The run is simulated again for it. Raises ResultFileError, ArgumentError for a run on the
-        plane model, without any sample or from elsewhere, MissingExtraError without the extra
-        physics, OpenGL, or ffmpeg for .mp4.
-        """
-        late_bound("film_run")(self, path)
-
-    @checks_arguments
     def summary(self) -> dict[str, object]:
         """Labels, outcome and figures as plain values, as printed by ``wmr-ctrl run --json``."""
         from .frames import summary  # it reads Runs, and so stands above

@@ -140,7 +140,7 @@ def test_missing_and_unknown_arguments(name):
 METHODS = [
     (paper, method) for method in ("table", "section", "number", "value")
 ] + [
-    (RUN, method) for method in ("__getitem__", "signal", "save", "plot", "animate", "film")
+    (RUN, method) for method in ("__getitem__", "signal", "save", "plot", "animate")
 ] + [
     (DRIVE, method) for method in ("__getitem__", "save", "plot", "animate")
 ]  # fmt: skip

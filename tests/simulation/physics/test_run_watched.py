@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.simulation.physics.film import _Scenery
 from wmr_ctrl.simulation.physics.rigid import description
 from wmr_ctrl.simulation.physics.run import Coupling
 from wmr_ctrl.world.scenario import override
@@ -67,18 +65,6 @@ def test_it_ends_where_the_robot_has_tipped() -> None:
 
     assert coupling.ended
     assert (coupling.seen.tipped, coupling._reached) == (pytest.approx(2 * H), 2)
-
-
-def test_a_band_is_as_wide_as_at_the_wider_end_of_each_piece() -> None:
-    scenery = object.__new__(_Scenery)
-    path = np.array([[0.0, 0.0], [0.0, 2.0], [0.0, 2.0], [3.0, 2.0], [4.0, 2.0]])
-
-    scenery.lay(path, np.array([0.1, 0.3, 0.2, 0.2, np.nan]))
-
-    sizes, places, turns = zip(*scenery._slabs, strict=True)
-    assert [tuple(size[:2]) for size in sizes] == [(1.0, 0.3), (1.5, 0.2)]
-    assert [tuple(place[:2]) for place in places] == [(0.0, 1.0), (1.5, 2.0)]
-    assert turns[0][:2].tolist() == [0.0, -1.0]
 
 
 def test_tyres_need_steps_of_five_milliseconds_at_most() -> None:
