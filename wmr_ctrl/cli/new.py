@@ -74,21 +74,12 @@ def new(
 
 
 def _notes(made: NewScenario) -> Iterator[str]:
-    """Notes on sizes on which the files disagree, and on limits that slow the faster direction."""
-    from wmr_ctrl.world.robot_files.found import SMALLER
-    from wmr_ctrl.world.scenario.new import LIMITS
-
+    """Notes on sizes on which the files disagree."""
     for other in made.unused:
         mine = made.found.get(other.key)
         if mine and other.key.startswith("robot."):
             also = f"{other.text} ({other.source})"
             yield f"{other.key} is {mine.text} ({mine.source}), or {also}. Measure it."
-    limits = made.found.get(LIMITS)
-    if limits and SMALLER in limits.source:
-        yield (
-            f"{LIMITS} = {limits.text} holds forward and backward, so the slower of both counts. "
-            "State a larger one if that is safe both ways."
-        )
 
 
 def _text(made: NewScenario) -> str:

@@ -83,12 +83,11 @@ def values(tmp_path, *texts, name="file{}.yaml"):
 def test_controller(tmp_path):
     assert values(tmp_path, CONTROLLER) == {
         "robot.l": 0.375, "robot.r": 0.19, "base.timeout": 0.25, "clock.control": 0.033,
-        "limits.v_u1": (0.4, 2.0), "base.accel": (2.0, 4.0), "base.decel": (2.0, 3.0),
+        "limits.v_max": (1.0, 2.0), "limits.v_min": (-0.4, -2.0),
+        "base.accel": (2.0, 4.0), "base.decel": (2.0, 3.0),
         "ros.base_frame": "base_footprint", "ros.odometry_frame": "odom", "ros.stamped": False,
         "ros.cmd_vel": "/base/cmd_vel_unstamped", "ros.odom": "/base/odom",
     }  # fmt: skip
-    sheet = read(tmp_path, CONTROLLER, name="{}.yaml")
-    assert "smaller size of 1, 0.4" in sheet.found["limits.v_u1"].source
 
 
 def test_multiplier_of_ros_1_stretches_the_track_of_the_description(tmp_path):
@@ -103,13 +102,22 @@ def test_multiplier_of_ros_1_stretches_the_track_of_the_description(tmp_path):
 def test_nav2(tmp_path):
     sheet = read(tmp_path, NAV2, name="{}.yaml")
     assert {key: item.value for key, item in sheet.found.items()} == {
-        "limits.v_u1": (0.3, 1.5), "base.accel": (2.5, 3.2), "base.decel": (2.0, 3.2),
+        "limits.v_max": (0.5, 1.5), "limits.v_min": (-0.3, -1.5),
+        "base.accel": (2.5, 3.2), "base.decel": (2.0, 3.2),
         "clock.control": 0.05, "body.radius": 0.5,
         "ros.odom": "odometry/filtered", "ros.odometry_frame": "map",
     }  # fmt: skip
-    (other,) = sheet.overruled
-    assert (other.key, other.value) == ("limits.v_u1[1]", 0.6)
-    assert "one side is 0" in other.source
+    told = {(item.key, item.value) for item in sheet.overruled}
+    assert told == {("limits.v_max[1]", 0.6), ("limits.v_min[1]", 0.0)}
+
+
+def test_a_path_follower_that_never_reverses(tmp_path):
+    """Also where it has a least speed: a base must be allowed to stop."""
+    for least in ("0.0", "0.08"):
+        text = NAV2.replace("velocity_smoother", "x").replace("vx_min: 0.0", f"vx_min: {least}")
+        found = values(tmp_path, text, name="{}.yaml")
+        assert (found["limits.v_max[1]"], found["limits.v_min[1]"]) == (0.6, 0.0)
+        assert "limits.v_u1" not in found
 
 
 def test_gazebo(tmp_path):
@@ -130,15 +138,16 @@ def test_gz_limits_of_both_axes_count_where_they_are_smaller(tmp_path):
     both = "<max_velocity>1</max_velocity><min_velocity>-0.5</min_velocity><max_acceleration>1.5<"
     text = GZ.replace("<max_linear_velocity>", f"{both}/max_acceleration><max_linear_velocity>")
     found = values(tmp_path, text, name="{}.sdf")
-    assert (found["limits.v_u1"], found["base.accel"]) == ((0.5, 0.5), (1.5, 1.5))
+    assert (found["limits.v_max"], found["limits.v_min"]) == ((0.7, 1.0), (-0.5, -0.5))
+    assert found["base.accel"] == (1.5, 1.5)
 
 
 def test_controller_counts_and_both_are_told(tmp_path):
     sheet = read(tmp_path, NAV2, CONTROLLER, name="{}.yaml")
 
-    assert sheet.found["limits.v_u1"].value == (0.4, 2.0)
+    assert sheet.found["limits.v_min"].value == (-0.4, -1.5)
     told = {(item.key, item.value) for item in sheet.overruled}
-    assert {("limits.v_u1[1]", 0.3), ("limits.v_u1[2]", 1.5), ("clock.control", 0.05)} <= told
+    assert {("limits.v_min[1]", -0.3), ("limits.v_max[2]", 1.5), ("clock.control", 0.05)} <= told
 
 
 def test_half_of_a_pair_that_a_controller_names_is_refused(tmp_path):

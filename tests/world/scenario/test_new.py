@@ -177,9 +177,9 @@ def test_files_are_read_and_told(wmr, tmp_path):  # noqa: F811
     told = " ".join(made.stderr.split())
     assert "base velocity: not stated" in told
     assert "robot.l is 0.375 (c.yaml" in told, "the description says 0.2"
-    assert "limits.v_u1 = [0.4, 2] holds forward and backward" in told
     told = json.loads(made.stdout)
-    assert told["found"]["limits.v_u1"]["value"] == [0.4, 2.0]
+    assert told["found"]["limits.v_max"]["value"] == [1.0, 2.0]
+    assert told["found"]["limits.v_min"]["value"] == [-0.4, -1.5]
     assert told["found"]["ros.base_frame"]["value"] == "base_footprint"
     assert told["assumed"]["law"] == "kanayama"
     assert "base.tau" in told["unknown"]

@@ -19,13 +19,12 @@ MULTIPLIED = {
     "robot.r": ("robot.r", 1.0, "radius factor"),
 }
 """Our key, share and multiplier of a length."""
-PAIRS = ("limits.v_u1", "base.accel", "base.decel")
+LIMITS, TOP, LEAST = "limits.v_u1", "limits.v_max", "limits.v_min"
+PAIRS = (LIMITS, TOP, LEAST, "base.accel", "base.decel")
 """Keys with a value for each axis, of which the smallest of several counts."""
 NAMES = "ros."
 """Beginning of keys of frames and topics, for this project's ROS 2 nodes."""
 NAMED = data(__package__, "names.toml")
-SMALLER = "smaller size of"
-"""Words in the source of a limit that differs between forward and backward."""
 LARGEST = 1e9
 """Largest size of a number, in SI units."""
 STEP = 1e-3
@@ -83,8 +82,8 @@ class Sheet:
 def merged(items: Sequence[Found]) -> Sheet:
     """Choose the first value of each key by rank, then by order; apply multipliers to lengths.
 
-    A base brakes like it accelerates unless a file states otherwise.  Both axes of a pair are
-    stored under the pair's key if both are known.
+    A base brakes as it accelerates, and drives backwards as forwards, unless a file states otherwise.
+    Both axes of a pair are stored under the pair's key if both are known.
     """
     factors = {item.key: item for item in reversed(items) if item.key.endswith("factor")}
     found: dict[str, Found] = {}
@@ -100,6 +99,7 @@ def merged(items: Sequence[Found]) -> Sheet:
         up, down = f"base.accel[{axis}]", f"base.decel[{axis}]"
         if up in found:
             found.setdefault(down, replace(found[up], key=down))
+    _join_sides(found)
     for key in PAIRS:
         ends = [found[end] for end in (f"{key}[1]", f"{key}[2]") if end in found]
         if len(ends) == 2:
@@ -109,6 +109,24 @@ def merged(items: Sequence[Found]) -> Sheet:
             pair = tuple(end.value for end in ends if isinstance(end.value, float))
             found[key] = Found(key, pair, source, max(end.rank for end in ends))
     return Sheet(found, tuple(overruled))
+
+
+def _join_sides(found: dict[str, Found]) -> None:
+    """Put one limit in the place of both directions' where they are the same on every axis."""
+    known = list[tuple[Found, Found]]()
+    for axis in (1, 2):
+        ends = f"{TOP}[{axis}]", f"{LEAST}[{axis}]"
+        for one, other in (ends, ends[::-1]):
+            if one in found and isinstance(size := found[one].value, float) and size:
+                found.setdefault(other, replace(found[one], key=other, value=-size))
+        if ends[0] in found:
+            known.append((found[ends[0]], found[ends[1]]))
+    if any(high.text != low.text.removeprefix("-") for high, low in known):
+        return
+    for high, low in known:
+        del found[high.key], found[low.key]
+        key, sources = high.key.replace(TOP, LIMITS), dict.fromkeys((high.source, low.source))
+        found[key] = replace(high, key=key, source="; ".join(sources))
 
 
 def _alike(one: Value, other: Value) -> bool:
@@ -141,7 +159,8 @@ def read_table(
     """Values of the parameters listed in a table.
 
     Several parameters may have one key: for limits and ramps the smallest size is used, for lengths
-    the mean, for names the first.  Rates [1/s] become the period.  0 means that nothing is stated.
+    the mean, for names the first.  Rates [1/s] become the period.  0 means that nothing is stated,
+    except for limits backwards, where it means that the base does not reverse.
     """
     for key, names in table.items():
         given = {name: params[name] for name in names if params.get(name) is not None}
@@ -159,22 +178,21 @@ def _is_name(value: object) -> TypeGuard[bool | str]:
 
 def _combined(key: str, stated: dict[str, float], where: str, rank: Rank) -> Iterator[Found]:
     """One value for all that are stated for a key, with a note if they differ."""
-    slowest, is_limit = key.startswith(PAIRS), key.startswith(PAIRS[0])
+    slowest, backward = key.startswith(PAIRS), key.startswith(LEAST)
     for name, value in stated.items():
-        if value < 0 and (not slowest or (is_limit and "max" in name)):
+        if value < 0 and (not slowest or key.startswith(TOP)):
             raise ScenarioError(f"{where}{name} = {value:g} must be above 0.")
-    sizes = [abs(value) for value in stated.values() if value]
+    sizes = [max(-v, 0.0) if backward else abs(v) for v in stated.values() if v or backward]
     if not sizes:
         return
     note = ""
-    if is_limit and 0.0 in stated.values():
-        note = " (one side is 0: it moves one way only, but limits.v_u1 holds both ways)"
-    elif len(set(sizes)) > 1:
-        note = f" ({SMALLER if slowest else 'mean of'} {', '.join(f'{s:g}' for s in sizes)})"
+    if len(set(sizes)) > 1:
+        words = "smaller size of" if slowest else "mean of"
+        note = f" ({words} {', '.join(f'{s:g}' for s in sizes)})"
     value, source = min(sizes) if slowest else mean(sizes), f"{where}{' and '.join(stated)}{note}"
     if key == PERIOD:
         source, value = f"{source}: {value:g} Hz", STEP * max(1, round(1 / (value * STEP)))
-    yield Found(key, rounded(value), source, rank)
+    yield Found(key, rounded(0.0 - value if backward else value), source, rank)
 
 
 def number(value: object, place: str) -> float | None:

@@ -6,7 +6,7 @@ circle with reserve.
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import tomlkit
@@ -17,6 +17,7 @@ from wmr_ctrl.core.fields.section import default, quantities
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.references.kind import driven
 from wmr_ctrl.world.robot_files import NAMES, Found, Sheet
+from wmr_ctrl.world.robot_files.found import LEAST, LIMITS, TOP
 
 from .scenario import sections
 from .sections import Robot
@@ -34,7 +35,8 @@ HOW: Mapping[str, str] = data(__package__, "new.toml")
 """How to find each value that no file states."""
 OURS = ("law", "base.kind", "filter.kind", "guard.enabled", "guard.alpha", "reference")
 """Choices and what follows from them: nothing that could be measured."""
-LIMITS = "limits.v_u1"
+ROOM = {"velocity": 0.05, "torque": 0.2}
+"""Share of the limit ahead that pushes need behind, by the base."""
 TABLES = (
     *("", "robot", "body", "base", "actuator"),
     *("limits", "filter", "guard", "clock", "reference"),
@@ -63,6 +65,7 @@ def new_scenario(sheet: Sheet, base: str, title: str) -> NewScenario:
 
     Raises ScenarioError where a value of a file is impossible.
     """
+    sheet = _with_room(sheet, ROOM[base])
     values = _values(sheet, base)
     nodes = {key: item for key, item in sheet.found.items() if key.startswith(NAMES)}
     found = {key: item for key, item in sheet.found.items() if key.partition("[")[0] in values}
@@ -79,13 +82,28 @@ def new_scenario(sheet: Sheet, base: str, title: str) -> NewScenario:
     return NewScenario(text, found, assumed, unknown, (*unused, *sheet.overruled), nodes)
 
 
+def _with_room(sheet: Sheet, share: float) -> Sheet:
+    """The sheet with limits backwards that leave a push what it may do."""
+    found = dict(sheet.found)
+    for key in [key for key in found if key.startswith(LEAST)]:
+        top, least = found[key.replace(LEAST, TOP)], found[key]
+        ends = [v if isinstance(v, tuple) else (v,) for v in (top.value, least.value)]
+        assert all(isinstance(end, tuple) for end in ends)
+        wide = tuple(min(low, -_short(share * high)) for high, low in zip(*ends, strict=True))
+        if wide != ends[1]:
+            words = f"{least.source}: {least.text}, and as much as pushes may do"
+            value = wide if isinstance(least.value, tuple) else wide[0]
+            found[key] = replace(least, value=value, source=words)
+    return replace(sheet, found=found)
+
+
 def _values(sheet: Sheet, base: str) -> dict[str, Value]:
     """Every key of the file with its value, in the order of the file."""
     stated = {key: item.value for key, item in sheet.found.items()}
     sizes = {key: value for key, value in stated.items() if isinstance(value, float)}
-    pair = stated.get(LIMITS, tuple(sizes.get(f"{LIMITS}[{i}]", 0.3 * i) for i in (1, 2)))
-    assert isinstance(pair, tuple)
-    v, omega = pair
+    apart = any(key.startswith(LEAST) for key in stated)
+    top = TOP if apart else LIMITS
+    v, omega = _pair(stated, top, (0.3, 0.6))
     for key in RAMPS:
         ends = tuple(sizes.get(f"{key}[{axis}]", math.inf) for axis in (1, 2))
         if min(ends) < math.inf:
@@ -94,7 +112,9 @@ def _values(sheet: Sheet, base: str) -> dict[str, Value]:
     reached = [min(ends) for ends in zip((math.inf, math.inf), *ramps, strict=True)]
     speed, rate = (_short(min(ends)) for ends in zip(driven((v, omega)), reached, strict=True))
     period = sizes.get("clock.control", 0.05 if base == "velocity" else 0.01)
-    guess: dict[str, Value] = {"law": LAW, LIMITS: (v, omega), "clock.control": period}
+    guess: dict[str, Value] = {"law": LAW, top: (v, omega), "clock.control": period}
+    if apart:
+        guess[LEAST] = _pair(stated, LEAST, (-v, -omega))
     if base == "velocity":
         guess |= {"base.kind": base, "base.tau": (0.2, 0.2), "base.delay": 0.05}
         guess |= {"filter.kind": "clip", "filter.gain": (0.9, 1.1)}
@@ -106,6 +126,14 @@ def _values(sheet: Sheet, base: str) -> dict[str, Value]:
     optional = OPTIONAL if base == "velocity" else OPTIONAL[:1]
     values = guess | {key: stated[key] for key in stated if key in guess or key in optional}
     return dict(sorted(values.items(), key=lambda item: TABLES.index(item[0].rpartition(".")[0])))
+
+
+def _pair(stated: Mapping[str, Value], key: str, guess: tuple[float, float]) -> tuple[float, float]:
+    """Both axes of a key; ``guess`` of those that no file states."""
+    sizes = {name: value for name, value in stated.items() if isinstance(value, float)}
+    pair = stated.get(key, tuple(sizes.get(f"{key}[{i}]", guess[i - 1]) for i in (1, 2)))
+    assert isinstance(pair, tuple)
+    return pair[0], pair[1]
 
 
 def _guarded(sizes: Mapping[str, float], v: float, omega: float, period: float) -> dict[str, Value]:
