@@ -122,6 +122,12 @@ def check_filter(scenario: Scenario) -> None:
         check_beat(scenario)
     if settings.slew is not None:
         _check_slew(scenario, settings.slew)
+    _check_rim(scenario, reached)
+
+
+def _check_rim(scenario: Scenario, reached: Sequence[float]) -> None:
+    """Raise ScenarioError where the speeds that pushes reach alone take a wheel to its limit."""
+    settings, sizes = scenario.filter, [(high, -low) for low, high in scenario.limits.sides]
     rim, apart = reached[0] + scenario.robot.l * reached[1], settings.channels == "wheels"
     tops = [settings.wheel_speed] if settings.wheel_speed is not None else []
     tops += [min(sizes[0]), scenario.robot.l * min(sizes[1])] if apart else []

@@ -82,8 +82,8 @@ class Sheet:
 def merged(items: Sequence[Found]) -> Sheet:
     """Choose the first value of each key by rank, then by order; apply multipliers to lengths.
 
-    A base brakes as it accelerates, and drives backwards as forwards, unless a file states otherwise.
-    Both axes of a pair are stored under the pair's key if both are known.
+    A base brakes as it accelerates, and its limit backwards is that forwards, unless a file states
+    otherwise.  Both axes of a pair are stored under the pair's key if both are known.
     """
     factors = {item.key: item for item in reversed(items) if item.key.endswith("factor")}
     found: dict[str, Found] = {}
