@@ -451,7 +451,7 @@ def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
     assert facts.overshoot_cost is not None
     told = " ".join(filter_lines(settle(scenario, "kanayama")))
     assert ("millisecond of delay costs" in told) == (kind == "clip")
-    assert ("as long as it stays the same" in told) == (kind == "band")
+    assert ("a constant delay costs nothing" in told) == (kind == "band")
     if kind == "band":
         assert facts.rise is not None
         assert facts.rise_cost is not None

@@ -54,6 +54,19 @@ def test_rims_change_no_faster_than_their_ramps(accel: float, decel: float) -> N
     assert (np.abs(got[49::50] - reached) < 1e-12).any(axis=1).mean() > 0.1
 
 
+def test_a_wheel_kept_at_rest_changes_the_command_by_half_of_its_dead_band_at_most() -> None:
+    """`dropped` is what may act of a command that is as large as the limit allows or smaller."""
+    changes = {"base.wheel_deadband": BAND}
+    told = np.array(WHEEL_COMMANDS.bounded(override(CREATE3, changes)).dropped)
+    commands = np.random.default_rng(3).uniform(-2, 2, (4000, 2)) * (BAND, BAND / L)
+    one = np.abs(rims(commands)) < BAND
+    alone = one.sum(axis=1) == 1
+    off = np.abs(acting(changes, commands) - commands)[alone]
+
+    assert (off <= told * (1 + 1e-12)).all()
+    assert (off.max(axis=0) > 0.98 * told).all()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "off"),

@@ -44,7 +44,7 @@ GOVERNOR = {"kind": "governor", "tau": [0.2, 0.2], "delay": [0.02, 0.02]}
     [
         ("ramp", "ramps"),
         ("jerk", "rounds"),
-        ("dead band", "do not act"),
+        ("dead band", "filter.d[1]"),
         ("quantum", "filter.d[1]"),
         ("wheels", "clips"),
         ("losses", "filter.losses"),

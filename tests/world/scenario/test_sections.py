@@ -25,7 +25,13 @@ def tables() -> Iterator[tuple[str, type[Section]]]:
     yield "changes", Change
     yield from ((f"reference ({kind})", REFERENCES[kind].section) for kind in REFERENCES)
     yield "gains.kinematics", KinematicGains
-    yield from ((f"gains.{law}", LAWS[law].gains) for law in LAWS)
+    own = {law: LAWS[law].gains for law in LAWS}
+    yield from ((f"gains.{law}", own[law]) for law in own if is_ours(own[law]))
+
+
+def is_ours(section: type[Section]) -> bool:
+    """False for gains of a law that another test registered."""
+    return section.__module__.startswith("wmr_ctrl.")
 
 
 def line(key: str, what: Quantity) -> str:
