@@ -96,7 +96,7 @@ def test_what_calls_no_function_is_a_lemma_whatever_the_record_says() -> None:
     assert check(claim, forged).altered == {}
 
 
-KNOWN = {"wmr_ctrl.control.laws.prediction:acts_for": REFUTED}
+KNOWN = {"wmr_ctrl.control.guard.delay:in_flight": REFUTED}
 
 
 UNTRIED = dict.fromkeys(KNOWN, "")
@@ -105,7 +105,7 @@ UNTRIED = dict.fromkeys(KNOWN, "")
 @pytest.fixture(scope="module")
 def known() -> Entry:
     """An entry of today with words that a record would hold."""
-    found = check(CLAIMED["prediction.order"])
+    found = check(CLAIMED["guard.delay.rounding.scaled"])
     return replace(found, altered=KNOWN, confirmed_by=("cvc5",), cancelled=7)
 
 
@@ -119,7 +119,7 @@ def known() -> Entry:
     ],
 )
 def test_only_of_the_same_claim_something_is_taken(known, change, confirmed, altered) -> None:
-    found = check(CLAIMED["prediction.order"], replace(known, **change))
+    found = check(CLAIMED["guard.delay.rounding.scaled"], replace(known, **change))
 
     assert (found.confirmed_by, found.altered) == (confirmed, altered)
     assert found.cancelled == (7 if confirmed else 0)
