@@ -60,22 +60,24 @@ def undefined(claim: Claim) -> tuple[int, str]:
     return len(gone), "; ".join(term.sexpr()[:200] for term in left)
 
 
-def cancelled_operations(claim: Claim) -> tuple[Problem, list[Any]]:
+def cancelled_operations(claim: Claim, simple: bool = True) -> tuple[Problem, list[Any]]:
     """The claim posed without simplification, and when each cancelled operation is undefined.
 
+    ``simple``: these terms are simplified by z3, as `undefined` asks about them.
     Raises UndecidedError if it cannot be posed.
     """
     assert claim.statement is not None
     plain = uncancelled(claim)
-    kept, raw = posed(claim.statement(CLAIMED)), posed(plain, derived_powers(plain.graph))
+    kept = posed(claim.statement(CLAIMED), simple=simple)
+    raw = posed(plain, derived_powers(plain.graph), simple)
     before = {z3.simplify(term).sexpr() for term in kept.undefined}
-    terms = {z3.simplify(term).sexpr(): term for term in raw.undefined}
-    return raw, [term for text, term in terms.items() if text not in before]
+    terms = {(found := z3.simplify(term)).sexpr(): (found, term) for term in raw.undefined}
+    return raw, [both[not simple] for text, both in terms.items() if text not in before]
 
 
 def cancelled_obligations(claim: Claim) -> Iterator[Obligation]:
     """The obligation, as text, for each cancelled operation that must be defined."""
-    raw, gone = cancelled_operations(claim)
+    raw, gone = cancelled_operations(claim, simple=False)
     for number, term in enumerate(gone, 1):
         text = printed([*raw.base, term], raw.terms.inputs)
         yield Obligation(f"cancelled-{number}", text, "unsat")

@@ -223,10 +223,10 @@ class Problem:
     undefined: list[Any]
 
 
-def posed(statement: Statement, but: Container[int] = ()) -> Problem:
+def posed(statement: Statement, but: Container[int] = (), simple: bool = False) -> Problem:
     """The statement for a solver: it is true if ``base`` with each wrong term is unsatisfiable.
 
-    ``but``: nodes that may be undefined.
+    ``but``: nodes that may be undefined; ``simple``: z3 simplifies when operations are.
     """
     terms = TermArithmetic()
     walk = Walk(statement.graph, terms, lambda _: False)
@@ -234,7 +234,7 @@ def posed(statement: Statement, but: Container[int] = ()) -> Problem:
     goals = len(statement.goals)
     given = [relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
     wrong = [z3.Not(relation(k, v)) for k, v in zip(statement.goal_kinds, values, strict=False)]
-    undefined = list(violations(walk, goals, but))
+    undefined = list(violations(walk, goals, but, simple))
     return Problem(terms, given + terms.facts, wrong, undefined)
 
 
@@ -307,13 +307,20 @@ OUTSIDE: dict[str, Callable[..., Any]] = {
 """By operation, where its result is not defined."""
 
 
-def violations(walk: Walk, goals: int, but: Container[int] = ()) -> Iterator[Any]:
-    """Terms, each true where one operation behind the first ``goals`` outputs is undefined."""
+def violations(
+    walk: Walk, goals: int, but: Container[int] = (), simple: bool = False
+) -> Iterator[Any]:
+    """Terms, each true where one operation behind the first ``goals`` outputs is undefined.
+
+    ``simple``: simplified by z3.
+    """
     guards = _guards(walk, goals)
     for k, guard in guards.items():
         node = walk.graph.nodes[k]
         if node.op in OUTSIDE and k not in but:
             outside = OUTSIDE[node.op](*(walk.values[arg] for arg in node.args))
+            if simple:
+                outside = z3.simplify(outside)
             if not z3.is_false(z3.simplify(outside)):
                 yield z3.And(guard, outside)
 
