@@ -72,6 +72,8 @@ OTHER: Mapping[str, Any] = {
     "gains.pursuit.distance": [0.2, 0.4],
     "gains.pursuit.radius": 0.5,
     "gains.pursuit.turn_from": 0.2,
+    "limits.v_min": [-0.29, -0.7],
+    "limits.v_max": [0.29, 0.7],
     "metrics.split": 0.1,
     "body.radius": 0.3,
     "corridor.cells": 2,
