@@ -65,6 +65,24 @@ def test_limits_that_nobody_stated_are_those_of_the_log_and_are_called_assumed(s
     assert "seen in the log, not your limit" in file.read_text()
 
 
+@pytest.mark.parametrize("name", ["tau", "gain"])
+def test_each_axis_has_its_own_bounds(silent, name):
+    both = silent.scenario.filter.intervals(name)
+
+    for own, other, truth in zip(both, both[::-1], FIRST[name], strict=True):
+        assert own[0] < truth < own[1]
+        assert not other[0] < truth < other[1]
+    assert loads_scenario(silent.to_toml()).filter.intervals(name) == both
+
+
+def test_bounds_of_wheels_hold_both_axes(silent):
+    wheels = of_velocities(filter__channels="wheels", robot__l=0.3)
+
+    assert wheels.scenario.filter.kind == "clip"
+    (low, _), (_, high) = sorted(silent.scenario.filter.intervals("gain"))
+    assert wheels.scenario.filter.gain == (low, high)
+
+
 def test_what_nobody_stated_is_not_written(silent):
     written = tomllib.loads(silent.to_toml())
 
@@ -101,7 +119,9 @@ def test_a_filter_is_wider_up_to_twice_the_speeds_of_its_log_and_off_beyond(sile
     near = of_velocities(limits__v_u1=[most, 0.9], limits__v_u2=[0.1, 0.5])
     assert near.scenario.filter.kind == "clip"
     assert near.bounds.d[0] == pytest.approx(2 * silent.bounds.d[0], rel=0.1)
-    assert near.scenario.filter.gain[1] > silent.scenario.filter.gain[1]
+    wider, (_, most) = (item.scenario.filter.intervals("gain") for item in (near, silent))
+    assert wider[0][1] > silent.scenario.filter.intervals("gain")[0][1]
+    assert wider[1][1] == pytest.approx(most[1], rel=0.01)
     assert {"filter.gain", "filter.d"} <= {*near.scenario.assumed}
     assert any("beyond the fastest motion of the log" in text for text in near.remarks)
 

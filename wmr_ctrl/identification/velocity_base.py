@@ -148,47 +148,45 @@ def _scenario(
         d[place] = outward(0.0, _deviation(fit) * (1 + far[place]))[1]
     both = [fits.get(place, judgements[0].fit) for place in (0, 1)]
     values = [{name: four_digits(x) for name, x in fit.values.items()} for fit in both]
-    hull = _hulls(estimates)
+    loop, ends = both[0].loop, _by_axis(estimates)
     delays = [item.value for name, item in estimates.items() if name.startswith("delay")]
     late = max(round(float(np.mean(delays)) / base.clock.plant), 0) * base.clock.plant
-    ends = outward(min(late, hull["delay"][0]), max(late, hull["delay"][1]))
+    ends["delay"] = [(min(late, low), max(late, high)) for low, high in ends["delay"]]
+    for axis, (fit, beyond) in enumerate(zip(both, far, strict=True)):
+        if "gain" in ends:
+            # A gain that grows with the command grows on beyond those of the log.
+            low, high = ends["gain"][axis]
+            more = beyond * (bent(fit) + ("curve" in fit.values) * (high / low - 1))
+            ends["gain"][axis] = low, high * (1 + more)
+    if loop == "pi" or base.filter.channels == "wheels" or base.filter.wheel_speed is not None:
+        ends = {name: 2 * [_hull(pairs)] for name, pairs in ends.items()}
+    ends = {name: [outward(*pair) for pair in pairs] for name, pairs in ends.items()}
     accel = [item.get("accel", math.inf) for item in values]
     result = override(base, {
         "robot.mu": 0.0, "base.kind": "velocity", "base.delay": late, "base.accel": accel,
         "base.decel": [v.get("decel", most) for v, most in zip(values, accel, strict=True)],
         "base.deadband": [item.get("dead", 0.0) for item in values], "guard.enabled": False,
-        "filter.kind": "none", "filter.delay": list(ends),
+        "filter.kind": "none", "filter.delay": _stated(ends["delay"]),
         "disturbance.std": 0.0, "disturbance.push": [0.0, 0.0],
     })  # fmt: skip
-    loop, own = both[0].loop, ["robot.mu", "disturbance.std"]
+    own = ["robot.mu", "disturbance.std"]
     rests = loop != "first-order" or base.section(Encoder).counts
     if rests and isinstance(base.initial.velocity, Unstated):
         # A filter for loops that overshoot counts on a base at rest, as encoders do.
         result = override(result, {"initial.velocity": [0.0, 0.0]})
-    if "gain" in hull:
-        # A gain that grows with the command grows on beyond those of the log.
-        low, high = hull["gain"]
-        more = max(
-            beyond * (bent(fit) + ("curve" in fit.values) * (high / low - 1))
-            for fit, beyond in zip(both, far, strict=True)
-        )
-        hull["gain"] = low, high * (1 + more)
-    hull = {name: outward(*pair) for name, pair in hull.items()}
     if loop == "pi":
         own += ["robot.I"] if {"robot.m", "robot.l"} & {*base.assumed} else []
-        result = _of_pi(result, values, hull, d, remarks)
+        result = _of_pi(result, values, ends, d, remarks)
     else:
-        result = _of_relaxing(result, loop, values, hull, d)
+        result = _of_relaxing(result, loop, values, ends, d)
     result = replace(result, assumed=(*result.assumed, *own))
-    peaks = [PeakGain(hull["gain"][1], item) for item in d] if loop == LOOP else [
-        *peak_gains(override(result, {"filter.kind": "clip"}))
-    ]  # fmt: skip
+    peaks = peak_gains(result)
     sentence = (
         f"largest deviation, averaged over {SMOOTHED:g} s, that was seen in "
         f"{log.t[-1] - log.t[0]:.3g} s, on this floor, with this load: no bound that is proved"
     )
     first, second = (k.gain if place in fits else math.inf for place, k in enumerate(peaks))
-    bounds = FilterBounds(loop, (first, second), (d[0], d[1]), ends, sentence)
+    bounds = FilterBounds(loop, (first, second), (d[0], d[1]), _hull(ends["delay"]), sentence)
     if reason := _against(result, judgements, estimates, far):
         remarks.append(f"the filter is off: {reason}")
         return bounds, replace(result, assumed=(*result.assumed, *UNFOUNDED))
@@ -283,20 +281,30 @@ def _never_sent(
     return remarks
 
 
-def _hulls(estimates: Mapping[str, Estimate]) -> dict[str, Pair]:
-    """Smallest intervals, per kind of parameter, that contain both axes' intervals."""
-    hulls: dict[str, Pair] = {}
+def _by_axis(estimates: Mapping[str, Estimate]) -> dict[str, list[Pair]]:
+    """Intervals of v and omega per kind of parameter; those of a lone axis twice."""
+    found: dict[str, list[Pair]] = {}
     for key, item in estimates.items():
-        low, high = hulls.get(key[:-1], (math.inf, -math.inf))
-        hulls[key[:-1]] = min(low, item.low), max(high, item.high)
-    return hulls
+        found.setdefault(key[:-1], []).append((item.low, item.high))
+    return {name: (pairs * 2)[:2] for name, pairs in found.items()}
+
+
+def _hull(pairs: Sequence[Pair]) -> Pair:
+    """Smallest interval that contains both axes' intervals."""
+    lows, highs = zip(*pairs, strict=True)
+    return min(lows), max(highs)
+
+
+def _stated(pairs: Sequence[Pair]) -> object:
+    """Bounds as a filter states them: one interval if both axes have the same, or two."""
+    return pairs[0] if pairs[0] == pairs[1] else pairs
 
 
 def _of_relaxing(
     scenario: Scenario,
     loop: str,
     values: list[dict[str, float]],
-    hull: Mapping[str, Pair],
+    ends: Mapping[str, Sequence[Pair]],
     d: Sequence[float],
 ) -> Scenario:
     """The scenario of a loop of first or second order."""
@@ -305,14 +313,14 @@ def _of_relaxing(
     for name in LOOPS[loop]:
         if name in names:
             numbers[f"base.{names[name]}"] = [item[name] for item in values]
-            numbers[f"filter.{names[name]}"] = list(hull[name])
+            numbers[f"filter.{names[name]}"] = _stated(ends[name])
     return override(scenario, numbers)
 
 
 def _of_pi(
     scenario: Scenario,
     values: list[dict[str, float]],
-    hull: Mapping[str, Pair],
+    ends: Mapping[str, Sequence[Pair]],
     d: Sequence[float],
     remarks: list[str],
 ) -> Scenario:
@@ -327,7 +335,7 @@ def _of_pi(
     # Both ratios of v over omega are I/(m l^2) in a loop that both wheels share.
     heavier = math.sqrt(pulls[0][0] / pulls[1][0] * (pulls[0][1] / pulls[1][1]))
     inertia = m * l**2 * heavier
-    (wn, wn_most), (zeta, zeta_most) = hull["wn"], hull["zeta"]
+    (wn, wn_most), (zeta, zeta_most) = ends["wn"][0], ends["zeta"][0]
     own = min(1.0, heavier), max(1.0, heavier)
     result = override(scenario, {
         "base.loop": "pi", "robot.I": inertia,
