@@ -201,9 +201,9 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("control/guard/price.py",
          "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
          "return self.asked[0] > self.usable[0], False"),
-        ("control/guard/price.py", "max(abs(slowest), abs(fastest))", "fastest"),
-        ("theory/checks/velocity_guard.py", "start <= u1 <", "start < u1 <"),
-        ("theory/checks/preconditions.py", "if abs(v) > u1:", "if abs(v) >= u1:"),
+        ("control/guard/price.py", "max(ways, key=lambda way: way[0] - way[1])", "ways[0]"),
+        ("theory/checks/velocity_guard.py", "beyond <= 0 <", "beyond < 0 <"),
+        ("theory/checks/preconditions.py", "if beyond[axis] > 0:", "if beyond[axis] >= 0:"),
     ),
     *_rows(
         "wmr_ctrl/", "tests/linear/test_margins.py",
@@ -239,7 +239,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         "wmr_ctrl/control/guard/", "prove guard.outside-back",
-        ("guard.py", "return -ceiling(-y, b,", "return -ceiling(ca.fmin(-y, 2 * b.u1), b,"),
+        ("guard.py", "-ceiling(-y, b.mirrored,", "-ceiling(ca.fmin(-y, 2 * b.u1), b.mirrored,"),
     ),
     *_rows(
         "wmr_ctrl/control/guard/", "prove guard.assembled.guard.linear-first-late",
@@ -270,7 +270,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         WORLD, "tests/world/references/test_references.py",
-        ("references/kind.py", "float(np.abs(v2).max())", "float(v2.max())"),
+        ("references/kind.py", "max(map(abs, turning))", "max(turning)"),
     ),
     *_rows(
         "wmr_ctrl/control/laws/", "tests/control/laws/test_laws_all.py::"
