@@ -26,12 +26,24 @@ MOWER = {
     "loop": ("first-order", "second-order"), "damping": (0.4, 1.2), "tau": None, "odometry": None,
     "frequency": (3.0, 4.0), "gain": ((0.95, 1.05), (0.9, 1.1)),
 }  # fmt: skip
+PI = {"mass": (50.0, 65.0), "inertia": (3.0, 4.5), "kp": (135.0, 165.0), "ki": (270.0, 330.0)}
+PI_TURNS = {
+    **MOWER, **PI, "loop": ("first-order", "pi"), "damping": None, "gain": ((0.95, 1.05), (1, 1)),
+    "push": (0.0, 0.4), "d": (0.05, 0.01),
+}  # fmt: skip
+PI_DRIVES = {
+    **MOWER, **PI, "loop": ("pi", "second-order"), "gain": ((1, 1), (0.9, 1.1)),
+    "push": (10.0, 0.0), "d": (0.0, 0.05), "friction": (0.0, 20.0),
+}  # fmt: skip
 CASES: Mapping[str, tuple[str, Mapping[str, object]]] = {
     "clip": ("clip", APART),
     "governor": ("governor", APART),
     "governor, late": ("governor", APART | LATE),
     "clip of linear loops": ("clip", SWUNG),
     "clip of a mower": ("clip", MOWER),
+    "clip of a PI loop beside a first-order one": ("clip", PI_TURNS),
+    "clip of a PI loop beside a second-order one": ("clip", PI_DRIVES),
+    "band of a PI loop beside a second-order one": ("band", PI_DRIVES),
     "clip of slow commands": ("clip", SWUNG | {"slew": (0.1, 0.1), "delay": LATE["delay"]}),
     "band": ("band", SWUNG | {"delay": ((0.0, 0.0), (0.1, 0.1))}),
 }
@@ -182,3 +194,33 @@ def test_one_axis_may_swing_while_the_other_does_not() -> None:
     ):
         with pytest.raises(ScenarioError, match=words):
             settle(override(scenario("clip", **MOWER), CUTTER | changes), "kanayama")
+
+
+ROBOT = CUTTER | {"robot.m": 60.0, "robot.I": 3.5, "base.kp": 150.0, "base.ki": 300.0}
+
+
+@pytest.mark.parametrize(
+    ("stated", "loop"),
+    [(PI_TURNS, ("first-order", "pi")), (PI_DRIVES, ("pi", "second-order"))],
+    ids=["omega", "v"],
+)
+def test_a_pi_loop_may_drive_one_axis_beside_another_loop(stated, loop) -> None:
+    own = ROBOT | {"base.loop": loop, "initial.velocity": (0.0, 0.0)}
+    made = override(scenario("clip", **stated), own)
+    run = simulate(made, "kanayama")
+    assert run.monitor.violations == 0
+    assert run["clip_active"].any()
+    axis = loop.index("pi")
+    mass, unit = (("m", "mass"), ("I", "inertia"))[axis]
+    for changes, words in (
+        ({f"robot.{mass}": 70.0}, rf"robot\.{mass} = 70 .* outside filter\.{unit}"),
+        ({"base.kp": 100.0}, r"base\.kp = 100 N\.s/m is outside"),
+        ({"base.loop": loop[::-1]}, "does not fit"),
+        ({"initial.velocity": 0.1 * AXES[axis]}, "at rest at the start"),
+        ({"disturbance.push": 20 * AXES[axis]}, rf"filter\.push\[{axis + 1}\] = .* is less"),
+        ({"disturbance.push": 20 * AXES[1 - axis]}, rf"filter\.d\[{2 - axis}\] = .* is less"),
+        ({"base.quantum": 0.2}, r"base\.quantum"),
+        ({"actuator.tau_max": 50.0}, "may wind up"),
+    ):
+        with pytest.raises(ScenarioError, match=words):
+            settle(override(made, changes), "kanayama")

@@ -89,7 +89,7 @@ class HeldLoop:
 
 def held_loop(scenario: Scenario, axis: int) -> HeldLoop | None:
     """The simulated base of a scenario with a filter for PI loops; None without one."""
-    if not has_loop(scenario, "pi"):
+    if not has_loop(scenario, "pi", [axis]):
         return None
     robot, gains = scenario.robot, scenario.section(PiLoopGains)
     over = square(Span.of(robot.l)) if axis else Span.of(1.0)
@@ -119,15 +119,18 @@ def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
 
     Those of a first-order loop, whose friction is compensated: d = s f/M + K times the error, with
     s = h/(1 - exp(-h/tau)), half a plant step h above tau, since the loop's force is held over it.
-    For a second-order loop, which swings: those of steady pushes that lead as far.
+    For a second-order loop, which swings: those of steady pushes that lead as far.  0 for a PI
+    loop, which makes up for them.
     """
-    if "pi" in scenario.base.loop or not scenario.takes_velocity:
+    if not scenario.takes_velocity:
         return 0.0, 0.0
     base, robots = scenario.base, [p.robot for p in phases(scenario)]
     mass, inertia = min(robot.m for robot in robots), min(robot.I for robot in robots)
     linear, angular = (
         _time_of_pushes(scenario, axis) * bound.dbar[axis] / (mass, inertia)[axis]
         + base.gain[axis] * bound.command[axis]
+        if base.loop[axis] != "pi"
+        else 0.0
         for axis in (0, 1)
     )
     return linear, angular

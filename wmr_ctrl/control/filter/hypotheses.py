@@ -79,7 +79,7 @@ def refuse_broken_hypotheses(scenario: Scenario, bound: Bound) -> None:
 
 
 def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    stated, governs = scenario.filter, scenario.filter.kind == "governor"
+    governs = scenario.filter.kind == "governor"
     for item in EFFECTS.present(scenario):
         if item.role is EffectRole.DRIVE and item.active(scenario):
             yield (
@@ -98,10 +98,7 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
             "rates one wheel may stop while the other turns on, and v or omega passes its command. "
             "State one rate for both, if it holds for the base."
         )
-    if stated.loop == ("pi", "pi") and has_loop(scenario, "pi"):
-        yield from _of_pi_loops(scenario, bound)
-        return
-    yield from _of_loops_by_axis(scenario)
+    yield from _of_loops_by_axis(scenario, bound)
     missed = (own != loop == "first-order" for loop, own in _loops(scenario))
     if bound.overshoots and (any(missed) or has_loop(scenario, "first-order")):
         yield (
@@ -121,7 +118,7 @@ def _loops(scenario: Scenario) -> Iterator[tuple[str, str]]:
     return zip(scenario.filter.loop, scenario.base.loop, strict=True)
 
 
-def _of_loops_by_axis(scenario: Scenario) -> Iterator[str]:
+def _of_loops_by_axis(scenario: Scenario, bound: Bound) -> Iterator[str]:
     """Loops of v and omega, each by itself, and their numbers."""
     stated, base, governs = scenario.filter, scenario.base, scenario.filter.kind == "governor"
     for axis, (loop, own) in enumerate(_loops(scenario)):
@@ -131,10 +128,7 @@ def _of_loops_by_axis(scenario: Scenario) -> Iterator[str]:
                 f"{show(list(base.loop))}. State the loop that the base has."
             )
         elif own == "pi" and loop == own:
-            yield (
-                f"base.loop = {show(list(base.loop))}: no filter counts on a PI loop of one axis "
-                "beside another loop. Use loops of one kind."
-            )
+            yield from _of_pi_loop(scenario, bound, axis)
         elif loop == own:
             least, most = stated.intervals("gain")[axis]
             bounds = {"gain": ("1", (governs * least, most))}
@@ -190,13 +184,13 @@ def _of_swinging_loop(scenario: Scenario, axis: int) -> Iterator[str]:
     yield from _of_weak_motors(scenario)
 
 
-def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
+def _of_pi_loop(scenario: Scenario, bound: Bound, axis: int) -> Iterator[str]:
     stated, base, robot = scenario.filter, scenario.base, scenario.robot
-    numbers = {
-        "mass": ("robot.m", robot.m, "kg"), "inertia": ("robot.I", robot.I, "kg.m2"),
-        "kp": ("base.kp", base.kp, "N.s/m"), "ki": ("base.ki", base.ki, "N/m"),
-    }  # fmt: skip
-    for name, (key, value, unit) in numbers.items():
+    mass = ("mass", "robot.m", robot.m, "kg"), ("inertia", "robot.I", robot.I, "kg.m2")
+    numbers = (
+        mass[axis], ("kp", "base.kp", base.kp, "N.s/m"), ("ki", "base.ki", base.ki, "N/m"),
+    )  # fmt: skip
+    for name, key, value, unit in numbers:
         if not _within(value, stated.interval(name)):
             yield _outside(key, value, unit, f"filter.{name}", stated.interval(name))
     yield from too_quick(scenario)
@@ -206,29 +200,26 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
             "loops that do not change. Leave mass and inertia constant: `changes = []` takes out "
             "those of a preset that the file extends."
         )
-    viscous = scenario.section(Resistance).viscous
-    for axis, (lever, unit) in enumerate(((1.0, "N.s/m"), (robot.l**2, "N.m.s/rad"))):
-        least, most = (lever * c for c in stated.friction)
-        if not _within(viscous[axis], (least, most)):
-            key, name = f"resistance.viscous[{axis + 1}]", "filter.friction" + " robot.l^2" * axis
-            yield _outside(key, viscous[axis], unit, name, (least, most))
-    for axis in (0, 1):
-        yield from _of_swinging_loop(scenario, axis)
-    rolling = rolling_against(scenario)
-    pushes = bound.dbar[0] + largest_friction(scenario) + rolling[0], bound.dbar[1] + rolling[1]
-    for axis, (push, unit) in enumerate(zip(pushes, ("N", "N.m"), strict=True)):
-        if push > stated.push[axis] * (1 + ROUNDING):
-            yield (
-                f"The base may be pushed by {rounded(push, 4)} {unit} (disturbances, Coulomb "
-                f"friction and rolling together), and filter.push[{axis + 1}] = "
-                f"{stated.push[axis]:g} {unit} is less. Raise it to that."
-            )
-    for axis, error in enumerate(bound.command):
-        if error > stated.d[axis] * (1 + ROUNDING):
-            yield (
-                f"The command that acts may be off by {rounded(error, 4)} {UNITS[axis]} "
-                f"(base.quantum). Raise filter.d[{axis + 1}] = {stated.d[axis]:g} to that."
-            )
+    viscous, lever = scenario.section(Resistance).viscous[axis], (1.0, robot.l**2)[axis]
+    least, most = (lever * c for c in stated.friction)
+    if not _within(viscous, (least, most)):
+        key, name = f"resistance.viscous[{axis + 1}]", "filter.friction" + " robot.l^2" * axis
+        yield _outside(key, viscous, ("N.s/m", "N.m.s/rad")[axis], name, (least, most))
+    yield from _of_swinging_loop(scenario, axis)
+    push = bound.dbar[axis] + rolling_against(scenario)[axis]
+    push += (largest_friction(scenario), 0.0)[axis]
+    if push > stated.push[axis] * (1 + ROUNDING):
+        unit = ("N", "N.m")[axis]
+        yield (
+            f"The base may be pushed by {rounded(push, 4)} {unit} (disturbances, Coulomb "
+            f"friction and rolling together), and filter.push[{axis + 1}] = "
+            f"{stated.push[axis]:g} {unit} is less. Raise it to that."
+        )
+    if bound.command[axis] > stated.d[axis] * (1 + ROUNDING):
+        yield (
+            f"The command that acts may be off by {rounded(bound.command[axis], 4)} {UNITS[axis]} "
+            f"(base.quantum). Raise filter.d[{axis + 1}] = {stated.d[axis]:g} to that."
+        )
 
 
 def _of_weak_motors(scenario: Scenario) -> Iterator[str]:

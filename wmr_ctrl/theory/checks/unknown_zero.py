@@ -94,11 +94,14 @@ def _of_guard(setup: Setup) -> Iterator[ZeroBound]:
 
 def _of_filter(setup: Setup) -> Iterator[ZeroBound]:
     stated = setup.scenario.filter
-    if stated.loop == ("pi", "pi"):
-        yield from _zero("filter.push", stated.push, PUSHES)
-        yield from _zero("filter.d", stated.d, COMMANDS, COMMAND_ERROR)
-    else:
-        yield from _zero("filter.d", stated.d, PUSHES)
+    for key, words, remedy, of_pi in (
+        ("filter.push", PUSHES, "", True),
+        ("filter.d", COMMANDS, COMMAND_ERROR, True),
+        ("filter.d", PUSHES, "", False),
+    ):
+        sizes = zip(setup.value(key), stated.loop, strict=True)
+        own = tuple(size if (loop == "pi") == of_pi else math.inf for size, loop in sizes)
+        yield from _zero(key, own, words, remedy)
     if stated.kind == "governor" and stated.odometry is not None:
         yield from _zero("filter.odometry", stated.odometry, ERRORS)
 
