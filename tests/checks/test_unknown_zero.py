@@ -123,6 +123,19 @@ def test_a_pi_loops_push_is_not_its_command_error() -> None:
     assert "its commands act exactly" in promise(setup)
 
 
+def test_each_axis_names_the_zero_of_its_own_loop() -> None:
+    both = {
+        "filter.kind": "clip", "filter.loop": ["first-order", "pi"], "filter.d": [0.0, 0.0],
+        "filter.gain": [[0.9, 1.1], [1.0, 1.0]], "filter.inertia": [0.003, 0.005],
+        "filter.kp": [5.0, 20.0], "filter.ki": [1.0, 5.0], "filter.push": [0.0, 0.01],
+        "filter.trust": True,
+    }  # fmt: skip
+    said = promise(settle(load_scenario(VELOCITY, both), "kanayama"))
+
+    assert "nothing pushes the robot forwards or backwards" in said
+    assert "its commands of omega act exactly" in said
+
+
 def checked(name: str, *options: str) -> Mapping[str, object]:
     result = CliRunner().invoke(root, ["check", name, "--law", "kanayama", "--json", *options])
     found = json.loads(result.stdout)

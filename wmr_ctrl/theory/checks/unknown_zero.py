@@ -1,5 +1,6 @@
 """Bounds of size 0: unknown pushes and errors that are assumed not to exist."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
