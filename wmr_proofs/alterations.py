@@ -101,6 +101,8 @@ def changed(value: object, change: Change) -> object:
         return value
     if isinstance(value, tuple | list):
         parts = [changed(part, change) for part in value]
+        if all(new is old for new, old in zip(parts, value, strict=True)):
+            return value
         return parts if isinstance(value, list) else tuple(parts)
     if is_dataclass(value) and not isinstance(value, type):
         return replace(value, **{f.name: changed(getattr(value, f.name), change)
