@@ -121,9 +121,13 @@ def channels_of(
     V = _kept(limits, p, d)
     nbar = p.take("filter.odometry") if settings.odometry else ca.SX.zeros(2)
     body = [
-        tuple(FirstOrder(v[i], d[i], nbar[i], K_min[i], K_max[i], kappa[i]) for v in V)
+        tuple(
+            FirstOrder(v[i], d[i], nbar[i], K_min[i], K_max[i],
+                       ca.if_else(v[i] > d[i], kappa[i], 0) if limits.apart else kappa[i])
+            for v in V
+        )
         for i in AXES
-    ]
+    ]  # fmt: skip
     sizes = [(high, -low) for low, high in limits.sides]
     both = [Channel((1 - i, i), ca.SX(1), body[i], sizes[i]) for i in AXES]
     wheels = settings.channels == "wheels"
@@ -153,7 +157,7 @@ def _kept(limits: Limits, p: Parameters, d: ca.SX) -> list[ca.SX]:
     """Limits (2,) to aim at, forwards and backwards where they may differ.
 
     What pushes alone lead to is never beyond one that admits it: 0 keeps it, and is then all that
-    is sent.
+    is sent, also to brake, since no margin is left for roundings.
     """
     aimed = sides(limits, p, ROUNDING)
     if not limits.apart:

@@ -162,7 +162,7 @@ def _unequal(scenario: Scenario, reached: Sequence[float]) -> Iterator[str]:
                     f"filter.d[{i + 1}] = {settings.d[i]:g} alone drives the base to "
                     f"{way * reached[i]:g}, and {key} is {way * size:g}: nothing keeps it from "
                     f"rolling that way. State {key} = {way * reached[i]:g}: then no command that "
-                    "way is sent unless one is asked for."
+                    "way is ever sent."
                 )
 
 
