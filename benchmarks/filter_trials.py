@@ -22,10 +22,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.linear_loops import driven, impulses
 from benchmarks.native import load_filter
 from benchmarks.parts import page_parser, renew
 from tests.control.filter.adversary import Base, Sender, fastest
-from tests.control.filter.linear_base import driven, impulses, pi_base, second_order_base
+from tests.control.filter.linear_base import pi_base, second_order_base
 from wmr_ctrl.control.filter import filter_system
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import Scenario, load_scenario

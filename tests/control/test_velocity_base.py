@@ -29,70 +29,12 @@ from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.theory.checks.velocity_base import rise_times, usable_speed, velocity_base
 from wmr_ctrl.theory.linear.nonlinear import law_nlsys
 from wmr_ctrl.world.effect import Bound
-from wmr_ctrl.world.model.dynamics import plant, rk4_step
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import rolling_against
-from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario import override
 from wmr_ctrl.world.speed_loop import has_loop
 
 ROOT = Path(__file__).parents[2]
-
-
-def driven(scenario: Scenario, commands: Sequence[float]) -> np.ndarray:
-    """v1 after each plant step of the plant behind the speed loop, from the graphs themselves."""
-    import casadi as ca
-
-    loops = [item for item in EFFECTS.present(scenario) if item.role.value == "loop"]
-    loop, robot = loops[0].system(scenario), plant(scenario)
-    act = loop.function("act", [loop.update, loop.y])
-    h = ca.SX.sym("h")
-    step = ca.Function("step", [robot.u, robot.x, robot.p, h], [rk4_step(robot, h)])
-    x, own, speeds = np.zeros(5), np.array(loop.x0), []
-    for command in commands:
-        own, torque = act([command, 0.0, x[3], x[4]], own, loop.p0)
-        x = step(ca.vertcat(torque, 0, 0, 0, 0), x, robot.p0, scenario.clock.plant).full().ravel()
-        speeds.append(x[3])
-    return np.array(speeds)
-
-
-def test_a_first_order_loop_relaxes_by_its_time_constant_and_gain() -> None:
-    scenario = based(VELOCITY, robot__mu=0.0)
-    speeds = driven(scenario, [0.8] * 400)
-    time = 0.001 * np.arange(1, 401)
-    assert speeds == pytest.approx(1.05 * 0.8 * (1 - np.exp(-time / 0.2)), abs=1e-12)
-
-
-def test_friction_only_slows_a_first_order_loop_down() -> None:
-    speeds = driven(based(VELOCITY), [0.8] * 400)
-    smooth = driven(based(VELOCITY, robot__mu=0.0), [0.8] * 400)
-    assert (speeds <= smooth + 1e-12).all()
-    assert speeds == pytest.approx(smooth, abs=2e-3)
-
-
-@pytest.mark.slow
-def test_a_pi_loop_is_the_one_of_its_equation() -> None:
-    """M v'' + kp v' + ki v = kp u' + ki u, whose step response is a sum over its poles."""
-    pi = {**VELOCITY, "base": {"kind": "velocity", "loop": "pi"}}
-    speeds = driven(based(pi, robot__mu=0.0), [1.0] * 4000)
-    poles = np.roots([50.0, 150.0, 300.0])
-    numerator = np.poly1d([150.0 / 50.0, 300.0 / 50.0])
-    time = 0.001 * np.arange(1, 4001)
-    exact = 1 + sum(
-        numerator(p) / (p * (p - q)) * np.exp(p * time) for p, q in (poles, poles[::-1])
-    )
-    assert speeds == pytest.approx(exact.real, abs=2e-3)
-    assert speeds.max() > 1.1
-
-
-@pytest.mark.slow
-def test_antiwindup_takes_the_overshoot_behind_a_torque_limit() -> None:
-    def peak(antiwindup: bool) -> float:
-        base = {"kind": "velocity", "loop": "pi", "antiwindup": antiwindup}
-        weak = based({**VELOCITY, "base": base}, actuator__tau_max=3.0, robot__mu=0.0)
-        return float(driven(weak, [1.0] * 1500).max())
-
-    assert peak(False) > 1.45
-    assert peak(True) < peak(False) - 0.3
 
 
 def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for() -> None:
@@ -337,42 +279,6 @@ def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch) 
     assert rise_times(based(GOVERNED)) == pytest.approx([0.9 * 1.0 / 0.7, 0.9 * 2.0 / 0.9])
 
 
-def at_rest(
-    scenario: Scenario, gain: float, push: float, error: float, tau: float, delay: int
-) -> float:
-    """Speed at which such a base ends where it is asked for far too much; times in T/10."""
-    governor, T, age = wmr_ctrl.command_filter(scenario), scenario.clock.control, 10
-    v, sent, least = [0.0] * (age + 1), [0.0] * 20, math.inf
-    for k in range(400):
-        told = governor.step((9.0, 0.0), (v[-1 - age] + error, 0.0), age=age * T / 10)
-        sent += [told.command[0]] * 10
-        for i in range(10):
-            u = sent[len(sent) - 10 + i - delay]
-            v.append(v[-1] + (1 - math.exp(-T / 10 / tau)) * (gain * u + push - v[-1]))
-            least = min(least, v[-1]) if k >= 380 else math.inf
-    return least
-
-
-@pytest.mark.slow
-def test_no_base_within_the_bounds_ends_slower_than_check_says() -> None:
-    """By a base of the test's own, with odometry of age T; the weakest ends just there."""
-    bounds = {"d": (0.05, 0.05), "odometry": (0.02, 0.02), "age": 0.05, "delay": (0.0, 0.03)}
-    stated = {f"filter.{name}": value for name, value in bounds.items()}
-    scenario = based({**GOVERNED, **stated})
-    facts = filter_facts(settle(scenario, "kanayama"))
-    assert facts is not None
-    told = facts.usable_speed[0]
-    assert at_rest(scenario, 0.9, -0.05, 0.02, 0.3, 6) == pytest.approx(told, rel=1e-6)
-    for base in (
-        (0.9, -0.05, 0.02, 0.2, 0), (0.9, -0.05, -0.02, 0.25, 3), (0.9, 0.05, 0.02, 0.3, 6),
-        (1.1, -0.05, 0.02, 0.2, 6), (1.0, -0.02, 0.01, 0.25, 3), (1.1, 0.05, 0.02, 0.3, 0),
-    ):  # fmt: skip
-        assert at_rest(scenario, *base) >= told * (1 - 1e-9)
-    text = " ".join(filter_lines(settle(scenario, "kanayama")))
-    assert f"at least {math.floor(1e3 * told) / 1e3:.3g} m/s" in text
-    assert "with odometry in every step" in text
-
-
 @pytest.mark.parametrize(("noise", "told"), [({}, True), ({"truncate": 3.0}, False)])
 def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(
     noise: Mapping[str, float], told: bool
@@ -540,23 +446,6 @@ def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed: Sequence[float
     settle(override(weak, {"disturbance.push": [0.0, 0.0]}), "kanayama")
 
 
-def test_weak_motors_that_nothing_pushes_keep_within_their_commands() -> None:
-    """An integrator of the test's own: commands to either side, wheels mostly at their limit."""
-    draw, h, m, inertia, l, r, most = np.random.default_rng(3), 0.001, 50.0, 5.0, 0.25, 0.1, 0.4
-    v, top, at_limit = np.zeros(2), np.zeros(2), 0
-    for _ in range(40):
-        u = draw.choice([-1.0, 1.0], 2) * draw.uniform(0.5, 1, 2)
-        for _ in range(200):
-            force = np.array([m, inertia]) * (u - v) / 0.2
-            wheels = r * (force[0] + np.array([1, -1]) * force[1] / l) / 2
-            given = np.clip(wheels, -most, most)
-            at_limit += np.any(given != wheels)
-            v = v + h * np.array([given.sum() / r / m, (given[0] - given[1]) * l / r / inertia])
-            top = np.maximum(top, abs(v))
-    assert at_limit > 4000
-    assert np.all(top <= 1.0)
-
-
 def resisted(v: float, goal: float, rho: float, time: float) -> tuple[float, float]:
     """Speed after a while towards a goal against rolling, and the largest on the way; tau 0.2 s."""
     end = (goal - math.copysign(rho, v or goal)) if v or abs(goal) > rho else 0.0
@@ -579,47 +468,6 @@ def test_a_governor_counts_on_what_slows_the_base(stated: float, broken: bool) -
         top = max(top, reached)
     assert (top > 1.05) == broken
     assert (top > 1.0) == broken
-
-
-@pytest.mark.parametrize(("tau", "broken"), [((0.2, 0.3), True), ((0.2, 0.2), False)])
-def test_a_governor_of_wheels_counts_on_loops_that_are_alike(
-    tau: tuple[float, float], broken: bool
-) -> None:
-    """A turn that one wheel makes alone, then straight on; odometry tells 5 cm/s too little."""
-    governor = {**GOVERNED["filter"], "gain": [1, 1], "odometry": [0.05, 0], "channels": "wheels"}
-    limits = {"v_u1": [0.5, 4.0], "v_u2": [0.35, 2.8]}
-    limit = wmr_ctrl.command_filter(based({**VELOCITY, "limits": limits, "filter": governor}))
-    v, top, share = np.zeros(2), 0.0, np.exp(-0.05 / np.array(tau))
-    for k in range(80):
-        asked = (0.25, -1.0) if k < 60 else (9.0, 36.0) if k < 61 else (9.0, 0.0)
-        sent = limit.step(asked, (v[0] - 0.05, v[1]))
-        assert "bounds-left" not in sent.flags
-        v = share * v + (1 - share) * np.array(sent.command)
-        top = max(top, v[0])
-    assert (top > 1.02 * 0.5) == broken
-    assert (top > 0.5) == broken
-
-
-@pytest.mark.parametrize(("tau", "words"), [((0.4, 0.1), "differ"), ((0.2, 0.2), "")])
-def test_a_limit_of_wheels_speeds_counts_on_loops_that_are_alike(
-    tau: tuple[float, float], words: str
-) -> None:
-    """Straight on and then a turn, behind a clip: one wheel goes on while the other speeds up."""
-    loops, stated = (
-        {"base.tau": list(tau), "base.gain": [1.0, 1.0], "robot.mu": 0.0},
-        {"gain": [1, 1], "wheel_speed": 0.5},
-    )
-    scenario = based({**VELOCITY, **loops, "filter": {**CLIPPED["filter"], **stated}})
-    limit, l, v, top = wmr_ctrl.command_filter(scenario), scenario.robot.l, np.zeros(2), 0.0
-    share = np.exp(-0.01 / np.array(tau))
-    for k in range(160):
-        sent = np.array(limit.step((9.0, 0.0) if k < 80 else (0.0, 99.0)).command)
-        for _ in range(5):
-            v = share * v + (1 - share) * sent
-            top = max(top, abs(v[0]) + l * abs(v[1]))
-    assert (top > 1.1 * 0.5) == (top > 0.5) == bool(words)
-    with pytest.raises(ScenarioError, match=words) if words else nullcontext():
-        settle(scenario, "kanayama")
 
 
 @pytest.mark.parametrize(
@@ -651,30 +499,6 @@ def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(
     ):
         settle(override(stated, {"base.decel": [*map(float, soon.groups())]}), "kanayama")
     assert bool(soon) is (key in ("base.accel", "base.decel") and "base.accel" in changes)
-
-
-@pytest.mark.parametrize(
-    ("accel", "decel", "kept"),
-    [((1.0, 4.0), (1.0, 4.0), True), ((1.0, 2.0), (0.5, 4.0), True),
-     ((1.0, 4.0), (1.0, 9.0), True), ((1.0, 4.0), (0.9, 4.0), False),
-     ((2.0, 8.0), (1.0, 4.0), False), ((1.0, 6.0), (1.0, 6.0), False)],
-)  # fmt: skip
-def test_ramps_whose_axes_stop_soon_enough_keep_a_limit_of_wheels(
-    accel: tuple[float, float], decel: tuple[float, float], kept: bool
-) -> None:
-    """Commands at the limit that change at any time, on ramps of the test's own; l = 0.25 m."""
-    rng, h, W, arm = np.random.default_rng(3), 0.01, 0.8, np.array([1.0, 0.25])
-    now = sent = np.zeros((2, 200))
-    fastest = 0.0
-    for k in range(400):
-        if k % 20 == 0:
-            corners = np.eye(2)[rng.integers(0, 2, 200)].T * rng.choice([-1, 1], 200)
-            sent = W * rng.choice([0.5, 1.0], 200) * corners / arm[:, None]
-        rates = np.where((sent - now) * now >= 0, *(np.array(r)[:, None] for r in (accel, decel)))
-        step = np.sign(sent - now) * np.minimum(abs(sent - now), h * rates)
-        now = np.where((now + step) * now < 0, 0.0, now + step)
-        fastest = max(fastest, float((arm @ abs(now)).max()))
-    assert (fastest > W * 1.02) == (fastest > W * (1 + 1e-12)) == (not kept)
 
 
 @pytest.mark.parametrize(("l", "accel"), [(0.15, [0.9, 2.0]), (0.2, [0.5, 0.1])])

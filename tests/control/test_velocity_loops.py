@@ -7,7 +7,6 @@ import math
 import casadi as ca
 import numpy as np
 import pytest
-from scipy.linalg import expm
 
 import wmr_ctrl
 from wmr_ctrl.cli.check_sentences import idle_keys
@@ -46,22 +45,6 @@ def driven(scenario: Scenario, commands: np.ndarray, push: tuple[float, float] =
         x = moved.full().ravel()
         speeds.append(x[3:])
     return np.array(speeds)
-
-
-@pytest.mark.parametrize("damping", [0.05, 0.7, 1.0, 1.0 + 1e-9, 3.0])
-def test_a_second_order_loop_is_the_one_of_its_equation(damping: float) -> None:
-    """Whatever is sent, after each plant step its speed is that of the exact solution."""
-    rng, h = np.random.default_rng(3), 0.001
-    commands = np.repeat(rng.uniform(-1, 1, (20, 2)), 20, axis=0)
-    speeds = driven(base(base__damping=damping), commands)
-    for axis, (w, gain) in enumerate(((6.0, 1.1), (9.0, 0.9))):
-        whole = np.array([[0, 1, 0], [-w * w, -2 * damping * w, w * w * gain], [0, 0, 0]])
-        over, state, exact = expm(whole * h), np.zeros(3), []
-        for command in commands[:, axis]:
-            state[2] = command
-            state = over @ state
-            exact.append(state[0])
-        assert speeds[:, axis] == pytest.approx(np.array(exact), abs=2e-12), axis
 
 
 @pytest.mark.slow_but("0.6")

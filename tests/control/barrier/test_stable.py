@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wmr_ctrl.control.barrier.stable import stable_barrier, stable_minimiser
-from wmr_proofs import paper_barrier as barrier
 
 LIMITS = ((1.0, 0.8), (1.5, 1.3), (0.7, 0.1), (3.0, 1.2), (1.0, 0.99))
 
@@ -104,11 +103,10 @@ def points(u1: float, u2: float, count: int) -> list[tuple[float, float]]:
     return found
 
 
-@pytest.mark.slow
 def test_stable_forms_are_right_to_50_digits() -> None:
     with mp.workdps(50):
         for u1, u2 in LIMITS:
-            for c, v in points(u1, u2, 500):
+            for c, v in points(u1, u2, 120):
                 wanted = exact(c, v, u1, u2)
 
                 found = [float(number) for number in STABLE(c, v, u1, u2)]
@@ -121,7 +119,7 @@ def test_derivatives_are_right_where_they_exist(u1: float, u2: float) -> None:
     """Away from kinks and region boundaries, to 1e-9 of a difference quotient at 50 digits."""
     edge, step = u2 + 1 / (u1 - u2), mp.mpf("1e-20")
     with mp.workdps(60):
-        for c, v in points(u1, u2, 600):
+        for c, v in points(u1, u2, 300):
             corners = (
                 abs(abs(v) - u2),
                 abs(abs(c) - u2),
@@ -148,32 +146,7 @@ def test_derivatives_are_right_where_they_exist(u1: float, u2: float) -> None:
 
 C = ca.SX.sym("c")
 MINIMISER = ca.Function("x", [C], [stable_minimiser(C, ca.SX(1.0), ca.SX(0.8))])
-inside = st.floats(-0.999999, 0.999999)
 target = st.floats(-1e6, 1e6)
-
-
-@given(target, inside)
-@settings(max_examples=3 * settings.default.max_examples // 2)
-@pytest.mark.slow
-def test_barrier_is_odd(c: float, v: float) -> None:
-    plus, minus = STABLE(c, v, 1.0, 0.8), STABLE(-c, -v, 1.0, 0.8)
-
-    assert float(plus[0]) == -float(minus[0])
-    assert (float(plus[1]), float(plus[3])) == (float(minus[1]), float(minus[3]))
-
-
-@given(target, inside)
-@settings(max_examples=3 * settings.default.max_examples // 2)
-@pytest.mark.slow
-def test_structure_facts(c: float, v: float) -> None:
-    """V1 >= w^2/2 (Eq. (81)), q in [0, 1], V1/A between 0 and w: the command stays bounded."""
-    quotient, q, x, value = (float(item) for item in STABLE(c, v, 1.0, 0.8))
-    w = v - x
-
-    assert abs(x) < 1.0
-    assert 0.0 <= q <= 1.0
-    assert value >= 0.5 * w * w * (1 - 1e-12) - 1e-15
-    assert min(0.0, w) - 1e-15 <= quotient <= max(0.0, w) + 1e-15
 
 
 @given(target, target)
@@ -193,19 +166,3 @@ def test_hostile_values_give_no_nan(c: float, v: float) -> None:
 
     assert not any(map(math.isnan, found)), found
     assert 0.0 <= found[1] <= 1.0
-
-
-def test_definition_and_stable_form_are_the_same_function() -> None:
-    """Where the printed formulas are well conditioned, both agree."""
-    c, v = ca.SX.sym("c"), ca.SX.sym("v")
-    u1, u2 = ca.SX(1.0), ca.SX(0.8)
-    printed = ca.Function(
-        "printed", [c, v], [barrier.minimiser(c, u1, u2), barrier.lyapunov(v, c, u1, u2)]
-    )
-    for c_value in (-9.0, -3.0, -0.4, 0.3, 0.8, 2.0, 7.17):
-        for v_value in (-0.95, -0.5, 0.0, 0.6, 0.9):
-            found = STABLE(c_value, v_value, 1.0, 0.8)
-            wanted = printed(c_value, v_value)
-
-            assert float(found[2]) == pytest.approx(float(wanted[0]), abs=1e-14)
-            assert float(found[3]) == pytest.approx(float(wanted[1]), abs=1e-12)

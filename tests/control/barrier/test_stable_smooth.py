@@ -86,22 +86,6 @@ def test_what_stands_beside_a_logarithm_is_right_to_the_last_digits(sign: int) -
         assert float(found(here)) == pytest.approx(float(exact), rel=10**-digits, abs=0.0)
 
 
-def test_ratio_is_bounded_by_the_curvature() -> None:
-    """1 <= A/(v - v_c1) <= 1 + 1/(u1 - max(|v|, |v_c1|))^2."""
-    draw = np.random.default_rng(1)
-    for _ in range(500):
-        here, speed = draw.normal() * 5, draw.uniform(-0.9999, 0.9999)
-        x, _, _, _, q = (float(item) for item in ALL(here, speed))
-        most = 1 + 1 / (1 - max(abs(x), abs(speed))) ** 2
-        assert 1 / most <= q * (1 + 1e-9)
-        assert q <= 1 + 1e-12
-
-
-def test_target_is_continuous_and_nearer_to_the_limit() -> None:
-    assert float(ALL(0.8 + 1e-9, 0.0)[0]) - 0.8 < 1e-9
-    assert float(ALL(7.17, 0.0)[0]) == pytest.approx(0.911, abs=5e-4)
-
-
 @pytest.mark.parametrize("law", ["mb", "nn", "prox"])
 @pytest.mark.slow_but("mb")
 def test_laws_take_it_as_their_twins_do(law: str) -> None:

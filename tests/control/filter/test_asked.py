@@ -12,7 +12,6 @@ import pytest
 
 import wmr_ctrl
 from wmr_ctrl.control.filter import asked as able
-from wmr_ctrl.control.filter.filter import filter_system
 from wmr_ctrl.control.filter.gate import GateSettings, gate_system
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
@@ -162,36 +161,6 @@ def test_the_least_command_is_sent_only_where_the_filter_admits_it() -> None:
     sent = np.array([step((0.0, 0.1)).command[1] for _ in range(50)])
     assert 0 < sent.max() <= (0.2 - 0.05) / 1.05
     assert "limited" in {flag for _ in range(9) for flag in step((0.0, 0.1)).flags}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["clip", "governor"])
-def test_no_base_leaves_its_limits_behind_least_commands(kind: str) -> None:
-    """Bases of the test's own, with dead bands of their own, against greedy and chance commands."""
-    free = [math.inf, math.inf]
-    scenario = override(CREATE3, {
-        **LEAST, "filter.kind": kind, "filter.tau": [0.05, 0.2], "base.accel": free,
-        "base.decel": free, "filter.delay": [0.0, 0.0], "filter.d": [0.035, 0.3], "base.delay": 0.0,
-    })  # fmt: skip
-    system, trials, T, rng = filter_system(scenario), 4000, 0.05, np.random.default_rng(8)
-    step = system.function("filter", [system.update, system.y]).map(trials)
-    x, p = (np.tile(np.array(item)[:, None], trials) for item in (system.x0, system.p0))
-    K, v = rng.uniform(0.95, 1.05, (2, trials)), np.zeros((2, trials))
-    top, band = (np.array(pair)[:, None] for pair in (scenario.limits.v_u1, (0.03, 0.26)))
-    push = rng.choice([-1, 1], (2, trials)) * np.array([[0.003], [0.02]])
-    size, worst = rng.choice([0.3, 1.0, 3.0, 40.0], (2, trials)), 0.0
-    for k in range(150):
-        if k % 7 == 0:
-            asked = band * size * rng.choice([-1, 1, 0.4], (2, trials))
-        u = np.zeros((system.u.numel(), trials))
-        u[:2] = asked
-        if kind == "governor":
-            u[4] = -1.0
-        x, y = (np.array(item) for item in step(u, x, p))
-        acts = np.where(np.abs(y[:2]) < band, 0.0, y[:2])
-        v = v + (1 - np.exp(-T / rng.uniform(0.05, 0.2, (2, trials)))) * (K * acts + push - v)
-        worst = max(worst, float((np.abs(v) / top).max()))
-    assert 0.8 < worst <= 1 + 1e-9
 
 
 def test_making_up_for_no_dead_band_is_refused() -> None:

@@ -11,7 +11,6 @@ from scipy.signal import lti, step
 
 from tests.control.filter.linear_base import LinearBase, held, pi_base, second_order_base
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
-from tests.control.filter.worst_band import Worst, tables_of
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.band import MOST_COMMANDS, PIECES
 from wmr_ctrl.control.filter.filter import CommandFilter
@@ -88,80 +87,6 @@ def test_nor_second_order_loops_of_any_gain(w0, z, K):
 def test_bases_beyond_the_family_pass_the_limit(beyond):
     limit = banded("second-order" if beyond.A[0, 0] == 0 else "pi")
     assert max(abs(speeds(beyond, limit, r, 0.0)).max() for r in demands(beyond, 3)) > 1.0
-
-
-SAMPLES = 100
-
-
-@cache
-def worst_of(loop: str, push: float) -> Worst:
-    return Worst(tables_of(banded(loop, push).system, 1.0, SAMPLES), SAMPLES)
-
-
-def pushed_on(base: LinearBase) -> float:
-    """Largest speed that a push of at most 1 leads to, by its integral of the impulse response."""
-    h = 0.001
-    return np.abs(base.impulse(base.e, (np.arange(20_000) + 0.5) * h)).sum() * h
-
-
-@pytest.mark.slow
-def test_a_push_that_is_stronger_breaks_the_limit():
-    """The worst commands of all that the band admits, which it sends as they are asked for."""
-    base, limit = second_order_base(5.0, 0.4, 1.1), banded("second-order", 0.05)
-    asked, reached = worst_of("second-order", 0.05).commands(base, T)
-    limit.start()
-    sent = np.array([limit.step((r, 0.0)).command[0] for r in asked])
-    assert sent == pytest.approx(asked, abs=1e-7)
-
-    A, B = held(base.A, np.c_[base.b, base.e], T / PARTS)
-    ahead = np.sign(base.impulse(base.e, (np.arange(SAMPLES * PARTS) + 0.5) * T / PARTS))[::-1]
-    for stronger, broken in ((1.0, False), (1.05, True)):
-        x = np.zeros(2)
-        for k, sign in enumerate(ahead):
-            x = A @ x + B @ np.array([sent[k // PARTS], 0.05 * stronger * sign])
-        assert bool(x[0] > 1) is broken
-        assert x[0] == pytest.approx(reached + 0.05 * stronger * pushed_on(base), abs=1e-3)
-
-
-FREQUENCIES = (2.85, 3.0, 4.0, 5.0, 5.25)
-
-
-@pytest.mark.slow
-def test_a_frequency_that_is_five_per_cent_wrong_breaks_nothing():
-    """Its tables cover more than the family: no commands at all lead beyond the limit."""
-    members = itertools.product(FREQUENCIES, (0.4,), (1.0,))
-    worst = worst_of("second-order", 0.0)
-    reached = [worst.commands(second_order_base(w, z, 1.1), T, s)[1] for w, z, s in members]
-    assert 0.99 < max(reached) < 0.999
-
-
-@pytest.mark.slow
-def test_one_that_is_known_breaks_the_limit_where_it_is_wrong():
-    """A loop whose tables cover nothing else, and the worst commands of all for one that is off."""
-    known = {"frequency": (4.0, 4.0), "damping": (0.3, 0.3), "gain": (1.0, 1.0)}
-    limit = command_filter(scenario(kind="band", **SWUNG | known))
-    worst = Worst(tables_of(limit.system, 1.0, SAMPLES), SAMPLES)
-    assert 0.999 < worst.commands(second_order_base(4.0, 0.3, 1.0), T)[1] <= 1.0
-    off = second_order_base(0.95 * 4.0, 0.3, 1.0)
-    asked, reached = worst.commands(off, T)
-    assert 1.005 < reached == pytest.approx(abs(speeds(off, limit, asked, 0.0)).max(), abs=1e-3)
-
-
-@pytest.mark.slow
-def test_nor_does_a_push_on_a_pi_loop_that_is_five_per_cent_stronger():
-    """Of the family those that damp least."""
-    members, worst = ((65, 135, ki, 0) for ki in (270, 330)), worst_of("pi", 10)
-    bases = [pi_base(*numbers) for numbers in members]
-    free = np.array([max(worst.commands(base, T, s)[1] for s in (0.5, 1.0)) for base in bases])
-    pushed = np.array([10.0 * pushed_on(base) for base in bases])
-    assert 0.999 < (free + 1.05 * pushed).max() < 1.0 < (free + 1.06 * pushed).max()
-
-
-@pytest.mark.slow
-def test_a_push_of_which_more_is_stated_does():
-    base = pi_base(65, 135, 330, 0)
-    reached, pushed = worst_of("pi", 30.0).commands(base, T)[1], 30.0 * pushed_on(base)
-    assert 0.99 < reached + pushed <= 1.0 < 1.005 < reached + 1.05 * pushed
 
 
 @pytest.mark.slow

@@ -70,21 +70,6 @@ def test_no_adversary_within_the_bounds_passes_the_limit(world, heard):
     assert worst.max() > 0.999  # and it is reached
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("world", "period"), [("at once", 0.1), ("delay of part of a sample", 0.02), ("all", 0.01)]
-)
-def test_nor_in_many_more_trials(world, period):
-    stated = scenario(**WORLDS[world]).filter
-    near = min(stated.jitter, 0.2 * period)
-    changed = {"clock.control": period, "filter.jitter": near, "clock.duration": 10.0}
-    other = load_scenario("paper-simulation", STATED | {"filter.kind": "governor"} | changed | {
-        f"filter.{name}": value for name, value in WORLDS[world].items() if name != "jitter"
-    })  # fmt: skip
-    base = Base(**(WORLDS[world] | {"jitter": near}))
-    assert fastest(other, base, trials=300, samples=300, seed=1).max() <= 1.0
-
-
 @pytest.mark.parametrize("bound", BROKEN)
 @pytest.mark.slow_but("push", "delay", "jitter")
 def test_each_bound_broken_breaks_the_limit(bound):
@@ -108,15 +93,6 @@ def test_at_rest_the_governor_admits_more_than_the_limit_for_a_sample():
     kappa = 1 / math.expm1(0.05 / 0.2)
     hi = (1 - 0.05 + kappa * (1 - 0.02)) / 1.1
     assert governor.step((9.0, 0.0), (0.0, 0.0)).command[0] == pytest.approx(hi, rel=1e-6)
-
-
-@pytest.mark.parametrize("speed", [-1.0, -0.3, 0.0, 0.6, 0.99])
-def test_it_is_odd(speed):
-    left, right = (wmr_ctrl.command_filter(scenario()) for _ in range(2))
-    for asked in (2.0, 0.4, -3.0):
-        one = left.step((asked, 0.3 * asked), (speed, 0.1)).command
-        other = right.step((-asked, -0.3 * asked), (-speed, -0.1)).command
-        assert one == tuple(-value for value in other)
 
 
 @pytest.mark.parametrize("asked", [(3.0, 1.0), (0.5, -7.0), (-2.0, 2.0), (0.0, 4.0)])
@@ -189,12 +165,6 @@ def on_the_rim(seed: int, samples: int) -> None:
 def test_on_the_rim_of_its_bounds_rounding_stops_no_base() -> None:
     for seed in range(4):
         on_the_rim(seed, samples=400)
-
-
-@pytest.mark.slow
-def test_nor_on_the_rim_of_many_bounds() -> None:
-    for seed in range(4, 16):
-        on_the_rim(seed, samples=600)
 
 
 @pytest.mark.parametrize(("dt", "late"), [(None, False), (0.05, False), (0.08, True), (0.01, True)])

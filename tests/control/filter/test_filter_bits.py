@@ -59,13 +59,6 @@ def test_compilers_agree_in_single_precision(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_filters_differ() -> None:
-    names = ("clip", "governor", "band of 50 commands")
-    digests = {here(name, single) for name in names for single in (False, True)}
-    assert len(digests) == 2 * len(names)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("platform", "name"),
     [
@@ -78,12 +71,3 @@ def test_filters_differ() -> None:
 )
 def test_platforms_agree(platform: str, name: str, tmp_path: Path) -> None:
     assert shown(PLATFORMS[platform], name, tmp_path) == here(name)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("platform", "name"),
-    [("gcc -O3 native", "clip"), ("zig -O3", "band of 50 commands"), ("wasm", "governor")],
-)
-def test_platforms_agree_in_single_precision(platform: str, name: str, tmp_path: Path) -> None:
-    assert shown(PLATFORMS[platform], name, tmp_path, float32=True) == here(name, float32=True)

@@ -24,7 +24,7 @@ from wmr_ctrl.control.filter.channels import FLAG_NAMES
 from wmr_ctrl.control.filter.enclosure import Floats
 from wmr_ctrl.control.filter.filter import filter_system
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.world.scenario import load_scenario
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 MEMORY = """#include <math.h>
 #include <stdio.h>
@@ -41,19 +41,6 @@ int main(void)
     wmr_filter_start(&memory);
 """
 """Begin of a program that steps the filter."""
-ODD = (
-    MEMORY
-    + """    const double asked[4] = {5.0, NAN, INFINITY, 5.0};
-    for (int k = 0; k < 4; ++k) {
-        in.v_asked[0] = asked[k];
-        in.v_odometry[0] = k == 2 ? NAN : 0.0;
-        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
-        printf("%.17g %.17g %d\\n", out.v_sent[0], out.v_sent[1], (int)out.filter_flags);
-    }
-    return 0;
-}
-"""
-)
 MISUSED = (
     MEMORY
     + """    const wmr_real asked[10] = {5.0f, 5.0f, (wmr_real)NAN, (wmr_real)INFINITY, 0.25f,
@@ -96,37 +83,6 @@ TIMED = (
 """
 )
 """Steps by a clock that stands still, goes back, and is late; then by what is no time."""
-REPEATED = (
-    MEMORY
-    + """    const wmr_real T = (wmr_real)0.05, since[8] = {0, 0, T, 0, T, T, 0, 0};
-    for (int k = 0; k < 8; ++k) {
-        in.v_asked[0] = (wmr_real)5.0;
-        in.elapsed = since[k];
-        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
-        printf("%d\\n", (int)out.filter_flags);
-    }
-    return 0;
-}
-"""
-)
-"""Steps of which nobody tells the time, then told ones, some of them repeated."""
-TABLES = (
-    MEMORY
-    + """    wmr_real right;
-    in.v_asked[0] = in.v_asked[1] = (wmr_real)5.0;
-    right = parameters.TABLE;
-    parameters.TABLE = WRONG;
-    for (int k = 0; k < 4; ++k) {
-        if (k == 2) parameters.TABLE = right;
-        const int failed = wmr_filter_step(&parameters, &memory, &in, &out);
-        printf("%d %g %g %d\\n", failed, (double)out.v_sent[0], (double)out.v_sent[1],
-               (int)out.filter_flags);
-    }
-    return 0;
-}
-"""
-)
-"""A table with what is no number, which is mended before the third step."""
 EACH = (
     MEMORY
     + """    static wmr_filter_parameters right;
@@ -177,13 +133,16 @@ def written(folder: Path, kind: str, float32: bool = False, **stated: object) ->
         (folder / name).write_text(text, encoding="utf-8")
 
 
-def printed_by(program: str, folder: Path) -> list[str]:
-    """Lines of a C program around the governor's package."""
+def built(
+    program: str, folder: Path, settings: Scenario, *words: str, float32: bool = False
+) -> list[str]:
+    """Lines that a C program around a package prints."""
     needs("gcc")
-    written(folder, "governor")
+    for name, text in package_files("filter", settings, float32=float32).items():
+        (folder / name).write_text(text, encoding="utf-8")
     (folder / "main.c").write_text(program, encoding="utf-8")
-    command = ["gcc", "-std=c99", "-ffp-contract=off", "main.c", "wmr_filter.c", "-lm"]
-    run([*command, "-o", "main"], folder)
+    command = ["gcc", *WARNINGS, "-O1", "-ffp-contract=off", *words]
+    run([*command, "main.c", "wmr_filter.c", "-lm", "-o", "main"], folder)
     return run(["./main"], folder).splitlines()
 
 
@@ -251,13 +210,9 @@ int main(void)
 
 
 def crept(folder: Path, tau: float) -> float:
-    needs("gcc")
     exact = {"d": (0.0, 0.0), "odometry": (0.0, 0.0), "gain": (1.0, 1.0), "delay": (0.0, 0.0)}
-    written(folder, "governor", float32=True, **exact, tau=(tau, tau))
-    (folder / "main.c").write_text(CREEP, encoding="utf-8")
-    command = ["gcc", "-std=c99", "-O2", "-ffp-contract=off", "main.c", "wmr_filter.c", "-lm"]
-    run([*command, "-o", "main"], folder)
-    return float(run(["./main"], folder))
+    settings = scenario("governor", **exact, tau=(tau, tau))
+    return float(built(CREEP, folder, settings, "-Wno-conversion", float32=True)[0])
 
 
 @pytest.mark.slow
@@ -334,46 +289,6 @@ def test_a_single_precision_exponential_is_as_right_as_its_comment_says(tmp_path
     assert math.isnan(ends[5])
 
 
-LOOPS: Mapping[str, Mapping[str, object]] = {
-    "second-order": {"filter.damping": (0.5, 1.0), "filter.frequency": (2.9, 3.6)},
-    "pi": {
-        "filter.mass": (50, 65), "filter.inertia": (4, 6), "filter.kp": (135, 165),
-        "filter.ki": (270, 330),
-    },
-}  # fmt: skip
-"""Numbers of each loop that overshoots."""
-
-
-@pytest.mark.parametrize(
-    ("kind", "loop"),
-    [("clip", "second-order"), ("clip", "pi"), ("slew", "second-order"), ("band", "pi")],
-)
-@pytest.mark.slow_but("clip-second-order", "clip-pi")
-def test_the_example_behind_a_loop_that_overshoots_stays_inside(kind, loop, tmp_path):
-    needs("gcc")
-    slow = {"filter.kind": "clip", "filter.slew": (0.1, 0.2)}
-    changes = slow if kind == "slew" else {"filter.kind": kind}
-    changes = {**changes, "filter.loop": loop, "clock.control": 0.05, **LOOPS[loop]}
-    settings = load_scenario("paper-simulation", changes)
-    for file, text in package_files("filter", settings).items():
-        (tmp_path / file).write_text(text, encoding="utf-8")
-    command = ["gcc", *WARNINGS, "-O0", "-ffp-contract=off"]
-    run([*command, "example.c", "wmr_filter.c", "-lm", "-o", "example"], tmp_path)
-    words = run(["./example"], tmp_path).split()
-    assert 0.4 < float(words[1]) <= float(words[3])
-
-
-def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):
-    lines = printed_by(ODD, tmp_path)
-    governor, bits = command_filter(scenario()), {name: bit for bit, name in FLAG_NAMES.items()}
-    for k, line in enumerate(lines):
-        asked = ((5.0, 0.0), (math.nan, 0.0), (math.inf, 0.0), (5.0, 0.0))[k]
-        made = governor.step(asked, (math.nan if k == 2 else 0.0, 0.0))
-        sent, turn, flags = line.split()
-        assert (float(sent), float(turn)) == pytest.approx(made.command, rel=1e-14)
-        assert int(flags) == sum(bits[flag] for flag in made.flags)
-
-
 @pytest.mark.parametrize(
     ("name", "float32"),
     [("clip", False), ("governor", True), ("band", True), ("clip of slow commands", False)],
@@ -381,19 +296,13 @@ def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):
 @pytest.mark.slow_but("clip-False", "governor-True")
 def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_path: Path) -> None:
     """A clock's readings come from whole nanoseconds, to the bit of a double."""
-    needs("gcc")
     key = "band of 50 commands" if name == "band" else name
     stated = {**FILTERS[key], "clock.control": 0.05}
     stated |= {"filter.jitter": 1e-6} if name != "clip of slow commands" else {}
     settings = load_scenario("paper-simulation", stated)
-    for file, text in package_files("filter", settings, float32=float32).items():
-        (tmp_path / file).write_text(text, encoding="utf-8")
-    (tmp_path / "main.c").write_text(TIMED, encoding="utf-8")
-    command = ["gcc", *WARNINGS, "-O0", "-ffp-contract=off"]
-    run([*command, "main.c", "wmr_filter.c", "-lm", "-o", "main"], tmp_path)
     stepped, late = command_filter(settings), []
     bits = {name: bit for bit, name in FLAG_NAMES.items()}
-    for k, line in enumerate(run(["./main"], tmp_path).splitlines()):
+    for k, line in enumerate(built(TIMED, tmp_path, settings, float32=float32)):
         since, sent, flags = line.split()
         told = float(since)
         odometry = ((0.0, 0.0),) if name == "governor" else ()
@@ -404,55 +313,6 @@ def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_pa
         late.append("late" in made.flags)
     assert late == [False, False, True, True, False, False, True, True, *[False] * 2,
                     True, True, True, False]  # fmt: skip
-
-
-REMEMBERING = ("governor", "clip of slow commands", "band of 50 commands")
-TOLD_OF = {name: {**FILTERS[name], "clock.control": 0.05} for name in REMEMBERING}
-
-
-def package(name: str, folder: Path, program: str, *defined: str) -> None:
-    """A program around one of FILTERS, compiled as ``main``."""
-    needs("gcc")
-    settings = load_scenario("paper-simulation", TOLD_OF[name])
-    for file, text in package_files("filter", settings).items():
-        (folder / file).write_text(text, encoding="utf-8")
-    (folder / "main.c").write_text(program, encoding="utf-8")
-    command = ["gcc", *WARNINGS, "-O0", "-ffp-contract=off", *defined]
-    run([*command, "main.c", "wmr_filter.c", "-lm", "-o", "main"], folder)
-
-
-@pytest.mark.parametrize("name", REMEMBERING)
-@pytest.mark.slow_but("governor")
-def test_a_repeated_call_is_noticed_once_the_time_was_told(name: str, tmp_path: Path) -> None:
-    package(name, tmp_path, REPEATED)
-    flags = [int(line) & 8 for line in run(["./main"], tmp_path).splitlines()]
-    repeats = [False, False, False, True, False, False, True, True]
-    stepped = command_filter(load_scenario("paper-simulation", TOLD_OF[name]))
-    told = [stepped.step((5.0, 0.0), dt=since).flags for since in (None, None, 0.05, None)]
-    told += [stepped.step((5.0, 0.0), dt=since).flags for since in (0.05, 0.05, None, 0.0)]
-    assert ["late" in own for own in told] == repeats
-    assert [flag > 0 for flag in flags] == repeats
-
-
-@pytest.mark.parametrize(
-    ("table", "wrong"),
-    [
-        ("filter_held_v[3]", "NAN"),
-        ("filter_stop_fall_omega[7]", "-INFINITY"),
-        ("filter_left_v", "NAN"),
-    ],
-)
-@pytest.mark.slow
-def test_a_table_with_no_number_sends_nothing_and_says_so(
-    table: str, wrong: str, tmp_path: Path
-) -> None:
-    package(
-        "band of 50 commands", tmp_path, TABLES, f"-DTABLE={table}", f"-DWRONG=(wmr_real){wrong}"
-    )
-    lines = run(["./main"], tmp_path).splitlines()
-    assert lines[:2] == ["1 0 0 32"] * 2
-    assert [line.split()[0] for line in lines[2:]] == ["0", "0"]
-    assert all(float(line.split()[1]) > 0.1 for line in lines[2:])
 
 
 WHEELS: Mapping[str, Mapping[str, object]] = {
@@ -503,14 +363,8 @@ def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
     name: str, float32: bool, tmp_path: Path
 ) -> None:
     """(0, 0) is sent with the flag "unsound"; a band goes on with that until it is started."""
-    needs("gcc")
     settings = load_scenario("paper-simulation", {**FILTERS, **WHEELS}[name])
-    for file, text in package_files("filter", settings, float32=float32).items():
-        (tmp_path / file).write_text(text, encoding="utf-8")
-    (tmp_path / "main.c").write_text(EACH, encoding="utf-8")
-    command = ["gcc", *WARNINGS, "-O0", "-ffp-contract=off"]
-    run([*command, "main.c", "wmr_filter.c", "-o", "main"], tmp_path)
-    lines = run(["./main"], tmp_path).splitlines()
+    lines = built(EACH, tmp_path, settings, float32=float32)
     params = command_filter(settings).system.params
     names = [element for item in params for element in item.signal.elements]
     assert len(lines) == len(names)
@@ -538,17 +392,11 @@ def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
 @pytest.mark.slow_but("clip-False", "clip-True")
 def test_misuse_gives_a_safe_command_and_its_flag(name: str, float32: bool, tmp_path: Path) -> None:
     """As the graph says: what is no number is asked for as 0, which slew brings about."""
-    needs("gcc")
     settings = load_scenario("paper-simulation", FILTERS[name])
-    for file, text in package_files("filter", settings, float32=float32).items():
-        (tmp_path / file).write_text(text, encoding="utf-8")
-    (tmp_path / "main.c").write_text(MISUSED, encoding="utf-8")
-    lines = []
-    command = ["gcc", *WARNINGS, "-O0", "-ffp-contract=off"]
-    run([*command, "-c", "wmr_filter.c"], tmp_path)
-    for wrong in WRONG[name]:
-        run([*command, f"-DWRONG={wrong}", "main.c", "wmr_filter.o", "-lm", "-o", "main"], tmp_path)
-        lines.append(run(["./main"], tmp_path).splitlines())
+    lines = [
+        built(MISUSED, tmp_path, settings, f"-DWRONG={wrong}", float32=float32)
+        for wrong in WRONG[name]
+    ]
 
     assert all(own[-1] == "0 0 32" for own in lines)
     bits = {name: bit for bit, name in FLAG_NAMES.items()}
@@ -566,7 +414,7 @@ def test_misuse_gives_a_safe_command_and_its_flag(name: str, float32: bool, tmp_
 
 def test_a_parameter_that_changes_counts_from_the_next_step_on(tmp_path):
     """Values that the memory keeps of parameters are made anew."""
-    sent = [float(line) for line in printed_by(CHANGED, tmp_path)]
+    sent = [float(line) for line in built(CHANGED, tmp_path, scenario())]
 
     system = command_filter(scenario()).system
     machine = system.function("step", [system.update, system.y])

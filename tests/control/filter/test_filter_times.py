@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import casadi as ca
 import numpy as np
 import pytest
 
@@ -15,7 +14,6 @@ from tests.control.filter.test_peak_gain import scenario
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.band import NAMES, BandGovernor
 from wmr_ctrl.control.filter.filter import CommandFilter
-from wmr_ctrl.control.filter.forecast import Forecast, stays_of
 
 T = 0.05
 FAMILIES = {
@@ -87,24 +85,6 @@ def test_one_that_is_not_told_breaks_it(family):
     assert max(fastest(b, limit, *standing_still(b), told=False) for b in bases) > 1.0
 
 
-@pytest.mark.parametrize(("told", "family"), [(True, "second-order"), (False, "pi")])
-@pytest.mark.slow
-def test_jitter_that_is_stated_costs_little_and_breaks_nothing(family, told):
-    stated, bases = FAMILIES[family]
-    J, rng = T / 10, np.random.default_rng(5)
-    limit, worst = command_filter(scenario(kind="band", jitter=J, **stated)), []
-    for base in bases:
-        off = rng.choice([-J, 0.0, J], COUNT + 1) + T * np.arange(COUNT + 1)
-        asked = 9.0 * (-1.0) ** (np.arange(COUNT) // half_period(base))
-        for wish in (asked, np.full(COUNT, 9.0)):
-            worst.append(fastest(base, limit, wish, np.diff(off), told=told))
-    assert 0.95 < max(worst) <= 1.0
-    limit.start()
-    sent = [limit.step((9.0, 0.0), dt=T + (0, J, -J)[k % 3] if told else None) for k in range(200)]
-    assert sent[-1].command[0] > 0.995 / stated.get("gain", (1.0, 1.0))[1]
-    assert {flag for made in sent[1:] for flag in made.flags} == {"limited"}
-
-
 def sent_at(limit: CommandFilter, since: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Commands for steps that ask for all, told ``since`` [s] the one before; which are late."""
     limit.start()
@@ -144,24 +124,6 @@ def test_a_limit_of_a_band_that_is_no_number_stops_the_base_and_is_told():
     for name in NAMES:
         stays = math.exp(-numbers[f"filter.rate_{name}"] * (T - 2 * J))
         assert numbers[f"filter.soonest_{name}"] == pytest.approx(stays, rel=1e-3)
-
-
-def test_what_stays_is_at_least_an_exponential_and_no_more_than_all():
-    rate, time = ca.SX.sym("rate"), ca.SX.sym("time")
-    stays = ca.Function("stays", [rate, time], [stays_of(rate, time)])
-    for x in (0.0, 1e-6, 0.3, 1.0, 4.0, 30.0):
-        assert math.exp(-x) <= float(stays(2.0, 0.5 * x)) <= 1.05 / (1 + x)
-    for wrong in (-1.0, math.nan, -math.inf):
-        assert float(stays(2.0, wrong)) == float(stays(2.0, 0.0))
-
-
-def test_a_forecast_that_is_not_kept_is_all_past():
-    known = Forecast(*(ca.DM([1.0, 2.0]) for _ in range(6)))
-    for share in (0.0, 1.0):
-        after = known.kept(ca.DM(share))
-        for name in ("over", "under", "tail"):
-            assert (getattr(after, name).full() == share * getattr(known, name).full()).all()
-        assert (after.past_over is known.past_over, after.u is known.u) == (True, True)
 
 
 def test_a_clip_takes_a_quarter_of_a_period_for_in_time():
@@ -231,16 +193,6 @@ def test_slow_commands_change_in_time_and_no_faster():
 
 def times_of(rng: np.random.Generator, count: int) -> np.ndarray:
     return T * np.where(rng.random(count) < 0.5, rng.choice(UNTIMELY, count), 1.0)
-
-
-@pytest.mark.slow
-def test_slow_commands_keep_their_limit_whenever_they_are_sent():
-    stated, bases = FAMILIES["second-order"]
-    slow = command_filter(scenario(slew=(0.25, 0.25), **stated))
-    rng = np.random.default_rng(3)
-    for base in bases:
-        assert fastest(base, slow, *standing_still(base), told=True) <= 1.0
-        assert fastest(base, slow, *at_random(base, rng), told=True) <= 1.0
 
 
 @pytest.mark.parametrize("wrong", [0.0, -0.05, 0.03, 0.2, math.nan, math.inf])

@@ -86,51 +86,6 @@ def test_a_robot_that_is_not_what_the_guard_is_told_is_run_without_promise(chang
     assert [number for number in numbers if number not in void] == []
 
 
-@pytest.mark.slow
-def test_the_loaded_robot_of_which_nobody_is_told() -> None:
-    """Neither law nor guard follows the load, and the run says what that costs."""
-    loaded = {"robot.m": 90.0, "robot.I": 9.0, "model.m": 30.0, "model.I": 3.0}
-    both = [{}, {"guard.M_max": [33.0, 3.3]}]
-    runs = [
-        simulate("far-start", "prox", guard=True,
-                 overrides={**loaded, **stated, "clock.duration": 2.0, "disturbance.truncate": 3})
-        for stated in both
-    ]  # fmt: skip
-
-    for run in runs:
-        (void,) = [item.text for item in run.remarks if item.key == "assumption-void"]
-        assert "mass 90 kg lies outside what the guard counts on, 27 to 33 kg" in void
-        assert run.summary()["guard"]["M_max"] == pytest.approx([33.0, 3.3])
-    assert runs[0]["tau_right"].tolist() == pytest.approx(runs[1]["tau_right"].tolist())
-
-
-@pytest.mark.slow
-def test_no_run_with_a_trusted_contradiction_is_said_to_be_well() -> None:
-    stated = {"guard.dbar": [50.0, 12.0], "guard.trust": True, "clock.duration": 4.0}
-    run = simulate("safe-simulation", "mb", overrides=stated)
-    honest = simulate("safe-simulation", "mb", overrides={"clock.duration": 4.0})
-    (void,) = (item.text for item in run.remarks if item.key == "assumption-void")
-
-    assert "guard.dbar[1] = 50 N is below the 60 N" in void
-    assert "Nothing needs to be done" not in run.explanation
-    assert "assumption-void" not in [item.key for item in honest.remarks]
-
-
-@pytest.mark.parametrize(("changed", "key", "numbers"), BROKEN)
-@pytest.mark.slow_but(
-    "changed0-guard.dbar-numbers0",
-    "changed4-guard.nbar-numbers4",
-    "changed5-guard.f_min-numbers5",
-    "changed7-guard.delay-numbers7",
-    "changed9-guard.lag-numbers9",
-)
-def test_with_the_guard_off_it_is_told(changed, key, numbers) -> None:
-    off = scenario_of("safe-simulation", {**changed, "guard.enabled": False})
-    told = [item.sentence for item in told_of(settle(off, "prox"), key)]
-
-    assert any(all(number in text for number in numbers) for text in told), told
-
-
 @pytest.mark.parametrize("changed", MET)
 def test_a_bound_that_is_just_met_is_accepted(changed) -> None:
     scenario = scenario_of("safe-simulation", changed)
@@ -145,15 +100,6 @@ def test_no_preset_contradicts_itself(name: str) -> None:
     setup = settle(scenario, "mb")
     assert list(contradictions(scenario, setup.bound)) == []
     assert list(beyond_belief(scenario, setup.guard, setup.bound)) == []
-
-
-@pytest.mark.slow
-def test_a_trusted_bound_that_is_broken_costs_the_guarantee() -> None:
-    pushed = {"disturbance.push": [60.0, 15.0], "disturbance.std": 0.0, "robot.mu": 0.0}
-    stated = {"guard.dbar": [20.0, 5.0], "guard.trust": True, "model.mu": 0.08, "changes": []}
-    run = simulate("safe-simulation", "prox", overrides={**pushed, **stated})
-
-    assert "bounds-left" in [item.key for item in run.remarks]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.control.controller import guard
-from wmr_ctrl.control.guard.price import usable_speed
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.model.evaluate import evaluated
@@ -167,46 +166,6 @@ def test_a_broken_bound_costs_what_it_says(period, delay):
     assert (world.fastest.max(axis=1) > U1).any()
 
 
-@pytest.mark.slow
-def test_a_constant_delay_may_be_shorter_than_stated_and_not_longer():
-    """Round up; what is later than stated can break the limit."""
-    fastest = {}
-    for true in (0.0, 0.02, 0.05, 0.065):
-        guards, draw = Guards(scenario_at(0.1, 0.05)), np.random.default_rng(8)
-        world = World(9, np.zeros((2, ROBOTS)), 0.1, true)
-        for _ in range(100):
-            world.sample(guards(asked(draw, ROBOTS), world.v))
-        fastest[true] = (world.fastest / U1[:, None]).max()
-    assert max(fastest[true] for true in (0.0, 0.02, 0.05)) <= 1 + CLOSE
-    assert fastest[0.065] > 1.001
-
-
-@pytest.mark.parametrize(
-    ("axis", "friction", "period", "delay"),
-    [
-        (0, 96.0, 0.1, 0.0),
-        (1, 6.0, 0.1, 0.0),
-        pytest.param(0, 96.0, 0.01, 0.0, marks=pytest.mark.slow),
-        pytest.param(1, 0.0, 0.1, 0.0, marks=pytest.mark.slow),
-        pytest.param(1, 6.0, 0.01, 0.05, marks=pytest.mark.slow),
-    ],
-)
-def test_the_usable_speed_is_the_highest_steady_one(axis, friction, period, delay):
-    """Of the lightest robot, against a friction [N, N m] and room for the largest push."""
-    scenario, braking = scenario_at(period, delay), np.eye(2)[axis] * friction
-    told = usable_speed(scenario, settle(scenario, None).guard, tuple(braking))[axis]
-    guards, v, force = Guards(scenario, 1), np.zeros((2, 1)), []
-    asked, late = 1e6 * np.eye(2)[:, [axis]], round(delay / period)
-    for _ in range(int(2 / period) + 20):
-        force.append(guards(asked, v))
-        acting = force[-1 - late] if len(force) > late else np.zeros((2, 1))
-        for _ in range(TICKS):
-            v = tick(v, acting, 0.0, braking[:, None], LOW[:, None], period / TICKS)
-    assert v[axis, 0] == pytest.approx(told, rel=1e-3)
-    kept_back = (friction + DBAR[axis]) * (period + delay) / LOW[axis]
-    assert told + kept_back == pytest.approx(U1[axis], rel=1e-9)
-
-
 def test_what_cannot_hold_is_refused_with_the_number():
     """The inequalities of the page, just met and just missed."""
     edge = 45 * 1.0 / (2 * 60.0)  # 2 dbar <= M_min u1/T, thrust
@@ -221,20 +180,6 @@ def test_what_cannot_hold_is_refused_with_the_number():
     ):
         with pytest.raises(ScenarioError, match="guard"):
             settle(scenario_at(**broken), None)
-
-
-def test_without_traction_it_does_not_hold_and_the_monitor_says_so():
-    """Tyres that pass on 25 N at most cannot brake against 60 N, whatever the guard commands."""
-    guards, v = Guards(scenario_at(0.01), 1), np.array([[0.9], [0.0]])
-    shown, grip = 0.0, 25.0
-    for _ in range(300):
-        force = guards(np.zeros((2, 1)), v)
-        shown = max(shown, float(guards.told["d_least[1]"][0]))
-        real = np.clip(force, -grip, grip)
-        for _ in range(TICKS):
-            v = tick(v, real, np.array([[60.0], [0.0]]), 0.0, HIGH[:, None], 0.01 / TICKS)
-    assert v[0, 0] > 1.2
-    assert shown > 60.0
 
 
 def test_the_page_has_no_guarantee_that_is_not_tried_here():

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.control.guard.harness import LIGHT
+from tests.control.guard.test_guard_adversary import LIGHT
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.guard.delay import InFlight, largest_force
 from wmr_ctrl.control.guard.guard import Bounds, ceiling, feasible, floor
@@ -53,7 +53,7 @@ def bounds(numbers: dict[str, float], late: bool) -> Bounds:
 def test_each_side_is_a_guard_of_one_limit_whose_caps_are_those_of_the_narrower(late):
     """So every statement on one side holds, and a safe force is left at every speed."""
     draw = np.random.default_rng(5)
-    for _ in range(300):
+    for _ in range(120):
         numbers = drawn(draw, late)
         both = bounds(numbers, late)
         if not float(ca.evalf(feasible(both))):

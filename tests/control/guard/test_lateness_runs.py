@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from tests.codegen.packages import write_package
-from tests.control.guard.harness import LIMITS
 from tests.control.guard.test_guard import evaluated
-from tests.control.guard.test_guard_adversary import LIGHTEST
+from tests.control.guard.test_guard_adversary import LIGHTEST, LIMITS
 from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.control.controller import guard as guard_alone

@@ -10,12 +10,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests import oracle
 from tests.equal_runs import runs_equal
 from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.control.guard.monitor import least_push
 from wmr_ctrl.control.laws import LAWS
-from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.results import Run, load_run
 from wmr_ctrl.results.formats import save_run
 from wmr_ctrl.world.scenario import load_scenario
@@ -113,48 +111,6 @@ def test_it_never_tells_more_than_there_was(law: str, drive: dict[str, Any]) -> 
         told += int((run["d_least"] > 1.0).sum())
 
     assert told > 50
-
-
-def test_it_would_tell_more_if_the_stated_mass_were_too_large() -> None:
-    """The property above can fail: it does as soon as the robot is lighter than M_min."""
-    wrong = {"robot.m": 20.0, "robot.I": 2.0, "robot.mu": 0.0}
-    run = simulate("paper-simulation", "pid", overrides={**OFF, **wrong})
-
-    assert (run["d_least"] > ahead(run) + scale(run)).any()
-
-
-@pytest.mark.parametrize(
-    ("law", "changed"),
-    [
-        ("pid", {"actuator.tau_max": 5.0}),
-        ("smc", {"actuator.lag": 0.02, "actuator.delay": 0.013}),
-        ("nn", PUSHED),
-    ],
-)
-@pytest.mark.slow_but("pid-changed0")
-def test_the_oracle_tells_the_same(law: str, changed: dict[str, Any]) -> None:
-    native, slow = (
-        run("paper-simulation", law, seed=2, overrides={**OFF, **changed})
-        for run in (simulate, oracle.simulate)
-    )
-
-    assert [s.name for s in native.signals] == [s.name for s in slow.signals]
-    for signal in GUARD_DIAGNOSTICS:
-        gap = np.abs(native[signal.name] - slow[signal.name]).max()
-        assert gap <= 1e-9 * max(1.0, np.abs(native[signal.name]).max()), signal.name
-    assert native.monitor.bounds_left == slow.monitor.bounds_left
-    assert native.settings == slow.settings
-
-
-@every_law
-@pytest.mark.slow_but("pid", "smc", "mb", "nn", "prox", "kanayama")
-def test_no_preset_of_the_paper_is_refused_for_what_it_states(law: str) -> None:
-    """Five newton metres brake no guard's bounds, and an unguarded run goes on all the same."""
-    run = simulate("far-start", law, overrides={"actuator.tau_max": 5.0, "clock.duration": 1.0})
-
-    assert run.rows == 100
-    assert not run["feasible"].any()
-    assert not run["clip_active"].any()
 
 
 @pytest.mark.parametrize("law", ["pid", "mb", "prox"])

@@ -7,7 +7,6 @@ import re
 
 import pytest
 
-from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.guard.refusals import feasible_guard
@@ -40,29 +39,6 @@ def test_what_cannot_be_met_is_refused(changed: dict[str, object], said: str) ->
         guard(settle(scenario_of("paper-simulation", {**ON, **changed}), None))
 
     assert re.search(said, str(refused.value)), str(refused.value)
-
-
-def test_five_newton_metres_are_refused_for_every_law_and_6_5_are_enough() -> None:
-    with pytest.raises(ScenarioError, match="tau_max >= 6 N m"):
-        simulate("paper-simulation", "mb", guard=True, overrides={"actuator.tau_max": 5.0})
-    with pytest.raises(ScenarioError, match="tau_max"):
-        simulate("paper-simulation", "prox", guard=True, overrides={"gains.prox.tau_max": 5.0})
-
-    guard(settle(scenario_of("paper-simulation", {**ON, "actuator.tau_max": 6.5}), None))
-
-
-def test_the_remedy_of_the_message_is_accepted() -> None:
-    with pytest.raises(ScenarioError) as refused:
-        guard(settle(scenario_of("paper-simulation", {**ON, "guard.dbar": [3000.0, 15.0]}), None))
-    period = float(re.search(r"clock\.control <= ([\d.]+) s", str(refused.value))[1])
-
-    step = 0.001 * int(period / 0.001)
-    length = {"clock.control": step, "clock.duration": 100 * step, "changes": []}
-    guard(
-        settle(
-            scenario_of("paper-simulation", {**ON, **length, "guard.dbar": [3000.0, 15.0]}), None
-        )
-    )
 
 
 @pytest.mark.parametrize("beyond", [1.0, 1.1])
@@ -157,14 +133,6 @@ def test_dbar_of_truncated_noise_is_its_largest_value() -> None:
     scenario = load_scenario("paper-simulation", {"disturbance.truncate": 2.0})
 
     assert settle(scenario, None).guard.dbar == pytest.approx((40.0, 10.0))
-
-
-def test_presets_of_the_paper_are_unguarded_and_ours_are_not() -> None:
-    assert not load_scenario("paper-simulation").guard.enabled
-    assert not load_scenario("outside-start").guard.enabled
-    assert load_scenario("safe-simulation").guard.enabled
-    assert load_scenario("safe-experiment").guard.enabled
-    assert load_scenario("safe-experiment").clock.control == 0.1
 
 
 @pytest.mark.parametrize("changed", [

@@ -50,17 +50,6 @@ def test_the_command_is_cut_and_rises_no_faster_than_allowed() -> None:
     assert run.monitor.max_abs_v[1] <= 0.75 * 1.02
 
 
-def test_observer_finds_a_constant_force_and_removes_its_offset() -> None:
-    pushed = {"disturbance.push": [20.0, 0.0], "disturbance.std": 0.0, "changes": []}
-    guarded = {"guard.enabled": False, "clock.duration": 20.0}
-    run = run_at(0.01, **pushed, **guarded)
-    without = run_at(0.01, **pushed, **guarded, **{f"{OWN}.wo": 0.0})
-
-    assert run["d_hat"][-1] == pytest.approx([20.0, 0.0], abs=0.05)
-    assert last_quarter_rms(run) < 1e-4
-    assert last_quarter_rms(without) > 1e-3
-
-
 # One sample, against the formulas of the law's own page in plain numbers.
 
 T, MASS, RATE, K, A_MAX = 0.05, (60.0, 4.0), (9.0, 6.0), (1.5, 2.0, 3.0), (2.0, 6.0)
@@ -120,14 +109,6 @@ def test_command_and_force_are_those_of_its_formulas() -> None:
     cut = np.isclose([abs(c - r[12:14]) for r, (c, _) in zip(rows, found, strict=True)],
                      T * np.array(A_MAX))  # fmt: skip
     assert (cut.any(axis=0) & ~cut.all(axis=0)).all()
-
-
-def test_a_full_turn_more_is_the_same_heading() -> None:
-    rows = drawn(20)
-    turn = np.eye(16)[9] * 2 * math.pi
-
-    for (_, force), (_, same) in zip(asked(rows), asked([r + turn for r in rows]), strict=True):
-        assert same == pytest.approx(force, rel=1e-9, abs=1e-9)
 
 
 def test_it_wants_what_its_formula_says():

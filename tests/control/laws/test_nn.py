@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import casadi as ca
-import mpmath as mp
 import numpy as np
 import pytest
 
@@ -30,22 +29,6 @@ def test_product_form_equals_definition(eta: float, node: float) -> None:
         z = draw.normal(size=6) * draw.choice([0.0, 0.3, 1.0, 3.0], size=6)
         for found, wanted in zip(fast(z), slow(z), strict=True):
             assert found.full() == pytest.approx(wanted.full(), rel=1e-12, abs=1e-300)
-
-
-def test_right_to_fourteen_digits() -> None:
-    fast, _ = functions(2**0.5, 1.0)
-    z = (0.3, -1.2, 1.0, 2.5, 0.2, -0.1)
-    with mp.workdps(50):
-        centres = corner_centres(6, 1.0)
-        wanted = [
-            mp.exp(
-                -sum((mp.mpf(a) - b) ** 2 for a, b in zip(z, c, strict=True)) / mp.mpf(2**0.5) ** 2
-            )
-            for c in centres
-        ]
-        found = fast(z)[0].full().ravel()
-
-        assert max(abs(mp.mpf(f) / w - 1) for f, w in zip(found, wanted, strict=True)) < 1e-14
 
 
 @pytest.mark.parametrize("far", [1e3, 1e8, 1e160, 1e308, -1e308])

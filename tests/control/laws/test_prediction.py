@@ -20,9 +20,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import tau_sent
 from wmr_ctrl.results import Run
 from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.stable_ranges import stability
 from wmr_ctrl.theory.linear import closed_loop as linear_loop
-from wmr_ctrl.world.references import sample as reference_rows
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 T = 0.1
@@ -49,38 +47,6 @@ def radius(scenario: Scenario, law: str) -> float:
 
 def run_of(scenario: Scenario, law: str, **changed: object) -> Run:
     return simulate(scenario, law, seed=3, overrides=changed)
-
-
-def test_it_sees_robot_and_reference_where_they_are_when_its_command_acts() -> None:
-    """Noise-free and with the right model, one period late: the next sample, to the midpoint."""
-    scenario = late("prox", 1.0)
-    quiet = {"disturbance.std": 0.0, "clock.duration": 4.0}
-    run = oracle.simulate(scenario, "prox", seed=3, overrides=quiet)
-    here = LawContext(settle(scenario, "prox"))
-    then, ports = ahead(here, ca.SX.zeros(2))
-    numbers = here.parameters.ports
-    graph = ca.Function(
-        "seen",
-        [ca.vertcat(*(port.sym for port in group)) for group in ((*here.inputs, *ports), numbers)],
-        [ca.vertcat(then.pose, then.v, then.pose_d, then.v_d)],
-    )
-    state = np.stack([run[name] for name in ("x", "y", "theta", "v1", "omega")], axis=1)
-    sent = np.stack([run["tau_right"], run["tau_left"]], axis=1)
-    desired = reference_rows(scenario, run.time)
-    rows = np.hstack((desired, state))[1:-1]
-    values = [value for port in numbers for value in port.value]
-    found = np.array([
-        graph(np.concatenate((row, old)), values).full().ravel()
-        for row, old in zip(rows, sent[:-2], strict=True)
-    ])  # fmt: skip
-
-    moving = np.minimum(np.abs(state[1:-1, 3]), np.abs(state[2:, 3])) > 0.1
-    assert moving.sum() > 30
-    assert found[moving, 3:5] == pytest.approx(state[2:][moving, 3:], abs=1e-5)
-    apart = np.abs(found - np.hstack((state, desired[:, :5]))[2:])[moving, :3]
-    assert apart.max() < 1e-3  # it turns at 1.2 rad/s there, and the midpoint is of second order
-    assert np.median(apart) < 1e-5
-    assert found[:, 5:] == pytest.approx(desired[2:, :5], abs=1e-6)
 
 
 def test_commands_that_a_law_predicts_with_are_remembered_where_drives_are_quicker() -> None:
@@ -157,23 +123,6 @@ def test_gains_that_know_no_delay_stand_it_if_it_is_predicted(law: str, share: f
     assert radius(late(law, share, 0.0, **{"actuator.delay": 0.15}), law) > 1
 
 
-@pytest.mark.parametrize(("period", "share"), [(0.05, 0.5), (0.1, 2.0)])
-@pytest.mark.slow
-def test_gains_of_the_guide_for_a_prediction_stand_a_wrong_mass(
-    period: float, share: float
-) -> None:
-    delay = round(share * period, 3)
-    start = guide(period, delay, 0.2, predicted=True)
-    gains = {"gains.prox.kinematics": list(start.k), "gains.prox.rho": list(start.rho),
-             "gains.prox.wo": start.wo, "gains.prox.delay": delay}  # fmt: skip
-    clock = {"clock.control": period, "actuator.delay": delay}
-    found = stability(late("prox", 0.0, **(gains | clock)), "prox")
-
-    assert found.masses is not None
-    assert found.masses[0] <= 0.6
-    assert found.masses[1] >= 1.6
-
-
 @predicting
 def test_checks_and_linear_package_build_the_same_loop(law: str) -> None:
     scenario = late(law, 1.5)
@@ -199,11 +148,6 @@ def test_a_prediction_longer_than_the_delay_is_told_and_cycles() -> None:
     assert radius(late("prox", 0.0, T), "prox") > 1
 
 
-@pytest.mark.slow
-def test_no_masses_are_told_with_which_it_would_be_stable() -> None:
-    assert stability(late("prox", 0.0, T), "prox").masses is None
-
-
 def test_the_number_of_commands_is_part_of_the_form_and_their_times_are_not() -> None:
     forms = [structure_of(settle(late("prox", share), "prox")) for share in (0.6, 0.7, 1.2)]
 
@@ -219,18 +163,6 @@ def test_its_twin_agrees(law: str, share: float) -> None:
 
     for name in ("x", "y", "theta", "v1", "omega", "tau_right", "tau_left", "d_hat"):
         assert native[name] == pytest.approx(slow[name], abs=1e-9), name
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("share", [0.5, 1.0, 1.5])
-def test_prox_keeps_the_limit_behind_a_delay_that_it_predicts(share: float) -> None:
-    """From the paper's start and noise of 1 N m; without prediction it leaves the limit."""
-    with_it, without = (
-        run_of(late("prox", share, stated), "prox").monitor.max_abs_v for stated in (None, 0.0)
-    )
-
-    assert (np.array(with_it) < (1.0, 1.5)).all()
-    assert (np.array(without) > (1.0, 1.5)).any()
 
 
 def test_friction_stops_and_never_turns_round() -> None:

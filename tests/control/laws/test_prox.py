@@ -12,12 +12,12 @@ from tests.checks.asking import closed
 from tests.control.laws.points import DRIVING, M, T, at, graph
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.barrier.proximal import resolvent
-from wmr_ctrl.control.laws.prox import ProxGains, guide, prox_step
+from wmr_ctrl.control.laws.prox import guide, prox_step
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import Run
 from wmr_ctrl.theory.checks.loop import Loop
 from wmr_ctrl.world.scenario import load_scenario
-from wmr_proofs.paper_barrier import f, lyapunov, minimiser
+from wmr_proofs.paper_barrier import lyapunov, minimiser
 
 U1, U2 = 1.0, 0.8
 c, k, v, c_next, E = (ca.SX.sym(name) for name in ("c", "k", "v", "c_next", "E"))
@@ -31,7 +31,6 @@ STEP = {
 }
 TARGET = ca.Function("x", [c], [minimiser(c, *LIMITS)])
 V1 = ca.Function("V1", [v, c], [lyapunov(v, c, *LIMITS)])
-F = ca.Function("f", [v], [f(v, *LIMITS)])
 both_forms = pytest.mark.parametrize("smooth", [False, True])
 
 
@@ -42,25 +41,6 @@ def targets(draw: np.random.Generator, count: int) -> np.ndarray:
 def test_resolvent_with_weight_1_is_the_papers_target() -> None:
     for value in (*targets(np.random.default_rng(0), 300), 0.8, 5.8, 0.0, -0.8):
         assert float(X[False](value, 1.0)) == pytest.approx(float(TARGET(value)), abs=1e-13)
-
-
-def barrier_at(x: np.ndarray, smooth: bool) -> np.ndarray:
-    beyond = np.abs(x) - U2
-    tangent = np.maximum(beyond, 0) / (U1 - U2) if smooth else 0.0
-    return F(x).full().ravel() - tangent
-
-
-@both_forms
-@pytest.mark.slow
-def test_resolvent_minimises_its_cost(smooth: bool) -> None:
-    draw = np.random.default_rng(1)
-    grid = np.linspace(-1, 1, 4003)[1:-1]
-    barrier = barrier_at(grid, smooth)
-    for value, weight in zip(targets(draw, 60), draw.uniform(0.01, 1, 60), strict=True):
-        found = float(X[smooth](value, weight))
-        least = 0.5 * (found - value) ** 2 + weight * barrier_at(np.array([found]), smooth)[0]
-        cost = 0.5 * (grid - value) ** 2 + weight * barrier
-        assert least <= cost.min() + 1e-9 * abs(cost.min())
 
 
 @both_forms
@@ -104,28 +84,6 @@ def noise_free(law: str, period: float, **changed: object) -> Run:
     return simulate("paper-simulation-nominal", law, overrides=overrides)
 
 
-def test_law_9_breaks_at_40_ms_and_prox_holds_at_200_ms() -> None:
-    assert noise_free("mb", 0.04).outcome != "completed"
-    assert noise_free("prox", 0.2).outcome == "completed"
-    assert noise_free("prox", 0.2, **{"gains.prox.wo": 0.0}).outcome == "completed"
-
-
-def test_exact_decay_keeps_law_9_inside_at_100_ms() -> None:
-    assert noise_free("mb", 0.1).outcome != "completed"
-    assert noise_free("mb", 0.1, **{"gains.mb.decay": "exact"}).outcome == "completed"
-
-
-def test_observer_removes_the_offset_of_wrong_friction() -> None:
-    with_it, without = (
-        simulate("paper-simulation", "prox", seed=100, overrides={"gains.prox.wo": wo})
-        for wo in (10.0, 0.0)
-    )
-    late = [abs(run["e"][run.time >= 70, 0]).mean() for run in (with_it, without)]
-
-    assert late[0] < 0.4e-3
-    assert late[1] > 10e-3
-
-
 def test_observer_finds_a_constant_force() -> None:
     """A push of 20 N along the motion appears as d_hat."""
     changed = {"disturbance.push": [20.0, 0.0], "clock.duration": 20.0}
@@ -152,23 +110,6 @@ def test_level_transport_keeps_the_decay_of_v1_in_a_run(transport: str, falls: b
     assert (S_next <= np.exp(-15 * 0.05 / 2) * S[:-1] * (1 + 1e-6) + 1e-7)[moving].all() == falls
 
 
-@pytest.mark.parametrize("preset", ["safe-simulation", "safe-experiment"])
-def test_presets_of_ours_have_the_gains_of_the_guide(preset: str) -> None:
-    """The shared ones of Eq. (7); at 10 ms prox has less k1, and the law's own are no slower."""
-    scenario = load_scenario(preset)
-    setup, shared = settle(scenario, "prox"), settle(scenario, "mb").kinematics.k
-    wanted = guide(setup.scenario.clock.control, setup.scenario.actuator.delay, 0.2)
-
-    assert shared == pytest.approx(wanted.k, rel=5e-3)
-    assert setup.kinematics.k[1:] == shared[1:]
-    assert isinstance(setup.gains, ProxGains)
-    if preset == "safe-experiment":
-        assert setup.kinematics.k == shared
-        assert setup.gains.rho == pytest.approx(wanted.rho, rel=5e-3)
-        assert setup.gains.wo == pytest.approx(wanted.wo)
-    assert all(own >= 0.99 * rho for own, rho in zip(setup.gains.rho, wanted.rho, strict=True))
-
-
 @pytest.mark.parametrize(("period", "share"), [(0.1, 0.5), (0.01, 0.0), (0.2, 0.5)])
 @pytest.mark.slow_but("0.1-0.5")
 def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(
@@ -187,11 +128,6 @@ def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(
         loop = Loop(settle(load_scenario("paper-simulation", changed), "prox"))
         matrix = closed(loop, np.array((0.2, 0.1)), period)
         assert np.abs(np.linalg.eigvals(matrix)).max() < 1, ratio
-
-
-def test_the_guide_refuses_what_is_no_period() -> None:
-    with pytest.raises(ValueError, match="period, speed > 0"):
-        guide(0.0, 0.0, 0.2)
 
 
 def test_first_sample_respects_the_laws_own_torque_limit() -> None:
