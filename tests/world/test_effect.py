@@ -17,7 +17,6 @@ from wmr_ctrl.api import (
     cosimulate,
     export_fmu,
     simulate,
-    simulate_runs,
 )
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import settle
@@ -37,18 +36,6 @@ def different(one: Run, other: Run) -> list[str]:
     return [
         name for name in one.columns if not np.array_equal(one[name], other[name], equal_nan=True)
     ]
-
-
-@pytest.mark.parametrize("name", ["encoder", "lag that varies", "all at once"])
-@pytest.mark.slow
-def test_it_matters_and_lanes_have_the_bits_of_one_robot(name):
-    run = run_of(name)
-    plain = simulate(scenario({}), LAW, seed=3)
-    lanes = simulate_runs(scenario(ALL[name]), LAW, [1, 2, 3])
-
-    assert run.rows == 50
-    assert not np.array_equal(run["x"], plain["x"])
-    assert different(run, lanes[2]) == []
 
 
 DRIVES = {**EFFECTS["jitter of a delay"], **EFFECTS["lag that varies"], **EFFECTS["motor"],

@@ -10,19 +10,14 @@ import pytest
 
 from tests.world.motion import (
     EFFECTS,
-    LAW,
     bound_of,
-    delayed,
     fed,
     rows,
     scenario,
 )
-from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.delay import delay_in_periods
 from wmr_ctrl.world.encoder import ENCODER
 from wmr_ctrl.world.gust import GUST
-from wmr_ctrl.world.gyro import GYRO
-from wmr_ctrl.world.jitter import JITTER
 from wmr_ctrl.world.motor import MOTOR, largest_torque, stepped
 from wmr_ctrl.world.resistance import RESISTANCE
 from wmr_ctrl.world.scenario import load_scenario
@@ -108,18 +103,6 @@ def test_other_wheels_misstate_the_velocity_by_their_bound_and_by_all_of_it(radi
     assert np.subtract(with_them, without) == pytest.approx(worst, rel=1e-9, abs=1e-12)
 
 
-def test_a_gyro_takes_the_place_of_the_encoders_omega():
-    changes = {"encoder.counts": 256, "gyro.enabled": True, "gyro.bias": -0.02, "gyro.noise": 0.01}
-    both = settle(scenario(changes), LAW).bound
-    alone = bound_of(ENCODER, {"encoder.counts": 256})
-    shown = fed(GYRO.build(scenario(changes)), rows(50, np.random.default_rng(2)))[:, 0]
-    true = [row["omega"][0] for row in rows(50, np.random.default_rng(2))]
-
-    assert both.window == (0.01, 0.0)
-    assert both.nbar == (alone.nbar[0], pytest.approx(0.03))
-    assert np.abs(shown - true).max() <= 0.03
-
-
 def test_the_ground_pulls_and_resists_within_its_bound():
     exact = {"guard.M_max": [50.0, 5.4]}
     slope = {"slope.angle": 0.05, "slope.direction": 1.0, "slope.offset": -0.03, **exact}
@@ -144,21 +127,6 @@ def test_gusts_keep_their_size():
 
     assert (shown <= (5.0, 1.0)).all()
     assert shown[-1] == pytest.approx((5.0, 1.0))
-
-
-@pytest.mark.slow
-def test_a_delay_that_varies_stays_between_its_ends():
-    """The command of each period takes over within [delay, delay + jitter] after its own sample."""
-    motion = delayed(rows(4000, np.random.default_rng(5)), 7)
-    changes = {"actuator.jitter": 0.006, "actuator.delay": 0.007}
-    shown = fed(JITTER.build(scenario(changes)), motion)
-    switch = np.flatnonzero(np.any(np.diff(shown, axis=0), axis=1)) + 1
-    late = switch % 10
-
-    bound = bound_of(JITTER, changes)
-    assert (bound.delay, bound.jitter) == (0.006, 0.006)
-    assert {int(k) for k in late} == {(7 + k) % 10 for k in range(7)}
-    assert len(switch) in (399, 400)  # the last may come after the end
 
 
 @pytest.mark.parametrize("plant", [0.001, 0.002, 0.005])

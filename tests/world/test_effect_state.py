@@ -30,24 +30,6 @@ def fmu(tmp_path_factory) -> Fmu:
     return Fmu(path, Path(extract(str(path), str(out / "extracted"))), 3)
 
 
-@pytest.mark.slow
-def test_a_state_put_back_gives_the_same_continuation(fmu):
-    def run(instance, first: int, count: int):
-        for k in range(first, first + count):
-            assert instance.step(0.01 * k, 0.01) == OK
-        return instance
-
-    instance = run(fmu.new().begin(), 0, 17)
-    kept = instance.bytes_of_state()
-    straight = run(instance, 17, 20).all()
-    other = fmu.new()
-
-    assert other.restore(kept) == OK
-    assert run(other, 17, 20).all() == straight
-    assert instance.restore(kept) == OK
-    assert run(instance, 17, 20).all() == straight
-
-
 def test_numbers_that_are_set_act_as_in_a_loop_of_their_own(fmu):
     changed = override(scenario(TOGETHER), SET)
     run, instance = simulate(changed, LAW, seed=0), fmu.new()
@@ -60,17 +42,6 @@ def test_numbers_that_are_set_act_as_in_a_loop_of_their_own(fmu):
 
     wanted = np.column_stack([run[name] for name in ("x", "v1", "omega")])
     assert np.array_equal(np.array(shown), wanted)
-
-
-@pytest.mark.slow
-def test_each_of_them_matters():
-    base = simulate(scenario(TOGETHER), LAW)
-    same = [
-        key
-        for key, value in SET.items()
-        if np.array_equal(simulate(scenario({**TOGETHER, key: value}), LAW)["v1"], base["v1"])
-    ]
-    assert same == []
 
 
 @pytest.mark.parametrize("key", ["clock.control", "actuator.delay"])

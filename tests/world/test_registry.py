@@ -14,8 +14,6 @@ from wmr_ctrl.api import (
     cosimulate,
     export_fmu,
     simulate,
-    simulate_many,
-    simulate_runs,
 )
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
@@ -51,12 +49,6 @@ def run_of(name: str) -> Run:
     return simulate("paper-simulation", LAW, seed=3, overrides={**SHORT, **TOYS[name]})
 
 
-def different(one: Run, other: Run) -> list[str]:
-    return [
-        name for name in one.columns if not np.array_equal(one[name], other[name], equal_nan=True)
-    ]
-
-
 @pytest.mark.parametrize("name", SOME)
 @pytest.mark.slow
 def test_it_matters(name):
@@ -65,14 +57,6 @@ def test_it_matters(name):
 
     assert run.rows == 150
     assert not np.array_equal(run["x"], plain["x"])
-
-
-@pytest.mark.parametrize("name", SOME)
-@pytest.mark.slow
-def test_lanes_have_the_bits_of_one_robot(name):
-    runs = simulate_runs("paper-simulation", LAW, [1, 2, 3], overrides={**SHORT, **TOYS[name]})
-
-    assert different(run_of(name), runs[2]) == []
 
 
 @pytest.mark.parametrize("name", SOME)
@@ -87,16 +71,6 @@ def test_the_closed_loop_fmu_has_the_bits_of_the_native_loop(name, tmp_path):
 
     assert np.array_equal(table["x"][:150], run["x"])
     assert all(np.array_equal(table[n][1:], run[n]) for n in names[1:])
-
-
-@pytest.mark.parametrize("name", SOME)
-@pytest.mark.slow
-def test_co_simulation_has_the_bits_of_the_native_loop(name):
-    run = run_of(name)
-    coupled = cosimulate(scenario_of("paper-simulation", {**SHORT, **TOYS[name]}), LAW, seed=3)
-
-    assert set(different(run, coupled)) <= {"e"}
-    assert run.monitor == coupled.monitor
 
 
 @pytest.mark.parametrize("name", [n for n in TOYS if n != "reference with state"])
@@ -160,54 +134,6 @@ def test_the_guard_counts_an_effect_by_its_bound():
     assert steep.dbar[0] == pytest.approx(plain.dbar[0] + pull)
     assert steep.dbar[1] == plain.dbar[1]
     assert steep.nbar == pytest.approx((0.0, 0.01))
-
-
-@pytest.mark.slow
-def test_the_guard_counts_a_delay_of_another_effect():
-    changes = {"toy_late.time": 0.02, "disturbance.truncate": 3.0, "clock.duration": 8.0}
-    run = simulate("far-start-drop", LAW, seed=1, guard=True, overrides=changes)
-    same = {**changes, "toy_late.time": 0.0, "actuator.delay": 0.02}
-    stated = simulate("far-start-drop", "pid", seed=1, guard=True, overrides=same)
-    other = simulate("far-start-drop", "pid", seed=1, guard=True, overrides=changes)
-
-    assert run.monitor.violations == 0
-    assert np.array_equal(stated["v1"], other["v1"])
-
-
-def test_the_guard_keeps_its_limit_on_the_slope():
-    run = simulate(
-        "far-start-drop", LAW, seed=1, guard=True,
-        overrides={"toy_slope.angle": 0.03, "disturbance.truncate": 3.0, "clock.duration": 8.0},
-    )  # fmt: skip
-
-    assert run.monitor.violations == 0
-    assert run.monitor.bounds_left is None
-
-
-@pytest.mark.slow
-def test_lanes_may_differ_in_an_effects_numbers():
-    walks = [{**SHORT, "toy_gyro.walk": w} for w in (0.0005, 0.001, 0.002)]
-    table = simulate_many("paper-simulation", LAW, [3, 3, 3], walks)
-    alone = [simulate("paper-simulation", LAW, seed=3, overrides=walk) for walk in walks]
-
-    each = [simulate_many("paper-simulation", LAW, [3], walk) for walk in walks]
-    for name in ("final_x", "final_y", "final_theta", "final_v1", "final_omega"):
-        assert table[name].tolist() == [one[name][0] for one in each]
-    assert len({run["x"][-1] for run in alone}) == 3
-
-
-def test_a_clothoid_is_one():
-    """Against the Fresnel integrals' own quadrature."""
-    from scipy.integrate import quad
-
-    run = run_of("reference with state")
-    t, v, c = run.time[-1], 0.3, 0.2
-    angle = lambda s: c * (v * s) ** 2 / 2  # noqa: E731
-    x = quad(lambda s: -v * np.sin(angle(s)), 0, t)[0]
-    y = quad(lambda s: v * np.cos(angle(s)), 0, t)[0]
-
-    assert run["x_d"][-1] == pytest.approx(x, abs=1e-12)
-    assert run["y_d"][-1] == pytest.approx(y, abs=1e-12)
 
 
 def test_its_table_is_read_checked_and_written():

@@ -10,18 +10,17 @@ import pytest
 from click.testing import CliRunner
 
 from tests.world import toys
-from wmr_ctrl.api import export_fmu, simulate
+from wmr_ctrl.api import export_fmu
 from wmr_ctrl.cli import root
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields import plugins
 from wmr_ctrl.core.fields.section import Section, quantity
-from wmr_ctrl.core.signals import BODY_FORCE, REFERENCE, TIME, TORQUE, TORQUE_NOISE, Signal
+from wmr_ctrl.core.signals import BODY_FORCE, REFERENCE, TORQUE, TORQUE_NOISE, Signal
 from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.theory.checks.loop import Loop
 from wmr_ctrl.theory.checks.stable_ranges import largest_period
-from wmr_ctrl.theory.checks.surroundings import rounded_effects
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
 from wmr_ctrl.world.model.system import NORMAL, Output, Parameters, System, draw, port, ports
 from wmr_ctrl.world.references.registry import REFERENCES
@@ -91,16 +90,6 @@ def test_what_would_never_act_is_no_effect(field, value):
         replace(SHAKE, **{field: value})
     with pytest.raises(ArgumentError, match="STEP for a drive"):
         replace(toys.RAMP, rate=Rate.SAMPLE)
-
-
-@pytest.mark.slow
-def test_one_of_the_same_name_replaces_the_graph(registered):
-    registered(SHAKE)
-    before = simulate(shaking(), "pid")
-    registered(replace(SHAKE, build=lambda scenario: shaken(scenario, TORQUE_NOISE)))
-    after = simulate(shaking(), "pid")
-
-    assert before["x"][-1] != after["x"][-1]
 
 
 # -- bounds -------------------------------------------------------------------------------
@@ -206,23 +195,6 @@ def test_a_mean_force_is_not_lost_with_its_noise(registered, what, signals, tmp_
 
 
 # -- figures of stability -----------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_what_a_figure_cannot_know_is_said_by_name(registered):
-    """A drive of another package is in the figures; what an encoder rounds has no derivative."""
-    registered(toys.RAMP)
-    encoder = {"encoder.counts": 512.0, "actuator.delay": 0.01, "gyro.enabled": True}
-    ramp = scenario_of("paper-simulation", {"toy_ramp.rate": 100.0})
-    said = "as if there were no rounding in [encoder]"
-
-    assert rounded_effects(ramp) == ""
-    assert rounded_effects(scenario_of("paper-simulation", encoder)) == said
-    for command in ("check", "linearize"):
-        options = ["-v"] if command == "check" else []
-        options += ["--law", "mb", "--set", "encoder.counts=512", "--set", "clock.duration=1"]
-        done = CliRunner().invoke(root, [command, "paper-simulation", *options])
-        assert said in " ".join(done.output.split())
 
 
 class OtherLag(Section, key="other_lag"):
@@ -332,28 +304,6 @@ def test_a_reference_gives_the_seven_signals_in_order(monkeypatch, kind):
     monkeypatch.setitem(REFERENCES.__dict__, "plugins", (kind,))
     with pytest.raises(ArgumentError, match=r"toy-clothoid.*x_d, y_d, theta_d"):
         runnable(scenario_of("paper-simulation", {"reference.kind": "toy-clothoid"}), "mb")
-
-
-@pytest.mark.slow
-def test_what_a_reference_reads_elsewhere_is_checked_anew(monkeypatch):
-    def build(scenario: Scenario) -> System:
-        p, time = Parameters(scenario), port(TIME)
-        speed = 0.1 / p.take("robot.mu")
-        outputs = tuple(Output(signal, speed * time.sym) for signal in REFERENCE)
-        return System(
-            "own",
-            "own",
-            inputs=(time,),
-            params=p.ports,
-            outputs=outputs,
-        )
-
-    kind = replace(toys.CLOTHOID, build=build)
-    monkeypatch.setitem(REFERENCES.__dict__, "plugins", (kind,))
-    own = {**SHORT, "reference.kind": "toy-clothoid"}
-    runnable(scenario_of("paper-simulation", own), "mb")
-    with pytest.raises(ScenarioError, match="not finite"):
-        runnable(scenario_of("paper-simulation", {**own, "robot.mu": 0.0}), "mb")
 
 
 def test_a_unit_that_is_none_is_told_with_its_field(registered, tmp_path):

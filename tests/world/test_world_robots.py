@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.guard_runs import FACTORS, overrides_of
-from wmr_ctrl.api import simulate, simulate_many, simulate_runs
+from benchmarks.guard_runs import overrides_of
+from wmr_ctrl.api import simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import filter_facts, warnings_for
@@ -48,39 +48,6 @@ def test_without_guard_the_slow_robot_leaves_the_limit():
     assert simulate("paper-simulation", "mb", seed=UNSEEN, overrides=changes).monitor.violations > 0
 
 
-OTHERS = range(400, 420)
-"""More of them."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("base", "law"), [("10 ms", "pid"), ("100 ms", "mb")])
-def test_guarded_laws_of_the_comparison_keep_it(base, law):
-    assert FACTOR in FACTORS
-    table = simulate_many("paper-simulation", law, OTHERS, overrides_of(base, FACTOR), guard=True)
-
-    assert not table["violations"].any()
-
-
-def remarks(name, law, seeds=10, **overrides):
-    """Keys of what runs and check say; no gain was chosen with these ten seeds."""
-    runs = simulate_runs(name, law, range(seeds), overrides=overrides)
-    warnings = warnings_for(settle(scenario_of(name, overrides), law))
-    return {item.key for run in runs for item in run.remarks} | {item.key for item in warnings}
-
-
-@pytest.mark.parametrize(("name", "law"), [("robot-10ms", "pid"), ("robot-100ms", "prox")])
-@pytest.mark.slow
-def test_nothing_is_to_be_said_against_laws_and_runs(name, law):
-    assert remarks(name, law) == set()
-
-
-@pytest.mark.slow
-def test_pid_would_stay_behind_with_the_k_that_the_others_share():
-    shared = {"gains.pid.kinematics": [1.0, 42.0, 1.5], "gains.pid.Kp": [420.0, 40.0]}
-
-    assert "not-tracked" in remarks("robot-100ms", "pid", 2, **shared)
-
-
 SKIDDING = ("clearpath-jackal", "clearpath-husky")
 BOUGHT = (
     "turtlebot3-burger",
@@ -104,23 +71,6 @@ def at_the_ends(name):
         {"base.gain": list(gain), "base.tau": [tau] * 2}
         for gain, tau in ((strong, quick_), (weak, 0.99 * slow))
     ]
-
-
-@pytest.mark.parametrize(
-    ("name", "law"),
-    [
-        ("turtlebot3-burger", "pid"),
-        ("clearpath-jackal", "nn"),
-        ("turtlebot3-waffle", "mb"),
-        ("clearpath-husky", "kanayama"),
-        ("irobot-create3", "prox"),
-    ],
-)
-@pytest.mark.slow
-def test_a_base_that_takes_velocities_tracks_inside_its_limits(name, law):
-    run = simulate(name, law)
-
-    assert (run.outcome.value, run.monitor.violations, run.remarks) == ("completed", 0, ())
 
 
 @pytest.mark.parametrize("name", BOUGHT)

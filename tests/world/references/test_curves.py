@@ -15,12 +15,13 @@ from wmr_ctrl.world.references.curves import (
     STOP_AND_GO,
     Circle,
     circle,
+    lemniscate,
     line,
 )
 
 
-def test_a_circle_and_a_line_are_their_formulas() -> None:
-    """Radius 2 m, 0.5 rad/s for 3 s; a line along (-sin, cos)."""
+def test_curves_are_their_formulas() -> None:
+    """Radius 2 m, 0.5 rad/s for 3 s; a line along (-sin, cos); an eight of 1.5 m."""
     found = ca.evalf(circle(ca.SX(3.0), {"ref_radius": ca.SX(2.0), "ref_rate": ca.SX(0.5)}))
     x, y = 2 * math.sin(1.5), 2 - 2 * math.cos(1.5)
     assert found.full().ravel() == pytest.approx([x, y, 1.5 - math.pi / 2, 1.0, 0.5, 0, 0])
@@ -29,6 +30,9 @@ def test_a_circle_and_a_line_are_their_formulas() -> None:
     found = ca.evalf(line(ca.SX(5.0), own)).full().ravel()
     assert found[:2] == pytest.approx([1 - math.sin(0.3), -1 + math.cos(0.3)])
     assert found[2:] == pytest.approx([0.3, 0.2, 0, 0, 0])
+
+    found = ca.evalf(lemniscate(ca.SX(3.0), {"ref_size": ca.SX(1.5), "ref_rate": ca.SX(0.5)}))
+    assert found.full()[:2, 0] == pytest.approx([1.5 * x / 2, 1.5 * x / 2 * math.cos(1.5)])
 
 
 @pytest.mark.parametrize("kind", [CIRCLE, LINE, LEMNISCATE, STOP_AND_GO])

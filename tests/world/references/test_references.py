@@ -6,14 +6,10 @@ import math
 from dataclasses import replace
 
 import casadi as ca
-import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from tests.papers_robot import paper
-from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.signals import REFERENCE
 from wmr_ctrl.world.references import (
     Circle,
@@ -26,7 +22,6 @@ from wmr_ctrl.world.references import (
 )
 from wmr_ctrl.world.references import sample as sample_scenario
 from wmr_ctrl.world.references.waypoints import profile_of, waypoint_path
-from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.scenario.sections import Clock
 
 SIZED = {"speed": 0.2, "omega_max": 1.0, "a_max": 0.2, "alpha_max": 1.0}
@@ -113,21 +108,6 @@ def test_robot_can_follow_it_without_slipping(reference):
 
 
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
-@pytest.mark.slow_but(
-    "Circle0", "Line0", "StopAndGo0", "Waypoints0", "Waypoints3", "Lemniscate", "RoundedSquare1"
-)
-def test_rates_agree_with_central_differences(reference):
-    h = 1e-4
-    times = instants(reference, 200, seed=1) + h
-    before, at, after = (sample(reference, times + shift) for shift in (-h, 0, h))
-    slope = (after - before) / (2 * h)
-    theta, v1 = at[:, 2], at[:, 3]
-    moving = np.column_stack([-np.sin(theta) * v1, np.cos(theta) * v1, at[:, 4:7]])
-
-    np.testing.assert_allclose(slope[:, :5], moving, rtol=1e-6, atol=2e-6)
-
-
-@pytest.mark.parametrize("reference", ALL, ids=name_of)
 @pytest.mark.slow_but("Circle0", "Line0", "StopAndGo0", "Waypoints3", "Lemniscate")
 def test_all_outputs_are_continuous(reference):
     cycle = reference.cycle if math.isfinite(reference.cycle) else 20.0
@@ -184,41 +164,6 @@ def test_numbers_are_parameters_of_the_graph(reference):
     np.testing.assert_allclose(found, sample(other, times), rtol=1e-14, atol=1e-15)
 
 
-def test_circle_is_the_papers():
-    times = np.linspace(0, 80, 801)
-    found = sample(Circle(radius=2.0, rate=0.1), times)
-    paper = np.column_stack(
-        [2 * np.sin(0.1 * times), 2 - 2 * np.cos(0.1 * times), 0.1 * times - math.pi / 2]
-    )
-
-    np.testing.assert_allclose(found[:, :3], paper, atol=1e-14)
-    assert (found[:, 3:] == [0.2, 0.1, 0.0, 0.0]).all()
-
-
-def test_lemniscate_against_fifty_digits():
-    with mpmath.workdps(50):
-        a, w, t = mpmath.mpf(1.5), mpmath.mpf(0.3), mpmath.mpf(7.25)
-
-        def x(s):
-            return a * mpmath.sin(w * s)
-
-        def y(s):
-            return a * mpmath.sin(w * s) * mpmath.cos(w * s)
-
-        dx, ddx, dddx = (mpmath.diff(x, t, n) for n in (1, 2, 3))
-        dy, ddy, dddy = (mpmath.diff(y, t, n) for n in (1, 2, 3))
-        v1 = mpmath.hypot(dx, dy)
-        v2 = (dx * ddy - dy * ddx) / v1**2
-        v1_dot = (dx * ddx + dy * ddy) / v1
-        v2_dot = (dx * dddy - dy * dddx) / v1**2 - 2 * v2 * v1_dot / v1
-        expected = [float(value) for value in (x(t), y(t), v1, v2, v1_dot, v2_dot)]
-        psi = float(mpmath.atan2(dy, dx))
-    found = sample(Lemniscate(size=1.5, rate=0.3), np.array([7.25]))[0]
-
-    np.testing.assert_allclose(np.delete(found, 2), expected, rtol=1e-12)
-    assert math.remainder(found[2] + math.pi / 2 - psi, 2 * math.pi) == pytest.approx(0, abs=1e-12)
-
-
 def test_stop_and_go_really_stops_and_starts_again():
     reference = StopAndGo(speed=0.4, period=10.0)
     found = sample(reference, np.array([0.0, 5.0, 10.0]))
@@ -252,20 +197,6 @@ def test_an_open_path_goes_straight_on_after_its_end():
     np.testing.assert_allclose(later[2:], at[2:], atol=1e-12)
 
 
-def test_rounded_square_keeps_its_shape():
-    """Straight sides to a millimetre and corners inside the square, at nearly constant speed."""
-    reference = RoundedSquare(side=3.0, corner=0.8, speed=0.2)
-    found = sample(reference, np.linspace(0, reference.cycle, 5000))
-    x, y, v1 = found[:, 0], found[:, 1], found[:, 3]
-    on_lower_side = (np.abs(x) < 0.7) & (y < 1.5)
-
-    assert np.abs(y[on_lower_side]).max() < 1e-3
-    assert x.min() > -1.5 - 1e-3
-    assert x.max() < 1.5 + 1e-3
-    assert y.max() < 3.0 + 1e-3
-    assert np.abs(v1 - 0.2).max() < 1e-3
-
-
 @pytest.mark.parametrize(
     ("reference", "bounds"),
     [
@@ -290,34 +221,3 @@ def test_bounds_cover_the_run_only():
     short = paper(reference=StopAndGo(speed=0.4, period=10.0), clock=Clock(duration=2.5))
 
     assert reference_bounds(short)[1] == pytest.approx(0.2)
-
-
-def test_bounds_tell_the_fast_reference_from_the_papers():
-    limit = load_scenario("fast-reference").limits.v_u2[0]
-
-    assert reference_bounds(load_scenario("fast-reference"))[1] > limit
-    assert 0 < reference_bounds(load_scenario("paper-simulation"))[0] < limit
-
-
-coordinates = st.floats(-20, 20).map(lambda value: round(value, 3))
-
-
-@settings(max_examples=15, deadline=None)
-@given(
-    st.lists(st.tuples(coordinates, coordinates), min_size=3, max_size=9, unique=True),
-    st.booleans(),
-)
-@pytest.mark.slow
-def test_any_points_give_a_path_that_can_be_followed_or_an_error(points, closed):
-    try:
-        reference = Waypoints(points=tuple(points), speed=0.5, closed=closed)
-    except ScenarioError as problem:
-        message = str(problem)
-    else:
-        found = sample(reference, np.linspace(0, 1.1 * reference.cycle, 5_000))
-        message = "reference.points"
-        assert np.isfinite(found).all()
-        assert found[:, 3].min() >= 0
-        assert np.abs(found[:, 3]).max() <= 0.5 * (1 + 1e-3)
-        assert np.abs(np.diff(found[:, 2])).max() < 1.0  # a slip of the branch would be 2 pi
-    assert message.startswith("reference.points")

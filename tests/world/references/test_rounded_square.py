@@ -19,6 +19,9 @@ def test_it_is_a_square_that_looks_alike_from_every_side(corner: float) -> None:
     quarter = len(points) // 4
     turned = points[:quarter] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
     assert points[quarter : 2 * quarter] == pytest.approx(turned, abs=1e-12)
+    assert points[0] == pytest.approx([0.0, -1.5], abs=1e-12)
+    below = points[points[:, 1] < -1.5 + 1e-9, 0]
+    assert np.count_nonzero(below > 0) == np.count_nonzero(below < 0)
 
 
 def test_a_lap_takes_as_long_as_its_way_at_its_speed() -> None:

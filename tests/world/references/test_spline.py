@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from wmr_ctrl.world.references.rounded_square import square_points
 from wmr_ctrl.world.references.spline import fit
 
 WAVE = np.array([[0.0, 0.0], [1.0, 1.0], [2.0, -0.5], [3.0, 0.5], [5.0, 0.0]])
@@ -62,13 +61,3 @@ def test_points_on_a_circle_give_nearly_that_circle():
     np.testing.assert_allclose(np.hypot(place[..., 0], place[..., 1] - 2), 2, atol=1e-4)
     assert path.duration == pytest.approx(4 * math.pi / 0.2, rel=1e-5)
     assert path.turn == pytest.approx(2 * math.pi)
-
-
-def test_square_has_the_symmetry_of_a_square():
-    points = square_points(3.0, 0.8)
-    quarter = len(points) // 4
-    turned = np.column_stack([1.5 - points[:, 1], 1.5 + points[:, 0]])
-
-    np.testing.assert_allclose(turned[:quarter], points[quarter : 2 * quarter], atol=1e-12)
-    np.testing.assert_allclose(points[0], [0.0, 0.0], atol=1e-15)
-    np.testing.assert_allclose(points[quarter], [1.5, 1.5], atol=1e-12)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import pytest
-import tomlkit
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -127,13 +126,6 @@ def test_gains_of_the_laws_are_printed_where_they_are_told():
         "nn": {"eta": 1.5, "integrator": "explicit"},
         "mine": {"k": 3.0},
     }
-
-
-def test_text_can_be_edited_by_tomlkit():
-    document = tomlkit.parse(to_toml(paper()))
-    document["robot"]["m"] = 61.0
-
-    assert paper_toml(tomlkit.dumps(document)).robot.m == 61.0
 
 
 def test_file_of_a_user_extends_a_preset(tmp_path):
