@@ -5,13 +5,12 @@ from __future__ import annotations
 import ctypes as ct
 import threading
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from wmr_ctrl.api import simulate, simulate_many, simulate_runs
+from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import vector_sets
 from wmr_ctrl.codegen.toolchain import Unit
@@ -52,17 +51,6 @@ def logged(tasks: list[Task]) -> list[tuple[Columns, Monitor]]:
     return run_logged(tasks, columns)
 
 
-def assert_alike(name: str, law: str, tasks: list[Task], overrides: dict[str, object]) -> None:
-    """Every logged number and all that was watched are those of single runs, to the bit."""
-    for task, (columns, watched) in zip(tasks, logged(tasks), strict=True):
-        run = simulate(name, law, seed=task.seed, overrides=overrides)
-        assert watched == replace(
-            run.monitor, bounds_left=watched.bounds_left, d_least=watched.d_least
-        )
-        assert set(columns) == set(run.columns)
-        assert [n for n in columns if not same_bits(columns[n], run[n])] == []
-
-
 def same_bits(one: np.ndarray, other: np.ndarray) -> bool:
     return one.shape == other.shape and one.tobytes() == np.ascontiguousarray(other).tobytes()
 
@@ -70,80 +58,6 @@ def same_bits(one: np.ndarray, other: np.ndarray) -> bool:
 def same_values(one: np.ndarray, other: np.ndarray) -> bool:
     """Texts and numbers alike; not a number is the same as itself."""
     return bool(np.all((one == other) | (one != one) & (other != other)))
-
-
-@pytest.mark.usefixtures("every_set_of_instructions")
-@pytest.mark.parametrize(
-    ("law", "vectors"), [("nn", vector_sets()[0].name), ("mb", vector_sets()[-1].name)]
-)
-@pytest.mark.slow
-def test_lanes_are_the_single_loop_over_80_s(law: str, vectors: str) -> None:
-    tasks = tasks_of("paper-simulation", law, range(3), {}, vectors)
-
-    assert_alike("paper-simulation", law, tasks, {})
-
-
-@pytest.mark.parametrize("law", ["pid", "nn"])
-@pytest.mark.slow
-def test_one_step_is_right_anywhere(law: str) -> None:
-    """From starts in all regions, at rest and near the limits."""
-    draw = np.random.default_rng(0)
-    for _ in range(6):
-        changed = {
-            "clock.duration": 0.01,
-            "initial.pose": list(draw.normal(size=3) * [5, 5, 2]),
-            "initial.velocity": list(draw.uniform(-1, 1, 2) * [0.9999, 1.4999]),
-        }
-        tasks = tasks_of("paper-simulation", law, range(2), changed)
-        assert_alike("paper-simulation", law, tasks, changed)
-
-
-@pytest.mark.parametrize(
-    ("law", "changed"),
-    [
-        ("mb", {"actuator.lag": 0.02, "actuator.delay": 0.005}),
-        ("nn", {"sensor.pose_period": 0.1, "sensor.pose_noise": 0.05, "sensor.correction": 0.2}),
-        ("mb", {"disturbance.truncate": 1.5, "reference.kind": "lemniscate"}),
-        ("mb", {"guard.enabled": True}),
-    ],
-)
-@pytest.mark.slow
-def test_every_option_means_the_same(law: str, changed: dict[str, object]) -> None:
-    overrides = {**SHORT, **changed}
-    tasks = tasks_of("paper-simulation", law, range(2), overrides)
-
-    assert_alike("paper-simulation", law, tasks, overrides)
-
-
-@pytest.mark.usefixtures("every_set_of_instructions")
-@pytest.mark.slow
-def test_vector_sets_give_the_same_bits() -> None:
-    tasks = tasks_of("paper-simulation", "nn", range(3), SHORT)
-    names = names_of(tasks[0].loop.compiled.library)
-    found = [run_tasks([replace(task, vectors=name) for task in tasks]) for name in names]
-
-    for other in found[1:]:
-        assert all(same_values(found[0][k], other[k]) for k in other)
-
-
-@pytest.mark.parametrize("law", ["mb", "pid"])
-@pytest.mark.slow_but("mb")
-def test_figures_are_those_of_the_runs(law: str) -> None:
-    found = run_tasks(tasks_of("paper-simulation", law, range(5), {}))
-    for seed in (0, 4):
-        run = simulate("paper-simulation", law, seed=seed)
-        wanted = summary(run)
-        for name in ("total", "before", "after", "position"):
-            assert found[f"ise_{name}"][seed] == pytest.approx(wanted["ise"][name], rel=1e-8)
-        for span, errors in wanted["e_rms"].items():
-            for axis, error in enumerate(errors, start=1):
-                name = f"e{axis}_rms_{span.replace('-', '_')}"
-                assert found[name][seed] == pytest.approx(error, rel=1e-6)
-        assert found["violations"][seed] == wanted["violations"]
-        fastest = (found["max_abs_v1"][seed], found["max_abs_v2"][seed])
-        assert fastest == pytest.approx(wanted["max_abs_v"], rel=1e-9)
-        assert found["tau_peak"][seed] == pytest.approx(wanted["tau_peak"], rel=1e-9)
-        assert found["tau_rms"][seed] == pytest.approx(wanted["tau_rms"], rel=1e-9)
 
 
 @pytest.mark.parametrize(("law", "guard"), [("mb", False), ("prox", True)])
@@ -217,36 +131,6 @@ def test_a_batch_that_runs_again_begins_anew() -> None:
     assert all(same_bits(one, again) for one, again in zip(first, arrays, strict=True))
 
 
-@pytest.mark.slow
-def test_tasks_of_different_structure_do_not_share_a_batch() -> None:
-    """Sensors, drives, clocks and windows belong to a batch; each run has its own all the same."""
-    changes = (
-        {},
-        {"sensor.pose_period": 0.1, "sensor.pose_noise": 0.05, "sensor.correction": 0.2},
-        {"sensor.pose_period": 0.5, "sensor.pose_noise": 0.05, "sensor.correction": 0.2},
-        {"actuator.delay": 0.02},
-        {"actuator.delay": 0.03},
-        {"clock.control": 0.005},
-        {"metrics.rms_from": 3.0},
-        {"metrics.split": 2.0},
-    )
-    tasks = [tasks_of("paper-simulation", "mb", range(1), {**SHORT, **k})[0] for k in changes]
-    mixed = run_tasks(tasks)
-    for place, task in enumerate(tasks):
-        own = run_tasks([task])
-        assert all(same_values(mixed[k][place], own[k][0]) for k in own)
-
-
-@pytest.mark.slow
-def test_runs_have_the_seeds_that_were_asked_for() -> None:
-    together = simulate_runs("paper-simulation", "mb", np.array([5, 2]), overrides=SHORT)
-    for run, seed in zip(together, (5, 2), strict=True):
-        own = simulate("paper-simulation", "mb", seed=seed, overrides=SHORT)
-        assert run.seed == seed
-        assert all(same_bits(run[name], own[name]) for name in own.columns)
-        assert run.monitor == own.monitor
-
-
 def test_a_loop_is_compiled_with_the_guard_where_it_is_asked_for() -> None:
     guards = (None, True, False)
     loops = [runnable(given("paper-simulation", SHORT, guard), "mb") for guard in guards]
@@ -265,14 +149,6 @@ def test_starts_that_cannot_be_are_named(start: tuple[float, ...]) -> None:
     loop = tasks_of("paper-simulation", "mb", range(1), SHORT)[0].loop
     with pytest.raises(ArgumentError, match="start"):
         Task(loop, 0, start)
-
-
-@pytest.mark.slow
-def test_divergence_is_the_single_loops() -> None:
-    changed = {"gains.pid.Kp": [2e4, 2e3]}
-    tasks = tasks_of("paper-experiment-literal", "pid", range(3), changed)
-
-    assert_alike("paper-experiment-literal", "pid", tasks, changed)
 
 
 def test_starts_differ_by_task() -> None:
@@ -342,29 +218,6 @@ def test_a_compiler_may_lack_any_set_of_instructions_but_the_baseline(monkeypatc
     assert {item.name: item.optional for item in asked} == {
         item.name: item.name != "baseline" for item in vector_sets()
     }
-
-
-@pytest.mark.usefixtures("every_set_of_instructions")
-@pytest.mark.slow
-def test_one_library_holds_every_set_and_offers_what_the_processor_has() -> None:
-    """The best first; which one runs is no part of how the library was built."""
-    library = tasks_of("paper-simulation", "nn", range(1), SHORT)[0].loop.compiled.library
-    names = names_of(library)
-    known = [item.name for item in vector_sets()]
-
-    assert names == [name for name in known if name in names]
-    assert names[-1] == "baseline"
-    flags = cpu_flags()
-    if flags:
-        assert ("avx512" in names) == ({"avx512f", "avx512vl", "avx512dq", "avx512bw"} <= flags)
-        assert ("avx2" in names) == ({"avx2", "fma", "bmi2"} <= flags)
-
-
-def cpu_flags() -> set[str]:
-    """What the operating system tells of the processor; nothing where it does not."""
-    path = Path("/proc/cpuinfo")
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    return {flag for line in lines if line.startswith("flags") for flag in line.split()}
 
 
 def test_shares_that_the_guard_changes_are_of_either_axis() -> None:

@@ -68,22 +68,6 @@ def test_figures_and_columns_are_those_of_lanes(stand: Stand) -> None:
             np.testing.assert_array_equal(other[name], run[name], err_msg=name)
 
 
-@pytest.mark.slow
-def test_robots_and_starts_may_differ(stand: Stand) -> None:
-    each = [{"clock.duration": 1.0, "robot.m": 2.9 + 0.01 * k} for k in range(4)]
-    starts = [(0.1 * k, -0.2, 0.3, 0.0, 0.0) for k in range(4)]
-    asked = ("safe-simulation", "prox", range(4), each)
-    cpu, there = (simulate_many(*asked, starts=starts, device=name) for name in ("cpu", "gpu"))
-    assert_same(cpu, there)
-    assert len(np.unique(there["position_rms"])) == 4
-
-
-@pytest.mark.slow
-def test_a_base_that_takes_velocities_runs_there(stand: Stand) -> None:
-    asked = ("turtlebot3-burger", "kanayama", range(2), {"clock.duration": 2.0})
-    assert_same(*(simulate_many(*asked, device=name) for name in ("cpu", "gpu")))
-
-
 def test_a_launch_takes_no_more_than_the_memory_holds(stand: Stand) -> None:
     task = Task(runnable(scenario_of("safe-simulation"), "prox", device="gpu"), 0)
     stand.most = 10**6

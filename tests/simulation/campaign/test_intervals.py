@@ -59,7 +59,6 @@ def test_more_looks_need_a_narrower_interval(share):
     assert not between.reached(values, 10, key)
 
 
-@pytest.mark.slow
 def test_a_rule_that_stops_early_still_covers_as_often_as_it_says():
     """At most 5 % of the studies may end with an interval that misses the share."""
     rule = StopRule(figure="violated", half_width=0.12, first=16)

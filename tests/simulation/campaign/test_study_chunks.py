@@ -83,39 +83,6 @@ def test_who_interrupts_a_local_cluster_sees_no_traceback(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_scheduler_of_its_own_loses_nothing_with_a_worker(tmp_path):
-    """Started by their commands; one of two workers is killed on the way."""
-    pytest.importorskip("distributed")
-    port = 18786
-    dask = [sys.executable, "-m", "dask"]
-    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": tmp_path}
-    address = f"tcp://127.0.0.1:{port}"
-    scheduler = subprocess.Popen(
-        [*dask, "scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"], **silent
-    )
-    one = [*dask, "worker", address, "--nthreads", "1", "--no-dashboard"]
-    workers = [subprocess.Popen([*one, "--no-nanny"], **silent) for _ in range(2)]
-    plan = {**REAL, "seeds": 60, "chunk": 4, "set": {**REAL["set"], "clock.duration": 5.0}}
-    try:
-        with ThreadPoolExecutor(1) as pool:
-            running = pool.submit(
-                wmr_ctrl.study, plan, tmp_path / "b", executor=f"dask://127.0.0.1:{port}", jobs=2
-            )
-            while not running.done() and len(list((tmp_path / "b").glob("chunks/0*.npz"))) < 5:
-                time.sleep(0.05)
-            midway = not running.done()
-            workers[0].kill()
-            there = running.result(timeout=200).table.read_bytes()
-    finally:
-        for process in (*workers, scheduler):
-            process.kill()
-            process.wait()
-
-    assert midway, "the study was over before the worker was killed: make it longer"
-    assert there == wmr_ctrl.study(plan, tmp_path / "a").table.read_bytes()
-
-
-@pytest.mark.slow
 def test_a_scheduler_that_does_not_answer_is_named(tmp_path, monkeypatch):
     pytest.importorskip("distributed")
     monkeypatch.setattr("wmr_ctrl.simulation.campaign.study_chunks.PATIENCE", 0.5)

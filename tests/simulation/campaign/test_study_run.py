@@ -23,7 +23,6 @@ from wmr_ctrl import simulate
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError, ScenarioError, UnknownNameError
 from wmr_ctrl.simulation.campaign.study_plan import plan_of
 from wmr_ctrl.simulation.campaign.study_run import run_study
-from wmr_ctrl.simulation.campaign.study_store import counted_reasons, opened
 from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -85,31 +84,6 @@ def test_a_chunk_that_is_damaged_is_made_again(tmp_path):
     assert table_of(tmp_path / "a") == before
 
 
-@pytest.mark.slow
-def test_a_chunk_with_a_flipped_bit_is_missing_or_whole(tmp_path):
-    """Whatever the flip makes of the archive: no error, and no number that was not written."""
-    plan = plan_of(PLAN)
-    with opened(tmp_path, plan, FACTS) as folder:
-        path = folder.chunk_path(0, [0, 1])
-        chunk = {
-            "index": np.arange(2),
-            "outcome": np.array(["completed"] * 2),
-            "refusal": np.array(["", ""]),
-        } | {name: np.arange(2.0) for name in plan.figures}
-        folder.keep(path, chunk)
-        whole = path.read_bytes()
-        missing, places = 0, range(0, len(whole), 3)
-        for place in places:
-            flipped = bytearray(whole)
-            flipped[place] ^= 1 << place % 8
-            path.write_bytes(flipped)
-            rows = folder.rows(path)
-            missing += rows is None
-            assert rows is None or all((rows[name] == chunk[name]).all() for name in chunk)
-
-    assert 0.2 * len(places) < missing < len(places)
-
-
 def test_a_full_disk_loses_nothing(tmp_path, monkeypatch):
     save, left = np.savez, [4]
 
@@ -127,16 +101,6 @@ def test_a_full_disk_loses_nothing(tmp_path, monkeypatch):
     monkeypatch.undo()
 
     assert table_of(tmp_path / "a") == table_of(tmp_path / "b")
-
-
-def test_a_folder_of_another_plan_or_version_is_refused_and_kept(tmp_path):
-    before = table_of(tmp_path)
-    with pytest.raises(ResultFileError, match="another plan"):
-        table_of(tmp_path, seeds=4)
-    with pytest.raises(ResultFileError, match="version 1 then, 2 now"):
-        run_study(plan_of(PLAN), tmp_path, figures, {**FACTS, "version": "2"})
-
-    assert (tmp_path / "table.csv").read_bytes() == before
 
 
 KILLED = """
@@ -241,18 +205,6 @@ def test_a_column_has_the_corridor_of_each_case(tmp_path):
         plan_of({**plan, "plant": "mujoco"})
 
 
-def test_reasons_that_differ_by_numbers_alone_are_one():
-    told = [
-        "v_u1[1] = 1.5: 2 > 1",
-        "",
-        "v_u1[1] = 1.5: 2.5e-3 > 1",
-        "wheels of 3 N",
-        "wheels of 3 N",
-    ]
-
-    assert counted_reasons(told) == {"v_u1[1] = 1.5: ... > 1": 2, "wheels of 3 N": 2}
-
-
 def test_what_is_wrong_without_the_guard_too_is_no_refusal(tmp_path):
     """The guard's runs and the others end in the same words."""
     wrong = {**REAL, "grid": {"clock.control": [0.0105]}}
@@ -264,18 +216,6 @@ def test_what_is_wrong_without_the_guard_too_is_no_refusal(tmp_path):
 
     assert told[0] == told[1]
     assert "clock.plant" in told[0]
-
-
-@pytest.mark.slow
-def test_pictures_are_drawn_from_the_folder_alone(tmp_path):
-    pytest.importorskip("matplotlib")
-    from wmr_ctrl.report.study_figures import plot_study
-
-    table_of(tmp_path)
-    names = {path.name for path in plot_study(tmp_path)}
-
-    assert {"spread.svg", "factors.png", "map.png", "limit-kept.svg"} <= names
-    assert all((tmp_path / name).stat().st_size > 2000 for name in names)
 
 
 def test_nothing_is_drawn_of_a_folder_without_a_table(tmp_path):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fmpy import extract, read_model_description
@@ -11,7 +9,6 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 from tests.simulation.physics.fmu.build import INPUTS, OUTPUTS, build_rigid
-from tests.simulation.physics.fmu.together import Together
 from wmr_ctrl import cosimulate, simulate
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import PLANT_STATE
@@ -53,21 +50,6 @@ def test_in_fmpy_it_is_the_run_on_the_rigid_body_to_the_bit(tmp_path):
     native = simulate(case, "mb", plant="mujoco", seed=12)
     for name in (*(item.name for item in PLANT_STATE), "tau_right", "tau_left"):
         assert np.array_equal(coupled[name], native[name]), name
-
-
-@pytest.mark.slow
-def test_libcosim_and_fmpy_agree_to_the_bit_and_below_traction_with_the_plane_model(tmp_path):
-    case = load_scenario("paper-simulation-nominal", SHORT)
-    seen = {}
-    for rigid in (False, True):
-        folder = Path(tmp_path, str(rigid))
-        folder.mkdir()
-        parts = Together(case, "mb", folder, rigid=rigid)
-        seen[rigid], again = parts.by_libcosim(), parts.by_fmpy(folder)
-        for name, column in seen[rigid].items():
-            assert np.array_equal(column, again[name]), name
-    away = np.hypot(seen[True]["x"] - seen[False]["x"], seen[True]["y"] - seen[False]["y"])
-    assert 0 < away.max() < 0.02
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from wmr_ctrl import cosimulate, simulate
+from wmr_ctrl import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.grip import grip
@@ -49,22 +49,9 @@ def test_the_guard_s_promise_on_a_rigid_body(law):
     promise_is_one("far-start", law, 71, clock__duration=10.0)
 
 
-@pytest.mark.slow
-def test_the_guard_s_promise_on_a_rigid_body_over_a_whole_run():
-    promise_is_one("paper-simulation", "mb", 72)
-
-
 def test_without_traction_there_is_none():
     """Wheels that spin take the robot where no bound of the guard admits it to go."""
     run = simulate("paper-simulation", "mb", guard=True, plant="mujoco", overrides=BOUNDED)
     assert run.monitor.rigid.slipped is not None
     assert run.monitor.bounds_left is not None
     assert run.monitor.violations > 0
-
-
-@pytest.mark.slow
-def test_fmus_keep_to_it_too():
-    chosen = load_scenario("paper-simulation", {**GRIPPING, "clock.duration": 1.0, "changes": []})
-    native, coupled = simulate(chosen, "mb"), cosimulate(chosen, "mb")
-    for name in ("tau_right", "tau_left", "v1", "omega"):
-        assert coupled[name] == pytest.approx(native[name], abs=1e-12), name

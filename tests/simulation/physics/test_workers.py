@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import csv
-import subprocess
 import sys
 
-import numpy as np
 import pytest
 
 import wmr_ctrl
@@ -45,43 +43,6 @@ def test_a_table_has_the_figures_of_single_runs():
     assert {"tipped", "max_wheel_speed", "max_tilt"} < set(table)
 
 
-@pytest.mark.slow
-def test_overrides_and_starts_may_differ_by_run():
-    starts = [[0.3, -0.2, 0.5, 0.1, 0.0], [0.0, 0.0, -1.0, 0.0, 0.2]]
-    changed = [BRIEF | {"body.tyre": tyre} for tyre in (0.8, 0.02)]
-    table = simulate_many(
-        "paper-simulation", "mb", [1, 1], changed, plant="mujoco", jobs=1, starts=starts
-    )
-    begun = BRIEF | {"initial.pose": starts[0][:3], "initial.velocity": starts[0][3:]}
-    alone = simulate("paper-simulation", "mb", seed=1, plant="mujoco", overrides=begun)
-    assert table["position_rms"][0] == summary(alone)["position_rms"]["all"]
-    assert np.isnan(table["slipped"][0])
-    assert table["slipped"][1] < 0.2
-
-
-@pytest.mark.slow
-def test_a_run_that_falls_counts_as_stopped_then():
-    table = simulate_many("paper-simulation", "pid", [0], plant="mujoco", jobs=1)
-    assert table["outcome"].tolist() == ["tipped"]
-    assert table["stopped"][0] == table["tipped"][0] < 2.0
-    assert np.isnan(table["ise_total"][0])
-    assert not table["tracked"][0]
-
-
-@pytest.mark.slow
-def test_many_runs_may_stand_at_a_script_s_top_level(tmp_path):
-    """The processes do not run the script once more."""
-    script = tmp_path / "many.py"
-    script.write_text(
-        "import wmr_ctrl\nprint('once')\n"
-        f"runs = wmr_ctrl.simulate_runs('paper-simulation', 'mb', range(2), plant='mujoco',"
-        f" jobs=2, overrides={BRIEF!r})\nprint([run.rows for run in runs])\n"
-    )
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=120)
-    assert done.stdout == "once\n[50, 50]\n"
-    assert done.stderr == ""
-
-
 def test_what_a_run_raises_comes_through(monkeypatch):
     refused = ScenarioError("body.x: no.")
 
@@ -104,15 +65,6 @@ def test_a_study_on_the_rigid_body(tmp_path):
     run = simulate("paper-simulation", "mb", seed=1, overrides=BRIEF, plant="mujoco")
     assert float(rows[1]["position_rms"]) == summary(run)["position_rms"]["all"]
     assert '"mujoco": "' in (tmp_path / "s" / "study.json").read_text()
-
-
-@pytest.mark.slow
-def test_the_study_s_table_has_the_same_bytes_in_processes_and_in_chunks(tmp_path):
-    alone, together = (
-        wmr_ctrl.study({**PLAN, "chunk": chunk}, tmp_path / str(jobs), jobs=jobs)
-        for jobs, chunk in ((1, 4), (2, 3))
-    )
-    assert alone.table.read_bytes() == together.table.read_bytes()
 
 
 def test_plants_that_are_not_there_are_named():

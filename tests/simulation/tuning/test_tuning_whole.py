@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -16,12 +14,9 @@ from wmr_ctrl.cli import root
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, UnknownNameError
-from wmr_ctrl.results import tau_peak
-from wmr_ctrl.results.figures import FIGURES, Figure
-from wmr_ctrl.simulation.tuning import judged, tunable
-from wmr_ctrl.simulation.tuning.gains import _costs, _start
-from wmr_ctrl.simulation.tuning.search import Cost, Search, TuningPlan
-from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
+from wmr_ctrl.simulation.tuning import tunable
+from wmr_ctrl.simulation.tuning.search import Cost, Search
+from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.scenario import load_scenario
 
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
@@ -51,17 +46,6 @@ def test_the_file_is_the_scenario_with_the_gains_that_were_found(short, once):
     assert not once.objective[1].lost
     assert run.outcome.value == "completed"
     assert [path.name for path in once.out.parent.iterdir()] == ["prox.toml"]
-
-
-@pytest.mark.slow
-def test_the_figures_after_are_those_of_the_file(once):
-    case = load_scenario(once.out)
-    table = wmr_ctrl.simulate_many(case, "prox", [7])
-
-    assert once.after["reference"][0] == "circle"
-    assert once.after["tracking_drive_rms"][0] == table["tracking_drive_rms"][0]
-    assert set(once.after["mass"]) == {1.0, 0.6, 1.6}
-    assert set(once.after["reference"]) == {"circle", "lemniscate", "line"}
 
 
 @pytest.mark.slow
@@ -98,22 +82,6 @@ def test_the_corridor_can_be_what_is_made_small(tmp_path):
     assert "root of the mean of corridor^2" in found.out.read_text()
 
 
-@pytest.mark.slow
-def test_what_has_no_certificate_costs_more_than_any_that_has_one_and_slopes():
-    pytest.importorskip("flint")
-    exact = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
-    pushed = [load_scenario("safe-experiment", {**exact, "disturbance.std": s}) for s in (0.8, 1.0)]
-    first, second = (certified_corridor(item, "prox") for item in pushed)
-
-    assert first.position is None
-    wide = replace(certified_corridor(load_scenario("safe-simulation"), "prox"), position=1e6)
-    none = find_corridor(load_scenario("safe-simulation"), "smc")
-    order = [replace(wide, position=1e-3), wide, first, second, replace(first, linear=1e6), none]
-
-    assert 0 < first.linear < second.linear < 0.1
-    assert [item.merit for item in order] == sorted({item.merit for item in order})
-
-
 def test_a_cost_keeps_the_order_of_certificates_of_lost_runs_and_of_distances():
     """However far: nothing is cut off, and no distance makes up for what stands before it."""
     order = [
@@ -129,18 +97,6 @@ def test_a_cost_keeps_the_order_of_certificates_of_lost_runs_and_of_distances():
     assert all(first < second for first, second in pairwise(order))
     assert search.best() == search.gains(candidates[6])
     assert "without a corridor, 1 of the runs ended early" in order[-1].sentence
-
-
-@pytest.mark.slow
-def test_gains_whose_runs_end_early_are_counted_and_not_averaged(short):
-    plan = TuningPlan(scenario=short, law="mb", seeds=(1,), test_seeds=(2,))
-    own = _start(plan)
-    wild = {key: tuple(1e3 * value for value in values) for key, values in own.items()}
-    kept, lost = _costs(plan, [own, wild], 1)
-
-    assert not kept.lost
-    assert 1.0 < kept.metres < 3.0
-    assert lost == Cost(False, 3, math.inf)
 
 
 def test_a_merit_that_nothing_is_known_of_is_refused(tmp_path):
@@ -218,13 +174,3 @@ def test_the_command_prints_figures_before_and_after(tmp_path, monkeypatch):
     assert "gains.kanayama.k" not in found["gains"]
     assert set(found) >= {"gains", "before", "after", "objective", "test_seeds"}
     assert len(found["before"]) == len(found["after"]) == 9
-
-
-@pytest.mark.slow
-def test_figures_of_other_packages_are_judged_too(short, monkeypatch):
-    twice = Figure("twice_peak", "N.m", "two times tau_peak", lambda run: 2.0 * tau_peak(run))
-    monkeypatch.setitem(FIGURES.__dict__, "plugins", (twice,))
-    table = judged(short, "prox", [7])
-    run = wmr_ctrl.simulate(short, "prox", seed=7)
-
-    assert table["twice_peak"][0] == 2.0 * tau_peak(run)
