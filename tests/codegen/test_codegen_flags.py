@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-import ctypes as ct
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from platform import machine
 from subprocess import CompletedProcess, run
 
-import numpy as np
 import pytest
 
 from tests.codegen.measured import COMPILER, FILTERS, TARGET
 from tests.codegen.test_package import needs
-from wmr_ctrl.codegen.build import program_of, unity
-from wmr_ctrl.codegen.compiler import compile_object
 from wmr_ctrl.codegen.package import CORRIDOR, FILTER, files_of, package_files
 from wmr_ctrl.codegen.reference_package import reference_files
-from wmr_ctrl.control.filter.gate import GateSettings, gate_system
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import CompilerError
+from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.export.fmi.files import sources_of
 from wmr_ctrl.export.fmi.fmu_files import model_of
-from wmr_ctrl.export.page.module import UNIT, toolchain
 from wmr_ctrl.export.simulink import kit_files
 from wmr_ctrl.ros2.filter_core import core_files
 from wmr_ctrl.theory.corridor import corridor_monitor
@@ -212,39 +205,3 @@ def test_first_step_catches_flags_that_no_macro_tells(
             assert said("main.c", flag.split()).stdout == 3 * refused, flag
         elif said("main.c", flag.split()).stdout != 3 * refused:
             assert said(checker, flag.split()).returncode == 0, flag
-
-
-@pytest.mark.parametrize("flag", FLAGS)
-def test_gate_of_the_ros_node_has_its_values_by_clang(flag: str, tmp_path: Path) -> None:
-    """Linked without the flag, by which a library makes its whole process flush small numbers."""
-    needs("clang")
-    written("ros", tmp_path)
-    gate = gate_system(FILTERED, GATE)
-    sizes = (gate.u.numel(), gate.x.numel(), gate.p.numel(), gate.x.numel(), gate.y.numel())
-    u, x, p, after, y = (np.zeros(size) for size in sizes)
-    x[:], p[:], told = gate.x0, gate.p0, []
-    for name, words in (("plain.so", []), ("flagged.so", flag.split())):
-        done = compiled(tmp_path, "clang", *words, "-c", "gate.c")
-        if done.returncode:
-            assert REFUSALS[0] in done.stderr
-            return
-        assert not compiled(tmp_path, "clang", "-shared", "gate.o", "-lm", "-o", name).returncode
-        step = ct.CDLL(str(tmp_path / name)).wmr_gate
-        for row in np.random.default_rng(1).normal(size=(200, len(u))):
-            u[:] = row
-            step(*(ct.c_void_p(item.ctypes.data) for item in (u, x, p, after, y)))
-            told.append(np.concatenate([after, y]))
-    assert np.array(told[:200]) == pytest.approx(np.array(told[200:]), rel=1e-12, abs=1e-12)
-
-
-@pytest.mark.slow
-def test_page_refuses_fast_math(tmp_path: Path) -> None:
-    pytest.importorskip("ziglang")
-    text = program_of(settle(SAFE, "nn")).generated_watched
-    for name, content in unity(text, UNIT).items():
-        (tmp_path / name).write_text(content, encoding="utf-8")
-    most = ("-DWMR_PHASES_MOST=2", "-DWMR_DELAY_MOST=2", "-DWMR_SET=k0")
-    with pytest.raises(CompilerError, match="IEEE arithmetic as written"):
-        compile_object(
-            toolchain().with_flags(*most, "-ffast-math"), tmp_path / UNIT[0], tmp_path / "k0.o"
-        )

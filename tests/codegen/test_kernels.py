@@ -8,21 +8,16 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import casadi as ca
 import numpy as np
 import pytest
 
 from wmr_ctrl.codegen.build import LOOP, build_law, build_loop, program_of, unity
-from wmr_ctrl.codegen.emit import definition, kernel
 from wmr_ctrl.codegen.kernels import loop_kernels
 from wmr_ctrl.control.controller import watched_controller
-from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import elements
 from wmr_ctrl.simulation.memory import REALS, load, opened
 from wmr_ctrl.world.effect import Rate
-from wmr_ctrl.world.model.dynamics import plant, rk4_step
 from wmr_ctrl.world.scenario import load_scenario
 
 SCENARIO = load_scenario("paper-simulation")
@@ -128,33 +123,6 @@ def test_hostile_values_never_give_nan_where_the_law_is_defined(law: str, hostil
         assert not np.isnan(following).any() or abs(hostile) == 1e308
 
 
-def test_plant_step_equals_the_virtual_machine() -> None:
-    item, h = plant(SCENARIO), SCENARIO.clock.plant
-    machine = item.function("step", [rk4_step(item, ca.SX(h))])
-    step, p = compiled("mb", "step"), np.array(build_loop(settled("mb")).parameters[0])
-    draw = np.random.default_rng(0)
-    for _ in range(200):
-        u, x = draw.normal(size=4) * 20, draw.normal(size=5)
-        shown = step([np.zeros(1), u, x, p, np.zeros(1)], [5])[0]
-        wanted = machine([*u, *[0.0] * (item.u.numel() - 4)], x, item.p0).full().ravel()
-        assert shown == pytest.approx(wanted, rel=1e-14, abs=1e-15)
-
-
-def test_every_operation_has_a_c_form_or_is_refused() -> None:
-    x = ca.SX.sym("x")
-
-    with pytest.raises(ArgumentError, match="operation"):
-        definition(kernel("odd", "An operation without C form.", {"x": x}, {"y": ca.erf(x)}))
-
-
-def test_choices_are_merged_and_nothing_unused_is_left() -> None:
-    x = ca.SX.sym("x")
-    text = definition(kernel("pick", "A choice.", {"x": x}, {"y": ca.if_else(x > 0, 3 * x, 2 * x)}))
-
-    assert text.count("?") == 1
-    assert "!" not in text
-
-
 @pytest.mark.parametrize(("compiler", "lanes"), [("gcc", 0), ("gcc", 4), ("clang", 0)])
 @pytest.mark.slow_but("gcc-0")
 def test_sources_compile_without_a_warning(compiler: str, lanes: int, tmp_path: Path) -> None:
@@ -171,24 +139,6 @@ def test_sources_compile_without_a_warning(compiler: str, lanes: int, tmp_path: 
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
 
     assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.parametrize("law", tuple(LAWS))
-def test_loading_our_library_keeps_denormal_numbers(law: str) -> None:
-    load(build_loop(settled(law)).library)
-
-    assert np.float64(5e-324) / 2 * 2 in (0.0, 5e-324)
-    assert float(np.float64(2.3e-308) / 8) > 0.0
-
-
-def test_numbers_are_parameters_so_scenarios_share_a_library() -> None:
-    first = build_loop(settled("mb"))
-    changed = {"robot.m": 61.5, "gains.mb.rho": (9.0, 20.0)}
-    second = build_loop(settle(load_scenario("paper-simulation", changed), "mb"))
-
-    assert first.library == second.library
-    assert first.law.values != second.law.values
-    assert first.parameters != second.parameters
 
 
 def test_only_marked_names_leave_the_library() -> None:

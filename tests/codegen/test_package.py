@@ -182,25 +182,6 @@ def test_committed_copy_is_what_is_generated(law: str, float32: bool) -> None:
         assert HASH.sub("", copy) == HASH.sub("", text), name
 
 
-@pytest.mark.parametrize(("law", "float32"), measured.COPIES)
-@pytest.mark.slow_but("mb-False", "nn-True")
-def test_committed_copy_passes_its_own_check(law: str, float32: bool, tmp_path: Path) -> None:
-    needs("cc")
-    shutil.copytree(measured.GOLDEN / footprint_key(law, float32), tmp_path / "copy")
-    command = ["cc", "-std=c99", "-O0", "-ffp-contract=off", "check.c", f"wmr_{law}.c", "-lm"]
-    run([*command, "-o", "check"], tmp_path / "copy")
-    run(["./check"], tmp_path / "copy")
-
-
-@pytest.mark.slow
-def test_cmake_builds_it_and_its_test_passes(tmp_path: Path) -> None:
-    needs("cmake", "ctest", "cc")
-    write_package("mb", tmp_path, SCENARIO)
-    run(["cmake", "-S", ".", "-B", "build"], tmp_path)
-    run(["cmake", "--build", "build"], tmp_path)
-    run(["ctest", "--test-dir", "build"], tmp_path)
-
-
 @pytest.mark.parametrize(
     ("law", "guarded"),
     [("prox", False), ("nn", True), ("pid", True), ("mb", False), ("kanayama", False)],

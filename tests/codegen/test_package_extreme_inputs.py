@@ -88,33 +88,3 @@ def test_what_is_too_large_is_refused_and_leaves_no_trace(
     assert one.step(GOOD) == TAKEN
     assert one.sound
     assert one.torque.any()
-
-
-@pytest.mark.parametrize("law", ["nn", "prox", "kanayama"])
-@pytest.mark.slow_but("nn")
-def test_what_is_just_small_enough_leaves_a_sound_memory(law: str, tmp_path: Path) -> None:
-    """The largest inputs that are taken, in all mixtures, many times; then good ones again."""
-    one, draw = Packaged(law, tmp_path, False, False), np.random.default_rng(0)
-    for _ in range(500):
-        size = one.largest * draw.choice([0.0, 1e-12, 1e-6, 1.0], 12)
-        assert one.step(size * draw.choice([-1.0, 1.0], 12)) == TAKEN
-        assert one.sound
-    for _ in range(500):
-        assert one.step(GOOD) == TAKEN
-        assert one.sound
-
-
-@pytest.mark.parametrize(("law", "float32", "guarded"), [("mb", True, True), ("prox", True, False)])
-@pytest.mark.slow
-def test_no_mixture_of_inputs_spoils_the_memory(
-    law: str, float32: bool, guarded: bool, tmp_path: Path
-) -> None:
-    """Single precision may refuse a result that overflows; what is kept is finite, and goes on."""
-    one, draw = Packaged(law, tmp_path, float32, guarded), np.random.default_rng(1)
-    for _ in range(3000):
-        size = one.largest * 10.0 ** draw.uniform(-14, 0, 12)
-        one.step(size * draw.choice([-1.0, 1.0], 12))
-        assert one.sound
-    for _ in range(300):
-        assert one.step(GOOD) == TAKEN
-        assert one.sound

@@ -14,7 +14,6 @@ from tests.codegen.test_package import needs, run
 from wmr_ctrl.codegen.package import FILTER, packaged
 from wmr_ctrl.codegen.vectors import SAMPLES, SITUATIONS, TOLERANCES, Vectors, vectors_of
 from wmr_ctrl.control.controller import controller
-from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario
@@ -63,18 +62,6 @@ def test_an_error_of_one_per_cent_in_any_number_is_seen(law: str, guarded: bool)
     missed = unseen(system, vectors_of(system, scenario.limits))
 
     assert missed <= set(UNSEEN) | shown_only.get(law, set())
-
-
-@pytest.mark.parametrize("law", NAMES)
-@pytest.mark.slow_but("mb", "prox")
-def test_the_guard_acts_in_some_samples_and_not_in_others(law: str) -> None:
-    scenario = load_scenario(SCENARIOS[True])
-    free = load_scenario(SCENARIOS[True], {"guard.enabled": False})
-    plain = vectors_of(controller(settle(free, law)), scenario.limits)
-    held = vectors_of(controller(settle(scenario, law)), scenario.limits)
-    changed = np.any(plain.torques != held.torques, axis=1)
-
-    assert 5 < changed.sum() < len(changed)
 
 
 def test_counts_of_the_wheels_are_those_of_the_speeds_in_their_place() -> None:
