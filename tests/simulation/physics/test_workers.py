@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import sys
 
+import numpy as np
 import pytest
 
 import wmr_ctrl
@@ -41,6 +42,20 @@ def test_a_table_has_the_figures_of_single_runs():
         assert max(abs(table[f"final_{name}"][k] - run[name][-1]) for name in "xy") < 0.02
     assert table["slipped"].shape == (2,)
     assert {"tipped", "max_wheel_speed", "max_tilt"} < set(table)
+
+
+@pytest.mark.slow
+def test_overrides_and_starts_may_differ_by_run():
+    starts = [[0.3, -0.2, 0.5, 0.1, 0.0], [0.0, 0.0, -1.0, 0.0, 0.2]]
+    changed = [BRIEF | {"body.tyre": tyre} for tyre in (0.8, 0.02)]
+    table = simulate_many(
+        "paper-simulation", "mb", [1, 1], changed, plant="mujoco", jobs=1, starts=starts
+    )
+    begun = BRIEF | {"initial.pose": starts[0][:3], "initial.velocity": starts[0][3:]}
+    alone = simulate("paper-simulation", "mb", seed=1, plant="mujoco", overrides=begun)
+    assert table["position_rms"][0] == summary(alone)["position_rms"]["all"]
+    assert np.isnan(table["slipped"][0])
+    assert table["slipped"][1] < 0.2
 
 
 def test_what_a_run_raises_comes_through(monkeypatch):
