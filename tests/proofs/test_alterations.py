@@ -15,6 +15,7 @@ from wmr_ctrl.control.laws import mb, nn
 from wmr_ctrl.results.ledger import load
 from wmr_ctrl.world.model import dynamics, kinematics
 from wmr_proofs import paper_barrier as barrier
+from wmr_proofs.alterations import built
 from wmr_proofs.claims import all_claims
 from wmr_proofs.entry import graph_hash
 
@@ -75,6 +76,15 @@ def changes_a_verdict(function: Callable, old: str, new: str, ids: str) -> str:
         assert touched, "the graph does not hold the altered part"
         changed = (c.id for c in touched if verdict(c) != committed[c.id].verdict)
         return next(changed, "")
+
+
+def test_what_nobody_stated_stays_so_where_results_are_altered() -> None:
+    """The guard of an altered `settle` has one limit for both directions, as it was told."""
+    claim = next(item for item in all_claims() if item.id.startswith("guard.assembled"))
+    changed = built(claim, {"wmr_ctrl.control.setup:settle": lambda value: 1.25 * value})
+
+    assert changed is not None
+    assert "limits.v_u1[1]" in changed.symbols
 
 
 def test_the_original_is_put_back() -> None:
