@@ -116,36 +116,32 @@ def test_a_microcontroller_takes_it(law: str, float32: bool, guarded: bool, tmp_
         assert not {name for name in support if name.startswith("__aeabi_d")}, "double arithmetic"
 
 
-@every_kind
-def test_documented_footprint_holds(law: str, float32: bool, guarded: bool, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("law", "float32", "preset"),
+    [
+        ("pid", True, measured.SCENARIOS[False]),
+        pytest.param("mb", True, measured.SCENARIOS[True], marks=pytest.mark.slow),
+        pytest.param("prox", False, measured.SCENARIOS[False], marks=pytest.mark.slow),
+        pytest.param("prox", False, "robot-10ms", marks=pytest.mark.slow),
+        pytest.param("nn", False, "robot-100ms", marks=pytest.mark.slow),
+    ],
+)
+def test_documented_footprint_holds(law: str, float32: bool, preset: str, tmp_path: Path) -> None:
     """Renew by ``python -m tests.codegen.measured`` and look at the difference."""
     needs(measured.COMPILER)
-    found = measured.sizes(law, float32, measured.SCENARIOS[guarded], tmp_path)
-    told = known_footprint(law, float32, guarded, found.operations)
-
-    assert told is not None
-    assert found.code <= 1.1 * told.code
-    assert found.data == told.data == 0
-    assert found.stack <= 1.1 * told.stack + 32
-    assert f"{told.deepest} bytes" in (tmp_path / "README.md").read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(("law", "preset"), [("prox", "robot-10ms"), ("nn", "robot-100ms")])
-@pytest.mark.slow
-def test_documented_footprint_of_a_robots_package_holds(
-    law: str, preset: str, tmp_path: Path
-) -> None:
-    needs(measured.COMPILER)
-    found = measured.sizes(law, False, preset, tmp_path)
-    told = known_footprint(law, False, True, found.operations)
+    found = measured.sizes(law, float32, preset, tmp_path)
+    told = known_footprint(law, float32, preset != measured.SCENARIOS[False], found.operations)
     readme = (tmp_path / "README.md").read_text(encoding="utf-8")
 
     assert told is not None
     assert found.code <= 1.1 * told.code
     assert found.data == told.data == 0
     assert found.stack <= 1.1 * told.stack + 32
-    assert f"at most {told.stack} bytes of stack" in readme
-    assert "instructions a sample" not in readme
+    if preset in measured.ROBOTS:
+        assert f"at most {told.stack} bytes of stack" in readme
+        assert "instructions a sample" not in readme
+    else:
+        assert f"{told.deepest} bytes" in readme
 
 
 @pytest.mark.parametrize(

@@ -54,10 +54,7 @@ def test_what_no_filter_covers_is_refused_with_numbers(name: str) -> None:
 
 def test_a_governor_counts_a_dead_band_in_its_push() -> None:
     """With d as large as the dead band it keeps its limit, and without it is refused (above)."""
-    _, dead = (
-        REFUSED["dead band of a governed base"][1],
-        dict(REFUSED["dead band of a governed base"][0]),
-    )
+    dead, _ = REFUSED["dead band of a governed base"]
     counted = override(CREATE3, {**dead, "filter.d": [0.03, 0.08]})
     run = wmr_ctrl.simulate(counted, "kanayama")
     assert run.monitor.violations == 0

@@ -228,12 +228,6 @@ def test_times_are_whole_plant_steps_where_rounding_alone_keeps_them_from_it() -
     assert float(times.in_periods(0.034)) == pytest.approx(0.34, rel=1e-12)
 
 
-def test_a_moving_start_of_a_late_sensor_is_refused() -> None:
-    moving = load_scenario("paper-simulation-nominal", {**ON, "initial.velocity": [0.5, 0.0]})
-    with pytest.raises(ScenarioError, match=r"initial\.velocity\[1\] = 0\.5.*Start at rest"):
-        feasible_guard(moving, Bound(window=(0.01, 0.01)), math.inf)
-
-
 def test_nothing_late_gives_the_graph_of_before() -> None:
     scenario = load_scenario("paper-simulation", ON)
     item = guard_system(settle(scenario, None))

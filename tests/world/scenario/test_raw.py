@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 import pytest
@@ -128,7 +127,10 @@ def test_odd_value_is_refused_in_words(key, value):
     [
         ({"robot.mass": 3}, r"^robot\.mass is not a key in robot; near: m"),
         ({"limts.v_u1": 3}, r"^limts is not a key .*near: limits"),
-        ({"limits.v_u2[3]": 3}, r"^limits\.v_u2\[3\] does not exist: index 3 .* 2 element"),
+        (
+            {"limits.v_u2[3]": 3},
+            r"^limits\.v_u2\[3\] does not exist: .*outside an array of 2 element",
+        ),
         ({"limits.v_u2[0]": 3}, r"^limits\.v_u2\[0\] does not exist"),
         ({"changes[3].t": 3}, r"^changes\[3\]\.t does not exist"),
         ({"changes[1].t": 90}, r"^changes\[1\]\.t = 90\.0 s must be before the run's end"),
@@ -139,6 +141,10 @@ def test_odd_value_is_refused_in_words(key, value):
         ({"reference.kind": "lin"}, r'^reference\.kind = "lin" is not a kind.*near: line'),
         ({"reference.file": "x.csv"}, r"^reference\.file is not a key in reference"),
         ({"extends": "far-start"}, r"^extends is not a key"),
+        ({"gains.nn.sigma[2]": 3}, r"because gains\.nn\.sigma is not stated here"),
+        ({"guard.dbar[1]": 3}, r"because guard\.dbar is not stated here. Give the whole array"),
+        ({"robot.m[1]": 3}, r"robot\.m is 50\.0, which has no parts"),
+        ({"changes[3].mu": 3}, r"index 3 is outside an array of 1"),
     ],
     ids=str,
 )
@@ -167,18 +173,3 @@ def test_tables_that_are_given_stay_as_they_were() -> None:
     given = {"robot": {"m": 52.0}}
     override(load_scenario("paper-simulation"), {**given, "robot.m": 60.0})
     assert given == {"robot": {"m": 52.0}}
-
-
-@pytest.mark.parametrize(
-    ("key", "said"),
-    [
-        ("gains.nn.sigma[2]", "because gains.nn.sigma is not stated here. Give the whole array."),
-        ("guard.dbar[1]", "because guard.dbar is not stated here. Give the whole array."),
-        ("robot.m[1]", "robot.m is 50.0, which has no parts."),
-        ("limits.v_u1[3]", "index 3 is outside an array of 2"),
-        ("changes[3].mu", "index 3 is outside an array of 1"),
-    ],
-)
-def test_an_element_that_is_not_there_is_refused_by_what_is_missing(key, said) -> None:
-    with pytest.raises(ScenarioError, match=re.escape(said)):
-        load_scenario("paper-simulation", {key: 1.0})
