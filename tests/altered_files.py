@@ -116,7 +116,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("items.py", "self.condition, then, other)", "self.condition, other, then)"),
     ),
     *_rows(
-        CODEGEN, f"{EMITTER}a_loop_of_which_something_else_reads_one_element_keeps_its_array",
+        CODEGEN, f"{EMITTER}a_loop_keeps_its_array_where_something_else_reads_it[one_more-True]",
         ("reroll.py", "reads[number] == 1", "reads[number] >= 1"),
     ),
     *_rows(
@@ -301,7 +301,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("delay.py", "    if late.averaged:\n", "    if late.jitter:\n"),
     ),
     *_rows(
-        CODEGEN, f"{EMITTER}halves_of_a_loop_that_reads_a_loop_are_read_by_others",
+        CODEGEN, f"{EMITTER}a_loop_keeps_its_array_where_something_else_reads_it[halves-False]",
         ("body.py", "operand.start + shift - inner.target.start, j",
          "operand.start - inner.target.start, j"),
     ),

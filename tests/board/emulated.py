@@ -125,11 +125,11 @@ class HostBuild:
              str(folder / f"wmr_{law}.c"), "-lm", "-o", str(library)],
             check=True, capture_output=True,
         )  # fmt: skip
-        loaded = ct.CDLL(str(library))
+        self.library = loaded = ct.CDLL(str(library))
         self.real = np.float32 if float32 else np.float64
         self._step = loaded[f"wmr_{law}_step"]
-        self.parameters, self.memory = np.zeros(256, self.real), np.zeros(1024, self.real)
-        self.outputs = np.zeros(3, self.real)  # of a guarded law the last tells whether it acted
+        self.parameters, self.memory = np.zeros(2048, self.real), np.zeros(1024, self.real)
+        self.outputs = np.zeros(4, self.real)  # what is sent, and what flags there are behind it
         self._start = loaded[f"wmr_{law}_start"]
         loaded[f"wmr_{law}_defaults"](_pointer(self.parameters))
         self.reset()
@@ -139,7 +139,7 @@ class HostBuild:
         self._start(_pointer(self.memory))
 
     def step(self, inputs: np.ndarray, counts: Sequence[int] = ()) -> tuple[int, np.ndarray]:
-        """Status and torques [N m] of one sample."""
+        """Status and torques [N m], or velocities, of one sample."""
         given = np.frombuffer(packed(inputs, counts, self.real), np.uint8)
         arrays = (self.parameters, self.memory, given, self.outputs)
         status = self._step(*(_pointer(item) for item in arrays))

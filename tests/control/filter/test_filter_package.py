@@ -22,7 +22,7 @@ from wmr_ctrl.codegen.single_precision import with_margin
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.filter.channels import FLAG_NAMES
 from wmr_ctrl.control.filter.enclosure import Floats
-from wmr_ctrl.control.filter.filter import filter_system
+from wmr_ctrl.control.filter.filter import Filtered, filter_system
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 
@@ -289,6 +289,15 @@ def test_a_single_precision_exponential_is_as_right_as_its_comment_says(tmp_path
     assert math.isnan(ends[5])
 
 
+def assert_shown(words: list[str], made: Filtered, float32: bool) -> None:
+    """What a package printed, commands and flags, is what the graph made."""
+    *sent, flags = words
+    bits = {name: bit for bit, name in FLAG_NAMES.items()}
+    close = {"rel": 2e-3, "abs": 1e-5} if float32 else {"rel": 1e-12, "abs": 1e-15}
+    assert [*map(float, sent)] == pytest.approx(list(made.command[: len(sent)]), **close)
+    assert int(flags) == sum(bits[flag] for flag in made.flags)
+
+
 @pytest.mark.parametrize(
     ("name", "float32"),
     [("clip", False), ("governor", True), ("band", True), ("clip of slow commands", False)],
@@ -301,15 +310,11 @@ def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_pa
     stated |= {"filter.jitter": 1e-6} if name != "clip of slow commands" else {}
     settings = load_scenario("paper-simulation", stated)
     stepped, late = command_filter(settings), []
-    bits = {name: bit for bit, name in FLAG_NAMES.items()}
     for k, line in enumerate(built(TIMED, tmp_path, settings, float32=float32)):
-        since, sent, flags = line.split()
-        told = float(since)
+        since, *shown = line.split()
         odometry = ((0.0, 0.0),) if name == "governor" else ()
-        made = stepped.step((-5.0 if k % 2 else 5.0, 0.0), *odometry, dt=told or None)
-        close = {"rel": 2e-3, "abs": 1e-5} if float32 else {"rel": 1e-12, "abs": 1e-15}
-        assert float(sent) == pytest.approx(made.command[0], **close)
-        assert int(flags) == sum(bits[flag] for flag in made.flags)
+        made = stepped.step((-5.0 if k % 2 else 5.0, 0.0), *odometry, dt=float(since) or None)
+        assert_shown(shown, made, float32)
         late.append("late" in made.flags)
     assert late == [False, False, True, True, False, False, True, True, *[False] * 2,
                     True, True, True, False]  # fmt: skip
@@ -399,15 +404,11 @@ def test_misuse_gives_a_safe_command_and_its_flag(name: str, float32: bool, tmp_
     ]
 
     assert all(own[-1] == "0 0 32" for own in lines)
-    bits = {name: bit for bit, name in FLAG_NAMES.items()}
     stepped, refused = command_filter(settings), 0
     asked = (5.0, 5.0, math.nan, math.inf, 0.25, -math.inf, 1e13, 5.0, -5.0, -5.0)
     for k, line in enumerate(lines[0][:-1]):
         made = stepped.step((asked[k], 0.125) if k % 2 == 0 else (0.125, asked[k]))
-        sent, turn, flags = line.split()
-        close = {"rel": 2e-3, "abs": 1e-5} if float32 else {"rel": 1e-12, "abs": 1e-15}
-        assert (float(sent), float(turn)) == pytest.approx(made.command, **close)
-        assert int(flags) == sum(bits[flag] for flag in made.flags)
+        assert_shown(line.split(), made, float32)
         refused += "refused" in made.flags
     assert refused == 4
 

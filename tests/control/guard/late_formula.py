@@ -67,9 +67,7 @@ class LateGuard:
     @cached_property
     def brakes(self) -> float:
         cap = self.M_min * (self.u1 - self.f_speed) / (1 / self.alpha + self.late)
-        if self.J:
-            cap = min(cap, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
-        return min(self.brake, cap - self.net)
+        return min(self.brake, self._of_mixed(cap) - self.net)
 
     @cached_property
     def largest(self) -> float:
@@ -77,9 +75,7 @@ class LateGuard:
             return math.inf
         spent = max(self.brakes + self.net, 0) / self.alpha
         most = (self.M_min * (self.u1 - self.f_speed) - spent) / self.late
-        if self.J:
-            most = min(most, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
-        return most - self.net
+        return self._of_mixed(most) - self.net
 
     def push(self, force: np.ndarray) -> np.ndarray:
         return np.maximum(force + self.net, 0.0)
@@ -95,15 +91,11 @@ class LateGuard:
                 if j:
                     total = total + weights[j][1] * np.maximum(p[j], p[j - 1])
             spent.append(total)
-        R = np.minimum(
-            self.M_min * (self.u1 - np.maximum(way * y + self.nbar, self.f_speed)) - spent[0],
-            self.M_min * (self.u1 - self.f_speed) - spent[1],
-        )
+        R = self._room(y, spent, way)
         m = self.alpha * R
         if self.J:
             m = np.minimum(self.alpha * (R - self.J * p[0]), R / (1 / self.alpha + self.J))
-        m = np.where(m < 0, m * self.M_max / (self.T * self.M_min * self.alpha), m)
-        return np.minimum(np.maximum(m - self.net, -self.brakes), self.largest)
+        return self._force(m)
 
     def next_tail(self, tail: np.ndarray, commands: list[np.ndarray], way: float) -> np.ndarray:
         """``commands``: the new one first."""
@@ -119,6 +111,30 @@ class LateGuard:
     def first_tail(self) -> float:
         """After commands of 0."""
         return sum(self.rest[self.n]) / (1 - self.keep) * max(self.net, 0.0) if self.lag else 0.0
+
+    @property
+    def _mixes(self) -> bool:
+        """Whether the newest command may act beside the one before."""
+        return self.J > 0
+
+    def _of_mixed(self, force: float) -> float:
+        return (
+            min(force, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
+            if self._mixes
+            else force
+        )
+
+    def _room(self, y: np.ndarray, spent: list[np.ndarray], way: float) -> np.ndarray:
+        """Momentum to the limit, less what is ``spent`` from the mean and from rest."""
+        return np.minimum(
+            self.M_min * (self.u1 - np.maximum(way * y + self.nbar, self.f_speed)) - spent[0],
+            self.M_min * (self.u1 - self.f_speed) - spent[1],
+        )
+
+    def _force(self, m: np.ndarray) -> np.ndarray:
+        """Force whose push is ``m``, as large as may be sent."""
+        m = np.where(m < 0, m * self.M_max / (self.T * self.M_min * self.alpha), m)
+        return np.minimum(np.maximum(m - self.net, -self.brakes), self.largest)
 
     @property
     def _share(self) -> float:

@@ -146,14 +146,24 @@ GRAPHED = {"sensor.velocity_window": 0.03, "actuator.delay": 0.013, "guard.dbar"
            "sensor.velocity_noise": [0.02, 0.03], "disturbance.std": 0.0, **ON}  # fmt: skip
 
 
-@pytest.mark.parametrize("changed", [{}, {"actuator.jitter": 0.004}, {"actuator.lag": 0.02}])
-def test_reach_is_what_the_graph_brakes_with_and_what_holds_against(changed) -> None:
+def graphed(**changed: object):
+    """Settings, both axes' bounds in the graph, and a function from symbols to their numbers."""
     setup = settle(load_scenario("paper-simulation-no-switch", {**GRAPHED, **changed}), None)
     p, late = Parameters(setup), setup.guard.lateness(setup.scenario.clock)
     axes = [bounds_of(p, late, setup.scenario.limits).axis(i) for i in (0, 1)]
+
+    def numbers(symbols: ca.SX) -> list[float]:
+        names, given = stack(item.sym for item in p.ports), values(p.ports)
+        return ca.Function("found", [names], [symbols])(given).full().ravel().tolist()
+
+    return setup, late, axes, numbers
+
+
+@pytest.mark.parametrize("changed", [{}, {"actuator.jitter": 0.004}, {"actuator.lag": 0.02}])
+def test_reach_is_what_the_graph_brakes_with_and_what_holds_against(changed) -> None:
+    setup, _, axes, numbers = graphed(**changed)
     held = ca.vertcat(*(b.cap + b.net for b in axes), *map(feasible, axes))
-    symbols, numbers = stack(item.sym for item in p.ports), values(p.ports)
-    first, second, *met = ca.Function("held", [symbols], [held])(numbers).full().ravel()
+    first, second, *met = numbers(held)
 
     assert reach(setup.scenario, setup.guard, 0) == pytest.approx(first, rel=1e-12)
     assert reach(setup.scenario, setup.guard, 1) == pytest.approx(second, rel=1e-12)
@@ -163,17 +173,12 @@ def test_reach_is_what_the_graph_brakes_with_and_what_holds_against(changed) -> 
 @pytest.mark.parametrize("i", [0, 1])
 def test_at_the_usable_speed_the_graph_s_ceiling_is_the_friction(i) -> None:
     """Of a robot that has driven so all along, with every command in flight as large."""
-    setup = settle(load_scenario("paper-simulation-no-switch", GRAPHED), None)
+    setup, late, axes, numbers = graphed()
     friction = (39.24, 2.0)
-    p, late = Parameters(setup), setup.guard.lateness(setup.scenario.clock)
-    b, speed = (
-        bounds_of(p, late, setup.scenario.limits).axis(i),
-        usable_speed(setup.scenario, setup.guard, friction)[i],
-    )
+    b, speed = axes[i], usable_speed(setup.scenario, setup.guard, friction)[i]
     sent = [ca.SX(ca.DM(friction))] * late[i].commands
     coming = delayed_push(sent, late[i], i, b, Tails("tail", late))
-    symbols, numbers = stack(item.sym for item in p.ports), values(p.ports)
-    highest = ca.Function("hi", [symbols], [ceiling(ca.SX(speed), b, coming)])(numbers)
+    (highest,) = numbers(ceiling(ca.SX(speed), b, coming))
 
     assert late[i].commands > 1
-    assert float(highest) == pytest.approx(friction[i], rel=1e-9)
+    assert highest == pytest.approx(friction[i], rel=1e-9)

@@ -91,6 +91,14 @@ def asked(draw, count):
     return np.where(draw.random((2, count)) < 0.1, 0.0, size)
 
 
+def guarded(world, draw, period, delay):
+    """The world after 120 samples; there is always a safe force."""
+    guards = Guards(scenario_at(period, delay))
+    for _ in range(120):
+        world.sample(guards(asked(draw, ROBOTS), world.v))
+        assert guards.told["feasible"].all()
+
+
 CLOCKS = [(0.01, 0.0), (0.1, 0.0), (0.01, 0.025), (0.1, 0.03)]
 clocks = pytest.mark.parametrize(("period", "delay"), CLOCKS)
 
@@ -99,12 +107,10 @@ clocks = pytest.mark.parametrize(("period", "delay"), CLOCKS)
 @pytest.mark.slow_but("0.01-0.025")
 def test_inside_stays_inside_and_there_is_always_a_safe_force(period, delay):
     """1 and 3: at every instant, for every law."""
-    guards, draw = Guards(scenario_at(period, delay)), np.random.default_rng(1)
+    draw = np.random.default_rng(1)
     start = U1 - delay * DBAR / LOW  # "inside" with a delay
     world = World(2, draw.uniform(-1, 1, (2, ROBOTS)) * start[:, None], period, delay)
-    for _ in range(120):
-        world.sample(guards(asked(draw, ROBOTS), world.v))
-        assert guards.told["feasible"].all()
+    guarded(world, draw, period, delay)
     assert (world.fastest <= U1[:, None] * (1 + CLOSE)).all()
     assert (world.fastest.max(axis=1) > 0.99 * U1).all()
 
@@ -156,11 +162,9 @@ def test_a_refused_force_could_leave_the_limit(period):
 @pytest.mark.slow_but("0.01-0.025")
 def test_a_broken_bound_costs_what_it_says(period, delay):
     """5: |d| <= dbar + D keeps the speed below v_u1 + D (T + delay)/M_min."""
-    guards, draw = Guards(scenario_at(period, delay)), np.random.default_rng(6)
     excess = 0.1 * DBAR[:, None]
     world = World(7, np.zeros((2, ROBOTS)), period, delay, excess)
-    for _ in range(120):
-        world.sample(guards(asked(draw, ROBOTS), world.v))
+    guarded(world, np.random.default_rng(6), period, delay)
     most = U1[:, None] + excess * (period + delay) / LOW[:, None]
     assert (world.fastest <= most * (1 + CLOSE)).all()
     assert (world.fastest.max(axis=1) > U1).any()

@@ -33,6 +33,14 @@ ON = {"guard.enabled": True}
     ({"guard.f_speed": [1.0, 0.0]}, r"f_speed\[1\].*below limits"),
     ({"guard.map": "clip"}, r"guard\.map.*linear-first, rotation-first"),
     ({"guard.dbar": [1.0]}, r"guard\.dbar.*array of 2"),
+    ({"guard.dbar": [600.0, 1.0], "actuator.delay": 0.04},
+     r"alpha delay\), delay = 0\.04 s, is needed on axis 1.*1200 > 45 \* 100 \* 1/5 = 900 N.*"
+     r"actuator\.delay <= 0\.027 s.*dbar\[1\] <= 449\.9 N.*of at least 60\.\d+ kg"),
+    ({"guard.dbar": [60.0, 260.0], "actuator.delay": 0.01},
+     r"axis 2.*actuator\.delay <= 0\.004 s, or with clock\.control <= 0\.004 s"),
+    ({"guard.dbar": [2500.0, 1.0], "actuator.delay": 0.02}, r"It holds with guard\.dbar\[1\] <= "),
+    ({"guard.alpha": 4.0, "actuator.delay": 0.2},
+     r"axis 1.*delay <= 0\.124 s, or from guard\.alpha >= 5\.715"),
 ])  # fmt: skip
 def test_what_cannot_be_met_is_refused(changed: dict[str, object], said: str) -> None:
     with pytest.raises(ScenarioError) as refused:

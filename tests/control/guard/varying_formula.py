@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -20,31 +19,12 @@ class VaryingGuard(LateGuard):
     fast: float = 0.0
 
     @property
-    def usual(self) -> float:
+    def mixed(self) -> float:
         return self.late - self.window / 2
 
     @property
-    def mixed(self) -> float:
-        return self.usual
-
-    @property
-    def J(self) -> float:
-        return self.hi - self.lo
-
-    @cached_property
-    def _limit(self) -> float:
-        cap = self.M_min * (self.u1 - self.f_speed) / (1 / self.alpha + self.late)
-        return min(cap, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
-
-    @cached_property
-    def brakes(self) -> float:
-        return min(self.brake, self._limit - self.net)
-
-    @cached_property
-    def largest(self) -> float:
-        spent = max(self.brakes + self.net, 0) / self.alpha
-        most = (self.M_min * (self.u1 - self.f_speed) - spent) / self.late
-        return min(most, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed) - self.net
+    def _mixes(self) -> bool:
+        return True
 
     def pieces(self, count: int) -> list[tuple[tuple[int, ...], float, float]]:
         """Commands and ages [s] of every piece of ``count`` commands, the oldest first."""
@@ -90,13 +70,7 @@ class VaryingGuard(LateGuard):
             at = self.through(z, p, begin, end)
             spent = [spent[i] + self.integral(at, begin, end, i == 0) for i in (0, 1)]
             z = at(end)
-        room = (
-            np.minimum(
-                self.M_min * (self.u1 - np.maximum(way * y + self.nbar, self.f_speed)) - spent[0],
-                self.M_min * (self.u1 - self.f_speed) - spent[1],
-            )
-            - self.lag * z
-        )
+        room = self._room(y, spent, way) - self.lag * z
         more = lambda t: (self.lag - self.fast) * (1 - self._quick(t))  # noqa: E731
         rate, J = 1 / self.alpha, self.J
         lines = [room / (rate + J), (room + more(self.T + J) * z) / (rate + J + more(self.T + J))]
@@ -105,9 +79,7 @@ class VaryingGuard(LateGuard):
             left = room - J * p - more(J) * np.maximum(p - z, 0.0)
             z = self.through(z, p, J, 0.0)(0.0)
             lines += [left / rate, (left + more(self.T) * z) / (rate + more(self.T))]
-        m = np.minimum.reduce(lines)
-        m = np.where(m < 0, m * self.M_max / (self.T * self.M_min * self.alpha), m)
-        return np.minimum(np.maximum(m - self.net, -self.brakes), self.largest)
+        return self._force(np.minimum.reduce(lines))
 
     def next_tail(self, tail: np.ndarray, commands: list[np.ndarray], way: float) -> np.ndarray:
         z = tail

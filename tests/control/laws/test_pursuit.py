@@ -9,7 +9,6 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.papers_robot import paper
 from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.control.laws.pursuit import point_ahead, wanted_velocity
 from wmr_ctrl.control.setup import settle
@@ -111,21 +110,15 @@ def test_bounds_of_the_way_ahead_the_wrong_way_round_are_refused():
 
 
 def test_pursuit_looks_no_farther_round_than_its_widest_angle() -> None:
-    context = LawContext(settle(paper(), "pursuit"))
-    point, way = point_ahead(context)
-    symbols = ca.vertcat(*(item.sym for item in context.inputs), context.parameters.ports and
-                         ca.vertcat(*(item.sym for item in context.parameters.ports)))  # fmt: skip
-    look = ca.Function("look", [symbols], [point, way])
-    numbers = [number for item in context.parameters.ports for number in item.value]
+    at = pursuing()
     for v1_d, v2_d, half in (
         (0.1, 2.0, 0.75),
         (0.1, -9.0, -0.75),
         (0.1, 1.0, 0.75),
         (0.4, 0.2, 0.15),
     ):
-        u = [0.0, 0.0, 0.0, v1_d, v2_d, *[0.0] * 7]
-        seen, far = (np.asarray(part).ravel() for part in look([*u, *numbers]))
+        _, seen, far = at(v1_d, v2_d)
         length = min(max(1.5 * v1_d, 0.3), 0.9)
         chord = length * math.sin(half) / half
-        assert far == pytest.approx([length])
+        assert far == pytest.approx(length)
         assert seen == pytest.approx([chord * math.cos(half), chord * math.sin(half)])

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from pathlib import Path
+
 import numpy as np
 import pytest
 from fmpy import extract, read_model_description
@@ -12,8 +15,9 @@ from tests.simulation.physics.fmu.build import INPUTS, OUTPUTS, build_rigid
 from wmr_ctrl import cosimulate, simulate
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import PLANT_STATE
+from wmr_ctrl.results import Run
 from wmr_ctrl.simulation.physics.rigid import RigidBody
-from wmr_ctrl.world.scenario import load_scenario
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 ENCODERS = {"encoder.counts": 4096}
 SHORT = {"clock.duration": 3.0, "actuator.tau_max": 10.0}
@@ -41,15 +45,21 @@ def test_the_body_in_c_is_the_body_in_python_to_the_bit(tmp_path):
     slave.freeInstance()
 
 
+def same_in_both(case: Scenario, plant: Path, map_file: Path, names: Iterable[str]) -> Run:
+    """A run on the rigid body, whose columns the coupled one on its FMU has to the bit."""
+    coupled = cosimulate(case, "mb", plant=plant, map_file=map_file, seed=12)
+    native = simulate(case, "mb", plant="mujoco", seed=12)
+    for name in names:
+        assert np.array_equal(coupled[name], native[name]), name
+    return native
+
+
 @pytest.mark.slow
 def test_in_fmpy_it_is_the_run_on_the_rigid_body_to_the_bit(tmp_path):
     """Our controllers and reference as FMUs, their noise, in the order of our master."""
     case = load_scenario("paper-simulation-no-switch", SHORT)
-    plant, names = build_rigid(case, tmp_path)
-    coupled = cosimulate(case, "mb", plant=plant, map_file=names, seed=12)
-    native = simulate(case, "mb", plant="mujoco", seed=12)
-    for name in (*(item.name for item in PLANT_STATE), "tau_right", "tau_left"):
-        assert np.array_equal(coupled[name], native[name]), name
+    states = (item.name for item in PLANT_STATE)
+    same_in_both(case, *build_rigid(case, tmp_path), (*states, "tau_right", "tau_left"))
 
 
 @pytest.mark.slow
@@ -61,8 +71,5 @@ def test_encoders_on_a_foreign_plant_see_its_wheels(tmp_path):
         cosimulate(case, "mb", plant=plant, map_file=names)
     rows = 'path = "rolled"\nskid = { terms = { turned = 1.0, yaw = -1.0 } }\n'
     names.write_text(names.read_text(encoding="utf-8") + rows, encoding="utf-8")
-    coupled = cosimulate(case, "mb", plant=plant, map_file=names, seed=12)
-    native = simulate(case, "mb", plant="mujoco", seed=12)
+    native = same_in_both(case, plant, names, ("x", "v1", "wheel_counts", "tau_right"))
     assert np.abs(native["slip"]).max() > 1.0
-    for name in ("x", "v1", "wheel_counts", "tau_right"):
-        assert np.array_equal(coupled[name], native[name]), name

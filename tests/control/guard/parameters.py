@@ -1,0 +1,16 @@
+"""A guard by itself, asked with other parameters than it was composed for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wmr_ctrl.world.model.system import System
+
+
+def feasible_with(item: System, factors: dict[str, float]) -> float:
+    """What the guard says of itself with parameters multiplied."""
+    names = [name for port in item.params for name in port.signal.elements]
+    p = np.array(item.p0)
+    for key, factor in factors.items():
+        p[names.index(key)] *= factor
+    return float(item.function("guard", [item.d])([10.0, 1.0, 0.1, 0.1], item.x0, p)[4])
