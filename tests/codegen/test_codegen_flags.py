@@ -68,7 +68,7 @@ KINDS: Mapping[str, Callable[[], Mapping[str, str]]] = {
     "filter-float32": lambda: package_files(FILTER, FILTERED, float32=True),
     "reference": lambda: reference_files(SAFE),
     "corridor": lambda: files_of(CORRIDOR, corridor_monitor(STILL, "prox"), STILL),
-    "fmu": lambda: sources_of(model_of("closed-loop", "nn", SAFE), 3).files,
+    "fmu": lambda: sources_of(model_of("closed-loop", "pid", SAFE), 3).files,
     "simulink": lambda: kit_files("nn", SAFE),
     "ros": lambda: core_files(FILTERED, GATE),
 }
@@ -168,7 +168,7 @@ def test_gcc_before_12_refuses_without_its_newer_macros(flag: str, tmp_path: Pat
 @pytest.mark.parametrize(
     ("kind", "compiler"),
     [
-        pytest.param(kind, compiler, marks=[] if kind == "law" or shown else pytest.mark.slow)
+        pytest.param(kind, compiler, marks=[] if shown else pytest.mark.slow)
         for compiler, shown in (("gcc", True), ("gcc-11", False), ("clang", False))
         for kind in ("law", "law-float32", "filter", "filter-float32", "reference")
     ],

@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from warnings import catch_warnings, simplefilter
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.cli.conftest import wmr  # noqa: F401
@@ -51,7 +51,7 @@ FOUND = st.fixed_dictionaries(
 )
 
 
-@settings(suppress_health_check=[HealthCheck.too_slow], deadline=None)
+@settings(max_examples=15)
 @given(values=FOUND, shape=between(0.2, 4), base=st.sampled_from(BASES))
 def test_any_subset_of_findings_makes_a_scenario_that_keeps_its_limits_and_tracks(
     values, shape, base
