@@ -12,7 +12,7 @@ import pytest
 
 from tests.board.emulated import HostBuild
 from tests.codegen.packages import write_package
-from tests.codegen.test_package import WARNINGS, needs, run
+from tests.codegen.test_package import needs, programs, run
 from wmr_ctrl import simulate
 from wmr_ctrl.codegen.package import packaged
 from wmr_ctrl.control.controller import controller
@@ -157,16 +157,11 @@ def test_parameters_that_are_no_numbers_send_zeros(form: str, tmp_path: Path) ->
 def test_package_of_a_velocity_base_passes_its_vectors(
     form: str, float32: bool, tmp_path: Path
 ) -> None:
-    needs("gcc")
     scenario = burger(form, **({"encoder.counts": 4096} if form == "clip" else {}))
     write_package("kanayama", tmp_path, scenario, float32=float32)
-    command = ["gcc", *WARNINGS, "-O2", "-ffp-contract=off", "-Wdouble-promotion"]
-    run([*command, "-c", "wmr_kanayama.c"], tmp_path)
-    for program in ("check", "example"):
-        plain = [word for word in command if word != "-Wdouble-promotion"]
-        run([*plain, f"{program}.c", "wmr_kanayama.o", "-lm", "-o", program], tmp_path)
-    assert "largest error" in run(["./check"], tmp_path)
-    assert float(run(["./example"], tmp_path).split()[1]) < 0.05
+    checked, example = programs("kanayama", tmp_path)
+    assert "largest error" in checked
+    assert float(example.split()[1]) < 0.05
 
 
 def test_guard_acted_is_what_the_guard_did(tmp_path: Path) -> None:

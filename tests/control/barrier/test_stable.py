@@ -16,20 +16,18 @@ from wmr_ctrl.control.barrier.stable import stable_barrier, stable_minimiser
 LIMITS = ((1.0, 0.8), (1.5, 1.3), (0.7, 0.1), (3.0, 1.2), (1.0, 0.99))
 
 
-def _function() -> ca.Function:
-    c, v, u1, u2 = (ca.SX.sym(name) for name in ("c", "v", "u1", "u2"))
-    found = stable_barrier(c, v, u1, u2)
-    return ca.Function("barrier", [c, v, u1, u2], [found.V1_over_A, found.q, found.v_c1, found.V1])
+def _functions() -> tuple[ca.Function, ca.Function]:
+    """V1/A, q, v_c1, V1; and the slopes of the first two by c and v."""
+    given = c, v, *_ = [ca.SX.sym(name) for name in ("c", "v", "u1", "u2")]
+    found = stable_barrier(*given)
+    pair = found.V1_over_A, found.q
+    slopes = ca.jacobian(ca.vertcat(*pair), ca.vertcat(c, v))
+    return ca.Function("barrier", given, [*pair, found.v_c1, found.V1]), ca.Function(
+        "slopes", given, [slopes]
+    )
 
 
-def _slopes() -> ca.Function:
-    c, v, u1, u2 = (ca.SX.sym(name) for name in ("c", "v", "u1", "u2"))
-    found = stable_barrier(c, v, u1, u2)
-    pair = ca.vertcat(found.V1_over_A, found.q)
-    return ca.Function("slopes", [c, v, u1, u2], [ca.jacobian(pair, ca.vertcat(c, v))])
-
-
-STABLE, SLOPES = _function(), _slopes()
+STABLE, SLOPES = _functions()
 
 
 def exact(c: float, v: float, u1: float, u2: float) -> tuple[mp.mpf, mp.mpf, mp.mpf, mp.mpf]:

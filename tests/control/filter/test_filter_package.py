@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from tests.codegen.measured import FILTERS
-from tests.codegen.test_package import WARNINGS, needs, run
+from tests.codegen.test_package import WARNINGS, needs, programs, run
 from tests.control.filter.test_filter import scenario
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import known_footprint, package_files
@@ -160,20 +160,16 @@ def built(
 )  # fmt: skip
 @pytest.mark.slow_but("governor-True-stated1", "clip-False-stated2")
 def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_path):
-    needs("gcc")
     written(tmp_path, kind, float32, **stated)
-    command = ["gcc", *WARNINGS, "-O2", "-ffp-contract=off"]
-    run([*command, "-c", "wmr_filter.c"], tmp_path)
+    checked, example = programs("filter", tmp_path)
     called = {line.split()[-1] for line in run(["nm", "-u", "wmr_filter.o"], tmp_path).splitlines()}
     told = re.search("From the C library: (.*) where the", (tmp_path / "README.md").read_text())
     assert told
     listed = set(re.split(r", and |, | and ", told[1]))
     assert called <= listed <= {"fabsf", "sqrt", "memcpy", "memset"}
     assert called <= {"memcpy", "memset"}
-    for program in ("check", "example"):
-        run([*command, f"{program}.c", "wmr_filter.o", "-lm", "-o", program], tmp_path)
-    assert "78 samples, largest error" in run(["./check"], tmp_path)
-    words = run(["./example"], tmp_path).split()
+    assert "78 samples, largest error" in checked
+    words = example.split()
     assert 0.5 < float(words[1]) <= float(words[3])
 
 
