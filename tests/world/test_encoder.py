@@ -36,14 +36,19 @@ def test_less_than_one_count_is_nearest_to_one() -> None:
         override(paper(), {"encoder.counts": 0.4})
 
 
+def by_time(way: np.ndarray, turn: np.ndarray, counts: int = 1024) -> np.ndarray:
+    """(v1, omega) shown by the time between counts, while way [m] and angle [rad] grow so."""
+    motion = rows(len(way), np.random.default_rng(1))
+    for row, path, theta in zip(motion, way.tolist(), turn.tolist(), strict=True):
+        row |= {"path": [path], "theta": [theta], "skid": [0.0]}
+    changes = {"encoder.counts": counts, "encoder.method": "time"}
+    return fed(ENCODER.build(scenario(changes)), motion)
+
+
 def test_the_time_between_counts_shows_a_steady_speed_to_rounding():
     """Forwards, backwards, and so slow that a count takes many samples."""
-    effect = ENCODER.build(scenario(EFFECTS["encoder by time"]))
     for speed in (0.5, -0.3, 0.004):
-        motion = rows(400, np.random.default_rng(1))
-        for k, row in enumerate(motion):
-            row |= {"path": [0.01 * k * speed], "theta": [0.0], "skid": [0.0]}
-        shown = fed(effect, motion)
+        shown = by_time(0.01 * speed * np.arange(400), np.zeros(400))
 
         assert np.abs(shown[-100:, 0] - speed).max() < 1e-9 * abs(speed)
         assert np.abs(shown[:, 0]).max() <= abs(speed) * (1 + 1e-9)
@@ -51,10 +56,7 @@ def test_the_time_between_counts_shows_a_steady_speed_to_rounding():
 
 
 def test_the_time_between_counts_forgets_a_speed_when_the_robot_stops():
-    motion = rows(300, np.random.default_rng(1))
-    for k, row in enumerate(motion):
-        row |= {"path": [0.005 * min(k, 100)], "theta": [0.0], "skid": [0.0]}
-    shown = fed(ENCODER.build(scenario(EFFECTS["encoder by time"])), motion)[:, 0]
+    shown = by_time(0.005 * np.minimum(np.arange(300), 100), np.zeros(300))[:, 0]
     count = 2 * math.pi * 0.1 / 1024
 
     assert shown[99] == pytest.approx(0.5)
@@ -64,26 +66,15 @@ def test_the_time_between_counts_forgets_a_speed_when_the_robot_stops():
 
 # Why the time between counts has no bound.
 
-COUNTS = pytest.mark.parametrize("counts", [64, 1024, 65536])
 
-
-def timed(counts: int, v1: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """(v1, omega) shown for velocities (n,) that hold over a sample each."""
-    motion = rows(len(v1) + 1, np.random.default_rng(1))
-    way, turn = (np.concatenate([[0.0], np.cumsum(0.01 * item)]) for item in (v1, omega))
-    for k, row in enumerate(motion):
-        row |= {"path": [float(way[k])], "theta": [float(turn[k])], "skid": [0.0]}
-    changes = {"encoder.counts": counts, "encoder.method": "time"}
-    return fed(ENCODER.build(scenario(changes)), motion)[1:]
-
-
-@COUNTS
+@pytest.mark.parametrize("counts", [64, 1024, 65536])
 def test_two_windows_mix_turn_and_thrust_whatever_the_counts(counts):
     """The left wheel stands while the right one drives, then friction stops the turn."""
     omega = np.concatenate([np.full(300, 1.5), np.zeros(20)])
     v1 = np.full(320, 0.25 * 1.5)
     v1[0] += 0.4 * 2 * math.pi * 0.1 / counts / 0.01  # so that the left wheel stands between edges
-    shown = timed(counts, v1, omega)
+    way, turn = (np.concatenate([[0.0], np.cumsum(0.01 * item)]) for item in (v1, omega))
+    shown = by_time(way, turn, counts)[1:]
     off = v1[300:] - shown[300:, 0]
 
     assert off.max() == pytest.approx(0.25 * 1.5 / 2, rel=0.05)

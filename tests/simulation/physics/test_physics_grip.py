@@ -11,7 +11,7 @@ from wmr_ctrl.simulation.physics.rigid import RigidBody, loads
 from wmr_ctrl.theory.checks import first_torques, grip_warnings, reference_torque
 from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.phases import phases
-from wmr_ctrl.world.scenario import load_scenario, preset_names
+from wmr_ctrl.world.scenario import load_scenario, override, preset_names
 
 ROBOTS = (
     {},
@@ -65,10 +65,7 @@ def test_what_is_kept_anyhow_is_less_than_what_one_motion_takes(overrides):
 @pytest.mark.slow_but("paper-simulation-mb")
 def test_at_the_torque_that_is_kept_no_wheel_slides(law, preset):
     case = load_scenario(preset, {"clock.duration": 6.0, "disturbance.std": 0.0})
-    kept = 0.99 * grip(case).keep
-    limited = load_scenario(
-        preset, {"clock.duration": 6.0, "disturbance.std": 0.0, "actuator.tau_max": kept}
-    )
+    limited = override(case, {"actuator.tau_max": 0.99 * grip(case).keep})
     assert grip_warnings(settle(limited, law)) == ()
     run = simulate(limited, law, plant="mujoco", guard=law == "pid")
     assert run.monitor.rigid.max_slip < 0.05
