@@ -1,7 +1,5 @@
 """The benchmarks are no installed package: find them at the root of the checkout."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

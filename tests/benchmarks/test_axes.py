@@ -1,14 +1,12 @@
 """What bounds by axis give back, as `benchmarks/axes.py` counts it."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.axes import CASES, rows
 
 
 @pytest.mark.slow
-def test_bounds_by_axis_give_back_what_the_other_axis_cost() -> None:
+def test_bounds_by_axis_give_back_what_the_other_axis_cost():
     found = {name: (limit, both, apart) for name, limit, both, apart in rows()}
     assert list(found) == list(CASES)
     assert list(found.values()) == [

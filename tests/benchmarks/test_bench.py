@@ -8,14 +8,12 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 import pytest
 
 from benchmarks import bench
-from benchmarks.timing import ROUNDS, Candidate, Factory, Timing, sample, summarize
+from benchmarks.timing import ROUNDS, Candidate, Timing, sample, summarize
 from tests.architecture.tree import ROOT
 from wmr_ctrl import api
 
@@ -27,11 +25,11 @@ NAMED = {
 }  # fmt: skip
 
 
-def timing(name: str, ratios: tuple[float, ...]) -> Timing:
+def timing(name, ratios):
     return Timing(name, 100.0, ratios[1], ratios[0], ratios[2], ratios)
 
 
-def test_ratios_have_their_names_and_come_from_within_rounds() -> None:
+def test_ratios_have_their_names_and_come_from_within_rounds():
     found = {"nn": timing("nn", (1.0, 4.0, 3.0)), "nn_hand": timing("nn_hand", (1.0, 2.0, 3.0))}
     result = bench.summary(found, {})
 
@@ -41,7 +39,7 @@ def test_ratios_have_their_names_and_come_from_within_rounds() -> None:
     assert json.loads(json.dumps(result)) == result
 
 
-def test_table_says_what_was_not_measured() -> None:
+def test_table_says_what_was_not_measured():
     found = {"nn": timing("nn", (1.0, 1.0, 1.0))}
     text = bench.table(bench.summary(found, {"fmu_plant": "it broke"}))
 
@@ -49,23 +47,23 @@ def test_table_says_what_was_not_measured() -> None:
     assert "1.4294 s" in text
 
 
-def fails() -> Candidate:
+def fails():
     raise OSError("no disk.\nThe second sentence")
 
 
-def raising() -> Candidate:
+def raising():
     return Candidate(fails, 1)
 
 
-def dying() -> Candidate:
+def dying():
     return Candidate(partial(os._exit, 3), 1)
 
 
-def works() -> Candidate:
+def works():
     return Candidate(list, 1)
 
 
-def test_what_cannot_be_measured_is_a_line_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_cannot_be_measured_is_a_line_with_its_reason(monkeypatch):
     """One that cannot be built, one that raises when it runs, and one that ends its process."""
     groups = (
         {"nn_hand": fails, "nn": works, "nn_vm": works, "nn_numpy": raising},
@@ -82,7 +80,7 @@ def test_what_cannot_be_measured_is_a_line_with_its_reason(monkeypatch: pytest.M
 
 
 @pytest.mark.slow
-def test_without_compiler_and_packages_the_command_ends_well(tmp_path: Path) -> None:
+def test_without_compiler_and_packages_the_command_ends_well(tmp_path):
     for name in ("fmpy", "numba"):
         (tmp_path / f"{name}.py").write_text("raise RuntimeError('half installed')\n")
     done = subprocess.run(
@@ -99,9 +97,7 @@ def test_without_compiler_and_packages_the_command_ends_well(tmp_path: Path) -> 
         assert lines[name].endswith("not measured: RuntimeError: half installed")
 
 
-def test_the_interface_measures_with_this_folder_and_leaves_the_path_alone(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_interface_measures_with_this_folder_and_leaves_the_path_alone(monkeypatch):
     measured = bench.summary({"nn": timing("nn", (1.0, 1.0, 1.0))}, {})
     monkeypatch.setattr(bench, "run_bench", lambda progress: measured)
     before = [*sys.path]
@@ -112,20 +108,13 @@ def test_the_interface_measures_with_this_folder_and_leaves_the_path_alone(
 
 
 @pytest.mark.slow
-def test_all_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_is_measured(monkeypatch):
     """How fast is no test's business: docs/performance.md has the figures of an idle machine.
 
     One round in this process; test_timing.py has rounds and processes.
     """
 
-    def once(
-        factory: Factory,
-        floor: str,
-        *,
-        rounds: int,
-        progress: Callable[[int, int], None],
-        failed: dict[str, str],
-    ) -> dict[str, Timing]:
+    def once(factory, floor, *, rounds, progress, failed):
         assert rounds == ROUNDS
         found = summarize(sample(factory(), 1, None, failed), floor)
         progress(1, 1)

@@ -1,7 +1,5 @@
 """What `reproduce` writes beside the paper: files and sentences, from made-up runs."""
 
-from __future__ import annotations
-
 import csv
 
 import pytest

@@ -1,7 +1,5 @@
 """The page's table of further adversaries is what its command makes today."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -20,18 +18,18 @@ LAST = 0.011
 """The last digit of a length [mm] or a ratio may be another one elsewhere."""
 
 
-def cells(line: str) -> list[str]:
+def cells(line):
     return [cell.strip() for cell in line.split("|")[1:-1]]
 
 
-def shown() -> dict[str, list[str]]:
+def shown():
     part = PAGE.partition(f"<!-- begin {NAME} -->")[2].partition(f"<!-- end {NAME} -->")[0]
     head, _, *rows = [cells(line) for line in part.strip().splitlines()]
     assert tuple(head) == HEAD
     return {words: others for words, *others in rows}
 
 
-def test_the_page_has_all_rows_and_none_contradicts_itself() -> None:
+def test_the_page_has_all_rows_and_none_contradicts_itself():
     found = shown()
 
     assert list(found) == list(ROWS)
@@ -47,7 +45,7 @@ def test_the_page_has_all_rows_and_none_contradicts_itself() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("words", RUN_AGAIN)
-def test_a_row_comes_out_as_it_stands_on_the_page(words: str) -> None:
+def test_a_row_comes_out_as_it_stands_on_the_page(words):
     _, *made = cells(row(words))
     *numbers, left, times = shown()[words]
 
@@ -56,7 +54,7 @@ def test_a_row_comes_out_as_it_stands_on_the_page(words: str) -> None:
     assert float(made[-1]) == pytest.approx(float(times), abs=FINE + 1e-9)
 
 
-def test_a_run_outside_of_its_corridor_ends_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_outside_of_its_corridor_ends_the_command(monkeypatch):
     words = "turtlebot3-burger, kanayama, 0.3 mN m"
     case = ROWS[words]()
     wild = Further(case.scenario, case.law, lambda times: 1.0)

@@ -1,7 +1,5 @@
 """Trials of the command filter: the page has every statement, and bases that break one are seen."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +14,7 @@ from tests.control.filter.adversary import Base, fastest
 PAGE = (Path(__file__).parents[2] / "docs/explanation/filter.md").read_text(encoding="utf-8")
 
 
-def part(name: str) -> list[list[str]]:
+def part(name):
     """Cells of a table that the command writes."""
     text = PAGE.partition(f"<!-- begin {name} -->")[2].partition(f"<!-- end {name} -->")[0]
     rows = [line for line in text.splitlines() if line]

@@ -3,10 +3,7 @@
 On the cases that decide; `wmr-ctrl reproduce` runs the whole plan.
 """
 
-from __future__ import annotations
-
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
@@ -27,8 +24,7 @@ from benchmarks.guard_runs import (
 from tests.simulation.campaign.synthetic import Watch, made_up
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.simulation.campaign.plan import PlannedCase, PlannedRun
+from wmr_ctrl.simulation.campaign.plan import PlannedRun
 from wmr_ctrl.world.scenario import load_scenario, override
 
 WEAK = "tau_max = 5 N m"
@@ -68,10 +64,10 @@ def test_a_drop_of_the_mass_has_a_tenth_of_room_on_either_side_for_the_guard():
 TINY = comparison_plan(("smc", "prox"), bases=("10 ms",), factors=("base", WEAK))
 
 
-def shortened(plan: Sequence[PlannedRun]) -> list[PlannedRun]:
+def shortened(plan):
     """The same runs, for 10 s."""
 
-    def short(case: PlannedCase) -> PlannedCase:
+    def short(case):
         changes = [change for change in case.overrides.get("changes", []) if change["t"] < 10.0]
         shorter = {**case.overrides, "clock.duration": 10.0, "changes": changes}
         return replace(case, overrides=shorter)
@@ -82,7 +78,7 @@ def shortened(plan: Sequence[PlannedRun]) -> list[PlannedRun]:
 # -- the plan -----------------------------------------------------------------------------
 
 
-def test_plan_has_every_case_once() -> None:
+def test_plan_has_every_case_once():
     plan = comparison_plan()
     cases = [case for case, _ in plan]
     keys = {(c.base, c.name, c.law, c.guard, seed) for c, seed in plan}
@@ -94,7 +90,7 @@ def test_plan_has_every_case_once() -> None:
     assert {c.base for c in cases} == set(BASES)
 
 
-def test_what_no_noise_moves_is_run_once_and_a_period_of_its_own_is_in_one_base() -> None:
+def test_what_no_noise_moves_is_run_once_and_a_period_of_its_own_is_in_one_base():
     plan = comparison_plan()
     seeds = Counter((c.name, c.base, c.law, c.guard) for c, _ in plan)
     timed = {name for name, changed in FACTORS.items() if "clock.control" in changed}
@@ -108,7 +104,7 @@ def test_what_no_noise_moves_is_run_once_and_a_period_of_its_own_is_in_one_base(
     }
 
 
-def test_sweeps_have_the_numbers_of_their_factors() -> None:
+def test_sweeps_have_the_numbers_of_their_factors():
     assert swept("clock.control") == [(0.001, "T = 1 ms"), (0.02, "T = 20 ms"), (0.05, "T = 50 ms")]
     assert len(swept("actuator.tau_max")) == 4
 
@@ -117,12 +113,12 @@ def test_sweeps_have_the_numbers_of_their_factors() -> None:
 
 
 @pytest.fixture(scope="module")
-def comparison() -> RunTable:
+def comparison():
     return run_comparison(shortened(DECISIVE))
 
 
 @pytest.mark.slow
-def test_guarded_runs_from_inside_keep_the_limits(comparison: RunTable) -> None:
+def test_guarded_runs_from_inside_keep_the_limits(comparison):
     guarded = comparison.where(guard=True)
     inside = guarded.at(guarded["case"] != "start outside")
 
@@ -131,7 +127,7 @@ def test_guarded_runs_from_inside_keep_the_limits(comparison: RunTable) -> None:
 
 
 @pytest.mark.slow
-def test_only_the_torque_limit_that_is_too_low_is_refused(comparison: RunTable) -> None:
+def test_only_the_torque_limit_that_is_too_low_is_refused(comparison):
     refused = comparison.where(outcome="refused")
 
     assert refused.different("case") == (WEAK,)
@@ -140,7 +136,7 @@ def test_only_the_torque_limit_that_is_too_low_is_refused(comparison: RunTable) 
 
 
 @pytest.mark.slow
-def test_without_the_guard_limits_break(comparison: RunTable) -> None:
+def test_without_the_guard_limits_break(comparison):
     """Kanayama's command ends 5 % below the limit, which is enough in some of the cases."""
     free = comparison.where(guard=False)
     broken = set(free.at(free["violations"] > 0).different("law"))
@@ -148,7 +144,7 @@ def test_without_the_guard_limits_break(comparison: RunTable) -> None:
     assert broken | {"kanayama"} == {*comparison.different("law"), "kanayama"}
 
 
-def test_position_is_told_where_a_run_lasts_that_long() -> None:
+def test_position_is_told_where_a_run_lasts_that_long():
     plan = comparison_plan(("mb",), ONE, ("10 ms",), ("base",))[:1]
     (row,) = run_comparison(plan).records()
 
@@ -157,7 +153,7 @@ def test_position_is_told_where_a_run_lasts_that_long() -> None:
 
 
 @pytest.mark.slow
-def test_result_does_not_depend_on_the_number_of_threads(comparison: RunTable) -> None:
+def test_result_does_not_depend_on_the_number_of_threads(comparison):
     few = [run for run in shortened(DECISIVE) if (run.case.law, run.case.base) == ("mb", "10 ms")]
     alone, labels = run_comparison(few, jobs=1), ("case", "law", "base", "guard", "seed")
     rows = {tuple(row[name] for name in labels): row for row in comparison.records()}
@@ -168,10 +164,10 @@ def test_result_does_not_depend_on_the_number_of_threads(comparison: RunTable) -
 # -- made-up runs -------------------------------------------------------------------------
 
 
-def test_each_loop_is_compiled_once_and_refusals_are_rows() -> None:
+def test_each_loop_is_compiled_once_and_refusals_are_rows():
     built, watch = Counter(), Watch()
 
-    def asked(case: PlannedCase) -> None:
+    def asked(case):
         weak = case.overrides.get("actuator.tau_max")
         built[case.law, case.guard, weak] += 1
         if case.guard and weak == 5.0:
@@ -190,8 +186,8 @@ def test_each_loop_is_compiled_once_and_refusals_are_rows() -> None:
 
 
 @pytest.mark.parametrize("guard", [False, True])
-def test_what_cannot_be_without_the_guard_either_is_raised(guard: bool) -> None:
-    def refusing(_: PlannedCase) -> None:
+def test_what_cannot_be_without_the_guard_either_is_raised(guard):
+    def refusing(_):
         raise ScenarioError("no")
 
     with (

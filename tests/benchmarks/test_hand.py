@@ -1,12 +1,8 @@
 """The hand-written C is the floor of every benchmark, so it must be right before it is fast."""
 
-from __future__ import annotations
-
 import ctypes
 import subprocess
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -31,17 +27,17 @@ ROWS = {"tracking": tracking_rows(64), "mixed": mixed_rows(3000, seed=1)}
 
 
 @pytest.fixture(scope="module")
-def hand() -> HandC:
+def hand():
     return HandC()
 
 
-def parts(row: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def parts(row):
     return row[:7], row[7:10], row[10:]
 
 
 @pytest.mark.parametrize("rows", ROWS)
 @pytest.mark.slow
-def test_model_based_step_equals_numpy(hand: HandC, rows: str) -> None:
+def test_model_based_step_equals_numpy(hand, rows):
     laws = NumpyLaws(Setup())
     for row in ROWS[rows]:
         expected = laws.mb_step(*parts(row))
@@ -52,7 +48,7 @@ def test_model_based_step_equals_numpy(hand: HandC, rows: str) -> None:
 
 @pytest.mark.parametrize("rows", ROWS)
 @pytest.mark.slow_but("tracking")
-def test_network_step_equals_numpy_with_any_weights(hand: HandC, rows: str) -> None:
+def test_network_step_equals_numpy_with_any_weights(hand, rows):
     laws, rng = NumpyLaws(Setup()), np.random.default_rng(2)
     for row in ROWS[rows]:
         W = rng.normal(0, 100, (2, 64))
@@ -64,7 +60,7 @@ def test_network_step_equals_numpy_with_any_weights(hand: HandC, rows: str) -> N
         np.testing.assert_allclose(mine, W_expected.ravel(), rtol=TOLERANCE, atol=TOLERANCE)
 
 
-def test_mixed_rows_visit_every_region_and_both_signs() -> None:
+def test_mixed_rows_visit_every_region_and_both_signs():
     laws, setup = NumpyLaws(Setup()), Setup()
     c = np.array([laws.auxiliary(*parts(row))[0] for row in ROWS["mixed"]])
     edges = np.array(setup.v_u2) + 1 / (np.array(setup.v_u1) - np.array(setup.v_u2))
@@ -75,7 +71,7 @@ def test_mixed_rows_visit_every_region_and_both_signs() -> None:
         assert seen == {(r, s) for r in (0, 1, 2) for s in (-1.0, 1.0)}
 
 
-def test_velocities_beyond_the_limit_are_clipped_for_the_barrier_only(hand: HandC) -> None:
+def test_velocities_beyond_the_limit_are_clipped_for_the_barrier_only(hand):
     laws, row = NumpyLaws(Setup()), tracking_rows(1)[0]
     for v in ([1.3, 2.0], [-1.0, 1.5], [0.2, -7.0]):
         row[10:] = v
@@ -85,7 +81,7 @@ def test_velocities_beyond_the_limit_are_clipped_for_the_barrier_only(hand: Hand
         )
 
 
-def test_baselines_follow_their_definitions(hand: HandC) -> None:
+def test_baselines_follow_their_definitions(hand):
     setup, laws, rows = Setup(), NumpyLaws(Setup()), ROWS["mixed"][:50]
     memory, estimates, z_old = np.zeros(3), np.zeros(4), None
     m_hat, F_hat = np.zeros(2), np.zeros(2)
@@ -107,7 +103,7 @@ def test_baselines_follow_their_definitions(hand: HandC) -> None:
         np.testing.assert_allclose(estimates, [*m_hat, *F_hat], rtol=1e-10)
 
 
-def test_plant_step_is_the_classical_runge_kutta_step(hand: HandC) -> None:
+def test_plant_step_is_the_classical_runge_kutta_step(hand):
     rng, robot, h = np.random.default_rng(3), Case().first, 1e-3
     plant = hand.plant(*robot, h)
     for _ in range(200):
@@ -119,7 +115,7 @@ def test_plant_step_is_the_classical_runge_kutta_step(hand: HandC) -> None:
         )
 
 
-def test_noise_is_numpys_philox_block_for_block(hand: HandC) -> None:
+def test_noise_is_numpys_philox_block_for_block(hand):
     key = noise_key(7)
     for counter in ([1, 0, 0, 0], [79_999, 0, 0, 0], [5, 2, 3, 0]):
         number = sum(word << (64 * i) for i, word in enumerate(counter))
@@ -131,7 +127,7 @@ def test_noise_is_numpys_philox_block_for_block(hand: HandC) -> None:
 @pytest.mark.parametrize("law", ["mb", "nn"])
 @pytest.mark.parametrize("noise", [0.0, 1.0])
 @pytest.mark.slow_but("1.0-nn")
-def test_closed_loop_equals_a_plain_python_loop(hand: HandC, law: str, noise: float) -> None:
+def test_closed_loop_equals_a_plain_python_loop(hand, law, noise):
     case = Case(duration=5.0, t_change=2.0, noise_std=noise, seed=4)
     state, fastest, violations = closed_loop(law, Setup(), case)
     result, _ = hand.loop(law, case)
@@ -142,7 +138,7 @@ def test_closed_loop_equals_a_plain_python_loop(hand: HandC, law: str, noise: fl
     assert result.steps == 5000
 
 
-def test_monitor_counts_the_start_and_stops_a_run_that_diverges(hand: HandC) -> None:
+def test_monitor_counts_the_start_and_stops_a_run_that_diverges(hand):
     outside = Case(initial=(0.0, 0.0, 0.0, 1.3, 2.0), duration=0.01, noise_std=0.0)
     lost = replace(outside, initial=(0.0, 0.0, 0.0, 0.0, 999.0), noise_std=1e6, duration=1.0)
     nowhere = replace(outside, initial=(0.0, 0.0, 0.0, float("nan"), 0.0))
@@ -152,7 +148,7 @@ def test_monitor_counts_the_start_and_stops_a_run_that_diverges(hand: HandC) -> 
     assert hand.loop("mb", nowhere)[0].steps == 0
 
 
-def test_adaptive_loop_reports_what_it_learned(hand: HandC) -> None:
+def test_adaptive_loop_reports_what_it_learned(hand):
     for law, size in {"nn": 128, "pid": 3, "smc": 4}.items():
         _, state = hand.loop(law, Case(duration=1.0))
 
@@ -160,7 +156,7 @@ def test_adaptive_loop_reports_what_it_learned(hand: HandC) -> None:
         assert np.any(state != 0)
 
 
-def test_drivers_take_the_same_steps_as_the_library(hand: HandC) -> None:
+def test_drivers_take_the_same_steps_as_the_library(hand):
     rows, W = tracking_rows(16), np.zeros(128)
     expected = sum(hand.step("nn", *parts(rows[i % 16]), W).sum() for i in range(100))
     state = hand.driven_state("nn")
@@ -172,10 +168,10 @@ def test_drivers_take_the_same_steps_as_the_library(hand: HandC) -> None:
     np.testing.assert_array_equal(state[-128:], W)
 
 
-def test_kernel_driver_swaps_the_states() -> None:
+def test_kernel_driver_swaps_the_states():
     kind = ctypes.CFUNCTYPE(None, *[ctypes.POINTER(ctypes.c_double)] * 5)
 
-    def integrate(*vectors: Any) -> None:
+    def integrate(*vectors):
         u, x, p, following, y = vectors
         following[0] = x[0] + p[0] * u[0]
         y[0] = x[0]
@@ -186,7 +182,7 @@ def test_kernel_driver_swaps_the_states() -> None:
     assert run(4) == 0 + 10 + 30 + 40
 
 
-def test_timing_torques_keep_the_plant_where_friction_is_dear(hand: HandC) -> None:
+def test_timing_torques_keep_the_plant_where_friction_is_dear(hand):
     torques, plant = plant_torques(Setup(), 1e-3), hand.plant(*Case().first, 1e-3)
     state = np.array([0.0, 0.0, 0.0, 0.15, 0.1])
     hand.library.hand_plant_repeat(plant, 256 * 400, torques, 256, state)
@@ -194,7 +190,7 @@ def test_timing_torques_keep_the_plant_where_friction_is_dear(hand: HandC) -> No
     assert 0.1 < state[3] < 0.2
 
 
-def test_c_has_no_warnings(tmp_path: Path) -> None:
+def test_c_has_no_warnings(tmp_path):
     warnings = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
     command = [*floor_toolchain().command, *warnings, "-O3", "-c"]
     for source in (HERE / "hand" / "hand.c", HERE / "drive.c"):

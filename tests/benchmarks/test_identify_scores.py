@@ -1,7 +1,5 @@
 """Logs of own bases, as the benchmark of `identify` scores them: two fast, all kinds slow."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.identify import BAD, GOOD, KINDS, first_seed, scored, summary

@@ -1,7 +1,5 @@
 """The match: its page names every contender, and its parts do what they are called."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

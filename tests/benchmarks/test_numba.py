@@ -1,7 +1,5 @@
 """The peer in numba computes what the NumPy step computes; without numba it says so."""
 
-from __future__ import annotations
-
 import sys
 from functools import partial
 from importlib.util import find_spec
@@ -28,7 +26,7 @@ numba = numba_peer.loops() if find_spec("numba") else None
 @pytest.mark.parametrize(
     "rows", [tracking_rows(64), mixed_rows(3000, seed=1)], ids=["tracking", "mixed"]
 )
-def test_network_step_equals_numpy_with_any_weights(rows: np.ndarray) -> None:
+def test_network_step_equals_numpy_with_any_weights(rows):
     laws, law, rng = NumpyLaws(SETUP), numba.law_of(SETUP), np.random.default_rng(2)
     for row in rows:
         W = rng.normal(0, 100, (2, 64))
@@ -42,7 +40,7 @@ def test_network_step_equals_numpy_with_any_weights(rows: np.ndarray) -> None:
 
 @needs_numba
 @pytest.mark.parametrize("noise", [0.0, 1.0])
-def test_closed_loop_equals_a_plain_python_loop(noise: float) -> None:
+def test_closed_loop_equals_a_plain_python_loop(noise):
     case = Case(duration=3.0, t_change=1.0, noise_std=noise, seed=4)
     state, weights = numba.closed_loop(SETUP, case)
 
@@ -53,14 +51,14 @@ def test_closed_loop_equals_a_plain_python_loop(noise: float) -> None:
 
 
 @needs_numba
-def test_candidates_are_there_and_run() -> None:
+def test_candidates_are_there_and_run():
     case = Case(duration=0.1)
     for item in (numba_peer.step(SETUP, 10), numba_peer.loop(SETUP, case)):
         assert item.steps == 10
         item.run()
 
 
-def test_without_numba_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_numba_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
 
     for build in (partial(numba_peer.step, SETUP, 10), partial(numba_peer.loop, SETUP, Case())):

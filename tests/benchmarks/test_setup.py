@@ -1,7 +1,5 @@
 """Numbers of the benchmarks and of the scenario that they stand for are the same."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.setup import Case, Setup
@@ -9,14 +7,14 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.world.scenario import load_scenario
 
 
-def test_defaults_are_the_papers_simulation() -> None:
+def test_defaults_are_the_papers_simulation():
     scenario = load_scenario("paper-simulation")
 
     assert Setup.from_scenario(scenario) == Setup()
     assert Case.from_scenario(scenario) == Case()
 
 
-def test_a_scenario_without_noise_or_change_is_taken_over() -> None:
+def test_a_scenario_without_noise_or_change_is_taken_over():
     case = Case.from_scenario(load_scenario("paper-simulation-nominal"), seed=3)
 
     assert (case.noise_std, case.first, case.seed) == (0.0, case.later, 3)
@@ -29,11 +27,11 @@ def test_a_scenario_without_noise_or_change_is_taken_over() -> None:
         ("paper-simulation", "actuator.tau_max", 5.0),
     ],
 )
-def test_laws_that_the_c_does_not_know_are_refused(name: str, key: str, value: object) -> None:
+def test_laws_that_the_c_does_not_know_are_refused(name, key, value):
     with pytest.raises(ArgumentError, match="hand-written laws cannot follow"):
         Setup.from_scenario(load_scenario(name, {key: value}))
 
 
-def test_loops_that_the_c_does_not_know_are_refused() -> None:
+def test_loops_that_the_c_does_not_know_are_refused():
     with pytest.raises(ArgumentError, match="hand-written loop cannot run"):
         Case.from_scenario(load_scenario("paper-experiment"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import pytest
 
@@ -11,25 +10,25 @@ from benchmarks import timing
 from benchmarks.timing import Candidate, measure, measure_in_processes, sample, summarize
 
 
-def nothing() -> None:
+def nothing():
     """Cost next to nothing."""
 
 
-def count() -> int:
+def count():
     """Cost some microseconds."""
     return sum(range(2000))
 
 
-def count_five_times() -> int:
+def count_five_times():
     """Cost five times as much."""
     return sum(count() for _ in range(5))
 
 
-def two() -> dict[str, Candidate]:
+def two():
     return {"floor": Candidate(count, 1), "slow": Candidate(count_five_times, 1)}
 
 
-def test_every_candidate_runs_once_a_round_in_rotating_order() -> None:
+def test_every_candidate_runs_once_a_round_in_rotating_order():
     calls: list[str] = []
     candidates = {name: Candidate(partial(calls.append, name), 1) for name in "abc"}
     times = sample(candidates, 4)
@@ -38,14 +37,14 @@ def test_every_candidate_runs_once_a_round_in_rotating_order() -> None:
     assert {len(values) for values in times.values()} == {4}
 
 
-def test_ratios_are_taken_round_by_round() -> None:
+def test_ratios_are_taken_round_by_round():
     drifting = {"floor": [10.0, 20.0, 40.0], "other": [20.0, 40.0, 80.0]}
     other = summarize(drifting, "floor")["other"]
 
     assert (other.ratio, other.low, other.high, other.ns) == (2.0, 2.0, 2.0, 40.0)
 
 
-def test_the_floor_is_one_and_more_work_costs_more() -> None:
+def test_the_floor_is_one_and_more_work_costs_more():
     seen: list[tuple[int, int]] = []
     found = measure(two(), "floor", progress=lambda done, total: seen.append((done, total)))
 
@@ -55,16 +54,16 @@ def test_the_floor_is_one_and_more_work_costs_more() -> None:
 
 
 @pytest.mark.slow
-def test_processes_pool_their_rounds() -> None:
+def test_processes_pool_their_rounds():
     found = measure_in_processes(two, "floor", processes=2)
 
     assert len(found["slow"].ratios) == 18
 
 
-def test_a_step_costs_what_the_clock_advanced_by_its_number(monkeypatch: Any) -> None:
+def test_a_step_costs_what_the_clock_advanced_by_its_number(monkeypatch):
     now = [0]
 
-    def work() -> None:
+    def work():
         now[0] += 600
 
     monkeypatch.setattr(timing, "clock", lambda: now[0])
@@ -72,7 +71,7 @@ def test_a_step_costs_what_the_clock_advanced_by_its_number(monkeypatch: Any) ->
     assert sample({"worker": Candidate(work, 3)}, 2) == {"worker": [200.0, 200.0]}
 
 
-def test_too_few_rounds_and_unknown_floors_are_refused() -> None:
+def test_too_few_rounds_and_unknown_floors_are_refused():
     with pytest.raises(ValueError, match="at least 9"):
         measure(two(), "floor", rounds=8)
     with pytest.raises(ValueError, match="no candidate is named 'ground'"):

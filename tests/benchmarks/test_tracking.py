@@ -1,7 +1,5 @@
 """The page of tracking: its parts are whole, and say what the sentences around them claim."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -14,7 +12,7 @@ from wmr_ctrl.core.errors import ArgumentError
 PAGE = (Path(__file__).parents[2] / "docs" / "tracking.md").read_text(encoding="utf-8")
 
 
-def rows(name: str) -> list[list[str]]:
+def rows(name):
     part = PAGE.partition(f"<!-- begin {name} -->")[2].partition(f"<!-- end {name} -->")[0]
     lines = [line for line in part.splitlines() if line.startswith("| ")]
     return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]

@@ -1,7 +1,5 @@
 """The plane model beside the rigid body: which runs are made, and what is kept of them."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,30 +1,25 @@
 """The labelled runs: the same numbers are the same runs, and the rule and the remarks agree."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import pytest
 
-from benchmarks.verdicts import REPORTED_ON, Judged, faults, judged, table, trial
+from benchmarks.verdicts import REPORTED_ON, faults, judged, table, trial
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.given import scenario_of
 
 
-def shares(rows: list[Judged]) -> tuple[float, float]:
+def shares(rows):
     """Of the bad those without a remark, of the good those with one on how the run went."""
     bad, good = [row for row in rows if row.faults], [row for row in rows if not row.faults]
-    return (
-        sum(not row.keys for row in bad) / len(bad),
-        sum(row.seen for row in good) / len(good),
-    )
+    return (sum(not row.keys for row in bad) / len(bad), sum(row.seen for row in good) / len(good))
 
 
-def test_a_number_is_a_run() -> None:
+def test_a_number_is_a_run():
     assert trial(5) == trial(5) != trial(6)
 
 
-def test_the_rule_finds_nothing_wrong_with_a_good_run() -> None:
+def test_the_rule_finds_nothing_wrong_with_a_good_run():
     case = scenario_of("safe-simulation", {"changes": []})
 
     assert list(faults(simulate(case, "kanayama"), case)) == []
@@ -35,20 +30,20 @@ def test_the_rule_finds_nothing_wrong_with_a_good_run() -> None:
     {"sensor.velocity_noise": [0.1, 0.1]}, {"metrics.tolerance": 1e-5},
 ])  # fmt: skip
 @pytest.mark.slow_but("changed1", "changed3")
-def test_the_rule_finds_what_is_wrong(changed: dict[str, object]) -> None:
+def test_the_rule_finds_what_is_wrong(changed):
     case = scenario_of("paper-simulation-no-switch", changed)
 
     assert list(faults(simulate(case, "prox"), case))
 
 
 @cache
-def first() -> list[Judged]:
+def first():
     """The first rows of the table of 300 that the benchmark prints."""
     return list(judged(REPORTED_ON, 6))
 
 
 @pytest.mark.slow
-def test_some_runs_are_judged_as_the_rule_has_it() -> None:
+def test_some_runs_are_judged_as_the_rule_has_it():
     found = first()
 
     assert all(bool(row.keys) >= bool(row.faults) for row in found)
@@ -56,7 +51,7 @@ def test_some_runs_are_judged_as_the_rule_has_it() -> None:
 
 
 @pytest.mark.slow
-def test_misses_and_false_alarms_are_few() -> None:
+def test_misses_and_false_alarms_are_few():
     misses, alarms = shares(first())
 
     assert misses <= 0.02

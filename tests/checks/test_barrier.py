@@ -1,7 +1,5 @@
 """How hard the barrier pulls, and whom it cannot hold."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -14,12 +12,7 @@ MODEL = "model"
 
 
 @pytest.mark.parametrize(
-    ("v_c0", "thrust", "moment"),
-    [
-        (0.2, 225.0, 171.0),
-        (2, 51.31, 21.97),
-        (100, 1.64, 0.68),
-    ],
+    ("v_c0", "thrust", "moment"), [(0.2, 225.0, 171.0), (2, 51.31, 21.97), (100, 1.64, 0.68)]
 )
 @pytest.mark.slow_but("2-51.31-21.97")
 def test_largest_resisted_push_of_the_model_based_law(loop, v_c0, thrust, moment):

@@ -1,15 +1,9 @@
 """What the base does to commands, told as the cause where a run misses its path or its goal."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 import pytest
 
 import wmr_ctrl
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results import Run
 from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override
 
@@ -31,18 +25,18 @@ CREATE3 = load_scenario("irobot-create3", {"clock.duration": 20.0})
 SLOW = {"base.accel": [0.9, 0.1], "base.decel": [0.9, 0.1]}
 
 
-def told(run: Run) -> dict[str, str]:
+def told(run):
     return {item.key: item.text for item in run.remarks}
 
 
 @pytest.mark.parametrize("law", ["pursuit", "kanayama"])
-def test_a_dead_band_that_stalls_a_law_is_named(law: str) -> None:
+def test_a_dead_band_that_stalls_a_law_is_named(law):
     remarks = told(wmr_ctrl.simulate(DOCKING, law))
     assert "of the last 10 s the law asked for less than base.deadband" in remarks["dead-band"]
     assert "See the other remarks for the cause" in remarks["goal-not-reached"]
 
 
-def test_a_base_that_arrives_is_told_nothing() -> None:
+def test_a_base_that_arrives_is_told_nothing():
     assert not {"dead-band", "goal-not-reached"} & {*told(wmr_ctrl.simulate(DOCKING, "prox"))}
     free = override(DOCKING, {"base.deadband": [0.0, 0.0]})
     assert not {"dead-band", "goal-not-reached"} & {*told(wmr_ctrl.simulate(free, "pursuit"))}
@@ -61,7 +55,7 @@ CAUSES = {
 
 
 @pytest.mark.parametrize("key", CAUSES)
-def test_each_cause_is_named_alone(key: str) -> None:
+def test_each_cause_is_named_alone(key):
     changes, words = CAUSES[key]
     law = "pursuit" if key == "ramps" else "kanayama"
     remarks = told(wmr_ctrl.simulate(override(CREATE3, changes), law))
@@ -70,17 +64,17 @@ def test_each_cause_is_named_alone(key: str) -> None:
 
 
 @pytest.mark.parametrize("most", [1.05, 3.0])
-def test_a_filter_that_holds_back_is_named(most: float) -> None:
+def test_a_filter_that_holds_back_is_named(most):
     run = wmr_ctrl.simulate(override(CREATE3, {"filter.gain": [0.95, most]}), "kanayama")
     assert ("filter-holds-back" in told(run)) is (most > 2)
 
 
-def found(changes: Mapping[str, Any]) -> dict[str, Any]:
+def found(changes):
     setup = settle(override(CREATE3, changes), "kanayama")
     return {item.key: item for item in warnings_for(setup)}
 
 
-def test_check_notes_a_path_within_a_dead_band() -> None:
+def test_check_notes_a_path_within_a_dead_band():
     """The circle takes 0.16 m/s and 0.2 rad/s."""
     assert "base.deadband" not in found({"base.deadband": [0.15, 0.19]})
     slow = found({"base.deadband": [0.15, 0.21]})["base.deadband"]

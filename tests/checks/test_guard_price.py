@@ -1,7 +1,5 @@
 """What is told before a guarded run."""
 
-from __future__ import annotations
-
 import math
 import re
 

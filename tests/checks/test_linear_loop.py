@@ -1,7 +1,5 @@
 """The linear loop against the compiled one: responses, eigenvalues, symmetries, limits."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np
@@ -26,7 +24,7 @@ from wmr_ctrl.theory.checks.stable_ranges import largest_period
 from wmr_ctrl.theory.checks.surroundings import DriveTimes, _counts
 from wmr_ctrl.world.model.kinematics import error_rotation
 from wmr_ctrl.world.references import sample
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 T, V_D = 0.01, np.array((0.2, 0.1))
 AWAY = np.array([1.0, -0.5, 0.7, 0.3, -0.2])
@@ -49,13 +47,13 @@ POSES = [(0.05, 1.0, 1), (0.0, 0.3, 1), (0.1, 0.5, 1), (0.0, 1.0, 7), (0.1, 0.4,
 """Age [s], correction, and samples from one pose to the next."""
 
 
-def still(changes: dict[str, object], **reference: object) -> Scenario:
+def still(changes, **reference):
     """The nominal circle, or another motion, without friction."""
     floor = {"robot.mu": 0.0, "model.mu": 0.0, "clock.duration": SAMPLES * T}
     return load_scenario("paper-simulation-nominal", floor | changes | reference)
 
 
-def started(scenario: Scenario, away: np.ndarray) -> np.ndarray:
+def started(scenario, away):
     """Error and velocity (N, 5) of the run of mb that starts so far from the reference."""
     at = sample(scenario, np.array([0.0]))[0]
     level = np.asarray(error_rotation(at[2]).T @ error_rotation(0.0)) @ away[:3]
@@ -66,12 +64,12 @@ def started(scenario: Scenario, away: np.ndarray) -> np.ndarray:
     return np.column_stack((run["e"], run["v1"], run["omega"]))
 
 
-def spread(scenario: Scenario) -> np.ndarray:
+def spread(scenario):
     """What a small displacement of the start makes of error and velocity (N, 5), per unit."""
     return (started(scenario, SMALL * AWAY) - started(scenario, -SMALL * AWAY)) / (2 * SMALL)
 
 
-def by_matrices(scenario: Scenario, start: np.ndarray, every: int = 1) -> np.ndarray:
+def by_matrices(scenario, start, every=1):
     """The same from its first row on, by the linear loop."""
     loop = Loop(settle(scenario, "mb"))
     v_d = sample(scenario, np.array([0.0]))[0][3:5]
@@ -85,7 +83,7 @@ def by_matrices(scenario: Scenario, start: np.ndarray, every: int = 1) -> np.nda
 
 @pytest.mark.parametrize("name", ["delay and lag", "window and age", "encoder", "resistance"])
 @pytest.mark.slow_but("delay and lag")
-def test_a_small_displacement_on_a_circle_goes_the_way_of_the_matrices(name) -> None:
+def test_a_small_displacement_on_a_circle_goes_the_way_of_the_matrices(name):
     """Differences of compiled runs, which know nothing of derivatives."""
     moving = {} if name == "delay and lag" else STANDS
     scenario = still(EFFECTS[name] | moving)
@@ -96,7 +94,7 @@ def test_a_small_displacement_on_a_circle_goes_the_way_of_the_matrices(name) -> 
 
 @pytest.mark.parametrize(("age", "correction", "every"), POSES)
 @pytest.mark.slow_but("0.1-0.4-5")
-def test_so_it_does_where_poses_are_late_filtered_or_rare(age, correction, every) -> None:
+def test_so_it_does_where_poses_are_late_filtered_or_rare(age, correction, every):
     """On a line; the rest is where the robot settles: it is behind by what it drives meanwhile."""
     pose = {"sensor.pose_delay": age, "sensor.correction": correction, "reference.kind": "line",
             "reference.speed": 0.2, "sensor.pose_period": every * T}  # fmt: skip
@@ -105,7 +103,7 @@ def test_so_it_does_where_poses_are_late_filtered_or_rare(age, correction, every
     assert by_matrices(still(pose), seen[0], every) == pytest.approx(seen, abs=0.2 * age + 1e-3)
 
 
-def finals(scenario: Scenario, law: str, samples: int) -> np.ndarray:
+def finals(scenario, law, samples):
     """Gradient of the whole state after some samples by that at the start, by central differences.
 
     Flags stay as they are; the pose afterwards is seen as tracking error.
@@ -133,7 +131,7 @@ def finals(scenario: Scenario, law: str, samples: int) -> np.ndarray:
     ("law", "effects"), [("pid", "none"), ("prox", "lag"), ("kanayama", "none")]
 )
 @pytest.mark.slow_but("pid-none")
-def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, effects) -> None:
+def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, effects):
     """Of the whole state, a law's memory and what its observer believes of the drives in it."""
     on = {"initial.pose": [0.0, 0.0, -np.pi / 2], "initial.velocity": V_D.tolist()}
     scenario = still(EFFECTS[effects] | on)
@@ -158,7 +156,7 @@ def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, eff
         pytest.param("mb", "resistance", marks=pytest.mark.slow),
     ],
 )
-def test_on_a_circle_the_matrix_is_the_same_at_every_instant(law, effects) -> None:
+def test_on_a_circle_the_matrix_is_the_same_at_every_instant(law, effects):
     loop = Loop(settle(still(EFFECTS[effects]), law))
     here, there = (closed(loop, V_D, T, theta=theta) for theta in (0.0, 2.0))
 
@@ -166,7 +164,7 @@ def test_on_a_circle_the_matrix_is_the_same_at_every_instant(law, effects) -> No
     assert there == pytest.approx(here, abs=1e-9)
 
 
-def test_on_a_slope_it_is_not() -> None:
+def test_on_a_slope_it_is_not():
     loop = Loop(settle(still({"slope.angle": 0.1}), "pid"))
     here, there = (closed(loop, V_D, T, theta=theta) for theta in (0.0, 2.0))
 
@@ -174,7 +172,7 @@ def test_on_a_slope_it_is_not() -> None:
     assert np.abs(there - here).max() > 1e-4
 
 
-def test_where_the_way_is_counted_from_is_no_state() -> None:
+def test_where_the_way_is_counted_from_is_no_state():
     """Encoders and means know the way; as much more of it is neither stable nor unstable."""
     for effects in ("window and age", "encoder"):
         loop = Loop(settle(still(EFFECTS[effects]), "mb"))
@@ -184,13 +182,13 @@ def test_where_the_way_is_counted_from_is_no_state() -> None:
         assert radius(closed(loop, V_D, T)) < 1
 
 
-def test_sideways_is_neutral_while_the_reference_stands() -> None:
+def test_sideways_is_neutral_while_the_reference_stands():
     matrix = closed(Loop(settle(still({}), "mb")), np.zeros(2), T)
 
     assert matrix[:5, 1] == pytest.approx([0, 1, 0, 0, 0], abs=1e-12)
 
 
-def test_a_products_radius_per_factor_is_the_geometric_mean_of_what_commutes() -> None:
+def test_a_products_radius_per_factor_is_the_geometric_mean_of_what_commutes():
     one, other = np.diag((2.0, 0.5)), np.diag((0.1, 4.0))
     turned = np.array([[0.0, 1.0], [0.0, 0.0]])
 
@@ -201,7 +199,7 @@ def test_a_products_radius_per_factor_is_the_geometric_mean_of_what_commutes() -
     assert _of_product([one, np.full((2, 2), np.nan)], np.array((1, 1))) == np.inf
 
 
-def test_stretches_of_a_reference_share_its_period_and_its_way() -> None:
+def test_stretches_of_a_reference_share_its_period_and_its_way():
     scenario = still({"reference.kind": "lemniscate"})
     each, shares, cycle = stretches_of(scenario)
     desired = sample(scenario, (np.arange(2000) + 0.5) * cycle / 2000)
@@ -215,7 +213,7 @@ def test_stretches_of_a_reference_share_its_period_and_its_way() -> None:
     assert stretches_of(still({})) is None
 
 
-def test_each_stretch_has_the_velocity_of_its_middle() -> None:
+def test_each_stretch_has_the_velocity_of_its_middle():
     """Neighbours are one only where both velocities are the same."""
     scenario = still({"reference.kind": "lemniscate"})
     each, shares, cycle = stretches_of(scenario)
@@ -225,7 +223,7 @@ def test_each_stretch_has_the_velocity_of_its_middle() -> None:
     assert np.repeat(each, counts, axis=0) == pytest.approx(middles, abs=1e-8)
 
 
-def test_from_pose_to_pose_is_the_product_of_the_samples_between() -> None:
+def test_from_pose_to_pose_is_the_product_of_the_samples_between():
     loop = Loop(settle(still({"sensor.pose_period": 5 * T, "sensor.correction": 0.5}), "prox"))
     at = loop.on_reference(V_D)
     samples = [loop.closed(at, T, sample=k) for k in range(5, 10)]
@@ -237,7 +235,7 @@ def test_from_pose_to_pose_is_the_product_of_the_samples_between() -> None:
 @pytest.mark.parametrize(
     ("value", "period", "whole"), [(0.3, 0.1, 3), (0.06, 0.01, 6), (0.035, 0.01, 3), (0.0, 0.1, 0)]
 )
-def test_a_delay_is_as_many_periods_as_its_decimals_say(value, period, whole) -> None:
+def test_a_delay_is_as_many_periods_as_its_decimals_say(value, period, whole):
     count, rest = divided(value, period)
 
     assert count == whole
@@ -246,7 +244,7 @@ def test_a_delay_is_as_many_periods_as_its_decimals_say(value, period, whole) ->
 
 
 @pytest.mark.parametrize("ratio", [1.25, 3.9, 5.0])
-def test_samples_that_stand_for_a_time_are_that_time_on_average(ratio) -> None:
+def test_samples_that_stand_for_a_time_are_that_time_on_average(ratio):
     ways = _counts("sensor.velocity_window", ratio, True)
 
     assert sum(weight for weight, _ in ways) == pytest.approx(1.0)
@@ -255,7 +253,7 @@ def test_samples_that_stand_for_a_time_are_that_time_on_average(ratio) -> None:
     assert _counts("sensor.velocity_window", 0.4, True) == [(1.0, 1)]
 
 
-def test_what_a_law_knows_of_its_drives_falls_with_their_lag() -> None:
+def test_what_a_law_knows_of_its_drives_falls_with_their_lag():
     lag = 0.03
     around = Loop(settle(still({"actuator.lag": lag}), "mb")).around
     known = around.known_of_drives(T, DriveTimes(0.0, 0.0, lag), applied=True, commands=0)
@@ -264,7 +262,7 @@ def test_what_a_law_knows_of_its_drives_falls_with_their_lag() -> None:
 
 
 @pytest.mark.slow
-def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples() -> None:
+def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples():
     period = 0.1
     eight = {"reference.kind": "lemniscate", "reference.size": 2.0, "reference.rate": 0.1}
     scenario = still({**eight, "clock.control": period})
@@ -290,7 +288,7 @@ def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples() -> No
     ],
 )
 @pytest.mark.slow_but("mb-late0")
-def test_runs_settle_at_nine_tenths_of_the_longest_period_and_grow_beyond(law, late) -> None:
+def test_runs_settle_at_nine_tenths_of_the_longest_period_and_grow_beyond(law, late):
     on = {"initial.pose": [1e-4, 0.0, -np.pi / 2], "initial.velocity": V_D.tolist()}
     limit = largest_period(Loop(settle(still(late), law)))
     for share in (0.9, 1.1):

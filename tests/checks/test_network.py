@@ -1,7 +1,5 @@
 """When learning is unstable."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -67,7 +65,7 @@ def test_that_period_is_where_the_law_s_own_graph_becomes_unstable(loop, axis):
     size, mass = largest_square(at, setup.gains.eta), (at.scenario.robot.m, at.scenario.robot.I)
     limit, column = learning_limit(at, axis, size), 3 + axis
 
-    def largest(period: float) -> float:
+    def largest(period):
         law = at.linear(point, period, learning=True)
         speed = 1 + period / mass[axis] * law.d[axis, column]
         pull = period / mass[axis] * law.c[axis]

@@ -1,7 +1,5 @@
 """Noise and drives, which the theorems leave out."""
 
-from __future__ import annotations
-
 import re
 from math import inf
 

@@ -1,7 +1,5 @@
 """Warnings about the reference and the kinematic gains."""
 
-from __future__ import annotations
-
 import pytest
 
 

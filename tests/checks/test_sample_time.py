@@ -1,7 +1,5 @@
 """Warnings about the control period: linear limit, kink, first step."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -97,10 +95,7 @@ def test_guarded_first_step_stays_inside(loop, told):
 
 @pytest.mark.parametrize(
     ("law", "stated", "periods"),
-    [
-        ("prox", {}, [0.01, 0.02, 0.04]),
-        ("kanayama", {"encoder.window": 0.1}, [0.01, 0.05]),
-    ],
+    [("prox", {}, [0.01, 0.02, 0.04]), ("kanayama", {"encoder.window": 0.1}, [0.01, 0.05])],
     ids=["prox", "kanayama"],
 )
 @pytest.mark.slow

@@ -1,7 +1,5 @@
 """The sampled linear loop against known limits, known poles and simulated runs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

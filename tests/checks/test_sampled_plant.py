@@ -1,7 +1,5 @@
 """What is said of late drives and sensors: no figure contradicts another, and runs agree."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.api import simulate
@@ -30,7 +28,7 @@ def test_no_figure_of_one_page_contradicts_another(period, delay, stable):
     assert ("oscillates" not in remarks) is stable
 
 
-def cycles(overrides: dict[str, float], law: str) -> bool:
+def cycles(overrides, law):
     """Whether a displacement of a tenth of a millimetre grows, on a floor without friction."""
     still = {"robot.mu": 0.0, "model.mu": 0.0, "initial.pose": [1e-4, 0.0, -1.5707],
              "initial.velocity": [0.2, 0.1], "clock.duration": 40.0}  # fmt: skip

@@ -1,7 +1,5 @@
 """Late and filtered poses in the linear loop: what it says is what runs do."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.api import simulate
@@ -12,7 +10,7 @@ from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.mark.slow
-def test_runs_cycle_where_a_pose_is_said_to_be_too_old() -> None:
+def test_runs_cycle_where_a_pose_is_said_to_be_too_old():
     for age, stable in ((0.1, True), (0.2, False)):
         scenario = load_scenario("paper-simulation-nominal", {"sensor.pose_delay": age})
         remarks = [item.key for item in simulate(scenario, "prox").remarks]
@@ -23,9 +21,7 @@ def test_runs_cycle_where_a_pose_is_said_to_be_too_old() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("every", "stable"), [(0.2, False), (0.5, True)])
-def test_the_linear_report_has_the_same_limit(
-    every: float, stable: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_linear_report_has_the_same_limit(every, stable, monkeypatch):
     monkeypatch.setattr(
         "wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: []
     )  # two thirds of it
@@ -41,7 +37,7 @@ def test_the_linear_report_has_the_same_limit(
 
 @pytest.mark.parametrize("every", [0.2, 0.5])
 @pytest.mark.slow
-def test_rare_poses_that_are_late_are_less_harmful_than_frequent_ones(every: float) -> None:
+def test_rare_poses_that_are_late_are_less_harmful_than_frequent_ones(every):
     """Dead reckoning needs no pose to be stable; a late one corrects what has passed since."""
     late = {"sensor.pose_delay": 0.2, "sensor.pose_period": every}
     scenario = load_scenario("paper-simulation-nominal", late)
@@ -51,7 +47,7 @@ def test_rare_poses_that_are_late_are_less_harmful_than_frequent_ones(every: flo
     assert ("oscillates" not in remarks) is (every > 0.3)
 
 
-def test_what_is_left_out_is_said() -> None:
+def test_what_is_left_out_is_said():
     rare = {"sensor.pose_period": 0.1, "sensor.pose_dropout": 0.3}
 
     assert rare_poses(load_scenario("paper-simulation")) == ""

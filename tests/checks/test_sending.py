@@ -1,7 +1,5 @@
 """The linear loop of a base that takes velocities, against its compiled runs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -28,7 +26,7 @@ from wmr_ctrl.theory.checks.stable_ranges import (
 from wmr_ctrl.theory.checks.surroundings import IDLE, lost_samples, rounded_effects
 from wmr_ctrl.world.model.kinematics import error_rotation
 from wmr_ctrl.world.references import sample
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 SMALL, SAMPLES = 1e-5, 80
 AWAY = np.array([1.0, -0.5, 0.8])
@@ -43,7 +41,7 @@ BASES = {
 }
 
 
-def moving(changed: dict[str, object]) -> Scenario:
+def moving(changed):
     """An exact Burger without delay, friction, filter; it starts on its circle, at its speed."""
     free = {"filter.kind": "none", "robot.mu": 0.0, "model.mu": 0.0, "base.delay": 0.0}
     length = {"clock.duration": SAMPLES * 0.05}
@@ -53,7 +51,7 @@ def moving(changed: dict[str, object]) -> Scenario:
     return override(scenario, start)
 
 
-def off(scenario: Scenario, law: str, away: float) -> np.ndarray:
+def off(scenario, law, away):
     """Tracking error and velocity (N, 5) of a run that starts so far off."""
     start = (np.array(scenario.initial.pose) + away * AWAY).tolist()
     run = simulate(scenario, law, overrides={"initial.pose": start})
@@ -62,7 +60,7 @@ def off(scenario: Scenario, law: str, away: float) -> np.ndarray:
 
 @pytest.mark.parametrize("base", ["first-order", "pi", "slower than believed"])
 @pytest.mark.parametrize("law", ["pid", "mb", "prox", "pursuit"])
-def test_a_small_displacement_goes_the_way_of_the_matrices(law: str, base: str) -> None:
+def test_a_small_displacement_goes_the_way_of_the_matrices(law, base):
     """Differences of compiled runs, which know nothing of derivatives."""
     scenario = moving(BASES[base])
     seen = (off(scenario, law, SMALL) - off(scenario, law, -SMALL)) / (2 * SMALL)
@@ -77,7 +75,7 @@ def test_a_small_displacement_goes_the_way_of_the_matrices(law: str, base: str) 
     assert np.array(rows) == pytest.approx(seen, abs=1e-6)
 
 
-def near_rest(scenario: Scenario, law: str, away: float) -> np.ndarray:
+def near_rest(scenario, law, away):
     """Error and velocity (N, 5) of the loop that runs, displaced from where it is told to rest.
 
     It has rested there for long: so have all commands under way, in the queue of the engine.
@@ -110,7 +108,7 @@ def near_rest(scenario: Scenario, law: str, away: float) -> np.ndarray:
 
 @pytest.mark.parametrize("periods", [0.3, 1.0, 1.7])
 @pytest.mark.parametrize("law", ["mb", "prox", "pid"])
-def test_the_queue_of_commands_is_the_one_that_runs(law: str, periods: float) -> None:
+def test_the_queue_of_commands_is_the_one_that_runs(law, periods):
     """Differences about where the loop rests, of the engine whose queue is a ring of plant steps.
 
     The gains are not 1, so it does not rest on its reference.
@@ -136,9 +134,7 @@ def test_the_queue_of_commands_is_the_one_that_runs(law: str, periods: float) ->
     [("mb", "first-order"), ("prox", "late"), ("kanayama", "ramps"), ("prox", "late pi")],
 )
 @pytest.mark.slow_but("mb-first-order")
-def test_runs_settle_at_nine_tenths_of_the_longest_period_and_cycle_beyond(
-    law: str, base: str
-) -> None:
+def test_runs_settle_at_nine_tenths_of_the_longest_period_and_cycle_beyond(law, base):
     scenario = moving(BASES[base])
     limit = largest_period(loop_of(settle(scenario, law)))
     for share in (0.9, 1.1):
@@ -150,7 +146,7 @@ def test_runs_settle_at_nine_tenths_of_the_longest_period_and_cycle_beyond(
 
 
 @pytest.mark.slow
-def test_no_period_is_stable_over_which_the_base_stops_between_two_commands() -> None:
+def test_no_period_is_stable_over_which_the_base_stops_between_two_commands():
     """Where it would be with a base that waits longer, a run does not settle."""
     scenario = moving({"base.timeout": 0.1})
     limit = largest_period(loop_of(settle(scenario, "prox")))
@@ -172,7 +168,7 @@ def test_no_period_is_stable_over_which_the_base_stops_between_two_commands() ->
 
 
 @pytest.mark.slow
-def test_a_law_knows_of_the_longest_delay_that_is_told() -> None:
+def test_a_law_knows_of_the_longest_delay_that_is_told():
     scenario = moving({})
     limit = largest_stable_delay(loop_of(settle(scenario, "prox")))
     assert limit is not None
@@ -185,9 +181,7 @@ def test_a_law_knows_of_the_longest_delay_that_is_told() -> None:
 
 @pytest.mark.parametrize(("law", "gain"), [("mb", [1.3, 0.8]), ("kanayama", [0.8, 1.3])])
 @pytest.mark.slow_but("mb-gain0")
-def test_where_it_does_not_rest_on_its_reference_the_longest_period_holds_at_its_rest(
-    law: str, gain: list[float]
-) -> None:
+def test_where_it_does_not_rest_on_its_reference_the_longest_period_holds_at_its_rest(law, gain):
     scenario = moving({"base.gain": gain})
     told = stability(scenario, law)
     assert told.off is not None
@@ -203,7 +197,7 @@ def test_where_it_does_not_rest_on_its_reference_the_longest_period_holds_at_its
 
 
 @pytest.mark.slow
-def test_a_base_so_weak_that_its_robot_stays_behind_has_no_number() -> None:
+def test_a_base_so_weak_that_its_robot_stays_behind_has_no_number():
     """Pure pursuit commands the reference's speed: at half of it the way behind grows for ever."""
     weak = moving({"base.gain": [0.5, 0.5], "clock.duration": 60.0})
     run = simulate(weak, "pursuit")
@@ -215,7 +209,7 @@ def test_a_base_so_weak_that_its_robot_stays_behind_has_no_number() -> None:
     assert "no rest near the reference" in stable(stability(weak, "pursuit"), 0.05)
 
 
-def test_an_integral_that_never_moves_is_not_moved_to_find_the_rest() -> None:
+def test_an_integral_that_never_moves_is_not_moved_to_find_the_rest():
     """With base.ki = 0 friction leaves the robot behind, and the integral of the base at 0."""
     proportional = moving({"base.loop": "pi", "base.kp": 10.0, "base.ki": 0.0, "robot.mu": 0.02})
     run = simulate(proportional, "pid", overrides={"clock.duration": 40.0})
@@ -227,7 +221,7 @@ def test_an_integral_that_never_moves_is_not_moved_to_find_the_rest() -> None:
     assert run["e"][-1] == pytest.approx(at.e, abs=1e-6)
 
 
-def test_a_rest_is_found_at_periods_in_which_a_law_changes_its_command_little() -> None:
+def test_a_rest_is_found_at_periods_in_which_a_law_changes_its_command_little():
     """At 2 m/s2 a command changes by 1 mm/s in half a millisecond."""
     scenario = moving({"base.gain": [0.75, 1.0]})
     loop, desired = loop_of(settle(scenario, "kanayama")), sample(scenario, np.zeros(1))[0][3:5]
@@ -239,7 +233,7 @@ def test_a_rest_is_found_at_periods_in_which_a_law_changes_its_command_little() 
     assert stability(scenario, "kanayama").shortest == 0
 
 
-def test_a_slope_is_looked_at_up_and_down() -> None:
+def test_a_slope_is_looked_at_up_and_down():
     scenario = moving({"base.loop": "pi", "base.kp": 150.0, "base.ki": 0.0, "slope.angle": 0.05})
     loop, desired = loop_of(settle(scenario, "pursuit")), sample(scenario, np.zeros(1))[0][3:5]
     rests = [loop.resting(desired, theta, 0.05) for theta in loop.around.headings]
@@ -249,7 +243,7 @@ def test_a_slope_is_looked_at_up_and_down() -> None:
     assert stability(scenario, "pursuit").off == pytest.approx(max(off), abs=1e-9)
 
 
-def test_a_filter_that_cuts_the_paths_own_commands_is_named() -> None:
+def test_a_filter_that_cuts_the_paths_own_commands_is_named():
     """A weak base needs 0.16 m/s / gain, and the clip passes (0.22 - 0.005) / 1.05 m/s."""
     clip = {"filter.kind": "clip", "filter.gain": [0.7, 1.05]}
     told = [stability(moving({**clip, "base.gain": [gain, 1.0]}), "pid") for gain in (0.77, 0.8)]
@@ -259,7 +253,7 @@ def test_a_filter_that_cuts_the_paths_own_commands_is_named() -> None:
 
 
 @pytest.mark.slow
-def test_a_firmware_that_cuts_the_paths_own_commands_is_named() -> None:
+def test_a_firmware_that_cuts_the_paths_own_commands_is_named():
     """The outer wheel of this circle turns at (0.16 + 0.08 * 0.2) / 0.033 = 5.33 rad/s."""
     told = [stability(moving({"base.w_max": w}), "kanayama").remarks for w in (5.3, 5.4)]
 
@@ -267,7 +261,7 @@ def test_a_firmware_that_cuts_the_paths_own_commands_is_named() -> None:
 
 
 @pytest.mark.slow
-def test_a_network_is_linearised_with_its_weights_moving() -> None:
+def test_a_network_is_linearised_with_its_weights_moving():
     """Held, they allow less here than they do (0.392 s), and elsewhere more."""
     scenario = moving({})
     limit = largest_period(loop_of(settle(scenario, "nn")))
@@ -280,7 +274,7 @@ def test_a_network_is_linearised_with_its_weights_moving() -> None:
     assert ends[0] < 1e-4 < 1e-2 < ends[1]
 
 
-def test_a_loop_that_is_stable_only_with_its_delay_is_told_from_there_on() -> None:
+def test_a_loop_that_is_stable_only_with_its_delay_is_told_from_there_on():
     """A law that counts on the commands under way is made for its delay."""
     words = Stability(0.0, 0.3, 0.2, None, 1e-4, least_delay=0.1)
 
@@ -288,14 +282,14 @@ def test_a_loop_that_is_stable_only_with_its_delay_is_told_from_there_on() -> No
     assert stable_delays(loop_of(settle(moving({}), "kanayama")))[0] == 0.0
 
 
-def test_a_loop_that_knows_its_mass_is_the_same_with_every_mass() -> None:
+def test_a_loop_that_knows_its_mass_is_the_same_with_every_mass():
     radii = [largest_radius(loop_of(settle(moving({"robot.m": m}), "mb")), 0.05) for m in (1, 3)]
 
     assert radii[0] == pytest.approx(radii[1], abs=1e-12)
     assert stable_masses(loop_of(settle(moving({}), "mb"))) == (1 / 20, 20.0)
 
 
-def test_what_cuts_and_loses_is_left_out_and_said() -> None:
+def test_what_cuts_and_loses_is_left_out_and_said():
     cut = {"base.accel": [1.0, 3.0], "base.w_max": 8.0, "actuator.tau_max": 1.0, "base.losses": 2,
            "sensor.velocity_losses": 1}  # fmt: skip
     radii = [largest_radius(loop_of(settle(moving(own), "mb")), 0.05) for own in ({}, cut)]
@@ -314,7 +308,7 @@ def test_what_cuts_and_loses_is_left_out_and_said() -> None:
 
 
 @pytest.mark.slow
-def test_a_base_that_is_too_fast_is_to_be_calibrated() -> None:
+def test_a_base_that_is_too_fast_is_to_be_calibrated():
     """Lower gains leave it unstable, higher ones do not; a late base's gains are to be lower."""
     fast, late = (
         override(moving({}), item) for item in ({"base.gain": [2.0, 2.0]}, {"base.delay": 0.3})
@@ -330,9 +324,7 @@ def test_a_base_that_is_too_fast_is_to_be_calibrated() -> None:
 
 @pytest.mark.parametrize("preset", ["turtlebot3-burger", "safe-simulation"])
 @pytest.mark.parametrize("law", ["kanayama", "pursuit"])
-def test_laws_that_only_drive_forwards_are_told_so_not_to_have_lower_gains(
-    law: str, preset: str
-) -> None:
+def test_laws_that_only_drive_forwards_are_told_so_not_to_have_lower_gains(law, preset):
     back = load_scenario(preset, {"reference.rate": -0.1})
     (told,) = sample_time(loop_of(settle(back, law)))
 

@@ -1,7 +1,5 @@
 """Warnings about where the run starts."""
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -1,7 +1,5 @@
 """Numbers that checks tell, against sums of the tests' own."""
 
-from __future__ import annotations
-
 import math
 import re
 from types import SimpleNamespace

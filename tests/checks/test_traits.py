@@ -1,7 +1,5 @@
 """A law is told of Eq. (7), a theorem, a barrier or a believed model only where it has one."""
 
-from __future__ import annotations
-
 import json
 import re
 
@@ -36,23 +34,23 @@ HARSH = {
 
 
 @pytest.fixture(autouse=True)
-def plain(monkeypatch: pytest.MonkeyPatch) -> None:
+def plain(monkeypatch):
     install(monkeypatch, PLAIN)
 
 
-def spoken(text: str, law: str) -> list[str]:
+def spoken(text, law):
     """Traits that a text speaks of though the law does not state them."""
     stated = LAWS[law].traits
     return [name for name, words in FOREIGN.items()
             if re.search(words, text) and not getattr(stated, name)]  # fmt: skip
 
 
-def warned(law: str, scenario: str = "paper-simulation", **overrides: object) -> str:
+def warned(law, scenario="paper-simulation", **overrides):
     setup = settle(load_scenario(scenario, overrides), law)
     return "\n".join(map(str, warnings_for(setup))).replace("than the guard's theorem", "")
 
 
-def test_the_plain_law_tracks_and_states_nothing() -> None:
+def test_the_plain_law_tracks_and_states_nothing():
     near = {"initial.pose": [0.0, -0.3, -1.5]}
     run = simulate("paper-simulation-nominal", "plain", overrides=near)
 
@@ -70,26 +68,26 @@ def test_the_plain_law_tracks_and_states_nothing() -> None:
         pytest.param("plain", "turtlebot3-burger", False, marks=pytest.mark.slow),
     ],
 )
-def test_no_warning_speaks_of_what_a_law_has_not(law: str, name: str, guard: bool) -> None:
+def test_no_warning_speaks_of_what_a_law_has_not(law, name, guard):
     assert spoken(warned(law, name, **{"guard.enabled": guard}), law) == []
 
 
 @pytest.mark.parametrize("law", [*LAWS, "plain"])
 @pytest.mark.slow_but("mb", "plain")
-def test_nor_where_everything_is_wrong_at_once(law: str) -> None:
+def test_nor_where_everything_is_wrong_at_once(law):
     said = warned(law, **HARSH)
 
     assert said.count("\n") >= 2
     assert spoken(said, law) == []
 
 
-def test_those_that_have_it_are_told() -> None:
+def test_those_that_have_it_are_told():
     assert set(spoken(warned("mb", **HARSH), "plain")) == set(FOREIGN)
 
 
 @pytest.mark.parametrize("arguments", [["-v"], ["--json"]])
 @pytest.mark.slow
-def test_nor_does_the_command(arguments: list[str]) -> None:
+def test_nor_does_the_command(arguments):
     sets = [part for key, value in HARSH.items() for part in ("--set", f"{key}={value}")]
     command = ["check", "paper-simulation", "--law", "plain", *sets, *arguments]
     done = CliRunner().invoke(root, command)
@@ -104,7 +102,7 @@ def test_nor_does_the_command(arguments: list[str]) -> None:
 TIMED = {"encoder.counts": 4096.0, "encoder.method": "time"}
 
 
-def test_what_voids_the_guard_is_told_by_its_key() -> None:
+def test_what_voids_the_guard_is_told_by_its_key():
     said = warned("plain", **{"guard.enabled": True, **TIMED})
 
     assert "encoder.method = time" in said

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from click.testing import CliRunner
 from wmr_ctrl import simulate
 from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.theory.checks.unknown_zero import (
     COARSE,
@@ -30,7 +29,7 @@ PUSHED, MEASURED = "nothing pushes the robot", "measured exactly"
 TORQUE, VELOCITY = "paper-simulation-nominal", "turtlebot3-burger"
 
 
-def test_headlines_of_presets_name_the_bounds_that_are_zero() -> None:
+def test_headlines_of_presets_name_the_bounds_that_are_zero():
     for name in preset_names():
         case = load_scenario(name)
         guards = (False, True) if case.base.kind == "torque" else (case.guard.enabled,)
@@ -42,11 +41,11 @@ def test_headlines_of_presets_name_the_bounds_that_are_zero() -> None:
             assert_named(setup, *assumed.values())
 
 
-def draws(seed: int) -> Iterator[tuple[str, dict[str, object]]]:
+def draws(seed):
     """Presets with bounds of which about a third is 0, on one axis or both."""
     rng = np.random.default_rng(seed)
 
-    def pair(most: float) -> list[float]:
+    def pair(most):
         return [float(x) for x in rng.uniform(0.1, most, 2) * (rng.random(2) > 0.4)]
 
     for _ in range(20):
@@ -58,7 +57,7 @@ def draws(seed: int) -> Iterator[tuple[str, dict[str, object]]]:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_headlines_name_exactly_the_drawn_bounds_that_are_zero(seed: int) -> None:
+def test_headlines_name_exactly_the_drawn_bounds_that_are_zero(seed):
     for name, stated in draws(seed):
         setup = settle(load_scenario(name, stated), "kanayama")
         if setup.takes_velocity:
@@ -70,9 +69,7 @@ def test_headlines_name_exactly_the_drawn_bounds_that_are_zero(seed: int) -> Non
             assert_named(setup, setup.bound.dbar, setup.bound.nbar)
 
 
-def assert_named(
-    setup: Setup, pushed: tuple[float, ...] | None, error: tuple[float, ...] | None
-) -> None:
+def assert_named(setup, pushed, error):
     """The headline names a zero of each, and a warning that objects to nothing does so too."""
     said = promise(setup)
     zeros = [bound is not None and 0 in bound for bound in (pushed, error)]
@@ -86,7 +83,7 @@ def assert_named(
     assert KEY not in [item.key for item in warnings_for(setup)]
 
 
-def test_stated_zeros_count_like_derived_ones() -> None:
+def test_stated_zeros_count_like_derived_ones():
     on = {"guard.enabled": True, "disturbance.std": 0.0}
     stated = {"guard.dbar": [0.0, 0.0], "guard.nbar": [0.0, 0.0]}
     derived, same = (settle(load_scenario(TORQUE, on | more), "mb") for more in ({}, stated))
@@ -103,14 +100,14 @@ def test_stated_zeros_count_like_derived_ones() -> None:
         ([0.1, 0.0], "nothing pushes the robot into a turn"),
     ],
 )
-def test_a_zero_of_one_axis_names_that_axis(d: list[float], words: str) -> None:
+def test_a_zero_of_one_axis_names_that_axis(d, words):
     assert (
         exactness(settle(load_scenario(VELOCITY, {"filter.d": d, "filter.trust": True}), "mb"))
         == words
     )
 
 
-def test_a_pi_loops_push_is_not_its_command_error() -> None:
+def test_a_pi_loops_push_is_not_its_command_error():
     pi = {
         "filter.kind": "clip", "filter.loop": "pi", "filter.gain": [1.0, 1.0],
         "filter.mass": [0.9, 1.1], "filter.inertia": [0.003, 0.005], "filter.kp": [5.0, 20.0],
@@ -123,7 +120,7 @@ def test_a_pi_loops_push_is_not_its_command_error() -> None:
     assert "its commands act exactly" in promise(setup)
 
 
-def test_each_axis_names_the_zero_of_its_own_loop() -> None:
+def test_each_axis_names_the_zero_of_its_own_loop():
     both = {
         "filter.kind": "clip", "filter.loop": ["first-order", "pi"], "filter.d": [0.0, 0.0],
         "filter.gain": [[0.9, 1.1], [1.0, 1.0]], "filter.inertia": [0.003, 0.005],
@@ -136,14 +133,14 @@ def test_each_axis_names_the_zero_of_its_own_loop() -> None:
     assert "its commands of omega act exactly" in said
 
 
-def checked(name: str, *options: str) -> Mapping[str, object]:
+def checked(name, *options):
     result = CliRunner().invoke(root, ["check", name, "--law", "kanayama", "--json", *options])
     found = json.loads(result.stdout)
     assert isinstance(found, dict)
     return found
 
 
-def test_json_has_the_bounds_and_one_warning_for_all_laws() -> None:
+def test_json_has_the_bounds_and_one_warning_for_all_laws():
     stated = ("--guard", "--set", "guard.dbar=1,0.5", "--set", "clock.duration=1")
     silent, told = (checked(TORQUE, *stated, *more) for more in (
         ("--set", "guard.nbar=0.1,0.1"), ()))  # fmt: skip
@@ -156,7 +153,7 @@ def test_json_has_the_bounds_and_one_warning_for_all_laws() -> None:
     assert told["verdict"] == silent["verdict"]
 
 
-def test_runs_tell_what_is_exact_and_remark_nothing() -> None:
+def test_runs_tell_what_is_exact_and_remark_nothing():
     short = {"clock.duration": 0.2, "metrics.rms_from": 0.0, "disturbance.std": 0.0}
     plain, guarded = (
         simulate(load_scenario(TORQUE, short | {"guard.enabled": on}), "mb", engine="numpy")
@@ -168,7 +165,7 @@ def test_runs_tell_what_is_exact_and_remark_nothing() -> None:
     assert KEY not in [item.key for item in guarded.remarks]
 
 
-def test_digits_beyond_a_tape_measure_are_told_of_disturbed_loops_alone() -> None:
+def test_digits_beyond_a_tape_measure_are_told_of_disturbed_loops_alone():
     still: Scenario = load_scenario(TORQUE, {"disturbance.std": 0.0})
 
     assert finest(still) == COARSE

@@ -1,7 +1,5 @@
 """Friction that a law neither knows nor learns leaves the robot behind: told, and so it drives."""
 
-from __future__ import annotations
-
 import re
 
 import pytest
@@ -15,13 +13,13 @@ from wmr_ctrl.world.scenario import load_scenario
 SOFT = {"gains.pid.Kp": [100.0, 4.0], "gains.kinematics.k": [4.0, 5.0, 4.0]}
 
 
-def told(law: str, **changes: object) -> list[str]:
+def told(law, **changes):
     scenario = load_scenario("paper-simulation-nominal", changes)
     return [str(item) for item in warnings_for(settle(scenario, law)) if "no term" in str(item)]
 
 
 @pytest.mark.slow
-def test_it_is_as_far_behind_as_told() -> None:
+def test_it_is_as_far_behind_as_told():
     (text,) = told("pid", **SOFT)
     behind = float(re.findall(r"lag about ([\d.]+) m", text)[0])
     run = simulate("paper-simulation-nominal", "pid", overrides=SOFT)
@@ -32,7 +30,7 @@ def test_it_is_as_far_behind_as_told() -> None:
 
 
 @pytest.mark.slow
-def test_it_is_not_told_within_the_tolerance_nor_of_laws_that_make_up_for_it() -> None:
+def test_it_is_not_told_within_the_tolerance_nor_of_laws_that_make_up_for_it():
     assert not told("pid")
     assert not told("pid", **SOFT, **{"metrics.tolerance": 0.2})
     for law in set(NAMES) - {"pid"}:

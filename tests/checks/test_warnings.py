@@ -1,7 +1,5 @@
 """What all warnings have in common."""
 
-from __future__ import annotations
-
 import re
 from itertools import cycle
 

@@ -1,16 +1,13 @@
 """The command line, called in this process and as a program of its own."""
 
-from __future__ import annotations
-
 import math
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import CliRunner
 
 import wmr_ctrl
 from wmr_ctrl.cli import console, root
@@ -28,7 +25,7 @@ SHORT = ("--engine", "numpy", "--set", "clock.duration=0.2")
 
 
 @pytest.fixture
-def wmr(monkeypatch) -> Callable[..., Result]:
+def wmr(monkeypatch):
     """Call `wmr-ctrl` in a terminal of 80 columns; the result has exit_code, stdout, stderr.
 
     How long a job takes is not told on stderr, which would hang on what else the machine does.
@@ -36,24 +33,24 @@ def wmr(monkeypatch) -> Callable[..., Result]:
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.setattr(console, "FIRST", math.inf)
 
-    def call(*args: object) -> Result:
+    def call(*args):
         return CliRunner().invoke(root, [str(arg) for arg in args])
 
     return call
 
 
 @pytest.fixture
-def short_run(wmr) -> Callable[..., Result]:
+def short_run(wmr):
     """Call `wmr-ctrl run` on a fifth of a second of a scenario."""
 
-    def call(*args: object) -> Result:
+    def call(*args):
         return wmr("run", *(args or ("paper-simulation",)), *SHORT)
 
     return call
 
 
 @pytest.fixture(scope="session")
-def environment() -> dict[str, str]:
+def environment():
     """Environment in which a Python process finds this package, installed or not."""
     found = str(Path(wmr_ctrl.__file__).parents[1])
     paths = [found, os.environ.get("PYTHONPATH", "")]
@@ -61,16 +58,16 @@ def environment() -> dict[str, str]:
 
 
 @pytest.fixture(scope="session")
-def program_line() -> tuple[str, ...]:
+def program_line():
     """Words that start `wmr-ctrl` as a process of its own."""
     return PROGRAM
 
 
 @pytest.fixture
-def program(environment, tmp_path) -> Callable[..., subprocess.CompletedProcess[str]]:
+def program(environment, tmp_path):
     """Run `wmr-ctrl` as a process in an empty folder."""
 
-    def call(*args: object) -> subprocess.CompletedProcess[str]:
+    def call(*args):
         command = (*PROGRAM, *(str(arg) for arg in args))
         return subprocess.run(
             command, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=120

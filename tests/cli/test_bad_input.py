@@ -1,7 +1,5 @@
 """Bad input: exit code 2, one paragraph that names the culprit and the remedy, nothing written."""
 
-from __future__ import annotations
-
 import os
 import re
 

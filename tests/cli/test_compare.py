@@ -1,7 +1,5 @@
 """`wmr-ctrl compare`: laws side by side; two runs, 0 if they are equal or agree, 1 for others."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """The law that drives where none is named: who states it, who hears, whose gains are judged."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Help texts: complete, narrow, quick."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -47,7 +47,7 @@ READS_NOTHING = ("prove", "bench", "reproduce")
 SUFFIXES = (".csv", ".npz", ".svg", ".png", ".html", ".toml", ".gif", ".yaml")
 
 
-def outputs(metavar: str) -> Iterator[object]:
+def outputs(metavar):
     """Every command's options for a file or folder to write."""
     for name, command in root.commands.items():
         for option in command.params:
@@ -58,7 +58,7 @@ def outputs(metavar: str) -> Iterator[object]:
 
 
 @pytest.fixture
-def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, short_run) -> Path:
+def place(tmp_path, monkeypatch, short_run):
     """An empty folder, now the working one, with a scenario on a path of its own, plan and log."""
     monkeypatch.chdir(tmp_path)
     Path("path.csv").write_text("x,y\n0,0\n1,0\n2,1\n")
@@ -71,7 +71,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, short_run) -> Path:
     return tmp_path
 
 
-def refused(result) -> bool:
+def refused(result):
     return result.exit_code == 2 and "the same command reads this file" in " ".join(
         result.stderr.split()
     )

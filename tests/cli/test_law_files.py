@@ -1,7 +1,5 @@
 """Laws that a user hands over: a file with LAW, or a Law; what is wrong in one is told in words."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +25,7 @@ def forgotten(monkeypatch, tmp_path):
     (tmp_path / "my_law.py").write_text(LAW)
 
 
-def line_of(text: str, part: str) -> int:
+def line_of(text, part):
     return next(k for k, line in enumerate(text.splitlines(), start=1) if part in line)
 
 

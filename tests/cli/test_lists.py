@@ -1,7 +1,5 @@
 """`wmr-ctrl scenarios`, `laws` and `check`."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib
@@ -195,7 +193,7 @@ def test_check_computes_corridors_where_they_are_asked_for(wmr, asked, laws):
 SHORT_BURGER = ("turtlebot3-burger", "--set", "clock.duration=0.2")
 
 
-def flat(text: str) -> str:
+def flat(text):
     return " ".join(text.split())
 
 

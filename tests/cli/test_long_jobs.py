@@ -1,7 +1,5 @@
 """`wmr-ctrl reproduce` and `bench`: what they are asked for, and what they answer."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """The program as a shell sees it: exit codes, streams, signals, pipes."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """Progress: lines now and then where there is no terminal, a bar where there is one."""
 
-from __future__ import annotations
-
 import sys
 import threading
 

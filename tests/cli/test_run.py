@@ -1,7 +1,5 @@
 """`wmr-ctrl run`."""
 
-from __future__ import annotations
-
 import json
 from unittest.mock import Mock
 

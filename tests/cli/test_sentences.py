@@ -18,7 +18,7 @@ from wmr_ctrl.cli.options import _each_law
 from wmr_ctrl.control.guard.price import early_speed
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results import Run, outcome_of
+from wmr_ctrl.results import outcome_of
 from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.theory import checks
@@ -37,16 +37,16 @@ SHORT = {"clock.duration": 0.2, "metrics.rms_from": 0.0}
 
 
 @pytest.fixture(scope="module")
-def run() -> Run:
+def run():
     return simulate(load_scenario("paper-simulation-nominal", SHORT), "pid", engine="numpy")
 
 
 @pytest.fixture
-def asked(monkeypatch: pytest.MonkeyPatch, run: Run) -> list[tuple[str, int]]:
+def asked(monkeypatch, run):
     """Laws and seeds that runs were asked for; none is made."""
     found = []
 
-    def note(_: Scenario, law: str, *, seed: int = 0, **__: object) -> Run:
+    def note(_, law, *, seed=0, **__):
         found.append((law, seed))
         return run
 
@@ -54,7 +54,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, run: Run) -> list[tuple[str, int]]:
     return found
 
 
-def test_every_law_is_compared_with_the_seed_that_was_given(asked) -> None:
+def test_every_law_is_compared_with_the_seed_that_was_given(asked):
     list(compare._simulated(["far-start"], ["pid", "mb"], 7, (), None))
     runs._simulated(paper(), "prox", True, 5, "numpy", "ode", "why")
 
@@ -70,7 +70,7 @@ def test_before_a_run_objections_are_warnings_and_notes_are_notes(asked, monkeyp
     assert "note: 1 note of theory (robot.mu): why --only robot.mu\n" in said
 
 
-def test_a_run_that_an_fmu_ended_exits_with_3(monkeypatch, capsys, run: Run) -> None:
+def test_a_run_that_an_fmu_ended_exits_with_3(monkeypatch, capsys, run):
     for name in ("write_run", "show"):
         monkeypatch.setattr(runs, name, lambda *_, **__: None)
     seen = replace(run.monitor, failure="it refused a step")
@@ -86,11 +86,11 @@ def test_a_run_that_an_fmu_ended_exits_with_3(monkeypatch, capsys, run: Run) -> 
     ("value", "text"),
     [(0.0, "0"), (9e-4, "<0.001"), (-9e-4, "<0.001"), (1e-3, "0.001"), (-1.5, "-1.5"), (2, "2")],
 )
-def test_three_digits_as_long_as_they_say_something(value: float, text: str) -> None:
+def test_three_digits_as_long_as_they_say_something(value, text):
     assert short_number(value) == text
 
 
-def test_a_row_has_millimetres_then_si_units(run: Run) -> None:
+def test_a_row_has_millimetres_then_si_units(run):
     figures = figures_of(run)
     values = (
         *(1e3 * figures["tracking"]["drive"][key] for key in ("position_rms", "position_max")),
@@ -100,7 +100,7 @@ def test_a_row_has_millimetres_then_si_units(run: Run) -> None:
     assert compare._row("pid", run) == ("pid", *map(short_number, values), run.outcome.value)
 
 
-def test_a_comparison_judges_the_drive_and_names_every_limit(run: Run) -> None:
+def test_a_comparison_judges_the_drive_and_names_every_limit(run):
     """A path that stops is at rest in its last quarter, where nothing tells laws apart."""
     stops = replace(run, settings=replace(run.settings, arrival=0.1, v_u1=(0.9, 1.4)))
     text = " ".join(compare.comparison_text({"pid": run, "mb": stops}).split())
@@ -117,19 +117,19 @@ def test_a_comparison_judges_the_drive_and_names_every_limit(run: Run) -> None:
 class Silent:
     """Progress that nobody sees."""
 
-    def start(self, *_: object) -> None:
+    def start(self, *_):
         """A phase begins."""
 
-    def advance(self) -> None:
+    def advance(self):
         """A step of it is done."""
 
 
-def answers(law: str = "pid", **changes: object) -> check.Answers:
+def answers(law="pid", **changes):
     found = check.find_answers(paper(), (law,), (), "corridor")
     return replace(found, **changes)
 
 
-def test_what_all_laws_have_in_common_is_said_once() -> None:
+def test_what_all_laws_have_in_common_is_said_once():
     found = answers(warned={"pid": (BOTH, ONE), "mb": (OTHER, BOTH), "prox": (ONE, BOTH)})
 
     assert list(check._merged(found)) == [
@@ -137,14 +137,14 @@ def test_what_all_laws_have_in_common_is_said_once() -> None:
     ]  # fmt: skip
 
 
-def test_of_one_law_nothing_is_in_common() -> None:
+def test_of_one_law_nothing_is_in_common():
     assert list(check._merged(answers(warned={"pid": (ONE, BOTH)}))) == [
         ("pid", ONE),
         ("pid", BOTH),
     ]
 
 
-def test_stable_periods_delays_and_masses_are_told_as_they_were_found() -> None:
+def test_stable_periods_delays_and_masses_are_told_as_they_were_found():
     limits = Stability(0.003, 0.04, 0.05, (0.5, 2.0), 1e-4)
     document = json.loads(json.dumps(check.document(answers(stable={"pid": limits}))))
     told = {key: document[key]["pid"] for key in
@@ -159,13 +159,13 @@ def test_stable_periods_delays_and_masses_are_told_as_they_were_found() -> None:
     ("shortest", "period", "cell"),
     [(0.0, 0.04, "40"), (0.003, 0.04, "3 to 40"), (0.0, inf, "any"), (0.0, 0.0, "none")],
 )
-def test_stable_periods_are_in_milliseconds(shortest: float, period: float, cell: str) -> None:
+def test_stable_periods_are_in_milliseconds(shortest, period, cell):
     found = answers(stable={"pid": Stability(shortest, period, None, None, 1e-4)})
 
     assert list(check._cells(found, "pid"))[1] == cell
 
 
-def test_grip_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_grip_is_a_note(monkeypatch):
     monkeypatch.setattr(checks, "warnings_heard", lambda *_: (ONE,))
     monkeypatch.setattr(checks, "grip_warnings", lambda _: (OTHER,))
     monkeypatch.setattr(checks, "stability", lambda *_: Stability(0.0, inf, None, None, 1e-4))
@@ -175,7 +175,7 @@ def test_grip_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.warned["pid"] == (ONE, replace(OTHER, objects=False))
 
 
-def test_a_law_is_run_for_two_million_steps_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_law_is_run_for_two_million_steps_at_most(monkeypatch):
     clock = {"clock.control": 0.03, "clock.plant": 0.001, "clock.duration": 3000.0}
     long = override(paper(), {**clock, "metrics.split": 2500.0})
     short = check._short(long)
@@ -189,7 +189,7 @@ def test_a_law_is_run_for_two_million_steps_at_most(monkeypatch: pytest.MonkeyPa
     assert made == [short, short]
 
 
-def test_changes_are_announced_in_plain_words() -> None:
+def test_changes_are_announced_in_plain_words():
     later = {"changes": [{"t": 0.05, "m": 65.0}, {"t": 0.1, "mu": 0.15, "I": 7.0, "m": 60.0}]}
     told = [
         "From 0.05 s on the robot weighs 65 kg.",
@@ -206,7 +206,7 @@ def test_changes_are_announced_in_plain_words() -> None:
         assert " ".join(text.split()).startswith(" ".join(told))
 
 
-def test_every_key_of_a_change_has_words() -> None:
+def test_every_key_of_a_change_has_words():
     numbers = {name: 0.25 + place for place, (name, _) in enumerate(quantities(Change))}
     sentence = Change(**numbers).sentence
 
@@ -214,7 +214,7 @@ def test_every_key_of_a_change_has_words() -> None:
 
 
 @pytest.mark.parametrize(("share", "said"), [(0.5, True), (1.0, False)])
-def test_that_a_run_of_a_check_ends_early_is_said(run: Run, share: float, said: bool) -> None:
+def test_that_a_run_of_a_check_ends_early_is_said(run, share, said):
     lasts = replace(run.settings, duration=share * paper().clock.duration)
     head = "\n".join(check.head(answers(runs={"pid": replace(run, settings=lasts)})))
 
@@ -222,9 +222,7 @@ def test_that_a_run_of_a_check_ends_early_is_said(run: Run, share: float, said: 
 
 
 @pytest.mark.parametrize(("room", "said"), [(1e-3, False), (-1e-3, True)])
-def test_a_start_that_a_push_may_take_outside_has_to_come_back_first(
-    room: float, said: bool
-) -> None:
+def test_a_start_that_a_push_may_take_outside_has_to_come_back_first(room, said):
     """Before the first late command acts, a push adds to the speed at the start."""
     late = {"guard.enabled": True, "actuator.delay": 0.02, "disturbance.truncate": 3.0}
     gained = early_speed(settle(override(paper(), late), None).guard)
@@ -237,6 +235,6 @@ def test_a_start_that_a_push_may_take_outside_has_to_come_back_first(
     assert ("once the speed is back from its start" in text) is said
 
 
-def test_laws_that_are_named_beside_all_are_kept() -> None:
+def test_laws_that_are_named_beside_all_are_kept():
     """One that does not exist is refused later on."""
     assert _each_law(None, None, ["mb", "typo, all"]) == tuple(dict.fromkeys(["mb", "typo", *LAWS]))

@@ -1,7 +1,5 @@
 """`wmr-ctrl study`: what it prints and writes, and one paragraph for what cannot be."""
 
-from __future__ import annotations
-
 import csv
 import json
 

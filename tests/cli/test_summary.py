@@ -1,7 +1,5 @@
 """Each line of a run's text is its figure, with its unit and the verdict that follows from it."""
 
-from __future__ import annotations
-
 import math
 from contextlib import nullcontext
 from dataclasses import replace
@@ -18,7 +16,7 @@ from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.core.fields.units import sized
 from wmr_ctrl.core.fields.values import SEED_END
 from wmr_ctrl.report.run_rows import MISSING, MOST_ROWS, _small, rows_of
-from wmr_ctrl.results import Run, outcome_of
+from wmr_ctrl.results import outcome_of
 from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.world.scenario import load_scenario, preset_names
 
@@ -26,16 +24,12 @@ TURN = 2 * math.pi
 
 
 @pytest.fixture(scope="module")
-def run() -> Run:
-    changes = {
-        "clock.duration": 4.0,
-        "guard.enabled": True,
-        "changes": [{"t": 2.0, "m": 40.0}],
-    }
+def run():
+    changes = {"clock.duration": 4.0, "guard.enabled": True, "changes": [{"t": 2.0, "m": 40.0}]}
     return simulate(load_scenario("paper-simulation-nominal", changes), "prox", engine="numpy")
 
 
-def told(run: Run, label: str, settings: dict | None = None, **monitor: object) -> str:
+def told(run, label, settings=None, **monitor):
     """What the text has beside a label, where settings or findings are other ones."""
     seen = replace(run.monitor, **monitor)
     other = replace(
@@ -47,7 +41,7 @@ def told(run: Run, label: str, settings: dict | None = None, **monitor: object) 
     return "; ".join(text for name, text in rows_of(other, verbose=True) if name == label)
 
 
-def test_an_error_is_tracked_up_to_the_tolerance(run: Run) -> None:
+def test_an_error_is_tracked_up_to_the_tolerance(run):
     error = figures_of(run)["tracking"]["drive"]["position_rms"]
     words = [
         told(run, "position error", {"tolerance": share * error}).partition("allowed")[2]
@@ -57,7 +51,7 @@ def test_an_error_is_tracked_up_to_the_tolerance(run: Run) -> None:
     assert ["NOT TRACKED" in word for word in words] == [True, False, False]
 
 
-def test_errors_before_and_after_a_change_are_their_own(run: Run) -> None:
+def test_errors_before_and_after_a_change_are_their_own(run):
     ise = figures_of(run)["ise"]
 
     assert ise["before"] > 9 * ise["after"]
@@ -65,7 +59,7 @@ def test_errors_before_and_after_a_change_are_their_own(run: Run) -> None:
     assert told(run, "ISE from 2 s on") == f"{ise['after']:.4g}, 40 kg"
 
 
-def test_figures_name_the_robot_of_their_window(run: Run) -> None:
+def test_figures_name_the_robot_of_their_window(run):
     """The last quarter is 40 kg's alone, and the whole run has both."""
     assert "50 kg, from 2 s on 40 kg" in told(run, "position error, whole run")
     assert "last quarter (3 to 4 s: 40 kg)" in told(run, "position error")
@@ -76,7 +70,7 @@ def test_figures_name_the_robot_of_their_window(run: Run) -> None:
     ]
 
 
-def test_a_heading_error_is_told_without_its_whole_turns(run: Run) -> None:
+def test_a_heading_error_is_told_without_its_whole_turns(run):
     """Eq. (8), and so the ISE and the figures of JSON, count them."""
     label = "RMS of e, 30-40 s"
     once, turned = (build(duration=40.0, e=(0.0, 0.0, angle)) for angle in (-0.25, TURN - 0.25))
@@ -90,27 +84,27 @@ def test_a_heading_error_is_told_without_its_whole_turns(run: Run) -> None:
 @pytest.mark.parametrize(
     ("asked", "fast"), [((1, 2), False), ((1.1, 2), True), ((1, 2.1), True), ((1.1, 2.1), True)]
 )
-def test_a_reference_is_too_fast_where_one_of_its_speeds_is(run, asked, fast) -> None:
+def test_a_reference_is_too_fast_where_one_of_its_speeds_is(run, asked, fast):
     settings = {"usable": (1.0, 2.0), "asked": asked}
 
     assert ("TOO FAST" in told(run, "usable with the guard", settings)) is fast
 
 
-def test_a_disturbance_is_within_its_bound_until_motion_contradicts_it(run: Run) -> None:
+def test_a_disturbance_is_within_its_bound_until_motion_contradicts_it(run):
     label = "disturbance, at least"
 
     assert "within dbar" in told(run, label)
     assert "from 3.25 s on BEYOND dbar" in told(run, label, bounds_left=(3.25, 1))
 
 
-def test_what_is_beyond_a_limit_is_counted_in_steps_of_the_plant(run: Run) -> None:
+def test_what_is_beyond_a_limit_is_counted_in_steps_of_the_plant(run):
     settings = {"plant": 0.002, "control": 0.01}
     broken = {"violations": 3, "first_violation": (1.0, 1)}
 
     assert told(run, "beyond a limit", settings, **broken) == "3 plant steps of 0.002 s"
 
 
-def test_torques_are_those_of_the_figures(run: Run) -> None:
+def test_torques_are_those_of_the_figures(run):
     figures = figures_of(run)
     least, most, change, needed = (sized(figures[key], "N m") for key in (
         "tau_rms", "tau_peak", "torque_change_rms", "torque_needed_rms"))  # fmt: skip
@@ -122,7 +116,7 @@ def test_torques_are_those_of_the_figures(run: Run) -> None:
 
 
 @pytest.mark.parametrize("preset", preset_names())
-def test_a_run_is_told_on_one_screen_with_what_matters_for_its_base(preset: str) -> None:
+def test_a_run_is_told_on_one_screen_with_what_matters_for_its_base(preset):
     """Rows in short are among all; a base that takes velocities has none about torques."""
     case = load_scenario(preset, {"clock.duration": 1.0, "metrics.split": 0.5,
                                   "metrics.rms_from": 0.2, "changes": []})  # fmt: skip
@@ -141,7 +135,7 @@ def test_a_run_is_told_on_one_screen_with_what_matters_for_its_base(preset: str)
     [(0.0, "0 m/s"), (12345.6, "1.235e+04 m/s"), (0.1, "0.1 m/s"), (4.91e-5, "49.1 µm/s"),
      (-0.02594, "-25.94 mm/s"), (7.5e-9, "0.0075 µm/s")],
 )  # fmt: skip
-def test_a_number_has_four_digits_and_a_prefix_that_fits(value: float, text: str) -> None:
+def test_a_number_has_four_digits_and_a_prefix_that_fits(value, text):
     assert sized(value, "m/s") == text
 
 
@@ -150,7 +144,7 @@ def test_a_number_has_four_digits_and_a_prefix_that_fits(value: float, text: str
     [(None, MISSING), (0.0, "0 mm"), (5e-7, "below 0.001 mm"), (1e-6, "0.001 mm"),
      (0.25, "250 mm"), (1.5, "1.5 m")],
 )  # fmt: skip
-def test_errors_are_in_millimetres_below_a_metre(value: float | None, text: str) -> None:
+def test_errors_are_in_millimetres_below_a_metre(value, text):
     assert _small(value, "m") == text
 
 
@@ -164,7 +158,7 @@ def test_errors_are_in_millimetres_below_a_metre(value: float | None, text: str)
         (ZeroDivisionError("x"), 70),
     ],
 )
-def test_an_error_is_told_and_its_traceback_only_where_it_is_asked_for(error, code, capsys) -> None:
+def test_an_error_is_told_and_its_traceback_only_where_it_is_asked_for(error, code, capsys):
     with pytest.raises(type(error)) as caught:
         raise error
     for debug in (False, True):
@@ -172,7 +166,7 @@ def test_an_error_is_told_and_its_traceback_only_where_it_is_asked_for(error, co
         assert ("Traceback" in capsys.readouterr().err) is debug
 
 
-def test_text_from_outside_cannot_command_the_terminal() -> None:
+def test_text_from_outside_cannot_command_the_terminal():
     assert console.wrapped("a\x1b[31m\x07b\u202e c") == "a [31m b c"
 
 
@@ -180,10 +174,10 @@ def test_text_from_outside_cannot_command_the_terminal() -> None:
     ("seed", "good"),
     [("-1", False), ("0", True), (str(SEED_END - 1), True), (str(SEED_END), False)],
 )
-def test_a_seed_is_from_zero_up_and_below_its_end(seed: str, good: bool) -> None:
+def test_a_seed_is_from_zero_up_and_below_its_end(seed, good):
     with nullcontext() if good else pytest.raises(click.UsageError, match=f"below {SEED_END}"):
         assert options._seed(None, None, seed) == int(seed)
 
 
-def test_laws_are_named_once_each_in_the_order_in_which_they_were_given() -> None:
+def test_laws_are_named_once_each_in_the_order_in_which_they_were_given():
     assert options._each_law(None, None, ["prox, pid", "mb,prox"]) == ("prox", "pid", "mb")

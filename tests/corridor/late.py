@@ -4,8 +4,6 @@ A command that was computed acts from the plant step on that its wait says; unti
 before it does.  The law is told of the torque that it sent, as the product tells it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from tests.corridor.adversary import DIRECTIONS, TINY, TRIED, Attacked, Excursion

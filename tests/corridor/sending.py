@@ -39,7 +39,7 @@ class Course:
     changed: bool
 
     @property
-    def position(self) -> float:
+    def position(self):
         """Largest distance from the place on the path [m]."""
         return float(np.hypot(self.e[:, 0], self.e[:, 1]).max())
 

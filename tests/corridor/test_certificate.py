@@ -1,7 +1,5 @@
 """The corridor against an adversary on the tests' own loop, and what it refuses."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Steps of the certificate by themselves: each bounds what it says, for deviations made by hand."""
 
-from __future__ import annotations
-
 from copy import copy
 from dataclasses import replace
 from types import SimpleNamespace
@@ -25,12 +23,12 @@ NOISY = {"sensor.velocity_noise": NOISE.tolist(), "guard.enabled": False}
 
 
 @pytest.fixture(scope="module")
-def certifier() -> Certifier:
+def certifier():
     """Of a law with an observer, whose velocities are measured amiss."""
     return Certifier(settle(load_scenario("safe-simulation", NOISY), "kanayama"))
 
 
-def peaks_of(certifier: Certifier, e: np.ndarray) -> Peaks:
+def peaks_of(certifier, e):
     """The largest rows that one deviation (5) of error and velocity leads to."""
     size = len(certifier.loop.names)
     whole = np.zeros(size)

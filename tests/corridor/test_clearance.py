@@ -1,7 +1,5 @@
 """What is left between a path, its corridor, a body and obstacles."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

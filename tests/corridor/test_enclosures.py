@@ -1,7 +1,5 @@
 """What the certificate rests on: balls that hold graphs, gains that hold responses."""
 
-from __future__ import annotations
-
 from functools import partial
 from itertools import combinations
 
@@ -30,7 +28,7 @@ def loop(request):
     return SampledLoop(setup, V_D, partial(conditions, setup))
 
 
-def values(curve: Curve, point: np.ndarray) -> np.ndarray:
+def values(curve, point):
     """The curve's graph in doubles."""
     return np.array([float(x.mid()) for x in curve._value([arb(x) for x in point])])
 
@@ -235,7 +233,7 @@ def test_powers_are_off_by_less_than_what_their_sums_are_given(loop, samples):
             assert k == samples or (np.abs(exact) <= most * (1 + ROUNDING)).all()
 
 
-def test_products_of_wide_matrices_hold_those_of_all_that_is_in_them() -> None:
+def test_products_of_wide_matrices_hold_those_of_all_that_is_in_them():
     rng = np.random.default_rng(2)
     a, b = (
         MidRadius(scale * rng.normal(size=shape), np.abs(rng.normal(size=shape)))

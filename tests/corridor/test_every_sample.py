@@ -3,8 +3,6 @@
 On a circle they are also what holds for good, which is found in quite another way.
 """
 
-from __future__ import annotations
-
 import re
 from itertools import product
 
@@ -121,11 +119,7 @@ SENT = {"base.delay": 0.03, "base.quantum": [2e-3, 1e-2], "disturbance.std": 1e-
         "disturbance.truncate": 3.0, "sensor.pose_noise": 1e-4}  # fmt: skip
 LOUD = {"disturbance.std": 0.02, "sensor.pose_noise": 1e-3, "sensor.velocity_noise": [2e-3, 2e-2]}
 CIRCLES = {
-    "prox": (
-        "prox",
-        simulated(timed(PERIOD, 160), LOUD),
-        (0.9994, 0.9784, 1.0257, 0.9647),
-    ),
+    "prox": ("prox", simulated(timed(PERIOD, 160), LOUD), (0.9994, 0.9784, 1.0257, 0.9647)),
     "kanayama, poses in part": (
         "kanayama",
         simulated(timed(PERIOD, 60), NOISY, {"disturbance.std": 0.2, "sensor.correction": 0.6}),

@@ -1,7 +1,5 @@
 """Forces within the conditions on a guard, which the tests' own guard passes, and some beyond."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 

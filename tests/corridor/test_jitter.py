@@ -1,7 +1,5 @@
 """The corridor behind drives with jitter, against an adversary that chooses when commands act."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """From when on a run is held by the corridor, and what it proves if it leaves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The corridor where poses are rare or lost, and reckoned from the measured velocity in between."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

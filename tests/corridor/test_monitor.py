@@ -1,7 +1,5 @@
 """The corridor's monitor as C and as an FMU: what it tells is what runs are judged by."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import subprocess
 

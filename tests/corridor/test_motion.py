@@ -1,7 +1,5 @@
 """Motions of a reference: chords, laps, and remainders in parts, with numbers of the tests' own."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from wmr_proofs.corridor.peaks import reference_gap
 LAP, COUNT = 10, 34
 
 
-def motion(moved: int | None = None) -> RunMotion:
+def motion(moved=None):
     """Three laps and a part; the robot is heavier from a sample on."""
     phase = np.arange(COUNT) % LAP / 10.0
     robot = np.ones((COUNT, 2, 3))

@@ -1,7 +1,5 @@
 """What a passage rests on: spans, the undisturbed run, matrices of samples, sums of columns."""
 
-from __future__ import annotations
-
 from copy import copy
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Half of all presets have a certified corridor within their tolerance; the others say why not."""
 
-from __future__ import annotations
-
 from importlib.resources import files
 
 import pytest
@@ -9,7 +7,7 @@ import pytest
 from wmr_ctrl import simulate
 from wmr_ctrl.results import distance
 from wmr_ctrl.theory.checks.unknown_zero import COARSE, is_undisturbed
-from wmr_ctrl.theory.corridor import Corridor, find_corridor
+from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import load_scenario, preset_names
 
@@ -18,31 +16,31 @@ CAUSES = ("disturbance.truncate", "[encoder]", "linear loop")
 
 
 @pytest.fixture(scope="module")
-def corridors() -> dict[str, Corridor]:
+def corridors():
     """Of kanayama, which is the law of most presets."""
     return {name: find_corridor(load_scenario(name), "kanayama") for name in preset_names()}
 
 
-def is_told(name: str, corridor: Corridor) -> bool:
+def is_told(name, corridor):
     """True for a corridor that is wider than a tape measure's step and within the tolerance."""
     most = load_scenario(name).metrics.tolerance
     return corridor.position is not None and COARSE <= corridor.position <= most
 
 
-def reason_in_file(name: str) -> str | None:
+def reason_in_file(name):
     """The comment of a preset that says what stops the certificate."""
     text = (files("wmr_ctrl.world.scenario") / "presets" / f"{name}.toml").read_text("utf-8")
     return next((line for line in text.splitlines() if line.startswith("# No corridor")), None)
 
 
-def test_half_of_the_presets_have_a_corridor_within_their_tolerance(corridors) -> None:
+def test_half_of_the_presets_have_a_corridor_within_their_tolerance(corridors):
     told = [name for name, corridor in corridors.items() if is_told(name, corridor)]
 
     assert 2 * len(told) >= len(corridors)
     assert [name for name in told if is_undisturbed(load_scenario(name))] == []
 
 
-def test_presets_without_say_what_stops_it(corridors) -> None:
+def test_presets_without_say_what_stops_it(corridors):
     for name, corridor in corridors.items():
         reason = reason_in_file(name)
 
@@ -57,7 +55,7 @@ def test_presets_without_say_what_stops_it(corridors) -> None:
 
 
 @pytest.mark.slow
-def test_runs_stay_in_the_corridors_of_their_presets(corridors) -> None:
+def test_runs_stay_in_the_corridors_of_their_presets(corridors):
     """From a start on the path; of bases from 20 s on, as no run begins with commands under way."""
     for name, corridor in corridors.items():
         if not is_told(name, corridor):

@@ -1,14 +1,12 @@
 """What rows make of a loop's responses, for a loop of which every sum is known: x' = a x + b u."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np
 import pytest
 
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT
-from wmr_proofs.corridor.responses import Gains, Responses, largest, stacked
+from wmr_proofs.corridor.responses import Responses, largest, stacked
 from wmr_proofs.corridor.sample import OutputRows
 
 A, N, SAMPLES, STEPS = -0.5, 3, 4, 2
@@ -31,7 +29,7 @@ def near_above(found, least, spare=0.0):
 
 
 @pytest.fixture(scope="module")
-def responses() -> Responses:
+def responses():
     powers = A ** np.arange(SAMPLES)
     every = np.hstack([np.eye(N), B])
     course = powers[:, None, None] * every
@@ -46,13 +44,13 @@ def responses() -> Responses:
 
 
 @pytest.fixture(scope="module")
-def rows() -> OutputRows:
+def rows():
     push, law, measured = np.split(D, [COMMAND, COMMAND + LAW], axis=1)
     return OutputRows(np.eye(N), np.eye(N), push, law, np.zeros((N, 0)), measured, OWN)
 
 
 @pytest.fixture(scope="module")
-def gains(responses, rows) -> Gains:
+def gains(responses, rows):
     return responses.gains(rows, NOW)
 
 

@@ -1,7 +1,5 @@
 """Corridors that are asked for in several threads at once, or after other balls."""
 
-from __future__ import annotations
-
 import time
 from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """The corridor of bases that take velocities, against an adversary of the tests' own."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 

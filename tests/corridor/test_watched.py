@@ -1,7 +1,5 @@
 """The corridor's monitor beside runs of the tests' own loop, whose samples are counted here."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The corridor over a whole run, along a path that changes its velocity and past changes."""
 
-from __future__ import annotations
-
 from time import sleep
 
 import numpy as np

@@ -33,23 +33,23 @@ class Block:
     mark: str
 
     @property
-    def file(self) -> str:
+    def file(self):
         """The file that it is to be written to, or nothing."""
         return self.mark.removeprefix("file: ") if self.mark.startswith("file: ") else ""
 
     @property
-    def exit_code(self) -> int:
+    def exit_code(self):
         """What its commands are to end with."""
         return int(self.mark.removeprefix("exit: ")) if self.mark.startswith("exit: ") else 0
 
     @property
-    def tried(self) -> bool:
+    def tried(self):
         """Whether it is run with its page."""
         left_alone = self.mark == "slow" or self.mark.startswith(("not tried", "tried by"))
         return self.language in RUN and not left_alone
 
     @cached_property
-    def commands(self) -> list[tuple[str, str]]:
+    def commands(self):
         """Commands after ``$ `` and what the page says they print."""
         parts = re.split(r"^\$ ", self.text, flags=re.M)[1:]
         lines = [part.partition("\n") for part in parts]
@@ -63,17 +63,17 @@ class Page:
     path: Path
 
     @property
-    def name(self) -> str:
+    def name(self):
         """Path below the root."""
         return self.path.relative_to(ROOT).as_posix()
 
     @cached_property
-    def text(self) -> str:
+    def text(self):
         """All of it."""
         return self.path.read_text(encoding="utf-8")
 
     @cached_property
-    def blocks(self) -> list[Block]:
+    def blocks(self):
         """Its blocks in order."""
         return [
             Block(
@@ -83,19 +83,19 @@ class Page:
         ]
 
     @cached_property
-    def prose(self) -> str:
+    def prose(self):
         """The text without its blocks."""
         return BLOCK.sub("", self.text)
 
 
-def pages() -> list[Page]:
+def pages():
     """Every page that people read: the site's, and those at the root and in folders."""
     others = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")]
     others += [ROOT / folder / "README.md" for folder in ("analysis", "benchmarks", "fmu")]
     return [Page(path) for path in (*sorted(DOCS.rglob("*.md")), *others) if path.exists()]
 
 
-def written_pages() -> list[Page]:
+def written_pages():
     """Those that were written by hand with blocks to run: neither notebooks nor the ledger."""
     made = ("docs/notebooks/", "docs/ledger.md")
     return [page for page in pages() if not page.name.startswith(made)]

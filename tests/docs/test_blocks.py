@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from tests.docs.pages import ROOT, Page, written_pages
+from tests.docs.pages import ROOT, written_pages
 from wmr_ctrl.cli import console
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.report import animate
@@ -40,11 +40,11 @@ LONGEST = 240
 """Seconds that one command may take."""
 
 
-def named(pages: list[Page]) -> pytest.MarkDecorator:
+def named(pages):
     return pytest.mark.parametrize("page", pages, ids=[page.name for page in pages])
 
 
-def calls(page: Page) -> list[str]:
+def calls(page):
     """Calls of wmr-ctrl in prose and in blocks, each up to a pipe or the end of the line."""
     in_prose = re.findall(r"`wmr-ctrl ([^`]+)`", page.prose)
     in_blocks = [
@@ -88,7 +88,7 @@ def test_pages_with_a_test_of_their_own_have_it():
                 assert (ROOT / block.mark.removeprefix("tried by ")).exists(), block
 
 
-def done_by(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
+def done_by(command, folder):
     """What a command printed: of wmr-ctrl alone in this process, of anything else in a shell.
 
     tests/cli has what concerns the process itself.
@@ -106,7 +106,7 @@ def done_by(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def shell(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
+def shell(command, folder):
     scripts = Path(sys.executable).parent
     environment = {**os.environ, "PATH": f"{scripts}{os.pathsep}{os.environ['PATH']}"}
     return subprocess.run(
@@ -116,13 +116,13 @@ def shell(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
-def agrees(told: str, printed: str) -> bool:
+def agrees(told, printed):
     """Whether the page says what was printed, white space aside; ... stands for anything."""
     flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
     return not told.strip() or doctest.OutputChecker().check_output(told, printed, flags)
 
 
-def run_commands(page: Page, block, folder: Path) -> None:
+def run_commands(page, block, folder):
     for command, told in block.commands:
         done = done_by(command, folder)
         text = done.stdout + (done.stderr if block.exit_code or not done.stdout else "")
@@ -131,7 +131,7 @@ def run_commands(page: Page, block, folder: Path) -> None:
         assert agrees(told, text), f"{place}\nprinted\n{text}\nthe page says\n{told}"
 
 
-def run_python(page: Page, block, names: dict[str, object], printed: io.StringIO) -> None:
+def run_python(page, block, names, printed):
     with contextlib.redirect_stdout(printed):
         exec(compile(block.text, f"{page.name}:{block.line}", "exec"), names)
 

@@ -1,7 +1,5 @@
 """The examples in the documentation run and print what they say."""
 
-from __future__ import annotations
-
 import doctest
 from importlib import import_module
 
@@ -9,7 +7,7 @@ import pytest
 
 
 @pytest.mark.parametrize("name", ["wmr_ctrl.api"])
-def test_examples_of_the_python_interface(name: str) -> None:
+def test_examples_of_the_python_interface(name):
     failed, tried = doctest.testmod(import_module(name))
 
     assert failed == 0

@@ -1,13 +1,10 @@
 """The page on extending: each example is written to a file, registered, and does what is said."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import sys
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
@@ -23,7 +20,7 @@ FILES = {name: code for _, name, code in BLOCKS if name}
 USES = dict(zip(FILES, (code for kind, _, code in BLOCKS if kind == "use"), strict=True))
 
 
-def module_of(name: str, folder: Path) -> ModuleType:
+def module_of(name, folder):
     path = folder / f"{name}.py"
     path.write_text(FILES[name], encoding="utf-8")
     spec = importlib.util.spec_from_file_location(name, path)

@@ -1,7 +1,5 @@
 """Hints at extras have one spelling, which every shell takes, and pages begin with theirs."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from pathlib import Path

@@ -1,11 +1,8 @@
 """Links lead somewhere: to a file of the tree, and to a heading in it. Needs no Sphinx."""
 
-from __future__ import annotations
-
 import re
 import urllib.parse
 from functools import cache
-from pathlib import Path
 
 import pytest
 
@@ -16,18 +13,18 @@ HEADING = re.compile(r"^#+ (.+?)\s*#*$", re.M)
 PAGES = pages()
 
 
-def slug(heading: str) -> str:
+def slug(heading):
     """The anchor that forges and the site give to a heading."""
     plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).replace("`", "")
     return re.sub(r"[^\w\- ]", "", plain.lower()).replace(" ", "-")
 
 
 @cache
-def anchors(path: Path) -> frozenset[str]:
+def anchors(path):
     return frozenset(map(slug, HEADING.findall(Page(path).prose)))
 
 
-def broken(page: Page) -> list[str]:
+def broken(page):
     found = []
     for target in LINK.findall(re.sub(r"`[^`\n]*`", "", page.prose)):
         if re.match(r"\w+:", target):

@@ -1,7 +1,5 @@
 """The script that draws the documentation's pictures still draws them."""
 
-from __future__ import annotations
-
 import pytest
 from PIL import Image
 

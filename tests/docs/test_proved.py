@@ -1,7 +1,5 @@
 """The picture of what is proved says no more than the committed ledger."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """The README is short, and its commands are those of the program."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex
@@ -17,12 +15,12 @@ TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 DEMO = re.findall(r"^wmr-ctrl (run far-start-drop .*)$", TEXT, flags=re.M)
 
 
-def test_it_is_short_and_names_the_topic_early() -> None:
+def test_it_is_short_and_names_the_topic_early():
     assert len(TEXT.split()) <= 800
     assert "cmd_vel" in "\n".join(TEXT.splitlines()[:30])
 
 
-def test_commands_and_their_options_exist() -> None:
+def test_commands_and_their_options_exist():
     in_prose = re.findall(r"`wmr-ctrl\s([^`]+)`", TEXT)
     in_blocks = re.findall(r"^wmr-ctrl ([^#\n]*)", TEXT, flags=re.M)
     assert len(in_blocks) > 8
@@ -34,13 +32,13 @@ def test_commands_and_their_options_exist() -> None:
         assert CliRunner().invoke(root, [words[0], "--help"]).exit_code == 0
 
 
-def test_links_lead_somewhere() -> None:
+def test_links_lead_somewhere():
     for target in re.findall(r"\]\(([^)#]+)\)", TEXT):
         assert (ROOT / target).exists(), target
 
 
 @pytest.mark.parametrize("call", DEMO)
-def test_the_guard_of_the_demo_keeps_the_limit_that_the_law_alone_breaks(call: str) -> None:
+def test_the_guard_of_the_demo_keeps_the_limit_that_the_law_alone_breaks(call):
     """No assumption of the guarantee is void there, and the robot comes from far away."""
     found = json.loads(CliRunner().invoke(root, [*shlex.split(call), "--json"]).stdout)
 

@@ -1,7 +1,5 @@
 """The documentation site builds without warnings and without a network; its tables are complete."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import os
@@ -128,7 +126,7 @@ def test_the_site_builds_without_warnings_and_loads_nothing_from_elsewhere(tmp_p
     assert searched(out).isdisjoint({"ledger", "lemmas"})
 
 
-def searched(out: Path) -> set[str]:
+def searched(out):
     """Pages whose text, not only their title, the search knows."""
     text = (out / "searchindex.js").read_text("utf-8")
     index = json.loads(text[text.index("{") : text.rindex("}") + 1])
@@ -138,7 +136,7 @@ def searched(out: Path) -> set[str]:
     return found
 
 
-def leading_nowhere(out: Path) -> list[str]:
+def leading_nowhere(out):
     """Links of the built pages to files that are not there."""
     found = []
     for page in out.rglob("*.html"):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -15,19 +14,16 @@ from fmpy import extract
 from tests.export.fmi.raw import Fmu
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
 
-Export = Callable[..., Path]
 MADE = "WMR_TESTS_FMUS"
 """Environment variable that names a folder of FMUs which are taken as they are."""
 
 
 @pytest.fixture(scope="session")
-def exported(tmp_path_factory: pytest.TempPathFactory) -> Export:
+def exported(tmp_path_factory):
     """A function (what, version, scenario, law) -> path of that FMU."""
     made: dict[tuple[str, ...], Path] = {}
 
-    def export(
-        what: str, version: int, scenario: str = "paper-simulation", law: str = "nn"
-    ) -> Path:
+    def export(what, version, scenario="paper-simulation", law="nn"):
         key = (what, str(version), scenario, law)
         if key not in made:
             ready = Path(os.environ.get(MADE, "")) / f"wmr_{what}.fmi{version}.fmu"
@@ -41,11 +37,11 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Export:
 
 
 @pytest.fixture(scope="session")
-def raw(exported: Export, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Fmu]:
+def raw(exported, tmp_path_factory):
     """A function (what, version) -> the FMU's library, driven without FMPy's help."""
     made: dict[tuple[str, int], Fmu] = {}
 
-    def load(what: str, version: int) -> Fmu:
+    def load(what, version):
         if (what, version) not in made:
             path = exported(what, version)
             folder = extract(str(path), str(tmp_path_factory.mktemp("unpacked")))
@@ -56,12 +52,12 @@ def raw(exported: Export, tmp_path_factory: pytest.TempPathFactory) -> Callable[
 
 
 @pytest.fixture(scope="session")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Path]:
+def foreign(tmp_path_factory):
     """A function: source text of a PythonFMU slave -> its FMU, built once by that exporter."""
     pytest.importorskip("pythonfmu", reason="PythonFMU builds the foreign FMUs")
 
     @cache
-    def build(name: str, text: str) -> Path:
+    def build(name, text):
         folder = tmp_path_factory.mktemp("foreign")
         source = folder / f"{name}.py"
         source.write_text(text, encoding="utf-8")
@@ -73,10 +69,10 @@ def foreign(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Pa
 
 
 @pytest.fixture
-def mapped(tmp_path: Path) -> Callable[[str], Path]:
+def mapped(tmp_path):
     """A function: text of a map -> its file."""
 
-    def write(text: str) -> Path:
+    def write(text):
         path = tmp_path / "map.toml"
         path.write_text(text, encoding="utf-8")
         return path

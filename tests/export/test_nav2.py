@@ -1,7 +1,5 @@
 """Parameters of nav2 from an identified base."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest
@@ -11,7 +9,7 @@ from wmr_ctrl.export.nav2 import nav2_of
 from wmr_ctrl.identification.bounds import DETERMINED
 
 
-def base(section: str = "filter", **values: float):
+def base(section="filter", **values):
     found = {
         name: SimpleNamespace(value=value, verdict=DETERMINED) for name, value in values.items()
     }

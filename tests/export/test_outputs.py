@@ -1,7 +1,5 @@
 """Outputs for other tools, by their names."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ArgumentError

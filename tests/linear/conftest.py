@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.world.scenario import load_scenario

@@ -21,7 +21,6 @@ from wmr_ctrl.theory.linear.linearise import (
     unguarded,
 )
 from wmr_ctrl.theory.linear.state_space import late
-from wmr_ctrl.world.scenario import Scenario
 
 LONGEST_STEP = 2e-3
 """Runge-Kutta steps [s] are at most this long where the control period is not a multiple of dt."""
@@ -40,12 +39,12 @@ class Course:
     memory: Floats
 
     @property
-    def e(self) -> Floats:
+    def e(self):
         """Tracking error (N, 3) [m, m, rad]."""
         return self.s[:, :3]
 
     @property
-    def v(self) -> Floats:
+    def v(self):
         """Velocity (N, 2) [m/s, rad/s]."""
         return self.s[:, 3:]
 
@@ -63,7 +62,7 @@ class Stepper:
     states: int
     memory: Floats
 
-    def run(self, s: Floats, duration: float, disturbance: Floats | None = None) -> Course:
+    def run(self, s, duration, disturbance=None):
         """From ``s`` (5) for ``duration`` [s]; ``disturbance`` (N, 2) or (2,) [N, N m] is held."""
         count = round(duration / self.period)
         push = np.zeros(2) if disturbance is None else np.asarray(disturbance, dtype=float)
@@ -76,18 +75,12 @@ class Stepper:
 
 
 @lru_cache(maxsize=16)
-def _repeated(step: ca.Function, count: int) -> ca.Function:
+def _repeated(step, count):
     """So many periods, each from where the last one ended."""
     return step.mapaccum("course", count)
 
 
-def stepper(
-    scenario: Scenario,
-    law: str,
-    point: Point | None = None,
-    period: float | None = None,
-    memory: str = "learning",
-) -> Stepper:
+def stepper(scenario, law, point=None, period=None, memory="learning"):
     """A Stepper; ``point`` defaults to the reference at t = 0, ``period`` to the clock's [s].
 
     Raises ArgumentError where drives or sensors are late by more than a lag.
@@ -105,7 +98,7 @@ def stepper(
     return Stepper(at, held, step, step.size1_in(0) - len(memory_of), memory_of)
 
 
-def _one_period(scenario: Scenario, law: str, at: Point, period: float, memory: str) -> ca.Function:
+def _one_period(scenario, law, at, period, memory):
     """The law, then plant steps, from a state and a disturbance (2) to the next, and the force.
 
     The state: robot and drives, the law's memory, and the force before where the law asks for it.

@@ -1,7 +1,5 @@
 """python-control's nonlinear objects against the native loop, and linear against nonlinear."""
 
-from __future__ import annotations
-
 import control as ct
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """The linear loop's answer against compiled runs from growing starts."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Margins of both axes together, robots that differ from the model, instants that are asked for."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -23,7 +21,7 @@ from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import load_scenario, override
 
 
-def test_the_worse_of_two_margins_is_the_nearer_to_one() -> None:
+def test_the_worse_of_two_margins_is_the_nearer_to_one():
     one = Margins(2.0, 0.5, 60.0, 0.1, 0.9, 2.6, 50.0)
     other = Margins(3.0, 0.7, 40.0, None, 0.8, 2.3, 55.0)
 
@@ -31,7 +29,7 @@ def test_the_worse_of_two_margins_is_the_nearer_to_one() -> None:
     assert worst([one, None]) is None
 
 
-def test_a_disk_of_alpha_stands_its_gain_and_its_phase() -> None:
+def test_a_disk_of_alpha_stands_its_gain_and_its_phase():
     """Balanced: gains up to (2 + a)/(2 - a), phases up to 2 atan(a/2)."""
     found = margins_at(load_scenario("paper-simulation"), "mb", 0)
 
@@ -39,7 +37,7 @@ def test_a_disk_of_alpha_stands_its_gain_and_its_phase() -> None:
     assert found.disk_phase == pytest.approx(2 * math.degrees(math.atan(found.disk / 2)), rel=1e-3)
 
 
-def test_a_robot_that_differs_is_believed_to_be_what_it_was() -> None:
+def test_a_robot_that_differs_is_believed_to_be_what_it_was():
     scenario = override(paper(), {"model.m": 45.0})
     other = with_robot(scenario, m=2.0, I=0.5, mu=3.0)
 
@@ -49,8 +47,8 @@ def test_a_robot_that_differs_is_believed_to_be_what_it_was() -> None:
 
 @pytest.mark.parametrize(("changed", "period"), [({}, None), ({"actuator.delay": 0.02}, 0.01)])
 def test_late_loops_are_sampled_and_each_number_is_half_off_either_way(
-    monkeypatch: pytest.MonkeyPatch, changed: dict, period: float | None
-) -> None:
+    monkeypatch, changed, period
+):
     asked = []
 
     def margins_of(scenario, law, axis, point, period):
@@ -71,7 +69,7 @@ def test_late_loops_are_sampled_and_each_number_is_half_off_either_way(
     assert [row[3] for row in asked] == [0, 1] * 6
 
 
-def test_where_no_time_is_asked_for_it_is_where_the_reference_drives_fastest() -> None:
+def test_where_no_time_is_asked_for_it_is_where_the_reference_drives_fastest():
     scenario = override(paper(), {"reference.kind": "stop-and-go"})
     v = sample(scenario, np.linspace(0.0, scenario.reference.cycle, 1001))[:, 3]
 
@@ -81,7 +79,7 @@ def test_where_no_time_is_asked_for_it_is_where_the_reference_drives_fastest() -
     assert np.ptp(v) > 0.1
 
 
-def test_a_loop_that_learns_nothing_starts_without_the_laws_memory() -> None:
+def test_a_loop_that_learns_nothing_starts_without_the_laws_memory():
     scenario = paper()
     start = [*scenario.initial.pose, *scenario.initial.velocity]
 
@@ -90,14 +88,14 @@ def test_a_loop_that_learns_nothing_starts_without_the_laws_memory() -> None:
     assert len(start_of(scenario, "pid")) == law_nlsys(scenario, "pid").nstates + 5
 
 
-def test_clocks_of_readings_are_those_that_were_asked_for() -> None:
+def test_clocks_of_readings_are_those_that_were_asked_for():
     scenario = paper()
 
     assert [reference_nlsys(scenario, sampled).dt for sampled in (False, True)] == [0, 0.01]
     assert [law_nlsys(scenario, "pid", sampled).dt for sampled in (False, True)] == [0, 0.01]
 
 
-def test_read_continuously_a_memory_changes_in_a_second_by_its_change_over_a_period() -> None:
+def test_read_continuously_a_memory_changes_in_a_second_by_its_change_over_a_period():
 
     system = law_graph(settle(paper(), "pid"))
     read = continuous_reading(system)

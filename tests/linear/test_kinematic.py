@@ -1,7 +1,5 @@
 """Certified sets, the saddle, and runs from inside and outside."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest

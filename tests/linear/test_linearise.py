@@ -1,7 +1,5 @@
 """Exact linearisation: closed forms, names, and what stays the same along a reference."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -166,7 +164,7 @@ def test_a_reference_that_stops_is_linearised_where_it_moves(nominal):
     assert (moving.poles().real < 0).all()
 
 
-def test_a_resting_point_is_found_to_the_last_digits() -> None:
+def test_a_resting_point_is_found_to_the_last_digits():
     x = ca.SX.sym("x", 5)
     value = x**3 - ca.DM([1.0, 2.0, 3.0, 4.0, 5.0])
     residual = ca.Function("residual", [x], [value, ca.densify(ca.jacobian(value, x))])
@@ -176,5 +174,5 @@ def test_a_resting_point_is_found_to_the_last_digits() -> None:
     )
 
 
-def test_poles_are_pairs_of_real_and_imaginary_part() -> None:
+def test_poles_are_pairs_of_real_and_imaginary_part():
     assert _pairs(np.array([-1.0 + 2.0j, -3.0])) == [[-1.0, 2.0], [-3.0, 0.0]]

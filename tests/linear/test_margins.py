@@ -1,7 +1,5 @@
 """Margins against closed forms, python-control's own, and runs with a delay."""
 
-from __future__ import annotations
-
 import inspect
 import math
 from dataclasses import replace

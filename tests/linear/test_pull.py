@@ -1,7 +1,5 @@
 """The barrier's pull: the audit's table, and runs on both sides of the threshold."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The report: keys, plain data, text and figures, for every law."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
@@ -16,7 +14,7 @@ from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.theory.linear import report_linear
 from wmr_ctrl.theory.linear.state_space import constant_speed
 from wmr_ctrl.world.references import Lemniscate
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 KEYS = {
     "kinematic_poles", "poles", "max_sample_time", "max_sample_time_kink",
@@ -45,7 +43,7 @@ def test_json_holds_the_figures_of_the_audit(report_of):
     assert found["adaptive_stable"] is None
 
 
-def figures(text: str) -> set[str]:
+def figures(text):
     return {word.strip(",:") for word in text.split() if word[0].isdigit()}
 
 
@@ -156,7 +154,7 @@ def test_a_robot_with_encoders_and_late_drives_has_a_report():
     assert report.max_delay > 0.05
 
 
-def drive(speed: float) -> Scenario:
+def drive(speed):
     """A way that begins and ends at rest."""
     points = {"points": [[0.0, 0.0], [4.0, 1.0], [8.0, 0.0]], "v_max": speed}
     reference = {"reference.kind": "waypoints"} | {f"reference.{k}": v for k, v in points.items()}

@@ -1,7 +1,5 @@
 """Largest stable control periods: closed forms, the audit's figures, runs on each side."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Poles and margins of bases that take velocities, against what the margins are margins of."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -10,18 +8,18 @@ from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.theory.checks.radius import largest_radius
 from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.theory.linear import closed_loop, margins_at, report_linear
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 T = 0.05
 
 
 @pytest.fixture(scope="module")
-def burger() -> Scenario:
+def burger():
     return load_scenario("turtlebot3-burger", {"filter.kind": "none"})
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_the_gain_margin_is_the_gain_of_the_base_that_makes_it_unstable(burger, axis) -> None:
+def test_the_gain_margin_is_the_gain_of_the_base_that_makes_it_unstable(burger, axis):
     """Of prox, which rests on its reference whatever the gain of the base is."""
     margin = margins_at(burger, "prox", axis, period=T)
     gains = [1.0, 1.0]
@@ -33,7 +31,7 @@ def test_the_gain_margin_is_the_gain_of_the_base_that_makes_it_unstable(burger, 
 
 @pytest.mark.parametrize("law", ["mb", "kanayama"])
 @pytest.mark.slow
-def test_poles_are_those_of_the_closed_loop_as_an_object_and_of_checks_radius(burger, law) -> None:
+def test_poles_are_those_of_the_closed_loop_as_an_object_and_of_checks_radius(burger, law):
     off = override(burger, {"base.gain": [1.2, 0.9]})
     page = report_linear(off, law)
     poles = closed_loop(off, law, period=T).poles()
@@ -48,7 +46,7 @@ def test_poles_are_those_of_the_closed_loop_as_an_object_and_of_checks_radius(bu
     assert "omega command, 0.05 s" in page.table()
 
 
-def test_what_has_no_meaning_there_is_refused_with_a_remedy(burger) -> None:
+def test_what_has_no_meaning_there_is_refused_with_a_remedy(burger):
     with pytest.raises(ArgumentError, match="no continuous loop"):
         closed_loop(burger, "mb")
     with pytest.raises(ScenarioError, match=r"guard\.enabled"):

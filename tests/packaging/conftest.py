@@ -28,12 +28,10 @@ class Installed:
     work: Path
 
     @property
-    def programs(self) -> Path:
+    def programs(self):
         return self.folder / ("Scripts" if os.name == "nt" else "bin")
 
-    def run(
-        self, *arguments: str, program: str = "wmr-ctrl", timeout: float = 300.0, **environment: str
-    ) -> subprocess.CompletedProcess[str]:
+    def run(self, *arguments, program="wmr-ctrl", timeout=300.0, **environment):
         """Run a program with no compiler on PATH and none of this process's Python settings."""
         kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
         return subprocess.run(
@@ -49,7 +47,7 @@ class Installed:
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built(tmp_path_factory):
     """Folder with the source archive, and the wheel made from that archive."""
     base = tmp_path_factory.mktemp("built")
     shutil.copytree(ROOT, base / "tree", ignore=NOT_COPIED)
@@ -64,7 +62,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def installed(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
+def installed(built, tmp_path_factory):
     """The wheel alone in a fresh environment; dependencies come from where these tests run."""
     base = tmp_path_factory.mktemp("installed")
     venv.create(base / "venv", with_pip=False, symlinks=os.name != "nt")

@@ -1,7 +1,5 @@
 """The compiler's wheel is asked for where no compiler works, and by what may go anywhere."""
 
-from __future__ import annotations
-
 import importlib.util
 import shutil
 import sys

@@ -1,14 +1,12 @@
 """What docs/reference/stable.txt promises is there: nothing that others name goes or is renamed."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.packaging import interface
 
 
 @pytest.fixture(scope="module")
-def present() -> set[str]:
+def present():
     return set(interface.lines())
 
 

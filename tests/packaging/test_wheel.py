@@ -1,7 +1,5 @@
 """What is inside the archives, and that the wheel works where no source tree is near."""
 
-from __future__ import annotations
-
 import json
 import tarfile
 import zipfile

@@ -4,27 +4,26 @@ from __future__ import annotations
 
 import inspect
 import textwrap
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FunctionType
 
-from wmr_proofs.claim import CLAIMED, MUTATED, Claim
+from wmr_proofs.claim import CLAIMED, MUTATED
 from wmr_proofs.claims import all_claims, forget
 
 
-def claim_of(key: str) -> Claim:
+def claim_of(key):
     """The claim with this id."""
     return next(claim for claim in all_claims() if claim.id == key)
 
 
-def verdict(claim: Claim) -> str:
+def verdict(claim):
     """What the claim's own method says of its statement."""
     assert claim.statement is not None
     assert claim.method is not None
     return claim.method.decide(claim.statement(CLAIMED)).verdict
 
 
-def assert_proved(key: str) -> None:
+def assert_proved(key):
     """The claim is proved, some point meets its hypotheses, and the claim altered is refuted."""
     claim = claim_of(key)
     assert claim.statement is not None
@@ -36,7 +35,7 @@ def assert_proved(key: str) -> None:
 
 
 @contextmanager
-def altered(function: Callable, old: str, new: str) -> Iterator[None]:
+def altered(function, old, new):
     """Run the function with ``new`` in place of the first ``old``, wherever it was imported."""
     assert isinstance(function, FunctionType)
     lines = textwrap.dedent(inspect.getsource(function)).splitlines()

@@ -6,7 +6,7 @@ are better at.  Symbols that a hypothesis gives one value are that number.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -16,7 +16,6 @@ import z3
 from wmr_proofs.graph import ProvedGraph, UndecidedError, Walk, paths
 from wmr_proofs.methods.smt import OUTSIDE, TermArithmetic, relation
 from wmr_proofs.relation import EQUAL
-from wmr_proofs.statement import Statement
 
 Ask = Callable[[Hashable], bool]
 MOST = 256
@@ -26,18 +25,18 @@ MOST = 256
 class CaseTerms(TermArithmetic):
     """Terms of one case; ``taken`` is what was decided, ``outside`` where it would be undefined."""
 
-    def __init__(self, ask: Ask, known: dict[str, Fraction]) -> None:
+    def __init__(self, ask, known):
         super().__init__()
         self.ask, self.known = ask, known
         self.taken: list[Any] = []
         self.outside: list[Any] = []
 
-    def variable(self, name: str) -> Any:
+    def variable(self, name):
         """The number that it is known to be, or a real variable."""
         value = self.known.get(name)
         return super().variable(name) if value is None else z3.RealVal(str(value), self.context)
 
-    def apply(self, op: str, args: list[Any]) -> Any:
+    def apply(self, op, args):
         """Choices are decided; what has a domain is written down."""
         if op in ("fmin", "fmax"):
             least = self._decided(args[0] <= args[1])
@@ -51,19 +50,19 @@ class CaseTerms(TermArithmetic):
             self.outside.append(OUTSIDE[op](*args))
         return super().apply(op, args)
 
-    def compare(self, op: str, left: Any, right: Any, _ask: Ask) -> bool:
+    def compare(self, op, left, right, _ask):
         """Decided."""
         return self._decided(super().compare(op, left, right, _ask))
 
-    def logic(self, op: str, args: list[Any]) -> bool:
+    def logic(self, op, args):
         """Of decided conditions."""
         return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
 
-    def number(self, condition: bool) -> Any:
+    def number(self, condition):
         """1 or 0."""
         return self.constant(int(condition))
 
-    def _decided(self, condition: Any) -> bool:
+    def _decided(self, condition):
         plain = z3.simplify(condition)
         if z3.is_true(plain) or z3.is_false(plain):
             return bool(z3.is_true(plain))
@@ -72,7 +71,7 @@ class CaseTerms(TermArithmetic):
         return truth
 
 
-def cases(statement: Statement) -> Iterator[str]:
+def cases(statement):
     """Each goal and each domain in each case, as SMT-LIB 2 text that has to be unsatisfiable.
 
     UndecidedError where there are more than MOST cases.
@@ -85,9 +84,7 @@ def cases(statement: Statement) -> Iterator[str]:
             yield from texts
 
 
-def _case(
-    statement: Statement, goal: int, kind: str, known: dict[str, Fraction], ask: Ask
-) -> list[str]:
+def _case(statement, goal, kind, known, ask):
     nodes, outputs = statement.graph.nodes, statement.graph.outputs
     terms = CaseTerms(ask, known)
     (value,) = Walk(ProvedGraph(nodes, (outputs[goal],)), terms, ask).outputs()
@@ -98,13 +95,13 @@ def _case(
     return [_text(terms, [*base, wrong]) for wrong in (z3.Not(relation(kind, value)), *undefined)]
 
 
-def _text(terms: TermArithmetic, every: Sequence[Any]) -> str:
+def _text(terms, every):
     solver = z3.Solver(ctx=terms.context)
     solver.add(*every)
     return f"(set-logic QF_NRA)\n{solver.to_smt2()}"
 
 
-def _known(statement: Statement) -> Iterator[tuple[str, Fraction]]:
+def _known(statement):
     """Symbols to which a hypothesis a x + b = 0 gives a value."""
     outputs = statement.graph.outputs[len(statement.goals) :]
     for kind, place in zip(statement.given_kinds, outputs, strict=True):
@@ -113,7 +110,7 @@ def _known(statement: Statement) -> Iterator[tuple[str, Fraction]]:
             yield name, Fraction(-rest) / slope
 
 
-def _line(graph: ProvedGraph, place: int) -> tuple[str, Fraction, Fraction]:
+def _line(graph, place):
     """Name, slope and rest of an expression linear in one input; name "" and slope 0 without one.
 
     Of any other expression the slope is 0 as well.

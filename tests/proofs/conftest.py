@@ -1,7 +1,5 @@
 """Tests of proofs need the optional packages; without them only the ledger's own tests run."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 
 import pytest
@@ -12,7 +10,7 @@ needs_packages = pytest.mark.skipif(
 )
 
 
-def pytest_collection_modifyitems(items) -> None:
+def pytest_collection_modifyitems(items):
     for item in items:
         if "proofs" in str(item.fspath) and "ledger_file" not in str(item.fspath):
             item.add_marker(needs_packages)

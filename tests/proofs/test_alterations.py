@@ -3,10 +3,6 @@
 Only entries whose graph holds the altered part are checked.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
-
 import pytest
 
 from tests.proofs.anew import altered, claim_of, verdict
@@ -63,11 +59,11 @@ ALTERATIONS = [
     ids=[f"{row[0].__qualname__}: {row[2]}" for row in ALTERATIONS],
 )
 @pytest.mark.slow_but("f: ca.log1")
-def test_an_alteration_changes_a_verdict(function, old, new, ids) -> None:
+def test_an_alteration_changes_a_verdict(function, old, new, ids):
     assert changes_a_verdict(function, old, new, ids)
 
 
-def changes_a_verdict(function: Callable, old: str, new: str, ids: str) -> str:
+def changes_a_verdict(function, old, new, ids):
     """The first of the entries ``ids`` whose verdict the alteration changes; empty if none."""
     committed = load().by_id()
     claims = [claim for claim in all_claims() if claim.id in ids.split()]
@@ -78,7 +74,7 @@ def changes_a_verdict(function: Callable, old: str, new: str, ids: str) -> str:
         return next(changed, "")
 
 
-def test_what_nobody_stated_stays_so_where_results_are_altered() -> None:
+def test_what_nobody_stated_stays_so_where_results_are_altered():
     """The guard of an altered `settle` has one limit for both directions, as it was told."""
     claim = next(item for item in all_claims() if item.id.startswith("guard.assembled"))
     changed = built(claim, {"wmr_ctrl.control.setup:settle": lambda value: 1.25 * value})
@@ -87,7 +83,7 @@ def test_what_nobody_stated_stays_so_where_results_are_altered() -> None:
     assert "limits.v_u1[1]" in changed.symbols
 
 
-def test_the_original_is_put_back() -> None:
+def test_the_original_is_put_back():
     claim = claim_of("eq74")
     before = graph_hash(claim)
     with altered(barrier.a_term, "v - c", "v + c"):

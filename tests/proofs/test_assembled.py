@@ -1,7 +1,5 @@
 """What is done to the guard where it is put together does not stay unnoticed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -15,7 +13,6 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.world import slope, torque_noise
 from wmr_ctrl.world.effect import Bound
-from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.alterations import altered
 from wmr_proofs.claim import CLAIMED
@@ -164,7 +161,7 @@ GUARDED = {"guard.enabled": True}
 LAGGING = {"actuator.delay": 0.013, "actuator.lag": 0.02}
 
 
-def is_told(system: System) -> dict[str, ca.SX]:
+def is_told(system):
     """Each element that a System gives, remembers and publishes, by its name."""
     ports = (*system.outputs, *system.diagnostics)
     told = {
@@ -176,7 +173,7 @@ def is_told(system: System) -> dict[str, ca.SX]:
     return told | {f"next {name}": part for name, part in later}
 
 
-def digest(system: System, names: list[str]) -> str:
+def digest(system, names):
     """Of the compiled text of what has these names."""
     table, told = scalars((*system.inputs, *system.state, *system.params)), is_told(system)
     return graph_of(table, [told[name] for name in names]).digest

@@ -7,7 +7,7 @@ import json
 import random
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
 
 import pytest
@@ -23,7 +23,7 @@ SOON, LATER = 8, 1000
 """Alterations of each kind of object, in the default tests and in the slow ones."""
 
 
-def committed(rng: random.Random) -> tuple[str, str, dict]:
+def committed(rng):
     """An obligation that is refuted: its name, its text, its certificate."""
     while True:
         key = rng.choice(sorted(index()))
@@ -34,7 +34,7 @@ def committed(rng: random.Random) -> tuple[str, str, dict]:
             return f"{key} {name}", text, certificate
 
 
-def nodes(tree: list) -> Iterator[list]:
+def nodes(tree):
     """The tree's nodes."""
     yield tree
     for part in tree[1:]:
@@ -42,7 +42,7 @@ def nodes(tree: list) -> Iterator[list]:
             yield from nodes(part)
 
 
-def altered_certificate(certificate: dict, rng: random.Random, other: dict) -> dict | None:
+def altered_certificate(certificate, rng, other):
     """One thing changed at random; None where it cannot be."""
     made = copy.deepcopy(certificate)
     every = list(nodes(made["proof"]))
@@ -51,42 +51,42 @@ def altered_certificate(certificate: dict, rng: random.Random, other: dict) -> d
     products = [item for node in sums for item in node[1]]
     fact = f"a{rng.randrange(12)}"
 
-    def share(change: Callable[[Fraction], Fraction]) -> None:
+    def share(change):
         item = rng.choice(products)
         item[0] = str(change(Fraction(item[0])))
 
-    def graft() -> None:
+    def graft():
         given = [node for node in nodes(other["proof"]) if node[0] == "sum"]
         rng.choice(sums)[:] = copy.deepcopy(rng.choice(given))
 
-    def polynomial() -> None:
+    def polynomial():
         squares = [root for item in products if len(item) > 2 for root in item[2]]
         cuts = [node[2] for node in every if node[0] == "cut"]
         terms = [item[1] for node in sums for item in node[2]]
         term = rng.choice(rng.choice([*squares, *cuts, *terms]))
         term[0] = str(Fraction(term[0]) + 1)
 
-    def swap() -> None:
+    def swap():
         node = rng.choice(cases)
         node[-1], node[-2] = node[-2], node[-1]
 
-    def renumber() -> None:
+    def renumber():
         node = rng.choice([node for node in every if node[0] in ("ite", "den")])
         node[1] += rng.choice((1, -1))
 
-    def sign() -> None:
+    def sign():
         node = rng.choice([node for node in every if node[0] == "den"])
         node[2] = -node[2]
 
-    def exchange() -> None:
+    def exchange():
         used = rng.choice([item for item in products if item[1]])[1]
         used[rng.randrange(len(used))] = fact
 
-    def lift() -> None:
+    def lift():
         node = rng.choice([node for node in every if node[0] != "sum"])
         node[:] = copy.deepcopy(rng.choice([part for part in nodes(node) if part is not node]))
 
-    def drop(found: list) -> None:
+    def drop(found):
         found.remove(rng.choice(found))
 
     changes: tuple[Callable[[], object], ...] = (
@@ -105,14 +105,14 @@ def altered_certificate(certificate: dict, rng: random.Random, other: dict) -> d
     return None if made == certificate else made
 
 
-def altered_text(text: str, rng: random.Random) -> str | None:
+def altered_text(text, rng):
     """One thing changed at random in an assertion or a definition; None where it cannot be."""
     lines = text.split("\n")
     places = [k for k, line in enumerate(lines) if line.startswith(("(assert", "(define"))]
     place = rng.choice(places)
     line, symbols = lines[place], re.findall(r"declare-fun (\|[^|]*\|)", text)
 
-    def put(pattern: str, other: Callable[[re.Match[str]], str]) -> str | None:
+    def put(pattern, other):
         found = list(re.finditer(pattern, line))
         if not found:
             return None
@@ -134,14 +134,14 @@ def altered_text(text: str, rng: random.Random) -> str | None:
     return "\n".join([*lines[:place], made, *lines[place + 1 :]])
 
 
-def refused(text: str, certificate: dict) -> bool:
+def refused(text, certificate):
     try:
         return check(text, certificate) != "unsat"
     except Refused:
         return True
 
 
-def attacked(number: int, seed: int) -> Counter[str]:
+def attacked(number, seed):
     """So many altered certificates, and as many altered obligations: what became of them."""
     rng, seen = random.Random(seed), Counter[str]()
     while seen["certificates"] < number:
@@ -169,7 +169,7 @@ def attacked(number: int, seed: int) -> Counter[str]:
     return seen
 
 
-def test_no_altered_obligation_is_accepted_that_can_be_met() -> None:
+def test_no_altered_obligation_is_accepted_that_can_be_met():
     """An accepted certificate of an obligation as it is shows what is true in any case.
 
     There it is a sum that has no need of what was altered, such as a product that is 0 > 0.
@@ -182,7 +182,7 @@ def test_no_altered_obligation_is_accepted_that_can_be_met() -> None:
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
-def test_a_thousand_alterations_of_each() -> None:
+def test_a_thousand_alterations_of_each():
     seen = attacked(LATER, 2)
     print(dict(seen))
 
@@ -190,7 +190,7 @@ def test_a_thousand_alterations_of_each() -> None:
     assert seen["accepted, by z3 unknown"] < 0.02 * LATER
 
 
-def test_certificates_do_not_refute_hypotheses_that_can_be_met() -> None:
+def test_certificates_do_not_refute_hypotheses_that_can_be_met():
     """Those of an entry's goals, for its hypotheses alone, which a point meets."""
     rng = random.Random(3)
     for key in rng.sample(sorted(index()), 20):
@@ -204,7 +204,7 @@ def test_certificates_do_not_refute_hypotheses_that_can_be_met() -> None:
 
 
 @pytest.mark.slow
-def test_an_assertion_is_read_as_z3_reads_it() -> None:
+def test_an_assertion_is_read_as_z3_reads_it():
     """At points with rational numbers at random."""
     rng = random.Random(4)
     compared = 0

@@ -1,7 +1,5 @@
 """Each number of each effect's bound is compared with the effect's own graph by an entry."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import textwrap
@@ -66,7 +64,7 @@ def rows():
     yield from MORE
 
 
-def numbers_told(effect) -> set[str]:
+def numbers_told(effect):
     """Names of the numbers that an effect's bound states anywhere in its text."""
     tree = ast.parse(textwrap.dedent(inspect.getsource(effect.bound)))
     calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))

@@ -11,10 +11,10 @@ import pytest
 
 from wmr_ctrl.results.ledger import LEMMA, OPEN, PROVED, load
 from wmr_proofs.cancelled import cancelled_operations, positive_sums, uncancelled, undefined
-from wmr_proofs.claim import CLAIMED, Claims, Mutation
+from wmr_proofs.claim import CLAIMED, Claims
 from wmr_proofs.claims import all_claims
 from wmr_proofs.entry import check
-from wmr_proofs.methods.spec import Z3, Ball, Method, Ring
+from wmr_proofs.methods.spec import Z3, Ball, Ring
 from wmr_proofs.regions import POSITIVE, Case
 from wmr_proofs.relation import Relation, above, at_least, equal
 from wmr_proofs.statement import Statement
@@ -30,40 +30,40 @@ ALL, BEYOND = Case("all"), Case("x > y > 0", {"a": POSITIVE, "b": POSITIVE},
                                 lambda n: {"x": n["a"] + n["b"], "y": n["b"]})  # fmt: skip
 
 
-def one_of_each_function() -> list[str]:
+def one_of_each_function():
     """The last entry of each function that claims."""
     return list({getattr(c.statement, "func", c.statement): c.id for c in PROVED_CLAIMS}.values())
 
 
-def claim_of(statement, method: Method):
+def claim_of(statement, method):
     """The claim of this statement."""
     claims = Claims(by=method)
     claims("own.cancelled", wording="what is cancelled is defined")(statement)
     return claims.listed[0]
 
 
-def ones(x: ca.SX, y: ca.SX) -> ca.SX:
+def ones(x, y):
     """1 wherever x is not 0; CasADi makes it 1 everywhere."""
     return x * (1 / x) + 0 * y
 
 
-def differences(x: ca.SX, y: ca.SX) -> ca.SX:
+def differences(x, y):
     return (x - y) / (x - y)
 
 
-def roots(x: ca.SX, y: ca.SX) -> ca.SX:
+def roots(x, y):
     """1 wherever x is at least y."""
     return 1 + 0 * ca.sqrt(x - y)
 
 
-def logarithms(x: ca.SX, y: ca.SX) -> ca.SX:
+def logarithms(x, y):
     return 1 + ca.log(x) - ca.log(x) + 0 * y
 
 
 def told(term, given=lambda _x, _y: ()):
     """The statement that the term is 1 where x^2 + y^2 is at least 0."""
 
-    def statement(mutation: Mutation) -> Statement:
+    def statement(mutation):
         t = symbols("x y")
         hypotheses: tuple[Relation, ...] = given(t["x"], t["y"])
         both = at_least(t["x"] ** 2 + t["y"] ** 2)
@@ -72,7 +72,7 @@ def told(term, given=lambda _x, _y: ()):
     return statement
 
 
-def ahead(x: ca.SX, y: ca.SX) -> tuple[Relation, ...]:
+def ahead(x, y):
     return above(x, y), above(y)
 
 
@@ -96,7 +96,7 @@ def test_what_is_cancelled_is_found(term, method, given, defined):
 
 
 def test_the_derivative_of_a_power_reads_no_logarithm():
-    def slope(mutation: Mutation) -> Statement:
+    def slope(mutation):
         t = symbols("x")
         derivative = ca.jtimes(t["x"] ** 2, t["x"], 1)
         return Statement(t, (equal(derivative, mutation(2, 3) * t["x"]),))
@@ -111,16 +111,16 @@ class Kept:
     """An object that keeps what it built."""
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self):
         return symbols("x y")
 
     @cached_property
-    def term(self) -> ca.SX:
+    def term(self):
         return ones(*self.symbols.values())
 
 
 def test_what_an_object_has_kept_is_built_anew():
-    def statement(mutation: Mutation, a: Kept = Kept()) -> Statement:
+    def statement(mutation, a=Kept()):
         return Statement(a.symbols, (at_least(a.term, mutation(1, 2)),))
 
     claim = claim_of(statement, Z3())

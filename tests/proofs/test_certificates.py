@@ -28,7 +28,7 @@ BUILT = ("guard.upper", "guard.feasible", "prox.inside")
 """Entries whose obligations the default tests build from the graphs."""
 
 
-def behind(ids: tuple[str, ...]) -> dict[str, Entry]:
+def behind(ids):
     """These entries and all that they rest on."""
     found: dict[str, Entry] = {}
     todo = list(ids)
@@ -40,11 +40,11 @@ def behind(ids: tuple[str, ...]) -> dict[str, Entry]:
     return found
 
 
-def by_z3(entry: Entry) -> bool:
+def by_z3(entry):
     return re.search(r"\bZ3\b", entry.method) is not None
 
 
-def test_all_certificates_are_checked_with_the_standard_library_alone() -> None:
+def test_all_certificates_are_checked_with_the_standard_library_alone():
     code, text = said(FOLDER)
 
     assert code == 0, text
@@ -55,7 +55,7 @@ def test_all_certificates_are_checked_with_the_standard_library_alone() -> None:
     assert int(whole) + int(rest) == len(index())
 
 
-def test_entries_say_what_the_index_says() -> None:
+def test_entries_say_what_the_index_says():
     for key, row in index().items():
         rows = row["obligations"]
         whole = {"obligations": len(rows), "sha256": digest(rows)}
@@ -66,26 +66,26 @@ def test_entries_say_what_the_index_says() -> None:
     assert [e.id for e in ENTRIES.values() if e.certificate and e.id not in index()] == []
 
 
-def test_the_index_is_about_what_the_claims_say() -> None:
+def test_the_index_is_about_what_the_claims_say():
     others = [key for key, row in index().items() if row["claim"] != words_hash(CLAIMS[key])]
 
     assert others == [], f"say it of today's words: {REMEDY}{' '.join(others)}"
 
 
 @pytest.mark.parametrize("key", BUILT)
-def test_obligations_are_those_of_the_graphs_of_today(key) -> None:
+def test_obligations_are_those_of_the_graphs_of_today(key):
     assert differing(CLAIMS[key], ENTRIES[key]) == [], REMEDY + key
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
-def test_all_obligations_are_those_of_the_graphs_of_today() -> None:
+def test_all_obligations_are_those_of_the_graphs_of_today():
     others = [key for key in index() if differing(CLAIMS[key], ENTRIES[key])]
 
     assert others == [], REMEDY + " ".join(others)
 
 
-def test_every_proved_entry_of_the_index_has_goals_and_a_point() -> None:
+def test_every_proved_entry_of_the_index_has_goals_and_a_point():
     for key, row in index().items():
         names = {(item[0].split("-")[0], item[1]) for item in row["obligations"]}
         wanted = {("hypotheses", "sat")}
@@ -94,14 +94,14 @@ def test_every_proved_entry_of_the_index_has_goals_and_a_point() -> None:
         assert row["verdict"] == ENTRIES[key].verdict, key
 
 
-def test_an_entry_rests_on_certificates_where_all_its_obligations_have_one() -> None:
+def test_an_entry_rests_on_certificates_where_all_its_obligations_have_one():
     key = "guard.upper"
     found = with_certificate(CLAIMS[key], ENTRIES[key])
 
     assert found.certificate == ENTRIES[key].certificate
 
 
-def test_what_promises_rest_on_has_certificates_or_is_named() -> None:
+def test_what_promises_rest_on_has_certificates_or_is_named():
     text = " ".join((ROOT / "docs" / "proofs.md").read_text(encoding="utf-8").split())
     said = re.search(r"no certificate was found in time: (.*?)\.\s", text)
     named = set(re.split(r",\s+|\s+and\s+", said[1])) if said else set()
@@ -110,6 +110,6 @@ def test_what_promises_rest_on_has_certificates_or_is_named() -> None:
     assert named == without
 
 
-def test_the_pages_say_how_many_entries_have_certificates() -> None:
+def test_the_pages_say_how_many_entries_have_certificates():
     for path in COUNTING:
         assert certified(load()) in path.read_text(encoding="utf-8"), path

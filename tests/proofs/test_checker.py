@@ -1,7 +1,5 @@
 """The checker of certificates: what each node shows, and what it refuses."""
 
-from __future__ import annotations
-
 import json
 import lzma
 import random
@@ -19,19 +17,19 @@ from wmr_proofs.check import Refused, check, digest
 ROOT = Path(__file__).parents[2]
 
 
-def obligation(*asserted: str, symbols: str = "x y") -> str:
+def obligation(*asserted, symbols="x y"):
     """A text that asserts these formulas about real numbers."""
     declared = [f"(declare-fun |{name}| () Real)" for name in symbols.split()]
     lines = ["(set-logic QF_NRA)", *declared, *(f"(assert {formula})" for formula in asserted)]
     return "\n".join([*lines, "(check-sat)", ""])
 
 
-def product(*facts: str, times: str = "1", squares: tuple = ()) -> list:
+def product(*facts, times="1", squares=()):
     """One product of a sum."""
     return [times, list(facts), [list(root) for root in squares]] if squares else [times, [*facts]]
 
 
-def total(*products: list, multiples: tuple = ()) -> list:
+def total(*products, multiples=()):
     """A sum."""
     return ["sum", list(products), [list(item) for item in multiples]]
 
@@ -81,7 +79,7 @@ GOOD = [
 
 
 @pytest.mark.parametrize(("text", "tree"), GOOD)
-def test_each_kind_of_node_shows_what_it_says(text, tree) -> None:
+def test_each_kind_of_node_shows_what_it_says(text, tree):
     assert check(text, {"proof": tree}) == "unsat"
 
 
@@ -111,7 +109,7 @@ def test_each_kind_of_node_shows_what_it_says(text, tree) -> None:
         (EQUATION, total(multiples=(("a0", []),))),
     ],
 )
-def test_what_shows_nothing_is_refused(text, tree) -> None:
+def test_what_shows_nothing_is_refused(text, tree):
     with pytest.raises(Refused):
         check(text, {"proof": tree})
 
@@ -139,13 +137,13 @@ def test_what_shows_nothing_is_refused(text, tree) -> None:
         NAMED.replace("$1", "|x|"),
     ],
 )
-def test_another_text_than_is_expected_is_refused(text) -> None:
+def test_another_text_than_is_expected_is_refused(text):
     for certificate in ({"proof": BOTH}, {"point": {"|x|": "1", "|y|": "0"}}):
         with pytest.raises(Refused):
             check(text, certificate)
 
 
-def test_a_point_meets_what_is_asserted() -> None:
+def test_a_point_meets_what_is_asserted():
     text = obligation("(= (* |x| |x|) (/ 1.0 4.0))", "(> (/ 1.0 |y|) |x|)", "(not (= |x| |y|))")
 
     assert check(text, {"point": {"|x|": "-1/2", "|y|": "1"}}) == "sat"
@@ -165,19 +163,19 @@ def test_a_point_meets_what_is_asserted() -> None:
         {"proof": ["sum", [["1", [["a0"]]], ["1", ["a1"]]], []]},
     ],
 )  # fmt: skip
-def test_another_certificate_than_is_expected_is_refused(certificate) -> None:
+def test_another_certificate_than_is_expected_is_refused(certificate):
     with pytest.raises(Refused):
         check(HALVES, certificate)
 
 
-def doubling(sort: str, first: str, step: str, last: str) -> str:
+def doubling(sort, first, step, last):
     """A text of sixty definitions, each of which reads the one before twice."""
     lines = [f"(define-fun $0 () {sort} {first})"]
     lines += [f"(define-fun ${k + 1} () {sort} {step.replace('$', f'${k}')})" for k in range(60)]
     return obligation(last).replace("(assert", "\n".join([*lines, "(assert"]))
 
 
-def deep(node: list) -> list:
+def deep(node):
     for _ in range(100_000):
         node = ["cut", "c0", X, node, node]
     return node
@@ -187,14 +185,8 @@ HOSTILE = {
     "a high power": (HALVES, ["cut", "c0", [["1", "|x|", 10**12]], BOTH, BOTH]),
     "a long number": (HALVES, total(product("a0", times="9" * 5000), product("a1"))),
     "an exponent": (HALVES, total(product("a0", times="1e999999999"), product("a1"))),
-    "a power tower": (
-        doubling("Real", "|x|", "(* $ $)", "(> $60 0.0)"),
-        total(product("a0")),
-    ),
-    "a tower of numbers": (
-        doubling("Real", "3.0", "(* $ $)", "(> $60 0.0)"),
-        total(product("a0")),
-    ),
+    "a power tower": (doubling("Real", "|x|", "(* $ $)", "(> $60 0.0)"), total(product("a0"))),
+    "a tower of numbers": (doubling("Real", "3.0", "(* $ $)", "(> $60 0.0)"), total(product("a0"))),
     "many terms": (
         doubling("Real", "(+ |x| |y|)", "(+ (* $ |x|) (* $ $))", "(> $60 0.0)"),
         total(product("a0")),
@@ -208,8 +200,7 @@ HOSTILE = {
         HALVES,
         total(
             product(
-                "a0",
-                squares=([[str(k), "|x|", k + 1, "|y|", 90 - k] for k in range(90)],) * 50,
+                "a0", squares=([[str(k), "|x|", k + 1, "|y|", 90 - k] for k in range(90)],) * 50
             )
         ),
     ),
@@ -217,7 +208,7 @@ HOSTILE = {
 
 
 @pytest.mark.parametrize("name", HOSTILE)
-def test_what_asks_for_all_of_the_memory_is_refused(name) -> None:
+def test_what_asks_for_all_of_the_memory_is_refused(name):
     text, tree = HOSTILE[name]
     tracemalloc.start()
     try:
@@ -230,12 +221,12 @@ def test_what_asks_for_all_of_the_memory_is_refused(name) -> None:
     assert peak < 300e6
 
 
-def test_what_is_too_deep_is_refused() -> None:
+def test_what_is_too_deep_is_refused():
     with pytest.raises(Refused):
         check(HALVES, {"proof": deep(BOTH)})
 
 
-def folder_with(path: Path, text: str, certificate: object, answer: str = "unsat") -> Path:
+def folder_with(path, text, certificate, answer="unsat"):
     """A folder of one entry with one obligation."""
     rows = [["goal-1", answer, digest(text), digest(certificate)]]
     (path / "index.json").write_text(json.dumps([{"id": "own", "obligations": rows}]))
@@ -244,14 +235,14 @@ def folder_with(path: Path, text: str, certificate: object, answer: str = "unsat
     return path
 
 
-def said(folder: Path) -> tuple[int, str]:
+def said(folder):
     """Exit code and text of the checker as a program of its own, with no package beside it."""
     command = [sys.executable, "-I", "-S", str(ROOT / "wmr_proofs" / "check.py"), str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     return done.returncode, done.stdout + done.stderr
 
 
-def test_files_that_cannot_be_read_are_refused(tmp_path) -> None:
+def test_files_that_cannot_be_read_are_refused(tmp_path):
     assert said(tmp_path)[0] == 2
     assert said(folder_with(tmp_path, HALVES, {"proof": BOTH})) == (
         0, "1 of 1 obligations shown, 0 entries refused\n1 entries whole, 0 without certificate\n"
@@ -271,7 +262,7 @@ def test_files_that_cannot_be_read_are_refused(tmp_path) -> None:
         assert said(tmp_path)[0] == 2
 
 
-def test_another_answer_or_hash_than_in_the_index_is_refused(tmp_path) -> None:
+def test_another_answer_or_hash_than_in_the_index_is_refused(tmp_path):
     assert said(folder_with(tmp_path, HALVES, {"proof": BOTH}, "sat"))[0] == 1
     folder_with(tmp_path, HALVES, {"proof": BOTH})
     path = tmp_path / "index.json"
@@ -279,7 +270,7 @@ def test_another_answer_or_hash_than_in_the_index_is_refused(tmp_path) -> None:
     assert said(tmp_path)[0] == 1
 
 
-def test_with_hashes_as_committed_every_alteration_is_refused() -> None:
+def test_with_hashes_as_committed_every_alteration_is_refused():
     """One character of a text or of a certificate is another one."""
     rng = random.Random(0)
     whole = [row for row in index().values() if all(item[3] for item in row["obligations"])]
@@ -292,14 +283,14 @@ def test_with_hashes_as_committed_every_alteration_is_refused() -> None:
             assert digest(altered(packed, rng)) != certificate_hash == digest(packed)
 
 
-def altered(text: str, rng: random.Random) -> str:
+def altered(text, rng):
     """The text with another character somewhere."""
     place = rng.randrange(len(text))
     other = rng.choice(sorted(set("0123456789+-a ") - {text[place]}))
     return text[:place] + other + text[place + 1 :]
 
 
-def test_it_reads_a_folder_in_the_package(tmp_path) -> None:
+def test_it_reads_a_folder_in_the_package(tmp_path):
     code = "import sys, wmr_proofs.check as c; sys.exit(c.main(sys.argv[1:]))"
     folder = folder_with(tmp_path, HALVES, {"proof": BOTH})
     done = subprocess.run(

@@ -1,12 +1,9 @@
 """Claims and the committed ledger belong together."""
 
-from __future__ import annotations
-
 import gc
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -14,11 +11,11 @@ import pytest
 
 from tests.proofs import second_solvers
 from wmr_ctrl.core.errors import UnknownNameError
-from wmr_ctrl.results.ledger import Entry, Ledger, load
+from wmr_ctrl.results.ledger import Ledger, load
 from wmr_proofs import entry as entries
 from wmr_proofs import prove, runner
 from wmr_proofs.alterations import function_named
-from wmr_proofs.claim import CLAIMED, MUTATED, Claim, Mutation
+from wmr_proofs.claim import CLAIMED, MUTATED
 from wmr_proofs.claims import all_claims
 from wmr_proofs.comparison import differences, exit_code, stale
 from wmr_proofs.methods.point import judge
@@ -30,22 +27,22 @@ EACH = 6
 """Of the entries in their order every sixth is looked at by default, and all with ``slow``."""
 
 
-def test_ids_are_unique_and_those_of_the_committed_ledger() -> None:
+def test_ids_are_unique_and_those_of_the_committed_ledger():
     assert len(IDS) == len(set(IDS))
     assert [entry.id for entry in load().entries] == IDS
 
 
-def test_no_committed_verdict_is_about_another_graph() -> None:
+def test_no_committed_verdict_is_about_another_graph():
     assert stale(hashes(set(IDS[::EACH])), load()) == []
 
 
 @pytest.mark.slow
-def test_nor_is_that_of_any_other_entry() -> None:
+def test_nor_is_that_of_any_other_entry():
     assert stale(hashes(set(IDS) - set(IDS[::EACH])), load()) == []
 
 
 @pytest.mark.slow
-def test_what_other_versions_decided_is_proved_again() -> None:
+def test_what_other_versions_decided_is_proved_again():
     """What these versions decided is proved again by the slow test below."""
     committed = load().by_id()
     others = [
@@ -58,11 +55,11 @@ def test_what_other_versions_decided_is_proved_again() -> None:
     assert [(d.id, d.now) for d in differences(ledger, load(), complete=False)] == []
 
 
-def differing(now: Mapping[str, str], then: Mapping[str, str]) -> bool:
+def differing(now, then):
     return any(then.get(name) != version for name, version in now.items())
 
 
-def refutes(claim: Claim, entry: Entry) -> bool:
+def refutes(claim, entry):
     """True if the entry's stored counterexample still refutes the claim on the graph."""
     assert claim.statement is not None
     assert entry.counterexample is not None
@@ -72,7 +69,7 @@ def refutes(claim: Claim, entry: Entry) -> bool:
     return given and not goal
 
 
-def test_committed_counterexamples_still_refute() -> None:
+def test_committed_counterexamples_still_refute():
     committed = load().by_id()
     refuted = [claim for claim in all_claims() if committed[claim.id].verdict == "REFUTED"]
 
@@ -80,13 +77,13 @@ def test_committed_counterexamples_still_refute() -> None:
     assert [c.id for c in refuted if not refutes(c, committed[c.id])] == []
 
 
-def cheapest_of_each_verdict() -> list[str]:
+def cheapest_of_each_verdict():
     """One entry of each verdict that the ledger has."""
     costliest_first = sorted(load().entries, key=lambda entry: -entry.seconds)
     return list({entry.verdict: entry.id for entry in costliest_first}.values())
 
 
-def test_a_selection_runs_and_agrees_with_the_committed_ledger() -> None:
+def test_a_selection_runs_and_agrees_with_the_committed_ledger():
     seen = []
     ids = cheapest_of_each_verdict()
 
@@ -99,7 +96,7 @@ def test_a_selection_runs_and_agrees_with_the_committed_ledger() -> None:
 
 
 @pytest.mark.slow
-def test_two_processes_find_what_one_does() -> None:
+def test_two_processes_find_what_one_does():
     one, two = (prove(["eq03", "lemma.log"], processes=count) for count in (1, 2))
 
     assert [(e.id, e.verdict, e.graph_hash) for e in one.entries] == [
@@ -107,13 +104,13 @@ def test_two_processes_find_what_one_does() -> None:
     ]
 
 
-def test_a_beginning_selects_all_of_its_kind() -> None:
+def test_a_beginning_selects_all_of_its_kind():
     assert set(selected(["authority"])) >= {"authority.shape", "authority.limit"}
     with pytest.raises(UnknownNameError, match="eq25"):
         selected(["eq2x"])
 
 
-def test_patterns_and_several_ids_select() -> None:
+def test_patterns_and_several_ids_select():
     assert set(selected(["eq8[67]"])) == {"eq86"}
     assert selected(["guard.*"]) == [key for key in selected(()) if key.startswith("guard.")]
     assert set(selected(["eq03", "eq05"])) == {"eq03", "eq05"}
@@ -122,7 +119,7 @@ def test_patterns_and_several_ids_select() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_asked_for_is_printed_in_full_and_written_as_json(tmp_path, capsys) -> None:
+def test_what_is_asked_for_is_printed_in_full_and_written_as_json(tmp_path, capsys):
     assert runner.run_prove(["eq25"], tmp_path / "out.json") == 0
 
     assert '"entries"' in (tmp_path / "out.json").read_text(encoding="utf-8")
@@ -132,7 +129,7 @@ def test_what_is_asked_for_is_printed_in_full_and_written_as_json(tmp_path, caps
         assert word in out
 
 
-def test_workers_end_with_their_parent() -> None:
+def test_workers_end_with_their_parent():
     """A worker whose parent is killed, which cleans nothing up, is gone a moment later."""
     code = (
         "import os, sys, time; from multiprocessing import get_context;"
@@ -156,7 +153,7 @@ def test_workers_end_with_their_parent() -> None:
     raise AssertionError("the worker is still there a minute later")
 
 
-def is_running(pid: int) -> bool:
+def is_running(pid):
     try:
         state = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
     except OSError:
@@ -164,7 +161,7 @@ def is_running(pid: int) -> bool:
     return state != "Z"
 
 
-def test_exported_obligations_are_smt_lib(tmp_path) -> None:
+def test_exported_obligations_are_smt_lib(tmp_path):
     z3 = pytest.importorskip("z3")
     runner.run_export(tmp_path, ["guard.upper", "conditions.256", "wheels.per-wheel"])
 
@@ -189,7 +186,7 @@ def test_exported_obligations_are_smt_lib(tmp_path) -> None:
 SOLVERS = pytest.mark.parametrize("solver", ["cvc5", "yices"])
 
 
-def asked(key: str, point=None) -> dict:
+def asked(key, point=None):
     """Obligations of an entry by name."""
     module = pytest.importorskip("wmr_proofs.methods.obligations")
     claim = next(claim for claim in all_claims() if claim.id == key)
@@ -197,7 +194,7 @@ def asked(key: str, point=None) -> dict:
 
 
 @pytest.mark.slow
-def test_a_second_solver_agrees_where_it_is_installed(monkeypatch) -> None:
+def test_a_second_solver_agrees_where_it_is_installed(monkeypatch):
     yices = second_solvers.programs().get("yices") or pytest.skip("NOT RUN: no yices")
     monkeypatch.setattr(second_solvers, "programs", lambda: {"yices": yices})
     claim = next(claim for claim in all_claims() if claim.id == "guard.upper")
@@ -207,23 +204,23 @@ def test_a_second_solver_agrees_where_it_is_installed(monkeypatch) -> None:
 
 
 @SOLVERS
-def test_second_solvers_meet_hypotheses_at_the_recorded_point_and_not_at_another(solver) -> None:
+def test_second_solvers_meet_hypotheses_at_the_recorded_point_and_not_at_another(solver):
     _ = second_solvers.programs().get(solver) or pytest.skip(f"NOT RUN: no {solver}")
     point = load().by_id()["guard.feasible"].satisfied_at
 
-    def said(values) -> str:
+    def said(values):
         return second_solvers.answer(solver, asked("guard.feasible", values)["hypotheses"].text)
 
     assert said(point) == "sat"
     assert said(dict.fromkeys(point, "-1")) == "unsat"
 
 
-def test_what_no_second_solver_closes_as_a_whole_it_closes_case_by_case() -> None:
+def test_what_no_second_solver_closes_as_a_whole_it_closes_case_by_case():
     cases = pytest.importorskip("tests.proofs.cases")
     _ = second_solvers.programs().get("yices") or pytest.skip("NOT RUN: no yices")
     claim = next(claim for claim in all_claims() if claim.id == "strict.falls")
 
-    def said(mutation: Mutation) -> set[str]:
+    def said(mutation):
         every = cases.cases(claim.statement(mutation))
         return {second_solvers.answer("yices", text) for text in every}
 
@@ -232,7 +229,7 @@ def test_what_no_second_solver_closes_as_a_whole_it_closes_case_by_case() -> Non
 
 
 @SOLVERS
-def test_a_symbol_may_have_the_name_of_a_command(solver) -> None:
+def test_a_symbol_may_have_the_name_of_a_command(solver):
     _ = second_solvers.programs().get(solver) or pytest.skip(f"NOT RUN: no {solver}")
     point = load().by_id()["guard.monitor"].satisfied_at
 
@@ -240,7 +237,7 @@ def test_a_symbol_may_have_the_name_of_a_command(solver) -> None:
     assert second_solvers.answer(solver, asked("guard.monitor", point)["hypotheses"].text) == "sat"
 
 
-def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys) -> None:
+def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys):
     monkeypatch.setattr(entries, "missing", lambda method: ("z3",) if method else ())
 
     assert runner.run_prove(["eq86", "eq03", "lemma.log"]) == 3
@@ -253,13 +250,13 @@ above alone, once its solver has another version.  While its graph is the commit
 was proved."""
 
 
-def proved_again() -> list[str]:
+def proved_again():
     """Every sixth of those that cost less: what solves is tested on them, and by the methods."""
     return [entry.id for entry in load().entries if entry.seconds < COSTLY][::EACH]
 
 
 @pytest.mark.slow
-def test_everything_is_as_committed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_everything_is_as_committed(monkeypatch):
     ids = proved_again()
     patterns = [f"{key[:-1]}[{key[-1]}]" for key in ids]  # each selects one alone
     ledger = proved_here(patterns, monkeypatch)
@@ -270,7 +267,7 @@ def test_everything_is_as_committed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert exit_code(ledger, load(), complete=False) == 0
 
 
-def proved_here(patterns: Sequence[str], monkeypatch: pytest.MonkeyPatch) -> Ledger:
+def proved_here(patterns, monkeypatch):
     """Proved in this process, of functions that are named in the ledger where it names some."""
     search = entries.functions_of
     monkeypatch.setattr(
@@ -283,7 +280,7 @@ def proved_here(patterns: Sequence[str], monkeypatch: pytest.MonkeyPatch) -> Led
         gc.enable()
 
 
-def test_functions_that_the_ledger_names_are_where_it_says() -> None:
+def test_functions_that_the_ledger_names_are_where_it_says():
     named = {name for entry in load().entries for name in entry.functions}
 
     assert [name for name in sorted(named) if function_named(name) is None] == []

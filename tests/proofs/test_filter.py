@@ -5,8 +5,6 @@ The clip sends commands that no history can add up beyond the limit V.  The gove
 of the speed, and sends commands behind which |v| <= V.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tests.proofs.anew import altered, assert_proved, claim_of, verdict
@@ -17,33 +15,33 @@ SIDES = pytest.mark.parametrize("side", ["forwards", "backwards"])
 
 
 @AXES
-def test_clip_sends_what_any_linear_loop_may_add_up(axis: str) -> None:
+def test_clip_sends_what_any_linear_loop_may_add_up(axis):
     """N |u| + delta <= V, with the peak gain N of the loop and what pushes do, delta."""
     assert_proved(f"filter.sent-clip-{axis}")
 
 
-def test_clip_of_a_first_order_base_stays_inside() -> None:
+def test_clip_of_a_first_order_base_stays_inside():
     assert_proved("filter.clip")
 
 
 @AXES
 @SIDES
-def test_governor_sends_at_most_its_limit(axis: str, side: str) -> None:
+def test_governor_sends_at_most_its_limit(axis, side):
     """The whole filter: both axes, what they were asked for, odometry or none."""
     assert_proved(f"filter.sent-{axis}-{side}")
 
 
 @AXES
 @SIDES
-def test_base_stays_inside_behind_what_the_governor_admits(axis: str, side: str) -> None:
+def test_base_stays_inside_behind_what_the_governor_admits(axis, side):
     assert_proved(f"filter.assembled-{axis}-{side}")
 
 
 @AXES
-def test_bound_that_the_governor_keeps_is_a_bound_a_step_later(axis: str) -> None:
+def test_bound_that_the_governor_keeps_is_a_bound_a_step_later(axis):
     assert_proved(f"filter.carried-{axis}-forwards")
 
 
-def test_governor_that_forgets_the_push_is_refuted() -> None:
+def test_governor_that_forgets_the_push_is_refuted():
     with altered(governor.largest_command, "(b.V - b.dbar)", "b.V"):
         assert verdict(claim_of("filter.inside")) == "REFUTED"

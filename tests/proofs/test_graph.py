@@ -12,15 +12,15 @@ import wmr_ctrl
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.control.laws import LAWS
 from wmr_proofs.claims.common import LawGraph, scalars
-from wmr_proofs.graph import _NAMES, ProvedGraph, graph_of, is_parameter
+from wmr_proofs.graph import _NAMES, graph_of, is_parameter
 from wmr_proofs.symbols import symbols
 
 
-def operations(graph: ProvedGraph) -> list[str]:
+def operations(graph):
     return [node.op for node in graph.nodes if node.op not in ("input", "const")]
 
 
-def written(graph: ProvedGraph, k: int) -> str:
+def written(graph, k):
     """A value with all that it is computed from, as text."""
     node = graph.nodes[k]
     if node.op in ("input", "const"):
@@ -51,13 +51,13 @@ X, Y, P, Q = T.values()
         (X / ca.if_else(X > 1, P, Q), "div(x, choose(lt(1.0, x), p, q))"),
     ],
 )
-def test_quotients_by_parameters_are_products_and_no_others(expr, text) -> None:
+def test_quotients_by_parameters_are_products_and_no_others(expr, text):
     graph = graph_of(T, [expr])
 
     assert written(graph, graph.outputs[0]) == text
 
 
-def test_a_quotient_is_written_alike_once_and_many_times() -> None:
+def test_a_quotient_is_written_alike_once_and_many_times():
     once = graph_of(T, [X / P])
     often = graph_of(T, [X / P, Y / P, X * Y / P])
 
@@ -65,24 +65,24 @@ def test_a_quotient_is_written_alike_once_and_many_times() -> None:
     assert operations(often).count("inv") == 1
 
 
-def test_a_choice_is_one_operation() -> None:
+def test_a_choice_is_one_operation():
     assert operations(graph_of(T, [ca.if_else(X > Y, X, Y)])) == ["lt", "choose"]
 
 
-def test_cuts_and_numbers_are_put_in_after_the_graph_was_read() -> None:
+def test_cuts_and_numbers_are_put_in_after_the_graph_was_read():
     graph = graph_of(T, [X / (P - Q)], {"x": X + 0}, {"q": 2.0})
 
     assert written(graph, graph.outputs[0]) == "mul(x, inv(sub(p, 2.0)))"
 
 
-def test_a_constant_is_never_cut() -> None:
+def test_a_constant_is_never_cut():
     graph = graph_of(T, [ca.if_else(X > 0, Y, 0)], {"friction": ca.SX(0)})
 
     assert graph.input_names == ("x", "y")
 
 
 @pytest.mark.parametrize("law", sorted(LAWS))
-def test_a_law_is_proved_as_it_is_compiled(law) -> None:
+def test_a_law_is_proved_as_it_is_compiled(law):
     """Every value of the C function, by operation and operands, is in the graph that proofs see."""
     found = LawGraph(law)
     system = found.system
@@ -102,7 +102,7 @@ def test_a_law_is_proved_as_it_is_compiled(law) -> None:
     )
 
 
-def fingerprints(heads, operands) -> set[str]:
+def fingerprints(heads, operands):
     """Of each value, with all that it is computed from."""
     found: list[str] = []
     for head, args in zip(heads, operands, strict=True):
@@ -112,14 +112,14 @@ def fingerprints(heads, operands) -> set[str]:
 
 
 @pytest.mark.parametrize("law", sorted(LAWS))
-def test_the_numbers_of_a_scenario_are_known_by_their_dotted_keys(law) -> None:
+def test_the_numbers_of_a_scenario_are_known_by_their_dotted_keys(law):
     system = LawGraph(law).system
 
     assert all(is_parameter(port.sym[0]) for port in system.params)
     assert not any(is_parameter(port.sym[0]) for port in (*system.inputs, *system.state))
 
 
-def test_nothing_else_reads_the_instructions_of_casadi() -> None:
+def test_nothing_else_reads_the_instructions_of_casadi():
     readers = [
         path.relative_to(package.parent).as_posix()
         for package in (PACKAGE, PACKAGE.with_name("wmr_proofs"))

@@ -1,11 +1,9 @@
 """Claims that the paper does not have: guard, wheels, sampled-data law, the barrier's limits."""
 
-from __future__ import annotations
-
 import pytest
 
-from wmr_ctrl.results.ledger import Entry, load
-from wmr_proofs.claim import PRINTED, Claim
+from wmr_ctrl.results.ledger import load
+from wmr_proofs.claim import PRINTED
 from wmr_proofs.claims import all_claims
 
 pytest.importorskip("z3")
@@ -19,12 +17,12 @@ REFUTED = {"guard.too-fast", "wheels.per-wheel", *LATE, *LATEST}
 KNOWN = load().by_id()
 
 
-def test_committed_verdicts_are_those_that_are_due() -> None:
+def test_committed_verdicts_are_those_that_are_due():
     for key, claim in CLAIMS.items():
         assert_as_due(claim, KNOWN[key])
 
 
-def assert_as_due(claim: Claim, entry: Entry) -> None:
+def assert_as_due(claim, entry):
     if claim.statement is None:
         assert entry.verdict == "HAND"
     elif claim.id in REFUTED:
@@ -35,7 +33,7 @@ def assert_as_due(claim: Claim, entry: Entry) -> None:
         assert entry.mutation_refuted
 
 
-def test_what_a_claim_rests_on_exists() -> None:
+def test_what_a_claim_rests_on_exists():
     known = {claim.id for claim in all_claims()}
 
     assert all(name in known for claim in all_claims() for name in claim.premises)

@@ -1,7 +1,5 @@
 """Intervals hold both the real result and what C computes."""
 
-from __future__ import annotations
-
 import math
 import random
 from fractions import Fraction
@@ -19,12 +17,12 @@ OPERATIONS = {
 }
 
 
-def draw(rng: random.Random) -> float:
+def draw(rng):
     return rng.choice((-1, 1)) * math.ldexp(rng.random() + 0.5, rng.randint(-40, 40))
 
 
 @pytest.mark.parametrize("name", OPERATIONS)
-def test_operations_hold_exact_and_rounded_results(name) -> None:
+def test_operations_hold_exact_and_rounded_results(name):
     rng = random.Random(name)
     enclose, compute = OPERATIONS[name]
     for _ in range(3000):
@@ -41,7 +39,7 @@ def test_operations_hold_exact_and_rounded_results(name) -> None:
         assert found.lo <= rounded <= found.hi
 
 
-def test_quotient_of_forms_is_bounded_at_zero() -> None:
+def test_quotient_of_forms_is_bounded_at_zero():
     x, y = Interval(0.0, 1e-9, 1), Interval(0.0, 1e-9, 2)
     total = iv.add(x, y)
     total.lo = 1e-300  # not zero, as a strict comparison would tell
@@ -56,7 +54,7 @@ def test_quotient_of_forms_is_bounded_at_zero() -> None:
 @pytest.mark.parametrize(
     ("name", "low", "high"), [("log", -300, 300), ("exp", -8, 8), ("tanh", -8, 3)]
 )
-def test_the_c_library_is_as_accurate_as_assumed(name, low, high) -> None:
+def test_the_c_library_is_as_accurate_as_assumed(name, low, high):
     """assumption.libm: right to 2^-51 relative, on random arguments, near 1 in particular."""
     ctx.prec = 300
     rng = random.Random(name)

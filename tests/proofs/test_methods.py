@@ -1,7 +1,5 @@
 """Each method: what it must prove, must refute, and must leave open."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import casadi as ca
@@ -15,7 +13,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
 
-def about(names: str, build) -> Statement:
+def about(names, build):
     t = symbols(names)
     goals, given = build(*t.values())
     return Statement(t, tuple(goals), tuple(given))
@@ -76,55 +74,55 @@ UNIT = {"x": (Fraction(0), Fraction(1))}
         (Both(Ring(), Z3()), ANGLE, "OPEN"),
     ],
 )
-def test_verdicts(method, statement, verdict) -> None:
+def test_verdicts(method, statement, verdict):
     assert method.decide(statement).verdict == verdict
 
 
-def test_z3_leaves_a_claim_open_whose_hypotheses_contradict_each_other() -> None:
+def test_z3_leaves_a_claim_open_whose_hypotheses_contradict_each_other():
     nonsense = about("x", lambda x: ([above(x, 5)], [above(x), above(-x)]))
 
     assert Z3().decide(nonsense).verdict == "OPEN"
 
 
-def test_a_point_that_lacks_an_input_is_not_tried() -> None:
+def test_a_point_that_lacks_an_input_is_not_tried():
     assert Z3(points=(at(x=1),)).decide(SQUARE).verdict == "PROVED"
     assert Z3(points=(at(x=1),)).decide(WRONG_SQUARE).verdict == "REFUTED"
 
 
-def test_ring_requires_its_cases_to_lie_inside_the_hypotheses() -> None:
+def test_ring_requires_its_cases_to_lie_inside_the_hypotheses():
     outside = about("x", lambda x: ([above(x)], [above(x, 1)]))
 
     assert Ring(POSITIVE_X).decide(outside).verdict == "OPEN"
 
 
-def test_a_counterexample_must_keep_the_hypotheses() -> None:
+def test_a_counterexample_must_keep_the_hypotheses():
     positive = about("x", lambda x: ([above(x)], [above(x, -1)]))
 
     assert Refute((at(x=-2),)).decide(positive).verdict == "OPEN"
     assert Refute((at(x="-1/2"),)).decide(positive).verdict == "REFUTED"
 
 
-def test_pi_is_exact() -> None:
+def test_pi_is_exact():
     still = about("x", lambda x: ([above(ca.fabs(ca.sin(x)))], [above(x)]))
 
     assert Refute(({"x": "1 pi"},)).decide(still).verdict == "REFUTED"
 
 
-def test_a_free_symbol_is_refused() -> None:
+def test_a_free_symbol_is_refused():
     x, y = ca.SX.sym("x"), ca.SX.sym("y")
 
     with pytest.raises(ValueError, match="does not name"):
         _ = Statement({"x": x}, (equal(x * y),)).graph
 
 
-def test_z3_tries_each_engine_again_with_more_work_until_the_effort_is_spent(monkeypatch) -> None:
+def test_z3_tries_each_engine_again_with_more_work_until_the_effort_is_spent(monkeypatch):
     import z3
 
     from wmr_proofs.methods import portfolio
 
     asked = []
 
-    def attempt(self, engine: str, terms: list[object], size: tuple[float, float]) -> tuple:
+    def attempt(self, engine, terms, size):
         assert terms
         asked.append((engine, size))
         self.spent += size[0] if engine == "cases" else size[0] / 2  # the others have no more
@@ -142,7 +140,7 @@ def test_z3_tries_each_engine_again_with_more_work_until_the_effort_is_spent(mon
         assert asked == [*expected, *(("cases", size) for size in later)]
 
 
-def test_what_z3_does_hangs_on_nothing_that_was_asked_before(monkeypatch) -> None:
+def test_what_z3_does_hangs_on_nothing_that_was_asked_before(monkeypatch):
     from wmr_proofs.methods import portfolio
 
     solvers = []
@@ -153,7 +151,7 @@ def test_what_z3_does_hangs_on_nothing_that_was_asked_before(monkeypatch) -> Non
 
     monkeypatch.setattr(portfolio, "ENGINES", {"cases": recorded})
 
-    def steps(count: int) -> list[object]:
+    def steps(count):
         before = len(solvers)
         Z3().decide(about("x y", lambda x, y: ([at_least(x**count + y**2 - x * y)], [above(x, 1)])))
         return [solver.statistics().get_key_value("rlimit count") for solver in solvers[before:]]

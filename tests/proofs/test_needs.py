@@ -1,7 +1,5 @@
 """When an alteration of a function counts as noticed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import casadi as ca
@@ -17,17 +15,17 @@ from wmr_proofs.symbols import symbols
 CLAIM = next(claim for claim in all_claims() if claim.id == "guard.anchor")
 
 
-def least(extra: float) -> Statement:
+def least(extra):
     t = symbols("x")
     return Statement(t, (at_least(ca.fabs(t["x"]) + extra),))
 
 
 @pytest.mark.parametrize(("extra", "fails"), [(0, False), (-1, True)])
-def test_a_refuted_statement_fails_and_a_proved_one_does_not(extra, fails) -> None:
+def test_a_refuted_statement_fails_and_a_proved_one_does_not(extra, fails):
     assert noticed.fails(CLAIM, least(extra)) is fails
 
 
-def test_an_open_end_counts_only_if_the_claim_itself_needs_no_more_patience(monkeypatch) -> None:
+def test_an_open_end_counts_only_if_the_claim_itself_needs_no_more_patience(monkeypatch):
     hard = Statement(symbols("x"), (at_least(ca.exp(ca.SX.sym("y"))),))
     patient, quick = Z3(effort=77), Z3(effort=1)
     answers = {patient.effort: "PROVED", quick.effort: "OPEN"}

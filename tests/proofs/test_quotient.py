@@ -1,14 +1,12 @@
 """Quotients of polynomials: one way to write each, and the laws of a field."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_proofs.methods.field import Quotient, QuotientField
+from wmr_proofs.methods.field import QuotientField
 
 FIELD = QuotientField(("x", "y"))
 X, Y = FIELD.generators
@@ -16,10 +14,10 @@ NUMBERS = st.fractions(min_value=-5, max_value=5, max_denominator=7)
 POINT = {"x": Fraction(3, 7), "y": Fraction(-5, 11)}
 
 
-def value(q: Quotient) -> Fraction:
+def value(q):
     """The quotient at `POINT`, by the coefficients of both its parts."""
 
-    def of(poly) -> Fraction:
+    def of(poly):
         total = Fraction(0)
         for (a, b), c in poly.terms():
             share = Fraction(int(c.numerator), int(c.denominator))
@@ -30,7 +28,7 @@ def value(q: Quotient) -> Fraction:
 
 
 @st.composite
-def quotients(draw) -> Quotient:
+def quotients(draw):
     """Quotients of polynomials of degree one in each generator."""
     a, b, c, d = (draw(NUMBERS) for _ in range(4))
     below = c * X * Y + d + 1
@@ -38,7 +36,7 @@ def quotients(draw) -> Quotient:
 
 
 @given(quotients(), quotients())
-def test_it_computes_as_rationals_do(p, q) -> None:
+def test_it_computes_as_rationals_do(p, q):
     assert value(p + q) == value(p) + value(q)
     assert value(p - q) == value(p) - value(q)
     assert value(p * q) == value(p) * value(q)
@@ -49,7 +47,7 @@ def test_it_computes_as_rationals_do(p, q) -> None:
 
 @given(quotients(), quotients())
 @pytest.mark.slow
-def test_equal_quotients_are_written_alike(p, q) -> None:
+def test_equal_quotients_are_written_alike(p, q):
     left, right = (p + q) ** 2, p * p + 2 * p * q + q * q
 
     assert left == right
@@ -57,14 +55,14 @@ def test_equal_quotients_are_written_alike(p, q) -> None:
     assert not left - right
 
 
-def test_lowest_terms() -> None:
+def test_lowest_terms():
     found = (2 * X * X - 2 * Y * Y) / (4 * X - 4 * Y)
 
     assert found == (X + Y) / 2
     assert found.denom.is_one()
 
 
-def test_numbers() -> None:
+def test_numbers():
     assert (X / (3 * X)).number == Fraction(1, 3)
     assert FIELD(0).number == 0
     assert (X + 1).number is None
@@ -73,6 +71,6 @@ def test_numbers() -> None:
 @pytest.mark.parametrize(
     "divided", [lambda: X / (Y - Y), lambda: (X - X) ** -1, lambda: 1 / (X - X)]
 )
-def test_nothing_is_divided_by_0(divided) -> None:
+def test_nothing_is_divided_by_0(divided):
     with pytest.raises(ZeroDivisionError):
         divided()

@@ -1,7 +1,5 @@
 """What a record holds, and what `prove` takes from it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 
@@ -10,10 +8,10 @@ import pytest
 from tests.proofs import record
 from wmr_ctrl.results.ledger import LEMMA, OPEN, PROVED, REFUTED, Entry, Ledger, load
 from wmr_proofs import noticed
-from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claim import Claims
 from wmr_proofs.claims import all_claims
 from wmr_proofs.entry import check, graph_hash
-from wmr_proofs.methods.spec import Z3, Ball, Method, Ring
+from wmr_proofs.methods.spec import Z3, Ball, Ring
 from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
 from wmr_proofs.relation import above, at_least
 from wmr_proofs.runner import provenance
@@ -23,7 +21,7 @@ from wmr_proofs.symbols import symbols
 CLAIMED = {claim.id: claim for claim in all_claims()}
 
 
-def written(mutation: Mutation, strict: bool = False) -> Statement:
+def written(mutation, strict=False):
     """x^2 + 1 >= 1 where x >= 0: no function of the product is called."""
     t = symbols("x")
     relation = above if strict else at_least
@@ -34,30 +32,30 @@ PLAIN = Z3()
 ENTRY = Entry("own", (), "claim", "ours", PROVED)
 
 
-def claim_of(statement, method: Method = PLAIN):
+def claim_of(statement, method=PLAIN):
     """The claim of this statement."""
     claims = Claims(by=method)
     claims("own.square", wording="x^2 + 1 >= 1")(statement)
     return claims.listed[0]
 
 
-def turned(mutation: Mutation) -> Statement:
+def turned(mutation):
     """The same with the hypothesis among the goals."""
     statement = written(mutation)
     return replace(statement, goals=(*statement.goals, *statement.given), given=())
 
 
-def strictly(mutation: Mutation) -> Statement:
+def strictly(mutation):
     return written(mutation, strict=True)
 
 
-def less_altered(mutation: Mutation) -> Statement:
+def less_altered(mutation):
     statement = written(mutation)
     return statement if mutation > 0 else replace(statement, given=())
 
 
 @pytest.mark.parametrize("other", [turned, strictly, less_altered])
-def test_the_hash_holds_relations_hypotheses_and_the_altered_claim(other) -> None:
+def test_the_hash_holds_relations_hypotheses_and_the_altered_claim(other):
     assert graph_hash(claim_of(written)) == graph_hash(claim_of(written))
     assert graph_hash(claim_of(other)) != graph_hash(claim_of(written))
 
@@ -77,16 +75,16 @@ CHART = Case("all", {"n": POSITIVE}, lambda n: {"x": n["n"]})
         (Ring((CHART,)), Ring((CHART,), log_lemma=True)),
     ],
 )
-def test_the_hash_holds_the_method_its_boxes_and_regions(one, other) -> None:
+def test_the_hash_holds_the_method_its_boxes_and_regions(one, other):
     assert graph_hash(claim_of(written, one)) == graph_hash(claim_of(written, replace(one)))
     assert graph_hash(claim_of(written, one)) != graph_hash(claim_of(written, other))
 
 
-def test_which_engine_is_asked_first_does_not_matter() -> None:
+def test_which_engine_is_asked_first_does_not_matter():
     assert graph_hash(claim_of(written, Z3(first=("cases",)))) == graph_hash(claim_of(written))
 
 
-def test_what_calls_no_function_is_a_lemma_whatever_the_record_says() -> None:
+def test_what_calls_no_function_is_a_lemma_whatever_the_record_says():
     claim = claim_of(written)
     found = check(claim)
     forged = replace(found, verdict=PROVED, altered={"wmr_ctrl.control.guard.guard:floor": REFUTED})
@@ -103,7 +101,7 @@ UNTRIED = dict.fromkeys(KNOWN, "")
 
 
 @pytest.fixture(scope="module")
-def known() -> Entry:
+def known():
     """An entry of today with words that a record would hold."""
     found = check(CLAIMED["guard.delay.rounding.scaled"])
     return replace(found, altered=KNOWN, confirmed_by=("cvc5",), cancelled=7)
@@ -118,7 +116,7 @@ def known() -> Entry:
         ({"altered": {"wmr_ctrl.control.guard.guard:floor": REFUTED}}, ("cvc5",), UNTRIED),
     ],
 )
-def test_only_of_the_same_claim_something_is_taken(known, change, confirmed, altered) -> None:
+def test_only_of_the_same_claim_something_is_taken(known, change, confirmed, altered):
     found = check(CLAIMED["guard.delay.rounding.scaled"], replace(known, **change))
 
     assert (found.confirmed_by, found.altered) == (confirmed, altered)
@@ -127,7 +125,7 @@ def test_only_of_the_same_claim_something_is_taken(known, change, confirmed, alt
     assert found.verdict == PROVED
 
 
-def test_what_z3_showed_defined_is_asked_again_of_another_z3() -> None:
+def test_what_z3_showed_defined_is_asked_again_of_another_z3():
     """The claim's own method is the ring, which another z3 does not touch."""
     known = load().by_id()["eq04.plant"]
     forged = replace(known, cancelled=7)
@@ -139,7 +137,7 @@ def test_what_z3_showed_defined_is_asked_again_of_another_z3() -> None:
     assert found.confirmed_by == known.confirmed_by
 
 
-def test_what_was_taken_is_said() -> None:
+def test_what_was_taken_is_said():
     entry = replace(check(claim_of(written)), altered=KNOWN, confirmed_by=("cvc5",))
     given, none = load().by_id()["lemma.integration"], Ledger(())
     now = Ledger((entry, given))
@@ -154,7 +152,7 @@ def test_what_was_taken_is_said() -> None:
     assert "0 have certificates" in said
 
 
-def test_entries_of_another_claim_are_not_kept() -> None:
+def test_entries_of_another_claim_are_not_kept():
     old = load().by_id()["prediction.order"]
     assert record.merged(Ledger(()), Ledger((old,))).entries == (old,)
 
@@ -175,7 +173,7 @@ def test_entries_of_another_claim_are_not_kept() -> None:
 )
 def test_what_is_left_open_within_a_longer_budget_is_not_caught(
     monkeypatch, answers, closes, verdict
-) -> None:
+):
     claim, said, name = (
         CLAIMED["guard.anchor"],
         iter(answers),
@@ -187,7 +185,7 @@ def test_what_is_left_open_within_a_longer_budget_is_not_caught(
     assert noticed.after_alteration(claim, name) == verdict
 
 
-def test_a_function_is_named_where_its_alteration_is_noticed(monkeypatch) -> None:
+def test_a_function_is_named_where_its_alteration_is_noticed(monkeypatch):
     said = iter((REFUTED, OPEN, PROVED, ""))
     monkeypatch.setattr(noticed, "after_alteration", lambda *_: next(said))
     altered = noticed.tried(CLAIMED["guard.anchor"], "abcde", {"e": REFUTED})

@@ -1,7 +1,5 @@
 """Statements about computed numbers: what rounding may do, and nothing less."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import casadi as ca
@@ -19,13 +17,13 @@ from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import symbols
 
 
-def verdict(expr: ca.SX, goal, table, given=()) -> str:
+def verdict(expr, goal, table, given=()):
     """Of a goal about ``hat``, computed from ``expr``."""
     statement = Statement(table, (goal,), given, computed={"hat": expr})
     return Z3(effort=20).decide(statement).verdict
 
 
-def test_a_sum_is_off_by_its_unit_and_no_more() -> None:
+def test_a_sum_is_off_by_its_unit_and_no_more():
     t = symbols("x y hat")
     off, size = ca.fabs(t["hat"] - (t["x"] + t["y"])), ca.fabs(t["x"] + t["y"])
 
@@ -34,14 +32,14 @@ def test_a_sum_is_off_by_its_unit_and_no_more() -> None:
 
 
 @pytest.mark.parametrize("exact", ["-x", "fmin(x, y)", "fabs(x)", "0.5 * x", "-4 * x"])
-def test_what_is_exact_stays_exact(exact: str) -> None:
+def test_what_is_exact_stays_exact(exact):
     t = symbols("x y hat")
     expr = eval(exact, {"fmin": ca.fmin, "fabs": ca.fabs}, t)
 
     assert verdict(expr, equal(t["hat"], expr), t) == PROVED
 
 
-def test_a_quotient_by_a_parameter_is_rounded_twice() -> None:
+def test_a_quotient_by_a_parameter_is_rounded_twice():
     """As the compiled text has it, a product with an inverse."""
     t = symbols("x p hat", "p")
     once = at_least(UNIT * ca.fabs(t["x"]), ca.fabs(t["hat"] * t["p"] - t["x"]))
@@ -51,14 +49,14 @@ def test_a_quotient_by_a_parameter_is_rounded_twice() -> None:
     assert verdict(t["x"] / t["p"], twice, t, (above(t["p"]),)) == PROVED
 
 
-def test_an_error_that_is_not_known_is_refused() -> None:
+def test_an_error_that_is_not_known_is_refused():
     t = symbols("x hat")
     with pytest.raises(ValueError, match="log"):
         verdict(ca.log(t["x"]), equal(t["hat"]), t)
 
 
 @pytest.mark.parametrize("name", preset_names())
-def test_presets_lie_in_the_range_of_the_promise(name: str) -> None:
+def test_presets_lie_in_the_range_of_the_promise(name):
     """l M_min1 u1_1/(M_min2 u1_2) within [1/22, 22], and the conditions with room to spare."""
     scenario = load_scenario(name)
     guard = settle(scenario, None).guard
@@ -69,7 +67,7 @@ def test_presets_lie_in_the_range_of_the_promise(name: str) -> None:
     assert guard.alpha * scenario.clock.control <= 1 + 2.0**-50
 
 
-def test_what_is_not_defined_behind_a_rounding_is_left_open() -> None:
+def test_what_is_not_defined_behind_a_rounding_is_left_open():
     t = symbols("x y hat")
     share = ca.fmin(ca.fmax(t["y"] / t["x"], -1), 1)
 
@@ -83,7 +81,7 @@ def test_what_is_not_defined_behind_a_rounding_is_left_open() -> None:
     ("on", "scale"),
     [(on, scale) for on in ("body", "wheels", "both") for scale in ("curvature", "turn", "drive")],
 )
-def test_what_doubles_scale_is_as_near_to_its_limits_as_is_proved(on: str, scale: str) -> None:
+def test_what_doubles_scale_is_as_near_to_its_limits_as_is_proved(on, scale):
     """In rationals, for commands that doubles compute; some pass the wheels' limits."""
     a, rng, passed = Limited(on), np.random.default_rng(1), 0
     sent = ca.Function("sent", [*a.symbols.values()], [scaled(a.asked, a.channels, *a.ends, scale)])

@@ -10,8 +10,6 @@ V1 has no bound at the limit, so the limit is kept; and z^2 <= 2 V1 where |v_c0|
 converges from everywhere does not hold: the error has a second rest.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tests.proofs.anew import altered, assert_proved, claim_of, verdict
@@ -21,28 +19,28 @@ AXES = pytest.mark.parametrize("axis", ["", "-angular"])
 
 
 @AXES
-def test_v1_falls_at_the_rate_rho_under_the_model_based_law(axis: str) -> None:
+def test_v1_falls_at_the_rate_rho_under_the_model_based_law(axis):
     """V1' = -rho V1 on the graph of the law that is compiled, A = 0 included."""
     assert_proved(f"eq30.law{axis}")
 
 
-def test_target_is_the_only_minimiser_of_the_cost() -> None:
+def test_target_is_the_only_minimiser_of_the_cost():
     """v_c1 of Eq. (18) minimises (v - v_c0)^2/2 + f(v), and the cost rises with the distance."""
     assert_proved("eq17-18")
     assert_proved("eq18.inside")
 
 
-def test_v1_bounds_the_velocity_error() -> None:
+def test_v1_bounds_the_velocity_error():
     """V1 >= (v - v_c1)^2/2, so z^2 <= 2 V1 where |v_c0| < v_u2."""
     assert_proved("eq81")
     assert_proved("thm1.velocity")
 
 
-def test_position_error_has_a_second_rest() -> None:
+def test_position_error_has_a_second_rest():
     assert verdict(claim_of("thm1.global")) == "REFUTED"
 
 
 @AXES
-def test_law_with_twice_the_barrier_gain_is_refuted(axis: str) -> None:
+def test_law_with_twice_the_barrier_gain_is_refuted(axis):
     with altered(mb.build, 'context.per_axis("V1_over_A")', '2 * context.per_axis("V1_over_A")'):
         assert verdict(claim_of(f"eq30.law{axis}")) == "REFUTED"

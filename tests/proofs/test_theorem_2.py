@@ -10,33 +10,31 @@ with C from the residual eps2 of Eq. (59).  What does not: eps2 has no bound whe
 so that nothing follows for the limits.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tests.proofs.anew import altered, assert_proved, claim_of, verdict
 from wmr_ctrl.control.laws import nn
 
 
-def test_law_is_equation_57() -> None:
+def test_law_is_equation_57():
     assert_proved("eq57")
 
 
 @pytest.mark.parametrize("axis", ["", ".angular"])
-def test_weights_follow_equation_58(axis: str) -> None:
+def test_weights_follow_equation_58(axis):
     assert_proved(f"eq58{axis}")
 
 
-def test_v3_falls_at_the_rate_rho2_up_to_a_constant() -> None:
+def test_v3_falls_at_the_rate_rho2_up_to_a_constant():
     """V3' <= -rho2 V3 + C, and rho2 of Eq. (86) is small enough for both axes."""
     assert_proved("eq84-85")
     assert_proved("eq86")
 
 
-def test_residual_has_no_bound_where_the_barrier_acts() -> None:
+def test_residual_has_no_bound_where_the_barrier_acts():
     assert verdict(claim_of("eq59.printed")) == "REFUTED"
 
 
-def test_law_that_unlearns_is_refuted() -> None:
+def test_law_that_unlearns_is_refuted():
     with altered(nn._adapted, "* weights - learning", "* weights + learning"):
         assert verdict(claim_of("eq58")) == "REFUTED"

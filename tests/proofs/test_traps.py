@@ -1,7 +1,5 @@
 """What each method must leave open: undefined somewhere, not decided, or beyond what it knows."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import casadi as ca
@@ -17,7 +15,7 @@ UNIT = {name: (Fraction(0), Fraction(1)) for name in ("x", "y")}
 NOT_NEGATIVE = Ring((Case("x, y >= 0", declared={"x": NONNEGATIVE, "y": NONNEGATIVE}),))
 
 
-def about(*goals, given=()) -> Statement:
+def about(*goals, given=()):
     return Statement(T, goals, tuple(given))
 
 
@@ -88,28 +86,28 @@ POINTS = (
 
 
 @pytest.mark.parametrize("statement", [*SINGULAR, *UNKNOWN, *RING_ONLY])
-def test_exact_algebra_leaves_open(statement) -> None:
+def test_exact_algebra_leaves_open(statement):
     assert NOT_NEGATIVE.decide(statement).verdict == "OPEN"
     assert Ring().decide(statement).verdict == "OPEN"
 
 
 @pytest.mark.parametrize("statement", [*SINGULAR, *UNKNOWN, *Z3_ONLY])
-def test_z3_leaves_open(statement) -> None:
+def test_z3_leaves_open(statement):
     assert Z3(effort=5).decide(statement).verdict == "OPEN"
 
 
 @pytest.mark.parametrize("statement", BALL)
-def test_intervals_leave_open(statement) -> None:
+def test_intervals_leave_open(statement):
     assert Ball(box=UNIT, budget=100).decide(statement).verdict == "OPEN"
 
 
 @pytest.mark.parametrize(("method", "statement"), POINTS)
-def test_points_leave_open(method, statement) -> None:
+def test_points_leave_open(method, statement):
     assert method.decide(statement).verdict == "OPEN"
 
 
 @pytest.mark.parametrize("method", [Ball(box=UNIT), Ring(), Z3()])
-def test_a_choice_by_a_number_takes_both_ways(method) -> None:
+def test_a_choice_by_a_number_takes_both_ways(method):
     chosen = about(at_least(2, ca.if_else(X, 5, Y)), given=(at_least(1, Y),))
 
     assert method.decide(chosen).verdict != "PROVED"

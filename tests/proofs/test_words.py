@@ -6,7 +6,6 @@ graphs are evaluated in doubles; goals are written down here once more.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -66,7 +65,7 @@ NOT_SAMPLED = {
 """Entries that no check is about, and why, or what tries them; a check goes first."""
 
 
-def test_every_entry_of_these_families_is_sampled_or_named() -> None:
+def test_every_entry_of_these_families_is_sampled_or_named():
     ids = [e.id for e in load().entries if e.verdict in ("PROVED", "LEMMA")]
     ours = {key for key in ids if key.startswith(FAMILIES)}
     rest = ours - CHECKS.keys()
@@ -78,7 +77,7 @@ def test_every_entry_of_these_families_is_sampled_or_named() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("check", EACH, ids=lambda check: check.__name__)
-def test_no_sample_breaks_a_claim_as_it_is_worded(check: Check) -> None:
+def test_no_sample_breaks_a_claim_as_it_is_worded(check):
     for goal, spare in check(np.random.default_rng(61)).items():
         assert spare.shape == (SAMPLES,)
         assert spare.min() >= -NEAR, f"{check.__name__}: {goal} misses by {-spare.min():.3g}"
@@ -93,14 +92,12 @@ ALTERED = (
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("check", "function", "old", "new"), ALTERED)
-def test_samples_notice_an_altered_formula(
-    check: Check, function: Callable, old: str, new: str
-) -> None:
+def test_samples_notice_an_altered_formula(check, function, old, new):
     with altered(function, old, new):
         found = check(np.random.default_rng(61))
     assert min(spare.min() for spare in found.values()) < -NEAR
 
 
-def test_checks_are_those_of_the_modules() -> None:
+def test_checks_are_those_of_the_modules():
     assert {check.__module__ for check in EACH} == {module.__name__ for module in MODULES}
     assert worded.SAMPLES == 100_000

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import casadi as ca
 import numpy as np
@@ -16,10 +16,10 @@ Check = Callable[[np.random.Generator], dict[str, np.ndarray]]
 CHECKS: dict[str, Check] = {}
 
 
-def about(*ids: str) -> Callable[[Check], Check]:
+def about(*ids):
     """Enter a check as the one of these entries."""
 
-    def enter(check: Check) -> Check:
+    def enter(check):
         assert not CHECKS.keys() & set(ids)
         CHECKS.update(dict.fromkeys(ids, check))
         return check
@@ -27,51 +27,49 @@ def about(*ids: str) -> Callable[[Check], Check]:
     return enter
 
 
-def share(rng: np.random.Generator) -> np.ndarray:
+def share(rng):
     """Numbers from 0 to 1, a sixth of them at each rim."""
     value = rng.uniform(size=SAMPLES)
     at = rng.integers(0, 6, SAMPLES)
     return np.where(at == 0, 0.0, np.where(at == 1, 1.0, value))
 
 
-def positive(rng: np.random.Generator) -> np.ndarray:
+def positive(rng):
     """Numbers above 0 of some orders of magnitude."""
     return np.exp(rng.normal(0.0, 1.2, SAMPLES))
 
 
-def between(rng: np.random.Generator, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def between(rng, low, high):
     """Numbers from low to high, both rims among them."""
     part = share(rng)
     return np.clip(low + part * (high - low), low, high)
 
 
-def around(rng: np.random.Generator, size: np.ndarray | float) -> np.ndarray:
+def around(rng, size):
     """Numbers of either sign, mostly up to ``size``, some far above."""
     far = np.where(rng.integers(0, 8, SAMPLES) == 0, 30.0, 1.3)
     return rng.choice([-1.0, 1.0], SAMPLES) * share(rng) * size * far
 
 
-def evaluated(
-    symbols: Sequence[ca.SX], outputs: Sequence[ca.SX], numbers: Sequence[np.ndarray]
-) -> list[np.ndarray]:
+def evaluated(symbols, outputs, numbers):
     """The scalar outputs for each sample of the scalar symbols."""
     graph = ca.Function("graph", [ca.vertcat(*symbols)], [ca.vertcat(*outputs)])
     rows = np.stack([np.broadcast_to(item, SAMPLES) for item in numbers])
     return list(np.array(graph(rows)))
 
 
-def calculated(formula: Callable[..., Sequence[ca.SX]], *numbers: np.ndarray) -> list[np.ndarray]:
+def calculated(formula, *numbers):
     """A function of the product for each sample."""
     symbols = [ca.SX.sym(f"x{i}") for i in range(len(numbers))]
     return evaluated(symbols, [ca.SX(item) for item in formula(*symbols)], numbers)
 
 
-def left(most: np.ndarray, value: np.ndarray, *sizes: np.ndarray | float) -> np.ndarray:
+def left(most, value, *sizes):
     """What ``value`` leaves of ``most``, over the largest of all sizes."""
     size = np.maximum.reduce([np.abs(item) + 0 * most for item in (most, value, *sizes)])
     return (most - value) / np.maximum(size, 1e-300)
 
 
-def same(one: np.ndarray, other: np.ndarray, *sizes: np.ndarray | float) -> np.ndarray:
+def same(one, other, *sizes):
     """Minus how far both are apart, over the largest of all sizes."""
     return -np.abs(left(one, other, *sizes))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from functools import partial
 
 import casadi as ca
@@ -26,7 +25,6 @@ from wmr_ctrl.control.filter.channels import Channel, scaled
 from wmr_ctrl.control.filter.clip import Clip
 from wmr_ctrl.control.filter.forecast import Fading, spread_of, stays_of
 from wmr_ctrl.control.filter.governor_step import Governor
-from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario
 
 Array = np.ndarray
@@ -48,17 +46,17 @@ SCALES = ("curvature", "axes", "turn", "drive")
 class Numbers:
     """Random numbers for the ports of a System, by name and place."""
 
-    def __init__(self, rng: np.random.Generator, system: System) -> None:
+    def __init__(self, rng, system):
         self.system, self.rng, self.of = system, rng, dict[str, list[Array]]()
         for item in (*system.inputs, *system.state, *system.params):
             self.of[item.signal.name] = [around(rng, 1.0) for _ in range(item.sym.numel())]
 
-    def bases(self, push: Sequence[Array], speed: Sequence[Array]) -> list[tuple[Array, Array]]:
+    def bases(self, push, speed):
         """Numbers of the filter that are sound; the gains of v and of omega."""
         self.of |= {"filter.d": list(push), "limits.v_u1": list(speed)}
         return self.ends("filter.gain")
 
-    def ends(self, name: str) -> list[tuple[Array, Array]]:
+    def ends(self, name):
         """Intervals of v and of omega, drawn anew, as one or as two."""
         apart = list[tuple[Array, Array]]()
         for _ in range(len(self.of[name]) // 2):
@@ -67,7 +65,7 @@ class Numbers:
         self.of[name] = [end for pair in apart for end in pair]
         return [apart[0], apart[-1]]
 
-    def results(self, *outputs: ca.SX) -> list[Array]:
+    def results(self, *outputs):
         """Outputs for each sample."""
         ports = (*self.system.inputs, *self.system.state, *self.system.params)
         symbols = [x for item in ports for x in ca.vertsplit(ca.vec(item.sym))]
@@ -77,9 +75,7 @@ class Numbers:
         )
 
 
-def stated(
-    rng: np.random.Generator, n: Numbers
-) -> tuple[list[Array], list[Array], list[tuple[Array, Array]]]:
+def stated(rng, n):
     """V of v and omega, pushes below them, and the gains of each; set in the numbers."""
     speed = [positive(rng) for _ in range(2)]
     push = [0.999 * share(rng) * SPARE * V for V in speed]
@@ -88,16 +84,14 @@ def stated(
 
 @about("filter.drive", "filter.inside", "filter.clip", "filter.contains-clip", "filter.necessary",
        "filter.estimate")  # fmt: skip
-def one_axis(rng: np.random.Generator) -> dict[str, Array]:
+def one_axis(rng):
     V, low = positive(rng), positive(rng)
     high = low * (1 + share(rng))
     dbar = 0.999 * V * share(rng)
     u, v_bar = around(rng, 2 * V / low), V - around(rng, V) ** 2 / V
     e = np.clip(share(rng), 1e-6, 1 - 1e-6)
 
-    def formula(
-        u: ca.SX, v: ca.SX, V: ca.SX, d: ca.SX, k: ca.SX, K: ca.SX, kap: ca.SX
-    ) -> list[ca.SX]:
+    def formula(u, v, V, d, k, K, kap):
         b = governor.FirstOrder(V, d, ca.SX(0), k, K, kap)
         hi, clip = governor.largest_command(v, b), governor.largest_command(V, b)
         return [governor.drive(u, b), governor.drive_back(u, b), hi, clip]
@@ -131,12 +125,12 @@ def one_axis(rng: np.random.Generator) -> dict[str, Array]:
     return found
 
 
-def axes_of(more: Mapping[str, object]) -> Mapping[str, object]:
+def axes_of(more):
     """Bounds by axis, where no wheel is limited."""
     return APART if {"filter.channels", "filter.wheel_speed"}.isdisjoint(more) else {}
 
 
-def _governed(rng: np.random.Generator, more: Mapping[str, object]) -> dict[str, Array]:
+def _governed(rng, more):
     """A governor's whole step: what is sent, what that leads to, and what is kept."""
     graph = Governor(load_scenario("paper-simulation", {**BASE, **axes_of(more), **more}))
     n = Numbers(rng, graph.system)
@@ -211,17 +205,17 @@ def _governed(rng: np.random.Generator, more: Mapping[str, object]) -> dict[str,
         for way in ("forwards", "backwards")
     ),
 )
-def governed(rng: np.random.Generator) -> dict[str, Array]:
+def governed(rng):
     return _governed(rng, {})
 
 
-def _over(rng: np.random.Generator, shapes: Sequence[Mapping[str, object]]) -> dict[str, Array]:
+def _over(rng, shapes):
     found = [_governed(rng, more) for more in shapes]
     return {f"{name} {k}": item for k, own in enumerate(found) for name, item in own.items()}
 
 
 @about("filter.sent.axes")
-def governed_axes(rng: np.random.Generator) -> dict[str, Array]:
+def governed_axes(rng):
     return _over(rng, [{"filter.scale": scale} for scale in SCALES[1:]])
 
 
@@ -233,7 +227,7 @@ def governed_axes(rng: np.random.Generator) -> dict[str, Array]:
         for way in ("forwards", "backwards")
     ),
 )
-def governed_wheels(rng: np.random.Generator) -> dict[str, Array]:
+def governed_wheels(rng):
     scales = ("curvature", "turn", "drive")
     return _over(rng, [{"filter.channels": "wheels", "filter.scale": scale} for scale in scales])
 
@@ -246,18 +240,18 @@ def governed_wheels(rng: np.random.Generator) -> dict[str, Array]:
         for way in ("forwards", "backwards")
     ),
 )
-def governed_beside(rng: np.random.Generator) -> dict[str, Array]:
+def governed_beside(rng):
     scales = ("curvature", "turn", "drive")
     return _over(rng, [{"filter.wheel_speed": 1.0, "filter.scale": scale} for scale in scales])
 
 
 @about("filter.assembled.jitter", "filter.assembled.losses", "filter.assembled.hold")
-def governed_late(rng: np.random.Generator) -> dict[str, Array]:
+def governed_late(rng):
     times = {"filter.jitter": PERIOD / 2, "filter.losses": 2, "filter.hold": 5 * PERIOD}
     return _over(rng, [{key: value} for key, value in times.items()])
 
 
-def _clipped(rng: np.random.Generator, clip: Clip, sent: ca.SX, n: Numbers) -> dict[str, Array]:
+def _clipped(rng, clip, sent, n):
     """Each limited speed of what a clip sends, against the numbers of its limit."""
     both = [
         x
@@ -274,9 +268,7 @@ def _clipped(rng: np.random.Generator, clip: Clip, sent: ca.SX, n: Numbers) -> d
     return found
 
 
-def _clips(
-    rng: np.random.Generator, settings: Mapping[str, object], scales: Sequence[str]
-) -> dict[str, Array]:
+def _clips(rng, settings, scales):
     found = {}
     for scale in scales:
         own = {**settings, **axes_of(settings), "filter.scale": scale}
@@ -295,7 +287,7 @@ def _clips(
 
 @about("filter.sent-clip-linear", "filter.sent-clip-angular", "filter.sent-clip.axes",
        "filter.sent-clip.wheels", "filter.sent-clip.beside")  # fmt: skip
-def clips(rng: np.random.Generator) -> dict[str, Array]:
+def clips(rng):
     found = {}
     shapes = ({}, {"filter.channels": "wheels"}, {"filter.wheel_speed": 1.0})
     for k, more in enumerate(shapes):
@@ -309,7 +301,7 @@ def clips(rng: np.random.Generator) -> dict[str, Array]:
 
 
 @about("filter.slew-sent-linear", "filter.slew-sent-angular", "filter.slew-sent.together")
-def slow(rng: np.random.Generator) -> dict[str, Array]:
+def slow(rng):
     found = {}
     for scale in SCALES:
         settings = {**LINEAR, **APART, "filter.slew": (0.1, 0.1), "filter.scale": scale}
@@ -342,7 +334,7 @@ def slow(rng: np.random.Generator) -> dict[str, Array]:
     "filter.band.sent.scales",
     "filter.band.sent.pi",
 )
-def bands(rng: np.random.Generator) -> dict[str, Array]:
+def bands(rng):
     loop = {**LINEAR, "filter.kind": "band"}
     pi = {"filter.kind": "band", "filter.loop": "pi", "clock.control": PERIOD,
           "filter.mass": (50.0, 65.0), "filter.inertia": (4.0, 6.0), "filter.kp": (135.0, 165.0),
@@ -376,11 +368,11 @@ def bands(rng: np.random.Generator) -> dict[str, Array]:
     "filter.band.past-over",
     "filter.band.past-under",
 )
-def parts(rng: np.random.Generator) -> dict[str, Array]:
+def parts(rng):
     r = [around(rng, 2.0) for _ in range(2)]
     hi, lo = ([positive(rng) for _ in range(2)] for _ in range(2))
 
-    def factor(a: ca.SX, b: ca.SX, *ends: ca.SX) -> list[ca.SX]:
+    def factor(a, b, *ends):
         back = [-x for x in ends[2:]]
         return [ca.fmin(*governor.admitted([a, b], back, list(ends[:2])))]
 
@@ -425,7 +417,7 @@ def parts(rng: np.random.Generator) -> dict[str, Array]:
     g = share(rng) / (1 + x + x * x / 2)
     g = np.where(came > 0, np.minimum(g, soonest), g)
 
-    def aged(reach: ca.SX, past: ca.SX, came: ca.SX, x: ca.SX, soonest: ca.SX) -> list[ca.SX]:
+    def aged(reach, past, came, x, soonest):
         known = Fading(reach, past, ca.SX(0)).aged(came, ca.SX(0), stays_of(x, ca.SX(1)), soonest)
         return [known.reach, known.past]
 
@@ -441,13 +433,13 @@ def parts(rng: np.random.Generator) -> dict[str, Array]:
     return found
 
 
-def _pair(rng: np.random.Generator, V: Array, W: Array, l: Array) -> tuple[Array, Array]:
+def _pair(rng, V, W, l):
     """v and omega with |v| <= V and both wheels within W, the rims among them."""
     v, turn = rng.choice([-1.0, 1.0], SAMPLES) * share(rng) * np.minimum(V, W), share(rng)
     return v, rng.choice([-1.0, 1.0], SAMPLES) * turn * (W - np.abs(v)) / l
 
 
-def _ramped(now: Array, goal: Array, up: Array, down: Array) -> Array:
+def _ramped(now, goal, up, down):
     """A ramp's next value: away from 0 by ``up`` at most, towards it by ``down``, not past it."""
     turns = now * goal < 0
     stop = np.where(turns, 0.0, goal)
@@ -457,7 +449,7 @@ def _ramped(now: Array, goal: Array, up: Array, down: Array) -> Array:
 
 @about("gate.inside", "gate.stop", "gate.stale", "gate.latched", "gate.rise", "gate.inside.axes",
        "gate.inside.wheels", "gate.inside.beside")  # fmt: skip
-def gates(rng: np.random.Generator) -> dict[str, Array]:
+def gates(rng):
     found, settings = {}, gate.GateSettings()
     limits = ({}, {"filter.channels": "wheels"}, {"filter.wheel_speed": 1.0})
     shapes = [(more, scale) for more in limits
@@ -505,9 +497,7 @@ def gates(rng: np.random.Generator) -> dict[str, Array]:
     return found
 
 
-def _sent_as_it_is(
-    kinds: str, scale: str, v: ca.SX, omega: ca.SX, l: ca.SX, A: ca.SX, B: ca.SX, C: ca.SX
-) -> list[ca.SX]:
+def _sent_as_it_is(kinds, scale, v, omega, l, A, B, C):
     """A command within limits A of v, B of omega, C of both wheels, scaled."""
     unused = governor.FirstOrder(*(ca.SX(0) for _ in range(6)))
     axes = [Channel((1 - i, i), ca.SX(1), (unused,), (0.0, 0.0)) for i in (0, 1)] * (
@@ -532,7 +522,7 @@ def _sent_as_it_is(
         )
     )
 )
-def unclipped(rng: np.random.Generator) -> dict[str, Array]:
+def unclipped(rng):
     found = {}
     for kinds in ("axes", "wheels", "axes wheels"):
         for scale in SCALES if kinds == "axes" else ("curvature", "turn", "drive"):

@@ -36,19 +36,19 @@ class Axis:
     mixed: Array | None = None
     usual: Array | None = None
 
-    def __getattr__(self, name: str) -> Array:
+    def __getattr__(self, name):
         return self.numbers[name]
 
     @property
-    def net(self) -> Array:
+    def net(self):
         return self.dbar - self.f_min
 
     @property
-    def size(self) -> Array:
+    def size(self):
         """Size of its forces."""
         return self.M_min * self.alpha * self.u1 + np.abs(self.net) + self.brake
 
-    def graph(self, *symbols: ca.SX) -> Bounds:
+    def graph(self, *symbols):
         """The bounds that the product's functions read, of the first symbols."""
         names = [
             *KEYS,
@@ -57,16 +57,16 @@ class Axis:
         return Bounds(**dict(zip(names, symbols, strict=False)))
 
     @property
-    def columns(self) -> list[Array]:
+    def columns(self):
         """Numbers in the order of `graph`."""
         times = [item for item in (self.delay, self.jitter, self.mixed) if item is not None]
         return [*(self.numbers[name] for name in KEYS), *times]
 
-    def force(self, asked: Array, y: Array, *coming: Array) -> list[Array]:
+    def force(self, asked, y, *coming):
         """F, hi, lo and the safe point; ``coming``: ahead, back, then rest, then the last's."""
         count = len(self.columns)
 
-        def formula(*x: ca.SX) -> list[ca.SX]:
+        def formula(*x):
             b, wish, seen, sums = self.graph(*x[:count]), x[count], x[count + 1], x[count + 2 :]
             pushed = None
             if sums:
@@ -78,11 +78,11 @@ class Axis:
 
         return calculated(formula, *self.columns, asked, y, *coming)
 
-    def caps(self) -> tuple[Array, Array]:
+    def caps(self):
         """Brakes and largest force."""
         count = len(self.columns)
 
-        def formula(*x: ca.SX) -> list[ca.SX]:
+        def formula(*x):
             b = self.graph(*x[:count])
             return [b.braking, late_guard.largest_force(b) if b.delay is not None else b.braking]
 
@@ -90,7 +90,7 @@ class Axis:
         return brakes, largest
 
 
-def drawn(rng: np.random.Generator, late: str = "") -> Axis:
+def drawn(rng, late=""):
     """Numbers with all conditions, many of them just met; ``late``: "", "delay" or "jitter"."""
     n = {name: positive(rng) for name in ("u1", "period", "M_min")}
     n["alpha"] = (0.02 + 0.98 * share(rng)) / n["period"]
@@ -119,7 +119,7 @@ def drawn(rng: np.random.Generator, late: str = "") -> Axis:
     return axis
 
 
-def counted(rng: np.random.Generator, a: Axis) -> list[Array]:
+def counted(rng, a):
     """Sums of commands under way as the entries bound them, and the last command's."""
     _, largest = a.caps()
     assert a.delay is not None
@@ -142,7 +142,7 @@ def counted(rng: np.random.Generator, a: Axis) -> list[Array]:
 @about("guard.feasible", "guard.anchor", "guard.upper", "guard.lower", "guard.kept",
        "guard.no-overshoot", "guard.no-overshoot-back", "guard.graceful", "guard.graceful-back",
        "guard.outside", "guard.outside-back", "guard.return", "guard.return-back")  # fmt: skip
-def at_once(rng: np.random.Generator) -> dict[str, Array]:
+def at_once(rng):
     a = drawn(rng)
     v = around(rng, a.u1)
     y = v + a.nbar * between(rng, -np.ones(SAMPLES), np.ones(SAMPLES))
@@ -175,7 +175,7 @@ def at_once(rng: np.random.Generator) -> dict[str, Array]:
        "guard.delay.anchor", "guard.delay.upper", "guard.delay.lower", "guard.delay.outside",
        "guard.delay.outside-back", "guard.delay.return", "guard.delay.return-back",
        "guard.delay.graceful", "guard.delay.graceful-back", "guard.delay.kept")  # fmt: skip
-def delayed(rng: np.random.Generator) -> dict[str, Array]:
+def delayed(rng):
     return _late(rng, drawn(rng, "delay"))
 
 
@@ -183,7 +183,7 @@ def delayed(rng: np.random.Generator) -> dict[str, Array]:
        "guard.late.anchor", "guard.late.upper", "guard.late.lower", "guard.late.outside",
        "guard.late.outside-back", "guard.late.graceful", "guard.late.graceful-back",
        "guard.late.left", "guard.late.spare", "guard.late.room")  # fmt: skip
-def jittering(rng: np.random.Generator) -> dict[str, Array]:
+def jittering(rng):
     return _late(rng, drawn(rng, "jitter"))
 
 
@@ -191,13 +191,13 @@ def jittering(rng: np.random.Generator) -> dict[str, Array]:
        "guard.late.steady.lower", "guard.late.steady.outside", "guard.late.steady.outside-back",
        "guard.late.steady.return", "guard.late.steady.return-back", "guard.late.steady.graceful",
        "guard.late.steady.graceful-back", "guard.late.steady.left")  # fmt: skip
-def averaged(rng: np.random.Generator) -> dict[str, Array]:
+def averaged(rng):
     a = drawn(rng, "delay")
     assert a.delay is not None
     return _late(rng, replace(a, usual=a.delay * share(rng)))
 
 
-def _late(rng: np.random.Generator, a: Axis) -> dict[str, Array]:
+def _late(rng, a):
     """Goals behind commands under way: what they leave, and that the new one keeps the limit."""
     assert a.delay is not None
     (brakes, largest), sums = a.caps(), counted(rng, a)
@@ -261,7 +261,7 @@ def _late(rng: np.random.Generator, a: Axis) -> dict[str, Array]:
 
 
 @about("guard.monitor", "guard.monitor-quiet", "guard.monitor-sharp")
-def monitor(rng: np.random.Generator) -> dict[str, Array]:
+def monitor(rng):
     a = drawn(rng)
     way = rng.choice([-1.0, 1.0], SAMPLES)
     old, mass = around(rng, 3 * a.u1), between(rng, a.M_min, a.M_max)
@@ -292,7 +292,7 @@ def monitor(rng: np.random.Generator) -> dict[str, Array]:
 
 
 @about("guard.promise", "guard.promise-late")
-def flag(rng: np.random.Generator) -> dict[str, Array]:
+def flag(rng):
     a = drawn(rng, "delay")
     assert a.delay is not None
     a.numbers |= {name: a.numbers[name] * rng.choice([1.0, 1.0001, 1.3], SAMPLES) for name in KEYS}
@@ -308,7 +308,7 @@ def flag(rng: np.random.Generator) -> dict[str, Array]:
 
 @about("guard.maximal", "guard.necessary", "guard.delay.necessary", "guard.lemma.piece",
        "guard.late.convex", "guard.delay.command", "guard.late.piece")  # fmt: skip
-def forces(rng: np.random.Generator) -> dict[str, Array]:
+def forces(rng):
     a = drawn(rng)
     exact = {"nbar": 0 * a.u1, "f_speed": 0 * a.u1, "f_min": 0 * a.u1, "alpha": 1 / a.period}
     dbar = share(rng) * a.M_min * a.u1 / a.period / 2
@@ -347,7 +347,7 @@ def forces(rng: np.random.Generator) -> dict[str, Array]:
 
 
 @about("guard.varying.moved", "guard.varying.integral", "guard.varying.piece", "guard.varying.more")
-def lagging(rng: np.random.Generator) -> dict[str, Array]:
+def lagging(rng):
     b = positive(rng)
     a = b * np.maximum(share(rng), 1e-3)
     h, J = positive(rng), positive(rng)

@@ -1,7 +1,5 @@
 """Entries of prox, and what the corridor assumes of laws and guard, sampled as they are worded."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 
@@ -14,11 +12,10 @@ from wmr_ctrl.control.laws.prox import prox_step
 from wmr_ctrl.control.laws.velocity_loop import cut
 from wmr_ctrl.world.pose_sensor import reckoned
 
-Array = np.ndarray
 BOTH = ((False, ""), (True, "-smooth"))
 
 
-def _slope(x: Array, u1: Array, u2: Array, smooth: bool) -> tuple[Array, Array]:
+def _slope(x, u1, u2, smooth):
     """Least and largest slope of the barrier at x."""
     size = np.abs(x)
     steep = 1 / np.maximum(u1 - size, 1e-300) - (1 / (u1 - u2) if smooth else 0)
@@ -31,7 +28,7 @@ def _slope(x: Array, u1: Array, u2: Array, smooth: bool) -> tuple[Array, Array]:
 @about(*(f"prox.{name}{key}" for _, key in BOTH for name in (
     "optimal", "monotone", "short", "inside", "contracts", "linear", "margin")),
     "prox.root", "corridor.prox", "corridor.prox-smooth")  # fmt: skip
-def proximal(rng: np.random.Generator) -> dict[str, Array]:
+def proximal(rng):
     u1, k, E = positive(rng), positive(rng), np.clip(share(rng), 1e-4, 1 - 1e-4)
     u2 = u1 * np.clip(share(rng), 0.02, 0.98)
     c, after, along = (around(rng, 2 * u1) for _ in range(3))
@@ -39,8 +36,8 @@ def proximal(rng: np.random.Generator) -> dict[str, Array]:
     found = {}
     for smooth, key in BOTH:
 
-        def step(v: ca.SX, c: ca.SX, m: ca.SX, t: ca.SX, E: ca.SX, u1: ca.SX, u2: ca.SX,
-                 k: ca.SX, smooth: bool = smooth) -> list[ca.SX]:  # fmt: skip
+        def step(v, c, m, t, E, u1, u2,
+                 k, smooth = smooth):  # fmt: skip
             maps = [resolvent(x, y, u1, u2, smooth) for x, y in ((c, k), (c, 1), (t, 1), (m, 1))]
             return [*maps, prox_step(v, (c, m, t), (E, 1 - E), (u1, u2), smooth)]
 
@@ -82,7 +79,7 @@ def proximal(rng: np.random.Generator) -> dict[str, Array]:
 
 @about("prox.jury", "prox.light-model", "prox.wrong-mass", "prox.wrong-mass-gentle",
        "prox.any-mass.step", "prox.any-mass.step-gentle", "prox.not-expansive")  # fmt: skip
-def wrong_mass(rng: np.random.Generator) -> dict[str, Array]:
+def wrong_mass(rng):
     mu, a, L = 4 / 3 * np.maximum(share(rng), 1e-3), np.clip(share(rng), 1e-3, 1 - 1e-3), share(rng)
     L = np.clip(L, 1e-3, 1 - 1e-3)
     trace = 2 - mu * a - L * mu
@@ -111,7 +108,7 @@ def wrong_mass(rng: np.random.Generator) -> dict[str, Array]:
 @about("corridor.mb", "corridor.mb-smooth", "corridor.kanayama", "corridor.wheels-linear-first",
        "corridor.wheels-rotation-first", "corridor.product", "corridor.reckoning",
        "corridor.guard", "corridor.guard-sums")  # fmt: skip
-def off_limits(rng: np.random.Generator) -> dict[str, Array]:
+def off_limits(rng):
     u1 = positive(rng)
     u2 = u1 * np.clip(share(rng), 0.02, 0.98)
     v, c = (u2 * rng.uniform(-1, 1, SAMPLES) for _ in range(2))
@@ -154,7 +151,7 @@ def off_limits(rng: np.random.Generator) -> dict[str, Array]:
     return found | _unguarded(rng)
 
 
-def _unguarded(rng: np.random.Generator) -> dict[str, Array]:
+def _unguarded(rng):
     M, alpha, T, u1, heavy = (positive(rng) for _ in range(5))
     nbar, f_speed = u1 * share(rng) / 2, u1 * share(rng)
     S = M * alpha
@@ -177,7 +174,7 @@ def _unguarded(rng: np.random.Generator) -> dict[str, Array]:
         f_speed,
     )
 
-    def held(*x: ca.SX) -> list[ca.SX]:
+    def held(*x):
         return [clipped(wish, x[-1], Bounds(*x[:10])) for wish in (x[-2], ca.SX(0))]
 
     given, safe = calculated(held, *numbers, force, pushed / S)
@@ -186,7 +183,7 @@ def _unguarded(rng: np.random.Generator) -> dict[str, Array]:
     one, two = (N * rng.uniform(-1, 1, SAMPLES) for _ in range(2))
     times = share(rng), share(rng)
 
-    def sums(*x: ca.SX) -> list[ca.SX]:
+    def sums(*x):
         first, second = (ca.vertcat(item, 0) for item in x[10:12])
         known = in_flight([(first, x[12]), (ca.horzcat(second, first), x[13])], 0, Bounds(*x[:10]))
         return [known.ahead, known.back]

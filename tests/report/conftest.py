@@ -1,8 +1,5 @@
 """Synthetic runs of 80 s that are quick to make and differ by scenario, law and seed."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import pytest
@@ -13,7 +10,7 @@ from wmr_ctrl.report.drawing import Drawing
 
 
 @contextmanager
-def drawn_for_the_page(wanted: Callable[[str], bool]) -> Iterator[None]:
+def drawn_for_the_page(wanted):
     """To save time: only the pictures of these names, as SVG; empty ones for the others."""
     whole = Drawing.save
 
@@ -30,7 +27,7 @@ def drawn_for_the_page(wanted: Callable[[str], bool]) -> Iterator[None]:
 
 
 @pytest.fixture
-def few_pictures() -> Iterator[frozenset[str]]:
+def few_pictures():
     """Two; test_write.py has one of each kind."""
     drawn = frozenset(("fig3a_trajectory", "limits_all_seeds"))
     with drawn_for_the_page(drawn.__contains__):

@@ -1,7 +1,5 @@
 """The robot as moving pictures."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

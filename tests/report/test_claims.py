@@ -1,7 +1,5 @@
 """Claims as data, the tests that they are put to, and the rule that turns tests into verdicts."""
 
-from __future__ import annotations
-
 import math
 import re
 import string

@@ -1,7 +1,5 @@
 """Which figures there are, and that each is the same file each time."""
 
-from __future__ import annotations
-
 import string
 
 import matplotlib as mpl

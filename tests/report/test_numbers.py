@@ -1,7 +1,5 @@
 """Numbers on pages and pictures: cells of tables, bodies, bands, views, means that glide."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from types import SimpleNamespace
@@ -21,10 +19,10 @@ from wmr_ctrl.report.scene import outline, scene_of
 from wmr_ctrl.report.study_table import PREFERRED, StudyTable, read_study
 from wmr_ctrl.report.tables import _Line, ranged, stress_table
 from wmr_ctrl.results.table import spread, table_of_rows
-from wmr_ctrl.world.scenario import Scenario, override, to_toml
+from wmr_ctrl.world.scenario import override, to_toml
 
 
-def test_a_cell_has_its_range_only_where_numbers_differ() -> None:
+def test_a_cell_has_its_range_only_where_numbers_differ():
     assert ranged(spread([0.5, 2.0, 1.0])) == "1.00 (0.500 … 2.00)"
     assert ranged(spread([1.0, 1.0])) == "1.00"
     assert ranged(spread([1.0, 3.0, 1.0])) == "1.00 (1.00 … 3.00)"
@@ -36,14 +34,14 @@ def test_a_cell_has_its_range_only_where_numbers_differ() -> None:
     ("figure", "factor", "unit"),
     [("position_rms", 1e3, "mm"), ("e3_rms_70_80", 1e3, "mrad"), ("tau_peak", 1.0, "N m")],
 )
-def test_lengths_and_angles_are_in_thousandths(figure: str, factor: float, unit: str) -> None:
+def test_lengths_and_angles_are_in_thousandths(figure, factor, unit):
     line = _Line(figure, "a figure")
 
     assert line.factor == factor
     assert line.name(build().settings) == f"a figure [{unit}]"
 
 
-def test_seeds_beyond_the_limit_are_counted_in_their_own_case() -> None:
+def test_seeds_beyond_the_limit_are_counted_in_their_own_case():
     rows = [
         {"case": case, "law": "mb", "seed": k, "violated": float(ratio > 1), "limit_ratio": ratio}
         for case, ratios in (("one", (0.9, 1.2)), ("other", (1.5, 1.5)))
@@ -57,7 +55,7 @@ def test_seeds_beyond_the_limit_are_counted_in_their_own_case() -> None:
     )  # fmt: skip
 
 
-def test_a_body_looks_along_its_heading_and_right_is_right() -> None:
+def test_a_body_looks_along_its_heading_and_right_is_right():
     ahead = outline(np.array([1.0, 2.0, 0.0]), 0.8, 0.5, 0.25)
     turned = outline(np.array([1.0, 2.0, -np.pi / 2]), 0.8, 0.5, 0.25)
 
@@ -67,7 +65,7 @@ def test_a_body_looks_along_its_heading_and_right_is_right() -> None:
     assert np.ptp(turned, axis=0) == pytest.approx([0.8, 0.5])
 
 
-def test_a_band_is_as_wide_on_both_sides_and_widest_where_the_path_rests() -> None:
+def test_a_band_is_as_wide_on_both_sides_and_widest_where_the_path_rests():
     path = np.array([[0.0, 1.0, 2.0, 2.0, 2.0, 3.0, 4.0], np.zeros(7)])
     width = np.array([0.1, 0.1, 0.1, 0.4, 0.2, 0.1, np.nan])
 
@@ -82,7 +80,7 @@ def test_a_band_is_as_wide_on_both_sides_and_widest_where_the_path_rests() -> No
 
 
 @pytest.mark.parametrize(("arrival", "there"), [(0.5, True), (0.99, True), (1.5, False)])
-def test_a_goal_is_shown_once_the_desired_motion_was_there(arrival: float, there: bool) -> None:
+def test_a_goal_is_shown_once_the_desired_motion_was_there(arrival, there):
     run = build(x_d=2.0, y_d=3.0)
 
     goal = course_of(replace(run, settings=replace(run.settings, arrival=arrival))).goal
@@ -90,7 +88,7 @@ def test_a_goal_is_shown_once_the_desired_motion_was_there(arrival: float, there
     assert goal == ((2.0, 3.0) if there else None)
 
 
-def test_runs_of_another_limit_or_reference_are_not_in_one_picture() -> None:
+def test_runs_of_another_limit_or_reference_are_not_in_one_picture():
     run = build(x_d=np.linspace(0, 1, 100))
     limited = replace(run, settings=replace(run.settings, v_u1=(0.9, 1.5)))
     other = build(x_d=np.linspace(0, 1.1, 100))  # begins alike
@@ -101,7 +99,7 @@ def test_runs_of_another_limit_or_reference_are_not_in_one_picture() -> None:
             scene_of([run, one], 10)
 
 
-def test_a_view_holds_the_bodies_and_these_are_as_wide_as_the_robot() -> None:
+def test_a_view_holds_the_bodies_and_these_are_as_wide_as_the_robot():
     drawn = scene_of([build(x=np.linspace(-1, 3, 100))], 10)
     wide = replace(drawn, course=Course(half_track=0.5))
 
@@ -110,7 +108,7 @@ def test_a_view_holds_the_bodies_and_these_are_as_wide_as_the_robot() -> None:
 
 
 @pytest.mark.parametrize("width", [1, 4, 5])
-def test_a_gliding_mean_is_centred_and_keeps_what_is_straight(width: int) -> None:
+def test_a_gliding_mean_is_centred_and_keeps_what_is_straight(width):
     line = np.arange(20.0)
     inner = slice(width, -width)
 
@@ -120,7 +118,7 @@ def test_a_gliding_mean_is_centred_and_keeps_what_is_straight(width: int) -> Non
     assert running_rms(np.full(20, -3.0), width) == pytest.approx(np.full(20, 3.0))
 
 
-def test_what_is_beyond_four_times_a_limit_leaves_the_view_and_is_named() -> None:
+def test_what_is_beyond_four_times_a_limit_leaves_the_view_and_is_named():
     axes = Figure().add_subplot()
     values = np.array([0.0, 3.9, -9.0])
     axes.plot(values)
@@ -133,14 +131,14 @@ def test_what_is_beyond_four_times_a_limit_leaves_the_view_and_is_named() -> Non
     assert axes.get_xlabel().strip() == "(out of view: mb ↓ −9.00)"
 
 
-def test_an_error_is_in_thousandths_but_where_it_is_large_or_nothing() -> None:
+def test_an_error_is_in_thousandths_but_where_it_is_large_or_nothing():
     assert _error(0.0123, "m") == "12.3 mm"
     assert _error(12.3, "rad") == "12.3 rad"
     assert _error(1e-7, "m") == "below 0.001 mm"
     assert _error(None, "m") == "– mm"
 
 
-def test_errors_of_the_last_ten_seconds_are_those() -> None:
+def test_errors_of_the_last_ten_seconds_are_those():
     e = np.zeros((3000, 3))
     e[:2000, 0] = 9.0
     e[2000:, 0] = 0.5
@@ -153,14 +151,12 @@ def test_errors_of_the_last_ten_seconds_are_those() -> None:
 
 
 @pytest.mark.parametrize("guard", [False, True])
-def test_a_corridor_is_that_of_the_runs_own_guard_until_the_robot_changes(
-    monkeypatch: pytest.MonkeyPatch, guard: bool
-) -> None:
+def test_a_corridor_is_that_of_the_runs_own_guard_until_the_robot_changes(monkeypatch, guard):
     told = {"scenario_toml": to_toml(override(paper(), {"guard.enabled": not guard}))}
     run = build(rows=80, labels={"law": "mb", "guard": guard}, provenance=told)
     asked = []
 
-    def tube(scenario: Scenario, law: str) -> SimpleNamespace:
+    def tube(scenario, law):
         asked.append((scenario.guard.enabled, law))
         return SimpleNamespace(course=np.array([[0.1, 0.2, 0.3], [1.0, 2.0, 3.0]]), until=0.5)
 
@@ -172,7 +168,7 @@ def test_a_corridor_is_that_of_the_runs_own_guard_until_the_robot_changes(
     assert np.isnan(found[0]).tolist() == [False] * 50 + [True] * 30
 
 
-def test_a_corridor_is_drawn_as_long_as_its_run_lasted(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_corridor_is_drawn_as_long_as_its_run_lasted(monkeypatch):
     whole, short = build(), build(rows=50)
     widths = np.array([np.linspace(0.1, 0.2, 100), np.zeros(100)])
     monkeypatch.setattr(scene, "course_of_tube", lambda run: widths[:, : run.rows])

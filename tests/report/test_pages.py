@@ -1,11 +1,8 @@
 """Pages of runs and studies: they need nothing but themselves, and their numbers are JSON's."""
 
-from __future__ import annotations
-
 import html
 import json
 import re
-from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -17,7 +14,7 @@ from wmr_ctrl.report.run_page import write_run_page
 from wmr_ctrl.report.run_rows import rows_of
 from wmr_ctrl.report.study_shares import shares_of
 from wmr_ctrl.report.study_table import read_study
-from wmr_ctrl.results import Run, json_safe, summary
+from wmr_ctrl.results import json_safe, summary
 from wmr_ctrl.world.scenario import load_scenario
 
 SHORT = {"clock.duration": 1.0, "metrics.split": 0.5, "metrics.rms_from": 0.2}
@@ -25,11 +22,11 @@ DATA = re.compile(r'<script type="application/json" id="summary">(.*?)</script>'
 
 
 @pytest.fixture(scope="module", params=["far-start", "turtlebot3-burger"])
-def run(request: pytest.FixtureRequest) -> Run:
+def run(request):
     return simulate(load_scenario(request.param, SHORT), "kanayama", engine="numpy")
 
 
-def alone(text: str) -> None:
+def alone(text):
     """Nothing is loaded from elsewhere; both colour schemes and paper are provided for."""
     loaded = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?([^"\')\s>]+)', text)
 
@@ -39,7 +36,7 @@ def alone(text: str) -> None:
     assert "<link" not in text
 
 
-def test_the_page_of_a_run_is_whole_and_has_its_figures(run: Run, tmp_path: Path) -> None:
+def test_the_page_of_a_run_is_whole_and_has_its_figures(run, tmp_path):
     write_run_page(run, tmp_path / "run.html")
     text = (tmp_path / "run.html").read_text(encoding="utf-8")
     seen = html.unescape(re.sub(r"<[^>]+>", " ", text.partition("</style>")[2]))
@@ -56,13 +53,13 @@ def test_the_page_of_a_run_is_whole_and_has_its_figures(run: Run, tmp_path: Path
     assert text.count("data:image/svg+xml;base64,") == 1
 
 
-def test_a_page_has_one_format(run: Run, tmp_path: Path) -> None:
+def test_a_page_has_one_format(run, tmp_path):
     with pytest.raises(WmrError, match="html"):
         write_run_page(run, tmp_path / "run.pdf")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_study_ends_with_the_shares_of_its_table(tmp_path: Path) -> None:
+def test_a_study_ends_with_the_shares_of_its_table(tmp_path):
     """Of the runs that were made, by law, guard and point of the grid."""
     (tmp_path / "plan.toml").write_text(
         'scenario = "far-start"\nlaws = ["mb", "pid"]\nguard = [false, true]\nseeds = 2\n'

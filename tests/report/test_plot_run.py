@@ -1,7 +1,5 @@
 """The one-page picture of a run."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from html import unescape
@@ -193,7 +191,7 @@ def test_a_robot_that_turned_once_about_itself_stands_on_its_path_again():
 @pytest.mark.parametrize(
     ("moves", "drawn"), [(16.0, 19.0), (70.0, 80.0), (0.0, 80.0), (79.9, 80.0), (41.0, 47.0)]
 )
-def test_a_run_is_drawn_as_long_as_it_moves_and_says_so(moves: float, drawn: float) -> None:
+def test_a_run_is_drawn_as_long_as_it_moves_and_says_so(moves, drawn):
     """Either speed, true or desired, is motion; another run beside it may move for longer."""
     times = np.arange(0.0, 80.0, 0.01)
     for name in ("v1", "omega", "v1_d", "v2_d"):
@@ -213,7 +211,7 @@ def test_a_run_is_drawn_as_long_as_it_moves_and_says_so(moves: float, drawn: flo
         ("paper-simulation-nominal", "mb", ("Wheel torques", "Barrier function")),
     ],
 )
-def test_panels_are_those_of_the_base_and_the_law(preset, law, panels) -> None:
+def test_panels_are_those_of_the_base_and_the_law(preset, law, panels):
     short = {"clock.duration": 1.0, "metrics.split": 0.5, "metrics.rms_from": 0.2}
     run = simulate(load_scenario(preset, short), law, engine="numpy")
     titles = [axes.get_title("left") for axes in plot_run(run).findobj(Axes)]

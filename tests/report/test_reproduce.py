@@ -1,7 +1,5 @@
 """The main job from end to end: what it refuses before anything runs, and what it hands back."""
 
-from __future__ import annotations
-
 import pytest
 from click.testing import CliRunner
 
@@ -13,7 +11,7 @@ from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileErr
 from wmr_ctrl.report.report_page import Facts
 
 
-def never(*_args: object) -> None:
+def never(*_args):
     raise AssertionError("nothing must run")
 
 

@@ -1,7 +1,5 @@
 """Pictures of studies: indices at each point of the grid, missing values, values of any size."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from matplotlib.container import ErrorbarContainer

@@ -1,7 +1,5 @@
 """Numbers for readers, and long traces made short."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

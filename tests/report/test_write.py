@@ -1,7 +1,5 @@
 """What is written of a finished reproduction with made-up runs: files, page, tables, figures."""
 
-from __future__ import annotations
-
 import base64
 import csv
 import json

@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from wmr_ctrl.core.signals import LOG_HEAD, Signal
+from wmr_ctrl.core.signals import LOG_HEAD
 from wmr_ctrl.results import Monitor, Run, Settings, outcome_of
 
 
 def build(
     *,
-    rows: int | None = None,
-    duration: float = 1.0,
-    control: float = 0.01,
-    split: float | None = None,
-    rms_from: float = 2.0,
-    monitor: Monitor | None = None,
-    extra: Iterable[Signal] = (),
-    labels: dict[str, Any] | None = None,
-    provenance: dict[str, str] | None = None,
-    dbar: tuple[float, float] | None = None,
-    **columns: Any,
-) -> Run:
+    rows=None,
+    duration=1.0,
+    control=0.01,
+    split=None,
+    rms_from=2.0,
+    monitor=None,
+    extra=(),
+    labels=None,
+    provenance=None,
+    dbar=None,
+    **columns,
+):
     """A run of ``duration`` s whose ``columns`` are given as constants or arrays, others zero."""
     half = duration / 2 if split is None else split
     settings = Settings(control, control / 10, duration, (1.0, 1.5), half, rms_from, dbar=dbar)
@@ -52,5 +51,5 @@ def build(
 
 
 @pytest.fixture(scope="session")
-def make_run() -> Callable[..., Run]:
+def make_run():
     return build

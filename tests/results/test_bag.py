@@ -1,7 +1,5 @@
 """Runs as bags: what a base would publish, with the run itself beside it."""
 
-from __future__ import annotations
-
 import math
 import sys
 

@@ -11,7 +11,7 @@ from wmr_ctrl.results.bag_clocks import Topic, clocks_of
 SECOND = 10**9
 
 
-def topic(stamps, receipt, name="/odom") -> Topic:
+def topic(stamps, receipt, name="/odom"):
     ns = [np.rint(np.asarray(t) * SECOND).astype(np.int64) for t in (stamps, receipt)]
     return Topic(name, *ns, np.zeros((len(receipt), 1)), "odom")
 

@@ -1,7 +1,5 @@
 """Bags: what a robot's topics hold arrives under our names, in our angles, on one clock."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -13,15 +11,7 @@ pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
 
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from wmr_ctrl.results.bag import (
-    JOINTS,
-    ODOMETRY,
-    ROW,
-    SECOND,
-    STAMPED,
-    TWIST,
-    message_types,
-)
+from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, STAMPED, TWIST, message_types
 from wmr_ctrl.results.bag_topics import read_topics
 
 TYPES = message_types().types

@@ -1,9 +1,6 @@
 """Comparison of runs: how far, where, and on what they share."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -12,26 +9,25 @@ from hypothesis import strategies as st
 
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.results import Monitor, Run
-from wmr_ctrl.results.compare import ColumnDifference, Comparison, compare
+from wmr_ctrl.results import Monitor
+from wmr_ctrl.results.compare import compare
 
-MakeRun = Callable[..., Run]
 STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.6, 2), "diverged")
 WEIGHTS = (Signal("W_norm", "1", "norm of the weights", 2),)
 
 
-def column(comparison: Comparison, name: str) -> ColumnDifference:
+def column(comparison, name):
     return next(found for found in comparison.columns if found.name == name)
 
 
-def spiked(row: int, height: float) -> np.ndarray:
+def spiked(row, height):
     """A ramp from 0 to 99 with one row moved."""
     ramp = np.arange(100.0)
     ramp[row] += height
     return ramp
 
 
-def test_a_run_equals_itself_even_where_it_is_not_finite(make_run: MakeRun) -> None:
+def test_a_run_equals_itself_even_where_it_is_not_finite(make_run):
     odd = np.array([math.nan, math.inf, -math.inf, 1.0] * 25)
     comparison = compare(make_run(x=odd), make_run(x=odd), tolerance=0.0)
 
@@ -44,9 +40,7 @@ def test_a_run_equals_itself_even_where_it_is_not_finite(make_run: MakeRun) -> N
 
 
 @given(row=st.integers(0, 99), height=st.floats(1e-3, 1e3), sign=st.sampled_from([-1, 1]))
-def test_one_moved_value_is_found_with_its_time_and_size(
-    make_run: MakeRun, row: int, height: float, sign: int
-) -> None:
+def test_one_moved_value_is_found_with_its_time_and_size(make_run, row, height, sign):
     plain, moved = make_run(x=spiked(row, 0.0)), make_run(x=spiked(row, sign * height))
     there, back = (column(compare(*pair), "x") for pair in ((plain, moved), (moved, plain)))
     values = np.concatenate([plain["x"], moved["x"]])
@@ -59,7 +53,7 @@ def test_one_moved_value_is_found_with_its_time_and_size(
     assert compare(plain, moved).verdict == "differ"
 
 
-def test_the_element_of_a_vector_is_named_with_its_unit(make_run: MakeRun) -> None:
+def test_the_element_of_a_vector_is_named_with_its_unit(make_run):
     comparison = compare(make_run(), make_run(v_c0=[0.0, 2.0]))
 
     assert [found.name for found in comparison.columns if found.largest > 0] == ["v_c0[2]"]
@@ -67,9 +61,7 @@ def test_the_element_of_a_vector_is_named_with_its_unit(make_run: MakeRun) -> No
 
 
 @given(factor=st.floats(1e-6, 1e6))
-def test_the_relative_difference_does_not_depend_on_the_unit(
-    make_run: MakeRun, factor: float
-) -> None:
+def test_the_relative_difference_does_not_depend_on_the_unit(make_run, factor):
     pair = (make_run(x=factor * spiked(3, 0.0)), make_run(x=factor * spiked(3, 1.0)))
 
     assert column(compare(*pair), "x").relative == pytest.approx(1 / 99)
@@ -86,9 +78,7 @@ def test_the_relative_difference_does_not_depend_on_the_unit(
         (0.0, 0.0, "equal"),
     ],
 )
-def test_the_tolerance_decides(
-    make_run: MakeRun, height: float, tolerance: float, verdict: str
-) -> None:
+def test_the_tolerance_decides(make_run, height, tolerance, verdict):
     pair = (make_run(x=spiked(50, 0.0)), make_run(x=spiked(50, height)))
 
     assert compare(*pair, tolerance=tolerance).verdict == verdict
@@ -96,9 +86,7 @@ def test_the_tolerance_decides(
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("other", [0.0, math.nan, math.inf, -math.inf])
-def test_a_value_that_is_finite_in_one_run_only_is_infinitely_far(
-    make_run: MakeRun, value: float, other: float
-) -> None:
+def test_a_value_that_is_finite_in_one_run_only_is_infinitely_far(make_run, value, other):
     a, b = spiked(50, 0.0), spiked(50, 0.0)
     a[7], b[7] = value, other
     found = column(compare(make_run(x=a), make_run(x=b)), "x")
@@ -108,7 +96,7 @@ def test_a_value_that_is_finite_in_one_run_only_is_infinitely_far(
     assert found.time == (0.0 if same else pytest.approx(0.07))
 
 
-def test_huge_values_do_not_pass_as_near(make_run: MakeRun) -> None:
+def test_huge_values_do_not_pass_as_near(make_run):
     wide = spiked(0, 1.5e308) - spiked(1, 1.5e308)
     moved = np.where(np.arange(100) == 50, 1.0, wide)
 
@@ -116,32 +104,32 @@ def test_huge_values_do_not_pass_as_near(make_run: MakeRun) -> None:
     assert compare(make_run(x=wide), make_run(x=moved)).verdict == "differ"
 
 
-def test_columns_without_any_finite_value_are_compared_too(make_run: MakeRun) -> None:
+def test_columns_without_any_finite_value_are_compared_too(make_run):
     found = column(compare(make_run(x=math.nan), make_run(x=math.inf)), "x")
 
     assert (found.largest, found.time, found.relative) == (math.inf, 0.0, math.inf)
 
 
-def test_rounding_in_a_column_that_rests_is_within_the_tolerance(make_run: MakeRun) -> None:
+def test_rounding_in_a_column_that_rests_is_within_the_tolerance(make_run):
     comparison = compare(make_run(), make_run(x=1e-12))
 
     assert comparison.verdict == "agree"
     assert column(comparison, "x").relative == 1.0
 
 
-def test_jitter_in_the_sample_times_does_not_part_the_samples(make_run: MakeRun) -> None:
+def test_jitter_in_the_sample_times_does_not_part_the_samples(make_run):
     late = 0.01 * np.arange(100) + 5e-9
 
     assert compare(make_run(), make_run(t=late)).rows == 100
 
 
 @pytest.mark.parametrize("tolerance", [-1e-9, math.nan])
-def test_an_impossible_tolerance_is_refused(make_run: MakeRun, tolerance: float) -> None:
+def test_an_impossible_tolerance_is_refused(make_run, tolerance):
     with pytest.raises(ArgumentError, match="tolerance"):
         compare(make_run(), make_run(), tolerance)
 
 
-def test_runs_of_different_length_are_compared_on_the_shared_samples(make_run: MakeRun) -> None:
+def test_runs_of_different_length_are_compared_on_the_shared_samples(make_run):
     late = np.where(np.arange(100) < 60, 0.0, 1.0)
     comparison = compare(make_run(x=late), make_run(rows=60, monitor=STOPPED))
 
@@ -155,7 +143,7 @@ def test_runs_of_different_length_are_compared_on_the_shared_samples(make_run: M
     }
 
 
-def test_runs_of_different_clocks_are_compared_where_their_samples_meet(make_run: MakeRun) -> None:
+def test_runs_of_different_clocks_are_compared_where_their_samples_meet(make_run):
     fine = make_run(x=np.arange(100) * 0.01)
     coarse = make_run(control=0.03, duration=0.9, x=np.arange(30) * 0.03)
     comparison = compare(fine, coarse)
@@ -166,7 +154,7 @@ def test_runs_of_different_clocks_are_compared_where_their_samples_meet(make_run
     assert column(compare(make_run(), coarse), "x").time == pytest.approx(0.87)
 
 
-def test_different_laws_are_compared_on_the_columns_that_both_have(make_run: MakeRun) -> None:
+def test_different_laws_are_compared_on_the_columns_that_both_have(make_run):
     network = make_run(extra=WEIGHTS, W_norm=5.0)
     sliding = make_run(labels={"law": "smc"}, extra=(Signal("m_hat", "kg", "mass", 2),))
     comparison = compare(network, sliding)
@@ -181,7 +169,7 @@ def test_different_laws_are_compared_on_the_columns_that_both_have(make_run: Mak
     ]
 
 
-def test_differing_settings_and_provenance_are_listed(make_run: MakeRun) -> None:
+def test_differing_settings_and_provenance_are_listed(make_run):
     run_a = make_run(provenance={"version": "1", "compiler": "cc"}, split=0.2)
     run_b = make_run(
         provenance={"version": "2", "system": "os"}, split=0.3, labels={"seed": 7, "guard": True}
@@ -198,27 +186,27 @@ def test_differing_settings_and_provenance_are_listed(make_run: MakeRun) -> None
     }
 
 
-def test_rounding_in_the_monitor_is_no_difference(make_run: MakeRun) -> None:
+def test_rounding_in_the_monitor_is_no_difference(make_run):
     pair = (make_run(monitor=Monitor((0.5, 0.5))), make_run(monitor=Monitor((0.5, 0.5 + 1e-13))))
 
     assert compare(*pair).facts == ()
     assert [fact.name for fact in compare(*pair, tolerance=0.0).facts] == ["monitor.max_abs_v"]
 
 
-def test_monitors_that_lost_the_same_number_do_not_differ(make_run: MakeRun) -> None:
+def test_monitors_that_lost_the_same_number_do_not_differ(make_run):
     lost = Monitor((math.inf, math.nan), 1, (0.0, 1), (0.5, 1), "non-finite")
 
     assert compare(make_run(monitor=lost), make_run(monitor=lost)).facts == ()
 
 
-def test_runs_that_end_differently_differ_however_close_they_are(make_run: MakeRun) -> None:
+def test_runs_that_end_differently_differ_however_close_they_are(make_run):
     broken = make_run(monitor=Monitor((1.0001, 0.5), 1, (0.305, 1)))
 
     assert compare(make_run(), broken).verdict == "differ"
     assert "DIFFER in their outcome" in str(compare(make_run(), broken))
 
 
-def test_runs_without_a_shared_sample_are_neither_equal_nor_different(make_run: MakeRun) -> None:
+def test_runs_without_a_shared_sample_are_neither_equal_nor_different(make_run):
     at_once = Monitor((0.0, 1000.0), 1, (0.0, 2), (0.0, 2), "diverged")
     comparison = compare(make_run(), make_run(rows=0, monitor=at_once))
 
@@ -226,7 +214,7 @@ def test_runs_without_a_shared_sample_are_neither_equal_nor_different(make_run: 
     assert str(comparison).splitlines()[-1].startswith("NOTHING SHARED")
 
 
-def test_the_text_shows_what_differs_and_ends_with_the_verdict(make_run: MakeRun) -> None:
+def test_the_text_shows_what_differs_and_ends_with_the_verdict(make_run):
     long = "scenario = 1\n" * 50
     run_a = make_run(provenance={"scenario_toml": long}, x=spiked(50, 0.0))
     run_b = make_run(extra=WEIGHTS, x=spiked(50, 0.25), provenance={"scenario_toml": "b"})
@@ -241,7 +229,7 @@ def test_the_text_shows_what_differs_and_ends_with_the_verdict(make_run: MakeRun
 
 
 @pytest.mark.parametrize(("height", "word"), [(0.0, "EQUAL"), (1e-12, "AGREE to 1e-09")])
-def test_the_closing_sentence_fits_the_verdict(make_run: MakeRun, height: float, word: str) -> None:
+def test_the_closing_sentence_fits_the_verdict(make_run, height, word):
     text = str(compare(make_run(x=spiked(1, 0.0)), make_run(x=spiked(1, height))))
 
     assert text.splitlines()[-1].startswith(word)

@@ -1,7 +1,5 @@
 """A foreign plant that contradicts itself: found where it does, not where it merely lags."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

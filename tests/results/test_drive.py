@@ -1,7 +1,5 @@
 """A robot's own bag in show, compare, pictures and films: what it has is shown, the rest named."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

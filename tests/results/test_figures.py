@@ -1,7 +1,5 @@
 """The numbers that are kept of each run."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -1,36 +1,31 @@
 """Atomic writing: the whole file, or what was there before, and nothing beside it."""
 
-from __future__ import annotations
-
 import errno
 import os
 import stat
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.results import Run, atomic_path, atomic_text, check_writable, write_all
+from wmr_ctrl.results import atomic_path, atomic_text, check_writable, write_all
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.formats import save_run
 
-MakeRun = Callable[..., Run]
 
-
-def contents(folder: Path) -> dict[str, bytes]:
+def contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-def write_half(path: Path, fault: BaseException) -> None:
+def write_half(path, fault):
     with atomic_write(path) as file:
         file.write(b"half")
         raise fault
 
 
-def test_what_was_written_is_there_afterwards_and_nothing_else(tmp_path: Path) -> None:
+def test_what_was_written_is_there_afterwards_and_nothing_else(tmp_path):
     with atomic_write(tmp_path / "a.bin") as file:
         file.write(b"new")
     with atomic_text(str(tmp_path / "a.txt")) as file:
@@ -39,7 +34,7 @@ def test_what_was_written_is_there_afterwards_and_nothing_else(tmp_path: Path) -
     assert contents(tmp_path) == {"a.bin": b"new", "a.txt": "Größe\n".encode()}
 
 
-def test_the_old_file_stays_until_the_new_one_is_complete(tmp_path: Path) -> None:
+def test_the_old_file_stays_until_the_new_one_is_complete(tmp_path):
     path = tmp_path / "a.bin"
     path.write_bytes(b"old")
     with atomic_write(path) as file:
@@ -51,9 +46,7 @@ def test_the_old_file_stays_until_the_new_one_is_complete(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("fault", [ValueError("mine"), KeyboardInterrupt()])
-def test_a_fault_inside_leaves_the_old_file_and_passes_on(
-    tmp_path: Path, fault: BaseException
-) -> None:
+def test_a_fault_inside_leaves_the_old_file_and_passes_on(tmp_path, fault):
     path = tmp_path / "a.bin"
     path.write_bytes(b"old")
     with pytest.raises(type(fault)):
@@ -71,9 +64,7 @@ def test_a_fault_inside_leaves_the_old_file_and_passes_on(
         (errno.EIO, "another path"),
     ],
 )
-def test_a_system_fault_becomes_one_paragraph_with_a_remedy(
-    tmp_path: Path, number: int, remedy: str
-) -> None:
+def test_a_system_fault_becomes_one_paragraph_with_a_remedy(tmp_path, number, remedy):
     path = tmp_path / "a.bin"
     with pytest.raises(ResultFileError, match=remedy) as caught:
         write_half(path, OSError(number, os.strerror(number)))
@@ -84,10 +75,8 @@ def test_a_system_fault_becomes_one_paragraph_with_a_remedy(
     assert contents(tmp_path) == {}
 
 
-def test_a_failing_last_step_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, make_run: MakeRun
-) -> None:
-    def denied(*_: object) -> None:
+def test_a_failing_last_step_leaves_nothing(tmp_path, monkeypatch, make_run):
+    def denied(*_):
         raise PermissionError(errno.EACCES, "denied")
 
     monkeypatch.setattr(os, "replace", denied)
@@ -115,9 +104,7 @@ except ResultFileError as error:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit on file sizes to set")
 @pytest.mark.parametrize(("size", "kept"), [(500, True), (2000, False)])
-def test_a_file_that_the_system_cuts_short_is_not_left_behind(
-    tmp_path: Path, size: int, kept: bool
-) -> None:
+def test_a_file_that_the_system_cuts_short_is_not_left_behind(tmp_path, size, kept):
     command = [sys.executable, "-B", "-c", FILL, str(tmp_path / "a.bin"), str(size)]
     paths = {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
     done = subprocess.run(
@@ -128,7 +115,7 @@ def test_a_file_that_the_system_cuts_short_is_not_left_behind(
     assert contents(tmp_path) == ({"a.bin": bytes(500)} if kept else {})
 
 
-def test_a_writer_that_wants_a_path_gets_one_of_the_same_suffix(tmp_path: Path) -> None:
+def test_a_writer_that_wants_a_path_gets_one_of_the_same_suffix(tmp_path):
     with atomic_path(tmp_path / "film.gif") as scratch:
         assert (scratch.parent, scratch.suffix) == (tmp_path, ".gif")
         scratch.write_bytes(b"gif")
@@ -139,7 +126,7 @@ def test_a_writer_that_wants_a_path_gets_one_of_the_same_suffix(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("name", ["", "none/a.bin", "file/a.bin", "a\0b", "n" * 300 + ".bin"])
-def test_places_that_cannot_be_written_are_refused_beforehand(tmp_path: Path, name: str) -> None:
+def test_places_that_cannot_be_written_are_refused_beforehand(tmp_path, name):
     (tmp_path / "file").write_bytes(b"")
     path = f"{tmp_path}/{name}"
     with pytest.raises(ResultFileError, match="cannot write") as caught, atomic_write(path):
@@ -151,18 +138,18 @@ def test_places_that_cannot_be_written_are_refused_beforehand(tmp_path: Path, na
     assert contents(tmp_path) == {"file": b""}
 
 
-def test_a_missing_folder_is_named(tmp_path: Path) -> None:
+def test_a_missing_folder_is_named(tmp_path):
     with pytest.raises(ResultFileError, match=r"folder '.*none' does not exist.*Create"):
         check_writable(tmp_path / "none" / "a.bin")
 
 
-def test_a_folder_is_called_a_folder(tmp_path: Path) -> None:
+def test_a_folder_is_called_a_folder(tmp_path):
     with pytest.raises(ResultFileError, match="it is a folder"):
         check_writable(tmp_path)
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/null"), reason="no device to try it on")
-def test_a_device_is_never_replaced_by_a_file() -> None:
+def test_a_device_is_never_replaced_by_a_file():
     with pytest.raises(ResultFileError, match="not a regular file"), atomic_write("/dev/null"):
         pytest.fail("the device was opened")
 
@@ -170,9 +157,7 @@ def test_a_device_is_never_replaced_by_a_file() -> None:
 
 
 @pytest.mark.parametrize("kind", ["folder", "file"])
-def test_a_write_protected_place_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
-) -> None:
+def test_a_write_protected_place_is_refused(tmp_path, monkeypatch, kind):
     path = tmp_path / "a.bin"
     path.write_bytes(b"old")
     protected = path if kind == "file" else tmp_path
@@ -184,7 +169,7 @@ def test_a_write_protected_place_is_refused(
     assert contents(tmp_path) == {"a.bin": b"old"}
 
 
-def test_a_link_is_written_through(tmp_path: Path) -> None:
+def test_a_link_is_written_through(tmp_path):
     folder = tmp_path / "real"
     folder.mkdir()
     link = tmp_path / "link.bin"
@@ -196,7 +181,7 @@ def test_a_link_is_written_through(tmp_path: Path) -> None:
     assert contents(folder) == {"a.bin": b"new"}
 
 
-def test_the_file_has_the_permissions_of_any_new_file(tmp_path: Path) -> None:
+def test_the_file_has_the_permissions_of_any_new_file(tmp_path):
     (tmp_path / "plain").write_bytes(b"")
     with atomic_write(tmp_path / "atomic") as file:
         file.write(b"")

@@ -1,15 +1,11 @@
 """Saving and loading: nothing is lost, and a file that is not a run says so in one paragraph."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json
 import math
 import zipfile
-from collections.abc import Callable
 from importlib.util import find_spec
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,10 +16,9 @@ from hypothesis.extra.numpy import arrays
 from tests.equal_runs import runs_equal
 from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.results import Monitor, Run, load_run
+from wmr_ctrl.results import Monitor, load_run
 from wmr_ctrl.results.formats import save_run
 
-MakeRun = Callable[..., Run]
 SUFFIXES = [
     *(".npz", ".csv", ".parquet"),
     pytest.param(
@@ -42,13 +37,13 @@ reusing_folder = settings(
 short_reusing_folder = settings(reusing_folder, max_examples=15)
 
 
-def saved(run: Run, folder: Path, suffix: str) -> Path:
+def saved(run, folder, suffix):
     path = folder / f"run{suffix}"
     save_run(run, path)
     return path
 
 
-def refused(path: Path) -> bool:
+def refused(path):
     """Whether loading is refused, in one paragraph that names the file; any other error fails."""
     try:
         load_run(path)
@@ -69,14 +64,7 @@ def refused(path: Path) -> bool:
     words=st.dictionaries(st.text(), st.text(), max_size=3),
 )
 @pytest.mark.slow_but(".npz")
-def test_a_saved_run_loads_back_equal(
-    make_run: MakeRun,
-    tmp_path: Path,
-    suffix: str,
-    x: np.ndarray,
-    e: np.ndarray,
-    words: dict[str, str],
-) -> None:
+def test_a_saved_run_loads_back_equal(make_run, tmp_path, suffix, x, e, words):
     run = make_run(duration=0.2, x=x, e=e, provenance=words)
     loaded = load_run(saved(run, tmp_path, suffix))
 
@@ -90,9 +78,7 @@ def test_a_saved_run_loads_back_equal(
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("rows", [0, 1, 5])
-def test_a_run_that_ended_early_loads_back_equal(
-    make_run: MakeRun, tmp_path: Path, suffix: str, rows: int
-) -> None:
+def test_a_run_that_ended_early_loads_back_equal(make_run, tmp_path, suffix, rows):
     labels = {"guard": True, "seed": 2**70, "law": "my, law", "scenario": 'a "b"\n# c é'}
     extra = (Signal("m_hat", "kg", "mass, as estimated", 2), Signal("Größe", "m", "a, b"))
     run = make_run(rows=rows, monitor=LOST, labels=labels, extra=extra)
@@ -121,9 +107,7 @@ def test_a_run_that_ended_early_loads_back_equal(
         {"extra": (Signal("more", "1", "more"),)},
     ],
 )
-def test_runs_that_differ_anywhere_are_not_equal(
-    make_run: MakeRun, other: dict[str, object]
-) -> None:
+def test_runs_that_differ_anywhere_are_not_equal(make_run, other):
     run, changed = make_run(duration=0.1), make_run(**{"duration": 0.1, **other})
 
     assert runs_equal(run, make_run(duration=0.1))
@@ -132,29 +116,25 @@ def test_runs_that_differ_anywhere_are_not_equal(
 
 
 @pytest.mark.parametrize("suffix", [".NPZ", ".Csv"])
-def test_the_case_of_the_suffix_does_not_matter(
-    make_run: MakeRun, tmp_path: Path, suffix: str
-) -> None:
+def test_the_case_of_the_suffix_does_not_matter(make_run, tmp_path, suffix):
     assert runs_equal(load_run(saved(make_run(x=1.0), tmp_path, suffix)), make_run(x=1.0))
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_equal_runs_give_equal_bytes(make_run: MakeRun, tmp_path: Path, suffix: str) -> None:
+def test_equal_runs_give_equal_bytes(make_run, tmp_path, suffix):
     first = saved(make_run(x=1.0), tmp_path, suffix).read_bytes()
 
     assert saved(make_run(x=1.0), tmp_path, suffix).read_bytes() == first
 
 
-def test_numpy_reads_the_columns_without_pickle(make_run: MakeRun, tmp_path: Path) -> None:
+def test_numpy_reads_the_columns_without_pickle(make_run, tmp_path):
     run = make_run(x=np.arange(100.0), e=[1.0, 2.0, 3.0])
     with np.load(saved(run, tmp_path, ".npz"), allow_pickle=False) as archive:
         assert all(np.array_equal(archive[name], run[name]) for name in run.columns)
         assert json.loads(archive["run.json"])["law"] == "nn"
 
 
-def test_other_readers_find_names_units_and_numbers_in_the_csv(
-    make_run: MakeRun, tmp_path: Path
-) -> None:
+def test_other_readers_find_names_units_and_numbers_in_the_csv(make_run, tmp_path):
     run = make_run(x=np.arange(100.0) / 3, e=[1.0, 2.0, 3.0])
     lines = saved(run, tmp_path, ".csv").read_text().splitlines()
     comments = [line[2:] for line in lines if line.startswith("# ")]
@@ -166,7 +146,7 @@ def test_other_readers_find_names_units_and_numbers_in_the_csv(
     assert [float(row[header.index("x [m]")]) for row in rows] == run["x"].tolist()
 
 
-def test_line_ends_of_another_system_do_no_harm(make_run: MakeRun, tmp_path: Path) -> None:
+def test_line_ends_of_another_system_do_no_harm(make_run, tmp_path):
     path = saved(make_run(x=0.1), tmp_path, ".csv")
     path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
 
@@ -179,7 +159,7 @@ def test_line_ends_of_another_system_do_no_harm(make_run: MakeRun, tmp_path: Pat
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @short_reusing_folder
 @given(data=st.binary(max_size=200))
-def test_random_bytes_are_refused(tmp_path: Path, suffix: str, data: bytes) -> None:
+def test_random_bytes_are_refused(tmp_path, suffix, data):
     path = tmp_path / f"noise{suffix}"
     path.write_bytes(data)
 
@@ -190,9 +170,7 @@ def test_random_bytes_are_refused(tmp_path: Path, suffix: str, data: bytes) -> N
 @reusing_folder
 @given(part=st.floats(0, 1))
 @pytest.mark.slow_but(".npz", ".csv", ".parquet")
-def test_a_file_cut_anywhere_is_refused(
-    make_run: MakeRun, tmp_path: Path, suffix: str, part: float
-) -> None:
+def test_a_file_cut_anywhere_is_refused(make_run, tmp_path, suffix, part):
     path = saved(make_run(duration=0.05, x=1 / 3), tmp_path, suffix)
     whole = path.read_bytes()
     path.write_bytes(whole[: min(int(part * len(whole)), len(whole) - 1)])
@@ -201,9 +179,7 @@ def test_a_file_cut_anywhere_is_refused(
 
 
 @pytest.mark.parametrize("missing", [1, 2, 3, 30])
-def test_a_csv_that_lost_its_last_bytes_or_rows_is_refused(
-    make_run: MakeRun, tmp_path: Path, missing: int
-) -> None:
+def test_a_csv_that_lost_its_last_bytes_or_rows_is_refused(make_run, tmp_path, missing):
     path = saved(make_run(duration=0.05, q=1 / 3), tmp_path, ".csv")
     path.write_bytes(path.read_bytes()[:-missing])
     assert refused(path)
@@ -215,9 +191,7 @@ def test_a_csv_that_lost_its_last_bytes_or_rows_is_refused(
 
 @reusing_folder
 @given(part=st.floats(0, 1, exclude_max=True), flip=st.integers(1, 255))
-def test_a_byte_flipped_in_an_archive_is_refused_or_harmless(
-    make_run: MakeRun, tmp_path: Path, part: float, flip: int
-) -> None:
+def test_a_byte_flipped_in_an_archive_is_refused_or_harmless(make_run, tmp_path, part, flip):
     run = make_run(duration=0.05, x=1 / 3)
     path = saved(run, tmp_path, ".npz")
     data = bytearray(path.read_bytes())
@@ -229,9 +203,7 @@ def test_a_byte_flipped_in_an_archive_is_refused_or_harmless(
 
 @reusing_folder
 @given(part=st.floats(0, 1, exclude_max=True), flip=st.integers(1, 255))
-def test_a_byte_flipped_in_a_csv_never_crashes_the_loader(
-    make_run: MakeRun, tmp_path: Path, part: float, flip: int
-) -> None:
+def test_a_byte_flipped_in_a_csv_never_crashes_the_loader(make_run, tmp_path, part, flip):
     path = saved(make_run(duration=0.05, x=1 / 3), tmp_path, ".csv")
     data = bytearray(path.read_bytes())
     data[int(part * len(data))] ^= flip
@@ -260,9 +232,7 @@ def test_a_byte_flipped_in_a_csv_never_crashes_the_loader(
         (b'"size": 1', b'"si\\nze": 1'),
     ],
 )
-def test_a_csv_edited_into_a_contradiction_is_refused(
-    make_run: MakeRun, tmp_path: Path, old: bytes, new: bytes
-) -> None:
+def test_a_csv_edited_into_a_contradiction_is_refused(make_run, tmp_path, old, new):
     path = saved(make_run(duration=0.05), tmp_path, ".csv")
     data = path.read_bytes()
     assert old in data
@@ -272,7 +242,7 @@ def test_a_csv_edited_into_a_contradiction_is_refused(
 
 
 @pytest.mark.parametrize("new", [b"\n0.01,0.0,", b"\n"])
-def test_a_row_of_another_length_is_counted(make_run: MakeRun, tmp_path: Path, new: bytes) -> None:
+def test_a_row_of_another_length_is_counted(make_run, tmp_path, new):
     path = saved(make_run(duration=0.05), tmp_path, ".csv")
     path.write_bytes(path.read_bytes().replace(b"\n0.01,", new, 1))
 
@@ -281,9 +251,7 @@ def test_a_row_of_another_length_is_counted(make_run: MakeRun, tmp_path: Path, n
 
 
 @pytest.mark.parametrize("dtype", ["float32", "int64", "complex128"])
-def test_a_column_of_another_precision_is_refused(
-    make_run: MakeRun, tmp_path: Path, dtype: str
-) -> None:
+def test_a_column_of_another_precision_is_refused(make_run, tmp_path, dtype):
     path = saved(make_run(duration=0.05), tmp_path, ".npz")
     with zipfile.ZipFile(path) as archive:
         members = {name: archive.read(name) for name in archive.namelist()}
@@ -297,7 +265,7 @@ def test_a_column_of_another_precision_is_refused(
         load_run(path)
 
 
-def test_archives_of_somebody_else_are_refused(tmp_path: Path) -> None:
+def test_archives_of_somebody_else_are_refused(tmp_path):
     path = tmp_path / "theirs.npz"
     np.savez(path, t=np.arange(3.0))
     assert refused(path)
@@ -307,16 +275,14 @@ def test_archives_of_somebody_else_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["run", "run.txt", "run.npz.gz", ".npz"])
-def test_an_unknown_suffix_is_refused_with_the_known_ones(
-    make_run: MakeRun, tmp_path: Path, name: str
-) -> None:
+def test_an_unknown_suffix_is_refused_with_the_known_ones(make_run, tmp_path, name):
     for act in (lambda: save_run(make_run(), tmp_path / name), lambda: load_run(tmp_path / name)):
         with pytest.raises(ResultFileError, match=r"\.npz or \.csv"):
             act()
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
+def test_a_missing_file_and_a_folder_are_refused(tmp_path):
     (tmp_path / "folder.npz").mkdir()
 
     with pytest.raises(ResultFileError, match="No such file"):

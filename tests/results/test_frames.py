@@ -1,7 +1,5 @@
 """Runs in the types of other libraries: the same numbers under the same names, with units."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess
@@ -101,7 +99,7 @@ VALUES = st.recursive(
 
 @given(VALUES)
 @pytest.mark.slow
-def test_any_nesting_becomes_strict_json_and_stays_as_it_is_then(value: object) -> None:
+def test_any_nesting_becomes_strict_json_and_stays_as_it_is_then(value):
     plain = json_safe(value)
 
     assert json.loads(json.dumps(plain, allow_nan=False)) == plain
@@ -120,6 +118,6 @@ def test_any_nesting_becomes_strict_json_and_stays_as_it_is_then(value: object) 
         ({"a": (1, np.float64(0.5))}, {"a": [1, 0.5]}),
     ],
 )
-def test_numbers_without_a_json_name_become_null(value: object, plain: object) -> None:
+def test_numbers_without_a_json_name_become_null(value, plain):
     assert json_safe(value) == plain
     assert type(json_safe(value)) is type(plain)

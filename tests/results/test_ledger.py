@@ -1,7 +1,5 @@
 """The ledger as data: keys, comparison, exit codes, page. No proving package is needed."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess
@@ -21,13 +19,13 @@ ONE = Entry("a", (1,), "claim", "printed", "PROVED", graph_hash="00")
 
 
 @pytest.mark.slow
-def test_round_trip(tmp_path) -> None:
+def test_round_trip(tmp_path):
     load().save(tmp_path / "ledger.json")
 
     assert load(tmp_path / "ledger.json") == load()
 
 
-def test_public_json_has_the_stated_keys() -> None:
+def test_public_json_has_the_stated_keys():
     rows = json.loads(load().to_json())["entries"]
 
     assert all(tuple(row) == PUBLIC_KEYS for row in rows)
@@ -38,11 +36,11 @@ def test_public_json_has_the_stated_keys() -> None:
 @pytest.mark.parametrize(
     ("verdict", "code"), [("PROVED", 0), ("REFUTED", 1), ("OPEN", 1), ("NOT_CHECKED", 3)]
 )
-def test_exit_codes(verdict, code) -> None:
+def test_exit_codes(verdict, code):
     assert exit_code(Ledger((replace(ONE, verdict=verdict),)), Ledger((ONE,))) == code
 
 
-def test_a_missing_or_new_entry_is_a_difference_only_in_a_complete_run() -> None:
+def test_a_missing_or_new_entry_is_a_difference_only_in_a_complete_run():
     two = replace(ONE, id="b")
 
     assert [d.id for d in differences(Ledger((ONE,)), Ledger((ONE, two)))] == ["b"]
@@ -50,18 +48,18 @@ def test_a_missing_or_new_entry_is_a_difference_only_in_a_complete_run() -> None
     assert differences(Ledger((ONE,)), Ledger((ONE, two)), complete=False) == []
 
 
-def test_stale_hashes_are_named() -> None:
+def test_stale_hashes_are_named():
     assert stale({"a": "01"}, Ledger((ONE,))) == ["a"]
     assert stale({"a": "00"}, Ledger((ONE,))) == []
 
 
-def test_every_identity_and_inequality_has_an_entry() -> None:
+def test_every_identity_and_inequality_has_an_entry():
     spoken_for = {number for entry in load().entries for number in entry.equations}
 
     assert spoken_for == {item.number for item in equations()}
 
 
-def test_proved_entries_are_backed() -> None:
+def test_proved_entries_are_backed():
     for entry in load().entries:
         if entry.verdict in ("PROVED", "LEMMA"):
             assert entry.mutation_refuted, entry.id
@@ -72,7 +70,7 @@ def test_proved_entries_are_backed() -> None:
             assert entry.counterexample, entry.id
 
 
-def test_proved_entries_hold_functions_and_lemmas_have_none() -> None:
+def test_proved_entries_hold_functions_and_lemmas_have_none():
     for entry in load().entries:
         if entry.verdict == "PROVED":
             assert entry.altered, entry.id
@@ -80,11 +78,11 @@ def test_proved_entries_hold_functions_and_lemmas_have_none() -> None:
             assert not entry.altered, entry.id
 
 
-def test_every_proved_entry_names_a_function_whose_alteration_it_notices() -> None:
+def test_every_proved_entry_names_a_function_whose_alteration_it_notices():
     assert [e.id for e in load().entries if e.verdict == "PROVED" and not e.functions] == []
 
 
-def test_uses_name_entries_and_hand_entries_have_their_argument() -> None:
+def test_uses_name_entries_and_hand_entries_have_their_argument():
     known = load().by_id()
     lemmas = (ROOT / "docs" / "lemmas.md").read_text(encoding="utf-8")
     for entry in known.values():
@@ -93,23 +91,23 @@ def test_uses_name_entries_and_hand_entries_have_their_argument() -> None:
             assert f"## {entry.id}\n" in lemmas, entry.id
 
 
-def test_guarantees_name_entries() -> None:
+def test_guarantees_name_entries():
     known = load().by_id()
 
     assert [key for _, ids in GUARANTEES for key in ids if key not in known] == []
 
 
-def test_page_is_current() -> None:
+def test_page_is_current():
     assert (ROOT / "docs" / "ledger.md").read_text(encoding="utf-8") == page()
 
 
-def test_page_marks_stale_entries() -> None:
+def test_page_marks_stale_entries():
     entry = load().entries[0]
 
     assert "the graph has changed" in page(stale=[entry.id])
 
 
-def test_ledger_and_page_load_nothing_heavy() -> None:
+def test_ledger_and_page_load_nothing_heavy():
     heavy = ("casadi", "sympy", "z3", "flint")
     code = "import sys, tests.proofs.ledger_page as p; p.page(); "
     code += f"print([m for m in {heavy} if m in sys.modules])"
@@ -120,7 +118,7 @@ def test_ledger_and_page_load_nothing_heavy() -> None:
     assert out.stdout.strip() == "[]"
 
 
-def test_the_page_of_proofs_names_what_rests_on_z3_alone() -> None:
+def test_the_page_of_proofs_names_what_rests_on_z3_alone():
     text = (ROOT / "docs" / "proofs.md").read_text(encoding="utf-8")
     said = re.search(r"rest on z3 alone: (.*?)\.\s", " ".join(text.split()))
     named = set(re.split(r",\s+|\s+and\s+", said[1])) if said else set()

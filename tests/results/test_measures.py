@@ -1,7 +1,5 @@
 """Figures at the very ends of what they count: half the distance, the tolerance, the last row."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +7,7 @@ import pytest
 
 from tests.results.conftest import build
 from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
-from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.measures import (
     arrival,
     barrier,
@@ -24,25 +22,25 @@ from wmr_ctrl.results.verdicts import Outlook
 from wmr_ctrl.results.windows import working
 
 
-def stopped(time: float | None) -> Monitor:
+def stopped(time):
     if time is None:
         return Monitor((0.0, 0.0))
     return Monitor((0.0, 0.0), stopped=(time, 1), stop_reason="diverged")
 
 
-def known(run: Run, tau_max: float, needed: float = 1.0) -> Run:
+def known(run, tau_max, needed=1.0):
     """The run with what theory says of its scenario: its torque limit, the torques it needs."""
     vars(run)["outlook"] = Outlook(tau_max, (), exact_pose=False)
     vars(run)["needed"] = np.full((run.rows, 2), needed)
     return run
 
 
-def within(tolerance: float, **changes):
+def within(tolerance, **changes):
     run = build(duration=8.0, control=0.1, **changes)
     return replace(run, settings=replace(run.settings, tolerance=tolerance))
 
 
-def test_half_the_distance_is_reached_at_half_of_it() -> None:
+def test_half_the_distance_is_reached_at_half_of_it():
     x = np.array([2.0, 1.5, 1.0, 0.5, 1.0])
 
     assert halving_time(build(rows=5, duration=0.05, x=x)) == pytest.approx(0.02)
@@ -50,7 +48,7 @@ def test_half_the_distance_is_reached_at_half_of_it() -> None:
     assert halving_time(build(rows=0, duration=0.05)) is None
 
 
-def test_the_tolerance_itself_is_tracked() -> None:
+def test_the_tolerance_itself_is_tracked():
     assert tracked(within(0.25, x=0.25)) is True
     assert tracked(within(np.nextafter(0.25, 0), x=0.25)) is False
     assert tracked(within(0.25, x=0.25, rows=50, monitor=stopped(5.0))) is False
@@ -59,7 +57,7 @@ def test_the_tolerance_itself_is_tracked() -> None:
 @pytest.mark.parametrize(("rows", "end", "there"), [
     (80, None, 0.0), (80, 7.95, None), (62, 6.2, 0.0), (60, 6.0, None), (50, 5.0, None),
 ])  # fmt: skip
-def test_only_who_lived_beyond_the_goals_time_has_arrived(rows, end, there) -> None:
+def test_only_who_lived_beyond_the_goals_time_has_arrived(rows, end, there):
     run = within(0.1, rows=rows, monitor=stopped(end), x=1.0, x_d=1.0)
 
     found = arrival(replace(run, settings=replace(run.settings, arrival=6.0)))
@@ -67,7 +65,7 @@ def test_only_who_lived_beyond_the_goals_time_has_arrived(rows, end, there) -> N
     assert found == {"reference": 6.0, "robot": there}
 
 
-def test_changes_of_torque_are_from_the_row_before_and_never_from_the_very_first() -> None:
+def test_changes_of_torque_are_from_the_row_before_and_never_from_the_very_first():
     torque = np.array([[1.0, 1.0], [2.0, 5.0], [2.0, 2.0]])
     still = np.r_[9.0, np.zeros(9)]
 
@@ -78,7 +76,7 @@ def test_changes_of_torque_are_from_the_row_before_and_never_from_the_very_first
     assert working(one.settings)[0] == 1
 
 
-def test_a_wheel_is_at_its_limit_there_and_nowhere_below_but_for_rounding() -> None:
+def test_a_wheel_is_at_its_limit_there_and_nowhere_below_but_for_rounding():
     torque = np.tile([2.0, 2.0 * (1 - 1e-12), 2.0 * (1 - 1e-6), -2.0, 0.0], 4)
     run = build(duration=0.2, tau_left=torque)
 
@@ -86,7 +84,7 @@ def test_a_wheel_is_at_its_limit_there_and_nowhere_below_but_for_rounding() -> N
     assert saturated_share(build()) is None
 
 
-def test_rises_of_the_barrier_are_counted_before_the_split() -> None:
+def test_rises_of_the_barrier_are_counted_before_the_split():
     V1 = np.r_[3.0, 1.0, 2.0, 2.0, 0.0, 5.0, 0.0, 7.0, 0.0, 9.0]
 
     assert barrier(build(duration=0.1, split=0.05, V1=V1))["rises"] == 1
@@ -97,7 +95,7 @@ ALTERNATING = np.where(np.arange(800) % 2, 1.0, -1.0)
 SWINGING = np.sin(2 * np.pi * np.arange(800) / 10)
 
 
-def keys(run: Run) -> set[str]:
+def keys(run):
     return {item.key for item in run.remarks}
 
 
@@ -120,7 +118,7 @@ def keys(run: Run) -> set[str]:
 )
 def test_torques_chatter_beyond_what_motion_pushes_and_limit_allow(
     tau, needed, limit, pushed, chatters
-) -> None:
+):
     assert (CHATTER, OF_LIMIT) == (1.0, 0.1)
     noise = {"noise_right": pushed, "noise_left": -pushed}
     torque = {"tau_right": needed + tau, "tau_left": needed + tau}
@@ -130,7 +128,7 @@ def test_torques_chatter_beyond_what_motion_pushes_and_limit_allow(
 
 
 @pytest.mark.parametrize(("peak", "chatters"), [(1.0, True), (10.0, False)])
-def test_where_the_motion_needs_no_torque_a_trace_of_it_does_not_chatter(peak, chatters) -> None:
+def test_where_the_motion_needs_no_torque_a_trace_of_it_does_not_chatter(peak, chatters):
     torque = 4e-3 * ALTERNATING
     torque[0] = peak
     run = build(duration=8.0, tau_right=torque, tau_left=torque)
@@ -140,7 +138,7 @@ def test_where_the_motion_needs_no_torque_a_trace_of_it_does_not_chatter(peak, c
 
 @pytest.mark.parametrize(("share", "told"), [(HELD_BACK, True), (HELD_BACK - 0.05, False)])
 @pytest.mark.parametrize("axis", [0, 1])
-def test_a_guard_that_acts_on_either_axis_holds_back(axis: int, share: float, told: bool) -> None:
+def test_a_guard_that_acts_on_either_axis_holds_back(axis, share, told):
     clip = np.zeros((800, 2))
     clip[600 : 600 + round(200 * share), axis] = 1.0  # the drive is the last quarter
     run = build(duration=8.0, extra=GUARD_DIAGNOSTICS, labels={"guard": True}, clip_active=clip)

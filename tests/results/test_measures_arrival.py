@@ -1,7 +1,5 @@
 """Arrival: when desired motion and robot are at the goal, and what is said where they are not."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,5 @@
 """Rises of the barrier function, weights, distance and settling."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -11,16 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.results import Monitor, Rises, Run, distance, rises
+from wmr_ctrl.results import Monitor, Rises, distance, rises
 from wmr_ctrl.results.measures import settling_time, weight_norm
 
-MakeRun = Callable[..., Run]
 STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.595, 2), "diverged")
 WEIGHTS = (Signal("W_norm", "1", "norm of the weights", 2),)
 
 
 @given(values=st.lists(st.integers(-1000, 1000), min_size=100, max_size=100))
-def test_rises_less_falls_are_the_change_over_the_run(make_run: MakeRun, values: list[int]) -> None:
+def test_rises_less_falls_are_the_change_over_the_run(make_run, values):
     up, down = rises(make_run(V1=values)), rises(make_run(V1=-np.array(values)))
 
     assert up is not None
@@ -30,13 +26,13 @@ def test_rises_less_falls_are_the_change_over_the_run(make_run: MakeRun, values:
     assert up.largest == max(0, *np.diff(values))
 
 
-def test_a_value_that_never_grows_has_no_rises(make_run: MakeRun) -> None:
+def test_a_value_that_never_grows_has_no_rises(make_run):
     falling = np.linspace(5, 0, 100).round()
 
     assert rises(make_run(V1=falling)) == Rises(0, 0.0, 0.0)
 
 
-def test_rises_are_those_between_the_samples_of_the_window(make_run: MakeRun) -> None:
+def test_rises_are_those_between_the_samples_of_the_window(make_run):
     stairs = np.where(np.arange(100) < 50, 0.0, 1.0)
     run = make_run(V1=stairs)
 
@@ -45,14 +41,14 @@ def test_rises_are_those_between_the_samples_of_the_window(make_run: MakeRun) ->
     assert rises(run, 0.5, 1.2) is None
 
 
-def test_rises_of_an_early_end_are_those_of_its_rows(make_run: MakeRun) -> None:
+def test_rises_of_an_early_end_are_those_of_its_rows(make_run):
     run = make_run(V1=np.arange(60.0), rows=60, monitor=STOPPED)
 
     assert rises(run) == Rises(59, 59.0, 1.0)
     assert rises(run, 0.0, 0.6) is None
 
 
-def test_weight_norms_at_the_end_and_at_their_largest(make_run: MakeRun) -> None:
+def test_weight_norms_at_the_end_and_at_their_largest(make_run):
     first = np.concatenate([np.arange(60.0), np.arange(40.0)])
     norms = np.stack([first, np.arange(100.0)], axis=1)
     found = weight_norm(make_run(extra=WEIGHTS, W_norm=norms))
@@ -63,15 +59,13 @@ def test_weight_norms_at_the_end_and_at_their_largest(make_run: MakeRun) -> None
 
 
 @given(angle=st.floats(0, 6.3), radius=st.floats(1e-6, 1e6))
-def test_the_distance_is_the_same_in_every_direction(
-    make_run: MakeRun, angle: float, radius: float
-) -> None:
+def test_the_distance_is_the_same_in_every_direction(make_run, angle, radius):
     run = make_run(x=3 + radius * np.cos(angle), x_d=3.0, y=radius * np.sin(angle), theta=9.0)
 
     assert distance(run) == pytest.approx(np.full(100, radius), rel=1e-9, abs=1e-9)
 
 
-def test_the_settling_time_is_the_start_of_the_last_stay(make_run: MakeRun) -> None:
+def test_the_settling_time_is_the_start_of_the_last_stay(make_run):
     away = np.ones(100)
     away[20:30] = away[70:] = 0.1
 
@@ -81,9 +75,9 @@ def test_the_settling_time_is_the_start_of_the_last_stay(make_run: MakeRun) -> N
 
 
 @pytest.mark.parametrize("rows", [0, 60])
-def test_a_run_that_ended_early_never_settled(make_run: MakeRun, rows: int) -> None:
+def test_a_run_that_ended_early_never_settled(make_run, rows):
     assert settling_time(make_run(rows=rows, monitor=STOPPED), 1.0) is None
 
 
-def test_a_distance_that_is_no_number_is_not_near(make_run: MakeRun) -> None:
+def test_a_distance_that_is_no_number_is_not_near(make_run):
     assert settling_time(make_run(x=np.nan), 1.0) is None

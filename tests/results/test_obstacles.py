@@ -1,7 +1,5 @@
 """Distances from obstacles."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

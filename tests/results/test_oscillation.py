@@ -1,25 +1,19 @@
 """Limit cycles: told from a start, from noise and from what a reference asks for."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from tests.results.conftest import build
 from wmr_ctrl.api import simulate
-from wmr_ctrl.results import Run
 from wmr_ctrl.results.oscillation import KEPT, SLOWEST, fast_swing_rms, oscillation
 
-MakeRun = Callable[..., Run]
 CYCLES = {"gains.prox": {"rho": [42.9, 21.74], "wo": 10.0, "tau_max": 20.0}}
 """Gains of prox, with k1 = 16.8, that make it cycle where drives are late."""
 AT_100_MS = {"clock.control": 0.1}
 
 
 @pytest.mark.parametrize("count", [100, 101])
-def test_the_fast_swing_is_what_a_slow_part_leaves_of_the_power(count: int) -> None:
+def test_the_fast_swing_is_what_a_slow_part_leaves_of_the_power(count):
     """By Parseval: half of a sine's square, all of what alternates from sample to sample."""
     k, period = np.arange(count), 0.01
     whole = 2 * np.pi * k / count
@@ -32,7 +26,7 @@ def test_the_fast_swing_is_what_a_slow_part_leaves_of_the_power(count: int) -> N
     assert fast_swing_rms(both, period) == pytest.approx(np.sqrt(power / 2))
 
 
-def test_a_swing_of_a_thousandth_of_a_newton_metre_is_none() -> None:
+def test_a_swing_of_a_thousandth_of_a_newton_metre_is_none():
     swing = np.sin(np.arange(200) * 2 * np.pi / 10)
 
     assert oscillation(build(duration=2.0, tau_right=4e-4 * swing)) is None
@@ -40,7 +34,7 @@ def test_a_swing_of_a_thousandth_of_a_newton_metre_is_none() -> None:
 
 
 @pytest.mark.parametrize(("periods", "told"), [(40, True), (10, False)])
-def test_of_few_periods_a_line_needs_more_of_the_power(periods: int, told: bool) -> None:
+def test_of_few_periods_a_line_needs_more_of_the_power(periods, told):
     """Two waves in the last 8 s, the slower with a little more than half of the power."""
     t = 0.01 * np.arange(1600)
     waves = 1.05 * np.sin(2 * np.pi * periods / 8 * t) + np.sin(2 * np.pi * 200 / 8 * t)
@@ -51,9 +45,7 @@ def test_of_few_periods_a_line_needs_more_of_the_power(periods: int, told: bool)
 @pytest.mark.parametrize(("frequency", "swing", "told"), [
     (0.2, 0.6, True), (0.2, 0.3, False), (0.05, 0.6, False), (2.0, 0.6, True),
 ])  # fmt: skip
-def test_a_velocity_that_cycles_is_told_by_its_swing(
-    make_run: MakeRun, frequency: float, swing: float, told: bool
-) -> None:
+def test_a_velocity_that_cycles_is_told_by_its_swing(make_run, frequency, swing, told):
     """Peak to peak about the desired one, of a limit of 1.5 rad/s; 40 s are looked at."""
     t = 0.01 * np.arange(8000)
     run = make_run(duration=80.0, omega=swing / 2 * np.sin(2 * np.pi * frequency * t))
@@ -66,9 +58,7 @@ def test_a_velocity_that_cycles_is_told_by_its_swing(
 
 
 @pytest.mark.parametrize(("share", "told"), [(KEPT - 0.1, False), (KEPT + 0.1, True)])
-def test_a_swing_that_falls_below_its_share_in_a_quarter_decays(
-    make_run: MakeRun, share: float, told: bool
-) -> None:
+def test_a_swing_that_falls_below_its_share_in_a_quarter_decays(make_run, share, told):
     """A wave of 5 Hz whose last quarter has that share of the amplitude before."""
     t = 0.01 * np.arange(1600)
     wave = np.sin(10 * np.pi * t) * np.where(t < 14.0, 1.0, share)
@@ -76,7 +66,7 @@ def test_a_swing_that_falls_below_its_share_in_a_quarter_decays(
     assert (KEPT, oscillation(make_run(duration=16.0, tau_right=wave)) is not None) == (2 / 3, told)
 
 
-def test_what_is_faster_than_half_a_hertz_swings() -> None:
+def test_what_is_faster_than_half_a_hertz_swings():
     t = 0.01 * np.arange(4000)
     slow, fast = (np.sin(2 * np.pi * f * SLOWEST * t) for f in (0.5, 4.0))
     signal = np.stack((slow + 3 * fast, 3 * fast), axis=1)
@@ -85,7 +75,7 @@ def test_what_is_faster_than_half_a_hertz_swings() -> None:
 
 
 @pytest.mark.parametrize(("periods", "rms"), [(1, 0.0), (3, 0.0), (5, 1 / np.sqrt(2))])
-def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods: int, rms: float) -> None:
+def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods, rms):
     """A window of half a second, however fast they are."""
     signal = np.sin(2 * np.pi * periods * np.arange(50) / 50)[:, None]
 
@@ -104,26 +94,23 @@ def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods: int, rm
         pytest.param("pid", 30.0, marks=pytest.mark.slow),
     ],
 )
-def test_a_short_run_that_settles_is_no_oscillation(law: str, duration: float) -> None:
+def test_a_short_run_that_settles_is_no_oscillation(law, duration):
     """One or two periods are what the start leaves behind, a few more what noise does."""
     for seed in range(3):
         late = {"clock.duration": duration}
         assert oscillation(simulate("paper-simulation", law, seed=seed, overrides=late)) is None
 
 
-def test_nor_is_a_guarded_far_start() -> None:
+def test_nor_is_a_guarded_far_start():
     short = {"guard.enabled": True, "disturbance.truncate": 3.0, "clock.duration": 5.0}
     assert oscillation(simulate("far-start", "prox", overrides=short)) is None
 
 
 @pytest.mark.parametrize(
-    ("duration", "period", "delay"),
-    [(10.0, 0.02, 0.06), (6.0, 0.05, 0.05), (20.0, 0.01, 0.05)],
+    ("duration", "period", "delay"), [(10.0, 0.02, 0.06), (6.0, 0.05, 0.05), (20.0, 0.01, 0.05)]
 )
 @pytest.mark.slow_but("10.0-0.02-0.06")
-def test_limit_cycles_are_told_on_short_runs_too(
-    duration: float, period: float, delay: float
-) -> None:
+def test_limit_cycles_are_told_on_short_runs_too(duration, period, delay):
     late = {"clock.control": period, "actuator.delay": delay, "clock.duration": duration, **CYCLES}
     found = oscillation(simulate("safe-simulation", "prox", overrides=late))
 
@@ -136,9 +123,7 @@ def test_limit_cycles_are_told_on_short_runs_too(
     (0.0, 40, True), (0.0, 5, True), (0.0, 2.5, False), (0.5, 40, False), (-0.3, 40, True),
     (0.12, 40, False), (0.05, 40, True),
 ])  # fmt: skip
-def test_a_cycle_has_periods_and_does_not_decay(
-    make_run: MakeRun, decay: float, periods: float, told: bool
-) -> None:
+def test_a_cycle_has_periods_and_does_not_decay(make_run, decay, periods, told):
     """exp(-decay t) sin(2 pi f t), the given number of periods in the last half of 16 s."""
     t = 0.01 * np.arange(1600)
     wave = np.exp(-decay * t) * np.sin(2 * np.pi * periods / 8 * t)
@@ -152,7 +137,7 @@ def test_a_cycle_has_periods_and_does_not_decay(
     [("prox", "lemniscate"), ("kanayama", "rounded-square"), ("nn", "stop-and-go")],
 )
 @pytest.mark.slow
-def test_noise_and_moving_references_are_no_oscillation(law: str, reference: str) -> None:
+def test_noise_and_moving_references_are_no_oscillation(law, reference):
     run = simulate("safe-simulation", law, overrides={"reference.kind": reference})
 
     assert oscillation(run) is None
@@ -160,7 +145,7 @@ def test_noise_and_moving_references_are_no_oscillation(law: str, reference: str
 
 @pytest.mark.parametrize("law", ["prox", "kanayama"])
 @pytest.mark.slow_but("prox")
-def test_nor_is_the_answer_to_noise_at_100_ms(law: str) -> None:
+def test_nor_is_the_answer_to_noise_at_100_ms(law):
     """With gains for 100 ms; with k1 = 16.8 and a slow observer prox does cycle."""
     own = {"gains.prox.kinematics": [5.0, 81.0, 3.6], "gains.prox.rho": [13.9, 8.93],
            "gains.prox.wo": 4.5}  # fmt: skip
@@ -171,7 +156,7 @@ def test_nor_is_the_answer_to_noise_at_100_ms(law: str) -> None:
         assert oscillation(simulate("safe-simulation", law, overrides=slow)) is not None
 
 
-def test_a_cycle_has_its_frequency_and_swing(make_run: MakeRun) -> None:
+def test_a_cycle_has_its_frequency_and_swing(make_run):
     t = 0.01 * np.arange(800)
     wave = 1.0 + np.sin(2 * np.pi * 5.0 * t)
     found = oscillation(make_run(duration=8.0, tau_right=wave, tau_left=wave))
@@ -181,7 +166,7 @@ def test_a_cycle_has_its_frequency_and_swing(make_run: MakeRun) -> None:
     assert found.swing == pytest.approx(2.0, rel=0.02)
 
 
-def test_a_swing_is_no_larger_than_the_wheels_allow(make_run: MakeRun) -> None:
+def test_a_swing_is_no_larger_than_the_wheels_allow(make_run):
     """A square wave between the torque limits holds a line that is longer than the wave."""
     square = np.where(np.arange(1600) % 40 < 20, 6.0, -6.0)
     found = oscillation(make_run(duration=16.0, tau_right=square, tau_left=square))

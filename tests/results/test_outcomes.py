@@ -1,7 +1,5 @@
 """Outcomes: which one, and the sentence that goes with it."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -34,12 +32,12 @@ CASES = [
 
 
 @pytest.mark.parametrize(("monitor", "value"), CASES)
-def test_the_gravest_event_gives_the_outcome(monitor: Monitor, value: str) -> None:
+def test_the_gravest_event_gives_the_outcome(monitor, value):
     assert outcome_of(monitor, guard=True) == Outcome(value)
     assert outcome_of(monitor, guard=True).value == value
 
 
-def test_without_the_guard_there_is_no_guarantee_to_lose() -> None:
+def test_without_the_guard_there_is_no_guarantee_to_lose():
     """The event is known all the same, and no other outcome depends on the guard."""
     assert outcome_of(LEFT, guard=False) == outcome_of(LEFT) == Outcome.COMPLETED
     for monitor, value in CASES:
@@ -47,7 +45,7 @@ def test_without_the_guard_there_is_no_guarantee_to_lose() -> None:
             assert outcome_of(monitor, guard=False).value == value
 
 
-def test_every_outcome_is_covered_here() -> None:
+def test_every_outcome_is_covered_here():
     assert {value for _, value in CASES} == {outcome.value for outcome in Outcome}
 
 
@@ -60,16 +58,14 @@ def test_every_outcome_is_covered_here() -> None:
         ((math.nextafter(1000.0, 0.0), 0.0), Outcome.COMPLETED),
     ],
 )
-def test_extremes_alone_never_pass_as_completed(
-    max_abs_v: tuple[float, float], outcome: Outcome
-) -> None:
+def test_extremes_alone_never_pass_as_completed(max_abs_v, outcome):
     monitor = Monitor(max_abs_v)
 
     assert outcome_of(monitor) == outcome
     assert outcome.sentence(monitor).endswith(".")
 
 
-def test_a_guarded_violation_does_not_advise_the_guard() -> None:
+def test_a_guarded_violation_does_not_advise_the_guard():
     unguarded, guarded = (Outcome.LIMIT_VIOLATED.sentence(BROKEN, on) for on in (False, True))
 
     assert "Switch the guard on" in unguarded
@@ -78,7 +74,7 @@ def test_a_guarded_violation_does_not_advise_the_guard() -> None:
 
 
 @pytest.mark.parametrize("guard", [False, True])
-def test_a_start_outside_is_told_as_such_and_only_then(guard: bool) -> None:
+def test_a_start_outside_is_told_as_such_and_only_then(guard):
     outside = Monitor((1.3, 0.5), violations=9, first_violation=(0.0, 1))
     sentence = Outcome.LIMIT_VIOLATED.sentence(outside, guard)
     assert "started outside the limits" in sentence
@@ -86,13 +82,13 @@ def test_a_start_outside_is_told_as_such_and_only_then(guard: bool) -> None:
     assert "outside" not in Outcome.LIMIT_VIOLATED.sentence(BROKEN, guard)
 
 
-def test_the_sentences_of_a_rigid_body_tell_when_and_by_how_much() -> None:
+def test_the_sentences_of_a_rigid_body_tell_when_and_by_how_much():
     assert "1.985 s" in Outcome.TIPPED.sentence(FALLEN)
     assert "0.003 s" in Outcome.TIPPED.sentence(FALLEN)
     assert "4 m/s" in Outcome.SLIPPED.sentence(SPUN)
 
 
-def test_reaching_the_limit_without_a_counted_violation_is_no_violation() -> None:
+def test_reaching_the_limit_without_a_counted_violation_is_no_violation():
     assert outcome_of(Monitor((1.0, 1.5))) == Outcome.COMPLETED
 
 
@@ -107,7 +103,7 @@ def test_reaching_the_limit_without_a_counted_violation_is_no_violation() -> Non
         (LOST, ["linear velocity v1", "t = 0.375 s", "finite", "clock.plant"]),
     ],
 )
-def test_the_sentence_names_what_when_axis_and_remedy(monitor: Monitor, parts: list[str]) -> None:
+def test_the_sentence_names_what_when_axis_and_remedy(monitor, parts):
     sentence = outcome_of(monitor, guard=True).sentence(monitor)
 
     assert [part for part in parts if part not in sentence] == []
@@ -115,7 +111,7 @@ def test_the_sentence_names_what_when_axis_and_remedy(monitor: Monitor, parts: l
     assert "{" not in sentence
 
 
-def test_one_step_is_counted_in_the_singular() -> None:
+def test_one_step_is_counted_in_the_singular():
     monitor = Monitor((1.7, 1.2), 1, (0.0125, 1))
 
     assert "1 plant step was" in outcome_of(monitor).sentence(monitor)

@@ -1,19 +1,14 @@
 """Remarks: each key where it belongs, with its numbers; and the figures that they rest on."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
-from wmr_ctrl.results import Monitor, Run, percent, position_rms, tracked
+from wmr_ctrl.results import Monitor, percent, position_rms, tracked
 from wmr_ctrl.results.measures import guard_share, position_max, torque_change_rms
 from wmr_ctrl.results.oscillation import oscillation
 
-MakeRun = Callable[..., Run]
 CLIP = next(signal for signal in GUARD_DIAGNOSTICS if signal.name == "clip_active")
 CYCLES = {"gains.prox": {"rho": [42.9, 21.74], "wo": 10.0, "tau_max": 20.0}}
 """Gains of prox, with k1 = 16.8, that make it cycle where drives are late."""
@@ -21,16 +16,16 @@ AT_100_MS = {"clock.control": 0.1}
 LATE = {**AT_100_MS, "actuator.delay": 0.05}
 
 
-def keys(run: Run) -> list[str]:
+def keys(run):
     return [item.key for item in run.remarks]
 
 
-def remark(run: Run, key: str) -> str:
+def remark(run, key):
     (text,) = (item.text for item in run.remarks if item.key == key)
     return text
 
 
-def test_position_is_the_straight_distance(make_run: MakeRun) -> None:
+def test_position_is_the_straight_distance(make_run):
     away = np.where(np.arange(100) < 75, 0.0, 0.05)
     run = make_run(x=0.6 * away, y_d=0.8 * away, theta=3.0)
 
@@ -38,14 +33,14 @@ def test_position_is_the_straight_distance(make_run: MakeRun) -> None:
     assert position_max(run) == pytest.approx(0.05)
 
 
-def test_figures_of_a_run_that_ended_early_are_missing(make_run: MakeRun) -> None:
+def test_figures_of_a_run_that_ended_early_are_missing(make_run):
     run = make_run(rows=90)
 
     assert position_rms(run) == {"all": None, "last_quarter": None}
     assert position_max(run) is torque_change_rms(run) is oscillation(run) is None
 
 
-def test_torque_change_is_counted_over_the_last_half(make_run: MakeRun) -> None:
+def test_torque_change_is_counted_over_the_last_half(make_run):
     """A saw of 2 N m from the middle on, on one wheel; the step into the half counts."""
     swing = np.where(np.arange(100) < 50, 0.0, (-1.0) ** np.arange(100))
     run = make_run(tau_right=swing)
@@ -53,7 +48,7 @@ def test_torque_change_is_counted_over_the_last_half(make_run: MakeRun) -> None:
     assert torque_change_rms(run) == pytest.approx(np.sqrt((49 * 4 + 1) / 100))
 
 
-def test_guard_share_is_per_axis_and_zero_without_guard(make_run: MakeRun) -> None:
+def test_guard_share_is_per_axis_and_zero_without_guard(make_run):
     clipped = {"extra": (CLIP,), "clip_active": np.tile([[1.0, 0.0], [0.0, 0.0]], (50, 1))}
 
     assert guard_share(make_run(**clipped, labels={"guard": True})) == (0.5, 0.0)
@@ -62,7 +57,7 @@ def test_guard_share_is_per_axis_and_zero_without_guard(make_run: MakeRun) -> No
 
 
 @pytest.mark.slow
-def test_nothing_needs_to_be_done_only_without_remarks() -> None:
+def test_nothing_needs_to_be_done_only_without_remarks():
     fine = simulate("safe-simulation", "kanayama")
     slow = simulate("safe-simulation", "kanayama", overrides={"metrics.tolerance": 1e-5})
 
@@ -75,7 +70,7 @@ def test_nothing_needs_to_be_done_only_without_remarks() -> None:
 
 @pytest.mark.parametrize(("period", "delay"), [(0.1, 0.05), (0.02, 0.06)])
 @pytest.mark.slow
-def test_limit_cycles_under_delay_are_told(period: float, delay: float) -> None:
+def test_limit_cycles_under_delay_are_told(period, delay):
     late = {**CYCLES, "clock.control": period, "actuator.delay": delay}
     run = simulate("safe-simulation", "prox", overrides=late)
 
@@ -83,7 +78,7 @@ def test_limit_cycles_under_delay_are_told(period: float, delay: float) -> None:
     assert "Nothing needs to be done" not in run.explanation
 
 
-def test_a_guard_that_holds_back_is_told() -> None:
+def test_a_guard_that_holds_back_is_told():
     fast = {**AT_100_MS, "reference.kind": "line", "reference.speed": 0.9, "clock.duration": 40.0}
     run = simulate("safe-simulation", "kanayama", overrides={**fast, "changes": []})
 
@@ -92,7 +87,7 @@ def test_a_guard_that_holds_back_is_told() -> None:
 
 
 @pytest.mark.slow
-def test_void_assumptions_are_told_with_the_guard_on_only() -> None:
+def test_void_assumptions_are_told_with_the_guard_on_only():
     tails = {"disturbance.truncate": float("inf")}
     timed = {"encoder.method": "time", "encoder.counts": 65536.0}
     for cause in (tails, timed):
@@ -105,7 +100,7 @@ def test_void_assumptions_are_told_with_the_guard_on_only() -> None:
         assert "assumption-void" not in keys(off)
 
 
-def test_what_the_outcome_says_is_a_remark_too(make_run: MakeRun) -> None:
+def test_what_the_outcome_says_is_a_remark_too(make_run):
     beyond = Monitor((1.7, 1.2), 12, (0.0125, 1), bounds_left=(0.5, 1))
 
     assert keys(make_run(monitor=beyond)) == ["limit-violated"]
@@ -117,7 +112,7 @@ def test_what_the_outcome_says_is_a_remark_too(make_run: MakeRun) -> None:
 
 @pytest.mark.parametrize("engine", ["native", "numpy"])
 @pytest.mark.parametrize(("share", "counted"), [(1e-13, False), (1e-9, True)])
-def test_rounding_is_no_violation(engine: str, share: float, counted: bool) -> None:
+def test_rounding_is_no_violation(engine, share, counted):
     """A start beyond the limit by so much, and no other violation after it."""
     start = {"initial.velocity": [1.0 + share, 0.0], "disturbance.std": 0.0}
     short = {"clock.duration": 0.2, "changes": [], "guard.enabled": False}
@@ -128,7 +123,7 @@ def test_rounding_is_no_violation(engine: str, share: float, counted: bool) -> N
 
 
 @pytest.mark.slow
-def test_tables_have_the_runs_figures() -> None:
+def test_tables_have_the_runs_figures():
     changed = {**LATE, "actuator.lag": 0.02}
     table = simulate_many("safe-simulation", "prox", range(3), changed)
     for seed in range(3):
@@ -143,7 +138,7 @@ def test_tables_have_the_runs_figures() -> None:
         assert table["tracked"][seed] == tracked(run)
 
 
-def test_shares_read_as_percent() -> None:
+def test_shares_read_as_percent():
     shares = (0.0, 0.00275, 0.5, 0.9996, 1.0, 1.5, 12.34)
     assert [percent(x) for x in shares] == [
         "0 %", "0.275 %", "50 %", "100 %", "100 %", "150 %", "1230 %",

@@ -1,20 +1,16 @@
 """Figures of a run: properties that the definitions imply, then the summary's shape."""
 
-from __future__ import annotations
-
 import json
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.results import Monitor, Run, e_rms, ise, summary, tau_peak, tau_rms
+from wmr_ctrl.results import Monitor, e_rms, ise, summary, tau_peak, tau_rms
 from wmr_ctrl.results.measures import ise_over
 
-MakeRun = Callable[..., Run]
 CONTROLS = st.sampled_from([0.001, 0.01, 0.1, 0.3, 1 / 3])
 ERRORS = st.floats(-1e3, 1e3).filter(lambda c: c == 0 or abs(c) > 1e-3)
 STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.6, 2), "diverged")
@@ -27,8 +23,8 @@ STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.6, 2), "diverged")
 @given(c=ERRORS, rows=st.integers(1, 300), control=CONTROLS)
 @pytest.mark.slow_but("x")
 def test_a_constant_error_integrates_to_its_square_times_the_duration(
-    make_run: MakeRun, name: str, c: float, rows: int, control: float
-) -> None:
+    make_run, name, c, rows, control
+):
     run = make_run(duration=rows * control, control=control, **{name: c})
     expected = c**2 * rows * control
 
@@ -39,7 +35,7 @@ def test_a_constant_error_integrates_to_its_square_times_the_duration(
 
 
 @given(split=st.floats(0, 1), seed=st.integers(0, 100))
-def test_before_and_after_add_up_to_the_total(make_run: MakeRun, split: float, seed: int) -> None:
+def test_before_and_after_add_up_to_the_total(make_run, split, seed):
     x, y, theta = np.random.default_rng(seed).normal(size=(3, 100))
     run = make_run(x=x, y=y, theta=theta, split=split)
     parts = [ise(run)[part] or 0.0 for part in ("before", "after")]
@@ -48,9 +44,7 @@ def test_before_and_after_add_up_to_the_total(make_run: MakeRun, split: float, s
 
 
 @given(factor=st.floats(1e-3, 1e3), seed=st.integers(0, 100))
-def test_the_ise_grows_with_the_square_of_the_error(
-    make_run: MakeRun, factor: float, seed: int
-) -> None:
+def test_the_ise_grows_with_the_square_of_the_error(make_run, factor, seed):
     x, y, theta = np.random.default_rng(seed).normal(size=(3, 100))
     small = ise(make_run(x=x / factor, y=y / factor, theta=theta / factor))
     large = ise(make_run(x=x, y=y, theta=theta))
@@ -60,7 +54,7 @@ def test_the_ise_grows_with_the_square_of_the_error(
     }
 
 
-def test_only_the_difference_from_the_reference_counts(make_run: MakeRun) -> None:
+def test_only_the_difference_from_the_reference_counts(make_run):
     wave = np.sin(np.arange(100.0))
     still = make_run(x=wave, theta=2 * wave)
     moved = make_run(x=wave + 3, x_d=3.0, theta=0.0, theta_d=-2 * wave, y=4.0, y_d=4.0)
@@ -68,14 +62,12 @@ def test_only_the_difference_from_the_reference_counts(make_run: MakeRun) -> Non
     assert ise(moved)["total"] == pytest.approx(ise(still)["total"], rel=1e-12)
 
 
-def test_a_full_turn_of_the_angle_is_an_error_of_two_pi(make_run: MakeRun) -> None:
+def test_a_full_turn_of_the_angle_is_an_error_of_two_pi(make_run):
     assert ise(make_run(theta=2 * math.pi))["total"] == pytest.approx(4 * math.pi**2)
 
 
 @pytest.mark.parametrize(("start", "end"), [(-0.1, 0.5), (0.5, 0.4), (0.0, 1.01), (2.0, 3.0)])
-def test_a_window_outside_the_run_has_no_figure(
-    make_run: MakeRun, start: float, end: float
-) -> None:
+def test_a_window_outside_the_run_has_no_figure(make_run, start, end):
     assert ise_over(make_run(), start, end) is None
     assert e_rms(make_run(), start, end) is None
 
@@ -83,7 +75,7 @@ def test_a_window_outside_the_run_has_no_figure(
 # -- runs that ended early ----------------------------------------------------------------
 
 
-def test_an_early_end_leaves_only_the_windows_that_it_covers(make_run: MakeRun) -> None:
+def test_an_early_end_leaves_only_the_windows_that_it_covers(make_run):
     whole = make_run(x=1.0, split=0.6)
     early = make_run(x=1.0, split=0.6, rows=60, monitor=STOPPED)
 
@@ -96,11 +88,11 @@ def test_an_early_end_leaves_only_the_windows_that_it_covers(make_run: MakeRun) 
     assert ise_over(early, 0.0, 0.61) is None
 
 
-def test_rows_missing_without_a_stop_are_not_covered_either(make_run: MakeRun) -> None:
+def test_rows_missing_without_a_stop_are_not_covered_either(make_run):
     assert ise(make_run(x=1.0, rows=49)) == dict.fromkeys(ise(make_run()), None)
 
 
-def test_a_period_that_the_run_did_not_live_through_is_not_covered(make_run: MakeRun) -> None:
+def test_a_period_that_the_run_did_not_live_through_is_not_covered(make_run):
     between = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.995, 2), "diverged")
     run = make_run(x=1.0, monitor=between)
 
@@ -109,7 +101,7 @@ def test_a_period_that_the_run_did_not_live_through_is_not_covered(make_run: Mak
     assert ise_over(run, 0.0, 0.99) == pytest.approx(0.99)
 
 
-def test_a_run_that_ended_at_once_has_no_figures(make_run: MakeRun) -> None:
+def test_a_run_that_ended_at_once_has_no_figures(make_run):
     at_once = Monitor((0.0, 1000.0), 1, (0.0, 2), (0.0, 2), "diverged")
     figures = summary(make_run(rows=0, monitor=at_once, rms_from=0.0))
 
@@ -118,7 +110,7 @@ def test_a_run_that_ended_at_once_has_no_figures(make_run: MakeRun) -> None:
     assert (figures["outcome"], figures["max_abs_v"]) == ("diverged", [0.0, 1000.0])
 
 
-def test_the_torque_peak_of_an_early_end_is_that_of_its_rows(make_run: MakeRun) -> None:
+def test_the_torque_peak_of_an_early_end_is_that_of_its_rows(make_run):
     run = make_run(tau_left=-3.0, rows=60, monitor=STOPPED, rms_from=0.0)
 
     assert tau_peak(run) == 3.0
@@ -132,29 +124,27 @@ def test_the_torque_peak_of_an_early_end_is_that_of_its_rows(make_run: MakeRun) 
 @pytest.mark.parametrize("wheel", ["tau_right", "tau_left"])
 @pytest.mark.parametrize("row", [0, 57, 99])
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_the_torque_peak_is_found_on_either_wheel(
-    make_run: MakeRun, wheel: str, row: int, sign: int
-) -> None:
+def test_the_torque_peak_is_found_on_either_wheel(make_run, wheel, row, sign):
     torque = np.full(100, 0.5)
     torque[row] = 7.0 * sign
 
     assert tau_peak(make_run(**{wheel: torque})) == 7.0
 
 
-def test_noise_is_no_commanded_torque(make_run: MakeRun) -> None:
+def test_noise_is_no_commanded_torque(make_run):
     run = make_run(noise_right=9.0, noise_left=-9.0, rms_from=0.0)
 
     assert (tau_peak(run), tau_rms(run)) == (0.0, 0.0)
 
 
 @given(right=ERRORS, left=ERRORS)
-def test_the_torque_rms_joins_both_wheels(make_run: MakeRun, right: float, left: float) -> None:
+def test_the_torque_rms_joins_both_wheels(make_run, right, left):
     run = make_run(tau_right=right, tau_left=left, rms_from=0.0)
 
     assert tau_rms(run) == pytest.approx(math.sqrt((right**2 + left**2) / 2), rel=1e-12)
 
 
-def test_the_torque_rms_starts_at_its_sample_and_not_before(make_run: MakeRun) -> None:
+def test_the_torque_rms_starts_at_its_sample_and_not_before(make_run):
     torque = np.where(np.arange(100) < 30, 100.0, 2.0)
 
     assert tau_rms(make_run(tau_right=torque, tau_left=2.0, rms_from=0.3)) == pytest.approx(2.0)
@@ -164,7 +154,7 @@ def test_the_torque_rms_starts_at_its_sample_and_not_before(make_run: MakeRun) -
     assert tau_rms(make_run(rms_from=1.0)) is None
 
 
-def test_peak_and_rms_of_a_window_see_only_that_window(make_run: MakeRun) -> None:
+def test_peak_and_rms_of_a_window_see_only_that_window(make_run):
     run = make_run(tau_right=np.arange(100.0), tau_left=np.arange(-60.0, 40.0))
 
     assert tau_peak(run, 0.0, 0.2) == 60.0
@@ -175,7 +165,7 @@ def test_peak_and_rms_of_a_window_see_only_that_window(make_run: MakeRun) -> Non
     assert tau_rms(run, 0.1, 0.11) == pytest.approx(math.sqrt((10**2 + 50**2) / 2))
 
 
-def test_a_window_without_a_sample_has_no_mean_and_an_ise_of_zero(make_run: MakeRun) -> None:
+def test_a_window_without_a_sample_has_no_mean_and_an_ise_of_zero(make_run):
     run = make_run(x=1.0, e=1.0)
 
     assert e_rms(run, 0.5, 0.5) is None
@@ -184,13 +174,11 @@ def test_a_window_without_a_sample_has_no_mean_and_an_ise_of_zero(make_run: Make
 
 
 @given(c=st.tuples(ERRORS, ERRORS, ERRORS))
-def test_the_rms_of_constant_errors_is_their_size(
-    make_run: MakeRun, c: tuple[float, float, float]
-) -> None:
+def test_the_rms_of_constant_errors_is_their_size(make_run, c):
     assert e_rms(make_run(e=c), 0.1, 0.4) == pytest.approx(np.abs(c), rel=1e-12)
 
 
-def test_the_rms_windows_of_the_summary_are_half_open(make_run: MakeRun) -> None:
+def test_the_rms_windows_of_the_summary_are_half_open(make_run):
     time = np.arange(800) / 10
     marks = np.stack([time, np.where(time < 40, 1.0, 3.0), np.where(time >= 45, 5.0, 0.0)], axis=1)
     figures = summary(make_run(duration=80.0, control=0.1, e=marks))["e_rms"]
@@ -204,7 +192,7 @@ def test_the_rms_windows_of_the_summary_are_half_open(make_run: MakeRun) -> None
     assert figures["40-45"][0] == pytest.approx(math.sqrt(sum(squares) / 50))
 
 
-def test_a_run_too_short_for_a_window_has_none(make_run: MakeRun) -> None:
+def test_a_run_too_short_for_a_window_has_none(make_run):
     figures = summary(make_run(duration=44.9, control=0.1, e=2.0))["e_rms"]
 
     assert figures == {"30-40": [2.0, 2.0, 2.0], "40-45": None, "70-80": None}
@@ -213,7 +201,7 @@ def test_a_run_too_short_for_a_window_has_none(make_run: MakeRun) -> None:
 # -- summary ------------------------------------------------------------------------------
 
 
-def test_the_summary_has_exactly_the_published_keys(make_run: MakeRun) -> None:
+def test_the_summary_has_exactly_the_published_keys(make_run):
     hashes = {"version": "1.0", "scenario_hash": "ab", "kernel_hash": "cd"}
     monitor = Monitor((1.2, 0.5), 4, (0.1, 1))
     run = make_run(provenance={**hashes, "scenario_toml": "..."}, monitor=monitor)
@@ -236,16 +224,14 @@ def test_the_summary_has_exactly_the_published_keys(make_run: MakeRun) -> None:
     assert (figures["d_least"], figures["dbar"]) == (None, None)
 
 
-def test_the_summary_puts_the_least_disturbance_beside_its_bound(make_run: MakeRun) -> None:
+def test_the_summary_puts_the_least_disturbance_beside_its_bound(make_run):
     figures = summary(make_run(monitor=Monitor((0.1, 0.2), d_least=(3, math.inf)), dbar=(60, 15)))
 
     assert (figures["d_least"], figures["dbar"]) == ([3.0, None], [60.0, 15.0])
 
 
 @given(value=st.sampled_from([math.nan, math.inf, -math.inf, 1e200]))
-def test_the_summary_is_strict_json_whatever_the_numbers_are(
-    make_run: MakeRun, value: float
-) -> None:
+def test_the_summary_is_strict_json_whatever_the_numbers_are(make_run, value):
     lost = Monitor((math.nan, math.inf), 1, (0.0, 1), (0.5, 1), "non-finite")
     for monitor in (lost, Monitor((0.1, 0.1))):
         run = make_run(x=value, e=value, tau_left=value, rms_from=0.0, monitor=monitor)

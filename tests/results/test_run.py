@@ -1,11 +1,8 @@
 """Run, Settings, Monitor: access by name, read-only arrays, and refusal of contradictions."""
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import pickle
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -13,12 +10,10 @@ import pytest
 from tests.equal_runs import runs_equal
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.core.signals import LOG_HEAD, Signal
-from wmr_ctrl.results import Monitor, Outcome, Run
-
-MakeRun = Callable[..., Run]
+from wmr_ctrl.results import Monitor, Outcome
 
 
-def test_columns_and_elements_are_reached_by_name(make_run: MakeRun) -> None:
+def test_columns_and_elements_are_reached_by_name(make_run):
     pairs = np.arange(200.0).reshape(100, 2)
     run = make_run(v_c0=pairs, v1=7.0)
 
@@ -29,7 +24,7 @@ def test_columns_and_elements_are_reached_by_name(make_run: MakeRun) -> None:
     assert np.array_equal(run.time, run["t"])
 
 
-def test_every_element_of_a_row_is_listed_once_in_the_order_of_the_log(make_run: MakeRun) -> None:
+def test_every_element_of_a_row_is_listed_once_in_the_order_of_the_log(make_run):
     run = make_run()
     names = [signal.name for signal in run.elements]
 
@@ -37,7 +32,7 @@ def test_every_element_of_a_row_is_listed_once_in_the_order_of_the_log(make_run:
     assert all(run[name].shape == (run.rows,) and name in run for name in names)
 
 
-def test_an_element_has_its_own_unit(make_run: MakeRun) -> None:
+def test_an_element_has_its_own_unit(make_run):
     run = make_run()
 
     assert run.signal("v_c0").size == 2
@@ -46,7 +41,7 @@ def test_an_element_has_its_own_unit(make_run: MakeRun) -> None:
 
 
 @pytest.mark.parametrize("name", ["v_c0[0]", "v_c0[3]", "x[1]", "W_norm", "", "v_c"])
-def test_unknown_names_are_refused_with_the_known_ones(make_run: MakeRun, name: str) -> None:
+def test_unknown_names_are_refused_with_the_known_ones(make_run, name):
     run = make_run()
 
     assert name not in run
@@ -56,7 +51,7 @@ def test_unknown_names_are_refused_with_the_known_ones(make_run: MakeRun, name: 
         run.signal(name)
 
 
-def test_arrays_are_copies_that_nobody_can_change(make_run: MakeRun) -> None:
+def test_arrays_are_copies_that_nobody_can_change(make_run):
     mine = np.ones(100)
     run = make_run(x=mine)
     mine[:] = 5.0
@@ -72,7 +67,7 @@ def test_arrays_are_copies_that_nobody_can_change(make_run: MakeRun) -> None:
         run.law = "pid"  # type: ignore[misc]
 
 
-def test_a_run_survives_pickling_and_copying(make_run: MakeRun) -> None:
+def test_a_run_survives_pickling_and_copying(make_run):
     run = make_run(x=3.0, provenance={"version": "1"})
 
     assert runs_equal(pickle.loads(pickle.dumps(run)), run)
@@ -99,9 +94,7 @@ def test_a_run_survives_pickling_and_copying(make_run: MakeRun) -> None:
         ({"settings": lambda s: dataclasses.replace(s, duration=0.5)}, "100 rows, more than"),
     ],
 )
-def test_contradictions_are_refused(
-    make_run: MakeRun, change: dict[str, Callable[..., object]], message: str
-) -> None:
+def test_contradictions_are_refused(make_run, change, message):
     run = make_run()
     changed = {name: edit(getattr(run, name)) for name, edit in change.items()}
 
@@ -109,13 +102,13 @@ def test_contradictions_are_refused(
         dataclasses.replace(run, **changed)  # type: ignore[arg-type]
 
 
-def test_repr_is_one_short_line(make_run: MakeRun) -> None:
+def test_repr_is_one_short_line(make_run):
     text = repr(make_run(labels={"guard": True}))
 
     assert text == "<Run toy, nn, guarded, seed 0, native: 100 rows, completed>"
 
 
-def test_further_diagnostics_of_a_law_are_columns_like_any(make_run: MakeRun) -> None:
+def test_further_diagnostics_of_a_law_are_columns_like_any(make_run):
     run = make_run(extra=(Signal("W_norm", "1", "norm", 2),), W_norm=[1.0, 2.0])
 
     assert "W_norm[2]" in run
@@ -134,6 +127,6 @@ def test_further_diagnostics_of_a_law_are_columns_like_any(make_run: MakeRun) ->
         {"stop_reason": "diverged", "stopped": (0.0, 0)},
     ],
 )
-def test_a_monitor_that_contradicts_itself_is_refused(fields: dict[str, object]) -> None:
+def test_a_monitor_that_contradicts_itself_is_refused(fields):
     with pytest.raises(ArgumentError, match=r"monitor\."):
         Monitor((0.0, 0.0), **fields)  # type: ignore[arg-type]

@@ -1,7 +1,5 @@
 """Settings: sample times, impossible numbers, and what a log says of its disturbance."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -19,7 +17,7 @@ from wmr_ctrl.results.settings import (
 
 
 @pytest.mark.parametrize("control", [0.001, 0.01, 0.1, 1 / 3, 0.7])
-def test_every_sample_time_finds_its_own_index(control: float) -> None:
+def test_every_sample_time_finds_its_own_index(control):
     settings = Settings(control, control, 1000 * control, (1.0, 1.0), 0.0)
 
     assert settings.samples == 1000
@@ -39,7 +37,7 @@ def test_every_sample_time_finds_its_own_index(control: float) -> None:
         {"v_u1": (float("nan"), 1.0)},
     ],
 )
-def test_impossible_settings_are_refused_by_name(fields: dict[str, float]) -> None:
+def test_impossible_settings_are_refused_by_name(fields):
     good = {"control": 0.01, "plant": 0.001, "duration": 1.0, "v_u1": (1.0, 1.5), "split": 0.5}
 
     with pytest.raises(ArgumentError, match=next(iter(fields))):

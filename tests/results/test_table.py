@@ -1,7 +1,5 @@
 """Spreads and the table."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 
 import numpy as np
@@ -13,7 +11,6 @@ from tests.simulation.campaign.synthetic import made_up
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.results.table import STATISTICS, RunTable, Spread, spread, table_of_rows
-from wmr_ctrl.simulation.campaign import Campaign
 from wmr_ctrl.simulation.campaign.engine import run_campaign
 from wmr_ctrl.simulation.campaign.paper_runs import paper_plan
 
@@ -21,7 +18,7 @@ VALUES = st.lists(st.none() | st.floats(-1e6, 1e6), max_size=30)
 
 
 @pytest.fixture(scope="module")
-def campaign() -> Campaign:
+def campaign():
     with made_up():
         return run_campaign(paper_plan(seeds=2), jobs=1)
 

@@ -1,7 +1,5 @@
 """Columns over time from tables, each with its own times."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ResultFileError
@@ -10,7 +8,7 @@ from wmr_ctrl.results.tables import is_table, read_timed, reader_of
 KNOWN = {"v1": "m/s", "omega": "rad/s"}
 
 
-def read(tmp_path, content: str, columns=None):
+def read(tmp_path, content, columns=None):
     file = tmp_path / "log.csv"
     file.write_bytes(content.encode())
     return read_timed(file, reader_of("log.csv", KNOWN, columns))

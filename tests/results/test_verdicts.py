@@ -1,8 +1,5 @@
 """Verdicts: what a run is told for, on synthetic logs and on scenarios that theory knows."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,12 +7,11 @@ import pytest
 
 from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.results import Run, tracked
+from wmr_ctrl.results import tracked
 from wmr_ctrl.results.measures import saturated_share, torque_needed_rms, tracking
 from wmr_ctrl.results.verdicts import CorridorLeft, Outlook, Warning
 from wmr_ctrl.theory.checks.outlook import CheckVerdict, outlook, verdict
 
-MakeRun = Callable[..., Run]
 PATH = {
     "reference.kind": "waypoints",
     "reference.points": [[0.0, 0.0], [2.0, 0.0], [3.0, 1.0]],
@@ -33,18 +29,18 @@ SLOW_CYCLE = {
 }
 
 
-def keys(run: Run) -> set[str]:
+def keys(run):
     return {item.key for item in run.remarks}
 
 
-def arriving(make_run: MakeRun, duration: float, x: object) -> Run:
+def arriving(make_run, duration, x):
     """Rests at the goal from 4 s on; metrics.tolerance is 5 cm."""
     run = make_run(duration=duration, control=0.1, x=x)
     return replace(run, settings=replace(run.settings, arrival=4.0, tolerance=0.05))
 
 
 @pytest.mark.parametrize("duration", [4.0, 5.0, 8.0, 80.0, 800.0])
-def test_a_longer_rest_hides_no_error_of_the_drive(make_run: MakeRun, duration: float) -> None:
+def test_a_longer_rest_hides_no_error_of_the_drive(make_run, duration):
     t = 0.1 * np.arange(round(10 * duration))
     run = arriving(make_run, duration, np.where(t < 4.0, 0.06, 0.0))
 
@@ -53,7 +49,7 @@ def test_a_longer_rest_hides_no_error_of_the_drive(make_run: MakeRun, duration: 
     assert "not-tracked" in keys(run)
 
 
-def test_drive_and_end_are_judged_apart_and_the_start_fades(make_run: MakeRun) -> None:
+def test_drive_and_end_are_judged_apart_and_the_start_fades(make_run):
     t = 0.1 * np.arange(80)
     parted = np.select([t < 2.0, t < 4.0], [0.3, 0.01], 0.07)
     run = arriving(make_run, 8.0, parted)
@@ -67,7 +63,7 @@ def test_drive_and_end_are_judged_apart_and_the_start_fades(make_run: MakeRun) -
 
 
 @pytest.mark.slow
-def test_tables_have_drive_and_end_of_runs() -> None:
+def test_tables_have_drive_and_end_of_runs():
     case = {**PATH, "clock.duration": 30.0}
     table = simulate_many("safe-simulation", "prox", range(2), case)
     for seed in range(2):
@@ -80,7 +76,7 @@ def test_tables_have_drive_and_end_of_runs() -> None:
         assert table["saturated_share"][seed] == pytest.approx(saturated_share(run), abs=1e-3)
 
 
-def test_the_motion_needs_friction_on_a_line_and_half_of_it_a_wheel() -> None:
+def test_the_motion_needs_friction_on_a_line_and_half_of_it_a_wheel():
     """mu m g r/2 at constant speed; 20 % more from the mass on that is added later."""
     line = {"reference.kind": "line", "changes": [{"t": 5.0, "m": 60.0}], "clock.duration": 10.0}
     run = simulate("paper-simulation", "kanayama", overrides=line)
@@ -92,7 +88,7 @@ def test_the_motion_needs_friction_on_a_line_and_half_of_it_a_wheel() -> None:
     assert run.needed[-1] == pytest.approx([1.2 * torque, 1.2 * torque], rel=1e-6)
 
 
-def test_without_friction_the_motion_needs_what_accelerates_it() -> None:
+def test_without_friction_the_motion_needs_what_accelerates_it():
     """Both wheels together m v1', their difference I omega'."""
     free = {
         "reference.kind": "lemniscate",
@@ -114,7 +110,7 @@ def test_without_friction_the_motion_needs_what_accelerates_it() -> None:
 
 @pytest.mark.parametrize("seed", [0, 7101])
 @pytest.mark.slow_but("0")
-def test_gains_for_another_period_are_objected_whatever_the_seed(seed: int) -> None:
+def test_gains_for_another_period_are_objected_whatever_the_seed(seed):
     run = simulate("safe-simulation", "prox", seed=seed, overrides={"clock.control": 0.1})
     text = next(item.text for item in run.remarks if item.key == "objected")
 
@@ -123,7 +119,7 @@ def test_gains_for_another_period_are_objected_whatever_the_seed(seed: int) -> N
 
 
 @pytest.mark.slow
-def test_a_verdict_does_not_depend_on_the_seed() -> None:
+def test_a_verdict_does_not_depend_on_the_seed():
     slow = {"clock.control": 0.1}
     runs = [simulate("safe-simulation", "prox", seed=seed, overrides=slow) for seed in range(12)]
 
@@ -132,14 +128,14 @@ def test_a_verdict_does_not_depend_on_the_seed() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.slow
-def test_cycles_below_half_a_hertz_are_told(seed: int) -> None:
+def test_cycles_below_half_a_hertz_are_told(seed):
     run = simulate("safe-simulation", "pid", seed=seed, overrides=SLOW_CYCLE)
 
     assert {"oscillates", "objected"} <= keys(run)
 
 
 @pytest.mark.slow
-def test_encoders_beside_the_true_pose_are_told() -> None:
+def test_encoders_beside_the_true_pose_are_told():
     counted = {"encoder.counts": 8192.0, "clock.duration": 20.0}
     for noise, told in ((0.0, True), (0.01, False)):
         overrides = {**counted, "sensor.pose_noise": noise}
@@ -147,7 +143,7 @@ def test_encoders_beside_the_true_pose_are_told() -> None:
                 ) is told  # fmt: skip
 
 
-def test_weak_drives_are_told() -> None:
+def test_weak_drives_are_told():
     weak = {"actuator.tau_max": 0.9, "clock.duration": 20.0}
     run = simulate("paper-simulation-no-switch", "kanayama", overrides=weak)
 
@@ -156,7 +152,7 @@ def test_weak_drives_are_told() -> None:
 
 
 @pytest.mark.slow
-def test_noise_through_gains_is_objected_and_seen() -> None:
+def test_noise_through_gains_is_objected_and_seen():
     noisy = {"sensor.velocity_noise": [0.1, 0.1], "clock.duration": 20.0}
     calm, loud = (outlook(scenario_of("safe-simulation", case), "pid") for case in ({}, noisy))
     run = simulate("safe-simulation", "pid", overrides=noisy)
@@ -167,7 +163,7 @@ def test_noise_through_gains_is_objected_and_seen() -> None:
 
 
 @pytest.mark.slow
-def test_a_barrier_close_to_the_desired_speed_is_named_beside_noise_and_gains() -> None:
+def test_a_barrier_close_to_the_desired_speed_is_named_beside_noise_and_gains():
     """Without any noise: half of the gains calm nothing, and a barrier farther off does."""
     case, close = "turtlebot3-burger", {"limits.v_u2": [0.17, 2.2]}
     halved = {"gains.nn.rho1": [3.93, 0.011], "gains.kinematics.k": [1.8, 32.3, 1.3]}
@@ -184,14 +180,14 @@ def test_a_barrier_close_to_the_desired_speed_is_named_beside_noise_and_gains() 
     assert "to which the desired 0.16 m/s is close, lower the law's gains" in told
 
 
-def test_a_run_of_an_unknown_law_is_not_said_to_be_checked(make_run: MakeRun) -> None:
+def test_a_run_of_an_unknown_law_is_not_said_to_be_checked(make_run):
     run = make_run(labels={"law": "theirs"})
 
     assert run.outlook is None
     assert "Nothing needs to be done" not in run.explanation
 
 
-def test_torques_of_somebody_elses_law_are_judged_by_what_the_motion_needs() -> None:
+def test_torques_of_somebody_elses_law_are_judged_by_what_the_motion_needs():
     """Theory knows nothing of it; the motion, the drives and the sensors are those of the log."""
     told = {"actuator.tau_max": 6.0, "encoder.counts": 4096, "changes": []}
     run = simulate("safe-simulation", "pid", overrides={"clock.duration": 20.0, **told})
@@ -216,20 +212,20 @@ def test_torques_of_somebody_elses_law_are_judged_by_what_the_motion_needs() -> 
     ("safe-simulation", "mb", CheckVerdict.IN_PART),
 ])  # fmt: skip
 @pytest.mark.slow_but("safe-simulation-kanayama-holds")
-def test_a_law_is_judged_in_a_word(preset: str, law: str, word: CheckVerdict) -> None:
+def test_a_law_is_judged_in_a_word(preset, law, word):
     seen = outlook(scenario_of(preset), law)
 
     assert verdict(seen.warnings, simulate(preset, law)) is word
 
 
-def test_what_theory_says_is_a_sentence_with_its_place_and_only_some_of_it_objects() -> None:
+def test_what_theory_says_is_a_sentence_with_its_place_and_only_some_of_it_objects():
     fault, limit = (Warning("law", text, "Eq. (9)", text == "a") for text in "ab")
 
     assert str(fault) == "a [Eq. (9)]"
     assert Outlook(1.0, (fault, limit), exact_pose=True).objections == (fault,)
 
 
-def test_a_corridor_that_was_left_is_told_in_numbers() -> None:
+def test_a_corridor_that_was_left_is_told_in_numbers():
     left = CorridorLeft(12.0, 0.0305, 0.02, 3.0, "dbar holds")
 
     assert left.sentence.startswith("At t = 12 s the robot was 30.5 mm from its place")

@@ -1,8 +1,5 @@
 """Windows of samples, and whether a run lasted through them."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
@@ -12,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.results.conftest import build
-from wmr_ctrl.results import Monitor, Run, Settings
+from wmr_ctrl.results import Monitor, Settings
 from wmr_ctrl.results.measures import ise_over
 from wmr_ctrl.results.windows import (
     at_rest,
@@ -27,13 +24,12 @@ from wmr_ctrl.results.windows import (
     working,
 )
 
-MakeRun = Callable[..., Run]
 CONTROLS = st.sampled_from([0.001, 0.01, 0.1, 0.3, 1 / 3])
 SETTINGS = Settings(0.1, 0.01, 8.0, (1.0, 1.5), 4.0)
 
 
 @given(k=st.integers(1, 299), control=CONTROLS)
-def test_windows_are_half_open(make_run: MakeRun, k: int, control: float) -> None:
+def test_windows_are_half_open(make_run, k, control):
     spike = np.zeros(300)
     spike[k] = 2.0
     run = make_run(duration=300 * control, control=control, x=spike)
@@ -48,9 +44,7 @@ def test_windows_are_half_open(make_run: MakeRun, k: int, control: float) -> Non
     b=st.integers(0, 1200),
     control=st.sampled_from([Fraction(1, 100), Fraction(1, 10), Fraction(3, 10)]),
 )
-def test_a_window_holds_the_samples_that_exact_arithmetic_puts_there(
-    make_run: MakeRun, a: int, b: int, control: Fraction
-) -> None:
+def test_a_window_holds_the_samples_that_exact_arithmetic_puts_there(make_run, a, b, control):
     start, end = Fraction(a, 1000), Fraction(a + b, 1000)
     run = make_run(duration=float(300 * control), control=float(control))
     inside = [k for k in range(300) if start <= k * control < end]
@@ -61,9 +55,7 @@ def test_a_window_holds_the_samples_that_exact_arithmetic_puts_there(
 
 
 @given(k=st.integers(1, 99), control=CONTROLS)
-def test_a_stop_at_a_sample_covers_every_period_before_it(
-    make_run: MakeRun, k: int, control: float
-) -> None:
+def test_a_stop_at_a_sample_covers_every_period_before_it(make_run, k, control):
     monitor = Monitor((2.0, 1000.0), 3, (0.0, 1), (k * control, 2), "diverged")
     run = make_run(duration=100 * control, control=control, rows=k, monitor=monitor)
 
@@ -72,7 +64,7 @@ def test_a_stop_at_a_sample_covers_every_period_before_it(
 
 
 @pytest.mark.parametrize(("k", "stop"), [(3, 0.3), (3, 0.1 * 3), (2, 0.29), (3, 0.3999)])
-def test_a_period_counts_once_it_is_over_however_its_end_is_rounded(k: int, stop: float) -> None:
+def test_a_period_counts_once_it_is_over_however_its_end_is_rounded(k, stop):
     ended = Monitor((0.0, 0.0), stopped=(stop, 1), stop_reason="diverged")
     run = build(rows=5, duration=1.0, control=0.1, monitor=ended)
 
@@ -92,11 +84,7 @@ def test_a_motion_is_judged_over_its_end_and_a_path_that_stops_over_its_drive():
 
 @pytest.mark.parametrize(
     ("start", "end", "words"),
-    [
-        (0.0, 8.0, "50 kg, from 4 s on 65 kg"),
-        (0.0, 4.0, "50 kg"),
-        (4.0, 8.0, "65 kg"),
-    ],
+    [(0.0, 8.0, "50 kg, from 4 s on 65 kg"), (0.0, 4.0, "50 kg"), (4.0, 8.0, "65 kg")],
 )
 def test_robots_of_a_window_are_told_where_they_change(start, end, words):
     changing = replace(SETTINGS, robots=((0.0, "50 kg"), (4.0, "65 kg")))

@@ -5,8 +5,6 @@ SCENARIO, and "commands", the words of each after ``-m wmr_ctrl.ros2``.  Per com
 velocities that came, who is then heard on /cmd_vel_monitored, and the exit code of SIGINT.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -22,7 +20,7 @@ from outside import PATIENCE, SURE, tell
 MONITORED = "/cmd_vel_monitored"
 
 
-def main(scenario: str, rows: str) -> None:
+def main(scenario, rows):
     given = json.loads(Path(rows).read_text(encoding="utf-8"))
     os.chdir(Path(scenario).parent)
     for name, text in given["files"].items():
@@ -30,7 +28,7 @@ def main(scenario: str, rows: str) -> None:
     rclpy.init()
     node, seen, found = rclpy.create_node("reader"), [], []
 
-    def came(message: TwistStamped) -> None:
+    def came(message):
         seen.append([message.twist.linear.x, message.twist.angular.z])
 
     for words in given["commands"]:

@@ -5,8 +5,6 @@ what it is told.  One after the other what a callback calls raises, then is whol
 seen is printed as JSON.
 """
 
-from __future__ import annotations
-
 import sys
 import threading
 import time
@@ -14,7 +12,6 @@ import time
 import rclpy
 from drive_live import Base
 from geometry_msgs.msg import TwistStamped
-from nav_msgs.msg import Odometry
 from outside import AT_ONCE, KEPT, ON_THE_WAY, PATIENCE, SURE, quiet, tell
 from rcl_interfaces.msg import Log
 from rclpy.executors import SingleThreadedExecutor
@@ -31,14 +28,14 @@ CALLED = {
 """What the callbacks call, of the core or else of the node."""
 
 
-def breaks(*_given: object, **_named: object) -> None:
+def breaks(*_given, **_named):
     raise RuntimeError("broken inside")
 
 
 class Beside(Base):
     """Base, planner and reader of the log."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name):
         super().__init__()
         self.name, self.log = name, []
         self.commands = self.node.create_publisher(TwistStamped, "cmd_vel_in", SURE)
@@ -46,11 +43,11 @@ class Beside(Base):
         self.reset = self.node.create_client(Trigger, f"wmr_{name}/reset")
         self.node.create_subscription(Log, "/rosout", self._logged, 100)
 
-    def _logged(self, message: Log) -> None:
+    def _logged(self, message):
         if message.level == 50 and message.name == f"wmr_{self.name}":
             self.log.append(message.msg)
 
-    def spoil(self, message: Odometry) -> bool:
+    def spoil(self, message):
         """Send a command with each odometry."""
         if self.name == "filter":
             command = TwistStamped(header=message.header)
@@ -59,7 +56,7 @@ class Beside(Base):
             self.commands.publish(command)
         return True
 
-    def fault(self, node, called: str) -> dict[str, object]:
+    def fault(self, node, called):
         """What is seen while something raises, and whether the base drives when it does not."""
         if not self.go(PATIENCE, lambda: self.speed[0] > 0.1):
             raise SystemExit(f"the base never drove before {called}: {self.said[-3:]}")
@@ -75,7 +72,7 @@ class Beside(Base):
         answer = self.reset.call_async(Trigger.Request()) if called == "reset" else None
         untold = called == "details"  # of which diagnostics are made
 
-        def done() -> bool:
+        def done():
             zero = called == "send" or any(v == 0.0 for _, v in self.seen)
             return zero and bool(self.log) and (untold or any("broken" in s for s in self.said))
 
@@ -102,7 +99,7 @@ class Beside(Base):
         return found | {"drives on": self.go(PATIENCE, lambda: self.speed[0] > 0.1)}
 
 
-def main(scenario: str, name: str) -> None:
+def main(scenario, name):
     own = {"drive": "law:=kanayama", "filter": "odometry:=required"}
     given = ["-p", f"scenario:={scenario}", "-p", own[name]]
     given += AT_ONCE
@@ -113,7 +110,7 @@ def main(scenario: str, name: str) -> None:
     executor, ended = SingleThreadedExecutor(), threading.Event()
     executor.add_node(node)
 
-    def spin() -> None:
+    def spin():
         while not ended.is_set():
             executor.spin_once(timeout_sec=0.1)
 

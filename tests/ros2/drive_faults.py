@@ -11,12 +11,10 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from itertools import pairwise
 
 import rclpy
 from drive_live import KEPT, SURE, Base
-from nav_msgs.msg import Odometry
 from outside import AT_ONCE, ATTEMPTS, LASTS, MANY, PATIENCE, PUNCTUAL, after, silence, tell
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool
@@ -33,7 +31,7 @@ SOON = 10.0
 class Broken(Base):
     """A base whose odometry can be spoilt, perhaps on a time of its own."""
 
-    def __init__(self, simulated: bool) -> None:
+    def __init__(self, simulated):
         super().__init__()
         self.clock = self.node.create_publisher(Clock, "/clock", SURE)
         self.stop = self.node.create_publisher(Bool, "/wmr_drive/stop", KEPT)
@@ -49,38 +47,32 @@ class Broken(Base):
         self.clock.publish(Clock(clock=now))
         return now
 
-    def drives(self) -> bool:
+    def drives(self):
         return self.speed[0] > CRUISE
 
-    def fell(self) -> bool:
+    def fell(self):
         """Whether a command below that before the fault has come."""
         return any(v < self.before - 0.02 for _, v in self.seen)
 
-    def rested(self, word: str = "no-odometry") -> Callable[[], bool]:
+    def rested(self, word="no-odometry"):
         """Whether zeros came for a while, and a word was told."""
         return lambda: self.told(word) and [v for _, v in self.seen[-MANY:]] == [0.0] * MANY
 
-    def goes_on(self, word: str) -> Callable[[], bool]:
+    def goes_on(self, word):
         """Whether the base drives again after it braked, and a word was told."""
         return lambda: self.told(word) and self.fell() and self.drives()
 
-    def told(self, word: str) -> bool:
+    def told(self, word):
         return any(word in text for text in self.said)
 
-    def drive(self) -> None:
+    def drive(self):
         """A sound world until the base has driven for a while, and still does."""
         for _ in range(ATTEMPTS):
             if self.go(PATIENCE, self.drives) and not self.go(0.3) and self.drives():
                 return
         raise SystemExit(f"the base never drove: {self.said[-3:]}")
 
-    def fault(
-        self,
-        spoil: Callable[[Odometry], bool] | None = None,
-        first: Callable[[], object] | None = None,
-        until: Callable[[], bool] | None = None,
-        again: bool = False,
-    ) -> dict[str, object]:
+    def fault(self, spoil=None, first=None, until=None, again=False):
         """What follows a fault that lasts for LASTS, or ``until`` something is true.
 
         It is made again where this process was late, but what is done ``first`` only if ``again``:
@@ -110,7 +102,7 @@ class Broken(Base):
             "drives": max((v for _, v in seen[-10:]), default=0.0),
         }
 
-    def out_of_order(self, message: Odometry) -> bool:
+    def out_of_order(self, message):
         """Send one that is older than the message before, so that a slow reader misses this one."""
         stamp = message.header.stamp
         earlier = stamp.sec * 1_000_000_000 + stamp.nanosec - 75_000_000
@@ -119,86 +111,86 @@ class Broken(Base):
         message.header.stamp = stamp
         return True
 
-    def refused(self) -> int:
+    def refused(self):
         """How many messages were refused for their order, as diagnostics tell it."""
         word = "odometry repeated or out of order"
         self.values.clear()
         self.go(PATIENCE, lambda: word in self.values)
         return int(self.values.get(word, 0))
 
-    def reset(self) -> bool:
+    def reset(self):
         return bool(self.call(Trigger, "reset", Trigger.Request()).success)
 
-    def stopped(self) -> dict[str, object]:
+    def stopped(self):
         """What follows a stop."""
         stop = Bool(data=True)
         return self.fault(first=lambda: self.stop.publish(stop), until=self.rested("stopped"))
 
-    def times(self) -> dict[str, object]:
+    def times(self):
         """What follows when the clock goes back, leaps ahead, and stops."""
         found: dict[str, object] = {
             "back": self.leaps("time-back", lambda: self.to(-10.0)),
             "ahead": self.leaps("time-forth", lambda: self.to(10.0)),
         }
 
-        def still() -> None:
+        def still():
             self.rate = 0.0
 
         found["stopped"] = self.fault(first=still, until=self.rested())
         self.rate = 1.0
         return found | {"drives again": self.go(PATIENCE, self.drives)}
 
-    def leaps(self, word: str, leap: Callable[[], None]) -> dict[str, object]:
+    def leaps(self, word, leap):
         """What follows a leap, of which a word is told."""
         return self.fault(first=leap, until=self.goes_on(word), again=True)
 
-    def leap(self, meters: float) -> None:
+    def leap(self, meters):
         self.pose[0] += meters
 
-    def to(self, seconds: float) -> None:
+    def to(self, seconds):
         self.time += round(seconds * 1e9)
 
 
-def start(scenario: str, *more: str) -> subprocess.Popen[bytes]:
+def start(scenario, *more):
     given = ["-p", f"scenario:={scenario}", "-p", "law:=kanayama", *AT_ONCE, *more]
     return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given])
 
 
-def in_map(message: Odometry) -> bool:
+def in_map(message):
     message.header.frame_id = "map"
     return True
 
 
-def of_a_laser(message: Odometry) -> bool:
+def of_a_laser(message):
     message.child_frame_id = "laser"
     return True
 
 
-def no_rotation(message: Odometry) -> bool:
+def no_rotation(message):
     message.pose.pose.orientation.w = message.pose.pose.orientation.z = 0.0
     return True
 
 
-def no_number(message: Odometry) -> bool:
+def no_number(message):
     message.twist.twist.linear.x = float("nan")
     return True
 
 
-def without_stamp(message: Odometry) -> bool:
+def without_stamp(message):
     message.header.stamp.sec = message.header.stamp.nanosec = 0
     return True
 
 
-def late(message: Odometry) -> bool:
+def late(message):
     message.header.stamp.sec -= 1
     return True
 
 
-def repeated() -> Callable[[Odometry], bool]:
+def repeated():
     """Odometry with the stamp of the first one."""
     first: list[object] = []
 
-    def again(message: Odometry) -> bool:
+    def again(message):
         first.append(message.header.stamp)
         message.header.stamp = first[0]
         return True
@@ -206,7 +198,7 @@ def repeated() -> Callable[[Odometry], bool]:
     return again
 
 
-def too_fast(message: Odometry) -> bool:
+def too_fast(message):
     message.twist.twist.linear.x = 1.4
     return True
 
@@ -217,7 +209,7 @@ SPOILT = {
 }  # fmt: skip
 
 
-def in_real_time(scenario: str) -> dict[str, object]:
+def in_real_time(scenario):
     process, found = start(scenario), {}
     base = Broken(simulated=False)
     try:
@@ -244,7 +236,7 @@ def in_real_time(scenario: str) -> dict[str, object]:
     return found
 
 
-def on_simulated_time(scenario: str) -> dict[str, object]:
+def on_simulated_time(scenario):
     process, found = start(scenario, "-p", "use_sim_time:=true"), {}
     base = Broken(simulated=True)
     try:
@@ -255,7 +247,7 @@ def on_simulated_time(scenario: str) -> dict[str, object]:
     return found
 
 
-def main(scenario: str) -> None:
+def main(scenario):
     rclpy.init()
     tell({"real": in_real_time(scenario), "simulated": on_simulated_time(scenario)})
 

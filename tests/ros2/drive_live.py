@@ -12,7 +12,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -42,7 +41,7 @@ class Base:
 
     period = RATE
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.node = rclpy.create_node("base")
         self.odometry = self.node.create_publisher(Odometry, "odom", SURE)
         self.path = self.node.create_publisher(Path, "path", KEPT)
@@ -59,11 +58,11 @@ class Base:
         self.flags: list[str] = []
         """All that the node last told, where ``said`` has the gravest: a busy machine is late."""
 
-    def _came(self, message: TwistStamped) -> None:
+    def _came(self, message):
         self.speed = message.twist.linear.x, message.twist.angular.z
         self.seen.append((time.monotonic(), self.speed[0]))
 
-    def _told(self, message: DiagnosticArray) -> None:
+    def _told(self, message):
         stamp = message.header.stamp
         if rclpy.time.Time.from_msg(stamp).nanoseconds < self.since:
             return
@@ -77,14 +76,14 @@ class Base:
         return self.node.get_clock().now().to_msg()
 
     @staticmethod
-    def spoil(_message: Odometry) -> bool:
+    def spoil(_message):
         """Change odometry before it is sent; whether it is sent."""
         return True
 
-    def move(self) -> None:
+    def move(self):
         """Take the speed that a period leads to: what was commanded is there at once."""
 
-    def go(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
+    def go(self, seconds, until=lambda: False):
         """Move and send odometry; True where ``until`` came true."""
         end = time.monotonic() + seconds
         before = time.monotonic()
@@ -109,7 +108,7 @@ class Base:
                 rclpy.spin_once(self.node, timeout_sec=max(0.0, until_next - time.monotonic()))
         return until()
 
-    def count_after_quiet(self, seconds: float) -> int:
+    def count_after_quiet(self, seconds):
         """Commands that come in a time [s] after those that were on their way have come."""
         self.seen.clear()
         self.go(PATIENCE, quiet(self.seen))
@@ -117,18 +116,18 @@ class Base:
         self.go(seconds)
         return len(self.seen)
 
-    def ended(self, process: subprocess.Popen[bytes]) -> list[object]:
+    def ended(self, process):
         """The last command and the exit code of a node that was interrupted."""
         self.go(PATIENCE, lambda: process.poll() is not None)
         self.go(PATIENCE, lambda: bool(self.seen) and self.seen[-1][1] == 0.0)
         return [self.seen[-1][1], process.poll()]
 
-    def forget(self) -> None:
+    def forget(self):
         """What was told, and what was told but not yet read."""
         self.said.clear()
         self.since = self.node.get_clock().now().nanoseconds
 
-    def follow(self, points: list[tuple[float, float]], frame: str = "odom") -> None:
+    def follow(self, points, frame="odom"):
         """Send a path."""
         message = Path()
         message.header.frame_id = frame
@@ -138,7 +137,7 @@ class Base:
             message.poses.append(pose)
         self.path.publish(message)
 
-    def call(self, kind: type, service: str, request: object) -> object:
+    def call(self, kind, service, request):
         """Answer of a service of the node."""
         client = self.node.create_client(kind, f"/wmr_drive/{service}")
         assert client.wait_for_service(PATIENCE), service
@@ -146,12 +145,12 @@ class Base:
         rclpy.spin_until_future_complete(self.node, future, timeout_sec=PATIENCE)
         return future.result()
 
-    def change(self, transition: int) -> bool:
+    def change(self, transition):
         """Whether a transition of the lifecycle succeeded."""
         request = ChangeState.Request(transition=Transition(id=transition))
         return bool(self.call(ChangeState, "change_state", request).success)
 
-    def set(self, name: str, value: object) -> bool:
+    def set(self, name, value):
         """Whether a parameter could be set."""
         request = SetParameters.Request(
             parameters=[Parameter(name, value=value).to_parameter_msg()]
@@ -159,14 +158,14 @@ class Base:
         return bool(self.call(SetParameters, "set_parameters", request).results[0].successful)
 
 
-def start(scenario: str, *more: str, looks: float = 0.0) -> subprocess.Popen[bytes]:
+def start(scenario, *more, looks=0.0):
     settings = [f"scenario:={scenario}", "law:=kanayama", "reference:=path", *more]
     settings += [f"discovery_time:={looks}"]
     given = [part for item in settings for part in ("-p", item)]
     return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given])
 
 
-def main(scenario: str) -> None:
+def main(scenario):
     process = start(scenario, "autostart:=false")
     rclpy.init()
     base, found = Base(), {}

@@ -15,7 +15,6 @@ import time
 from pathlib import Path
 
 import rclpy
-from builtin_interfaces.msg import Time as TimeMessage
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 from outside import PATIENCE, SURE, tell
@@ -31,7 +30,7 @@ AGAIN = 2.0
 class Base:
     """Clock and odometry of a base, and the commands that it is sent."""
 
-    def __init__(self, efforts: bool) -> None:
+    def __init__(self, efforts):
         self.node = rclpy.create_node("base")
         self.clock = self.node.create_publisher(Clock, "/clock", SURE)
         self.odometry = self.node.create_publisher(Odometry, "/base/odom", SURE)
@@ -39,19 +38,19 @@ class Base:
         self.node.create_subscription(kind, f"/base/{topic}", self._came, SURE)
         self.answers: list[list[float]] = []
 
-    def _came(self, message: TwistStamped | Float64MultiArray) -> None:
+    def _came(self, message):
         if isinstance(message, TwistStamped):
             self.answers.append([message.twist.linear.x, message.twist.angular.z])
         else:
             self.answers.append(list(message.data))
 
-    def tell_time(self, stamp: int) -> TimeMessage:
+    def tell_time(self, stamp):
         """The clock's time, as a stamp."""
         self.time = Clock(clock=rclpy.time.Time(nanoseconds=stamp).to_msg())
         self.clock.publish(self.time)
         return self.time.clock
 
-    def sample(self, row: list[float]) -> None:
+    def sample(self, row):
         """The clock, then odometry of its time."""
         stamp = self.tell_time(int(row[-1]))
         message = Odometry(child_frame_id="base_link")
@@ -63,14 +62,14 @@ class Base:
         twist.linear.x, twist.angular.z = row[6:8]
         self.odometry.publish(message)
 
-    def answer(self, seconds: float) -> list[float] | None:
+    def answer(self, seconds):
         """The next command, or None where none comes."""
         end, count = time.monotonic() + seconds, len(self.answers)
         while len(self.answers) == count and time.monotonic() < end:
             rclpy.spin_once(self.node, timeout_sec=0.05)
         return self.answers[-1] if len(self.answers) > count else None
 
-    def first_answer(self, row: list[float]) -> list[float] | None:
+    def first_answer(self, row):
         """The answer to the first row, before which zeros come; None where none comes.
 
         Who has not met everybody yet may miss time or message: both are sent again.
@@ -86,7 +85,7 @@ class Base:
             self.clock.publish(self.time)
         return None
 
-    def meet(self, first: int) -> None:
+    def meet(self, first):
         """Wait until both sides know each other and the time."""
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
@@ -97,7 +96,7 @@ class Base:
         raise SystemExit("the node was never heard")
 
 
-def main(scenario: str, law: str, messages: str, kind: str) -> None:
+def main(scenario, law, messages, kind):
     names = ["cmd_vel:=/base/cmd_vel", "odom:=/base/odom", "effort_commands:=/base/efforts"]
     settings = [f"scenario:={scenario}", f"law:={law}", "rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]",
                 "odometry_timeout:=60.0", "excess:=[1.0, 1.0]", "use_sim_time:=true",

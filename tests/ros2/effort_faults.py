@@ -5,8 +5,6 @@ the other and prints what was seen as JSON, as `drive_faults` does: a value is t
 torques, so that zero is no torque at all.  Run by a Python that has rclpy.
 """
 
-from __future__ import annotations
-
 import math
 import signal
 import sys
@@ -27,17 +25,17 @@ class Wheels(Broken):
 
     period = 0.05
 
-    def __init__(self, simulated: bool) -> None:
+    def __init__(self, simulated):
         super().__init__(simulated)
         self.torque = 0.0, 0.0
         self.node.create_subscription(Float64MultiArray, "effort_commands", self._pushed, SURE)
 
-    def _pushed(self, message: Float64MultiArray) -> None:
+    def _pushed(self, message):
         left, right = message.data
         self.torque = right, left
         self.seen.append((time.monotonic(), max(abs(right), abs(left))))
 
-    def move(self) -> None:
+    def move(self):
         right, left = self.torque
         v, omega = self.speed
         v += self.period * (right + left) / RADIUS / MASS
@@ -46,17 +44,17 @@ class Wheels(Broken):
         omega += self.period * (right - left) * HALF_TRACK / RADIUS / INERTIA
         self.speed = v, omega
 
-    def drives(self) -> bool:
+    def drives(self):
         return self.speed[0] > 0.1 and any(self.torque)
 
-    def fell(self) -> bool:
+    def fell(self):
         return any(torque == 0.0 for _, torque in self.seen)
 
-    def until_it_drives(self) -> bool:
+    def until_it_drives(self):
         return self.go(PATIENCE, self.drives)
 
 
-def in_real_time(scenario: str) -> dict[str, object]:
+def in_real_time(scenario):
     process, found = start(scenario), {}
     base = Wheels(simulated=False)
     try:
@@ -106,7 +104,7 @@ def in_real_time(scenario: str) -> dict[str, object]:
     return found
 
 
-def on_simulated_time(scenario: str) -> dict[str, object]:
+def on_simulated_time(scenario):
     process, found = start(scenario, "-p", "use_sim_time:=true"), {}
     base = Wheels(simulated=True)
     try:
@@ -117,7 +115,7 @@ def on_simulated_time(scenario: str) -> dict[str, object]:
     return found
 
 
-def main(scenario: str) -> None:
+def main(scenario):
     rclpy.init()
     tell({"real": in_real_time(scenario), "simulated": on_simulated_time(scenario)})
 

@@ -4,8 +4,6 @@
 nothing but the standard library and pip, so `.ci/run` lets it beside the installation.
 """
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import re
@@ -23,7 +21,7 @@ WANTED = (*(f"ros-jazzy-{name}" for name in (*WHEELS, *AMENT)), "cmake", "colcon
 """ROS 2, what builds its packages, and another vendor's DDS."""
 
 
-def made(where: Path) -> tuple[Path, str]:
+def made(where):
     """The environment below a folder, made by the first process that asks; what went wrong else.
 
     Its name says which Python and which wheels.
@@ -39,7 +37,7 @@ def made(where: Path) -> tuple[Path, str]:
     return folder, problem
 
 
-def install(folder: Path) -> str:
+def install(folder):
     """Make the environment; what went wrong, else ""."""
     shutil.rmtree(folder, ignore_errors=True)
     venv.create(folder, with_pip=False)

@@ -12,7 +12,6 @@ import sys
 import time
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
 from outside import PATIENCE, SURE, World, silence, start, tell
 
@@ -33,27 +32,27 @@ while True:
 class Teller(World):
     """A world that keeps the flags of each diagnostic message."""
 
-    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+    def __init__(self, process):
         super().__init__(process)
         self.flags: list[list[str]] = []
 
-    def _told(self, message: DiagnosticArray) -> None:
+    def _told(self, message):
         super()._told(message)
         for status in message.status:
             told = {value.key: value.value for value in status.values}["flags"]
             self.flags.append(told.split(", "))
 
 
-def unstamped(process: subprocess.Popen[bytes]) -> dict[str, object]:
+def unstamped(process):
     """Twist in and out, and a controller that is killed."""
     node, seen = rclpy.create_node("base"), []
 
-    def came(message: Twist) -> None:
+    def came(message):
         seen.append((time.monotonic(), message.linear.x, message.angular.z))
 
     node.create_subscription(Twist, "cmd_vel", came, SURE)
 
-    def go(seconds: float, wanted: float) -> bool:
+    def go(seconds, wanted):
         end = time.monotonic() + seconds
         while time.monotonic() < end and not (seen and seen[-1][1] == wanted):
             rclpy.spin_once(node, timeout_sec=0.02)
@@ -70,14 +69,14 @@ def unstamped(process: subprocess.Popen[bytes]) -> dict[str, object]:
     return {"driven": driven, "drives": drives, "rests": rests, "zero": zero, "silence": stood}
 
 
-def watched(process: subprocess.Popen[bytes]) -> dict[str, object]:
+def watched(process):
     """Odometry that goes away and is only watched."""
     world = Teller(process)
     world.drive()
     return world.fault(measure=False, rests=False, word="no-odometry")
 
 
-def governed(process: subprocess.Popen[bytes]) -> dict[str, object]:
+def governed(process):
     """Flags of four messages or more while the base drives with odometry and without.
 
     With odometry until it was used, since a busy machine's is too old at times.
@@ -89,7 +88,7 @@ def governed(process: subprocess.Popen[bytes]) -> dict[str, object]:
         world.go(PATIENCE, measure=measure, until=lambda: len(world.flags) >= 2)
         world.flags.clear()  # what is told from now on is of this odometry
 
-        def enough(used: bool = name == "with") -> bool:
+        def enough(used=name == "with"):
             told = [flags for flags in world.flags if "unused" not in flags]
             return len(world.flags) >= 4 and bool(told or not used)
 
@@ -106,7 +105,7 @@ SETTINGS = {
 }
 
 
-def main(scenario: str, kind: str, node: str = "") -> None:
+def main(scenario, kind, node=""):
     given = [] if node else [part for item in SETTINGS[kind] for part in ("-p", item)]
     process = start(scenario, node, *given)
     rclpy.init()

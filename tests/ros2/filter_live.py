@@ -6,8 +6,6 @@ senders, with parameters set; then on simulated time that stops, goes back and l
 was seen is printed as JSON.
 """
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import sys
@@ -25,31 +23,29 @@ SPACE = ["-r", "__ns:=/robot1", "-r", "cmd_vel:=/base/cmd_vel", "-r", "odom:=/ba
 class Simulated(World):
     """A world whose time is its own."""
 
-    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+    def __init__(self, process):
         super().__init__(process)
         self.clock = self.node.create_publisher(Clock, "/clock", SURE)
         self.time, self.rate = 100_000_000_000, 1.0
 
-    def _stamp(self, ago: float):
+    def _stamp(self, ago):
         return rclpy.time.Time(nanoseconds=self.time - round(ago * 1e9)).to_msg()
 
-    def command(
-        self, v: float = 0.5, omega: float = 0.3, ago: float = 0.0, frame: str = ""
-    ) -> None:
+    def command(self, v=0.5, omega=0.3, ago=0.0, frame=""):
         """The time that has passed, then a command of it."""
         self.time += round(0.02e9 * self.rate)
         self.clock.publish(Clock(clock=self._stamp(0.0)))
         super().command(v, omega, ago, frame)
 
 
-def start(scenario: str, node: str, *more: str) -> subprocess.Popen[bytes]:
+def start(scenario, node, *more):
     if node:
         return subprocess.Popen([node, "--ros-args", *more])
     given = ["-p", f"scenario:={scenario}", "-p", "odometry:=none", *AT_ONCE, *more]
     return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *given])
 
 
-def set_scale(world: World, value: float) -> bool:
+def set_scale(world, value):
     """Whether speed_scale could be set."""
     client = world.node.create_client(SetParameters, "wmr_filter/set_parameters")
     assert client.wait_for_service(PATIENCE)
@@ -59,7 +55,7 @@ def set_scale(world: World, value: float) -> bool:
     return bool(future.result().results[0].successful)
 
 
-def to_rest(world: World, **go) -> dict[str, object]:
+def to_rest(world, **go):
     """Speeds until the base is at rest, and the longest silence."""
     world.seen.clear()
     world.go(PATIENCE, until=lambda: bool(world.seen) and world.speed == (0.0, 0.0), **go)
@@ -67,7 +63,7 @@ def to_rest(world: World, **go) -> dict[str, object]:
     return {"speeds": [v for _, v, _ in world.seen], "silence": silence(times)}
 
 
-def scaled(world: World) -> dict[str, object]:
+def scaled(world):
     """A parameter that is set while it drives."""
     found = {"scale 7": set_scale(world, 7.0), "scale .25": set_scale(world, 0.25)}
     world.go(PATIENCE, until=lambda: world.speed[0] == 0.125)
@@ -76,7 +72,7 @@ def scaled(world: World) -> dict[str, object]:
     return found
 
 
-def in_a_namespace(scenario: str, node: str) -> dict[str, object]:
+def in_a_namespace(scenario, node):
     world, found = World(start(scenario, node, *SPACE)), {}
     try:
         world.drive()
@@ -111,7 +107,7 @@ def in_a_namespace(scenario: str, node: str) -> dict[str, object]:
     return found
 
 
-def on_simulated_time(scenario: str, node: str) -> dict[str, object]:
+def on_simulated_time(scenario, node):
     world, found = Simulated(start(scenario, node, "-p", "use_sim_time:=true", *SPACE)), {}
     try:
         world.drive()
@@ -131,7 +127,7 @@ def on_simulated_time(scenario: str, node: str) -> dict[str, object]:
     return found
 
 
-def main(scenario: str, node: str = "") -> None:
+def main(scenario, node=""):
     rclpy.init(args=["--ros-args", *SPACE])
     space, simulated = in_a_namespace(scenario, node), on_simulated_time(scenario, node)
     tell({"space": space, "simulated": simulated})

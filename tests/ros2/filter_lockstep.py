@@ -8,8 +8,6 @@ odometry, and hears it before anybody hears of a command of that time, from the 
 is sent after the answer to the one before; the answers are printed as JSON.
 """
 
-from __future__ import annotations
-
 import json
 import signal
 import subprocess
@@ -18,7 +16,6 @@ import time
 from pathlib import Path
 
 import rclpy
-from builtin_interfaces.msg import Time as TimeMessage
 from diagnostic_msgs.msg import DiagnosticArray
 from drive_outside import SPACE, Base
 from geometry_msgs.msg import TwistStamped
@@ -33,7 +30,7 @@ BEFORE = 400_000_000
 class Sender(Base):
     """Clock, commands or odometry, and what the filter says of how many it took."""
 
-    def __init__(self, drives: bool) -> None:
+    def __init__(self, drives):
         super().__init__(efforts=False)
         if not drives:
             self.commands = self.node.create_publisher(TwistStamped, "/base/raw", SURE)
@@ -41,24 +38,24 @@ class Sender(Base):
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
         self.taken, self.timeless = 0, False
 
-    def tell_time(self, stamp: int) -> TimeMessage:
+    def tell_time(self, stamp):
         """The clock's time, as a stamp; ``timeless``: no timer is to know it before a message."""
         if self.timeless:
             return rclpy.time.Time(nanoseconds=stamp).to_msg()
         return super().tell_time(stamp)
 
-    def _told(self, message: DiagnosticArray) -> None:
+    def _told(self, message):
         for status in message.status:
             values = {item.key: item.value for item in status.values}
             self.taken = max(self.taken, int(values.get("commands taken", 0)))
 
-    def sample(self, row: list[float]) -> None:
+    def sample(self, row):
         """The clock, then odometry of its time: first for the filter, then for the drive."""
         self.tell_time(int(row[-1]))
         self.measure(row[6:8], int(row[-1]))
         super().sample(row)
 
-    def measure(self, velocity: list[float], stamp: int) -> None:
+    def measure(self, velocity, stamp):
         """Odometry for the filter."""
         message = Odometry(child_frame_id="base_link")
         message.header.stamp = rclpy.time.Time(nanoseconds=stamp).to_msg()
@@ -66,7 +63,7 @@ class Sender(Base):
         message.twist.twist.linear.x, message.twist.twist.angular.z = velocity
         self.seen.publish(message)
 
-    def command(self, row: list[float]) -> None:
+    def command(self, row):
         """The clock, then odometry and a command of its time."""
         message = TwistStamped()
         message.header.stamp = self.tell_time(int(row[-1]))
@@ -74,7 +71,7 @@ class Sender(Base):
         message.twist.linear.x, message.twist.angular.z = row[:2]
         self.commands.publish(message)
 
-    def meet_all(self, first: int, step: int, drives: bool) -> None:
+    def meet_all(self, first, step, drives):
         """Let time pass until the filter takes commands, from here or from the drive."""
         rest = [0.0] * 4
         for k in range(1500, 5, -1):
@@ -98,10 +95,10 @@ class Sender(Base):
             self.answer(0.1)  # what is under way; the timer is silent until the time-out
 
 
-def start(scenario: str, law: str, node: str) -> list[subprocess.Popen[bytes]]:
+def start(scenario, law, node):
     """The filter, and the drive before it where a law is named."""
 
-    def run(command: list[str], settings: list[str], names: list[str]):
+    def run(command, settings, names):
         given = [part for item in settings for part in ("-p", item)]
         remaps = [part for name in (*names, f"__ns:={SPACE}") for part in ("-r", name)]
         return subprocess.Popen([*command, "--ros-args", *given, *remaps])
@@ -120,7 +117,7 @@ def start(scenario: str, law: str, node: str) -> list[subprocess.Popen[bytes]]:
     return nodes
 
 
-def main(scenario: str, rows_file: str, name: str, node: str = "") -> None:
+def main(scenario, rows_file, name, node=""):
     law = name.strip("-")
     nodes = start(scenario, law, node)
     rclpy.init()

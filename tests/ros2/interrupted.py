@@ -13,8 +13,6 @@ import signal
 import sys
 import time
 
-from rclpy.lifecycle import TransitionCallbackReturn
-
 from wmr_ctrl.ros2.filter_node import FilterNode
 from wmr_ctrl.ros2.spin import AT_ONCE, spin
 
@@ -24,7 +22,7 @@ LONG = 60.0
 """Time [s] that a node looks around, where it is to be interrupted in it: the longest there is."""
 
 
-def interrupt(*numbers: int) -> None:
+def interrupt(*numbers):
     for number in numbers or (signal.SIGINT,):
         os.kill(os.getpid(), number)
 
@@ -32,7 +30,7 @@ def interrupt(*numbers: int) -> None:
 class Dropped:
     """What interrupts its process when it is destroyed."""
 
-    def __del__(self) -> None:
+    def __del__(self):
         interrupt()
 
 
@@ -44,7 +42,7 @@ class Watched(FilterNode):
     looks = 0.0
     ticked = False
 
-    def send(self, command: tuple[float, float]) -> None:
+    def send(self, command):
         Watched.commands.append(command)
         super().send(command)
         if not self.ticked:
@@ -52,28 +50,28 @@ class Watched(FilterNode):
             self.send((0.25, 0.0))  # a zero after it is the last one
             self.first_tick()
 
-    def fail(self, text: str) -> None:
+    def fail(self, text):
         Watched.failed.append(text)
         super().fail(text)
 
-    def first_tick(self) -> None:
+    def first_tick(self):
         raise NotImplementedError
 
 
 class InADestructor(Watched):
-    def first_tick(self) -> None:
+    def first_tick(self):
         Dropped()
 
 
 class TwoAtOnce(Watched):
     """As from a terminal and a launch."""
 
-    def first_tick(self) -> None:
+    def first_tick(self):
         interrupt(signal.SIGINT, signal.SIGINT, signal.SIGTERM)
 
 
 class InWhatTakesLong(Watched):
-    def first_tick(self) -> None:
+    def first_tick(self):
         interrupt()
         while True:
             time.sleep(AT_ONCE)
@@ -83,10 +81,10 @@ class InWhatTakesLong(Watched):
 class InATransition(Watched):
     """Within on_deactivate, so that the state is none from which a node can be deactivated."""
 
-    def first_tick(self) -> None:
+    def first_tick(self):
         self.trigger_deactivate()
 
-    def on_deactivate(self, state: object) -> TransitionCallbackReturn:
+    def on_deactivate(self, state):
         if self.ticked and self.active:
             interrupt()
             time.sleep(AT_ONCE)
@@ -97,10 +95,10 @@ class InATransition(Watched):
 class AtTheEnd(Watched):
     """While the last zero is waited for."""
 
-    def first_tick(self) -> None:
+    def first_tick(self):
         interrupt()
 
-    def rest(self) -> None:
+    def rest(self):
         super().rest()
         interrupt(signal.SIGTERM)
 
@@ -108,19 +106,19 @@ class AtTheEnd(Watched):
 class AtConfigure(Watched):
     looks = LONG
 
-    def _look(self) -> None:
+    def _look(self):
         interrupt()
         super()._look()
 
 
 class BrokenAtConfigure(Watched):
-    def _look(self) -> None:
+    def _look(self):
         raise RuntimeError("broken")
 
 
 class BrokenAtActivate(Watched):
-    def _look(self) -> None:
-        def breaks() -> None:
+    def _look(self):
+        def breaks():
             raise RuntimeError("broken")
 
         self.core.start = breaks
@@ -132,7 +130,7 @@ CASES = (
 )  # fmt: skip
 
 
-def main(scenario: str) -> None:
+def main(scenario):
     found = {}
     for case in CASES:
         Watched.commands, Watched.failed = [], []

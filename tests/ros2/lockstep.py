@@ -21,7 +21,7 @@ START = 5_000_000_000
 """Stamp [ns] of the first message."""
 
 
-def orientation(theta: ca.SX) -> ca.SX:
+def orientation(theta):
     """Quaternion (x, y, z, w) of a robot on the plane, by REP-103."""
     half = (theta + ca.pi / 2) / 2
     return ca.vertcat(0, 0, ca.sin(half), ca.cos(half))
@@ -33,7 +33,7 @@ class Message(Section, key="message"):
     sent: float = quantity(0.0, unit="1", doc="1: it does")
 
 
-def carried(scenario) -> System:
+def carried(scenario):
     """Heading as a message carries it."""
     theta = port(THETA)
     seen = heading(orientation(theta.sym), theta.sym)
@@ -46,7 +46,7 @@ def carried(scenario) -> System:
 CARRIED = Effect("message", EffectRole.SENSOR, Message, carried, lambda _: Bound())
 
 
-def encoder() -> CompiledSystem:
+def encoder():
     """Theta to quaternion, with the bits of the loop."""
     theta = port(POSE[2])
     outputs = (Output(QUATERNION, orientation(theta.sym)),)

@@ -15,7 +15,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable
 from itertools import pairwise
 
 import rclpy
@@ -29,9 +28,7 @@ from std_srvs.srv import Trigger
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 SURE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 KEPT = QoSProfile(
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
 RATE = 0.02
 AT_ONCE = ["-p", "discovery_time:=0.0"]
@@ -57,7 +54,7 @@ PATIENCE = 120.0
 class World:
     """Planner and base of the node: what they send can be changed, what comes back is kept."""
 
-    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+    def __init__(self, process):
         self.process = process
         self.node = rclpy.create_node("outside")
         self.commands = self.node.create_publisher(TwistStamped, "cmd_vel_in", SURE)
@@ -74,25 +71,21 @@ class World:
         self.sent = {"command": 0, "odometry": 0}
         """Stamp of the last message of each kind [ns]."""
 
-    def _sent(self, message: TwistStamped) -> None:
+    def _sent(self, message):
         self.speed = message.twist.linear.x, message.twist.angular.z
         self.seen.append((time.monotonic(), *self.speed))
 
-    def _told(self, message: DiagnosticArray) -> None:
+    def _told(self, message):
         self.said += [status.message for status in message.status]
 
-    def command(
-        self, v: float = 0.5, omega: float = 0.3, ago: float = 0.0, frame: str = ""
-    ) -> None:
+    def command(self, v=0.5, omega=0.3, ago=0.0, frame=""):
         message = TwistStamped()
         message.header.stamp = self._stamp_of("command", ago)
         message.header.frame_id = frame
         message.twist.linear.x, message.twist.angular.z = v, omega
         self.commands.publish(message)
 
-    def measure(
-        self, v: float | None = None, ago: float = 0.0, frame: str = "base_link", w: float = 1.0
-    ) -> None:
+    def measure(self, v=None, ago=0.0, frame="base_link", w=1.0):
         message = Odometry(child_frame_id=frame)
         message.header.stamp = self._stamp_of("odometry", ago)
         message.pose.pose.orientation.w = w
@@ -100,7 +93,7 @@ class World:
         message.twist.twist.angular.z = self.speed[1]
         self.odometry.publish(message)
 
-    def _stamp_of(self, kind: str, ago: float):
+    def _stamp_of(self, kind, ago):
         """Stamp of a message of an age."""
         if ago == BEFORE:
             return rclpy.time.Time(nanoseconds=self.sent[kind] - 1_000_000).to_msg()
@@ -108,11 +101,11 @@ class World:
         self.sent[kind] = rclpy.time.Time.from_msg(stamp).nanoseconds
         return stamp
 
-    def _stamp(self, ago: float):
+    def _stamp(self, ago):
         now = self.node.get_clock().now().nanoseconds - round(ago * 1e9)
         return rclpy.time.Time(nanoseconds=now).to_msg()
 
-    def go(self, seconds: float, command=None, measure=None, until=lambda: False) -> None:
+    def go(self, seconds, command=None, measure=None, until=lambda: False):
         """Send both at their rate; None: as in a sound world, False: nothing."""
         end = time.monotonic() + seconds
         before = time.monotonic()
@@ -127,13 +120,13 @@ class World:
             while time.monotonic() < following:
                 rclpy.spin_once(self.node, timeout_sec=max(0.0, following - time.monotonic()))
 
-    def drive(self) -> None:
+    def drive(self):
         """A sound world until the base drives."""
         self.go(PATIENCE, until=lambda: abs(self.speed[0] - 0.5) < 1e-6)
         if abs(self.speed[0] - 0.5) > 1e-6:
             raise SystemExit(f"the base never drove: {self.speed}, {self.said[-1:]}")
 
-    def count_after_quiet(self, seconds: float, command=None) -> int:
+    def count_after_quiet(self, seconds, command=None):
         """Commands that come in a time [s] after those that were on their way have come."""
         self.seen.clear()
         self.go(PATIENCE, command, until=quiet(self.seen))
@@ -141,29 +134,27 @@ class World:
         self.go(seconds, command)
         return len(self.seen)
 
-    def ended(self) -> list[object]:
+    def ended(self):
         """The last command and the exit code of a node that was interrupted."""
         self.go(PATIENCE, until=lambda: self.process.poll() is not None)
         self.go(PATIENCE, until=lambda: self.speed == (0.0, 0.0))
         return [list(self.speed), self.process.poll()]
 
-    def zeros(self, count: int) -> int:
+    def zeros(self, count):
         """Zeros among the commands since the first ``count``."""
         return sum(1 for _, v, w in self.seen[count:] if v == w == 0)
 
-    def go_until_said(self, word: str) -> list[str]:
+    def go_until_said(self, word):
         """A sound world until diagnostics have a word: what they said till then."""
         self.said.clear()
         self.go(PATIENCE, until=lambda: self.told(word))
         return sorted(set(self.said))
 
-    def told(self, word: str) -> bool:
+    def told(self, word):
         """Whether diagnostics have a word."""
         return any(word in text for text in self.said)
 
-    def fault(
-        self, command=None, measure=None, first=None, rests: bool = True, word: str = ""
-    ) -> dict[str, object]:
+    def fault(self, command=None, measure=None, first=None, rests=True, word=""):
         """What follows a fault: other messages, or what ``first`` does (once).
 
         It lasts until zeros have come for a while, or for LASTS where the base does not rest, and
@@ -195,7 +186,7 @@ class World:
             "said": sorted(set(self.said)),
         }
 
-    def call_reset(self) -> bool:
+    def call_reset(self):
         if not self.reset.wait_for_service(PATIENCE):
             raise SystemExit("there is no service to reset the node")
         future = self.reset.call_async(Trigger.Request())
@@ -205,43 +196,43 @@ class World:
         return bool(future.result().success)
 
 
-def tell(found: object) -> None:
+def tell(found):
     """Print what was seen as JSON and end, before rclpy takes itself down: that may crash."""
     sys.stdout.write(json.dumps(found))
     sys.stdout.flush()
     os._exit(0)
 
 
-def after(pause: float, *messages) -> None:
+def after(pause, *messages):
     """Messages one by one, with a pause [s] in which the node reads each."""
     for send in messages:
         send()
         time.sleep(pause)
 
 
-def quiet(seen: list[tuple[float, ...]]) -> Callable[[], bool]:
+def quiet(seen):
     """Whether nothing was added for QUIET to a list whose rows begin with a time, or since now."""
     now = time.monotonic()
     return lambda: time.monotonic() - (seen[-1][0] if seen else now) > QUIET
 
 
-def silence(times: Iterable[float]) -> float:
+def silence(times):
     """Longest pause [s]; 0 where there is none."""
     return max((b - a for a, b in pairwise(times)), default=0.0)
 
 
-def since_first_call() -> Callable[[], float]:
+def since_first_call():
     """A function of the time since its first call [s]: what is sent so long ago has one stamp."""
     calls: list[float] = []
 
-    def passed() -> float:
+    def passed():
         calls.append(time.time())
         return calls[-1] - calls[0]
 
     return passed
 
 
-def start(scenario: str, node: str = "", *more: str, **how: int) -> subprocess.Popen[bytes]:
+def start(scenario, node="", *more, **how):
     """The node in Python, or the program ``node``, whose settings are compiled in."""
     if node:
         return subprocess.Popen([node, "--ros-args", *more], **how)
@@ -250,7 +241,7 @@ def start(scenario: str, node: str = "", *more: str, **how: int) -> subprocess.P
     return subprocess.Popen([*arguments, *more], **how)
 
 
-def of_commands(world: World) -> dict[str, object]:
+def of_commands(world):
     """Faults of what is sent to the node."""
     ago = since_first_call()
     best = world.node.create_publisher(TwistStamped, "cmd_vel_in", LATEST)
@@ -279,7 +270,7 @@ def of_commands(world: World) -> dict[str, object]:
     return found
 
 
-def of_odometry(world: World) -> dict[str, object]:
+def of_odometry(world):
     """Faults of the base's odometry."""
     ago = since_first_call()
     uncounted = {
@@ -304,7 +295,7 @@ def of_odometry(world: World) -> dict[str, object]:
     return found
 
 
-def main(scenario: str, node: str = "") -> None:
+def main(scenario, node=""):
     process = start(scenario, node)
     rclpy.init()
     world, found = World(process), {}

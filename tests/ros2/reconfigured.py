@@ -3,8 +3,6 @@
 ``python reconfigured.py SCENARIO`` prints what was seen as JSON; run by a Python that has rclpy.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path
@@ -19,7 +17,7 @@ from rclpy.parameter import Parameter
 CONFIGURE, CLEAN_UP, ACTIVATE, DEACTIVATE = 1, 2, 3, 4
 
 
-def called(world: World, kind: type, name: str, request: object):
+def called(world, kind, name, request):
     client = world.node.create_client(kind, f"wmr_filter/{name}")
     assert client.wait_for_service(PATIENCE)
     future = client.call_async(request)
@@ -27,26 +25,26 @@ def called(world: World, kind: type, name: str, request: object):
     return future.result()
 
 
-def change(world: World, *transitions: int) -> None:
+def change(world, *transitions):
     for transition in transitions:
         request = ChangeState.Request()
         request.transition.id = transition
         assert called(world, ChangeState, "change_state", request).success, transition
 
 
-def has_set(world: World, name: str, value: object) -> bool:
+def has_set(world, name, value):
     wanted = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
     return bool(called(world, SetParameters, "set_parameters", wanted).results[0].successful)
 
 
-def largest(world: World, wish: float) -> float:
+def largest(world, wish):
     """Largest speed that is sent on a wish, once it no longer grows."""
     world.seen.clear()
     world.go(3.0, command=lambda: world.command(wish, 0.0))
     return max((v for _, v, _ in world.seen), default=0.0)
 
 
-def main(scenario: str) -> None:
+def main(scenario):
     slower = Path(scenario).with_name("slower.toml")
     text = Path(scenario).read_text(encoding="utf-8")
     slower.write_text(text.replace("[1.0, 2.0]", "[0.5, 1.0]").replace("[0.7, 1.4]", "[0.4, 0.8]"),
@@ -62,7 +60,7 @@ def main(scenario: str) -> None:
         found["first"] = largest(world, 5.0)
         found["changed while active"] = has_set(world, "scenario", str(slower))
 
-        def sideways() -> None:
+        def sideways():
             message = TwistStamped()
             message.header.stamp = world.node.get_clock().now().to_msg()
             message.twist.linear.x, message.twist.linear.y = 0.2, 0.3

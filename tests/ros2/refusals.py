@@ -5,8 +5,6 @@
 the exit code of each and what it wrote, as JSON.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -23,7 +21,7 @@ PATIENCE = 120
 """Time [s] after which a node is interrupted that should not have started."""
 
 
-def refusal(node: str, words: list[str]) -> tuple[int, str]:
+def refusal(node, words):
     """Exit code of a node, and what it and ROS wrote: also in C, so by the file's number."""
     with tempfile.TemporaryFile() as written:
         before = os.dup(2)
@@ -39,11 +37,11 @@ def refusal(node: str, words: list[str]) -> tuple[int, str]:
         return code, written.read().decode()
 
 
-def interrupt(_number: int, _frame: object) -> None:
+def interrupt(_number, _frame):
     raise KeyboardInterrupt
 
 
-def main(scenario: str, cases: str) -> None:
+def main(scenario, cases):
     signal.signal(signal.SIGALRM, interrupt)
     given = json.loads(Path(cases).read_text(encoding="utf-8"))
     found = [refusal(node, [word.format(scenario) for word in words]) for node, words in given]

@@ -58,7 +58,7 @@ class TwistStamped(IdlStruct, typename="geometry_msgs::msg::dds_::TwistStamped_"
     twist: Twist
 
 
-def command(v: float, omega: float) -> TwistStamped:
+def command(v, omega):
     """A command of now."""
     now = time.time_ns()
     stamp = Time(now // 1_000_000_000, now % 1_000_000_000)
@@ -66,7 +66,7 @@ def command(v: float, omega: float) -> TwistStamped:
     return TwistStamped(Header(stamp, "base_link"), twist)
 
 
-def main(scenario: str, node: str = "") -> None:
+def main(scenario, node=""):
     participant = DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
     sure = Qos(Policy.Reliability.Reliable(duration(seconds=1)))
     writer = DataWriter(participant, Topic(participant, "rt/cmd_vel_in", TwistStamped), qos=sure)
@@ -74,11 +74,11 @@ def main(scenario: str, node: str = "") -> None:
     process = start(scenario, node, *([] if node else ["-p", "odometry:=none"]))
     last = []
 
-    def read() -> None:
+    def read():
         for sample in reader.take(50):
             last[:] = [sample.twist.linear.x, sample.twist.angular.z]
 
-    def go(seconds: float, sends: bool, wanted: list[float]) -> None:
+    def go(seconds, sends, wanted):
         end = time.monotonic() + seconds
         while time.monotonic() < end and last != wanted:
             if sends:

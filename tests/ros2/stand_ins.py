@@ -5,8 +5,6 @@ parameters and remappings, plays controller, smoother, monitor, lifecycle manage
 prints what the base was sent as JSON.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time
@@ -22,14 +20,14 @@ WISH = 5.0
 """Speed that the controller asks for [m/s]."""
 
 
-def filled(text: str, arguments: dict[str, str]) -> str:
+def filled(text, arguments):
     """A value with the launch file's arguments in it."""
     for name, value in arguments.items():
         text = text.replace(f"$(var {name})", value)
     return text
 
 
-def main(scenario: str, launch: str, params: str) -> None:
+def main(scenario, launch, params):
     root = ElementTree.parse(launch).getroot()
     arguments = {item.get("name"): item.get("default", "") for item in root.iter("arg")}
     arguments |= {

@@ -1,7 +1,5 @@
 """An exception in a callback ends in a zero and a line of the log, never in a dead node."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.ros2.conftest import OVER_DDS, Job

@@ -1,7 +1,5 @@
 """The filter as a node in C, as text: its settings, and what cannot be compiled in."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
@@ -12,14 +10,7 @@ from click.testing import CliRunner
 from tests.ros2.conftest import OVER_DDS
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.ros2.c_node import (
-    GIVEN,
-    NAME,
-    NodeSettings,
-    node_files,
-    node_settings,
-    write_node,
-)
+from wmr_ctrl.ros2.c_node import GIVEN, NAME, NodeSettings, node_files, node_settings, write_node
 from wmr_ctrl.ros2.parameters import FILTER
 from wmr_ctrl.world.scenario import load_scenario
 

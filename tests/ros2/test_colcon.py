@@ -1,7 +1,5 @@
 """The package for colcon: built from wheels, found by the ament index, its executables run."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

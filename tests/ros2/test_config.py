@@ -1,7 +1,5 @@
 """Files of parameters that the package for ROS 2 ships have what nodes take without them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Faults around the drive, as decisions of its core: the base rests, the reference waits."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Frames of REP-103 at the drive's border, and what its law remembers behind the gate."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca

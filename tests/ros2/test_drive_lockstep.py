@@ -1,7 +1,5 @@
 """The drive's decisions, message by message, are the native loop's to the bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The drive node over real DDS, in a namespace and with remapped topics: the run's bits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -167,10 +165,7 @@ STEP = 2.0 * TICK * 1.01
 """Most that a tick may take off the speed [m/s]; fall is 2 m/s2."""
 
 
-@pytest.mark.parametrize(
-    "fault",
-    [*LASTING, "stopped"],
-)
+@pytest.mark.parametrize("fault", [*LASTING, "stopped"])
 def test_without_odometry_that_counts_it_ramps_to_rest(faults, fault):
     found = faults["simulated" if fault == "stopped" else "real"][fault]
 

@@ -1,7 +1,5 @@
 """Whatever comes, in any order and at any time: what leaves a core is in the stated set."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

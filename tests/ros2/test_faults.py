@@ -1,7 +1,5 @@
 """The table of faults names tests that there are, and that use nodes over real DDS."""
 
-from __future__ import annotations
-
 import inspect
 from importlib import import_module
 from pathlib import Path

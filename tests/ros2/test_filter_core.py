@@ -1,7 +1,5 @@
 """Faults of time, process and graph around the filter, as decisions of its core."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.control.filter.gate import GateSettings

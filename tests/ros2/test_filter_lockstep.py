@@ -1,7 +1,5 @@
 """The filter over real DDS, in Python and in C: bit for bit the graph's and the run's commands."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which messages count."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Commands without stamps, odometry that is watched or used, with the filter in Python and in C."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.ros2.conftest import OVER_DDS, bar, in_both

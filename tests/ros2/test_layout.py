@@ -3,8 +3,6 @@
 The form is that of Foxglove Studio's own type definitions (version 1, MPL 2.0), stated again here.
 """
 
-from __future__ import annotations
-
 import json
 import re
 

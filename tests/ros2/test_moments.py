@@ -1,7 +1,5 @@
 """What two moments tell of the clocks, and two messages of the pose, each at its threshold."""
 
-from __future__ import annotations
-
 import math
 import re
 
@@ -30,8 +28,8 @@ MS = 1_000_000
     ],
 )
 def test_time_goes_back_by_10_ms_leaps_by_500_and_stands_still_for_the_longest_pause(
-    ros: int, steady: int, happened: tuple[str, ...]
-) -> None:
+    ros, steady, happened
+):
     clocks = Clocks(100 * MS)
     clocks.see(Moment(10_000 * MS, 5_000 * MS))
 
@@ -39,11 +37,11 @@ def test_time_goes_back_by_10_ms_leaps_by_500_and_stands_still_for_the_longest_p
 
 
 @pytest.mark.parametrize(("period", "pause"), [(0.02, 100), (0.04, 100), (0.1, 250)])
-def test_a_pause_of_two_and_a_half_periods_is_no_freeze(period: float, pause: int) -> None:
+def test_a_pause_of_two_and_a_half_periods_is_no_freeze(period, pause):
     assert longest_pause(0.1, period) == pause * MS
 
 
-def test_times_of_a_filter_are_its_own_settings() -> None:
+def test_times_of_a_filter_are_its_own_settings():
     stated = {
         "clock.control": 0.02, "filter.kind": "clip", "filter.gain": [0.9, 1.1],
         "filter.d": [0.05, 0.05],
@@ -75,7 +73,7 @@ def core():
         (0.0, 2 * math.pi, False),
     ],
 )
-def test_a_pose_leaps_beyond_twice_the_larger_speed_and_the_slack(core, way, turn, leaps) -> None:
+def test_a_pose_leaps_beyond_twice_the_larger_speed_and_the_slack(core, way, turn, leaps):
     """In 20 ms, from 1 m/s to less and from less to 1.5 rad/s: 40 mm and 60 mrad."""
     before = (3.0, 4.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.2)
     after = (3.0 + 0.6 * way, 4.0 + 0.8 * way, 0.0, 0.0)

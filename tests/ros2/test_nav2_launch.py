@@ -1,7 +1,5 @@
 """The launch file for nav2's whole order: what it names, and our node as it starts it, over DDS."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ElementTree
 
 import pytest

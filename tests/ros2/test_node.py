@@ -1,7 +1,5 @@
 """The node over real DDS, in an environment of its own made from wheels; elsewhere NOT RUN."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

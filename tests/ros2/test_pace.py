@@ -1,7 +1,5 @@
 """Odometry with jitter, drift, bursts and gaps: each message one law step, at the law's period."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

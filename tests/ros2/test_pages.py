@@ -1,7 +1,5 @@
 """The how-to pages: nodes start as they are started there, with the files that stand there."""
 
-from __future__ import annotations
-
 import re
 import shlex
 

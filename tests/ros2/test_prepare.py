@@ -1,7 +1,5 @@
 """``python -m wmr_ctrl.ros2 prepare``, and what refusals say; no ROS 2 is needed."""
 
-from __future__ import annotations
-
 import logging
 
 import pytest

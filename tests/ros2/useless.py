@@ -4,8 +4,6 @@
 namespace of each, lets it look for long, and prints its exit code and what it wrote, as JSON.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 
@@ -24,7 +22,7 @@ OTHERS = {
 LOOK = ["-p", "discovery_time:=60.0"]
 
 
-def main(scenario: str, node: str = "") -> None:
+def main(scenario, node=""):
     rclpy.init()
     other = rclpy.create_node("other")
     kept = [other.create_publisher(kind, f"/{space}/{topic}", qos)

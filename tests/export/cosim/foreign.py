@@ -1,7 +1,5 @@
 """Somebody else's FMUs, as sources for PythonFMU: other names, units and sampling than ours."""
 
-from __future__ import annotations
-
 _ROBOT = '''
 import math
 from pythonfmu import Fmi2Causality, Fmi2Slave, Real

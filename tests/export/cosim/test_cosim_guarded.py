@@ -1,7 +1,5 @@
 """The guard behind a controller that has none: somebody else's, or ours exported without it."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -65,7 +63,7 @@ FORCE = """
 def bare(tmp_path_factory):
     """A law's FMU without guard."""
 
-    def export(law: str, version: int = 2):
+    def export(law, version=2):
         out = tmp_path_factory.mktemp("bare")
         return export_fmu(law, scenario=BARE, fmi=version, out=out)[0]
 
@@ -164,10 +162,7 @@ def test_force_and_torques_say_the_same(foreign, mapped):
             map_file=mapped(INPUT + outputs),
         )
         for scenario in (BARE,)
-        for name, text, outputs in (
-            ("Eager", BY_TORQUE, TORQUES),
-            ("EagerForce", BY_FORCE, FORCE),
-        )
+        for name, text, outputs in (("Eager", BY_TORQUE, TORQUES), ("EagerForce", BY_FORCE, FORCE))
     )
     assert np.abs(first["tau_right"] - second["tau_right"]).max() < 1e-12
     assert first["tau_left"][5] == pytest.approx(3.0, rel=1e-12)

@@ -1,7 +1,5 @@
 """What foreign code prints goes to standard error."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 

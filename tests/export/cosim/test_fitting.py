@@ -1,7 +1,5 @@
 """What FMUs cannot do of a scenario is refused; what their drives and clocks fix, too."""
 
-from __future__ import annotations
-
 import ctypes as ct
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Somebody else's plant by FMI 3.0, written in C: what it says of its steps, units of its mass."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess
@@ -207,19 +205,11 @@ def test_rows_have_every_type_of_number_and_elements_of_arrays(plant, mapped):
     ("old", "new", "words"),
     [
         ("offset = 2", "offset = 300", r"setting steps: 300 does not fit into type Int8"),
-        (
-            "twist[1]",
-            "twist",
-            r"twist is an array: name twist\[1\] to twist\[2\]",
-        ),
+        ("twist[1]", "twist", r"twist is an array: name twist\[1\] to twist\[2\]"),
         ("twist[1]", "twist[0]", r"twist\[0\] .* name twist\[1\]"),
         ("twist[1]", "v[1]", r"v\[1\] of .*: v is one number"),
         ("twist[1]", "called", "called .* is of type String, which is no number"),
-        (
-            "[plant.start]",
-            "[plant.start]\nsteps = 2.5",
-            "it is of type Int8, and 2.5 is no whole",
-        ),
+        ("[plant.start]", "[plant.start]\nsteps = 2.5", "it is of type Int8, and 2.5 is no whole"),
         ("[plant.start]", '[plant.start]\nsteps = "two"', "setting steps to .*two"),
         ("[plant.start]", "[plant.start]\npush = [1.0]", "setting push to .* 2 elements"),
         ("enable = true", "enable = [true]", "must be a name, a constant, or a table"),

@@ -1,7 +1,5 @@
 """This machine's library in an unpacked FMU."""
 
-from __future__ import annotations
-
 import shutil
 from types import SimpleNamespace
 

@@ -1,9 +1,6 @@
 """Map templates: what the names and units of an FMU settle is filled in, and nothing else."""
 
-from __future__ import annotations
-
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,12 +14,12 @@ from wmr_ctrl.world.scenario import load_scenario
 NOMINAL = "paper-simulation-nominal"
 
 
-def exported(what: str, folder: Path, fmi: str) -> Path:
+def exported(what, folder, fmi):
     return export_fmu(what, scenario=NOMINAL, fmi=fmi, out=folder)[0]
 
 
 @pytest.mark.parametrize("fmi", ["2", "3"])
-def test_template_of_an_fmu_with_our_names_runs_as_it_is(tmp_path, fmi) -> None:
+def test_template_of_an_fmu_with_our_names_runs_as_it_is(tmp_path, fmi):
     plant = exported("plant", tmp_path, fmi)
     path = write_map_template(tmp_path / "map.toml", plant, None)
     short = load_scenario(NOMINAL, {"clock.duration": 0.5})
@@ -34,7 +31,7 @@ def test_template_of_an_fmu_with_our_names_runs_as_it_is(tmp_path, fmi) -> None:
 
 
 @pytest.mark.parametrize("what", ["plant", "mb", "guard", "closed-loop", "reference"])
-def test_template_lists_every_real_input_and_is_toml(tmp_path, what) -> None:
+def test_template_lists_every_real_input_and_is_toml(tmp_path, what):
     fmu = exported(what, tmp_path, "2")
     text = write_map_template(tmp_path / "map.toml", None, fmu).read_text(encoding="utf-8")
     opened = "\n".join(line.removeprefix("# ") for line in text.splitlines()[2:])
@@ -46,7 +43,7 @@ def test_template_lists_every_real_input_and_is_toml(tmp_path, what) -> None:
         assert rows["outputs"]["tau_right"] == "tau_right"
 
 
-def test_nothing_is_guessed_of_an_fmu_without_units(tmp_path) -> None:
+def test_nothing_is_guessed_of_an_fmu_without_units(tmp_path):
     pytest.importorskip("pythonfmu")
     from pythonfmu import FmuBuilder
 
@@ -61,7 +58,7 @@ def test_nothing_is_guessed_of_an_fmu_without_units(tmp_path) -> None:
     assert "could be px, py, heading, wheelR, wheelL" in text
 
 
-def test_template_overwrites_nothing_and_needs_an_fmu(tmp_path) -> None:
+def test_template_overwrites_nothing_and_needs_an_fmu(tmp_path):
     taken = tmp_path / "map.toml"
     taken.write_text("mine", encoding="utf-8")
     plant = exported("plant", tmp_path, "2")

@@ -1,7 +1,5 @@
 """Maps of names and units of somebody else's FMUs: keys, units, hints, and what they refuse."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 

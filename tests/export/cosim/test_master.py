@@ -1,7 +1,5 @@
 """What is between controller and plant."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper

@@ -15,7 +15,7 @@ from wmr_ctrl.export.cosim.parts import Part, limiter, ready, wheels_of
 class Stub:
     """An FMU that gives what it was given."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.given, self.steps = [], []
         self.failure = lambda what: ArithmeticError(what)
 
@@ -29,7 +29,7 @@ class Stub:
         self.steps.append((t, h))
 
 
-def part(step: float | None = None, foreign: bool = False) -> Part:
+def part(step=None, foreign=False):
     rows: list[MapRow] = identity(["a", "b"])
     return Part(Stub(), rows, rows, ["a", "b"], step, foreign=foreign)
 

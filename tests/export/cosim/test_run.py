@@ -56,9 +56,7 @@ def test_foreign_plant_with_other_names_units_and_sampling(foreign, mapped):
 @pytest.mark.slow
 def test_foreign_controller_drives_our_plant(foreign, mapped):
     run = cosimulate(
-        SHORT,
-        controller=foreign("TheirController", CONTROLLER),
-        map_file=mapped(CONTROLLER_MAP),
+        SHORT, controller=foreign("TheirController", CONTROLLER), map_file=mapped(CONTROLLER_MAP)
     )
     assert run.law == "TheirController"
     assert summary(run)["provenance"]["fmu_controller"].startswith("TheirController (")
@@ -140,11 +138,11 @@ def test_a_file_that_is_no_fmu_is_told_in_words(tmp_path, parts, said):
     assert str(refused.value).endswith(".")
 
 
-def _half(library: bytes) -> bytes:
+def _half(library):
     return library[: len(library) // 2]
 
 
-def _of_another_processor(library: bytes) -> bytes:
+def _of_another_processor(library):
     return library[:18] + b"\xff\x00" + library[20:]
 
 

@@ -1,7 +1,5 @@
 """Numbers of an FMU's variables, as its functions take them."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest
@@ -9,7 +7,7 @@ import pytest
 from wmr_ctrl.export.cosim.slave import Values
 
 
-def values(kind: str, **variables) -> Values:
+def values(kind, **variables):
     functions = {f"fmi3{verb}{kind}": lambda *_: 0 for verb in ("Get", "Set")}
     fmu = SimpleNamespace(component=None, dll=SimpleNamespace(**functions))
     own = [

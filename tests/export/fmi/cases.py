@@ -1,7 +1,5 @@
 """FMUs that several modules try, with the version of FMI; of laws all but two are slow."""
 
-from __future__ import annotations
-
 import pytest
 
 OTHER_LAWS = [

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.fields.section import quantities
-from wmr_ctrl.core.fields.values import Quantity
 from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references import REFERENCES
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_ctrl.world.scenario.scenario import SECTIONS
 from wmr_ctrl.world.scenario.sections import Change
-
-Changed = tuple[str, dict[str, Any]]
-"""A field's key, and the overrides that change it."""
 
 POINTS = [[0.0, 0.0], [1.0, 0.2], [2.0, 1.0], [2.5, 2.0]]
 TINY = [[0.004 * x, 0.004 * y] for x, y in POINTS]
@@ -105,12 +101,12 @@ delay and lag decide the form of a guard: tests/control/guard/test_lateness_runs
 Obstacles no run reads: tests/corridor/test_clearance.py."""
 
 
-def based(changes: Mapping[str, Any]) -> Scenario:
+def based(changes):
     """A scenario that has everything: of FULL or LOOSE."""
     return override(load_scenario("paper-simulation"), changes)
 
 
-def other(key: str, what: Quantity, value: Any) -> Any:
+def other(key, what, value):
     """Another value of a field: an option, flag or name, or each number a little larger."""
     if key in OTHER:
         return OTHER[key]
@@ -125,7 +121,7 @@ def other(key: str, what: Quantity, value: Any) -> Any:
     return min(value * 1.15 + 0.02, 1.0) if what.bounds.maximum == 1 else value * 1.15 + 0.002
 
 
-def of_sections(base: Scenario) -> Iterator[Changed]:
+def of_sections(base):
     """All fields but those of gains and references."""
     yield "name", {}
     yield "title", {"title": "Another title"}
@@ -135,13 +131,13 @@ def of_sections(base: Scenario) -> Iterator[Changed]:
     yield from _of("changes[1]", Change, base.changes[0])
 
 
-def of_gains(law: str) -> Iterator[Changed]:
+def of_gains(law):
     """The gains of one law, and of Eq. (7)."""
     yield from _of("gains.kinematics", KinematicGains, KinematicGains())
     yield from _of(f"gains.{law}", LAWS[law].gains, LAWS[law].gains())
 
 
-def of_references() -> Iterator[Changed]:
+def of_references():
     """Every kind, by itself and with each of its fields changed."""
     for kind, cls in ((name, item.section) for name, item in REFERENCES.items()):
         start = {"reference.kind": kind}
@@ -156,7 +152,7 @@ def of_references() -> Iterator[Changed]:
             yield f"{key} of {kind}", {**start, key: value}
 
 
-def _of(section: str, cls: Any, holder: Any) -> Iterator[Changed]:
+def _of(section, cls, holder):
     for name, what in quantities(cls):
         key = f"{section}.{name}"
         if key in ELSEWHERE:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import ctypes as ct
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from fmpy import platform, platform_tuple, read_model_description
@@ -29,18 +27,18 @@ class Callbacks(ct.Structure):
     )
 
 
-def reals(*values: float) -> Any:
+def reals(*values):
     return (ct.c_double * len(values))(*values)
 
 
-def refs(*values: int) -> Any:
+def refs(*values):
     return (ct.c_uint32 * len(values))(*values)
 
 
 class Fmu:
     """A library and its description."""
 
-    def __init__(self, path: Path, folder: Path, version: int) -> None:
+    def __init__(self, path, folder, version):
         self.path, self.folder, self.version = path, folder, version
         self.description = read_model_description(str(path))
         self.variables = {v.name: v for v in self.description.modelVariables}
@@ -52,7 +50,7 @@ class Fmu:
         self.messages: list[str] = []
         self.categories: set[tuple[int, str]] = set()
 
-        def hear(status: int, category: bytes, text: bytes) -> None:
+        def hear(status, category, text):
             self.messages.append(text.decode())
             self.categories.add((status, category.decode()))
 
@@ -61,18 +59,18 @@ class Fmu:
         self._callbacks = Callbacks(logger=self._log2)
 
     @property
-    def interfaces(self) -> list[str]:
+    def interfaces(self):
         return [CS, ME] if self.description.modelExchange is not None else [CS]
 
-    def __getattr__(self, name: str) -> Callable[..., Any]:
+    def __getattr__(self, name):
         function = getattr(self.dll, self.prefix + name)
         function.restype = ct.c_void_p if name.startswith("Instantiate") else ct.c_int
         return function
 
-    def ref(self, name: str) -> int:
+    def ref(self, name):
         return self.variables[name].valueReference
 
-    def instantiate(self, interface: str = CS, **given: Any) -> int | None:
+    def instantiate(self, interface=CS, **given):
         """A handle, or None; keywords replace single arguments."""
         name = given.get("name", b"one")
         token = given.get("token", self.description.guid.encode())
@@ -98,7 +96,7 @@ class Fmu:
             given.get("update"),
         )
 
-    def new(self, interface: str = CS, **given: Any) -> Instance:
+    def new(self, interface=CS, **given):
         handle = self.instantiate(interface, **given)
         assert handle
         return Instance(self, ct.c_void_p(handle), interface)
@@ -112,9 +110,7 @@ class Instance:
     handle: Any
     interface: str
 
-    def setup(
-        self, start: float = 0.0, stop: float | None = None, tolerance: float | None = None
-    ) -> int:
+    def setup(self, start=0.0, stop=None, tolerance=None):
         """Start time, stop time, tolerance, then initialization mode."""
         told = (int(tolerance is not None), ct.c_double(tolerance or 0.0))
         times = (ct.c_double(start), int(stop is not None), ct.c_double(stop or 0.0))
@@ -125,15 +121,15 @@ class Instance:
             self.fmu.EnterInitializationMode(self.handle),
         )
 
-    def leave(self) -> int:
+    def leave(self):
         return self.fmu.ExitInitializationMode(self.handle)
 
-    def begin(self, start: float = 0.0, stop: float | None = None) -> Instance:
+    def begin(self, start=0.0, stop=None):
         assert self.setup(start, stop) == OK
         assert self.leave() == OK
         return self
 
-    def step(self, t: float, h: float) -> int:
+    def step(self, t, h):
         if self.fmu.version == 2:
             return self.fmu.DoStep(self.handle, ct.c_double(t), ct.c_double(h), 1)
         flags, last = [ct.c_bool() for _ in range(3)], ct.c_double()
@@ -141,15 +137,15 @@ class Instance:
             self.handle, ct.c_double(t), ct.c_double(h), True, *map(ct.byref, flags), ct.byref(last)
         )
 
-    def put(self, values: dict[str, float]) -> int:
+    def put(self, values):
         return self.put_refs([self.fmu.ref(name) for name in values], list(values.values()))
 
-    def put_refs(self, listed: Sequence[int], values: Sequence[float]) -> int:
+    def put_refs(self, listed, values):
         length = () if self.fmu.version == 2 else (ct.c_size_t(len(values)),)
         call = self.fmu.SetReal if self.fmu.version == 2 else self.fmu.SetFloat64
         return call(self.handle, refs(*listed), ct.c_size_t(len(listed)), reals(*values), *length)
 
-    def get_refs(self, listed: Sequence[int], count: int | None = None) -> tuple[int, list[float]]:
+    def get_refs(self, listed, count=None):
         number = len(listed) if count is None else count
         buffer = reals(*[0.0] * number)
         length = () if self.fmu.version == 2 else (ct.c_size_t(number),)
@@ -158,12 +154,12 @@ class Instance:
             :
         ]
 
-    def get(self, *names: str) -> list[float]:
+    def get(self, *names):
         status, values = self.get_refs([self.fmu.ref(name) for name in names])
         assert status == OK
         return values
 
-    def integer(self, name: str) -> int:
+    def integer(self, name):
         old, one = self.fmu.version == 2, ct.c_size_t(1)
         call = self.fmu.GetInteger if old else self.fmu.GetInt64
         value = ((ct.c_int32 if old else ct.c_int64) * 1)()
@@ -172,7 +168,7 @@ class Instance:
         )
         return value[0]
 
-    def all(self) -> list[float]:
+    def all(self):
         """Every real variable's elements."""
         found: list[float] = []
         for v in self.fmu.description.modelVariables:
@@ -183,13 +179,13 @@ class Instance:
                 found += values
         return found
 
-    def reset(self) -> int:
+    def reset(self):
         return self.fmu.Reset(self.handle)
 
-    def free(self) -> None:
+    def free(self):
         self.fmu.FreeInstance(self.handle)
 
-    def bytes_of_state(self) -> bytes:
+    def bytes_of_state(self):
         """The state now, serialised."""
         f, kept, size = self.fmu, ct.c_void_p(), ct.c_size_t()
         spelled = "FMUstate" if f.version == 2 else "FMUState"
@@ -203,7 +199,7 @@ class Instance:
         assert not kept.value
         return bytes(buffer)
 
-    def restore(self, content: bytes) -> int:
+    def restore(self, content):
         """Put a serialised state in place."""
         f, kept = self.fmu, ct.c_void_p()
         spelled, read = (

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ctypes as ct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
-from tests.export.fmi.raw import CS, ME, OK, Fmu, Instance, reals, refs
+from tests.export.fmi.raw import CS, ME, OK, Instance, reals, refs
 
 START, INIT, STEP, EVENT, CONTINUOUS, STOPPED = (
     "start",
@@ -32,11 +32,11 @@ class Call:
     legal: set[str]
     make: Callable[[Instance], int]
 
-    def is_legal(self, mode: str, interface: str) -> bool:
+    def is_legal(self, mode, interface):
         return mode in self.legal and (interface == ME or not self.exchange)
 
 
-def reach(fmu: Fmu, interface: str, mode: str) -> Instance:
+def reach(fmu, interface, mode):
     """A fresh instance in one state."""
     one = fmu.new(interface)
     if mode == START:
@@ -52,41 +52,41 @@ def reach(fmu: Fmu, interface: str, mode: str) -> Instance:
     return one
 
 
-def _states(one: Instance) -> int:
+def _states(one):
     return len(one.fmu.description.derivatives) if one.fmu.description.derivatives else 0
 
 
-def _vector(name: str) -> Callable[[Instance], int]:
-    def call(one: Instance) -> int:
+def _vector(name):
+    def call(one):
         count = _states(one)
         return getattr(one.fmu, name)(one.handle, reals(*[0.0] * count), ct.c_size_t(count))
 
     return call
 
 
-def _plain(name: str) -> Callable[[Instance], int]:
+def _plain(name):
     return lambda one: getattr(one.fmu, name)(one.handle)
 
 
-def _answers(name: str, *kinds: type) -> Callable[[Instance], int]:
+def _answers(name, *kinds):
     return lambda one: getattr(one.fmu, name)(one.handle, *(ct.byref(kind()) for kind in kinds))
 
 
-def _completed(one: Instance) -> int:
+def _completed(one):
     kind = ct.c_int if one.fmu.version == 2 else ct.c_bool
     return one.fmu.CompletedIntegratorStep(one.handle, 1, ct.byref(kind()), ct.byref(kind()))
 
 
-def _indicators(one: Instance) -> int:
+def _indicators(one):
     return one.fmu.GetEventIndicators(one.handle, None, ct.c_size_t(0))
 
 
-def _tunable(one: Instance) -> int:
+def _tunable(one):
     name = next(n for n, v in one.fmu.variables.items() if v.variability == "tunable")
     return one.put({name: float(one.fmu.variables[name].start)})
 
 
-def _fixed(one: Instance) -> int:
+def _fixed(one):
     name = next(
         n
         for n, v in one.fmu.variables.items()
@@ -95,7 +95,7 @@ def _fixed(one: Instance) -> int:
     return one.put({name: 1.001 * float(one.fmu.variables[name].start)})
 
 
-def _output(one: Instance) -> int:
+def _output(one):
     name = next(
         n
         for n, v in one.fmu.variables.items()
@@ -104,19 +104,19 @@ def _output(one: Instance) -> int:
     return one.put({name: 0.0})
 
 
-def _roundtrip(one: Instance) -> int:
+def _roundtrip(one):
     return one.restore(one.bytes_of_state())
 
 
-def _time(one: Instance) -> int:
+def _time(one):
     return one.fmu.SetTime(one.handle, ct.c_double(0.0))
 
 
-def _status2(name: str, kind: int, holder: type) -> Callable[[Instance], int]:
+def _status2(name, kind, holder):
     return lambda one: getattr(one.fmu, name)(one.handle, kind, ct.byref(holder()))
 
 
-def shared() -> Iterator[Call]:
+def shared():
     """Functions that both versions have."""
     yield Call("ExitInitializationMode", False, {INIT}, Instance.leave)
     yield Call("Terminate", False, RUNNING, _plain("Terminate"))
@@ -139,7 +139,7 @@ def shared() -> Iterator[Call]:
     yield Call("GetEventIndicators", True, SOLVING, _indicators)
 
 
-def second() -> Iterator[Call]:
+def second():
     """Those of FMI 2 alone."""
     yield from shared()
     yield Call(
@@ -175,13 +175,13 @@ def second() -> Iterator[Call]:
         yield Call(name, False, NEVER, _input_derivatives(name))
 
 
-def _input_derivatives(name: str) -> Callable[[Instance], int]:
+def _input_derivatives(name):
     return lambda one: getattr(one.fmu, name)(
         one.handle, refs(1), ct.c_size_t(1), (ct.c_int * 1)(1), reals(0.0)
     )
 
 
-def third() -> Iterator[Call]:
+def third():
     """Those of FMI 3 alone."""
     yield from shared()
     flags = [ct.c_bool] * 5
@@ -245,19 +245,19 @@ def third() -> Iterator[Call]:
             yield Call(verb + kind, False, NEVER, _typed(verb + kind))
 
 
-def _listed(name: str, arrays: int) -> Callable[[Instance], int]:
+def _listed(name, arrays):
     return lambda one: getattr(one.fmu, name)(
         one.handle, refs(1), ct.c_size_t(1), *(reals(0.0) for _ in range(arrays))
     )
 
 
-def _typed(name: str) -> Callable[[Instance], int]:
+def _typed(name):
     return lambda one: getattr(one.fmu, name)(
         one.handle, refs(1), ct.c_size_t(1), reals(0.0), ct.c_size_t(1)
     )
 
 
-def calls(fmu: Fmu) -> list[Call]:
+def calls(fmu):
     """All calls that this FMU has a variable for."""
     tunable = any(v.variability == "tunable" for v in fmu.variables.values())
     every = second() if fmu.version == 2 else third()

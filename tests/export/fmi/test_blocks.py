@@ -1,7 +1,5 @@
 """Parts of the loop as models."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """The closed loop as one model."""
 
-from __future__ import annotations
-
 from tests.papers_robot import paper
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.export.fmi.closed_loop import FOUND, closed_loop_model

@@ -1,7 +1,5 @@
 """FMUs of a base that takes velocities: its closed loop, and its parts coupled."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -100,7 +98,7 @@ TURNS = TURNS.replace('"v"', '"right"').replace('"w"', '"left"')
 
 
 @pytest.mark.slow
-def test_the_closed_loop_fmu_has_the_bits_of_the_run(tmp_path: Path) -> None:
+def test_the_closed_loop_fmu_has_the_bits_of_the_run(tmp_path):
     (path,) = export_fmu("closed-loop", law=LAW, scenario=SCENARIO, fmi=3, out=tmp_path)
     fmu = Fmu(path, Path(extract(str(path), str(tmp_path / "loop"))), 3)
     assert_loop_is(simulate(SCENARIO, LAW), fmu, SCENARIO, LAW)
@@ -115,7 +113,7 @@ def test_the_closed_loop_fmu_has_the_bits_of_the_run(tmp_path: Path) -> None:
         (override(BURGER, {"frames": "rep103", "filter.kind": "clip"}), LAW),
     ],
 )  # fmt: skip
-def test_coupled_parts_are_the_native_loop(case, law) -> None:
+def test_coupled_parts_are_the_native_loop(case, law):
     native, coupled = (simulate(case, law, seed=3, engine=name) for name in ("native", "fmu"))
     assert native.signals == coupled.signals
     assert native.monitor == coupled.monitor
@@ -124,7 +122,7 @@ def test_coupled_parts_are_the_native_loop(case, law) -> None:
 
 
 @pytest.mark.parametrize(("version", "law"), [(2, "mb"), (3, "mb")])
-def test_a_law_of_ours_is_filtered_inside_or_from_outside(version, law, tmp_path) -> None:
+def test_a_law_of_ours_is_filtered_inside_or_from_outside(version, law, tmp_path):
     bare = override(BURGER, {"filter.kind": "none"})
     native = simulate(BURGER, law, seed=2)
     for made in (BURGER, bare):
@@ -136,14 +134,14 @@ def test_a_law_of_ours_is_filtered_inside_or_from_outside(version, law, tmp_path
             assert np.array_equal(native[name], run[name]), name
 
 
-def test_a_law_that_relies_on_what_it_sent_is_not_filtered_from_outside(tmp_path) -> None:
+def test_a_law_that_relies_on_what_it_sent_is_not_filtered_from_outside(tmp_path):
     bare = override(BURGER, {"filter.kind": "none"})
     (file,) = export_fmu("prox", scenario=bare, fmi=2, out=tmp_path)
     with pytest.raises(ArgumentError, match="contains no filter, and prox relies on the velocity"):
         cosimulate(BURGER, controller=file)
 
 
-def test_a_foreign_base_takes_velocities_or_speeds_of_its_wheels(foreign, mapped) -> None:
+def test_a_foreign_base_takes_velocities_or_speeds_of_its_wheels(foreign, mapped):
     """It is all of [base] itself; with the numbers of that, it drives as ours does."""
     file = foreign("TheirBase", BASE)
     native = simulate(override(QUIET, {"base.delay": 0.0}), LAW)
@@ -156,7 +154,7 @@ def test_a_foreign_base_takes_velocities_or_speeds_of_its_wheels(foreign, mapped
     assert [run.outcome for run in runs] == ["completed"] * 2
 
 
-def test_a_foreign_controller_is_filtered(foreign, mapped) -> None:
+def test_a_foreign_controller_is_filtered(foreign, mapped):
     file = foreign("Pilot", PILOT)
     runs = [cosimulate(QUIET, controller=file, map_file=mapped(m)) for m in (ASKS, TURNS)]
     free = override(QUIET, {"filter.kind": "none"})
@@ -169,11 +167,11 @@ def test_a_foreign_controller_is_filtered(foreign, mapped) -> None:
     assert summary_keys(runs[0]) >= {"filter_share", "kept"}
 
 
-def summary_keys(run) -> set[str]:
+def summary_keys(run):
     return {key for key, value in run.summary().items() if value is not None}
 
 
-def test_a_master_that_steps_all_at_once_voids_the_filters_assumption() -> None:
+def test_a_master_that_steps_all_at_once_voids_the_filters_assumption():
     run = cosimulate(BURGER, LAW, master="jacobi")
     assert any(
         item.key == "assumption-void" and "filter.delay" in item.text for item in run.remarks
@@ -186,27 +184,23 @@ def test_a_master_that_steps_all_at_once_voids_the_filters_assumption() -> None:
     ("case", "text", "words"),
     [
         (BURGER, BY_VELOCITY, r"does not reach .* \(disturbance\.std = 0\)"),
-        (
-            SIZELESS,
-            BY_WHEELS,
-            r"w_left_command, w_right_command, which follow from robot\.r",
-        ),
+        (SIZELESS, BY_WHEELS, r"w_left_command, w_right_command, which follow from robot\.r"),
         (load_scenario("paper-simulation-nominal"), BY_VELOCITY, "the scenario's robot takes torq"),
         (QUIET, PLANT, "no command. Add rows for v_command, omega_command, tau_right"),
     ],
 )
-def test_maps_that_do_not_fit_the_base_are_refused(foreign, mapped, case, text, words) -> None:
+def test_maps_that_do_not_fit_the_base_are_refused(foreign, mapped, case, text, words):
     with pytest.raises((ArgumentError, ScenarioError), match=words):
         cosimulate(case, LAW, plant=foreign("TheirBase", BASE), map_file=mapped(text))
 
 
-def test_a_map_of_torques_alone_gives_no_command(foreign, mapped) -> None:
+def test_a_map_of_torques_alone_gives_no_command(foreign, mapped):
     text = '[controller]\nunits = "SI"\noutputs = { tau_right = "right", tau_left = "left" }\n'
     with pytest.raises(ArgumentError, match="does not give omega_command, v_command"):
         cosimulate(QUIET, controller=foreign("Pilot", PILOT), map_file=mapped(text))
 
 
-def test_the_plant_of_it_is_refused_by_name(tmp_path: Path) -> None:
+def test_the_plant_of_it_is_refused_by_name(tmp_path):
     with pytest.raises(ScenarioError, match=r"base\.kind"):
         export_fmu("plant", scenario=SCENARIO, fmi=3, out=tmp_path)
     assert list(tmp_path.iterdir()) == []

@@ -1,7 +1,5 @@
 """The plain C in a law's FMU is the FMU's law, called as its description says and no other way."""
 
-from __future__ import annotations
-
 import subprocess
 import xml.etree.ElementTree as ET
 import zipfile
@@ -17,18 +15,18 @@ STEPS = 20
 PERIOD = 0.01
 
 
-def given(k: int, names: list[str]) -> dict[str, float]:
+def given(k, names):
     """Inputs of sample k, within the velocity limits."""
     return {name: 0.01 * ((7 * i + 3 * k) % 11 - 5) for i, name in enumerate(names)}
 
 
-def expressions(interface: ET.Element, tag: str, **having: str) -> dict[str, str]:
+def expressions(interface, tag, **having):
     """Name to C expression of the elements that have these attributes."""
     listed = (item.attrib for item in interface.iter(tag))
     return {i["name"]: i["expression"] for i in listed if having.items() <= i.items()}
 
 
-def program(interface: ET.Element) -> str:
+def program(interface):
     """A C program of the description's expressions alone: it prints the outputs of each sample."""
     functions = {
         item.attrib["name"]: item.attrib["expression"] for item in interface.iter("Function")

@@ -1,7 +1,5 @@
 """CasADi's own importer on our plant, and writing again what is fixed by now."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import zipfile
 

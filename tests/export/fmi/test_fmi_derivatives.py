@@ -1,7 +1,5 @@
 """Directional and adjoint derivatives against CasADi's Jacobian of the same System."""
 
-from __future__ import annotations
-
 import ctypes as ct
 
 import casadi as ca

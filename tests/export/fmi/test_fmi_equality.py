@@ -1,7 +1,5 @@
 """One loop, five ways: NumPy, native, FMI 2 and FMI 3 in co-simulation, closed-loop FMU."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from fmpy import simulate_fmu

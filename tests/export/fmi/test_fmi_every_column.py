@@ -8,7 +8,7 @@ column is chosen by hand.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import TypeAlias
@@ -16,20 +16,18 @@ from typing import TypeAlias
 import pytest
 from fmpy import extract
 
-from tests.export.fmi.raw import DISCARD, ERROR, OK, Fmu, Instance
+from tests.export.fmi.raw import DISCARD, ERROR, OK, Fmu
 from tests.world.toys import CLOTHOID
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import DISTURBING, FORCE, PATH, PLANT_STATE, PSI, TIME, TORQUE, VELOCITY
-from wmr_ctrl.export.cosim.master import Measurement, Outside
+from wmr_ctrl.export.cosim.master import Outside
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
-from wmr_ctrl.results import Run
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import OURS
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 Row: TypeAlias = dict[str, float]
-Load: TypeAlias = Callable[[str, str, Scenario, int], Fmu]
 
 SEED = 0
 BASE: Mapping[str, object] = {
@@ -65,7 +63,7 @@ ACTING: Mapping[str, Mapping[str, object]] = {
 """By an effect's name, what makes it act."""
 
 
-def all_but(name: str) -> Mapping[str, object]:
+def all_but(name):
     """All effects at once but one: wheels are counted, or the velocity is averaged."""
     return {key: v for n, changes in ACTING.items() if n != name for key, v in changes.items()}
 
@@ -94,11 +92,11 @@ UNLOGGED = {*PATH.elements, *FORCE.elements}
 
 
 @pytest.fixture(scope="module")
-def load(tmp_path_factory: pytest.TempPathFactory) -> Load:
+def load(tmp_path_factory):
     """An FMU of a scenario, unpacked; each made once."""
 
     @cache
-    def made(what: str, law: str, scenario: Scenario, version: int) -> Fmu:
+    def made(what, law, scenario, version):
         out = tmp_path_factory.mktemp("columns")
         (path,) = export_fmu(what, law=law, scenario=scenario, fmi=version, out=out, arrays=False)
         return Fmu(path, Path(extract(str(path), str(out / "unpacked"))), version)
@@ -107,22 +105,22 @@ def load(tmp_path_factory: pytest.TempPathFactory) -> Load:
 
 
 @cache
-def scenario_with(effect: str, guard: bool = False) -> Scenario:
+def scenario_with(effect, guard=False):
     base = load_scenario("paper-simulation", {**BASE, **EFFECTS[effect]})
     return override(base, {"guard.enabled": guard, "guard.alpha": 5.0})
 
 
 @cache
-def native(scenario: Scenario, law: str) -> Run:
+def native(scenario, law):
     return simulate(scenario, law, seed=SEED)
 
 
-def row(run: Run, k: int) -> Row:
+def row(run, k):
     """All columns of sample k, by their elements."""
     return {name: float(run[name][k]) for signal in run.signals for name in signal.elements}
 
 
-def shown(part: Instance) -> Row:
+def shown(part):
     """Every output."""
     found: Row = {}
     for v in part.fmu.variables.values():
@@ -132,7 +130,7 @@ def shown(part: Instance) -> Row:
     return found
 
 
-def different(found: Row, wanted: Row) -> list[str]:
+def different(found, wanted):
     """Outputs with other bits than the column of their name."""
     return [n for n, v in found.items() if n not in UNLOGGED and v.hex() != wanted[n].hex()]
 
@@ -198,7 +196,7 @@ def test_the_closed_loop_ends_with_the_native_run(load):
 class Parts:
     """Reference, law, guard and plant in the native order; all that they show is compared."""
 
-    def __init__(self, load: Load, law: str, scenario: Scenario, version: int) -> None:
+    def __init__(self, load, law, scenario, version):
         self.run = native(scenario, law)
         self.outside = Outside(settle(scenario, law), SEED)
         self.clock, self.part = scenario.clock, {}
@@ -206,14 +204,14 @@ class Parts:
             what = law if kind == "law" else kind
             self.part[kind] = load(what, law, scenario, version).new().begin()
 
-    def whole(self) -> None:
+    def whole(self):
         """The whole run."""
         for k in range(self.run.rows):
             self.sample(k, row(self.run, k))
         for part in self.part.values():
             part.free()
 
-    def sample(self, k: int, wanted: Row) -> None:
+    def sample(self, k, wanted):
         """One control period."""
         desired, plant = shown(self.part["reference"]), shown(self.part["plant"])
         assert different({**desired, **plant}, wanted) == [], k
@@ -228,7 +226,7 @@ class Parts:
         self.drive(k, [law[name] for name in TORQUES], now)
         assert self.part["reference"].step(k * self.clock.control, self.clock.control) == OK
 
-    def stepped(self, kind: str, k: int, given: Row, wanted: Row) -> Row:
+    def stepped(self, kind, k, given, wanted):
         part = self.part[kind]
         assert part.put(given) == OK
         assert part.step(k * self.clock.control, self.clock.control) == OK
@@ -236,7 +234,7 @@ class Parts:
         assert different(found, wanted) == [], (kind, k)
         return found
 
-    def drive(self, k: int, torque: list[float], now: Measurement) -> None:
+    def drive(self, k, torque, now):
         """The plant over one control period, in steps of its own."""
         part, h = self.part["plant"], self.clock.plant
         for i in range(k * self.clock.substeps, (k + 1) * self.clock.substeps):

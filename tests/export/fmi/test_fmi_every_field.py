@@ -6,9 +6,6 @@ run three ways.  Where it differs from the base in numbers only, the FMUs are th
 base's with parameters set; else they are exported anew.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterable
 from functools import cache
 from itertools import groupby
 from pathlib import Path
@@ -19,15 +16,7 @@ import pytest
 from fmpy import extract
 from fmpy.ssp.simulation import simulate_ssp
 
-from tests.export.fmi.fields import (
-    FULL,
-    LOOSE,
-    Changed,
-    based,
-    of_gains,
-    of_references,
-    of_sections,
-)
+from tests.export.fmi.fields import FULL, LOOSE, based, of_gains, of_references, of_sections
 from tests.export.fmi.raw import OK, Fmu
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.laws import LAWS
@@ -37,8 +26,7 @@ from wmr_ctrl.export.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.export.fmi.files import sources_of
 from wmr_ctrl.export.fmi.fmu_files import export_fmu, model_of
 from wmr_ctrl.export.fmi.ssp import export_ssp
-from wmr_ctrl.results import Run
-from wmr_ctrl.world.scenario import Scenario, override, quantities
+from wmr_ctrl.world.scenario import override, quantities
 from wmr_ctrl.world.scenario.sections import Body
 
 LAW = "mb"
@@ -60,18 +48,18 @@ WITHOUT_EFFECT = {
 BASE, LOOSER = based(FULL), based(LOOSE)
 
 
-def by_section(changed: Changed) -> tuple[str, bool]:
+def by_section(changed):
     """Section, and whether the base leaves the field to be derived."""
     section, _, name = changed[0].rpartition(".")
     return section, getattr(getattr(BASE, section, None), name, 0) is None
 
 
-def together(listed: Iterable[dict[str, object]]) -> dict[str, object]:
+def together(listed):
     """Several changes as one."""
     return {key: value for changes in listed for key, value in changes.items()}
 
 
-def sections() -> list[Changed]:
+def sections():
     """All fields of a section at once; those that replace a derived number apart."""
     found = []
     for (name, stated), listed in groupby(
@@ -86,17 +74,17 @@ def sections() -> list[Changed]:
 def files(tmp_path_factory):
     """FMUs, each made once: ``loop`` and ``parts``, which are plant and controller."""
 
-    def export(what: str, law: str, scenario: Scenario, version: int) -> Path:
+    def export(what, law, scenario, version):
         out = tmp_path_factory.mktemp("fields")
         return export_fmu(what, law=law, scenario=scenario, fmi=version, out=out, arrays=False)[0]
 
     @cache
-    def loop(scenario: Scenario, law: str, version: int) -> Fmu:
+    def loop(scenario, law, version):
         path = export("closed-loop", law, scenario, version)
         return Fmu(path, Path(extract(str(path), str(tmp_path_factory.mktemp("loop")))), version)
 
     @cache
-    def parts(scenario: Scenario, law: str) -> dict[str, Path]:
+    def parts(scenario, law):
         return {
             "plant": export("plant", law, scenario, 2),
             "controller": export(law, law, scenario, 3),
@@ -106,14 +94,14 @@ def files(tmp_path_factory):
 
 
 @cache
-def code_of(scenario: Scenario, law: str, version: int) -> dict[str, str]:
+def code_of(scenario, law, version):
     """All C of the closed loop but start values and the token made of them."""
     found = sources_of(closed_loop_model(settle(scenario, law)), version, arrays=False)
     files = {name: text for name, text in found.files.items() if name != "model.c"}
     return {**files, "model.h": files["model.h"].replace(found.token, "")}
 
 
-def flown(fmu: Fmu, scenario: Scenario, law: str, run: Run) -> tuple[dict[str, list[float]], float]:
+def flown(fmu, scenario, law, run):
     """Columns by element name and violations of a closed loop whose parameters are all set."""
     names = [name for signal in run.signals[1:] for name in signal.elements]
     numbers = (v for v in closed_loop_model(settle(scenario, law)).variables if v.parameter)
@@ -131,13 +119,13 @@ def flown(fmu: Fmu, scenario: Scenario, law: str, run: Run) -> tuple[dict[str, l
     return found, speeds
 
 
-def assert_loop_is(run: Run, fmu: Fmu, scenario: Scenario, law: str) -> None:
+def assert_loop_is(run, fmu, scenario, law):
     found, speeds = flown(fmu, scenario, law, run)
     assert tuple(speeds) == run.monitor.max_abs_v
     assert not [name for name in found if not np.array_equal(found[name], run[name])]
 
 
-def assert_cosimulation_is(run: Run, other: Run) -> None:
+def assert_cosimulation_is(run, other):
     different = [
         name
         for name in run.columns
@@ -152,7 +140,7 @@ def assert_cosimulation_is(run: Run, other: Run) -> None:
     )
 
 
-def assert_alike(files, changes, base: Scenario = BASE, law: str = LAW, version=3) -> None:
+def assert_alike(files, changes, base=BASE, law=LAW, version=3):
     scenario = override(base, changes)
     run = simulate(scenario, law)
     numbers_only = code_of(scenario, law, version) == code_of(base, law, version)
@@ -223,7 +211,7 @@ def test_each_field_of_the_walk_matters():
     assert set().union(*(idle(LOOSER, law, of_gains(law)) for law in LAWS)) == set()
 
 
-def idle(base: Scenario, law: str, walk: Iterable[Changed]) -> set[str]:
+def idle(base, law, walk):
     """Fields without effect on the native run of ``base``."""
     run = simulate(base, law)
     others = ((key, simulate(override(base, changes), law)) for key, changes in walk)

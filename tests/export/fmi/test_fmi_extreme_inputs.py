@@ -1,7 +1,5 @@
 """Inputs that no robot has, into every law's FMU and the guard's: refused, or finite outputs."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import math
 

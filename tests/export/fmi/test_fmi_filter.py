@@ -1,7 +1,5 @@
 """The command filter as an FMU: the bits of a run's filter, its flags, what it refuses."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Many instances, many threads, odd places, and no growth."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import resource
 import shutil

@@ -1,7 +1,5 @@
 """An adversary's push in FMUs: a parameter of the closed loop, part of every co-simulation."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from fmpy import simulate_fmu

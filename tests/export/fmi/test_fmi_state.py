@@ -1,7 +1,5 @@
 """States: taken, put back, written as bytes, read elsewhere; damaged bytes are refused."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """A law from another package becomes FMUs without a line in the exporter."""
 
-from __future__ import annotations
-
 from importlib.metadata import EntryPoint
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What an instance shows fits its values of now: time, states, inputs, and memory that moved."""
 
-from __future__ import annotations
-
 import ctypes as ct
 
 import casadi as ca

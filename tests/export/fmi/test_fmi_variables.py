@@ -3,11 +3,8 @@
 After a change that is meant: `python -m tests.export.fmi.test_fmi_variables`.
 """
 
-from __future__ import annotations
-
 import math
 import zipfile
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from itertools import count, groupby
@@ -23,7 +20,7 @@ from wmr_ctrl.export.fmi.blocks import plant_model
 from wmr_ctrl.export.fmi.extra import _seconds
 from wmr_ctrl.export.fmi.files import Sources, write_archive
 from wmr_ctrl.export.fmi.fmu_files import model_of
-from wmr_ctrl.export.fmi.model_description import FmuModel, Role, orders
+from wmr_ctrl.export.fmi.model_description import Role, orders
 from wmr_ctrl.export.fmi.ssp import SAME_AS, _joined
 from wmr_ctrl.export.fmi.xml import _structure, _unknown, description
 from wmr_ctrl.world.scenario import load_scenario
@@ -36,18 +33,18 @@ SHOWN = ("causality", "variability", "initial", "unit", "displayUnit", "nominal"
 
 
 @cache
-def model(what: str) -> FmuModel:
+def model(what):
     stated = FILTER if what == "filter" else DRIVES
     return model_of(what, "mb", load_scenario("paper-simulation", stated))
 
 
 @cache
-def xml(what: str, version: int) -> etree._Element:
+def xml(what, version):
     text = description(model(what), Sources({}, "token"), version, "wmr_ctrl 0")
     return etree.fromstring(text.encode())
 
 
-def heads(what: str, version: int) -> dict[str, str]:
+def heads(what, version):
     """Attributes of each variable by its name; of a rate, the name of its state."""
     rows = [
         {key: value for node in item.iter("*") for key, value in node.attrib.items()}
@@ -63,7 +60,7 @@ def heads(what: str, version: int) -> dict[str, str]:
     return found
 
 
-def listed() -> Iterator[str]:
+def listed():
     """A line for neighbours of one kind: their attributes, then their names."""
     for what in WHAT:
         yield what
@@ -71,18 +68,18 @@ def listed() -> Iterator[str]:
             yield f"  {head}: {' '.join(name for name, _ in names)}"
 
 
-def test_variables_are_those_that_are_listed() -> None:
+def test_variables_are_those_that_are_listed():
     assert list(listed()) == LISTED.read_text(encoding="utf-8").splitlines()
 
 
 @pytest.mark.parametrize("what", WHAT)
-def test_both_versions_say_the_same_of_each_variable(what: str) -> None:
+def test_both_versions_say_the_same_of_each_variable(what):
     two, three = heads(what, 2), heads(what, 3)
 
     assert three == {name: two.get(name) or two[f"{name}[1]"] for name in three}
 
 
-def test_an_array_is_described_as_a_whole() -> None:
+def test_an_array_is_described_as_a_whole():
     whole = [v for v in xml("nn", 3).find("ModelVariables") if v.find("Dimension") is not None]
 
     assert len(whole) == 2
@@ -91,17 +88,17 @@ def test_an_array_is_described_as_a_whole() -> None:
 
 
 @pytest.mark.parametrize(("what", "step"), [("plant", 0.002), ("mb", 0.01), ("closed-loop", 0.01)])
-def test_the_plant_steps_inside_and_all_else_by_the_period(what: str, step: float) -> None:
+def test_the_plant_steps_inside_and_all_else_by_the_period(what, step):
     assert float(xml(what, 3).find("CoSimulation").get("fixedInternalStepSize")) == step
 
 
-def test_jitter_is_a_period_at_most() -> None:
+def test_jitter_is_a_period_at_most():
     jitter = next(v for v in model("closed-loop").variables if v.name == "actuator.jitter")
 
     assert (jitter.low, jitter.start, jitter.high) == (0.0, 0.002, 0.01)
 
 
-def test_outputs_depend_on_what_moves_and_at_the_start_on_parameters_as_well() -> None:
+def test_outputs_depend_on_what_moves_and_at_the_start_on_parameters_as_well():
     plant = model("plant")
     name_of = {str(i): v.name for i, v in enumerate(plant.variables)}
     on = {
@@ -131,7 +128,7 @@ def test_outputs_depend_on_what_moves_and_at_the_start_on_parameters_as_well() -
         ((False, False), "dependent"),
     ],
 )
-def test_on_an_array_an_output_depends_linearly_if_on_each_element(constant, kind) -> None:
+def test_on_an_array_an_output_depends_linearly_if_on_each_element(constant, kind):
     law = model("nn")
     head = next(i for i, v in enumerate(law.variables) if v.array)
     row = max(law.dependencies)
@@ -141,7 +138,7 @@ def test_on_an_array_an_output_depends_linearly_if_on_each_element(constant, kin
     assert (found["dependencies"], found["dependenciesKind"]) == (str(head), kind)
 
 
-def test_initialisation_keeps_limits_apart_and_masses_in_order() -> None:
+def test_initialisation_keeps_limits_apart_and_masses_in_order():
     law = model("mb")
     names = [v.name for v in law.variables]
     limits = {(f"limits.v_u2[{k}]", f"limits.v_u1[{k}]", True) for k in (1, 2)}
@@ -156,7 +153,7 @@ def test_initialisation_keeps_limits_apart_and_masses_in_order() -> None:
      ("rpm", math.pi / 30), ("g", 1e-3), ("mm", 1e-3), ("cm", 1e-2), ("km", 1e3), ("ms", 1e-3),
      ("min", 60.0), ("h", 3600.0), ("km/h", 1 / 3.6), ("kg.cm2", 1e-4)],
 )  # fmt: skip
-def test_a_unit_is_so_many_of_the_base_units(unit: str, factor: float) -> None:
+def test_a_unit_is_so_many_of_the_base_units(unit, factor):
     assert unit_of(unit).factor == pytest.approx(factor)
 
 
@@ -165,7 +162,7 @@ def test_a_unit_is_so_many_of_the_base_units(unit: str, factor: float) -> None:
     [("N", "kg.m/s2"), ("mN", "kg.m/s2"), ("kN", "N"), ("J", "N.m"), ("W", "J/s"), ("Hz", "1/s"),
      ("rpm", "rad/s"), ("deg", "rad"), ("g", "kg"), ("mm", "m"), ("ms", "s"), ("h", "min")],
 )  # fmt: skip
-def test_a_unit_measures_what_its_definition_does(unit: str, same: str) -> None:
+def test_a_unit_measures_what_its_definition_does(unit, same):
     assert unit_of(unit).exponents == unit_of(same).exponents
 
 
@@ -174,7 +171,7 @@ def test_a_unit_measures_what_its_definition_does(unit: str, same: str) -> None:
     [("m", "m/s"), ("m/s", "m/s2"), ("rad/s2", "rad/s3"), ("kg.m2/s", "kg.m2/s2"), ("N.m", "N.m/s"),
      ("N/m", "N/m/s"), ("1/s", "1/s2"), ("m/s/kg", "m/s/kg/s"), ("m/ms", "m/ms/s"), ("1", "1/s")],
 )  # fmt: skip
-def test_rate_of_a_unit_is_that_unit_over_seconds(unit: str, rate: str) -> None:
+def test_rate_of_a_unit_is_that_unit_over_seconds(unit, rate):
     state, found = unit_of(unit), unit_of(per_second(unit))
     seconds = {key: state.exponents.get(key, 0) - (key == "s") for key in ("kg", "m", "s", "rad")}
 
@@ -183,18 +180,18 @@ def test_rate_of_a_unit_is_that_unit_over_seconds(unit: str, rate: str) -> None:
     assert found.exponents == {key: power for key, power in seconds.items() if power}
 
 
-def test_rate_of_a_state_without_unit_has_none() -> None:
+def test_rate_of_a_state_without_unit_has_none():
     assert per_second("") == ""
 
 
 @pytest.mark.parametrize("name", ["rad", "rad/s"])
-def test_a_display_unit_is_so_many_of_its_unit(name: str) -> None:
+def test_a_display_unit_is_so_many_of_its_unit(name):
     shown, many = unit_of(name).display or ("", 0.0)
 
     assert many * unit_of(shown).factor == pytest.approx(unit_of(name).factor)
 
 
-def test_an_archive_has_no_time_and_its_binaries_may_be_run(tmp_path: Path) -> None:
+def test_an_archive_has_no_time_and_its_binaries_may_be_run(tmp_path):
     path = write_archive(tmp_path / "a.fmu", {"binaries/x.so": b"", "modelDescription.xml": b""})
     with zipfile.ZipFile(path) as archive:
         found = {item.filename: (item.date_time, item.external_attr) for item in archive.filelist}
@@ -206,7 +203,7 @@ def test_an_archive_has_no_time_and_its_binaries_may_be_run(tmp_path: Path) -> N
     }
 
 
-def test_a_connection_converts_by_its_own_row_first_and_then_by_that_of_the_end() -> None:
+def test_a_connection_converts_by_its_own_row_first_and_then_by_that_of_the_end():
     """way = 2 theirs + 3, and the end is 5 way + 7."""
     owner = {"way": ("plant", MapRow("way", (("theirs", 2.0),), 3.0))}
     found = _joined(owner, "way", [("endConnector", "end")], 5.0, 7.0)
@@ -215,7 +212,7 @@ def test_a_connection_converts_by_its_own_row_first_and_then_by_that_of_the_end(
     assert dict(found["ends"])["startConnector"] == "theirs"
 
 
-def test_torques_act_on_the_wheel_that_they_are_commanded_for() -> None:
+def test_torques_act_on_the_wheel_that_they_are_commanded_for():
     assert SAME_AS == {
         "tau_applied[1]": "tau_right",
         "tau_applied[2]": "tau_left",
@@ -225,7 +222,7 @@ def test_torques_act_on_the_wheel_that_they_are_commanded_for() -> None:
 
 
 @pytest.mark.parametrize(("duration", "seconds"), [(0.5, 0.5), (80.0, 2.0)])
-def test_a_reference_result_is_no_longer_than_the_run(duration: float, seconds: float) -> None:
+def test_a_reference_result_is_no_longer_than_the_run(duration, seconds):
     short = load_scenario("paper-simulation-nominal", {"clock.duration": duration})
 
     assert _seconds(plant_model(short)) == seconds

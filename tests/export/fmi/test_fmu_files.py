@@ -1,7 +1,5 @@
 """FMUs by their names and versions."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper

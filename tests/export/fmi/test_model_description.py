@@ -1,7 +1,5 @@
 """What an FMU says of itself: schemas, validation, units, structure, content."""
 
-from __future__ import annotations
-
 import math
 import posixpath
 import re
@@ -137,8 +135,7 @@ def test_parameters_are_key_paths_and_tunable_where_they_change(exported):
 
 
 @pytest.mark.parametrize(
-    ("what", "version"),
-    [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3), *OTHER_LAWS],
+    ("what", "version"), [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3), *OTHER_LAWS]
 )
 def test_every_controller_publishes_its_monitor_and_the_bound(exported, what, version):
     """Unguarded as the preset is: distance to the limit, clip, least disturbance, feasibility."""

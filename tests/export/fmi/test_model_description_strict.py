@@ -1,7 +1,5 @@
 """What the standards ask of a model description beyond their schemas."""
 
-from __future__ import annotations
-
 import pytest
 from fmpy import read_model_description
 

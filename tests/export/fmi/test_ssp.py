@@ -18,7 +18,7 @@ from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
 
-from tests.export.fmi.together import Wire, step_together
+from tests.export.fmi.together import step_together
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.export.cosim.mapping import MapRow
@@ -72,43 +72,43 @@ class Package:
     scenario: Scenario
 
     @property
-    def description(self) -> ET.Element:
+    def description(self):
         with zipfile.ZipFile(self.path) as archive:
             return ET.fromstring(archive.read("SystemStructure.ssd"))
 
-    def parts(self) -> dict[str, Path]:
+    def parts(self):
         with zipfile.ZipFile(self.path) as archive:
             archive.extractall(self.folder)
         listed = self.description.iterfind(".//ssd:Component", NAMES)
         return {item.attrib["name"]: self.folder / item.attrib["source"] for item in listed}
 
-    def references(self) -> dict[str, dict[str, int]]:
+    def references(self):
         described = {n: read_model_description(str(path)) for n, path in self.parts().items()}
         return {
             name: {v.name: v.valueReference for v in description.modelVariables}
             for name, description in described.items()
         }
 
-    def wires(self) -> list[Wire]:
+    def wires(self):
         refs = self.references()
         ends = [[line.attrib[key] for key in INNER] for line in self.connections()]
         return [(giver, refs[giver][out], taker, refs[taker][into])
                 for giver, out, taker, into in ends]  # fmt: skip
 
-    def connections(self) -> list[ET.Element]:
+    def connections(self):
         return self.description.findall(".//ssd:Connection", NAMES)
 
-    def shown(self) -> list[tuple[str, tuple[str, ...], list[int]]]:
+    def shown(self):
         refs = self.references()
         return [(part, names, [refs[part][name] for name in names]) for part, names in SHOWN]
 
-    def by_fmpys_slaves(self, *, initial: bool = True) -> np.ndarray:
+    def by_fmpys_slaves(self, *, initial=True):
         shown = [(part, refs) for part, _, refs in self.shown()]
         steps = (self.scenario.clock.samples, self.scenario.clock.control)
         folder = self.folder / f"unpacked_{initial}"
         return step_together(self.parts(), self.wires(), shown, steps, folder, initial=initial)
 
-    def by(self, script: str) -> np.ndarray:
+    def by(self, script):
         """Rows that a script prints, in a process of its own: these libraries write to stdout."""
         clock = self.scenario.clock
         plan = {"package": str(self.path), "steps": clock.samples, "h": clock.control, "set": SET,
@@ -124,7 +124,7 @@ class Package:
 def flat(tmp_path):
     """A function: law -> its flat package on 3 s of the paper's circle."""
 
-    def export(law: str, **options: object) -> Package:
+    def export(law, **options):
         (path,) = export_ssp(law=law, scenario=SHORT, flat=True, out=tmp_path, **options)
         return Package(path, tmp_path / "parts", SHORT)
 

@@ -1,7 +1,5 @@
 """Libraries: what they export and need, and whether they run on other platforms."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import importlib.util
 import os

@@ -4,8 +4,6 @@ Commands run under the name of that machine, with code of this one;
 tests/export/fmi/test_targets.py runs that processor's own code.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

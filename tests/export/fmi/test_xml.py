@@ -1,7 +1,5 @@
 """Model descriptions as XML."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 
 import pytest

@@ -1,28 +1,11 @@
 """FMUs that step all at once by a few lines on FMPy, as parallel masters do."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
-
 import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-Wire = tuple[str, int, str, int]
-"""Giver and its reference, taker and its reference."""
-Shown = Iterable[tuple[str, Sequence[int]]]
 
-
-def step_together(
-    parts: Mapping[str, Path],
-    wires: Iterable[Wire],
-    shown: Shown,
-    steps: tuple[int, float],
-    folder: Path,
-    *,
-    initial: bool = True,
-) -> np.ndarray:
+def step_together(parts, wires, shown, steps, folder, *, initial=True):
     """What is ``shown`` after each of ``steps`` (their number, and size in s), a row each.
 
     ``initial``: values of initialisation go along the wires before the first step, as in libcosim
@@ -46,7 +29,7 @@ def step_together(
     return np.array(rows)
 
 
-def _begun(name: str, path: Path, folder: Path) -> FMU2Slave:
+def _begun(name, path, folder):
     described = read_model_description(str(path))
     slave = FMU2Slave(
         guid=described.guid, unzipDirectory=extract(str(path), str(folder / name)),
@@ -58,7 +41,7 @@ def _begun(name: str, path: Path, folder: Path) -> FMU2Slave:
     return slave
 
 
-def _pass(slaves: Mapping[str, FMU2Slave], wires: Iterable[Wire]) -> None:
+def _pass(slaves, wires):
     """All values along their wires."""
     wires = list(wires)
     values = [slaves[giver].getReal([out])[0] for giver, out, _, _ in wires]

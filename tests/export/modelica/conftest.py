@@ -1,45 +1,39 @@
 """The package as text, and compilers that read it."""
 
-from __future__ import annotations
-
 import json
-from collections.abc import Callable
 from functools import cache
-from types import ModuleType
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import CliRunner
 
 from wmr_ctrl.cli import root
 from wmr_ctrl.export.modelica import FILE, modelica_package
 from wmr_ctrl.world.scenario import load_scenario
 
-Simulate = Callable[..., dict[str, np.ndarray]]
-
 
 @cache
-def package(scenario: str = "paper-simulation-nominal", overrides: str = "{}") -> str:
+def package(scenario="paper-simulation-nominal", overrides="{}"):
     return modelica_package(load_scenario(scenario, json.loads(overrides)))
 
 
 @pytest.fixture(scope="session")
-def text() -> str:
+def text():
     """The package of the paper's circle without noise or change."""
     return package()
 
 
 @pytest.fixture(scope="session")
-def rumoca() -> ModuleType:
+def rumoca():
     """The Modelica compiler that these tests run."""
     return pytest.importorskip("rumoca", reason="NOT RUN: rumoca is not there")
 
 
 @pytest.fixture(scope="session")
-def simulated(rumoca: ModuleType) -> Simulate:
+def simulated(rumoca):
     """A function (text, model, end) -> columns: at each multiple of 10 ms, after its sample."""
 
-    def simulate(text: str, model: str, end: float) -> dict[str, np.ndarray]:
+    def simulate(text, model, end):
         compiled = rumoca.Session().loads(text, model=model, filename=FILE)
         solver = rumoca.SimConfig(solver="rk-like", rtol=1e-8, atol=1e-10, max_wall_seconds=300.0)
         result = compiled.simulate(t=(0.0, end), dt=0.01, config=solver)
@@ -51,6 +45,6 @@ def simulated(rumoca: ModuleType) -> Simulate:
 
 
 @pytest.fixture
-def wmr() -> Callable[..., Result]:
+def wmr():
     """Call `wmr-ctrl`."""
     return lambda *given: CliRunner().invoke(root, [str(item) for item in given])

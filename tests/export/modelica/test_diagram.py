@@ -32,18 +32,18 @@ class Drawn:
     middle: np.ndarray
     turn: float = 0.0
 
-    def at(self, port: Drawn) -> np.ndarray:
+    def at(self, port):
         """Middle of a port of this part, in the diagram."""
         return self.middle + self.half / 100 * port.middle
 
 
-def classes(text: str, kind: str, name: str) -> str:
+def classes(text, kind, name):
     return re.search(
         rf"^( *)(?:partial )?{kind} {name}\s.*?^\1end {name};", text, flags=re.S | re.M
     )[0]
 
 
-def placed(body: str, declared: str) -> dict[str, Drawn]:
+def placed(body, declared):
     """Declarations of a kind by name, each with its placement."""
     found = {}
     for start in re.finditer(rf"^ *{declared}", body, flags=re.M):
@@ -56,13 +56,13 @@ def placed(body: str, declared: str) -> dict[str, Drawn]:
     return found
 
 
-def ports(text: str, part: str) -> dict[str, Drawn]:
+def ports(text, part):
     body = classes(text, "block", part.capitalize())
     found = placed(body, r"(RealInput|RealOutput) (\w+)")
     return {name: port for name, port in found.items() if port.half == 10}
 
 
-def lines(body: str) -> dict[tuple[str, str], np.ndarray]:
+def lines(body):
     pattern = rf"connect\(([\w.]+), ([\w.]+)\)\s*annotation\(Line\(points=\{{((?:{PAIR},?)+)\}}"
     return {
         (match[1], match[2]): np.array(re.findall(PAIR, match[3]), float)
@@ -70,12 +70,12 @@ def lines(body: str) -> dict[tuple[str, str], np.ndarray]:
     }
 
 
-def loop_parts(text: str, model: str) -> dict[str, Drawn]:
+def loop_parts(text, model):
     declared = r"(?:replaceable )?([\w.]+) (reference|controller|plant|disturbance) "
     return placed(classes(text, "model", model), declared)
 
 
-def crosses(one: np.ndarray, other: np.ndarray) -> bool:
+def crosses(one, other):
     """Whether two polylines of level and upright pieces share a point."""
     boxes = [[np.sort(piece, axis=0) for piece in pairwise(each)] for each in (one, other)]
     boxes = [[(np.min(p, axis=0), np.max(p, axis=0)) for p in each] for each in boxes]

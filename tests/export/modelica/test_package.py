@@ -1,7 +1,5 @@
 """WheeledRobot.mo: a Modelica compiler takes it, and its loops are the native ones."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """Numbers, operations and changes of the robot as Modelica's text, each read back as Python's."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca
@@ -21,7 +19,7 @@ LOGICAL = (ca.OP_AND, ca.OP_OR, ca.OP_NOT)
 PAIRS = ((0.7, 0.3), (0.2, 0.9), (0.5, 0.5), (0.7, -0.3))
 
 
-def read(text: str, **numbers: float) -> float:
+def read(text, **numbers):
     """The value of an expression of Modelica."""
     for modelica, python in (("^", "**"), ("<>", "!=")):
         text = text.replace(modelica, python)
@@ -29,7 +27,7 @@ def read(text: str, **numbers: float) -> float:
 
 
 @pytest.mark.parametrize("op", _PATTERNS)
-def test_an_operation_is_written_as_what_it_computes(op: int) -> None:
+def test_an_operation_is_written_as_what_it_computes(op):
     x, y = ca.SX.sym("x"), ca.SX.sym("y")
     two = "{1}" in _PATTERNS[op]
     value = ca.Function("f", [x, y], [ca.SX.binary(op, x, y) if two else ca.SX.unary(op, x)])
@@ -43,12 +41,12 @@ def test_an_operation_is_written_as_what_it_computes(op: int) -> None:
     ("value", "text"),
     [(math.inf, "1e+300"), (-math.inf, "(-1e+300)"), (-2, "(-2.0)"), (0.1, "0.1"), (0, "0.0")],
 )
-def test_a_number_is_finite_and_in_parentheses_where_it_is_negative(value, text) -> None:
+def test_a_number_is_finite_and_in_parentheses_where_it_is_negative(value, text):
     assert constant(value) == text
     assert literal(value) == text.strip("()")
 
 
-def test_a_change_holds_from_its_time_until_that_of_the_next() -> None:
+def test_a_change_holds_from_its_time_until_that_of_the_next():
     rows = [{"t": 10.0, "m": 30.0, "mu": 9.0}, {"t": 20.0, "m": 40.0}]
     members, now = _changes(override(paper(), {"changes": rows}))
     numbers = {item.name: item.value[0] for item in members}
@@ -62,17 +60,13 @@ def test_a_change_holds_from_its_time_until_that_of_the_next() -> None:
 
 @pytest.mark.parametrize(
     ("unit", "text"),
-    [
-        ("m", 'unit = "m"'),
-        ("m, m", 'each unit = "m"'),
-        ("m, rad", 'unit = {"m", "rad"}'),
-    ],
+    [("m", 'unit = "m"'), ("m, m", 'each unit = "m"'), ("m, rad", 'unit = {"m", "rad"}')],
 )
-def test_a_unit_is_one_or_one_for_all_or_one_for_each(unit: str, text: str) -> None:
+def test_a_unit_is_one_or_one_for_all_or_one_for_each(unit, text):
     assert Member(Signal("a.b", unit, "", size=len(unit.split(","))), (1.0, 2.0)).unit == text
 
 
-def test_results_follow_the_memory_in_order() -> None:
+def test_results_follow_the_memory_in_order():
     law = controller(settle(paper(), "pid"))
     places = _assignments(law)
     first = len(law.x0) + 1
@@ -81,5 +75,5 @@ def test_results_follow_the_memory_in_order() -> None:
     assert [name for name, _ in places[:2]] == ["tau_right", "tau_left"]
 
 
-def test_an_experiment_shows_each_period(text: str) -> None:
+def test_an_experiment_shows_each_period(text):
     assert "StopTime = 80.0, Interval = 0.01, Tolerance" in " ".join(text.split())

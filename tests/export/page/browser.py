@@ -9,9 +9,7 @@ import os
 import select
 import subprocess
 import time
-from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 from tests.compilers import where
@@ -26,7 +24,7 @@ FLAGS = (
 class Browser:
     """One page; ``said`` are errors of its console and its script."""
 
-    def __init__(self, process: subprocess.Popen[bytes], to: int, back: int) -> None:
+    def __init__(self, process, to, back):
         self._process, self._to, self._back = process, to, back
         self._waiting, self._count, self._session = b"", 0, ""
         self.said: list[str] = []
@@ -36,7 +34,7 @@ class Browser:
         for domain in ("Page", "Runtime", "Log"):
             self._call(f"{domain}.enable")
 
-    def show(self, width: int, height: int, *, dark: bool = False, touch: bool = False) -> None:
+    def show(self, width, height, *, dark=False, touch=False):
         """The window's size in pixels, and what its user prefers."""
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": touch}
         self._call("Emulation.setDeviceMetricsOverride", size)
@@ -44,42 +42,42 @@ class Browser:
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self._call("Emulation.setEmulatedMedia", {"features": [scheme]})
 
-    def open(self, url: str, ready: str = "document.readyState === 'complete'") -> None:
+    def open(self, url, ready="document.readyState === 'complete'"):
         """Load a page and wait until an expression is true in it."""
         self._call("Page.navigate", {"url": url})
         self.wait(ready)
 
-    def wait(self, ready: str, seconds: float = 60.0) -> None:
+    def wait(self, ready, seconds=60.0):
         """Wait until an expression is true."""
         end = time.monotonic() + seconds
         while not self.value(f"Boolean({ready})"):
             assert time.monotonic() < end, f"{ready}: not within {seconds} s; {self.said}"
             time.sleep(0.05)
 
-    def value(self, expression: str) -> Any:
+    def value(self, expression):
         """Value of an expression, awaited if it is a promise."""
         wanted = {"expression": expression, "awaitPromise": True, "returnByValue": True}
         found = self._call("Runtime.evaluate", wanted)
         assert "exceptionDetails" not in found, found["exceptionDetails"]
         return found["result"].get("value")
 
-    def press(self, key: str, code: str = "") -> None:
+    def press(self, key, code=""):
         """A key goes down and up."""
         named = {"key": key, "code": code or key, "text": key if len(key) == 1 else ""}
         self._call("Input.dispatchKeyEvent", {"type": "keyDown", **named})
         self._call("Input.dispatchKeyEvent", {"type": "keyUp", **named})
 
-    def mouse(self, kind: str, x: float, y: float) -> None:
+    def mouse(self, kind, x, y):
         """The mouse is pressed, moved or released at a place of the window."""
         left = {"button": "left", "buttons": 1, "clickCount": 1}
         self._call("Input.dispatchMouseEvent", {"type": f"mouse{kind}", "x": x, "y": y, **left})
 
-    def picture(self, path: Path, *, whole: bool = False) -> None:
+    def picture(self, path, *, whole=False):
         """A screenshot as PNG."""
         shot = self._call("Page.captureScreenshot", {"captureBeyondViewport": whole})
         path.write_bytes(base64.b64decode(shot["data"]))
 
-    def _call(self, method: str, params: Mapping[str, object] | None = None) -> dict[str, Any]:
+    def _call(self, method, params=None):
         self._count += 1
         message: dict[str, object] = {"id": self._count, "method": method, "params": params or {}}
         if self._session:
@@ -93,7 +91,7 @@ class Browser:
                 return result
             self._hear(answer)
 
-    def _read(self) -> dict[str, Any]:
+    def _read(self):
         while b"\0" not in self._waiting:
             readable, _, _ = select.select([self._back], [], [], 120.0)
             part = os.read(self._back, 1 << 20) if readable else b""
@@ -103,7 +101,7 @@ class Browser:
         message: dict[str, Any] = json.loads(text)
         return message
 
-    def _hear(self, event: dict[str, Any]) -> None:
+    def _hear(self, event):
         params = event.get("params", {})
         if event.get("method") == "Runtime.exceptionThrown":
             self.said.append(str(params["exceptionDetails"]))
@@ -114,13 +112,13 @@ class Browser:
 
 
 @contextmanager
-def browser(folder: Path) -> Iterator[Browser]:
+def browser(folder):
     """A browser with its files in a folder; skips where there is none."""
     program = where(*CHROMIUM)
     there, to = os.pipe()
     back, here = os.pipe()
 
-    def place() -> None:
+    def place():
         os.dup2(there, 3)
         os.dup2(here, 4)
 

@@ -5,10 +5,6 @@ that are offered; tests/bits compares the bits of both levels, and test_story.py
 corridors.
 """
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import pytest
 
 import wmr_ctrl
@@ -16,13 +12,13 @@ from wmr_ctrl.export.page import content
 
 
 @pytest.fixture(scope="session")
-def laws() -> tuple[str, ...]:
+def laws():
     """Those of the page."""
     return "pid", "mb", "nn", "prox"
 
 
 @pytest.fixture(scope="session")
-def page(laws: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def page(laws, tmp_path_factory):
     tube = content._tube
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("wmr_ctrl.export.page.scenes.LATE", (0, 5))

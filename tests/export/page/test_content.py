@@ -1,14 +1,10 @@
 """Data of a page's script: variants, numbers that change, sliders and colours; nothing compiled."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import pytest
 
 from tests.papers_robot import paper
 from wmr_ctrl.control.laws.registry import NAMES
-from wmr_ctrl.export.page.content import Content, Plain, content_of
+from wmr_ctrl.export.page.content import content_of
 from wmr_ctrl.export.page.controls import controls_of
 from wmr_ctrl.export.page.scenes import WAYS, scenes
 from wmr_ctrl.report.style import after_dark, look
@@ -18,18 +14,18 @@ T, H = 0.01, 0.001
 
 
 @pytest.fixture(scope="module")
-def content() -> Content:
+def content():
     """One law on the paper's scenario, of another length and with a wider track."""
     changed = {"clock.duration": 60.0, "robot.l": 0.5, "disturbance.truncate": 3.0}
     scenario = override(load_scenario("paper-simulation"), changed)
     return content_of(scenes(scenario, ("mb",)), ("mb",), 3, lambda share: None)
 
 
-def variants_of(content: Content) -> Iterator[Plain]:
+def variants_of(content):
     yield from content.data["scenes"][0]["variants"]
 
 
-def test_a_period_or_a_delay_is_offered_with_and_without_guard(content: Content) -> None:
+def test_a_period_or_a_delay_is_offered_with_and_without_guard(content):
     offered = [(v["guard"], v["period"], v["delay"]) for v in variants_of(content)]
 
     periods = [(p, 0.0) for p in (0.001, 0.002, 0.005, T, 0.02, 0.05, 0.1)]
@@ -39,7 +35,7 @@ def test_a_period_or_a_delay_is_offered_with_and_without_guard(content: Content)
     assert set(offered) == {(guard, *place) for guard in (False, True) for place in places}
 
 
-def test_a_variants_numbers_are_its_own_and_change_when_the_robot_does(content: Content) -> None:
+def test_a_variants_numbers_are_its_own_and_change_when_the_robot_does(content):
     base, loops = content.data["scenes"][0]["base"]["mb"], {}
     for variant in variants_of(content):
         assert bool(variant["refusal"]) == (not variant["laws"])
@@ -57,7 +53,7 @@ def test_a_variants_numbers_are_its_own_and_change_when_the_robot_does(content: 
     assert (content.room.phases, content.room.delay_steps) == (2, round(5 * T / H))
 
 
-def test_the_robot_is_drawn_as_wide_as_it_is(content: Content) -> None:
+def test_the_robot_is_drawn_as_wide_as_it_is(content):
     body = content.data["body"]
 
     assert (body["track"], content.mass, content.data["seed"]) == (0.5, 50.0, 3)
@@ -65,7 +61,7 @@ def test_the_robot_is_drawn_as_wide_as_it_is(content: Content) -> None:
     assert content.data["names"]["robot.I"][0] == "kg m²"
 
 
-def test_a_slider_spans_a_fifth_to_five_times_its_value_within_its_bounds() -> None:
+def test_a_slider_spans_a_fifth_to_five_times_its_value_within_its_bounds():
     scenario = override(paper(), {"guard.brake_share": 0.5, "robot.m": 40.0})
     keys = ("robot.m", "robot.I", "robot.g", "limits.v_u1", "limits.v_u2", "guard.brake_share",
             "guard.f_min", "disturbance.push", "gains.mb.rho", "sensor.pose_period")  # fmt: skip
@@ -95,15 +91,15 @@ COLOURS = [*(look(law).colour for law in NAMES), *(colour for _, colour, *_ in W
 
 
 @pytest.mark.parametrize("colour", COLOURS)
-def test_robots_stand_out_in_the_dark_by_the_contrast_of_wcag(colour: str) -> None:
+def test_robots_stand_out_in_the_dark_by_the_contrast_of_wcag(colour):
     assert after_dark(colour) != colour
     assert contrast(after_dark(colour), "#12161c") >= 4.5
 
 
-def contrast(one: str, other: str) -> float:
+def contrast(one, other):
     """(L1 + 0.05)/(L2 + 0.05) of relative luminances, WCAG 2.2."""
 
-    def luminance(colour: str) -> float:
+    def luminance(colour):
         r, g, b = ((c / 255) for c in bytes.fromhex(colour[1:]))
         r, g, b = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (r, g, b))
         return 0.2126 * r + 0.7152 * g + 0.0722 * b

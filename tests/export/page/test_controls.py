@@ -1,7 +1,5 @@
 """Sliders of the page."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper
@@ -9,7 +7,7 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.export.page.controls import ALONG, controls_of
 
 
-def controls(*names: str, value: float = 2.0):
+def controls(*names, value=2.0):
     signals = [Signal(name, "kg", "toy", 2 if "v_u" in name else 1) for name in names]
     values = {element: value for item in signals for element in item.elements}
     return controls_of(paper(), signals, values)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,6 @@ from tests.papers_robot import paper
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.export.page.module import PageLoops
 from wmr_ctrl.export.page.scenes import story
-from wmr_ctrl.results import Run
 from wmr_ctrl.world.scenario import override
 
 SCRIPT = Path(__file__).with_name("run.mjs")
@@ -24,7 +23,7 @@ Request = tuple[str, float, Mapping[str, object]]
 Columns = dict[str, np.ndarray]
 
 
-def from_page(page: Path, folder: Path, requests: Sequence[Request]) -> list[Columns | str]:
+def from_page(page, folder, requests):
     """Columns of runs by the page's module in node, or what it said."""
     asked, out = folder / "requests.json", folder / "out"
     asked.write_text(json.dumps(requests), encoding="utf-8")
@@ -43,7 +42,7 @@ def from_page(page: Path, folder: Path, requests: Sequence[Request]) -> list[Col
     return found
 
 
-def of_run(run: Run) -> Columns:
+def of_run(run):
     """Columns of a Run by element name."""
     return {
         name: run[signal.name] if signal.size == 1 else run[signal.name][:, i]
@@ -52,7 +51,7 @@ def of_run(run: Run) -> Columns:
     }
 
 
-def assert_same_bits(shown: Columns | str, run: Run) -> None:
+def assert_same_bits(shown, run):
     wanted = of_run(run)
     assert not isinstance(shown, str), shown
     assert list(shown) == list(wanted)
@@ -61,7 +60,7 @@ def assert_same_bits(shown: Columns | str, run: Run) -> None:
 
 
 @pytest.mark.slow
-def test_laws_in_every_scene(page: Path, laws: tuple[str, ...], tmp_path: Path) -> None:
+def test_laws_in_every_scene(page, laws, tmp_path):
     """As long as the scenario says: 80 s, with noise, changes, the guard, a pose every 100 ms.
 
     Of its laws every other one, in turns.
@@ -75,7 +74,7 @@ def test_laws_in_every_scene(page: Path, laws: tuple[str, ...], tmp_path: Path) 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["mb", "prox"])
-def test_variants_and_numbers_are_those_of_a_scenario(page: Path, tmp_path: Path, law: str) -> None:
+def test_variants_and_numbers_are_those_of_a_scenario(page, tmp_path, law):
     """Guard, period and delay choose another loop; what else is moved is a parameter of it."""
     variants: tuple[dict[str, object], ...] = (
         {"guard.enabled": True, "actuator.delay": 0.05},
@@ -100,7 +99,7 @@ def test_variants_and_numbers_are_those_of_a_scenario(page: Path, tmp_path: Path
 
 
 @pytest.mark.slow
-def test_refuses_what_it_has_no_loop_for(page: Path, laws: tuple[str, ...], tmp_path: Path) -> None:
+def test_refuses_what_it_has_no_loop_for(page, laws, tmp_path):
     requests: list[Request] = [
         ("nobody", 1.0, {}),
         ("mb", 1.0, {"robot.z": 1}),
@@ -137,7 +136,7 @@ REFUSED = (
 
 
 @pytest.mark.slow
-def test_refuses_what_the_fields_of_a_scenario_refuse(page: Path, tmp_path: Path) -> None:
+def test_refuses_what_the_fields_of_a_scenario_refuse(page, tmp_path):
     said = from_page(page, tmp_path, [("mb", 1.0, given) for given, _ in REFUSED])
 
     for text, (given, wanted) in zip(said, REFUSED, strict=True):
@@ -147,7 +146,7 @@ def test_refuses_what_the_fields_of_a_scenario_refuse(page: Path, tmp_path: Path
 
 
 @pytest.mark.slow
-def test_a_reference_is_moved_by_the_scenario_s_key(page: Path, tmp_path: Path) -> None:
+def test_a_reference_is_moved_by_the_scenario_s_key(page, tmp_path):
     by_key, by_name, own = from_page(
         page, tmp_path, [("mb", 1.0, {key: 1.5}) for key in ("reference.radius", "ref_radius")]
         + [("mb", 1.0, {})],
@@ -160,7 +159,7 @@ def test_a_reference_is_moved_by_the_scenario_s_key(page: Path, tmp_path: Path) 
 
 
 @pytest.mark.slow
-def test_one_file_below_its_size_that_asks_nobody(page: Path) -> None:
+def test_one_file_below_its_size_that_asks_nobody(page):
     text = page.read_text(encoding="utf-8")
 
     assert page.stat().st_size < 2_000_000  # a third less where loops are optimised
@@ -171,7 +170,7 @@ def test_one_file_below_its_size_that_asks_nobody(page: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_successor_goes_on_and_a_limit_that_is_moved_is_watched(tmp_path: Path) -> None:
+def test_a_successor_goes_on_and_a_limit_that_is_moved_is_watched(tmp_path):
     """Past the scenario's change at 40 s, with its noise; what a law keeps in a queue is empty."""
     page = wmr_ctrl.write_page(tmp_path / "a.html", scenario="paper-simulation", laws=["mb"])
     done = subprocess.run(
@@ -185,7 +184,7 @@ def test_a_successor_goes_on_and_a_limit_that_is_moved_is_watched(tmp_path: Path
     assert found["before"] == 0 < found["after"]
 
 
-def test_setups_that_differ_in_numbers_share_a_loop() -> None:
+def test_setups_that_differ_in_numbers_share_a_loop():
     loops = PageLoops()
     first = loops.of(settle(paper(), "pid"))
 

@@ -1,13 +1,8 @@
 """The page in a real browser: what is moved changes the outcome, and nothing goes wrong."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 
-from tests.export.page.browser import Browser, browser
+from tests.export.page.browser import browser
 
 READY = "window.wmr && window.wmr.page && window.wmr.page.frames > 1"
 EVEN = "(() => { let now = 0; performance.now = () => (now += 10); return now; })()"
@@ -16,13 +11,13 @@ PHONE, SCREEN = (390, 844), (1300, 900)
 
 
 @pytest.fixture(scope="module")
-def opened(page: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Browser, str]]:
+def opened(page, tmp_path_factory):
     with browser(tmp_path_factory.mktemp("browser")) as one:
         yield one, page.as_uri()
 
 
 @pytest.fixture
-def shown(opened: tuple[Browser, str]) -> Iterator[Browser]:
+def shown(opened):
     """The page's first scene, standing still at its start; then nothing may have been said."""
     one, url = opened
     show(one, url)
@@ -30,21 +25,21 @@ def shown(opened: tuple[Browser, str]) -> Iterator[Browser]:
     assert one.said == []
 
 
-def show(one: Browser, url: str, link: str = "", size: tuple[int, int] = SCREEN) -> None:
+def show(one, url, link="", size=SCREEN):
     one.show(*size, touch=size == PHONE)
     one.open("about:blank")
     one.open(f"{url}#{link}", READY)
     one.value("wmr.page.play(false), wmr.page.restart()")
 
 
-def fastest(one: Browser, law: str, seconds: float) -> float:
+def fastest(one, law, seconds):
     """Largest |v1| [m/s] of a law after some seconds from the start."""
     one.value("wmr.page.restart()")
     one.value(f"wmr.page.fleet.advance({seconds}, 1e9)")
     return float(one.value(f"wmr.page.fleet.members.get('{law}').found().most[0]"))
 
 
-def slide(one: Browser, name: str, share: float) -> None:
+def slide(one, name, share):
     """Move the slider of a number, as a hand would."""
     one.value(
         f"(() => {{ const range = document.getElementById('set-{name}');"
@@ -55,7 +50,7 @@ def slide(one: Browser, name: str, share: float) -> None:
 pytestmark = pytest.mark.slow
 
 
-def test_a_slider_changes_the_outcome(shown: Browser) -> None:
+def test_a_slider_changes_the_outcome(shown):
     before = fastest(shown, "mb", 5.0)
     slide(shown, "limits.v_u1[1]", 0.2)
     lower = float(shown.value("wmr.page.fleet.value('limits.v_u1[1]')"))
@@ -67,7 +62,7 @@ def test_a_slider_changes_the_outcome(shown: Browser) -> None:
     assert "limits.v_u1[1]" in str(shown.value("wmr.page.link"))
 
 
-def test_the_guard_is_switched_on_while_it_drives(shown: Browser) -> None:
+def test_the_guard_is_switched_on_while_it_drives(shown):
     shown.value("wmr.page.fleet.advance(20, 1e9)")
     before = shown.value("wmr.page.fleet.members.get('mb').robot.state.slice(0, 3).join()")
     shown.value("document.getElementById('guard').click()")
@@ -79,7 +74,7 @@ def test_the_guard_is_switched_on_while_it_drives(shown: Browser) -> None:
     assert fastest(shown, "pid", 5.0) <= 1.0
 
 
-def test_every_variant_of_every_scene_drives_on(shown: Browser) -> None:
+def test_every_variant_of_every_scene_drives_on(shown):
     drove = shown.value(
         """(async () => {
           const { page } = wmr, laws = page.told.laws.map((law) => law.name);
@@ -102,7 +97,7 @@ def test_every_variant_of_every_scene_drives_on(shown: Browser) -> None:
     assert drove > 50
 
 
-def test_a_corridor_is_shown_as_long_as_only_the_scene_moves_the_robot(shown: Browser) -> None:
+def test_a_corridor_is_shown_as_long_as_only_the_scene_moves_the_robot(shown):
     tubes = "wmr.page.fleet.scene.tubes"
     kept = shown.value(f"JSON.stringify({tubes})")
     shown.value(f"{tubes} = {{mb: {{widths: [10, 20], every: 2, shown: '20 m', until: 5}}}}")
@@ -124,7 +119,7 @@ def test_a_corridor_is_shown_as_long_as_only_the_scene_moves_the_robot(shown: Br
     shown.value(f"{tubes} = {kept}")
 
 
-def test_a_link_holds_the_settings(opened: tuple[Browser, str]) -> None:
+def test_a_link_holds_the_settings(opened):
     one, url = opened
     link = "scene=slow&laws=mb.prox&guard=1&period=0.05&seed=3&speed=2&set=robot.m:70"
     show(one, url, link)
@@ -135,9 +130,7 @@ def test_a_link_holds_the_settings(opened: tuple[Browser, str]) -> None:
     assert one.said == []
 
 
-def test_a_link_that_asks_for_too_much_is_followed_and_told_so(
-    opened: tuple[Browser, str],
-) -> None:
+def test_a_link_that_asks_for_too_much_is_followed_and_told_so(opened):
     one, url = opened
     notice = "document.getElementById('notices').textContent"
 
@@ -161,7 +154,7 @@ def test_a_link_that_asks_for_too_much_is_followed_and_told_so(
         "%ff%00&set=%",
     ],
 )
-def test_a_bad_link_does_no_harm(opened: tuple[Browser, str], link: str) -> None:
+def test_a_bad_link_does_no_harm(opened, link):
     one, url = opened
     show(one, url, link)
     one.value("wmr.page.fleet.advance(2, 1e9), wmr.page.draw()")
@@ -171,7 +164,7 @@ def test_a_bad_link_does_no_harm(opened: tuple[Browser, str], link: str) -> None
     assert one.said == []
 
 
-def test_a_number_that_cannot_be_is_refused_aloud(shown: Browser) -> None:
+def test_a_number_that_cannot_be_is_refused_aloud(shown):
     shown.value(
         "(() => { const number = document.querySelector('#set-robot\\\\.m + input');"
         " number.value = '-5'; number.dispatchEvent(new Event('change')); })()"
@@ -185,9 +178,7 @@ def test_a_number_that_cannot_be_is_refused_aloud(shown: Browser) -> None:
 
 
 @pytest.mark.parametrize("width", [738, 350])
-def test_robots_and_charts_are_seen_in_a_small_frame(
-    opened: tuple[Browser, str], width: int
-) -> None:
+def test_robots_and_charts_are_seen_in_a_small_frame(opened, width):
     one, url = opened
     show(one, url, size=(width, 800))
     assert one.value("document.documentElement.className") == ""
@@ -199,7 +190,7 @@ def test_robots_and_charts_are_seen_in_a_small_frame(
     assert max(places) < 780
 
 
-def test_a_robot_is_dragged_and_thrown(shown: Browser) -> None:
+def test_a_robot_is_dragged_and_thrown(shown):
     shown.value("wmr.page.draw()")
     x, y = shown.value(
         "(() => { const { plane, fleet } = wmr.page, seen = fleet.members.get('pid').seen;"
@@ -220,7 +211,7 @@ def test_a_robot_is_dragged_and_thrown(shown: Browser) -> None:
     assert shown.value("wmr.page.held") is None
 
 
-def test_keys(shown: Browser) -> None:
+def test_keys(shown):
     shown.press(" ")
     assert shown.value("wmr.page.playing")
     shown.press(" ")
@@ -233,7 +224,7 @@ def test_keys(shown: Browser) -> None:
     assert not shown.value("wmr.page.fleet.variant.guard")
 
 
-def test_names_of_many_robots_in_one_place_find_room(shown: Browser) -> None:
+def test_names_of_many_robots_in_one_place_find_room(shown):
     """Wherever they stand: labels move on in one direction."""
     shown.value(
         """(() => {
@@ -248,7 +239,7 @@ def test_names_of_many_robots_in_one_place_find_room(shown: Browser) -> None:
     )
 
 
-def test_a_push_ends(shown: Browser) -> None:
+def test_a_push_ends(shown):
     """It is gone after half a second, and the scene's own numbers hold again."""
     shown.value("wmr.page.fleet.advance(5, 1e9), wmr.page.push()")
     pushed = "wmr.page.fleet.members.get('mb').robot"
@@ -260,7 +251,7 @@ def test_a_push_ends(shown: Browser) -> None:
     assert shown.value(size) == 0
 
 
-def test_columns_for_scripts(shown: Browser) -> None:
+def test_columns_for_scripts(shown):
     columns = shown.value(
         "wmr.run('mb', 2).then((c) => [Object.keys(c), c.t.length, c['e[1]'][0]])"
     )
@@ -272,9 +263,7 @@ def test_columns_for_scripts(shown: Browser) -> None:
 
 @pytest.mark.parametrize("dark", [False, True])
 @pytest.mark.parametrize("size", [PHONE, SCREEN])
-def test_nothing_is_wider_than_the_window(
-    opened: tuple[Browser, str], size: tuple[int, int], dark: bool
-) -> None:
+def test_nothing_is_wider_than_the_window(opened, size, dark):
     one, url = opened
     one.show(*size, dark=dark, touch=size == PHONE)
     one.open("about:blank")

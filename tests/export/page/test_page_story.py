@@ -1,37 +1,34 @@
 """What the steps of the story claim, with the seed of the page."""
 
-from __future__ import annotations
-
 import pytest
 
 import wmr_ctrl
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.export.page.content import content_of
 from wmr_ctrl.export.page.scenes import PageScene, story
-from wmr_ctrl.results import Run
 from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_proofs.corridor.asked import run_corridor
 
 STEPS = {step.key: step for step in story()}
 
 
-def run_of(key: str, law: str) -> Run:
+def run_of(key, law):
     return wmr_ctrl.simulate(STEPS[key].scenario, law)
 
 
-def first_time(run: Run) -> float:
+def first_time(run):
     assert run.monitor.first_violation is not None
     return run.monitor.first_violation[0]
 
 
 @pytest.mark.slow
-def test_the_barrier_holds_and_pid_does_not() -> None:
+def test_the_barrier_holds_and_pid_does_not():
     assert run_of("barrier", "mb").monitor.violations == 0
     assert run_of("barrier", "pid").monitor.max_abs_v[0] == pytest.approx(3.0, abs=0.15)
 
 
 @pytest.mark.slow
-def test_far_away_both_break_and_mb_for_good() -> None:
+def test_far_away_both_break_and_mb_for_good():
     mb, nn = run_of("far", "mb"), run_of("far", "nn")
 
     assert 3.0 < first_time(mb) < 3.1
@@ -42,12 +39,12 @@ def test_far_away_both_break_and_mb_for_good() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["mb", "nn", "pid", "smc", "prox", "kanayama"])
-def test_the_guard_holds_there(law: str) -> None:
+def test_the_guard_holds_there(law):
     assert run_of("guard", law).monitor.violations == 0
 
 
 @pytest.mark.slow
-def test_at_100_ms_the_papers_laws_break_at_once() -> None:
+def test_at_100_ms_the_papers_laws_break_at_once():
     mb, nn = run_of("slow", "mb"), run_of("slow", "nn")
 
     assert max(first_time(mb), first_time(nn)) < 0.1
@@ -55,7 +52,7 @@ def test_at_100_ms_the_papers_laws_break_at_once() -> None:
 
 
 @pytest.mark.slow
-def test_prox_needs_no_guard_where_nn_does() -> None:
+def test_prox_needs_no_guard_where_nn_does():
     prox, nn = run_of("tuned", "prox"), run_of("tuned", "nn")
 
     assert prox.summary()["tracked"]
@@ -64,7 +61,7 @@ def test_prox_needs_no_guard_where_nn_does() -> None:
 
 
 @pytest.mark.slow
-def test_a_page_has_the_certified_corridors(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_has_the_certified_corridors(monkeypatch):
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.PERIODS", ())
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.LATE", ())
     brief = {"clock.duration": 3.0, "changes": [{"t": 1.5, "m": 60.0}]}
@@ -85,7 +82,7 @@ def test_a_page_has_the_certified_corridors(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @pytest.mark.slow
-def test_a_robot_has_room_for_delay_that_no_law_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_robot_has_room_for_delay_that_no_law_is_told(monkeypatch):
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.PERIODS", ())
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.LATE", ())
     known = {"actuator.delay": 0.01, "actuator.unmodelled_delay": 0.9, "clock.plant": 0.001}

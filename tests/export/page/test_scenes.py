@@ -1,9 +1,5 @@
 """Pages of bases that take velocities: the ways to limit commands, and their numbers."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -24,7 +20,7 @@ SWINGING = {
 }  # fmt: skip
 
 
-def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path: Path) -> None:
+def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path):
     """Nor does a base without noise have that of a circle with noise."""
     file = tmp_path / "mine.toml"
     file.write_text(
@@ -46,7 +42,7 @@ def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path: Path) -> N
         ("clearpath-jackal", ["clipped", "smoothed", "clip"]),
     ],
 )
-def test_a_base_has_the_filters_that_hold_for_it(name: str, ways: list[str]) -> None:
+def test_a_base_has_the_filters_that_hold_for_it(name, ways):
     members = members_of(load_scenario(name), ["pursuit"])
 
     assert [item.name for item in members] == [f"pursuit-{way}" for way in ways]
@@ -61,9 +57,7 @@ def test_a_base_has_the_filters_that_hold_for_it(name: str, ways: list[str]) -> 
     ],
 )
 @pytest.mark.slow_but("stated1-ways1")
-def test_a_base_that_overshoots_has_slow_commands_too(
-    stated: dict[str, object], ways: list[str]
-) -> None:
+def test_a_base_that_overshoots_has_slow_commands_too(stated, ways):
     scenario = load_scenario("paper-simulation-nominal", {**SWINGING, **stated})
     members = members_of(scenario, ["pursuit"])
 
@@ -71,7 +65,7 @@ def test_a_base_that_overshoots_has_slow_commands_too(
     assert len({item.look.colour for item in members}) == len(members)
 
 
-def test_the_slew_that_is_stated_is_the_one_that_is_shown() -> None:
+def test_the_slew_that_is_stated_is_the_one_that_is_shown():
     stated = {"filter.kind": "clip", "filter.slew": [0.1, 0.3]}
     members = members_of(
         load_scenario("paper-simulation-nominal", {**SWINGING, **stated}), ["pursuit"]
@@ -82,30 +76,28 @@ def test_the_slew_that_is_stated_is_the_one_that_is_shown() -> None:
     assert shown["pursuit-clip"] is None
 
 
-def test_a_law_with_limits_of_its_own_is_shown_with_them_and_filtered() -> None:
+def test_a_law_with_limits_of_its_own_is_shown_with_them_and_filtered():
     members = members_of(load_scenario("turtlebot3-burger"), ["prox", "kanayama"])
 
     assert [item.name for item in members][:3] == ["prox-clipped", "prox-clip", "prox-governor"]
     assert members[0].look.dash != members[-1].look.dash
 
 
-def test_a_robot_that_takes_torques_is_there_once_for_each_law() -> None:
+def test_a_robot_that_takes_torques_is_there_once_for_each_law():
     members = members_of(load_scenario("paper-simulation"), ["mb", "nn"])
 
     assert [(item.name, item.law) for item in members] == [("mb", "mb"), ("nn", "nn")]
 
 
 @pytest.fixture(scope="module")
-def burger(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def burger(tmp_path_factory):
     scenario = load_scenario("turtlebot3-burger", STRONG)
     page = tmp_path_factory.mktemp("page") / "burger.html"
     return wmr_ctrl.write_page(page, scenario, laws=["pursuit"])
 
 
 @pytest.mark.slow
-def test_its_page_has_the_numbers_of_runs_and_shows_what_the_filter_is_for(
-    burger: Path, tmp_path: Path
-) -> None:
+def test_its_page_has_the_numbers_of_runs_and_shows_what_the_filter_is_for(burger, tmp_path):
     scenario = load_scenario("turtlebot3-burger", STRONG)
     members = members_of(scenario, ["pursuit"])
     shown = from_page(burger, tmp_path, [(item.name, 80.0, {}) for item in members])
@@ -120,8 +112,8 @@ def test_its_page_has_the_numbers_of_runs_and_shows_what_the_filter_is_for(
 
 
 @pytest.mark.slow
-def test_its_page_says_what_a_filter_does_not_promise(burger: Path, tmp_path: Path) -> None:
-    def said(**numbers: float) -> str:
+def test_its_page_says_what_a_filter_does_not_promise(burger, tmp_path):
+    def said(**numbers):
         texts = [f'document.getElementById("set-{name}").parentElement' for name in numbers]
         for text, value in zip(texts, numbers.values(), strict=True):
             box = f"{text}.querySelector('[type=number]')"

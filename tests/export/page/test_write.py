@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 import wmr_ctrl
@@ -12,7 +10,7 @@ from wmr_ctrl.export.page import module
 from wmr_ctrl.export.page.write import LARGEST_SEED
 
 
-def test_unknown_law_and_scenario(tmp_path: Path) -> None:
+def test_unknown_law_and_scenario(tmp_path):
     out = tmp_path / "robot.html"
     with pytest.raises(UnknownNameError, match="no law is named 'mbb'"):
         wmr_ctrl.write_page(out, laws=["mbb"])
@@ -25,16 +23,14 @@ def test_unknown_law_and_scenario(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_place_that_cannot_be_written_to(tmp_path: Path) -> None:
+def test_a_place_that_cannot_be_written_to(tmp_path):
     with pytest.raises(ResultFileError, match="does not exist"):
         wmr_ctrl.write_page(tmp_path / "nowhere" / "robot.html")
     with pytest.raises(ResultFileError, match="folder"):
         wmr_ctrl.write_page(tmp_path)
 
 
-def test_without_zig_it_says_what_to_install_before_anything_is_worked_out(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_without_zig_it_says_what_to_install_before_anything_is_worked_out(monkeypatch, tmp_path):
     shares: list[float] = []
     monkeypatch.setattr(module, "zig_command", tuple)
     with pytest.raises(CompilerError, match=r"wmr_ctrl.compiler"):

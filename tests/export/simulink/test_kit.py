@@ -1,7 +1,5 @@
 """The Simulink kit, as far as it can be tried without Simulink: see the headers of the mocks."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess
