@@ -43,6 +43,22 @@ def test_receipts_are_put_on_the_clock_of_the_stamps(rate):
     assert ("runs at 0.5 of the recorder's" in remarks[1]) is (rate == 0.5)
 
 
+@pytest.mark.parametrize(("apart", "two"), [(0.4, False), (-0.4, False), (0.6, True), (-0.6, True)])
+def test_clocks_half_a_second_apart_are_one(apart, two):
+    remarks: list[str] = []
+    parts = {"odom": topic(T, T + apart), "cmd": topic(0 * T, T, "/cmd")}
+    delay = (lambda found: found["odom"][0] - found["cmd"][0])(clocks_of(parts, remarks))
+
+    assert any("two clocks" in text for text in remarks) is two
+    assert delay / SECOND == pytest.approx(apart if two else 0.0, abs=1e-6)
+
+
+def test_clocks_whose_rates_differ_are_put_on_one_though_they_begin_together():
+    found = clocks_of({"odom": topic(T, 1.01 * T), "cmd": topic(0 * T, 1.01 * T, "/cmd")}, [])
+
+    assert found["cmd"] == pytest.approx(found["odom"], abs=1e-6 * SECOND)
+
+
 def test_a_clock_whose_rate_changes_or_that_was_set_back_is_refused():
     bent = np.where(T < 10, T, 10 + 2 * (T - 10))
     with pytest.raises(ResultFileError, match="stamps run at 1 to 2 seconds in a second"):

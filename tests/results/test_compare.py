@@ -60,13 +60,6 @@ def test_the_element_of_a_vector_is_named_with_its_unit(make_run):
     assert column(comparison, "v_c0[2]").unit == "rad/s"
 
 
-@given(factor=st.floats(1e-6, 1e6))
-def test_the_relative_difference_does_not_depend_on_the_unit(make_run, factor):
-    pair = (make_run(x=factor * spiked(3, 0.0)), make_run(x=factor * spiked(3, 1.0)))
-
-    assert column(compare(*pair), "x").relative == pytest.approx(1 / 99)
-
-
 @pytest.mark.parametrize(
     ("height", "tolerance", "verdict"),
     [
@@ -81,7 +74,9 @@ def test_the_relative_difference_does_not_depend_on_the_unit(make_run, factor):
 def test_the_tolerance_decides(make_run, height, tolerance, verdict):
     pair = (make_run(x=spiked(50, 0.0)), make_run(x=spiked(50, height)))
 
-    assert compare(*pair, tolerance=tolerance).verdict == verdict
+    found = compare(*pair, tolerance=tolerance)
+    assert found.verdict == verdict
+    assert str(found).splitlines()[-1].startswith(verdict.upper())
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
@@ -226,10 +221,3 @@ def test_the_text_shows_what_differs_and_ends_with_the_verdict(make_run):
     assert "Only the second run logs W_norm[1], W_norm[2]." in lines
     assert lines[-1].startswith("DIFFER by more than 1e-09: 100 shared samples")
     assert max(map(len, lines)) <= 100
-
-
-@pytest.mark.parametrize(("height", "word"), [(0.0, "EQUAL"), (1e-12, "AGREE to 1e-09")])
-def test_the_closing_sentence_fits_the_verdict(make_run, height, word):
-    text = str(compare(make_run(x=spiked(1, 0.0)), make_run(x=spiked(1, height))))
-
-    assert text.splitlines()[-1].startswith(word)

@@ -29,6 +29,7 @@ def test_names_are_unique_and_headings_carry_units():
     names = [figure.name for figure in FIGURES]
 
     assert len(set(names)) == len(names) > 60
+    assert [FIGURES[name].name for name in names] == names
     assert FIGURES["tau_rms"].heading == "tau_rms [N.m]"
     with pytest.raises(UnknownNameError):
         FIGURES["tau_mean"]
@@ -113,10 +114,3 @@ def test_a_figure_of_another_package_with_a_name_of_ours_is_refused(monkeypatch)
 
     with pytest.raises(ArgumentError, match="'tau_rms' of another package"):
         list(FigureRegistry())
-
-
-def test_a_figure_is_found_by_its_name():
-    names = [figure.name for figure in FIGURES]
-
-    assert len(set(names)) == len(names)
-    assert [FIGURES[name].name for name in names] == names

@@ -34,7 +34,6 @@ reusing_folder = settings(
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
     max_examples=15,
 )
-short_reusing_folder = settings(reusing_folder, max_examples=15)
 
 
 def saved(run, folder, suffix):
@@ -91,40 +90,13 @@ def test_a_run_that_ended_early_loads_back_equal(make_run, tmp_path, suffix, row
     assert math.isnan(loaded.monitor.max_abs_v[1])
 
 
-@pytest.mark.parametrize(
-    "other",
-    [
-        {"x": 1.0},
-        {"x": -0.0},
-        {"e": [0.0, 0.0, math.nan]},
-        {"rows": 9},
-        {"labels": {"seed": 1}},
-        {"provenance": {"version": "2"}},
-        {"split": 0.06},
-        {"monitor": Monitor((0.5, 0.6))},
-        {"monitor": Monitor((0.5, 0.5), d_least=(1.0, 0.0))},
-        {"dbar": (60.0, 15.0)},
-        {"extra": (Signal("more", "1", "more"),)},
-    ],
-)
-def test_runs_that_differ_anywhere_are_not_equal(make_run, other):
-    run, changed = make_run(duration=0.1), make_run(**{"duration": 0.1, **other})
-
-    assert runs_equal(run, make_run(duration=0.1))
-    assert not runs_equal(run, changed)
-    assert not runs_equal(changed, run)
-
-
-@pytest.mark.parametrize("suffix", [".NPZ", ".Csv"])
-def test_the_case_of_the_suffix_does_not_matter(make_run, tmp_path, suffix):
-    assert runs_equal(load_run(saved(make_run(x=1.0), tmp_path, suffix)), make_run(x=1.0))
-
-
-@pytest.mark.parametrize("suffix", SUFFIXES)
-def test_equal_runs_give_equal_bytes(make_run, tmp_path, suffix):
+@pytest.mark.parametrize("suffix", [*SUFFIXES, ".NPZ", ".Csv"])
+def test_equal_runs_give_equal_bytes_whatever_the_case_of_the_suffix(make_run, tmp_path, suffix):
     first = saved(make_run(x=1.0), tmp_path, suffix).read_bytes()
+    again = saved(make_run(x=1.0), tmp_path, suffix)
 
-    assert saved(make_run(x=1.0), tmp_path, suffix).read_bytes() == first
+    assert again.read_bytes() == first
+    assert runs_equal(load_run(again), make_run(x=1.0))
 
 
 def test_numpy_reads_the_columns_without_pickle(make_run, tmp_path):
@@ -157,7 +129,7 @@ def test_line_ends_of_another_system_do_no_harm(make_run, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-@short_reusing_folder
+@reusing_folder
 @given(data=st.binary(max_size=200))
 def test_random_bytes_are_refused(tmp_path, suffix, data):
     path = tmp_path / f"noise{suffix}"
@@ -181,35 +153,26 @@ def test_a_file_cut_anywhere_is_refused(make_run, tmp_path, suffix, part):
 @pytest.mark.parametrize("missing", [1, 2, 3, 30])
 def test_a_csv_that_lost_its_last_bytes_or_rows_is_refused(make_run, tmp_path, missing):
     path = saved(make_run(duration=0.05, q=1 / 3), tmp_path, ".csv")
-    path.write_bytes(path.read_bytes()[:-missing])
-    assert refused(path)
-
-    lines = path.read_bytes().splitlines(keepends=True)
-    path.write_bytes(b"".join(lines[:-1]))
-    assert refused(path)
+    whole = path.read_bytes()
+    for rest in (whole[:-missing], b"".join(whole.splitlines(keepends=True)[:-1])):
+        path.write_bytes(rest)
+        assert refused(path)
 
 
+@pytest.mark.parametrize("suffix", [".npz", ".csv"])
 @reusing_folder
 @given(part=st.floats(0, 1, exclude_max=True), flip=st.integers(1, 255))
-def test_a_byte_flipped_in_an_archive_is_refused_or_harmless(make_run, tmp_path, part, flip):
+def test_a_flipped_byte_is_refused_or_harmless(make_run, tmp_path, suffix, part, flip):
+    """In a table another digit may be another number."""
     run = make_run(duration=0.05, x=1 / 3)
-    path = saved(run, tmp_path, ".npz")
+    path = saved(run, tmp_path, suffix)
     data = bytearray(path.read_bytes())
     data[int(part * len(data))] ^= flip
     path.write_bytes(data)
 
-    assert refused(path) or runs_equal(load_run(path), run)
-
-
-@reusing_folder
-@given(part=st.floats(0, 1, exclude_max=True), flip=st.integers(1, 255))
-def test_a_byte_flipped_in_a_csv_never_crashes_the_loader(make_run, tmp_path, part, flip):
-    path = saved(make_run(duration=0.05, x=1 / 3), tmp_path, ".csv")
-    data = bytearray(path.read_bytes())
-    data[int(part * len(data))] ^= flip
-    path.write_bytes(data)
-
-    assert refused(path) or load_run(path).rows == 5
+    assert refused(path) or (
+        load_run(path).rows == 5 and (suffix == ".csv" or runs_equal(load_run(path), run))
+    )
 
 
 @pytest.mark.parametrize(

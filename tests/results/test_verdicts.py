@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from wmr_ctrl.api import simulate, simulate_many
+from wmr_ctrl.api import simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.results import tracked
-from wmr_ctrl.results.measures import saturated_share, torque_needed_rms, tracking
+from wmr_ctrl.results.measures import saturated_share, tracking
 from wmr_ctrl.results.verdicts import CorridorLeft, Outlook, Warning
 from wmr_ctrl.theory.checks.outlook import CheckVerdict, outlook, verdict
 
@@ -18,14 +18,6 @@ PATH = {
     "reference.tolerance": 0.2,
     "initial.pose": [0.0, -0.1, -1.5708],
     "changes": [],
-}
-SLOW_CYCLE = {
-    "changes": [],
-    "robot.m": 208.0,
-    "robot.I": 22.5,
-    "clock.control": 0.005,
-    "actuator.lag": 0.024,
-    "sensor.velocity_noise": [0.014, 0.06],
 }
 
 
@@ -60,20 +52,6 @@ def test_drive_and_end_are_judged_apart_and_the_start_fades(make_run):
     assert tracking(make_run())["end"] is None
     near = np.where(t < 2.0, 0.3, 0.01)
     assert tracked(arriving(make_run, 8.0, near)) is True
-
-
-@pytest.mark.slow
-def test_tables_have_drive_and_end_of_runs():
-    case = {**PATH, "clock.duration": 30.0}
-    table = simulate_many("safe-simulation", "prox", range(2), case)
-    for seed in range(2):
-        run = simulate("safe-simulation", "prox", seed=seed, overrides=case)
-        for part, seen in tracking(run).items():
-            tabled = [table[f"tracking_{part}_{kind}"][seed] for kind in ("rms", "max")]
-            assert tabled == pytest.approx(list(seen.values()), rel=1e-6)
-        assert table["tracked"][seed] == tracked(run)
-        assert table["torque_needed_rms"][seed] == pytest.approx(torque_needed_rms(run), rel=1e-6)
-        assert table["saturated_share"][seed] == pytest.approx(saturated_share(run), abs=1e-3)
 
 
 def test_the_motion_needs_friction_on_a_line_and_half_of_it_a_wheel():
@@ -116,31 +94,6 @@ def test_gains_for_another_period_are_objected_whatever_the_seed(seed):
 
     assert "prox.guide gives gains.prox.kinematics = [5, 81, 3.6]" in text
     assert "Nothing needs to be done" not in run.explanation
-
-
-@pytest.mark.slow
-def test_a_verdict_does_not_depend_on_the_seed():
-    slow = {"clock.control": 0.1}
-    runs = [simulate("safe-simulation", "prox", seed=seed, overrides=slow) for seed in range(12)]
-
-    assert all("objected" in keys(run) for run in runs)
-
-
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.slow
-def test_cycles_below_half_a_hertz_are_told(seed):
-    run = simulate("safe-simulation", "pid", seed=seed, overrides=SLOW_CYCLE)
-
-    assert {"oscillates", "objected"} <= keys(run)
-
-
-@pytest.mark.slow
-def test_encoders_beside_the_true_pose_are_told():
-    counted = {"encoder.counts": 8192.0, "clock.duration": 20.0}
-    for noise, told in ((0.0, True), (0.01, False)):
-        overrides = {**counted, "sensor.pose_noise": noise}
-        assert ("exact-pose" in keys(simulate("safe-simulation", "kanayama", overrides=overrides))
-                ) is told  # fmt: skip
 
 
 def test_weak_drives_are_told():

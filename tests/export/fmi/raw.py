@@ -12,6 +12,7 @@ OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 REFUSED = (DISCARD, ERROR)
 CS, ME = "CoSimulation", "ModelExchange"
 LOGGER2 = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_char_p, ct.c_int, ct.c_char_p, ct.c_char_p)
+ONE = ct.c_size_t(1)
 LOGGER3 = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_int, ct.c_char_p, ct.c_char_p)
 
 
@@ -47,6 +48,8 @@ class Fmu:
         self.library = folder / "binaries" / where / f"{name}.so"
         self.dll = ct.CDLL(str(self.library))
         self.prefix = f"fmi{version}"
+        self.real, self.int64 = ("Real", "Integer") if version == 2 else ("Float64", "Int64")
+        self.state = "FMUstate" if version == 2 else "FMUState"
         self.messages: list[str] = []
         self.categories: set[tuple[int, str]] = set()
 
@@ -67,6 +70,10 @@ class Fmu:
         function.restype = ct.c_void_p if name.startswith("Instantiate") else ct.c_int
         return function
 
+    def length(self, count):
+        """The number of values as FMI 3 has it."""
+        return () if self.version == 2 else (ct.c_size_t(count),)
+
     def ref(self, name):
         return self.variables[name].valueReference
 
@@ -81,20 +88,9 @@ class Fmu:
         log = given.get("log", self._log3)
         if interface == ME:
             return self.InstantiateModelExchange(name, token, resources, False, False, None, log)
-        return self.InstantiateCoSimulation(
-            name,
-            token,
-            resources,
-            False,
-            False,
-            given.get("events", False),
-            given.get("early", False),
-            None,
-            ct.c_size_t(0),
-            None,
-            log,
-            given.get("update"),
-        )
+        flags = (False, False, given.get("events", False), given.get("early", False))
+        update = None, ct.c_size_t(0), None, log, given.get("update")
+        return self.InstantiateCoSimulation(name, token, resources, *flags, *update)
 
     def new(self, interface=CS, **given):
         handle = self.instantiate(interface, **given)
@@ -130,29 +126,28 @@ class Instance:
         return self
 
     def step(self, t, h):
-        if self.fmu.version == 2:
-            return self.fmu.DoStep(self.handle, ct.c_double(t), ct.c_double(h), 1)
-        flags, last = [ct.c_bool() for _ in range(3)], ct.c_double()
-        return self.fmu.DoStep(
-            self.handle, ct.c_double(t), ct.c_double(h), True, *map(ct.byref, flags), ct.byref(last)
-        )
+        return self.stepped(t, h)[0]
+
+    def stepped(self, t, h):
+        """Status, and in FMI 3 its three flags and the time that was reached."""
+        told = [] if self.fmu.version == 2 else [*(ct.c_bool() for _ in range(3)), ct.c_double()]
+        times = ct.c_double(t), ct.c_double(h)
+        status = self.fmu.DoStep(self.handle, *times, True, *map(ct.byref, told))
+        return status, *(item.value for item in told)
 
     def put(self, values):
         return self.put_refs([self.fmu.ref(name) for name in values], list(values.values()))
 
     def put_refs(self, listed, values):
-        length = () if self.fmu.version == 2 else (ct.c_size_t(len(values)),)
-        call = self.fmu.SetReal if self.fmu.version == 2 else self.fmu.SetFloat64
+        call, length = getattr(self.fmu, f"Set{self.fmu.real}"), self.fmu.length(len(values))
         return call(self.handle, refs(*listed), ct.c_size_t(len(listed)), reals(*values), *length)
 
     def get_refs(self, listed, count=None):
         number = len(listed) if count is None else count
         buffer = reals(*[0.0] * number)
-        length = () if self.fmu.version == 2 else (ct.c_size_t(number),)
-        call = self.fmu.GetReal if self.fmu.version == 2 else self.fmu.GetFloat64
-        return call(self.handle, refs(*listed), ct.c_size_t(len(listed)), buffer, *length), buffer[
-            :
-        ]
+        call, length = getattr(self.fmu, f"Get{self.fmu.real}"), self.fmu.length(number)
+        status = call(self.handle, refs(*listed), ct.c_size_t(len(listed)), buffer, *length)
+        return status, buffer[:]
 
     def get(self, *names):
         status, values = self.get_refs([self.fmu.ref(name) for name in names])
@@ -160,12 +155,9 @@ class Instance:
         return values
 
     def integer(self, name):
-        old, one = self.fmu.version == 2, ct.c_size_t(1)
-        call = self.fmu.GetInteger if old else self.fmu.GetInt64
-        value = ((ct.c_int32 if old else ct.c_int64) * 1)()
-        assert (
-            call(self.handle, refs(self.fmu.ref(name)), one, value, *(() if old else (one,))) == OK
-        )
+        call = getattr(self.fmu, f"Get{self.fmu.int64}")
+        value = ((ct.c_int32 if self.fmu.version == 2 else ct.c_int64) * 1)()
+        assert call(self.handle, refs(self.fmu.ref(name)), ONE, value, *self.fmu.length(1)) == OK
         return value[0]
 
     def all(self):
@@ -188,7 +180,7 @@ class Instance:
     def bytes_of_state(self):
         """The state now, serialised."""
         f, kept, size = self.fmu, ct.c_void_p(), ct.c_size_t()
-        spelled = "FMUstate" if f.version == 2 else "FMUState"
+        spelled = f.state
         assert getattr(f, f"Get{spelled}")(self.handle, ct.byref(kept)) == OK
         assert getattr(f, f"Serialized{spelled}Size")(self.handle, kept, ct.byref(size)) == OK
         buffer = (ct.c_ubyte * size.value)()
@@ -202,14 +194,10 @@ class Instance:
     def restore(self, content):
         """Put a serialised state in place."""
         f, kept = self.fmu, ct.c_void_p()
-        spelled, read = (
-            ("FMUstate", "DeSerializeFMUstate")
-            if f.version == 2
-            else ("FMUState", "DeserializeFMUState")
-        )
+        read = "DeSerializeFMUstate" if f.version == 2 else "DeserializeFMUState"
         buffer = (ct.c_ubyte * len(content)).from_buffer_copy(content)
         status = getattr(f, read)(self.handle, buffer, ct.c_size_t(len(content)), ct.byref(kept))
         if status == OK:
-            status = getattr(f, f"Set{spelled}")(self.handle, kept)
-            getattr(f, f"Free{spelled}")(self.handle, ct.byref(kept))
+            status = getattr(f, f"Set{f.state}")(self.handle, kept)
+            getattr(f, f"Free{f.state}")(self.handle, ct.byref(kept))
         return status

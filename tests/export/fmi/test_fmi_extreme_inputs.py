@@ -23,6 +23,14 @@ def inputs_of(fmu):
     return [v.name for v in fmu.description.modelVariables if v.causality == "input"]
 
 
+def overflow(plant):
+    """A step that is taken back."""
+    assert plant.put({"v1": 1.7e308}) == OK
+    before = plant.begin().all()
+    assert plant.step(0.0, 10.0) == DISCARD
+    assert plant.all() == before
+
+
 @every_law
 @pytest.mark.slow_but("nn-2", "nn-3", "guard-2")
 def test_what_is_too_large_is_refused_and_leaves_no_trace(raw, what, version):
@@ -60,11 +68,7 @@ def test_a_step_that_overflows_is_taken_back_whole(raw):
     """States are start values, and may be anything finite."""
     for version in (2, 3):
         one = raw("plant", version).new()
-        assert one.put({"v1": 1.7e308}) == OK
-        one.begin()
-        before = one.all()
-        assert one.step(0.0, 10.0) == DISCARD
-        assert one.all() == before
+        overflow(one)
         assert one.reset() == OK
         assert one.begin().step(0.0, STEP) == OK
         one.free()
@@ -114,6 +118,16 @@ def test_fmpy_ends_where_a_closed_loop_cannot_go_on(exported, version, given):
         simulate_fmu(path, stop_time=10, step_size=0.02, output_interval=0.02, start_values=given)
 
 
+def begins(fmu, name, *tries):
+    """Initialisation ends with the status that belongs to each value."""
+    for value, status in tries:
+        one = fmu.new()
+        assert one.put({name: value}) == OK
+        assert one.setup() == OK
+        assert one.leave() == status
+        one.free()
+
+
 @pytest.mark.parametrize(
     ("what", "version", "axis"),
     [("nn", 2, 1), ("nn", 3, 2), ("pid", 2, 2), ("mb", 3, 1), ("mb", 3, 2), ("prox", 2, 2)],
@@ -125,37 +139,18 @@ def test_a_barrier_without_room_is_refused_at_the_start(raw, what, version, axis
     if begin not in fmu.variables:
         pytest.skip("has no barrier")
     (height,) = fmu.new().get(limit)
-    for low, status in ((height, ERROR), (2.0 * height, ERROR), (0.5 * height, OK)):
-        one = fmu.new()
-        assert one.put({begin: low}) == OK
-        assert one.setup() == OK
-        assert one.leave() == status
-        one.free()
+    begins(fmu, begin, (height, ERROR), (2.0 * height, ERROR), (0.5 * height, OK))
     assert sum(f"{begin} = " in m and f"must be below {limit}" in m for m in fmu.messages) >= 2
 
 
 @pytest.mark.parametrize(
     ("what", "version"),
-    [
-        ("nn", 2),
-        ("nn", 3),
-        ("prox", 3),
-        ("guard", 2),
-        ("guard", 3),
-        ("closed-loop", 2),
-        ("closed-loop", 3),
-        *OTHER_LAWS,
-    ],
+    [("nn", 2), ("prox", 3), ("guard", 2), ("guard", 3), ("closed-loop", 3), *OTHER_LAWS],
 )
 @pytest.mark.parametrize("axis", [1, 2])
 def test_masses_out_of_order_are_refused_at_the_start(raw, what, version, axis):
     fmu = raw(what, version)
     least, most = (f"guard.{name}[{axis}]" for name in ("M_min", "M_max"))
     (height,) = fmu.new().get(most)
-    for low, status in ((1.01 * height, ERROR), (height, OK)):
-        one = fmu.new()
-        assert one.put({least: low}) == OK
-        assert one.setup() == OK
-        assert one.leave() == status
-        one.free()
+    begins(fmu, least, (1.01 * height, ERROR), (height, OK))
     assert any(f"{least} = " in m and f"must not be above {most}" in m for m in fmu.messages)
