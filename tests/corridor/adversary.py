@@ -158,14 +158,6 @@ def pushed(scenario, law, samples, size, times, place):
     return attack(scenario, law, times * worst_pushes(scenario, law, samples, size)[place])
 
 
-def worst_excursions(scenario, law, samples, size, tried=None, times=1.0):
-    """Those that so many of the worst pushes lead to, or all."""
-    return [
-        pushed(scenario, law, samples, size, times, place)
-        for place in range(tried or len(DIRECTIONS))
-    ]
-
-
 def worst_errors(scenario, law, samples, kind, size):
     """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` "pose" or "velocity" that lead furthest.
 
@@ -195,7 +187,7 @@ def worst_errors(scenario, law, samples, kind, size):
 
 def farthest(scenario, law, samples, size, times=1.0):
     """The largest of these excursions."""
-    found = worst_excursions(scenario, law, samples, size, TRIED, times)
+    found = (pushed(scenario, law, samples, size, times, place) for place in range(TRIED))
     return max(found, key=lambda x: x.position)
 
 

@@ -130,9 +130,7 @@ CIRCLES = {
 """Law and scenario; its run's position, heading, share and linear part over those for good."""
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(x, marks=pytest.mark.slow) if x == "a base" else x for x in CIRCLES]
-)
+@pytest.mark.parametrize("case", CIRCLES)
 @pytest.mark.slow_but("prox")
 def test_on_a_circle_a_whole_run_is_bounded_by_what_holds_for_good(case):
     """A part of the bounds, up to a quarter, is what linear parts leave of the graphs."""
@@ -179,6 +177,7 @@ def test_a_run_that_a_limit_stops_is_refused_with_its_time_and_what_would_do():
     first = int(np.argmax(used(1.0) > 4.9))
     assert tube.position is None
     assert time == pytest.approx(PERIOD * first)
+    assert "where v_d = " in tube.refused
     assert reach == pytest.approx(used(1.0)[first], rel=0.04)
     assert used(tube.closes).max() < 4.9 < 1.02 * used(2 * tube.closes).max()
 

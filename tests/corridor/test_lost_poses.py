@@ -5,9 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from tests.corridor.adversary import DIRECTIONS, worst_errors, worst_pushes
+from tests.corridor.adversary import worst_errors, worst_pushes
 from tests.corridor.further import farthest_lost, lossy, simulated
-from tests.corridor.late import farthest_unseen
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor
 from wmr_proofs.corridor import asked, reckoning
@@ -30,25 +29,6 @@ def test_pushes_do_not_drive_it_out_whatever_poses_are_lost_up_to_the_bound():
     assert max(always[1], some[1]) <= tube.heading
     assert beyond[0] > tube.position
     assert "no pose comes to up to 1 samples in a row" in tube.sentence
-
-
-@pytest.mark.parametrize(
-    ("late", "wait", "law", "times", "loose"),
-    [
-        ({"actuator.jitter": 0.005}, (0, 5), "prox", 1, 1.4),
-        ({"actuator.lag": 0.005}, (0, 0), "kanayama", 1, 1.05),
-        ({"actuator.unmodelled_delay": 0.004}, (4, 4), "prox", 1, 1.1),
-    ],
-)
-@pytest.mark.slow
-def test_nor_do_late_commands_while_poses_are_lost(late, wait, law, times, loose):
-    tube = find_corridor(simulated(late, lossy(times)), law)
-    lag = {key: value for key, value in late.items() if key == "actuator.lag"}
-    push, come = np.full((SAMPLES, 2), 0.3), [*[0] * times, 1]
-    reached = farthest_unseen(simulated(lag, lossy(times)), law, push, come, wait, DIRECTIONS[::4])
-
-    assert tube.position / loose <= reached[0] <= tube.position
-    assert reached[1] <= tube.heading
 
 
 @pytest.mark.slow

@@ -7,65 +7,16 @@ import numpy as np
 import pytest
 
 from tests.control.bases import VELOCITY, based
-from tests.corridor.further import EXACT, PUSHED, QUIET, WIDE, attack_on_base, burger
-from tests.corridor.sending import course, farthest, farthest_on_the_way
+from tests.corridor.further import EXACT, PUSHED, QUIET, WIDE, burger
+from tests.corridor.sending import course
 from wmr_ctrl import simulate
 from wmr_ctrl.control.filter.filter import CommandFilter, passing_commands
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.report.course import course_of_tube
 from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor
-from wmr_ctrl.world.scenario import load_scenario, override
-from wmr_proofs.corridor.asked import run_corridor
+from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor.certificate import Certifier
-
-
-@pytest.mark.parametrize(
-    ("case", "loose"), [("pushes", 1.1), ("poses mostly", 1.15), ("velocities", 1.1)]
-)
-@pytest.mark.slow
-def test_no_adversary_leaves_the_corridor_but_with_a_fifth_more_it_does(case, loose):
-    """It is ``loose`` times as wide as what is reached, at most."""
-    scenario, law, farthest = attack_on_base(case)
-    tube, within, beyond = find_corridor(scenario, law), farthest(1.0), farthest(1.2)
-
-    assert tube.position / loose <= within.position <= tube.position
-    assert np.abs(within.e[:, 2]).max() <= tube.heading
-    assert not within.changed
-    assert beyond.position > tube.position
-    assert "commands of that speed under way" in tube.sentence
-
-
-@pytest.mark.slow
-def test_every_peak_holds_and_a_command_that_is_rounded_or_not_heard_is_counted():
-    told = {"base.quantum": [0.002, 0.01], "base.deadband": [0.02, 0.02], "filter.kind": "clip"}
-    rough = burger(QUIET, told, {"reference.rate": 0.15})
-    exact = override(rough, {"base.quantum": [0.0, 0.0], "base.deadband": [0.0, 0.0]})
-    tube, certifier = find_corridor(rough, "kanayama"), Certifier(settle(rough, "kanayama"))
-    heard = farthest(exact, "kanayama", 90, "heard", np.array([0.001, 0.005]))
-
-    assert tube.position / 1.1 <= heard.position <= tube.position
-    assert (np.abs(heard.e).max(axis=0) <= certifier.tube(certifier.inputs).peaks.fast[:3]).all()
-    assert 0 < course(rough, "kanayama", 90).position <= tube.position
-    slow = override(rough, {"base.deadband": [0.13, 0.02]})
-    assert find_corridor(slow, "kanayama").position is None
-
-
-@pytest.mark.slow
-def test_along_a_figure_of_eight_from_a_base_to_which_nothing_was_sent():
-    path = {
-        "reference.kind": "lemniscate",
-        "reference.size": 1.0,
-        "reference.rate": 0.1,
-        "clock.duration": 5.0,
-    }
-    scenario = burger(PUSHED, path)
-    tube = find_corridor(scenario, "kanayama", whole=True)
-    reached = farthest_on_the_way(scenario, "kanayama", 100, 3e-4, 4)
-
-    assert reached.position <= tube.position < 1.3 * reached.position
-    assert not reached.changed
-    assert "with no command under way," in tube.sentence
 
 
 @pytest.mark.slow
@@ -187,20 +138,6 @@ def test_a_ramp_that_nothing_disturbs_has_a_corridor_of_nearly_nothing():
 
     assert tube.position is not None
     assert tube.position < 1e-9
-
-
-@pytest.mark.slow
-def test_a_dead_band_below_all_commands_of_a_run_is_not_counted_as_if_they_were_0():
-    told = {"filter.kind": "clip", "reference.rate": 0.15, "base.deadband": [0.01, 0.02]}
-    rough = burger(QUIET, told, {"clock.duration": 3.0})
-    heard = override(rough, {"base.deadband": [0.0, 0.0]})
-    over, plain = (find_corridor(item, "kanayama", whole=True).whole for item in (rough, heard))
-    slow = override(rough, {"base.deadband": [0.13, 0.02]})
-
-    assert over.position == pytest.approx(plain.position, rel=1e-6)
-    assert over.share == pytest.approx(plain.share, rel=1e-6)
-    missed = run_corridor(slow, "kanayama")
-    assert missed.position is None or missed.position > 2 * plain.position
 
 
 @pytest.mark.slow

@@ -47,7 +47,6 @@ class {name}(Fmi2Slave):
 PLANT = _ROBOT.format(name="TheirRobot", failure="")
 FAILING = _ROBOT.format(name="TheirFailure", failure="if t > 0.495: return False")
 LOST = _ROBOT.format(name="TheirLoss", failure="if t > 0.49: self.motorR = math.nan")
-GUSTY = _ROBOT.format(name="TheirGust", failure="if t > 15: self.motorR += 30000.0")
 PLANT_MAP = """
 [plant]
 step = 0.005

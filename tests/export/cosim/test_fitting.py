@@ -5,7 +5,7 @@ import ctypes as ct
 import numpy as np
 import pytest
 
-from tests.export.cosim.foreign import CONTROLLER, CONTROLLER_MAP, GUSTY, LOST, PLANT, PLANT_MAP
+from tests.export.cosim.foreign import CONTROLLER, CONTROLLER_MAP, LOST, PLANT, PLANT_MAP
 from tests.export.cosim.test_run import SHORT
 from tests.export.fmi.raw import OK, REFUSED
 from wmr_ctrl.api import simulate
@@ -63,12 +63,9 @@ def test_a_step_that_does_not_divide_the_period_is_refused(foreign, mapped):
 
 def test_drives_limit_a_foreign_controller(foreign, mapped):
     limited = override(SHORT, {"actuator.tau_max": 4.5, "clock.duration": 0.5})
-    run = cosimulate(limited, controller=foreign(*THEIRS), map_file=mapped(CONTROLLER_MAP))
-    free = cosimulate(
-        override(limited, {"actuator.tau_max": float("inf")}),
-        controller=foreign(*THEIRS),
-        map_file=mapped(CONTROLLER_MAP),
-    )
+    given = {"controller": foreign(*THEIRS), "map_file": mapped(CONTROLLER_MAP)}
+    run = cosimulate(limited, **given)
+    free = cosimulate(override(limited, {"actuator.tau_max": float("inf")}), **given)
     assert np.abs(run["tau_right"]).max() == pytest.approx(4.5, rel=1e-12)
     assert np.abs(free["tau_right"]).max() > 20.0
 
@@ -129,25 +126,14 @@ def test_a_plant_that_gives_no_numbers_is_named(foreign, mapped):
     assert ": kept until it ended" in " ".join(summary_text(run).split())
 
 
-@pytest.mark.slow
-def test_a_push_out_of_the_corridor_is_told_of_a_foreign_plant(foreign, mapped):
-    """Its bounds are proved for our plant alone."""
-    given = {"plant": foreign("TheirGust", GUSTY), "map_file": mapped(PLANT_MAP)}
-    calm = {"changes": [], "clock.duration": 15.5}
-    pushed = cosimulate(override(load_scenario("safe-simulation"), calm), "prox", **given)
-    said = {item.key: item.text for item in pushed.remarks}
-    assert said["corridor-left"].startswith("At t = 15.0")
-
-
 def test_messages_of_fmi_2_have_their_values(exported, tmp_path):
     """A model may leave it to the importer to put them into the text, each its own."""
     slaves = [Slave(exported("nn", 2), name, tmp_path / name) for name in ("first", "second")]
     for size, slave in enumerate(slaves):
         at = ct.cast(slave._callbacks.logger, ct.c_void_p).value
         said = (b"i", 3, b"c", b"a step of %d s", ct.c_int(size))
-        ct.CFUNCTYPE(None, ct.c_void_p, ct.c_char_p, ct.c_int, ct.c_char_p, ct.c_char_p, ct.c_int)(
-            at
-        )(slave._callbacks.componentEnvironment, *said)
+        texts = ct.c_char_p, ct.c_int, ct.c_char_p, ct.c_char_p, ct.c_int
+        ct.CFUNCTYPE(None, ct.c_void_p, *texts)(at)(slave._callbacks.componentEnvironment, *said)
     assert [[*slave.messages] for slave in slaves] == [["a step of 0 s"], ["a step of 1 s"]]
     for slave in slaves:
         slave.end()

@@ -1,12 +1,11 @@
 """Maps of names and units of somebody else's FMUs: keys, units, hints, and what they refuse."""
 
 import re
-import zipfile
 
 import numpy as np
 import pytest
 
-from tests.export.cosim.foreign import PLANT, PLANT_MAP
+from tests.export.cosim.foreign import PLANT
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of
 from wmr_ctrl.export.cosim import cosimulate
@@ -15,7 +14,6 @@ from wmr_ctrl.export.cosim.mapping import PartMap, compiled, input_rows, load_ma
 from wmr_ctrl.world.scenario import load_scenario, override
 
 SHORT = override(load_scenario("paper-simulation-nominal"), {"clock.duration": 3.0})
-NOISY = override(load_scenario("paper-simulation-no-switch"), {"clock.duration": 3.0})
 
 
 @pytest.mark.parametrize(
@@ -95,40 +93,6 @@ def test_units_are_what_the_fmu_defines():
     assert compiled([back], ["theta"])([np.pi / 2 + 0.5]) == [pytest.approx(90.0)]
 
 
-@pytest.mark.slow
-def test_definitions_of_units_are_read_from_the_file(foreign, tmp_path):
-    """Their description says that mNm is 0.001 kg m2/s2: no unit in the map is needed."""
-    plant = foreign("TheirRobot", PLANT)
-    own = tmp_path / "TheirRobot.fmu"
-    with zipfile.ZipFile(plant) as old, zipfile.ZipFile(own, "w") as new:
-        for name in old.namelist():
-            content = old.read(name)
-            if name == "modelDescription.xml":
-                content = _with_units(content.decode()).encode()
-            new.writestr(name, content)
-    bare = re.sub(r"\{ terms = \{ (torque_\w+) = 1000.0 \}, unit = \"N.m\" \}", r'"\1"', PLANT_MAP)
-    assert bare.count('"torque_') == 2
-    path = tmp_path / "map.toml"
-    path.write_text(bare, encoding="utf-8")
-    run = cosimulate(NOISY, "nn", plant=own, map_file=path, seed=1)
-    stated = tmp_path / "stated.toml"
-    stated.write_text(PLANT_MAP, encoding="utf-8")
-    same = cosimulate(NOISY, "nn", plant=plant, map_file=stated, seed=1)
-    assert np.abs(run["x"] - same["x"]).max() < 1e-12
-
-
-def _with_units(text):
-    """The description with a unit of theirs at both motors."""
-    defined = (
-        '<UnitDefinitions><Unit name="mNm"><BaseUnit kg="1" m="2" s="-2" factor="0.001"/></Unit>'
-        "</UnitDefinitions>"
-    )
-    text = re.sub(r"(</CoSimulation>|<CoSimulation[^>]*/>)", rf"\1{defined}", text)
-    found = re.sub(r'(name="motor[RL]".*?<Real)', r'\1 unit="mNm"', text, flags=re.S)
-    assert found.count('unit="mNm"') == 2
-    return found
-
-
 def test_a_change_that_the_map_cannot_make_is_refused(exported, mapped):
     scenario = override(SHORT, {"changes": [{"t": 1.0, "m": 60.0}]})
     rows = "\n".join(f'{n} = "{n}"' for n in ("x", "y", "theta", "v1", "omega"))
@@ -139,22 +103,6 @@ def test_a_change_that_the_map_cannot_make_is_refused(exported, mapped):
             plant=exported("plant", 2),
             map_file=mapped(f"[plant.outputs]\n{rows}\n"),
         )
-
-
-@pytest.mark.parametrize(
-    ("name", "factor", "exponents"),
-    [
-        ("kg.m2/s", 1.0, {"kg": 1, "m": 2, "s": -1}),
-        ("N.m.s/rad", 1.0, {"kg": 1, "m": 2, "s": -1, "rad": -1}),
-        ("rpm", np.pi / 30, {"rad": 1, "s": -1}),
-        ("km/h", 1 / 3.6, {"m": 1, "s": -1}),
-        ("1", 1.0, {}),
-    ],
-)
-def test_units_are_read(name, factor, exponents):
-    unit = unit_of(name)
-    assert unit.factor == pytest.approx(factor)
-    assert unit.exponents == exponents
 
 
 @pytest.mark.parametrize(

@@ -8,14 +8,10 @@ from typing import Any
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.world.model.kinematics import KinematicGains
-from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_ctrl.world.scenario.scenario import SECTIONS
 from wmr_ctrl.world.scenario.sections import Change
 
-POINTS = [[0.0, 0.0], [1.0, 0.2], [2.0, 1.0], [2.5, 2.0]]
-TINY = [[0.004 * x, 0.004 * y] for x, y in POINTS]
-"""A path that is driven within the moment that these runs last."""
 FULL = {
     "clock.duration": 0.3,
     "robot": {"m": 52.0, "I": 5.0, "mu": 0.1},
@@ -74,11 +70,6 @@ OTHER: Mapping[str, Any] = {
     "body.radius": 0.3,
     "corridor.cells": 2,
     "corridor.losses": 2,
-    "reference.points": [*TINY, [0.010, 0.012]],
-    "reference.v_max": 0.015,
-    "reference.tolerance": 0.001,
-    "reference.omega_max": 0.5,
-    "reference.alpha_max": 0.5,
     "ros.base_frame": "base_footprint",
 }
 """Values that the rule of `other` does not give."""
@@ -135,21 +126,6 @@ def of_gains(law):
     """The gains of one law, and of Eq. (7)."""
     yield from _of("gains.kinematics", KinematicGains, KinematicGains())
     yield from _of(f"gains.{law}", LAWS[law].gains, LAWS[law].gains())
-
-
-def of_references():
-    """Every kind, by itself and with each of its fields changed."""
-    for kind, cls in ((name, item.section) for name, item in REFERENCES.items()):
-        start = {"reference.kind": kind}
-        if kind == "waypoints":
-            start |= {"reference.points": TINY, "reference.speed": 0.02}
-        yield f"reference.kind = {kind}", start
-        for name, what in quantities(cls):
-            key = f"reference.{name}"
-            if key in ELSEWHERE:
-                continue
-            value = other(key, what, what.default)
-            yield f"{key} of {kind}", {**start, key: value}
 
 
 def _of(section, cls, holder):

@@ -252,7 +252,8 @@ def test_the_parts(load, effect, version, guard):
 
 
 @pytest.mark.parametrize(
-    ("kind", "version"), [("lemniscate", 2), ("stop-and-go", 2), ("waypoints", 3)]
+    ("kind", "version"),
+    [("lemniscate", 2), ("stop-and-go", 2), ("waypoints", 3), ("line", 2), ("rounded-square", 3)],
 )
 @pytest.mark.slow
 def test_references(load, kind, version):

@@ -14,9 +14,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from fmpy import extract
-from fmpy.ssp.simulation import simulate_ssp
 
-from tests.export.fmi.fields import FULL, LOOSE, based, of_gains, of_references, of_sections
+from tests.export.fmi.fields import FULL, LOOSE, based, of_gains, of_sections
 from tests.export.fmi.raw import OK, Fmu
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.laws import LAWS
@@ -25,7 +24,6 @@ from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.export.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.export.fmi.files import sources_of
 from wmr_ctrl.export.fmi.fmu_files import export_fmu, model_of
-from wmr_ctrl.export.fmi.ssp import export_ssp
 from wmr_ctrl.world.scenario import override, quantities
 from wmr_ctrl.world.scenario.sections import Body
 
@@ -173,35 +171,9 @@ def test_a_section_acts_alike(files, section, version):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["circle", "line", "rounded-square"])
-def test_a_reference_acts_alike(files, kind):
-    listed = [changes for key, changes in of_references() if key.endswith(kind)]
-    assert_alike(files, together(listed))
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("law", ["pid", "nn", "kanayama"])
 def test_gains_act_alike(files, law):
     assert_alike(files, together(changes for _, changes in of_gains(law)), LOOSER, law)
-
-
-@pytest.mark.slow
-def test_what_a_package_holds_acts_alike(tmp_path):
-    """All that an SSP package does not refuse or leave outside, changed at once."""
-    outside = {"disturbance", "sensor", "actuator", "changes", "clock", "metrics"}
-    calm = {"disturbance": {"std": 0.0}, "sensor": {}, "actuator": {"tau_max": 6.0}, "changes": []}
-    changes = {
-        key: value
-        for _, listed in SECTIONS
-        for key, value in listed.items()
-        if key.split(".")[0].split("[")[0] not in outside
-    }
-    scenario = override(BASE, {**calm, **changes, "clock.control": 0.02})
-    (package,) = export_ssp(law=LAW, scenario=scenario, out=tmp_path)
-    found = simulate_ssp(str(package), stop_time=0.299, step_size=0.02)
-    run = cosimulate(scenario, LAW, master="jacobi")
-    for name in ("x", "y", "theta", "v1", "omega"):
-        assert np.array_equal(found[name][: run.rows - 1], run[name][1:]), name
 
 
 @pytest.mark.slow

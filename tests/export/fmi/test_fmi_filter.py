@@ -10,16 +10,11 @@ from fmpy.validation import validate_fmu
 from tests.control.bases import GOVERNED
 from tests.control.filter.test_filter import scenario
 from tests.export.fmi.raw import ERROR, OK, Fmu
-from wmr_ctrl import command_filter, simulate
-from wmr_ctrl.control.filter.channels import FLAG_NAMES
+from wmr_ctrl import simulate
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
 from wmr_ctrl.world.scenario import load_scenario, override
 
-PI = {
-    "kind": "band", "loop": "pi", "mass": (50, 65), "inertia": (4, 6), "kp": (135, 165),
-    "ki": (270, 330), "friction": (0, 20),
-}  # fmt: skip
 DRIVEN = override(load_scenario("paper-simulation-noise-free"), {**GOVERNED, "changes": []})
 
 
@@ -56,24 +51,6 @@ def test_it_sends_what_a_run_sent_to_the_bit(version, tmp_path):
         assert np.array_equal(found[told][1:], run[column]), told
     assert np.array_equal(found["limited"][1:], run["filter_flags"] % 2)
     assert 0 < found["limited"].mean() < 1
-
-
-@pytest.mark.slow
-def test_the_band_is_the_native_filter(tmp_path):
-    """To the bit: its graph has no function of the C library, which CasADi's machine would call."""
-    case = load_scenario("paper-simulation", {"clock.control": 0.05, "filter": PI})
-    instance = opened(case, 3, tmp_path).new().begin()
-    native = command_filter(case)
-    for k, asked in enumerate([(2.0, 0.5)] * 40 + [(-1.0, 3.0)] * 30):
-        instance.put({"v_asked[1]": asked[0], "v_asked[2]": asked[1]})
-        assert instance.step(0.05 * k, 0.05) == OK
-        wanted = native.step(asked)
-        assert instance.get("v_sent[1]", "v_sent[2]") == list(wanted.command)
-        told = instance.get(*(name.replace("-", "_") for name in FLAG_NAMES.values()))
-        assert told == [float(name in wanted.flags) for name in FLAG_NAMES.values()]
-    share = [wanted.command[i] / asked[i] for i in (0, 1)]
-    assert instance.get("share[1]", "share[2]") == share
-    instance.free()
 
 
 def test_a_repeated_step_is_noticed_once_the_time_was_told(tmp_path):

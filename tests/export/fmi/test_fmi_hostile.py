@@ -216,35 +216,6 @@ def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
             one.free()
 
 
-def test_a_reference_between_samples_is_that_of_the_time_that_was_reached(raw):
-    """It has no inputs, and moves evenly on its circle."""
-    for version in (2, 3):
-        fmu = raw("reference", version)
-        turned = []
-        for h in (0.01, 0.004):
-            one = fmu.new().begin()
-            (before,) = one.get("theta_d")
-            assert one.step(0.0, h) == OK
-            turned.append(one.get("theta_d")[0] - before)
-            one.free()
-        assert turned[1] == pytest.approx(0.4 * turned[0], rel=1e-9)
-        assert turned[0] > 0
-
-
-def test_a_change_acts_from_the_first_plant_step_that_starts_at_or_after_it(raw):
-    fmu = raw("closed-loop", 3)
-    (time,) = (name for name in fmu.variables if name.startswith("changes") and name.endswith(".t"))
-    ends = []
-    for t in (0.003, 0.0034, 0.004):
-        one = fmu.new()
-        assert one.put({time: t}) == OK
-        assert one.begin().step(0.0, 0.02) == OK
-        ends.append(one.get("v1", "omega"))
-        one.free()
-
-    assert ends[0] != ends[1] == ends[2]
-
-
 def test_an_integer_is_read_as_it_was_set(raw):
     fmu = raw("closed-loop", 2)
     one, found = fmu.new(), ct.c_int()

@@ -166,18 +166,3 @@ def test_samples_count_from_the_start_time(raw, what):
         shown.append(one.get_refs([fmu.ref("W_hat1")], 64) if learns else one.get("x", "v1"))
 
     assert shown[0] == shown[1]
-
-
-def test_the_first_sample_alone_keeps_the_inputs_of_a_parallel_master(raw):
-    fmu, shown = raw("nn", 3), []
-    for parallel, speeds in ((1.0, (0.1, 0.3, 0.2)), (0.0, (0.1, 0.1, 0.2))):
-        one = fmu.new()
-        assert one.put({"clock.parallel": parallel, "v1": speeds[0]}) == OK
-        one.begin()
-        for k in (0, 1):
-            assert one.put({"v1": speeds[k + 1]}) == OK
-            assert one.step(0.01 * k, 0.01) == OK
-            shown.append(one.get("tau_right", "tau_left"))
-
-    assert shown[:2] == shown[2:]
-    assert shown[0] != shown[1]

@@ -160,7 +160,8 @@ def test_a_unit_is_so_many_of_the_base_units(unit, factor):
 @pytest.mark.parametrize(
     ("unit", "same"),
     [("N", "kg.m/s2"), ("mN", "kg.m/s2"), ("kN", "N"), ("J", "N.m"), ("W", "J/s"), ("Hz", "1/s"),
-     ("rpm", "rad/s"), ("deg", "rad"), ("g", "kg"), ("mm", "m"), ("ms", "s"), ("h", "min")],
+     ("rpm", "rad/s"), ("deg", "rad"), ("g", "kg"), ("mm", "m"), ("ms", "s"), ("h", "min"),
+     ("N.m.s/rad", "kg.m2/s/rad")],
 )  # fmt: skip
 def test_a_unit_measures_what_its_definition_does(unit, same):
     assert unit_of(unit).exponents == unit_of(same).exponents

@@ -74,9 +74,3 @@ def test_experiment_is_the_scenarios(exported, version):
     experiment = described(exported, "plant", version).defaultExperiment
     assert float(experiment.stopTime) == 80.0
     assert float(experiment.stepSize) == 0.01
-
-
-@pytest.mark.parametrize(("what", "step"), [("plant", 0.001), ("nn", 0.01), ("closed-loop", 0.01)])
-def test_fmi3_tells_the_internal_step(exported, what, step):
-    cosimulation = described(exported, what, 3).coSimulation
-    assert float(cosimulation.fixedInternalStepSize) == step

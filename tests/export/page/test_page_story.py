@@ -38,12 +38,6 @@ def test_far_away_both_break_and_mb_for_good():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", ["mb", "nn", "pid", "smc", "prox", "kanayama"])
-def test_the_guard_holds_there(law):
-    assert run_of("guard", law).monitor.violations == 0
-
-
-@pytest.mark.slow
 def test_at_100_ms_the_papers_laws_break_at_once():
     mb, nn = run_of("slow", "mb"), run_of("slow", "nn")
 
