@@ -5,7 +5,6 @@ import pytest
 import scipy.linalg
 
 from tests.checks.asking import closed
-from wmr_ctrl.api import simulate
 from wmr_ctrl.control.laws.prox import guide
 from wmr_ctrl.theory.checks.radius import operating_points, radius
 from wmr_ctrl.theory.checks.sampled_plant import Motion
@@ -36,25 +35,6 @@ def test_gains_are_proposed_for_the_speed_ahead_and_a_law_that_does_not_predict(
     k = ", ".join(f"{value:.3g}" for value in guide(0.05, 0.05, 0.3).k)
 
     assert f"gains.kinematics.k = [{k}]" in warning.sentence
-
-
-@pytest.mark.parametrize(
-    ("unmodelled_delay", "stable"), [(0.04, True), (0.05, False), (0.06, False)]
-)
-@pytest.mark.slow
-def test_a_delay_that_nobody_told_the_observer_counts_as_that(loop, unmodelled_delay, stable):
-    """As long as a period it makes kanayama cycle, where the same delay told does not."""
-    own = {"clock.control": 0.05, "initial.pose": (2.001, 0.0, 0.0), "initial.velocity": (0.2, 0.1)}
-    late, told = (
-        {"actuator.unmodelled_delay": unmodelled_delay},
-        {"actuator.delay": unmodelled_delay},
-    )
-    seen = [_worst(loop("kanayama", own | how, NOMINAL), 0.05) for how in (late, told)]
-    run = simulate(NOMINAL, "kanayama", overrides=own | late)
-
-    assert (seen[0] < 1) is stable
-    assert seen[1] < 1
-    assert bool(np.ptp(run["v1"][-400:]) < 1e-3) is stable
 
 
 @pytest.mark.slow
@@ -106,12 +86,3 @@ def test_a_law_without_memory_is_followed_force_by_force(loop, delay):
             s = free @ s + forced @ (sent[due] if due >= 0 else np.zeros(2))
         state = matrix @ state
     assert state[:5] == pytest.approx(s, rel=1e-9)
-
-
-@pytest.mark.slow
-def test_the_peer_stands_half_a_period_and_not_a_whole_one(loop):
-    for delay, stable in ((0.05, True), (0.1, False)):
-        changed = {"clock.control": 0.1, "actuator.delay": delay}
-        assert (radius(closed(loop("kanayama", changed), CIRCLE, 0.1)) < 1) == stable
-        run = simulate("paper-simulation-nominal", "kanayama", overrides=changed)
-        assert ("oscillates" not in [item.key for item in run.remarks]) == stable

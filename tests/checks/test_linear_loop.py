@@ -15,7 +15,6 @@ from wmr_ctrl.theory.checks.loop import Loop
 from wmr_ctrl.theory.checks.radius import (
     _of_product,
     from_pose_to_pose,
-    largest_radius,
     radius,
     stretches_of,
 )
@@ -150,11 +149,14 @@ def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, eff
         ("mb", "window and age"),
         ("prox", "delay and lag"),
         ("prox", "encoder"),
-        pytest.param("prox", "unmodelled_delay", marks=pytest.mark.slow),
-        pytest.param("prox", "gyro", marks=pytest.mark.slow),
-        pytest.param("mb", "wheels", marks=pytest.mark.slow),
-        pytest.param("mb", "resistance", marks=pytest.mark.slow),
+        ("prox", "unmodelled_delay"),
+        ("prox", "gyro"),
+        ("mb", "wheels"),
+        ("mb", "resistance"),
     ],
+)
+@pytest.mark.slow_but(
+    "mb-none", "mb-window and age", "prox-delay and lag", "prox-encoder", "prox-unmodelled_delay"
 )
 def test_on_a_circle_the_matrix_is_the_same_at_every_instant(law, effects):
     loop = Loop(settle(still(EFFECTS[effects]), law))
@@ -259,24 +261,6 @@ def test_what_a_law_knows_of_its_drives_falls_with_their_lag():
     known = around.known_of_drives(T, DriveTimes(0.0, 0.0, lag), applied=True, commands=0)
 
     assert radius(known.moved) == pytest.approx(np.exp(-T / lag), rel=1e-12)
-
-
-@pytest.mark.slow
-def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples():
-    period = 0.1
-    eight = {"reference.kind": "lemniscate", "reference.size": 2.0, "reference.rate": 0.1}
-    scenario = still({**eight, "clock.control": period})
-    loop, cycle = Loop(settle(scenario, "kanayama")), scenario.reference.cycle
-    whole, count = 0.0, round(cycle / period)
-    total = np.eye(len(closed(loop, V_D, period)))
-    for row in sample(scenario, (np.arange(count) + 0.5) * cycle / count):
-        total = closed(loop, row[3:5], period) @ total
-        size = np.linalg.norm(total)
-        total, whole = total / size, whole + np.log(size)
-    expected = np.exp((np.log(radius(total)) + whole) / count)
-
-    assert stretches_of(scenario) is not None
-    assert largest_radius(loop, period) == pytest.approx(expected, abs=1e-3)
 
 
 @pytest.mark.parametrize(

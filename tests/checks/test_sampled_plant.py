@@ -44,12 +44,3 @@ def test_runs_cycle_just_outside_the_masses_that_are_said(law):
     for ratio, outside in ((0.9 * low, True), (1.1 * low, False), (0.9 * high, False)):
         robot = {"robot.m": 50.0 * ratio, "robot.I": 5.4 * ratio, "model.m": 50.0, "model.I": 5.4}
         assert cycles(period | robot, law) is outside
-
-
-@pytest.mark.slow
-def test_runs_cycle_just_beyond_the_delay_that_is_said():
-    period = {"clock.control": 0.05}
-    most = stability(load_scenario("paper-simulation-nominal", period), "prox").delay
-    for delay, beyond in ((most - 0.004, False), (most + 0.004, True)):
-        late = {"actuator.delay": round(delay, 3)}
-        assert cycles(period | late, "prox") is beyond

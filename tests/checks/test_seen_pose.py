@@ -35,18 +35,6 @@ def test_the_linear_report_has_the_same_limit(every, stable, monkeypatch):
     assert (page.spectral_radius < 1) is stable
 
 
-@pytest.mark.parametrize("every", [0.2, 0.5])
-@pytest.mark.slow
-def test_rare_poses_that_are_late_are_less_harmful_than_frequent_ones(every):
-    """Dead reckoning needs no pose to be stable; a late one corrects what has passed since."""
-    late = {"sensor.pose_delay": 0.2, "sensor.pose_period": every}
-    scenario = load_scenario("paper-simulation-nominal", late)
-    remarks = [item.key for item in simulate(scenario, "prox").remarks]
-
-    assert (largest_stable_period(scenario, "prox") > 0.01) is (every > 0.3)
-    assert ("oscillates" not in remarks) is (every > 0.3)
-
-
 def test_what_is_left_out_is_said():
     rare = {"sensor.pose_period": 0.1, "sensor.pose_dropout": 0.3}
 

@@ -18,7 +18,6 @@ from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.theory.checks.stable_ranges import (
     Stability,
     largest_period,
-    largest_stable_delay,
     stability,
     stable_delays,
     stable_masses,
@@ -167,18 +166,6 @@ def test_no_period_is_stable_over_which_the_base_stops_between_two_commands():
     assert "up to clock.control = 0.1 s, beyond which the base stops between commands" in words
 
 
-@pytest.mark.slow
-def test_a_law_knows_of_the_longest_delay_that_is_told():
-    scenario = moving({})
-    limit = largest_stable_delay(loop_of(settle(scenario, "prox")))
-    assert limit is not None
-    for share in (0.9, 1.1):
-        late = override(scenario, {"base.delay": round(share * limit, 3), "clock.duration": 60.0})
-        away = np.abs(off(late, "prox", SMALL)[:, :3])
-
-        assert bool(away[-200:].max() > away[600:800].max()) is (share > 1)
-
-
 @pytest.mark.parametrize(("law", "gain"), [("mb", [1.3, 0.8]), ("kanayama", [0.8, 1.3])])
 @pytest.mark.slow_but("mb-gain0")
 def test_where_it_does_not_rest_on_its_reference_the_longest_period_holds_at_its_rest(law, gain):
@@ -258,20 +245,6 @@ def test_a_firmware_that_cuts_the_paths_own_commands_is_named():
     told = [stability(moving({"base.w_max": w}), "kanayama").remarks for w in (5.3, 5.4)]
 
     assert ["base.w_max" in " ".join(remarks) for remarks in told] == [True, False]
-
-
-@pytest.mark.slow
-def test_a_network_is_linearised_with_its_weights_moving():
-    """Held, they allow less here than they do (0.392 s), and elsewhere more."""
-    scenario = moving({})
-    limit = largest_period(loop_of(settle(scenario, "nn")))
-    ends = []
-    for period in (0.4, round(1.1 * limit, 3)):
-        clock = {"clock.control": period, "clock.duration": 800 * period}
-        ends.append(np.abs(off(override(scenario, clock), "nn", SMALL)[-40:, :3]).max())
-
-    assert limit > 0.4
-    assert ends[0] < 1e-4 < 1e-2 < ends[1]
 
 
 def test_a_loop_that_is_stable_only_with_its_delay_is_told_from_there_on():

@@ -1,15 +1,12 @@
 """A law is told of Eq. (7), a theorem, a barrier or a believed model only where it has one."""
 
-import json
 import re
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from tests.control.laws.toys import PLAIN, install
 from wmr_ctrl.api import simulate
-from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import warnings_for
@@ -63,11 +60,12 @@ def test_the_plain_law_tracks_and_states_nothing():
     [
         ("plain", "paper-experiment", True),
         ("plain", "paper-simulation", False),
-        pytest.param("kanayama", "paper-experiment", False, marks=pytest.mark.slow),
-        pytest.param("nn", "far-start", True, marks=pytest.mark.slow),
-        pytest.param("plain", "turtlebot3-burger", False, marks=pytest.mark.slow),
+        ("kanayama", "paper-experiment", False),
+        ("nn", "far-start", True),
+        ("plain", "turtlebot3-burger", False),
     ],
 )
+@pytest.mark.slow_but("plain-paper-experiment-True", "plain-paper-simulation-False")
 def test_no_warning_speaks_of_what_a_law_has_not(law, name, guard):
     assert spoken(warned(law, name, **{"guard.enabled": guard}), law) == []
 
@@ -83,20 +81,6 @@ def test_nor_where_everything_is_wrong_at_once(law):
 
 def test_those_that_have_it_are_told():
     assert set(spoken(warned("mb", **HARSH), "plain")) == set(FOREIGN)
-
-
-@pytest.mark.parametrize("arguments", [["-v"], ["--json"]])
-@pytest.mark.slow
-def test_nor_does_the_command(arguments):
-    sets = [part for key, value in HARSH.items() for part in ("--set", f"{key}={value}")]
-    command = ["check", "paper-simulation", "--law", "plain", *sets, *arguments]
-    done = CliRunner().invoke(root, command)
-
-    assert done.exit_code == 0, done.output
-    assert spoken(done.stdout, "plain") == []  # the key that was set in vain is named on stderr
-    if arguments == ["--json"]:
-        (law,) = json.loads(done.stdout)["laws"].values()
-        assert len(law["warnings"]) >= 2
 
 
 TIMED = {"encoder.counts": 4096.0, "encoder.method": "time"}

@@ -21,11 +21,12 @@ from wmr_ctrl.world.scenario import load_scenario, preset_names
     [
         ("paper-experiment", "nn"),
         ("paper-simulation", "pid"),
-        pytest.param("robot-100ms", "prox", marks=pytest.mark.slow),
-        pytest.param("outside-start", "smc", marks=pytest.mark.slow),
-        pytest.param("turtlebot3-burger", "pursuit", marks=pytest.mark.slow),
+        ("robot-100ms", "prox"),
+        ("outside-start", "smc"),
+        ("turtlebot3-burger", "pursuit"),
     ],
 )
+@pytest.mark.slow_but("paper-experiment-nn", "paper-simulation-pid")
 def test_every_preset_gets_a_handful_of_readable_sentences(name, law):
     found = warnings_for(settle(load_scenario(name), law))
 
@@ -35,21 +36,6 @@ def test_every_preset_gets_a_handful_of_readable_sentences(name, law):
         assert not re.search(r"\bnan\b|np\.|array|\{", warning.sentence)
         assert warning.equation
         assert str(warning) == f"{warning.sentence} [{warning.equation}]"
-
-
-@pytest.mark.parametrize(
-    ("kind", "law"),
-    [
-        ("circle", "pid"),
-        ("line", "smc"),
-        pytest.param("lemniscate", "mb", marks=pytest.mark.slow),
-        pytest.param("stop-and-go", "prox", marks=pytest.mark.slow),
-    ],
-)
-def test_every_reference_is_judged(kind, law):
-    scenario = load_scenario("paper-simulation", {"reference.kind": kind})
-
-    assert isinstance(warnings_for(settle(scenario, law)), tuple)
 
 
 @pytest.mark.slow
