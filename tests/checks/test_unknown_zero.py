@@ -48,7 +48,7 @@ def draws(seed):
     def pair(most):
         return [float(x) for x in rng.uniform(0.1, most, 2) * (rng.random(2) > 0.4)]
 
-    for _ in range(20):
+    for _ in range(7):
         still = {"disturbance.std": 0.0, "guard.enabled": bool(rng.random() < 0.7)}
         yield TORQUE, still | {"guard.dbar": pair(3.0), "guard.nbar": pair(0.2)}
         filtered: dict[str, object] = {"filter.d": pair(0.2), "filter.odometry": pair(0.2)}

@@ -2,6 +2,7 @@
 
 import math
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -24,9 +25,16 @@ SHORT = ("--engine", "numpy", "--set", "clock.duration=0.2")
 """Options of a run that needs neither a compiler nor time."""
 
 
+def words_of(*args):
+    """Of a command line, or as they are."""
+    return shlex.split(*args) if len(args) == 1 and " " in str(args[0]) else [*map(str, args)]
+
+
 @pytest.fixture
 def wmr(monkeypatch):
     """Call `wmr-ctrl` in a terminal of 80 columns; the result has exit_code, stdout, stderr.
+
+    It takes a command line, or words.
 
     How long a job takes is not told on stderr, which would hang on what else the machine does.
     """
@@ -34,7 +42,7 @@ def wmr(monkeypatch):
     monkeypatch.setattr(console, "FIRST", math.inf)
 
     def call(*args):
-        return CliRunner().invoke(root, [str(arg) for arg in args])
+        return CliRunner().invoke(root, words_of(*args))
 
     return call
 
@@ -44,7 +52,7 @@ def short_run(wmr):
     """Call `wmr-ctrl run` on a fifth of a second of a scenario."""
 
     def call(*args):
-        return wmr("run", *(args or ("paper-simulation",)), *SHORT)
+        return wmr("run", *words_of(*(args or ("paper-simulation",))), *SHORT)
 
     return call
 
@@ -68,7 +76,7 @@ def program(environment, tmp_path):
     """Run `wmr-ctrl` as a process in an empty folder."""
 
     def call(*args):
-        command = (*PROGRAM, *(str(arg) for arg in args))
+        command = (*PROGRAM, *words_of(*args))
         return subprocess.run(
             command, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=120
         )

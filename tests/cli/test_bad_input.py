@@ -5,63 +5,60 @@ import re
 
 import pytest
 
-RUN = ("run", "paper-simulation", "--engine", "numpy")
+RUN = "run paper-simulation --engine numpy"
 
 CASES = {
-    "command": (("rnu",), "no command is named 'rnu' (near: run"),
-    "law": (("run", "--law", "mbb"), "no law is named 'mbb' (near: mb"),
-    "law beside all": (("compare", "--law", "all,mbb"), "no law is named 'mbb' (near: mb"),
-    "scenario": (("run", "papersimulation"), "near: paper-simulation"),
-    "law as a scenario": (("run", "prox"), "wmr-ctrl run far-start --law prox"),
-    "engine": (("run", "--engine", "numpi"), "no engine is named 'numpi' (near: numpy"),
-    "law of a page": (
-        ("page", "--out", "a.html", "--law", "mbb"),
-        "no law is named 'mbb' (near: mb",
-    ),
-    "page's scenario": (("page", "--out", "a.html", "--scenario", "far"), "near: far-start"),
-    "page's argument": (("page", "--out", "a.html", "far-start"), "is given by --scenario"),
-    "page's suffix": (("page", "--out", "a.png"), "must end in .html"),
-    "page's folder": (("page", "--out", "none/a.html"), "none' does not exist"),
-    "option": (("run", "--sed", "1"), "--seed"),  # which is near
-    "option's value": (("run", "--seed", "one"), "'one' is not a whole number from 0 up"),
-    "negative seed": (("run", "--seed", "-1"), "'-1' is not a whole number from 0 up"),
-    "huge seed": ((*RUN, "--seed", str(2**70)), "is not a whole number from 0 up"),
-    "key": ((*RUN, "--set", "robot.mass=1"), "robot.mass is not a key in robot"),
-    "section": ((*RUN, "--set", "robto.m=1"), "near: robot"),
-    "gain": ((*RUN, "--set", "gains.mb.rhoo=1"), "near: rho"),
-    "gains of no law": ((*RUN, "--set", "gains.mbb.rho=1"), "near: mb"),
-    "assignment": ((*RUN, "--set", "robot.m"), "is not KEY=VALUE"),
-    "type": ((*RUN, "--set", "robot.m=heavy"), 'robot.m = "heavy" must be a number'),
-    "NaN": ((*RUN, "--set", "robot.m=nan"), "robot.m = nan must be a finite number"),
-    "negative mass": ((*RUN, "--set", "robot.m=-1"), "robot.m = -1 must be above 0"),
-    "thresholds": ((*RUN, "--set", "limits.v_u2[1]=1.6"), "limits.v_u2[1] = 1.6 must be below"),
-    "periods": ((*RUN, "--set", "clock.control=0.0105"), "whole multiple of clock.plant"),
-    "missing file": (("run", "missing.toml"), "missing.toml"),
-    "no seeds": (("reproduce", "--seeds", "0"), "0 is not in the range"),
-    "no jobs": (("reproduce", "--jobs", "0"), "0 is not in the range"),
-    "one run to compare": (("compare", "a.npz"), "Missing argument 'RUN_B'"),
-    "runs to compare": (("compare", "a.npz", "b.npz"), "cannot read 'a.npz'"),
-    "suffix to compare": (("compare", "a.txt", "b.txt"), ".npz or .csv"),
-    "tolerance": (("compare", "--tolerance", "x", "a.npz", "b.npz"), "'x' is not a valid float"),
-    "scenario to print": (("scenarios", "far"), "near: far-start"),
-    "nothing to print": (("scenarios", "--toml"), "need the NAME of a scenario"),
-    "nothing to complete": (("scenarios", "--complete"), "need the NAME of a scenario"),
-    "two forms": (("scenarios", "far-start", "--toml", "--json"), "either --toml or --json"),
-    "law to check": (("check", "far-start", "--law", "nm"), "near: nn"),
-    "nothing to check": (("check",), "Missing argument 'SCENARIO'"),
-    "suffix of measurements": (("bench", "--json", "a.txt"), "must end in .json"),
-    "suffix of the run": ((*RUN, "--out", "a.txt"), "--out 'a.txt' must end in .npz or .csv"),
-    "suffix of the plot": ((*RUN, "--plot", "a.npz"), "--plot 'a.npz' must end in .png"),
-    "suffix of the film": ((*RUN, "--animate", "a.avi"), "--animate 'a.avi' must end in .gif"),
+    "command": ("rnu", "no command is named 'rnu' (near: run"),
+    "law": ("run --law mbb", "no law is named 'mbb' (near: mb"),
+    "law beside all": ("compare --law all,mbb", "no law is named 'mbb' (near: mb"),
+    "scenario": ("run papersimulation", "near: paper-simulation"),
+    "law as a scenario": ("run prox", "wmr-ctrl run far-start --law prox"),
+    "engine": ("run --engine numpi", "no engine is named 'numpi' (near: numpy"),
+    "law of a page": ("page --out a.html --law mbb", "no law is named 'mbb' (near: mb"),
+    "page's scenario": ("page --out a.html --scenario far", "near: far-start"),
+    "page's argument": ("page --out a.html far-start", "is given by --scenario"),
+    "page's suffix": ("page --out a.png", "must end in .html"),
+    "page's folder": ("page --out none/a.html", "none' does not exist"),
+    "option": ("run --sed 1", "--seed"),
+    "option's value": ("run --seed one", "'one' is not a whole number from 0 up"),
+    "negative seed": ("run --seed -1", "'-1' is not a whole number from 0 up"),
+    "huge seed": (f"{RUN} --seed {2**70}", "is not a whole number from 0 up"),
+    "key": (f"{RUN} --set robot.mass=1", "robot.mass is not a key in robot"),
+    "section": (f"{RUN} --set robto.m=1", "near: robot"),
+    "gain": (f"{RUN} --set gains.mb.rhoo=1", "near: rho"),
+    "gains of no law": (f"{RUN} --set gains.mbb.rho=1", "near: mb"),
+    "assignment": (f"{RUN} --set robot.m", "is not KEY=VALUE"),
+    "type": (f"{RUN} --set robot.m=heavy", 'robot.m = "heavy" must be a number'),
+    "NaN": (f"{RUN} --set robot.m=nan", "robot.m = nan must be a finite number"),
+    "negative mass": (f"{RUN} --set robot.m=-1", "robot.m = -1 must be above 0"),
+    "thresholds": (f"{RUN} --set limits.v_u2[1]=1.6", "limits.v_u2[1] = 1.6 must be below"),
+    "periods": (f"{RUN} --set clock.control=0.0105", "whole multiple of clock.plant"),
+    "missing file": ("run missing.toml", "missing.toml"),
+    "no seeds": ("reproduce --seeds 0", "0 is not in the range"),
+    "no jobs": ("reproduce --jobs 0", "0 is not in the range"),
+    "one run to compare": ("compare a.npz", "Missing argument 'RUN_B'"),
+    "runs to compare": ("compare a.npz b.npz", "cannot read 'a.npz'"),
+    "suffix to compare": ("compare a.txt b.txt", ".npz or .csv"),
+    "tolerance": ("compare --tolerance x a.npz b.npz", "'x' is not a valid float"),
+    "scenario to print": ("scenarios far", "near: far-start"),
+    "nothing to print": ("scenarios --toml", "need the NAME of a scenario"),
+    "nothing to complete": ("scenarios --complete", "need the NAME of a scenario"),
+    "two forms": ("scenarios far-start --toml --json", "either --toml or --json"),
+    "law to check": ("check far-start --law nm", "near: nn"),
+    "nothing to check": ("check", "Missing argument 'SCENARIO'"),
+    "suffix of measurements": ("bench --json a.txt", "must end in .json"),
+    "suffix of the run": (f"{RUN} --out a.txt", "--out 'a.txt' must end in .npz or .csv"),
+    "suffix of the plot": (f"{RUN} --plot a.npz", "--plot 'a.npz' must end in .png"),
+    "suffix of the film": (f"{RUN} --animate a.avi", "--animate 'a.avi' must end in .gif"),
     "picture for a folder": (
-        ("linearize", "paper-simulation", "--plot", "lin.png"),
+        "linearize paper-simulation --plot lin.png",
         "Name the folder, such as 'lin'",
     ),
-    "page for a folder": (("reproduce", "--out", "report.html"), "is the name of a file"),
-    "no suffix": ((*RUN, "--out", "a"), "must end in .npz or .csv"),
-    "folder of the run": ((*RUN, "--out", "no/a.npz"), "Create the folder first"),
-    "folder of the plot": ((*RUN, "--plot", "no/a.png"), "Create the folder first"),
-    "folder of the measurements": (("bench", "--json", "no/a.json"), "Create the folder first"),
+    "page for a folder": ("reproduce --out report.html", "is the name of a file"),
+    "no suffix": (f"{RUN} --out a", "must end in .npz or .csv"),
+    "folder of the run": (f"{RUN} --out no/a.npz", "Create the folder first"),
+    "folder of the plot": (f"{RUN} --plot no/a.png", "Create the folder first"),
+    "folder of the measurements": ("bench --json no/a.json", "Create the folder first"),
 }
 
 
@@ -89,7 +86,7 @@ def empty_folder(tmp_path, monkeypatch):
 def test_bad_input_is_explained_in_one_paragraph(wmr, name, empty_folder):
     arguments, words = CASES[name]
 
-    assert_one_paragraph(wmr(*arguments), words)
+    assert_one_paragraph(wmr(arguments), words)
     assert list(empty_folder.iterdir()) == []
 
 
@@ -116,7 +113,7 @@ def test_bad_files_are_explained_in_one_paragraph(wmr, empty_folder, name, comma
     content, words = FILES[name]
     (empty_folder / "bad.toml").write_bytes(content)
 
-    found = wmr(command, "./bad.toml")
+    found = wmr(f"{command} ./bad.toml")
 
     assert_one_paragraph(found, words)
     assert all(c.isprintable() or c == "\n" for c in found.stderr)
@@ -135,13 +132,13 @@ def test_bad_waypoints_are_explained(wmr, empty_folder, points, words):
     (empty_folder / "points.csv").write_text(points)
     (empty_folder / "path.toml").write_text('[reference]\nkind = "waypoints"\nfile = "points.csv"')
 
-    assert_one_paragraph(wmr("run", "path.toml"), words)
+    assert_one_paragraph(wmr("run path.toml"), words)
 
 
 def test_foreign_file_is_no_run(wmr, empty_folder):
     (empty_folder / "a.npz").write_bytes(random_bytes())
 
-    assert_one_paragraph(wmr("compare", "a.npz", "a.npz"), "is not a run")
+    assert_one_paragraph(wmr("compare a.npz a.npz"), "is not a run")
 
 
 def test_outputs_are_checked_before_anything_runs(wmr, monkeypatch):
@@ -150,14 +147,14 @@ def test_outputs_are_checked_before_anything_runs(wmr, monkeypatch):
 
     monkeypatch.setattr("wmr_ctrl.api.simulate", never)
 
-    assert_one_paragraph(wmr(*RUN, "--out", "no/a.npz"), "Create the folder first")
+    assert_one_paragraph(wmr(f"{RUN} --out no/a.npz"), "Create the folder first")
 
 
 def test_results_folder_must_be_a_folder(wmr, empty_folder):
     (empty_folder / "taken").write_text("")
 
-    assert_one_paragraph(wmr("reproduce", "--out", "taken"), "is a file. Name a folder.")
-    assert_one_paragraph(wmr("reproduce", "--out", "taken/deep"), "is a file. Name a folder.")
+    assert_one_paragraph(wmr("reproduce --out taken"), "is a file. Name a folder.")
+    assert_one_paragraph(wmr("reproduce --out taken/deep"), "is a file. Name a folder.")
 
 
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="needs a user who can be refused")
@@ -165,7 +162,7 @@ def test_protected_folder_is_refused(wmr, empty_folder):
     protected = empty_folder / "protected"
     protected.mkdir(mode=0o500)
 
-    assert_one_paragraph(wmr("reproduce", "--out", protected / "a"), "may not be written to")
+    assert_one_paragraph(wmr(f"reproduce --out {protected}/a"), "may not be written to")
 
 
 def test_system_errors_name_the_file(wmr, monkeypatch):
@@ -174,8 +171,8 @@ def test_system_errors_name_the_file(wmr, monkeypatch):
 
     monkeypatch.setattr("wmr_ctrl.api.simulate", full)
 
-    assert_one_paragraph(wmr(*RUN, "--set", "disturbance.std=0", "--law", "mb", "--set",
-                             "changes=[]"), "a.npz: No space left on device.")  # fmt: skip
+    line = f"{RUN} --set disturbance.std=0 --law mb --set changes=[]"
+    assert_one_paragraph(wmr(line), "a.npz: No space left on device.")
 
 
 def test_faults_ask_for_a_rerun_with_debug(wmr, monkeypatch):
@@ -198,6 +195,6 @@ def test_debug_shows_the_traceback_too(wmr, place):
 
 
 def test_debug_does_not_outlive_its_command(wmr):
-    wmr("--debug", "laws")
+    wmr("--debug laws")
 
-    assert "Traceback" not in wmr("check", "far-start", "--law", "nm").stderr
+    assert "Traceback" not in wmr("check far-start --law nm").stderr

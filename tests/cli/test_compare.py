@@ -50,7 +50,7 @@ def test_json(wmr, saved):
 @pytest.mark.parametrize("tolerance", ["-1", "nan"])
 def test_tolerance_must_make_sense(wmr, saved, tolerance):
     path = saved("a.npz")
-    found = wmr("compare", path, path, "--tolerance", tolerance)
+    found = wmr(f"compare {path} {path} --tolerance {tolerance}")
 
     assert found.exit_code == 2
     assert "tolerance" in found.stderr

@@ -38,7 +38,7 @@ def test_a_run_without_law_says_which_it_takes_and_why(law, why, tmp_path):
 def test_an_unknown_law_is_refused_with_its_neighbours_and_its_file(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text('law = "nm"\nextends = "turtlebot3-burger"\n')
-    found = CliRunner().invoke(root, ["run", str(file)])
+    found = CliRunner().invoke(root, f"run {file}")
 
     assert found.exit_code == 2
     said = " ".join(found.stderr.split())

@@ -54,8 +54,8 @@ def test_help_texts_name_what_the_code_has(wmr):
     (layout,) = (item for item in root.commands["codegen"].params if item.name == "layout")
 
     assert tuple(layout.type.choices) == LAYOUTS
-    assert f"Law for {', '.join(WITH_LAW[:-1])} and {WITH_LAW[-1]}." in words(wmr("export", "-h"))
-    assert f"[default: {SEEDS}, or {QUICK} with --quick]" in words(wmr("reproduce", "-h"))
+    assert f"Law for {', '.join(WITH_LAW[:-1])} and {WITH_LAW[-1]}." in words(wmr("export -h"))
+    assert f"[default: {SEEDS}, or {QUICK} with --quick]" in words(wmr("reproduce -h"))
 
 
 def words(found):

@@ -66,7 +66,7 @@ def place(tmp_path, monkeypatch, short_run):
     Path("mine.toml").write_text('extends = "robot.toml"\nclock.duration = 0.2\n')
     Path("circle.toml").write_text(HEAD + "clock.duration = 0.2\n")
     Path("plan.toml").write_text('scenario = "mine.toml"\nlaws = ["pid"]\nseeds = 1\n')
-    assert short_run("--out", "saved.csv").exit_code == 0
+    assert short_run("--out saved.csv").exit_code == 0
     shutil.copy("saved.csv", "log.csv")
     return tmp_path
 
@@ -133,21 +133,21 @@ def test_any_spelling_is_seen(wmr, place, path):
 
 @pytest.mark.parametrize("file", ["mine.toml", "robot.toml"])
 def test_files_that_a_scenario_extends_are_kept(wmr, place, file):
-    assert refused(wmr("tune", "mine.toml", "--law", "pid", "--out", file))
+    assert refused(wmr(f"tune mine.toml --law pid --out {file}"))
 
 
 def test_a_study_goes_on_in_its_folder(wmr, place):
     for _ in range(2):
-        assert wmr("study", "plan.toml", "--out", "study").exit_code == 0
+        assert wmr("study plan.toml --out study").exit_code == 0
 
 
 def test_a_run_may_replace_the_one_before(wmr, place, short_run):
-    assert short_run("mine.toml", "--out", "saved.csv").exit_code == 0
+    assert short_run("mine.toml --out saved.csv").exit_code == 0
 
 
 def test_package_in_the_folder_of_another_is_noted(wmr, place):
     for law in ("pid", "kanayama"):
-        result = wmr("codegen", law, "--out", "c")
+        result = wmr(f"codegen {law} --out c")
     said = " ".join(result.stderr.split())
 
     assert "c also holds files of another package: wmr_pid.c, wmr_pid.h. Delete them" in said

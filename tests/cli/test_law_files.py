@@ -95,12 +95,12 @@ def test_commands_take_files_among_names(wmr, tmp_path):
     gains = "gains.my_law.K=300,30"
     both = ("--law", "kanayama,my_law.py", "--set", "clock.duration=1", "--set", gains)
     compared = wmr("compare", "paper-simulation-nominal", *both)
-    written = wmr("codegen", "my_law.py", "--out", "c")
+    written = wmr("codegen my_law.py --out c")
     plan = tmp_path / "plans"
     plan.mkdir()
     (plan / "mine.py").write_text(LAW)
     (plan / "p.toml").write_text('laws = ["mine.py"]\nseeds = 1\n[set]\n"clock.duration" = 1.0\n')
-    studied = wmr("study", "plans/p.toml", "--out", "st")
+    studied = wmr("study plans/p.toml --out st")
 
     assert (compared.exit_code, written.exit_code, studied.exit_code) == (0, 0, 0)
     assert "my_law" in compared.stdout

@@ -31,7 +31,7 @@ def started(environment, program_line, tmp_path):
 
 
 def test_result_goes_to_stdout_and_talk_to_stderr(program):
-    done = program("run", "--engine", "numpy", "--set", "clock.duration=0.2", "--json")
+    done = program("run --engine numpy --set clock.duration=0.2 --json")
 
     assert done.returncode == 0
     assert json.loads(done.stdout)["outcome"] == "completed"
@@ -55,14 +55,6 @@ def test_errors_are_exit_code_2_without_traceback(program, args):
     assert done.stdout == ""
     assert done.stderr.startswith("error: ")
     assert "Traceback" not in done.stderr
-
-
-@pytest.mark.slow
-def test_printed_scenario_runs(program, tmp_path):
-    (tmp_path / "my.toml").write_text(program("scenarios", "far-start", "--toml").stdout)
-    done = program("run", "my.toml", "--engine", "numpy", "--set", "clock.duration=0.1", "--json")
-
-    assert json.loads(done.stdout)["scenario"] == "my"
 
 
 @posix

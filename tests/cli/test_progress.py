@@ -98,7 +98,7 @@ def test_export_is_not_silent_while_it_compiles(monkeypatch, tmp_path):
     monkeypatch.setattr(module.click, "echo", lambda text, err: (lines.append(text), said.set()))
     monkeypatch.setattr(api, "export_fmu", lambda what, **_given: [said.wait(60) and what])
     lines = []
-    result = CliRunner().invoke(root, ["export", "nn", "--out", str(tmp_path)])
+    result = CliRunner().invoke(root, f"export nn --out {tmp_path}")
 
     assert result.exit_code == 0
     assert lines[0].startswith("export nn: ")

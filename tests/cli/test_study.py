@@ -22,8 +22,8 @@ def plan(tmp_path):
 
 
 def test_a_plan_leaves_a_table_and_says_where(wmr, plan, tmp_path):
-    first = wmr("study", plan, "--out", tmp_path / "s", "--json")
-    again = wmr("study", plan, "--out", tmp_path / "s", "--jobs", 1)
+    first = wmr(f"study {plan} --out {tmp_path}/s --json")
+    again = wmr(f"study {plan} --out {tmp_path}/s --jobs 1")
 
     assert first.exit_code == 0, first.stderr
     assert json.loads(first.stdout)["runs"] == 6
@@ -41,7 +41,7 @@ def test_who_interrupts_is_told_that_it_goes_on(wmr, plan, tmp_path, monkeypatch
         raise KeyboardInterrupt
 
     monkeypatch.setattr("wmr_ctrl.api.study", stop)
-    done = wmr("study", plan, "--out", tmp_path / "s")
+    done = wmr(f"study {plan} --out {tmp_path}/s")
 
     assert done.exit_code == 130
     assert ("the same command goes on from there" in " ".join(done.stderr.split())) is begun
@@ -50,9 +50,9 @@ def test_who_interrupts_is_told_that_it_goes_on(wmr, plan, tmp_path, monkeypatch
 def test_the_table_by_columns_has_the_numbers_of_the_text(wmr, plan, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     folder = tmp_path / "s"
-    nothing = wmr("study", "parquet", folder)
-    wmr("study", plan, "--out", folder)
-    told = wmr("study", "parquet", folder)
+    nothing = wmr(f"study parquet {folder}")
+    wmr(f"study {plan} --out {folder}")
+    told = wmr(f"study parquet {folder}")
 
     assert nothing.exit_code == 2
     assert "there is no folder" in " ".join(nothing.stderr.split())
@@ -90,7 +90,7 @@ def test_bad_input_is_one_paragraph(wmr, tmp_path, text, options, words):
 
 def test_a_scenario_s_file_is_called_so(wmr, tmp_path):
     (tmp_path / "robot.toml").write_text('title = "mine"\n[robot]\nm = 30.0\n')
-    told = " ".join(wmr("study", tmp_path / "robot.toml", "--out", tmp_path / "s").stderr.split())
+    told = " ".join(wmr(f"study {tmp_path}/robot.toml --out {tmp_path}/s").stderr.split())
 
     assert "robot.toml is a scenario, not a study plan" in told
     assert 'scenario = "robot.toml"' in told
@@ -111,8 +111,8 @@ robot.mu = [0.0, 1.0]
 
 def test_a_study_of_which_the_guard_refuses_all_is_no_success(wmr, tmp_path):
     (tmp_path / "plan.toml").write_text(ALL_REFUSED)
-    found = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s", "--json")
-    told = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s")
+    found = wmr(f"study {tmp_path}/plan.toml --out {tmp_path}/s --json")
+    told = wmr(f"study {tmp_path}/plan.toml --out {tmp_path}/s")
     ((reason, count),) = json.loads(found.stdout)["refused"].items()
 
     assert (found.exit_code, told.exit_code) == (1, 1)
@@ -121,7 +121,7 @@ def test_a_study_of_which_the_guard_refuses_all_is_no_success(wmr, tmp_path):
 
 
 def test_a_study_needs_a_folder(wmr, plan):
-    assert wmr("study", plan).exit_code == 2
+    assert wmr(f"study {plan}").exit_code == 2
 
 
 SOBOL = """\
@@ -141,7 +141,7 @@ robot.m = [50.0, 60.0]
 def test_a_number_that_is_no_power_of_2_is_told_in_one_warning(wmr, tmp_path, recwarn, n, warned):
     pytest.importorskip("SALib")
     (tmp_path / "plan.toml").write_text(SOBOL.format(n=n))
-    found = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s", "--json")
+    found = wmr(f"study {tmp_path}/plan.toml --out {tmp_path}/s --json")
     told = " ".join(found.stderr.split())
 
     assert found.exit_code == 0, found.stderr
@@ -167,7 +167,7 @@ def test_what_cannot_be_drawn_is_one_paragraph(wmr, tmp_path, files, words):
         folder.mkdir()
         for name, text in files.items():
             (folder / name).write_text(text)
-    found = wmr("study", "plot", folder)
+    found = wmr(f"study plot {folder}")
 
     assert found.exit_code == 2
     assert words in " ".join(found.stderr.split())

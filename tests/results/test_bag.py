@@ -60,10 +60,8 @@ def test_commands_show_and_compare_take_it(tmp_path):
     for name in ("a.mcap", "b.npz"):
         run.save(tmp_path / name)
 
-    shown = CliRunner().invoke(root, ["show", str(tmp_path / "a.mcap"), "--json"])
-    compared = CliRunner().invoke(
-        root, ["compare", str(tmp_path / "a.mcap"), str(tmp_path / "b.npz")]
-    )
+    shown = CliRunner().invoke(root, f"show {tmp_path}/a.mcap --json")
+    compared = CliRunner().invoke(root, f"compare {tmp_path}/a.mcap {tmp_path}/b.npz")
     foreign = bag(tmp_path, odom_at(EPOCH + np.arange(0, 6, 0.1))) / "drive.mcap"
 
     assert shown.exit_code == compared.exit_code == 0, shown.stderr + compared.stderr
@@ -77,6 +75,6 @@ def test_without_rosbags_the_extra_is_named(tmp_path, monkeypatch):
     with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[logs\]"):
         build().save(tmp_path / "run.mcap")
     assert list(tmp_path.iterdir()) == []
-    done = CliRunner().invoke(root, ["run", "--out", str(tmp_path / "run.mcap")])
+    done = CliRunner().invoke(root, f"run --out {tmp_path}/run.mcap")
     assert done.exit_code == 2
     assert "wmr_ctrl[logs]" in done.stderr

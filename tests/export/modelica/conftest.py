@@ -47,4 +47,4 @@ def simulated(rumoca):
 @pytest.fixture
 def wmr():
     """Call `wmr-ctrl`."""
-    return lambda *given: CliRunner().invoke(root, [str(item) for item in given])
+    return lambda line: CliRunner().invoke(root, line)

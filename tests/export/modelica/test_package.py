@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.export.fmi.fields import POINTS
+from tests.export.fmi.test_fmi_every_column import POINTS
 from tests.export.modelica.conftest import package
 from wmr_ctrl.api import export_fmu, simulate
 from wmr_ctrl.control.laws import LAWS
@@ -246,7 +246,7 @@ def test_it_is_one_file_written_whole(tmp_path, text):
 
 
 def test_options_that_it_does_not_read_are_refused(wmr, tmp_path):
-    done = wmr("export", "modelica", "--out", tmp_path, "--fmi", "2")
+    done = wmr(f"export modelica --out {tmp_path} --fmi 2")
     assert done.exit_code == 2
     assert "modelica does not use it" in done.stderr
     assert not list(tmp_path.iterdir())
