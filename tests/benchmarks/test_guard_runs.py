@@ -152,15 +152,6 @@ def test_position_is_told_where_a_run_lasts_that_long():
     assert 0 < row[AWAY] <= row[FARTHEST]
 
 
-@pytest.mark.slow
-def test_result_does_not_depend_on_the_number_of_threads(comparison):
-    few = [run for run in shortened(DECISIVE) if (run.case.law, run.case.base) == ("mb", "10 ms")]
-    alone, labels = run_comparison(few, jobs=1), ("case", "law", "base", "guard", "seed")
-    rows = {tuple(row[name] for name in labels): row for row in comparison.records()}
-
-    assert alone.records() == [rows[tuple(r[name] for name in labels)] for r in alone.records()]
-
-
 # -- made-up runs -------------------------------------------------------------------------
 
 

@@ -36,17 +36,6 @@ def parts(row):
 
 
 @pytest.mark.parametrize("rows", ROWS)
-@pytest.mark.slow
-def test_model_based_step_equals_numpy(hand, rows):
-    laws = NumpyLaws(Setup())
-    for row in ROWS[rows]:
-        expected = laws.mb_step(*parts(row))
-        actual = hand.step("mb", *parts(row))
-
-        np.testing.assert_allclose(actual, expected, rtol=TOLERANCE, atol=TOLERANCE)
-
-
-@pytest.mark.parametrize("rows", ROWS)
 @pytest.mark.slow_but("tracking")
 def test_network_step_equals_numpy_with_any_weights(hand, rows):
     laws, rng = NumpyLaws(Setup()), np.random.default_rng(2)

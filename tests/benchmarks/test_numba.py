@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks import numba_peer
-from benchmarks.inputs import mixed_rows, tracking_rows
 from benchmarks.numpy_loop import closed_loop
-from benchmarks.numpy_step import NumpyLaws
 from benchmarks.setup import Case, Setup
 from wmr_ctrl.core.errors import MissingExtraError
 
@@ -20,22 +18,6 @@ needs_numba = pytest.mark.skipif(
     find_spec("numba") is None, reason="NOT RUN: numba is not installed (extra `bench`)"
 )
 numba = numba_peer.loops() if find_spec("numba") else None
-
-
-@needs_numba
-@pytest.mark.parametrize(
-    "rows", [tracking_rows(64), mixed_rows(3000, seed=1)], ids=["tracking", "mixed"]
-)
-def test_network_step_equals_numpy_with_any_weights(rows):
-    laws, law, rng = NumpyLaws(SETUP), numba.law_of(SETUP), np.random.default_rng(2)
-    for row in rows:
-        W = rng.normal(0, 100, (2, 64))
-        mine = W.copy()
-        expected, W_expected = laws.nn_step(row[:7], row[7:10], row[10:], W)
-        actual = numba.nn_step(law, row, mine, np.empty(64))
-
-        np.testing.assert_allclose(actual, expected, rtol=TOLERANCE, atol=TOLERANCE)
-        np.testing.assert_allclose(mine, W_expected, rtol=TOLERANCE, atol=TOLERANCE)
 
 
 @needs_numba

@@ -1,13 +1,11 @@
 """The sampled linear loop against known limits, known poles and simulated runs."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tests.checks.asking import closed
-from wmr_ctrl.api import simulate
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.theory.checks import largest_stable_period
 from wmr_ctrl.theory.checks.loop import Loop
@@ -56,20 +54,6 @@ def test_limit_separates_stable_from_unstable_matrices(loop, law):
 
     assert 0.02 < limit < 1
     assert radius(0.999 * limit) < 1 < radius(1.001 * limit)
-
-
-@pytest.mark.parametrize(("period", "stays"), [(0.06, True), (0.064, False)])
-def test_simulation_agrees_on_which_side_of_the_limit_it_is(period, stays):
-    near = {
-        "initial.pose": (0.001, 0.001, 0.001 - math.pi / 2),
-        "initial.velocity": (0.2, 0.1),
-        "clock.control": period,
-        "clock.plant": period / 4,
-        "clock.duration": 500 * period,
-    }
-    run = simulate("paper-simulation-nominal", "mb", engine="numpy", overrides=near)
-
-    assert bool(np.abs(run["e"][-50:]).max() < 0.002) is stays
 
 
 def test_lag_beyond_the_loop_leaves_no_stable_period(loop):

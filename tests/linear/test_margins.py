@@ -8,7 +8,6 @@ import control as ct
 import numpy as np
 import pytest
 
-import wmr_ctrl
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.theory import linear
 from wmr_ctrl.theory.linear import (
@@ -22,7 +21,7 @@ from wmr_ctrl.theory.linear import (
 )
 from wmr_ctrl.theory.linear.margins import crossings
 from wmr_ctrl.world.references import Line
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario
 
 LAWS = ("pid", "smc", "mb", "nn")
 
@@ -104,27 +103,6 @@ def test_sampled_gain_margin_is_the_ratio_of_periods_where_both_end_at_minus_one
 
 def test_a_loop_beyond_its_period_has_no_margins(nominal):
     assert margins_at(nominal, "mb", 1, period=0.07) is None
-
-
-@pytest.mark.parametrize(("delay", "rests"), [(0.030, True), (0.050, False)])
-@pytest.mark.slow
-def test_delay_margin_against_runs_with_a_delay(nominal, delay, rests):
-    """The moment's delay margin at 10 ms is 0.0393 s; the native loop agrees on both sides."""
-    assert 0.030 < margins_at(nominal, "mb", 1, period=0.01).delay < 0.050
-    start = linear.start_off(nominal, (1e-3, 0.0, 1e-3))
-    late = override(
-        nominal,
-        {
-            "actuator.delay": delay,
-            "clock.duration": 8.0,
-            "initial.pose": list(start[:3]),
-            "initial.velocity": list(start[3:]),
-        },
-    )
-    # The delay line starts with zero torque, so friction stirs the loop first.
-    omega = wmr_ctrl.simulate(late, "mb")["omega"] - 0.1
-
-    assert bool(np.abs(omega[-100:]).max() < 0.01) is rests
 
 
 def test_a_wrong_mass_moves_the_model_based_loop_as_its_gain_would(line):

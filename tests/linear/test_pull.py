@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.theory.linear import pull_curve
-from wmr_ctrl.theory.linear.sampled import pull_of
 
 
 def authority(scenario, law, axis, v_c0):
@@ -18,7 +17,6 @@ def authority(scenario, law, axis, v_c0):
     return -pull.min(), v[pull.argmin()]
 
 
-MASS = (50.0, 5.4)
 TABLE = [
     (0.2, 225.0, 0.800, 171.0, 1.300),
     (0.8, 55.11, 0.9268, 77.76, 1.300),
@@ -53,21 +51,3 @@ def test_authority_is_even_and_has_a_closed_form_at_the_kink(nominal):
     assert authority(nominal, "mb", 0, 0.2)[0] == pytest.approx(50 * 15 * 0.6 / 2)
     assert authority(nominal, "mb", 0, -0.2)[0] == pytest.approx(50 * 15 * 0.6 / 2)
     assert authority(nominal, "mb", 0, -0.2)[1] == pytest.approx(-0.8)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("axis", "c"), [(0, 0.8), (1, 7.17)])
-def test_a_run_crosses_above_and_rests_below(nominal, axis, c):
-    top, u1 = authority(nominal, "mb", axis, c)[0], nominal.limits.v_u1[axis]
-    asked = np.zeros(2)
-    asked[axis] = c
-    pull = pull_of(nominal, "mb", axis, asked)
-
-    shares = np.array([0.98, 1.02])
-    v = reached = np.full(2, 0.5)
-    for _ in range(3_000):
-        way = 2e-3 * (pull(np.minimum(v, u1 - 1e-6)) + shares * top) / MASS[axis]
-        v, reached = v + way, np.maximum(reached, v + way)
-        if ((reached > u1) | (np.abs(way) < 4e-6)).all():  # to cross takes 8e-5 at least
-            break
-    assert (reached > u1).tolist() == [False, True]

@@ -43,14 +43,6 @@ def test_spectral_radii_of_the_audit(nominal):
     assert found == pytest.approx((0.99691, 1.3366, 2.530), rel=1e-4)
 
 
-@pytest.mark.slow
-def test_network_limits_of_the_audit(nominal):
-    assert largest_stable_period(nominal, "nn") == pytest.approx(0.1480, rel=2e-3)
-    for m, inertia, expected in ((65.0, 7.0, 0.1924), (80.0, 5.4, 0.1996)):
-        other = override(nominal, {"robot.m": m, "robot.I": inertia})
-        assert largest_stable_period(other, "nn") == pytest.approx(expected, rel=3e-3)
-
-
 @pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn"])
 @pytest.mark.slow_but("mb")
 def test_nonlinear_runs_agree_just_below_and_just_above(nominal, law):
@@ -65,20 +57,6 @@ def test_nonlinear_runs_agree_just_below_and_just_above(nominal, law):
 def test_kink_limits_of_the_audit(nominal):
     assert kink_periods(nominal, "mb") == pytest.approx((2 / 15, 2 / 57.6), rel=1e-6)
     assert kink_periods(nominal, "pid") is None
-
-
-@pytest.mark.slow
-def test_velocity_swings_about_the_kink_just_above_its_limit(nominal):
-    """v_c0 held beyond v_u2; Euler is exact for a held force without friction."""
-    from wmr_ctrl.theory.linear.sampled import pull_of
-
-    limit, mass, u2 = kink_periods(nominal, "mb")[0], 50.0, nominal.limits.v_u2[0]
-    pull = pull_of(nominal, "mb", 0, np.array([u2 + 2.5, 0.0]))
-
-    v, factors = np.full(2, u2 - 1e-5), np.array([BELOW, ABOVE])
-    for _ in range(2000):
-        v = v + factors * limit * pull(v) / mass
-    assert (abs(v - u2) < 1e-7).tolist() == [True, False]
 
 
 def test_regressor_bound_of_the_audit(nominal):
@@ -97,19 +75,6 @@ def test_the_network_of_the_paper_scenario_is_linearly_unstable(nominal):
     assert regressor_square(nominal)[0] == pytest.approx(0.319, rel=2e-3)
     assert largest_learning_period(nominal, "nn", point) == 0.0
     assert grows(nominal, "nn", 0.01, point, "learning", duration=6.0)
-
-
-@pytest.mark.slow
-def test_a_narrower_network_is_stable_up_to_a_period(nominal):
-    """eta^2 = 1 gives |S|^2 = 0.007; runs on both sides of the limit agree."""
-    narrow = override(nominal, {"gains.nn.eta": 1.0})
-    point = resting_point(narrow, "nn")
-    limit = largest_learning_period(narrow, "nn", point)
-
-    assert regressor_square(narrow)[0] == pytest.approx(0.0070, rel=1e-2)
-    assert 0.1 < limit < 0.2
-    assert not grows(narrow, "nn", BELOW * limit, point, "learning")
-    assert grows(narrow, "nn", ABOVE * limit, point, "learning")
 
 
 @pytest.mark.parametrize(

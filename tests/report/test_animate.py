@@ -12,8 +12,7 @@ from tests.results.conftest import build
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.report import animate
 from wmr_ctrl.report.animate import animate_runs
-from wmr_ctrl.report.course import band
-from wmr_ctrl.report.scene import BODY, outline, scene_of, with_tubes
+from wmr_ctrl.report.scene import scene_of, with_tubes
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
@@ -49,16 +48,6 @@ def test_a_robot_whose_run_ended_stays_where_it_was(run):
     assert first.colour != second.colour
     with pytest.raises(ArgumentError, match="different"):
         scene_of([run, build(duration=80.0, x_d=9.0)], 100)
-
-
-def test_the_body_lies_along_the_heading():
-    ahead = outline(np.array([0.0, 0.0, 0.0]), *BODY)  # theta = 0 looks along +Y
-    left = outline(np.array([0.0, 0.0, np.pi / 2]), *BODY)
-
-    assert np.ptp(ahead, axis=0) == pytest.approx((0.5, 0.8))
-    assert np.ptp(left, axis=0) == pytest.approx((0.8, 0.5))
-    right_wheel = outline(np.zeros(3), 0.2, 0.05, 0.25).mean(axis=0)
-    assert right_wheel == pytest.approx((0.25, 0.0))
 
 
 def test_a_page_holds_all_that_it_shows(run, tmp_path):
@@ -192,32 +181,6 @@ def test_a_certified_corridor_is_a_band_and_a_gauge(tmp_path, off):
     above = [y for _, y in data["bands"][0][:100:2]]
     assert above == pytest.approx(most, abs=1e-4)
     assert "the certified corridor from a start on it, up to" in page
-
-
-@pytest.mark.slow
-def test_a_corridor_that_ends_is_drawn_until_then(tmp_path):
-    """Rare poses are counted for good alone, and not past a change."""
-    told = {"changes": [{"t": 0.5, "m": 60.0}], "disturbance.std": 0.1, "sensor.pose_period": 0.02}
-    scenario = load_scenario("safe-simulation", told)
-    run = build(
-        labels={"law": "prox", "guard": True}, duration=1.0, x_d=np.linspace(0, 1, 100),
-        provenance={"scenario_toml": to_toml(scenario)},
-    )  # fmt: skip
-    animate_runs([run], tmp_path / "run.html")
-    page, data = shown_of(tmp_path / "run.html")
-
-    assert len(data["bands"][0]) == 2 * 50
-    assert data["used"][60] == [None]
-    assert "from a start on it, until 0.5 s, " in page
-
-
-def test_a_band_is_as_wide_as_the_corridor_and_stops_where_the_path_does():
-    path = np.array([[0.0, 1.0, 1.0, 1.0, 2.0, 3.0], np.zeros(6)])
-    edges = band(path, np.array([0.1, 0.2, 0.4, 0.3, 0.5, np.nan]))
-
-    corners = [(0, 0.1), (1, 0.4), (2, 0.5), (2, -0.5), (1, -0.4), (0, -0.1)]
-    np.testing.assert_allclose(edges.T, corners, atol=1e-12)
-    assert band(np.ones((2, 5)), np.ones(5)).size == 0
 
 
 def test_a_run_without_a_corridor_has_two_gauges(run):

@@ -13,16 +13,14 @@ from tests.results.conftest import build
 from wmr_ctrl.api import simulate
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import style
-from wmr_ctrl.report.course import course_of, course_of_tube
+from wmr_ctrl.report.course import course_of_tube
 from wmr_ctrl.report.drawing import FAR
 from wmr_ctrl.report.plot_run import plot_run, shown_until
 from wmr_ctrl.report.plot_runs import plot_runs
 from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.report.stage import frames
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.world.references import sample
-from wmr_ctrl.world.scenario import load_scenario, override, to_toml
-from wmr_proofs.corridor.asked import run_corridor
+from wmr_ctrl.world.scenario import load_scenario, override
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml"}
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
@@ -102,58 +100,11 @@ def test_the_errors_are_those_of_a_time_that_was_run(duration, said):
     assert any(said in text.get_text() for text in figure.findobj(Text))
 
 
-@pytest.mark.slow
-def test_a_course_is_drawn_and_filmed():
-    text = to_toml(
-        override(
-            load_scenario("safe-simulation"),
-            {
-                "reference.kind": "waypoints", "reference.points": [[0, 0], [2, 0], [2, 2]],
-                "reference.keep_out": [[1, 1, 0.3], [[-1, -2], [3, -2], [3, -1]]],
-                "robot.l": 0.08, "body.radius": 0.15,
-            },
-        )
-    )  # fmt: skip
-    run = build(duration=1.0, provenance={"scenario_toml": text})
-    course, scene = course_of(run), scene_of([run], 10)
-
-    assert course.waypoints == ((0, 0), (2, 0), (2, 2))
-    assert len(course.keep_out) == 2
-    assert scene.course == course
-    assert scene.size == pytest.approx(0.08 / 0.25)
-    assert scene.view[1] > 2
-    titles = [axes.get_title("left") for axes in plot_run(run).findobj(Axes)]
-    assert "Path (dots: reference, ring: start, squares: points)" in titles
-
-
 def test_runs_over_each_other_are_drawn(tmp_path):
     path = tmp_path / "runs.png"
     plot_runs([build(duration=1.0), build(duration=1.0, v1=9.0)], path)
 
     assert path.read_bytes().startswith(MAGIC[".png"])
-
-
-@pytest.mark.slow
-def test_a_corridor_that_varies_is_drawn_as_wide_as_it_is_in_each_sample():
-    """It holds the errors of a run from a start on the path, past a change."""
-    told = {"reference.kind": "lemniscate", "clock.duration": 3.0, "changes": [{"t": 1.5, "m": 60}]}
-    scenario = override(load_scenario("safe-simulation"), told)
-    run = simulate(on_its_path(scenario), "prox")
-
-    position, heading = course_of_tube(run)
-
-    whole = run_corridor(scenario, "prox")
-    assert len(position) == run.rows
-    assert position[:300].max() == whole.position
-    assert heading[:300].max() == whole.heading
-    assert position[:20].max() < 0.8 * whole.position
-    assert (np.hypot(run["e[1]"], run["e[2]"]) <= position).all()
-    assert (np.abs(run["e[3]"]) <= heading).all()
-
-
-def on_its_path(scenario):
-    pose, velocity = (sample(scenario, [0.0])[0, part].tolist() for part in (slice(3), slice(3, 5)))
-    return override(scenario, {"initial.pose": pose, "initial.velocity": velocity})
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.report.drawing import running_mean, running_rms, thin, thin_path
+from wmr_ctrl.report.drawing import thin, thin_path
 from wmr_ctrl.report.style import colours_of, look, shown, unit_text
 
 COUNTS = st.integers(1, 9000)
@@ -87,11 +87,3 @@ def test_a_thinned_path_keeps_its_ends(count, seed):
 
     assert len(u) <= max(202, min(count, 200))
     assert (u[0], v[0], u[-1], v[-1]) == (x[0], y[0], x[-1], y[-1])
-
-
-@given(count=st.integers(1, 300), width=st.integers(1, 400), value=st.floats(-10, 10))
-def test_running_means_of_a_constant_are_the_constant(count, width, value):
-    values = np.full(count, value)
-
-    assert running_mean(values, width) == pytest.approx(values, abs=1e-9)
-    assert running_rms(values, width) == pytest.approx(abs(values), abs=1e-6)
