@@ -342,9 +342,12 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("loop.c", " && !*s->cancelled) {", ") {"),
     ),
     *_rows(
-        FMI, "tests/export/fmi/test_fmi_hostile.py",
+        FMI, "tests/export/fmi/test_fmi_equality.py",
         ("kind_sampled.c", "PERIOD_TOLERANCE * period ? near : t",
          "PERIOD_TOLERANCE * period ? t : near"),
+    ),
+    *_rows(
+        FMI, "tests/export/fmi/test_fmi_hostile.py",
         ("kind_loop.c", "period < 0.5 * step", "period < 1.5 * step"),
         ("instance.c", "stop >= start", "stop > start"),
     ),
