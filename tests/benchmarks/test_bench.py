@@ -63,6 +63,7 @@ def works():
     return Candidate(list, 1)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_measured_is_a_line_with_its_reason(monkeypatch):
     """One that cannot be built, one that raises when it runs, and one that ends its process."""
     groups = (

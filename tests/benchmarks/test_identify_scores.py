@@ -5,6 +5,7 @@ import pytest
 from benchmarks.identify import BAD, GOOD, KINDS, first_seed, scored, summary
 
 
+@pytest.mark.slow
 def test_a_good_base_is_explained_and_its_filter_keeps_limits_beyond_the_log():
     score = scored("first", first_seed("first"))
 
@@ -13,6 +14,7 @@ def test_a_good_base_is_explained_and_its_filter_keeps_limits_beyond_the_log():
     assert score.largest_beyond <= 1.0
 
 
+@pytest.mark.slow
 def test_a_fault_is_named_and_breaks_no_limit():
     score = scored("ramps apart", first_seed("ramps apart"))
 

@@ -201,28 +201,17 @@ def test_a_products_radius_per_factor_is_the_geometric_mean_of_what_commutes():
     assert _of_product([one, np.full((2, 2), np.nan)], np.array((1, 1))) == np.inf
 
 
-def test_stretches_of_a_reference_share_its_period_and_its_way():
-    scenario = still({"reference.kind": "lemniscate"})
-    each, shares, cycle = stretches_of(scenario)
-    desired = sample(scenario, (np.arange(2000) + 0.5) * cycle / 2000)
-
-    assert cycle == scenario.reference.cycle
-    assert shares.sum() == pytest.approx(1.0)
-    assert shares @ [v for v, _ in each] == pytest.approx(desired[:, 3].mean(), rel=0.02)
-    assert shares @ np.abs([w for _, w in each]) == pytest.approx(
-        np.abs(desired[:, 4]).mean(), rel=0.05
-    )
-    assert stretches_of(still({})) is None
-
-
-def test_each_stretch_has_the_velocity_of_its_middle():
+def test_stretches_of_a_reference_share_its_period_and_have_the_velocity_of_their_middles():
     """Neighbours are one only where both velocities are the same."""
     scenario = still({"reference.kind": "lemniscate"})
     each, shares, cycle = stretches_of(scenario)
     counts = np.round(16 * shares).astype(int)
     middles = sample(scenario, (np.arange(16) + 0.5) * cycle / 16)[:, 3:5]
 
+    assert cycle == scenario.reference.cycle
+    assert shares.sum() == pytest.approx(1.0)
     assert np.repeat(each, counts, axis=0) == pytest.approx(middles, abs=1e-8)
+    assert stretches_of(still({})) is None
 
 
 def test_from_pose_to_pose_is_the_product_of_the_samples_between():

@@ -220,6 +220,7 @@ def test_a_rest_is_found_at_periods_in_which_a_law_changes_its_command_little():
     assert stability(scenario, "kanayama").shortest == 0
 
 
+@pytest.mark.slow
 def test_a_slope_is_looked_at_up_and_down():
     scenario = moving({"base.loop": "pi", "base.kp": 150.0, "base.ki": 0.0, "slope.angle": 0.05})
     loop, desired = loop_of(settle(scenario, "pursuit")), sample(scenario, np.zeros(1))[0][3:5]

@@ -11,6 +11,7 @@ from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import load_scenario, preset_names
 
+pytestmark = pytest.mark.slow
 CAUSES = ("disturbance.truncate", "[encoder]", "linear loop")
 """What a comment and the certificate's refusal both name."""
 
@@ -54,7 +55,6 @@ def test_presets_without_say_what_stops_it(corridors):
             assert is_undisturbed(load_scenario(name)), name
 
 
-@pytest.mark.slow
 def test_runs_stay_in_the_corridors_of_their_presets(corridors):
     """From a start on the path; of bases from 20 s on, as no run begins with commands under way."""
     for name, corridor in corridors.items():

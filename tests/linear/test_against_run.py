@@ -73,6 +73,7 @@ def test_a_start_has_the_error_that_is_asked_for(nominal):
 
 
 @pytest.mark.parametrize(("law", "left"), [("mb", 0.1), ("kanayama", 0.005)])
+@pytest.mark.slow_but("mb-0.1")
 def test_a_reference_that_changes_its_speed_is_followed(nominal, law, left):
     """Also by a law that remembers the speed that it told last."""
     found = wmr_ctrl.linear_against_run(
@@ -91,6 +92,7 @@ def test_a_reference_that_changes_its_speed_is_followed(nominal, law, left):
     assert found.remarks == ()
 
 
+@pytest.mark.slow
 def test_the_command_for_a_base_that_takes_velocities(tmp_path):
     picture = tmp_path / "parting.png"
     asked = ("linearize", "turtlebot3-waffle", "--against-run", "--law", "kanayama", "--json")

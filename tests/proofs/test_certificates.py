@@ -44,6 +44,7 @@ def by_z3(entry):
     return re.search(r"\bZ3\b", entry.method) is not None
 
 
+@pytest.mark.slow
 def test_all_certificates_are_checked_with_the_standard_library_alone():
     code, text = said(FOLDER)
 

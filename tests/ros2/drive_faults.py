@@ -121,10 +121,25 @@ class Broken(Base):
     def reset(self):
         return bool(self.call(Trigger, "reset", Trigger.Request()).success)
 
-    def stopped(self):
-        """What follows a stop."""
+    def spoilt(self):
+        """What follows each fault of odometry."""
+        found = {"well": self.go(PATIENCE, lambda: self.told("driving"))}
+        for name, spoil in {**SPOILT, "repeated": repeated()}.items():
+            found[name] = self.fault(spoil, until=self.rested())
+        before = self.refused()
+        found["out of order"] = self.fault(self.out_of_order)
+        found["out of order"]["refused"] = self.refused() - before
+        return found | {"pose leaps": self.leaps("pose-jump", lambda: self.leap(1.0))}
+
+    def stopped(self, command):
+        """What follows a stop, with what is commanded after it ended and before the reset."""
         stop = Bool(data=True)
-        return self.fault(first=lambda: self.stop.publish(stop), until=self.rested("stopped"))
+        found = {"stop": self.fault(None, lambda: self.stop.publish(stop), self.rested("stopped"))}
+        found["reset while stopped"] = self.reset()
+        self.stop.publish(Bool(data=False))
+        self.go(0.3)
+        found["stopped"] = [command(), self.go(PATIENCE, self.reset)]
+        return found | {"drives again": self.go(PATIENCE, self.drives)}
 
     def times(self):
         """What follows when the clock goes back, leaps ahead, and stops."""
@@ -213,34 +228,22 @@ def in_real_time(scenario):
     process, found = start(scenario), {}
     base = Broken(simulated=False)
     try:
-        found["well"] = base.go(PATIENCE, lambda: base.told("driving"))
-        for name, spoil in SPOILT.items():
-            found[name] = base.fault(spoil, until=base.rested())
-        found["repeated"] = base.fault(repeated(), until=base.rested())
-        before = base.refused()
-        found["out of order"] = base.fault(base.out_of_order)
-        found["out of order"]["refused"] = base.refused() - before
-        found["pose leaps"] = base.leaps("pose-jump", lambda: base.leap(1.0))
+        found |= base.spoilt()
         found["too fast"] = base.fault(too_fast, lambda: None, base.rested("too-fast"))
         base.go(0.5)
         found["latched"] = [base.speed[0], base.reset()]
-        found["stop"] = base.stopped()
-        found["reset while stopped"] = base.reset()
-        base.stop.publish(Bool(data=False))
-        base.go(0.3)
-        found["stopped"] = [base.speed[0], base.go(PATIENCE, base.reset)]
-        found["drives again"] = base.go(PATIENCE, base.drives)
+        found |= base.stopped(lambda: base.speed[0])
     finally:
         process.kill()
         base.node.destroy_node()
     return found
 
 
-def on_simulated_time(scenario):
-    process, found = start(scenario, "-p", "use_sim_time:=true"), {}
-    base = Broken(simulated=True)
+def simulated(kind, scenario):
+    """What a base of this kind tells about leaps of time."""
+    process, base = start(scenario, "-p", "use_sim_time:=true"), kind(simulated=True)
     try:
-        found |= base.times()
+        found = base.times()
     finally:
         process.kill()
         base.node.destroy_node()
@@ -249,7 +252,7 @@ def on_simulated_time(scenario):
 
 def main(scenario):
     rclpy.init()
-    tell({"real": in_real_time(scenario), "simulated": on_simulated_time(scenario)})
+    tell({"real": in_real_time(scenario), "simulated": simulated(Broken, scenario)})
 
 
 if __name__ == "__main__":

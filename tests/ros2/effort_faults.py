@@ -11,10 +11,10 @@ import sys
 import time
 
 import rclpy
-from drive_faults import SPOILT, Broken, repeated, start
+from drive_faults import SPOILT, Broken, simulated, start
 from drive_live import Base
 from outside import PATIENCE, SURE, tell
-from std_msgs.msg import Bool, Float64MultiArray
+from std_msgs.msg import Float64MultiArray
 
 MASS, INERTIA, FRICTION, RADIUS, HALF_TRACK = 50.0, 5.4, 0.08 * 50.0 * 9.81, 0.1, 0.25
 """Those of the scenario [kg, kg m2, N, m, m]."""
@@ -58,20 +58,8 @@ def in_real_time(scenario):
     process, found = start(scenario), {}
     base = Wheels(simulated=False)
     try:
-        found["well"] = base.go(PATIENCE, lambda: base.told("driving"))
-        for name, spoil in SPOILT.items():
-            found[name] = base.fault(spoil, until=base.rested())
-        found["repeated"] = base.fault(repeated(), until=base.rested())
-        before = base.refused()
-        found["out of order"] = base.fault(base.out_of_order)
-        found["out of order"]["refused"] = base.refused() - before
-        found["pose leaps"] = base.leaps("pose-jump", lambda: base.leap(1.0))
-        found["stop"] = base.stopped()
-        found["reset while stopped"] = base.reset()
-        base.stop.publish(Bool(data=False))
-        base.go(0.3)
-        found["stopped"] = [max(map(abs, base.torque)), base.go(PATIENCE, base.reset)]
-        found["drives again"] = base.until_it_drives()
+        found |= base.spoilt()
+        found |= base.stopped(lambda: max(map(abs, base.torque)))
         rival = base.node.create_publisher(Float64MultiArray, "effort_commands", SURE)
         base.said.clear()
         found["rival"] = base.go(PATIENCE, lambda: base.told("other publishers"))
@@ -104,20 +92,9 @@ def in_real_time(scenario):
     return found
 
 
-def on_simulated_time(scenario):
-    process, found = start(scenario, "-p", "use_sim_time:=true"), {}
-    base = Wheels(simulated=True)
-    try:
-        found |= base.times()
-    finally:
-        process.kill()
-        base.node.destroy_node()
-    return found
-
-
 def main(scenario):
     rclpy.init()
-    tell({"real": in_real_time(scenario), "simulated": on_simulated_time(scenario)})
+    tell({"real": in_real_time(scenario), "simulated": simulated(Wheels, scenario)})
 
 
 if __name__ == "__main__":

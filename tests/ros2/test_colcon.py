@@ -10,6 +10,7 @@ import yaml
 
 from tests.ros2.conftest import OVER_DDS, ROOT, with_python
 from tests.ros2.test_node import SCENARIO
+from wmr_ctrl.control.filter.gate import ODOMETRY_USES
 from wmr_ctrl.ros2.c_node import NAME, write_node
 from wmr_ctrl.ros2.parameters import DRIVE, FILTER
 from wmr_ctrl.world.scenario import load_scenario
@@ -26,6 +27,10 @@ def test_shipped_parameters_are_all_that_have_defaults_and_those(node):
     assert list(document) == ["/**"]  # a node's name would be ignored in a namespace
     expected = {key: item.default for key, item in TABLES[node].items() if key not in NO_DEFAULT}
     assert document["/**"]["ros__parameters"] == expected
+
+
+def test_uses_of_odometry_are_those_of_the_gate():
+    assert tuple(FILTER["odometry"].choices) == ODOMETRY_USES
 
 
 @pytest.mark.parametrize("node", TABLES)

@@ -44,19 +44,6 @@ def test_no_message_is_lost_to_jitter(seed, rate):
     assert len(sampled(grid(rate) + late(seed, 0.8))) == COUNT
 
 
-@pytest.mark.parametrize("first", [0.3, 0.45])
-def test_the_fixed_grid_that_this_replaces_lost_those(first):
-    """What each message was compared with before: the first one's stamp, a quarter early."""
-    stamps, taken, last = grid() + late(0, 0.8), 0, -1
-    stamps[0] = first * TICK
-    for since in (stamps - stamps[0]) / TICK:
-        if np.floor(since + 0.25) > last:
-            taken, last = taken + 1, np.floor(since + 0.25)
-
-    assert taken < 0.97 * COUNT
-    assert len(sampled(stamps)) == COUNT
-
-
 @pytest.mark.parametrize("rate", [1.0, 1.003, 1.06, 1.5, 2.0, 2.7, 4.0, 5.0, 10.0])
 @pytest.mark.parametrize("share", [0.0, 0.2, 0.45])
 def test_the_laws_mean_period_is_the_one_it_was_made_for(rate, share):

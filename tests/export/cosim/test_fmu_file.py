@@ -273,6 +273,7 @@ def test_a_description_that_breaks_the_rules_is_told_and_read(plant, packed, map
     assert f"plant invalid in {told}" in " ".join(summary_text(run).split())
 
 
+@pytest.mark.slow
 def test_sources_are_built_where_the_library_is_missing(plant, packed, mapped):
     text = mapped(MAP.format(mode=0, mass='"grams"'))
     bare, nothing = packed("bare", "", sources=True), packed("nothing", "")

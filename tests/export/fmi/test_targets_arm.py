@@ -62,6 +62,7 @@ def test_linux64_has_the_arm_library_unless_x86_64_is_in_the_file(version):
     assert binaries(model, version, both) == {own: b"arm", intel: b"intel"}
 
 
+@pytest.mark.slow
 @linux
 def test_fmus_are_exported_and_stepped_on_an_arm_machine(on_arm, tmp_path):
     """By FMPy, and by our commands with the same bits as here, also from a file for both."""
