@@ -10,7 +10,7 @@ import pytest
 from tests.equal_runs import runs_equal
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.core.signals import LOG_HEAD, Signal
-from wmr_ctrl.results import Monitor, Outcome
+from wmr_ctrl.results import Monitor, Outcome, Run
 
 
 def test_columns_and_elements_are_reached_by_name(make_run):
@@ -70,9 +70,12 @@ def test_arrays_are_copies_that_nobody_can_change(make_run):
 def test_a_run_survives_pickling_and_copying(make_run):
     run = make_run(x=3.0, provenance={"version": "1"})
 
-    assert runs_equal(pickle.loads(pickle.dumps(run)), run)
+    again = pickle.loads(pickle.dumps(run))
+
+    assert isinstance(again, Run)
+    assert runs_equal(again, run)
     assert runs_equal(copy.deepcopy(run), run)
-    assert not pickle.loads(pickle.dumps(run))["x"].flags.writeable
+    assert not again["x"].flags.writeable
 
 
 @pytest.mark.parametrize(
