@@ -21,4 +21,4 @@ def test_a_comparison_has_a_row_a_run_and_says_what_came_out(what, tmp_path, mon
 
     assert {row[head.index("seed")] for row in rows} == {str(seeds[0])}
     assert all(name.endswith("]") for name in head[6:])
-    assert (tmp_path / words).read_text(encoding="utf-8").count("\n") >= 2
+    assert (tmp_path / words).read_text("utf-8").count("\n") >= 2

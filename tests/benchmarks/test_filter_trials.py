@@ -11,7 +11,7 @@ from benchmarks import filter_trials
 from benchmarks.filter_trials import STATEMENTS, WIDE_TURNS
 from tests.control.filter.adversary import Base, fastest
 
-PAGE = (Path(__file__).parents[2] / "docs/explanation/filter.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs/explanation/filter.md").read_text("utf-8")
 
 
 def part(name):

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks import contenders, match, velocity_match
 
-PAGE = (Path(__file__).parents[2] / "docs" / "match.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "match.md").read_text("utf-8")
 SHORT = match.Case(0.1, 0.05, track=2.0, attack=2.0)
 
 

@@ -9,7 +9,7 @@ from benchmarks.parts import renew
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ArgumentError
 
-PAGE = (Path(__file__).parents[2] / "docs" / "tracking.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "tracking.md").read_text("utf-8")
 
 
 def rows(name):
@@ -41,11 +41,9 @@ def test_both_are_stable_for_masses_of_0_6_to_1_6_times_the_believed_one():
 
 def test_a_part_of_a_page_is_renewed_and_nothing_else(tmp_path):
     page = tmp_path / "a.md"
-    page.write_text("one\n<!-- begin x -->\nold\n<!-- end x -->\ntwo\n", encoding="utf-8")
+    page.write_text("one\n<!-- begin x -->\nold\n<!-- end x -->\ntwo\n", "utf-8")
     renew(page, "x", "new")
 
-    assert page.read_text(encoding="utf-8") == (
-        "one\n<!-- begin x -->\n\nnew\n\n<!-- end x -->\ntwo\n"
-    )
+    assert page.read_text("utf-8") == ("one\n<!-- begin x -->\n\nnew\n\n<!-- end x -->\ntwo\n")
     with pytest.raises(ArgumentError, match="begin y"):
         renew(page, "y", "new")

@@ -66,7 +66,7 @@ def test_laws_stand_side_by_side_as_single_runs_have_them(wmr, tmp_path):
     assert text.exit_code == 0
     assert [line.split()[0] for line in text.stdout.splitlines()[2:4]] == ["pid", "mb"]
     assert (tmp_path / "laws.png").stat().st_size > 10_000
-    assert '"names":["PID","MB"]' in (tmp_path / "laws.html").read_text(encoding="utf-8")
+    assert '"names":["PID","MB"]' in (tmp_path / "laws.html").read_text("utf-8")
     for law in ("pid", "mb"):
         alone = json.loads(wmr("run", "--law", law, *short, "--json").stdout)
         assert found[law]["position_rms"] == alone["position_rms"]

@@ -42,7 +42,7 @@ def test_long_jobs_say_now_and_then_how_long_they_still_take(capsys, clock):
     assert err.splitlines()[:3] == ["run: 8 %", "run: 15 %", "run: 22 %, about 31 s left"]
 
 
-def test_a_job_that_tells_nothing_is_not_silent(capsys, monkeypatch):
+def test_a_job_that_tells_nothing_is_not_silent(monkeypatch):
     said = threading.Event()
     monkeypatch.setattr(module, "FIRST", 0.0)
     monkeypatch.setattr(module, "TICK", 0.001)

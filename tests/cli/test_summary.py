@@ -70,7 +70,7 @@ def test_figures_name_the_robot_of_their_window(run):
     ]
 
 
-def test_a_heading_error_is_told_without_its_whole_turns(run):
+def test_a_heading_error_is_told_without_its_whole_turns():
     """Eq. (8), and so the ISE and the figures of JSON, count them."""
     label = "RMS of e, 30-40 s"
     once, turned = (build(duration=40.0, e=(0.0, 0.0, angle)) for angle in (-0.25, TURN - 0.25))

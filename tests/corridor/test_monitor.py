@@ -100,7 +100,7 @@ def test_what_is_measured_amiss_leaves_less_of_the_box_and_more_of_the_distance(
 
 
 @pytest.mark.slow
-def test_as_c_it_tells_the_same(monitor, shoved, tmp_path):
+def test_as_c_it_tells_the_same(monitor, shoved):
     _, rows = given(monitor, shoved[0])
     files = files_of(CORRIDOR, monitor, CASE)
     shown = '__attribute__((visibility("default"))) int wmr_corridor_step'

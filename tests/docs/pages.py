@@ -70,7 +70,7 @@ class Page:
     @cached_property
     def text(self):
         """All of it."""
-        return self.path.read_text(encoding="utf-8")
+        return self.path.read_text("utf-8")
 
     @cached_property
     def blocks(self):

@@ -150,7 +150,7 @@ def test_a_page_does_what_it_says(page, tmp_path, monkeypatch):
     for block in page.blocks:
         if block.file:
             (tmp_path / block.file).parent.mkdir(parents=True, exist_ok=True)
-            (tmp_path / block.file).write_text(block.text, encoding="utf-8")
+            (tmp_path / block.file).write_text(block.text, "utf-8")
         elif block.tried and block.language == "console":
             run_commands(page, block, tmp_path)
         elif block.tried:

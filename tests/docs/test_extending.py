@@ -22,7 +22,7 @@ USES = dict(zip(FILES, (code for kind, _, code in BLOCKS if kind == "use"), stri
 
 def module_of(name, folder):
     path = folder / f"{name}.py"
-    path.write_text(FILES[name], encoding="utf-8")
+    path.write_text(FILES[name], "utf-8")
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
     assert spec.loader is not None

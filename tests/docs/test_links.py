@@ -42,7 +42,7 @@ def test_internal_links_lead_to_files_and_headings(page):
     assert broken(page) == []
 
 
-def test_a_broken_link_is_seen(tmp_path):
+def test_a_broken_link_is_seen():
     page = Page(DOCS / "nowhere.md")
     page.__dict__["text"] = "[a](none.md) [b](index.md#none) [c](index.md#reference) [d](index.md)"
 

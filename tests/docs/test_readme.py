@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from wmr_ctrl.cli.root import root
 
 ROOT = Path(__file__).parents[2]
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "README.md").read_text("utf-8")
 DEMO = re.findall(r"^wmr-ctrl (run far-start-drop .*)$", TEXT, flags=re.M)
 
 
@@ -54,7 +54,7 @@ def test_the_guard_of_the_demo_keeps_the_limit_that_the_law_alone_breaks(call):
 
 def test_fmu_readme_lists_every_folder_and_nothing_else():
     folder = ROOT / "fmu"
-    tables = (folder / "README.md").read_text(encoding="utf-8")
+    tables = (folder / "README.md").read_text("utf-8")
     listed = re.findall(r"^\| `([\w/]+)/` \|", tables, flags=re.M)
     found = {path.name for path in folder.iterdir() if path.is_dir()}
 

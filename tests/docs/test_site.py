@@ -108,7 +108,7 @@ def test_the_site_builds_without_warnings_and_loads_nothing_from_elsewhere(tmp_p
     pytest.importorskip("sphinx", reason="needs the extra docs")
     out = tmp_path / "site"
     out.mkdir()
-    (out / "robot.html").write_text("<!doctype html>", encoding="utf-8")
+    (out / "robot.html").write_text("<!doctype html>", "utf-8")
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html"]
     proxies = dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9")
     done = subprocess.run(

@@ -60,7 +60,7 @@ def foreign(tmp_path_factory):
     def build(name, text):
         folder = tmp_path_factory.mktemp("foreign")
         source = folder / f"{name}.py"
-        source.write_text(text, encoding="utf-8")
+        source.write_text(text, "utf-8")
         command = [sys.executable, "-m", "pythonfmu", "build", "-f", str(source), "-d", str(folder)]
         subprocess.run(command, check=True, capture_output=True)
         return next(folder.glob(f"{name}.fmu"))
@@ -74,7 +74,7 @@ def mapped(tmp_path):
 
     def write(text):
         path = tmp_path / "map.toml"
-        path.write_text(text, encoding="utf-8")
+        path.write_text(text, "utf-8")
         return path
 
     return write

@@ -1,7 +1,5 @@
 """Logs of a plant of the tests' own, simulated once: four robots, 24 s each."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Verdicts, mixtures and seconds: what a log tells of its parameters, from information alone."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

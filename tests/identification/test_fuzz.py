@@ -1,7 +1,5 @@
 """Whatever a table holds, it is a log or an error in words."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,7 +1,5 @@
 """What is identified holds the truth, and follows the symmetries of the robot."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A fit judges itself: structures beside the loop are named, and what nothing explains is told."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The page and the picture of an identification say what was identified."""
 
-from __future__ import annotations
-
 import re
 from importlib import import_module
 from xml.etree import ElementTree

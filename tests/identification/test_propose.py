@@ -1,7 +1,5 @@
 """A drive that is proposed keeps limits and floor, and tells what a poor log could not."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

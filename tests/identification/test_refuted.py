@@ -1,7 +1,5 @@
 """Bounds and numbers that a part of a log contradicts are named; good logs contradict none."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace
@@ -135,7 +133,7 @@ def test_bounds_that_are_too_narrow_are_contradicted_until_dbar_is_wide_enough(f
         assert "dbar" in item.against(narrow)
 
 
-def test_a_push_is_seen_for_what_the_lightest_robot_needed() -> None:
+def test_a_push_is_seen_for_what_the_lightest_robot_needed():
     """Without a force, from 0.1 to 0.3 m/s in 0.1 s, of 40 to 60 kg; with 50 N the rest of it."""
     for force, push in ((0.0, 80.0), (50.0, 30.0)):
         assert float(_monitor()(0.3, 0.1, force, 0.1, 0.0, 40.0, 60.0)) == pytest.approx(push)

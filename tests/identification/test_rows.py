@@ -1,7 +1,5 @@
 """Rows that say nothing about a base are left out, and commands that cease end; good logs stay."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The tutorial's log is what its script writes, is small, and tells what its page says."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Bases that take velocities: runs of the package's own bases give their numbers back."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

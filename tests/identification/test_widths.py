@@ -1,7 +1,5 @@
 """Widths of intervals, a guard's numbers by them, and what of a log counts: by hand."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 
@@ -21,13 +19,13 @@ T_14 = 2.1448
 """Student's t of 14 degrees of freedom at 0.975; at 0.9875 it is 2.5096."""
 
 
-def seen_at(*times: float, first: tuple[int, ...] = (0,)) -> Samples:
+def seen_at(*times, first=(0,)):
     t, none = np.array(times), np.zeros((len(times), 2))
     return Samples(t, none, np.zeros(2), t, none, np.array(first))
 
 
 @pytest.mark.parametrize("gradient", [0.0, 0.2, 4.0])
-def test_a_half_width_is_the_larger_of_that_by_fisher_and_that_by_blocks(gradient: float) -> None:
+def test_a_half_width_is_the_larger_of_that_by_fisher_and_that_by_blocks(gradient):
     """15 blocks of information 1, gradients of g and -g in turn, so of mean g/15."""
     g = gradient * np.array([(-1.0) ** k for k in range(15)])
     by_blocks = math.sqrt(14 / 15 * np.sum((g - g.mean()) ** 2)) / 14
@@ -36,7 +34,7 @@ def test_a_half_width_is_the_larger_of_that_by_fisher_and_that_by_blocks(gradien
     assert found[0] == pytest.approx(max(T_14 * by_blocks, 1.96 / math.sqrt(15)), rel=1e-4)
 
 
-def test_no_interval_is_narrower_than_a_step_of_the_plant(monkeypatch) -> None:
+def test_no_interval_is_narrower_than_a_step_of_the_plant(monkeypatch):
     theta = np.array([math.log(2.0) if n in LOGARITHMIC else 2.0 for n in NAMES])
     problem = SimpleNamespace(log=SimpleNamespace(period=0.01))
     monkeypatch.setattr(fitting, "half_widths", lambda _: np.zeros(len(NAMES)))
@@ -48,14 +46,14 @@ def test_no_interval_is_narrower_than_a_step_of_the_plant(monkeypatch) -> None:
         assert (low, high) == pytest.approx((2 - half, 2 + half), abs=1e-5)
 
 
-def test_the_first_three_tenths_of_a_second_of_a_stretch_do_not_count() -> None:
+def test_the_first_three_tenths_of_a_second_of_a_stretch_do_not_count():
     problem = LogProblem(seen_at(0, 0.29, 0.31, 9, 9.29, 9.31, first=(0, 3)), None, np.zeros(0))
 
     assert problem.counts.tolist() == [False, False, True] * 2
 
 
 @pytest.mark.parametrize(("steps", "first"), [(4.9, [0]), (5.1, [0, 50])])
-def test_a_stretch_begins_after_five_steps_without_a_row(steps: float, first: list[int]) -> None:
+def test_a_stretch_begins_after_five_steps_without_a_row(steps, first):
     t = 0.01 * np.arange(100.0)
     t[50:] += 0.01 * (steps - 1)
     names = ("v1_measured", "omega_measured", "tau_right", "tau_left")
@@ -64,7 +62,7 @@ def test_a_stretch_begins_after_five_steps_without_a_row(steps: float, first: li
     assert motion_of(log, paper(), "v1_measured").first.tolist() == first
 
 
-def white_fit(period: float, duration: float = 60.0) -> SimpleNamespace:
+def white_fit(period, duration=60.0):
     """Noise of 2 N and 3 N m; residuals up to 4.5 and 1 standard deviations, 9 before they count.
 
     Speeds up to 0.5 m/s and 2 rad/s.
@@ -87,7 +85,7 @@ def white_fit(period: float, duration: float = 60.0) -> SimpleNamespace:
         ((0.020, 0.035), (0.020, 0.035), True),
     ],
 )
-def test_a_guard_stands_wider_masses_larger_pushes_and_creeping_tread(delay, late, wide) -> None:
+def test_a_guard_stands_wider_masses_larger_pushes_and_creeping_tread(delay, late, wide):
     low, high = delay
     intervals = {
         "m": (10.0, 8.0, 12.0), "I": (1.0, 0.5, 3.0), "delay": ((low + high) / 2, low, high),
@@ -114,7 +112,7 @@ def test_a_guard_stands_wider_masses_larger_pushes_and_creeping_tread(delay, lat
         (600.0, 0.5, "at most 1.2 % of later blocks of 2.5 s"),
     ],
 )
-def test_a_share_is_bounded_where_there_are_59_blocks(duration, colour, word) -> None:
+def test_a_share_is_bounded_where_there_are_59_blocks(duration, colour, word):
     """With 95 % confidence (1 - share)^n = 0.05."""
     found = tolerance_sentence(white_fit(0.1, duration), colour)
 
@@ -122,7 +120,7 @@ def test_a_share_is_bounded_where_there_are_59_blocks(duration, colour, word) ->
     assert "0.5 m/s and 2 rad/s" in found
 
 
-def test_one_more_newton_costs_speed() -> None:
+def test_one_more_newton_costs_speed():
     one, other = (
         load_scenario(
             "paper-simulation-nominal", {"guard.enabled": True, "guard.dbar": [push, 0.5]}

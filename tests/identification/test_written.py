@@ -1,7 +1,5 @@
 """`identify` writes what was stated or found, and lists everything else as assumed."""
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib
@@ -391,7 +389,7 @@ def test_intervals_are_rounded_outward_to_four_digits(value, digits):
     assert outward(value, value) == digits
 
 
-def test_short_logs_count_as_one_and_rest_between(tmp_path):
+def test_short_logs_count_as_one_and_rest_between():
     """Six short logs: at rest, then a step of both commands."""
     whole, rng, several = steps(FIRST, 2.5), np.random.default_rng(4), []
     for _ in range(6):

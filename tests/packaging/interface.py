@@ -133,7 +133,7 @@ def _members(path: str, thing: object) -> Iterator[str]:
 def _headers() -> Iterator[str]:
     """Functions and members of structs of the generated packages that are kept."""
     for header in sorted((ROOT / "fmu" / "golden" / "c").glob("*-double/wmr_*.h")):
-        code = re.sub(r"/\*.*?\*/", "", header.read_text(encoding="utf-8"), flags=re.DOTALL)
+        code = re.sub(r"/\*.*?\*/", "", header.read_text("utf-8"), flags=re.DOTALL)
         names = re.findall(r"wmr_real (\w+)(?:\[\d+\])?;|\b(wmr_\w+)\(|\} (\w+);", code)
         yield from (f"C, {header.name}: {''.join(found)}" for found in names)
 
@@ -149,14 +149,14 @@ def _variables() -> Iterator[str]:
 
 def promised() -> list[str]:
     """The lines of the committed file."""
-    return STABLE.read_text(encoding="utf-8").splitlines()
+    return STABLE.read_text("utf-8").splitlines()
 
 
 def main() -> None:
     """Add what is new."""
     known = promised() if Path(STABLE).exists() else []
     every = sorted({*known, *lines()})
-    STABLE.write_text("\n".join(every) + "\n", encoding="utf-8")
+    STABLE.write_text("\n".join(every) + "\n", "utf-8")
     print(f"{len(every) - len(known)} new, {len(every)} in all: {STABLE}")
 
 

@@ -57,11 +57,11 @@ def test_a_compiler_that_does_not_work_is_none(hook, monkeypatch, tmp_path):
 
 def test_both_look_for_the_same_compilers_with_the_same_probe(hook):
     assert hook.NAMES == toolchain._ON_PATH
-    assert hook.PROBE.read_text(encoding="utf-8") == toolchain._PROBE
+    assert hook.PROBE.read_text("utf-8") == toolchain._PROBE
     assert hook.VARIABLE == toolchain.VARIABLE
 
 
 def test_the_extra_names_the_same_wheel(hook):
-    table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    table = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 
     assert table["project"]["optional-dependencies"]["compiler"] == [hook.COMPILER]

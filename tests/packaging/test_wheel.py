@@ -73,7 +73,7 @@ def test_installed_package_is_used_not_the_tree(installed):
     assert version in installed.run("--version").stdout
 
 
-def test_without_a_compiler_on_path_a_run_is_compiled_by_zig(installed, tmp_path):
+def test_without_a_compiler_on_path_a_run_is_compiled_by_zig(installed):
     pytest.importorskip("ziglang")
 
     done = installed.run("run", "paper-simulation", "--law", "mb", "--json")

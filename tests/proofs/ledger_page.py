@@ -20,9 +20,9 @@ on a line with a triangle to open the one below it.
 
 GUARANTEES: list[tuple[str, list[str]]] = [
     (row["says"], row["entries"])
-    for row in tomllib.loads(
-        Path(__file__).with_name("guarantees.toml").read_text(encoding="utf-8")
-    )["guarantee"]
+    for row in tomllib.loads(Path(__file__).with_name("guarantees.toml").read_text("utf-8"))[
+        "guarantee"
+    ]
 ]
 """(what is guaranteed or denied, ids of its entries)."""
 COUNTEREXAMPLES = "Exact values of the inputs; with them the claim can be checked by hand.\n"

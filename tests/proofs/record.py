@@ -40,9 +40,9 @@ def record(ledger: Ledger) -> None:
     The index of certificates gets the hashes of the words of today.
     """
     ledger.save(COMMITTED)
-    PAGE.write_text(page(ledger), encoding="utf-8")
+    PAGE.write_text(page(ledger), "utf-8")
     for path in COUNTING:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text("utf-8")
         path.write_text(re.sub(COUNT, certified(ledger), text), encoding="utf-8")
     words = {claim.id: words_hash(claim) for claim in all_claims()}
     save_index({key: row | {"claim": words[key]} for key, row in index().items() if key in words})

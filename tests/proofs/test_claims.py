@@ -122,7 +122,7 @@ def test_patterns_and_several_ids_select():
 def test_what_is_asked_for_is_printed_in_full_and_written_as_json(tmp_path, capsys):
     assert runner.run_prove(["eq25"], tmp_path / "out.json") == 0
 
-    assert '"entries"' in (tmp_path / "out.json").read_text(encoding="utf-8")
+    assert '"entries"' in (tmp_path / "out.json").read_text("utf-8")
     out = capsys.readouterr().out
     assert "eq25: PROVED" in out
     for word in ("claim:", "hypotheses:", "method:", "counterexample:", "functions:"):
@@ -155,7 +155,7 @@ def test_workers_end_with_their_parent():
 
 def is_running(pid):
     try:
-        state = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
+        state = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()[0]
     except OSError:
         return False
     return state != "Z"
@@ -165,7 +165,7 @@ def test_exported_obligations_are_smt_lib(tmp_path):
     z3 = pytest.importorskip("z3")
     runner.run_export(tmp_path, ["guard.upper", "conditions.256", "wheels.per-wheel"])
 
-    assert "`sat`" in (tmp_path / "README.md").read_text(encoding="utf-8")
+    assert "`sat`" in (tmp_path / "README.md").read_text("utf-8")
     names = {path.name for path in (tmp_path / "guard.upper").iterdir()}
     assert {"goal-1.smt2", "domain-1.smt2", "hypotheses.smt2"} <= names
     files = list(tmp_path.rglob("*.smt2"))
@@ -175,7 +175,7 @@ def test_exported_obligations_are_smt_lib(tmp_path):
     for path in files:
         solver = z3.Solver()
         solver.from_file(str(path))
-        first, status, *_ = path.read_text(encoding="utf-8").splitlines()
+        first, status, *_ = path.read_text("utf-8").splitlines()
         answer = str(solver.check())
         assert first.endswith(f"expected {answer}"), path
         assert status == f"(set-info :status {answer})"

@@ -124,7 +124,7 @@ def test_nothing_else_reads_the_instructions_of_casadi():
         path.relative_to(package.parent).as_posix()
         for package in (PACKAGE, PACKAGE.with_name("wmr_proofs"))
         for path in package.rglob("*.py")
-        if "instruction_id" in path.read_text(encoding="utf-8")
+        if "instruction_id" in path.read_text("utf-8")
     ]
 
     assert readers == ["wmr_ctrl/world/model/graph.py"]

@@ -53,7 +53,7 @@ def test_a_robot_whose_run_ended_stays_where_it_was(run):
 def test_a_page_holds_all_that_it_shows(run, tmp_path):
     path = tmp_path / "run.html"
     animate_runs([run], path)
-    page = path.read_text(encoding="utf-8")
+    page = path.read_text("utf-8")
     data = json.loads(re.search(r"const data = (\{.*\});", page)[1], parse_constant=pytest.fail)
 
     assert not re.search(r"(src|href)=|url\(|@import|https?:", page)
@@ -66,7 +66,7 @@ def test_a_page_holds_all_that_it_shows(run, tmp_path):
 def test_each_colour_of_a_page_has_another_in_the_dark(run, tmp_path):
     path = tmp_path / "run.html"
     animate_runs([run], path)
-    schemes = re.findall(r":root \{(.*?)\}", path.read_text(encoding="utf-8"))
+    schemes = re.findall(r":root \{(.*?)\}", path.read_text("utf-8"))
     light, dark = (dict(re.findall(r"--(\w+): (#\w{6});", scheme)) for scheme in schemes)
 
     assert light.keys() == dark.keys() >= {"ink", "paper", "law0", "limit"}
@@ -77,7 +77,7 @@ def test_a_page_cannot_be_broken_by_names(tmp_path):
     path = tmp_path / "run.html"
     animate_runs([build(labels={"scenario": "</title><script>alert(1)</script>"})], path)
 
-    assert "<script>alert" not in path.read_text(encoding="utf-8")
+    assert "<script>alert" not in path.read_text("utf-8")
 
 
 def test_a_gif_has_all_frames_and_tells_progress(run, tmp_path, monkeypatch):
@@ -149,7 +149,7 @@ def test_places_that_cannot_be_written_are_refused(run, tmp_path, name):
 
 
 def shown_of(path):
-    page = path.read_text(encoding="utf-8")
+    page = path.read_text("utf-8")
     return page, json.loads(
         re.search(r"const data = (\{.*\});", page)[1], parse_constant=pytest.fail
     )

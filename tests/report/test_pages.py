@@ -38,7 +38,7 @@ def alone(text):
 
 def test_the_page_of_a_run_is_whole_and_has_its_figures(run, tmp_path):
     write_run_page(run, tmp_path / "run.html")
-    text = (tmp_path / "run.html").read_text(encoding="utf-8")
+    text = (tmp_path / "run.html").read_text("utf-8")
     seen = html.unescape(re.sub(r"<[^>]+>", " ", text.partition("</style>")[2]))
 
     alone(text)
@@ -71,7 +71,7 @@ def test_a_study_ends_with_the_shares_of_its_table(tmp_path):
     done = CliRunner().invoke(root, [*map(str, words)])
     assert done.exit_code == 0, done.stderr
     shares = json.loads(done.stdout)["shares"]
-    table, text = read_study(tmp_path / "s"), page.read_text(encoding="utf-8")
+    table, text = read_study(tmp_path / "s"), page.read_text("utf-8")
     broken = table.numbers["violated"]
 
     alone(text)

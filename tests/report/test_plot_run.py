@@ -51,7 +51,7 @@ def test_a_name_is_no_formula(tmp_path, monkeypatch):
     plot_run(run, path)
     next(frames(scene_of([run], 1)))
 
-    assert name.replace("\n", " ") in unescape(path.read_text(encoding="utf-8"))
+    assert name.replace("\n", " ") in unescape(path.read_text("utf-8"))
 
 
 def test_an_empty_run_is_refused(tmp_path):

@@ -59,7 +59,7 @@ def written(campaign, watch, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def page(written):
-    return written.report.read_text(encoding="utf-8")
+    return written.report.read_text("utf-8")
 
 
 def test_all_files_are_there_and_nothing_else(written):
@@ -71,7 +71,7 @@ def test_all_files_are_there_and_nothing_else(written):
 
 
 def is_drawn(svg):
-    assert svg.read_text(encoding="utf-8").count("<path") > 10
+    assert svg.read_text("utf-8").count("<path") > 10
     assert svg.stem.endswith("_sheet") or svg.stat().st_size < 1_000_000
 
 
@@ -210,7 +210,7 @@ def table_of(path):
 
 
 def test_claims_json_has_all_that_the_verdicts_rest_on(written):
-    text = (written.folder / "claims.json").read_text(encoding="utf-8")
+    text = (written.folder / "claims.json").read_text("utf-8")
     content = json.loads(text, parse_constant=pytest.fail)
 
     assert [claim["id"] for claim in content["claims"]] == [one.claim.id for one in written.judged]
@@ -255,7 +255,7 @@ def test_other_laws_stand_beside_the_papers(few_pictures, tmp_path):
     with made_up():
         runs = run_campaign(paper_plan(laws, seeds=1))
     verdicts = write_reproduction(tmp_path, reproduction(runs))
-    page = verdicts.report.read_text(encoding="utf-8")
+    page = verdicts.report.read_text("utf-8")
 
     assert verdicts.table.laws == tuple(laws)
     assert "<th>ours</th>" in page

@@ -74,7 +74,7 @@ def test_proved_entries_are_backed():
 
 def test_uses_name_entries_and_hand_entries_have_their_argument():
     known = load().by_id()
-    lemmas = (ROOT / "docs" / "lemmas.md").read_text(encoding="utf-8")
+    lemmas = (ROOT / "docs" / "lemmas.md").read_text("utf-8")
     for entry in known.values():
         assert set(entry.premises) <= set(known), entry.id
         if entry.verdict == "HAND":
@@ -88,7 +88,7 @@ def test_guarantees_name_entries():
 
 
 def test_page_is_current():
-    assert (ROOT / "docs" / "ledger.md").read_text(encoding="utf-8") == page()
+    assert (ROOT / "docs" / "ledger.md").read_text("utf-8") == page()
 
 
 def test_page_marks_stale_entries():
@@ -109,7 +109,7 @@ def test_ledger_and_page_load_nothing_heavy():
 
 
 def test_the_page_of_proofs_names_what_rests_on_z3_alone():
-    text = (ROOT / "docs" / "proofs.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "proofs.md").read_text("utf-8")
     said = re.search(r"rest on z3 alone: (.*?)\.\s", " ".join(text.split()))
     named = set(re.split(r",\s+|\s+and\s+", said[1])) if said else set()
 

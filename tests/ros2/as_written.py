@@ -21,10 +21,10 @@ MONITORED = "/cmd_vel_monitored"
 
 
 def main(scenario, rows):
-    given = json.loads(Path(rows).read_text(encoding="utf-8"))
+    given = json.loads(Path(rows).read_text("utf-8"))
     os.chdir(Path(scenario).parent)
     for name, text in given["files"].items():
-        Path(name).write_text(text, encoding="utf-8")
+        Path(name).write_text(text, "utf-8")
     rclpy.init()
     node, seen, found = rclpy.create_node("reader"), [], []
 

@@ -114,8 +114,8 @@ def environment():
 def report_of(job, ros, environment, folder, running):
     """JSON that a job's script prints."""
     path = folder / "base.toml"
-    path.write_text(job.scenario, encoding="utf-8")
-    (folder / "rows.json").write_text(json.dumps(job.rows), encoding="utf-8")
+    path.write_text(job.scenario, "utf-8")
+    (folder / "rows.json").write_text(json.dumps(job.rows), "utf-8")
     words = [word.format(rows=folder / "rows.json") for word in job.words]
     if job.compiled is not None:
         words.append(str(built_node(load_scenario(path), job.compiled, ros, folder / "c")))

@@ -106,7 +106,7 @@ def main(scenario, law, messages, kind):
     command = [sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given, *remaps]
     process = subprocess.Popen(command)
     rclpy.init()
-    base, rows = Base(kind == "efforts"), json.loads(Path(messages).read_text(encoding="utf-8"))
+    base, rows = Base(kind == "efforts"), json.loads(Path(messages).read_text("utf-8"))
     try:
         base.meet(int(rows[0][-1]))
         answers, start = [], time.monotonic()

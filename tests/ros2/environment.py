@@ -53,9 +53,9 @@ def install(folder):
     # The wheels' files for CMake name places on the machine that built them: headers of Python and
     # NumPy, which nothing here includes, and a library that is within another.
     for file in folder.glob("share/*/cmake/*.cmake"):
-        text = file.read_text(encoding="utf-8")
+        text = file.read_text("utf-8")
         mended = re.sub(r"/opt/python/[^\";]*", str(folder / "include"), text)
-        file.write_text(re.sub(r"/usr/lib64/[^\";]*", "m", mended), encoding="utf-8")
+        file.write_text(re.sub(r"/usr/lib64/[^\";]*", "m", mended), "utf-8")
     return ""
 
 

@@ -121,7 +121,7 @@ def main(scenario, rows_file, name, node=""):
     law = name.strip("-")
     nodes = start(scenario, law, node)
     rclpy.init()
-    rows = json.loads(Path(rows_file).read_text(encoding="utf-8"))
+    rows = json.loads(Path(rows_file).read_text("utf-8"))
     sender, answers = Sender(bool(law)), []
     try:
         sender.meet_all(int(rows[0][-1]), int(rows[1][-1] - rows[0][-1]), bool(law))

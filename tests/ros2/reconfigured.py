@@ -46,7 +46,7 @@ def largest(world, wish):
 
 def main(scenario):
     slower = Path(scenario).with_name("slower.toml")
-    text = Path(scenario).read_text(encoding="utf-8")
+    text = Path(scenario).read_text("utf-8")
     slower.write_text(text.replace("[1.0, 2.0]", "[0.5, 1.0]").replace("[0.7, 1.4]", "[0.4, 0.8]"),
                       encoding="utf-8")  # fmt: skip
     words = ["-p", f"scenario:={scenario}", "-p", "odometry:=none", "-p", "autostart:=false"]

@@ -43,7 +43,7 @@ def interrupt(_number, _frame):
 
 def main(scenario, cases):
     signal.signal(signal.SIGALRM, interrupt)
-    given = json.loads(Path(cases).read_text(encoding="utf-8"))
+    given = json.loads(Path(cases).read_text("utf-8"))
     found = [refusal(node, [word.format(scenario) for word in words]) for node, words in given]
     print(json.dumps(found))
 

@@ -99,7 +99,7 @@ def test_options_that_do_not_go_together_are_refused(tmp_path, words, said):
 @OVER_DDS
 def test_command_of_the_readme_links_as_written(ros, tmp_path):
     write_node(tmp_path, load_scenario("paper-simulation", STATED))
-    readme = (tmp_path / "README.md").read_text(encoding="utf-8")
+    readme = (tmp_path / "README.md").read_text("utf-8")
     (command,) = re.findall(r"```sh\n(.*?)```", readme, re.S)
     environment = {**os.environ, "PREFIX": str(ros.parent.parent)}
     done = subprocess.run(

@@ -22,7 +22,7 @@ NO_DEFAULT = {"scenario", "law", "autostart"}
 
 @pytest.mark.parametrize("node", TABLES)
 def test_shipped_parameters_are_all_that_have_defaults_and_those(node):
-    document = yaml.safe_load((PACKAGE / "config" / f"{node}.yaml").read_text(encoding="utf-8"))
+    document = yaml.safe_load((PACKAGE / "config" / f"{node}.yaml").read_text("utf-8"))
 
     assert list(document) == ["/**"]  # a node's name would be ignored in a namespace
     expected = {key: item.default for key, item in TABLES[node].items() if key not in NO_DEFAULT}
@@ -80,8 +80,8 @@ def test_an_executable_finds_the_environment_and_reads_the_parameters(
 ):
     """In a namespace: a wrong value of the file is refused, so the file was read."""
     shipped = (installed / "share" / PACKAGE.name / "config" / "filter.yaml").read_text("utf-8")
-    (tmp_path / "wrong.yaml").write_text(shipped.replace("watched", "maybe", 1), encoding="utf-8")
-    (tmp_path / "base.toml").write_text(SCENARIO, encoding="utf-8")
+    (tmp_path / "wrong.yaml").write_text(shipped.replace("watched", "maybe", 1), "utf-8")
+    (tmp_path / "base.toml").write_text(SCENARIO, "utf-8")
     site = next((installed / "lib").glob("python*/site-packages"))
     given = ["--ros-args", "--params-file", tmp_path / "wrong.yaml", "-r", "__ns:=/robot1",
              "-p", f"scenario:={tmp_path / 'base.toml'}"]  # fmt: skip
@@ -92,7 +92,7 @@ def test_an_executable_finds_the_environment_and_reads_the_parameters(
         capture_output=True, text=True, timeout=300, check=False,
     )  # fmt: skip
 
-    assert program.read_text(encoding="utf-8").startswith("#!/usr/bin/env python3")
+    assert program.read_text("utf-8").startswith("#!/usr/bin/env python3")
     assert done.returncode == 2
     assert "odometry = 'maybe' must be one of" in done.stderr
 
@@ -119,7 +119,7 @@ def test_without_an_environment_a_sentence_says_so(installed, python, said):
 @OVER_DDS
 def test_the_node_in_c_is_a_package_of_ament_cmake(ros, environment, tmp_path):
     """Built by colcon as it was written, and started: a parameter that it has not ends it."""
-    (tmp_path / "base.toml").write_text(SCENARIO, encoding="utf-8")
+    (tmp_path / "base.toml").write_text(SCENARIO, "utf-8")
     write_node(tmp_path / "src" / NAME, load_scenario(tmp_path / "base.toml"))
     prefix = str(ros.parent.parent)
     paths = {"PATH": f"{ros.parent}{os.pathsep}{os.environ['PATH']}", "CMAKE_PREFIX_PATH": prefix}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-LINES = Path(__file__).with_name("faults.txt").read_text(encoding="utf-8").splitlines()
+LINES = Path(__file__).with_name("faults.txt").read_text("utf-8").splitlines()
 ROWS = [line for line in LINES if line and not line.startswith("#")]
 NAMED = [line.split() for line in ROWS if line.startswith(" ")]
 

@@ -13,7 +13,7 @@ from tests.ros2.test_colcon import PACKAGE
 typesys = pytest.importorskip("rosbags.typesys", reason="NOT RUN: rosbags is not there")
 
 FIELDS = typesys.get_typestore(typesys.Stores.ROS2_JAZZY).fielddefs
-LAYOUT = json.loads((PACKAGE / "foxglove" / "wmr_ctrl.json").read_text(encoding="utf-8"))
+LAYOUT = json.loads((PACKAGE / "foxglove" / "wmr_ctrl.json").read_text("utf-8"))
 PANELS = LAYOUT["configById"]
 NODES = {"/wmr_filter", "/wmr_drive"}
 """Full names of the nodes, which are those of their diagnostics."""

@@ -52,8 +52,8 @@ start = {{ mode = {mode}.0 }}
 def packed(tmp_path_factory):
     """A function that packs the FMU, as it is or altered; functions that it does not write fail."""
     folder = tmp_path_factory.mktemp("foreign3")
-    own = SOURCE.read_text(encoding="utf-8")
-    types = (HEADERS / "fmi3FunctionTypes.h").read_text(encoding="utf-8")
+    own = SOURCE.read_text("utf-8")
+    types = (HEADERS / "fmi3FunctionTypes.h").read_text("utf-8")
     every = re.findall(r"typedef\s+(\w+)\s+(fmi3\w+)TYPE\s*\((.*?)\)\s*;", types, re.S)
     written = {*re.findall(r"fmi3\w+", own)} | {f"fmi3{verb}{kind}" for verb in ("Get", "Set")
                for kind in ("Boolean", "Int8", "Float32")}  # fmt: skip
@@ -289,7 +289,7 @@ def test_sources_are_built_where_the_library_is_missing(plant, packed, mapped):
 
 
 def test_a_template_lists_numbers_of_every_type(plant, tmp_path):
-    text = write_map_template(tmp_path / "map.toml", plant, None).read_text(encoding="utf-8")
+    text = write_map_template(tmp_path / "map.toml", plant, None).read_text("utf-8")
     rows = (
         "# enable = true  # Boolean",
         '# "push[2]" = ',

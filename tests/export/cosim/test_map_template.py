@@ -33,7 +33,7 @@ def test_template_of_an_fmu_with_our_names_runs_as_it_is(tmp_path, fmi):
 @pytest.mark.parametrize("what", ["plant", "mb", "guard", "closed-loop", "reference"])
 def test_template_lists_every_real_input_and_is_toml(tmp_path, what):
     fmu = exported(what, tmp_path, "2")
-    text = write_map_template(tmp_path / "map.toml", None, fmu).read_text(encoding="utf-8")
+    text = write_map_template(tmp_path / "map.toml", None, fmu).read_text("utf-8")
     opened = "\n".join(line.removeprefix("# ") for line in text.splitlines()[2:])
 
     assert tomllib.loads(text).keys() == {"controller"}
@@ -48,10 +48,10 @@ def test_nothing_is_guessed_of_an_fmu_without_units(tmp_path):
     from pythonfmu import FmuBuilder
 
     source = tmp_path / "theirs.py"
-    source.write_text(PLANT, encoding="utf-8")
+    source.write_text(PLANT, "utf-8")
     FmuBuilder.build_FMU(source, dest=tmp_path)
     path = write_map_template(tmp_path / "map.toml", tmp_path / "TheirRobot.fmu", None)
-    text = path.read_text(encoding="utf-8")
+    text = path.read_text("utf-8")
 
     assert not any(tomllib.loads(text)["plant"].values())
     assert '# motorR = { terms = { "" = 1.0 }, unit = "" }' in text
@@ -60,11 +60,11 @@ def test_nothing_is_guessed_of_an_fmu_without_units(tmp_path):
 
 def test_template_overwrites_nothing_and_needs_an_fmu(tmp_path):
     taken = tmp_path / "map.toml"
-    taken.write_text("mine", encoding="utf-8")
+    taken.write_text("mine", "utf-8")
     plant = exported("plant", tmp_path, "2")
 
     with pytest.raises(ArgumentError, match="exists"):
         write_map_template(taken, plant, None)
     with pytest.raises(ArgumentError, match="--plant"):
         write_map_template(tmp_path / "new.toml", None, None)
-    assert taken.read_text(encoding="utf-8") == "mine"
+    assert taken.read_text("utf-8") == "mine"

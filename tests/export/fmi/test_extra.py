@@ -61,7 +61,7 @@ def test_called_as_described_it_has_the_bits_of_the_fmu(exported, tmp_path, law,
     with zipfile.ZipFile(path) as archive:
         archive.extractall(tmp_path)
     folder, interface = tmp_path / FOLDER, ET.parse(tmp_path / INTERFACE).getroot()
-    (folder / "main.c").write_text(program(interface), encoding="utf-8")
+    (folder / "main.c").write_text(program(interface), "utf-8")
     units = [item.attrib["name"] for item in interface.iter("SourceFile")]
     command = [tool("gcc"), "-std=c99", "-O1", "-ffp-contract=off", "-o", "main", "main.c", *units]
     subprocess.run([*command, "-lm"], cwd=folder, check=True)

@@ -38,7 +38,7 @@ def unpacked(what, version, folder):
     found = sources(what, version)
     for name, text in found.files.items():
         standard = (HEADERS / name).is_file()
-        (folder / ("standard" if standard else ".") / name).write_text(text, encoding="utf-8")
+        (folder / ("standard" if standard else ".") / name).write_text(text, "utf-8")
     return found.units
 
 
@@ -50,7 +50,7 @@ def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
     for what, version in product(WHAT, (3, 2)):
         (folder := tmp_path / f"{what}-{version}").mkdir()
         units = unpacked(what, version, folder)
-        texts = {unit: (folder / unit).read_text(encoding="utf-8") for unit in units}
+        texts = {unit: (folder / unit).read_text("utf-8") for unit in units}
         new = [unit for unit, text in texts.items() if text not in seen]
         seen.update(texts.values())
         if new:
@@ -100,7 +100,7 @@ def test_rebuilt_from_its_own_sources(exported, tmp_path, what, version, compile
     with zipfile.ZipFile(path) as archive:
         archive.extractall(tmp_path)
     name = "sources/buildDescription.xml" if version == 3 else "modelDescription.xml"
-    told = (tmp_path / name).read_text(encoding="utf-8")
+    told = (tmp_path / name).read_text("utf-8")
     units = sorted(set(re.findall(r'File name="(\w+\.c)"', told)))
     library = next(tmp_path.glob("binaries/*/*.so"))
     before = library.read_bytes()

@@ -79,7 +79,7 @@ def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(tm
     instance.free()
 
 
-def test_terminals_gather_what_is_asked_and_what_is_sent(tmp_path):
+def test_terminals_gather_what_is_asked_and_what_is_sent():
     from wmr_ctrl.export.fmi.blocks import filter_model
     from wmr_ctrl.export.fmi.xml import terminals
 

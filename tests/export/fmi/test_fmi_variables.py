@@ -69,7 +69,7 @@ def listed():
 
 
 def test_variables_are_those_that_are_listed():
-    assert list(listed()) == LISTED.read_text(encoding="utf-8").splitlines()
+    assert list(listed()) == LISTED.read_text("utf-8").splitlines()
 
 
 @pytest.mark.parametrize("what", WHAT)

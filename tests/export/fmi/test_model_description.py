@@ -189,7 +189,7 @@ def test_provenance_travels_along(exported, what, version):
 
 
 @pytest.mark.parametrize("what", ["plant", "nn", "closed-loop"])
-def test_reference_result_is_reproduced(exported, what, tmp_path):
+def test_reference_result_is_reproduced(exported, what):
     path = exported(what, 2)
     with zipfile.ZipFile(path) as archive:
         text = archive.read("extra/org.wmr-ctrl/reference.csv").decode().splitlines()

@@ -52,7 +52,7 @@ def tool(name):
 
 
 def wanted_functions(version):
-    text = (HEADERS / f"fmi{version}Functions.h").read_text(encoding="utf-8")
+    text = (HEADERS / f"fmi{version}Functions.h").read_text("utf-8")
     return set(
         re.findall(rf"^#define\s+(fmi{version}\w+)\s+fmi{version}FullName", text, flags=re.M)
     )

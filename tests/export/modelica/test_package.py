@@ -241,7 +241,7 @@ def test_noise_is_left_out_and_the_package_says_so(text):
 def test_it_is_one_file_written_whole(tmp_path, text):
     (path,) = export_fmu("modelica", scenario=NOMINAL, out=tmp_path / "new")
     assert path.name == "WheeledRobot.mo"
-    assert path.read_text(encoding="utf-8") == text
+    assert path.read_text("utf-8") == text
     assert [item.name for item in path.parent.iterdir()] == [path.name]
 
 

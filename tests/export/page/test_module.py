@@ -26,14 +26,14 @@ Columns = dict[str, np.ndarray]
 def from_page(page, folder, requests):
     """Columns of runs by the page's module in node, or what it said."""
     asked, out = folder / "requests.json", folder / "out"
-    asked.write_text(json.dumps(requests), encoding="utf-8")
+    asked.write_text(json.dumps(requests), "utf-8")
     done = subprocess.run(
         [where(*NODE), str(SCRIPT), str(page), str(asked), str(out)],
         capture_output=True, text=True, check=False, timeout=300,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     numbers, at, found = np.fromfile(f"{out}.bin"), 0, list[Columns | str]()
-    for line in map(json.loads, out.read_text(encoding="utf-8").splitlines()):
+    for line in map(json.loads, out.read_text("utf-8").splitlines()):
         columns = {}
         for name in line.get("names", ()):
             columns[name] = numbers[at : at + line["samples"]]
@@ -160,7 +160,7 @@ def test_a_reference_is_moved_by_the_scenario_s_key(page, tmp_path):
 
 @pytest.mark.slow
 def test_one_file_below_its_size_that_asks_nobody(page):
-    text = page.read_text(encoding="utf-8")
+    text = page.read_text("utf-8")
 
     assert page.stat().st_size < 2_000_000  # a third less where loops are optimised
     for asking in ("src=", "href=", "@import", "url(", "fetch(", "http://www.", "https://"):

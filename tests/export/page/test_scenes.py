@@ -107,7 +107,7 @@ def test_its_page_has_the_numbers_of_runs_and_shows_what_the_filter_is_for(burge
         assert_same_bits(columns, run)
         filtered = item.name.split("-")[1] in ("clip", "governor")
         assert (np.abs(run["v1"]).max() <= 0.22) == filtered
-    keys = burger.read_text(encoding="utf-8").partition("<kbd>")[2].partition("</details>")[0]
+    keys = burger.read_text("utf-8").partition("<kbd>")[2].partition("</details>")[0]
     assert [word in keys for word in ("push", "guard", "scenes")] == [True, False, False]
 
 

@@ -41,10 +41,10 @@ def tool(name):
 def written(folder, law, scenario=SCENARIO, asked=None):
     """The kit, and vectors and a dialog of the scenario ``asked`` or of its own."""
     for name, text in kit_files(law, scenario).items():
-        (folder / name).write_text(text, encoding="utf-8")
+        (folder / name).write_text(text, "utf-8")
     asked = asked or scenario
     vectors = package_files(law, asked)["vectors.h"]
-    (folder / "vectors.h").write_text(vectors, encoding="utf-8")
+    (folder / "vectors.h").write_text(vectors, "utf-8")
     values = [port.value for port in tuned(law, asked)]
     numbers = ", ".join(repr(value) for port in values for value in port).replace("inf", "HUGE_VAL")
     sizes = ", ".join(str(len(port)) for port in values)
@@ -109,7 +109,7 @@ def test_a_number_in_the_dialog_is_that_number_in_an_export(tmp_path, law, guard
     (tmp_path / "teeth").mkdir()
     written(tmp_path / "teeth", law, base)
     vectors = package_files(law, other)["vectors.h"]
-    (tmp_path / "teeth" / "vectors.h").write_text(vectors, encoding="utf-8")
+    (tmp_path / "teeth" / "vectors.h").write_text(vectors, "utf-8")
     assert float(played(tmp_path / "teeth", law)[0].split()[1]) > 1e-3
 
 
@@ -132,10 +132,10 @@ def test_limits_in_the_wrong_order_are_refused(tmp_path):
     dialog = tmp_path / "dialog.h"
     ports = tuned("mb", SAFE)
     at = sum(p.signal.size for p in ports[: [p.signal.name for p in ports].index("limits.v_u2")])
-    head, numbers, tail = re.split(r"\{(.*?)\}", dialog.read_text(encoding="utf-8"), maxsplit=1)
+    head, numbers, tail = re.split(r"\{(.*?)\}", dialog.read_text("utf-8"), maxsplit=1)
     values = numbers.split(", ")
     values[at] = "5.0"
-    dialog.write_text(f"{head}{{{', '.join(values)}}}{tail}", encoding="utf-8")
+    dialog.write_text(f"{head}{{{', '.join(values)}}}{tail}", "utf-8")
     (told,) = played(tmp_path, "mb", ends=5)
     assert told == "limits_v_u2: below limits_v_u1 in each of the two numbers."
 
@@ -179,7 +179,7 @@ def test_the_c_caller_has_the_structs_of_the_package(tmp_path, law):
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     lines = done.stdout.split("\n")[:-1]
-    header = (tmp_path / f"wmr_{law}.h").read_text(encoding="utf-8")
+    header = (tmp_path / f"wmr_{law}.h").read_text("utf-8")
     system = packaged(settle(SCENARIO, law))
     for name, ports in (("parameters", system.params), ("state", system.state)):
         body = re.search(rf"typedef struct \{{([^}}]*)\}} wmr_{law}_{name};", header)[1]
@@ -221,7 +221,7 @@ def test_the_kit_is_written_and_says_what_was_tried(tmp_path):
         "sfun_wmr_mb.c", "wmr_block.m", "wmr_loop.m", "wmr_ccaller.m", "README.md",
         "wmr_mb.c", "wmr_mb.h", "arithmetic.h",
     }  # fmt: skip
-    assert "not tried" in (tmp_path / "kit" / "README.md").read_text(encoding="utf-8")
+    assert "not tried" in (tmp_path / "kit" / "README.md").read_text("utf-8")
 
 
 def test_what_the_kit_cannot_hold_is_refused():
