@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
@@ -49,6 +49,7 @@ def samples(t, sent, v):
 
 
 @settings(max_examples=25)
+@example(seed=33381, noise=0.01, tau=0.005, held=0.1, quantum=0.01)
 @given(
     seed=st.integers(0, 10**6), noise=st.sampled_from([0.0, 0.001, 0.01, 0.04]),
     tau=st.sampled_from([0.005, 0.05, 0.2]), held=st.sampled_from([0.1, 0.8, 3.0]),

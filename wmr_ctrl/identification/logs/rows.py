@@ -127,7 +127,9 @@ def odd_readings(speed: Floats, left: Floats) -> Mask:
             if low == 0 or high == len(speed):
                 continue
             own, beside, run = slice(low, high), [low - 1, high], high - low
-            lost = zero[own] & (np.abs(speed[beside]).min() > 0.8 * ZERO_FAR * quick)
+            # A 0 between readings of both signs is on the way from one to the other.
+            one_way = abs(float(np.sign(speed[beside]).sum())) == len(beside)
+            lost = zero[own] & one_way & (np.abs(speed[beside]).min() > 0.8 * ZERO_FAR * quick)
             # From both neighbours, of the reading itself and of what the fit leaves.
             apart = np.array([x[own] - x[beside][:, None] for x in (speed, rest)])
             back = np.abs(apart).min(axis=(0, 1)) >= BACK * np.abs(off[own])
