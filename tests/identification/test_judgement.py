@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from wmr_ctrl import identify
+from benchmarks import own_axes
+from wmr_ctrl import RecordedDrive, identify
 from wmr_ctrl.identification.judgement import judged
 from wmr_ctrl.identification.logs.samples import AxisLog
 from wmr_ctrl.identification.loop_search import axis_fit
@@ -129,6 +130,31 @@ def test_delays_that_differ_from_change_to_change_are_told():
 
     assert row["key"] == "delay"
     assert "Log them when they are sent" in row["text"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "commands", "motion", "known"),
+    [("steps", 1, 1, True), ("steps", 2, 1, False), ("smooth", 2, 1, False), ("steps", 2, 2, False)],
+)  # fmt: skip
+def test_delays_of_commands_that_are_logged_in_part_are_not_determined(kind, commands, motion, known):
+    """Of all commands, or of every second one, which may have acted when the one between did."""
+    truth = own_axes.Truth((own_axes.Axis(), own_axes.Axis()), (0.077, 0.077))
+    log = own_axes.recorded(truth, own_axes.Drive(period=PERIOD, kind=kind), seed=1)
+    part = {True: slice(None, None, commands), False: slice(None, None, motion)}
+    t = np.array(log.pop("t [s]"))
+    rows = {name.split(" ")[0]: np.array(row) for name, row in log.items()}
+    times, rows = (
+        {name: of(name)[part[name.endswith("command")]] for name in rows}
+        for of in (lambda _: t, rows.__getitem__)
+    )
+
+    found = identify(RecordedDrive("log", times, rows), base="velocity")
+
+    for name in ("delay1", "delay2"):
+        delay = found.parameters[name]
+        assert delay.low - 1e-3 < 0.077 < delay.high + 1e-3
+        assert (delay.verdict == "determined") == known
+    assert found.parameters["gain1"].value == pytest.approx(1.0, abs=0.01)
 
 
 def columns(log, other):

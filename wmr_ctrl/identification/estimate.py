@@ -328,8 +328,9 @@ def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Est
         low, high = low / (1 + more), high * (1 + more)
     least, most = judgement.reached(name, value)
     size, own = max(abs(value), period if name == "delay" else 1e-12), (high - low) / 2
-    low, high = min(low, least), max(high, most)
-    low = max(low, 0.0) if name == "delay" else low
+    # What is hardly determined reaches little beyond what is searched.
+    lowest, highest = RANGES.get(name, (0.0, math.inf))
+    low, high = max(min(low, least), lowest / 2), min(max(high, most), 2 * highest)
     # A structure that is known makes a number another, not unknown.
     share = ((high - low) / 2 if in_part else own) / size
     word, seconds, several = verdict(share, 1.0), (0.0, 0.0), (least, most) != (value, value)

@@ -18,7 +18,8 @@ from wmr_ctrl.core.data import data
 
 from .fit import Fitted, changes
 from .kalman import BLOCKS, blocks_of
-from .logs.log import AXES, UNITS, Floats, Pair, unit_of
+from .logs.log import AXES, UNITS, Pair, unit_of
+from .logs.samples import AxisLog
 from .residual import told
 from .speed_loop import LINEAR, NEUTRAL, SIDED, LoopFit, foretold, whitener
 
@@ -38,6 +39,10 @@ MOST_STAYS, LEAST_VARIANCE = 0.4, 0.5
 BETWEEN, WINDOW, FEWEST_CHANGES = 0.25, 0.35, 8
 """Time between changes of a command that are looked at, and after one [s]."""
 LEAST_SCATTER, LATER, BY_NOISE = 0.003, 2e-4, 2.0
+RARE, ALIKE, MOST_HELD = 1.5, 0.3, 4
+"""Rows of motion a command beyond which commands are rare; largest range of single delays, in
+periods of the commands, by which they came when logged; rows that are held by a slower recorder.
+"""
 GAINS, ANY_GAIN = (1 / 3, 3.0), 0.4
 """Gains that units can be right for, and how far a base's own gain may be from 1 else."""
 GROUP_KEYS = {
@@ -248,36 +253,56 @@ def _over_time(fit: LoopFit, axis: int) -> Iterator[Finding]:
 
 
 def _late(fit: LoopFit, name: str) -> Iterator[Finding]:
-    """Findings on delays that differ from one command change to the next.
-
-    None if they differ no more than by noise, or if there are too few.
+    """Findings on delays: those that differ from one command change to the next by more than noise,
+    and those of commands that are logged less often than motion, which may have changed in between.
     """
-    log, steps = fit.log, np.diff(fit.log.sent)
+    log, late = fit.log, fit.values["delay"]
+    period = _held(log)
+    rare = period > RARE * float(np.median(np.diff(log.t)))
+    delays, variances = _single_delays(fit)
+    if len(delays) >= FEWEST_CHANGES:
+        low, high = np.quantile(delays, (0.1, 0.9))
+        variance, chance = ((high - low) / 2.56) ** 2, BY_NOISE * float(np.median(variances))
+        by_chance = variance < chance * (1 + 5 * math.sqrt(2 / len(delays)))
+        most = max(0.1 * period, LEAST_SCATTER)
+        ends = np.quantile(delays, (0.05, 0.95))
+        if not by_chance and variance - chance > most**2:
+            least, most = np.maximum(late + ends, 0.0).tolist()
+            text = (
+                f"{name}: the delay differs from change to change, {1e3 * least:.0f} to "
+                f"{1e3 * most:.0f} ms: commands logged by a timer, or lost. Log them when they are "
+                "sent"
+            )
+            reach = least, most + (1.0 if rare else 0.15) * period
+            yield Finding(text, "delay", 1, {"delay": reach})
+            return
+        rare &= bool(np.ptp(ends) > ALIKE * period)
+    if rare:
+        text = (
+            f"{name}: commands are logged every {1e3 * period:.3g} ms, less often than motion: each "
+            "may have acted that much sooner. Log all of them when they are sent"
+        )
+        yield Finding(text, "delay", reach={"delay": (late, late + period)})
+
+
+def _held(log: AxisLog) -> float:
+    """Time [s] for which each command of the log is held."""
+    changes = np.flatnonzero(np.diff(log.sent))
+    rows = int(np.gcd.reduce(np.diff(changes))) if len(changes) > FEWEST_CHANGES else 1
+    return log.period * (rows if rows <= MOST_HELD else 1)
+
+
+def _single_delays(fit: LoopFit) -> tuple[list[float], list[float]]:
+    """Deviations of the delays of single changes of the command from the fitted delay, with noise
+    variances; none if commands are ramped or change all the time.
+    """
+    log, late = fit.log, fit.values["delay"]
+    steps = np.diff(log.sent)
     times = log.sent_t[1:][steps != 0]
     times = times[np.diff(times, prepend=-np.inf) > BETWEEN]
     times = times[np.diff(times, append=np.inf) > BETWEEN]
     if "accel" in fit.names or len(times) < FEWEST_CHANGES or np.mean(steps != 0) > 0.2:
-        return
-    delays, variances = _single_delays(fit, times)
-    if len(delays) < FEWEST_CHANGES:
-        return
-    low, high = np.quantile(delays, (0.1, 0.9))
-    variance, chance = ((high - low) / 2.56) ** 2, BY_NOISE * float(np.median(variances))
-    spread = math.sqrt(max(variance - chance, 0.0))
-    by_chance = variance < chance * (1 + 5 * math.sqrt(2 / len(delays)))
-    if by_chance or spread < max(0.2 * log.period, LEAST_SCATTER):
-        return
-    least, most = np.maximum(fit.values["delay"] + np.quantile(delays, (0.05, 0.95)), 0.0).tolist()
-    text = (
-        f"{name}: the delay differs from change to change, {1e3 * least:.0f} to "
-        f"{1e3 * most:.0f} ms: commands logged by a timer, or lost. Log them when they are sent"
-    )
-    yield Finding(text, "delay", 1, {"delay": (least, most + 0.15 * log.period)})
-
-
-def _single_delays(fit: LoopFit, times: Floats) -> tuple[list[float], list[float]]:
-    """Deviations of single delays at times [s] from the fitted delay, with noise variances."""
-    log, late = fit.log, fit.values["delay"]
+        return [], []
     whiten, whole = whitener(fit.left, log.in_fit)
     later = foretold(log, fit.loop, [fit.values | {"delay": late + LATER}])[:, 0]
     along, left = whiten((later - fit.forecast) / LATER), whiten(fit.left)

@@ -127,7 +127,7 @@ def foretold(log: AxisLog, loop: str, many: Sequence[Mapping[str, float]]) -> Fl
         _follower(loop)(
             *(ct.c_int64(item) for item in (len(sent), count, len(t))),
             ct.c_int32(log.of_way), ct.c_double(edges[1] - edges[0]), ct.c_double(edges[0]),
-            *(item.ctypes for item in (sent, numbers, delays, t, path, seen)),
+            *(np.ascontiguousarray(x).ctypes for x in (sent, numbers, delays, t, path, seen)),
         )  # fmt: skip
         result.append(seen)
     changed = log.t[:, None] >= sets[:, PLACE["when"]]
