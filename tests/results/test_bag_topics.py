@@ -25,12 +25,12 @@ def header(t, frame="odom"):
     return TYPES["std_msgs/msg/Header"](stamp=time, frame_id=frame)
 
 
-def twist(v, w):
+def twist(v, w, sideways=0.0):
     vector = TYPES["geometry_msgs/msg/Vector3"]
-    return TYPES[TWIST](linear=vector(x=v, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=w))
+    return TYPES[TWIST](linear=vector(x=v, y=sideways, z=0.0), angular=vector(x=0.0, y=0.0, z=w))
 
 
-def odometry(t, v=0.5, w=0.0, pose=(0.0, 0.0, 0.0), frame="odom", norm=1.0):
+def odometry(t, v=0.5, w=0.0, pose=(0.0, 0.0, 0.0), frame="odom", norm=1.0, sideways=0.0):
     x, y, yaw = pose
     turn = TYPES["geometry_msgs/msg/Quaternion"](
         x=0.0, y=0.0, z=norm * math.sin(yaw / 2), w=norm * math.cos(yaw / 2)
@@ -44,7 +44,9 @@ def odometry(t, v=0.5, w=0.0, pose=(0.0, 0.0, 0.0), frame="odom", norm=1.0):
             pose=TYPES["geometry_msgs/msg/Pose"](position=point, orientation=turn),
             covariance=nothing,
         ),
-        twist=TYPES["geometry_msgs/msg/TwistWithCovariance"](twist=twist(v, w), covariance=nothing),
+        twist=TYPES["geometry_msgs/msg/TwistWithCovariance"](
+            twist=twist(v, w, sideways), covariance=nothing
+        ),
     )
 
 
@@ -197,6 +199,19 @@ def test_a_message_a_second_late_is_put_in_order_and_a_later_one_is_a_clock_set_
         told = read_topics(place)
         at = told.times["v1_measured"][told.columns["v1_measured"] == 7.0]
         assert at == pytest.approx([t[40] - EPOCH - back], abs=1e-6)
+
+
+def test_a_base_that_drives_sideways_is_told_what_is_not_read(tmp_path):
+    """Once a topic, with the largest speed; nothing where it is 0 or no number."""
+    t = EPOCH + np.arange(0, 10, 0.1)
+    sent = [("/cmd_vel", TWIST, s, twist(0.5, 0.1, math.nan)) for s in t]
+    odom = [("/odom", ODOMETRY, s, odometry(s, sideways=-0.3 * (s > t[50]))) for s in t]
+
+    drive = read_topics(bag(tmp_path, odom + sent))
+
+    told = [text for text in drive.remarks if "not read" in text]
+    assert told == ["/odom: not read: linear.y (up to 0.3 m/s)."]
+    assert set(drive.columns["v1_measured"]) == {0.5}
 
 
 @pytest.mark.parametrize(

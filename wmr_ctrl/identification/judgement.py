@@ -279,8 +279,8 @@ def _late(fit: LoopFit, name: str) -> Iterator[Finding]:
         rare &= bool(np.ptp(ends) > ALIKE * period)
     if rare:
         text = (
-            f"{name}: commands are logged every {1e3 * period:.3g} ms, less often than motion: each "
-            "may have acted that much sooner. Log all of them when they are sent"
+            f"{name}: commands are logged every {1e3 * period:.3g} ms, less often than motion: "
+            "each may have acted that much sooner. Log all of them when they are sent"
         )
         yield Finding(text, "delay", reach={"delay": (late, late + period)})
 

@@ -38,6 +38,8 @@ NONE = "none"
 SIDES = ("right", "left")
 UNIT = 1e-2
 """Largest distance from 1 of the norm of a quaternion."""
+PARTS = {"linear.y": "m/s", "linear.z": "m/s", "angular.x": "rad/s", "angular.y": "rad/s"}
+"""Parts of a twist that are not read, with their units."""
 MOST_NAMED = 12
 """Joints that a remark names."""
 MAP = "map"
@@ -175,14 +177,16 @@ def _gathered(
 
 
 def _of_odometry(message: Any) -> tuple[float, ...]:
-    twist, pose = message.twist.twist, message.pose.pose
+    pose = message.pose.pose
     place, turn = pose.position, pose.orientation
-    return twist.linear.x, twist.angular.z, place.x, place.y, turn.x, turn.y, turn.z, turn.w
+    return (*_of_twist(message.twist), place.x, place.y, turn.x, turn.y, turn.z, turn.w)
 
 
-def _of_twist(message: Any) -> tuple[float, float]:
-    twist = message.twist if message.__msgtype__ == bag.STAMPED else message
-    return twist.linear.x, twist.angular.z
+def _of_twist(message: Any) -> tuple[float, ...]:
+    """v, omega, and `PARTS`."""
+    twist = getattr(message, "twist", message)
+    linear, angular = twist.linear, twist.angular
+    return linear.x, angular.z, linear.y, linear.z, angular.x, angular.y
 
 
 def _of_array(message: Any) -> tuple[float, float]:
@@ -255,7 +259,7 @@ def _wheels(side: str, asked: str, names: Sequence[str]) -> list[str]:
 def _odometry(topic: Topic, remarks: list[str]) -> dict[str, Floats]:
     """Velocities, and poses if they are the robot's own; theta = yaw - pi/2."""
     columns = _named(drive.SPEEDS, topic.values[:, :2])
-    x, y, *turn = topic.values[:, 2:].T
+    x, y, *turn = topic.values[:, 6:].T
     reason = ""
     if topic.frame.rpartition("/")[2] == MAP:
         reason = "they are in the frame map, in which poses jump"
@@ -296,8 +300,19 @@ def _named(names: Sequence[str], values: Floats) -> dict[str, Floats]:
 
 
 def _columns(role: str, topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, Floats]:
-    if role == "odom":
-        return _odometry(topic, remarks)
     if role == "joints":
         return _joint_states(topic, efforts, remarks)
-    return _named(drive.COMMANDS if role == "cmd" else drive.TORQUES, topic.values)
+    if role == "effort":
+        return _named(drive.TORQUES, topic.values)
+    rest = np.abs(topic.values[:, 2:6])
+    most = rest.max(axis=0, initial=0.0, where=np.isfinite(rest)).tolist()
+    told = [
+        f"{name} (up to {x:.3g} {unit})"
+        for (name, unit), x in zip(PARTS.items(), most, strict=True)
+        if x
+    ]
+    if told:
+        remarks.append(f"{topic.name}: not read: {', '.join(told)}.")
+    if role == "odom":
+        return _odometry(topic, remarks)
+    return _named(drive.COMMANDS, topic.values[:, :2])
