@@ -6,7 +6,7 @@ Intervals come from the Fisher information and from leaving out blocks of time.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from scipy.special import stdtrit
@@ -20,6 +20,7 @@ from .kalman import (
     SKIPPED,
     WATCHED,
     CompiledFilter,
+    Pass,
     PassResult,
     blocks_of,
 )
@@ -58,6 +59,7 @@ class LogProblem:
     def read(self, theta: Floats, slopes: bool = True) -> PassResult:
         """One pass of the filter over the log."""
         kinds = np.where(self.counts, COUNTED, SKIPPED)
+        self.tell()
         return self.filter(
             self.log, self._starts(), *self._given(theta), slopes=slopes, boost=self.boost,
             kinds=kinds, blocks=blocks_of(self.log.t),
@@ -138,28 +140,26 @@ class Fit:
         return self.last.fisher.sum(axis=0)[np.ix_(self.free, self.free)]
 
 
-def scored(
-    problem: LogProblem,
-    theta: Floats,
-    free: Mask,
-    passes: int = PASSES,
-    enough: float = ENOUGH,
-) -> Fit:
+P = TypeVar("P", bound=Pass)
+
+
+def climbed(
+    read: Callable[[Floats, bool], P], theta: Floats, free: Mask, ends: tuple[Floats, Floats],
+    reach: Floats | float, passes: int, enough: float,
+) -> tuple[Floats, P]:  # fmt: skip
     """Fisher scoring from ``theta``, damped until each step lowers the negative log-likelihood.
 
-    It ends after ``passes`` steps, or when a step gains less than ``enough`` or promises a tenth of
-    that.  Nielsen's rule sets the damping from the ratio of achieved to predicted gain.  Gradients
-    take most of a pass: after a step that lowered nothing, trials omit them until one succeeds at
-    the first attempt.
+    ``read`` gives a pass, with gradients if asked. No step is beyond ``reach`` or ``ends``. It ends
+    after ``passes`` steps, or when a step gains less than ``enough`` or promises a tenth of that.
+    Nielsen's rule sets the damping from the ratio of achieved to predicted gain.  Gradients take
+    most of a pass: after a step that lowered nothing, trials omit them until one succeeds at the
+    first attempt.
     """
-    least, most = ends(problem, free)
+    least, most = ends
     theta = np.clip(theta, least, most)
-    # Logarithms move no further in a step than scoring can be trusted.
-    reach = np.array([1.5 if name in LOGARITHMIC else np.inf for name in NAMES])
-    result, damping, growth = problem.read(theta), DAMPING, 2.0
+    result, damping, growth = read(theta, True), DAMPING, 2.0
     sloped = True
     for _ in range(passes):
-        problem.tell()
         gradient = result.gradient.sum(axis=0)
         # What lies at an end and would go beyond stays there, so that the others move as they are.
         held = ((theta <= least) & (gradient > 0)) | ((theta >= most) & (gradient < 0))
@@ -169,7 +169,7 @@ def scored(
         better = at_once = False
         for k in range(12):
             step = -np.linalg.solve(fisher + damping * np.diag(scale), gradient[moving])
-            step = np.clip(step, -1.5, 1.5) if np.abs(step).max() > 50 else step
+            step = np.clip(step, -1.5, 1.5) if np.abs(step).max(initial=0.0) > 50 else step
             trial = theta.copy()
             trial[moving] += step
             trial = np.clip(
@@ -179,8 +179,8 @@ def scored(
             promised = -float(gradient[moving] @ step + step @ fisher @ step / 2)
             if 0 <= promised < enough / 10:
                 break
-            after = problem.read(trial, slopes=sloped)
-            gained = float(result.nll.sum() - after.nll.sum())
+            after = read(trial, sloped)
+            gained = float(np.sum(result.nll) - np.sum(after.nll))
             if gained >= 0:
                 better, at_once, share = True, k == 0, gained / max(promised, 1e-300)
                 damping = max(damping * max(1 / 3, 1 - (2 * min(share, 2.0) - 1) ** 3), 1e-9)
@@ -189,11 +189,27 @@ def scored(
             damping, growth, sloped = max(damping * growth, DAMPING), 2 * growth, False
         if not better:
             break
-        theta, result = trial, after if sloped else problem.read(trial)
+        theta, result = trial, after if sloped else read(trial, True)
         sloped = at_once
         if gained < enough:
             break
-    return Fit(problem, theta, free, result)
+    return theta, result
+
+
+def scored(
+    problem: LogProblem,
+    theta: Floats,
+    free: Mask,
+    passes: int = PASSES,
+    enough: float = ENOUGH,
+) -> Fit:
+    """A maximum of the likelihood near ``theta``; logarithms move no further in a step than scoring
+    can be trusted.
+    """
+    reach = np.array([1.5 if name in LOGARITHMIC else np.inf for name in NAMES])
+    both = ends(problem, free)
+    theta, last = climbed(problem.read, theta, free, both, reach, passes, enough)
+    return Fit(problem, theta, free, last)
 
 
 def ends(problem: LogProblem, free: Mask) -> tuple[Floats, Floats]:

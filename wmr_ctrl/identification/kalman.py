@@ -206,14 +206,22 @@ def blocks_of(t: Floats) -> NDArray[np.int64]:
 
 
 @dataclass(frozen=True)
-class PassResult:
-    """Result of a pass: per block the negative log-likelihood (B,), its gradient (B, n) and Fisher
-    information (B, n, n); per measurement residuals, standardised residuals, and means.
+class Pass:
+    """Result of a pass through a log: per block the negative log-likelihood (B,), its gradient
+    (B, n) and Fisher information (B, n, n).
     """
 
     nll: Floats
     gradient: Floats
     fisher: Floats
+
+
+@dataclass(frozen=True)
+class PassResult(Pass):
+    """Result of a pass of the filter: also per measurement residuals, standardised residuals, and
+    means.
+    """
+
     residual: Floats
     sizes: Floats
     mean: Floats

@@ -16,8 +16,8 @@ from __future__ import annotations
 import ctypes as ct
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, partial
 
 import casadi as ca
 import numpy as np
@@ -29,8 +29,8 @@ from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.model.dynamics import rk4_step
 from wmr_ctrl.world.model.system import System
 
-from .fit import FINEST, FLOOR, errors_of
-from .kalman import BLOCKS, blocks_of, symbol
+from .fit import FINEST, FLOOR, climbed, errors_of
+from .kalman import BLOCKS, Pass, blocks_of, symbol
 from .logs.log import Floats, Mask, Names, Pair
 from .logs.samples import LONGEST_DELAY, AxisLog
 
@@ -135,11 +135,10 @@ def foretold(log: AxisLog, loop: str, many: Sequence[Mapping[str, float]]) -> Fl
 
 
 @dataclass(frozen=True)
-class LoopFit:
+class LoopFit(Pass):
     """A fit of one loop: its parameters as searched by ``names``, and its residuals.
 
-    ``gradient`` (B, n) and ``fisher`` (B, n, n) of minus the log of the likelihood, by blocks of
-    time; ``left`` (N,): speed less the predicted speed; ``fixed``: numbers that were not searched.
+    ``left`` (N,): speed less the predicted speed; ``fixed``: numbers that were not searched.
     """
 
     log: AxisLog
@@ -147,16 +146,13 @@ class LoopFit:
     names: Names
     theta: Floats
     left: Floats
-    nll: float
-    gradient: Floats = field(repr=False)
-    fisher: Floats = field(repr=False)
-    fixed: Mapping[str, float] = field(default_factory=dict)
+    fixed: Mapping[str, float]
 
     @property
     def bic(self) -> float:
         """Schwarz's criterion (BIC)."""
         count = len(self.theta) + len(self.fixed)
-        return 2 * self.nll + count * math.log(max(int(self.log.in_fit.sum()), 2))
+        return 2 * float(self.nll) + count * math.log(max(int(self.log.in_fit.sum()), 2))
 
     @property
     def squares(self) -> float:
@@ -251,25 +247,17 @@ def searched(values: Mapping[str, float], names: Names) -> Floats:
     return np.array([values[n] if n in LINEAR else math.log(values[n]) for n in names])
 
 
-def _bounded(names: Names, theta: Floats) -> Floats:
-    ends = [RANGES[n] if n in LINEAR else tuple(np.log(RANGES[n])) for n in names]
-    return np.clip(theta, *np.array(ends).T)
-
-
 def whitener(
     left: Floats, in_fit: Mask, order: int = ORDER
 ) -> tuple[Callable[[Floats], Floats], Mask]:
     """Filter that whitens residuals, and the mask of samples for which its window is complete."""
-    if not order:
-        return lambda x: x, in_fit
-    behind = np.column_stack([np.roll(left, k) for k in range(1, order + 1)])
-    whole = in_fit & np.all([np.roll(in_fit, k) for k in range(1, order + 1)], axis=0)
-    whole[:order] = False
-    near = behind[whole]
-    a = np.linalg.lstsq(near.T @ near, near.T @ left[whole], rcond=None)[0]
+    whole = np.convolve(in_fit, np.ones(order + 1))[: len(left)] > order
+    window = np.column_stack([np.roll(left, k) for k in range(order + 1)])[whole]
+    squares = window.T @ window
+    taps = [1.0, *-np.linalg.lstsq(squares[1:, 1:], squares[1:, 0], rcond=None)[0]]
 
     def whiten(x: Floats) -> Floats:
-        return np.asarray(x - sum(a[k] * np.roll(x, k + 1, axis=0) for k in range(order)))
+        return np.asarray(sum(tap * np.roll(x, k, axis=0) for k, tap in enumerate(taps)))
 
     return whiten, whole
 
@@ -283,58 +271,38 @@ def fitted(
     log: AxisLog, loop: str, names: Names, theta: Floats, passes: int, plain: int = 0,
     fixed: Mapping[str, float] | None = None,
 ) -> LoopFit:  # fmt: skip
-    """Fisher scoring from ``theta``, damped until each step lowers the negative log-likelihood.
+    """Fit by Fisher scoring from ``theta``.
 
     The first ``plain`` passes are least squares on unwhitened residuals, which converge from
     farther away; if all passes are such, the fit is by least squares. ``fixed``: numbers that are
     not searched.
     """
-    damping, done, fixed = 1e-3, False, dict(fixed or {})
-    block = blocks_of(log.t)
+    fixed, block = dict(fixed or {}), blocks_of(log.t)
     spread = max(float(np.std(log.speed[log.in_fit])), 1e-9)
     wide = {"delay": 1e-4, "bias": 1e-3 * spread, "curve": 1e-3 / spread}
     steps = np.array([wide.get(name, 1e-3) for name in names])
+    ends = np.array([RANGES[n] if n in LINEAR else np.log(RANGES[n]) for n in names]).T
 
-    def deviation(many: list[Floats]) -> Floats:
-        sets = [values_of(names, x) | fixed for x in many]
-        return log.speed[:, None] - foretold(log, loop, sets)
-
-    theta = _bounded(names, theta)
-    for turn in range(passes):
-        inside = np.where(theta + steps > _bounded(names, theta + steps), -steps, steps)
-        apart = deviation([theta, *(theta + np.diag(inside))])
-        left = apart[:, 0]
-        slope = (apart[:, 1:] - left[:, None]) / inside
-        whiten, whole = whitener(left, log.in_fit, ORDER if turn >= plain else 0)
+    def read(order: int, theta: Floats, slopes: bool) -> LoopFit:
+        inside = np.where(theta + steps > ends[1], -steps, steps)
+        many = [theta, *(theta + np.diag(inside) if slopes else ())]
+        seen = foretold(log, loop, [values_of(names, item) | fixed for item in many])
+        left = log.speed - seen[:, 0]
+        slope = (seen[:, :1] - seen[:, 1:]) / (inside if slopes else 1.0)
+        whiten, whole = whitener(left, log.in_fit, order)
         white, along = whiten(left)[whole], whiten(slope)[whole]
         sigma = math.hypot(float(np.std(white)), finest(log))
-        nll = whole.sum() * math.log(sigma)
-        place = block[whole]
-        blocks = [(along[place == b], white[place == b]) for b in range(BLOCKS)]
-        gradient = np.array([slopes.T @ rest / sigma**2 for slopes, rest in blocks])
-        fisher = np.array([slopes.T @ slopes / sigma**2 for slopes, _ in blocks])
-        result = LoopFit(log, loop, names, theta, left, nll, gradient, fisher, fixed)
-        if done or turn == passes - 1:
-            break
-        total, pull = fisher.sum(axis=0), gradient.sum(axis=0)
-        scale = np.diag(np.diag(total) + 1e-12)
-        tried = [
-            _bounded(names, theta + np.clip(np.linalg.solve(total + d * scale, -pull), -1, 1))
-            for d in (size * damping for size in (0.01, 1, 1e3))
-        ]
-        squares = [float(np.sum(whiten(item)[whole] ** 2)) for item in deviation(tried).T]
-        best = int(np.argmin(squares))
-        gained = (float(np.sum(white**2)) - squares[best]) / (2 * sigma**2)
-        last = turn >= plain or plain == passes
-        if not gained > 0 and last:
-            break
-        if not gained > ENOUGH and not last:
-            plain = turn
-        if not gained > 0:
-            continue
-        theta, damping = tried[best], min(max(damping * (0.01, 1.0, 1e3)[best], 1e-8), 1e6)
-        done = last and gained < ENOUGH
-    return result
+        parts = [block[whole] == b for b in range(BLOCKS)]
+        gradient = np.array([along[part].T @ white[part] for part in parts]) / sigma**2
+        fisher = np.array([along[part].T @ along[part] for part in parts]) / sigma**2
+        nll = np.array(whole.sum() * math.log(sigma))
+        return LoopFit(nll, gradient, fisher, log, loop, names, theta, left, fixed)
+
+    free, both = np.ones(len(names), bool), (ends[0], ends[1])
+    for order, count in ((0, plain), (ORDER, passes - plain)):
+        if count:
+            theta, fit = climbed(partial(read, order), theta, free, both, 1.0, count, ENOUGH)
+    return fit
 
 
 def forecast(fit: LoopFit, log: AxisLog) -> Floats:
