@@ -79,7 +79,8 @@ def spoilt_table(draw, base):
         place = draw.randrange(width)
         factor = draw.choice([-1, 1e-3, 1e3, 57.3, 1e12])
         for row in rows[1:]:
-            row[place] = repr(factor * float(row[place])) if row[place][:1].isdigit() else "1"
+            if row[place].replace(".", "").isdigit():
+                row[place] = repr(factor * float(row[place]))
     if draw.random() < 0.03:
         draw.shuffle(rows)
     separator = draw.choice([*[","] * 6, ";", "\t", " "])
@@ -125,7 +126,7 @@ def messages(draw):
         def odd(value):
             return draw.choice(SIZES) if draw.random() < share else value
 
-        def at():
+        def at(now=now):
             return max(odd_time(draw, now) if draw.random() < share else now, 0.0)
 
         way = [a + 0.05 * x for a, x in zip(way, (seen + turned, seen - turned), strict=True)]

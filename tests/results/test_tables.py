@@ -3,7 +3,7 @@
 import pytest
 
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.results.tables import is_table, read_timed, reader_of
+from wmr_ctrl.results.tables import is_table, read_table, reader_of, timed
 
 KNOWN = {"v1": "m/s", "omega": "rad/s"}
 
@@ -11,7 +11,8 @@ KNOWN = {"v1": "m/s", "omega": "rad/s"}
 def read(tmp_path, content, columns=None):
     file = tmp_path / "log.csv"
     file.write_bytes(content.encode())
-    return read_timed(file, reader_of("log.csv", KNOWN, columns))
+    reader = reader_of("log.csv", KNOWN, columns)
+    return timed(read_table(file, reader), reader, ())
 
 
 def test_columns_have_times_of_their_own_where_cells_are_empty(tmp_path):

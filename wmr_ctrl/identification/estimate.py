@@ -39,7 +39,7 @@ from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats, Pair
 from .logs.samples import AxisLog, Samples, differenced, forces, speeds, wheels
-from .speed_loop import LINEAR, LOOPS, RANGES, Fits, LoopFit, forecast
+from .speed_loop import LINEAR, LOOPS, RANGES, Fits, LoopFit
 
 START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""
@@ -372,7 +372,7 @@ def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
             continue
         turn = np.floor((axis.t - axis.t[0]) / FREE_RUN)
         held, seen = axis.speed[np.searchsorted(turn, turn)][rest], axis.speed[rest]
-        pair = forecast(fit, axis)[rest], held
+        pair = fit.forecast[rest], held
         shares.append([float(shares_told(item, seen)) for item in pair])
     (v, held_v), (omega, held_omega) = shares
     return Score((v, omega), (held_v, held_omega), cut)

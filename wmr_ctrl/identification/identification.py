@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.control.setup import check_scenario
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.results import RecordedDrive, Run
 from wmr_ctrl.world.command_loss import CommandLoss
@@ -56,16 +56,17 @@ from .logs.log import (
 )
 from .logs.mended import mended
 from .logs.rows import Rows, usable
-from .logs.samples import Samples, held_range, held_speeds, motion_of
+from .logs.samples import Samples, held_range, motion_of
 from .refuted import explaining, guard_bounds, held_out, usable_speeds
 from .stated import (
-    LEAST_SEEN,
     NOT_SHOWN,
     believed,
+    beyond,
     not_found,
+    refusal,
+    too_far,
     undetermined,
     with_limits,
-    within_reach,
     written,
 )
 from .velocity_base import of_velocities
@@ -139,8 +140,6 @@ def identify(
     if counts is not None:
         scenario, sure = override(scenario, {COUNTED: counts}), {*sure, COUNTED}
     raw = mended(raw)
-    lint.check_times(raw)
-    lint.check_counters(raw)
     remarks = [*raw.remarks, *(note.text for note in raw.notes)]
     samples, scenario = _samples(raw, scenario, sure, remarks, commands)
     timeout = scenario.section(CommandLoss).timeout if TIMEOUT in sure else None
@@ -315,10 +314,7 @@ def _of_torques(
     bounds = guard_bounds(white, widths, clocked, colour)
     trained, refuted = held_out(white, fit, clocked, colour)
     bounds = replace(explaining(white, bounds), refuted=refuted, wide=bounds.wide or unknown)
-    far = [
-        limit / max(v, LEAST_SEEN)
-        for limit, v in zip(clocked.limits.v_u1, held_speeds(log), strict=True)
-    ]
+    far = beyond(clocked, log)
     identified = _scenario(name, clocked, values, bounds, far, remarks)
     score = score_of(white, trained)
     price = usable_speeds(override(identified, {"guard.enabled": True}))
@@ -356,33 +352,42 @@ def _scenario(
         "actuator.delay": min(max(delay, 0.0), bounds.delay[1]), "actuator.lag": values["lag"],
         "disturbance.std": std, "disturbance.truncate": four_digits(most / std, up=False),
         **{f"guard.{key}": list(pair) for key, (pair, _) in bounds.pairs().items()},
-        "guard.dbar": [four_digits(max(x, 1.0) * d, up=True)
+        "guard.dbar": [four_digits(x * d, up=True)
                        for x, d in zip(far, bounds.dbar, strict=True)],
         **({"guard.delay": None} if bounds.wide else {}),
     })  # fmt: skip
     founded, result = result, replace(result, assumed=(*result.assumed, "guard.dbar"))
+    guarded = override(result, {"guard.enabled": True})
+    if reason := _against(guarded, bounds, far):
+        remarks.append(f"the guard is off: {reason}")
+        return result
+    if max(far) == 1:
+        return replace(guarded, assumed=founded.assumed)
+    wider = guarded.value("guard.dbar")
+    remarks.append(
+        f"limits.v_u1 is up to {100 * max(far) - 100:.0f} % beyond the fastest motion of the log: "
+        "pushes are taken to grow with speed, so guard.dbar is "
+        f"[{wider[0]:.3g}, {wider[1]:.3g}] in the scenario."
+    )
+    return guarded
+
+
+def _against(guarded: Scenario, bounds: GuardBounds, far: Sequence[float]) -> str:
+    """Reason for which a guard cannot be based on the log; "" if there is none."""
     if bounds.refuted:
-        remarks.append(
-            "the guard is off: a part of the log contradicts what the rest of it gives. "
+        return (
+            "a part of the log contradicts what the rest of it gives. "
             f"{'; '.join(bounds.refuted)}. Robot, load, floor or lateness changed: take a log of "
             "each, or state bounds for all."
         )
-        return result
     if bounds.wide:
         (low, high), (least, most) = bounds.delay, bounds.masses[0]
         lacking = (
             f"a delay known to a control period, and this one lies between {1e3 * low:.3g} and "
             f"{1e3 * high:.3g} ms"
-            if high - low > base.clock.control * (1 + 1e-9)
+            if high - low > guarded.clock.control * (1 + 1e-9)
             else "a mass or an inertia that the log determines, and m lies between "
             f"{least:.3g} and {most:.3g} kg"
         )
-        remarks.append(f"the guard is off: it takes {lacking}. A better drive determines it.")
-        return result
-    if not within_reach(result, far, remarks):
-        return result
-    try:
-        return scenario_of(result if max(far) > 1 else founded, guard=True)
-    except ScenarioError as error:
-        remarks.append(f"the guard is off: with these numbers it is refused. {error}")
-        return result
+        return f"it takes {lacking}. A better drive determines it."
+    return too_far(guarded, far) or refusal(guarded, check_scenario)

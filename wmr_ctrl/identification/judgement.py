@@ -18,7 +18,7 @@ from wmr_ctrl.core.data import data
 
 from .fit import Fitted, changes
 from .kalman import BLOCKS, blocks_of
-from .logs.log import AXES, UNITS, Pair, unit_of
+from .logs.log import AXES, UNITS, Pair, unit_of, usual_step
 from .logs.samples import AxisLog
 from .residual import told
 from .speed_loop import LINEAR, NEUTRAL, SIDED, LoopFit, foretold, whitener
@@ -258,7 +258,7 @@ def _late(fit: LoopFit, name: str) -> Iterator[Finding]:
     """
     log, late = fit.log, fit.values["delay"]
     period = _held(log)
-    rare = period > RARE * float(np.median(np.diff(log.t)))
+    rare = period > RARE * usual_step(log.t)
     delays, variances = _single_delays(fit)
     if len(delays) >= FEWEST_CHANGES:
         low, high = np.quantile(delays, (0.1, 0.9))
@@ -308,11 +308,12 @@ def _single_delays(fit: LoopFit) -> tuple[list[float], list[float]]:
     along, left = whiten((later - fit.forecast) / LATER), whiten(fit.left)
     first, last = (np.searchsorted(log.t, times + more) for more in (0.0, late + WINDOW))
     spans = list(zip(first.tolist(), last.tolist(), strict=True))
+    least = max(0.2 * log.period, LEAST_SCATTER)
     noise = max(2.2 * float(np.median(np.abs(left[whole]))) ** 2, 1e-12)
     delays, variances = [], []
     for low, high in spans:
         weight = float(np.sum(along[low:high] ** 2))
-        if high - low > 2 and whole[low:high].all() and noise < weight * log.period**2:
+        if high - low > 2 and whole[low:high].all() and noise < weight * least**2:
             delays.append(float(along[low:high] @ left[low:high]) / weight)
             variances.append(noise / weight)
     return delays, variances

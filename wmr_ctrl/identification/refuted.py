@@ -26,7 +26,7 @@ from .bounds import UNITS, GuardBounds
 from .estimate import cut_of, fitted_part
 from .fit import LAG_LEAST, Fit, Fitted, at_rest, changes, intervals_of
 from .kalman import BLOCKS, INDEX, NAMES
-from .logs.log import Floats, Pair, Texts
+from .logs.log import Floats, Pair, Texts, usual_step
 from .logs.samples import Samples
 from .written import four_digits, outward
 
@@ -229,7 +229,7 @@ def _pushes(
     A window is two halves of ``span`` [s] each; measured speeds are means over half a window.  The
     push is monotonic in the force that acted, so the least push is at an end of the forces' range.
     """
-    n = max(1, round(span / float(np.median(np.diff(log.t)))))
+    n = max(1, round(span / usual_step(log.t)))
     reach = n if log.of_speed else 2 * n
     left = log.stretches[1] - np.arange(len(log.t))
     i = np.flatnonzero(left >= reach)[:: max(1, n // 4)]

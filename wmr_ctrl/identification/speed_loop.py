@@ -31,7 +31,7 @@ from wmr_ctrl.world.model.system import System
 
 from .fit import FINEST, FLOOR, climbed, errors_of
 from .kalman import BLOCKS, Pass, blocks_of, symbol
-from .logs.log import Floats, Mask, Names, Pair
+from .logs.log import Floats, Mask, Names, Pair, quick
 from .logs.samples import LONGEST_DELAY, AxisLog
 
 _DATA = data(__package__, "speed_loop.toml")
@@ -194,7 +194,7 @@ class LoopFit(Pass):
     @property
     def fastest(self) -> float:
         """Largest speed that the log shows and the fit explains, less the fastest hundredth."""
-        return float(np.quantile(np.abs(self.forecast[self.log.in_fit]), 0.99))
+        return quick(self.forecast[self.log.in_fit], 0.99)
 
     @property
     def steepest(self) -> float:
@@ -303,8 +303,3 @@ def fitted(
         if count:
             theta, fit = climbed(partial(read, order), theta, free, both, 1.0, count, ENOUGH)
     return fit
-
-
-def forecast(fit: LoopFit, log: AxisLog) -> Floats:
-    """Speeds (N,) that a fit predicts for another log, from its commands alone."""
-    return foretold(log, fit.loop, [fit.values])[:, 0]

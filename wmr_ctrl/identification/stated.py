@@ -1,6 +1,6 @@
 """Values that a user states beside a log, and limits from the log if nobody states them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from wmr_ctrl.control.given import scenario_of
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.data import data
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import default
 from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.core.fields.unstated import Unknown
@@ -93,24 +95,33 @@ def with_limits(
     return replace(limited, assumed=(*limited.assumed, *assumed)), words
 
 
-def within_reach(scenario: Scenario, far: Sequence[float], remarks: list[str]) -> bool:
-    """False if a limit is more than `MOST_FAR` times the log's largest speed; remarks say so."""
-    seen = [limit / share for limit, share in zip(scenario.limits.v_u1, far, strict=True)]
-    visited = f"the log shows speeds up to {seen[0]:.2g} m/s and {seen[1]:.2g} rad/s"
-    if max(far) > MOST_FAR:
-        most = [rounded_down(MOST_FAR * v) for v in seen]
-        remarks.append(
-            f"the guard is off: {visited}, and nothing is known about those of {LIMITS}. Drive "
-            f"faster, or state limits of at most {most[0]:g} m/s and {most[1]:g} rad/s."
-        )
-        return False
-    if max(far) > 1:
-        wider = scenario.value("guard.dbar")
-        remarks.append(
-            f"{visited}. Up to those of {LIMITS} pushes are taken to grow with speed: guard.dbar "
-            f"is [{wider[0]:.3g}, {wider[1]:.3g}] in the scenario."
-        )
-    return True
+def beyond(scenario: Scenario, log: Samples) -> list[float]:
+    """Each limit over the largest speed of the log, at least 1."""
+    pairs = zip(scenario.limits.v_u1, held_speeds(log), strict=True)
+    return [max(limit / max(seen, LEAST_SEEN), 1.0) for limit, seen in pairs]
+
+
+def too_far(scenario: Scenario, far: Sequence[float]) -> str:
+    """Reason for which bounds from a log cannot hold up to the limits, `beyond` it; "" if none."""
+    for limit, share, unit in zip(scenario.limits.v_u1, far, UNITS, strict=True):
+        if share > MOST_FAR:
+            seen = limit / share
+            return (
+                f"the limit {limit:.3g} {unit} is more than twice the largest speed that the log "
+                f"shows, {seen:.3g} {unit}. Drive faster, or state a limit of at most "
+                f"{rounded_down(MOST_FAR * seen):g} {unit}."
+            )
+    return ""
+
+
+def refusal(scenario: Scenario, check: Callable[[Scenario], object]) -> str:
+    """Reason for which ``check`` or the scenario's other numbers refuse it; "" if they do not."""
+    try:
+        settle(scenario, None)
+        check(scenario)
+    except ScenarioError as error:
+        return f"with these numbers it is refused. {error}"
+    return ""
 
 
 def written(scenario: Scenario) -> Scenario:

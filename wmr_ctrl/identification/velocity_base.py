@@ -8,8 +8,6 @@ import numpy as np
 
 from wmr_ctrl.control.filter.filter import check_filter
 from wmr_ctrl.control.filter.peak_gain import PeakGain, peak_gains, pi_loop
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.unstated import Unstated
 from wmr_ctrl.world.encoder import Encoder
 from wmr_ctrl.world.scenario import Scenario, override
@@ -26,11 +24,11 @@ from .estimate import bare_scenario, cut_of, loop_estimates, loop_score
 from .fit import Tell
 from .judgement import NOT_EXPLAINED, Judgement, bent, judged
 from .logs.lint import check_following
-from .logs.log import COMMAND, UNITS, Pair
-from .logs.samples import AxisLog, Samples, axis_log, held_speeds
+from .logs.log import COMMAND, Pair
+from .logs.samples import AxisLog, Samples, axis_log
 from .loop_search import axis_fit
-from .speed_loop import LOOPS, SMOOTHED, Fits, LoopFit, fitted, forecast
-from .stated import LEAST_SEEN, MOST_FAR, rounded_down
+from .speed_loop import LOOPS, SMOOTHED, Fits, LoopFit, fitted
+from .stated import MOST_FAR, beyond, refusal, too_far
 from .written import four_digits, outward
 
 LOOP, LEAST_DRIVEN = "first-order", 1e-3
@@ -39,6 +37,8 @@ LEAST_BACK = 2.0
 """Largest ratio of commands in both directions of a log that shows both."""
 MOST_LATE, MOST_VAGUE = 0.3, 4.0
 """Latest delay [s], and ratio of the ends of an interval, of undetermined numbers for a filter."""
+KEYS = {"tau": "tau", "wn": "frequency", "zeta": "damping", "gain": "gain"}
+"""Keys of a loop's numbers in [base] and [filter]."""
 UNFOUNDED = ("filter.gain", "filter.d", "filter.kp", "filter.push")
 """Keys that are assumed where a log does not show what they promise up to the limits."""
 
@@ -63,7 +63,7 @@ class VelocityIdentification(BaseIdentification):
         for axis, (fit, trained) in enumerate(zip(self.fits, self.trained, strict=True)):
             if fit is not None and trained is not None:
                 left[:, axis] = fit.deviation()
-                foretold[:, axis] = np.where(log.in_fit, forecast(trained, fit.log), np.nan)
+                foretold[:, axis] = np.where(log.in_fit, trained.forecast, np.nan)
         return Traces(log.t, seen, foretold, left, self.score.held_out_from)
 
 
@@ -86,10 +86,7 @@ def of_velocities(
     estimates = loop_estimates(judgements, log.period)
     remarks += loop_remarks(judgements, estimates)
     bare = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")
-    if judgements:
-        bounds, identified = _scenario(bare, log, judgements, estimates, remarks)
-    else:
-        bounds, identified = _unknown(bare, remarks)
+    bounds, identified = _scenario(bare, log, judgements, estimates, remarks)
     cut = cut_of(log)
     first, second = (fit and trained_on(fit, cut) for fit in fits)
     trained, said = (first, second), tuple(remarks)
@@ -102,8 +99,8 @@ def of_velocities(
 
 def trained_on(fit: LoopFit, cut: float) -> LoopFit:
     """Refit the part of the log before a time [s]."""
-    log, fixed = fit.log.until(cut), dict(fit.fixed)
-    return fitted(log, fit.loop, fit.names, fit.theta, TRAINED, fixed=fixed)
+    log = replace(fit.log, in_fit=fit.log.in_fit & (fit.log.t < cut))
+    return fitted(log, fit.loop, fit.names, fit.theta, TRAINED, fixed=fit.fixed)
 
 
 def same_loop(axes: list[AxisLog], driven: list[bool], tell: Tell) -> Fits:
@@ -120,18 +117,6 @@ def same_loop(axes: list[AxisLog], driven: list[bool], tell: Tell) -> Fits:
     return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
 
 
-def _unknown(base: Scenario, remarks: list[str]) -> tuple[FilterBounds, Scenario]:
-    """The scenario of a base that no command moved, without a filter."""
-    remarks.append("the filter is off. Change both commands by steps, at different times.")
-    least, most = (0.0, 0.0), (math.inf, math.inf)
-    bounds = FilterBounds(LOOP, most, most, (0.0, math.inf), "the log shows none")
-    result = override(base, {
-        "robot.mu": 0.0, "base.kind": "velocity", "base.loop": LOOP, "guard.enabled": False,
-        "filter.kind": "none", "disturbance.std": 0.0, "disturbance.push": list(least),
-    })  # fmt: skip
-    return bounds, replace(result, assumed=(*result.assumed, "robot.mu", "disturbance.std"))
-
-
 def _scenario(
     base: Scenario,
     log: Samples,
@@ -140,45 +125,55 @@ def _scenario(
     remarks: list[str],
 ) -> tuple[FilterBounds, Scenario]:
     """The base's scenario; its filter is on if its numbers can be met."""
+    own = ["robot.mu", "disturbance.std"]
+    numbers: dict[str, object] = {
+        "robot.mu": 0.0, "base.kind": "velocity", "base.loop": LOOP, "guard.enabled": False,
+        "filter.kind": "none", "disturbance.std": 0.0, "disturbance.push": [0.0, 0.0],
+    }  # fmt: skip
+    if not judgements:
+        remarks.append("the filter is off. Change both commands by steps, at different times.")
+        none = math.inf, math.inf
+        bounds = FilterBounds(LOOP, none, none, (0.0, math.inf), "the log shows none")
+        return bounds, replace(override(base, numbers), assumed=(*base.assumed, *own))
     fits = {item.place: item.fit for item in judgements}
-    held, limits, far, d = held_speeds(log), base.limits.v_u1, [0.0, 0.0], [0.0, 0.0]
-    for place, fit in fits.items():
-        # By how much a limit is beyond the fastest motion of the log, as a share of it.
-        far[place] = max(limits[place] / max(held[place], LEAST_SEEN) - 1, 0.0)
-        d[place] = outward(0.0, _deviation(fit) * (1 + far[place]))[1]
+    far = beyond(base, log)
+    d = [outward(0.0, _deviation(fits[k]) * far[k])[1] if k in fits else 0.0 for k in (0, 1)]
     both = [fits.get(place, judgements[0].fit) for place in (0, 1)]
     values = [{name: four_digits(x) for name, x in fit.values.items()} for fit in both]
     loop, ends = both[0].loop, _by_axis(estimates)
     delays = [item.value for name, item in estimates.items() if name.startswith("delay")]
     late = max(round(float(np.mean(delays)) / base.clock.plant), 0) * base.clock.plant
     ends["delay"] = [(min(late, low), max(late, high)) for low, high in ends["delay"]]
-    for axis, (fit, beyond) in enumerate(zip(both, far, strict=True)):
-        if "gain" in ends:
-            # A gain that grows with the command grows on beyond those of the log.
-            low, high = ends["gain"][axis]
-            more = beyond * (bent(fit) + ("curve" in fit.values) * (high / low - 1))
-            ends["gain"][axis] = low, high * (1 + more)
+    if "gain" in ends:
+        # A gain that grows with the command grows on beyond those of the log.
+        growing = [bent(fit) + ("curve" in fit.values) * (high / low - 1)
+                   for fit, (low, high) in zip(both, ends["gain"], strict=True)]  # fmt: skip
+        ends["gain"] = [(low, high * (1 + (share - 1) * more))
+                        for (low, high), share, more in zip(ends["gain"], far, growing, strict=True)
+                       ]  # fmt: skip
     if loop == "pi" or base.filter.channels == "wheels" or base.filter.wheel_speed is not None:
         ends = {name: 2 * [_hull(pairs)] for name, pairs in ends.items()}
     ends = {name: [outward(*pair) for pair in pairs] for name, pairs in ends.items()}
     accel = [item.get("accel", math.inf) for item in values]
-    result = override(base, {
-        "robot.mu": 0.0, "base.kind": "velocity", "base.delay": late, "base.accel": accel,
+    numbers |= {
+        "base.loop": loop, "filter.loop": loop, "base.delay": late, "base.accel": accel,
         "base.decel": [v.get("decel", most) for v, most in zip(values, accel, strict=True)],
-        "base.deadband": [item.get("dead", 0.0) for item in values], "guard.enabled": False,
-        "filter.kind": "none", "filter.delay": _stated(ends["delay"]),
-        "disturbance.std": 0.0, "disturbance.push": [0.0, 0.0],
-    })  # fmt: skip
-    own = ["robot.mu", "disturbance.std"]
-    rests = loop != "first-order" or base.section(Encoder).counts
+        "base.deadband": [item.get("dead", 0.0) for item in values],
+        "filter.delay": _stated(ends["delay"]),
+    }  # fmt: skip
+    rests = loop != LOOP or base.section(Encoder).counts
     if rests and isinstance(base.initial.velocity, Unstated):
         # A filter for loops that overshoot counts on a base at rest, as encoders do.
-        result = override(result, {"initial.velocity": [0.0, 0.0]})
+        numbers["initial.velocity"] = [0.0, 0.0]
     if loop == "pi":
         own += ["robot.I"] if {"robot.m", "robot.l"} & {*base.assumed} else []
-        result = _of_pi(result, values, ends, d, remarks)
+        result = _of_pi(base, numbers, values, ends, d, remarks)
     else:
-        result = _of_relaxing(result, loop, values, ends, d)
+        for name, key in KEYS.items():
+            if name in LOOPS[loop]:
+                numbers[f"base.{key}"] = [item[name] for item in values]
+                numbers[f"filter.{key}"] = _stated(ends[name])
+        result = override(base, numbers | {"filter.d": d})
     result = replace(result, assumed=(*result.assumed, *own))
     peaks = peak_gains(result)
     sentence = (
@@ -187,37 +182,21 @@ def _scenario(
     )
     first, second = (k.gain if place in fits else math.inf for place, k in enumerate(peaks))
     bounds = FilterBounds(loop, (first, second), (d[0], d[1]), _hull(ends["delay"]), sentence)
-    if reason := _against(result, judgements, estimates, far):
-        remarks.append(f"the filter is off: {reason}")
-        return bounds, replace(result, assumed=(*result.assumed, *UNFOUNDED))
-    return bounds, _filtered(result, judgements, peaks, far, remarks)
-
-
-def _filtered(
-    result: Scenario,
-    judgements: Sequence[Judgement],
-    peaks: Sequence[PeakGain],
-    far: Sequence[float],
-    remarks: list[str],
-) -> Scenario:
-    """The scenario with its filter on, if accepted; bounds beyond the log are assumed."""
-    off = replace(result, assumed=(*result.assumed, *UNFOUNDED))
+    unfounded = replace(result, assumed=(*result.assumed, *UNFOUNDED))
     stated = override(result, {"filter.kind": "clip"})
-    try:
-        settle(stated, None)
-        check_filter(stated)
-    except ScenarioError as error:
-        remarks.append(f"the filter is off: with these numbers it is refused. {error}")
-        return off
-    if max(far) > 0:
+    if reason := _against(stated, judgements, estimates, far):
+        remarks.append(f"the filter is off: {reason}")
+        return bounds, unfounded
+    if max(far) > 1:
         remarks.append(
-            f"limits.v_u1 is up to {100 * max(far):.0f} % beyond the fastest motion of the log: "
-            "filter.gain and filter.d are wider by what grows with speed. Drive up to the limits."
+            f"limits.v_u1 is up to {100 * max(far) - 100:.0f} % beyond the fastest motion of the "
+            "log: filter.gain and filter.d are wider by what grows with speed. Drive up to the "
+            "limits."
         )
     lacking = _never_sent(stated, judgements, peaks)
     remarks += lacking
-    founded = not lacking and max(far) == 0
-    return stated if founded else replace(stated, assumed=off.assumed)
+    founded = not lacking and max(far) == 1
+    return bounds, stated if founded else replace(stated, assumed=unfounded.assumed)
 
 
 def _deviation(fit: LoopFit) -> float:
@@ -252,15 +231,7 @@ def _against(
     ]  # fmt: skip
     if vague:
         return f"{', '.join(vague)} undetermined. Steps of the command show them."
-    for limit, beyond, unit in zip(stated.limits.v_u1, far, UNITS, strict=True):
-        if beyond > MOST_FAR - 1:
-            seen = limit / (1 + beyond)
-            return (
-                f"the limit {limit:.3g} {unit} is more than twice the largest speed that the log "
-                f"shows, {seen:.3g} {unit}. Drive faster, or state a limit of at most "
-                f"{rounded_down(MOST_FAR * seen):g} {unit}."
-            )
-    return ""
+    return too_far(stated, far) or refusal(stated, check_filter)
 
 
 def _never_sent(
@@ -300,32 +271,16 @@ def _stated(pairs: Sequence[Pair]) -> object:
     return pairs[0] if pairs[0] == pairs[1] else pairs
 
 
-def _of_relaxing(
-    scenario: Scenario,
-    loop: str,
-    values: list[dict[str, float]],
-    ends: Mapping[str, Sequence[Pair]],
-    d: Sequence[float],
-) -> Scenario:
-    """The scenario of a loop of first or second order."""
-    names = {"tau": "tau", "wn": "frequency", "zeta": "damping", "gain": "gain"}
-    numbers: dict[str, object] = {"base.loop": loop, "filter.loop": loop, "filter.d": list(d)}
-    for name in LOOPS[loop]:
-        if name in names:
-            numbers[f"base.{names[name]}"] = [item[name] for item in values]
-            numbers[f"filter.{names[name]}"] = _stated(ends[name])
-    return override(scenario, numbers)
-
-
 def _of_pi(
-    scenario: Scenario,
+    base: Scenario,
+    numbers: Mapping[str, object],
     values: list[dict[str, float]],
     ends: Mapping[str, Sequence[Pair]],
     d: Sequence[float],
     remarks: list[str],
 ) -> Scenario:
     """A PI loop of both wheels: kp and ki that act on robot.m, and the measured inertia."""
-    m, l = scenario.robot.m, scenario.robot.l
+    m, l = base.robot.m, base.robot.l
     remarks.append(
         f"kp and ki are for robot.m = {m:g} kg as it was given: a log of velocities "
         "determines only kp/M and ki/M. Coulomb friction is left to the loop (robot.mu = 0), and "
@@ -337,9 +292,9 @@ def _of_pi(
     inertia = m * l**2 * heavier
     (wn, wn_most), (zeta, zeta_most) = ends["wn"][0], ends["zeta"][0]
     own = min(1.0, heavier), max(1.0, heavier)
-    result = override(scenario, {
-        "base.loop": "pi", "robot.I": inertia,
-        "base.kp": m * pulls[0][0], "base.ki": m * pulls[0][1], "filter.loop": "pi",
+    result = override(base, {
+        **numbers, "robot.I": inertia,
+        "base.kp": m * pulls[0][0], "base.ki": m * pulls[0][1],
         "filter.mass": [m, m], "filter.inertia": [inertia, inertia],
         "filter.kp": [2 * m * zeta * wn * own[0], 2 * m * zeta_most * wn_most * own[1]],
         "filter.ki": [m * wn**2 * own[0], m * wn_most**2 * own[1]],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -46,24 +46,28 @@ def reader_of(
     return TableReader(place, known, (TIME.name,), error, columns or {}, remedy=REMEDY)
 
 
-def read_timed(path: Path, reader: TableReader) -> Timed:
+def read_table(path: Path, reader: TableReader) -> Table:
     """Read the columns of a file; raises the reader's error."""
     note_input(path, "table")
     try:
         if path.stat().st_size > MOST_BYTES:
             raise reader.error(f"{reader.place} is larger than 2 GiB. Cut it into pieces.")
         with path.open(newline="", encoding="utf-8") as file:
-            return timed(reader.read(file), reader)
+            return reader.read(file)
     except (OSError, UnicodeDecodeError) as error:
         raise reader.error(f"{reader.place} cannot be read as UTF-8 text ({error}).") from None
 
 
-def timed(table: Table, reader: TableReader) -> Timed:
-    """Columns without their empty cells."""
+def timed(table: Table, reader: TableReader, together: Sequence[Sequence[str]]) -> Timed:
+    """Columns without their empty cells, nor rows in which one ``together`` with them is empty."""
     values = {name: np.frombuffer(column) for name, column in table.columns.items()}
     t = values.pop(TIME.name)
-    there = {name: ~np.isnan(column) & ~np.isnan(t) for name, column in values.items()}
-    there = {name: mask for name, mask in there.items() if mask.any()}
+    values = {name: column for name, column in values.items() if not np.isnan(column + t).all()}
+    there = {}
+    for name, column in values.items():
+        group = next((item for item in together if name in item), ())
+        beside = (values[other] for other in group if other in values)
+        there[name] = ~np.isnan([t, column, *beside]).any(axis=0)
     if not there:
         raise reader.error(f"{reader.place} has no rows of numbers under its header.")
     remarks = [f"{reader.place}: not read: {', '.join(table.unread)}."] if table.unread else []

@@ -1,4 +1,4 @@
-"""Faults of logs, named before anything is fitted: times, counters, units, signs, clocks.
+"""Faults of logs, named before anything is fitted: units, signs, clocks.
 
 Each rule raises LogError with one paragraph: what was seen, where, and what to do about it.
 """
@@ -8,93 +8,16 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wmr_ctrl.world.encoder import COUNTS
-
 from .log import POSES, Floats, Log, LogError, Pair, unit_of
-from .mended import jumps_of
 from .samples import Samples, differenced, interpolated, shifts_of, speeds, wheels
 
-FEWEST_ROWS, LEAST_MOVING = 50, 0.2
+LEAST_MOVING = 0.2
 SLOW = 0.01
 """Speed of a wheel below which it counts as standing [m/s]."""
-STEPS = (5e-4, 0.5)
-"""Median time between rows that can be meant [s]."""
-MOST_SIZE, MOST_COUNTS = 1e6, 1e15
-"""Largest number of a log in our units, and of counts."""
 OVER = 0.4
 """Time over which poses are compared with the wheels' turn [s]."""
 TOGETHER = 0.7
 """Correlation of poses and wheels from which on they tell a ratio: a straight drive has no turn."""
-
-
-def check_times(log: Log) -> None:
-    """Check that numbers are finite, and that times increase in plausible steps."""
-    for name, values in log.columns.items():
-        bad = np.flatnonzero(~(np.isfinite(values) & np.isfinite(log.times[name])))
-        if bad.size:
-            raise LogError(
-                f"{log.name}: {name} has {bad.size} values that are not numbers, the first in row "
-                f"{bad[0] + 1}. Leave such cells empty, or remove the rows."
-            )
-        most = MOST_COUNTS if name in COUNTS.elements else MOST_SIZE
-        if values.size and np.abs(values).max() > most:
-            at = int(np.argmax(np.abs(values)))
-            raise LogError(
-                f"{log.name}: {name} is {values[at]:.3g} in row {at + 1}, beyond what a robot can "
-                "do. Check its unit, or remove the row."
-            )
-    for name, t in log.times.items():
-        _forward(log.name, name, t)
-
-
-def _forward(where: str, name: str, t: Floats) -> None:
-    if len(t) < FEWEST_ROWS:
-        raise LogError(f"{where}: {name} has {len(t)} rows; at least {FEWEST_ROWS} are needed.")
-    step = np.diff(t)
-    middle = float(np.median(step))
-    back = np.flatnonzero(step < 0)
-    if back.size:
-        raise LogError(
-            f"{where}: time goes back {back.size} times, first after row {back[0] + 1}, from "
-            f"{t[back[0]]:.6g} to {t[back[0] + 1]:.6g} s. Perhaps two logs are in one file, or the "
-            "clock was reset: cut the log there, or sort its rows if they were written out of "
-            "order."
-        )
-    twice = np.flatnonzero(step == 0)
-    if twice.size:
-        raise LogError(
-            f"{where}: {twice.size} rows have the time of the row before, first row {twice[0] + 2} "
-            f"at {t[twice[0]]:.6g} s. Remove one of each, or write times with more digits."
-        )
-    if not STEPS[0] <= middle <= STEPS[1]:
-        units = {1e-3: "milliseconds", 1e-6: "microseconds", 1e-9: "nanoseconds"}
-        meant = [word for unit, word in units.items() if STEPS[0] <= middle * unit <= STEPS[1]]
-        hint = f"it looks like {meant[0]}" if meant else "no usual unit makes sense of it"
-        raise LogError(
-            f"{where}: the median step of t is {middle:.4g} s; {hint}. Name the unit in the "
-            "header, as in t [ms], or write seconds."
-        )
-
-
-def check_counters(log: Log) -> None:
-    """Check that counters neither wrap nor are reset."""
-    if not log.has(COUNTS.elements):
-        return
-    for name in COUNTS.elements:
-        t, counts = log.times[name], log.columns[name]
-        step, near, limit, jumps = jumps_of(t, counts)
-        if not jumps.size:
-            continue
-        at = int(jumps[0])
-        if abs(counts[at + 1]) <= 3 * max(float(np.abs(near[at])), limit) < abs(counts[at]):
-            kind = "a counter that was set back to zero: cut the log there"
-        else:
-            kind = "lost or added counts: cut the log there, or mend the counter"
-        raise LogError(
-            f"{log.name}: {name} jumps by {step[at]:g} from row {at + 1} to the next, at "
-            f"{t[at]:.6g} s, while the steps beside it are {near[at]:g} ({jumps.size} such jumps). "
-            f"It looks like {kind}."
-        )
 
 
 def check_motion(name: str, log: Samples, half_track: float, shortest: float) -> None:

@@ -4,7 +4,6 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,13 +12,14 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ArgumentError, WmrError
 from wmr_ctrl.core.fields.files import note_input
-from wmr_ctrl.core.signals import POSE, TIME, VELOCITY, elements
+from wmr_ctrl.core.fields.tables import Table, TableReader
+from wmr_ctrl.core.signals import POSE, VELOCITY, elements
 from wmr_ctrl.core.suffixes import RUN_FILE, RUNS
 from wmr_ctrl.results import Floats, Run, drive
 from wmr_ctrl.results.bag import is_bag
 from wmr_ctrl.results.bag_topics import load_source
 from wmr_ctrl.results.tables import SUFFIXES as TABLES
-from wmr_ctrl.results.tables import is_table, read_timed, reader_of, timed
+from wmr_ctrl.results.tables import is_table, read_table, reader_of, timed
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import Scenario, loads_scenario
 
@@ -48,6 +48,16 @@ TOGETHER = (
     COUNTS.elements, WHEEL_ANGLE, WHEEL_SPEED, TORQUES, CURRENT, VOLTAGE, COMMAND, *SPEEDS, *POSES,
 )  # fmt: skip
 """Columns that come in the same rows."""
+
+
+def usual_step(t: Floats) -> float:
+    """Median time between rows [s]."""
+    return float(np.median(np.diff(t)))
+
+
+def quick(values: Floats, share: float = 0.95) -> float:
+    """Size that this share of the values does not exceed."""
+    return float(np.quantile(np.abs(values), share))
 
 
 class LogError(WmrError, ValueError):
@@ -121,14 +131,22 @@ def log_of(
         raise ArgumentError("topics can only be given with the path of a bag. Leave them out.")
     if isinstance(given, Mapping):
         return of_columns("log", given, columns)
-    if isinstance(given, str | Path) and is_table(given) and not topics:
-        name = Path(given).name
-        return _of_table(name, *read_timed(Path(given), reader_of(name, KNOWN, columns, LogError)))
+    name = ""
+    if isinstance(given, str | Path):
+        path = Path(given)
+        name = path.name
+        if is_table(path) and not topics:
+            reader = reader_of(name, KNOWN, columns, LogError)
+            return _of_table(read_table(path, reader), reader)
+        given = _loaded(path, topics)
     if columns:
         raise ArgumentError("columns can only be given with a table. Leave them out.")
-    if isinstance(given, str | Path):
-        return _of_file(Path(given), topics)
-    return _of_run(given.scenario, given) if isinstance(given, Run) else _of_drive(given)
+    if isinstance(given, drive.RecordedDrive):
+        return Log(given.name, given.times, given.columns, None, given.remarks)
+    read = {key: given[key] for key in (s.name for s in given.elements) if key in KNOWN}
+    text = given.provenance.get("scenario_toml")
+    base = None if text is None else loads_scenario(text)
+    return Log(name or given.scenario, dict.fromkeys(read, given.time), read, base)
 
 
 def joined(logs: Sequence[Log]) -> Log:
@@ -156,8 +174,8 @@ def joined(logs: Sequence[Log]) -> Log:
     return Log(name, times, columns, logs[0].base, tuple(remarks))
 
 
-def _of_file(path: Path, topics: Mapping[str, str] | None) -> Log:
-    """A log from a saved run or a bag."""
+def _loaded(path: Path, topics: Mapping[str, str] | None) -> Run | drive.RecordedDrive:
+    """A saved run or a bag."""
     note_input(path, "log")
     if not (is_bag(path) or topics or path.suffix.lower() in RUNS):
         folder = "is a folder without metadata.yaml" if os.path.isdir(path) else ""
@@ -166,20 +184,7 @@ def _of_file(path: Path, topics: Mapping[str, str] | None) -> Log:
             f"({', '.join(TABLES)}), a ROS bag (its folder, .mcap, .db3 or .bag), or a saved run "
             f"({RUN_FILE})."
         )
-    loaded = load_source(path, topics)
-    return _of_run(path.name, loaded) if isinstance(loaded, Run) else _of_drive(loaded)
-
-
-def _of_run(name: str, run: Run) -> Log:
-    t = run.time
-    columns = {s.name: run[s.name] for s in run.elements if s.name in KNOWN and s.name != TIME.name}
-    text = run.provenance.get("scenario_toml")
-    base = None if text is None else loads_scenario(text)
-    return Log(name, dict.fromkeys(columns, t), columns, base)
-
-
-def _of_drive(one: drive.RecordedDrive) -> Log:
-    return Log(one.name, one.times, one.columns, None, one.remarks)
+    return load_source(path, topics)
 
 
 def of_columns(
@@ -189,25 +194,19 @@ def of_columns(
     if len({len(values) for values in columns.values()}) != 1:
         raise ArgumentError("log: all columns must have the same length.")
     reader = reader_of(name, KNOWN, theirs, LogError)
-    return _of_table(name, *timed(reader.scaled(columns), reader))
+    return _of_table(reader.scaled(columns), reader)
 
 
-def _of_table(
-    name: str, times: dict[str, Floats], columns: dict[str, Floats], remarks: Texts
-) -> Log:
+def _of_table(table: Table, reader: TableReader) -> Log:
+    times, columns, remarks = timed(table, reader, TOGETHER)
     for group in TOGETHER:
         own = [item for item in group if item in columns]
-        if len(own) == len(group):
-            both = reduce(np.intersect1d, (times[item] for item in own))
-            for item in own:
-                there = np.isin(times[item], both)
-                times[item], columns[item] = times[item][there], columns[item][there]
-        if own and (len(own) < len(group) or len({len(times[item]) for item in own}) > 1):
+        if 0 < len(own) < len(group):
             raise LogError(
-                f"{name}: {', '.join(group)} belong together, in the same rows; there "
+                f"{reader.place}: {', '.join(group)} belong together, in the same rows; there "
                 f"{'is' if len(own) == 1 else 'are'} {', '.join(own)}."
             )
-    return Log(name, times, columns, None, remarks)
+    return Log(reader.place, times, columns, None, remarks)
 
 
 def with_torques(log: Log, constant: float | None, resistance: float | None = None) -> Log:

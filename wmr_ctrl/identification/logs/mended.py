@@ -1,4 +1,7 @@
-"""Corrections of a log before all else: its rows, stamps, and counters that wrap."""
+"""Corrections of a log before all else: its rows, stamps, and counters that wrap.
+
+What cannot be mended raises LogError with one paragraph: what was seen, where, what to do about it.
+"""
 
 import math
 from collections.abc import Mapping
@@ -11,8 +14,14 @@ from scipy.ndimage import median_filter
 
 from wmr_ctrl.world.encoder import COUNTS
 
-from .log import TOGETHER, WHEEL_ANGLE, Floats, Log, Mask, Note
+from .log import TOGETHER, WHEEL_ANGLE, Floats, Log, LogError, Mask, Note, quick, usual_step
 
+FEWEST_ROWS, MOST_EMPTY = 50, 1000
+"""Rows of a log, and its longest gap over all of them."""
+STEPS = (5e-4, 0.5)
+"""Median time between rows that can be meant [s]."""
+MOST_SIZE, MOST_COUNTS = 1e6, 1e15
+"""Largest number of a log in our units, and of counts."""
 MOST_LEFT_OUT, ALWAYS = 0.02, 2
 """Share of rows, and their number, that may be left out."""
 ODD_ROWS = 3
@@ -21,8 +30,8 @@ NEIGHBOURS = 7
 """Steps of a counter whose median is the usual one there."""
 LEAST_JUMP, JUMP = 25.0, 0.5
 """Jumps of a counter in counts, and in its span."""
-LEAST_EVEN, MOST_OFF, LEAST_SCATTER, ALIKE = 50, 0.45, 5e-3, 0.3
-"""Rows; largest and least scatter of stamps over the period; correlation of one with the next."""
+MOST_OFF, LEAST_SCATTER, ALIKE = 0.45, 5e-3, 0.3
+"""Largest and least scatter of stamps over the period; correlation of one with the next."""
 SMOOTHER = 0.9
 """Share to which an even clock lowers the roughness of the wheels' turn where it is taken."""
 SURE = 2
@@ -30,8 +39,88 @@ SURE = 2
 
 
 def mended(log: Log) -> Log:
-    """The log with one row per time, unwrapped counters, and even stamps."""
-    return evened(without_odd(unwrapped(_whole(log))))
+    """The log with one row per time, unwrapped counters, and even stamps; raises LogError."""
+    log = _whole(log)
+    _check_times(log)
+    log = without_odd(unwrapped(log))
+    _check_counters(log)
+    return evened(log)
+
+
+def _check_times(log: Log) -> None:
+    """Check that numbers are finite, and that times increase in plausible steps."""
+    for name, values in log.columns.items():
+        bad = np.flatnonzero(~(np.isfinite(values) & np.isfinite(log.times[name])))
+        if bad.size:
+            raise LogError(
+                f"{log.name}: {name} has {bad.size} values that are not numbers, the first in row "
+                f"{bad[0] + 1}. Leave such cells empty, or remove the rows."
+            )
+        most = MOST_COUNTS if name in COUNTS.elements else MOST_SIZE
+        if values.size and np.abs(values).max() > most:
+            at = int(np.argmax(np.abs(values)))
+            raise LogError(
+                f"{log.name}: {name} is {values[at]:.3g} in row {at + 1}, beyond what a robot can "
+                "do. Check its unit, or remove the row."
+            )
+    for name, t in log.times.items():
+        _forward(log.name, name, t)
+
+
+def _forward(where: str, name: str, t: Floats) -> None:
+    if len(t) < FEWEST_ROWS:
+        raise LogError(f"{where}: {name} has {len(t)} rows; at least {FEWEST_ROWS} are needed.")
+    step = np.diff(t)
+    middle = usual_step(t)
+    back = np.flatnonzero(step < 0)
+    if back.size:
+        raise LogError(
+            f"{where}: time goes back {back.size} times, first after row {back[0] + 1}, from "
+            f"{t[back[0]]:.6g} to {t[back[0] + 1]:.6g} s. Perhaps two logs are in one file, or the "
+            "clock was reset: cut the log there, or sort its rows if they were written out of "
+            "order."
+        )
+    twice = np.flatnonzero(step == 0)
+    if twice.size:
+        raise LogError(
+            f"{where}: {twice.size} rows have the time of the row before, first row {twice[0] + 2} "
+            f"at {t[twice[0]]:.6g} s. Remove one of each, or write times with more digits."
+        )
+    if step.max() > MOST_EMPTY * middle * len(t):
+        at = int(np.argmax(step))
+        raise LogError(
+            f"{where}: time jumps by {step[at]:.3g} s after row {at + 1}. Perhaps the clock was "
+            "set: cut the log there."
+        )
+    if not STEPS[0] <= middle <= STEPS[1]:
+        units = {1e-3: "milliseconds", 1e-6: "microseconds", 1e-9: "nanoseconds"}
+        meant = [word for unit, word in units.items() if STEPS[0] <= middle * unit <= STEPS[1]]
+        hint = f"it looks like {meant[0]}" if meant else "no usual unit makes sense of it"
+        raise LogError(
+            f"{where}: the median step of t is {middle:.4g} s; {hint}. Name the unit in the "
+            "header, as in t [ms], or write seconds."
+        )
+
+
+def _check_counters(log: Log) -> None:
+    """Check that counters neither wrap nor are reset."""
+    if not log.has(COUNTS.elements):
+        return
+    for name in COUNTS.elements:
+        t, counts = log.times[name], log.columns[name]
+        step, near, limit, jumps = jumps_of(t, counts)
+        if not jumps.size:
+            continue
+        at = int(jumps[0])
+        if abs(counts[at + 1]) <= 3 * max(float(np.abs(near[at])), limit) < abs(counts[at]):
+            kind = "a counter that was set back to zero: cut the log there"
+        else:
+            kind = "lost or added counts: cut the log there, or mend the counter"
+        raise LogError(
+            f"{log.name}: {name} jumps by {step[at]:g} from row {at + 1} to the next, at "
+            f"{t[at]:.6g} s, while the steps beside it are {near[at]:g} ({jumps.size} such jumps). "
+            f"It looks like {kind}."
+        )
 
 
 def evened(log: Log) -> Log:
@@ -55,9 +144,7 @@ def evened(log: Log) -> Log:
 
 def _even(t: Floats) -> Floats | None:
     """Times (N,) of the even clock about which the stamps scatter; None if there is none."""
-    if len(t) < LEAST_EVEN or not np.median(np.diff(t)) > 0:
-        return None
-    place = np.cumsum(np.maximum(np.rint(np.diff(t, prepend=t[0]) / np.median(np.diff(t))), 0))
+    place = np.cumsum(np.rint(np.diff(t, prepend=t[0]) / usual_step(t)))
     for _ in range(2):
         period, start = np.polyfit(place, t, 1)
         place = np.rint((t - start) / period)
@@ -113,21 +200,17 @@ class Jumps(NamedTuple):
 
 def jumps_of(t: Floats, counts: Floats) -> Jumps:
     """Jumps of a counter, between rows that lie as close as usual."""
-    gap = np.diff(t)
-    step, even = np.diff(counts) * np.median(gap) / gap, gap < 1.5 * np.median(gap)
+    gap, period = np.diff(t), usual_step(t)
+    step, even = np.diff(counts) * period / gap, gap < 1.5 * period
     near = median_filter(step, 5, mode="nearest")
     off = np.abs(step - near)
-    usual = float(np.quantile(off[even], 0.98)) if even.any() else 0.0
-    limit = max(12 * usual, 25.0, 0.5 * float(np.quantile(np.abs(step[even]), 0.99)))
+    limit = max(12 * quick(off[even], 0.98), 25.0, 0.5 * quick(step[even], 0.99))
     return Jumps(step, near, limit, np.flatnonzero(even & (off > limit)))
 
 
 def without_odd(log: Log) -> Log:
     """The log without counts that go out and come back within some rows."""
     if not log.has(COUNTS.elements):
-        return log
-    read = [x[name] for name in COUNTS.elements for x in (log.times, log.columns)]
-    if not np.isfinite(read).all() or not np.diff(read[::2]).all():
         return log
     keep = np.ones(len(log.times[COUNTS.elements[0]]), bool)
     for name in COUNTS.elements:
@@ -149,8 +232,6 @@ def unwrapped(log: Log) -> Log:
     for name in COUNTS.elements:
         counts = log.columns[name]
         step = np.diff(counts)
-        if len(step) < NEIGHBOURS or not np.isfinite(step).all():
-            continue
         near = median_filter(step, NEIGHBOURS, mode="mirror")
         modulus = _modulus(counts, step, near)
         if modulus:
@@ -167,7 +248,7 @@ def _modulus(counts: Floats, step: Floats, near: Floats) -> float:
     jumps = off > max(JUMP * span, LEAST_JUMP)
     if not jumps.any():
         return 0.0
-    usual = float(np.quantile(np.abs(step[~jumps]), 0.99)) if (~jumps).any() else 0.0
+    usual = quick(step[~jumps], 0.99) if (~jumps).any() else 0.0
     rim, sizes = max(6 * usual, 2.0), off[jumps]
     ends = np.concatenate((counts[:-1][jumps], counts[1:][jumps]))
     from_rim = np.minimum(np.abs(ends - counts.min()), np.abs(ends - counts.max()))
@@ -175,11 +256,7 @@ def _modulus(counts: Floats, step: Floats, near: Floats) -> float:
     if np.ptp(sizes) > 2 * rim or from_rim.max() > rim or found > span + 2 * rim:
         return 0.0
     close = max(2 * usual, 2.0)
-    binary = 2.0 ** round(math.log2(found))
-    if abs(binary - found) <= close and binary > span:
-        return binary
-    for size in (1000.0, 100.0, 10.0, 1.0):
-        rounded = max(size * round(found / size), span + 1 if size == 1 else 0.0)
-        if abs(rounded - found) <= close and rounded > span:
-            return rounded if size == 1000 or jumps.sum() >= SURE else 0.0
-    return 0.0
+    rounded = [2.0 ** round(math.log2(found)), *(x * round(found / x) for x in (1e3, 1e2, 1e1))]
+    tried = (*rounded, max(round(found), span + 1))
+    whole = next((x for x in tried if abs(x - found) <= close and x > span), 0.0)
+    return whole if whole in rounded[:2] or jumps.sum() >= SURE else 0.0

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from scipy.ndimage import median, median_filter
+from scipy.ndimage import median_filter
 
 from ..speed_loop import LOOPS, LoopFit, fitted
-from .log import AXES, Floats, LeftOut, Mask, Note, Pair
+from .log import AXES, Floats, LeftOut, Mask, Note, Pair, quick, usual_step
 from .samples import AxisLog, Samples, axis_log
 
 LOOP, PASSES = "first-order", 8
@@ -30,6 +30,8 @@ REST, LEAST_EXPECTED, LEAST_CHANGES = 2.0, 0.25, 2
 """Time at rest [s], speed expected over the quick ones', and changes of command in it, from which
 on the drivers are off.
 """
+LEVELS = 8
+"""Groups of commands of about one size."""
 BEFORE_OFF, BEHIND_OFF = 0.3, 1.0
 """Time before and behind it that is left out, too [s]."""
 LEAST_SILENCE, PERIODS_SILENT = 0.3, 6.0
@@ -111,17 +113,16 @@ def odd_readings(speed: Floats, left: Floats) -> Mask:
 
     ``left`` (N,) is the residual of a fit: motion that the fit explains is not odd.
     """
-    quick = float(np.quantile(np.abs(speed), 0.95))
-    steps = np.abs(np.diff(speed))
-    steps = steps[steps > 1e-9 * quick]
+    fast, steps = quick(speed), np.abs(np.diff(speed))
+    steps = steps[steps > 1e-9 * fast]
     quantum = STEPS_FAR * float(np.median(steps)) if len(steps) > 10 else 0.0
     odd, rest, place = np.zeros(len(speed), bool), left.copy(), np.arange(len(speed))
-    zero = (speed == 0) & (np.abs(speed - left) > max(ZERO_FAR * quick, quantum))
+    zero = (speed == 0) & (np.abs(speed - left) > max(ZERO_FAR * fast, quantum))
     for _ in range(3):
         off = rest - median_filter(rest, NEIGHBOURS, mode="nearest")
         spread = 1.4826 * float(np.median(np.abs(off - np.median(off))))
-        far = np.abs(off) > max(FAR * spread, LEAST_FAR * quick, quantum)
-        far |= zero & (np.abs(off) > max(ZERO_DEVIATIONS * spread, ZERO_FAR * quick, quantum))
+        far = np.abs(off) > max(FAR * spread, LEAST_FAR * fast, quantum)
+        far |= zero & (np.abs(off) > max(ZERO_DEVIATIONS * spread, ZERO_FAR * fast, quantum))
         new = np.zeros(len(speed), bool)
         for low, high in _runs(far | odd):
             if low == 0 or high == len(speed):
@@ -129,7 +130,7 @@ def odd_readings(speed: Floats, left: Floats) -> Mask:
             own, beside, run = slice(low, high), [low - 1, high], high - low
             # A 0 between readings of both signs is on the way from one to the other.
             one_way = abs(float(np.sign(speed[beside]).sum())) == len(beside)
-            lost = zero[own] & one_way & (np.abs(speed[beside]).min() > 0.8 * ZERO_FAR * quick)
+            lost = zero[own] & one_way & (np.abs(speed[beside]).min() > 0.8 * ZERO_FAR * fast)
             # From both neighbours, of the reading itself and of what the fit leaves.
             apart = np.array([x[own] - x[beside][:, None] for x in (speed, rest)])
             back = np.abs(apart).min(axis=(0, 1)) >= BACK * np.abs(off[own])
@@ -151,24 +152,21 @@ def off_stretches(rows: Samples) -> list[Pair]:
     expected = np.zeros(len(t))
     for axis in (0, 1):
         speed, command = np.abs(axis_log(rows, axis).speed), sent[:, axis]
-        quick = float(np.quantile(speed, 0.95))
-        if not (quick > 0 and command.any()):
+        fast, moves = quick(speed), np.flatnonzero(command)
+        if not (fast > 0 and moves.size):
             continue
-        edges = np.unique(np.quantile(command[command > 0], np.linspace(0, 1, 9)))
-        kind = np.searchsorted(edges, command, "right")
-        levels = np.arange(len(edges) + 1)
-        known = (np.bincount(kind, minlength=len(levels)) > 5) & (levels > 0)
-        usual = np.where(known, median(speed, kind, levels), 0.0)
-        expected = np.maximum(expected, usual[kind] / quick)
+        # The usual speed at commands of about this size.
+        moves = moves[np.argsort(command[moves])]
+        usual = median_filter(speed[moves], 1 + moves.size // LEVELS, mode="nearest")
+        expected[moves] = np.maximum(expected[moves], usual / fast)
         still = speed[command == 0]
-        noise = 2 * float(np.quantile(still, 0.9)) if still.size > 20 else 0.0
-        resting &= speed <= np.clip(noise, 0.01 * quick, 0.04 * quick)
+        noise = 2 * quick(still, 0.9) if still.size > 20 else 0.0
+        resting &= speed <= np.clip(noise, 0.01 * fast, 0.04 * fast)
     found = []
     changed = np.any(np.diff(sent, axis=0, prepend=sent[:1]) != 0, axis=1)
-    for low, high in _runs(resting, max(round(0.2 / float(np.median(np.diff(t)))), 1)):
-        if t[high - 1] - t[low] <= REST or changed[low:high].sum() < LEAST_CHANGES:
-            continue
-        if expected[low:high].mean() > LEAST_EXPECTED:
+    for low, high in _runs(resting, max(round(0.2 / usual_step(t)), 1)):
+        enough = changed[low:high].sum() >= LEAST_CHANGES
+        if enough and t[high - 1] - t[low] > REST and expected[low:high].mean() > LEAST_EXPECTED:
             found.append((float(t[low]) - BEFORE_OFF, float(t[high - 1]) + BEHIND_OFF))
     return found
 
@@ -178,7 +176,7 @@ def _with_silences(
 ) -> tuple[Samples, float | None]:
     """The samples with zero commands after the base's time-out, and that time-out [s]."""
     sent = rows.command_t
-    usual = float(np.median(np.diff(sent)))
+    usual = usual_step(sent)
     silent = np.diff(sent, append=max(rows.t[-1], sent[-1]))
     silent = np.where(silent > max(PERIODS_SILENT * usual, LEAST_SILENCE), silent, 0.0)
     silent[~rows.command.any(axis=1)] = 0.0

@@ -14,7 +14,18 @@ from numpy.typing import NDArray
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import Scenario
 
-from .log import AXES, TORQUES, WHEEL_SPEED, Floats, Log, Mask, Names, Pair
+from .log import (
+    AXES,
+    TORQUES,
+    WHEEL_SPEED,
+    Floats,
+    Log,
+    Mask,
+    Names,
+    Pair,
+    quick,
+    usual_step,
+)
 
 GAP = 5.0
 """Steps without a row from which on a log is in two stretches."""
@@ -63,7 +74,7 @@ class Samples:
     @property
     def period(self) -> float:
         """Median time between commands [s]."""
-        return float(np.median(np.diff(self.command_t)))
+        return usual_step(self.command_t)
 
     @property
     def stretches(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -128,7 +139,7 @@ def speeds(log: Samples, over: float = 0.1) -> Floats:
 def held_range(log: Samples) -> dict[str, Pair]:
     """Range of v and omega [m/s, rad/s] that lasted for `HELD`; single readings are ignored."""
     speed = speeds(log)
-    rows = min(round(HELD / float(np.median(np.diff(log.t)))) + 1, len(speed))
+    rows = min(round(HELD / usual_step(log.t)) + 1, len(speed))
     held = sliding_window_view(speed, rows, axis=0)
     ends = np.sort((held.max(axis=-1).min(axis=0), held.min(axis=-1).max(axis=0)), axis=0)
     return {axis: (low, high) for axis, (low, high) in zip(AXES, ends.T.tolist(), strict=True)}
@@ -167,14 +178,6 @@ class AxisLog:
     first: NDArray[np.int64]
     of_way: bool
     period: float
-
-    def until(self, end: float) -> AxisLog:
-        """The log of the axis before a time [s]."""
-        n = int(np.searchsorted(self.t, end))
-        first = self.first[self.first < n]
-        return replace(
-            self, t=self.t[:n], speed=self.speed[:n], in_fit=self.in_fit[:n], first=first
-        )
 
     @cached_property
     def stretches(self) -> list[tuple[Floats, Floats, Floats]]:
@@ -221,7 +224,7 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
         speed = np.diff(speed, prepend=speed[0]) / step
     since, sent = log.since, log.command[:, axis]
     in_fit = (since > COUNTED_FROM) & (log.t - LONGEST_DELAY > log.command_t[0])
-    still = STILL * float(np.quantile(np.abs(speed), 0.98))
+    still = STILL * quick(speed, 0.98)
     for stretch in np.split(np.arange(len(log.t)), log.first[1:]):
         # What begins at rest has no motion of before.
         rows = stretch[since[stretch] < RESTS]
