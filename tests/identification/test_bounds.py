@@ -20,7 +20,7 @@ STUDENT = 2.1448
     [(0.1, "determined"), (0.11, "roughly"), (0.3, "roughly"), (0.31, "undetermined")],
 )
 def test_a_tenth_is_determined_and_three_tenths_are_so_roughly(share, word):
-    assert verdict(8 * share, 8.0) == word
+    assert verdict(share) == word
 
 
 @pytest.mark.parametrize(

@@ -231,9 +231,8 @@ class BaseIdentification(ABC):
         return {name: (WORDS[name], UNITS[name]) for name in self.parameters}
 
 
-def verdict(half: float, size: float) -> str:
-    """Verdict on a value: does the log determine it?  Its half-width is compared with ``size``."""
-    share = half / max(size, 1e-300)
+def verdict(share: float) -> str:
+    """Does the log determine a value, whose half-width is this share of its size."""
     return DETERMINED if share <= SHARES[0] else ROUGHLY if share <= SHARES[1] else UNDETERMINED
 
 

@@ -333,7 +333,7 @@ def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Est
     low, high = max(min(low, least), lowest / 2), min(max(high, most), 2 * highest)
     # A structure that is known makes a number another, not unknown.
     share = ((high - low) / 2 if in_part else own) / size
-    word, seconds, several = verdict(share, 1.0), (0.0, 0.0), (least, most) != (value, value)
+    word, seconds, several = verdict(share), (0.0, 0.0), (least, most) != (value, value)
     if name in fit.names:
         place = fit.names.index(name)
         seconds = informative_seconds(fit.log.t, fit.fisher[:, place, place])

@@ -25,7 +25,7 @@ from .kalman import (
     blocks_of,
 )
 from .logs.log import Floats, Mask, Pair
-from .logs.samples import LONGEST_DELAY, AxisLog, Samples, forces
+from .logs.samples import LONGEST_DELAY, AxisLog, Samples, forces, speeds
 
 Tell = Callable[[], None]
 """Called at each pass, to show progress."""
@@ -76,13 +76,9 @@ class LogProblem:
 
     def _starts(self) -> Floats:
         log, first, start = self.log, self.log.first, at_rest(self.log)
-        if log.of_speed:
-            start[:, 2:4] = log.seen[first]
-        else:
+        start[:, 2:4] = speeds(log)[first]
+        if not log.of_speed:
             start[:, :2] = log.seen[first]
-            later = np.minimum(first + 5, len(log.t) - 1)
-            span = np.maximum(log.t[later] - log.t[first], 1e-6)
-            start[:, 2:4] = (log.seen[later] - log.seen[first]) / span[:, None]
         return start
 
     def _given(self, theta: Floats) -> tuple[Floats, Floats]:
@@ -262,21 +258,13 @@ def _two_errors(gradient: Floats, fisher: Floats, free: Mask) -> tuple[Floats, F
     The second is by one Newton step for each block b that is left out, theta_b = theta + (H -
     H_b)^-1 g_b.
     """
-    whole = _whole(fisher, free)
-    by_fisher, left = np.zeros(len(free)), np.zeros(len(free))
+    by_fisher, left = np.zeros((2, len(free)))
+    own, whole = fisher[:, free][:, :, free], _whole(fisher, free)
     by_fisher[free] = np.sqrt(np.maximum(np.diag(np.linalg.inv(whole)), 0))
-    moved = []
-    for block in range(len(fisher)):
-        own = fisher[block][np.ix_(free, free)]
-        if not own.any():
-            continue
-        lacking = whole - own + 1e-9 * np.diag(np.maximum(np.diag(whole), LEAST_TOLD))
-        moved.append(np.linalg.solve(lacking, gradient[block][free]))
-    if not moved:
-        return by_fisher, left
-    count = len(moved)
-    spread = np.array(moved) - np.mean(moved, axis=0)
-    left[free] = np.sqrt((count - 1) / count * (spread**2).sum(axis=0))
+    if (told := own.any(axis=(1, 2))).any():
+        ridge = 1e-9 * np.diag(np.maximum(np.diag(whole), LEAST_TOLD))
+        moved = np.linalg.solve(whole + ridge - own[told], gradient[told][:, free, None])
+        left[free] = np.sqrt((told.sum() - 1) * moved.var(axis=0)[:, 0])
     return by_fisher, left
 
 

@@ -292,9 +292,8 @@ def _of_torques(
     for key, (value, low, high) in widths.items():
         place = INDEX[key]
         seconds = informative_seconds(log.t, fit.last.fisher[:, place, place])
-        half = (high - low) / 2
-        word = verdict(half, scale[key])
-        estimates[key] = Estimate(value, low, high, word, seconds, half / scale[key])
+        share = (high - low) / 2 / max(scale[key], 1e-300)
+        estimates[key] = Estimate(value, low, high, verdict(share), seconds, share)
     vague = {key for key, item in estimates.items() if item.verdict != DETERMINED}
     count = len(PHYSICAL)
     remarks += mixtures(PHYSICAL, fit.last.fisher.sum(axis=0)[:count, :count], vague)

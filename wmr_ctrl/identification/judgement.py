@@ -18,7 +18,7 @@ from wmr_ctrl.core.data import data
 
 from .fit import Fitted, changes
 from .kalman import BLOCKS, blocks_of
-from .logs.log import AXES, UNITS, Pair, unit_of, usual_step
+from .logs.log import AXES, UNITS, Pair, quick, unit_of, usual_step
 from .logs.samples import AxisLog
 from .residual import told
 from .speed_loop import LINEAR, NEUTRAL, SIDED, LoopFit, foretold, whitener
@@ -47,7 +47,6 @@ GAINS, ANY_GAIN = (1 / 3, 3.0), 0.4
 """Gains that units can be right for, and how far a base's own gain may be from 1 else."""
 GROUP_KEYS = {
     "slow": "curve", "middling": "curve", "fast": "curve", "forward": "sides", "backward": "sides",
-    "early": "change", "halfway": "change", "late": "change",
 }  # fmt: skip
 """Groups of rows, and the key of what a gain that differs there would be."""
 Reach = Mapping[str, Pair]
@@ -203,21 +202,19 @@ def _by_groups(fit: LoopFit, name: str) -> Iterator[Finding]:
 
 def _group_gains(fit: LoopFit) -> Iterator[tuple[str, float, float]]:
     """Relative errors of the gain in groups of rows, with half-widths of their intervals."""
-    log, y = fit.log, fit.forecast
-    size, block = np.abs(y), blocks_of(log.t)
-    moves = log.in_fit & (size > SLOWEST * np.quantile(size[log.in_fit], 0.95))
+    log, y, size = fit.log, fit.forecast, np.abs(fit.forecast)
+    moves, block = log.in_fit & (size > SLOWEST * quick(y[log.in_fit])), blocks_of(log.t)
     if moves.sum() < FEWEST:
         return
-    (slow, fast), (early, late) = (np.quantile(x[moves], (1 / 3, 2 / 3)) for x in (size, log.t))
-    groups = (
-        size <= slow, (size > slow) & (size <= fast), size > fast, y > 0, y < 0,
-        log.t <= early, (log.t > early) & (log.t <= late), log.t > late,
-    )  # fmt: skip
+    third = np.searchsorted(np.quantile(size[moves], (1 / 3, 2 / 3)), size)
+    groups = (third == 0, third == 1, third == 2, y > 0, y < 0)
     for name, group in zip(GROUP_KEYS, groups, strict=True):
         rows = group & moves
-        noise = max(float(np.mean(fit.left[rows] ** 2)), 1e-18) if rows.sum() >= FEWEST else 0.0
+        if rows.sum() < FEWEST:
+            continue
+        noise = max(float(np.mean(fit.left[rows] ** 2)), 1e-18)
         pull, weight = (np.bincount(block[rows], y[rows] * x[rows], BLOCKS) for x in (fit.left, y))
-        if noise and np.sum(weight > 1e-3 * weight.sum()) > 2:
+        if np.sum(weight > 1e-3 * weight.sum()) > 2:
             shares = weight[:, None, None] / noise
             one = Fitted(np.zeros(1), np.ones(1, bool), -pull[:, None] / noise, shares)
             (off,), (half,) = one.of(slice(None))
@@ -240,13 +237,10 @@ def _over_time(fit: LoopFit, axis: int) -> Iterator[Finding]:
     for name, change in changes(whole, fit.names, fit.log).items():
         if name in ("bias", "curve"):
             continue
-        middle = fit.theta[fit.names.index(name)]
-        pairs = list(zip(change.values, change.halves, strict=True))
-        ends = [np.clip(x + side * half, middle - 3, middle + 3)
-                for x, half in pairs for side in (-1, 1)]  # fmt: skip
-        reach = max(min(ends), 0.0), max(ends)
-        if name not in LINEAR:
-            reach = math.exp(min(ends)), math.exp(max(ends))
+        middle, (values, halves) = fit.theta[fit.names.index(name)], change[1:]
+        ends = np.subtract(values, halves).min(), np.add(values, halves).max()
+        low, high = np.clip(ends, middle - 3, middle + 3).tolist()
+        reach = (low, high) if name in LINEAR else (math.exp(low), math.exp(high))
         text = f"{name}{axis + 1} was not the same before about {change.time:.3g} s as after it"
         advice = "take a log of each state, or state bounds for both"
         yield Finding(f"{text}: {advice}", "change", 1, {name: reach})

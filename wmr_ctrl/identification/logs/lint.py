@@ -37,7 +37,7 @@ def check_motion(name: str, log: Samples, half_track: float, shortest: float) ->
 def check_torques(name: str, log: Samples, half_track: float) -> None:
     """Check that wheels are not swapped, signs agree, and motion follows torque with one delay."""
     moved, torque = _differenced(log, half_track)
-    if torque is None or np.std(torque(0.0), axis=0).min() < 1e-9:
+    if np.std(torque(0.0), axis=0).min() < 1e-9:
         return
     shifts = shifts_of(log.period)
     gains_by_shift = [_gains(moved, torque(shift)) for shift in shifts]
@@ -72,23 +72,16 @@ def _check_clocks(
     explained: Floats,
 ) -> None:
     moved, torque = data
-    best = float(shifts[np.argmax(explained)])
-    fine = max(2.5 * log.period, 0.03)
-    if explained.max() > 0.5 and best < -fine:
-        raise LogError(
-            f"{name}: the robot moves {-best:.2f} s before its torque: the clocks of commands and "
-            "sensors differ, or a column was shifted. Take both times from one clock."
-        )
-    parts = np.array_split(np.arange(len(moved)), 3)
-    late: list[float] = []
-    for part in parts:
+    best, late = int(np.argmax(explained)), []
+    check_following(name, "its torque", 1.0, shifts[best], explained[best], log.period)
+    for part in np.array_split(np.arange(len(moved)), 3):
         shares = [_gains(moved[part], torque(shift)[part])[0] for shift in shifts]
         # Without a sharp peak a third tells no time.
         if max(shares) < 0.5 or max(shares) - np.median(shares) < 0.25:
             return
-        late.append(float(shifts[int(np.argmax(shares))]))
+        late.append(shifts[np.argmax(shares)])
     steps = np.diff(late)
-    if abs(steps.sum()) > 1.5 * fine and (steps * steps.sum() >= 0).all():
+    if abs(steps.sum()) > 1.5 * max(2.5 * log.period, 0.03) and (steps * steps.sum() >= 0).all():
         raise LogError(
             f"{name}: from torque to motion it takes {late[0]:.2f}, {late[1]:.2f} and "
             f"{late[2]:.2f} s in the three thirds of the log: the clocks of commands and sensors "
@@ -96,9 +89,7 @@ def _check_clocks(
         )
 
 
-def _differenced(
-    log: Samples, half_track: float
-) -> tuple[Floats, Callable[[float], Floats] | None]:
+def _differenced(log: Samples, half_track: float) -> tuple[Floats, Callable[[float], Floats]]:
     """Accelerations of the wheels, less the part that their speed explains, and a function that
     gives the torques for a shift [s]: both weighted by a triangle of 0.1 s, on an even grid (only
     for this check).
@@ -177,15 +168,12 @@ def _check_ratio(name: str, column: str, what: str, ratio: float) -> None:
             f"{name}: {column} turns against the wheels (ratio {ratio:.3g}): the sign of theta, or "
             "right and left of the counters, is reversed. theta grows anticlockwise."
         )
-    if sense := unit_of(ratio):
+    sense = unit_of(ratio)
+    if sense or not (math.isnan(ratio) or 0.5 < ratio < 2):
         raise LogError(
-            f"{name}: the {what} of {column} is {ratio:.3g} times that of the wheels: it "
-            f"looks like {sense}. Name the unit in the header, or set encoder.counts."
-        )
-    if not (math.isnan(ratio) or 0.5 < ratio < 2):
-        raise LogError(
-            f"{name}: the {what} of {column} is {ratio:.3g} times that of the wheels. Check "
-            "encoder.counts, robot.r and robot.l, and the units of the poses."
+            f"{name}: the {what} of {column} is {ratio:.3g} times that of the wheels"
+            f"{f': it looks like {sense}' if sense else ''}. Check the units of the poses, "
+            "encoder.counts, robot.r and robot.l."
         )
 
 
@@ -193,12 +181,9 @@ def _check_heading(name: str, theta: Floats, moved: Floats, way: Floats) -> None
     far = np.abs(way) > 0.02
     if far.sum() < 10:
         return
-
-    def mean(x: Floats, y: Floats) -> complex:
-        direction = np.arctan2(y * np.sign(way), x * np.sign(way)) - theta
-        return complex(np.mean(np.exp(1j * direction[far])))
-
-    ours, swapped = mean(moved[:, 0], moved[:, 1]), mean(moved[:, 1], moved[:, 0])
+    turned = np.sign(way[far]) * np.exp(-1j * theta[far])
+    step = moved[far, 0] + 1j * moved[far, 1]
+    ours, swapped = (np.mean(turned * np.exp(1j * np.angle(x))) for x in (step, 1j * np.conj(step)))
     if abs(ours) < 0.8:  # mirrored: exchanged turns forward to 90 degrees, one reversed to 0 or 180
         exchanged = abs(swapped - 1j) < 0.4
         hint = (

@@ -62,33 +62,30 @@ def usable(samples: Samples, timeout: float | None = None, base: str = "velocity
     ``timeout``: the base's own [s], if it is known.
     """
     notes: list[Note] = []
-    left_out: list[LeftOut] = []
     driven = [axis for axis in (0, 1) if np.std(samples.command[:, axis]) > 1e-3]
     t, seen, use = samples.t, samples.seen.copy(), np.ones(samples.seen.shape, bool)
     for axis in driven if samples.of_speed else ():
         log = axis_log(samples, axis)
         if log.in_fit.sum() < 5 * NEIGHBOURS:
             continue
-        left = quick_fit(log).left if base == "velocity" else log.speed
-        odd = odd_readings(log.speed, left)
-        if not odd.any():
-            continue
-        share, when = float(odd.mean()), t[np.argmax(odd)]
-        text = (
-            f"{odd.sum()} readings of {AXES[axis]} are single rows far off ({100 * share:.2g} %, "
-            f"the first at {when:.4g} s)"
-        )
-        if share > MOST_ODD:
-            text += ": so many are no faults of single rows, and they stay"
-        else:
-            text += " and left out"
-            use[odd, axis] = False
-            kept = ~odd
+        odd = odd_readings(log.speed, quick_fit(log).left if base == "velocity" else log.speed)
+        share, first, kept = float(odd.mean()), t[np.argmax(odd)], ~odd
+        few = share <= MOST_ODD
+        if few:
+            use[:, axis] = kept
             seen[odd, axis] = np.interp(t[odd], t[kept], seen[kept, axis])
-            reason = f"readings of {AXES[axis]} far off"
-            ends = ((t[low], t[high - 1]) for low, high in _runs(odd))
-            left_out += [LeftOut(float(low), float(high), reason) for low, high in ends]
-        notes.append(Note("readings", AXES[axis], f"{text}."))
+        if share:
+            fate = " and left out" if few else ": so many are no faults of single rows, and stay"
+            text = (
+                f"{odd.sum()} readings of {AXES[axis]} are single rows far off ({100 * share:.2g} "
+                f"%, the first at {first:.4g} s){fate}."
+            )
+            notes.append(Note("readings", AXES[axis], text))
+    left_out = [
+        LeftOut(float(t[low]), float(t[high - 1]), f"readings of {name} far off")
+        for name, kept in zip(AXES, use.T, strict=True)
+        for low, high in _runs(~kept)
+    ]
     rows = replace(samples, seen=seen, use=use)
     if base == "torque":
         return Rows(rows, None, tuple(left_out), tuple(notes))

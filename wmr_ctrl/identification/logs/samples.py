@@ -89,8 +89,7 @@ class Samples:
 
     def until(self, end: float, begin: float = -np.inf) -> Samples:
         """Samples between two times [s], with all earlier commands."""
-        inside = np.flatnonzero((self.t >= begin) & (self.t < end))
-        low, high = (int(inside[0]), int(inside[-1]) + 1) if inside.size else (0, 0)
+        low, high = np.searchsorted(self.t, (begin, end)).tolist()
         first = self.first[(self.first > low) & (self.first < high)] - low
         return replace(
             self,
