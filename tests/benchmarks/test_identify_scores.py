@@ -2,7 +2,8 @@
 
 import pytest
 
-from benchmarks.identify import BAD, GOOD, KINDS, first_seed, scored, summary
+from benchmarks.base_kinds import BAD, GOOD, KINDS, first_seed
+from benchmarks.identify import scored, summary
 
 
 @pytest.mark.slow
