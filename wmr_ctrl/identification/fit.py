@@ -11,10 +11,13 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from scipy.special import stdtrit
 
+from wmr_ctrl.core.data import data, with_tuples
+
 from .kalman import (
     COUNTED,
     INDEX,
     LOGARITHMIC,
+    LOGS,
     MEAN,
     NAMES,
     SKIPPED,
@@ -31,7 +34,11 @@ Tell = Callable[[], None]
 """Called at each pass, to show progress."""
 SKIPPED_TIME = 0.3
 """Time at the start of each stretch that does not count [s]: commands before are not known."""
-LAG_LEAST, LAG_MOST = 5e-4, 2.0
+RANGES: Mapping[str, Pair] = with_tuples(data(__package__, "fit.toml")["ranges"]) | {
+    "delay": (0.0, LONGEST_DELAY)
+}
+LAG_LEAST = RANGES["lag"][0]
+NOISES = [INDEX[name] for name in ("q1", "q2", "n1", "n2")]
 PASSES = 40
 ENOUGH = 2e-3
 """Gain in log-likelihood below which scoring ends: 6 % of a standard error."""
@@ -128,7 +135,7 @@ class Fit:
         The gradients of those would bias the other parameters.
         """
         least, most = ends(self.problem, self.free)
-        noise = np.array([name in LOGARITHMIC - {"m", "I"} for name in NAMES])
+        noise = LOGS & np.array([name not in PHYSICAL for name in NAMES])
         return self.free & ~(noise & ((self.theta <= least) | (self.theta >= most)))
 
     def information(self) -> Floats:
@@ -202,8 +209,7 @@ def scored(
     """A maximum of the likelihood near ``theta``; logarithms move no further in a step than scoring
     can be trusted.
     """
-    reach = np.array([1.5 if name in LOGARITHMIC else np.inf for name in NAMES])
-    both = ends(problem, free)
+    both, reach = ends(problem, free), np.where(LOGS, 1.5, np.inf)
     theta, last = climbed(problem.read, theta, free, both, reach, passes, enough)
     return Fit(problem, theta, free, last)
 
@@ -214,22 +220,14 @@ def ends(problem: LogProblem, free: Mask) -> tuple[Floats, Floats]:
 
     Even the cleanest logs contain errors of integration, rounding and unmodelled effects.
     """
-    log = problem.log
-    r, half_track = problem.known[:2]
-    force = np.std(forces(log.command, r, half_track), axis=0)
+    log, ranges = problem.log, np.array([RANGES[name] for name in NAMES]).T
+    force = np.std(forces(log.command, *problem.known[:2]), axis=0)
     speed = np.std(log.seen, axis=0) if log.of_speed else np.ones(2)
-    noise = np.maximum(FINEST * np.concatenate((force, speed)), 1e-9).tolist()
-    ranges = {
-        "s1": (1e-7, 1e6), "s2": (1e-7, 1e6), "time": (0.02, 60.0),
-        "delay": (0.0, LONGEST_DELAY), "lag": (LAG_LEAST, LAG_MOST),
-        **{name: (x, 1e6) for name, x in zip(("q1", "q2"), noise[:2], strict=True)},
-        **{name: (x, np.inf) for name, x in zip(("n1", "n2"), noise[2:], strict=True)},
-    }  # fmt: skip
-    low, high = np.full(len(NAMES), -np.inf), np.full(len(NAMES), np.inf)
-    for name, pair in ranges.items():
-        if free[INDEX[name]]:
-            low[INDEX[name]], high[INDEX[name]] = np.log(pair) if name in LOGARITHMIC else pair
-    return low, high
+    ranges[0, NOISES] = np.maximum(FINEST * np.concatenate((force, speed)), 1e-9)
+    with np.errstate(divide="ignore"):
+        ranges[:, LOGS] = np.log(ranges[:, LOGS])
+    ranges[:, ~free] = [[-np.inf], [np.inf]]
+    return ranges[0], ranges[1]
 
 
 PHYSICAL = NAMES[:8]

@@ -45,6 +45,7 @@ NAMES = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag", "q1", "q2", "s1", "s2"
 logarithms; q: rms white force a control period, s: rms of the coloured force and its time, n: rms
 of measured speeds."""
 LOGARITHMIC = frozenset((*NAMES[:2], *NAMES[8:]))
+LOGS = np.array([name in LOGARITHMIC for name in NAMES])
 INDEX = {name: k for k, name in enumerate(NAMES)}
 KNOWN = ("r", "l", "g", "v_s", "T")
 """Numbers that are not searched."""
