@@ -1,7 +1,7 @@
 """Hostile commands to a base behind a filter of any release, which is this script's argument.
 
-    git worktree add /tmp/release 7121a679
-    echo '[["first", 100, [0.5, 1.0]]]' | python benchmarks/hostile.py /tmp/release
+    git worktree add ../release 7121a679
+    echo '[["first", 100, [0.5, 1.0]]]' | python benchmarks/hostile.py ../release
 
 The logs are named by kind, seed and limits, and the speeds held over the limits are printed.
 """

@@ -140,20 +140,7 @@ def _scenario(
     d = [outward(0.0, _deviation(fits[k]) * far[k])[1] if k in fits else 0.0 for k in (0, 1)]
     both = [fits.get(place, judgements[0].fit) for place in (0, 1)]
     values = [{name: four_digits(x) for name, x in fit.values.items()} for fit in both]
-    loop, ends = both[0].loop, _by_axis(estimates)
-    delays = [item.value for name, item in estimates.items() if name.startswith("delay")]
-    late = max(round(float(np.mean(delays)) / base.clock.plant), 0) * base.clock.plant
-    ends["delay"] = [(min(late, low), max(late, high)) for low, high in ends["delay"]]
-    if "gain" in ends:
-        # A gain that grows with the command grows on beyond those of the log.
-        growing = [bent(fit) + ("curve" in fit.values) * (high / low - 1)
-                   for fit, (low, high) in zip(both, ends["gain"], strict=True)]  # fmt: skip
-        ends["gain"] = [(low, high * (1 + (share - 1) * more))
-                        for (low, high), share, more in zip(ends["gain"], far, growing, strict=True)
-                       ]  # fmt: skip
-    if loop == "pi" or base.filter.channels == "wheels" or base.filter.wheel_speed is not None:
-        ends = {name: 2 * [_hull(pairs)] for name, pairs in ends.items()}
-    ends = {name: [outward(*pair) for pair in pairs] for name, pairs in ends.items()}
+    loop, late, ends = both[0].loop, *_ends(base, both, estimates, far)
     accel = [item.get("accel", math.inf) for item in values]
     numbers |= {
         "base.loop": loop, "filter.loop": loop, "base.delay": late, "base.accel": accel,
@@ -175,28 +162,40 @@ def _scenario(
                 numbers[f"filter.{key}"] = _stated(ends[name])
         result = override(base, numbers | {"filter.d": d})
     result = replace(result, assumed=(*result.assumed, *own))
-    peaks = peak_gains(result)
     sentence = (
         f"largest deviation, averaged over {SMOOTHED:g} s, that was seen in "
         f"{log.t[-1] - log.t[0]:.3g} s, on this floor, with this load: no bound that is proved"
     )
-    first, second = (k.gain if place in fits else math.inf for place, k in enumerate(peaks))
+    first, second = (
+        k.gain if place in fits else math.inf for place, k in enumerate(peak_gains(result))
+    )
     bounds = FilterBounds(loop, (first, second), (d[0], d[1]), _hull(ends["delay"]), sentence)
+    return bounds, _filtered(result, judgements, estimates, far, remarks)
+
+
+def _filtered(
+    result: Scenario,
+    judgements: Sequence[Judgement],
+    estimates: Mapping[str, Estimate],
+    far: Sequence[float],
+    remarks: list[str],
+) -> Scenario:
+    """The scenario with its filter on, if it can be based on the log; what is beyond is assumed."""
     unfounded = replace(result, assumed=(*result.assumed, *UNFOUNDED))
     stated = override(result, {"filter.kind": "clip"})
     if reason := _against(stated, judgements, estimates, far):
         remarks.append(f"the filter is off: {reason}")
-        return bounds, unfounded
+        return unfounded
     if max(far) > 1:
         remarks.append(
             f"limits.v_u1 is up to {100 * max(far) - 100:.0f} % beyond the fastest motion of the "
             "log: filter.gain and filter.d are wider by what grows with speed. Drive up to the "
             "limits."
         )
-    lacking = _never_sent(stated, judgements, peaks)
+    lacking = _never_sent(stated, judgements, peak_gains(result))
     remarks += lacking
     founded = not lacking and max(far) == 1
-    return bounds, stated if founded else replace(stated, assumed=unfounded.assumed)
+    return stated if founded else replace(stated, assumed=unfounded.assumed)
 
 
 def _deviation(fit: LoopFit) -> float:
@@ -252,12 +251,29 @@ def _never_sent(
     return remarks
 
 
-def _by_axis(estimates: Mapping[str, Estimate]) -> dict[str, list[Pair]]:
-    """Intervals of v and omega per kind of parameter; those of a lone axis twice."""
-    found: dict[str, list[Pair]] = {}
+def _ends(
+    base: Scenario, both: Sequence[LoopFit], estimates: Mapping[str, Estimate], far: Sequence[float]
+) -> tuple[float, dict[str, list[Pair]]]:
+    """Delay [s], a multiple of the plant's step, and intervals of v and omega per kind of number:
+    those of a lone axis twice, and hulls where the filter takes no others.
+    """
+    ends: dict[str, list[Pair]] = {}
     for key, item in estimates.items():
-        found.setdefault(key[:-1], []).append((item.low, item.high))
-    return {name: (pairs * 2)[:2] for name, pairs in found.items()}
+        ends.setdefault(key[:-1], []).append((item.low, item.high))
+    ends = {name: (pairs * 2)[:2] for name, pairs in ends.items()}
+    delays = [item.value for name, item in estimates.items() if name.startswith("delay")]
+    late = max(round(float(np.mean(delays)) / base.clock.plant), 0) * base.clock.plant
+    ends["delay"] = [(min(late, low), max(late, high)) for low, high in ends["delay"]]
+    for axis, (fit, share) in enumerate(zip(both, far, strict=True)):
+        if "gain" in ends:
+            # A gain that grows with the command grows on beyond those of the log.
+            low, high = ends["gain"][axis]
+            more = (share - 1) * (bent(fit) + ("curve" in fit.values) * (high / low - 1))
+            ends["gain"][axis] = low, high * (1 + more)
+    wheels = base.filter.channels == "wheels" or base.filter.wheel_speed is not None
+    if both[0].loop == "pi" or wheels:
+        ends = {name: 2 * [_hull(pairs)] for name, pairs in ends.items()}
+    return late, {name: [outward(*pair) for pair in pairs] for name, pairs in ends.items()}
 
 
 def _hull(pairs: Sequence[Pair]) -> Pair:

@@ -179,12 +179,15 @@ def _gathered(
 def _of_odometry(message: Any) -> tuple[float, ...]:
     pose = message.pose.pose
     place, turn = pose.position, pose.orientation
-    return (*_of_twist(message.twist), place.x, place.y, turn.x, turn.y, turn.z, turn.w)
+    return (*_speeds(message.twist.twist), place.x, place.y, turn.x, turn.y, turn.z, turn.w)
 
 
 def _of_twist(message: Any) -> tuple[float, ...]:
+    return _speeds(message.twist if message.__msgtype__ == bag.STAMPED else message)
+
+
+def _speeds(twist: Any) -> tuple[float, ...]:
     """v, omega, and `PARTS`."""
-    twist = getattr(message, "twist", message)
     linear, angular = twist.linear, twist.angular
     return linear.x, angular.z, linear.y, linear.z, angular.x, angular.y
 
