@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.guard_runs import overrides_of
-from wmr_ctrl.api import simulate
+from wmr_ctrl.api import simulate, simulate_runs
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import filter_facts, warnings_for
@@ -46,6 +46,26 @@ def test_without_guard_the_slow_robot_leaves_the_limit():
     changes = overrides_of("100 ms", FACTOR)
 
     assert simulate("paper-simulation", "mb", seed=UNSEEN, overrides=changes).monitor.violations > 0
+
+
+def remarks(name, law, seeds=10, **overrides):
+    """Keys of what runs and check say; no gain was chosen with these ten seeds."""
+    runs = simulate_runs(name, law, range(seeds), overrides=overrides)
+    warnings = warnings_for(settle(scenario_of(name, overrides), law))
+    return {item.key for run in runs for item in run.remarks} | {item.key for item in warnings}
+
+
+@pytest.mark.parametrize(("name", "law"), [("robot-10ms", "pid"), ("robot-100ms", "prox")])
+@pytest.mark.slow
+def test_nothing_is_to_be_said_against_laws_and_runs(name, law):
+    assert remarks(name, law) == set()
+
+
+@pytest.mark.slow
+def test_pid_would_stay_behind_with_the_k_that_the_others_share():
+    shared = {"gains.pid.kinematics": [1.0, 42.0, 1.5], "gains.pid.Kp": [420.0, 40.0]}
+
+    assert "not-tracked" in remarks("robot-100ms", "pid", 2, **shared)
 
 
 SKIDDING = ("clearpath-jackal", "clearpath-husky")
