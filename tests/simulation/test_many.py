@@ -22,6 +22,7 @@ from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.simulation.many import planned_tasks, tabulated
 from wmr_ctrl.simulation.memory import Task
 from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import Scenario
 
 SHORT = {"clock.duration": 4.0, "changes": []}
 
@@ -41,14 +42,19 @@ def blind(sample: LawContext) -> System:
     return sample.system("blind law", ca.vertcat(100 + ca.sqrt(0.05 - sample.v[0]), 0))
 
 
+def with_law(monkeypatch: pytest.MonkeyPatch, name: str, **changed: object) -> Scenario:
+    """A scenario without noise, and one of these laws registered for it."""
+    entry = EntryPoint(name, f"{__name__}:{name.upper()}", "wmr_ctrl.laws")
+    monkeypatch.setitem(LAWS.plugins, name, entry)
+    return scenario_of("paper-simulation", {**SHORT, "disturbance.std": 0.0, **changed})
+
+
 BLIND = Law("blind", BlindGains, blind, Traits(), "Toy law.")
 
 
 @pytest.mark.slow
 def test_a_torque_that_is_no_number_is_the_largest(monkeypatch: pytest.MonkeyPatch) -> None:
-    entry = EntryPoint("blind", f"{__name__}:BLIND", "wmr_ctrl.laws")
-    monkeypatch.setitem(LAWS.plugins, "blind", entry)
-    scenario = scenario_of("paper-simulation", {**SHORT, "disturbance.std": 0.0})
+    scenario = with_law(monkeypatch, "blind")
     table = tabulated([Task(runnable(scenario, "blind"), 0)])
     run = simulate(scenario, "blind")
 
@@ -70,9 +76,7 @@ SPINNING = Law("spinning", BlindGains, spin, Traits(), "Toy law.")
 def test_a_rate_of_turn_that_is_no_number_is_not_told_as_the_largest(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    entry = EntryPoint("spinning", f"{__name__}:SPINNING", "wmr_ctrl.laws")
-    monkeypatch.setitem(LAWS.plugins, "spinning", entry)
-    scenario = scenario_of("paper-simulation", {**SHORT, "disturbance.std": 0.0, "robot.I": 0.5})
+    scenario = with_law(monkeypatch, "spinning", **{"robot.I": 0.5})
     monitor = simulate(scenario, "spinning").monitor
 
     assert (monitor.stop_reason, monitor.stopped) == ("non-finite", (0.001, 2))

@@ -13,14 +13,10 @@ from tests.world.motion import (
     LAW,
     scenario,
 )
-from wmr_ctrl.api import (
-    cosimulate,
-    export_fmu,
-    simulate,
-)
+from wmr_ctrl.api import cosimulate, simulate
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.signals import TORQUE
 from wmr_ctrl.results import Run
 from wmr_ctrl.world.effect import Bound, total
@@ -52,15 +48,6 @@ def test_co_simulation_has_the_bits_of_the_native_loop(changes):
 
     assert set(different(run, coupled)) <= {"e"}
     assert run.monitor == coupled.monitor
-
-
-def test_a_package_refuses_each_by_its_table(tmp_path):
-    for name, changes in EFFECTS.items():
-        table = next(iter(changes)).split(".")[0]
-        calm = {**changes, "disturbance.std": 0.0}
-        with pytest.raises(ArgumentError, match=rf"\[{table}\].*closed-loop FMU"):
-            export_fmu("ssp", law=LAW, scenario=scenario(calm), out=tmp_path)
-        assert list(tmp_path.iterdir()) == [], name
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,8 @@ import pytest
 from fmpy import simulate_fmu
 
 from tests.papers_robot import paper_toml
-from wmr_ctrl.api import (
-    cosimulate,
-    export_fmu,
-    simulate,
-)
+from tests.world import motion
+from wmr_ctrl.api import cosimulate, export_fmu, simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownKeyError
@@ -73,10 +70,13 @@ def test_the_closed_loop_fmu_has_the_bits_of_the_native_loop(name, tmp_path):
     assert all(np.array_equal(table[n][1:], run[n]) for n in names[1:])
 
 
-@pytest.mark.parametrize("name", [n for n in TOYS if n != "reference with state"])
+@pytest.mark.parametrize(
+    "name", [n for n in (*TOYS, *motion.EFFECTS) if n != "reference with state"]
+)
 def test_a_package_refuses_an_effect_by_its_name(name, tmp_path):
-    calm = {**SHORT, **TOYS[name], "disturbance.std": 0.0}
-    key = next(iter(TOYS[name])).split(".")[0]
+    changes = {**TOYS, **motion.EFFECTS}[name]
+    calm = {**SHORT, **changes, "disturbance.std": 0.0}
+    key = next(iter(changes)).split(".")[0]
 
     with pytest.raises(ArgumentError, match=rf"\[{key}\].*closed-loop FMU"):
         export_fmu("ssp", law=LAW, scenario=scenario_of("paper-simulation", calm), out=tmp_path)

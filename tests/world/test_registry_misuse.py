@@ -149,11 +149,8 @@ def test_a_disturbance_writes_no_command(registered):
 
 @pytest.mark.parametrize("signal", [TORQUE[0], REFERENCE[0], Signal("foo", "1", "nothing")])
 def test_an_effect_reads_what_its_role_is_told(registered, signal):
-    def build(scenario: Scenario) -> System:
-        system = shaken(scenario)
-        return replace(system, inputs=(port(signal),))
-
-    registered(replace(SHAKE, build=build))
+    reads = lambda scenario: replace(shaken(scenario), inputs=(port(signal),))  # noqa: E731
+    registered(replace(SHAKE, build=reads))
     with pytest.raises(ArgumentError, match=f"shake .*reads '{signal.name}'"):
         runnable(shaking(), "mb")
 

@@ -143,13 +143,17 @@ def bends(count):
     return np.column_stack([way, np.sin(way)]) + jitter
 
 
+def ellipse(count: int) -> np.ndarray:
+    turn = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    return np.column_stack([3 * np.cos(turn), 2 * np.sin(turn)])
+
+
 @pytest.mark.parametrize("at_end", ["stop", "loop"])
 @pytest.mark.slow_but("stop")
 def test_a_planners_path_is_thinned_within_the_tolerance(tmp_path, at_end):
     points = bends(20_000)
     if at_end == "loop":
-        turn = np.linspace(0, 2 * np.pi, 20_000, endpoint=False)
-        points = np.column_stack([3 * np.cos(turn), 2 * np.sin(turn)])
+        points = ellipse(20_000)
     np.savetxt(tmp_path / "way.csv", points, delimiter=",")
     (tmp_path / "mine.toml").write_text(
         f'{HEAD}[reference]\nkind = "waypoints"\nfile = "way.csv"\n'
@@ -167,8 +171,7 @@ def test_a_planners_path_is_thinned_within_the_tolerance(tmp_path, at_end):
 
 @pytest.mark.parametrize(("tolerance", "word"), [(1e-4, "Raise"), (20.0, "Lower")])
 def test_a_tolerance_that_does_not_fit_the_points_is_refused(tolerance, word):
-    turn = np.linspace(0, 2 * np.pi, 5000, endpoint=False)
-    points = np.column_stack([3 * np.cos(turn), 2 * np.sin(turn)]) + bends(5000) * [0, 1e-3]
+    points = ellipse(5000) + bends(5000) * [0, 1e-3]
 
     with pytest.raises(ScenarioError, match=rf"5000 points .* {word} reference\.tolerance"):
         waypoint_path(Waypoints(points=points.tolist(), tolerance=tolerance, closed=True))
