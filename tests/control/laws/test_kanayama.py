@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import math
 
-import casadi as ca
 import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import law_graph
-from wmr_ctrl.control.laws.context import LawContext
-from wmr_ctrl.control.laws.kanayama import wanted_velocity
+from wmr_ctrl.control.laws import kanayama
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import Run
 from wmr_ctrl.world.scenario import load_scenario
 
-LAW = "kanayama"
+LAW = kanayama.LAW.name
 OWN = f"gains.{LAW}"
 
 
@@ -109,18 +107,3 @@ def test_command_and_force_are_those_of_its_formulas() -> None:
     cut = np.isclose([abs(c - r[12:14]) for r, (c, _) in zip(rows, found, strict=True)],
                      T * np.array(A_MAX))  # fmt: skip
     assert (cut.any(axis=0) & ~cut.all(axis=0)).all()
-
-
-def test_it_wants_what_its_formula_says():
-    """At rest at the origin, the desired pose 0.3 ahead, 0.2 to the left, 0.1 rad round."""
-    context = LawContext(settle(load_scenario("paper-simulation"), LAW))
-    there = (ca.SX([-0.2, 0.3, 0.1]), ca.SX([0.4, 0.5]), ca.SX([0.0, 0.0]))
-    wanted = wanted_velocity(context.at(there, ca.SX([0.0, 0.0, 0.0]), ca.SX([0.0, 0.0])))
-    kx, ky, kt = settle(load_scenario("paper-simulation"), LAW).gains.k
-    ports = context.parameters.ports
-    p = ca.vertcat(*(item.sym for item in ports))
-    found = ca.Function("w", [p], [wanted])([x for item in ports for x in item.value])
-
-    assert found.full().ravel() == pytest.approx(
-        [0.4 * math.cos(0.1) + kx * 0.3, 0.5 + 0.4 * (ky * 0.2 + kt * math.sin(0.1))]
-    )
