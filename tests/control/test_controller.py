@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-import casadi as ca
 import numpy as np
 import pytest
 
 from tests import oracle
-from tests.codegen.compiled import compiled
 from wmr_ctrl.api import compile_law, simulate
-from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.control.controller import controller, law_graph, watched_controller
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS, POSE, REFERENCE, VELOCITY
+from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 
@@ -33,30 +30,10 @@ def scenario_of(drive: str = "ideal", **changed: Any) -> Scenario:
     return load_scenario("paper-simulation", {**SHORT, **DRIVES[drive], **changed})
 
 
-def stepped(system: System, name: str, results: ca.SX) -> Kernel:
-    """Next state, then ``results``, as one vector."""
-    known = {"u": system.u, "x": system.x, "p": system.p}
-    return kernel(name, "One sample.", known, {"w": ca.vertcat(system.update, results)})
-
-
 def diagnostics(system: System) -> tuple[list[Any], list[Any]]:
     """Signals, and values at the start."""
     at_start = system.function("d", [system.d])(np.zeros(system.u.numel()), system.x0, system.p0)
     return [item.signal for item in system.diagnostics], at_start.full().ravel().tolist()
-
-
-@every_law
-@pytest.mark.slow_but("mb")
-def test_the_unwatched_law_repeats_a_native_run_to_the_bit(law: str) -> None:
-    scenario = scenario_of("limited")
-    system, run = controller(settle(scenario, law)), simulate(scenario, law, seed=3)
-    (step,) = compiled([stepped(system, "plain", system.y)], native=True)
-    inputs = np.column_stack([run[s.name] for s in (*REFERENCE, *POSE, *VELOCITY)])
-    x = np.array(system.x0)
-    for u, right, left in zip(inputs, run["tau_right"], run["tau_left"], strict=True):
-        found = step(u, x, system.p0)
-        x = found[: x.size]
-        assert found[x.size :].tolist() == [right, left]
 
 
 @every_law

@@ -67,21 +67,6 @@ def test_both_engines_agree_with_governor_and_delay() -> None:
             assert native[name] == pytest.approx(numpy[name], abs=1e-9), name
 
 
-def test_the_filter_keeps_the_limit_that_a_law_alone_breaks() -> None:
-    """A gain of 1.1 takes a law that asks for .95 of the limit beyond it."""
-    strong = {"kind": "velocity", "tau": [0.2, 0.25], "gain": [1.1, 1.1]}
-    far = {**GOVERNED, "base": strong, "initial.pose": [-2.0, -2.0, -0.7]}
-    alone = wmr_ctrl.simulate(based({**far, "filter": {}}), "kanayama")
-    assert alone.monitor.violations > 0
-    for kind in ("clip", "governor"):
-        held = wmr_ctrl.simulate(
-            based({**far, "filter": {**GOVERNED["filter"], "kind": kind}}), "kanayama"
-        )
-        assert held.monitor.violations == 0
-        assert held["clip_active"].any()
-        assert (held["v_command"] <= held["v_asked"][:, 0] + 1e-12).all()
-
-
 @pytest.mark.slow
 def test_no_push_is_looked_for_and_none_is_told() -> None:
     """A least push of 0 would read as if one had been looked for."""

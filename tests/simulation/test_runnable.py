@@ -32,8 +32,10 @@ def test_a_run_carries_its_scenario_and_who_made_it():
         "x",
     )
     assert run.provenance["version"] == versions()["version"]
-    text = provenance(override(paper(), {"robot.m": 47.0}))["scenario_toml"]
-    assert loads_scenario(text, "again").robot.m == 47.0
+    scenario = override(paper(), {"robot.m": 47.0})
+    text = provenance(scenario)["scenario_toml"]
+    assert "#" not in text
+    assert loads_scenario(text, scenario.name) == scenario
 
 
 def test_orientations_are_counted_as_the_scenario_counts_them():
@@ -44,6 +46,9 @@ def test_orientations_are_counted_as_the_scenario_counts_them():
 
 
 def test_settings_are_the_scenarios():
-    settings = settings_of(override(paper(), {"clock.duration": 8.0, "body.radius": 0.3}))
+    told = {"clock.duration": 8.0, "body.radius": 0.3, "metrics.tolerance": 0.2,
+            "metrics.rms_from": 7.0, "reference.keep_out": [[5.0, 5.0, 1.0]]}  # fmt: skip
+    found = settings_of(override(paper(), told))
 
-    assert (settings.duration, settings.split, settings.radius) == (8.0, 4.0, 0.3)
+    assert (found.duration, found.split, found.radius) == (8.0, 4.0, 0.3)
+    assert (found.tolerance, found.rms_from, found.keep_out) == (0.2, 7.0, ((5.0, 5.0, 1.0),))

@@ -76,37 +76,6 @@ def test_every_option_means_what_the_oracle_takes_it_for(
     assert native.monitor.violations == slow.monitor.violations == numpy.monitor.violations
 
 
-@pytest.mark.parametrize("law", ["prox", "kanayama"])
-@pytest.mark.parametrize("untold", ["unmodelled_delay", "lag_spread"])
-@pytest.mark.slow_but("lag_spread-prox")
-def test_an_observer_counts_on_the_drives_that_it_was_told_of(law, untold) -> None:
-    drives = {"unmodelled_delay": 0.004} if untold == "unmodelled_delay" else {"lag_spread": 0.3}
-    given = {f"actuator.{name}": value for name, value in {**drives, "lag": 0.01}.items()}
-    given |= {"clock.duration": 1.0, "changes": [], "guard.enabled": False}
-    native, slow = (
-        run("safe-simulation", law, seed=2, overrides=given) for run in (simulate, oracle.simulate)
-    )
-
-    seen = [name for name in slow.columns if name != "d_least"]  # a guard's that is not told
-    assert max(np.abs(native[name] - slow[name]).max() for name in seen) < 1e-8
-
-
-@pytest.mark.parametrize(
-    ("scenario", "law"),
-    [
-        ("paper-experiment-literal", "pid"),
-        ("paper-experiment", "nn"),
-        ("far-start-drop", "smc"),
-        ("safe-simulation", "mb"),
-    ],
-)
-@pytest.mark.slow_but("paper-experiment-literal-pid")
-def test_every_preset_ends_with_an_outcome(scenario: str, law: str) -> None:
-    run = simulate(scenario, law)
-    assert run.explanation
-    assert run.rows == run.settings.samples or run.monitor.stopped
-
-
 def test_seed_gives_the_same_bits_for_any_number_of_workers() -> None:
     alone = [simulate("paper-simulation", "nn", seed=seed, overrides=SHORT) for seed in range(6)]
     with ThreadPoolExecutor(4) as pool:

@@ -95,12 +95,6 @@ def test_at_rest_the_governor_admits_more_than_the_limit_for_a_sample():
     assert governor.step((9.0, 0.0), (0.0, 0.0)).command[0] == pytest.approx(hi, rel=1e-6)
 
 
-@pytest.mark.parametrize("asked", [(3.0, 1.0), (0.5, -7.0), (-2.0, 2.0), (0.0, 4.0)])
-def test_the_curvature_is_what_was_asked_for(asked):
-    sent = wmr_ctrl.command_filter(scenario()).step(asked, (0.1, 0.1)).command
-    assert sent[0] * asked[1] == pytest.approx(sent[1] * asked[0], rel=1e-12, abs=1e-12)
-
-
 def test_axes_by_themselves_are_limited_by_themselves():
     sent = wmr_ctrl.command_filter(scenario(scale="axes")).step((9.0, 0.1)).command
     assert sent == (pytest.approx(CLIP, rel=1e-7), 0.1)

@@ -102,26 +102,6 @@ def test_a_free_robot_rolls_downhill(slope, uphill):
     assert body.velocity[1] == pytest.approx(0.0, abs=1e-6)
 
 
-@pytest.mark.parametrize("angle", [1.0, 3.0, -2.5, 7.0])
-@pytest.mark.slow_but("3.0")
-def test_no_direction_is_special(angle):
-    torques = np.random.default_rng(3).normal(3.0, 3.0, (400, 2))
-
-    def end(theta: float) -> RigidBody:
-        body = RigidBody(scenario(initial__pose=[0.3, -0.2, theta], initial__velocity=[0.2, 0.4]))
-        for right, left in torques:
-            body.step((right, left, 0.0, 0.0, 20.0, 3.0))
-        return body
-
-    straight, turned = end(0.0), end(angle)
-    c, s = math.cos(angle), math.sin(angle)
-    x, y = straight.pose[0] - 0.3, straight.pose[1] + 0.2
-    assert turned.pose[0] - 0.3 == pytest.approx(c * x - s * y, abs=1e-6)
-    assert turned.pose[1] + 0.2 == pytest.approx(s * x + c * y, abs=1e-6)
-    assert turned.pose[2] - straight.pose[2] == pytest.approx(angle, abs=1e-6)
-    assert turned.velocity == pytest.approx(straight.velocity, abs=1e-6)
-
-
 def test_push_acts_along_the_heading_and_about_the_vertical():
     case = scenario(robot__mu=0.0, initial__pose=[0.0, 0.0, 2.0])
     pushed = driven(RigidBody(case), 0.0, 0.0, 100, 50.0, 0.0)

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.core.signals import REFERENCE
 from wmr_ctrl.world.references import (
     Circle,
     Lemniscate,
@@ -75,21 +74,6 @@ def instants(reference, count=400, seed=0):
 
 def test_at_no_time_there_are_no_samples():
     assert sample_scenario(paper(), np.empty(0)).shape == (0, 7)
-
-
-@pytest.mark.parametrize("reference", ALL, ids=name_of)
-@pytest.mark.slow_but(
-    "Circle0", "Line0", "StopAndGo0", "Waypoints0", "Waypoints3", "Lemniscate", "RoundedSquare1"
-)
-def test_has_seven_finite_outputs_and_matching_parameters(reference):
-    found = sample(reference, instants(reference))
-
-    assert found.shape == (400, len(REFERENCE))
-    assert np.isfinite(found).all()
-    kind = paper(reference=reference).reference_kind
-    for signal, values in kind.numbers(reference):
-        assert len(values) == signal.size == len(signal.elements)
-        assert all(type(value) is float for value in values)
 
 
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
