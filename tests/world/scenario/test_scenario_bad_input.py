@@ -146,12 +146,14 @@ def test_files_that_are_no_scenario(tmp_path, content, message):
         ("missing.toml", "there is no file"),
         ("./missing", "there is no file"),
         ("folder.toml", "is a directory"),
+        ("folder", "is a directory"),
         ("x" * 5000 + ".toml", "cannot be read"),
     ],
 )
 def test_files_that_cannot_be_read(tmp_path, monkeypatch, name, message):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "folder.toml").mkdir()
+    for folder in ("folder", "folder.toml"):
+        (tmp_path / folder).mkdir()
 
     with pytest.raises(ScenarioError, match=message) as caught:
         load_scenario(name)
@@ -180,14 +182,6 @@ def test_nothing_is_quoted_of_a_file_of_another_kind(tmp_path, name, text, key):
     told = str([caught.value, getattr(caught.value, "__notes__", "")])
     assert "must end in" in told or (key == "reference.file" and name == "notes.txt")
     assert ("secret" in told) == ("must end in" not in told)
-
-
-def test_a_folder_without_suffix_is_named_as_one(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine").mkdir()
-
-    with pytest.raises(ScenarioError, match="is a directory"):
-        load_scenario("mine")
 
 
 def test_files_that_extend_each_other(tmp_path):

@@ -166,12 +166,6 @@ def test_same_kind_keeps_the_rest_of_the_extended_reference():
     assert paper_toml(text).reference == Line(speed=0.9, origin=(0.0, 1.0))
 
 
-def test_a_shorter_run_drops_the_changes_that_it_does_not_reach():
-    text = 'extends = "paper-simulation"\n[clock]\nduration = 30.0\n'
-
-    assert paper_toml(text).changes == ()
-
-
 @pytest.mark.parametrize(("duration", "left"), [(39.99, 0), (40.0, 0), (40.01, 1)])
 def test_a_change_at_the_very_end_is_not_reached(duration, left):
     text = f'extends = "paper-simulation"\n[clock]\nduration = {duration}\n'
