@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import filter_trials
-from benchmarks.filter_trials import STATEMENTS, WIDE_TURNS
+from benchmarks.filter_trials.compiled import WIDE_TURNS, Compiled, scenario, turned
+from benchmarks.filter_trials.first_order import BAND, FAST_TURNS, told_of
+from benchmarks.filter_trials.linear import RIM_SWUNG, linear
+from benchmarks.filter_trials.statements import REFUSED, STATEMENTS, refusals, refused
 from tests.control.filter.adversary import Base, fastest
 
 PAGE = (Path(__file__).parents[2] / "docs/explanation/filter.md").read_text("utf-8")
@@ -32,29 +34,39 @@ def test_the_page_has_every_statement_and_no_break():
 
 
 def test_the_page_has_the_words_of_what_is_refused():
-    assert filter_trials.refusals() in PAGE
-    assert all(filter_trials.refused(number) for number in range(len(filter_trials.REFUSED)))
+    assert refusals() in PAGE
+    assert all(refused(number) for number in range(len(REFUSED)))
 
 
 def test_a_loop_of_omega_alone_that_is_pushed_more_than_stated_is_seen():
-    true = filter_trials.RIM_SWUNG
-    told = replace(true, told={**true.told, "d": (0.05, 0.05)})
-    assert filter_trials.linear("clip", told, true, of="body", changes=WIDE_TURNS)(80, 1).max() > 1
+    told = replace(RIM_SWUNG, told={**RIM_SWUNG.told, "d": (0.05, 0.05)})
+    assert linear("clip", told, RIM_SWUNG, of="body", changes=WIDE_TURNS)(80, 1).max() > 1
 
 
 def test_a_command_that_does_not_keep_the_curvature_is_seen():
     asked = np.array([[3.0, 3.0, -3.0, 0.0, 2.0], [1.0, 1.0, 1.0, 2.0, 1.0], [0.0] * 5])
     sent = np.array([[1.5, 1.5, 1.5, 0.0, -2.0], [0.5, 0.6, -0.5, 1.0, -1.0]])
-    off = filter_trials._turned(asked, sent, 2.0**-52)
+    off = turned(asked, sent, 2.0**-52)
     assert off.tolist() == [False, True, True, False, True]
+
+
+@pytest.mark.parametrize(("share", "seen"), [(1.0, False), (1.001, True)])
+def test_a_least_command_that_does_not_act_is_seen(share, seen):
+    least = {**FAST_TURNS, "filter.least": True}
+    stated = told_of("clip", Base(**BAND), least)
+    tried = Compiled(stated)
+    tried.bands = [(rows, share * np.array(sizes)) for rows, sizes in tried.bands]
+    found = fastest(stated, Base(**BAND), 40, 40, 2, lambda _, n: tried.sender(n))
+
+    assert (found.max() > 1) == seen
 
 
 @pytest.mark.slow
 def test_the_package_is_tried_as_the_graph_is():
     """Both engines of the filter, the same adversary: the same speeds but for rounding."""
-    stated = filter_trials.scenario("governor", delay=(0.02, 0.06), losses=1)
+    stated = scenario("governor", delay=(0.02, 0.06), losses=1)
     base = Base(delay=(0.02, 0.06), losses=1)
-    compiled = filter_trials.Compiled(stated)
+    compiled = Compiled(stated)
     found = [
         fastest(stated, base, 50, 60, 3),
         fastest(stated, base, 50, 60, 3, lambda _, n: compiled.sender(n)),
@@ -64,7 +76,7 @@ def test_the_package_is_tried_as_the_graph_is():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [0, 33])
+@pytest.mark.parametrize("number", [0, 37])
 def test_a_few_trials_of_some_statements(number):
     """The last of the broken hypotheses, or another where so few trials miss it."""
     item = STATEMENTS[number]

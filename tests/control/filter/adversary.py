@@ -32,7 +32,8 @@ class Base:
     its own, "body" (v and omega) or "wheels"; where v and omega are "alike", one time constant and
     gain for both.  ``d`` and ``error``, of both axes, are shares of their limits.  ``accel``,
     ``decel``: ramps of the firmware, as in [base].  A base that hears
-    nothing for ``hold`` stops; with it, nothing is sent now and then for some periods.
+    nothing for ``hold`` stops; with it, nothing is sent now and then for some periods.  A command
+    within ``deadband``, or the part of one within ``wheel_deadband`` at a rim, may act as 0.
     """
 
     tau: Interval = (0.2, 0.3)
@@ -50,10 +51,18 @@ class Base:
     decel: tuple[float, float] = NONE
     hold: float = np.inf
     quantum: float = 0.0
+    deadband: tuple[float, float] = (0.0, 0.0)
+    wheel_deadband: float = 0.0
 
     def wrong(self, **changes: object) -> Base:
         """The base with some numbers beyond what is stated."""
         return replace(self, **changes)
+
+    def bands(self, l: float) -> tuple[np.ndarray, np.ndarray] | None:
+        """Speeds that have a dead band, as parts of v and omega, and its size; None without one."""
+        if self.wheel_deadband:
+            return np.array([[1.0, l], [1.0, -l]]), np.full(2, self.wheel_deadband)
+        return (np.eye(2), np.array(self.deadband)) if any(self.deadband) else None
 
 
 Sender = Callable[[np.ndarray], np.ndarray]
@@ -121,6 +130,7 @@ def fastest(
     past_v, past_t, lost = [v], [now], np.zeros(trials, int)
     style = rng.integers(0, 3, trials)  # presses on, swings, acts at random
     ramps = bool(np.isfinite([base.accel, base.decel]).any())
+    bands, quiet, shares = base.bands(l), np.zeros(trials, bool), np.zeros((trials, 2))
     inside = np.linspace(0, 1, RAMPED)[1:-1] if ramps else np.zeros(0)
     for _ in range(samples):
         turns = (style > 0) & (rng.random(trials) < 0.05)
@@ -130,6 +140,14 @@ def fastest(
         heading = np.where(turns[:, None] & (every % 4 > 0)[:, None], drawn, heading)
         loud = np.where((style == 2)[:, None], 2 * tops[:2] * rng.uniform(-1, 1, (trials, 2)),
                         10 * way[:, None] * heading)  # fmt: skip
+        if bands is not None:
+            changes = (rng.random(trials) < 0.1) & ((style > 0) | (every % 3 > 0))
+            changes |= now == 0
+            quiet = np.where(changes, rng.random(trials) < 0.5, quiet)
+            others = rng.choice(EDGES, (trials, 2), p=[0.5, 0.2, 0.1, 0.1, 0.1])
+            shares = np.where(changes[:, None], others, shares)
+            small = _on_the_edge(scenario, bands, after, way[:, None] * seen_as, shares)
+            loud = np.where(quiet[:, None], small, loud)
         old, seen = _recorded(past_t, past_v, now - rng.choice([0.0, base.age], trials))
         lie = np.where((style == 2)[:, None], rng.uniform(-1, 1, (trials, 2)), way[:, None])
         there = np.full(trials, base.heard) & ((style < 2) | (rng.random(trials) < 0.5))
@@ -141,6 +159,8 @@ def fastest(
         command = send(u)[:2].T
         if base.quantum:
             command = base.quantum * np.round(command / base.quantum)
+        if bands is not None:
+            command = _heard(command, bands, (style < 2) | (rng.random(trials) < 0.5))
         drop = (rng.random(trials) < 0.5) & (lost < base.losses)
         lost = np.where(drop, lost + 1, 0)
         late = [rng.choice([*ends, rng.uniform(*ends)], trials) for ends in delays]
@@ -173,8 +193,8 @@ def fastest(
             quick = _forward((aim - v) * side, base)
             v = aim + (v - aim) * np.exp(-(b - a)[:, None] / np.where(quick, tau[0], tau[1]))
             reached = v @ (rows @ back).T
-            shares = np.maximum(reached / sides[:, 0], -reached / sides[:, 1])
-            worst = np.maximum(worst, shares.max(axis=1))
+            of_limit = np.maximum(reached / sides[:, 0], -reached / sides[:, 1])
+            worst = np.maximum(worst, of_limit.max(axis=1))
             past_v.append(v)
             past_t.append(b)
         now = end
@@ -184,6 +204,46 @@ def fastest(
 
 HEADINGS = ((1, 0), (0, 1), (1, 1), (5, 1), (1, 5))
 """Where commands may head, in sizes of v and l omega, besides along the speed that is sought."""
+
+
+def _heard(
+    command: np.ndarray, bands: tuple[np.ndarray, np.ndarray], drops: np.ndarray
+) -> np.ndarray:
+    """The commands (trials, 2) that act behind dead bands, in the trials that drop small ones."""
+    rows, sizes = bands
+    parts = command @ rows.T
+    small = drops[:, None] & (np.abs(parts) < sizes)
+    left = np.where(small, 0.0, parts) @ np.linalg.inv(rows).T
+    return np.where(small.any(axis=1, keepdims=True), left, command)
+
+
+EDGE = 0.999
+EDGES = (-EDGE, EDGE, -0.5, 0.3, 1.5)
+"""Shares of a dead band that are asked for: just within it, then others."""
+
+
+def _on_the_edge(
+    scenario: Scenario,
+    bands: tuple[np.ndarray, np.ndarray],
+    after: np.ndarray,
+    side: np.ndarray,
+    shares: np.ndarray,
+) -> np.ndarray:
+    """Commands (trials, 2) of which a part is within a dead band.
+
+    Of a rim while the speed that is sought is as fast as the clip lets it; or such ``shares``.
+    """
+    rows, sizes = bands
+    both = sizes * shares * side @ np.linalg.inv(rows).T
+    if rows[0, 1] == 0:
+        return both
+    stated, i, each = scenario.filter, np.minimum(after, 1), np.arange(len(after))
+    most = (np.array(scenario.limits.v_u1) - stated.d) / np.max(stated.intervals("gain"), axis=1)
+    l = rows[0, 1]
+    sought, forth = (most * (1, l))[i], side[each, i]
+    other = forth * (sought + EDGE * sizes[0])  # what stands is the left wheel
+    pair = np.where((i == 0)[:, None], np.c_[forth * sought, other], np.c_[other, forth * sought])
+    return np.where((each % 2 == 0)[:, None], pair / (1, l), both)
 
 
 def _newest(since: np.ndarray) -> np.ndarray:

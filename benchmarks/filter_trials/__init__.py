@@ -1,0 +1,1 @@
+"""The command filter's statements against adversaries: see ``__main__``."""
