@@ -91,8 +91,8 @@ def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, c
         )
     if scenario.filter.least:
         raise ScenarioError(
-            "filter.least: a gate ramps commands through the base's dead band, and would take each "
-            "small one on a ramp for one to make up for. Leave it out here."
+            "filter.least: a gate ramps commands, and would make up for each small one on a ramp. "
+            "Leave it out: a gate sends small commands as they are asked for."
         )
     inner = filter_system(scenario)
     ports = {item.signal: item for item in inner.inputs}
