@@ -17,7 +17,6 @@ from .first_order import (
     EXACT_CHAINS,
     EXACT_WORLDS,
     LATE_APART,
-    NEARLY_BY_SIDE,
     RAMPS,
     RIMS,
     SCALES,
@@ -141,17 +140,15 @@ STATEMENTS = (
         float32=True), {
         "damping": beyond("clip", RIM_SWUNG, ("z", -1), of="wheels", changes=WHEELS, float32=True),
     }),
-    *(Statement(f"{kind}, a limit of each direction", first_order(kind, worlds, limits, SCALES),
-                sides_broken(kind, limits))
-      for kind, worlds, limits in (("clip", EXACT_CHAINS, BY_SIDE),
-                                   ("governor", EXACT_WORLDS, NEARLY_BY_SIDE))),
+    *(Statement(f"{kind}, a limit of each direction", first_order(kind, worlds, BY_SIDE, SCALES),
+                sides_broken(kind, BY_SIDE))
+      for kind, worlds in (("clip", EXACT_CHAINS), ("governor", EXACT_WORLDS))),
     *(Statement(f"{kind}, wheels, a limit of each direction", first_order(
         kind, alike(worlds, "wheels"), WHEEL_SIDES, WHEEL_SCALES),
         sides_broken(kind, WHEEL_SIDES, "wheels"))
       for kind, worlds in (("clip", CHAINS), ("governor", WORLDS))),
-    *(Statement(f"{kind}, dead bands of v and omega, or of wheels{made_up}", dead_bands(
-        kind, **stated), bands_broken(kind, **stated))
-      for made_up, stated in (("", {}), (", made up for by `least`", {"least": True}))
+    *(Statement(f"{kind}, {what}", dead_bands(kind, **stated), bands_broken(kind, **stated))
+      for what, stated in (("dead bands", {}), ("`least`", {"least": True}))
       for kind in ("clip", "governor")),
     Statement("governor, first-order bases", first_order("governor", WORLDS, {}, SCALES), {
         "push": wrong("governor", d=0.0525), "time constant": wrong("governor", tau=(0.19, 0.3)),
