@@ -14,10 +14,13 @@ AXES = pytest.mark.parametrize("axis", ["linear", "angular"])
 SIDES = pytest.mark.parametrize("side", ["forwards", "backwards"])
 
 
-@AXES
-def test_clip_sends_what_any_linear_loop_may_add_up(axis):
+def test_clip_sends_what_any_linear_loop_may_add_up():
     """N |u| + delta <= V, with the peak gain N of the loop and what pushes do, delta."""
-    assert_proved(f"filter.sent-clip-{axis}")
+    assert_proved("filter.sent-clip.axes")
+
+
+def test_least_commands_act_and_are_as_safe_as_others():
+    assert_proved("filter.least")
 
 
 def test_clip_of_a_first_order_base_stays_inside():

@@ -20,6 +20,7 @@ from tests.proofs.worded import (
     share,
 )
 from wmr_ctrl.control.filter import gate, governor, held_loop
+from wmr_ctrl.control.filter.asked import for_base
 from wmr_ctrl.control.filter.band import BandGovernor
 from wmr_ctrl.control.filter.channels import Channel, scaled
 from wmr_ctrl.control.filter.clip import Clip
@@ -285,8 +286,30 @@ def _clips(rng, settings, scales):
     return found
 
 
-@about("filter.sent-clip-linear", "filter.sent-clip-angular", "filter.sent-clip.axes",
-       "filter.sent-clip.wheels", "filter.sent-clip.beside")  # fmt: skip
+@about("filter.least")
+def least_commands(rng):
+    """Commands one after the other, from rest and from chance states that are as they may be."""
+    small = {"filter.least": True, "base.deadband": (0.03, 0.3), "filter.scale": "axes"}
+    scenario = load_scenario("paper-simulation", CLIP | small)
+    clip = Clip(scenario)
+    n = Numbers(rng, system := for_base(clip.system, scenario))
+    stated(rng, n)
+    bands = n.of["base.deadband"] = [positive(rng) for _ in range(2)]
+    n.of["deadband_rest"] = [b * rng.uniform(-1, 1, SAMPLES) for b in bands]
+    n.of["deadband_way"] = [rng.choice([-1.0, 0.0, 1.0], SAMPLES) for _ in range(2)]
+    n.of["v_asked"] = [around(rng, 1.0) for _ in range(2)]
+    rows = n.results(system.y[:2], system.update[:2], ca.vertcat(*clip.limits))
+    found = {}
+    for i, (band, u, rest, most) in enumerate(
+        zip(bands, rows[:2], rows[2:4], rows[4:], strict=True)
+    ):
+        acts = (u == 0) | (np.abs(u) >= band) | (most < band * (1 + 2.0**-25))
+        found |= {f"within {i}": left(most, np.abs(u)), f"acts {i}": np.where(acts, 0.0, -1.0)}
+        found[f"rest {i}"] = left(band * (1 + 2.0**-26), np.abs(rest))
+    return found
+
+
+@about("filter.sent-clip.axes", "filter.sent-clip.wheels", "filter.sent-clip.beside")
 def clips(rng):
     found = {}
     shapes = ({}, {"filter.channels": "wheels"}, {"filter.wheel_speed": 1.0})
@@ -300,7 +323,7 @@ def clips(rng):
     return found
 
 
-@about("filter.slew-sent-linear", "filter.slew-sent-angular", "filter.slew-sent.together")
+@about("filter.slew-sent.together")
 def slow(rng):
     found = {}
     for scale in SCALES:

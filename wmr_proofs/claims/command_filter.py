@@ -28,7 +28,7 @@ claim = Claims(by=Z3())
 
 def sound(b: FirstOrder) -> tuple[Relation, ...]:
     """0 < K_min <= K_max, 0 <= dbar < V."""
-    return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar), above(b.V, b.dbar)
+    return *admits(b)[:3], above(b.V, b.dbar)
 
 
 def admits(b: FirstOrder) -> tuple[Relation, ...]:
@@ -118,7 +118,7 @@ def clip(mutation: Mutation) -> Statement:
 
 @claim("filter.contains-clip", given=f"{ANY_SIDE}; v_bar <= V, kappa >= 0")
 def contains_clip(mutation: Mutation) -> Statement:
-    """hi(v_bar) >= (V - dbar)/K_max >= 0.
+    """hi(v_bar) >= (V - dbar)/K_max >= 0, and hi(V) is that.
 
     The governor is never stricter than the clip, and never refuses to stop: 0 is always safe.
     """
@@ -126,7 +126,8 @@ def contains_clip(mutation: Mutation) -> Statement:
     b = a.bounds
     smallest = (b.V - b.dbar) / b.K_max
     given = (*admits(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
-    return Statement(a.symbols, (at_least(a.hi, smallest), at_least(smallest)), given)
+    goals = at_least(a.hi, smallest), at_least(smallest), equal(largest_command(b.V, b), smallest)
+    return Statement(a.symbols, goals, given)
 
 
 @claim(

@@ -67,11 +67,11 @@ def dead_band(mutation: Mutation) -> Statement:
     What the dead band does counts as an error of the command.
     """
     g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, (("base.deadband", [0.01, 0.01]),))
-    goals = list[Relation]()
+    goals, most = list[Relation](), g.bound("dropped")
     for i in (0, 1):
         size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
         beyond = ca.fabs(g.system.u[i]) > size
-        goals.append(at_least(mutation(1, 0.9) * ca.fabs(size), ca.fabs(off)))
+        goals.append(at_least(mutation(1, 0.9) * ca.fabs(most[i]), ca.fabs(off)))
         goals.append(at_least(0, ca.if_else(beyond, ca.fabs(off), 0)))
     return g.states(*goals, given=map(at_least, ca.vertsplit(g.column("base.deadband"))))
 

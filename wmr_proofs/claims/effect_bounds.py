@@ -17,6 +17,7 @@ from wmr_ctrl.world import (
     torque_noise,
     velocity_mean,
     velocity_noise,
+    wheel_commands,
 )
 from wmr_ctrl.world.effect import ROUNDING
 from wmr_ctrl.world.model.dynamics import wheel_to_force
@@ -288,3 +289,17 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
         cuts[f"number{i + 1}"] = number = ca.floor(x)
         given += [above(step), at_least(x, number), above(1, x - number)]
     return g.states(*within(off, mutation(1, 0.9) * most), given=given, cuts=cuts)
+
+
+@command_claim("world.wheel-commands", given="l > 0, size >= 0; no ramps")
+def wheels_heard(mutation: Mutation) -> Statement:
+    """behind dead bands of the wheels the command that acts is off by at most command + dropped of
+    the bound, and no larger than the one that arrived by more than command, per axis.
+
+    What a filter counts as the error of a command, and what a clip does.
+    """
+    g = EffectGraph(wheel_commands.WHEEL_COMMANDS, (("base.wheel_deadband", 0.03),), "robot")
+    error, dropped = mutation(1, 0.9) * g.bound("command"), g.bound("dropped")
+    u, acts = g.system.u, g.system.y
+    goals = *within(acts - u, error + dropped), *within(acts, ca.fabs(u) + error)
+    return g.states(*goals, given=(*g.above_zero("robot.l"), at_least(g["base.wheel_deadband"])))

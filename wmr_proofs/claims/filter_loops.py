@@ -1,9 +1,8 @@
 """The command filter on bases that overshoot, and on bases whose wheels are not alike."""
 
-from collections.abc import Iterator
-
 import casadi as ca
 
+from wmr_ctrl.control.filter.asked import JUST_ABOVE, for_base
 from wmr_ctrl.control.filter.channels import WAYS
 from wmr_ctrl.control.filter.clip import Clip
 from wmr_ctrl.control.filter.governor_step import Governor
@@ -12,12 +11,12 @@ from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, between, equal, nonnegative, within
+from wmr_proofs.relation import Relation, above, at_least, equal, nonnegative, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
 from .command_filter import COMMANDS
-from .common import AXES, elements_of
+from .common import elements_of
 from .filter_assembled import STATED
 
 claim = Claims(by=Z3())
@@ -68,61 +67,40 @@ def in_time(mutation: Mutation) -> Statement:
     return Statement(named, goals, given, {"came": came})
 
 
+SMALL = STATED | {
+    "filter.kind": "clip", "filter.scale": "axes", "base.deadband": (0.03, 0.3),
+    "filter.least": True,
+}  # fmt: skip
 SLOW = LINEAR | {
     "filter.gain": STATED["filter.gain"], "filter.frequency": (4.0, 5.0),
     "filter.slew": (0.1, 0.1), "filter.scale": "axes",
 }  # fmt: skip
 
 
-def inside(clip: Clip) -> Iterator[Relation]:
-    """0 < K_max and 0 <= dbar < V on both axes."""
-    for channel in clip.channels:
-        b = channel.bounds
-        yield from (above(b.K_max), at_least(b.dbar), above(b.V, b.dbar))
-
-
 @claim(
-    "filter.slew-sent-{id}",
-    given=f"{COMMANDS}, at any time; v and omega each by its own factor; "
-    "parameters that are sound, K_max > 0, 0 <= delta + a reach < "
-    "V, a > 0, T > 0; the command before within the same limit",
-    over=AXES,
+    "filter.least",
+    given=f"{COMMANDS}; the limit (V - dbar)/K_max and b above 0; what was not sent of earlier "
+    "commands within b, their way 1, -1 or 0; v and omega each by its own factor",
 )
-def slew_sent(mutation: Mutation, axis: int) -> Statement:
-    """K_max |u| + delta + a reach <= V (1 - 2^-26) and |u - u_before| <= a t, 0 <= t <= T the time
-    since the sample before, u what the whole clip sends on the {id} axis.
+def least(mutation: Mutation) -> Statement:
+    """the command that the whole clip sends with `filter.least` is within its limit on each axis
+    and, where that is at least b, the least command that acts, it is 0 or no smaller than b; what
+    was not sent stays within b.
 
-    Commands stay within their limit and change no faster than stated, whatever is asked for.
+    What is sent acts, is in the mean what was asked for, and is as safe as any other command.
     """
-    clip = Clip(load_scenario("paper-simulation", SLOW))
-    named = elements_of(clip.asked, clip.elapsed, *clip.last, *clip.p.ports)
-    (before,), slew = clip.last, clip.p.take("filter.slew")
-    steps = slew * clip.time
-    given = [*(above(slew[i]) for i in (0, 1)), above(clip.T), *inside(clip)]
-    given += within(before.sym[axis], clip.limits[axis])
-    b, u, sound = clip.channels[axis].bounds, clip.sent[axis], equal(clip.sound, 1)
-    inside_V = at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar)
-    slow = within(u - before.sym[axis], steps[axis])
-    goals = (inside_V, *slow, *between(0, clip.time, clip.T))
-    return Statement(named, goals, (*given, sound), {"numbers are sound": clip.sound})
-
-
-@claim(
-    "filter.sent-clip-{id}",
-    given=f"{COMMANDS}; one factor for v and omega; 0 < N, 0 <= delta < V: the parameters of the "
-    "clip of linear loops",
-    over=AXES,
-)
-def sent_clip(mutation: Mutation, axis: int) -> Statement:
-    """N |u| + delta <= V (1 - 2^-26), u what the whole clip sends on the {id} axis.
-
-    Whatever both axes are asked for, commands stay within what the loop's peak gain admits.
-    """
-    clip = Clip(load_scenario("paper-simulation", LINEAR))
-    named = elements_of(clip.asked, *clip.p.ports)
-    b, u = clip.channels[axis].bounds, clip.sent[axis]
-    goal = at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar)
-    return Statement(named, (goal,), tuple(inside(clip)), {"numbers are sound": clip.sound})
+    clip = Clip(stated := load_scenario("paper-simulation", SMALL))
+    graph = for_base(clip.system, stated)
+    named = elements_of(*graph.inputs, *graph.state, *graph.params)
+    given, goals, cuts = list[Relation](), list[Relation](), {"sound": clip.sound}
+    rest, way = ca.vertsplit(graph.x, 2)
+    for axis, limit in enumerate(clip.limits):
+        band, w = named[f"base.deadband.{axis + 1}"] * JUST_ABOVE, way[axis]
+        cuts[f"limit {axis}"], u = limit, graph.y[axis]
+        idle = ca.if_else(band <= limit, u * (ca.fabs(u) < mutation(1, 1.1) * band), 0)
+        given += above(band), above(limit), *within(rest[axis], band), equal(w * (w * w - 1))
+        goals += *within(u, limit), *within(graph.update[axis], band), equal(idle)
+    return Statement(named, tuple(goals), tuple(given), cuts)
 
 
 @claim(
@@ -165,7 +143,7 @@ def peak_worst() -> None:
     given="a linear loop of the family, its numbers constant, at rest at the start; |u| <= (V - "
     "delta)/N and |d| <= dbar, measurable functions of time",
     by=HAND,
-    premises="filter.sent-clip-linear filter.sent-clip-angular",
+    premises="filter.sent-clip.axes",
 )
 def peak_gain() -> None:
     """|v| <= N max|u| + delta <= V at every instant, N = int |g|, delta = int |g_d| dbar, for g and
@@ -198,7 +176,7 @@ def command_error() -> None:
     "differ by at most s, at most n are lost in a row, H = (1 + n) (T + jitter) + s; |d| <= dbar; "
     "L as `swing` encloses it",
     by=HAND,
-    premises="filter.peak-gain filter.slew-sent-linear filter.slew-sent-angular",
+    premises="filter.peak-gain filter.slew-sent.together",
 )
 def slew() -> None:
     """|v| <= K c + a' (K L + N H/2) + delta <= V, a' = a T/(T - jitter), L the integral of |1 - S|

@@ -108,14 +108,14 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
 )
 def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]) -> Statement:
     """|w| <= (V - dbar)/K_max, w each limited speed of the command that the whole clip sends to
-    first-order loops or linear ones: {limited}.
+    first-order loops or linear ones: {limited}; where no wheel is limited, by one factor as well.
 
     Whatever is asked for, commands stay within what the loop's gain admits, at the wheels as well.
     """
     table, cuts = Symbols(), dict[str, ca.SX]()
     goals, given = list[Relation](), list[Relation]()
     for loop, stated in (("first", STATED | {"filter.kind": "clip"}), ("linear", LINEAR)):
-        for scale in scales:
+        for scale in scales if more else ("curvature", *scales):
             settings = {**stated, **more, "filter.scale": scale}
             settings.pop("filter.odometry", None)
             clip = Clip(load_scenario("paper-simulation", settings))
@@ -131,26 +131,27 @@ def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str,
 
 @claim(
     "filter.slew-sent.together",
-    given=f"{COMMANDS}; parameters that are sound, a > 0, c = (V - delta - a reach)/K_max > 0; "
-    "t >= 0, the time since the sample before (filter.slew-sent); the command before within c",
-    premises="filter.slew-sent-linear",
+    given=f"{COMMANDS}, at any time; parameters that are sound, a, T > 0, c = (V (1 - 2^-26) - "
+    "delta - a reach)/K_max > 0; the command before within c",
 )
 def slew_together(mutation: Mutation) -> Statement:
-    """|u| <= c and |u - u_before| <= a t on both axes, u what the whole clip of slow commands
-    sends, both axes by one factor or one first.
+    """|u| <= c and |u - u_before| <= a t on both axes, 0 <= t <= T the time since the sample
+    before, u what the whole clip of slow commands sends, both axes by one factor, each by its own
+    or one first.
 
-    Commands that change together change no faster than stated, and stay within their limit.
+    Commands stay within their limit and change no faster than stated, whatever is asked for.
     """
     table, cuts = Symbols(), dict[str, ca.SX]()
     goals, given = list[Relation](), list[Relation]()
-    for scale in ("curvature", "turn", "drive"):
+    for scale in ("curvature", "axes", "turn", "drive"):
         clip = Clip(load_scenario("paper-simulation", SLOW | {"filter.scale": scale}))
         table |= named_for(elements_of(clip.asked, clip.elapsed, *clip.last, *clip.p.ports), scale)
         (before,), slew = clip.last, clip.p.take("filter.slew")
-        cuts |= {f"numbers are sound {scale}": clip.sound, f"time {scale}": clip.time}
+        cuts |= {f"numbers are sound {scale}": clip.sound}
         cuts |= {f"limit {i} {scale}": limit for i, limit in enumerate(clip.limits)}
-        given += [*(above(item) for item in (*ca.vertsplit(slew), *clip.limits))]
-        given += [equal(clip.sound, 1), at_least(clip.time)]
+        given += [*(above(item) for item in (*ca.vertsplit(slew), *clip.limits, clip.T))]
+        given.append(equal(clip.sound, 1))
+        goals += between(0, clip.time, clip.T)
         for i, limit in enumerate(clip.limits):
             u, was = clip.sent[i], before.sym[i]
             given += within(was, limit)
