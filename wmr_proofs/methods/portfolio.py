@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from time import monotonic
 from typing import Any
 
 import z3
@@ -59,12 +60,13 @@ class Portfolio:
         for engine, size in self._attempts(place):
             if engine in over or self._left <= 0:
                 continue
-            before = self.spent
+            before, begun = self.spent, monotonic()
             answer, model = self.attempt(engine, terms, size)
             if answer != z3.unknown:
-                soon = engine == next(iter(ENGINES)) and size == ATTEMPTS[0]
-                return Answer(str(answer), model, "" if soon else engine)
-            if self.spent - before < 0.9 * size[0]:  # the engine has no more to try
+                first = engine == next(iter(ENGINES)) and size == ATTEMPTS[0]
+                return Answer(str(answer), model, "" if first else engine)
+            soon = monotonic() - begun < 0.9 * size[1]  # else a busy machine's clock ended it
+            if soon and self.spent - before < 0.9 * size[0]:  # the engine has no more to try
                 over.add(engine)
         return Answer("unknown")
 
