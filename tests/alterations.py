@@ -19,10 +19,11 @@ from itertools import chain
 from pathlib import Path
 
 from tests.altered_files import ALTERED_FILES, altered_copy, check_tests, copy_of_tree, failing
+from tests.proofs.noticing import is_noticed
 from tests.proofs.test_alterations import ALTERATIONS, changes_a_verdict
 from wmr_ctrl.results.ledger import Entry, load
 from wmr_proofs.claims import all_claims
-from wmr_proofs.noticed import CHANGES, is_noticed
+from wmr_proofs.noticed import CHANGES
 
 WITNESSES = 20
 """Entries that are asked about one alteration."""

@@ -238,11 +238,11 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("refusals.py", "(guard.age[i] or guard.window[i])", "guard.age[i]"),
     ),
     *_rows(
-        "wmr_ctrl/control/guard/", "prove guard.outside-back",
+        "wmr_ctrl/control/guard/", "prove guard.outside",
         ("guard.py", "-ceiling(-y, b.mirrored,", "-ceiling(ca.fmin(-y, 2 * b.u1), b.mirrored,"),
     ),
     *_rows(
-        "wmr_ctrl/control/guard/", "prove guard.assembled.guard.linear-first-late",
+        "wmr_ctrl/control/guard/", "prove guard.assembled",
         ("guard.py", "rounding(max(item.roundings for item in late))", "rounding(0)"),
     ),
     *(
@@ -250,7 +250,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
             "wmr_ctrl/control/controller.py", "following([mapped,", "following([held.force,", seen
         )
         for seen in (
-            "prove guard.assembled.lag-alone",
+            "prove guard.assembled.alone",
             "tests/control/guard/test_lateness.py::"
             "test_older_commands_count_as_weak_wheels_were_given_them",
         )

@@ -10,6 +10,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import fields, is_dataclass, replace
 from functools import cached_property, partial
 from importlib import import_module
+from itertools import chain
 from operator import mul
 from types import FrameType, FunctionType
 from typing import Any
@@ -135,7 +136,8 @@ def _read(claim: Claim, names: Sequence[str]) -> set[str]:
     marks = {name: ca.SX.sym(f"result {k}") for k, name in enumerate(names)}
     changes = {name: partial(_marked, mark) for name, mark in marks.items()}
     statement = built(claim, changes, marks) if marks else None
-    return set(marks) & set(statement.graph.input_names) if statement else set()
+    parts = (statement, *statement.parts.values()) if statement else ()
+    return set(marks) & set(chain.from_iterable(part.graph.input_names for part in parts))
 
 
 def _held(claim: Claim, factors: Mapping[str, float], digest: str) -> set[str]:
@@ -172,13 +174,18 @@ def built(
                 stack.enter_context(_open_systems())
             statement = claim.statement(CLAIMED) if claim.statement else None
             if statement and marks:
-                statement = replace(statement, symbols={**statement.symbols, **marks})
+                statement = _with_marks(statement, marks)
             _ = statement.graph if statement else None
     except (ValueError, RuntimeError, TypeError, NotImplementedError):
         return None
     finally:
         forget()
     return statement
+
+
+def _with_marks(statement: Statement, marks: Mapping[str, ca.SX]) -> Statement:
+    parts = {key: _with_marks(part, marks) for key, part in statement.parts.items()}
+    return replace(statement, symbols={**statement.symbols, **marks}, parts=parts)
 
 
 @contextmanager

@@ -12,7 +12,6 @@ from contextlib import contextmanager
 from dataclasses import is_dataclass, replace
 from fractions import Fraction
 from functools import partial
-from inspect import signature
 from itertools import combinations, product
 from typing import Any
 
@@ -20,7 +19,7 @@ import casadi as ca
 import z3
 from z3 import z3util
 
-from .claim import CLAIMED, Claim
+from .claim import CLAIMED, Claim, Each
 from .claims import forget
 from .graph import ProvedGraph, UndecidedError
 from .methods.obligations import Obligation
@@ -87,13 +86,20 @@ def uncancelled(claim: Claim) -> Statement:
     """The claim's statement on graphs that CasADi has not simplified."""
     assert claim.statement is not None
     with _nothing_simplified():
-        # The function with new copies of the objects that it is given: they keep what they built.
-        given = {name: item.default for name, item in signature(claim.statement).parameters.items()}
-        held = {n: x for n, x in given.items() if is_dataclass(x) and not isinstance(x, type)}
-        fresh = {name: replace(value) for name, value in held.items()}
-        statement = partial(claim.statement, **fresh)(CLAIMED)
+        call = claim.statement
+        if isinstance(call, Each):
+            call = replace(call, tables={key: _fresh(row) for key, row in call.tables.items()})
+        elif isinstance(call, partial):
+            call = partial(call.func, **_fresh(call.keywords))
+        statement = call(CLAIMED)
         _ = statement.graph
     return statement
+
+
+def _fresh(given: Mapping[str, Any]) -> dict[str, Any]:
+    """New copies of the objects that a function is given: they keep what they built."""
+    own = {n: x for n, x in given.items() if is_dataclass(x) and not isinstance(x, type)}
+    return {**given, **{name: replace(value) for name, value in own.items()}}
 
 
 @contextmanager

@@ -1,8 +1,6 @@
 """The committed certificates: the index from claims to obligations, and a packed file of each."""
 
-import json
-import lzma
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -28,11 +26,6 @@ def obligations_of(claim: Claim, entry: Entry) -> Iterator[Obligation]:
     yield from of_entry(claim.statement(CLAIMED), entry)
     if entry.verdict != REFUTED and entry.cancelled != 0:
         yield from cancelled_obligations(claim)
-
-
-def words_hash(claim: Claim) -> str:
-    """SHA-256 of a claim's words."""
-    return digest([claim.claim, claim.hypotheses, claim.meaning])
 
 
 @cache
@@ -72,31 +65,3 @@ def held(key: str) -> dict[str, Any]:
     """Texts and certificates of an entry by obligation, as committed."""
     path = FOLDER / f"{key}.json.xz"
     return dict(unpacked(path)) if path.exists() else {}
-
-
-def save(row: Row, certificates: Mapping[str, Any]) -> None:
-    """Replace an entry's row and its file."""
-    FOLDER.mkdir(exist_ok=True)
-    path = FOLDER / f"{row['id']}.json.xz"
-    path.unlink(missing_ok=True)
-    if certificates:
-        text = json.dumps(certificates, separators=(",", ":"))
-        path.write_bytes(lzma.compress(text.encode(), preset=6 | lzma.PRESET_EXTREME))
-    index.cache_clear()
-    save_index({**index(), row["id"]: row})
-
-
-def forget_others(known: Container[str]) -> None:
-    """Drop the certificates of entries that no longer exist."""
-    gone = [key for key in index() if key not in known]
-    for key in gone:
-        (FOLDER / f"{key}.json.xz").unlink(missing_ok=True)
-    if gone:
-        save_index({key: row for key, row in index().items() if key in known})
-
-
-def save_index(rows: Mapping[str, Row]) -> None:
-    """Write the index, one row a line, in the order of their ids."""
-    lines = ",\n".join(json.dumps(rows[key]) for key in sorted(rows))
-    (FOLDER / INDEX).write_text(f"[\n{lines}\n]\n", encoding="utf-8")
-    index.cache_clear()

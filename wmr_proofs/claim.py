@@ -22,7 +22,7 @@ from inspect import signature
 from typing import Any, TypeVar
 
 from .methods.spec import Method
-from .statement import Statement
+from .statement import Statement, joined
 
 PRINTED, CORRECTED, OURS = "printed", "corrected", "ours"
 Written = TypeVar("Written", bound=Callable[..., Statement | None])
@@ -51,7 +51,7 @@ class Claim:
     """A claim, its meaning for a robot, and its method of proof.
 
     ``statement(mutation)`` builds the claim's relations from the product's graphs. A claim without
-    statement has its verdict given (HAND, OPEN or DEFINITION). ``premises`` names the entries that
+    statement has its verdict given (HAND or OPEN). ``premises`` names the entries that
     it depends on.
     """
 
@@ -95,6 +95,7 @@ class Claims:
         premises: str | None = None,
         wording: str = "",
         over: Iterable[Mapping[str, Any]] = (),
+        each: Mapping[str, Mapping[str, Any]] = {},
         **values: Any,
     ) -> Callable[[Written], Written]:
         """Decorator that enters a function as the claim ``id`` about these equations of the paper.
@@ -103,7 +104,8 @@ class Claims:
         ``wording`` the claim if the docstring belongs to another one. ``values`` replace their
         names in braces in every text, and in each other, and are passed to the function (and to
         ``by``) if it has such arguments; ``over``: one claim for each of these tables, which may
-        have their own ``equations``.
+        have their own ``equations`` and ``each``. ``each``: one claim of several statements, by
+        name, one for each of these tables.
         """
         way = by or self.by
 
@@ -113,19 +115,34 @@ class Claims:
                 claimed, _, meaning = (function.__doc__ or "").partition("\n\n")
                 method = _asked(way, table)() if callable(way) else way
                 engine = method if isinstance(method, Method) else None
+                called: Callable[..., Statement] = _asked(function, table)
+                if parts := table.get("each", each):
+                    called = Each(function, {key: {**table, **row} for key, row in parts.items()})
                 self.listed.append(
                     Claim(
                         text(id), table.get("equations", equations), form or self.form,
                         text(wording or claimed).removesuffix("."), text(meaning or self.meaning),
                         text(self.given if given is None else given),
-                        _asked(function, table) if engine else None,
-                        engine, "" if engine else str(method),
+                        called if engine else None, engine, "" if engine else str(method),
                         tuple(text(self.premises if premises is None else premises).split()),
                     )
                 )  # fmt: skip
             return function
 
         return enter
+
+
+@dataclass(frozen=True)
+class Each:
+    """Statement of a claim: the function's for each of these tables, by name."""
+
+    function: Callable[..., Any]
+    tables: Mapping[str, Mapping[str, Any]]
+
+    def __call__(self, mutation: Mutation) -> Statement:
+        """All of the statements as one."""
+        called = {key: _asked(self.function, table) for key, table in self.tables.items()}
+        return joined({key: call(mutation) for key, call in called.items()})
 
 
 def rows(**columns: Sequence[Any]) -> tuple[dict[str, Any], ...]:

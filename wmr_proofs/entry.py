@@ -101,7 +101,7 @@ def _hash(claimed: Statement, altered: Statement, method: Method) -> str:
 def _quickest(method: Method, evidence: Mapping[str, Any], key: str) -> Method:
     """The method, with the engines that answered before asked first, which only saves time."""
     first = tuple(evidence.get(key, ()))
-    return replace(method, first=first) if isinstance(method, Z3) else method
+    return replace(method, first=first) if first and isinstance(method, Z3) else method
 
 
 def _quick(method: Method) -> Method:

@@ -57,7 +57,7 @@ def after_alteration(claim: Claim, name: str) -> str:
     for seconds in (2, 30):
         budget, asked, left = short_budget(claim.method, seconds), left, []
         for statement in asked:
-            verdict = _verdict(budget, statement)
+            verdict = verdict_of(budget, statement)
             if verdict == REFUTED:
                 return REFUTED
             left += [statement] * (verdict == OPEN)
@@ -66,38 +66,21 @@ def after_alteration(claim: Claim, name: str) -> str:
     return PROVED if some else ""
 
 
-def is_noticed(claim: Claim, name: str, change: Change) -> bool:
-    """True if the claim is no longer PROVED with the function altered."""
-    statement = built(claim, {name: change})
-    return statement is not None and fails(claim, statement)
-
-
-def fails(claim: Claim, statement: Statement) -> bool:
-    """True if the claim's method does not prove an altered statement.
-
-    A failure within a short budget counts if the method proves the claim itself within one.
-    """
-    assert claim.method is not None
-    verdict = _verdict(short_budget(claim.method), statement)
-    if verdict == OPEN and not proves_quickly(claim.id):
-        verdict = _verdict(claim.method, statement)
-    return verdict != PROVED
-
-
 @cache
 def proves_quickly(key: str) -> bool:
     """True if the method proves the claim of this id within a short budget."""
     claim = next(claim for claim in all_claims() if claim.id == key)
     assert claim.statement is not None
     assert claim.method is not None
-    return _verdict(short_budget(claim.method), claim.statement(CLAIMED)) == PROVED
+    return verdict_of(short_budget(claim.method), claim.statement(CLAIMED)) == PROVED
 
 
-def _verdict(method: Method, statement: Statement) -> str:
+def verdict_of(method: Method, statement: Statement) -> str:
+    """Verdict of a method; PROVED where it was not told of an input, which is no news."""
     try:
         return method.decide(statement).verdict
     except KeyError:
-        return PROVED  # the graph reads an input that the method was not told of: no news
+        return PROVED
 
 
 def short_budget(method: Method, seconds: int = 2) -> Method:

@@ -99,7 +99,7 @@ class Statement:
     ``cuts`` names inner expressions that become free inputs: the statement is then proved for all
     their values. ``numbers`` are symbols with one value. Each of the symbols named in ``computed``
     is whatever the compiled text may compute for its expression, every operation rounded with a
-    relative error of at most ``unit``.
+    relative error of at most ``unit``. ``parts``: see `joined`.
     """
 
     symbols: Mapping[str, ca.SX]
@@ -109,10 +109,13 @@ class Statement:
     numbers: Mapping[str, float] = field(default_factory=dict)
     computed: Mapping[str, ca.SX] = field(default_factory=dict)
     unit: float = UNIT
+    parts: Mapping[str, "Statement"] = field(default_factory=dict)
 
     @cached_property
     def graph(self) -> ProvedGraph:
         """Outputs: the goals' expressions, those of ``given``, the bounds of all roundings."""
+        if self.parts:
+            return _united(self.parts)
         exprs = [r.expr for r in (*self.goals, *self.given)]
         exact = graph_of(self.symbols, exprs, self.cuts, self.numbers)
         if not self.computed:
@@ -136,6 +139,41 @@ class Statement:
         """Relation of each hypothesis to 0, the bounds of all roundings included."""
         roundings = len(self.graph.outputs) - len(self.goals) - len(self.given)
         return (*(r.kind for r in self.given), *[AT_LEAST] * roundings)
+
+
+def joined(parts: Mapping[str, Statement]) -> Statement:
+    """All of these statements, by name, each about symbols of its own."""
+    goals = tuple(goal for part in parts.values() for goal in part.goals)
+    given = tuple(item for part in parts.values() for item in part.given)
+    return Statement({}, goals, given, parts=parts)
+
+
+def own_name(name: str, part: str) -> str:
+    """A part's symbol in the statement that it is joined to."""
+    return f"{name}, {part}"
+
+
+def own_point(point: Mapping[str, str], part: Statement, key: str) -> dict[str, str]:
+    """A joined statement's point as the part ``key`` has it."""
+    names = {own_name(name, key): name for name in part.graph.input_names}
+    return {names[name]: value for name, value in point.items() if name in names}
+
+
+def _united(parts: Mapping[str, Statement]) -> ProvedGraph:
+    nodes: list[ProvedNode] = []
+    goals, given, bounds = list[int](), list[int](), list[int]()
+    for key, part in parts.items():
+        start, graph = len(nodes), part.graph
+        for node in graph.nodes:
+            args = tuple(start + k for k in node.args)
+            name = own_name(node.name, key) if node.name else ""
+            nodes.append(ProvedNode(node.op, args, node.value, name))
+        places = [start + k for k in graph.outputs]
+        first, second = len(part.goals), len(part.goals) + len(part.given)
+        goals += places[:first]
+        given += places[first:second]
+        bounds += places[second:]
+    return ProvedGraph(tuple(nodes), (*goals, *given, *bounds))
 
 
 def instance(proved: Statement, values: Mapping[str, ca.SX]) -> tuple[Relation, ...]:

@@ -11,22 +11,21 @@ import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import cache
 from math import prod
 from time import process_time
 from typing import Any
 
 import z3
 
+from tests.proofs.kept_certificates import forget_others, save, words_hash
 from tests.proofs.record import merged, record
 from wmr_ctrl.results.ledger import REFUTED, Entry, Ledger, load
 from wmr_proofs.certificates import (
+    FOLDER,
     Row,
-    forget_others,
-    held,
     obligations_of,
-    save,
     with_certificate,
-    words_hash,
 )
 from wmr_proofs.check import (
     WORK,
@@ -47,6 +46,7 @@ from wmr_proofs.check import (
     key,
     mul,
     names,
+    unpacked,
     var,
 )
 from wmr_proofs.claim import Claim
@@ -442,16 +442,24 @@ def _told(p: Polynomial) -> list[Any]:
     return [[str(c), *(x for pair in m for x in pair)] for m, c in sorted(p.items()) if c]
 
 
+@cache
+def committed() -> dict[str, Any]:
+    """Every certificate by its obligation, without the lines that name it."""
+    files = FOLDER.glob("*.json.xz")
+    pairs = (pair for path in files for pair in unpacked(path).values())
+    return {text.split("\n", 2)[2]: certificate for text, certificate in pairs}
+
+
 def find(claim: Claim, entry: Entry, seconds: float) -> Row:
     """Certify what can be certified of an entry, save it, and return its row of the index.
 
-    What is committed and shows an obligation of today is kept.
+    What is committed and shows an obligation of today is kept, whatever its name was.
     """
-    kept = held(claim.id)
+    kept = committed()
     rows, found = [], {}
     for item in obligations_of(claim, entry):
         text = item.file(claim.id)
-        certificate = _certificate(text, item, kept.get(item.name, ("", None))[1], entry, seconds)
+        certificate = _certificate(text, item, kept.get(item.text), entry, seconds)
         if certificate is not None:
             found[item.name] = [text, certificate]
         shown = digest(certificate) if certificate is not None else ""

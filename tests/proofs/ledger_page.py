@@ -66,7 +66,9 @@ def _index(ledger: Ledger) -> str:
     rows = []
     for item in equations():
         entries = [entry for entry in ledger.entries if item.number in entry.equations]
-        named = ", ".join(f"{entry.id} {entry.verdict}" for entry in entries) or "-"
+        told = [f"defined in {item.home}"] if item.role == "definition" else []
+        told += [f"{entry.id} {entry.verdict}" for entry in entries]
+        named = _cell(", ".join(told)) or "-"
         cells = (f"({item.number})", _cell(item.title), item.status, _cell(item.note), named)
         rows.append(f"| {' | '.join(cells)} |\n")
     head = "| eq. | what it is | status | note | entries |\n|---|---|---|---|---|\n"

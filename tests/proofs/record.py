@@ -15,11 +15,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from tests.proofs.kept_certificates import save_index, words_hash
 from tests.proofs.ledger_page import page
 from tests.proofs.second_solvers import confirmed_by
 from wmr_ctrl.results.ledger import COMMITTED, OPEN, Entry, Ledger, load
 from wmr_proofs.alterations import functions_of
-from wmr_proofs.certificates import index, save_index, words_hash
+from wmr_proofs.certificates import index
 from wmr_proofs.claim import CLAIMED, Claim
 from wmr_proofs.claims import all_claims
 from wmr_proofs.comparison import stale

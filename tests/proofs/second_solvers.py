@@ -18,7 +18,7 @@ from pathlib import Path
 from tests.proofs.cases import cases
 from wmr_proofs.graph import UndecidedError
 from wmr_proofs.methods.obligations import obligations
-from wmr_proofs.statement import Statement
+from wmr_proofs.statement import Statement, own_point
 
 IMPATIENCE, PATIENCE = 2, 10
 """Seconds of the processor's time for one obligation and strategy, at first and in the end, so that
@@ -66,8 +66,12 @@ def confirmed_by(
     """The first solver that finds every goal and every domain unsatisfiable, too; else nothing.
 
     As a whole or in every case of its choices (`tests.proofs.cases`).  And the hypotheses
-    satisfiable, at ``point`` if one is given.
+    satisfiable, at ``point`` if one is given.  Of a statement of parts, of each by itself.
     """
+    if statement.parts:
+        found = [confirmed_by(part, own_point(point or {}, part, key), patience)
+                 for key, part in statement.parts.items()]  # fmt: skip
+        return tuple(sorted(set(chain(*found)))) if all(found) else ()
     *wrong, hypotheses = obligations(statement, point)
     for name in programs():
 

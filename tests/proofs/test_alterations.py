@@ -80,7 +80,7 @@ def test_what_nobody_stated_stays_so_where_results_are_altered():
     changed = built(claim, {"wmr_ctrl.control.setup:settle": lambda value: 1.25 * value})
 
     assert changed is not None
-    assert "limits.v_u1[1]" in changed.symbols
+    assert "limits.v_u1[1]" in changed.parts["linear-first"].symbols
 
 
 def test_the_original_is_put_back():

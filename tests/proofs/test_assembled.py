@@ -63,21 +63,21 @@ def any_drives(*given):
 @pytest.mark.parametrize(
     ("key", "module", "name", "stand_in"),
     [
-        ("controller.rotation-first", controller, "guarded", bypassed),
-        ("guard.rotation-first-late", guard, "rounding", rounded_down),
-        ("guard.linear-first-steady", controller, "delayed_push", never_at_rest),
-        ("controller.rotation-first-jitter", controller, "_built_for", any_drives),
-        ("controller.linear-first", guard, "feasible", lambda _: 1),
-        ("keeps.guard.rotation-first", controller, "guarded", unsafe_anchor),
-        ("keeps.controller.linear-first", guard, "within_reach", reached_about),
+        ("", controller, "guarded", bypassed),
+        ("", guard, "rounding", rounded_down),
+        (".late", controller, "delayed_push", never_at_rest),
+        (".late", controller, "_built_for", any_drives),
+        ("", guard, "feasible", lambda _: 1),
+        (".keeps", controller, "guarded", unsafe_anchor),
+        (".keeps", guard, "within_reach", reached_about),
     ],
 )
 @pytest.mark.slow_but(
-    "controller.rotation-first-wmr_ctrl.control.controller-guarded-bypassed",
-    "guard.rotation-first-late-wmr_ctrl.control.guard.guard-rounding-rounded_down",
+    "-wmr_ctrl.control.controller-guarded-bypassed",
+    "-wmr_ctrl.control.guard.guard-rounding-rounded_down",
 )
 def test_what_is_exported_is_what_the_entries_speak_of(monkeypatch, key, module, name, stand_in):
-    is_noticed(monkeypatch, f"guard.assembled.{key}", module, name, stand_in)
+    is_noticed(monkeypatch, f"guard.assembled{key}", module, name, stand_in)
 
 
 def is_noticed(monkeypatch, key, place, name, stand_in):
@@ -118,14 +118,14 @@ def whole_shares(context):
     ("key", "place", "name", "stand_in"),
     [
         ("world.noise.thrust", torque_noise, "noise_at_most", capped),
-        ("guard.assembled.guard.linear-first-late", applied.Applied, "following", kept_late),
+        ("guard.assembled", applied.Applied, "following", kept_late),
         ("world.lag.applied", drive_bounds, "followed", held_mean),
         ("prox.assembled", prox, "_shares", whole_shares),
     ],
 )
 @pytest.mark.slow_but(
     "world.noise.thrust-wmr_ctrl.world.torque_noise-noise_at_most-capped",
-    "guard.assembled.guard.linear-first-late-Applied-following-kept_late",
+    "guard.assembled-Applied-following-kept_late",
     "world.lag.applied-wmr_proofs.claims.drive_bounds-followed-held_mean",
 )
 def test_what_feeds_guard_and_law_is_in_an_entry(monkeypatch, key, place, name, stand_in):

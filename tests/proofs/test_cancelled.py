@@ -35,10 +35,10 @@ def one_of_each_function():
     return list({getattr(c.statement, "func", c.statement): c.id for c in PROVED_CLAIMS}.values())
 
 
-def claim_of(statement, method):
+def claim_of(statement, method, **values):
     """The claim of this statement."""
     claims = Claims(by=method)
-    claims("own.cancelled", wording="what is cancelled is defined")(statement)
+    claims("own.cancelled", wording="what is cancelled is defined", **values)(statement)
     return claims.listed[0]
 
 
@@ -119,11 +119,12 @@ class Kept:
         return ones(*self.symbols.values())
 
 
-def test_what_an_object_has_kept_is_built_anew():
-    def statement(mutation, a=Kept()):
+@pytest.mark.parametrize("values", [{"a": Kept()}, {"each": {"one": {"a": Kept()}}}])
+def test_what_an_object_has_kept_is_built_anew(values):
+    def statement(mutation, a):
         return Statement(a.symbols, (at_least(a.term, mutation(1, 2)),))
 
-    claim = claim_of(statement, Z3())
+    claim = claim_of(statement, Z3(), **values)
     assert Z3().decide(claim.statement(CLAIMED)).verdict == PROVED
     number, left = undefined(claim)
     assert (number, bool(left)) == (1, True)

@@ -163,14 +163,14 @@ def is_running(pid):
 
 def test_exported_obligations_are_smt_lib(tmp_path):
     z3 = pytest.importorskip("z3")
-    runner.run_export(tmp_path, ["guard.upper", "conditions.256", "wheels.per-wheel"])
+    runner.run_export(tmp_path, ["guard.inside", "conditions.256", "wheels.per-wheel"])
 
     assert "`sat`" in (tmp_path / "README.md").read_text("utf-8")
-    names = {path.name for path in (tmp_path / "guard.upper").iterdir()}
-    assert {"goal-1.smt2", "domain-1.smt2", "hypotheses.smt2"} <= names
+    names = {path.name for path in (tmp_path / "guard.inside").iterdir()}
+    assert {"goal-1-forwards.smt2", "domain-1-backwards.smt2", "hypotheses-forwards.smt2"} <= names
     files = list(tmp_path.rglob("*.smt2"))
     assert {path.parent.name for path in files if path.name.startswith("goal")} == {
-        "guard.upper", "conditions.256", "wheels.per-wheel"
+        "guard.inside", "conditions.256", "wheels.per-wheel"
     }  # fmt: skip
     for path in files:
         solver = z3.Solver()
@@ -179,7 +179,7 @@ def test_exported_obligations_are_smt_lib(tmp_path):
         answer = str(solver.check())
         assert first.endswith(f"expected {answer}"), path
         assert status == f"(set-info :status {answer})"
-        proved = path.parent.name == "guard.upper" and path.name != "hypotheses.smt2"
+        proved = path.parent.name == "guard.inside" and not path.name.startswith("hypotheses")
         assert answer == ("unsat" if proved else "sat")
 
 
@@ -197,7 +197,7 @@ def asked(key, point=None):
 def test_a_second_solver_agrees_where_it_is_installed(monkeypatch):
     yices = second_solvers.programs().get("yices") or pytest.skip("NOT RUN: no yices")
     monkeypatch.setattr(second_solvers, "programs", lambda: {"yices": yices})
-    claim = next(claim for claim in all_claims() if claim.id == "guard.upper")
+    claim = next(claim for claim in all_claims() if claim.id == "guard.inside")
 
     assert second_solvers.confirmed_by(claim.statement(CLAIMED)) == ("yices",)
     assert second_solvers.confirmed_by(claim.statement(MUTATED)) == ()

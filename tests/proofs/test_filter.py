@@ -5,13 +5,8 @@ The clip sends commands that no history can add up beyond the limit V.  The gove
 of the speed, and sends commands behind which |v| <= V.
 """
 
-import pytest
-
 from tests.proofs.anew import altered, assert_proved, claim_of, verdict
 from wmr_ctrl.control.filter import governor
-
-AXES = pytest.mark.parametrize("axis", ["linear", "angular"])
-SIDES = pytest.mark.parametrize("side", ["forwards", "backwards"])
 
 
 def test_clip_sends_what_any_linear_loop_may_add_up():
@@ -27,22 +22,17 @@ def test_clip_of_a_first_order_base_stays_inside():
     assert_proved("filter.clip")
 
 
-@AXES
-@SIDES
-def test_governor_sends_at_most_its_limit(axis, side):
+def test_governor_sends_at_most_its_limit():
     """The whole filter: both axes, what they were asked for, odometry or none."""
-    assert_proved(f"filter.sent-{axis}-{side}")
+    assert_proved("filter.sent")
 
 
-@AXES
-@SIDES
-def test_base_stays_inside_behind_what_the_governor_admits(axis, side):
-    assert_proved(f"filter.assembled-{axis}-{side}")
+def test_base_stays_inside_behind_what_the_governor_admits():
+    assert_proved("filter.assembled")
 
 
-@AXES
-def test_bound_that_the_governor_keeps_is_a_bound_a_step_later(axis):
-    assert_proved(f"filter.carried-{axis}-forwards")
+def test_bound_that_the_governor_keeps_is_a_bound_a_step_later():
+    assert_proved("filter.carried")
 
 
 def test_governor_that_forgets_the_push_is_refuted():

@@ -179,7 +179,7 @@ def test_what_is_left_open_within_a_longer_budget_is_not_caught(
         iter(answers),
         "wmr_ctrl.control.guard.guard:clipped",
     )
-    monkeypatch.setattr(noticed, "_verdict", lambda *_: next(said))
+    monkeypatch.setattr(noticed, "verdict_of", lambda *_: next(said))
     monkeypatch.setattr(noticed, "proves_quickly", lambda _: closes)
 
     assert noticed.after_alteration(claim, name) == verdict

@@ -13,15 +13,15 @@ NEAR = 1e-9
 
 Check = Callable[[np.random.Generator], dict[str, np.ndarray]]
 """Draws samples that meet the hypotheses; by name, what each goal has left, over its own size."""
-CHECKS: dict[str, Check] = {}
+CHECKS: dict[str, list[Check]] = {}
 
 
 def about(*ids):
-    """Enter a check as the one of these entries."""
+    """Enter a check as one of these entries."""
 
     def enter(check):
-        assert not CHECKS.keys() & set(ids)
-        CHECKS.update(dict.fromkeys(ids, check))
+        for key in ids:
+            CHECKS.setdefault(key, []).append(check)
         return check
 
     return enter

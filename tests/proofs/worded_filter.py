@@ -197,15 +197,7 @@ def _governed(rng, more):
     return found
 
 
-@about(
-    "filter.limits",
-    *(
-        f"filter.{what}-{axis}-{way}"
-        for what in ("sent", "assembled", "carried")
-        for axis in ("linear", "angular")
-        for way in ("forwards", "backwards")
-    ),
-)
+@about("filter.limits", "filter.sent", "filter.assembled", "filter.carried")
 def governed(rng):
     return _governed(rng, {})
 
@@ -220,27 +212,13 @@ def governed_axes(rng):
     return _over(rng, [{"filter.scale": scale} for scale in SCALES[1:]])
 
 
-@about(
-    "filter.sent.wheels",
-    *(
-        f"filter.rims.wheels-{wheel}-{way}"
-        for wheel in ("right", "left")
-        for way in ("forwards", "backwards")
-    ),
-)
+@about("filter.sent.wheels", "filter.rims.wheels")
 def governed_wheels(rng):
     scales = ("curvature", "turn", "drive")
     return _over(rng, [{"filter.channels": "wheels", "filter.scale": scale} for scale in scales])
 
 
-@about(
-    "filter.sent.beside",
-    *(
-        f"filter.rims.beside-{wheel}-{way}"
-        for wheel in ("right", "left")
-        for way in ("forwards", "backwards")
-    ),
-)
+@about("filter.sent.beside", "filter.rims.beside")
 def governed_beside(rng):
     scales = ("curvature", "turn", "drive")
     return _over(rng, [{"filter.wheel_speed": 1.0, "filter.scale": scale} for scale in scales])
@@ -350,12 +328,7 @@ def slow(rng):
 
 
 @about(
-    "filter.band.sent-linear",
-    "filter.band.sent-angular",
-    "filter.band.sent-stop-linear",
-    "filter.band.sent-stop-angular",
-    "filter.band.sent.scales",
-    "filter.band.sent.pi",
+    "filter.band.sent", "filter.band.sent-stop", "filter.band.sent.scales", "filter.band.sent.pi"
 )
 def bands(rng):
     loop = {**LINEAR, "filter.kind": "band"}
@@ -388,8 +361,7 @@ def bands(rng):
     "filter.held-share",
     "filter.band.beat",
     "filter.band.fading",
-    "filter.band.past-over",
-    "filter.band.past-under",
+    "filter.band.past",
 )
 def parts(rng):
     r = [around(rng, 2.0) for _ in range(2)]
@@ -531,20 +503,7 @@ def _sent_as_it_is(kinds, scale, v, omega, l, A, B, C):
     return ca.vertsplit(scaled((v, omega), [*axes, *sides], [-x for x in most], most, scale))
 
 
-@about(
-    *(
-        f"corridor.filter-{key}"
-        for key in (
-            "curvature",
-            "axes",
-            "turn",
-            "drive",
-            "wheels-curvature",
-            "wheels-turn",
-            "wheels-drive",
-        )
-    )
-)
+@about("corridor.filter")
 def unclipped(rng):
     found = {}
     for kinds in ("axes", "wheels", "axes wheels"):

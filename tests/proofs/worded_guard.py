@@ -139,9 +139,10 @@ def counted(rng, a):
     return sums
 
 
-@about("guard.feasible", "guard.anchor", "guard.upper", "guard.lower", "guard.kept",
-       "guard.no-overshoot", "guard.no-overshoot-back", "guard.graceful", "guard.graceful-back",
-       "guard.outside", "guard.outside-back", "guard.return", "guard.return-back")  # fmt: skip
+@about(
+    "guard.feasible", "guard.anchor", "guard.inside", "guard.kept", "guard.no-overshoot",
+    "guard.graceful", "guard.outside", "guard.return"
+)  # fmt: skip
 def at_once(rng):
     a = drawn(rng)
     v = around(rng, a.u1)
@@ -171,26 +172,28 @@ def at_once(rng):
     return found
 
 
-@about("guard.delay.caps", "guard.delay.room", "guard.delay.feasible", "guard.delay.largest",
-       "guard.delay.anchor", "guard.delay.upper", "guard.delay.lower", "guard.delay.outside",
-       "guard.delay.outside-back", "guard.delay.return", "guard.delay.return-back",
-       "guard.delay.graceful", "guard.delay.graceful-back", "guard.delay.kept")  # fmt: skip
+@about(
+    "guard.delay.caps", "guard.delay.room", "guard.delay.feasible", "guard.delay.largest",
+    "guard.delay.anchor", "guard.delay.inside", "guard.delay.outside", "guard.delay.return",
+    "guard.delay.graceful", "guard.delay.kept"
+)  # fmt: skip
 def delayed(rng):
     return _late(rng, drawn(rng, "delay"))
 
 
-@about("guard.late.caps", "guard.late.mixed", "guard.late.feasible", "guard.late.largest",
-       "guard.late.anchor", "guard.late.upper", "guard.late.lower", "guard.late.outside",
-       "guard.late.outside-back", "guard.late.graceful", "guard.late.graceful-back",
-       "guard.late.left", "guard.late.spare", "guard.late.room")  # fmt: skip
+@about(
+    "guard.late.caps", "guard.late.feasible", "guard.late.largest", "guard.late.anchor",
+    "guard.late.inside", "guard.late.outside", "guard.late.graceful", "guard.late.left",
+    "guard.late.spare", "guard.late.room"
+)  # fmt: skip
 def jittering(rng):
     return _late(rng, drawn(rng, "jitter"))
 
 
-@about("guard.late.steady.feasible", "guard.late.steady.room", "guard.late.steady.upper",
-       "guard.late.steady.lower", "guard.late.steady.outside", "guard.late.steady.outside-back",
-       "guard.late.steady.return", "guard.late.steady.return-back", "guard.late.steady.graceful",
-       "guard.late.steady.graceful-back", "guard.late.steady.left")  # fmt: skip
+@about(
+    "guard.late.feasible", "guard.late.steady.room", "guard.late.inside", "guard.late.outside",
+    "guard.late.steady.return", "guard.late.graceful", "guard.late.left"
+)  # fmt: skip
 def averaged(rng):
     a = drawn(rng, "delay")
     assert a.delay is not None
@@ -291,7 +294,7 @@ def monitor(rng):
     }  # fmt: skip
 
 
-@about("guard.promise", "guard.promise-late")
+@about("guard.promise")
 def flag(rng):
     a = drawn(rng, "delay")
     assert a.delay is not None
@@ -306,8 +309,10 @@ def flag(rng):
     return {"flag": np.where(told > 0, met, 0)}
 
 
-@about("guard.maximal", "guard.necessary", "guard.delay.necessary", "guard.lemma.piece",
-       "guard.late.convex", "guard.delay.command", "guard.late.piece")  # fmt: skip
+@about(
+    "guard.maximal", "guard.necessary", "guard.lemma.piece", "guard.late.convex",
+    "guard.delay.command", "guard.late.piece"
+)  # fmt: skip
 def forces(rng):
     a = drawn(rng)
     exact = {"nbar": 0 * a.u1, "f_speed": 0 * a.u1, "f_min": 0 * a.u1, "alpha": 1 / a.period}

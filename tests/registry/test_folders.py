@@ -15,7 +15,7 @@ WRITERS = {
     "codegen": lambda out: write_package("pid", out, SCENARIO),
     "modelica": lambda out: wmr_ctrl.export_fmu("modelica", scenario=SCENARIO, out=out),
     "simulink": lambda out: wmr_ctrl.export_fmu("simulink", law="pid", scenario=SCENARIO, out=out),
-    "proofs": lambda out: run_export(out, ["guard.upper"]),
+    "proofs": lambda out: run_export(out, ["guard.inside"]),
     "page": lambda out: wmr_ctrl.write_page(out / "page.html"),
 }
 

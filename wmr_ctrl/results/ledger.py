@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 COMMITTED = Path(__file__).with_name("ledger.json")
-PROVED, REFUTED, LEMMA, DEFINITION = "PROVED", "REFUTED", "LEMMA", "DEFINITION"
+PROVED, REFUTED, LEMMA = "PROVED", "REFUTED", "LEMMA"
 HAND, OPEN, NOT_CHECKED = "HAND", "OPEN", "NOT_CHECKED"
-VERDICTS = (PROVED, REFUTED, LEMMA, DEFINITION, HAND, OPEN, NOT_CHECKED)
+VERDICTS = (PROVED, REFUTED, LEMMA, HAND, OPEN, NOT_CHECKED)
 PUBLIC_KEYS = (
     "id", "equations", "claim", "form", "verdict", "method", "trusted", "mutation_refuted",
     "functions", "premises", "altered", "alterations", "confirmed_by", "certificate",

@@ -6,9 +6,7 @@ from functools import lru_cache
 from importlib import import_module
 from importlib.resources import files
 
-from wmr_ctrl.results.ledger import DEFINITION
-from wmr_proofs.claim import PRINTED, Claim
-from wmr_proofs.paper import equations
+from wmr_proofs.claim import Claim
 
 THEMES = (
     ("Motion of the robot", "kinematics"),
@@ -58,19 +56,19 @@ THEMES = (
     ("How the parts are put together", "composition"),
 )  # fmt: skip
 """Titles, with the files whose claims are below them; of some a list named behind the file."""
-BY_HAND, DEFINITIONS = "Arguments by hand, assumptions, open ends", "Definitions"
+BY_HAND = "Arguments by hand, assumptions, open ends"
 
 
 @lru_cache(maxsize=1)
 def all_claims() -> tuple[Claim, ...]:
-    """Every claim, with its theme; definitions come last."""
+    """Every claim, with its theme."""
     found: list[Claim] = []
     for title, places in THEMES:
         for place in places.split():
             file, _, name = place.partition(":")
             claims = vars(import_module(f"wmr_proofs.claims.{file}"))[name or "claim"]
             found += [replace(claim, theme=title) for claim in claims.listed]
-    return (*found, *_by_hand(), *_definitions())
+    return (*found, *_by_hand())
 
 
 def forget() -> None:
@@ -87,15 +85,3 @@ def _by_hand() -> list[Claim]:
     found = tomllib.loads(text)["entry"]
     rows = (row | {key: tuple(row.get(key, ())) for key in lists} for row in found)
     return [Claim(**row, theme=BY_HAND) for row in rows]
-
-
-def _definitions() -> list[Claim]:
-    """One entry for each equation that only gives a name to something."""
-    return [
-        Claim(
-            f"def{row.number:02}", (row.number,), PRINTED, row.title,
-            f"{row.note} In the code: {row.home}.".strip(), verdict=DEFINITION, theme=DEFINITIONS,
-        )
-        for row in equations()
-        if row.role == "definition"
-    ]  # fmt: skip

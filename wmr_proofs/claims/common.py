@@ -26,7 +26,8 @@ FINITE = "; |v_c0| < 1e100"
 NO_SERIES = (
     "; where phi(Y) is evaluated in closed form (|Y| >= 0.05; see forms.series) and |v_c0| < 1e100"
 )
-AXES = rows(axis=(0, 1), id=("linear", "angular"))
+WAYS = {"ahead": {"way": 1}, "back": {"way": -1}}
+BOTH_AXES = {"linear": {"axis": 0}, "angular": {"axis": 1}}
 
 
 def named_axes(angular: str = "-angular") -> tuple[dict[str, Any], ...]:
@@ -34,15 +35,7 @@ def named_axes(angular: str = "-angular") -> tuple[dict[str, Any], ...]:
     return rows(axis=(0, 1), of=("", angular), where=("linear", "angular"))
 
 
-BARRIERS = rows(
-    key=("", "-smooth"), smooth=(False, True), words=("paper's barrier", "smooth barrier"),
-    convex=("convex", "smooth.convex"), optimal=("prox.optimal", "prox.optimal-smooth"),
-    least=("eq81", "prox.optimal-smooth"),
-    compiled=("forms.V1 forms.v_c1 P1.prox", "smooth.V1 smooth.v_c1"),
-    bound=("m (m + C - v_u1)", "m (m + C - v_u1 + k/(v_u1 - v_u2))"),
-    C_less=("C - v_u1", "C - v_u1 + 1/(v_u1 - v_u2)"),
-)  # fmt: skip
-"""Both barriers, for entries of both: name, words, and the entries on each."""
+EITHER_BARRIER = {"paper": {"smooth": False}, "smooth": {"smooth": True}}
 
 
 def elements_of(*ports: Port) -> Symbols:

@@ -175,7 +175,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     return Statement(t, (at_least(smooth_f(y, u1, u2), line + mutation(0, (y - v) ** 2)),))
 
 
-@smooth_claim("smooth.v_c1", by=Ring(EVERY), premises=f"prox.optimal-smooth {COVERED}")
+@smooth_claim("smooth.v_c1", by=Ring(EVERY), premises=f"prox.optimal {COVERED}")
 def smooth_target(mutation: Mutation) -> Statement:
     """smooth barrier: the compiled v_c1 is X_1(v_c0), and w = v - v_c1.
 

@@ -15,7 +15,7 @@ from wmr_ctrl.control.guard.delay import InFlight, in_flight, largest_force
 from wmr_ctrl.control.guard.guard import Bounds, clipped
 from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loops, wheel_speed_limit
 from wmr_ctrl.world.pose_sensor import reckoned
-from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when
 from wmr_proofs.statement import Statement
@@ -29,22 +29,19 @@ claim = Claims(by=Z3())
 
 NOTHING = FirstOrder(*(ca.SX(0) for _ in range(6)))
 NO_SIZE = (0.0, 0.0)
-SCALES = (
-    {"key": "curvature", "words": "one factor", "scale": "curvature", "kinds": "axes wheels"},
-    {"key": "axes", "words": "each axis its own factor", "scale": "axes", "kinds": "axes"},
-    {"key": "turn", "words": "turning first", "scale": "turn", "kinds": "axes wheels"},
-    {"key": "drive", "words": "driving first", "scale": "drive", "kinds": "axes wheels"},
-    {"key": "wheels-curvature", "words": "wheels, one factor", "scale": "curvature",
-     "kinds": "wheels"},
-    {"key": "wheels-turn", "words": "wheels, turning first", "scale": "turn", "kinds": "wheels"},
-    {"key": "wheels-drive", "words": "wheels, driving first", "scale": "drive", "kinds": "wheels"},
-)  # fmt: skip
+SCALES = {
+    f"{key}-{scale}": {"scale": scale, "kinds": kinds}
+    for key, kinds in (("both", "axes wheels"), ("wheels", "wheels"))
+    for scale in ("curvature", "turn", "drive")
+} | {"axes": {"scale": "axes", "kinds": "axes"}}
 """How a filter brings a command within its limits, and the speeds that it limits."""
 
 
-@claim("corridor.filter-{key}", given="limits and l > 1e-29", over=SCALES)
+@claim("corridor.filter", given="limits and l > 1e-29", each=SCALES)
 def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
-    """A command of which no limited speed is beyond its limit is sent as it is ({words}).
+    """A command of which no limited speed is beyond its limit is sent as it is, whether the filter
+    limits axes and wheels, wheels alone, or with each axis its own factor axes alone; and whether
+    it has one factor, turns first or drives first.
 
     On this condition the base gets what the law asks for.
     """
@@ -107,20 +104,18 @@ def pi_loop(mutation: Mutation) -> Statement:
     return g.states(*every(own.update, following), *every(own.y, torque), given=given)
 
 
-LATE = "a constant delay", "with jitter"
-
-
 @claim(
-    "corridor.guard-late-{key}",
+    "corridor.guard-late",
     given="M_min, M_max, T, alpha, u1, delay > 0, S = M_min alpha, net >= 0; ahead, back, and what "
     "the last command adds to them until the new one is sure to act: a >= 0, 0 without jitter; c = "
     "1 + alpha J >= 1",
-    over=rows(jitters=(False, True), key=("constant", "jitter"), words=LATE),
+    each={"constant": {"jitters": False}, "jitter": {"jitters": True}},
 )
 def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     """F + S (w + ahead + a) <= S u1 - net and c F + S (w + ahead) <= S u1 - c net for w = y + nbar
     and for w = f_speed, the same with 0 for F, all of it backwards too, and |F| at most the largest
-    force, imply that the guard leaves F as it is, and that 0 is safe ({words}).
+    force, imply that the guard leaves F as it is, and that 0 is safe; behind a constant delay and
+    with jitter.
 
     On these conditions the law drives as if there were no guard, though commands are late.
     """

@@ -17,7 +17,7 @@ from wmr_proofs.relation import above, at_least, equal, every, nonnegative, posi
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
-from .common import BARRIERS
+from .common import EITHER_BARRIER
 from .guard_axis import NUMBERS
 from .prox import Step
 
@@ -25,14 +25,14 @@ claim = Claims(by=Z3())
 
 
 @claim(
-    "corridor.prox{key}",
+    "corridor.prox",
     given="0 < v_u2 < v_u1, v_u2 < 1e100, 0 < E < 1; v* = v + c_m - c",
-    premises="transport.plain{key} prox.linear{key}",
-    over=BARRIERS,
+    premises="transport.plain prox.linear",
+    each=EITHER_BARRIER,
 )
 def prox(mutation: Mutation, smooth: bool) -> Statement:
-    """|E v* + (1-E) c+| <= v_u2 implies that this is the law's v+, as its corridor assumes
-    ({words}).
+    """|E v* + (1-E) c+| <= v_u2 implies that this is the law's v+, as its corridor assumes;
+    with either barrier.
 
     Away from the limits the step is a mixture of where the velocity is carried and the target.
     """
@@ -45,9 +45,9 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
     return s.states((equal(s.end, mutation(after, after + carried)),), given, ("carried",))
 
 
-@claim("corridor.mb{key}", given="0 < v_u2 < v_u1, v_u2 < 1e100", over=BARRIERS)
+@claim("corridor.mb", given="0 < v_u2 < v_u1, v_u2 < 1e100", each=EITHER_BARRIER)
 def mb(mutation: Mutation, smooth: bool) -> Statement:
-    """|v|, |v_c0| <= v_u2 imply that V1/A = (v - v_c0)/2 and q = 1 ({words}).
+    """|v|, |v_c0| <= v_u2 imply that V1/A = (v - v_c0)/2 and q = 1; with either barrier.
 
     Away from the limits the barrier adds nothing to the model-based law.
     """
@@ -96,12 +96,12 @@ def guard(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "corridor.wheels-{key}",
+    "corridor.wheels",
     given="r, l, tau_max > 0; the guard's safe point is 0, as it is without a guard",
-    over=({"key": "linear-first"}, {"key": "rotation-first"}),
+    each={"linear-first": {"key": "linear-first"}, "rotation-first": {"key": "rotation-first"}},
 )
 def wheels(mutation: Mutation, key: str) -> Statement:
-    """Torques within tau_max on both wheels imply that the map ({key}) leaves the force as it is.
+    """Torques within tau_max on both wheels imply that either map leaves the force as it is.
 
     On this condition the wheels' limit does not act.
     """

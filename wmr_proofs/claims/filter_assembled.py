@@ -44,11 +44,11 @@ ALIKE = {"filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1)}
 """What takes their place for wheels, whose loops are alike."""
 BY_SIDE: dict[str, object] = {"limits.v_min": (-0.5, -1.0), "limits.v_max": (1.0, 1.5)}
 """A limit of each direction, every one a symbol of its own."""
-SIDES = tuple(
-    {"side": side, "axis": axis, "id": f"{name}-{way}", "words": f"{name} axis, {way}"}
+SIDES = {
+    f"{name}-{way}": {"side": side, "axis": axis}
     for axis, name in enumerate(("linear", "angular"))
     for side, way in enumerate(("forwards", "backwards"))
-)
+}
 ASSEMBLED = (
     f"{COMMANDS}, odometry within nbar or none, any time since the last sample; "
     "-v_below <= v <= v_above if that is a period, -V_d <= v <= V_u, the limits of both "
@@ -137,14 +137,14 @@ def limits(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "filter.sent-{id}",
+    "filter.sent",
     given=f"{ASSEMBLED}; the four limits at least 0 (filter.limits)",
     premises="filter.limits",
-    over=SIDES,
+    each=SIDES,
 )
 def sent(mutation: Mutation, side: int, axis: int) -> Statement:
-    """{words}: the command that the whole filter sends is at most the step's limit, whatever both
-    axes are asked for.
+    """on each axis, forwards and backwards: the command that the whole filter sends is at most the
+    step's limit, whatever both axes are asked for.
 
     Nothing bypasses the filter: no command and no scaling of the other axis.
     """
@@ -158,13 +158,14 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
 
 
 @claim(
-    "filter.assembled-{id}",
+    "filter.assembled",
     given=f"{ASSEMBLED}; u at most the step's limit (filter.sent)",
-    premises="filter.sent-{id}",
-    over=SIDES,
+    premises="filter.sent",
+    each=SIDES,
 )
 def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
-    """{words}: E v + (1 - E) mean <= V behind every command u that the whole filter admits.
+    """on each axis, forwards and backwards: E v + (1 - E) mean <= V behind every command u that
+    the whole filter admits.
 
     The limit of the filter as it is exported, from odometry to command, keeps the base within V.
     """
@@ -214,15 +215,15 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
 
 
 @claim(
-    "filter.carried-{id}",
+    "filter.carried",
     given=f"{ASSEMBLED}; sent at most the step's limit (filter.sent)",
-    premises="filter.sent-{id} filter.drive",
-    by=lambda side, axis: Z3(points=tight(side, axis)),
-    over=SIDES,
+    premises="filter.sent filter.drive",
+    by=Z3(points=[point for sides in SIDES.values() for point in tight(**sides)]),
+    each=SIDES,
 )
 def carried(mutation: Mutation, side: int, axis: int) -> Statement:
-    """{words}: v + share (mean - v) <= what the whole filter keeps as next bound, for least <=
-    share <= most.
+    """on each axis, forwards and backwards: v + share (mean - v) <= what the whole filter keeps as
+    next bound, for least <= share <= most.
 
     The memory of the filter as it is exported bounds the speed at the next sample.
     """

@@ -16,7 +16,7 @@ from wmr_ctrl.control.filter.forecast import (
     inverse_slopes,
 )
 from wmr_ctrl.results.ledger import HAND
-from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between
 from wmr_proofs.statement import Statement
@@ -28,7 +28,7 @@ AFTER = (
     "same piece"
 )
 claim = Claims(by=Z3())
-WAYS = rows(way=(1, -1), word=("over", "under"), sign=("", "-"))
+WAYS = {"over": {"way": 1}, "under": {"way": -1}}
 
 
 class BandAxis(Named):
@@ -69,12 +69,12 @@ def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
 
 
 @claim(
-    "filter.band.{word}",
-    given=f"{TABLES}; {{sign}}v <= {{sign}}u + {{word}}; low <= S <= high, the base's response",
-    over=WAYS,
+    "filter.band.forecast",
+    given=f"{TABLES}; v <= u + over, -v <= -u + under; low <= S <= high, the base's response",
+    each=WAYS,
 )
-def forecast(mutation: Mutation, word: str, way: int) -> Statement:
-    """{sign}(v + (to - u) S) <= {sign}to + {word} of the changed forecast.
+def forecast(mutation: Mutation, way: int) -> Statement:
+    """v + (to - u) S <= to + over and -v - (to - u) S <= -to + under of the changed forecast.
 
     After a change of the command the forecast still bounds every member of the family.
     """
@@ -101,8 +101,6 @@ def mirrored(mutation: Mutation) -> Statement:
     return Statement(s, tuple(goals), a.stated)
 
 
-PARTS = rows(part=("piece", "tail"), told=("a piece of the tables", "behind the tables"))
-EACH = tuple(way | part for way in WAYS for part in PARTS)
 WITHIN = "u + over, -u + under <= c'', c'' = c (1 + 2^-30 + 2^-46)"
 INSIDE = f"before it {WITHIN}, and under <= c' = c (1 + 2^-30) once 0 is sent"
 
@@ -167,12 +165,10 @@ def least(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "filter.band.held-{turn}",
-    given=f"{AFTER}; {WITHIN}, on every piece and behind; {{how}}",
-    over=(
-        {"turn": "rise", "rises": True, "how": "u <= to <= u + rise, what a rise is admitted"},
-        {"turn": "fall", "rises": False, "how": "u - fall <= to <= u, what a fall is admitted"},
-    ),
+    "filter.band.held",
+    given=f"{AFTER}; {WITHIN}, on every piece and behind; u - fall <= to <= u + rise, what a fall "
+    "and a rise are admitted",
+    each={"rise": {"rises": True}, "fall": {"rises": False}},
 )
 def held(mutation: Mutation, rises: bool) -> Statement:
     """to + over, -to + under of the changed forecast <= c'', on every piece and behind.
@@ -192,12 +188,14 @@ def held(mutation: Mutation, rises: bool) -> Statement:
 
 
 @claim(
-    "filter.band.stop-{word}-{part}",
+    "filter.band.stop",
     given=f"{AFTER}; {INSIDE}; to + over <= c'' if held; 0 <= to <= what is admitted",
-    over=tuple(item | {"most": "c''" if item["way"] == 1 else "c'"} for item in EACH),
-)
-def stopped(mutation: Mutation, word: str, way: int, part: str) -> Statement:
-    """{word} of the forecast <= {most} if 0 follows a period behind what is admitted, from {told}.
+    each={f"{word}-{part}": {"part": part, **way} for word, way in WAYS.items()
+          for part in ("piece", "tail")},
+)  # fmt: skip
+def stopped(mutation: Mutation, way: int, part: str) -> Statement:
+    """over of the forecast <= c'' and under <= c' if 0 follows a period behind what is admitted,
+    on each piece of the tables and behind them.
 
     A stop a period later keeps the forecast within the limit, so that 0 is admitted then.
     """
@@ -249,7 +247,7 @@ def zero_held(mutation: Mutation) -> Statement:
     "rest at the start; commands take over when they are sent or later by a constant delay, each "
     "within its jitter of a beat; |d| <= dbar",
     by=HAND,
-    premises="filter.band.over filter.band.under filter.peak-gain",
+    premises="filter.band.forecast filter.peak-gain",
 )
 def superposition() -> None:
     """v(t) = sum of Delta_j S(age_j) + the response to pushes, which is at most delta; each |S - 1|
@@ -263,11 +261,9 @@ def superposition() -> None:
     "filter.band.induction",
     given="as in filter.band.superposition; 2^-30 <= high on every piece",
     by=HAND,
-    premises="filter.band.superposition filter.band.least filter.band.held-rise "
-    "filter.band.held-fall filter.band.stop-over-piece filter.band.stop-over-tail "
-    "filter.band.stop-under-piece filter.band.stop-under-tail filter.band.zero "
-    "filter.band.zero-held filter.band.mirrored filter.band.sent-linear filter.band.sent-angular "
-    "filter.band.sent-stop-linear filter.band.sent-stop-angular",
+    premises="filter.band.superposition filter.band.least filter.band.held "
+    "filter.band.stop filter.band.zero filter.band.zero-held filter.band.mirrored "
+    "filter.band.sent filter.band.sent-stop",
 )
 def induction() -> None:
     """|v| <= K_max c'' + delta <= V at every instant, and 0 is admitted at every sample: forecasts

@@ -36,13 +36,14 @@ def _sizes(a: BandAxis) -> tuple[Relation, ...]:
 
 
 @claim(
-    "filter.rounding.band-{word}",
-    given=f"{SIZES}; {{sign}}v <= {{sign}}u + {{word}} + e; low <= S <= high, the base's response",
-    over=WAYS,
+    "filter.rounding.band-forecast",
+    given=f"{SIZES}; v <= u + over + e, -v <= -u + under + e; low <= S <= high, the base's "
+    "response",
+    each=WAYS,
 )
-def forecast(mutation: Mutation, word: str, way: int) -> Statement:
-    """{sign}(v + (to - u) S) <= {sign}to + {word} + e + 2^-46 c, {word} as the text computes it for
-    the changed command.
+def forecast(mutation: Mutation, way: int) -> Statement:
+    """v + (to - u) S <= to + over + e + 2^-46 c and -v - (to - u) S <= -to + under + e + 2^-46 c,
+    over and under as the text computes them for the changed command.
 
     A change of the command leaves a computed forecast too low by at most 2^-46 of c.
     """
@@ -51,10 +52,9 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     known = bound_of(a.forecast, way)
     bounded = at_least(way * s.u + known + s.e, way * s.v), at_least(a.table.high[0], s.S)
     given = (*a.stated, *_sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]), *bounded)
-    past = s[f"past_{word}"]
+    past, made = (s.past_over, changed.over) if way > 0 else (s.past_under, changed.under)
     most = way * s.to + past + s.made + s.e + mutation(1, 2.0**-9) * STEP * s.c
     goal = at_least(most, way * (s.v + (s.to - s.u) * s.S))
-    made = {"over": changed.over, "under": changed.under}[word]
     return Statement(s, (goal,), given, computed={"made": made})
 
 
@@ -76,23 +76,20 @@ def tail(mutation: Mutation) -> Statement:
     return Statement(s, (at_least(s.made, stays),), given, computed={"made": after.tail})
 
 
-LINES = (
-    {"id": "rise", "stops": False, "way": 1, "told": "to >= u; inverse slope <= 1"},
-    {"id": "fall", "stops": False, "way": -1, "told": "to <= u; inverse slope <= 1"},
-    {"id": "stop-rise", "stops": True, "way": 1, "told": "to >= u; inverse slope <= 1"},
-    {"id": "stop-fall", "stops": True, "way": -1,
-     "told": "to <= u; slope > 0, inverse slope >= 1"},
-)  # fmt: skip
-
-
 @claim(
-    "filter.rounding.band-{id}",
-    given=f"{SIZES}; {{told}}; 0 <= slope <= 10, inverse >= 1/16; to within what this condition "
+    "filter.rounding.band-limit",
+    given=f"{SIZES}; inverse slope <= 1, or >= 1 and slope > 0 of a fall behind which 0 follows; 0 "
+    "<= slope <= 10, inverse >= 1/16; to within what this condition "
     "admits, as the text computes it",
-    over=LINES,
+    each={
+        f"{'stop-' * stops}{word}": {"stops": stops, "way": way}
+        for stops in (False, True)
+        for word, way in (("rise", 1), ("fall", -1))
+    },
 )
 def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
-    """slope (to - u) <= what is left of c'' (1 + 2^-44), or c' (1 + 2^-44) where 0 follows, there.
+    """slope (to - u), or slope (u - to) of a fall that is held, <= what is left of c'' (1 + 2^-44),
+    or c' (1 + 2^-44) where 0 follows, there; of rises and falls.
 
     A command that is admitted by roundings is admitted without them for a hardly larger limit.
     """
@@ -209,13 +206,13 @@ def reached(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "filter.rounding.band-past-{word}",
-    given="c > 0, |held| <= 2 c; {sign}v <= c (1 + 2^-29 - 2^-47) and {sign}(v - held) <= past, as "
-    "long as the command stays held; operations rounded by at most 2^-53",
-    over=WAYS,
+    "filter.rounding.band-past",
+    given="c > 0, |held| <= 2 c; v <= c (1 + 2^-29 - 2^-47) and v - held <= past, as long as the "
+    "command stays held; under it, the same of -v and -held; operations rounded by at most 2^-53",
+    each=WAYS,
 )
-def past(mutation: Mutation, word: str, way: int) -> Statement:
-    """{sign}(v - held) <= what the text takes for the bound of what is past.
+def past(mutation: Mutation, way: int) -> Statement:
+    """v - held and held - v <= what the text takes for the bounds of what is past.
 
     Behind an untimely sample the text counts on no less than what is certain.
     """
@@ -232,9 +229,8 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     given="the hypotheses of filter.band.induction; high <= 5, left <= 1/5, fading <= 1 - 2^-40; "
     "tables of at most 128 periods; no overflow, and no underflow but of the tail",
     by=HAND,
-    premises="filter.band.induction filter.rounding.band-over filter.rounding.band-under "
-    "filter.rounding.band-tail filter.rounding.band-rise filter.rounding.band-fall "
-    "filter.rounding.band-stop-rise filter.rounding.band-stop-fall filter.rounding.clip",
+    premises="filter.band.induction filter.rounding.band-forecast "
+    "filter.rounding.band-tail filter.rounding.band-limit filter.rounding.clip",
 )
 def band() -> None:
     """|v| <= V, V the stated limit, behind what the band's text computes: a piece of time is
@@ -252,7 +248,7 @@ def band() -> None:
     by=HAND,
     premises="filter.band.untimely filter.rounding.band filter.rounding.band-beat "
     "filter.rounding.band-stays filter.rounding.band-fading filter.rounding.band-reached "
-    "filter.rounding.band-past-over filter.rounding.band-past-under",
+    "filter.rounding.band-past",
 )
 def untimely() -> None:
     """|v| <= V, V the stated limit, behind what the band's text computes, whenever it is called:

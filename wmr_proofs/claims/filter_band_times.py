@@ -13,7 +13,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
 from .command_filter import COMMANDS
-from .common import AXES, elements_of
+from .common import BOTH_AXES, elements_of
 from .filter_assembled import STATED
 from .filter_band import WAYS
 
@@ -34,14 +34,14 @@ def _whole(axis: int) -> tuple[BandGovernor, Symbols, dict[str, ca.SX]]:
 
 
 @claim(
-    "filter.band.sent-{id}",
+    "filter.band.sent",
     given=f"{COMMANDS}, at any time; one factor for v and omega; parameters that are "
     "sound; 0 <= what a fall and a rise are "
     "admitted, and 0 <= the largest command behind which 0 may follow",
-    over=AXES,
+    each=BOTH_AXES,
 )
 def sent(mutation: Mutation, axis: int) -> Statement:
-    """u_before - fall <= u <= u_before + rise, u what the whole band sends on the {id} axis.
+    """u_before - fall <= u <= u_before + rise, u what the whole band sends on each axis.
 
     Nothing bypasses the filter: no command and no scaling of the other axis.
     """
@@ -54,14 +54,14 @@ def sent(mutation: Mutation, axis: int) -> Statement:
 
 
 @claim(
-    "filter.band.sent-stop-{id}",
+    "filter.band.sent-stop",
     given=f"{COMMANDS}; one factor for v and omega; any parameters; 0 is between what "
     "a fall and a rise are admitted, and 0 "
     "<= the largest command behind which 0 may follow",
-    over=AXES,
+    each=BOTH_AXES,
 )
 def sent_stop(mutation: Mutation, axis: int) -> Statement:
-    """|u| <= the largest command behind which 0 may follow, u what the whole band sends on the {id}
+    """|u| <= the largest command behind which 0 may follow, u what the whole band sends on each
     axis, and u never turns against what was asked for.
 
     Behind every command that is sent in time 0 may follow.
@@ -118,13 +118,13 @@ def fading(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "filter.band.past-{word}",
-    given="c >= 0; {sign}(v - held) <= past; {sign}v <= c (1 + 2^-29), as long as the command "
-    "stays held",
-    over=WAYS,
+    "filter.band.past",
+    given="c >= 0; v - held <= past; v <= c (1 + 2^-29), as long as the command stays held; under "
+    "it, the same of -v and -held",
+    each=WAYS,
 )
-def past(mutation: Mutation, word: str, way: int) -> Statement:
-    """{sign}(v - held) <= what is known of what was sent before, {word} its command.
+def past(mutation: Mutation, way: int) -> Statement:
+    """v - held and held - v <= what is known of what was sent before, over and under its command.
 
     Behind an untimely sample nothing is lost of what is certain in any case.
     """
@@ -141,9 +141,9 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     "once or by a clock that is set back, and the filter is told the time since the last one as it "
     "is, or a negative one or no number, or, once a time was told, 0",
     by=HAND,
-    premises="filter.band.superposition filter.band.held-rise filter.band.held-fall "
-    "filter.band.beat filter.band.fading filter.band.past-over filter.band.past-under "
-    "filter.band.sent-linear filter.band.sent-angular",
+    premises="filter.band.superposition filter.band.held "
+    "filter.band.beat filter.band.fading filter.band.past "
+    "filter.band.sent",
 )
 def untimely() -> None:
     """|v| <= K_max c'' + delta <= V at every instant: the command before may be held for ever, and

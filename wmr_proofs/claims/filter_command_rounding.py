@@ -3,6 +3,8 @@
 A computed number is any result of rounding each operation by at most 2^-53 of it (`rounded`).
 """
 
+from typing import Any
+
 import casadi as ca
 
 from wmr_ctrl.control.filter.channels import (
@@ -85,56 +87,35 @@ class Limited:
 
 GIVEN = "every command; l > 0; limits lo < 0 < hi"
 ROUNDED = "operations rounded by at most 2^-53"
-ORDER = ({"scale": "turn", "how": "omega"}, {"scale": "drive", "how": "v"})
+SCALED: dict[str, dict[str, Any]] = {
+    "wheels-curvature": {"on": "wheels", "scale": "curvature", "spare": RIM / 2},
+    **{f"{on}-{scale}": {"on": on, "scale": scale, "spare": RIM}
+       for on in ("body", "wheels", "both") for scale in ("turn", "drive")},
+}  # fmt: skip
 
 
 @claim(
-    "filter.rounding.wheels",
-    given=f"{GIVEN} of the wheels, of at most M in size; both axes scaled by one factor; {ROUNDED}",
+    "filter.rounding.scaled",
+    given=f"{GIVEN} of v and omega, of the wheels, or of all, those of the wheels of at most M in "
+    f"size; {ROUNDED}",
+    each=SCALED,
 )
-def wheels(mutation: Mutation) -> Statement:
-    """lo - 2^-49 M <= v + l omega, v - l omega <= hi + 2^-49 M, of the command that is computed.
+def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
+    """of the command that is computed lo <= v, omega <= hi, and lo - e M <= v + l omega, v - l
+    omega <= hi + e M, each where it is limited: e = 2^-49 for wheels that are limited by themselves
+    and one factor, 2^-48 where omega or v goes first, whatever else is limited.
 
-    Wheels that are limited by themselves keep their limits, however v and l omega cancel.
+    v and omega keep their limits to the last bit, whichever goes first, and wheels keep theirs
+    however v and l omega cancel.
     """
-    return _kept("wheels", "curvature", mutation(1, 2.0**-6) * 2.0**-49, axes=False)
-
-
-def _kept(on: str, scale: str, spare: float, axes: bool) -> Statement:
-    """Goal: the computed command is within the limits of v, omega (``axes``) or of the wheels."""
     a = Limited(on)
     if on == "both":  # before v and omega are cut
         sent = one_first(a.asked, a.channels, *a.ends, FIRST[scale])
     else:
         sent = scaled(a.asked, a.channels, *a.ends, scale)
-    goals = a.kept(a.sent, spare, axes=axes)
+    axes = a.kept(a.sent, mutation(0, -BEYOND), axes=True)
+    goals = *axes, *a.kept(a.sent, mutation(1, 2.0**-6) * spare, axes=False)
     return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
-
-
-@claim(
-    "filter.rounding.wheels-{scale}",
-    given=f"{GIVEN} of the wheels, of at most M in size; {{how}} first; {ROUNDED}",
-    over=ORDER,
-)
-def wheels_first(mutation: Mutation, scale: str) -> Statement:
-    """lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the command that is computed.
-
-    Wheels keep their limits, too, where one axis takes what it wants and the other what is left.
-    """
-    return _kept("wheels", scale, mutation(1, 2.0**-6) * RIM, axes=False)
-
-
-@claim(
-    "filter.rounding.axes-{scale}",
-    given=f"every command; limits lo < 0 < hi of v and omega; {{how}} first; {ROUNDED}",
-    over=ORDER,
-)
-def axes_first(mutation: Mutation, scale: str) -> Statement:
-    """lo <= v, omega <= hi, of the command that is computed.
-
-    v and omega keep their limits to the last bit, whichever goes first.
-    """
-    return _kept("body", scale, mutation(0, -BEYOND), axes=True)
 
 
 BESIDE = f"{GIVEN} of v, omega and the wheels, those of the wheels of at most M in size"
@@ -173,26 +154,6 @@ def beside_cut(mutation: Mutation) -> Statement:
     spare = mutation(RIM, RIM / 2)
     goals = *a.kept(sent, 0, axes=True), *a.kept(sent, spare, axes=False)
     return Statement(a.symbols, goals, (*a.stated, *known), a.computed(made))
-
-
-@claim(
-    "filter.rounding.beside-axes-{scale}", given=f"{BESIDE}; {{how}} first; {ROUNDED}", over=ORDER
-)
-def beside_axes(mutation: Mutation, scale: str) -> Statement:
-    """lo <= v, omega <= hi, of the command that is computed.
-
-    v and omega keep their limits beside those of the wheels to the last bit.
-    """
-    return _kept("both", scale, mutation(0, -BEYOND), axes=True)
-
-
-@claim("filter.rounding.beside-{scale}", given=f"{BESIDE}; {{how}} first; {ROUNDED}", over=ORDER)
-def beside_first(mutation: Mutation, scale: str) -> Statement:
-    """lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the command that is computed.
-
-    The wheels keep their limits beside those of v and omega.
-    """
-    return _kept("both", scale, mutation(1, 2.0**-6) * RIM, axes=False)
 
 
 @claim(
@@ -266,7 +227,7 @@ def slew_step(mutation: Mutation) -> Statement:
     "no overflow and no underflow",
     by=HAND,
     premises="filter.slew filter.rounding.slew-limit filter.rounding.slew-kept "
-    "filter.rounding.slew-step filter.rounding.axes-turn filter.rounding.axes-drive",
+    "filter.rounding.slew-step filter.rounding.scaled",
 )
 def slew() -> None:
     """|v| <= V, V the stated limit, behind what the text of the clip of slow commands computes.

@@ -31,7 +31,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
 from wmr_proofs.traced import Traced, expression, functions_for_traced, traced
 
-from .common import AXES, PRESET, scalars
+from .common import BOTH_AXES, PRESET, scalars
 from .wheels_and_encoders import EffectGraph
 
 claim = Claims(by=Z3())
@@ -52,12 +52,12 @@ def pushed(g: EffectGraph) -> tuple[ca.SX, Symbols]:
 
 
 @claim(
-    "filter.held-push-{id}",
+    "filter.held-push",
     given="m, I, r, l, v_s, h, tau > 0, e = exp(-h/tau) < 1; no wheel at its torque limit",
-    over=AXES,
+    each=BOTH_AXES,
 )
 def held_push(mutation: Mutation, axis: int) -> Statement:
-    """h (F + push - F1(v))/M = (1 - e)(K u + d - v) on the {id} axis, F the force that the graph of
+    """h (F + push - F1(v))/M = (1 - e)(K u + d - v) on each axis, F the force that the graph of
     the first-order loop gives for the command u + error, d the speed that counts for push and
     error.
 
@@ -134,7 +134,7 @@ TANH = (
 @claim(
     "filter.held-friction",
     given=TANH.format("2.785", "the step's start to each stage"),
-    premises="filter.held-push-linear",
+    premises="filter.held-push",
 )
 def held_friction(mutation: Mutation) -> Statement:
     """v1 goes in a Runge-Kutta step h of the plant by at least a share 1 - x/2 of h (F -
@@ -198,52 +198,36 @@ class Command(Named):
         return (1 - gone) * start + gone * (self.K_max * self.asked + push)
 
 
-HELD_RIM = (
-    "a command within the governor's, with kappa = 0 the clip's, whose push is d and what is for "
-    "friction; it acts while the loop goes at most what kappa counts on{}; the speed at the start "
-    "within the bound that the governor counts on and, by what friction may still lead to, within V"
-)
-
-
-@claim("filter.held-rim-falls", given=HELD_RIM.format(""), premises="filter.held-kick")
-def held_rim_falls(mutation: Mutation) -> Statement:
-    """where v falls towards the command, the rim stays within V by what friction may still lead to.
-
-    What friction took from v's way at a rim it cannot take again before v has risen.
-    """
-    t = Command(mutation)
-    rim = t.reached(t.start, t.d, t.gone) + t.credit - t.left
-    return t.states(at_least(t.V, rim + t.left), given=t.given)
-
-
-@claim("filter.held-rim-rises", given=HELD_RIM.format(""), premises="filter.held-kick")
-def held_rim_rises(mutation: Mutation) -> Statement:
-    """where v does not fall towards the command, the rim stays within V, and from the shortest time
-    of a command on within V by all that friction may lead to.
-
-    There friction only holds the rim back, and the next fall has its whole range.
-    """
-    t = Command(mutation)
-    behind = ca.if_else(t.gone >= t.gone_least, t.kick, 0)
-    return t.states(at_least(t.V, t.reached(t.start, t.d, t.gone) + behind), given=t.given)
-
-
 @claim(
-    "filter.held-rim-bound",
-    given=HELD_RIM.format(", at least the shortest while"),
+    "filter.held-rim",
+    given="a command within the governor's, with kappa = 0 the clip's, whose push is d and what is "
+    "for friction; it acts while the loop goes at most what kappa counts on; the speed at the "
+    "start within the bound that the governor counts on and, by what friction may still lead to, "
+    "within V",
     premises="filter.held-kick",
 )
-def held_rim_bound(mutation: Mutation) -> Statement:
-    """what the governor carries from one takeover, or from V or odometry in between, to the next
-    bounds the rim's speed there, of odometry that may be off by what friction leads to, too.
+def held_rim(mutation: Mutation) -> Statement:
+    """where v falls towards the command, the rim stays within V by what friction may still lead to;
+    where it does not, within V, and from the shortest time of a command on by all that friction may
+    lead to. From then on what the governor carries from one takeover, or from V or odometry in
+    between, to the next bounds the rim's speed there, of odometry that may be off by what friction
+    leads to, too.
 
-    The governor's bound is right wherever it counts, though not within the time of a command.
+    What friction took from v's way at a rim it cannot take again before v has risen, and there it
+    only holds the rim back. The governor's bound is right wherever it counts, though not within the
+    time of a command.
     """
     t = Command(mutation)
-    carried, true = t.reached(t.bound, t.d + t.push, t.gone), t.reached(t.start, t.d, t.gone)
-    whole = ca.if_else(t.gone >= t.gone_least, carried - (true + t.kick), 0)
+    true, enough = t.reached(t.start, t.d, t.gone), t.gone >= t.gone_least
+    carried = t.reached(t.bound, t.d + t.push, t.gone)
     seen = t.reached(ca.fmin(t.start + t.kick, t.V), t.d + t.push, t.gone)
-    return t.states(at_least(whole), at_least(seen, true + t.credit), given=t.given)
+    goals = (
+        at_least(t.V, true + t.credit),
+        at_least(t.V, true + ca.if_else(enough, t.kick, 0)),
+        at_least(ca.if_else(enough, carried - (true + t.kick), 0)),
+        at_least(seen, true + t.credit),
+    )
+    return t.states(*goals, given=t.given)
 
 
 @claim(
@@ -251,8 +235,7 @@ def held_rim_bound(mutation: Mutation) -> Statement:
     given="commands that change at plant steps; pushes of at most d_v on v; x <= 2; 2 x d_v beside "
     "them counts as pushes, and what leads to h/m times F1's range while the shortest command acts",
     by=HAND,
-    premises="filter.held-kick filter.held-rim-falls filter.held-rim-rises filter.held-rim-bound "
-    "filter.mean filter.induction",
+    premises="filter.held-kick filter.held-rim filter.mean filter.induction",
 )
 def held_kicks() -> None:
     """while one command acts, what friction adds to a rim's speed is at most h/m times the fall of
@@ -267,7 +250,7 @@ def held_kicks() -> None:
     given="l, V, W > 0; 0 <= x <= 2, 0 <= q <= 1; |v| <= V and |v + l omega|, |v - l omega| <= W, "
     "and the same, less d, of the speeds to which command and pushes lead; of q times its way v "
     "goes a share from 1 - x/2 to 1, and omega all",
-    premises="filter.held-friction filter.held-push-linear filter.held-push-angular filter.clip",
+    premises="filter.held-friction filter.held-push filter.clip",
 )
 def held_share(mutation: Mutation) -> Statement:
     """|v|, |v + l omega| and |v - l omega| keep V and W behind the step, d the push that counts for

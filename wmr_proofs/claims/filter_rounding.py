@@ -12,7 +12,7 @@ from wmr_ctrl.control.filter.channels import ROUNDING, Channel
 from wmr_ctrl.control.filter.governor import FirstOrder, drive, largest_command, relaxed
 from wmr_ctrl.control.filter.governor_step import contradiction
 from wmr_ctrl.results.ledger import HAND
-from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, when, within
 from wmr_proofs.statement import UNIT, Statement
@@ -95,17 +95,13 @@ def carried_on(mutation: Mutation) -> Statement:
     return Statement(s, goals, given, computed={"next": made})
 
 
-TOLD = "target >= w", "target <= w"
-WAYS = rows(sign=(1, -1), word=("rising", "falling"), told=TOLD, goes=("most_as", "least_as"))
-
-
 @claim(
-    "filter.rounding.piece-{word}",
+    "filter.rounding.piece",
     given="w + e >= v, the speed; w, the computed bound; mean <= target + d, most d <= 2^-48 V, "
     "most |target| <= 4 V; 0 <= least <= share <= most <= 1, the computed shares within 2^-49 of "
-    "least and most, and off beyond; off <= 2^-47, off |target| <= 1.625 2^-46 V; {told}",
+    "least and most, and off beyond; off <= 2^-47, off |target| <= 1.625 2^-46 V",
     premises="filter.rounding.target filter.rounding.rim filter.rounding.relaxed",
-    over=WAYS,
+    each={"rising": {"sign": 1, "goes": "most_as"}, "falling": {"sign": -1, "goes": "least_as"}},
 )
 def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     """v + share (mean - v) <= relaxed(w, target) - 2^-48 V + (1 - least) e + 2^-44 V.
@@ -255,11 +251,8 @@ def agrees(mutation: Mutation) -> Statement:
     "them; no overflow and no underflow",
     by=HAND,
     premises="filter.induction filter.rounding.takeover filter.rounding.target filter.rounding.rim "
-    "filter.rounding.relaxed filter.rounding.piece-rising filter.rounding.piece-falling "
-    "filter.rounding.odometry filter.rounding.rest filter.rounding.wheels "
-    "filter.rounding.wheels-turn filter.rounding.wheels-drive filter.rounding.axes-turn "
-    "filter.rounding.axes-drive filter.rounding.beside-cut filter.rounding.beside-axes-turn "
-    "filter.rounding.beside-axes-drive filter.rounding.beside-turn filter.rounding.beside-drive",
+    "filter.rounding.relaxed filter.rounding.piece filter.rounding.odometry filter.rounding.rest "
+    "filter.rounding.scaled filter.rounding.beside-cut",
 )
 def governed() -> None:
     """|v| <= V (1 - 2^-26) (1 + 2^-28) (1 + 2^-52) < V, V the stated limit, behind what the text

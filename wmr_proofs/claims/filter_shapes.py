@@ -208,22 +208,23 @@ WHEELS = (
 
 
 @claim(
-    "filter.rims.{key}-{id}",
+    "filter.rims.{key}",
     given="any odometry within nbar of v and omega, or none, any time since the last sample; the "
     "bounds that were kept hold if that is a period; w within W; no delay, jitter or losses, H = "
     "T; l, T > 0, 0 < tau_min <= tau_max; 0 < K_min <= K <= K_max, |d_v| + l |d_omega| <= dbar_v + "
     "l dbar_omega < W, each within its own; u at most the step's limit (filter.sent.{key})",
     premises="filter.sent.{key}",
-    over=[
-        shape | {"side": side, "wheel": wheel, "id": f"{name}-{way}"}
-        for shape in WHEELS
+    over=WHEELS,
+    each={
+        f"{name}-{way}": {"side": side, "wheel": wheel}
         for wheel, name in enumerate(("right", "left"))
         for side, way in enumerate(("forwards", "backwards"))
-    ],
+    },
 )
 def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) -> Statement:
-    """{id}: E w + (1 - E)(K u + d_v +- l d_omega) <= W behind every command u that the whole filter
-    admits to the wheel, w = v +- l omega and W = {which} (1 - 2^-26); {what}.
+    """right and left, forwards and backwards: E w + (1 - E)(K u + d_v +- l d_omega) <= W behind
+    every command u that the whole filter admits to the wheel, w = v +- l omega and W = {which} (1 -
+    2^-26); {what}.
 
     The limit of a wheel counts pushes and errors of both axes.
     """
@@ -278,7 +279,7 @@ TIMES: tuple[dict[str, object], ...] = (
     given=f"any odometry within nbar, or none, any time since the last sample; the bounds that "
     "were kept hold where every command that may act was sent in time; |v| <= V; T > 0, 0 < "
     f"tau_min <= tau_max; {INTERVALS}; exp(-H/tau_min) <= E <= 1; u at most the step's limit",
-    premises="filter.sent-linear-forwards",
+    premises="filter.sent",
     over=TIMES,
 )
 def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:

@@ -14,7 +14,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, symbols
 
 from .common import PRESET, scalars
-from .guard_axis import DELAYED, LATE, NUMBERS, GuardAxis
+from .guard_axis import EACH, LATE, NUMBERS, GuardAxis
 from .guard_sample import NUMBERS_FREE
 
 claim = Claims(by=Z3())
@@ -39,18 +39,14 @@ def axes(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "guard.{name}",
-    given="{which}",
-    over=(
-        {"name": "promise", "a": GuardAxis(), "which": "without delay (delay = 0 in the claim)"},
-        {"name": "promise-late", "a": GuardAxis(DELAYED), "which": "behind a delay"},
-        {"name": "late.promise", "a": GuardAxis(LATE),
-         "which": "with jitter; and 2 net mixed <= M_min (u1 - 2 nbar)"},
-    ),
-)  # fmt: skip
+    "guard.promise",
+    given="at once (delay = 0 in the claim), behind a delay, and with jitter",
+    each=EACH,
+)
 def promise(mutation: Mutation, a: GuardAxis) -> Statement:
     """feasible = 1 implies 2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), 2 nbar <= u1,
-    brake >= net, M_min <= M_max, f_speed < u1 and alpha T <= 1.
+    brake >= net, M_min <= M_max, f_speed < u1 and alpha T <= 1; with jitter also 2 net mixed <=
+    M_min (u1 - 2 nbar).
 
     The published flag implies the theorem's hypotheses, apart from signs.
     """

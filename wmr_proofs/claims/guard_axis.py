@@ -316,3 +316,10 @@ class GuardAxis(Named):
             at_least(spare - again + rise * after, (1 + b.alpha * rise) * left),
             at_least(spare + late * z, (1 + b.alpha * (J + late)) * left),
         ]  # fmt: skip
+
+
+EACH = {
+    "at-once": {"a": GuardAxis()}, "delay": {"a": GuardAxis(DELAYED)},
+    "jitter": {"a": GuardAxis(LATE)},
+}  # fmt: skip
+"""For claims at once, behind a delay and with jitter."""

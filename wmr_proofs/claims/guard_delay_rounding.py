@@ -18,6 +18,7 @@ from wmr_proofs.relation import Relation, at_least, between, nonnegative, positi
 from wmr_proofs.statement import UNIT, Statement
 
 from . import guard_delay_sums as sums
+from .common import WAYS
 from .guard_axis import DELAYED
 from .guard_delay_sums import ROUNDS
 from .guard_rounding import DOUBLE, ON_WHEELS, RoundedAxis
@@ -182,8 +183,7 @@ def caps(mutation: Mutation) -> Statement:
     "guard.delay.rounding.room",
     given=f"{RANGE}; {CAPS}; M_min (ahead + back) <= (1 + kept/64) delay (largest + net + more), "
     f"alpha delay more <= ({WHEELS + READ + 32} + 20 alpha delay) 2^-53 K",
-    premises="guard.delay.rounding.largest guard.delay.rounding.caps guard.delay.rounding.both "
-    "guard.delay.rounding.both-angular",
+    premises="guard.delay.rounding.largest guard.delay.rounding.caps guard.delay.rounding.both",
 )
 def room(mutation: Mutation) -> Statement:
     """M_min alpha (u1 (1 - 17/32 kept) - f_speed - ahead - back) >= max(brakes + net, 0).
@@ -236,24 +236,21 @@ def anchor(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "guard.delay.rounding.force-{word}",
+    "guard.delay.rounding.force",
     by=Z3(first=("Brown's order",)),
-    given=f"{RANGE}; {CAPS}; |y - v| <= nbar + 2^-53 |v|; v+ <= max({{sign}}v, f_speed) + "
-    f"(1 + kept/64) {{word}} + u1 kept/8 and v+ <= u1{{known}}{ROUNDS}",
-    premises="assumption.libm guard.delay.rounding.caps{premises}",
-    over=(
-        {"word": "ahead", "way": 1, "sign": "", "known": "", "premises": "", "spare": SPARE},
-        {"word": "back", "way": -1, "sign": "-", "spare": SPARE,
-         "known": "; lo(y) = -hi(-y) by guard.delay.rounding.force-ahead; "
-         "guard.delay.rounding.room",
-         "premises": " guard.delay.rounding.force-ahead guard.delay.rounding.room"},
-    ),
-)  # fmt: skip
+    given=f"{RANGE}; {CAPS}; |y - v| <= nbar + 2^-53 |v|; v+ <= max(v, f_speed) + (1 + kept/64) "
+    f"ahead + u1 kept/8 and v+ <= u1, back the same of -v; lo(y) = -hi(-y) is what this says "
+    f"ahead; guard.delay.rounding.room{ROUNDS}",
+    premises="assumption.libm guard.delay.rounding.caps guard.delay.rounding.room",
+    spare=SPARE,
+    each=WAYS,
+)
 def force(mutation: Mutation, way: int) -> Statement:
-    """the computed force F^ has {sign}F^ + net + {spare} <= max(M_min alpha (u1 (1 - kept/32) -
-    v+), 0), v+ being {sign}v or f_speed where the new command starts to act.
+    """the computed force F^ has F^ + net + {spare} <= max(M_min alpha (u1 (1 - kept/32) - v+), 0),
+    v+ being v or f_speed where the new command starts to act; and the same of -F^ and -v.
 
-    The computed force keeps the limit {word}, with room for the rounding of the wheels' torques.
+    The computed force keeps the limit ahead and back, with room for the rounding of the wheels'
+    torques.
     """
     # Ahead, whatever lo is; back, lo being what hi is ahead, mirrored.
     a = QueuedAxis()
@@ -270,13 +267,13 @@ def force(mutation: Mutation, way: int) -> Statement:
 
 
 PARTS = " ".join(part.id for part in (*sums.claim.listed, *claim.listed))
-WHEELS_ENTRIES = "guard.rounding.linear-first guard.rounding.rotation-first guard.rounding.torques"
+WHEELS_ENTRIES = "guard.rounding.maps guard.rounding.torques"
 
 
 @claim(
     "guard.delay.rounding",
     given=f"{RANGE}; F <= the larger of two forces that are safe as in "
-    f"guard.delay.rounding.force-*, to {SPARE}; no overflow, no underflow",
+    f"guard.delay.rounding.force, to {SPARE}; no overflow, no underflow",
     premises=f"{PARTS} guard.delay.rounding.kept {WHEELS_ENTRIES} guard.axes guard.lemma",
 )
 def together(mutation: Mutation) -> Statement:

@@ -9,17 +9,17 @@ import casadi as ca
 from wmr_ctrl.control.guard.delay import InFlight, in_flight
 from wmr_ctrl.control.guard.guard import Bounds
 from wmr_ctrl.world.model.dynamics import wheel_to_force
-from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, at_least, between, nonnegative, positive
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Named, column, symbols
 
+from .common import BOTH_AXES, WAYS
+
 SENT = 5
 """Commands of the queue that is written out."""
 ROUNDS = "; operations rounded by at most 2^-53"
-ON_AXES = rows(axis=(0, 1), suffix=("", "-angular"), told=("first axis", "second axis"))
-WAYS = rows(way=(1, -1), word=("ahead", "back"), sign=("", "-"))
 
 
 class Queue(Named):
@@ -75,13 +75,13 @@ def read(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "guard.delay.rounding.queue-{word}{suffix}",
+    "guard.delay.rounding.queue",
     given=f"the same with g of the sum before, 3 2^-53 <= g <= 2^-24; any F_j; tau_j >= 0{ROUNDS}",
-    over=tuple(way | axis for way in WAYS for axis in ON_AXES),
+    each={f"{way}-{axis}": WAYS[way] | BOTH_AXES[axis] for way in WAYS for axis in BOTH_AXES},
 )
 def queue(mutation: Mutation, way: int, axis: int) -> Statement:
-    """one command more: sum tau_j max({sign}F_j + lost + net, 0) <= (1 + g + 3 2^-53) computed sum
-    + off, off growing by tau_j (lost + 2^-52 |net|); {told}.
+    """one command more: sum tau_j max(F_j + lost + net, 0) <= (1 + g + 3 2^-53) computed sum + off,
+    off growing by tau_j (lost + 2^-52 |net|); and the same of -F_j, on each axis.
 
     The computed sum over the commands is too small by no more than this.
     """
@@ -100,13 +100,13 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
 
 
 @claim(
-    "guard.delay.rounding.both{suffix}",
+    "guard.delay.rounding.both",
     given=f"the same with g of the sums before; |F_j|, |net| <= most; tau_j >= 0{ROUNDS}",
-    over=ON_AXES,
+    each=BOTH_AXES,
 )
 def both(mutation: Mutation, axis: int) -> Statement:
     """one command more: both computed sums together <= (1 + g + 3 2^-53) sum tau_j (most + net + 3
-    2^-53 |net|); {told}.
+    2^-53 |net|); on each axis.
 
     The computed sum is never so large that no room is left for braking.
     """

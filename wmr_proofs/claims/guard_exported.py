@@ -7,7 +7,7 @@ from itertools import accumulate
 
 import casadi as ca
 
-from wmr_ctrl.control.controller import asking_controller, guard
+from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.guard.delay import InFlight, in_flight
 from wmr_ctrl.control.guard.guard import MAPS, Bounds, ceiling, clipped, feasible
 from wmr_ctrl.control.guard.monitor import least_push
@@ -15,7 +15,7 @@ from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario
-from wmr_proofs.claim import CLAIMED, Claims, Mutation, rows
+from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when
 from wmr_proofs.statement import Statement, instance, valued
@@ -23,8 +23,9 @@ from wmr_proofs.symbols import symbols
 
 from .common import PRESET, named_ports, scalars
 from .guard_axis import DELAYED, NUMBERS, GuardAxis
-from .guard_sample import anchor, upper
+from .guard_sample import anchor
 from .guard_sample import feasible as not_empty
+from .guard_sample import inside as stays_inside
 from .guard_sent import added, caps, room
 
 PERIOD = 0.01
@@ -140,34 +141,33 @@ class Assembled:
         return {name: self.asked[axis] for name, axis in asked.items()}
 
 
-GRAPHS = rows(name=("guard", "controller"), assemble=(guard, asking_controller))
-ON_MAPS = [graph | {"kind": kind} for graph in GRAPHS for kind in MAPS]
-_DELAYS = (
-    {"late": "", "delay": 0, "which": "without delay", "at": "", "inside": INSIDE},
-    {"late": "-late", "delay": 2, "which": "behind a delay of two periods", "at": "delay.",
-     "inside": UNDER_WAY},
-)  # fmt: skip
-_EXPORTED = [graph | delay for graph in ON_MAPS for delay in _DELAYS]
+_DELAYS = {
+    "": {"delay": 0, "a": GuardAxis(), "at": "", "inside": INSIDE},
+    "-delay": {
+        "delay": 2, "a": GuardAxis(DELAYED), "at": "delay.", "inside": f"delay > 0; {UNDER_WAY}",
+    },
+}  # fmt: skip
+EXPORTED = {f"{kind}{key}": {"kind": kind, **row} for kind in MAPS for key, row in _DELAYS.items()}
+"""Both maps onto the wheels, without a delay and behind one of two periods."""
 
 
 @claim(
-    "guard.assembled.{name}.{kind}{late}",
+    "guard.assembled",
     given="any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for",
-    premises="guard.axes wheels.{kind}",
-    over=_EXPORTED,
+    premises="guard.axes wheels.linear-first wheels.rotation-first",
+    each=EXPORTED,
 )
-def assembled(
-    mutation: Mutation, assemble: Callable[[Setup], System], kind: str, delay: int
-) -> Statement:
-    """the torques of the whole {name} are those of {kind} on both axes' clips and safe points, each
-    axis with its own bounds and its own commands under way (the torques sent before); feasible = 1
-    only if both axes' flags are 1, their brakes together are within the wheels' reach and the
-    drives' delay is at most the one that is counted; the torque that is remembered as applied is
-    the one that acts next, and each d_least is the monitor's value for it; {which}.
+def assembled(mutation: Mutation, kind: str, delay: int) -> Statement:
+    """the torques of the whole guard are those of the map, linear-first or rotation-first, on both
+    axes' clips and safe points, each axis with its own bounds and its own commands under way (the
+    torques sent before); feasible = 1 only if both axes' flags are 1, their brakes together are
+    within the wheels' reach and the drives' delay is at most the one that is counted; the torque
+    that is remembered as applied is the one that acts next, and each d_least is the monitor's value
+    for it; without delay and behind one of two periods.
 
     The exported guard is composed of the parts that the other entries are about.
     """
-    return exported(mutation, kind, Assembled(assemble, setup(kind, delay)))
+    return exported(mutation, kind, Assembled(guard, setup(kind, delay)))
 
 
 def exported(mutation: Mutation, kind: str, e: Assembled) -> Statement:
@@ -213,14 +213,14 @@ def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relation]:
     given="feasible = 1; T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed >= 0; |y - v| "
     "<= nbar, M_min <= M <= M_max; {inside}",
     premises="{parts}",
-    over=[
-        {"at": "", "a": GuardAxis(), "where": "", "inside": INSIDE,
-         "parts": "guard.feasible guard.anchor guard.upper guard.lower"},
-        {"at": "delay.", "a": GuardAxis(DELAYED), "where": " where the new command takes over",
-         "inside": f"delay > 0; {UNDER_WAY}",
-         "parts": "guard.delay.caps guard.delay.room guard.delay.feasible guard.delay.anchor "
-         "guard.delay.upper guard.delay.lower"},
-    ],
+    over=(
+        _DELAYS[""] | {"where": "", "parts": "guard.feasible guard.anchor guard.inside"},
+        _DELAYS["-delay"] | {
+            "where": " where the new command takes over",
+            "parts": "guard.delay.caps guard.delay.room guard.delay.feasible guard.delay.anchor "
+            "guard.delay.inside",
+        },
+    ),
 )  # fmt: skip
 def kept(mutation: Mutation, a: GuardAxis) -> Statement:
     """lo <= hi, |clip(0, lo, hi)| <= brakes, and every force F from lo to hi keeps the limit either
@@ -235,7 +235,7 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
         known += [caps(CLAIMED, a), room(CLAIMED, a)]
     taken = [goal for item in known for goal in instance(item, {})]
     for way, start in zip((1, -1), ("arrived_ahead", "arrived_back"), strict=True):
-        taken += instance(upper(CLAIMED, way, a), {"arrived": a[start], "asked": a.chosen})
+        taken += instance(stays_inside(CLAIMED, way, a), {"arrived": a[start], "asked": a.chosen})
     safe, chosen = a.force(ca.SX(0)), a.chosen
     within = ca.logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
     braked = at_least(a.bounds.braking, safe), at_least(a.bounds.braking, -safe)
@@ -247,22 +247,21 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
 
 
 @claim(
-    "guard.assembled.keeps.{name}.{kind}{late}",
+    "guard.assembled.keeps",
     given="feasible = 1; r, l, tau_max, T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed "
-    ">= 0; any force asked for; of each axis |y - v| <= nbar, M_min <= M <= M_max; {inside}",
-    premises="guard.{at}kept",
-    over=_EXPORTED,
+    f">= 0; any force asked for; of each axis |y - v| <= nbar, M_min <= M <= M_max; without delay "
+    f"{INSIDE}; behind one of two periods delay > 0, {UNDER_WAY}",
+    premises="guard.kept guard.delay.kept",
+    each=EXPORTED,
 )
-def keeps(
-    mutation: Mutation, assemble: Callable[[Setup], System], kind: str, delay: int
-) -> Statement:
+def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
     """both axes, both ways: v + t max(F + net, 0)/M <= u1 for t in [0, T], F the exact force of the
-    torques of the whole {name}, v the speed or f_speed where that is more; {kind}, {which}.
+    torques of the whole guard, with either map, v the speed or f_speed where that is more.
 
     From the published flag to the motion in one step, on the graph that is exported: nothing but
     feasible = 1 is asked of the guard's numbers.
     """
-    e = Assembled(assemble, setup(kind, delay))
+    e = Assembled(guard, setup(kind, delay))
     r, half = e.wheels
     force = wheel_to_force(r, half, e.torque)
     goals: list[Relation] = []

@@ -12,7 +12,7 @@ from math import ceil, inf, nextafter
 
 import casadi as ca
 
-from wmr_ctrl.control.controller import guard
+from wmr_ctrl.control.controller import asking_controller, guard
 from wmr_ctrl.control.guard.bounds import pair_of
 from wmr_ctrl.control.guard.delay import (
     InFlight,
@@ -23,7 +23,7 @@ from wmr_ctrl.control.guard.delay import (
     push,
     waiting,
 )
-from wmr_ctrl.control.guard.guard import Bounds
+from wmr_ctrl.control.guard.guard import MAPS, Bounds
 from wmr_ctrl.control.guard.lateness import Piece
 from wmr_ctrl.control.guard.monitor import LateMotion
 from wmr_ctrl.control.guard.varying import Passage
@@ -32,10 +32,11 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.system import System
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, every, positive
+from wmr_proofs.relation import Relation, above, every, positive
 from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Symbols, symbols
 
-from .guard_exported import ON_MAPS, PERIOD, Assembled, exported, setup
+from .guard_exported import EXPORTED, PERIOD, Assembled, exported, setup
 
 STEADY = {
     "sensor.velocity_window": PERIOD, "actuator.delay": 0.5 * PERIOD, "actuator.lag": 0.4 * PERIOD,
@@ -226,70 +227,106 @@ def _periods(time: float) -> float:
     return count if count * PERIOD >= time else nextafter(count, inf)
 
 
-VARIES = "a lag that varies by a quarter"
-WAYS_TO_BE_LATE = (
-    {"late": "steady", "stated": STEADY, "which": "no jitter, one lag"},
-    {"late": "jitter", "stated": STEADY | JITTER, "which": "a jitter of half a period, one lag"},
-    {"late": "varying-steady", "stated": VARYING, "which": f"no jitter, {VARIES}"},
-    {"late": "varying", "stated": VARYING | JITTER,
-     "which": f"a jitter of half a period, {VARIES}"},
-)  # fmt: skip
+WAYS_TO_BE_LATE = {
+    "steady": STEADY, "jitter": STEADY | JITTER,
+    "varying-steady": VARYING, "varying": VARYING | JITTER,
+}  # fmt: skip
+EXPORTED_LATE = {
+    f"{kind}-{late}": {"kind": kind, "stated": stated}
+    for kind in MAPS
+    for late, stated in WAYS_TO_BE_LATE.items()
+}
 
 
 @claim(
-    "guard.assembled.{name}.{kind}-{late}",
+    "guard.assembled.late",
     given="any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any force that "
     "is asked for; velocities are means over a period, a delay of half of one, a lag of 0.4 of it",
-    premises="guard.axes wheels.{kind}",
-    over=[graph | late for graph in ON_MAPS for late in WAYS_TO_BE_LATE],
+    premises="guard.axes wheels.linear-first wheels.rotation-first",
+    each=EXPORTED_LATE,
 )
-def assembled(
-    mutation: Mutation, assemble: Callable[[Setup], System], kind: str, stated: Mapping[str, float]
-) -> Statement:
-    """the torques of the whole {name} are those of {kind} on both axes' clips and safe points, each
-    axis with its own bounds and what is counted of the commands under way: piece after piece, what
-    either of two commands may do, and what is kept of older ones, which is updated so; feasible = 1
-    only where both axes' flags are, their brakes together are within reach and the drives are no
-    later, slower, sooner or more varied than is counted; each d_least is that of the monitor for
-    late motion; {which}.
+def assembled(mutation: Mutation, kind: str, stated: Mapping[str, float]) -> Statement:
+    """the torques of the whole guard are those of the map, linear-first or rotation-first, on both
+    axes' clips and safe points, each axis with its own bounds and what is counted of the commands
+    under way: piece after piece, what either of two commands may do, and what is kept of older
+    ones, which is updated so; feasible = 1 only where both axes' flags are, their brakes together
+    are within reach and the drives are no later, slower, sooner or more varied than is counted;
+    each d_least is that of the monitor for late motion; without jitter and with one of half a
+    period, the lag constant and varying by a quarter.
 
     The exported guard is composed of the parts that the entries about late velocities, jitter and
     lags are about.
     """
-    return exported(mutation, kind, LateAssembled(assemble, setup(kind, 0, True, **stated)))
+    return exported(mutation, kind, LateAssembled(guard, setup(kind, 0, True, **stated)))
 
 
 LAG, PART = {"actuator.lag": 0.4 * PERIOD}, {"actuator.delay": 0.5 * PERIOD}
-KNOWN = "for the torque that is remembered as applied"
-MOVING = "for late motion"
 
 
 @claim(
-    "guard.assembled.{late}-alone",
-    given="any parameters with r, l, T, alpha, M_min, M_max{slow} > 0; any force that is asked for",
+    "guard.assembled.alone",
+    given="any parameters with r, l, T, alpha, M_min, M_max > 0, and lag, 1 - spread > 0 where "
+    "there is one; any force that is asked for",
     premises="guard.axes wheels.linear-first",
-    over=(
-        {"late": "lag", "stated": LAG, "slow": ", lag", "monitor": KNOWN,
-         "which": "a lag of 0.4 of a period"},
-        {"late": "varying-lag", "stated": LAG | {"actuator.lag_spread": 0.25}, "monitor": MOVING,
-         "slow": ", lag, 1 - spread", "which": "a lag of 0.4 of a period that varies by a quarter"},
-        {"late": "delay", "stated": PART, "slow": "", "monitor": KNOWN,
-         "which": "a delay of half a period"},
-        {"late": "jitter", "stated": JITTER, "slow": "", "monitor": MOVING,
-         "which": "a jitter of half a period"},
-        {"late": "window", "stated": {"sensor.velocity_window": PERIOD}, "slow": "",
-         "monitor": MOVING, "which": "velocities, which are means over a period"},
-    ),
+    each={
+        "lag": {"stated": LAG}, "varying-lag": {"stated": LAG | {"actuator.lag_spread": 0.25}},
+        "delay": {"stated": PART}, "jitter": {"stated": JITTER},
+        "window": {"stated": {"sensor.velocity_window": PERIOD}},
+    },
 )  # fmt: skip
 def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
-    """nothing is late but {which}: the torques of the whole guard are those of linear-first on both
-    axes' clips and safe points, with what is counted of the commands under way and, behind a lag,
-    of older ones, the new one joining them as the wheels were given it; feasible = 1 only where
-    both axes' flags are, their brakes together are within reach and the drives are no later, slower
-    or more varied than is counted; each d_least is that of the monitor {monitor}.
+    """nothing is late but one of: a lag of 0.4 of a period; one that varies by a quarter; a delay
+    of half a period; a jitter of that; velocities, which are means over a period. The torques of
+    the whole guard are those of linear-first on both axes' clips and safe points, with what is
+    counted of the commands under way and, behind a lag, of older ones, the new one joining them as
+    the wheels were given it; feasible = 1 only where both axes' flags are, their brakes together
+    are within reach and the drives are no later, slower or more varied than is counted; each
+    d_least is the monitor's, behind a constant lag or delay for the torque that is remembered as
+    applied, else for late motion.
 
     Each way to be late, by itself, is counted as it is together with the others.
     """
     return exported(
         mutation, "linear-first", LateAssembled(guard, setup("linear-first", 0, True, **stated))
     )
+
+
+@claim(
+    "guard.assembled.controller{late}",
+    given="any parameters with r, l, T, alpha, M_min, M_max > 0{more}; any measurements, targets "
+    "and state",
+    over=(
+        {"late": "", "more": "", "each": EXPORTED,
+         "which": "without delay and behind one of two periods"},
+        {"late": "-late", "more": ", lag, 1 - spread > 0, 0 < exp(-h/lag) < 1",
+         "each": EXPORTED_LATE,
+         "which": "late in the ways of guard.assembled.late"},
+    ),
+)  # fmt: skip
+def controller(
+    mutation: Mutation, kind: str, delay: int = 0, stated: Mapping[str, float] | None = None
+) -> Statement:
+    """torques, flag, d_least and the guard's memory one sample later are, in the whole controller,
+    those of the whole guard on the force that the law asks for: with either map, {which}.
+
+    What is proved of the exported guard holds for it inside of the controller.
+    """
+    loop, kind_of = (
+        setup(kind, delay, True, **(stated or {})),
+        LateAssembled if stated else Assembled,
+    )
+    whole, alone = (kind_of(make, loop) for make in (asking_controller, guard))
+    put = [whole.asked if name == "force" else whole.p[name] for name in alone.p]
+    told = "feasible", "d_least"
+    theirs, ours = (
+        ca.vertcat(
+            *(e.later[name] for name in alone.later), *(e.told[name] for name in told), e.torque
+        )
+        for e in (whole, alone)
+    )
+    ours = ca.substitute(ours, ca.vertcat(*alone.p.values()), ca.vertcat(*put))
+    free = symbols("e") if stated else Symbols()
+    share = {name: ca.exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
+    below = (item for e in free.values() for item in (above(e), above(1, e)))
+    given, cuts = (*whole.signs, *below), {**whole.cuts, **share}
+    return Statement(whole.symbols | free, every(mutation * theirs, ours), given, cuts)

@@ -26,9 +26,9 @@ from .guard_rounding import DOUBLE
 NEAR = 2.0**-50
 SIGNS = (
     "T, alpha, r, l, tau_max, M_min, v_u1 > 0, dbar, f_min, f_speed, brake >= 0; u1 = v_u1 (1 - "
-    "(1 + n) 2^-44), {n} commands under way; no overflow, no underflow"
+    "(1 + n) 2^-44), n commands under way; no overflow, no underflow"
 )
-DELAYS = ({"late": "", "n": 0}, {"late": "-late", "n": 2})
+DELAYS = {"at-once": {"n": 0}, "delay": {"n": 2}}
 claim = Claims(by=Z3(), given=SIGNS)
 
 
@@ -67,11 +67,11 @@ def size(b: Bounds) -> ca.SX:
     return b.M_min * b.alpha * b.u1 + ca.fabs(b.net)
 
 
-@claim("guard.flag.conditions{late}", premises="assumption.libm", over=DELAYS)
+@claim("guard.flag.conditions", premises="assumption.libm", each=DELAYS)
 def conditions(mutation: Mutation, n: int) -> Statement:
     """feasible = 1 as doubles compute it implies on each axis, with d = 2^-50: 2 net (1 + alpha
     delay) <= M_min alpha (u1 - f_speed + (1 + n) d u1), brake >= net - d |net|, alpha T <= 1 + d,
-    2 nbar <= u1 (1 + d), f_speed < u1 (1 + d), M_min <= M_max; n = {n}.
+    2 nbar <= u1 (1 + d), f_speed < u1 (1 + d), M_min <= M_max; n = 0 and 2.
 
     The flag that the compiled guard publishes is the theorem's conditions to within some roundings
     of its own numbers.
@@ -86,14 +86,14 @@ def conditions(mutation: Mutation, n: int) -> Statement:
 
 
 @claim(
-    "guard.flag.braking{late}",
-    given=SIGNS + "; as guard.flag.conditions{late} has it",
-    premises="guard.flag.conditions{late} assumption.libm",
-    over=DELAYS,
+    "guard.flag.braking",
+    given=SIGNS + "; as guard.flag.conditions has it",
+    premises="guard.flag.conditions assumption.libm",
+    each=DELAYS,
 )
 def braking(mutation: Mutation, n: int) -> Statement:
     """each axis' brakes as doubles compute them are off by at most 4 (1 + n) 2^-50 S, and at most S
-    in size, S = M_min alpha u1 + |net|; n = {n}.
+    in size, S = M_min alpha u1 + |net|; n = 0 and 2.
 
     What the flag compares with the wheels' reach is the force with which the guard may brake.
     """
@@ -109,14 +109,14 @@ def braking(mutation: Mutation, n: int) -> Statement:
 
 
 @claim(
-    "guard.flag.reach{late}",
-    given=SIGNS + "; the brakes as guard.flag.braking{late} has them",
-    premises="guard.flag.braking{late} assumption.libm",
-    over=DELAYS,
+    "guard.flag.reach",
+    given=SIGNS + "; the brakes as guard.flag.braking has them",
+    premises="guard.flag.braking assumption.libm",
+    each=DELAYS,
 )
 def reach(mutation: Mutation, n: int) -> Statement:
     """feasible = 1 as doubles compute it implies FB1 + FB2/l <= phi (1 + 2^-47) + 8 (1 + n) 2^-50
-    (S1 + S2/l), FB the exact brakes; n = {n}.
+    (S1 + S2/l), FB the exact brakes; n = 0 and 2.
 
     Both axes can brake at once, to within some roundings, wherever the compiled guard says so.
     """

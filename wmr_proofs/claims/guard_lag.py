@@ -27,7 +27,7 @@ MORE = (
     "b Z + M_min again + c(T) max(S - Z_J, 0) and b Z + c(T + J) max(S - Z, 0) + J S at most (b + "
     "J) S (guard.varying.more)"
 )
-LAGS = "varying.", "varying.steady."
+LAGS = on("varying.")
 claim = Claims(by=Z3())
 
 
@@ -118,9 +118,9 @@ def varying_more(mutation: Mutation) -> Statement:
 @claim(
     "guard.{at}spare",
     given="sums without b Z at most (late - J - b) S in rest and (usual - J - b) S in the mean, "
-    "each way (guard.varying.piece); mixed = usual >= J + b, b >= 0; {caps}{steady}",
+    "each way (guard.varying.piece); mixed = usual >= J + b, b >= 0; {caps}",
     premises="guard.late.caps guard.varying.piece",
-    over=on(*LAGS),
+    over=LAGS,
 )
 def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
     """core >= max(brakes + net, 0)/alpha ahead, or behind, or for both together, core = M_min (u1 -
@@ -141,9 +141,9 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}left",
-    given=f"{MORE}; M_min, alpha, S > 0, 0 <= Z, Z_J <= S, J >= 0; {EXPONENTIALS}{{steady}}",
+    given=f"{MORE}; M_min, alpha, S > 0, 0 <= Z, Z_J <= S, J >= 0; {EXPONENTIALS}",
     premises="guard.varying.more",
-    over=on(*LAGS),
+    over=LAGS,
 )
 def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     """M_min room >= min(core, S/alpha), core = M_min (u1 - reached) + b Z - (b + J) S.
@@ -166,9 +166,9 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}room",
-    given="guard.{at}left, guard.{at}spare; M_min, alpha > 0, S >= brakes + net{steady}",
+    given="guard.{at}left, guard.{at}spare; M_min, alpha > 0, S >= brakes + net",
     premises="guard.{at}left guard.{at}spare",
-    over=on(*LAGS),
+    over=LAGS,
 )
 def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     """M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both together.
@@ -189,8 +189,8 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
 @claim(
     "guard.{at}counts",
     given="reached as in guard.late.mean, with the integral of Z for the sums, and b Z; "
-    f"{SIGNS}, alpha T <= 1{{range}}; {EXPONENTIALS}{{steady}}",
-    over=on(*LAGS),
+    f"{SIGNS}, alpha T <= 1, 0 <= J <= T; {EXPONENTIALS}",
+    over=LAGS,
 )
 def counts(mutation: Mutation, a: GuardAxis) -> Statement:
     """room is at most what each of its lines leaves of u1 less what is reached when the new command
@@ -203,18 +203,18 @@ def counts(mutation: Mutation, a: GuardAxis) -> Statement:
 
 
 @claim(
-    "guard.{at}{limit}",
+    "guard.{at}inside",
     given="{counts}, whose hypotheses hold; M >= M_min, lo <= hi, brakes >= net; Z, Z_J and what "
-    "the last command adds >= 0{steady}",
+    "the last command adds >= 0",
     premises="guard.{at}feasible guard.{at}counts",
-    over=on(*LAGS, back=True),
+    over=on("varying.", back=True),
 )
-def varying_upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """p_0 > 0: what is reached + (T + J) p_0 + c(T + J) max(p_0 - Z, 0), and + what the last
-    command adds in J + T p_0 + c(T) max(p_0 - Z_J, 0), over M_min, is at most u1; for {sign}v.
+    command adds in J + T p_0 + c(T) max(p_0 - Z_J, 0), over M_min, is at most u1; for v and -v.
 
-    A robot within its limit stays within it, {face}: a larger push than the last is worst where it
-    comes early, a smaller one where it comes late.
+    A robot within its limit stays within it either way: a larger push than the last is worst where
+    it comes early, a smaller one where it comes late.
     """
     # A command of larger p than the last is worst early, another one late; both to their end.
     b, spare = a.bounds, a.u1 - a.arrived
@@ -230,16 +230,17 @@ def varying_upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 
 @claim(
-    "guard.{at}graceful{back}",
-    given="{counts}, whose hypotheses hold; F = {sign}hi({sign}y); D >= 0, pushes and Z larger by "
-    "at most D; p_0 + D > 0; brakes - net >= D; Z, Z_J and what the last command adds >= 0; "
-    "{caps}{steady}",
+    "guard.{at}graceful",
+    given="{counts}, whose hypotheses hold; F = hi(y), or -hi(-y) backwards; D >= 0, pushes and Z "
+    "larger by at most D; p_0 + D > 0; brakes - net >= D; Z, Z_J and what the last command adds >= "
+    "0; {caps}",
     premises="guard.{at}counts",
-    over=on(*LAGS, back=True),
+    over=on("varying.", back=True),
 )
 def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D: what is reached, with D for every time that counts, and what the last and
-    the new command add, as in guard.varying.upper, is at most u1 + D (T + late)/M_min; for {sign}v.
+    the new command add, as in guard.varying.inside, is at most u1 + D (T + late)/M_min; for v and
+    -v.
 
     A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
     """

@@ -10,14 +10,14 @@ import casadi as ca
 
 from wmr_ctrl.control.guard.delay import InFlight, largest_force, waiting
 from wmr_ctrl.control.guard.guard import ceiling, clipped, floor
-from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import above, at_least, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
-from .guard_axis import AT_ONCE, DELAYED, LATE, GuardAxis
-from .guard_sample import FREE, NUMBERS_FREE, upper
+from .guard_axis import AT_ONCE, DELAYED, EACH, LATE, GuardAxis
+from .guard_sample import FREE, NUMBERS_FREE, inside
 from .guard_sent import FEASIBLE, only
 
 claim = Claims(by=Z3())
@@ -25,11 +25,11 @@ claim = Claims(by=Z3())
 
 @claim("guard.too-fast", given=f"{FREE}brake >= dbar - f_min, but alpha T <= 1.01")
 def too_fast(mutation: Mutation) -> Statement:
-    """guard.upper with alpha T up to 1.01.
+    """guard.inside with alpha T up to 1.01.
 
     False: alpha = 1/T is the fastest approach to the limit that a held force admits.
     """
-    return upper(-mutation, 1, GuardAxis(AT_ONCE))
+    return inside(-mutation, 1, GuardAxis(AT_ONCE))
 
 
 @claim("guard.maximal", given=f"{NUMBERS_FREE}; nbar = f_min = f_speed = 0, alpha = 1/T")
@@ -47,42 +47,31 @@ def maximal(mutation: Mutation) -> Statement:
     return Statement(a.symbols, (above(end, a.u1),), (*given, above(more)))
 
 
-@claim(
-    "guard.{at}necessary",
-    given="u1, T, M_min, dbar{more} > 0",
-    over=rows(
-        late=(False, True), at=("", "delay."), T=("T", "(T + delay)"), more=("", ", delay"),
-        when=("", " just after a sample"),
-    ),
-)  # fmt: skip
-def necessary(mutation: Mutation, late: bool) -> Statement:
-    """2 dbar {T} > M_min u1 and F + dbar <= 0: {T} (dbar - F)/M_min > u1.
+@claim("guard.necessary", given="u1, T, M_min, dbar > 0, delay >= 0")
+def necessary(mutation: Mutation) -> Statement:
+    """2 dbar (T + delay) > M_min u1 and F + dbar <= 0: (T + delay) (dbar - F)/M_min > u1.
 
     Beyond this bound no guard at all can keep the limit: friction of unknown size may stop the
-    robot{when}.
+    robot just after a sample.
     """
     t = symbols("u1 period M_min dbar delay force")
     u1, period, mass, dbar, delay, force = t.values()
-    time = period + delay if late else period
+    time = period + delay
     tight = above(2 * dbar * time, mutation(1, 0.99) * mass * u1)
-    sizes = positive(u1, period, mass, dbar, *([delay] * late))
-    goal = above(time * (dbar - force) / mass, u1)
-    return Statement(t, (goal,), (*sizes, tight, at_least(ca.SX(0), force + dbar)))
+    sizes = *positive(u1, period, mass, dbar), *nonnegative(delay, -force - dbar)
+    return Statement(t, (above(time * (dbar - force) / mass, u1),), (*sizes, tight))
 
 
 @claim(
-    "guard.{at}sides",
-    given="T, M_min, alpha, u1, the limit of -v{more} > 0; M_min <= M_max, alpha T <= 1; any v "
-    "and any push under way",
-    over=(
-        {"at": "", "a": GuardAxis(AT_ONCE), "more": ""},
-        {"at": "delay.", "a": GuardAxis(DELAYED), "more": ", delay"},
-        {"at": "late.", "a": GuardAxis(LATE), "more": ", delay, jitter, mixed"},
-    ),
-)  # fmt: skip
+    "guard.sides",
+    given="T, M_min, alpha, u1, the limit of -v > 0, delay, jitter, mixed > 0 where they count; "
+    "M_min <= M_max, alpha T <= 1; any v and any push under way",
+    each=EACH,
+)
 def sides(mutation: Mutation, a: GuardAxis) -> Statement:
     """with another limit for -v, hi is at least that of the guard whose one limit is the smaller of
-    both, and the caps are that guard's; lo, -hi of -v, with the limits exchanged.
+    both, and the caps are that guard's; lo, -hi of -v, with the limits exchanged: at once, behind a
+    delay, and late with jitter.
 
     So a safe force is left at every velocity (guard.feasible and those behind delays), and what is
     shown of one direction holds with its own limit.
@@ -104,7 +93,7 @@ def sides(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim("guard.delay.longer", given="one command under way")
 def longer(_: Mutation) -> Statement:
-    """guard.delay.upper, with a delay that is 1 % longer than stated.
+    """guard.delay.inside, with a delay that is 1 % longer than stated.
 
     False: the delay may be stated too long, not too short.
     """
@@ -124,7 +113,7 @@ def longer(_: Mutation) -> Statement:
 
 @claim("guard.delay.ignored", given="ahead > 0")
 def ignored(_: Mutation) -> Statement:
-    """guard.delay.upper, for the guard that knows of no delay.
+    """guard.delay.inside, for the guard that knows of no delay.
 
     False: what is under way has to be counted.
     """
@@ -152,7 +141,7 @@ def uncapped(_: Mutation) -> Statement:
 
 @claim("guard.late.unmixed", given="0 < J <= T")
 def unmixed(_: Mutation) -> Statement:
-    """guard.late.upper, for the guard of a constant delay of the largest lateness.
+    """guard.late.inside, for the guard of a constant delay of the largest lateness.
 
     False: a command that takes over early and is replaced late acts for more than T.
     """
@@ -169,7 +158,7 @@ def unmixed(_: Mutation) -> Statement:
 
 @claim("guard.varying.unvaried", given="0 < a < b")
 def unvaried(_: Mutation) -> Statement:
-    """guard.varying.steady.upper, for a guard that takes the lag for constant.
+    """guard.varying.inside, for a guard that takes the lag for constant.
 
     False: a time constant that falls brings the new command sooner while what was sent is still
     felt.

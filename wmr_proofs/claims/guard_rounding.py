@@ -21,6 +21,7 @@ from wmr_proofs.relation import Relation, at_least, nonnegative, positive
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
 
+from .common import WAYS
 from .guard_axis import GuardAxis
 
 
@@ -122,7 +123,7 @@ STATED = (
     "u1, -K <= net = dbar - f_min; brake >= net + {half_spare} K; 2 nbar, f_speed <= u1 (1 - "
     "{spare})"
 )
-PARTS = ("force-ahead", "force-back", "size", "anchor", "linear-first", "rotation-first", "torques")
+PARTS = ("force", "size", "anchor", "maps", "torques")
 
 
 def _words(precision: Precision, name: str, meaning: str, numbers: str) -> dict[str, Any]:
@@ -158,26 +159,22 @@ PRECISIONS = (
         "to 2^-24",
     ),
 )
-FORCE_WAYS: tuple[dict[str, Any], ...] = (
-    {"word": "ahead", "way": 1, "sign": "", "known": "", "premises": ""},
-    {"word": "back", "way": -1, "sign": "-", "premises": " guard.{name}.force-ahead",
-     "known": "; lo(y) = -hi(-y) by guard.{name}.force-ahead"},
-)  # fmt: skip
 claim = Claims(by=Z3(), premises="assumption.libm")
 
 
 @claim(
-    "guard.{name}.force-{word}",
-    given="{stated}; |v| <= u1, |y - v| <= nbar + {unit} |v|{rounds}{known}",
-    premises="assumption.libm{premises}",
-    over=[precision | way for precision in PRECISIONS for way in FORCE_WAYS],
+    "guard.{name}.force",
+    given="{stated}; |v| <= u1, |y - v| <= nbar + {unit} |v|{rounds}; back, lo(y) = -hi(-y) is "
+    "what this says ahead",
+    over=PRECISIONS,
+    each=WAYS,
 )
 def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
-    """the computed force F^ has {sign}F^ + net + 432 {unit} K <= max(M_min alpha (u1 (1 - {left}) -
-    max({sign}v, f_speed)), 0).
+    """the computed force F^ has F^ + net + 432 {unit} K <= max(M_min alpha (u1 (1 - {left}) -
+    max(v, f_speed)), 0), and the same of -F^ and -v.
 
-    The computed force keeps the limit {word}, with room for the rounding of the wheels' torques;
-    the braking branch is included.
+    The computed force keeps the limit ahead and back, with room for the rounding of the wheels'
+    torques; the braking branch is included.
     """
     # Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored.
     a = RoundedAxis(precision=precision)
@@ -218,14 +215,15 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
 
 
 @claim(
-    "guard.{name}.{kind}",
+    "guard.{name}.maps",
     given="any phi and l > 0; |F_i| <= G_i, |safe_i| <= cap_i <= G_i, cap1 + cap2/l <= phi (1 + "
     "{reach}){rounds}",
-    over=tuple(precision | {"kind": kind} for precision in PRECISIONS for kind in MAPS),
+    over=PRECISIONS,
+    each={kind: {"kind": kind} for kind in MAPS},
 )
 def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
-    """{kind} as computed ends between the asked force and the safe point, to 12 {unit} (G1 + G2/l)
-    in N, l times that in N m.
+    """each map as computed ends between the asked force and the safe point, to 12 {unit} (G1 +
+    G2/l) in N, l times that in N m.
 
     The rounding of the torque limit does not undo the guard.
     """

@@ -29,70 +29,66 @@ _CAPPED = (
     "0)/alpha <= M_min (u1 - f_speed), mixed (largest + net) <= M_min (u1 - 2 nbar) "
     "(guard.late.caps)"
 )
-CAPS = f"{SIGNS}, alpha T <= 1, 0 < J <= T, J <= mixed <= usual <= late, {_CAPPED}"
-CAPS_STEADY = f"{SIGNS}, alpha T <= 1, 0 <= mixed <= usual <= late, {_CAPPED}"
+CAPS = f"{SIGNS}, alpha T <= 1, 0 <= J <= T, J <= mixed <= usual <= late, {_CAPPED}"
 _AT_ONCE: dict[str, Any] = {
-    "a": GuardAxis(AT_ONCE), "caps": NUMBERS_FREE, "enough": "{caps}", "rests": "",
+    "axes": {"": GuardAxis(AT_ONCE)}, "caps": NUMBERS_FREE, "enough": "{caps}", "rests": "",
     "capped": "", "seen": "|y - v| <= nbar", "inside": "{caps}; |v| <= u1, {seen}", "kept": "",
-    "acts": "M_min <= M <= M_max", "v": "{sign}v", "where": "", "counts": "", "filled": "",
-    "spare": "D >= 0, (brakes - net) M_min >= M_max D", "late": "", "steady": "", "over": "",
-    "range": "",
+    "acts": "M_min <= M <= M_max", "v": "v", "where": "", "counts": "", "filled": "",
+    "spare": "D >= 0, (brakes - net) M_min >= M_max D", "late": "", "over": "", "only": "",
 }  # fmt: skip
 _DELAYED = _AT_ONCE | {
-    "a": GuardAxis(DELAYED),
+    "axes": {"": GuardAxis(DELAYED)},
     "caps": f"{SIGNS}, delay > 0, alpha T <= 1; 0 <= brakes, net <= brakes <= largest "
     "(guard.delay.caps)", "enough": "{caps}; guard.{at}room", "capped": "guard.delay.caps",
     "rests": "guard.{at}room {capped}", "inside": "{seen}; {caps}; lo <= hi",
     "kept": "guard.{at}feasible",
-    "seen": "|y - v| <= nbar; v+ where the new command takes over is at most max({sign}v, f_speed) "
+    "seen": "|y - v| <= nbar; v+ where the new command takes over is at most max(v, f_speed) "
     "plus the sum that is counted, at least 0 (guard.delay.command, guard.delay.queue)",
     "where": " where the new command takes over",
-    "filled": "; lo <= hi (guard.{at}feasible)", "spare": "D >= 0, brakes - net >= D",
+    "filled": "; backwards lo <= hi (guard.{at}feasible)", "spare": "D >= 0, brakes - net >= D",
     "late": " + delay",
 }  # fmt: skip
 _LATE = _DELAYED | {
-    "a": GuardAxis(LATE), "caps": CAPS, "capped": "guard.late.caps", "v": "v+",
+    "axes": {"jitter": GuardAxis(LATE), "steady": GuardAxis(LATE, varies=False)}, "caps": CAPS,
     "seen": "v+ when it may first take over <= max(max(m, f_speed) + mean, f_speed + rest), m the "
     "mean that was measured as y to within nbar (guard.late.mean)",
+    "capped": "guard.late.caps", "v": "v+", "rests": "guard.{at}room guard.late.steady.room "
+    "{capped}", "enough": "{caps}; guard.{at}room, for J = 0 guard.late.steady.room",
     "acts": "it takes over up to J later and acts up to T + J - that, M_min <= M <= M_max",
-    "over": "; it takes over up to J later, M_min <= M <= M_max", "range": ", 0 < J <= T",
+    "over": "; it takes over up to J later, M_min <= M <= M_max",
     "inside": "guard.{at}left; {caps}; lo <= hi",
     "kept": "guard.{at}feasible guard.{at}left",
 }  # fmt: skip
 _LAGGING = _LATE | {
-    "a": GuardAxis(LAGGING), "seen": "guard.{at}counts", "filled": "", "v": "what is reached",
-    "counts": "guard.{at}counts", "over": "",
+    "axes": {"jitter": GuardAxis(LAGGING), "steady": GuardAxis(LAGGING, varies=False)},
+    "seen": "guard.{at}counts", "filled": "", "v": "what is reached", "counts": "guard.{at}counts",
+    "over": "", "rests": "guard.{at}room {capped}", "enough": "{caps}; guard.{at}room",
 }  # fmt: skip
-STEADY = {"steady": "; the delay does not vary, J = 0", "caps": CAPS_STEADY, "range": ""}
 KINDS: dict[str, dict[str, Any]] = {
-    "": _AT_ONCE,
-    "delay.": _DELAYED,
-    "late.": _LATE,
-    "late.steady.": _LATE | STEADY | {"a": GuardAxis(LATE, varies=False)},
-    "varying.": _LAGGING,
-    "varying.steady.": _LAGGING | STEADY | {"a": GuardAxis(LAGGING, varies=False)},
-}
+    "": _AT_ONCE, "delay.": _DELAYED, "late.": _LATE, "varying.": _LAGGING,
+    "late.steady.": _LATE | {"only": "steady.", "axes": {"": GuardAxis(LATE, varies=False)}},
+}  # fmt: skip
 """Axes by how their ids begin, and what the claims' texts say of each."""
-_FORWARDS = {
-    "way": 1, "sign": "", "against": "-", "back": "", "limit": "upper", "behind": "",
-    "face": "forwards",
-}  # fmt: skip
-_BACKWARDS = {
-    "way": -1, "sign": "-", "against": "", "back": "-back", "limit": "lower", "behind": "{filled}",
-    "face": "backwards",
-}  # fmt: skip
+ALL = "", "delay.", "late.", "varying."
+WAYS = {"forwards": {"way": 1}, "backwards": {"way": -1}}
 
 
 def on(*kinds: str, back: bool = False) -> list[dict[str, Any]]:
     """Tables of a claim about these axes, forwards and, with ``back``, backwards."""
-    ways = (_FORWARDS, _BACKWARDS) if back else (_FORWARDS,)
-    return [KINDS[kind] | way | {"at": kind} for way in ways for kind in kinds]
+    found, ways = [], WAYS if back else {"": {"way": 1}}
+    for kind in kinds:
+        row = KINDS[kind]
+        each = {f"{key}-{way}".strip("-"): {"a": a, **turned}
+                for key, a in row["axes"].items() for way, turned in ways.items()}  # fmt: skip
+        told = {"each": each} if len(each) > 1 else next(iter(each.values()))
+        found.append(row | {"at": kind.removesuffix(row["only"]), **told})
+    return found
 
 
 claim = Claims(by=Z3())
 
 
-@claim("guard.{at}feasible", given="{enough}{steady}", premises="{rests}", over=on(*KINDS))
+@claim("guard.{at}feasible", given="{enough}", premises="{rests}", over=on(*ALL))
 def feasible(mutation: Mutation, a: GuardAxis) -> Statement:
     """lo(y) <= hi(y) for every y, whatever was sent.
 
@@ -101,7 +97,12 @@ def feasible(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a.symbols, (at_least(a.hi, a.lo),), a.can_brake(mutation(1, 1.01)), a.rooms)
 
 
-@claim("guard.{at}largest", given="{caps}", premises="guard.{at}caps", over=on("delay.", "late."))
+@claim(
+    "guard.{at}largest",
+    given="{caps}",
+    premises="guard.{at}caps",
+    over=on("delay.", "late."),
+)
 def largest(mutation: Mutation, a: GuardAxis) -> Statement:
     """|F| <= largest.
 
@@ -112,7 +113,12 @@ def largest(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a.symbols, goals, a.stated, a.rooms)
 
 
-@claim("guard.{at}anchor", given="{caps}", premises="{capped}", over=on("", "delay.", "late."))
+@claim(
+    "guard.{at}anchor",
+    given="{caps}",
+    premises="{capped}",
+    over=on("", "delay.", "late."),
+)
 def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
     """|clip(0, lo, hi)| <= brakes = min(brake, cap).
 
@@ -123,29 +129,30 @@ def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
 
 
 @claim(
-    "guard.{at}{limit}",
-    given="{inside}; {acts}{steady}",
+    "guard.{at}inside",
+    given="{inside}; {acts}",
     premises="{kept}",
-    over=on("", "delay.", "late.", "late.steady.", back=True),
+    over=on("", "delay.", "late.", back=True),
 )
-def upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
-    """v+ <= u1{where}: v+ + t max({sign}F + net, 0)/M <= u1 as long as it acts, v+ = max({sign}v,
-    f_speed), whatever the law asks for.
+def inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """v+ <= u1{where}: v+ + t max(F + net, 0)/M <= u1 as long as it acts, v+ = max(v, f_speed),
+    whatever the law asks for; and the same of -v and -F.
 
-    A robot within its limit stays within it, {face}.
+    A robot within its limit stays within it, forwards and backwards.
     """
     given = a.kept(way, mutation(1, 1.01))
     return Statement(a.symbols, (at_least(a.u1, a.then(way)),), given, a.rooms)
 
 
 @claim(
-    "guard.{at}outside{back}",
-    given="{seen}{over}; {caps}{behind}{steady}",
+    "guard.{at}outside",
+    given="{seen}{over}; {caps}{filled}",
     premises="{counts}",
-    over=on(*KINDS, back=True),
+    over=on(*ALL, back=True),
 )
 def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
-    """{v} > u1{where}: {sign}F + net <= -min(brakes - net, M_max ({v} - u1)/T) <= 0.
+    """{v} > u1{where}: F + net <= -min(brakes - net, M_max ({v} - u1)/T) <= 0; and the same of -v
+    and -F.
 
     Outside the limit no disturbance can make the robot faster, once earlier commands have ended.
     """
@@ -157,12 +164,13 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 
 @claim(
-    "guard.{at}return{back}",
-    given="{seen}, M_min <= M <= M_max; {caps}{behind}{steady}",
+    "guard.{at}{only}return",
+    given="{seen}, M_min <= M <= M_max; {caps}{filled}",
     over=on("", "delay.", "late.steady.", back=True),
 )
 def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
-    """{v} > u1{where}: a sample later {v} <= max(u1, {v} - T (brakes - net)/M).
+    """{v} > u1{where}: a sample later {v} <= max(u1, {v} - T (brakes - net)/M); and the same of
+    -v.
 
     Back within the limit once late commands have ended, after ceil(({v} - u1) M/(T (brakes - net)))
     samples, {v} being the speed then and M at worst M_max.
@@ -174,9 +182,10 @@ def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     return Statement(a.symbols, (goal,), a.outside(way, *a.during()), a.cuts)
 
 
-@claim("guard.no-overshoot{back}", given="{caps}; {acts}", over=on("", back=True))
+@claim("guard.no-overshoot", given="{caps}; {acts}", over=on("", back=True))
 def no_overshoot(mutation: Mutation, way: int) -> Statement:
-    """f_speed + t max({against}F + dbar - f_min, 0)/M <= u1, from every {sign}v, measured or not.
+    """f_speed + t max(net - F, 0)/M <= u1 and f_speed + t max(net + F, 0)/M <= u1, net = dbar -
+    f_min, from every v, measured or not.
 
     Braking from outside never throws the robot through the other limit.
     """
@@ -187,12 +196,12 @@ def no_overshoot(mutation: Mutation, way: int) -> Statement:
 
 
 @claim(
-    "guard.{at}graceful{back}",
-    given="{seen}, {acts}; {spare}; {caps}{behind}",
+    "guard.{at}graceful",
+    given="{seen}, {acts}; {spare}; {caps}{filled}",
     over=on("", "delay.", back=True),
 )
 def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
-    """|d| <= dbar + D keeps {sign}v <= u1 + D (T{late})/M_min.
+    """|d| <= dbar + D keeps v and -v <= u1 + D (T{late})/M_min.
 
     A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
     """
@@ -205,14 +214,14 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 
 @claim(
-    "guard.{at}graceful{back}",
+    "guard.{at}graceful",
     given="guard.{at}left with D (late - J)/M_min more; {acts}, to the end of that; D >= 0, "
-    "brakes - net >= D; {caps}{steady}",
+    "brakes - net >= D; {caps}",
     premises="guard.{at}left",
-    over=on("late.", "late.steady.", back=True),
+    over=on("late.", back=True),
 )
 def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
-    """|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min, for {sign}v.
+    """|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min, for v and -v.
 
     A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
     """
@@ -230,11 +239,7 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     return Statement(a.symbols, (at_least(limit, end),), given, cuts)
 
 
-@claim(
-    "guard.{at}left",
-    given=f"{{seen}}; {SIGNS}, alpha T <= 1{{range}}{{steady}}",
-    over=on("late.", "late.steady."),
-)
+@claim("guard.{at}left", given=f"{{seen}}; {SIGNS}, alpha T <= 1, 0 <= J <= T", over=on("late."))
 def left(mutation: Mutation, a: GuardAxis) -> Statement:
     """room + J max(F_1 + net, 0)/M_min and (1 + alpha J) room are at most u1 less v+ when the new
     command may first take over; either way.

@@ -49,37 +49,30 @@ def larger(one: ca.SX, other: ca.SX) -> ca.SX:
     "guard.{name}",
     given="{given}",
     over=(
-        {"name": "delay.caps", "a": GuardAxis(DELAYED), "given": FEASIBLE, "shared": 1.01,
-         "told": ""},
-        {"name": "late.caps", "a": GuardAxis(LATE), "given": JITTERY, "shared": 1.01,
-         "told": JITTERS},
-        {"name": "late.mixed", "a": GuardAxis(LATE), "given": JITTERY, "mixed": 0.99,
-         "told": f"{JITTERS} (altered in another place)"},
+        {"name": "delay.caps", "a": GuardAxis(DELAYED), "given": FEASIBLE, "told": ""},
+        {"name": "late.caps", "a": GuardAxis(LATE), "given": JITTERY, "told": JITTERS},
     ),
-)  # fmt: skip
-def caps(mutation: Mutation, a: GuardAxis, shared: float = 1, mixed: float = 1) -> Statement:
+)
+def caps(mutation: Mutation, a: GuardAxis) -> Statement:
     """brakes = min(brake, cap): 0 <= brakes, net <= brakes <= largest, and late (largest +
     net)/M_min + max(brakes + net, 0)/(M_min alpha) <= u1 - f_speed{told}.
 
     The caps divide the room between rest and the limit among late commands, braking and jitter.
     """
-    spread = [] if a.both_act.is_zero() else [a.apart(mutation(1, mixed))]
-    goals = (*a.capped, a.shared(mutation(1, shared)), *spread)
+    spread = [] if a.both_act.is_zero() else [a.apart(mutation(1, 0.99))]
+    goals = (*a.capped, a.shared(mutation(1, 1.01)), *spread)
     return Statement(a.symbols, goals, a.feasible())
 
 
 @claim(
-    "guard.delay.command{suffix}",
+    "guard.delay.command",
     given="one command; |F_j| <= largest, |y - v| <= nbar, M_min <= M <= M_max; {caps}",
-    over=(
-        {**on("delay.")[0], "suffix": "", "place": 0, "which": "first axis"},
-        {**on("delay.")[0], "suffix": "-angular", "place": 1,
-         "which": "second axis, whatever the first is sent"},
-    ),
-)  # fmt: skip
+    over=on("delay."),
+    each={"linear": {"place": 0}, "angular": {"place": 1}},
+)
 def command(mutation: Mutation, place: int) -> Statement:
     """max(F_j + net, 0) + max(net - F_j, 0) <= largest + net for a single command under way, and v
-    and -v at most the guard's count as long as it acts; {which}.
+    and -v at most the guard's count as long as it acts; each axis, whatever the other is sent.
 
     The guard counts the most that a command under way can do, even if it acts for a shorter time.
     """
@@ -242,7 +235,7 @@ def late_room(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "guard.{at}room",
+    "guard.{at}{only}room",
     given="{sums}; {caps}",
     premises="{capped} guard.{one}",
     over=(

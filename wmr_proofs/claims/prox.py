@@ -18,7 +18,7 @@ from wmr_proofs.relation import AT_LEAST, Relation, above, at_least, equal, nonn
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
-from .common import BARRIERS
+from .common import EITHER_BARRIER
 
 ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
 
@@ -40,15 +40,9 @@ def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
 map_claim = Claims(by=Z3())
 
 
-def smooth_or_not(*equations: int) -> tuple[dict[str, object], ...]:
-    """Both barriers; the paper's equations are about its own."""
-    paper, smooth = BARRIERS
-    return paper | {"equations": equations}, smooth
-
-
-@map_claim("prox.optimal{key}", given=ANY, over=smooth_or_not(14, 15, 18))
+@map_claim("prox.optimal", (14, 15, 18), given=ANY, each=EITHER_BARRIER)
 def optimal(mutation: Mutation, smooth: bool) -> Statement:
-    """c - X_k(c) is in k df(X_k(c)) and |X_k(c)| < v_u1 ({words}).
+    """c - X_k(c) is in k df(X_k(c)) and |X_k(c)| < v_u1, with either barrier.
 
     The closed form is the nearest velocity inside the limit.
     """
@@ -65,10 +59,10 @@ def optimal(mutation: Mutation, smooth: bool) -> Statement:
 
 
 @map_claim(
-    "prox.monotone{key}", given="every 0 < v_u2 < v_u1, |x| < v_u1", over=smooth_or_not(14, 15)
+    "prox.monotone", (14, 15), given="every 0 < v_u2 < v_u1, |x| < v_u1", each=EITHER_BARRIER
 )
 def monotone(mutation: Mutation, smooth: bool) -> Statement:
-    """(f'(x1) - f'(x2)) (x1 - x2) >= 0, the corner's slopes included ({words}).
+    """(f'(x1) - f'(x2)) (x1 - x2) >= 0, the corner's slopes included, with either barrier.
 
     The barrier is convex.
     """
@@ -114,14 +108,14 @@ def prox_root(mutation: Mutation) -> Statement:
 
 
 @map_claim(
-    "prox.short{key}",
+    "prox.short",
     given="every 0 < v_u2 < v_u1 <= C, k > 0, |c| < 1e100",
     premises="prox.root",
-    over=BARRIERS,
+    each=EITHER_BARRIER,
 )
 def short(mutation: Mutation, smooth: bool) -> Statement:
-    """|c| <= C implies |X_k(c)| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with {bound} <= k
-    ({words}).
+    """|c| <= C implies |X_k(c)| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with m (m + C -
+    v_u1 + b) <= k, b = 0 with the paper's barrier and k/(v_u1 - v_u2) with the smooth one.
 
     The nearer the target, the farther below the limit its nearest velocity.
     """
@@ -174,9 +168,9 @@ class Step:
 claim = Claims(by=Z3(), given="0 < v_u2 < v_u1, 0 < E < 1")
 
 
-@claim("prox.inside{key}", over=BARRIERS)
+@claim("prox.inside", each=EITHER_BARRIER)
 def inside(mutation: Mutation, smooth: bool) -> Statement:
-    """|v+| < v_u1 for every v, c, c_m, c+, over the real numbers ({words}).
+    """|v+| < v_u1 for every v, c, c_m, c+, over the real numbers, with either barrier.
 
     The law never aims beyond the limit, wherever the robot is. In doubles v+ can round to v_u1
     itself (from |c+| of about 1e17 on).
@@ -187,13 +181,14 @@ def inside(mutation: Mutation, smooth: bool) -> Statement:
 
 
 @claim(
-    "prox.contracts{key}",
+    "prox.contracts",
     given="0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+ below 1e100 in size, v_u1 as well",
-    premises="prox.optimal{key} prox.monotone{key} prox.not-expansive transport.level{key}",
-    over=BARRIERS,
+    premises="prox.optimal prox.monotone prox.not-expansive transport.level",
+    each=EITHER_BARRIER,
 )
 def contracts(mutation: Mutation, smooth: bool) -> Statement:
-    """|w+| <= E (|w| + |c+ - c_m|), w = v - v_c1 before (at c) and after (at c+) ({words}).
+    """|w+| <= E (|w| + |c+ - c_m|), w = v - v_c1 before (at c) and after (at c+), with either
+    barrier.
 
     The distance to a target that moves shrinks by E in every sample, however long the sample is,
     but for the part of the target's way that is not carried along.
@@ -211,14 +206,14 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
 
 
 @claim(
-    "prox.decay{key}",
+    "prox.decay",
     given="0 < v_u2 < v_u1, 0 < E < 1; v_u1, |c+| < 1e100; |v*| < v_u1; V1i above its tangent at "
     "v+, at v* and v_c1+",
-    premises="prox.optimal{key} {convex} transport.inside{key}",
-    over=BARRIERS,
+    premises="prox.optimal convex smooth.convex transport.inside",
+    each=EITHER_BARRIER,
 )
 def decay(mutation: Mutation, smooth: bool) -> Statement:
-    """V1i(v+; c+) <= E^2 V1i(v*; c+) ({words}).
+    """V1i(v+; c+) <= E^2 V1i(v*; c+), with either barrier.
 
     From the velocity that was carried along V1 falls by exp(-rho T) in a sample, whatever the
     period and the targets.
@@ -237,13 +232,13 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
 
 
 @claim(
-    "prox.linear{key}",
+    "prox.linear",
     given="0 < v_u2 < v_u1, v_u2 < 1e100, 0 < E < 1",
-    premises="transport.plain{key}",
-    over=BARRIERS,
+    premises="transport.plain",
+    each=EITHER_BARRIER,
 )
 def linear(mutation: Mutation, smooth: bool) -> Statement:
-    """v+ = E v* + (1-E) c+ where that is at most v_u2 in size ({words}).
+    """v+ = E v* + (1-E) c+ where that is at most v_u2 in size, with either barrier.
 
     Away from the limits the law closes the distance to its target by E in a sample.
     """
@@ -255,14 +250,15 @@ def linear(mutation: Mutation, smooth: bool) -> Statement:
 
 
 @claim(
-    "prox.margin{key}",
+    "prox.margin",
     given="0 < v_u2 < v_u1 <= C < 1e99, 0 < E < 1",
-    premises="transport.inside{key} prox.short{key}",
-    over=BARRIERS,
+    premises="transport.inside prox.short",
+    each=EITHER_BARRIER,
 )
 def margin(mutation: Mutation, smooth: bool) -> Statement:
     """|v*| <= v_u1 and |c+| <= C imply |v+| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with m (m +
-    (1-E) ({C_less})) <= 1 - E ({words}).
+    (1-E) (C - v_u1 + b)) <= 1 - E, b = 0 with the paper's barrier and 1/(v_u1 - v_u2) with the
+    smooth one.
 
     How far below the limit the law aims, which is what a push may take back.
     """
@@ -281,7 +277,7 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     given="0 < E < 1; V1i(v*; c_m) <= V1i(v; c), S(v*; c+) <= S(v*; c_m) + |c+ - c_m|, V1i(v+; "
     "c+) <= E^2 V1i(v*; c+)",
     by=Z3(),
-    premises="prox.decay prox.decay-smooth transport.level transport.level-smooth transport.root",
+    premises="prox.decay transport.level transport.root",
 )
 def rises(mutation: Mutation) -> Statement:
     """S(v+; c+) <= E (S(v; c) + |c+ - c_m|), S = sqrt(2 V1i); c_m = c+: V1i(v+; c+) <= E^2 V1i(v;

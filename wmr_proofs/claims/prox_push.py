@@ -15,9 +15,7 @@ from wmr_proofs.relation import Relation, above, at_least, equal, every, positiv
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, symbols
 
-from .common import VELOCITY_NAMES, LawGraph, named_axes
-
-AXES = named_axes()
+from .common import BOTH_AXES, VELOCITY_NAMES, LawGraph
 
 
 class Sampled(Named):
@@ -114,9 +112,9 @@ def assembled(mutation: Mutation, part: str) -> Statement:
     return Statement(t | free, goals, cuts=dict(zip(free, steps, strict=True)))
 
 
-@claim("prox.force{of}", given="T, M > 0; F1(v+) and v+ whatever they are", over=AXES)
+@claim("prox.force", given="T, M > 0; F1(v+) and v+ whatever they are", each=BOTH_AXES)
 def force(mutation: Mutation, axis: int) -> Statement:
-    """on the law's graph v + T (F - F1(v+) - f)/M = v+, {where} axis.
+    """on the law's graph v + T (F - F1(v+) - f)/M = v+, on each axis.
 
     With the model exact the law's force leads to the velocity that it aims at in one period; f is
     what the observer adds.
@@ -127,14 +125,14 @@ def force(mutation: Mutation, axis: int) -> Statement:
 
 
 @claim(
-    "prox.pushed{of}",
+    "prox.pushed",
     given="T, M > 0, mass right; w+ the distance to the actual target, c+ + eps",
-    premises="prox.contracts prox.contracts-smooth prox.not-expansive",
-    over=AXES,
+    premises="prox.contracts prox.not-expansive",
+    each=BOTH_AXES,
 )
 def pushed(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, for M v' = F - F1(v+) + d over a period: |w+| <= E (|w| + |c+ - c_m|) + T
-    |f + d|/M + |eps|, {where} axis.
+    |f + d|/M + |eps|, on each axis.
 
     What a push costs in one sample, at every speed: the part that the observer does not compensate,
     over the mass. There is no speed from which a push is stronger than the law.
@@ -150,15 +148,14 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
 
 
 @claim(
-    "prox.limit{of}",
+    "prox.limit",
     given="T, M > 0; |v+| <= v_u1 - m (prox.margin), |T (f + d)/M| <= m, F1(v+) as believed",
-    premises="prox.margin prox.margin-smooth transport.inside transport.inside-smooth "
-    "lemma.sampling",
-    over=AXES,
+    premises="prox.margin transport.inside lemma.sampling",
+    each=BOTH_AXES,
 )
 def limit(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass right, no guard, torque not limited: from |v| <= v_u1, |c+| <= C to
-    |v| <= v_u1 at the next sample, {where} axis.
+    |v| <= v_u1 at the next sample, on each axis.
 
     The limits that the law keeps by itself; the guard keeps them under weaker conditions.
     """
@@ -176,14 +173,14 @@ def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relation:
 
 
 @claim(
-    "prox.gain.step{of}",
+    "prox.gain.step",
     given="T, M > 0, 0 < E < 1; |v+ - x+| <= E (|w| + r) (prox.contracts), |f + d| <= p, the "
     "target's next value off by at most eps; W (1 - E) = T p/M + eps + E r",
-    premises="prox.contracts prox.contracts-smooth",
-    over=AXES,
+    premises="prox.contracts",
+    each=BOTH_AXES,
 )
 def gain_step(mutation: Mutation, axis: int) -> Statement:
-    """on the law's graph: max(|w+| - W, 0) <= E max(|w| - W, 0), {where} axis.
+    """on the law's graph: max(|w+| - W, 0) <= E max(|w| - W, 0), on each axis.
 
     One term of the series that prox.gain sums up.
     """
@@ -197,10 +194,10 @@ def gain_step(mutation: Mutation, axis: int) -> Statement:
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
 
-@claim("prox.gain.observer{of}", given="as prox.observer; |d - d_old| <= L P", over=AXES)
+@claim("prox.gain.observer", given="as prox.observer; |d - d_old| <= L P", each=BOTH_AXES)
 def gain_observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, L = 1 - exp(-wo T): max(|f + d| - P, 0) <= (1 - L) max(|f_old + d_old| -
-    P, 0), {where} axis.
+    P, 0), on each axis.
 
     One term of the observer's series in prox.gain.
     """
@@ -227,13 +224,13 @@ def observer_first(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "prox.observer{of}",
+    "prox.observer",
     given="after the first sample; T, M, r, l, wo > 0; M (v - v_old)/T = F_applied - F1 + d_old "
     "with the believed M and F1 at the middle velocity; d acts from now on",
-    over=AXES,
+    each=BOTH_AXES,
 )
 def observer(mutation: Mutation, axis: int) -> Statement:
-    """on the law's graph f + d = exp(-wo T) (f_old + d_old) + d - d_old, {where} axis.
+    """on the law's graph f + d = exp(-wo T) (f_old + d_old) + d - d_old, on each axis.
 
     The observer compensates a push at the rate wo; what remains comes from the push's changes.
     """
@@ -244,10 +241,10 @@ def observer(mutation: Mutation, axis: int) -> Statement:
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
-@claim("prox.observer-bound{of}", given="as prox.observer; 0 < exp(-wo T) < 1", over=AXES)
+@claim("prox.observer-bound", given="as prox.observer; 0 < exp(-wo T) < 1", each=BOTH_AXES)
 def observer_bound(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, with L = 1 - exp(-wo T): |d_old|, |f_old| <= D imply |f| <= D; L |f_old +
-    d_old|, |d - d_old| <= D imply L |f + d| <= D, {where} axis.
+    d_old|, |d - d_old| <= D imply L |f + d| <= D, on each axis.
 
     What the observer leaves over is at most 2 sup |d|, and at most the largest change of d from
     sample to sample over L.

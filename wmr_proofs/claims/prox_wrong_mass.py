@@ -13,8 +13,8 @@ from wmr_proofs.relation import above, at_least, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
-from .common import VELOCITY_NAMES
-from .prox_push import AXES, Sampled
+from .common import BOTH_AXES, VELOCITY_NAMES, named_axes
+from .prox_push import Sampled
 
 
 def _matrix(mu: ca.SX, a: ca.SX, share: ca.SX) -> ca.SX:
@@ -25,18 +25,18 @@ def _matrix(mu: ca.SX, a: ca.SX, share: ca.SX) -> ca.SX:
 FAST = {"L": "0.3", "least": "1/4", "p": "1/6", "s": "53/5", "g": "0.93"}
 GENTLE = {"L": "0.07", "least": "1/10", "p": "1/5", "s": "60", "g": "0.993"}
 MASSES = "target held, M/M^ anywhere in [3/5, 8/5] and another one in each sample"
-LOOP = "prox.loop-force prox.loop-force-angular prox.loop-observer prox.loop-observer-angular"
+LOOP = "prox.loop-force prox.loop-observer prox.loop-observer-angular"
 BELIEFS = rows(key=("", "-gentle"), numbers=(FAST, GENTLE))
 claim = Claims(by=Z3())
 
 
 @claim(
-    "prox.loop-force{of}",
+    "prox.loop-force",
     given="T, M^ > 0; target held, v+ = v - a w; no disturbance, F1(v+) compensated",
-    over=AXES,
+    each=BOTH_AXES,
 )
 def loop_force(mutation: Mutation, axis: int) -> Statement:
-    """on the law's graph, mass M = M^/mu: w+ = (1 - mu a) w + mu q, q = T f/M^, {where} axis.
+    """on the law's graph, mass M = M^/mu: w+ = (1 - mu a) w + mu q, q = T f/M^, on each axis.
 
     How a wrong mass changes the step.
     """
@@ -74,7 +74,7 @@ def sampled_before(axis: int) -> Both:
     "prox.loop-observer{of}",
     given="as prox.loop-force, one sample later; F1 between the samples compensated",
     by=sampled_before,
-    over=AXES,
+    over=named_axes(),
 )
 def loop_observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass M = M^/mu: q+ = (1 - L mu) q - L a (1 - mu) w, {where} axis.

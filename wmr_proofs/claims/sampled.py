@@ -25,7 +25,7 @@ from wmr_proofs.relation import Relation, above, at_least, between, equal, posit
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
-from .common import NO_SERIES, VELOCITY_NAMES, LawGraph
+from .common import BOTH_AXES, NO_SERIES, VELOCITY_NAMES, LawGraph
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,6 @@ class NewtonStep:
 HELD = (
     'paper\'s barrier, decay = "exact", c held, model exact, |v| < v_u1 below the clip; v != v_c1'
 )
-AXES = rows(axis=(0, 1), of=("", "-angular"), where=("", " (angular axis)"))
 newton_claim = Claims(given=f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}")
 
 
@@ -232,10 +231,10 @@ def above_tangent(mutation: Mutation) -> Statement:
     return Statement(t, (at_least(barrier.lyapunov(y, c, u1, u2), line),), given, least)
 
 
-@newton_claim("prox.newton-side{of}", by=Z3(), premises="P5", over=AXES)
+@newton_claim("prox.newton-side", by=Z3(), premises="P5", each=BOTH_AXES)
 def side(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph v+ lies between v and v_c1, at most exp(-rho T) nearer: exp(-rho T) w^2 <=
-    (v+ - v_c1) w <= w^2{where}.
+    (v+ - v_c1) w <= w^2; on each axis.
 
     One sample never carries the velocity past its target, whatever the period.
     """
@@ -247,14 +246,14 @@ def side(mutation: Mutation, axis: int) -> Statement:
 
 
 @newton_claim(
-    "prox.newton{of}",
+    "prox.newton",
     by=Z3(),
-    premises="prox.newton-side{of} convex forms.quotient P3 eq78 eq18.inside",
-    over=AXES,
+    premises="prox.newton-side convex forms.quotient P3 eq78 eq18.inside",
+    each=BOTH_AXES,
 )
 def falls(mutation: Mutation, axis: int) -> Statement:
     """one Newton step towards exp(-rho T) V1 makes V1 fall and does not pass that level: exp(-rho
-    T) V1(v) <= V1(v+) < V1(v){where}.
+    T) V1(v) <= V1(v+) < V1(v); on each axis.
 
     The exact-decay option of the model-based law cannot overshoot, whatever the period. Steps
     repeated towards one level are each such a step (induction).

@@ -16,8 +16,9 @@ from wmr_proofs.relation import Relation, above, at_least, between, equal, nonne
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
-from .common import BARRIERS
+from .common import EITHER_BARRIER
 
+COMPILED = "forms.V1 forms.v_c1 P1.prox smooth.V1 smooth.v_c1"
 ANY = "0 < v_u2 < v_u1, any c, c+ and v"
 
 
@@ -71,15 +72,15 @@ def transport_share(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "transport.moves{key}",
+    "transport.moves",
     given=f"{ANY}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at the "
     "other target's v_c1",
-    premises="{convex} {least}",
-    over=BARRIERS,
+    premises="convex smooth.convex eq81 prox.optimal",
+    each=EITHER_BARRIER,
 )
 def moves(mutation: Mutation, smooth: bool) -> Statement:
     """with D = c+ - c, d = v_c1+ - v_c1, w = v - v_c1: -w D + d^2/2 <= V1i(v; c+) - V1i(v; c) <= -w
-    D + D d - d^2/2, hence <= -w D + D^2/2; and <= 0 where w d > 0, |d| <= |w| ({words}).
+    D + D d - d^2/2, hence <= -w D + D^2/2; and <= 0 where w d > 0, |d| <= |w|, with either barrier.
 
     How much V1 can change because its target moves; a target that comes nearer to the velocity
     lowers it.
@@ -108,14 +109,14 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
 
 
 @claim(
-    "transport.level{key}",
+    "transport.level",
     given=f"{ANY}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >= w^2/2",
-    premises="transport.share transport.moves{key} {convex} {optimal} {compiled}",
-    over=BARRIERS,
+    premises=f"transport.share transport.moves convex smooth.convex prox.optimal {COMPILED}",
+    each=EITHER_BARRIER,
 )
 def level(mutation: Mutation, smooth: bool) -> Statement:
     """V1i(v*; c+) <= V1i(v; c) where |v| < v_u1, and |v* - v_c1+| <= |v - v_c1| for every v
-    ({words}).
+    , with either barrier.
 
     Carrying the velocity along with its target raises neither V1 nor the distance.
     """
@@ -141,10 +142,10 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     return g.states((when(within, lost), at_least(w**2, left**2)), given)
 
 
-@claim("transport.inside{key}", given=ANY, premises="transport.share {optimal}", over=BARRIERS)
+@claim("transport.inside", given=ANY, premises="transport.share prox.optimal", each=EITHER_BARRIER)
 def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     """|v| <= v_u1 implies |v*| <= v_u1, |v| < v_u1 implies |v*| < v_u1, and c+ = c implies v* = v
-    ({words}).
+    , with either barrier.
 
     Nothing inside the limit is carried out of it; a target that is held carries nothing.
     """
@@ -157,13 +158,13 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
 
 
 @claim(
-    "transport.plain{key}",
+    "transport.plain",
     given="0 < v_u2 < v_u1; v_c1 = c, v_c1+ = c+, V0 = w^2/2, D1 = 0 there",
-    premises="{compiled} {optimal}",
-    over=BARRIERS,
+    premises=f"{COMPILED} prox.optimal",
+    each=EITHER_BARRIER,
 )
 def plain(mutation: Mutation, smooth: bool) -> Statement:
-    """|v|, |c|, |c+|, |v + c+ - c| <= v_u2 imply v* = v + c+ - c ({words}).
+    """|v|, |c|, |c+|, |v + c+ - c| <= v_u2 imply v* = v + c+ - c, with either barrier.
 
     Away from the limits the velocity is carried all the way.
     """
@@ -182,7 +183,7 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
 @claim(
     "transport.root",
     given="S, S+ >= 0, w^2 <= 2 V1i",
-    premises="transport.moves transport.moves-smooth eq81",
+    premises="transport.moves eq81",
 )
 def root(mutation: Mutation) -> Statement:
     """S(v; c+) <= S(v; c) + |c+ - c|, S = sqrt(2 V1i).

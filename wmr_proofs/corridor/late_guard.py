@@ -7,8 +7,8 @@ size N >= net, and P = sum tau_j F_j, the ceiling is at least F where
 
 and so without S y for a robot at rest, and without F for its safe point. With jitter J the last
 command counts for J more, or F for 1 + alpha J times as much; for pieces in which either of two
-commands may act, both are considered (ledger: corridor.guard-late-constant,
-corridor.guard-late-jitter, corridor.guard-sums).
+commands may act, both are considered (ledger: corridor.guard-late,
+corridor.guard-late, corridor.guard-sums).
 """
 
 from collections.abc import Iterator, Sequence

@@ -8,7 +8,7 @@ from typing import Any
 import z3
 
 from wmr_ctrl.results.ledger import REFUTED, Entry
-from wmr_proofs.statement import Statement
+from wmr_proofs.statement import Statement, own_point
 
 from .point import judged
 from .printed import printed
@@ -37,6 +37,8 @@ def of_entry(statement: Statement, entry: Entry) -> Iterator[Obligation]:
     both are expected to be satisfiable.
     """
     every = obligations(statement)
+    if statement.parts and entry.verdict == REFUTED:
+        raise NotImplementedError(f"{entry.id}: a counterexample to one of several parts")
     if entry.verdict != REFUTED:
         yield from every
         return
@@ -56,8 +58,14 @@ def obligations(
 ) -> Iterator[Obligation]:
     """Each goal and each domain, to be unsatisfiable; the hypotheses alone, to be satisfiable.
 
-    The latter are posed at ``point``, exact rationals as text, if one is given.
+    The latter are posed at ``point``, exact rationals as text, if one is given. Those of parts have
+    the parts' names behind theirs.
     """
+    for key, part in statement.parts.items():
+        for item in obligations(part, own_point(point or {}, part, key)):
+            yield replace(item, name=f"{item.name}-{key}")
+    if statement.parts:
+        return
     problem = posed(statement)
     for kind, terms in (("goal", problem.wrong), ("domain", problem.undefined)):
         for number, term in enumerate(terms, 1):

@@ -6,7 +6,7 @@ the branch of a choice that is not taken needs nothing.
 """
 
 from collections.abc import Callable, Container, Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
 from itertools import chain
@@ -19,7 +19,7 @@ import z3
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_proofs.graph import ARITHMETIC, COMPARE, Arithmetic, UndecidedError, Walk
 from wmr_proofs.relation import ABOVE, EQUAL
-from wmr_proofs.statement import Statement, behind
+from wmr_proofs.statement import Statement, behind, own_name
 
 from .point import first_violation, judge
 from .portfolio import Answer, Portfolio
@@ -27,6 +27,7 @@ from .spec import Z3, Finding, Point
 
 WORK = "work"
 """Key of the evidence: millions of units that z3 spent on the statement, see `portfolio`."""
+ENGINES_USED = "engines"
 
 
 class TermArithmetic(Arithmetic):
@@ -162,8 +163,10 @@ def _power(a: Any, b: Any) -> Any:
 def decide(statement: Statement, method: Z3) -> Finding:
     """PROVED if no goal can fail or be undefined and the hypotheses can be satisfied.
 
-    REFUTED by an exact point.
+    REFUTED by an exact point.  Of a statement that has parts each is decided by itself.
     """
+    if statement.parts:
+        return _in_parts(statement, method)
     known = _fitting(statement, method.points)
     found = first_violation(statement, known)
     if found is not None:
@@ -188,6 +191,32 @@ def decide(statement: Statement, method: Z3) -> Finding:
     return Finding(OPEN, {**_evidence(answers, engines), **_effort(engines)})
 
 
+def _in_parts(statement: Statement, method: Z3) -> Finding:
+    """The verdict on all parts, with the first counterexample, or a point that meets all."""
+    found, spent, point = list[Finding](), 0.0, dict[str, Fraction]()
+    flat = all(isinstance(names, str) for names in method.first)
+    for k, (key, part) in enumerate(statement.parts.items()):
+        first = method.first if flat else tuple(chain(*method.first[k : k + 1]))
+        one = decide(part, replace(method, effort=method.effort - spent, first=first))
+        own = {own_name(name, key): value for name, value in (one.point or {}).items()}
+        found.append(one)
+        if one.verdict == REFUTED:
+            return Finding(REFUTED, _all_evidence(found), own)
+        spent += one.evidence.get(WORK, 0)
+        point |= own
+    met = all(one.point is not None for one in found)
+    verdict = PROVED if {one.verdict for one in found} == {PROVED} else OPEN
+    return Finding(verdict, _all_evidence(found), point if met else None)
+
+
+def _all_evidence(found: Sequence[Finding]) -> dict[str, Any]:
+    """Evidence of the first part that is not proved, or the last, with the sums of all numbers."""
+    told = dict(next((one for one in found if one.verdict != PROVED), found[-1]).evidence)
+    for key in (key for key, value in told.items() if not isinstance(value, str | list)):
+        told[key] = round(sum(one.evidence.get(key, 0) for one in found), 1)
+    return told | {ENGINES_USED: [one.evidence.get(ENGINES_USED, []) for one in found]}
+
+
 def _fitting(statement: Statement, points: Sequence[Point]) -> list[Point]:
     """Points that have all inputs of the graph."""
     return [point for point in points if set(statement.graph.input_names) <= set(point)]
@@ -210,7 +239,7 @@ def _engines(answers: Sequence[Answer]) -> dict[str, list[str]]:
     names = [answer.engine for answer in answers]
     while names and not names[-1]:
         names.pop()
-    return {"engines": names} if names else {}
+    return {ENGINES_USED: names} if names else {}
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,7 @@ class Z3(Method):
     ``effort`` limits their total work on one statement, in millions of units, so whether an answer
     is found does not depend on the machine's load.  The default is about 30 s of a processor.
     ``first`` names for each question of the statement the engine that answered it before, if any;
-    it is called first.
+    it is called first.  Of a statement with parts it may have such names for each of them.
     """
 
     ENGINE: ClassVar[str] = "smt.decide"
@@ -81,7 +81,7 @@ class Z3(Method):
     NEEDS: ClassVar[tuple[str, ...]] = ("z3", "flint")
 
     effort: float = 60
-    first: tuple[str, ...] = ()
+    first: tuple[Any, ...] = ()
     points: Sequence[Point] = ()
 
 
