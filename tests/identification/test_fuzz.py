@@ -144,6 +144,8 @@ def messages(draw):
             count = len(named) if draw.random() > share else draw.randrange(4)
             numbers = [[odd(x) for x in (*way, 0.0, 0.0)[:count]] for _ in range(3)]
             rows.append(("/joint_states", JOINTS, at(), joints(at(), *numbers, names=named)))
+    if draw.random() < 0.1:
+        return [(draw.choice(["/odom", "/cmd_vel"]), *row[1:]) for row in rows]
     return rows
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import median_filter, percentile_filter
 
 from ..speed_loop import LOOPS, LoopFit, fitted
 from .log import AXES, Floats, LeftOut, Mask, Note, Pair, quick, usual_step
@@ -30,8 +30,8 @@ REST, LEAST_EXPECTED, LEAST_CHANGES = 2.0, 0.25, 2
 """Time at rest [s], speed expected over the quick ones', and changes of command in it, from which
 on the drivers are off.
 """
-LEVELS = 8
-"""Groups of commands of about one size."""
+LEVELS, USUAL = 8, 70
+"""Groups of commands of about one size, and per cent of their rows with the usual speed at most."""
 BEFORE_OFF, BEHIND_OFF = 0.3, 1.0
 """Time before and behind it that is left out, too [s]."""
 LEAST_SILENCE, PERIODS_SILENT = 0.3, 6.0
@@ -152,9 +152,9 @@ def off_stretches(rows: Samples) -> list[Pair]:
         fast, moves = quick(speed), np.flatnonzero(command)
         if not (fast > 0 and moves.size):
             continue
-        # The usual speed at commands of about this size.
+        # The speed at commands of about this size, of which some may be those of an off base.
         moves = moves[np.argsort(command[moves])]
-        usual = median_filter(speed[moves], 1 + moves.size // LEVELS, mode="nearest")
+        usual = percentile_filter(speed[moves], USUAL, 1 + moves.size // LEVELS, mode="nearest")
         expected[moves] = np.maximum(expected[moves], usual / fast)
         still = speed[command == 0]
         noise = 2 * quick(still, 0.9) if still.size > 20 else 0.0
