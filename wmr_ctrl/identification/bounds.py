@@ -15,7 +15,7 @@ import numpy as np
 from wmr_ctrl.core.data import data
 from wmr_ctrl.world.scenario import Scenario
 
-from .judgement import Judgement
+from .judgement import Judgement, Judgements
 from .kalman import BLOCKS
 from .logs.log import COMMAND, Floats, LeftOut, Names, Note, Pair, Texts
 from .written import toml_of
@@ -59,6 +59,9 @@ class Estimate(NamedTuple):
             "verdict": self.verdict,
             "seconds": list(self.seconds),
         }
+
+
+Estimates = Mapping[str, Estimate]
 
 
 @dataclass(frozen=True)
@@ -174,7 +177,7 @@ class BaseIdentification(ABC):
     """
 
     name: str
-    parameters: Mapping[str, Estimate]
+    parameters: Estimates
     bounds: GuardBounds | FilterBounds
     remarks: Texts
     score: Score
@@ -279,7 +282,7 @@ def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iter
         yield f"{listed} cannot be separated" + (f": {why}." if why else " by this log.")
 
 
-def loop_remarks(judgements: Sequence[Judgement], estimates: Mapping[str, Estimate]) -> list[str]:
+def loop_remarks(judgements: Judgements, estimates: Estimates) -> list[str]:
     """Remarks on which parameters of a speed loop the log determines, and which it does not."""
     remarks = [
         "gains are against the log's own measured speeds: an error in a wheel's radius or "

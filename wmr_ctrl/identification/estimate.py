@@ -35,7 +35,7 @@ from .fit import (
     scored,
     standard_errors,
 )
-from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement
+from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement, Judgements
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats, Pair
 from .logs.samples import AxisLog, Samples, differenced, forces, speeds, wheels
@@ -291,7 +291,7 @@ def free_runs(
     return foretold[:, 2:4], mean[begin, 2:4]
 
 
-def loop_estimates(judgements: Sequence[Judgement], period: float) -> dict[str, Estimate]:
+def loop_estimates(judgements: Judgements, period: float) -> dict[str, Estimate]:
     """Value, interval and verdict of each parameter, for the axes that were driven."""
     if not judgements:
         keys = [f"{name}{axis}" for axis in (1, 2) for name in LOOPS["first-order"]]

@@ -8,7 +8,7 @@ constant.  All are effects as shares of the speed, so that no distribution is as
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -130,6 +130,9 @@ class Judgement:
         """Findings that have a key, as plain data."""
         return [{"key": item.key, "axis": self.axis, "text": item.text}
                 for item in self.findings if item.key]  # fmt: skip
+
+
+Judgements = Sequence[Judgement]
 
 
 def judged(fit: LoopFit, other: LoopFit | None, axis: int) -> Judgement:

@@ -21,6 +21,7 @@ from .speed_loop import (
     RANGES,
     SIDED,
     LoopFit,
+    Values,
     fitted,
     foretold,
     searched,
@@ -40,7 +41,6 @@ PASSES, PLAIN = 15, 3
 SPEEDS = (0.03, 0.1, 0.3)
 """Time constants that fits are started from [s]."""
 GAIN_OF_BIC = 4.0
-Values = Mapping[str, float]
 Starts = Callable[[LoopFit], Sequence[Values]]
 
 

@@ -39,6 +39,8 @@ LOOPS: Mapping[str, Names] = with_tuples(_DATA["loops"])
 """Parameters of each loop."""
 NEUTRAL: dict[str, float] = _DATA["neutral"]
 """A set of parameters that changes nothing, by columns; decel is nan where it is as accel."""
+Values = Mapping[str, float]
+"""Numbers of a loop by name, SI units."""
 NUMBERS = 11
 """Columns that the compiled steps take."""
 PLACE = {name: place for place, name in enumerate(NEUTRAL)} | {"tau": 1, "wn": 1}
@@ -105,7 +107,7 @@ def _follower(loop: str) -> ct._NamedFuncPointer:
     return ct.CDLL(str(lanes_library("follow_loop.c", places, [step]))).wmr_follow_loop
 
 
-def foretold(log: AxisLog, loop: str, many: Sequence[Mapping[str, float]]) -> Floats:
+def foretold(log: AxisLog, loop: str, many: Sequence[Values]) -> Floats:
     """Speeds (N, P) predicted from the commands alone, for P sets of parameters.
 
     A parameter missing from a set has no effect.  Each stretch starts at rest, some time before its
@@ -146,7 +148,7 @@ class LoopFit(Pass):
     names: Names
     theta: Floats
     left: Floats
-    fixed: Mapping[str, float]
+    fixed: Values
 
     @property
     def bic(self) -> float:
@@ -242,7 +244,7 @@ def values_of(names: Names, theta: Floats) -> dict[str, float]:
     return {name: x if name in LINEAR else math.exp(x) for name, x in pairs}
 
 
-def searched(values: Mapping[str, float], names: Names) -> Floats:
+def searched(values: Values, names: Names) -> Floats:
     """Parameters in the scaling of the search."""
     return np.array([values[n] if n in LINEAR else math.log(values[n]) for n in names])
 
@@ -269,7 +271,7 @@ def finest(log: AxisLog) -> float:
 
 def fitted(
     log: AxisLog, loop: str, names: Names, theta: Floats, passes: int, plain: int = 0,
-    fixed: Mapping[str, float] | None = None,
+    fixed: Values | None = None,
 ) -> LoopFit:  # fmt: skip
     """Fit by Fisher scoring from ``theta``.
 

@@ -20,7 +20,7 @@ from wmr_ctrl.world.scenario.sections import BARRIER_FROM, Robot
 from wmr_ctrl.world.scenario.toml_io import raw_of
 from wmr_ctrl.world.scenario.unstated import KIND
 
-from .bounds import UNDETERMINED, Estimate, Origin
+from .bounds import UNDETERMINED, Estimates, Origin
 from .logs.log import UNITS, Log, Names
 from .logs.samples import Samples, held_speeds
 from .written import values_in
@@ -145,13 +145,13 @@ def written(scenario: Scenario) -> Scenario:
     return replace(scenario, assumed=tuple(filter(differs, scenario.assumed)))
 
 
-def undetermined(parameters: Mapping[str, Estimate]) -> list[str]:
+def undetermined(parameters: Estimates) -> list[str]:
     """Keys of the robot's mass and inertia that were fitted but are not determined."""
     fitted = {"robot.m": parameters.get("m"), "robot.I": parameters.get("I")}
     return [key for key, item in fitted.items() if item and item.verdict == UNDETERMINED]
 
 
-def not_found(sure: set[str], samples: Samples, parameters: Mapping[str, Estimate]) -> Names:
+def not_found(sure: set[str], samples: Samples, parameters: Estimates) -> Names:
     """Keys that a scenario must state, but that neither the log nor a user gives."""
     still = [f"{LIMITS}[{axis}]" for axis in (1, 2) if held_speeds(samples)[axis - 1] <= LEAST_SEEN]
     missing = [key for key in undetermined(parameters) if key not in sure]

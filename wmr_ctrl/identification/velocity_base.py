@@ -15,14 +15,14 @@ from wmr_ctrl.world.scenario import Scenario, override
 from .bounds import (
     UNDETERMINED,
     BaseIdentification,
-    Estimate,
+    Estimates,
     FilterBounds,
     Traces,
     loop_remarks,
 )
 from .estimate import bare_scenario, cut_of, loop_estimates, loop_score
 from .fit import Tell
-from .judgement import NOT_EXPLAINED, Judgement, bent, judged
+from .judgement import NOT_EXPLAINED, Judgements, bent, judged
 from .logs.lint import check_following
 from .logs.log import COMMAND, Pair
 from .logs.samples import AxisLog, Samples, axis_log
@@ -120,8 +120,8 @@ def same_loop(axes: list[AxisLog], driven: list[bool], tell: Tell) -> Fits:
 def _scenario(
     base: Scenario,
     log: Samples,
-    judgements: Sequence[Judgement],
-    estimates: Mapping[str, Estimate],
+    judgements: Judgements,
+    estimates: Estimates,
     remarks: list[str],
 ) -> tuple[FilterBounds, Scenario]:
     """The base's scenario; its filter is on if its numbers can be met."""
@@ -175,8 +175,8 @@ def _scenario(
 
 def _filtered(
     result: Scenario,
-    judgements: Sequence[Judgement],
-    estimates: Mapping[str, Estimate],
+    judgements: Judgements,
+    estimates: Estimates,
     far: Sequence[float],
     remarks: list[str],
 ) -> Scenario:
@@ -205,8 +205,8 @@ def _deviation(fit: LoopFit) -> float:
 
 def _against(
     stated: Scenario,
-    judgements: Sequence[Judgement],
-    estimates: Mapping[str, Estimate],
+    judgements: Judgements,
+    estimates: Estimates,
     far: Sequence[float],
 ) -> str:
     """Reason why a filter cannot be based on the log; "" if there is none."""
@@ -233,9 +233,7 @@ def _against(
     return too_far(stated, far) or refusal(stated, check_filter)
 
 
-def _never_sent(
-    stated: Scenario, judgements: Sequence[Judgement], peaks: Sequence[PeakGain]
-) -> list[str]:
+def _never_sent(stated: Scenario, judgements: Judgements, peaks: Sequence[PeakGain]) -> list[str]:
     """Remarks on axes and directions whose commands stayed far below a clip's largest."""
     remarks = []
     for item, limit, peak in zip(judgements, stated.limits.v_u1, peaks, strict=True):
@@ -252,7 +250,7 @@ def _never_sent(
 
 
 def _ends(
-    base: Scenario, both: Sequence[LoopFit], estimates: Mapping[str, Estimate], far: Sequence[float]
+    base: Scenario, both: Sequence[LoopFit], estimates: Estimates, far: Sequence[float]
 ) -> tuple[float, dict[str, list[Pair]]]:
     """Delay [s], a multiple of the plant's step, and intervals of v and omega per kind of number:
     those of a lone axis twice, and hulls where the filter takes no others.
