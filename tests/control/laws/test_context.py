@@ -2,31 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
 import casadi as ca
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.control.barrier.stable import stable_barrier
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.laws.context import LawContext, own_diagnostics
 from wmr_ctrl.control.laws.pid import PidGains
 from wmr_ctrl.control.setup import settle
-
-
-@pytest.mark.parametrize("v", [0.9999995, 1.0, 1.7, -1.0, -5.0])
-def test_beyond_the_limit_barriers_are_those_just_inside(v: float) -> None:
-    context = LawContext(settle(paper(), "mb"))
-    V1 = context.barrier[0].V1
-    ports = context.parameters.ports
-    clip = ca.Function("clip", [ca.vertcat(*(i.sym for i in (*context.inputs, *ports)))], [V1])
-    numbers = [number for item in ports for number in item.value]
-    u = [0.0, 0.0, 0.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, v, 0.0]
-    inside = math.copysign(1.0 - 1e-6, v)
-
-    expected = stable_barrier(*map(ca.SX, (0.4, inside, 1.0, 0.8))).V1
-    assert float(clip([*u, *numbers])) == pytest.approx(float(ca.evalf(expected)), rel=1e-9)
 
 
 def test_at_another_instant_it_is_the_same_law():
