@@ -1,7 +1,5 @@
 """What ``wmr-ctrl bench`` reports: ratios by name, medians of rounds, a table; and the limits."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -122,7 +120,7 @@ def test_all_is_measured(monkeypatch):
         return found
 
     monkeypatch.setattr(bench, "measure_in_processes", once)
-    shares: list[float] = []
+    shares = []
     ratios = bench.run_bench(progress=shares.append)["ratios"]
 
     assert shares[-1] == pytest.approx(1.0)

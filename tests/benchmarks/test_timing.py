@@ -1,7 +1,5 @@
 """Interleaved timing: order, ratios, refusals."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import pytest
@@ -29,7 +27,7 @@ def two():
 
 
 def test_every_candidate_runs_once_a_round_in_rotating_order():
-    calls: list[str] = []
+    calls = []
     candidates = {name: Candidate(partial(calls.append, name), 1) for name in "abc"}
     times = sample(candidates, 4)
 
@@ -45,7 +43,7 @@ def test_ratios_are_taken_round_by_round():
 
 
 def test_the_floor_is_one_and_more_work_costs_more():
-    seen: list[tuple[int, int]] = []
+    seen = []
     found = measure(two(), "floor", progress=lambda done, total: seen.append((done, total)))
 
     assert found["floor"].ratio == 1.0

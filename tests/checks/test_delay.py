@@ -10,7 +10,6 @@ from wmr_ctrl.theory.checks.radius import operating_points, radius
 from wmr_ctrl.theory.checks.sampled_plant import Motion
 from wmr_ctrl.theory.checks.stable_ranges import largest_period, stable_periods
 
-NOMINAL = "paper-simulation-nominal"
 CIRCLE = np.array((0.2, 0.1))
 
 

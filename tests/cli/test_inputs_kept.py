@@ -1,10 +1,7 @@
 """No command replaces a file that it reads, whatever name the path has."""
 
-from __future__ import annotations
-
 import os
 import shutil
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -164,7 +161,7 @@ def test_function_that_reads_and_writes_is_a_command(place):
         tune("mine.toml", "pid", "mine.toml")
 
 
-READERS: dict[str, Callable[[str], object]] = {
+READERS = {
     "mine.toml": load_scenario,
     "plan.toml": load_plan,
     "map.toml": load_map,

@@ -1,7 +1,5 @@
 """What commands hand on to the parts that work, and what they say of what these answer."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from importlib import import_module
@@ -23,7 +21,7 @@ from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.theory import checks
 from wmr_ctrl.theory.checks import Stability
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override, quantities
+from wmr_ctrl.world.scenario import load_scenario, override, quantities
 from wmr_ctrl.world.scenario.sections import Change
 
 check, compare, runs, summary = (
@@ -183,7 +181,7 @@ def test_a_law_is_run_for_two_million_steps_at_most(monkeypatch):
     assert short.clock.duration == pytest.approx(66_666 * 0.03)  # of 2000 s, whole periods
     assert short.metrics.split == pytest.approx(33_333 * 0.03)
     assert check._short(paper()) == paper()
-    made: list[Scenario] = []
+    made = []
     monkeypatch.setattr(api, "simulate", lambda scenario, _: made.append(scenario))
     check._runs(long, ("pid", "mb"), Silent())
     assert made == [short, short]

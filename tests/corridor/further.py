@@ -163,7 +163,7 @@ def with_delay(steps, size, *changes):
 
 
 GUARDED = {"guard.enabled": True, "disturbance.truncate": 3.0}
-ROWS: dict[str, Callable[[], Further]] = {
+ROWS = {
     **{name: partial(on_base, name) for name in BASES},
     "safe-simulation, prox, 0.3 N m, one pose in a row lost": partial(with_losses, 1),
     "the same, two in a row": partial(with_losses, 2),

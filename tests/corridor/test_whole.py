@@ -226,7 +226,7 @@ def test_what_pushes_at_each_plant_step_by_chance_is_refused_by_name(monkeypatch
 
 def test_a_whole_run_beyond_its_work_is_not_checked_on_a_machine_of_any_speed(monkeypatch):
     told = {"clock.control": PERIOD, "clock.duration": 6.0, "changes": HEAVIER}
-    scenario, spent = override(load_scenario("safe-simulation"), told), list[float]()
+    scenario, spent = override(load_scenario("safe-simulation"), told), []
     with monkeypatch.context() as patch:
         patch.setattr(following, "spend", lambda _, work: spent.append(work))
         certified_run(settle(scenario, "prox"))

@@ -1,7 +1,5 @@
 """Every command and every block of code on the pages: it parses, and with its page it runs."""
 
-from __future__ import annotations
-
 import contextlib
 import doctest
 import io
@@ -146,7 +144,7 @@ def test_a_page_does_what_it_says(page, tmp_path, monkeypatch):
     monkeypatch.setitem(animate._FRAMES, ".gif", 12)  # tests/report has all of them
     for table in page.path.parent.glob("*.csv"):
         shutil.copy(table, tmp_path)
-    names: dict[str, object] = {"__name__": "__main__"}
+    names = {"__name__": "__main__"}
     for block in page.blocks:
         if block.file:
             (tmp_path / block.file).parent.mkdir(parents=True, exist_ok=True)

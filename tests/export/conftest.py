@@ -1,7 +1,5 @@
 """FMUs for these tests, each exported once a session."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -21,7 +19,7 @@ MADE = "WMR_TESTS_FMUS"
 @pytest.fixture(scope="session")
 def exported(tmp_path_factory):
     """A function (what, version, scenario, law) -> path of that FMU."""
-    made: dict[tuple[str, ...], Path] = {}
+    made = {}
 
     def export(what, version, scenario="paper-simulation", law="nn"):
         key = (what, str(version), scenario, law)
@@ -39,7 +37,7 @@ def exported(tmp_path_factory):
 @pytest.fixture(scope="session")
 def raw(exported, tmp_path_factory):
     """A function (what, version) -> the FMU's library, driven without FMPy's help."""
-    made: dict[tuple[str, int], Fmu] = {}
+    made = {}
 
     def load(what, version):
         if (what, version) not in made:

@@ -1,7 +1,5 @@
 """Prove a claim from the graphs as they are now, without the committed ledger."""
 
-from __future__ import annotations
-
 import inspect
 import textwrap
 from contextlib import contextmanager
@@ -42,7 +40,7 @@ def altered(function, old, new):
     source = "\n".join(line for line in lines if not line.startswith("@"))
     head, body = source.split('"""', 1)[0], source.split('"""', 2)[2]
     assert old in body, source
-    space: dict = {}
+    space = {}
     exec(
         compile(head + "pass" + body.replace(old, new, 1), "altered", "exec"),
         dict(function.__globals__),

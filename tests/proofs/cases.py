@@ -4,12 +4,8 @@ What is left of the graph in a case has no minimum, no size and no condition in 
 are better at.  Symbols that a hypothesis gives one value are that number.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Hashable
 from fractions import Fraction
 from functools import partial
-from typing import Any
 
 import z3
 
@@ -17,7 +13,6 @@ from wmr_proofs.graph import ProvedGraph, UndecidedError, Walk, paths
 from wmr_proofs.methods.smt import OUTSIDE, TermArithmetic, relation
 from wmr_proofs.relation import EQUAL
 
-Ask = Callable[[Hashable], bool]
 MOST = 256
 """Cases of one statement; with more UndecidedError is raised."""
 
@@ -28,8 +23,8 @@ class CaseTerms(TermArithmetic):
     def __init__(self, ask, known):
         super().__init__()
         self.ask, self.known = ask, known
-        self.taken: list[Any] = []
-        self.outside: list[Any] = []
+        self.taken = []
+        self.outside = []
 
     def variable(self, name):
         """The number that it is known to be, or a real variable."""

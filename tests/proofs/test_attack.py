@@ -1,13 +1,10 @@
 """Altered certificates and obligations, with new hashes: nothing false is accepted."""
 
-from __future__ import annotations
-
 import copy
 import json
 import random
 import re
 from collections import Counter
-from collections.abc import Callable
 from fractions import Fraction
 
 import pytest
@@ -89,7 +86,7 @@ def altered_certificate(certificate, rng, other):
     def drop(found):
         found.remove(rng.choice(found))
 
-    changes: tuple[Callable[[], object], ...] = (
+    changes = (
         lambda: share(lambda c: c * rng.choice((2, Fraction(1, 3), Fraction(1000001, 1000000)))),
         lambda: share(lambda c: -c),
         lambda: drop(rng.choice(sums)[1]),
@@ -119,7 +116,7 @@ def altered_text(text, rng):
         at = rng.choice(found)
         return line[: at.start()] + other(at) + line[at.end() :]
 
-    kinds: tuple[Callable[[], str | None], ...] = (
+    kinds = (
         lambda: put(r"(?<=\()(>=|<=|>|<|\+|-|and|or)(?= )", lambda m: OTHERS[m[0]]),
         lambda: put(r"(?<=\()(>=|<=|>|<|=|distinct)(?= )", lambda m: COMPARED[m[0]]),
         lambda: put(r"\b[0-9]+\.0", lambda m: f"{int(m[0][:-2]) + rng.choice((1, 2))}.0"),

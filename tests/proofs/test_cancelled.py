@@ -1,7 +1,5 @@
 """Operations that CasADi cancels are defined wherever the hypotheses of an entry hold."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -16,7 +14,7 @@ from wmr_proofs.claims import all_claims
 from wmr_proofs.entry import check
 from wmr_proofs.methods.spec import Z3, Ball, Ring
 from wmr_proofs.regions import POSITIVE, Case
-from wmr_proofs.relation import Relation, above, at_least, equal
+from wmr_proofs.relation import above, at_least, equal
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -65,7 +63,7 @@ def told(term, given=lambda _x, _y: ()):
 
     def statement(mutation):
         t = symbols("x y")
-        hypotheses: tuple[Relation, ...] = given(t["x"], t["y"])
+        hypotheses = given(t["x"], t["y"])
         both = at_least(t["x"] ** 2 + t["y"] ** 2)
         return Statement(t, (equal(term(t["x"], t["y"]), mutation(1, 2)), both), hypotheses)
 

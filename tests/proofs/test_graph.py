@@ -1,7 +1,5 @@
 """Proofs read what is compiled: choices as one, quotients as C computes them."""
 
-from __future__ import annotations
-
 import hashlib
 from pathlib import Path
 
@@ -104,7 +102,7 @@ def test_a_law_is_proved_as_it_is_compiled(law):
 
 def fingerprints(heads, operands):
     """Of each value, with all that it is computed from."""
-    found: list[str] = []
+    found = []
     for head, args in zip(heads, operands, strict=True):
         text = repr((head, [found[k] for k in args]))
         found.append(hashlib.sha256(text.encode()).hexdigest())

@@ -1,7 +1,5 @@
 """Entries of filter, gate and what the corridor assumes of commands, sampled as they are worded."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import casadi as ca
@@ -30,7 +28,7 @@ from wmr_ctrl.world.scenario import load_scenario
 
 Array = np.ndarray
 PERIOD, SPARE = 0.1, 1 - 2.0**-26
-BASE: dict[str, object] = {
+BASE = {
     "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
     "filter.d": (0.05, 0.05), "filter.odometry": (0.02, 0.02), "clock.control": PERIOD,
 }  # fmt: skip
@@ -48,7 +46,7 @@ class Numbers:
     """Random numbers for the ports of a System, by name and place."""
 
     def __init__(self, rng, system):
-        self.system, self.rng, self.of = system, rng, dict[str, list[Array]]()
+        self.system, self.rng, self.of = system, rng, {}
         for item in (*system.inputs, *system.state, *system.params):
             self.of[item.signal.name] = [around(rng, 1.0) for _ in range(item.sym.numel())]
 
@@ -59,7 +57,7 @@ class Numbers:
 
     def ends(self, name):
         """Intervals of v and of omega, drawn anew, as one or as two."""
-        apart = list[tuple[Array, Array]]()
+        apart = []
         for _ in range(len(self.of[name]) // 2):
             low = positive(self.rng)
             apart.append((low, low * (1 + share(self.rng))))

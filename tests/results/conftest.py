@@ -1,9 +1,5 @@
 """A builder of synthetic runs: every logged column is zero unless a test says otherwise."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -30,9 +26,7 @@ def build(
     settings = Settings(control, control / 10, duration, (1.0, 1.5), half, rms_from, dbar=dbar)
     count = settings.samples if rows is None else rows
     signals = (*LOG_HEAD, *extra)
-    log: dict[str, Any] = {
-        s.name: np.zeros((count, s.size) if s.size > 1 else count) for s in signals
-    }
+    log = {s.name: np.zeros((count, s.size) if s.size > 1 else count) for s in signals}
     log["t"] = control * np.arange(count)
     for name, values in columns.items():
         log[name] = np.broadcast_to(values, log[name].shape)

@@ -1,7 +1,5 @@
 """Times of messages, on one clock."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -20,7 +18,7 @@ T = np.arange(0.0, 20.0, 0.1)
 
 
 def test_stamps_count_and_receipts_where_there_are_none():
-    remarks: list[str] = []
+    remarks = []
     clocks = clocks_of(
         {"odom": topic(T + 5, T + 5.02), "cmd": topic(0 * T, T + 5.01, "/cmd")}, remarks
     )
@@ -33,7 +31,7 @@ def test_stamps_count_and_receipts_where_there_are_none():
 
 @pytest.mark.parametrize("rate", [1.0, 0.5])
 def test_receipts_are_put_on_the_clock_of_the_stamps(rate):
-    remarks: list[str] = []
+    remarks = []
     parts = {"odom": topic(rate * T, T + 100), "cmd": topic(0 * T, T + 100.03, "/cmd")}
 
     clocks = clocks_of(parts, remarks)
@@ -45,7 +43,7 @@ def test_receipts_are_put_on_the_clock_of_the_stamps(rate):
 
 @pytest.mark.parametrize(("apart", "two"), [(0.4, False), (-0.4, False), (0.6, True), (-0.6, True)])
 def test_clocks_half_a_second_apart_are_one(apart, two):
-    remarks: list[str] = []
+    remarks = []
     parts = {"odom": topic(T, T + apart), "cmd": topic(0 * T, T, "/cmd")}
     delay = (lambda found: found["odom"][0] - found["cmd"][0])(clocks_of(parts, remarks))
 
@@ -70,7 +68,7 @@ def test_a_clock_whose_rate_changes_or_that_was_set_back_is_refused():
 
 
 def test_messages_out_of_order_by_less_than_a_second_are_told():
-    remarks: list[str] = []
+    remarks = []
     swapped = T.copy()
     swapped[[7, 8]] = swapped[[8, 7]]
     clocks_of({"odom": topic(swapped, T + 1)}, remarks)

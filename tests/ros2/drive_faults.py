@@ -6,8 +6,6 @@ it was zero [s after the fault], what diagnostics said, and whether it drove aga
 on simulated time that stops, goes back and leaps ahead.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time
@@ -143,7 +141,7 @@ class Broken(Base):
 
     def times(self):
         """What follows when the clock goes back, leaps ahead, and stops."""
-        found: dict[str, object] = {
+        found = {
             "back": self.leaps("time-back", lambda: self.to(-10.0)),
             "ahead": self.leaps("time-forth", lambda: self.to(10.0)),
         }
@@ -203,7 +201,7 @@ def late(message):
 
 def repeated():
     """Odometry with the stamp of the first one."""
-    first: list[object] = []
+    first = []
 
     def again(message):
         first.append(message.header.stamp)

@@ -5,8 +5,6 @@ through its states, gives it a path, freezes it, kills it and starts it again, a
 seen as JSON.
 """
 
-from __future__ import annotations
-
 import math
 import signal
 import subprocess
@@ -48,14 +46,14 @@ class Base:
         self.node.create_subscription(TwistStamped, "cmd_vel", self._came, SURE)
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
         self.pose, self.speed = [0.0, 0.0, 0.0], (0.0, 0.0)
-        self.seen: list[tuple[float, float]] = []
+        self.seen = []
         self.pause = 0.0
         """Longest pause between two messages [s]."""
-        self.said: list[str] = []
+        self.said = []
         self.since = 0
         """Stamp [ns] before which what diagnostics say does not count."""
-        self.values: dict[str, str] = {}
-        self.flags: list[str] = []
+        self.values = {}
+        self.flags = []
         """All that the node last told, where ``said`` has the gravest: a busy machine is late."""
 
     def _came(self, message):

@@ -5,8 +5,6 @@ odometry that MESSAGES (JSON: rows of x, y, orientation, v, omega, stamp in ns) 
 the answer to the one before, and prints the answers as JSON.
 """
 
-from __future__ import annotations
-
 import json
 import signal
 import subprocess
@@ -36,7 +34,7 @@ class Base:
         self.odometry = self.node.create_publisher(Odometry, "/base/odom", SURE)
         kind, topic = (Float64MultiArray, "efforts") if efforts else (TwistStamped, "cmd_vel")
         self.node.create_subscription(kind, f"/base/{topic}", self._came, SURE)
-        self.answers: list[list[float]] = []
+        self.answers = []
 
     def _came(self, message):
         if isinstance(message, TwistStamped):

@@ -5,8 +5,6 @@ process of its own, which is killed; "watched" takes odometry away; "governor" t
 says of odometry that is there, and of none.  What was seen is printed as JSON.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time
@@ -34,7 +32,7 @@ class Teller(World):
 
     def __init__(self, process):
         super().__init__(process)
-        self.flags: list[list[str]] = []
+        self.flags = []
 
     def _told(self, message):
         super()._told(message)

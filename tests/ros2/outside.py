@@ -6,8 +6,6 @@ largest command, when it began to fall and when it was zero [s after the fault],
 of the node, and what diagnostics said.  A fault in which this process was late itself is repeated.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -63,8 +61,8 @@ class World:
         self.reset = self.node.create_client(Trigger, "wmr_filter/reset")
         self.node.create_subscription(TwistStamped, "cmd_vel", self._sent, SURE)
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
-        self.seen: list[tuple[float, float, float]] = []
-        self.said: list[str] = []
+        self.seen = []
+        self.said = []
         self.speed = (0.0, 0.0)
         self.pause = 0.0
         """Longest pause between two rounds of messages [s]."""
@@ -223,7 +221,7 @@ def silence(times):
 
 def since_first_call():
     """A function of the time since its first call [s]: what is sent so long ago has one stamp."""
-    calls: list[float] = []
+    calls = []
 
     def passed():
         calls.append(time.time())

@@ -1,14 +1,12 @@
 """FMUs as parts of a loop: their steps, and what they must give."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.export.cosim.mapping import MapRow, identity
+from wmr_ctrl.export.cosim.mapping import identity
 from wmr_ctrl.export.cosim.parts import Part, limiter, ready, wheels_of
 
 
@@ -30,7 +28,7 @@ class Stub:
 
 
 def part(step=None, foreign=False):
-    rows: list[MapRow] = identity(["a", "b"])
+    rows = identity(["a", "b"])
     return Part(Stub(), rows, rows, ["a", "b"], step, foreign=foreign)
 
 

@@ -1,7 +1,5 @@
 """Co-simulation with other people's FMUs, masters, SSP, and FMUs that fail."""
 
-from __future__ import annotations
-
 import _ctypes
 import json
 import os
@@ -297,7 +295,7 @@ def test_the_engine_of_fmus_has_the_native_columns():
 
 
 def test_progress_is_told():
-    told: list[float] = []
+    told = []
     cosimulate(SHORT, "mb", progress=told.append)
     assert told == pytest.approx([1 / 3, 2 / 3, 1.0])
 

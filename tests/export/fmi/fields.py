@@ -1,10 +1,5 @@
 """Every field of a scenario, each with another value: what the walk over all fields takes."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.world.model.kinematics import KinematicGains
@@ -40,7 +35,7 @@ LOOSE = {
 """The same without guard and with strong wheels, where gains have their say: pursuit turns on the
 spot at first, then drives arcs that slow it down."""
 
-OTHER: Mapping[str, Any] = {
+OTHER = {
     "clock.control": 0.02,
     "clock.plant": 0.0005,
     "clock.duration": 0.2,

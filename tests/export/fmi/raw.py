@@ -50,8 +50,8 @@ class Fmu:
         self.prefix = f"fmi{version}"
         self.real, self.int64 = ("Real", "Integer") if version == 2 else ("Float64", "Int64")
         self.state = "FMUstate" if version == 2 else "FMUState"
-        self.messages: list[str] = []
-        self.categories: set[tuple[int, str]] = set()
+        self.messages = []
+        self.categories = set()
 
         def hear(status, category, text):
             self.messages.append(text.decode())
@@ -162,7 +162,7 @@ class Instance:
 
     def all(self):
         """Every real variable's elements."""
-        found: list[float] = []
+        found = []
         for v in self.fmu.description.modelVariables:
             if v.type in ("Real", "Float64"):
                 size = int(v.dimensions[0].start) if v.dimensions else 1

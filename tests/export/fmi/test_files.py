@@ -1,7 +1,5 @@
 """The C sources: warnings, sanitizers, rebuilding from what an FMU carries, the example."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
@@ -46,7 +44,7 @@ def unpacked(what, version, folder):
 @pytest.mark.slow
 def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
     """Of all FMUs, each text once. The header of FMI 3.0 ends a list by a comma; C++98 had none."""
-    seen: set[str] = set()
+    seen = set()
     for what, version in product(WHAT, (3, 2)):
         (folder := tmp_path / f"{what}-{version}").mkdir()
         units = unpacked(what, version, folder)

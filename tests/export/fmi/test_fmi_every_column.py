@@ -6,12 +6,8 @@ the native order, by their C functions; what lies between them is the native loo
 column is chosen by hand.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import TypeAlias
 
 import pytest
 from fmpy import extract
@@ -27,17 +23,15 @@ from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import OURS
 from wmr_ctrl.world.scenario import load_scenario, override
 
-Row: TypeAlias = dict[str, float]
-
 SEED = 0
-BASE: Mapping[str, object] = {
+BASE = {
     "clock.duration": 0.3,
     "changes": [],
     "disturbance.std": 0.0,
     "disturbance.truncate": 2.0,
     "actuator.tau_max": 30.0,
 }
-ACTING: Mapping[str, Mapping[str, object]] = {
+ACTING = {
     "encoder": {"encoder.counts": 4096},
     "velocity mean": {"sensor.velocity_window": 0.01},
     "velocity loss": {"sensor.velocity_losses": 2},
@@ -68,7 +62,7 @@ def all_but(name):
     return {key: v for n, changes in ACTING.items() if n != name for key, v in changes.items()}
 
 
-FORMS: Mapping[str, Mapping[str, object]] = {
+FORMS = {
     "encoder over a window": {"encoder.counts": 4096, "encoder.window": 0.02},
     "encoder by time": {"encoder.counts": 4096, "encoder.method": "time"},
     "late velocity": {"sensor.velocity_age": 0.01},
@@ -76,7 +70,7 @@ FORMS: Mapping[str, Mapping[str, object]] = {
 }
 """Other forms that the graphs of effects have."""
 COUNTED, AVERAGED = "all, counted", "all, averaged"
-EFFECTS: Mapping[str, Mapping[str, object]] = {
+EFFECTS = {
     **ACTING, **FORMS, "none": {}, COUNTED: all_but("velocity mean"), AVERAGED: all_but("encoder")
 }  # fmt: skip
 LAW = "mb"
@@ -122,7 +116,7 @@ def row(run, k):
 
 def shown(part):
     """Every output."""
-    found: Row = {}
+    found = {}
     for v in part.fmu.variables.values():
         if v.causality == "output":
             integer = v.type in ("Integer", "Int64")

@@ -1,7 +1,5 @@
 """Calls that no importer should make: refused with a sentence, and nothing else happens."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import math
 from itertools import product
@@ -11,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.export.fmi.cases import FMUS
-from tests.export.fmi.raw import CS, ERROR, ME, OK, ONE, REFUSED, WARNING, Instance, reals, refs
+from tests.export.fmi.raw import CS, ERROR, ME, OK, ONE, REFUSED, WARNING, reals, refs
 from tests.export.fmi.sequences import MODES, calls, reach
 from tests.export.fmi.test_fmi_extreme_inputs import overflow
 
@@ -279,7 +277,7 @@ def test_intermediate_updates_and_early_returns(raw):
         fmu, seen = raw(what, 3), []
         answers = ct.POINTER(ct.c_bool), ct.POINTER(ct.c_double)
         kind = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_double, *[ct.c_bool] * 4, *answers)
-        held: list[Instance] = []
+        held = []
 
         def update(_env, time, _put, _get, _done, _may, early, until, seen=seen, held=held):
             legal = held[-1].fmu.SetDebugLogging(held[-1].handle, 0, ct.c_size_t(0), None)

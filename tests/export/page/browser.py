@@ -1,7 +1,5 @@
 """A headless Chromium that is told by its DevTools protocol, over a pair of pipes."""
 
-from __future__ import annotations
-
 import base64
 import fcntl
 import json
@@ -10,7 +8,6 @@ import select
 import subprocess
 import time
 from contextlib import contextmanager
-from typing import Any
 
 from tests.compilers import where
 
@@ -27,7 +24,7 @@ class Browser:
     def __init__(self, process, to, back):
         self._process, self._to, self._back = process, to, back
         self._waiting, self._count, self._session = b"", 0, ""
-        self.said: list[str] = []
+        self.said = []
         target = self._call("Target.createTarget", {"url": "about:blank"})["targetId"]
         attached = self._call("Target.attachToTarget", {"targetId": target, "flatten": True})
         self._session = attached["sessionId"]
@@ -79,7 +76,7 @@ class Browser:
 
     def _call(self, method, params=None):
         self._count += 1
-        message: dict[str, object] = {"id": self._count, "method": method, "params": params or {}}
+        message = {"id": self._count, "method": method, "params": params or {}}
         if self._session:
             message["sessionId"] = self._session
         os.write(self._to, json.dumps(message).encode() + b"\0")
@@ -87,7 +84,7 @@ class Browser:
             answer = self._read()
             if answer.get("id") == self._count:
                 assert "error" not in answer, f"{method}: {answer['error']}"
-                result: dict[str, Any] = answer["result"]
+                result = answer["result"]
                 return result
             self._hear(answer)
 
@@ -98,7 +95,7 @@ class Browser:
             assert part, f"the browser is gone ({self._process.poll()})"
             self._waiting += part
         text, _, self._waiting = self._waiting.partition(b"\0")
-        message: dict[str, Any] = json.loads(text)
+        message = json.loads(text)
         return message
 
     def _hear(self, event):

@@ -1,10 +1,7 @@
 """The numbers of the page are those of the native engine, bit for bit."""
 
-from __future__ import annotations
-
 import json
 import subprocess
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +16,6 @@ from wmr_ctrl.export.page.scenes import story
 from wmr_ctrl.world.scenario import override
 
 SCRIPT = Path(__file__).with_name("run.mjs")
-Request = tuple[str, float, Mapping[str, object]]
-Columns = dict[str, np.ndarray]
 
 
 def from_page(page, folder, requests):
@@ -32,7 +27,7 @@ def from_page(page, folder, requests):
         capture_output=True, text=True, check=False, timeout=300,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    numbers, at, found = np.fromfile(f"{out}.bin"), 0, list[Columns | str]()
+    numbers, at, found = np.fromfile(f"{out}.bin"), 0, []
     for line in map(json.loads, out.read_text("utf-8").splitlines()):
         columns = {}
         for name in line.get("names", ()):
@@ -76,7 +71,7 @@ def test_laws_in_every_scene(page, laws, tmp_path):
 @pytest.mark.parametrize("law", ["mb", "prox"])
 def test_variants_and_numbers_are_those_of_a_scenario(page, tmp_path, law):
     """Guard, period and delay choose another loop; what else is moved is a parameter of it."""
-    variants: tuple[dict[str, object], ...] = (
+    variants = (
         {"guard.enabled": True, "actuator.delay": 0.05},
         {"clock.control": 0.05, "limits.v_u1[1]": 0.9},
     )
@@ -100,7 +95,7 @@ def test_variants_and_numbers_are_those_of_a_scenario(page, tmp_path, law):
 
 @pytest.mark.slow
 def test_refuses_what_it_has_no_loop_for(page, laws, tmp_path):
-    requests: list[Request] = [
+    requests = [
         ("nobody", 1.0, {}),
         ("mb", 1.0, {"robot.z": 1}),
         ("mb", 1.0, {"clock.control": 0.03}),

@@ -1,7 +1,5 @@
 """What cannot be written is refused before anything is compiled."""
 
-from __future__ import annotations
-
 import pytest
 
 import wmr_ctrl
@@ -31,7 +29,7 @@ def test_a_place_that_cannot_be_written_to(tmp_path):
 
 
 def test_without_zig_it_says_what_to_install_before_anything_is_worked_out(monkeypatch, tmp_path):
-    shares: list[float] = []
+    shares = []
     monkeypatch.setattr(module, "zig_command", tuple)
     with pytest.raises(CompilerError, match=r"wmr_ctrl.compiler"):
         wmr_ctrl.write_page(tmp_path / "robot.html", progress=shares.append)
