@@ -2,20 +2,17 @@
 
 import json
 import lzma
-from collections.abc import Container, Mapping
-from typing import Any
 
-from wmr_proofs.certificates import FOLDER, INDEX, Row, index
+from wmr_proofs.certificates import FOLDER, INDEX, index
 from wmr_proofs.check import digest
-from wmr_proofs.claim import Claim
 
 
-def words_hash(claim: Claim) -> str:
+def words_hash(claim):
     """SHA-256 of a claim's words."""
     return digest([claim.claim, claim.hypotheses, claim.meaning])
 
 
-def save(row: Row, certificates: Mapping[str, Any]) -> None:
+def save(row, certificates):
     """Replace an entry's row and its file."""
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / f"{row['id']}.json.xz"
@@ -27,7 +24,7 @@ def save(row: Row, certificates: Mapping[str, Any]) -> None:
     save_index({**index(), row["id"]: row})
 
 
-def forget_others(known: Container[str]) -> None:
+def forget_others(known):
     """Drop the certificates of entries that no longer exist."""
     gone = [key for key in index() if key not in known]
     for key in gone:
@@ -36,7 +33,7 @@ def forget_others(known: Container[str]) -> None:
         save_index({key: row for key, row in index().items() if key in known})
 
 
-def save_index(rows: Mapping[str, Row]) -> None:
+def save_index(rows):
     """Write the index, one row a line, in the order of their ids."""
     lines = ",\n".join(json.dumps(rows[key]) for key in sorted(rows))
     (FOLDER / INDEX).write_text(f"[\n{lines}\n]\n", encoding="utf-8")

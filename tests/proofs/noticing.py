@@ -2,18 +2,16 @@
 
 from wmr_ctrl.results.ledger import OPEN, PROVED
 from wmr_proofs import noticed
-from wmr_proofs.alterations import Change, built
-from wmr_proofs.claim import Claim
-from wmr_proofs.statement import Statement
+from wmr_proofs.alterations import built
 
 
-def is_noticed(claim: Claim, name: str, change: Change) -> bool:
+def is_noticed(claim, name, change):
     """True if the claim is no longer PROVED with the function altered."""
     statement = built(claim, {name: change})
     return statement is not None and fails(claim, statement)
 
 
-def fails(claim: Claim, statement: Statement) -> bool:
+def fails(claim, statement):
     """True if the claim's method does not prove an altered statement.
 
     A failure within a short budget counts if the method proves the claim itself within one.

@@ -1,7 +1,5 @@
 """The committed certificates: of today's obligations, all of them checked, and what has none."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -10,7 +8,7 @@ import pytest
 from tests.proofs.kept_certificates import words_hash
 from tests.proofs.record import COUNTING, certified
 from tests.proofs.test_checker import said
-from wmr_ctrl.results.ledger import Entry, load
+from wmr_ctrl.results.ledger import load
 from wmr_proofs.certificates import FOLDER, differing, index, with_certificate
 from wmr_proofs.check import digest
 from wmr_proofs.claims import all_claims
@@ -31,7 +29,7 @@ BUILT = ("guard.inside", "guard.feasible", "prox.inside")
 
 def behind(ids):
     """These entries and all that they rest on."""
-    found: dict[str, Entry] = {}
+    found = {}
     todo = list(ids)
     while todo:
         entry = ENTRIES[todo.pop()]

@@ -4,8 +4,6 @@ Numbers are drawn from the words' hypotheses, rims among them; the product's own
 graphs are evaluated in doubles; goals are written down here once more.
 """
 
-from __future__ import annotations
-
 from fnmatch import fnmatchcase
 from itertools import chain
 
@@ -14,14 +12,14 @@ import pytest
 
 from tests.proofs import worded, worded_filter, worded_guard, worded_laws
 from tests.proofs.anew import altered
-from tests.proofs.worded import CHECKS, NEAR, SAMPLES, Check
+from tests.proofs.worded import CHECKS, NEAR, SAMPLES
 from wmr_ctrl.control.filter import channels
 from wmr_ctrl.control.guard import guard
 from wmr_ctrl.results.ledger import load
 
 FAMILIES = ("guard.", "filter.", "gate.", "corridor.", "prox.")
 MODULES = (worded_guard, worded_filter, worded_laws)
-EACH: list[Check] = list(dict.fromkeys(chain.from_iterable(CHECKS.values())))
+EACH = list(dict.fromkeys(chain.from_iterable(CHECKS.values())))
 NOT_SAMPLED = {
     "*.rounding.*": "about every rounding; tests/control/filter and tests/control/guard",
     "guard.*rounding": "about every rounding; tests/control/guard",

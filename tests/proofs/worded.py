@@ -1,7 +1,5 @@
 """Samples for claims as they are worded: numbers at and between rims, and graphs as numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import casadi as ca
@@ -13,7 +11,7 @@ NEAR = 1e-9
 
 Check = Callable[[np.random.Generator], dict[str, np.ndarray]]
 """Draws samples that meet the hypotheses; by name, what each goal has left, over its own size."""
-CHECKS: dict[str, list[Check]] = {}
+CHECKS = {}
 
 
 def about(*ids):
