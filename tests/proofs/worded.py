@@ -1,7 +1,5 @@
 """Samples for claims as they are worded: numbers at and between rims, and graphs as numbers."""
 
-from collections.abc import Callable
-
 import casadi as ca
 import numpy as np
 
@@ -9,8 +7,6 @@ SAMPLES = 100_000
 NEAR = 1e-9
 """Share of a claim's own size that doubles may miss it by."""
 
-Check = Callable[[np.random.Generator], dict[str, np.ndarray]]
-"""Draws samples that meet the hypotheses; by name, what each goal has left, over its own size."""
 CHECKS = {}
 
 
