@@ -6,20 +6,19 @@ the committed record, so that the picture cannot say more than it.
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from functools import cache
-from pathlib import Path
 from textwrap import fill
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 
-RECORD = Path(__file__).resolve().parents[1] / "wmr_ctrl" / "results" / "ledger.json"
+from wmr_ctrl.core.data import data
+from wmr_ctrl.results.ledger import Entry, load
+from wmr_ctrl.results.promises import Link, chain
+
 COLOURS = {
     "PROVED": ("#2e7d32", "proved by machine"),
     "LEMMA": ("#00838f", "algebra, by machine"),
@@ -29,101 +28,20 @@ COLOURS = {
 """Of each way in which a link may hold: its colour and its name in the legend."""
 
 
-@dataclass(frozen=True)
-class Link:
-    """One link: what it says, and the entries (patterns; those behind a minus do not count)."""
-
-    says: str
-    patterns: tuple[str, ...] = ()
-
-    def verdicts(self) -> dict[str, str]:
-        """Verdict of each entry, by its id; raises LookupError for a pattern without any."""
-        found: dict[str, str] = {}
-        for pattern in self.patterns:
-            matching = {id: v for id, v in record().items() if fnmatchcase(id, pattern.lstrip("-"))}
-            if not matching:
-                raise LookupError(f"no entry of the ledger is called {pattern}")
-            if pattern.startswith("-"):
-                found = {id: v for id, v in found.items() if id not in matching}
-            else:
-                found |= matching
-        return found
-
-
 @cache
-def record() -> Mapping[str, str]:
-    """Verdict of every entry of the committed ledger."""
-    entries = json.loads(RECORD.read_text(encoding="utf-8"))["entries"]
-    return {item["id"]: item["verdict"] for item in entries}
+def record() -> Mapping[str, Entry]:
+    """Every entry of the committed ledger."""
+    return load().by_id()
 
 
-CHAINS: dict[str, tuple[Link, ...]] = {
-    "The guard: wheel torques": (
-        Link("The robot keeps its speed limit at every instant, whatever the law asks for."),
-        Link("If mass, push, measurement error and lateness stay within the bounds you state."),
-        Link(
-            "From sample to sample, and at every instant between two samples.",
-            ("guard.lemma", "guard.*.lemma", "guard.late.mean", "guard.late.lag",
-             "guard.varying.lag", "-guard.delay.rounding.*"),
-        ),
-        Link(
-            "One sample: from within the limit to within it, however late velocities and drives "
-            "are.",
-            ("guard.inside", "guard.*.inside"),
-        ),
-        Link(
-            "There is always a force that does so.",
-            ("guard.feasible", "guard.*.feasible", "guard.axes"),
-        ),
-        Link(
-            "The wheels can deliver it within their torque limit.",
-            ("guard.anchor", "guard.delay.anchor", "guard.late.anchor", "wheels.reach",
-             "wheels.linear-first", "wheels.rotation-first"),
-        ),
-        Link(
-            "The exported controller consists of exactly these formulas.",
-            ("guard.assembled", "guard.assembled.*", "-guard.assembled.keeps"),
-        ),
-        Link(
-            "Its output feasible = 1 means that every condition is met.",
-            ("guard.promise", "guard.kept", "guard.delay.kept", "guard.assembled.keeps"),
-        ),
-        Link(
-            "In double precision, to the last bit: without delay and behind a constant one alone.",
-            ("guard.rounding", "guard.rounding.*", "-guard.rounding.single*",
-             "guard.delay.rounding", "guard.delay.rounding.*"),
-        ),
-        Link("Compiler, C library and processor do what they should."),
-    ),
-    "The filter: (v, omega) commands": (
-        Link("The base keeps its speed limit at every instant, whatever is commanded."),
-        Link("If gain, time constant, push, delay and losses stay within the bounds you state."),
-        Link(
-            "From sample to sample, and at every instant between two samples.",
-            ("filter.mean", "filter.induction"),
-        ),
-        Link(
-            "One sample: from within the limit to within it.",
-            ("filter.drive", "filter.inside", "filter.clip"),
-        ),
-        Link("Stopping is always allowed.", ("filter.contains-clip",)),
-        Link("The bound on the speed holds for the next sample, too.", ("filter.estimate",)),
-        Link(
-            "The exported governor does all this; shown without delay and losses.",
-            ("filter.sent", "filter.sent.*", "filter.assembled*",
-             "filter.rims.*", "filter.carried"),
-        ),
-        Link(
-            "Before a clip or a governor, the gate of the ROS 2 node sends only what these may.",
-            ("gate.*",),
-        ),
-        Link(
-            "Rounding stays below the 2^-26 of the limit that is reserved for it.",
-            ("filter.rounding.*",),
-        ),
-        Link("Compiler, C library and processor do what they should."),
-    ),
-}  # fmt: skip
+def verdicts(link: Link) -> dict[str, str]:
+    """Verdict of each of a link's entries, by its id."""
+    return {key: record()[key].verdict for key in link.ids(record())}
+
+
+PROMISES = data("wmr_ctrl.results", "promises.toml")
+CHAINS = {row["title"]: chain(name) for name, row in PROMISES.items() if "title" in row}
+"""Those of the picture."""
 
 
 def picture() -> Figure:
@@ -153,13 +71,13 @@ def picture() -> Figure:
 
 def _way(link: Link) -> str:
     """The weakest way in which a part of a link holds."""
-    verdicts = link.verdicts().values()
-    return next((name for name in ("HAND", "PROVED", "LEMMA") if name in verdicts), "TRUSTED")
+    found = verdicts(link).values()
+    return next((name for name in ("HAND", "PROVED", "LEMMA") if name in found), "TRUSTED")
 
 
 def _box(axes: Axes, x: float, y: float, link: Link, *, first: bool) -> None:
     """One link with its lower left corner at (x, y)."""
-    counts = Counter(link.verdicts().values())
+    counts = Counter(verdicts(link).values())
     colour = COLOURS[_way(link)][0]
     face, ink = ("#12365C", "white") if first else ("white", "#222222")
     axes.add_patch(

@@ -15,7 +15,7 @@ from wmr_ctrl.codegen.resources import LAYOUTS
 
 COMMANDS = (
     *("new", "scenarios", "laws", "check", "run", "compare", "show", "study", "tune", "identify"),
-    *("codegen", "export", "cosim", "page", "linearize", "reproduce", "prove", "bench"),
+    *("codegen", "export", "cosim", "page", "linearize", "reproduce", "prove", "dossier", "bench"),
 )
 
 

@@ -31,6 +31,7 @@ WORDS = {
     "identify": ("identify", "log.csv", "--robot", "mine.toml"),
     "page": ("page", "--scenario", "mine.toml"),
     "study": ("study", "plan.toml", "--out", "s"),
+    "dossier": ("dossier", "mine.toml"),
 }
 """How each command that writes files by name is called with a file that it reads."""
 FOLDERS = {

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from wmr_ctrl import api
 from wmr_ctrl.cli import options, root
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import ArgumentError, MissingExtraError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.report import animate, drawing
 from wmr_ctrl.results import load_run, summary
 from wmr_ctrl.theory.checks import grip_warnings, warnings_for
@@ -151,18 +151,6 @@ def test_pictures_are_drawn_after_the_run(short_run, tmp_path):
 def test_suffixes_are_those_of_plots_and_animations():
     assert options.PLOTS == drawing.PICTURES
     assert options.ANIMATIONS == animate.SUFFIXES
-
-
-def test_missing_film_maker_is_told_before_the_run(short_run, monkeypatch, tmp_path):
-    def missing():
-        raise MissingExtraError("no ffmpeg. Install it, or choose .gif.")
-
-    monkeypatch.setattr("wmr_ctrl.report.animate.find_ffmpeg", missing)
-    monkeypatch.setattr("wmr_ctrl.api.simulate", pytest.fail)
-    found = short_run(f"paper-simulation --animate {tmp_path}/a.mp4")
-
-    assert found.exit_code == 2
-    assert found.stderr == "error: no ffmpeg. Install it, or choose .gif.\n"
 
 
 def test_several_laws_are_a_study(wmr):

@@ -2,14 +2,13 @@
 
 import json
 import re
-import shutil
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from tests.results.conftest import build
-from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import animate
 from wmr_ctrl.report.animate import animate_runs
 from wmr_ctrl.report.scene import scene_of, with_tubes
@@ -99,34 +98,6 @@ def test_a_gif_has_all_frames_and_tells_progress(run, tmp_path, monkeypatch):
         assert picture.n_frames >= 12
         assert picture.info["duration"] == animate.GIF_MILLISECONDS
     assert left == [0, 0]
-
-
-def test_a_film_without_ffmpeg_names_what_to_install(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(animate.shutil, "which", lambda name: None)
-
-    with pytest.raises(MissingExtraError, match="ffmpeg"):
-        animate_runs([run], tmp_path / "run.mp4")
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_film_that_ffmpeg_cannot_write_leaves_nothing(run, tmp_path, monkeypatch):
-    broken = tmp_path / "ffmpeg"
-    broken.write_text("#!/bin/sh\necho 'no codec' >&2\nexit 1\n")
-    broken.chmod(0o755)
-    monkeypatch.setattr(animate, "find_ffmpeg", lambda: str(broken))
-    (tmp_path / "out").mkdir()
-
-    with pytest.raises(ResultFileError, match="no codec"):
-        animate_runs([run], tmp_path / "out" / "run.mp4")
-    assert not list((tmp_path / "out").iterdir())
-
-
-@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
-def test_a_film_is_written(run, tmp_path, monkeypatch):
-    monkeypatch.setattr("wmr_ctrl.report.animate._FRAMES", {".mp4": 12})
-    animate_runs([run], tmp_path / "run.mp4")
-
-    assert b"ftyp" in (tmp_path / "run.mp4").read_bytes()[:16]
 
 
 def test_a_run_that_ended_early_is_animated(tmp_path):

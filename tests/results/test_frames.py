@@ -30,20 +30,6 @@ def test_a_table_has_every_logged_number_by_its_name(make_run):
         assert frame.attrs["units"][name] == run.signal(name).unit
 
 
-def test_a_data_set_has_every_signal_with_its_unit(make_run):
-    pytest.importorskip("xarray")
-    run = make_run(v1=0.3)
-    data = run.to_xarray()
-
-    assert set(data.variables) >= {signal.name for signal in run.signals}
-    for signal in run.signals:
-        np.testing.assert_array_equal(data[signal.name].values, run[signal.name])
-        assert data[signal.name].attrs["units"] == signal.unit
-        if signal.size > 1:
-            along = data[f"{signal.name}_element"].values
-            assert tuple(along) == signal.elements
-
-
 def test_a_run_saves_draws_and_sums_itself_up(make_run, tmp_path):
     from wmr_ctrl.results import summary
 
@@ -83,7 +69,7 @@ def test_a_library_that_is_not_there_is_named_with_its_remedy():
 
 
 def test_nobody_pays_for_tables_who_does_not_ask():
-    unasked = "print({'pandas', 'xarray', 'pyarrow'} & {*sys.modules})"
+    unasked = "print({'pandas', 'pyarrow'} & {*sys.modules})"
     code = f"import sys, wmr_ctrl; wmr_ctrl.Run; {unasked}"
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
 

@@ -98,6 +98,29 @@ def prove(
     raise click.exceptions.Exit(code)
 
 
+@opt.command("dossier")
+def dossier(scenario: str, out: str, as_json: bool) -> None:
+    """Write one page with the argument for a scenario's speed limit, for whoever has to sign.
+
+    Function, assumptions with a table to sign, argument down to the entries of the ledger, response
+    times, faults with their tests, and what is not covered. The exit code is 2 where nothing is
+    promised: neither guard nor filter, a bound of 0, a broken assumption, or an entry that does not
+    hold for the graphs of today.
+    """
+    from wmr_ctrl.control.setup import settle
+
+    from . import dossier as page
+
+    case = opt.load(scenario)
+    opt.check_output(out, (".html",), "--out")
+    with Progress("dossier", measured=False):
+        document = page.document(settle(case, opt.law_of(case, None)), scenario)
+        page.write(document, scenario, out)
+    say("wrote", out)
+    if as_json:
+        print_json(document)
+
+
 @opt.command("linearize")
 @click.pass_context
 def linearize(

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from wmr_ctrl.world.scenario import Scenario
 
 SCENARIO = "paper-simulation"
-PLOTS, ANIMATIONS = (".png", ".svg", ".pdf"), (".gif", ".mp4", ".html")
+PLOTS, ANIMATIONS = (".png", ".svg", ".pdf"), (".gif", ".html")
 FILE_SUFFIXES = (
-    ".png", ".svg", ".pdf", ".jpg", ".gif", ".mp4", ".html", *RUNS,
+    ".png", ".svg", ".pdf", ".jpg", ".gif", ".html", *RUNS,
     ".json", ".toml", ".fmu", ".ssp", ".mo", ".zip", ".c",
 )  # fmt: skip
 """Ends of names that are a file's: whoever asks for a folder of such a name means a file."""
@@ -223,10 +223,6 @@ def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None
         from wmr_ctrl.results.formats import check_format
 
         check_format(path)
-    if suffix == ".mp4":
-        from wmr_ctrl.report.animate import find_ffmpeg
-
-        find_ffmpeg()
 
 
 def check_folder(path: str, option: str) -> None:

@@ -16,7 +16,7 @@ from wmr_ctrl.version import __version__
 from .check import check
 from .compare import compare
 from .console import BROKEN_PIPE, Silence, explain
-from .evidence import bench, linearize, prove, reproduce
+from .evidence import bench, dossier, linearize, prove, reproduce
 from .exports import codegen, export, page
 from .identify import identify
 from .lists import laws, scenarios
@@ -125,7 +125,7 @@ def root(ctx: click.Context) -> None:
 GROUPS = {
     "Robot": (new, scenarios, laws, check, run, compare, show_saved, study, tune, identify),
     "Take away": (codegen, export, cosim, page),
-    "Analyse": (linearize, reproduce, prove, bench),
+    "Analyse": (linearize, reproduce, prove, dossier, bench),
 }
 """Commands by what they are for, in the order in which one meets them."""
 for _group in GROUPS.values():

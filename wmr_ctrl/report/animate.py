@@ -1,18 +1,13 @@
-"""Animations of a run: the robot and the desired pose on the path, as a page, a GIF or a film."""
+"""Animations of a run: the robot and the desired pose on the path, as a page or a GIF."""
 
 import json
 import math
-import shutil
-import subprocess
-import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import IO, TypeAlias
 
 import numpy as np
 from PIL import Image
 
-from wmr_ctrl.core.errors import MissingExtraError, ResultFileError
 from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.results import RecordedDrive, Run, atomic_path
@@ -21,24 +16,22 @@ from wmr_ctrl.simulation.campaign import PhaseProgress, phase
 from . import style
 from .drawing import target_of, write_html
 from .scene import BODY, TRACK, WHEEL, Scene, scene_of, scene_of_drives, with_tubes
-from .stage import FRAME, Picture, frames
+from .stage import Picture, frames
 
-SUFFIXES = (".gif", ".mp4", ".html")
-_FRAMES = {".gif": 250, ".mp4": 600, ".html": 2000}
+SUFFIXES = (".gif", ".html")
+_FRAMES = {".gif": 250, ".html": 2000}
 """At most as many frames are shown."""
 GIF_MILLISECONDS = 80
 """Time that a frame of a GIF is shown; whole runs thus take 20 s."""
-FILM_RATE = 30
-"""Frames of a film per second; whole runs thus take 20 s."""
 _GIF_COLOURS = 48
 
 
 def animate_runs(runs: Sequence[Run], path: AnyPath, progress: PhaseProgress | None = None) -> None:
-    """Animate one run or several at once: a .html (with play and slider), .gif or .mp4 file.
+    """Animate one run or several at once: a .html (with play and slider) or .gif file.
 
     Raises as `Run.animate`, and ArgumentError for runs that one picture cannot show (`scene_of`).
     """
-    target = _film_target(path, SUFFIXES, "a run is animated as .gif, .mp4, .html")
+    target = target_of(path, SUFFIXES, "a run is animated as .gif, .html")
     scene = with_tubes(scene_of(runs, _FRAMES[target.suffix.lower()]), runs)
     _animate(scene, [run.explanation for run in runs], target, progress)
 
@@ -49,7 +42,7 @@ def animate_drives(
     progress: PhaseProgress | None = None,
 ) -> None:
     """Animate drives, which have no desired pose and no limits; errors as `scene_of_drives`."""
-    target = _film_target(path, SUFFIXES, "a drive is animated as .gif, .mp4, .html")
+    target = target_of(path, SUFFIXES, "a drive is animated as .gif, .html")
     scene = scene_of_drives(drives, _FRAMES[target.suffix.lower()])
     _animate(scene, [f"{drive.duration:.4g} s." for drive in drives], target, progress)
 
@@ -58,20 +51,13 @@ def _animate(
     scene: Scene, said: Sequence[str], target: Path, progress: PhaseProgress | None
 ) -> None:
     """Write a scene; ``said`` is a sentence per robot, for the page."""
-    suffix, count = target.suffix.lower(), len(scene.t)
+    count = len(scene.t)
     with phase(progress, count, "Drawing the animation") as advance, atomic_path(target) as scratch:
-        if suffix == ".html":
+        if target.suffix.lower() == ".html":
             write_page(scene, scratch, said)
             advance(count)
         else:
-            _write_frames(frames(scene), FRAME, scratch, suffix, advance)
-
-
-def _film_target(path: AnyPath, suffixes: tuple[str, ...], what: str) -> Path:
-    target = target_of(path, suffixes, what)
-    if target.suffix.lower() == ".mp4":
-        find_ffmpeg()
-    return target
+            _write_gif(frames(scene), scratch, advance)
 
 
 # -- the page -----------------------------------------------------------------------------------
@@ -123,23 +109,10 @@ def _json(scene: Scene) -> str:
     return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-# -- frames as GIF or film ----------------------------------------------------------------------
+# -- the GIF -----------------------------------------------------------------------------------
 
 
-Advance: TypeAlias = Callable[[int], None]
-"""Called with the number of further frames that are written."""
-
-
-def _write_frames(
-    shown: Iterable[Picture], size: tuple[int, int], path: Path, suffix: str, advance: Advance
-) -> None:
-    if suffix == ".gif":
-        _write_gif(shown, path, advance)
-    else:
-        _write_film(shown, size, path, advance)
-
-
-def _write_gif(shown: Iterable[Picture], path: Path, advance: Advance) -> None:
+def _write_gif(shown: Iterable[Picture], path: Path, advance: Callable[[int], None]) -> None:
     """Write frames, all with the palette of the last one, which contains all elements."""
     images = []
     for picture in shown:
@@ -150,48 +123,3 @@ def _write_gif(shown: Iterable[Picture], path: Path, advance: Advance) -> None:
     first.save(
         path, save_all=True, append_images=others, duration=GIF_MILLISECONDS, loop=0, optimize=False
     )
-
-
-def find_ffmpeg() -> str:
-    """The ffmpeg program; raises MissingExtraError with the remedy if it is missing."""
-    program = shutil.which("ffmpeg")
-    if program is None:
-        raise MissingExtraError(
-            "films need the program ffmpeg, which was not found on the PATH. Install it "
-            "(apt install ffmpeg, brew install ffmpeg, winget install ffmpeg), or choose .html "
-            "or .gif, which need nothing."
-        )
-    return program
-
-
-def _write_film(
-    shown: Iterable[Picture], size: tuple[int, int], path: Path, advance: Advance
-) -> None:
-    """Write frames as a film; ResultFileError if ffmpeg fails."""
-    kind = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "{}x{}".format(*size))
-    raw = (*kind, "-r", str(FILM_RATE), "-i", "-")
-    coding = ("-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart")
-    command = [find_ffmpeg(), "-loglevel", "error", "-y", *raw, *coding, str(path)]
-    with tempfile.TemporaryFile() as errors:
-        process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=errors)
-        assert process.stdin is not None
-        broken = _feed(shown, process.stdin, advance)
-        if process.wait() or broken:
-            errors.seek(0)
-            lines = errors.read().decode(errors="replace").strip().splitlines()
-            raise ResultFileError(
-                f"ffmpeg could not write the film: {lines[-1] if lines else 'no reason given'}. "
-                "Choose .html or .gif instead."
-            )
-
-
-def _feed(shown: Iterable[Picture], pipe: IO[bytes], advance: Advance) -> bool:
-    """Send all frames; True if the receiver closed the pipe before the end."""
-    try:
-        with pipe:
-            for picture in shown:
-                pipe.write(picture.tobytes())
-                advance(1)
-    except BrokenPipeError:
-        return True
-    return False

@@ -18,13 +18,11 @@ from .style import DASHES, DOTTED, INK, LIMIT, MUTED, Dash, house_style, verbati
 
 _DPI = 100
 _SIZE = (5.6, 6.2)
-"""Width and height [inch]; both an even number of pixels, as films want them."""
+"""Width and height [inch]."""
 _STEP, _BEYOND = 0.055, 1.5
 """Height of a gauge [of the picture], and how far it goes beyond its edges."""
 Picture: TypeAlias = NDArray[np.uint8]
 """Rows, columns, colours."""
-FRAME = (round(_SIZE[0] * _DPI), round(_SIZE[1] * _DPI))
-"""The same in pixels."""
 
 
 def frames(scene: Scene) -> Iterator[Picture]:

@@ -160,10 +160,9 @@ class RecordedDrive:
 
     @checks_arguments
     def animate(self, path: AnyPath) -> None:
-        """Film the robot on its path into a .gif, .mp4 or .html file.
+        """Film the robot on its path into a .gif or .html file.
 
-        Raises ArgumentError, with names, if poses or velocities are missing, ResultFileError,
-        MissingExtraError for .mp4 without ffmpeg.
+        Raises ArgumentError, with names, if poses or velocities are missing, ResultFileError.
         """
         late_bound("animate_drives")([self], path)
 

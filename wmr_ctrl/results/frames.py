@@ -1,6 +1,6 @@
-"""Runs and their figures as plain values, pandas tables, xarray data sets, and HTML.
+"""Runs and their figures as plain values, pandas tables, and HTML.
 
-pandas and xarray are imported on first use.
+pandas is imported on first use.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from .settings import COUNTED
 
 if TYPE_CHECKING:
     import pandas
-    import xarray
     from numpy.typing import ArrayLike
 
     from .run import Run
@@ -92,27 +91,6 @@ def run_frame(run: Run) -> pandas.DataFrame:
     frame = pandas.DataFrame({name: run[name] for name in names}, index=index)
     frame.attrs = {**labels(run), "units": {s.name: s.unit for s in run.elements}}
     return frame
-
-
-def run_dataset(run: Run) -> xarray.Dataset:
-    """A variable per signal over ``t`` [s]; vectors have a dimension ``NAME_element`` besides.
-
-    Each variable has ``units`` and ``long_name``.  Raises MissingExtraError.
-    """
-    xarray = library("xarray")
-    variables: dict[str, tuple[object, ...]] = {}
-    coordinates: dict[str, tuple[object, ...]] = {}
-    for signal in run.signals:
-        about = {"units": signal.unit, "long_name": signal.meaning}
-        if signal.name == TIME.name:
-            coordinates[TIME.name] = (TIME.name, run.time, about)
-        elif signal.size == 1:
-            variables[signal.name] = (TIME.name, run[signal.name], about)
-        else:
-            along = f"{signal.name}_element"
-            coordinates[along] = (along, list(signal.elements), {})
-            variables[signal.name] = ((TIME.name, along), run[signal.name], about)
-    return xarray.Dataset(variables, coordinates, labels(run))
 
 
 def table_frame(columns: Mapping[str, ArrayLike], units: Mapping[str, str]) -> pandas.DataFrame:

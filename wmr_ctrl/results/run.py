@@ -24,7 +24,6 @@ from .settings import Settings
 
 if TYPE_CHECKING:
     import pandas
-    import xarray
     from matplotlib.figure import Figure
 
     from .remarks import Remark
@@ -43,8 +42,8 @@ class Run:
     vector, in the signals' SI units; N is smaller than ``settings.samples`` if the run ended early.
     Arrays are copied and read-only. ``run["v1"]`` is a column, ``run["v_c0[1]"]`` an element of
     one. ``provenance`` says how the run was made (versions, hashes, scenario text). ``save``,
-    ``plot``, ``animate``, ``summary()``, ``to_dataframe()`` and ``to_xarray()`` export it.  Raises
-    ArgumentError if names, shapes, clock or outcome contradict one another.
+    ``plot``, ``animate``, ``summary()`` and ``to_dataframe()`` export it.  Raises ArgumentError if
+    names, shapes, clock or outcome contradict one another.
     """
 
     scenario: str
@@ -118,10 +117,9 @@ class Run:
 
     @checks_arguments
     def animate(self, path: AnyPath) -> None:
-        """Film the robot on its path into a .gif, .mp4 or .html file.
+        """Film the robot on its path into a .gif or .html file.
 
-        Raises ResultFileError, ArgumentError for a run without any sample, MissingExtraError for
-        .mp4 without ffmpeg.
+        Raises ResultFileError, ArgumentError for a run without any sample.
         """
         late_bound("animate_runs")([self], path)
 
@@ -141,13 +139,6 @@ class Run:
         from .frames import run_frame
 
         return run_frame(self)
-
-    @checks_arguments
-    def to_xarray(self) -> xarray.Dataset:
-        """A variable per signal over ``t`` [s], with units; raises MissingExtraError."""
-        from .frames import run_dataset
-
-        return run_dataset(self)
 
     @property
     def rows(self) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 import sys
 
 import numpy as np
@@ -11,7 +12,13 @@ import pytest
 import wmr_ctrl
 from tests.simulation.physics.test_run import SHORT
 from wmr_ctrl import simulate, simulate_many
-from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.errors import (
+    ArgumentError,
+    MissingExtraError,
+    ScenarioError,
+    UnknownNameError,
+    WmrError,
+)
 from wmr_ctrl.results import summary
 from wmr_ctrl.simulation.campaign.study_plan import plan_of
 from wmr_ctrl.simulation.physics.workers import make_each
@@ -68,6 +75,27 @@ def test_what_a_run_raises_comes_through(monkeypatch):
         make_each(refuse, [(None, 0)], 1)
     with pytest.raises(ArgumentError, match="jobs"):
         make_each(refuse, [(None, 0)], 0)
+
+
+def died(loop, seed):
+    os._exit(3)
+
+
+def doubled(loop, seed):
+    return 2 * seed
+
+
+@pytest.mark.slow
+def test_processes_give_results_in_the_order_of_the_runs():
+    seeds = [5, 3, 8, 1]
+
+    assert make_each(doubled, [(None, seed) for seed in seeds], 2) == [10, 6, 16, 2]
+
+
+@pytest.mark.slow
+def test_a_process_that_ends_is_told():
+    with pytest.raises(WmrError, match="ended before its result"):
+        make_each(died, [(None, 0), (None, 1)], 2)
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import tomlkit
-from tomlkit.items import Table
+from tomlkit.items import Item, Table
 
 from wmr_ctrl.core.errors import ScenarioError, UnknownNameError, show
 from wmr_ctrl.core.fields.arguments import checks_arguments
@@ -245,6 +245,19 @@ def inherited(scenario: Scenario) -> tuple[InheritedValue, ...]:
 def raw_of(source: str) -> Raw:
     """Raw dictionary of a preset or file, including everything that it extends."""
     return _resolved(source, Path(), ())
+
+
+def notes(source: str) -> dict[str, str]:
+    """Comments beside the keys of a preset or file, and of what it extends; the nearest counts."""
+    text = read_text(Path(source), "scenario") if is_path(source) else _preset_text(source)
+    document, found = tomlkit.parse(text), dict[str, str]()
+    if base := document.get("extends"):
+        found = notes(str(Path(source).parent / base) if is_path(base) else base)
+    tables = ((name, part) for name, part in document.items() if isinstance(part, Table))
+    items = ((f"{name}.{key}", item) for name, part in tables for key, item in part.items())
+    return found | {
+        key: item.trivia.comment.lstrip("# ") for key, item in items if isinstance(item, Item)
+    }
 
 
 def stated_keys(source: str, overridden: Iterable[str] = ()) -> set[str]:
