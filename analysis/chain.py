@@ -88,7 +88,7 @@ def _box(axes: Axes, x: float, y: float, link: Link, *, first: bool) -> None:
               color=ink, va="center")  # fmt: skip
     if link.patterns:
         told = ", ".join(f"{n} {name}" for name, n in sorted(counts.items(), reverse=True))
-        shown = ", ".join(link.patterns[:2]).replace("-guard", "without guard")
-        more = " ..." if len(link.patterns) > 2 else ""
+        named = [pattern for pattern in link.patterns if not pattern.startswith("-")]
+        shown, more = ", ".join(named[:2]), " ..." if len(named) > 2 else ""
         axes.text(x + 1.4, y + 1.25, f"{told}: {shown}{more}", fontsize=6.2, color=colour,
                   va="center", family="monospace")  # fmt: skip
