@@ -311,8 +311,11 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("applied.py", "pieces.insert(0, (", "pieces.append(("),
     ),
     *_rows(
-        "wmr_ctrl/control/filter/", "tests/control/filter/test_filter_times.py",
+        "wmr_ctrl/control/filter/", "tests/control/filter/test_forecast.py",
         ("forecast.py", "0.5 * x * x", "x * x"),
+    ),
+    *_rows(
+        "wmr_ctrl/control/filter/", "tests/control/filter/test_filter_times.py",
         ("clip.py", "max(jitter, UNTOLD)", "jitter"),
     ),
     *_rows(

@@ -46,7 +46,7 @@ def run_of(name: str) -> Run:
     return simulate("paper-simulation", LAW, seed=3, overrides={**SHORT, **TOYS[name]})
 
 
-@pytest.mark.parametrize("name", SOME)
+@pytest.mark.parametrize("name", [*SOME, "draws in each step"])
 @pytest.mark.slow
 def test_it_matters(name):
     run = run_of(name)
