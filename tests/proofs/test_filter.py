@@ -31,6 +31,7 @@ def test_base_stays_inside_behind_what_the_governor_admits():
     assert_proved("filter.assembled")
 
 
+@pytest.mark.slow
 def test_bound_that_the_governor_keeps_is_a_bound_a_step_later():
     assert_proved("filter.carried")
 

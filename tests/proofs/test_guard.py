@@ -28,6 +28,7 @@ def test_flag_feasible_means_that_the_conditions_hold():
     assert_proved("guard.promise")
 
 
+@pytest.mark.slow
 def test_controller_that_is_exported_keeps_the_limit():
     """Law, guard and either map onto the wheels as one graph, while the flag `feasible` is 1."""
     assert_proved("guard.assembled.keeps")
