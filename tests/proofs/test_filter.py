@@ -5,6 +5,8 @@ The clip sends commands that no history can add up beyond the limit V.  The gove
 of the speed, and sends commands behind which |v| <= V.
 """
 
+import pytest
+
 from tests.proofs.anew import altered, assert_proved, claim_of, verdict
 from wmr_ctrl.control.filter import governor
 

@@ -5,6 +5,8 @@ change, friction never accelerates, |d| <= dbar, and the measured velocity is wi
 every law inside stays inside, outside comes back, and there is always a safe force.
 """
 
+import pytest
+
 from tests.proofs.anew import altered, assert_proved, claim_of, verdict
 from wmr_ctrl.control.guard import guard
 
