@@ -35,3 +35,9 @@ def test_what_rounding_adds_to_a_limit_is_no_violation() -> None:
     for axis, name in enumerate(("v_max_linear", "v_max_angular")):
         share = float(counted[CLOCK.index(name)]) / graphs.setup.scenario.limits.v_u1[axis]
         assert 1 + 4 * 2.0**-52 < share <= 1 + 1.01e-12
+
+    rimmed = load_scenario("turtlebot3-burger", {"filter.wheel_speed": 0.2})
+    graphs = LoopGraphs(settle(rimmed, "kanayama"))
+    numbers = [value for item in graphs.parameters.ports for value in item.value]
+    counted = ca.Function("clock", [graphs.p], [graphs.clock])(numbers)
+    assert 1 + 4 * 2.0**-52 < float(counted[CLOCK.index("wheel_speed")]) / 0.2 <= 1 + 1.01e-12
