@@ -114,6 +114,41 @@ def test_what_is_no_number_becomes_a_stop(kind, asked):
     assert "refused" in made.flags
 
 
+LOOPS = {
+    "filter.loop": "second-order", "filter.frequency": (3.5, 4.5), "filter.damping": (0.5, 0.7),
+    "filter.tau": None, "filter.odometry": None, "filter.d": (0.02, 0.02),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "stated",
+    [
+        {"filter.kind": "clip"},
+        {"filter.kind": "clip", **LOOPS},
+        {"filter.kind": "clip", **LOOPS, "filter.slew": (0.25, 0.25)},
+        {"filter.kind": "band", **LOOPS},
+    ],
+    ids=["clip", "loops", "slew", "band"],
+)
+def test_filters_other_than_a_governor_do_as_well_whatever_odometry_says(stated):
+    case = load_scenario("paper-simulation", STATED | stated)
+    asked = np.random.default_rng(0).uniform(-3, 3, (40, 2)).tolist()
+    sent = []
+    for measured in (None, (math.nan, 0.0), (5.0, -5.0)):
+        limit = wmr_ctrl.command_filter(case)
+        sent.append([limit.step(tuple(pair), measured).command for pair in asked])
+
+    assert sent[0] == sent[1] == sent[2]
+
+
+@pytest.mark.parametrize("kind", ["clip", "governor"])
+def test_a_last_command_is_safe_until_the_base_stops_by_itself(kind):
+    """Commands cease now and then, and the base stops `hold` after the last one."""
+    worst = fastest(scenario(kind, hold=0.3), Base(hold=0.3), trials=60, samples=120)
+
+    assert 0.9 < worst.max() <= 1.0
+
+
 @pytest.mark.parametrize("measured", [(math.nan, 0.0), (0.0, math.inf)])
 def test_odometry_that_is_no_number_is_not_used(measured):
     made = wmr_ctrl.command_filter(scenario()).step((5.0, 0.0), measured)
