@@ -1,5 +1,7 @@
 """Prove a claim from the graphs as they are now, without the committed ledger."""
 
+from __future__ import annotations  # functions are compiled with it, since types may not be there
+
 import inspect
 import textwrap
 from contextlib import contextmanager
