@@ -210,6 +210,16 @@ def test_a_guarded_robot_is_back_within_its_limit_in_that_time(axis):
     assert 0 < beyond.max() < back < 2.0
 
 
+def test_a_late_turning_speed_alone_promises_no_way_back():
+    setup = setup_of("safe-simulation", {"actuator.tau_max": 20.0})
+    late = replace(setup, guard=replace(setup.guard, age=(0.0, 0.01)))
+    found = [{row["event"]: row["seconds"] for row in dossier.responses(s)} for s in (setup, late)]
+
+    watched = [event for event in found[0] if "tenth" in event or "contradicts" in event]
+    assert len(watched) == 2
+    assert all(found[0][event] is not None and found[1][event] is None for event in watched)
+
+
 def test_drives_without_a_limit_promise_no_way_back():
     rows = {row["event"]: row["seconds"] for row in dossier.responses(setup_of("safe-simulation"))}
 

@@ -52,9 +52,9 @@ def document(setup: Setup, source: str) -> dict[str, object]:
     Raises ArgumentError where nothing is promised, or a claim is not as the committed ledger says.
     """
     _refuse(setup)
-    case, said = setup.scenario, [link.says for link in promises.chain(kind_of(setup))]
-    argument = list(_argument(setup))
-    known = ledger.load().by_id()
+    case, links = setup.scenario, promises.chain(kind_of(setup))
+    said, known = [link.says for link in links], ledger.load().by_id()
+    argument = list(_argument(links, known))
     covered = {name for row in argument for name in known[row["claim"]].functions}
     outside = [row["text"] for row in _rows("outside", setup)]
     outside += [sentence for _, sentence in unproved_roundings(case)]
@@ -125,14 +125,16 @@ def assumptions(setup: Setup, source: str) -> Iterator[dict[str, object]]:
         yield {"key": "", "value": None, "unit": "", "source": NOT_SHOWN} | row
 
 
-def _argument(setup: Setup) -> Iterator[dict[str, Any]]:
-    """Entries of each link, and those that they rest on.
+def _argument(
+    links: Iterable[promises.Link], entries: Mapping[str, ledger.Entry]
+) -> Iterator[dict[str, Any]]:
+    """The links' entries, and those that they rest on.
 
     ArgumentError where one does not hold, or is about another graph.
     """
     claims = {claim.id: claim for claim in proofs("claims").all_claims()}
-    entries, found = ledger.load().by_id(), dict[str, str]()
-    for link in promises.chain(kind_of(setup)):
+    found = dict[str, str]()
+    for link in links:
         found = dict.fromkeys(link.ids(entries), link.says) | found
     rest = [*found]
     while rest:
@@ -197,7 +199,7 @@ def _of_guard(setup: Setup) -> dict[str, float | None]:
         spare = period * (brakes - pair_of(numbers.dbar)[i])
         beyond = 0.1 * case.limits.v_u1[i] * pair_of(numbers.M_max)[i]
         back += [period * ceil(beyond / spare)] if spare > 0 else []
-    timely = not numbers.lateness(case.clock)[0].most
+    timely = not any(item.most for item in numbers.lateness(case.clock))
     known = timely and isfinite(setup.tau_max) and len(back) > 1
     return {
         "acts": period + numbers.latest, "shown": 2 * period if timely else None,
