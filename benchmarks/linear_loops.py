@@ -1,4 +1,4 @@
-"""Many linear speed loops at once: what each reaches for what it is asked for."""
+"""Speeds of many linear speed loops at once, for given commands and pushes."""
 
 from __future__ import annotations
 

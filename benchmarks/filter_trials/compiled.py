@@ -1,4 +1,4 @@
-"""The C of a scenario's filter for many bases at once, and what a statement of trials is."""
+"""A scenario's compiled filter, stepped for many bases at once, and the form of a statement."""
 
 from __future__ import annotations
 

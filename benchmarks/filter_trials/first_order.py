@@ -171,7 +171,7 @@ def dead_bands(kind: str, **stated: Any) -> Callable[[int, int], Floats]:
 
 
 def bands_broken(kind: str, **stated: Any) -> dict[str, Callable[[int, int], Floats]]:
-    """Hypotheses on bases with dead bands that are broken, by what is broken."""
+    """Trials of bases with dead bands that break one hypothesis each, by its name."""
     keys = {f"filter.{name}": value for name, value in stated.items()}
     rows: dict[str, tuple[Mapping[str, Any], Mapping[str, Any]]] = {
         "gain": (BAND, {"gain": (0.9, 1.155)}),

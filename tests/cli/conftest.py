@@ -26,7 +26,7 @@ SHORT = ("--engine", "numpy", "--set", "clock.duration=0.2")
 
 
 def words_of(*args):
-    """Of a command line, or as they are."""
+    """Split a command line that is one text; several words stay as they are."""
     return shlex.split(*args) if len(args) == 1 and " " in str(args[0]) else [*map(str, args)]
 
 

@@ -57,7 +57,7 @@ def written(law: str, folder: Path, float32: bool, guarded: bool = False) -> Non
 
 
 def programs(law: str, folder: Path, compiler: str = "gcc") -> list[str]:
-    """What a package's check and example say, built without a warning."""
+    """Build a package's check and example without a warning; return what they print."""
     needs(compiler)
     command = [compiler, *WARNINGS, "-O2", "-ffp-contract=off"]
     run([*command, "-Wdouble-promotion", "-c", f"wmr_{law}.c"], folder)

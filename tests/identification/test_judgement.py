@@ -137,7 +137,7 @@ def test_delays_that_differ_from_change_to_change_are_told():
                                      ("steps", 2, 2)],
 )  # fmt: skip
 def test_delays_of_commands_that_are_logged_in_part_are_not_determined(kind, commands, motion):
-    """Of all commands, or of every second one, which may have acted when the one between did."""
+    """With every second command logged, the one between may have caused what is seen."""
     truth = own_axes.Truth((own_axes.Axis(), own_axes.Axis()), (0.077, 0.077))
     log = own_axes.recorded(truth, own_axes.Drive(period=PERIOD, kind=kind), seed=1)
     part = {True: slice(None, None, commands), False: slice(None, None, motion)}

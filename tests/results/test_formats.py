@@ -163,7 +163,7 @@ def test_a_csv_that_lost_its_last_bytes_or_rows_is_refused(make_run, tmp_path, m
 @reusing_folder
 @given(part=st.floats(0, 1, exclude_max=True), flip=st.integers(1, 255))
 def test_a_flipped_byte_is_refused_or_harmless(make_run, tmp_path, suffix, part, flip):
-    """In a table another digit may be another number."""
+    """A changed digit in a table may be another valid number, which is harmless."""
     run = make_run(duration=0.05, x=1 / 3)
     path = saved(run, tmp_path, suffix)
     data = bytearray(path.read_bytes())

@@ -120,7 +120,7 @@ class Broken(Base):
         return bool(self.call(Trigger, "reset", Trigger.Request()).success)
 
     def spoilt(self):
-        """What follows each fault of odometry."""
+        """Apply each fault of odometry in turn; return what the node did, by fault."""
         found = {"well": self.go(PATIENCE, lambda: self.told("driving"))}
         for name, spoil in {**SPOILT, "repeated": repeated()}.items():
             found[name] = self.fault(spoil, until=self.rested())
@@ -238,7 +238,7 @@ def in_real_time(scenario):
 
 
 def simulated(kind, scenario):
-    """What a base of this kind tells about leaps of time."""
+    """Run a base of this kind on simulated time that leaps; return what was seen."""
     process, base = start(scenario, "-p", "use_sim_time:=true"), kind(simulated=True)
     try:
         found = base.times()

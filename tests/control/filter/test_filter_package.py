@@ -286,7 +286,7 @@ def test_a_single_precision_exponential_is_as_right_as_its_comment_says(tmp_path
 
 
 def assert_shown(words: list[str], made: Filtered, float32: bool) -> None:
-    """What a package printed, commands and flags, is what the graph made."""
+    """Assert that a package printed the commands and flags that the graph made."""
     *sent, flags = words
     bits = {name: bit for bit, name in FLAG_NAMES.items()}
     close = {"rel": 2e-3, "abs": 1e-5} if float32 else {"rel": 1e-12, "abs": 1e-15}

@@ -114,7 +114,7 @@ class LateGuard:
 
     @property
     def _mixes(self) -> bool:
-        """Whether the newest command may act beside the one before."""
+        """True if the newest command may act while the one before still does."""
         return self.J > 0
 
     def _of_mixed(self, force: float) -> float:

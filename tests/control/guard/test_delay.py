@@ -1,4 +1,4 @@
-"""Behind drives with a delay: what is under way, what cannot be met, how fast it drives."""
+"""The guard behind drives with a delay: commands under way, refusals, and speeds reached."""
 
 from __future__ import annotations
 
