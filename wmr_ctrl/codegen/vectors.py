@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.control.filter.channels import ELAPSED
+from wmr_ctrl.control.filter.stopping import FREE, FREE_AGE, LIMITS
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.signals import ASKED, ODOMETRY_AGE, REFUSED, TORQUE, VELOCITY, places
 from wmr_ctrl.world.encoder import MOVED
@@ -98,12 +99,21 @@ def _run(place: Situation, v_u1: Floats, draw: np.random.Generator) -> list[Floa
 
 
 def _commands(system: System, limits: Limits) -> Floats:
-    """Commands up to five times the limits; if used, odometry within them, half of the time."""
-    draw, rows = np.random.default_rng(2024), []
+    """Commands up to five times the limits; if used, odometry within them, half of the time.
+
+    Limits and free ways, where they are told, leave most commands less than the scenario does.
+    """
+    draw, rows, known = np.random.default_rng(2024), [], [item.signal for item in system.inputs]
+    own = sum(item.size for item in known if item not in (LIMITS, FREE, FREE_AGE))
     for k in range(len(SITUATIONS) * SAMPLES):
         asked, measured = (size * draw.uniform(-1, 1, 2) * limits.v_u1 for size in (5, 0.02))
         age = 0.0 if k % 2 else -1.0
-        rows.append(np.array([*asked, *measured, age, 0.0])[: system.u.numel()])
+        row = [*asked, *measured, age, 0.0][:own]
+        if LIMITS in known:
+            row += (draw.uniform(0, 1, (2, 1)) * limits.sides).ravel().tolist()
+        if FREE in known:
+            row += [*draw.uniform(0, 1, 4), 0.0]
+        rows.append(np.array(row))
     return np.array(rows)
 
 

@@ -42,6 +42,7 @@ DELTA = Signal("filter.delta", "m/s, rad/s", "largest speed that pushes alone le
 FLAGS = Signal("filter_flags", "1", "sum of the bits of what is told")
 
 LIMITED, UNUSED, BOUNDS_LEFT, LATE, REFUSED, UNSOUND, TURN_RADIUS = 1, 2, 4, 8, 16, 32, 2048
+SLOWING, NEAR_BY, NO_DISTANCE, LIMIT_REFUSED = 4096, 8192, 16384, 32768
 """Bits of the flags, of which CommandFilter.step tells the meaning."""
 FLAG_NAMES = {
     LIMITED: "limited",
@@ -51,6 +52,10 @@ FLAG_NAMES = {
     REFUSED: "refused",
     UNSOUND: "unsound",
     TURN_RADIUS: "turn-radius",
+    SLOWING: "slowing",
+    NEAR_BY: "near",
+    NO_DISTANCE: "no-distance",
+    LIMIT_REFUSED: "limit-refused",
 }
 FLAG_MEANINGS = {
     LIMITED: "the command was not sent as it came",
@@ -60,6 +65,10 @@ FLAG_MEANINGS = {
     REFUSED: "the command was no number",
     UNSOUND: "the parameters are such as no filter can keep",
     TURN_RADIUS: "the base cannot turn as tightly as it was asked to",
+    SLOWING: "the base may still be faster than a limit that was lowered",
+    NEAR_BY: "something is too near for any command but one away from it",
+    NO_DISTANCE: "no free distance came that is recent enough",
+    LIMIT_REFUSED: "a limit was no number: it counts as 0",
 }
 
 

@@ -17,7 +17,7 @@ from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.fields.units import meant, rounded
 from wmr_ctrl.core.fields.values import Pair
-from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.core.signals import ASKED, ODOMETRY_AGE, Signal
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.model.system import Output, System, port, stack, values
 from wmr_ctrl.world.scenario import Scenario, asking_about_units, load_scenario, unit_questions
@@ -28,8 +28,9 @@ from .band import NAMES, BandGovernor, check_beat
 from .channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING, largest_commands
 from .clip import Clip, slew_reach
 from .enclosure import Floats
-from .governor_step import Governor, check_jitter
+from .governor_step import ODOMETRY, Governor, check_jitter
 from .peak_gain import peak_gains, pi_loop, refuse_all
+from .stopping import FREE, FREE_AGE, LIMITS, StoppingGovernor
 
 
 def _damped(scenario: Scenario, axis: int) -> str:
@@ -203,8 +204,14 @@ TOLD = Signal("told", "1", "1: the time since the previous sample was told befor
 BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
     "clip": Clip,
     "governor": Governor,
+    "told": StoppingGovernor,
     "band": BandGovernor,
 }
+
+
+def kind_of(settings: Filter) -> str:
+    """Key in `BUILDERS`: the filter's kind, or "told" for a governor that is told more."""
+    return "told" if settings.kind == "governor" and settings.is_told else settings.kind
 
 
 def derived_numbers(scenario: Scenario) -> dict[str, tuple[Signal, tuple[float, ...]]]:
@@ -230,7 +237,7 @@ def filter_system(scenario: Scenario) -> System:
     """
     with asking_about_units(scenario):
         check_filter(scenario)
-        return for_base(BUILDERS[scenario.filter.kind](scenario).system, scenario)
+        return for_base(BUILDERS[kind_of(scenario.filter)](scenario).system, scenario)
 
 
 def filter_questions(scenario: Scenario) -> Iterator[str]:
@@ -272,9 +279,10 @@ def passing_commands(scenario: Scenario) -> list[tuple[str, Pair, Pair]]:
 
     This is valid for any history: the limits are the clip's own, and a governor's are never
     smaller, since its speed bound is at most V (ledger: filter.contains-clip).  For a clip without
-    slew or a governor; empty without filter.  0 if no command passes.
+    slew or a governor; empty without filter, and where each step is told its limits or ways.  0 if
+    no command passes.
     """
-    if scenario.filter.kind == "none":
+    if scenario.filter.kind == "none" or scenario.filter.is_told:
         return []
     check_filter(scenario)
     built: Clip | Governor = (
@@ -309,7 +317,6 @@ class CommandFilter:
     def __init__(self, scenario: Scenario) -> None:
         """Build the graph; ScenarioError where the filter is not set, or cannot be met."""
         self.system, self._scenario = called_filter(scenario), scenario
-        self.governs = scenario.filter.kind == "governor"
         self.period = scenario.clock.control
         dense = [ca.densify(item) for item in (self.system.update, self.system.y)]
         self._step, self._p = self.system.function("filter", dense), np.array(self.system.p0)
@@ -327,6 +334,7 @@ class CommandFilter:
         have ceased to act, unless delay, losses and age are 0. A clip has no memory.
         """
         self._x = np.array(self.system.x0)
+        self._limits = tuple(end for side in self._scenario.limits.sides for end in side)
 
     @checks_arguments
     def step(
@@ -335,6 +343,10 @@ class CommandFilter:
         measured: Sequence[float] | Floats | None = None,
         age: float = 0.0,
         dt: float | None = None,
+        limits: Sequence[Sequence[float]] | None = None,
+        free: Sequence[float] | None = None,
+        free_age: float = 0.0,
+        turn: Sequence[float] = (math.inf, math.inf),
     ) -> Filtered:
         """The safe command (v [m/s], omega [rad/s]) nearest to ``command``, and flags.
 
@@ -349,18 +361,46 @@ class CommandFilter:
         "unsound" (parameters that no filter can satisfy, such as a push beyond the limit: (0, 0) is
         sent). Raises ArgumentError for wrong lengths.
         """
-        asked = _pair(command, "command")
-        u = list(asked)
-        if self.governs:
-            seen = (0.0, 0.0) if measured is None else _pair(measured, "measured")
-            u += [*seen, -1.0 if measured is None else age]
         if dt is not None and dt > 100 * self.period:
             self._ask(dt)
-        u.append(0.0 if dt is None else dt or STANDING)
+        seen = (0.0, 0.0) if measured is None else _pair(measured, "measured")
+        told = {
+            ASKED: _pair(command, "command"),
+            ODOMETRY: seen,
+            ODOMETRY_AGE: (-1.0 if measured is None else age,),
+            ELAPSED: (0.0 if dt is None else dt or STANDING,),
+            **self._told(limits, free, free_age, turn),
+        }
+        u = [number for item in self.system.inputs for number in told[item.signal]]
         self._x, y = evaluated(self._step, u, self._x, self._p)
         sent = y.ravel().tolist()
         names = tuple(name for bit, name in FLAG_NAMES.items() if int(sent[2]) & bit)
         return Filtered((sent[0], sent[1]), names)
+
+    def _told(
+        self,
+        limits: Sequence[Sequence[float]] | None,
+        free: Sequence[float] | None,
+        free_age: float,
+        turn: Sequence[float],
+    ) -> dict[Signal, tuple[float, ...]]:
+        """Limits (the last ones if none are told) and free ways; ArgumentError if unusable."""
+        settings = self._scenario.filter
+        if limits is not None:
+            if not settings.changing:
+                raise ArgumentError(
+                    "limits are told, and this filter's do not change. Set filter.changing = true."
+                )
+            linear, angular = (_pair(side, "limits") for side in limits)
+            self._limits = (*linear, *angular)
+        if free is not None and settings.free_error is None:
+            raise ArgumentError(
+                "free is told, and this filter asks for no distances. Set filter.free_error [m]."
+            )
+        ways = (math.inf, math.inf) if free is None else _pair(free, "free")
+        told = (*ways, *_pair(turn, "turn"))
+        age = -1.0 if free is None else float(free_age)
+        return {LIMITS: self._limits, FREE: told, FREE_AGE: (age,)}
 
     def _ask(self, dt: float) -> None:
         """Warn if a time would be the clock's period in another unit."""
@@ -384,14 +424,21 @@ def command_filter(scenario: Scenario | str) -> CommandFilter:
     return built
 
 
+COMMAND = "v [m/s], omega [rad/s]"
+MEANINGS = {
+    "limits": "(v_min, v_max) [m/s], (omega_min, omega_max) [rad/s]",
+    "free": "ahead [m], behind [m]",
+    "turn": "left [rad], right [rad]",
+}
+
+
 def _pair(values: Sequence[float] | Floats, name: str) -> tuple[float, float]:
+    meaning = MEANINGS.get(name, COMMAND)
     if isinstance(values, np.ndarray) and (values.ndim != 1 or values.dtype.kind not in "fiu"):
         raise ArgumentError(
-            f"{name} is an array of {values.dtype} with shape {values.shape} and must be one of "
-            "two real numbers: v [m/s], omega [rad/s]."
+            f"{name} is an array of {values.dtype} with shape {values.shape} and must be two real "
+            f"numbers: {meaning}."
         )
     if len(values) != 2:
-        raise ArgumentError(
-            f"{name} has {len(values)} numbers and must have two: v [m/s], omega [rad/s]."
-        )
+        raise ArgumentError(f"{name} has {len(values)} numbers and must have two: {meaning}.")
     return float(values[0]), float(values[1])

@@ -104,12 +104,21 @@ class Schedule:
         return max((1 + self.losses) * (1 + self.jitter), self.hold) + spread
 
     @property
+    def shortest(self) -> float:
+        """h: least time for which a command acts, unless it is lost [periods]."""
+        return max(1 - self.jitter - (self.delay[1] - self.delay[0]), 0.0)
+
+    @property
     def oldest(self) -> int:
         """Largest age of a command that may still act ``age`` before a sample."""
         age = 1
         while self._last(age + 1) > NEAR - self.age:
             age += 1
         return age
+
+    def acts(self, age: int) -> bool:
+        """True if the command of this age may act at a sample."""
+        return age == 1 or self._last(age) > NEAR
 
     def _first(self, age: int) -> float:
         """Earliest time at which the command of this age may take effect."""
@@ -163,10 +172,17 @@ class SpeedBound:
 
         Without ``cut`` it may be above V.
         """
-        stopped = [self.bounds.dbar] if self.schedule.hold > 0 else []
-        target = largest([*(targets[age] for age in reversed(piece.ages)), *stopped])
-        bound = relaxed(v, target, *shares)
+        bound = relaxed(v, self.target(piece, targets), *shares)
         return ca.fmin(bound, self.bounds.V) if cut else bound
+
+    @property
+    def stopped(self) -> list[ca.SX]:
+        """Steady speed of a base that stops on its own, if it may."""
+        return [self.bounds.dbar] if self.schedule.hold > 0 else []
+
+    def target(self, piece: Piece, targets: Sequence[ca.SX]) -> ca.SX:
+        """Largest steady speed to which what may act in a piece drives the base."""
+        return largest([*(targets[age] for age in reversed(piece.ages)), *self.stopped])
 
     def now(self, y: ca.SX, age: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
         """Bound of the present speed from odometry y that is ``age`` [s] old.

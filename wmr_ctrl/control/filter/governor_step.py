@@ -12,7 +12,7 @@ from wmr_ctrl.control.guard.lateness import Times
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.values import Pair
 from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
-from wmr_ctrl.world.model.system import Output, Parameters, System, port
+from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.world.scenario import Scenario, asking_about_units
 from wmr_ctrl.world.scenario.command_filter import MOST_PERIODS
 
@@ -104,7 +104,7 @@ class Governor:
         self.scenario, self.plans, self.p = scenario, schedules(scenario), Parameters(scenario)
         self.asked, self.odometry = port(ASKED), port(ODOMETRY)
         self.age, self.elapsed = port(ODOMETRY_AGE, -1.0), port(ELAPSED)
-        self.oldest = oldest = max(plan.oldest for plan in self.plans)
+        self.oldest = oldest = self.remembered
         self.before = [port(_sent(number)) for number in range(1, oldest + 1)]
         self.counted = (port(IN_TIME, oldest),) if oldest > 1 else ()
         self.T, tau = self.p.take("clock.control"), ends_of(self.p, "tau")
@@ -127,6 +127,11 @@ class Governor:
         times = [ca.logic_and(least > 0, most >= least) for least, most in apart]
         times += [self.T > 0, self.T <= LARGEST, *(most <= LARGEST for _, most in apart)]
         self.sound = reduce(ca.logic_and, (*times, sound(self.channels)))
+
+    @property
+    def remembered(self) -> int:
+        """Number of commands that the state holds."""
+        return max(plan.oldest for plan in self.plans)
 
     @cached_property
     def seen(self) -> ca.SX:
@@ -202,12 +207,17 @@ class Governor:
             sides.append(limits)
         return sides
 
-    @cached_property
-    def safe(self) -> ca.SX:
-        """The safe command (2,) for sound parameters."""
+    @property
+    def within_limits(self) -> ca.SX:
+        """The command (2,) within `limits`."""
         upper, lower = self.limits
         backwards, scale = [-limit for limit in lower], self.scenario.filter.scale
         return scaled(self.command, self.channels, backwards, upper, scale)
+
+    @cached_property
+    def safe(self) -> ca.SX:
+        """The safe command (2,) for sound parameters."""
+        return self.within_limits
 
     @cached_property
     def sent(self) -> ca.SX:
@@ -233,23 +243,40 @@ class Governor:
         return [most(channel.of(command), channel.bounds) for command in commands]
 
     @property
-    def system(self) -> System:
-        """The sampled System, whose state is the bounds and the commands that may still act."""
+    def inputs(self) -> tuple[Port, ...]:
+        """What each step is told."""
+        return self.asked, self.odometry, self.age, self.elapsed
+
+    @property
+    def flags(self) -> ca.SX:
+        """Sum of the flags, for sound parameters."""
         flags = limited(self.sent, self.command) + ca.if_else(self.seen, 0, UNUSED) + self.refused
         flags += ca.if_else(self.agrees, 0, BOUNDS_LEFT) + ca.if_else(self.punctual, 0, LATE)
+        return flags
+
+    @property
+    def memory(self) -> tuple[tuple[Port, ...], list[ca.SX]]:
+        """State, the bounds and the commands that may still act first, and its next values."""
         bounds = ca.vertcat(*(item for side in self.following for item in side))
         older = [item.sym for item in self.before[:-1]]
         known = ca.if_else(self.sound, bounds, LARGEST)
+        state = (*self.known, *self.before, *self.counted)
+        return state, [known, self.sent, *older, *self.in_time]
+
+    @property
+    def system(self) -> System:
+        """The sampled System of the governor."""
+        state, update = self.memory
         return System(
             "filter",
             "command filter (governor)",
-            inputs=(self.asked, self.odometry, self.age, self.elapsed),
-            state=(*self.known, *self.before, *self.counted),
+            inputs=self.inputs,
+            state=state,
             params=self.p.ports,
-            update=ca.vertcat(known, self.sent, *older, *self.in_time),
+            update=ca.vertcat(*update),
             outputs=(
                 Output(SENT, self.sent),
-                Output(FLAGS, ca.if_else(self.sound, flags, UNSOUND)),
+                Output(FLAGS, ca.if_else(self.sound, self.flags, UNSOUND)),
             ),
             period=self.scenario.clock.control,
         )

@@ -1,6 +1,6 @@
 """Section of the command filter: the base that it assumes, and how commands are limited."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
 from wmr_ctrl.core.errors import ScenarioError
@@ -15,6 +15,13 @@ CHANNELS = ("body", "wheels")
 SCALES = ("curvature", "axes", "turn", "drive")
 MOST_PERIODS = 64
 """Most control periods of delay, age and losses that the governor counts through."""
+
+
+def quoted(kinds: Iterable[str]) -> str:
+    """Kinds of filters as they are written in a scenario."""
+    return " or ".join(f'"{kind}"' for kind in kinds)
+
+
 BY_AXIS = ("tau", "gain", "delay", "damping", "frequency")
 """Bounds that v and omega may have each for itself."""
 FIRST_ORDER = ("first-order", "first-order")
@@ -115,6 +122,24 @@ class Filter(Section, key="filter"):
     least: bool = quantity(
         False, "1", "send 0 or the least command that acts for one within the base's dead band"
     )
+    changing: bool = quantity(
+        False, "1", "each step is told the limits in force; those of [limits] are the widest"
+    )
+    free_error: float | None = quantity(
+        None, "m", "largest error of the free distances that a step is told; left out: none is",
+        minimum=0,
+    )  # fmt: skip
+    free_age: float = quantity(0.2, "s", "largest age of free distances", minimum=0, usual=(0, 2))
+    nearing: float = quantity(
+        0.0, "m/s", "largest speed at which what is in the way comes nearer", minimum=0
+    )
+    rest: float | None = quantity(
+        None, "s", "time after which the base stands, and holds, once commands of 0 act",
+        minimum=0, usual=(0, 10),
+    )  # fmt: skip
+    leave: int = quantity(
+        1, "1", "releases that come too early, for which a stop keeps enough distance", minimum=0
+    )
     trust: bool = quantity(False, "1", "allow runs in which a hypothesis does not hold")
 
     def relate(self) -> None:
@@ -128,6 +153,8 @@ class Filter(Section, key="filter"):
             self._relate_band()
         if self.slew is not None:
             self._relate_slew()
+        if self.is_told:
+            self._relate_told()
         if self.scale == "axes" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
                 'filter.scale = "axes" limits v and omega separately, which does not fit wheels '
@@ -145,6 +172,11 @@ class Filter(Section, key="filter"):
                     f"filter.tau = [{low!r}, {high!r}] spans more than a factor of 1e6, too wide "
                     "for any guarantee. Narrow the interval."
                 )
+
+    @property
+    def is_told(self) -> bool:
+        """True if steps are told limits or distances, or the base's brake is counted on."""
+        return self.changing or self.free_error is not None or self.rest is not None
 
     @property
     def reads(self) -> tuple[str, ...]:
@@ -183,6 +215,53 @@ class Filter(Section, key="filter"):
                 f"filter.{apart[0]} is stated for v and omega each, and filter.{wheels} limits "
                 "wheels, whose speeds are made of both and whose loops have to be alike. State one "
                 f"that both axes keep, or leave out filter.{wheels}."
+            )
+
+    def _relate_told(self) -> None:
+        """Raise ScenarioError where limits or distances cannot be told while the base drives."""
+        told = {"changing": self.changing, "free_error": self.free_error is not None}
+        name = next((key for key, is_told in told.items() if is_told), "rest")
+        kinds = ("governor", "clip") if name == "changing" else ("governor",)
+        if self.kind not in kinds:
+            raise ScenarioError(
+                f'filter.{name} does not go with filter.kind = "{self.kind}", which knows no bound '
+                f"of the base's way to a stop. Use filter.kind = {quoted(kinds)}, or leave it out."
+            )
+        wheels = "channels" if self.channels == "wheels" else "wheel_speed" * bool(self.wheel_speed)
+        if wheels or self.slew is not None:
+            raise ScenarioError(
+                f"filter.{name} is about v and omega, each by itself and at once. Leave out "
+                f"filter.{wheels or 'slew'}."
+            )
+        if self.free_error is None:
+            if self.nearing:
+                raise ScenarioError(
+                    "filter.nearing is about what is in the way, and no distance is told. State "
+                    "filter.free_error, or leave out filter.nearing."
+                )
+            return
+        if self.rest is None and (any(self.d) or self.nearing):
+            cause = (
+                f"filter.nearing = {self.nearing:g} m/s: what is in the way comes nearer for ever"
+                if self.nearing
+                else f"filter.d = [{self.d[0]:g}, {self.d[1]:g}]: a push creeps for ever"
+            )
+            raise ScenarioError(
+                f"filter.rest is missing, and {cause}, so that no stop ends in time. State how "
+                "long after commands of 0 the base stands and holds: its brake, its time-out or "
+                "its control at standstill."
+            )
+        linear, angular = self.intervals("delay")
+        if linear != angular:
+            raise ScenarioError(
+                "filter.delay differs for v and omega: the stop of one axis would end before that "
+                "of the other. With filter.free_error state one interval that holds for both."
+            )
+        if self.nearing and self.leave:
+            raise ScenarioError(
+                "filter.leave keeps a distance for releases, which what comes nearer (filter."
+                "nearing) uses up while the base rests. Set filter.leave = 0: the base then leaves "
+                "where its distance certifies that."
             )
 
     def _relate_loop(self, axis: int) -> None:

@@ -1,0 +1,177 @@
+"""How far a base with a first-order speed loop goes until it stands, on one side of one axis.
+
+Its stop: the command u that is sent now takes over within ``last`` and acts for at most ``acts``;
+then 0 acts, and after a ``rest`` B of 0 the base stands and holds (a brake, control at standstill).
+With A(t; tau) = tau (1 - exp(-t/tau)) and q = A/tau, a base that goes w when u takes over has then
+gone at most
+
+    m s + r w + d B - d A_B,    s = D - A + A_B q,    r = A + A_B (1 - q),    A_B = A(B; tau_max)
+
+for a steady speed m = K_max u + d >= d, D the longest time for which u acts, and one of both ends
+of tau (A and q of D and tau). The largest m whose way is within the free distance follows from one
+line for each time at which u may take over and each end of tau (`filter.free.plan`).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+import casadi as ca
+
+from .governor import NEAR, Piece, SpeedBound, largest, relaxed
+
+
+def covered(time: ca.SX, tau: ca.SX) -> ca.SX:
+    """Way for each m/s of a speed that fades with ``tau`` for a ``time`` [s]."""
+    return -tau * ca.expm1(-time / tau)
+
+
+@dataclass(frozen=True)
+class Reached:
+    """Bounds when a piece of time ends: the instant [s], way gone since now, and speed (>= 0)."""
+
+    instant: ca.SX | float
+    way: ca.SX
+    speed: ca.SX
+
+
+@dataclass(frozen=True)
+class Stop:
+    """How an axis comes to rest; times in s.
+
+    ``tau``: least and largest. ``push``: d. ``rest``: None if nothing brakes but the loop.
+    ``acts``: longest time between commands. ``last``: largest delay. ``nearing``: speed at which
+    what is in the way comes nearer.
+    """
+
+    tau: tuple[ca.SX, ca.SX]
+    push: ca.SX
+    rest: ca.SX | None
+    acts: ca.SX
+    last: ca.SX
+    nearing: ca.SX
+
+    @property
+    def fading(self) -> ca.SX:
+        """Way during the rest for each m/s of speed at its start."""
+        return self.tau[1] if self.rest is None else covered(self.rest, self.tau[1])
+
+    @property
+    def creep(self) -> ca.SX:
+        """Way that a push leads to during the rest."""
+        return ca.SX(0) if self.rest is None else self.push * self.rest
+
+    @property
+    def time(self) -> ca.SX:
+        """Longest time from a command to standstill."""
+        return self.last + self.acts + (0 if self.rest is None else self.rest)
+
+    @property
+    def roll(self) -> ca.SX:
+        """Largest way that a push leads to after a command away was let go, from rest."""
+        if self.rest is None:
+            return ca.SX(0)
+        return self.push * (self.rest - covered(self.rest, self.tau[0]))
+
+    def hold(self, pull: ca.SX) -> ca.SX:
+        """Time after which a command away with this ``pull`` has gained what a release rolls."""
+        fading = self.tau[0] if self.rest is None else covered(self.rest, self.tau[0])
+        return self.roll / pull + self.tau[1] - fading
+
+    def room(self, free: ca.SX) -> ca.SX:
+        """Free distance less what any stop takes."""
+        return free - self.nearing * self.time - self.creep + self.fading * self.push
+
+    def line(self, instant: ca.SX | float, tau: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """s and r of a command that takes over at this instant [s]."""
+        longest = self.acts + (self.last - instant)
+        way = covered(longest, tau)
+        share = way / tau
+        return longest - way + self.fading * share, way + self.fading * (1 - share)
+
+    def steady(self, free: ca.SX, takeovers: Sequence[Reached]) -> ca.SX:
+        """Largest steady speed m whose stop ends within ``free``; below ``push`` there is none."""
+        room, most = self.room(free), list[ca.SX]()
+        for at in takeovers:
+            for tau in self.tau:
+                s, r = self.line(at.instant, tau)
+                most.append((room - at.way - r * ca.fmax(at.speed, self.push)) / s)
+        return reduce(ca.fmin, most)
+
+    def retreat(self, way: ca.SX, speed: ca.SX, target: ca.SX) -> ca.SX:
+        """Free distance that a command away needs, which drives at most to ``target`` <= 0.
+
+        ``way``: gone before it takes over; ``speed`` <= 0: then.
+        """
+        fading = self.tau[0] if self.rest is None else covered(self.rest, self.tau[0])
+        rolls = self.creep + (ca.fmax(speed, target) - self.push) * fading
+        return self.nearing * self.time + way + ca.fmax(0, rolls)
+
+
+@dataclass(frozen=True)
+class ToldBound(SpeedBound):
+    """`SpeedBound` behind limits that change, on a base with a brake.
+
+    By age of the command, [0] the newest: ``most`` bounds the speed while it acts; ``still`` is 1
+    if it is (0, 0), during which a brake may end any motion.
+    """
+
+    most: Sequence[ca.SX] = ()
+    still: Sequence[ca.SX] = ()
+
+    def carried(
+        self,
+        v: ca.SX,
+        piece: Piece,
+        targets: Sequence[ca.SX],
+        shares: tuple[ca.SX, ca.SX],
+        cut: bool = True,
+    ) -> ca.SX:
+        """Bound of the speed after a piece with these shares; it is cut in any case."""
+        start, target = self._lifted(v, piece), self.target(piece, targets)
+        return self._lifted(ca.fmin(relaxed(start, target, *shares), self.cap(piece)), piece)
+
+    def cap(self, piece: Piece) -> ca.SX:
+        """Bound of the speed in a piece by the commands that may act in it."""
+        return largest([*(self.most[age] for age in reversed(piece.ages)), *self.stopped])
+
+    def _lifted(self, v: ca.SX, piece: Piece) -> ca.SX:
+        """A bound of the speed that also holds if a brake closes in this piece."""
+        if self.schedule.hold > 0 and self.still:
+            return ca.fmax(v, 0)
+        still = [self.still[age] for age in piece.ages if self.still]
+        return ca.if_else(reduce(ca.logic_or, still), ca.fmax(v, 0), v) if still else v
+
+    def onward(
+        self, v: ca.SX, pieces: Sequence[Piece], targets: Sequence[ca.SX]
+    ) -> Iterator[Reached]:
+        """Way and speed, neither counted backwards, when each piece ends."""
+        way, speed = ca.SX(0), ca.fmax(v, 0)
+        for piece in pieces:
+            time = (piece.end - piece.start) * self.period
+            target, shares = ca.fmax(self.target(piece, targets), 0), self.shares(time)
+            ways = [(speed - target) * covered(time, tau) for tau in self.tau]
+            way += target * time + ca.fmax(*ways)
+            speed = ca.fmax(ca.fmin(relaxed(speed, target, *shares), self.cap(piece)), 0)
+            yield Reached(piece.end * self.period, way, speed)
+
+    @property
+    def cap_now(self) -> ca.SX:
+        """Bound of the speed by the commands that may act at the sample."""
+        ages = [age for age in range(1, self.schedule.oldest + 1) if self.schedule.acts(age)]
+        return self.cap(Piece(0.0, 0.0, tuple(ages)))
+
+    def takeovers(self, v: ca.SX, targets: Sequence[ca.SX]) -> list[Reached]:
+        """Way and speed at each instant at which the next command may take over."""
+        first, last = self.schedule.delay
+        pieces = self.schedule.pieces(0.0, last, 1, first) if last else []
+        reached = list(self.onward(v, pieces, targets))
+        ends = [at for at, piece in zip(reached, pieces, strict=True) if piece.end >= first - NEAR]
+        return ends if first > NEAR else [Reached(0.0, ca.SX(0), ca.fmax(v, 0)), *ends]
+
+    def until_next(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
+        """Way until the next sample, at latest; ``targets[0]`` is of the command just sent."""
+        jitter = self.schedule.jitter
+        pieces = self.schedule.pieces(0.0, 1 + jitter, 0, 1 - jitter)
+        *_, end = self.onward(v, pieces, targets)
+        return end.way
