@@ -1,0 +1,61 @@
+"""Free ways of a round body, ahead and behind, while its heading stays within a window.
+
+The body is a disc about the axle's midpoint, whose heading stays within ``right`` and ``left`` of
+the present one. What it may cover is a sector and the disc around it (a cone): of a point at
+distance p and bearing b, with o how far b is outside of the window,
+
+    way = p cos o - sqrt(R^2 - p^2 sin^2 o)        where p |sin o| <= R and |o| < 90 degrees,
+
+and any way elsewhere. Backwards the bearing counts from behind. A wall is met at one of its ends,
+or along the heading of the window nearest to its normal.
+"""
+
+from collections.abc import Sequence
+from functools import reduce
+
+import casadi as ca
+
+from wmr_ctrl.core.signals import LARGEST
+
+Point = tuple[ca.SX, ca.SX]
+WIDEST = 1.5
+"""Widest window to either side [rad]; a cone of more than 90 degrees to a side is a disc."""
+
+
+def way_to_point(
+    place: Point, window: tuple[ca.SX, ca.SX], radius: ca.SX | float, sense: int
+) -> ca.SX:
+    """Way [m] to a point ``place`` (ahead, to the left) [m] for a disc of ``radius`` [m].
+
+    ``window``: heading to the left and to the right [rad]; ``sense``: 1 ahead, -1 backwards.
+    Negative where the disc covers the point already; `LARGEST` where it never does.
+    """
+    along, across = sense * place[0], sense * place[1]
+    outside = _outside(ca.atan2(across, along), window)
+    on, off = along * along + across * across, ca.sin(outside)
+    squared = radius * radius - on * off * off
+    meets = ca.logic_and(squared >= 0, ca.cos(outside) > 0)
+    way = ca.sqrt(on) * ca.cos(outside) - ca.sqrt(ca.fmax(squared, 0))
+    return ca.if_else(meets, way, LARGEST)
+
+
+def way_to_wall(
+    ends: tuple[Point, Point], window: tuple[ca.SX, ca.SX], radius: ca.SX | float, sense: int
+) -> ca.SX:
+    """Way [m] to a straight wall between two points; see `way_to_point`."""
+    (ax, ay), (bx, by) = [[sense * part for part in end] for end in ends]
+    tx, ty = bx - ax, by - ay
+    length = ca.sqrt(tx * tx + ty * ty)
+    share = -(ax * tx + ay * ty) / (length * length)  # of the nearest point of its line
+    px, py = ax + share * tx, ay + share * ty
+    outside = _outside(ca.atan2(py, px), window)
+    way = (ca.sqrt(px * px + py * py) - radius) / ca.cos(outside)
+    met = share - ca.sign(ax * by - ay * bx) * way * ca.sin(outside) / length
+    inner = reduce(ca.logic_and, (ca.cos(outside) > 0, met >= 0, met <= 1))
+    points = (way_to_point(end, window, radius, sense) for end in ends)
+    return reduce(ca.fmin, points, ca.if_else(inner, way, LARGEST))
+
+
+def _outside(bearing: ca.SX, window: tuple[ca.SX, ca.SX]) -> ca.SX:
+    """How far a bearing is outside of a window, signed [rad]."""
+    return bearing - ca.fmax(-window[1], ca.fmin(window[0], bearing))
