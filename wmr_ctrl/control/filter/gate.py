@@ -13,13 +13,14 @@ from functools import reduce
 import casadi as ca
 
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
-from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
+from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal, places
 from wmr_ctrl.world.model.system import Output, System, port
 from wmr_ctrl.world.scenario import Scenario
 
 from .channels import AXES, FLAG_NAMES, LIMITED, usable_time, within
 from .filter import filter_system
 from .governor_step import ELAPSED, ODOMETRY
+from .stopping import FREE, FREE_AGE, LIMITS, WAITED
 
 COMMAND_AGE = Signal("command_age", "s", "time since the command came; negative: there is none")
 STOP = Signal("stop", "1", "1: stop at once, and stay stopped")
@@ -116,7 +117,8 @@ def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, c
         return list(ca.substitute([inner.y, inner.update], [own.sym], [command]))
 
     wanted = ca.if_else(drives, asked.sym, 0)
-    goal = filtered(wanted)[0]  # first, so that a ramp ends at a curvature that was asked for
+    # first, so that a ramp ends at a curvature that was asked for
+    goal, aimed = filtered(wanted)
     budget = usable_time(elapsed.sym, ca.SX(scenario.clock.control))
     ramped = ca.vertcat(*(
         ramp(last.sym[i], goal[i], (settings.rise[i], settings.fall[i]), budget)
@@ -125,17 +127,23 @@ def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, c
     offered = ca.if_else(stop.sym > 0, 0, ramped)
     y, update = filtered(offered)
     sent = y[:2]
+    following = sent
+    if WAITED in {item.signal for item in inner.state}:
+        rows = places(item.signal for item in inner.state)[WAITED.name]
+        update[rows] = aimed[rows]  # what was asked for counts, and the ramp begins meanwhile
+        following = ca.if_else(ca.sum1(aimed[rows]) > 0, offered, sent)
     missing = ca.logic_not(seen) if settings.odometry != "none" else ca.SX(0)
     less = ca.logic_and(_same(goal, wanted), ca.logic_not(_same(sent, offered)))
     bits = ((less, LIMITED), (stays, STOPPED), (ca.logic_not(came), NO_COMMAND),
             (missing, NO_ODOMETRY), (over, TOO_FAST),
             (ca.logic_not(_same(offered, goal)), RAMPED))  # fmt: skip
     flags = reduce(lambda total, bit: total + ca.if_else(bit[0], bit[1], 0), bits, goal[2])
-    inputs = (asked, age, odometry, odometry_age, elapsed, stop, reset)
+    further = (ports[signal] for signal in (LIMITS, FREE, FREE_AGE) if signal in ports)
+    inputs = (asked, age, odometry, odometry_age, elapsed, stop, reset, *further)
     gate = System(
         "gate", f"gate before a base: {inner.title}", inputs=inputs,
         state=(*inner.state, latched, last), params=inner.params,
-        update=ca.vertcat(update, ca.if_else(stays, 1, 0), sent),
+        update=ca.vertcat(update, ca.if_else(stays, 1, 0), following),
         outputs=(Output(SENT, sent), Output(FLAGS, flags)), period=inner.period,
     )  # fmt: skip
     return gate, goal
