@@ -10,7 +10,6 @@ and any way elsewhere. Backwards the bearing counts from behind. A wall is met a
 or along the heading of the window nearest to its normal.
 """
 
-from collections.abc import Sequence
 from functools import reduce
 
 import casadi as ca

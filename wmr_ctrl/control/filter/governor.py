@@ -98,15 +98,24 @@ class Schedule:
     hold: float = 0.0
 
     @property
+    def acting(self) -> float:
+        """Longest time between two commands, or until the base stops on its own [periods]."""
+        return max((1 + self.losses) * (1 + self.jitter), self.hold)
+
+    @property
     def longest(self) -> float:
         """H: longest time for which one command may act [periods]."""
-        spread = self.delay[1] - self.delay[0]
-        return max((1 + self.losses) * (1 + self.jitter), self.hold) + spread
+        return self.acting + self.spread
+
+    @property
+    def spread(self) -> float:
+        """By how much delays may differ [periods]."""
+        return self.delay[1] - self.delay[0]
 
     @property
     def shortest(self) -> float:
         """h: least time for which a command acts, unless it is lost [periods]."""
-        return max(1 - self.jitter - (self.delay[1] - self.delay[0]), 0.0)
+        return max(1 - self.jitter - self.spread, 0.0)
 
     @property
     def oldest(self) -> int:

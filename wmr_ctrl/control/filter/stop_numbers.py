@@ -1,0 +1,143 @@
+"""Numbers of a governor that is told limits and free ways: times, distances, and how it leaves.
+
+They are those of its graph (`stopping`, `ways`) for a scenario's own values, for people to read.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from wmr_ctrl.core.fields.values import Pair
+from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario.command_filter import Intervals
+
+from .governor import NEAR, Schedule
+from .governor_step import schedules
+from .ways import Stop
+
+
+def stop_of(scenario: Scenario, axis: int) -> tuple[Stop, Schedule]:
+    """How v (0) or omega (1) comes to rest, and the times of its commands."""
+    settings, T, plan = scenario.filter, scenario.clock.control, schedules(scenario)[axis]
+    acts, nearing = plan.acting * T, 0.0 if axis else settings.nearing
+    stop = Stop(
+        settings.intervals("tau")[axis], settings.d[axis], settings.rest, acts,
+        plan.delay[1] * T, nearing,
+    )  # fmt: skip
+    return stop, plan
+
+
+@dataclass(frozen=True)
+class Stopping:
+    """Distance [m] that a base needs to stop from ``speed`` [m/s], and what it is made of [m].
+
+    ``delay``: until 0 acts. ``push``: what pushes, releases and what comes nearer take. ``brake``:
+    the speed's own way to rest. ``error``: of the distance.
+    """
+
+    speed: float
+    distance: float
+    delay: float
+    push: float
+    brake: float
+    error: float
+
+
+def stopping(scenario: Scenario, speed: float) -> Stopping:
+    """Distance at which the governor still lets a base drive on straight at this speed [m/s]."""
+    settings = scenario.filter
+    stop, _ = stop_of(scenario, 0)
+    delay = speed * (stop.last + stop.acts)
+    brake = float(stop.fading) * max(speed - stop.push, 0.0)
+    push = float(stop.creep + settings.leave * stop.roll) + stop.nearing * float(stop.time)
+    error = settings.free_error or 0.0
+    return Stopping(speed, delay + push + brake + error, delay, push, brake, error)
+
+
+def costs(scenario: Scenario) -> dict[str, float]:
+    """Distance [m] that one more millisecond of delay, per cent of tau and second of rest take.
+
+    At the largest speed forwards.
+    """
+    settings, speed = scenario.filter, scenario.limits.v_max[0]
+    whole = stopping(scenario, speed).distance
+
+    def more(key: str, value: Intervals | float) -> float:
+        changed = override(scenario, {f"filter.{key}": value})
+        return stopping(changed, speed).distance - whole
+
+    later = settings.each("delay", lambda ends: (ends[0], ends[1] + 1e-3))
+    slower = settings.each("tau", lambda ends: (ends[0], 1.01 * ends[1]))
+    found = {"millisecond": more("delay", later), "per_cent": more("tau", slower)}
+    if settings.rest is not None:
+        found["rest_second"] = more("rest", settings.rest + 1)
+    return found
+
+
+@dataclass(frozen=True)
+class Leaving:
+    """How a base that the governor stopped is driven away.
+
+    ``roll`` [m]: largest way of one release. ``least`` [m/s]: least command that drives away,
+    whatever pushes; None if the limit admits none. ``hold`` [s]: for how long it is to be held, with
+    the largest command. ``rest`` [s]: until the base is known to stand.
+    """
+
+    roll: float
+    least: float | None
+    hold: float
+    rest: float
+
+
+def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
+    """How a base leaves what is before it (``way`` -1) or behind it (1); None without a rest."""
+    settings, T = scenario.filter, scenario.clock.control
+    stop, plan = stop_of(scenario, 0)
+    if stop.rest is None:
+        return None
+    (least_gain, most_gain), d = settings.intervals("gain")[0], stop.push
+    V = scenario.limits.v_max[0] if way > 0 else -scenario.limits.v_min[0]
+    pull = least_gain * (V - d) / most_gain - d
+    slowest = (1 - plan.jitter) * T
+    spread = plan.spread * T
+    rests = math.ceil((stop.rest + plan.losses * (1 + plan.jitter) * T + spread) / slowest - NEAR)
+    if pull <= 0:
+        return Leaving(float(stop.roll), None, math.inf, rests * T)
+    steps = plan.losses + math.ceil((float(stop.hold(pull)) + spread) / slowest - NEAR)
+    return Leaving(float(stop.roll), d / least_gain, steps * T if d else 0.0, rests * T)
+
+
+def smallest_window(scenario: Scenario) -> Pair:
+    """Headings [rad] to either side that a stop, and a stop and a hold, may turn through."""
+    stop, _ = stop_of(scenario, 1)
+    turned = stop.push * float(stop.time)
+    ways = [leaving(scenario, way) for way in (1, -1)]
+    holds = [item.hold for item in ways if item is not None and item.hold < math.inf]
+    return turned, turned + stop.push * max(holds, default=0.0)
+
+
+def time_inside(scenario: Scenario, axis: int, before: float, after: float) -> float:
+    """Longest time [s] from a step that is told a limit ``after`` until the base is within it.
+
+    It was within ``before``, both of one side [m/s, rad/s]; inf if no time is promised.
+    """
+    stop, plan = stop_of(scenario, axis)
+    T, d, spread = scenario.clock.control, stop.push, plan.spread
+    lost = plan.losses * (1 + plan.jitter) * T
+    if after >= before:
+        return stop.last + lost
+    if after <= d:
+        return math.inf
+    fades = stop.tau[1] * math.log((before - d) / (after - d))
+    steps = math.ceil((fades / T + spread) / (1 - plan.jitter) - NEAR)
+    own, whole = fades + plan.shortest * T, (steps + plan.losses) * (1 + plan.jitter) * T
+    return stop.last + lost + min(own, whole)
+
+
+def times_inside(scenario: Scenario, axis: int) -> Iterator[tuple[float, float, float]]:
+    """Limits before and after [m/s, rad/s] and `time_inside` [s], for each tenth of the limit."""
+    largest = scenario.limits.v_max[axis]
+    for higher in range(10, 1, -1):
+        for lower in range(higher - 1, 0, -1):
+            before, after = largest * higher / 10, largest * lower / 10
+            yield before, after, time_inside(scenario, axis, before, after)
