@@ -16,7 +16,7 @@ from .governor_step import schedules
 from .ways import Stop
 
 
-def stop_of(scenario: Scenario, axis: int) -> tuple[Stop, Schedule]:
+def stop_of(scenario: Scenario, axis: int) -> tuple[Stop[float], Schedule]:
     """How v (0) or omega (1) comes to rest, and the times of its commands."""
     settings, T, plan = scenario.filter, scenario.clock.control, schedules(scenario)[axis]
     acts, nearing = plan.acting * T, 0.0 if axis else settings.nearing
@@ -48,8 +48,8 @@ def stopping(scenario: Scenario, speed: float) -> Stopping:
     settings = scenario.filter
     stop, _ = stop_of(scenario, 0)
     delay = speed * (stop.last + stop.acts)
-    brake = float(stop.fading) * max(speed - stop.push, 0.0)
-    push = float(stop.creep + settings.leave * stop.roll) + stop.nearing * float(stop.time)
+    brake = stop.fading * max(speed - stop.push, 0.0)
+    push = stop.creep + settings.leave * stop.roll + stop.nearing * stop.time
     error = settings.free_error or 0.0
     return Stopping(speed, delay + push + brake + error, delay, push, brake, error)
 
@@ -102,15 +102,15 @@ def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
     spread = plan.spread * T
     rests = math.ceil((stop.rest + plan.losses * (1 + plan.jitter) * T + spread) / slowest - NEAR)
     if pull <= 0:
-        return Leaving(float(stop.roll), None, math.inf, rests * T)
-    steps = plan.losses + math.ceil((float(stop.hold(pull)) + spread) / slowest - NEAR)
-    return Leaving(float(stop.roll), d / least_gain, steps * T if d else 0.0, rests * T)
+        return Leaving(stop.roll, None, math.inf, rests * T)
+    steps = plan.losses + math.ceil((stop.hold(pull) + spread) / slowest - NEAR)
+    return Leaving(stop.roll, d / least_gain, steps * T if d else 0.0, rests * T)
 
 
 def smallest_window(scenario: Scenario) -> Pair:
     """Headings [rad] to either side that a stop, and a stop and a hold, may turn through."""
     stop, _ = stop_of(scenario, 1)
-    turned = stop.push * float(stop.time)
+    turned = stop.push * stop.time
     ways = [leaving(scenario, way) for way in (1, -1)]
     holds = [item.hold for item in ways if item is not None and item.hold < math.inf]
     return turned, turned + stop.push * max(holds, default=0.0)

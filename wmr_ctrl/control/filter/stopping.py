@@ -40,7 +40,7 @@ from .channels import (
     ends_of,
     within,
 )
-from .governor import NEAR, FirstOrder, Schedule, largest
+from .governor import NEAR, FirstOrder, Schedule, SpeedBound, largest
 from .governor_step import Governor, Sides
 from .ways import Reached, Stop, ToldBound
 
@@ -63,9 +63,8 @@ class StoppingGovernor(Governor):
         """Create the ports; ScenarioError if the times span too many samples."""
         super().__init__(scenario)
         settings, p, last = scenario.filter, self.p, self.oldest
-        self.distances, self.rest = settings.free_error is not None, None
-        if settings.rest is not None:
-            self.rest = p.take("filter.rest")
+        self.distances = settings.free_error is not None
+        self.rest = None if settings.rest is None else p.take("filter.rest")
         tau = ends_of(p, "tau")
         self.channels = [replace(c, sides=(c.sides[0], c.sides[-1])) for c in self.channels]
         starts = [c.largest[place] for place in (0, -1) for c in self.channels]
@@ -88,7 +87,7 @@ class StoppingGovernor(Governor):
             ]
             for place in AXES
         ]  # fmt: skip
-        self.motions = self.told
+        self.motions = [list[SpeedBound](side) for side in self.told]
         self.stops = [self._stop(i, tau[i]) for i in AXES]
         numbers = [*([self.rest] if self.rest is not None else [])]
         if self.distances:
@@ -105,7 +104,7 @@ class StoppingGovernor(Governor):
             return least
         return max(least, *(replace(p, age=settings.free_age / T).oldest for p in self.plans))
 
-    def _stop(self, axis: int, tau: tuple[ca.SX, ca.SX]) -> Stop:
+    def _stop(self, axis: int, tau: tuple[ca.SX, ca.SX]) -> Stop[ca.SX]:
         plan, d = self.plans[axis], self.channels[axis].bounds.dbar
         spread = plan.delay[1] - plan.delay[0]
         nears = self.distances and axis == 0
@@ -185,7 +184,7 @@ class StoppingGovernor(Governor):
         return 2 * (1 + b.kappa) * (b.V + stop.nearing) * (times + self.T) + stop.creep
 
     @cached_property
-    def reached(self) -> list[list[list[Reached]]]:
+    def reached(self) -> list[list[list[Reached[ca.SX]]]]:
         """Ways and speeds of each side where the next command may take over."""
         sides = []
         for way, side, motions in zip(WAYS, self.start, self.told, strict=True):
@@ -195,7 +194,7 @@ class StoppingGovernor(Governor):
             ])  # fmt: skip
         return sides
 
-    def _sure(self, at: Reached, motion: ToldBound) -> Reached:
+    def _sure(self, at: Reached[ca.SX], motion: ToldBound) -> Reached[ca.SX]:
         """What is reached, the most where the times of commands cannot be trusted."""
         V, last = motion.bounds.V, motion.schedule.delay[1] * self.T
         return Reached(
@@ -317,7 +316,8 @@ class StoppingGovernor(Governor):
     def held(self) -> ca.SX:
         """1 where the base stands by the time the command acts, and (0, 0) is sent."""
         plan = max(self.plans, key=lambda plan: plan.delay[1] - plan.delay[0])
-        time = self.rest + plan.losses * (1 + plan.jitter) * self.T
+        rest = ca.SX(0) if self.rest is None else self.rest
+        time = rest + plan.losses * (1 + plan.jitter) * self.T
         enough = self._in_row >= whole_steps(plan, self.T, time)
         return ca.logic_and(_nothing(self.safe), enough)
 

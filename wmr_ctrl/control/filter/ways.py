@@ -15,28 +15,31 @@ line for each time at which u may take over and each end of tau (`filter.free.pl
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from typing import Generic
 
 import casadi as ca
+
+from wmr_ctrl.world.model.system import Number
 
 from .governor import NEAR, Piece, SpeedBound, largest, relaxed
 
 
-def covered(time: ca.SX, tau: ca.SX) -> ca.SX:
+def covered(time: Number, tau: Number) -> Number:
     """Way for each m/s of a speed that fades with ``tau`` for a ``time`` [s]."""
     return -tau * ca.expm1(-time / tau)
 
 
 @dataclass(frozen=True)
-class Reached:
+class Reached(Generic[Number]):
     """Bounds when a piece of time ends: the instant [s], way gone since now, and speed (>= 0)."""
 
-    instant: ca.SX | float
-    way: ca.SX
-    speed: ca.SX
+    instant: Number
+    way: Number
+    speed: Number
 
 
 @dataclass(frozen=True)
-class Stop:
+class Stop(Generic[Number]):
     """How an axis comes to rest; times in s.
 
     ``tau``: least and largest. ``push``: d. ``rest``: None if nothing brakes but the loop.
@@ -44,61 +47,62 @@ class Stop:
     what is in the way comes nearer.
     """
 
-    tau: tuple[ca.SX, ca.SX]
-    push: ca.SX
-    rest: ca.SX | None
-    acts: ca.SX
-    last: ca.SX
-    nearing: ca.SX
+    tau: tuple[Number, Number]
+    push: Number
+    rest: Number | None
+    acts: Number
+    last: Number
+    nearing: Number
 
     @property
-    def fading(self) -> ca.SX:
+    def fading(self) -> Number:
         """Way during the rest for each m/s of speed at its start."""
         return self.tau[1] if self.rest is None else covered(self.rest, self.tau[1])
 
     @property
-    def creep(self) -> ca.SX:
+    def creep(self) -> Number:
         """Way that a push leads to during the rest."""
-        return ca.SX(0) if self.rest is None else self.push * self.rest
+        return 0 * self.push if self.rest is None else self.push * self.rest
 
     @property
-    def time(self) -> ca.SX:
+    def time(self) -> Number:
         """Longest time from a command to standstill."""
         return self.last + self.acts + (0 if self.rest is None else self.rest)
 
     @property
-    def roll(self) -> ca.SX:
+    def roll(self) -> Number:
         """Largest way that a push leads to after a command away was let go, from rest."""
         if self.rest is None:
-            return ca.SX(0)
+            return 0 * self.push
         return self.push * (self.rest - covered(self.rest, self.tau[0]))
 
-    def hold(self, pull: ca.SX) -> ca.SX:
+    def hold(self, pull: Number) -> Number:
         """Time after which a command away with this ``pull`` has gained what a release rolls."""
         fading = self.tau[0] if self.rest is None else covered(self.rest, self.tau[0])
         return self.roll / pull + self.tau[1] - fading
 
-    def room(self, free: ca.SX) -> ca.SX:
+    def room(self, free: Number) -> Number:
         """Free distance less what any stop takes."""
         return free - self.nearing * self.time - self.creep + self.fading * self.push
 
-    def line(self, instant: ca.SX | float, tau: ca.SX) -> tuple[ca.SX, ca.SX]:
+    def line(self, instant: Number, tau: Number) -> tuple[Number, Number]:
         """s and r of a command that takes over at this instant [s]."""
         longest = self.acts + (self.last - instant)
         way = covered(longest, tau)
         share = way / tau
         return longest - way + self.fading * share, way + self.fading * (1 - share)
 
-    def steady(self, free: ca.SX, takeovers: Sequence[Reached]) -> ca.SX:
+    def steady(self, free: Number, takeovers: Sequence[Reached[Number]]) -> Number:
         """Largest steady speed m whose stop ends within ``free``; below ``push`` there is none."""
-        room, most = self.room(free), list[ca.SX]()
+        room, most = self.room(free), list[Number]()
         for at in takeovers:
             for tau in self.tau:
                 s, r = self.line(at.instant, tau)
                 most.append((room - at.way - r * ca.fmax(at.speed, self.push)) / s)
-        return reduce(ca.fmin, most)
+        least: Number = reduce(ca.fmin, most)
+        return least
 
-    def retreat(self, way: ca.SX, speed: ca.SX, target: ca.SX) -> ca.SX:
+    def retreat(self, way: Number, speed: Number, target: Number) -> Number:
         """Free distance that a command away needs, which drives at most to ``target`` <= 0.
 
         ``way``: gone before it takes over; ``speed`` <= 0: then.
@@ -144,7 +148,7 @@ class ToldBound(SpeedBound):
 
     def onward(
         self, v: ca.SX, pieces: Sequence[Piece], targets: Sequence[ca.SX]
-    ) -> Iterator[Reached]:
+    ) -> Iterator[Reached[ca.SX]]:
         """Way and speed, neither counted backwards, when each piece ends."""
         way, speed = ca.SX(0), ca.fmax(v, 0)
         for piece in pieces:
@@ -161,13 +165,13 @@ class ToldBound(SpeedBound):
         ages = [age for age in range(1, self.schedule.oldest + 1) if self.schedule.acts(age)]
         return self.cap(Piece(0.0, 0.0, tuple(ages)))
 
-    def takeovers(self, v: ca.SX, targets: Sequence[ca.SX]) -> list[Reached]:
+    def takeovers(self, v: ca.SX, targets: Sequence[ca.SX]) -> list[Reached[ca.SX]]:
         """Way and speed at each instant at which the next command may take over."""
         first, last = self.schedule.delay
         pieces = self.schedule.pieces(0.0, last, 1, first) if last else []
         reached = list(self.onward(v, pieces, targets))
         ends = [at for at, piece in zip(reached, pieces, strict=True) if piece.end >= first - NEAR]
-        return ends if first > NEAR else [Reached(0.0, ca.SX(0), ca.fmax(v, 0)), *ends]
+        return ends if first > NEAR else [Reached(ca.SX(0), ca.SX(0), ca.fmax(v, 0)), *ends]
 
     def until_next(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
         """Way until the next sample, at latest; ``targets[0]`` is of the command just sent."""
