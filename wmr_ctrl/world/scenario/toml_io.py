@@ -340,7 +340,13 @@ def to_toml(
     return tomlkit.dumps(document)
 
 
-LATER = ("changing = false", "free_age = 0.2", "nearing = 0.0", "leave = 1")
+LATER = (
+    "changing = false",
+    "free_age = 0.2",
+    "nearing = 0.0",
+    "leave = 1",
+    "\n[world]\nobstacles = []\nwall = []",
+)
 """Lines that a hash leaves out: keys that came later, with values that change nothing."""
 
 
