@@ -29,6 +29,7 @@ from wmr_ctrl.world.scenario.sections import Guard
 from wmr_ctrl.world.scenario.toml_io import InheritedValue, stated_keys
 from wmr_ctrl.world.speed_loops import KINDS, loops_of
 
+from .check_stopping import stop_promise
 from .console import wrapped
 
 TOLD = 1e-3
@@ -98,7 +99,7 @@ def promise(setup: Setup) -> str:
         return (
             f"Filtered: {limits} are guaranteed{' for starts within them alone,' * late} "
             f"{while_exact}while the base is within {_whose(case, 'filter')} bounds (--only "
-            f"filter); {NOT_THE_PATH}."
+            f"filter); {NOT_THE_PATH}.{stop_promise(case)}"
         )
     if not case.guard.enabled:
         try:

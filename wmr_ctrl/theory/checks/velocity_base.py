@@ -112,8 +112,8 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
     return FilterFacts(stated.kind, statement, high, usable, sided, delayed, stronger, broken)
 
 
-ON_THE_SPOT = {"base.min_radius": 0.0}
-"""A base of which each axis moves by itself."""
+ON_THE_SPOT = {"base.min_radius": 0.0, "filter.free_error": None, "filter.nearing": 0.0}
+"""A base of which each axis moves by itself, and with nothing in its way."""
 
 
 def usable_speed(scenario: Scenario) -> Pair:
