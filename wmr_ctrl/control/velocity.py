@@ -46,7 +46,9 @@ from .filter.governor_step import ODOMETRY
 from .filter.stopping import FREE, FREE_AGE, LIMITS
 from .setup import Setup
 
-FREE_NARROW = Signal("free_narrow", "m, rad", "`free` in the smallest window of headings", 4)
+FREE_NARROW = Signal(
+    "free_narrow", "m, m, rad, rad", "`free` in the smallest window of headings", 4
+)
 """Free ways for a command straight on, which is tried where `free` refuses one."""
 NEAR = 1e-6
 """Share by which a velocity may differ from what was asked for, and yet be the same."""
