@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.core.errors import UnknownNameError
-from wmr_ctrl.report.evidence_figures import slip_torque
 from wmr_ctrl.report.paper_claims import (
     Evidence,
     Measured,
@@ -24,6 +23,7 @@ from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.simulation.campaign import PAPER_LAWS
 from wmr_ctrl.simulation.campaign.paper_runs import REPORTED, STUDIES
 from wmr_ctrl.simulation.campaign.plan import PlannedCase
+from wmr_ctrl.world.scenario import load_scenario
 
 WORDS = {
     "a tenth": 0.1, "half": 0.5, "halves": 0.5, "grow by at least a half": 1.5, "twice": 2.0,
@@ -84,9 +84,11 @@ def test_explanations_quote_tests_of_their_claim_only(claim):
 
 
 def test_the_torque_bound_is_that_of_the_robot():
+    """All weight on the two driving wheels, a tyre's friction coefficient of 1: m g r / 2."""
     bounds = {spec.at_most for claim, spec in SPECS if claim == "V-torque"}
+    robot = load_scenario("paper-simulation").robot
 
-    assert [*bounds] == [pytest.approx(slip_torque(), rel=0.01)]
+    assert [*bounds] == [pytest.approx(robot.m * robot.g * robot.r / 2, rel=0.01)]
 
 
 # -- the rule -----------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from tests.results.conftest import build
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import course, scene
 from wmr_ctrl.report.course import Course, band, course_of
-from wmr_ctrl.report.drawing import FAR, running_mean, running_rms, target_of, view_limits
+from wmr_ctrl.report.drawing import FAR, running_mean, target_of, view_limits
 from wmr_ctrl.report.plot_run import _error, _figures
 from wmr_ctrl.report.scene import outline, scene_of
 from wmr_ctrl.report.study_table import PREFERRED, StudyTable, read_study
@@ -115,7 +115,6 @@ def test_a_gliding_mean_is_centred_and_keeps_what_is_straight(width):
     off = 0.5 if width % 2 == 0 else 0.0
     assert running_mean(line, width)[inner] == pytest.approx(line[inner] - off)
     assert running_mean(np.ones(20), width) == pytest.approx(np.ones(20))
-    assert running_rms(np.full(20, -3.0), width) == pytest.approx(np.full(20, 3.0))
 
 
 def test_what_is_beyond_four_times_a_limit_leaves_the_view_and_is_named():

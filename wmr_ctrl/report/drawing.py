@@ -374,11 +374,6 @@ def running_mean(values: Floats, width: int) -> Floats:
     return np.asarray((total[high] - total[low]) / (high - low))
 
 
-def running_rms(values: Floats, width: int) -> Floats:
-    """Centred RMS over ``width`` values, fewer at the ends, shape (N,)."""
-    return np.asarray(np.sqrt(np.maximum(running_mean(values**2, width), 0.0)))
-
-
 def thin_path(x: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
     """Thin a path in the plane to ``points`` points, denser on fast parts.
 

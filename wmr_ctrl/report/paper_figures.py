@@ -1,4 +1,4 @@
-"""Fig. 3 and Fig. 5 of the paper: each of the twelve panels alone, and all on a sheet."""
+"""Fig. 3 and Fig. 5 of the paper: the twelve panels."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -24,7 +24,6 @@ GAP = 0.42
 START = 3.0
 """Length of the beginning that is shown enlarged [s]."""
 PANEL_SIZE = (4.7, 2.9)
-SHEET_SIZE = (11.7, 15.6)
 
 
 @dataclass(frozen=True)
@@ -195,11 +194,10 @@ PANELS = (
     Panel("l", "weights_2", "Norm of the weights, angular axis", _W2.draw, laws=("nn",)),
 )
 """Panels (a) to (l)."""
-_SHEET_PADDING = drawing.Padding(left=0.60, right=0.20, bottom=0.46, top=0.36)
 
 
-def paper_figure(number: int, group: Group, what: str) -> Iterator[drawing.Drawing]:
-    """The panels and the sheet of Fig. ``number``; ``what`` names it in titles."""
+def paper_figure(number: int, group: Group) -> Iterator[drawing.Drawing]:
+    """The panels of Fig. ``number``."""
     for panel in PANELS:
         if panel.of(group):
             yield drawing.Drawing(
@@ -208,33 +206,19 @@ def paper_figure(number: int, group: Group, what: str) -> Iterator[drawing.Drawi
                 partial(_draw_panel, panel=panel, group=group),
                 f"Fig. {number}({panel.letter}): {panel.title}",
             )
-    draw = partial(_draw_sheet, group=group, title=f"Fig. {number} rerun: {what}")
-    yield drawing.Drawing(f"fig{number}_sheet", SHEET_SIZE, draw)
 
 
 def _draw_panel(figure: Figure, panel: Panel, group: Group) -> None:
     visible = panel.of(group)
     panel.draw(figure, visible, drawing.Padding())
-    handles = _handles(visible, path=panel.path, switch=not panel.path)
+    handles = _handles(visible, path=panel.path)
     drawing.heading(figure, f"({panel.letter}) {panel.title}", handles)
 
 
-def _draw_sheet(figure: Figure, group: Group, title: str) -> None:
-    width, height = SHEET_SIZE
-    head = 0.62
-    figure.text(0.1 / width, 1 - 0.12 / height, title, weight="bold", size=12, va="top")
-    drawing.heading(figure, "", _handles(group, path=True, switch=True), 0.40)
-    ratios = (head, *6 * ((height - head) / 6,))
-    grid = figure.add_gridspec(7, 2, height_ratios=ratios, hspace=0.0, wspace=0.0)
-    for index, panel in enumerate(PANELS):
-        part, visible = figure.add_subfigure(grid[index // 2 + 1, index % 2]), panel.of(group)
-        drawing.heading(part, f"({panel.letter}) {panel.title}")
-        if visible:
-            panel.draw(part, visible, _SHEET_PADDING)
-
-
-def _handles(group: Group, *, path: bool, switch: bool) -> list[Line2D]:
-    reference = [drawing.dot_handle("reference", "white", INK, size=3.2)] if path else []
+def _handles(group: Group, *, path: bool) -> list[Line2D]:
     run = next(iter(group.values()))
-    changes = drawing.switch_handles(run.settings) if switch else []
-    return [*drawing.law_handles(group), *reference, *changes]
+    if path:
+        more = [drawing.dot_handle("reference", "white", INK, size=3.2)]
+    else:
+        more = drawing.switch_handles(run.settings)
+    return [*drawing.law_handles(group), *more]
