@@ -1,7 +1,5 @@
 """What is written in the tree speaks of the project only."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

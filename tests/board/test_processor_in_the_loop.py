@@ -1,9 +1,6 @@
 """The packages on emulated Cortex-M boards: controller there, plant here, in lockstep."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,9 +22,7 @@ single precision there are two mathematics libraries."""
 
 @pytest.mark.parametrize(("law", "float32", "guarded"), [("nn", True, False), ("nn", False, True)])
 @pytest.mark.slow
-def test_ten_seconds_in_lockstep(
-    law: str, float32: bool, guarded: bool, tmp_path: Path, record_property: object
-) -> None:
+def test_ten_seconds_in_lockstep(law, float32, guarded, tmp_path, record_property):
     scenario = loop_scenario(guarded)
     found = lockstep(law, scenario, BOARD, tmp_path, float32=float32)
     for name, value in asdict(found).items():
@@ -42,7 +37,7 @@ def test_ten_seconds_in_lockstep(
     assert found.stack <= 1.1 * told.deepest
 
 
-def test_bad_input_gives_no_torque_and_keeps_the_memory(tmp_path: Path) -> None:
+def test_bad_input_gives_no_torque_and_keeps_the_memory(tmp_path):
     scenario = loop_scenario(False)
     firmware = built("nn", scenario, BOARDS[BOARD], tmp_path, float32=True)
     with Emulated(firmware, BOARDS[BOARD], float32=True) as emulated:

@@ -1,7 +1,5 @@
 """The dossier says what scenario, ledger and tests say; nothing is signed without a promise."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import errno
 import os
 import subprocess
@@ -31,25 +29,25 @@ def folder(tmp_path, monkeypatch):
 class Compiler:
     """Writes a library from the sources and counts how often it was asked to."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.calls = 0
 
-    def __call__(self, folder: Path) -> Path:
+    def __call__(self, folder):
         self.calls += 1
         out = folder / "lib.so"
         out.write_bytes((folder / "a.c").read_bytes() + (folder / "inner/b.h").read_bytes())
         return out
 
 
-def no_locks(*_: object, **__: object) -> None:
+def no_locks(*_, **__):
     raise OSError(errno.ENOLCK, "No locks available")
 
 
-def entries(folder: Path) -> list[Path]:
+def entries(folder):
     return list(folder.glob("kernels/*/stamp.json"))
 
 
-def leftovers(folder: Path) -> list[str]:
+def leftovers(folder):
     return [path.name for path in (folder / "kernels").glob("building-*")]
 
 
@@ -89,7 +87,7 @@ def test_text_and_its_bytes_have_the_same_key():
 
 
 def test_compiler_that_fails_leaves_nothing(folder):
-    def fails(build: Path) -> Path:
+    def fails(build):
         (build / "lib.so").write_bytes(b"half")
         raise CompilerError("it broke")
 
@@ -101,7 +99,7 @@ def test_compiler_that_fails_leaves_nothing(folder):
 
 
 def test_interrupt_leaves_nothing(folder):
-    def interrupted(_: Path) -> Path:
+    def interrupted(_):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -189,7 +187,7 @@ def test_processes_that_want_one_entry_at_once_all_get_it(folder, tmp_path, lock
 def test_a_folder_that_another_process_makes_meanwhile_is_used(folder, monkeypatch):
     make = Path.mkdir
 
-    def after_the_other(path: Path, *given, **named) -> None:
+    def after_the_other(path, *given, **named):
         os.makedirs(path, exist_ok=True)
         make(path, *given, **named)
 
@@ -214,12 +212,12 @@ def test_a_builder_that_dies_lets_the_next_one_build(tmp_path):
 def test_other_process_that_was_first_wins(monkeypatch):
     monkeypatch.setattr(cache, "FileLock", no_locks)
 
-    def beaten(folder: Path) -> Path:
+    def beaten(folder):
         first.append(build_cached(SOURCES, Compiler()))
         (folder / "lib.so").write_bytes(b"mine")
         return folder / "lib.so"
 
-    first: list[Path] = []
+    first = []
     library = build_cached(SOURCES, beaten)
 
     assert library == first[0]
@@ -227,7 +225,7 @@ def test_other_process_that_was_first_wins(monkeypatch):
 
 
 def test_full_disk_is_one_clear_error(folder, monkeypatch):
-    def full(*_: object) -> None:
+    def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(Path, "write_bytes", full)
@@ -269,7 +267,7 @@ def test_unwritable_folder_is_replaced_with_a_warning(tmp_path, monkeypatch, cap
 def test_read_only_folder_is_replaced(tmp_path, monkeypatch, folder):
     real = cache.tempfile.mkdtemp
 
-    def mkdtemp(*args: object, **keywords: object) -> str:
+    def mkdtemp(*args, **keywords):
         if keywords.get("dir") == folder:
             raise OSError(errno.EROFS, "Read-only file system")
         return real(*args, **keywords)

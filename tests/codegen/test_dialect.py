@@ -1,7 +1,5 @@
 """C text of operations."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca

@@ -1,16 +1,12 @@
 """Bases that take velocities: speed loops, the adapter of torque laws, the filter in runs."""
 
-from __future__ import annotations
-
 import math
 import re
-from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from importlib import import_module
 from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -37,7 +33,7 @@ from wmr_ctrl.world.speed_loop import has_loop
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for() -> None:
+def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for():
     """With known time constants prox drives as it does on a base that takes torques."""
     fast = {"clock.control": 0.01, "base": {"kind": "velocity", "tau": [0.2, 0.2]}}
     velocity = wmr_ctrl.simulate(based({**VELOCITY, **fast}), "prox")
@@ -46,7 +42,7 @@ def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for() -> None:
         assert velocity[name] == pytest.approx(torque[name], abs=0.02), name
 
 
-def test_a_law_that_believes_another_time_constant_drives_another_way() -> None:
+def test_a_law_that_believes_another_time_constant_drives_another_way():
     base = {"kind": "velocity", "tau": [0.2, 0.2]}
     right = wmr_ctrl.simulate(based({**VELOCITY, "base": base}), "prox", engine="numpy")
     wrong = {**base, "tau_believed": [0.4, 0.4]}
@@ -55,7 +51,7 @@ def test_a_law_that_believes_another_time_constant_drives_another_way() -> None:
 
 
 @pytest.mark.slow
-def test_both_engines_agree_with_governor_and_delay() -> None:
+def test_both_engines_agree_with_governor_and_delay():
     late = based(
         GOVERNED,
         base={**VELOCITY["base"], "delay": 0.07},
@@ -68,7 +64,7 @@ def test_both_engines_agree_with_governor_and_delay() -> None:
 
 
 @pytest.mark.slow
-def test_no_push_is_looked_for_and_none_is_told() -> None:
+def test_no_push_is_looked_for_and_none_is_told():
     """A least push of 0 would read as if one had been looked for."""
     counted = {**GOVERNED["filter"], "d": [0.05, 0.05]}
     pushed = based({**GOVERNED, "filter": counted, "disturbance.push": [3.0, 0.0]})
@@ -80,7 +76,7 @@ def test_no_push_is_looked_for_and_none_is_told() -> None:
     assert "disturbance" not in summary_text(run)
 
 
-def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit_then() -> None:
+def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit_then():
     """The worst gain and the largest push that is stated, at the limit: to 1e-4 of it."""
     base = {"kind": "velocity", "tau": [0.2, 0.2], "gain": [1.1, 1.1]}
     reach = -0.001 / math.expm1(-0.001 / 0.2)
@@ -98,7 +94,7 @@ def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit
 
 
 @pytest.mark.slow
-def test_figures_tell_how_often_the_filter_acted_with_and_without_a_log() -> None:
+def test_figures_tell_how_often_the_filter_acted_with_and_without_a_log():
     scenario = based({**GOVERNED, "initial.pose": [-4.0, -4.0, -0.7], "gains.kanayama.share": 1.0})
     run = wmr_ctrl.simulate(scenario, "kanayama")
     sent = np.stack([run["v_command"], run["omega_command"]])
@@ -113,7 +109,7 @@ def test_figures_tell_how_often_the_filter_acted_with_and_without_a_log() -> Non
     assert table["guard_share1"][0] == 0.0
 
 
-OVERSHOOTING: Mapping[str, Any] = {
+OVERSHOOTING = {
     **VELOCITY,
     "base": {"kind": "velocity", "loop": "pi"},
     "robot.mu": 0.0,
@@ -131,7 +127,7 @@ OVERSHOOTING: Mapping[str, Any] = {
 
 
 @pytest.mark.slow
-def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> None:
+def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots():
     alone = wmr_ctrl.simulate(based({**OVERSHOOTING, "filter": {}}), "kanayama")
     assert alone.monitor.max_abs_v[0] > 1.05
     held = wmr_ctrl.simulate(based(OVERSHOOTING), "kanayama")
@@ -156,13 +152,13 @@ def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> 
         ("changes", [{"t": 3.0, "m": 54.0}], "`changes = []` takes out"),
     ],
 )
-def test_a_pi_base_outside_the_stated_family_is_refused(key: str, value: Any, words: str) -> None:
+def test_a_pi_base_outside_the_stated_family_is_refused(key, value, words):
     with pytest.raises(ScenarioError) as error:
         settle(based({**OVERSHOOTING, key: value}), "kanayama")
     assert words in str(error.value)
 
 
-def test_a_refusal_names_both_axes_at_once() -> None:
+def test_a_refusal_names_both_axes_at_once():
     pushed = {"filter.d": [1.05, 2.05], "limits.v_u1": [1.0, 2.0], "limits.v_u2": [0.7, 1.4]}
     with pytest.raises(ScenarioError, match=r"filter\.d\[1\] = 1\.05.* filter\.d\[2\] = 2\.05"):
         wmr_ctrl.command_filter(based({**GOVERNED, **pushed}))
@@ -170,14 +166,14 @@ def test_a_refusal_names_both_axes_at_once() -> None:
         settle(based({**GOVERNED, "base.tau": [9.0, 9.0]}), "kanayama")
 
 
-def broken(changes: Mapping[str, Any]) -> str:
+def broken(changes):
     """What a filter that is trusted all the same does not hold of its base."""
     setup = settle(override(based(changes), {"filter.trust": True}), "kanayama")
     return " ".join(broken_hypotheses(setup.scenario, setup.bound))
 
 
 @pytest.mark.parametrize(("share", "said"), [(0.99, False), (1.01, True)])
-def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share: float, said: bool) -> None:
+def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share, said):
     """Friction by its square; rolling adds to what unequal wheels push."""
     filtered = {**OVERSHOOTING["filter"], "friction": [0.0, 20.0], "push": [100.0, 100.0]}
     slowed = {**OVERSHOOTING, "filter": filtered, "resistance.viscous": [1.0, share * 20 * 0.25**2]}
@@ -189,7 +185,7 @@ def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share: float, 
     assert ("The base may be pushed by" in broken(less)) is not said
 
 
-def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes() -> None:
+def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes():
     """Of a governor in one sentence an axis; of a clip pushes alone count."""
     ground = {"resistance.rolling": [0.02, 0.01], "filter.d": [1e-6, 1e-6]}
     text, clipped = broken({**GOVERNED, **ground}), broken({**CLIPPED, **ground})
@@ -199,7 +195,7 @@ def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes() -> None:
     assert [b / a for a, b in zip(pushed, slowed, strict=True)] == pytest.approx([3, 3], rel=2e-3)
 
 
-def test_no_wheel_is_asked_for_more_than_a_jump_from_limit_to_limit_takes() -> None:
+def test_no_wheel_is_asked_for_more_than_a_jump_from_limit_to_limit_takes():
     """Of both axes at once, against friction, in the first plant step."""
     scenario = based(GOVERNED)
     robot, h = scenario.robot, scenario.clock.plant
@@ -210,7 +206,7 @@ def test_no_wheel_is_asked_for_more_than_a_jump_from_limit_to_limit_takes() -> N
     assert most_torque(scenario) == pytest.approx(np.abs(wheels).max(), rel=1e-9)
 
 
-def test_usable_speed_is_the_closed_form_without_delay() -> None:
+def test_usable_speed_is_the_closed_form_without_delay():
     scenario = based(GOVERNED)
     facts = filter_facts(settle(scenario, "kanayama"))
     assert facts is not None
@@ -230,7 +226,7 @@ def test_usable_speed_is_the_closed_form_without_delay() -> None:
     assert rise_times(based(clip)) == pytest.approx([0.05 * 0.9 * 1.1] * 2, rel=1e-6)
 
 
-def test_pushes_count_for_the_lightest_robot_of_a_run_and_errors_by_the_gain() -> None:
+def test_pushes_count_for_the_lightest_robot_of_a_run_and_errors_by_the_gain():
     pushed, off = Bound(dbar=(2.0, 1.0)), Bound(command=(0.1, 0.2))
     alone = push_speeds(based(VELOCITY), pushed)
     robot = based(VELOCITY).robot
@@ -242,7 +238,7 @@ def test_pushes_count_for_the_lightest_robot_of_a_run_and_errors_by_the_gain() -
 
 
 @pytest.mark.parametrize("stated", [VELOCITY, GOVERNED], ids=["no filter", "governor"])
-def test_what_takes_torques_alone_names_all_that_has_to_change(stated) -> None:
+def test_what_takes_torques_alone_names_all_that_has_to_change(stated):
     with pytest.raises(ScenarioError, match="packages only for robots that take wheel") as refused:
         check_takes_torques(based(stated), "packages")
     remedy = str(refused.value).partition("Use one")[2]
@@ -252,7 +248,7 @@ def test_what_takes_torques_alone_names_all_that_has_to_change(stated) -> None:
     check_takes_torques(override(based(stated), told), "packages")
 
 
-def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch) -> None:
+def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch):
     """To nine tenths of the limits, also between two samples."""
     sent = (SimpleNamespace(command=(0.7 * 0.05 * k, 0.9 * 0.05 * k)) for k in count(1))
     ramp = SimpleNamespace(step=lambda _: next(sent))
@@ -265,9 +261,7 @@ def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch) 
 
 
 @pytest.mark.parametrize(("noise", "told"), [({}, True), ({"truncate": 3.0}, False)])
-def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(
-    noise: Mapping[str, float], told: bool
-) -> None:
+def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(noise, told):
     clip = {"kind": "clip", "gain": [0.9, 1.1], "d": [0.3, 0.8]}
     noisy = {"disturbance": {"std": 0.5, **noise}, "filter": clip}
     warnings = velocity_base(loop_of(settle(based({**VELOCITY, **noisy}), "kanayama")))
@@ -278,18 +272,18 @@ def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(
     ({}, "stated bounds$"), ({"base.w_max": 3.0}, "but for what base.w_max takes$"),
     ({"resistance.viscous": [5.0, 0.0], "base.w_max": 3.0}, r"w_max and \[resistance\] take$"),
 ])  # fmt: skip
-def test_check_names_what_else_slows_a_base_behind_a_clip(changes: Any, said: str) -> None:
+def test_check_names_what_else_slows_a_base_behind_a_clip(changes, said):
     first, *_ = filter_lines(settle(based({**CLIPPED, **changes}), "kanayama"))
     assert re.search(said, first)
 
 
-def test_check_promises_no_limit_that_a_start_breaks() -> None:
+def test_check_promises_no_limit_that_a_start_breaks():
     text = promise(settle(based({**CLIPPED, "initial.velocity": [1.1, 0.0]}), "kanayama"))
     assert "guaranteed for starts within them alone" in text
     assert "alone" not in promise(settle(based(CLIPPED), "kanayama"))
 
 
-def test_check_counts_on_no_odometry_that_is_too_old_to_be_used() -> None:
+def test_check_counts_on_no_odometry_that_is_too_old_to_be_used():
     """By a scenario that leaves it out; what is told of an age that is used is told as ever."""
     late = {**GOVERNED, "sensor.velocity_age": 0.1}
     deaf = settle(based({**late, "filter.age": 0.05}), "kanayama")
@@ -306,7 +300,7 @@ def test_check_counts_on_no_odometry_that_is_too_old_to_be_used() -> None:
 
 @pytest.mark.parametrize("stated", [{"channels": "wheels"}, {"wheel_speed": 0.8}])
 @pytest.mark.parametrize("kind", ["clip", "governor"])
-def test_check_says_what_a_filter_of_wheels_leaves(kind: str, stated: Mapping[str, Any]) -> None:
+def test_check_says_what_a_filter_of_wheels_leaves(kind, stated):
     changes = {"kind": kind, "gain": [0.9, 1.1], "d": [0.05, 0.02], **stated}
     alike = {"base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "robot.mu": 0.0}
     scenario = based(
@@ -323,9 +317,7 @@ def test_check_says_what_a_filter_of_wheels_leaves(kind: str, stated: Mapping[st
 
 @pytest.mark.parametrize(("kind", "least"), [("clip", 0.5), ("band", 0.98)])
 @pytest.mark.slow_but("clip-0.5")
-def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
-    kind: str, least: float
-) -> None:
+def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(kind, least):
     stated = {**OVERSHOOTING["filter"], "kind": kind}
     scenario = based({**OVERSHOOTING, "filter": stated})
     facts = filter_facts(settle(scenario, "kanayama"))
@@ -357,7 +349,7 @@ def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
 
 
 @pytest.mark.slow
-def test_a_band_that_is_pushed_is_asked_for_long_enough() -> None:
+def test_a_band_that_is_pushed_is_asked_for_long_enough():
     stated = {**OVERSHOOTING["filter"], "kind": "band", "friction": [0, 20], "push": [10, 0]}
     setup = settle(based({**OVERSHOOTING, "filter": stated}), "kanayama")
     facts = filter_facts(setup)
@@ -371,7 +363,7 @@ def test_a_band_that_is_pushed_is_asked_for_long_enough() -> None:
     assert "one more per cent of overshoot" in told
 
 
-BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
+BROKEN = {
     "pi": ({"base.loop": "pi"}, "never exceed their command"),
     "tau": ({"base.tau": [0.19, 0.2]}, "outside filter.tau"),
     "gain": ({"base.gain": [1.11, 1.0]}, "outside filter.gain"),
@@ -395,7 +387,7 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
 
 @pytest.mark.parametrize("name", BROKEN)
 @pytest.mark.slow_but("pi", "gain", "delay")
-def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name: str) -> None:
+def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name):
     changes, words = BROKEN[name]
     broken = based({**GOVERNED, **changes})
     with pytest.raises(ScenarioError) as error:
@@ -407,7 +399,7 @@ def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name: str) ->
     assert any(words in sentence for sentence in facts.broken)
 
 
-CLIPPED: Mapping[str, Any] = {
+CLIPPED = {
     **VELOCITY,
     "clock.duration": 2.0,
     "filter": {"kind": "clip", "gain": [0.9, 1.1], "d": [0.1, 0.1]},
@@ -415,7 +407,7 @@ CLIPPED: Mapping[str, Any] = {
 
 
 @pytest.mark.parametrize("pushed", [[20.0, 0.0], [0.0, 1.9]])
-def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed: Sequence[float]) -> None:
+def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed):
     """Weak ones are refused, where trusted they leave the limit; what is named is never reached."""
     weak = based({**CLIPPED, "disturbance.push": pushed, "actuator.tau_max": 0.1, "robot.mu": 0.0})
     with pytest.raises(ScenarioError, match=r"actuator\.tau_max = 0\.1 N\.m: a wheel") as error:
@@ -431,7 +423,7 @@ def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed: Sequence[float
     settle(override(weak, {"disturbance.push": [0.0, 0.0]}), "kanayama")
 
 
-def resisted(v: float, goal: float, rho: float, time: float) -> tuple[float, float]:
+def resisted(v, goal, rho, time):
     """Speed after a while towards a goal against rolling, and the largest on the way; tau 0.2 s."""
     end = (goal - math.copysign(rho, v or goal)) if v or abs(goal) > rho else 0.0
     after = end + (v - end) * math.exp(-time / 0.2)
@@ -443,7 +435,7 @@ def resisted(v: float, goal: float, rho: float, time: float) -> tuple[float, flo
 
 
 @pytest.mark.parametrize(("stated", "broken"), [(0.0, True), (0.3, False)])
-def test_a_governor_counts_on_what_slows_the_base(stated: float, broken: bool) -> None:
+def test_a_governor_counts_on_what_slows_the_base(stated, broken):
     """Full ahead from full astern: against rolling the base is back at rest before a bound."""
     governor = {"kind": "governor", "tau": [0.2, 0.3], "gain": [0.9, 1.1], "d": [stated, 0.0]}
     limit, v, top = wmr_ctrl.command_filter(based({**VELOCITY, "filter": governor})), 0.0, 0.0
@@ -469,9 +461,7 @@ def test_a_governor_counts_on_what_slows_the_base(stated: float, broken: bool) -
         ({"base.accel": [1.0, 2.0], "base.decel": [0.5, 4.0]}, ""),
     ],
 )
-def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(
-    changes: Mapping[str, Any], key: str
-) -> None:
+def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(changes, key):
     """On ramps whose axes each stop no slower than the other starts, 0.25 m out, it holds."""
     clip = {**CLIPPED["filter"], "wheel_speed": 0.8}
     own = {**CLIPPED, "base.tau": [0.2, 0.2], "robot.mu": 0.0}
@@ -487,7 +477,7 @@ def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(
 
 
 @pytest.mark.parametrize(("l", "accel"), [(0.15, [0.9, 2.0]), (0.2, [0.5, 0.1])])
-def test_the_decel_that_a_refusal_tells_is_enough(l: float, accel: list[float]) -> None:
+def test_the_decel_that_a_refusal_tells_is_enough(l, accel):
     """Also where a product by l is less than what it is of the same decimals."""
     clip = {**CLIPPED["filter"], "wheel_speed": 0.8}
     ramped = {"robot.l": l, "base.accel": accel, "base.decel": [1e-3, 1e-3], "filter": clip}
@@ -500,42 +490,42 @@ def test_the_decel_that_a_refusal_tells_is_enough(l: float, accel: list[float]) 
     settle(override(stated, {"base.decel": [linear, angular]}), "kanayama")
 
 
-REFUSED: Mapping[str, Mapping[str, Any]] = {
+REFUSED = {
     "guard.enabled": {"guard.enabled": True},
     "gains.kanayama.delay": {"gains.kanayama.delay": 0.05, "base.delay": 0.05},
 }
 
 
 @pytest.mark.parametrize("key", REFUSED)
-def test_what_a_velocity_base_cannot_have_is_refused_by_name(key: str) -> None:
+def test_what_a_velocity_base_cannot_have_is_refused_by_name(key):
     with pytest.raises(ScenarioError, match=r"base\.kind"):
         settle(based({**VELOCITY, **REFUSED[key]}), "kanayama")
 
 
 @pytest.mark.parametrize("name", ["delay", "jitter"])
-def test_late_torques_are_refused_where_velocities_are_sent(name: str) -> None:
+def test_late_torques_are_refused_where_velocities_are_sent(name):
     with pytest.raises(ScenarioError, match=f"actuator.{name}"):
         based({**VELOCITY, f"actuator.{name}": 0.01})
 
 
-def test_nonlinear_loops_refuse_a_velocity_base_by_name() -> None:
+def test_nonlinear_loops_refuse_a_velocity_base_by_name():
     with pytest.raises((ScenarioError, ArgumentError), match=r'base\.kind = "velocity"'):
         law_nlsys(based(VELOCITY), "kanayama")
 
 
-def test_a_torque_base_has_no_speed_loop() -> None:
+def test_a_torque_base_has_no_speed_loop():
     scenario = based({"base": {"loop": "pi"}})
     assert not has_loop(scenario, "pi")
     assert not any(item.role.value == "loop" for item in EFFECTS.present(scenario))
 
 
-BANDED: Mapping[str, Any] = {
+BANDED = {
     **OVERSHOOTING, "filter": {**OVERSHOOTING["filter"], "kind": "band"}, "base.loop": "pi",
 }  # fmt: skip
-SLOW: Mapping[str, Any] = {
+SLOW = {
     **OVERSHOOTING, "filter": {**OVERSHOOTING["filter"], "slew": [0.05, 0.05]}, "base.loop": "pi",
 }  # fmt: skip
-LEFT_OPEN: Mapping[str, Mapping[str, Any]] = {
+LEFT_OPEN = {
     "losses": {"base.losses": 1},
     "a time-out": {"base.losses": 1, "base.timeout": 0.06},
     "a stop in every period": {"base.timeout": 0.04},
@@ -552,20 +542,20 @@ LEFT_OPEN: Mapping[str, Mapping[str, Any]] = {
 
 
 @pytest.mark.parametrize("name", LEFT_OPEN)
-def test_what_the_band_leaves_open_is_refused_by_name(name: str) -> None:
+def test_what_the_band_leaves_open_is_refused_by_name(name):
     with pytest.raises(ScenarioError, match="nothing here"):
         settle(based({**BANDED, **LEFT_OPEN[name]}), "kanayama")
 
 
 @pytest.mark.parametrize("name", [item for item in LEFT_OPEN if item != "losses"])
-def test_and_what_the_clip_of_slow_commands_does(name: str) -> None:
+def test_and_what_the_clip_of_slow_commands_does(name):
     """Losses are counted there, once they are stated."""
     with pytest.raises(ScenarioError, match="nothing here"):
         settle(based({**SLOW, **LEFT_OPEN[name]}), "kanayama")
 
 
 @pytest.mark.slow
-def test_slow_commands_count_on_losses_and_delays_that_are_stated() -> None:
+def test_slow_commands_count_on_losses_and_delays_that_are_stated():
     late = {**SLOW, "base.losses": 1, "base.delay": 0.02}
     with pytest.raises(ScenarioError, match=r"outside filter.delay"):
         settle(based(late), "kanayama")

@@ -1,7 +1,5 @@
 """Errors: what is wrong, near names, values of a readable length."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from fractions import Fraction

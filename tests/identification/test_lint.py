@@ -59,11 +59,6 @@ def reset(log):
     return put(log, RIGHT=np.concatenate((log[RIGHT][:at], log[RIGHT][at:] - log[RIGHT][at])))
 
 
-def wrapped_at(bits):
-    half = 2 ** (bits - 1)
-    return lambda log: put(log, RIGHT=(log[RIGHT] + half) % (2 * half) - half)
-
-
 def turned_by(angle):
     c, s = np.cos(angle), np.sin(angle)
     return lambda log: put(log, X=c * log[X] - s * log[Y], Y=s * log[X] + c * log[Y])

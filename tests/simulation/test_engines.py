@@ -1,7 +1,5 @@
 """Engines: which plant runs where."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper

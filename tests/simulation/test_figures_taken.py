@@ -1,7 +1,5 @@
 """Figures taken from a whole Run are those that the lanes' loop adds up."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Effects fed with a motion that wanders: within their bounds, sometimes by nearly all of them."""
 
-from __future__ import annotations
-
 import itertools
 
 import casadi as ca
@@ -28,7 +26,7 @@ from wmr_ctrl.world.wheels import WHEELS
 LIMITED = {"actuator.tau_max": 10.0}
 
 
-def force_of(torque: np.ndarray) -> np.ndarray:
+def force_of(torque):
     return np.stack((torque.sum(-1), 0.25 * (torque[..., 0] - torque[..., 1])), -1) / 0.1
 
 

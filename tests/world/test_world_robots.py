@@ -1,7 +1,5 @@
 """Everyday robots: presets keep the limit behind guard or filter, and leave it without."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.guard_runs import overrides_of

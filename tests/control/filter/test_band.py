@@ -1,7 +1,5 @@
 """The band: its tables against step responses, and its limit against bases within and beyond."""
 
-from __future__ import annotations
-
 import itertools
 from functools import cache
 
@@ -9,11 +7,10 @@ import numpy as np
 import pytest
 from scipy.signal import lti, step
 
-from tests.control.filter.linear_base import LinearBase, held, pi_base, second_order_base
+from tests.control.filter.linear_base import held, pi_base, second_order_base
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.band import MOST_COMMANDS, PIECES
-from wmr_ctrl.control.filter.filter import CommandFilter
 from wmr_ctrl.control.filter.step_response import band, pi_cells, second_order_cells
 from wmr_ctrl.core.errors import ScenarioError
 
@@ -25,12 +22,12 @@ CORNERS = [pi_base(*numbers) for numbers in itertools.product(*WIDE.values())]
 
 
 @cache
-def banded(loop: str = "pi", push: float = 0.0) -> CommandFilter:
+def banded(loop="pi", push=0.0):
     stated = SWUNG | {"d": (push, 0.0)} if loop == "second-order" else {"push": (push, 0.0)}
     return command_filter(scenario(kind="band", **stated))
 
 
-def speeds(base: LinearBase, limit: CommandFilter, asked: np.ndarray, d: float) -> np.ndarray:
+def speeds(base, limit, asked, d):
     """Speeds at PARTS instants a period; the push changes its way with the asked command."""
     limit.start()
     A, B = held(base.A, np.c_[base.b, base.e], T / PARTS)
@@ -43,7 +40,7 @@ def speeds(base: LinearBase, limit: CommandFilter, asked: np.ndarray, d: float) 
     return np.array(found)
 
 
-def demands(base: LinearBase, seed: int) -> list[np.ndarray]:
+def demands(base, seed):
     """Commands that press on, swing, act at random, and are the worst for the base itself."""
     rng = np.random.default_rng(seed)
     worst = np.sign(base.impulse(base.b, (np.arange(120) + 0.5) * T))[::-1]

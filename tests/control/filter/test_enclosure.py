@@ -1,7 +1,5 @@
 """Intervals that are rounded outward, against fractions and balls of 200 bits."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import flint

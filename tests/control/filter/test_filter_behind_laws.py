@@ -1,7 +1,5 @@
 """Laws behind the filter remember what was sent, not what they asked for: nothing winds up."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

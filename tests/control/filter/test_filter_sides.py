@@ -1,7 +1,5 @@
 """A limit of each direction: what the filter sends, what it refuses, adversaries against it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

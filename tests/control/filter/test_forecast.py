@@ -1,7 +1,5 @@
 """Forecasts of a speed: least elements, fading bounds."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca

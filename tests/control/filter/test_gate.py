@@ -1,7 +1,5 @@
 """The gate before a base: compiled and not, by properties that random streams must not break."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca

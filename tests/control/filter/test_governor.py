@@ -1,7 +1,5 @@
 """The governor's bounds of a first-order base, in numbers."""
 
-from __future__ import annotations
-
 import casadi as ca
 import pytest
 
@@ -18,7 +16,7 @@ from wmr_ctrl.control.filter.governor import (
 B = FirstOrder(V=1.0, dbar=0.1, nbar=0.0, K_min=0.9, K_max=1.2, kappa=0.5)
 
 
-def number(expression) -> float:
+def number(expression):
     return float(ca.evalf(ca.SX(expression)))
 
 

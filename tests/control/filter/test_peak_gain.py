@@ -1,7 +1,5 @@
 """The clip of linear loops: its peak gain against quadrature, and against the worst commands."""
 
-from __future__ import annotations
-
 import re
 
 import flint
@@ -11,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.signal import lti, step
 
-from tests.control.filter.linear_base import LinearBase, pi_base, second_order_base
+from tests.control.filter.linear_base import pi_base, second_order_base
 from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter.enclosure import Span
 from wmr_ctrl.control.filter.peak_gain import (
@@ -24,14 +22,13 @@ from wmr_ctrl.control.filter.peak_gain import (
     second_order,
 )
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.world.scenario import Scenario
 
 WIDE = {"mass": (50.0, 65.0), "kp": (135.0, 165.0), "ki": (270.0, 330.0), "friction": (0.0, 20.0)}
 LOOP = PiLoop((50.0, 65.0), (135.0, 165.0), (270.0, 330.0), (0.0, 20.0))
 PUSH = 10.0
 
 
-def scenario(**stated: object) -> Scenario:
+def scenario(**stated):
     """The family "wide" on both axes, whose inertia is as heavy at the rim as its mass."""
     given = {"kind": "clip", "loop": "pi", "inertia": (50 / 16, 65 / 16), "push": (PUSH, 0.0)}
     keys = {"limits.v_u1": (1.0, 1.0), "limits.v_u2": (0.7, 0.7), "clock.control": 0.05}
@@ -41,7 +38,7 @@ def scenario(**stated: object) -> Scenario:
     )
 
 
-def variation(base: LinearBase, column: np.ndarray) -> float:
+def variation(base, column):
     """Integral of the impulse response's size, by the trapezoidal rule."""
     slowest = -np.linalg.eigvals(base.A).real.max()
     times = np.linspace(0, 25 / slowest, 20001)
@@ -61,16 +58,16 @@ def test_peak_gain_of_second_order_loops_is_the_quadrature_s(z):
 
 @pytest.mark.parametrize("z", [0.05, 0.4, 0.9, 1.5])
 def test_peak_gain_of_pi_loops_without_friction_falls_with_damping(z):
-    def at(kp: float) -> float:
+    def at(kp):
         return PiLoop((1.0, 1.0), (kp, kp), (1.0, 1.0), (0.0, 0.0)).peak(0.0).gain
 
     assert at(2.02 * z) < at(2 * z)
 
 
-def sender(stated: Scenario, axis: int = 0):
+def sender(stated, axis=0):
     limit = command_filter(stated)
 
-    def send(asked: float) -> float:
+    def send(asked):
         made = limit.step((asked, 0.0) if axis == 0 else (0.0, asked))
         return made.command[axis]
 
@@ -126,7 +123,7 @@ def test_the_parameters_are_the_peak_gain_and_what_pushes_lead_to():
 @pytest.mark.parametrize("z", [0.2, 0.45, 0.8, 1.0, 1.6])
 @pytest.mark.slow_but("0.45", "1.0")
 def test_overshoot_is_that_of_a_step_and_its_price_that_of_less_damping(z):
-    def of(z: float) -> Scenario:
+    def of(z):
         stated = {"loop": "second-order", "damping": (z, 2.0), "frequency": (3.0, 4.0)}
         return scenario(**stated, push=(0.0, 0.0))
 
@@ -195,7 +192,7 @@ def test_a_push_beyond_the_limit_is_told_with_the_largest_that_is_below():
     assert command_filter(scenario(push=(0.98 * most, 0.0))).step((1.0, 0.0)).command[0] > 0
 
 
-def exact_gain(b: float, drag: float) -> flint.arb:
+def exact_gain(b, drag):
     """N of one PI loop in balls, b = kp/sqrt(ki M) and drag = c/sqrt(ki M)."""
     b, drag = flint.arb(b), flint.arb(drag)
     z = (b + drag) / 2
@@ -209,7 +206,7 @@ def exact_gain(b: float, drag: float) -> flint.arb:
     return 1 + 2 * rho * (-z * ((b * w / y).atanh() / w)).exp()
 
 
-def exact_push(k: float, s: float) -> flint.arb:
+def exact_push(k, s):
     """What a push of 1 N leads to, k = kp + c and s = sqrt(ki M)."""
     k, s = flint.arb(k), flint.arb(s)
     z = k / (2 * s)

@@ -3,8 +3,6 @@
 Nothing here integrates with the product's code; of the product there is the guard's graph alone.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest

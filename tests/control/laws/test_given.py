@@ -1,7 +1,5 @@
 """Laws that a user hands over."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

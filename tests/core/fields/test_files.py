@@ -1,7 +1,5 @@
 """Reading of small text files, and which files a command reads and writes."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ResultFileError, ScenarioError

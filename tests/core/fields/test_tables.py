@@ -1,7 +1,5 @@
 """Tables that people bring: separators, names, units, and rows that are wrong."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -12,7 +10,7 @@ from wmr_ctrl.core.fields.tables import TableReader
 READER = TableReader("way", {"t": "s", "x": "m", "w": "rad/s"}, ("t",), unnamed=("t", "x"))
 
 
-def columns(*lines: str) -> dict[str, list[float]]:
+def columns(*lines):
     return {name: list(values) for name, values in READER.read(lines).columns.items()}
 
 

@@ -1,7 +1,5 @@
 """Usual sizes, units that may be meant, and digits."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.fields.units import is_usual, length, meant, plain, rounded, sized, written

@@ -1,7 +1,5 @@
 """YAML as plain values."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError

@@ -1,7 +1,5 @@
 """Confidence intervals against their definitions, and how often a rule that stops is right."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

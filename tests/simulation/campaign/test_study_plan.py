@@ -1,7 +1,5 @@
 """What a study's plan means, and which plans are refused."""
 
-from __future__ import annotations
-
 import csv
 import math
 

@@ -1,7 +1,5 @@
 """Studies: the same bytes whoever runs them, however often they are interrupted; honest stops."""
 
-from __future__ import annotations
-
 import csv
 import errno
 import json

@@ -1,7 +1,5 @@
 """A study's folder: what is kept, and whose results it holds."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Torques at which wheels spin and lift, from the closed form, against the rigid body."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.simulation.physics.test_rigid import scenario
@@ -24,7 +22,7 @@ ROBOTS = (
 )
 
 
-def pulled(case: object, torque: float, steps: int) -> tuple[float, float]:
+def pulled(case, torque, steps):
     """Largest slip [m/s] and tilt [rad] of a robot that pulls away within 50 ms."""
     body, slip, tilt = RigidBody(case), 0.0, 0.0
     for k in range(steps):

@@ -1,7 +1,5 @@
 """Runs on the rigid body: the product's own loop on one side of the wheels."""
 
-from __future__ import annotations
-
 import importlib
 
 import numpy as np
@@ -138,7 +136,7 @@ def test_what_it_cannot_be_asked():
 
 
 def test_without_the_package_one_sentence_tells_what_to_install(monkeypatch):
-    def absent(name: str) -> object:
+    def absent(name):
         if name == "mujoco":
             raise ImportError(name)
         return importlib.import_module(name)

@@ -1,7 +1,5 @@
 """The search by itself: what it asks for and keeps, which plans it takes, and what it is told."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Gains found by search: better on training, the same however often interrupted."""
 
-from __future__ import annotations
-
 import json
 import sys
 from itertools import pairwise

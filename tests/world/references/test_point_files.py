@@ -1,7 +1,5 @@
 """Waypoints from CSV files, good ones and bad ones."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -143,7 +141,7 @@ def bends(count):
     return np.column_stack([way, np.sin(way)]) + jitter
 
 
-def ellipse(count: int) -> np.ndarray:
+def ellipse(count):
     turn = np.linspace(0, 2 * np.pi, count, endpoint=False)
     return np.column_stack([3 * np.cos(turn), 2 * np.sin(turn)])
 

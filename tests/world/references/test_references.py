@@ -1,7 +1,5 @@
 """Desired trajectories: what a wheeled robot can follow, and that the velocities belong to it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Goals: limits along the path are kept, little time is given away, and the motion ends at rest."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The section of the command filter: what cannot be asked for together."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError

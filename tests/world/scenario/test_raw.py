@@ -1,7 +1,5 @@
 """Overrides, as ``--set KEY=VALUE`` gives them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -169,7 +167,7 @@ def test_a_file_of_points_is_found_from_where_one_stands(tmp_path, monkeypatch):
     assert again.reference.speed == 0.3
 
 
-def test_tables_that_are_given_stay_as_they_were() -> None:
+def test_tables_that_are_given_stay_as_they_were():
     given = {"robot": {"m": 52.0}}
     override(load_scenario("paper-simulation"), {**given, "robot.m": 60.0})
     assert given == {"robot": {"m": 52.0}}

@@ -1,7 +1,5 @@
 """The Scenario itself: its tables, its gains, and what follows from its fields."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper

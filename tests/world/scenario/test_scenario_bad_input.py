@@ -1,7 +1,5 @@
 """Whatever is wrong in a scenario: one paragraph, the key first, then the rule and a remedy."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """Limits of both directions: what follows where they are left out, and what is refused."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError

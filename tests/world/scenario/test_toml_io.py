@@ -1,7 +1,5 @@
 """Scenarios as TOML: files of users, ``extends``, and text that loads back equal."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

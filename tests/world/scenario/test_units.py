@@ -1,7 +1,5 @@
 """Values that look like a slip of units are asked about, with the unit that may be meant."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """What must be stated is asked for at once; what is not known does not matter; the rest follows."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import replace
 
