@@ -20,7 +20,7 @@ from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.theory.checks import filter_facts
 from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.theory.checks.velocity_base import usable_speed, velocity_base
-from wmr_ctrl.theory.linear.nonlinear import law_nlsys
+from wmr_ctrl.theory.linear.nonlinear import loop_nlsys
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import rolling_against
@@ -476,7 +476,7 @@ def test_late_torques_are_refused_where_velocities_are_sent(name):
 
 def test_nonlinear_loops_refuse_a_velocity_base_by_name():
     with pytest.raises((ScenarioError, ArgumentError), match=r'base\.kind = "velocity"'):
-        law_nlsys(based(VELOCITY), "kanayama")
+        loop_nlsys(based(VELOCITY), "kanayama")
 
 
 def test_a_torque_base_has_no_speed_loop():
