@@ -143,7 +143,7 @@ def _panel_stress(axes: Axes, case: _StressCase, runs: Mapping[str, Run]) -> Non
     for place, (law, run) in enumerate(runs.items()):
         seen, y = look(law), case.values(run)
         rows = slice(0, run.settings.index(case.end))
-        axes.plot(*drawing.thin(run.time[rows], y[rows]), color=seen.colour, lw=1.0)
+        axes.plot(run.time[rows], y[rows], color=seen.colour, lw=1.0)
         worst = float(np.nanmax(y))
         if worst > _CEILING and not case.error:
             axes.annotate(f"{seen.label}: ↑ to {worst:.3g}", (1, 1 - 0.1 * place),

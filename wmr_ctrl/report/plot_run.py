@@ -124,10 +124,10 @@ def draw_paths(part: SubFigure, lines: Lines, tube: Floats | None = None) -> Non
             edges = course.band(np.array([run["x_d"][rows], run["y_d"][rows]]), tube[0, rows])
             axes.fill(*edges, color=colour, alpha=course.FAINT, lw=0, zorder=1.4)
         opaque = 0.85 if len(lines) > 1 else 1.0
-        way = drawing.thin_path(run["x"], run["y"], 3000)
+        way = run["x"], run["y"]
         axes.plot(*way, color=colour, ls=dash, lw=1.2, alpha=opaque)
         drawing.mark_start(axes, *way)
-    drawing.plot_reference(axes, *drawing.thin_path(longest["x_d"], longest["y_d"], 64))
+    drawing.plot_reference(axes, longest["x_d"], longest["y_d"])
     marks = course.course_of(longest).draw(axes)
     drawing.finish_path(axes, ["dots: reference, ring: start", *marks])
 
@@ -196,14 +196,11 @@ def draw_velocity(part: SubFigure, lines: Lines, axis: int) -> None:
     text = f"{unit}, {words}; {'black, ' * several}dashed: desired"
     axes = _time_axes(part, text + ", thin: command" * commanded, *runs)
     if commanded:
-        steps = drawing.thin(longest.time, longest[sent])
-        axes.plot(*steps, color=style.MUTED, lw=0.7, drawstyle="steps-post", zorder=1.9)
+        axes.step(longest.time, longest[sent], where="post", color=style.MUTED, lw=0.7, zorder=1.9)
     width, opaque = (0.9, 0.8) if several else (1.3, 0.6)
     for run, colour, dash in lines.values():
-        trace = drawing.thin(run.time, run[name])
-        axes.plot(*trace, color=colour, ls=dash, lw=width, alpha=opaque)
-    wanted = drawing.thin(longest.time, longest[desired])
-    axes.plot(*wanted, color=style.INK, ls=style.DASHED, lw=0.9, zorder=2.4)
+        axes.plot(run.time, run[name], color=colour, ls=dash, lw=width, alpha=opaque)
+    axes.plot(longest.time, longest[desired], color=style.INK, ls=style.DASHED, lw=0.9, zorder=2.4)
     drawing.view_limits(axes, sides, {label: run[name] for label, (run, *_) in lines.items()})
 
 
@@ -224,8 +221,7 @@ def _errors(
     if tube is not None:
         most = scale * tube[1 if len(errors) == 1 else 0]
         for row in (-most, most):
-            points = drawing.thin(run.time, row)
-            axes.plot(*points, color=style.LIMIT, ls=style.DOTTED, lw=1.0, zorder=2.3)
+            axes.plot(run.time, row, color=style.LIMIT, ls=style.DOTTED, lw=1.0, zorder=2.3)
     if farthest > SMALL:
         narrow = scale * NARROW
         axes.set_yscale("symlog", linthresh=narrow)
@@ -238,7 +234,7 @@ def _plot_pair(axes: Axes, run: Run, rows: dict[str, Floats], alpha: float = 1.0
     """One or two rows over time, the first in the law's colour and on top."""
     colours = (style.look(run.law).colour, style.MUTED)
     for (label, row), colour, zorder in zip(rows.items(), colours, (2.2, 2.1), strict=False):
-        axes.plot(*drawing.thin(run.time, row), color=colour, lw=0.9, zorder=zorder, alpha=alpha,
+        axes.plot(run.time, row, color=colour, lw=0.9, zorder=zorder, alpha=alpha,
                   label=label if alpha == 1 else None)  # fmt: skip
     if len(rows) > 1 and alpha == 1:
         axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.1)
@@ -277,7 +273,7 @@ def draw_distance(part: SubFigure, lines: Lines) -> None:
     axes = _time_axes(part, title, *runs)
     for run, colour, dash in lines.values():
         far = np.maximum(1e3 * distance(run), LEAST_DISTANCE)
-        axes.plot(*drawing.thin(run.time, far), color=colour, ls=dash, lw=0.9)
+        axes.plot(run.time, far, color=colour, ls=dash, lw=0.9)
     if axes.dataLim.ymin <= LEAST_DISTANCE:
         drawing.say_below(axes, f"axis starts at {LEAST_DISTANCE:g} mm")
     axes.set_yscale("log")
@@ -306,9 +302,9 @@ def _barrier(part: SubFigure, run: Run) -> None:
     values, colour = np.maximum(run["V1"], LEAST), style.look(run.law).colour
     if values.min() <= LEAST:
         drawing.say_below(axes, f"axis starts at {LEAST:g}")
-    axes.plot(*drawing.thin(run.time, values), color=colour, lw=0.8, alpha=0.3)
+    axes.plot(run.time, values, color=colour, lw=0.8, alpha=0.3)
     width = max(1, round(MEAN_TIME / run.settings.control))
-    axes.plot(*drawing.thin(run.time, drawing.running_mean(values, width)), color=colour, lw=1.0)
+    axes.plot(run.time, drawing.running_mean(values, width), color=colour, lw=1.0)
     axes.set_yscale("log")
 
 
