@@ -47,28 +47,6 @@ def test_who_interrupts_is_told_that_it_goes_on(wmr, plan, tmp_path, monkeypatch
     assert ("the same command goes on from there" in " ".join(done.stderr.split())) is begun
 
 
-def test_the_table_by_columns_has_the_numbers_of_the_text(wmr, plan, tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
-    folder = tmp_path / "s"
-    nothing = wmr(f"study parquet {folder}")
-    wmr(f"study {plan} --out {folder}")
-    told = wmr(f"study parquet {folder}")
-
-    assert nothing.exit_code == 2
-    assert "there is no folder" in " ".join(nothing.stderr.split())
-    assert told.exit_code == 0, told.stderr
-    columns = parquet.read_table(folder / "table.parquet").to_pydict()
-    with (folder / "table.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert columns["seed"] == [int(row["seed"]) for row in rows]
-    assert columns["guard"] == [row["guard"] == "true" for row in rows]
-    assert columns["limits.v_u2"] == [row["limits.v_u2"] for row in rows]
-    for name in ("position_rms", "settling_time", "max_abs_v1"):
-        if name in columns:
-            given = [float(row[name]) if row[name] else None for row in rows]
-            assert columns[name] == given
-
-
 @pytest.mark.parametrize(
     ("text", "options", "words"),
     [

@@ -20,7 +20,7 @@ from wmr_ctrl.results import Monitor, load_run
 from wmr_ctrl.results.formats import save_run
 
 SUFFIXES = [
-    *(".npz", ".csv", ".parquet"),
+    *(".npz", ".csv"),
     pytest.param(
         ".mcap",
         marks=pytest.mark.skipif(not find_spec("rosbags"), reason="NOT RUN: rosbags is not there"),
@@ -141,7 +141,7 @@ def test_random_bytes_are_refused(tmp_path, suffix, data):
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @reusing_folder
 @given(part=st.floats(0, 1))
-@pytest.mark.slow_but(".npz", ".csv", ".parquet")
+@pytest.mark.slow_but(".npz", ".csv")
 def test_a_file_cut_anywhere_is_refused(make_run, tmp_path, suffix, part):
     path = saved(make_run(duration=0.05, x=1 / 3), tmp_path, suffix)
     whole = path.read_bytes()

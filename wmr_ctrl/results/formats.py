@@ -2,8 +2,7 @@
 
 All data of a run except its columns are one JSON object, which each format stores in its own way:
 .npz in ``run.json`` beside an array per column, for ``numpy.load``; .csv in comment lines above a
-header of ``name [unit]`` and a row per sample; .parquet in the file's metadata; .mcap, a ROS 2 bag,
-in a separate message.
+header of ``name [unit]`` and a row per sample; .mcap, a ROS 2 bag, in a separate message.
 """
 
 import csv
@@ -22,7 +21,6 @@ import numpy as np
 from wmr_ctrl.core.errors import MissingExtraError, ResultFileError, WmrError, library
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import AnyPath, note_input
-from wmr_ctrl.core.fields.values import may_unpack
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.suffixes import RUNS
 
@@ -35,7 +33,7 @@ from .settings import Settings
 
 _FORMAT = "wmr_ctrl run, version 1"
 _LABELS = ("scenario", "law", "guard", "seed", "engine")
-_JSON_MEMBER, _JSON_KEY = "run.json", b"wmr_ctrl"
+_JSON_MEMBER = "run.json"
 
 
 @checks_arguments
@@ -43,7 +41,7 @@ def save_run(run: Run, path: AnyPath) -> None:
     """Write ``run`` atomically to a file whose suffix is one of `RUNS`.
 
     Raises ResultFileError for another suffix or if the file cannot be written, MissingExtraError
-    for .parquet without pyarrow and .mcap without rosbags.
+    for .mcap without rosbags.
     """
     encode, _ = _FORMATS[check_suffix(path)]
     data = encode(run)
@@ -117,8 +115,8 @@ def check_suffix(path: AnyPath) -> str:
 
 def check_format(path: AnyPath) -> None:
     """Raise MissingExtraError if the format of ``path`` needs a missing package."""
-    module, extra = _NEEDS.get(check_suffix(path), ("numpy", ""))
-    library(module, extra)
+    if check_suffix(path) == ".mcap":
+        library("rosbags.rosbag2", "logs")
 
 
 def metadata_text(run: Run) -> str:
@@ -243,30 +241,6 @@ def _numbers(rows: Iterable[Sequence[str]], width: int) -> Floats:
     return np.array(numbers, dtype=np.float64).reshape(-1, width)
 
 
-def _parquet_of(run: Run) -> bytes:
-    """Bytes of a Parquet file, a column per number.  MissingExtraError without pyarrow."""
-    arrow, parquet = library("pyarrow"), library("pyarrow.parquet")
-    table = arrow.table({signal.name: run[signal.name] for signal in run.elements})
-    table = table.replace_schema_metadata({_JSON_KEY: metadata_text(run)})
-    buffer = io.BytesIO()
-    parquet.write_table(table, buffer)
-    return buffer.getvalue()
-
-
-def _run_in_parquet(data: bytes) -> Run:
-    file = library("pyarrow.parquet").ParquetFile(io.BytesIO(data))
-    numbers = file.metadata.num_rows * file.metadata.num_columns
-    if not may_unpack(len(data), np.dtype(float).itemsize * numbers):
-        raise ValueError(f"it claims {numbers} numbers, more than a file of its size can hold")
-    table = file.read()
-    metadata = _parsed((table.schema.metadata or {}).get(_JSON_KEY, b"null"))
-    columns = {}
-    for signal in _signals_in(metadata):
-        parts = [np.asarray(table[name].to_numpy(), float) for name in signal.elements]
-        columns[signal.name] = parts[0] if signal.size == 1 else np.column_stack(parts)
-    return _run_from(metadata, columns)
-
-
 def _run_in_mcap(data: bytes) -> Run:
     text, rows = rows_of_mcap(data)
     metadata = _parsed(text)
@@ -278,9 +252,7 @@ def _run_in_mcap(data: bytes) -> Run:
 _CODECS: Sequence[tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = (
     (_npz_of, _run_in_npz),
     (_csv_of, _run_in_csv),
-    (_parquet_of, _run_in_parquet),
     (lambda run: run_as_mcap(run, metadata_text(run)), _run_in_mcap),
 )
 _FORMATS = dict(zip(RUNS, _CODECS, strict=True))
 """Writer and reader of each suffix."""
-_NEEDS = {".parquet": ("pyarrow", "data"), ".mcap": ("rosbags.rosbag2", "logs")}

@@ -27,16 +27,8 @@ def zipped(name):
     return file.getvalue()
 
 
-def parquet():
-    arrow, writer = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
-    file = io.BytesIO()
-    writer.write_table(arrow.table({"t": [0.0] * MOST}), file)
-    return file.getvalue()
-
-
 BOMBS = {
     "a.npz": (lambda: zipped("run.json"), load_run, "more than its own size"),
-    "a.parquet": (parquet, load_run, "more than a file of its size can hold"),
     "a.fmu": (
         lambda: zipped("modelDescription.xml"),
         lambda path: FmuFile(path, "plant"),

@@ -4,10 +4,8 @@ study.json      the plan, its identity, what made the results
 chunks/*.npz    rows of finished chunks: index, outcome, refusal, figures
 columns.csv     name, unit and meaning of the table's columns
 table.csv       one row a run, in the order of the index; empty where a figure is not finite
-table.parquet   the same by columns, where it is asked for; pyarrow writes it
 """
 
-import csv
 import heapq
 import json
 import math
@@ -15,14 +13,13 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
-from wmr_ctrl.core.errors import ResultFileError, library
-from wmr_ctrl.results import FIGURES, atomic_path, atomic_text
+from wmr_ctrl.core.errors import ResultFileError
+from wmr_ctrl.results import FIGURES, atomic_text
 from wmr_ctrl.results.files import atomic_write, write_csv
 from wmr_ctrl.world.scenario import Section, quantities
 
@@ -35,7 +32,6 @@ REFUSAL = "refusal"
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 """A number within the words of a refusal; the one in ``v_u1`` is none."""
 FORMAT = "wmr_ctrl study, version 1"
-TEXTS, COUNTS = ("law", "outcome", "refusal"), ("index", "seed")
 
 
 class StudyFolder:
@@ -231,41 +227,3 @@ def _unfinished(folder: Path, error: Exception) -> str:
         f"{why} Name the folder that `wmr-ctrl study PLAN.toml --out DIR` wrote, once the study "
         "has run to its end."
     )
-
-
-def write_columns(folder: str | Path) -> Path:
-    """Write table.parquet atomically beside a study's table.csv; returns its path.
-
-    Numbers are doubles, empty cells null; index and seed integers, guard a Boolean, lists of a grid
-    their JSON text.  Raises ResultFileError if no study is finished or the file cannot be written,
-    MissingExtraError without pyarrow.
-    """
-    where = Path(folder)
-    arrow: Any = library("pyarrow")
-    read, write = library("pyarrow.csv"), library("pyarrow.parquet")
-    named = {"string": arrow.string(), "int64": arrow.int64(), "bool": arrow.bool_(),
-             "double": arrow.float64()}  # fmt: skip
-    kinds = {name: named[kind] for name, kind in _kinds(where).items()}
-    options = read.ConvertOptions(column_types=kinds, strings_can_be_null=False)
-    target = where / "table.parquet"
-    with (
-        atomic_path(target) as scratch,
-        read.open_csv(where / "table.csv", convert_options=options) as blocks,
-        write.ParquetWriter(scratch, blocks.schema) as file,
-    ):
-        for block in blocks:
-            file.write_batch(block)
-    return target
-
-
-def _kinds(folder: Path) -> dict[str, str]:
-    with finished_study(folder):
-        plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
-        with (folder / "table.csv").open(newline="", encoding="utf-8") as file:
-            names = next(csv.reader(file))
-    kinds = dict.fromkeys(names, "double") | dict.fromkeys(TEXTS, "string")
-    kinds |= dict.fromkeys(COUNTS, "int64") | {"guard": "bool"}
-    for key, values in plan["grid"].items():
-        numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
-        kinds[key] = "double" if numbers else "string"
-    return kinds
