@@ -2,7 +2,7 @@
 
 All data of a run except its columns are one JSON object, which each format stores in its own way:
 .npz in ``run.json`` beside an array per column, for ``numpy.load``; .csv in comment lines above a
-header of ``name [unit]`` and a row per sample; .mcap, a ROS 2 bag, in a separate message.
+header of ``name [unit]`` and a row per sample.  A .mcap has only what a base would publish.
 """
 
 import csv
@@ -11,20 +11,20 @@ import json
 import math
 import os
 import zipfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from wmr_ctrl.core.errors import MissingExtraError, ResultFileError, WmrError, library
+from wmr_ctrl.core.errors import ResultFileError, library
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import AnyPath, note_input
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.core.suffixes import RUNS
+from wmr_ctrl.core.suffixes import BAG, RUNS
 
-from .bag import holds_run, is_bag, rows_of_mcap, run_as_mcap
+from .bag import is_bag, run_as_mcap
 from .drive import NEVER
 from .files import atomic_write
 from .outcomes import Monitor, Outcome
@@ -43,8 +43,8 @@ def save_run(run: Run, path: AnyPath) -> None:
     Raises ResultFileError for another suffix or if the file cannot be written, MissingExtraError
     for .mcap without rosbags.
     """
-    encode, _ = _FORMATS[check_suffix(path)]
-    data = encode(run)
+    suffix = check_suffix(path)
+    data = run_as_mcap(run) if suffix == BAG else _FORMATS[suffix][0](run)
     with atomic_write(path) as file:
         file.write(data)
 
@@ -53,32 +53,14 @@ def save_run(run: Run, path: AnyPath) -> None:
 def load_run(path: AnyPath) -> Run:
     """Read a run that `Run.save` wrote; it equals the saved run.
 
-    Raises ResultFileError if the file is missing, damaged, or something else: a robot's own bag is
-    read by `load_drive`.
+    Raises ResultFileError if the file is missing, damaged, or something else: bags are read by
+    `load_drive`.
     """
-    try:
-        return _loaded(path)
-    except ResultFileError as error:
-        if not _of_a_robot(path):
-            raise
+    if is_bag(Path(path)):
         raise ResultFileError(
-            f"{os.fspath(path)!r} is a robot's bag, and no run was saved in it: it has no {NEVER}. "
-            "Read it by wmr_ctrl.load_drive; its result names what else is missing."
-        ) from error
-
-
-def _of_a_robot(path: AnyPath) -> bool:
-    try:
-        return os.path.exists(path) and is_bag(Path(path)) and not holds_run(Path(path))
-    except WmrError:  # it cannot be opened
-        return False
-
-
-OTHER_TABLES = "; a log is read by `wmr-ctrl identify`, a path by reference.file of a scenario"
-"""What else a .csv may be."""
-
-
-def _loaded(path: AnyPath) -> Run:
+            f"{os.fspath(path)!r} is a bag: it has no {NEVER}. Read it by wmr_ctrl.load_drive; its "
+            "result names what else is missing."
+        )
     _, decode = _FORMATS[check_suffix(path)]
     note_input(path, "run")
     try:
@@ -90,8 +72,6 @@ def _loaded(path: AnyPath) -> Run:
         ) from error
     try:
         return decode(data)
-    except MissingExtraError:
-        raise
     except Exception as error:  # foreign bytes can break a decoder in any way
         table = isinstance(error, json.JSONDecodeError) and Path(path).suffix.lower() == ".csv"
         words = " ".join(f"{type(error).__name__}: {error}".split())[:300]
@@ -102,20 +82,24 @@ def _loaded(path: AnyPath) -> Run:
         ) from error
 
 
+OTHER_TABLES = "; a log is read by `wmr-ctrl identify`, a path by reference.file of a scenario"
+"""What else a .csv may be."""
+
+
 def check_suffix(path: AnyPath) -> str:
     """The lower-case suffix of ``path``; raises ResultFileError if no run format has it."""
     suffix = Path(path).suffix.lower()
-    if suffix not in _FORMATS:
+    if suffix not in RUNS:
         raise ResultFileError(
             f"{os.fspath(path)!r} has the suffix {suffix!r}; runs are saved as "
-            f"{' or '.join(_FORMATS)}. Give the file one of these suffixes."
+            f"{' or '.join(RUNS)}. Give the file one of these suffixes."
         )
     return suffix
 
 
 def check_format(path: AnyPath) -> None:
     """Raise MissingExtraError if the format of ``path`` needs a missing package."""
-    if check_suffix(path) == ".mcap":
+    if check_suffix(path) == BAG:
         library("rosbags.rosbag2", "logs")
 
 
@@ -189,20 +173,15 @@ def _npz_of(run: Run) -> bytes:
 
 
 def _run_in_npz(data: bytes) -> Run:
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        if sum(item.file_size for item in archive.infolist()) > len(data):
+    with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+        if sum(item.file_size for item in archive.zip.infolist()) > len(data):
             raise ValueError("it claims more than its own size, and runs are not compressed")
-        metadata = _parsed(archive.read(_JSON_MEMBER))
-        names = [signal.name for signal in _signals_in(metadata)]
-        columns = {name: _array(archive.read(f"{name}.npy")) for name in names}
+        metadata = _parsed(archive[_JSON_MEMBER])
+        columns = {signal.name: archive[signal.name] for signal in _signals_in(metadata)}
+    for name, column in columns.items():
+        if column.dtype != np.float64:
+            raise ValueError(f"the column {name} holds {column.dtype}, not double precision")
     return _run_from(metadata, columns)
-
-
-def _array(data: bytes) -> Floats:
-    array = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
-    if array.dtype != np.float64:
-        raise ValueError(f"a column holds {array.dtype}, not double precision")
-    return np.asarray(array, dtype=np.float64)
 
 
 def _csv_of(run: Run) -> bytes:
@@ -224,35 +203,19 @@ def _run_in_csv(data: bytes) -> Run:
     comments = [line[1:] for line in lines if line.startswith("#")]
     metadata = _parsed("\n".join(comments))
     signals = _signals_in(metadata)
-    header, *rows = csv.reader(lines[len(comments) :])
+    (header,) = csv.reader(lines[len(comments) :][:1])
+    rows = lines[len(comments) + 1 :]
     pairs = (pair for signal in signals for pair in zip(signal.elements, signal.units, strict=True))
     if header != [f"{name} [{unit}]" for name, unit in pairs]:
         raise ValueError("its header row does not name the columns of its description")
-    return _run_from(metadata, split_columns(signals, _numbers(rows, len(header))))
+    table = np.loadtxt(rows, delimiter=",", ndmin=2) if rows else np.empty((0, len(header)))
+    if table.shape[1] != len(header):
+        raise ValueError(f"its rows have {table.shape[1]} of {len(header)} numbers")
+    return _run_from(metadata, split_columns(signals, table))
 
 
-def _numbers(rows: Iterable[Sequence[str]], width: int) -> Floats:
-    """Numbers of rows of text, shape (N, width)."""
-    numbers = []
-    for count, row in enumerate(rows, start=1):
-        if len(row) != width:
-            raise ValueError(f"row {count} has {len(row)} of {width} numbers")
-        numbers.append([float(cell) for cell in row])
-    return np.array(numbers, dtype=np.float64).reshape(-1, width)
-
-
-def _run_in_mcap(data: bytes) -> Run:
-    text, rows = rows_of_mcap(data)
-    metadata = _parsed(text)
-    signals = _signals_in(metadata)
-    width = sum(signal.size for signal in signals)
-    return _run_from(metadata, split_columns(signals, rows.reshape(-1, width)))
-
-
-_CODECS: Sequence[tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = (
-    (_npz_of, _run_in_npz),
-    (_csv_of, _run_in_csv),
-    (lambda run: run_as_mcap(run, metadata_text(run)), _run_in_mcap),
-)
-_FORMATS = dict(zip(RUNS, _CODECS, strict=True))
+_FORMATS: Mapping[str, tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = {
+    ".npz": (_npz_of, _run_in_npz),
+    ".csv": (_csv_of, _run_in_csv),
+}
 """Writer and reader of each suffix."""
