@@ -252,5 +252,5 @@ def test_a_first_command_counts_from_the_measured_velocity():
 
 
 def test_a_name_instead_of_a_scenario_is_refused():
-    with pytest.raises(ArgumentError, match=r"find_corridor: scenario = .* must be a Scenario"):
+    with pytest.raises(ArgumentError, match=r"find_corridor: scenario = .* must be Scenario"):
         find_corridor("safe-simulation", "prox")
