@@ -15,7 +15,7 @@ VECTORS = (
 
 @pytest.mark.skipif(not QUICK, reason="NOT RUN: tcc is not there")
 @pytest.mark.parametrize(
-    ("text", "level", "quick"),
+    "text, level, quick",
     [(PLAIN, "-O0", True), (PLAIN, "-O1", False), (VECTORS, "-O0", False)],
 )
 def test_a_library_that_is_not_optimised_and_has_no_vectors_is_made_quickly(

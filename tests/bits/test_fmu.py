@@ -14,7 +14,7 @@ AFTER = {"x", "y", "theta", "v1", "omega", "psi"}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "name"), [("nn", "plain"), ("mb", "everything")])
+@pytest.mark.parametrize("law, name", [("nn", "plain"), ("mb", "everything")])
 def test_all_columns(law, name, tmp_path, monkeypatch):
     for variable in ("WMR_CTRL_OPTIMIZE", "WMR_CTRL_FMU_CC"):  # as FMUs are shipped
         monkeypatch.delenv(variable, raising=False)

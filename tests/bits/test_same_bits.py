@@ -50,7 +50,7 @@ def test_cases_differ_and_the_guard_acts_in_its_own():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "law"),
+    "name, law",
     [
         ("gcc -O2", "pid"),
         ("gcc -O3 native", "smc"),

@@ -37,7 +37,7 @@ def starts(inside, at_the_edge):
     return list(drawn * REGION)
 
 
-@pytest.mark.parametrize(("law", "guarded", "control"), [("mb", False, 1e-3), ("nn", True, 1e-2)])
+@pytest.mark.parametrize("law, guarded, control", [("mb", False, 1e-3), ("nn", True, 1e-2)])
 @pytest.mark.slow
 def test_the_limit_is_kept_from_the_stated_region(law, guarded, control, tmp_path):
     assert control in PERIODS[law, guarded]

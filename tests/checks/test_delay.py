@@ -14,7 +14,7 @@ CIRCLE = np.array((0.2, 0.1))
 
 
 @pytest.mark.parametrize(
-    ("name", "period", "delay"), [("safe-simulation", 0.1, 0.05), ("paper-simulation", 0.01, 0.05)]
+    "name, period, delay", [("safe-simulation", 0.1, 0.05), ("paper-simulation", 0.01, 0.05)]
 )
 @pytest.mark.slow_but("paper-simulation-0.01-0.05")
 def test_prox_is_said_to_cycle_where_it_does(told, loop, name, period, delay):

@@ -48,7 +48,7 @@ def test_who_interrupts_is_told_that_it_goes_on(wmr, plan, tmp_path, monkeypatch
 
 
 @pytest.mark.parametrize(
-    ("text", "options", "words"),
+    "text, options, words",
     [
         ('laws = ["nno"]', (), "no law is named 'nno'"),
         ("seeds = ", (), "not valid TOML"),
@@ -115,7 +115,7 @@ robot.m = [50.0, 60.0]
 """
 
 
-@pytest.mark.parametrize(("n", "warned"), [(6, True), (4, False)])
+@pytest.mark.parametrize("n, warned", [(6, True), (4, False)])
 def test_a_number_that_is_no_power_of_2_is_told_in_one_warning(wmr, tmp_path, recwarn, n, warned):
     pytest.importorskip("SALib")
     (tmp_path / "plan.toml").write_text(SOBOL.format(n=n))
@@ -131,7 +131,7 @@ def test_a_number_that_is_no_power_of_2_is_told_in_one_warning(wmr, tmp_path, re
 
 
 @pytest.mark.parametrize(
-    ("files", "words"),
+    "files, words",
     [
         (None, "there is no folder"),
         ({}, "study.json is missing"),

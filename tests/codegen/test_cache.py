@@ -65,7 +65,7 @@ def test_builds_once_and_keeps_the_sources_beside_the_library(folder):
 
 
 @pytest.mark.parametrize(
-    ("sources", "key"),
+    "sources, key",
     [
         ({"a.c": "int A;", "inner/b.h": b"int b;"}, ()),
         ({"a.c": "int a;", "inner/c.h": b"int b;"}, ()),
@@ -140,7 +140,7 @@ def test_missing_library_is_built_anew_in_the_same_process():
     assert build_cached(SOURCES, compiler).exists()
 
 
-@pytest.mark.parametrize(("locks", "builders"), [(True, 1), (False, 2)])
+@pytest.mark.parametrize("locks, builders", [(True, 1), (False, 2)])
 def test_processes_that_want_one_entry_at_once_all_get_it(folder, tmp_path, locks, builders):
     """The first builds and the others wait; without locks they all build, and one copy stays."""
     script = textwrap.dedent(f"""

@@ -162,7 +162,7 @@ def test_gcc_before_12_refuses_without_its_newer_macros(flag, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("kind", "compiler"),
+    "kind, compiler",
     [
         pytest.param(kind, compiler, marks=[] if shown else pytest.mark.slow)
         for compiler, shown in (("gcc", True), ("gcc-11", False), ("clang", False))

@@ -147,7 +147,7 @@ def halves(x, k):
     return ca.vertcat(*(part - k for part in whole[:8]), *(part / 3 for part in whole[8:]))
 
 
-@pytest.mark.parametrize(("made", "kept"), [(one_more, True), (halves, False)])
+@pytest.mark.parametrize("made, kept", [(one_more, True), (halves, False)])
 def test_a_loop_keeps_its_array_where_something_else_reads_it(made, kept):
     x, k = ca.SX.sym("x", 16), ca.SX.sym("k")
     item = kernel("read", "A loop.", {"x": x, "k": k}, {"y": made(x, k)})

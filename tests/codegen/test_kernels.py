@@ -91,7 +91,7 @@ def test_a_logged_sample_equals_the_virtual_machine(law):
         assert_near(step([np.array([k]), x, p, w], sizes), wanted)
 
 
-@pytest.mark.parametrize(("compiler", "lanes"), [("gcc", 0), ("gcc", 4), ("clang", 0)])
+@pytest.mark.parametrize("compiler, lanes", [("gcc", 0), ("gcc", 4), ("clang", 0)])
 @pytest.mark.slow_but("gcc-0")
 def test_sources_compile_without_a_warning(compiler, lanes, tmp_path):
     if not shutil.which(compiler):

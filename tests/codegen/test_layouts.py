@@ -205,7 +205,6 @@ def test_arduino_builds_the_sketch_with_two_libraries(tmp_path):
     assert re.fullmatch(r"\d+\.\d+\.\d+", told["version"])
     ctags = (share / "arduino-builder/platform.txt").read_text(encoding="utf-8")
     pattern = re.search(r"^tools.ctags.pattern=(.*)", ctags, re.M)
-    assert pattern is not None
     preferences = [
         f"compiler.path={tools}/", "compiler.cpp.extra_flags=-DDECIMAL_DIG=17",
         f"tools.ctags.cmd.path={tools}/arduino-ctags", f"tools.ctags.pattern={pattern[1]}",
@@ -244,7 +243,7 @@ def test_platformio_packs_it_and_the_pack_compiles(tmp_path, monkeypatch):
     assert "largest error" in run(["./check"], tmp_path)
 
 
-@pytest.mark.parametrize(("layout", "stub"), [("esp-idf", IDF), ("zephyr", ZEPHYR)])
+@pytest.mark.parametrize("layout, stub", [("esp-idf", IDF), ("zephyr", ZEPHYR)])
 def test_cmake_of_a_layout_builds_with_stubs_of_its_functions(layout, stub, tmp_path):
     """Two components; the executable stands for the user's application."""
     needs("cmake", "cc")

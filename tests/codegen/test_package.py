@@ -20,7 +20,7 @@ from wmr_ctrl.world.scenario import load_scenario
 SCENARIO = load_scenario("paper-simulation")
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
 every_kind = pytest.mark.parametrize(
-    ("law", "float32", "guarded"),
+    "law, float32, guarded",
     [
         ("pid", True, False),
         pytest.param("mb", True, True, marks=pytest.mark.slow),
@@ -63,7 +63,7 @@ def programs(law, folder, compiler="gcc"):
 
 
 @pytest.mark.parametrize(
-    ("law", "float32", "guarded", "compiler"),
+    "law, float32, guarded, compiler",
     [
         ("nn", False, False, "gcc"),
         pytest.param("mb", True, True, "gcc", marks=pytest.mark.slow),
@@ -80,7 +80,7 @@ def test_vectors_pass_and_nothing_warns(law, float32, guarded, compiler, tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("law", "language", "float32"),
+    "law, language, float32",
     [
         ("pid", "gcc-c99", False),
         ("mb", "clang-c99", False),
@@ -107,7 +107,6 @@ def test_a_microcontroller_takes_it(law, float32, guarded, tmp_path):
     readme = (tmp_path / "README.md").read_text(encoding="utf-8")
     told = re.search(r"from the C library: ([^.]*)\.", readme)
 
-    assert told is not None
     assert not kinds & set("BbDdCS"), "writable data"
     assert wanted - support <= set(told[1].replace("\n ", "").split(", "))
     if float32:
@@ -115,7 +114,7 @@ def test_a_microcontroller_takes_it(law, float32, guarded, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("law", "float32", "preset"),
+    "law, float32, preset",
     [
         ("pid", True, measured.SCENARIOS[False]),
         pytest.param("mb", True, measured.SCENARIOS[True], marks=pytest.mark.slow),
@@ -131,7 +130,6 @@ def test_documented_footprint_holds(law, float32, preset, tmp_path):
     told = known_footprint(law, float32, preset != measured.SCENARIOS[False], found.operations)
     readme = (tmp_path / "README.md").read_text(encoding="utf-8")
 
-    assert told is not None
     assert found.code <= 1.1 * told.code
     assert found.data == told.data == 0
     assert found.stack <= 1.1 * told.stack + 32
@@ -150,7 +148,6 @@ def test_documented_footprint_of_a_filter_holds(name, tmp_path):
     needs(measured.COMPILER)
     found = measured.filter_sizes(name, False, tmp_path)
     told = known_footprint("filter", False, False, found.operations)
-    assert told is not None
     assert (told.code, told.data, told.stack) == (found.code, found.data, found.stack)
 
 
@@ -161,7 +158,7 @@ def test_another_kernel_does_not_borrow_a_footprint():
     assert "were not measured" in package_files("mb", late)["README.md"]
 
 
-@pytest.mark.parametrize(("law", "float32"), measured.COPIES)
+@pytest.mark.parametrize("law, float32", measured.COPIES)
 def test_committed_copy_is_what_is_generated(law, float32):
     """Renew by ``python -m tests.codegen.measured`` and look at the difference.
 
@@ -177,7 +174,7 @@ def test_committed_copy_is_what_is_generated(law, float32):
 
 
 @pytest.mark.parametrize(
-    ("law", "guarded"),
+    "law, guarded",
     [("prox", False), ("nn", True), ("pid", True), ("mb", False), ("kanayama", False)],
 )
 @pytest.mark.slow_but("prox-False", "nn-True")

@@ -159,7 +159,7 @@ def test_whole_turns_of_angles_do_not_matter(float32, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("stated", "said"),
+    "stated, said",
     [
         ({"encoder.bits": 16, "encoder.counts": 2**22}, r"by 9.179e\+04 counts .* below 32768"),
         ({"encoder.counts": 1e12}, "encoder.bits = 32"),

@@ -20,7 +20,7 @@ REFUSED, TAKEN = 1, 0
 
 
 @pytest.mark.parametrize(
-    ("law", "float32", "guarded"),
+    "law, float32, guarded",
     [
         ("pid", False, False),
         ("smc", True, False),

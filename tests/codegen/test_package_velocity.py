@@ -66,7 +66,7 @@ def motions(count=40):
 
 
 @pytest.mark.parametrize(
-    ("law", "form"),
+    "law, form",
     [("kanayama", "governor"), ("pursuit", "clip"), ("prox", "none"), ("nn", "band")],
 )
 def test_commands_are_those_of_the_run(law, form):
@@ -89,7 +89,7 @@ def test_commands_are_those_of_the_run(law, form):
 
 
 @pytest.mark.parametrize(
-    ("law", "form", "float32"),
+    "law, form, float32",
     [
         ("kanayama", "governor", False),
         ("pursuit", "clip", False),

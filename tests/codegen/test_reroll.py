@@ -8,7 +8,7 @@ from wmr_ctrl.codegen.reroll import SHORTEST, depths, reroll
 from wmr_ctrl.world.model.graph import read
 
 
-@pytest.mark.parametrize(("count", "rolled"), [(SHORTEST - 1, False), (16, True)])
+@pytest.mark.parametrize("count, rolled", [(SHORTEST - 1, False), (16, True)])
 def test_products_of_vectors_become_a_loop_from_a_length_on(count, rolled):
     a, b = ca.SX.sym("a", count), ca.SX.sym("b", count)
     graph = read(ca.Function("f", [a, b], [a * b]), ["a", "b"], ["y"])

@@ -221,7 +221,7 @@ def test_named_compiler_that_is_missing_is_not_replaced_by_another(monkeypatch):
 
 @posix
 @pytest.mark.parametrize(
-    ("body", "said"),
+    "body, said",
     [
         ("print('x.c:1: error: broken on purpose'); sys.exit(1)", "broken on purpose"),
         ("open(out, 'w').write('no library')", "cannot be loaded"),
@@ -260,7 +260,7 @@ def test_next_compiler_is_tried_after_a_broken_one(fake, monkeypatch):
 
 @posix
 @pytest.mark.parametrize(
-    ("body", "said"),
+    "body, said",
     [
         (
             "open(out, 'w').write('half'); print('a.c:3: error: no'); sys.exit(1)",
@@ -338,7 +338,7 @@ def test_runtime_is_found():
     assert list(runtime_dir().glob("*.c"))
 
 
-@pytest.mark.parametrize(("asked", "level"), [("", "-O3"), ("1", "-O1"), (" 0 ", "-O0")])
+@pytest.mark.parametrize("asked, level", [("", "-O3"), ("1", "-O1"), (" 0 ", "-O0")])
 def test_the_level_is_what_the_environment_asks_for(asked, level, monkeypatch):
     monkeypatch.setenv("WMR_CTRL_OPTIMIZE", asked)
     flags = [flag for flag in find_toolchain(native=True).flags if flag.startswith("-O")]

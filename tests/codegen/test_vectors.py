@@ -46,7 +46,7 @@ def unseen(system, vectors):
 
 
 @pytest.mark.parametrize(
-    ("law", "guarded"),
+    "law, guarded",
     [("mb", False), ("prox", True), ("pid", True), ("nn", True), ("kanayama", False)],
 )
 @pytest.mark.slow_but("mb-False", "prox-True")
@@ -90,12 +90,10 @@ def test_runs_cover_both_sides_of_both_limits():
 
 
 @pytest.mark.parametrize(
-    ("compiler", "emulator"),
+    "compiler, emulator",
     [("aarch64-linux-gnu-gcc", "qemu-aarch64"), ("arm-linux-gnueabihf-gcc", "qemu-arm")],
 )
-@pytest.mark.parametrize(
-    ("law", "preset"), [("nn", "safe-simulation"), (FILTER, "turtlebot3-burger")]
-)
+@pytest.mark.parametrize("law, preset", [("nn", "safe-simulation"), (FILTER, "turtlebot3-burger")])
 def test_vectors_pass_on_arm(law, preset, compiler, emulator, tmp_path):
     needs(compiler, emulator)
     write_package(law, tmp_path, load_scenario(preset))

@@ -70,7 +70,7 @@ def test_dbar_is_a_parameter_with_its_units(law):
 
 
 @pytest.mark.parametrize(
-    ("law", "changed", "feasible"),
+    "law, changed, feasible",
     [
         ("pid", {}, 1.0),
         ("smc", {"actuator.tau_max": 6.5}, 1.0),

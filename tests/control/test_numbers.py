@@ -14,7 +14,7 @@ def form(law="mb", **changed):
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "same"),
+    "key, value, same",
     [
         ("robot.m", 60.0, True),
         ("disturbance.std", 0.5, True),

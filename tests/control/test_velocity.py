@@ -31,7 +31,7 @@ def test_a_force_is_the_velocity_to_which_it_leads_and_friction_leads_nowhere():
     assert ca.is_equal(sent.asked, gone, 9)
 
 
-@pytest.mark.parametrize(("off", "learns"), [(0.0, True), (0.5 * NEAR, True), (0.1, False)])
+@pytest.mark.parametrize("off, learns", [(0.0, True), (0.5 * NEAR, True), (0.1, False)])
 def test_estimates_stay_while_another_velocity_is_sent(off, learns):
     sent = sender("smc")
     near, symbols = (

@@ -133,7 +133,7 @@ def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots():
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "words"),
+    "key, value, words",
     [
         ("base.kp", 170.0, "outside filter.kp"),
         ("robot.m", 60.0, "outside filter.mass"),
@@ -169,7 +169,7 @@ def broken(changes):
     return " ".join(broken_hypotheses(setup.scenario, setup.bound))
 
 
-@pytest.mark.parametrize(("share", "said"), [(0.99, False), (1.01, True)])
+@pytest.mark.parametrize("share, said", [(0.99, False), (1.01, True)])
 def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share, said):
     """Friction by its square; rolling adds to what unequal wheels push."""
     filtered = {**OVERSHOOTING["filter"], "friction": [0.0, 20.0], "push": [100.0, 100.0]}
@@ -212,13 +212,11 @@ def test_usable_speed_is_the_closed_form_without_delay():
     expected = [k * (V + kappa * (V - 2 * 0.01)) / (1 + kappa * k) for V in (1.0, 2.0)]
     assert facts.usable_speed == pytest.approx(expected, rel=1e-6)
     later = filter_facts(settle(based({**GOVERNED, "filter.delay": [0.0, 0.001]}), "kanayama"))
-    assert later is not None
     left = [now - then for now, then in zip(facts.usable_speed, later.usable_speed, strict=True)]
     assert facts.delay_cost == pytest.approx(left, rel=1e-9)
     assert min(left) > 0
     clip = {**GOVERNED, "filter": {"kind": "clip", "gain": [0.9, 1.1]}}
     memoryless = filter_facts(settle(based(clip), "kanayama"))
-    assert memoryless is not None
     assert memoryless.usable_speed == pytest.approx((k, 2 * k), rel=1e-6)
 
 
@@ -244,7 +242,7 @@ def test_what_takes_torques_alone_names_all_that_has_to_change(stated):
     check_takes_torques(override(based(stated), told), "packages")
 
 
-@pytest.mark.parametrize(("noise", "told"), [({}, True), ({"truncate": 3.0}, False)])
+@pytest.mark.parametrize("noise, told", [({}, True), ({"truncate": 3.0}, False)])
 def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(noise, told):
     clip = {"kind": "clip", "gain": [0.9, 1.1], "d": [0.3, 0.8]}
     noisy = {"disturbance": {"std": 0.5, **noise}, "filter": clip}
@@ -252,7 +250,7 @@ def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(noise, tol
     assert ("disturbance.truncate" in [item.key for item in warnings]) == told
 
 
-@pytest.mark.parametrize(("changes", "said"), [
+@pytest.mark.parametrize("changes, said", [
     ({}, "stated bounds$"), ({"base.w_max": 3.0}, "but for what base.w_max takes$"),
     ({"resistance.viscous": [5.0, 0.0], "base.w_max": 3.0}, r"w_max and \[resistance\] take$"),
 ])  # fmt: skip
@@ -299,13 +297,12 @@ def test_check_says_what_a_filter_of_wheels_leaves(kind, stated):
     assert facts.usable_speed == pytest.approx((ahead, turning), rel=1e-6)
 
 
-@pytest.mark.parametrize(("kind", "least"), [("clip", 0.5), ("band", 0.98)])
+@pytest.mark.parametrize("kind, least", [("clip", 0.5), ("band", 0.98)])
 @pytest.mark.slow_but("clip-0.5")
 def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(kind, least):
     stated = {**OVERSHOOTING["filter"], "kind": kind}
     scenario = based({**OVERSHOOTING, "filter": stated})
     facts = filter_facts(settle(scenario, "kanayama"))
-    assert facts is not None
     assert "linear loops" in facts.statement
     assert facts.delay_cost == ((0.0, 0.0) if kind == "clip" else None)
     shares = [speed / limit for speed, limit in zip(facts.usable_speed, (1.0, 2.0), strict=True)]
@@ -322,7 +319,6 @@ def test_a_band_that_is_pushed_is_asked_for_long_enough():
     stated = {**OVERSHOOTING["filter"], "kind": "band", "friction": [0, 20], "push": [10, 0]}
     setup = settle(based({**OVERSHOOTING, "filter": stated}), "kanayama")
     facts = filter_facts(setup)
-    assert facts is not None
     step = wmr_ctrl.command_filter(setup.scenario)
     sent = [step.step((10.0, 0.0)).command[0] for _ in range(4000)]
     assert facts.usable_speed[0] == pytest.approx(sent[-1], rel=1e-6)
@@ -361,7 +357,6 @@ def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name):
     assert words in str(error.value)
     trusted = override(broken, {"filter.trust": True})
     facts = filter_facts(settle(trusted, "kanayama"))
-    assert facts is not None
     assert any(words in sentence for sentence in facts.broken)
 
 
@@ -400,7 +395,7 @@ def resisted(v, goal, rho, time):
     return rest, max(abs(v), top)
 
 
-@pytest.mark.parametrize(("stated", "broken"), [(0.0, True), (0.3, False)])
+@pytest.mark.parametrize("stated, broken", [(0.0, True), (0.3, False)])
 def test_a_governor_counts_on_what_slows_the_base(stated, broken):
     """Full ahead from full astern: against rolling the base is back at rest before a bound."""
     governor = {"kind": "governor", "tau": [0.2, 0.3], "gain": [0.9, 1.1], "d": [stated, 0.0]}
@@ -414,7 +409,7 @@ def test_a_governor_counts_on_what_slows_the_base(stated, broken):
 
 
 @pytest.mark.parametrize(
-    ("changes", "key"),
+    "changes, key",
     [
         ({"base.accel": [1.0, 9.0]}, ""),
         ({"base.decel": [1.0, 9.0]}, "base.decel"),
@@ -442,7 +437,7 @@ def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(changes
     assert bool(soon) is (key in ("base.accel", "base.decel") and "base.accel" in changes)
 
 
-@pytest.mark.parametrize(("l", "accel"), [(0.15, [0.9, 2.0]), (0.2, [0.5, 0.1])])
+@pytest.mark.parametrize("l, accel", [(0.15, [0.9, 2.0]), (0.2, [0.5, 0.1])])
 def test_the_decel_that_a_refusal_tells_is_enough(l, accel):
     """Also where a product by l is less than what it is of the same decimals."""
     clip = {**CLIPPED["filter"], "wheel_speed": 0.8}

@@ -201,7 +201,7 @@ LOST = {"sensor.pose_dropout": 0.1, "corridor.losses": 40}
 
 
 @pytest.mark.parametrize(
-    ("rare", "names"),
+    "rare, names",
     [
         ({**LOST, "corridor.losses": 1000}, {"corridor.losses"}),
         ({**LOST, "sensor.pose_period": 0.05}, {"sensor.pose_dropout"}),

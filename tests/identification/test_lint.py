@@ -151,7 +151,7 @@ def test_poses_tell_the_size_of_the_wheels(driven):
 
 
 @pytest.mark.parametrize(
-    ("header", "word"),
+    "header, word",
     [
         ("t [s],wheel_counts[1] [1]", "belong together"),
         ("time [s],v1 [m/s]", "named t"),
@@ -238,7 +238,7 @@ def test_the_smallest_step_of_an_angle_is_a_count_and_rounding_is_none():
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    ("rows", "word"),
+    "rows, word",
     [
         ("", "no rows"),
         ("1,2\n2,3\n", "line 2: it has another number of cells than the 3"),

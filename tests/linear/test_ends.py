@@ -37,7 +37,7 @@ def test_a_robot_that_differs_is_believed_to_be_what_it_was():
     assert (other.believed.m, other.believed.I, other.believed.mu) == (45.0, 5.4, 0.08)
 
 
-@pytest.mark.parametrize(("changed", "period"), [({}, None), ({"actuator.delay": 0.02}, 0.01)])
+@pytest.mark.parametrize("changed, period", [({}, None), ({"actuator.delay": 0.02}, 0.01)])
 def test_late_loops_are_sampled_and_each_number_is_half_off_either_way(
     monkeypatch, changed, period
 ):

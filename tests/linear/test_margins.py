@@ -79,7 +79,7 @@ def test_continuous_margins_are_python_controls(nominal, law, axis):
 
 
 @pytest.mark.parametrize(
-    ("law", "period"), [("mb", None), pytest.param("pid", 0.01, marks=pytest.mark.slow)]
+    "law, period", [("mb", None), pytest.param("pid", 0.01, marks=pytest.mark.slow)]
 )
 def test_disk_margin_is_its_definition(nominal, law, period):
     """alpha = 1/max |S - 1/2|; a disk margin is never above what the classical ones allow."""
@@ -121,7 +121,7 @@ def test_friction_does_not_move_any_margin(nominal):
 
 
 @pytest.mark.parametrize(
-    ("given", "match"),
+    "given, match",
     [
         ({"axis": 2}, "axis = 2 must be 0, the thrust, or 1"),
         ({"axis": -1}, "axis = -1 must be 0"),

@@ -40,7 +40,6 @@ class Kanayama:
         return last + min(max(inside - last, -most), most)
 
     def _acceleration(self, i, sight):
-        assert self.command is not None
         pull = -math.expm1(-self.gains["rate"][i] * self.T) / self.T
         ahead = (sight.target.v1_dot, sight.target.v2_dot)[i]
         return float(ahead + pull * (self.command[i] - sight.v[i]))

@@ -141,7 +141,7 @@ def ise(columns):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "law", "figure"),
+    "name, law, figure",
     [("paper-simulation-nominal", "pid", 2.34), ("paper-simulation", "nn", 0.857)],
 )
 def test_figures_of_the_papers_simulation(name, law, figure):

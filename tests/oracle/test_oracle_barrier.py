@@ -59,7 +59,7 @@ def test_barrier_equals_its_definition_at_50_digits():
             assert error <= max(1e-12 * abs(true), 1e-15), (name, u1, u2, v, c, found, true)
 
 
-@pytest.mark.parametrize(("u1", "u2"), LIMITS)
+@pytest.mark.parametrize("u1, u2", LIMITS)
 def test_barrier_pushes_towards_its_minimiser(u1, u2):
     for v, c in random_points(u1, u2, 1000):
         b = barrier(v, c, u1, u2)
@@ -71,7 +71,7 @@ def test_barrier_pushes_towards_its_minimiser(u1, u2):
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize(("c", "q"), [(0.3, 1.0), (3.0, 0.0), (7.17, None)])
+@pytest.mark.parametrize("c, q", [(0.3, 1.0), (3.0, 0.0), (7.17, None)])
 def test_barrier_has_its_limits_at_the_minimiser(c, q, side):
     x = barrier(0.0, c, 1.0, 0.8).v_c1
     b = barrier(side * x, side * c, 1.0, 0.8)

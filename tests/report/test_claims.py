@@ -62,7 +62,7 @@ def test_ids_are_unique_and_every_claim_is_told_in_full():
         assert len({test.key for test in claim.tests}) == len(claim.tests)
 
 
-@pytest.mark.parametrize(("claim", "spec"), SPECS, ids=[f"{c}-{s.key}" for c, s in SPECS])
+@pytest.mark.parametrize("claim, spec", SPECS, ids=[f"{c}-{s.key}" for c, s in SPECS])
 def test_tests_name_what_a_campaign_has(claim, spec):
     figures = {*REPORTED} | TIMES
     other = spec.over or {}
@@ -117,7 +117,7 @@ GOOD_SMC, BAD_SMC = of_smc(1.0, at_most=2.0), of_smc(3.0, at_most=2.0)
 
 
 @pytest.mark.parametrize(
-    ("tests", "verdict"),
+    "tests, verdict",
     [
         ([GOOD_SMC], Verdict.STAND_IN),
         ([GOOD_SMC, BAD_SMC], Verdict.STAND_IN_PART),
@@ -132,7 +132,7 @@ def test_the_stand_in_never_makes_a_claim_hold(tests, verdict):
 
 
 @pytest.mark.parametrize(
-    ("tests", "verdict"), [([GOOD, GOOD], Verdict.UNBROKEN), ([GOOD, BAD], Verdict.FAILS)]
+    "tests, verdict", [([GOOD, GOOD], Verdict.UNBROKEN), ([GOOD, BAD], Verdict.FAILS)]
 )
 def test_what_never_happens_is_refuted_by_one_run_and_shown_by_none(tests, verdict):
     assert verdict_of(tests, never=True) == verdict
@@ -152,7 +152,7 @@ def test_both_sides_of_the_theorems_are_judged_and_told_apart():
 
 
 @pytest.mark.parametrize(
-    ("value", "bound", "passed"),
+    "value, bound, passed",
     [
         (2.0, {"at_most": 2.0}, True),
         (math.nextafter(2.0, 3.0), {"at_most": 2.0}, False),

@@ -30,7 +30,7 @@ def test_a_cell_has_its_range_only_where_numbers_differ():
 
 
 @pytest.mark.parametrize(
-    ("figure", "factor", "unit"),
+    "figure, factor, unit",
     [("position_rms", 1e3, "mm"), ("e3_rms_70_80", 1e3, "mrad"), ("tau_peak", 1.0, "N m")],
 )
 def test_lengths_and_angles_are_in_thousandths(figure, factor, unit):
@@ -78,7 +78,7 @@ def test_a_band_is_as_wide_on_both_sides_and_widest_where_the_path_rests():
     assert band(np.zeros((2, 3)), np.ones(3)).shape == (2, 0)
 
 
-@pytest.mark.parametrize(("arrival", "there"), [(0.5, True), (0.99, True), (1.5, False)])
+@pytest.mark.parametrize("arrival, there", [(0.5, True), (0.99, True), (1.5, False)])
 def test_a_goal_is_shown_once_the_desired_motion_was_there(arrival, there):
     run = build(x_d=2.0, y_d=3.0)
 

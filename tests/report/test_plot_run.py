@@ -137,7 +137,7 @@ def test_a_robot_that_turned_once_about_itself_stands_on_its_path_again():
 
 
 @pytest.mark.parametrize(
-    ("preset", "law", "panels"),
+    "preset, law, panels",
     [
         ("turtlebot3-burger", "kanayama", ("Changed by the filter", "Distance from")),
         ("turtlebot3-burger", "mb", ("Changed by the filter", "Barrier function")),

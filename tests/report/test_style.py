@@ -8,7 +8,7 @@ from wmr_ctrl.report.style import colours_of, look, shown, unit_text
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [
         (None, "–"),
         (0.0, "0"),

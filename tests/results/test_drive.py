@@ -132,7 +132,7 @@ def test_a_picture_has_what_there_is(recorded, commands_alone, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "word"),
+    "words, word",
     [
         (["--animate", "out.gif"], "has no x_measured, y_measured, theta_measured, v1_measured"),
         (["--out", "out.npz"], "must end in .csv"),

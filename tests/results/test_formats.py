@@ -168,7 +168,7 @@ def test_a_flipped_byte_is_refused_or_harmless(make_run, tmp_path, suffix, part,
 
 
 @pytest.mark.parametrize(
-    ("old", "new"),
+    "old, new",
     [
         (b"run, version 1", b"run, version 2"),
         (b'"rows": 5', b'"rows": 4'),

@@ -83,7 +83,7 @@ def test_any_nesting_becomes_strict_json_and_stays_as_it_is_then(value):
 
 
 @pytest.mark.parametrize(
-    ("value", "plain"),
+    "value, plain",
     [
         (math.nan, None),
         ([1.5, math.inf], [1.5, None]),

@@ -79,7 +79,7 @@ def test_a_run_survives_pickling_and_copying(make_run):
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    "change, message",
     [
         ({"columns": lambda c: {**c, "x": c["x"][:-1]}}, r"'x'.* must be \(100,\)"),
         ({"columns": lambda c: {**c, "e": c["e"][:, :2]}}, r"'e'.* must be \(100, 3\)"),

@@ -55,7 +55,7 @@ def same_values(one, other):
     return bool(np.all((one == other) | (one != one) & (other != other)))
 
 
-@pytest.mark.parametrize(("law", "guard"), [("mb", False), ("prox", True)])
+@pytest.mark.parametrize("law, guard", [("mb", False), ("prox", True)])
 @pytest.mark.slow
 def test_what_is_watched_is_that_of_the_runs(law, guard):
     """A push beyond dbar on a light robot: the estimate leaves the bounds at the same sample."""
@@ -230,7 +230,7 @@ def test_shares_that_the_guard_changes_are_of_either_axis():
 
 
 @pytest.mark.parametrize(
-    ("beyond", "axis"), [((0.5, 0.01), 1), ((-0.5, 0.01), 2), ((0.0, 0.01), 2), ((0.0, 0.0), None)]
+    "beyond, axis", [((0.5, 0.01), 1), ((-0.5, 0.01), 2), ((0.0, 0.01), 2), ((0.0, 0.0), None)]
 )
 def test_a_run_that_begins_beyond_a_limit_is_in_violation_from_the_start(beyond, axis):
     limits = scenario_of("paper-simulation", SHORT).limits.v_u1

@@ -33,7 +33,7 @@ def columns_of(loop):
 
 
 @pytest.mark.parametrize(
-    ("v", "omega", "most", "violated", "stop"),
+    "v, omega, most, violated, stop",
     [
         (-1.0, 1.5, (1.0, 1.5), None, None),
         (0.5, -1.6, (0.5, 1.6), 2, None),

@@ -9,7 +9,7 @@ from wmr_ctrl.world.scenario import override
 
 
 @pytest.mark.parametrize(
-    ("device", "plant", "error", "words"),
+    "device, plant, error, words",
     [
         ("tpu", "ode", UnknownNameError, "no device is named 'tpu'"),
         ("cpu", "odd", UnknownNameError, "no plant is named 'odd'"),

@@ -111,7 +111,7 @@ def test_a_grid_of_starts_needs_one_build():
 
 
 @pytest.mark.parametrize(
-    ("overrides", "seeds", "starts", "message"),
+    "overrides, seeds, starts, message",
     [
         ([{}], [], None, "empty"),
         ([{}, {}], [1, 2, 3], None, "2 entries for 3 seeds"),

@@ -46,7 +46,7 @@ def test_both_engines_equal_the_oracle_over_80_s():
 
 
 @pytest.mark.parametrize(
-    ("law", "changed"),
+    "law, changed",
     [
         ("mb", {"actuator.tau_max": 10.0}),
         ("pid", {"actuator.lag": 0.02, "actuator.delay": 0.005}),
@@ -174,7 +174,7 @@ def test_bad_arguments():
 
 
 @pytest.mark.parametrize(
-    ("error", "message", "call"),
+    "error, message, call",
     [
         (ScenarioError, "effects = none must map", lambda: Scenario(effects=None)),
         (ArgumentError, "'simulink' .* plant", lambda: export_fmu("simulink", plant="a.fmu")),

@@ -55,7 +55,7 @@ def _larger(old, most):
 
 
 @pytest.mark.parametrize(
-    ("law", "base"),
+    "law, base",
     [
         ("mb", "everything on"),
         ("prox", "plain"),
@@ -95,7 +95,7 @@ def test_what_changes_the_graphs_changes_the_structure(change):
 
 
 @pytest.mark.parametrize(
-    ("base", "key", "values"),
+    "base, key, values",
     [
         ({"encoder.counts": 512}, "encoder.window", (0.02, 0.03)),
         ({"sensor.pose_period": 0.05}, "sensor.pose_delay", (0.02, 0.03)),

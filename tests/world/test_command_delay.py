@@ -8,7 +8,7 @@ from wmr_ctrl.world.command_delay import COMMAND_DELAY
 from wmr_ctrl.world.scenario import override
 
 
-@pytest.mark.parametrize(("count", "possible"), [(500, True), (501, False)])
+@pytest.mark.parametrize("count, possible", [(500, True), (501, False)])
 def test_five_hundred_commands_may_be_under_way(count, possible):
     changed = {"clock.control": 0.01, "base": {"kind": "velocity", "delay": round(count * 0.01, 9)}}
     if possible:

@@ -42,7 +42,7 @@ def test_whatever_comes_it_stays_between_the_commands_so_far(seed):
     assert np.abs(found - held).max() > 0.1
 
 
-@pytest.mark.parametrize(("accel", "decel"), [(1.0, 3.0), (3.0, 1.0)])
+@pytest.mark.parametrize("accel, decel", [(1.0, 3.0), (3.0, 1.0)])
 def test_the_rate_grows_to_the_larger_limit(accel, decel):
     system = build(based(accel=[accel] * 2, decel=[decel] * 2))
     step = system.function("step", [system.y, system.update])

@@ -23,7 +23,7 @@ def test_a_base_that_hears_nothing_stops_after_its_time_out():
     assert (found[121:] == 0.0).all()
 
 
-@pytest.mark.parametrize(("losses", "timeout", "stops", "acts"), [
+@pytest.mark.parametrize("losses, timeout, stops, acts", [
     (2, 0.149, True, True), (2, 0.15, False, True), (34, 1.75, False, True),
     (0, 0.05, False, False), (0, 0.049, True, True), (0, 1.0, False, False),
 ])  # fmt: skip

@@ -17,7 +17,7 @@ def test_a_ramp_grows_and_shrinks_at_its_rates_and_never_passes_its_command():
     assert np.abs(found).max(axis=0) == pytest.approx(np.abs(wanted).max(axis=0))
 
 
-@pytest.mark.parametrize(("accel", "decel", "kept"), [
+@pytest.mark.parametrize("accel, decel, kept", [
     ([1.0, 4.0], [1.0, 4.0], True), ([1.0, 4.0], [1.0, 3.9], False),
     ([1.0, 4.0], [0.99, 4.0], False),
 ])  # fmt: skip

@@ -9,7 +9,7 @@ from wmr_ctrl.world.scenario import override
 
 
 @pytest.mark.parametrize(
-    ("late", "parts", "count"), [(0.0, (0, 0), 0), (0.01, (1, 0), 1), (0.013, (1, 3), 2)]
+    "late, parts, count", [(0.0, (0, 0), 0), (0.01, (1, 0), 1), (0.013, (1, 3), 2)]
 )
 def test_a_command_is_under_way_for_periods_and_steps(late, parts, count):
     scenario = override(paper(), {"actuator.delay": late, "actuator.unmodelled_delay": 0.004})

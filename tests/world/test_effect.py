@@ -89,7 +89,7 @@ def test_effects_add_up_and_two_means_are_none():
     assert "0.01 s cannot vary by 0.02" in total([Bound(delay=0.01, jitter=0.02)]).void
 
 
-@pytest.mark.parametrize(("changes", "message"), [
+@pytest.mark.parametrize("changes, message", [
     ({"encoder.counts": 0}, r"encoder\.counts = 0 must be above 0"),
     ({"encoder.counts": -8}, r"encoder\.counts = -8 must be above 0"),
     ({"encoder.counts": 10.5}, r"encoder\.counts = 10\.5 must be a whole number"),
@@ -117,7 +117,7 @@ def test_bad_numbers_are_refused_with_key_and_remedy(changes, message):
 
 
 @pytest.mark.parametrize(
-    ("name", "key"),
+    "name, key",
     [
         ("motor", "motor.stall"),
         ("wheels", "actuator.tau_max"),

@@ -10,7 +10,7 @@ from wmr_ctrl.world.jitter import JITTER
 from wmr_ctrl.world.scenario import override
 
 
-@pytest.mark.parametrize(("delay", "most"), [(0, 6), (13, 10)])
+@pytest.mark.parametrize("delay, most", [(0, 6), (13, 10)])
 @pytest.mark.slow_but("0-6")
 def test_it_acts_when_its_twin_does(delay, most):
     changes = {"actuator.jitter": most / 1000, "actuator.delay": delay / 1000}

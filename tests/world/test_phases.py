@@ -11,7 +11,7 @@ from wmr_ctrl.world.scenario.sections import Change
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    "changes, words",
     [
         ([], ()),
         ([{"t": 4.0, "m": 50.0}], ()),
@@ -32,7 +32,7 @@ def test_robots_are_told_apart(changes, words):
 
 
 @pytest.mark.parametrize(
-    ("start", "end", "words"),
+    "start, end, words",
     [
         (0, 40, "50 kg"),
         (40, 60, "65 kg"),
@@ -48,7 +48,7 @@ def test_windows_name_the_robots_that_drive_in_them(start, end, words):
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [(12345670.0, "12345670"), (65.0, "65"), (1e-5, "0.00001"), (0.0, "0"), (1e-9, "1e-09")],
 )
 def test_numbers_are_written_without_exponent(value, text):

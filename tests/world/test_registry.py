@@ -104,7 +104,7 @@ def test_the_engine_without_a_compiler_agrees(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "key"), [("sensor of the way", "toy_encoder"), ("drive with state", "toy_ramp")]
+    "name, key", [("sensor of the way", "toy_encoder"), ("drive with state", "toy_ramp")]
 )
 def test_the_guard_refuses_an_effect_without_a_bound(name, key):
     with pytest.raises(ScenarioError, match=rf"\[{key}\]\) states no bound"):

@@ -78,7 +78,7 @@ def shaking(**more):
 
 
 @pytest.mark.parametrize(
-    ("field", "value"),
+    "field, value",
     [
         ("name", ""), ("name", 3), ("role", "disturbance"), ("role", EffectRole.SENSOR),
         ("rate", "step"), ("section", Section()), ("switches", "force"), ("switches", ("size",)),
@@ -248,7 +248,7 @@ def table(key):
 
 
 @pytest.mark.parametrize(
-    ("loaded", "said"),
+    "loaded, said",
     [
         (3, "must point to a Effect"),
         (ModuleNotFoundError("No module named 'nowhere'"), "nowhere"),

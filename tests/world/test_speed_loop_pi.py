@@ -9,7 +9,7 @@ from wmr_ctrl.world.speed_loop_pi import PI
 
 
 @pytest.mark.parametrize(
-    ("most", "antiwindup", "rate"),
+    "most, antiwindup, rate",
     [(1e6, True, [30.0, 7.5]), (1.0, False, [30.0, 7.5]), (1.0, True, [0.0, 0.0])],
 )
 def test_the_integral_rests_where_the_wheels_miss_what_it_would_add(most, antiwindup, rate):

@@ -16,7 +16,7 @@ def forced(scenario, given, state):
     return ((right + left) / 0.1, 0.25 * (right - left) / 0.1), after
 
 
-@pytest.mark.parametrize(("most", "force"), [(1e6, (8.0, 0.5)), (0.4, (7.0, 0.25))])
+@pytest.mark.parametrize("most, force", [(1e6, (8.0, 0.5)), (0.4, (7.0, 0.25))])
 def test_each_wheel_gives_no_more_than_its_limit(most, force):
     """8 N and 0.5 N m are 0.5 N m and 0.3 N m at wheels of 0.1 m, 0.25 m from the middle."""
     gains = {"loop": "pi", "kp": 80.0, "ki": 0.0}

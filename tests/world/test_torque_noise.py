@@ -15,7 +15,7 @@ def test_it_is_its_deviation_times_what_is_drawn():
     assert shown.full().ravel() == pytest.approx([1.0, -0.5])
 
 
-@pytest.mark.parametrize(("truncate", "sigmas"), [(2.5, 2.5), (math.inf, 3.0)])
+@pytest.mark.parametrize("truncate, sigmas", [(2.5, 2.5), (math.inf, 3.0)])
 def test_the_guard_counts_both_wheels_at_the_truncation_or_three_deviations(truncate, sigmas):
     noisy = scenario({"disturbance.std": 0.5, "disturbance.truncate": truncate})
     thrust = 2 * sigmas * 0.5 / 0.1

@@ -37,7 +37,7 @@ def test_a_wheel_within_its_dead_band_stands_and_the_other_turns():
     assert 0.2 < (np.abs(wanted) < BAND).mean() < 0.8
 
 
-@pytest.mark.parametrize(("accel", "decel"), [(0.5, 0.5), (0.4, 1.2), (math.inf, 0.6)])
+@pytest.mark.parametrize("accel, decel", [(0.5, 0.5), (0.4, 1.2), (math.inf, 0.6)])
 def test_rims_change_no_faster_than_their_ramps(accel, decel):
     commands = np.repeat(np.random.default_rng(2).uniform(-1, 1, (40, 2)) * (0.3, 1.5), 50, axis=0)
     ramps = {"base.wheel_accel": accel, "base.wheel_decel": decel}
@@ -65,7 +65,7 @@ def test_a_wheel_kept_at_rest_changes_the_command_by_half_of_its_dead_band_at_mo
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("changes", "off"),
+    "changes, off",
     [({"base.wheel_deadband": BAND}, BAND / 2),
      ({"base.wheel_accel": 0.9, "base.wheel_decel": 0.9}, 0.9e-3),
      ({"base.wheel_deadband": BAND, "base.wheel_accel": 0.9, "base.wheel_decel": 0.9},
@@ -75,7 +75,6 @@ def test_wheels_take_the_base_no_farther_than_is_counted(changes, off):
     """Commands within a box, that change at any time: what acts is within it but for the bound."""
     rng = np.random.default_rng(5)
     told = WHEEL_COMMANDS.bounded(override(CREATE3, changes))
-    assert told is not None
     assert told.command == pytest.approx((off, off / L))
     most = np.stack([rng.uniform(0.02, 0.3, 300), rng.uniform(0.2, 1.9, 300)], axis=1)
     commands, held = np.zeros((1500, 300, 2)), np.zeros((300, 2))

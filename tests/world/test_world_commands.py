@@ -35,7 +35,7 @@ GOVERNOR = {"kind": "governor", "tau": [0.2, 0.2], "delay": [0.02, 0.02]}
 
 
 @pytest.mark.parametrize(
-    ("name", "words"),
+    "name, words",
     [
         ("ramp", "ramps"),
         ("jerk", "rounds"),

@@ -110,7 +110,7 @@ def test_stable_forms_are_right_to_50_digits():
                 assert all(map(close, found, wanted)), (u1, u2, c, v, found, wanted)
 
 
-@pytest.mark.parametrize(("u1", "u2"), LIMITS[:2])
+@pytest.mark.parametrize("u1, u2", LIMITS[:2])
 def test_derivatives_are_right_where_they_exist(u1, u2):
     """Away from kinks and region boundaries, to 1e-9 of a difference quotient at 50 digits."""
     edge, step = u2 + 1 / (u1 - u2), mp.mpf("1e-20")

@@ -93,7 +93,7 @@ def test_check_objects_to_a_path_tighter_than_the_base():
 
 
 @pytest.mark.parametrize(
-    ("given", "sent"),
+    "given, sent",
     [((0.4, 0.5), 0.5), ((0.4, 2.0), 0.8), ((-0.4, -2.0), -0.8), ((0.0, 1.0), 0.0)],
 )
 def test_a_turn_is_no_tighter_than_the_least_radius(given, sent):

@@ -67,7 +67,7 @@ def test_nor_with_the_push_that_is_stated():
 SWINGING = list(itertools.product((3.0, 5.0), (0.4, 1.4), (0.8, 1.1)))
 
 
-@pytest.mark.parametrize(("w0", "z", "K"), [(3.0, 0.4, 1.1), (5.0, 1.4, 0.8)])
+@pytest.mark.parametrize("w0, z, K", [(3.0, 0.4, 1.1), (5.0, 1.4, 0.8)])
 @pytest.mark.slow
 def test_nor_second_order_loops_of_any_gain(w0, z, K):
     base = second_order_base(w0, z, K)
@@ -116,7 +116,7 @@ def test_it_is_odd():
 
 
 @pytest.mark.parametrize(
-    ("cells", "members"),
+    "cells, members",
     [
         (pi_cells(LOOP), [([kp, ki], [M, kp + c, ki]) for M, kp, ki, c in
                           itertools.product((50, 57, 65), (135, 165), (270, 330), (0, 7, 20))]),
@@ -141,7 +141,7 @@ def test_tables_hold_every_step_response_and_little_more(cells, members):
 
 
 @pytest.mark.parametrize(
-    ("stated", "words"),
+    "stated, words",
     [
         ({"loop": "first-order"}, "for loops that overshoot"),
         ({"losses": 1}, "filter.losses: .*a constant delay after"),

@@ -49,7 +49,7 @@ def scenario(kind="governor", **stated):
 
 
 @pytest.mark.parametrize(
-    ("world", "heard"),
+    "world, heard",
     [
         ("delay of samples", True),
         ("all", True),
@@ -194,7 +194,7 @@ def test_on_the_rim_of_its_bounds_rounding_stops_no_base():
         on_the_rim(seed, samples=400)
 
 
-@pytest.mark.parametrize(("dt", "late"), [(None, False), (0.05, False), (0.08, True), (0.01, True)])
+@pytest.mark.parametrize("dt, late", [(None, False), (0.05, False), (0.08, True), (0.01, True)])
 def test_a_step_outside_its_jitter_is_told(dt, late):
     governor = wmr_ctrl.command_filter(scenario())
     made = governor.step((5.0, 0.0), (0.0, 0.0), dt=dt)
@@ -216,7 +216,7 @@ def test_the_limit_is_kept_away_from_by_the_rounding_alone():
 
 
 @pytest.mark.parametrize(
-    ("stated", "words"),
+    "stated, words",
     [
         ({"kind": "none"}, "has no command filter"),
         ({"tau": None}, "filter.tau is missing"),
@@ -357,7 +357,7 @@ def test_a_run_says_that_no_filter_acts_in_it():
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    "changes, words",
     [
         ({"filter.tau": (200.0, 300.0)}, r"filter.tau\[1\] = 200 .*0.2 s"),
         ({"filter.age": 80.0, "clock.control": 50.0}, "0.08 s"),

@@ -58,7 +58,7 @@ def test_compilers_agree_in_single_precision(name, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("platform", "name"),
+    "platform, name",
     [
         ("gcc -O3 native", "clip"),
         ("clang -O3", "clip of slow commands"),

@@ -110,7 +110,7 @@ def test_wheels_take_none_that_differ(name, wheels):
 
 
 @pytest.mark.parametrize(
-    ("stated", "words"),
+    "stated, words",
     [
         ({"gain": [[0.9, 1.1]]}, "one for both axes, or two"),
         ({"gain": [[0.9, 1.1], [1.1, 0.9]]}, r"Write \[0\.9, 1\.1\]"),
@@ -136,7 +136,7 @@ BASE = {
 
 
 @pytest.mark.parametrize(
-    ("key", "value"), [("tau", (0.3, 0.14)), ("gain", (1.2, 1.0)), ("tau", (0.14, 0.3))]
+    "key, value", [("tau", (0.3, 0.14)), ("gain", (1.2, 1.0)), ("tau", (0.14, 0.3))]
 )
 def test_a_run_is_held_against_the_bounds_of_its_axis(key, value):
     fits = override(scenario("governor", **APART, odometry=None), BASE)
@@ -147,7 +147,6 @@ def test_a_run_is_held_against_the_bounds_of_its_axis(key, value):
 
 def test_check_counts_each_axis_by_its_own():
     facts = filter_facts(settle(override(scenario("clip", **APART), BASE), "kanayama"))
-    assert facts is not None
     sent = [0.95 * gain for gain in (0.95 / 1.05, 0.8 / 1.5)]
     assert facts.gain == 1.5
     assert facts.usable_speed == pytest.approx([speed - 0.05 for speed in sent], abs=1e-6)
@@ -181,7 +180,7 @@ ROBOT = CUTTER | {"robot.m": 60.0, "robot.I": 3.5, "base.kp": 150.0, "base.ki": 
 
 
 @pytest.mark.parametrize(
-    ("stated", "loop"),
+    "stated, loop",
     [(PI_TURNS, ("first-order", "pi")), (PI_DRIVES, ("pi", "second-order"))],
     ids=["omega", "v"],
 )

@@ -140,7 +140,7 @@ def built(program, folder, settings, *words, float32=False):
 
 
 @pytest.mark.parametrize(
-    ("kind", "float32", "stated"),
+    "kind, float32, stated",
     [
         ("governor", False, {"delay": (0.02, 0.13), "losses": 1, "jitter": 0.004, "age": 0.08}),
         ("governor", True, {}),
@@ -288,7 +288,7 @@ def assert_shown(words, made, float32):
 
 
 @pytest.mark.parametrize(
-    ("name", "float32"),
+    "name, float32",
     [("clip", False), ("governor", True), ("band", True), ("clip of slow commands", False)],
 )
 @pytest.mark.slow_but("clip-False", "governor-True")
@@ -341,7 +341,7 @@ WITHOUT_EFFECT = {
 
 
 @pytest.mark.parametrize(
-    ("name", "float32"),
+    "name, float32",
     [
         ("clip", False),
         ("clip", True),
@@ -373,7 +373,7 @@ def test_each_parameter_that_is_no_number_is_noticed_in_any_step(name, float32, 
 
 
 @pytest.mark.parametrize(
-    ("name", "float32"),
+    "name, float32",
     [
         ("clip", False),
         ("clip", True),

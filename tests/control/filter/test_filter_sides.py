@@ -58,7 +58,7 @@ def test_a_command_between_its_ends_passes():
 
 
 @pytest.mark.parametrize(
-    ("more", "said"),
+    "more, said",
     [
         ({"limits.v_min": (0.0, -0.4)},
          r"filter.d\[1\] = 0.05 alone drives the base to -0.05, and limits.v_min\[1\] is .*"

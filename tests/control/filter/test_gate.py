@@ -96,7 +96,7 @@ def test_a_large_command_keeps_its_curvature(gate):
 
 
 @pytest.mark.parametrize(
-    ("changes", "flag"),
+    "changes, flag",
     [
         ({"command_age": 0.26}, "no-command"),
         ({"command_age": -1.0}, "no-command"),

@@ -51,7 +51,7 @@ def swung(speeds):
 
 
 @pytest.mark.parametrize(
-    ("h", "more", "said"),
+    "h, more, said",
     [(0.005, 1.0073, "0.7 % at 5 ms"), (0.01, 1.0148, "1.5 % at 10 ms")],
 )
 def test_the_peak_gain_of_a_run_is_that_of_its_held_loop_where_it_is_the_larger(h, more, said):
@@ -215,8 +215,8 @@ def told(stated):
     return float(str(refused.value).split("up to ")[1].split(" m/s")[0])
 
 
-@pytest.mark.parametrize(("stated", "asked"), [(CLIP, TURNED), (GOVERNOR, SWAYED)])
-@pytest.mark.parametrize(("mu", "h"), [(0.1, 0.001), (0.02, 0.005), (0.1, 0.01)])
+@pytest.mark.parametrize("stated, asked", [(CLIP, TURNED), (GOVERNOR, SWAYED)])
+@pytest.mark.parametrize("mu, h", [(0.1, 0.001), (0.02, 0.005), (0.1, 0.01)])
 def test_what_counts_for_friction_at_a_rim_is_enough(stated, asked, mu, h):
     """Behind a clip and behind a governor, whose commands may be far beyond V."""
     run = limited(stated, mu, h)
@@ -228,7 +228,7 @@ def test_what_counts_for_friction_at_a_rim_is_enough(stated, asked, mu, h):
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    "changes, words",
     [
         ({"filter.odometry": [0.0, 0.0]}, "with friction within plant steps, and filter.odometry"),
         ({"initial.velocity": [0.3, 2.0]}, "a wheel starts at 0.8 m/s, above 0.798 m/s"),

@@ -88,7 +88,7 @@ def test_second_order_loops_stay_inside_where_they_are_damped_as_stated():
 
 
 @pytest.mark.parametrize(
-    ("stated", "words"),
+    "stated, words",
     [
         ({"kp": None}, "filter.kp is missing"),
         ({"ki": (330.0, 270.0)}, "wrong way round"),
@@ -118,7 +118,7 @@ def test_the_parameters_are_the_peak_gain_and_what_pushes_lead_to():
 
 
 @pytest.mark.parametrize(
-    ("end", "stated"),
+    "end, stated",
     [
         ("damping[1] of at least", {"loop": "second-order", "damping": (1e-4, 1.0)}),
         ("kp[1] of at least", {"kp": (0.1, 165.0)}),
@@ -214,7 +214,7 @@ def test_the_search_ends_where_the_corner_is_that_is_known_to_be_the_worst(famil
 sizes = st.floats(0.02, 4.0)
 
 
-@pytest.mark.parametrize(("bound", "exact"), [(_gain_bound, exact_gain), (_push_bound, exact_push)])
+@pytest.mark.parametrize("bound, exact", [(_gain_bound, exact_gain), (_push_bound, exact_push)])
 @settings(max_examples=150, deadline=None)
 @given(sizes, sizes, shares, shares, st.floats(-12, 0))
 @pytest.mark.slow_but("_push_bound-exact_push")

@@ -68,7 +68,7 @@ def test_no_member_swings_longer_than_its_family_and_the_slowest_nearly_as_long(
 
 
 @pytest.mark.parametrize(
-    ("stated", "words"),
+    "stated, words",
     [
         ({"slew": (1.2, 0.1)}, "brings no gain: from 0.9"),
         ({"slew": (0.1, 0.1), "hold": 0.5}, "stops on its own"),

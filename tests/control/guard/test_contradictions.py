@@ -54,7 +54,7 @@ MET = [
 ]
 
 
-@pytest.mark.parametrize(("changed", "key", "numbers"), BROKEN)
+@pytest.mark.parametrize("changed, key, numbers", BROKEN)
 @pytest.mark.slow_but(
     "changed0-guard.dbar-numbers0",
     "changed4-guard.nbar-numbers4",
@@ -74,7 +74,7 @@ def test_with_the_guard_on_it_is_refused_unless_trusted(changed, key, numbers):
     assert [number for number in numbers if number not in settle(trusted, "prox").void] == []
 
 
-@pytest.mark.parametrize(("changed", "key", "numbers"), UNLIKE)
+@pytest.mark.parametrize("changed, key, numbers", UNLIKE)
 def test_a_robot_that_is_not_what_the_guard_is_told_is_run_without_promise(changed, key, numbers):
     scenario = scenario_of("safe-simulation", changed)
     told = [str(item) for item in told_of(settle(scenario, "prox"), key)]
@@ -101,7 +101,7 @@ def test_no_preset_contradicts_itself(name):
 
 
 @pytest.mark.parametrize(
-    ("step", "mu", "told"), [(0.001, 0.08, 0), (0.01, 0.08, 0), (0.01, 0.11, 1), (0.001, 1.1, 1)]
+    "step, mu, told", [(0.001, 0.08, 0), (0.01, 0.08, 0), (0.01, 0.11, 1), (0.001, 1.1, 1)]
 )
 def test_a_plant_step_too_coarse_for_the_friction_is_told(step, mu, told):
     changed = {"clock.plant": step, "robot.mu": mu, "changes": [], "clock.control": 0.01}

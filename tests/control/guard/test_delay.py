@@ -54,7 +54,7 @@ def test_condition_is_the_necessary_one():
                 settle(scenario, None)
 
 
-@pytest.mark.parametrize(("stated", "possible"), [(0.013, 1.0), (0.012, 1.0), (0.014, 0.0)])
+@pytest.mark.parametrize("stated, possible", [(0.013, 1.0), (0.012, 1.0), (0.014, 0.0)])
 def test_a_longer_delay_than_the_graph_was_built_for_is_not_feasible(stated, possible):
     late = load_scenario("paper-simulation", {**ON, "actuator.delay": 0.013})
     item = guard_alone(settle(late, None))

@@ -43,7 +43,7 @@ def test_box_is_never_empty():
 
 
 @pytest.mark.parametrize(
-    ("name", "value"),
+    "name, value",
     [("dbar", 1e9), ("nbar", 0.51), ("alpha", 100.1), ("brake", 5.0), ("M_max", 1.0)],
 )
 def test_bounds_that_cannot_be_met_are_flagged(name, value):

@@ -30,9 +30,7 @@ def pushed(law, period, guard=True, **changed):
     return simulate("paper-simulation-nominal", law, guard=guard, overrides=overrides)
 
 
-@pytest.mark.parametrize(
-    ("law", "period"), [("smc", 0.001), ("prox", 0.01), ("mb", 0.05), ("nn", 0.1)]
-)
+@pytest.mark.parametrize("law, period", [("smc", 0.001), ("prox", 0.01), ("mb", 0.05), ("nn", 0.1)])
 @pytest.mark.slow
 def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law, period):
     run = pushed(law, period)

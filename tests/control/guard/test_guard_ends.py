@@ -33,7 +33,7 @@ def test_each_bound_that_is_broken_is_named_and_none_that_is_met():
         assert named == ({key} if key else set()), changed
 
 
-@pytest.mark.parametrize(("spread", "key"), [
+@pytest.mark.parametrize("spread, key", [
     (0.9, None), (1.1, "guard.M_min"), (14.9, "guard.M_min"), (0.0, None),
 ])  # fmt: skip
 def test_what_effects_add_to_the_robots_mass_must_be_counted_too(spread, key):
@@ -139,7 +139,7 @@ def test_wheels_that_cannot_hold_are_told_so_in_numbers_that_add_up():
     assert need == first + second / half_track
 
 
-@pytest.mark.parametrize(("a", "b"), [(100.0, 0.0), (100.0, 5.0), (33.0, 19.0), (100.0, 20.0)])
+@pytest.mark.parametrize("a, b", [(100.0, 0.0), (100.0, 5.0), (33.0, 19.0), (100.0, 20.0)])
 def test_a_torque_limit_is_enough_from_where_both_lines_cross(a, b):
     """A force a + b tau to hold against, and wheels that give 2 tau/r."""
     found = _enough(lambda tau: a + b * tau, a * 0.1 / 2, 0.1)

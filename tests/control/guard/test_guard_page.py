@@ -98,7 +98,7 @@ def guarded(world, draw, period, delay):
 
 
 CLOCKS = [(0.01, 0.0), (0.1, 0.0), (0.01, 0.025), (0.1, 0.03)]
-clocks = pytest.mark.parametrize(("period", "delay"), CLOCKS)
+clocks = pytest.mark.parametrize("period, delay", CLOCKS)
 
 
 @clocks

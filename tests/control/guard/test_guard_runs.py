@@ -38,7 +38,7 @@ def test_every_option_means_what_the_oracle_takes_it_for(changed):
 
 
 @pytest.mark.parametrize(
-    ("law", "scenario"),
+    "law, scenario",
     [("pid", "safe-simulation"), ("smc", "safe-experiment"), ("kanayama", "safe-experiment")],
 )
 @pytest.mark.slow_but("pid-safe-simulation")

@@ -179,7 +179,6 @@ def test_a_mean_over_one_sample_counts_the_last_command_half():
     late = lateness(times_of(window=0.1, period=0.1))
     assert (late.mean, late.rest) == ((((1,), 0.5),), (((1,), 1.0),))
     since = since_last(times_of(window=0.1, period=0.1))
-    assert since is not None
     assert since.mean == (((1,), 0.5), ((2,), 0.5))
     assert since_last(times_of(window=0.2, period=0.1)) is None
 
@@ -187,7 +186,7 @@ def test_a_mean_over_one_sample_counts_the_last_command_half():
 # --- numbers
 
 
-@pytest.mark.parametrize(("case", "said"), [
+@pytest.mark.parametrize("case, said", [
     (Case(window=1, dbar=120.0), r"late = window 0\.1 s.*clock\.control <= .*dbar\[1\] <= "),
     (Case(hi=1.5, lo=0.25), r"varies by 0\.125 s, more than clock\.control.*at most 0\.1"),
     (Case(hi=1, nbar=0.45), r"jitter of 0\.1 s and nbar\[1\] = 0\.45.*guard\.nbar\[1\] <= "),

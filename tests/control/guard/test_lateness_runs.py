@@ -51,7 +51,7 @@ def checked(law, kind):
 
 
 @pytest.mark.parametrize(
-    ("law", "kind"),
+    "law, kind",
     [
         ("pid", "as a robot has it, 10 ms"),
         pytest.param("pid", "encoder of 256 counts over 100 ms", marks=pytest.mark.slow),

@@ -94,7 +94,7 @@ def drawn(draw, drive):
 
 
 @pytest.mark.parametrize(
-    ("law", "drive"),
+    "law, drive",
     [("pid", {}), ("smc", {"actuator.lag": 0.02}), ("mb", {"actuator.delay": 0.013})],
 )
 @pytest.mark.slow_but("pid-drive0")
@@ -124,7 +124,7 @@ def test_a_push_of_dbar_itself_contradicts_nothing_by_rounding(law):
 
 
 @pytest.mark.parametrize(
-    ("old", "v", "force", "least"),
+    "old, v, force, least",
     [
         (0.5, 0.6, 0.0, 40.0 * (0.1 - 0.02) / 0.1),
         (0.5, 0.6, 10.0, 40.0 * (0.1 - 0.02) / 0.1 - 10.0),

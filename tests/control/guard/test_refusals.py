@@ -16,7 +16,7 @@ from wmr_ctrl.world.scenario import load_scenario
 ON = {"guard.enabled": True}
 
 
-@pytest.mark.parametrize(("changed", "said"), [
+@pytest.mark.parametrize("changed, said", [
     ({"guard.dbar": [2500.0, 1.0]}, r"2 \(dbar - f_min\) <= M_min alpha.*axis 1.*5000 > 45 \* 100"),
     ({"guard.dbar": [60.0, 400.0]}, r"axis 2.*clock\.control <= .*guard\.dbar\[2\] <= "),
     ({"clock.control": 0.5, "guard.M_min": [25.0, 2.7]}, r"clock\.control <= 0\.208 s"),
@@ -204,7 +204,7 @@ def test_a_push_that_sure_friction_makes_up_for_in_part_may_be_that_much_larger(
 
 
 @pytest.mark.parametrize(
-    ("late", "said"),
+    "late, said",
     [
         ({"actuator.delay": 0.1, "actuator.jitter": 0.0}, "actuator.delay"),
         ({"actuator.delay": 0.095, "actuator.jitter": 0.005}, "actuator.delay + jitter"),

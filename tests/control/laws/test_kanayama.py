@@ -24,7 +24,7 @@ def last_quarter_rms(run):
     return float(np.sqrt(np.mean(gap[3 * run.rows // 4 :] ** 2)))
 
 
-@pytest.mark.parametrize(("period", "most"), [(0.01, 0.6e-3), (0.1, 6e-3)])
+@pytest.mark.parametrize("period, most", [(0.01, 0.6e-3), (0.1, 6e-3)])
 @pytest.mark.parametrize("guard", [False, True])
 def test_it_tracks_the_circle_to_millimetres(period, most, guard):
     run = run_at(period, **{"guard.enabled": guard})

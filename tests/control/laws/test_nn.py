@@ -16,7 +16,7 @@ def functions(eta, node):
 
 
 @pytest.mark.parametrize(
-    ("eta", "node"),
+    "eta, node",
     [(2**0.5, 1.0), (3.0, 0.5), pytest.param(0.5, 1.0, marks=pytest.mark.slow)],
 )
 def test_product_form_equals_definition(eta, node):

@@ -149,7 +149,7 @@ def test_the_number_of_commands_is_part_of_the_form_and_their_times_are_not():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "share"), [("prox", 0.5), ("kanayama", 1.5)])
+@pytest.mark.parametrize("law, share", [("prox", 0.5), ("kanayama", 1.5)])
 def test_its_twin_agrees(law, share):
     native = run_of(late(law, share), law)
     slow = oracle.simulate(late(law, share), law, seed=3)

@@ -89,7 +89,7 @@ def test_observer_finds_a_constant_force():
     assert run["d_hat"][-1] == pytest.approx([20.0, 0.0], abs=0.05)
 
 
-@pytest.mark.parametrize(("transport", "falls"), [("level", True), ("two-part", False)])
+@pytest.mark.parametrize("transport, falls", [("level", True), ("two-part", False)])
 def test_level_transport_keeps_the_decay_of_v1_in_a_run(transport, falls):
     """S(v; c+) at the next sample, c+ as the law expected it: exp(-rho T/2) S, or less."""
     plain = {"gains.prox.wo": 0.0, "gains.prox.tau_max": 1e6, "robot.mu": 0.0, "model.mu": 0.0}
@@ -107,7 +107,7 @@ def test_level_transport_keeps_the_decay_of_v1_in_a_run(transport, falls):
     assert (S_next <= np.exp(-15 * 0.05 / 2) * S[:-1] * (1 + 1e-6) + 1e-7)[moving].all() == falls
 
 
-@pytest.mark.parametrize(("period", "share"), [(0.1, 0.5), (0.01, 0.0), (0.2, 0.5)])
+@pytest.mark.parametrize("period, share", [(0.1, 0.5), (0.01, 0.0), (0.2, 0.5)])
 @pytest.mark.slow_but("0.1-0.5")
 def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(period, share):
     """The linear loop, delay in it, with 0.6 to 1.6 times the believed mass."""
@@ -145,7 +145,7 @@ def test_prox_makes_up_for_friction_at_the_speed_that_it_is_after():
     assert rough - smooth == pytest.approx([friction, 0.0], rel=1e-6)
 
 
-@pytest.mark.parametrize(("period", "delay"), [(0.01, 0.0), (0.01, 0.05), (0.1, 0.1), (0.05, 0.2)])
+@pytest.mark.parametrize("period, delay", [(0.01, 0.0), (0.01, 0.05), (0.1, 0.1), (0.05, 0.2)])
 def test_the_guides_observer_slows_with_period_and_delay_together(period, delay):
     assert guide(period, delay, 0.2).wo == pytest.approx(min(10.0, 0.45 / (period + delay)))
     for wrong in ((0.0, delay, 0.2), (period, -1e-9, 0.2), (period, delay, 0.0)):

@@ -143,7 +143,7 @@ METHODS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("make", "method"), METHODS, ids=[method for _, method in METHODS])
+@pytest.mark.parametrize("make, method", METHODS, ids=[method for _, method in METHODS])
 def test_every_argument_of_a_public_values_method(make, method):
     call = getattr(make(), method)
 

@@ -29,7 +29,7 @@ def test_a_file_is_text_of_its_suffix_and_size(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("data", "words"), [(b"ab\xff", "is not UTF-8 text (byte 3)"), (b"a\0", "it has a byte 0")]
+    "data, words", [(b"ab\xff", "is not UTF-8 text (byte 3)"), (b"a\0", "it has a byte 0")]
 )
 def test_what_is_no_text_is_refused(data, words):
     with pytest.raises(ScenarioError) as caught:

@@ -41,7 +41,7 @@ def test_what_is_not_read_empty_or_cut_off_is_told():
 
 
 @pytest.mark.parametrize(
-    ("lines", "words"),
+    "lines, words",
     [
         (["a,x", "1,2"], "no column is named t. There are a, x."),
         (["t,T", "1,2"], "two columns are named t"),

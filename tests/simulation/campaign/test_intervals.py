@@ -14,7 +14,7 @@ def at_most(hits, count, share):
     return sum(math.comb(count, k) * share**k * (1 - share) ** (count - k) for k in range(hits + 1))
 
 
-@pytest.mark.parametrize(("hits", "count"), [(0, 10), (3, 10), (10, 10), (1, 200)])
+@pytest.mark.parametrize("hits, count", [(0, 10), (3, 10), (10, 10), (1, 200)])
 def test_the_exact_interval_ends_where_the_tails_are_half_of_the_rest(hits, count):
     low, high = of_share(hits, count, 0.95, EXACT)
 

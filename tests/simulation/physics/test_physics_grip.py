@@ -57,7 +57,7 @@ def test_what_is_kept_anyhow_is_less_than_what_one_motion_takes(overrides):
 
 
 @pytest.mark.parametrize(
-    ("preset", "law"),
+    "preset, law",
     [("paper-simulation", "mb"), ("paper-simulation", "pid"), ("far-start", "prox")],
 )
 @pytest.mark.slow_but("paper-simulation-mb")
@@ -70,7 +70,7 @@ def test_at_the_torque_that_is_kept_no_wheel_slides(law, preset):
     assert run.monitor.rigid.tipped is None
 
 
-@pytest.mark.parametrize(("law", "falls"), [("mb", True), ("nn", True)])
+@pytest.mark.parametrize("law, falls", [("mb", True), ("nn", True)])
 @pytest.mark.slow_but("mb-True")
 def test_spin_and_fall_are_foretold(law, falls):
     setup = settle(load_scenario("paper-simulation"), law)
@@ -103,7 +103,7 @@ def test_without_grip_in_the_turn_nothing_is_kept():
     assert seen.keep == 0.0
 
 
-@pytest.mark.parametrize(("wheel", "named"), [(0.5, ["body.wheel_mass"]), (0.49, [])])
+@pytest.mark.parametrize("wheel, named", [(0.5, ["body.wheel_mass"]), (0.49, [])])
 def test_wheels_as_heavy_as_the_robot_are_named(wheel, named):
     setup = settle(load_scenario("turtlebot3-burger", {"body.wheel_mass": wheel}), "prox")
     assert [item.key for item in grip_warnings(setup)] == named

@@ -72,7 +72,7 @@ def test_drag_holds_the_robot_until_the_torque_exceeds_it():
     assert moves.velocity[0] > 0.1
 
 
-@pytest.mark.parametrize(("tyre", "torque"), [(0.3, 15.0), (0.8, 35.0)])
+@pytest.mark.parametrize("tyre, torque", [(0.3, 15.0), (0.8, 35.0)])
 def test_spinning_wheels_push_with_what_the_tyres_give(tyre, torque):
     """The back caster takes the torques' reaction off the wheels, and the rest is mu N."""
     case, steps = scenario(body__tyre=tyre, body__caster=2.0, body__grip=0.1), 300
@@ -157,7 +157,7 @@ def test_load_centre_follows_the_acceleration():
 
 
 @pytest.mark.parametrize(
-    ("overrides", "key"),
+    "overrides, key",
     [
         ({"body__wheel_mass": 30.0}, "body.wheel_mass"),
         ({"body__wheel_mass": 22.0, "robot__I": 2.0}, "body.wheel_mass"),

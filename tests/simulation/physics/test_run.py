@@ -23,7 +23,7 @@ SHORT = {"clock.duration": 4.0, "actuator.tau_max": 10.0}
 
 
 @pytest.mark.parametrize(
-    ("law", "overrides"),
+    "law, overrides",
     [
         ("mb", {"disturbance.push": [5.0, 1.0]}),
         ("nn", {"sensor.velocity_noise": [0.01, 0.02], "sensor.pose_noise": 0.01}),

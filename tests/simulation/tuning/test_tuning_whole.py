@@ -128,7 +128,7 @@ def test_without_the_extra_it_says_what_to_install(short, tmp_path, monkeypatch)
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    "given, told",
     [
         (("--seeds", "3"), "not a range of seeds"),
         (("--seeds", "5:5"), "not a range of seeds"),

@@ -34,7 +34,7 @@ def test_a_multiplier_is_one_of_its_length():
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(0.123456, "0.1235"), ((1.0, 2.5), "[1, 2.5]"), (True, "true"), ("a", "a")]
+    "value, text", [(0.123456, "0.1235"), ((1.0, 2.5), "[1, 2.5]"), (True, "true"), ("a", "a")]
 )
 def test_values_are_shown_in_four_digits(value, text):
     assert shown(value) == text

@@ -10,7 +10,7 @@ CONTROLLER = "{}: {{ros__parameters: {{left_wheel_names: [l], wheel_radius: 0.1}
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "words"),
+    "name, text, words",
     [
         ("a.yaml", "planner: {ros__parameters: {rate: 1}}", "no node of it is a diff_drive"),
         ("a.yaml", CONTROLLER.format("one") + CONTROLLER.format("two"), "drives, one and two"),

@@ -15,7 +15,7 @@ def test_names_have_no_address_but_those_of_xacro():
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    "text, words",
     [("<a>", "a.xml is not valid XML: "), ("<!DOCTYPE a><a/>", "a.xml has a DOCTYPE")],
 )
 def test_what_is_damaged_or_declares_entities_is_refused(text, words):

@@ -12,7 +12,7 @@ from wmr_ctrl.world.scenario.raw import parse_key, parse_value
 
 
 @pytest.mark.parametrize(
-    ("text", "value"),
+    "text, value",
     [
         ("1", 1),
         ("1e3", 1000.0),
@@ -58,7 +58,7 @@ def test_assignments():
 
 
 @pytest.mark.parametrize(
-    ("overrides", "check"),
+    "overrides, check",
     [
         ({"robot.m": "60"}, lambda s: s.robot.m == 60.0),
         ({"robot.m": 60}, lambda s: s.robot.m == 60.0),
@@ -121,7 +121,7 @@ def test_odd_value_is_refused_in_words(key, value):
 
 
 @pytest.mark.parametrize(
-    ("overrides", "message"),
+    "overrides, message",
     [
         ({"robot.mass": 3}, r"^robot\.mass is not a key in robot; near: m"),
         ({"limts.v_u1": 3}, r"^limts is not a key .*near: limits"),

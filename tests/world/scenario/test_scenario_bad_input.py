@@ -111,7 +111,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize(("text", "message"), CASES.values(), ids=CASES)
+@pytest.mark.parametrize("text, message", CASES.values(), ids=CASES)
 def test_error_names_the_key(text, message):
     with pytest.raises(WmrError) as caught:
         paper_toml(text, "mine")
@@ -122,7 +122,7 @@ def test_error_names_the_key(text, message):
 
 
 @pytest.mark.parametrize(
-    ("content", "message"),
+    "content, message",
     [
         (b"\xff\xfe\x00", "is not UTF-8 text"),
         (b"\x00\x01\x02", "is not text"),
@@ -139,7 +139,7 @@ def test_files_that_are_no_scenario(tmp_path, content, message):
 
 
 @pytest.mark.parametrize(
-    ("name", "message"),
+    "name, message",
     [
         ("missing.toml", "there is no file"),
         ("./missing", "there is no file"),
@@ -159,7 +159,7 @@ def test_files_that_cannot_be_read(tmp_path, monkeypatch, name, message):
 
 
 @pytest.mark.parametrize(
-    ("name", "text"),
+    "name, text",
     [
         ("environ", "TOKEN=secret"),
         ("notes.txt", "TOKEN=secret"),

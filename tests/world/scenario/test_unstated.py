@@ -75,7 +75,7 @@ def test_what_is_stated_wrongly_is_not_called_missing(v_u1):
 
 
 @pytest.mark.parametrize(
-    ("more", "needed"),
+    "more, needed",
     [
         ({}, ()),
         ({"encoder": {"counts": 1024}}, ("r", "l")),
