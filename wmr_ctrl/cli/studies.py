@@ -125,15 +125,13 @@ def tune(
     With --merit corridor the certified corridor takes the place of position_rms; gains with a
     certificate rank above all without one, which are ranked by the linear loop's deviation. Fewer
     runs that end early rank above a smaller objective. Writes the scenario with the gains found,
-    and shows how they perform on test seeds and on references that were not used for training. An
-    interrupted search continues when the command is repeated.
+    and shows how they perform on test seeds and on references that were not used for training.
     """
     from wmr_ctrl.simulation import tuning
-    from wmr_ctrl.simulation.tuning.search import trials_file
 
     case = opt.load(scenario, assignments)
     opt.note_idle(case, scenario, assignments, [law])
-    with resumable(trials_file(Path(out))), Progress(f"tune {law}") as progress:
+    with Progress(f"tune {law}") as progress:
         better = tuning.tune(
             case,
             law,
