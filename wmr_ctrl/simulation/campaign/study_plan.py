@@ -23,7 +23,7 @@ from wmr_ctrl.world.scenario import Scenario, load_scenario, override, sections
 from wmr_ctrl.world.scenario.toml_io import is_path, naming_file, stated_keys
 
 from .intervals import StopRule
-from .plan import CORRIDOR, LATIN, SOBOL, UNIFORM, SamplePlan, Study
+from .plan import LATIN, SOBOL, UNIFORM, SamplePlan, Study
 
 Raw: TypeAlias = Mapping[str, object]
 ENABLED = "guard.enabled"
@@ -239,7 +239,6 @@ def _figures(names: Sequence[str], plant: str) -> tuple[str, ...]:
     if not names:
         return (*SHARES, *(f.name for f in (*SUMMED, *(RIGID if on_tyres else ()))))
     known = [figure.name for figure in FIGURES if on_tyres or figure not in RIGID]
-    known += [] if on_tyres else [CORRIDOR.name]
     for name in names:
         if name not in known:
             raise UnknownNameError("figure", name, known)

@@ -23,7 +23,7 @@ from wmr_ctrl.results import FIGURES, atomic_text
 from wmr_ctrl.results.files import atomic_write, write_csv
 from wmr_ctrl.world.scenario import Section, quantities
 
-from .plan import CORRIDOR, Study
+from .plan import Study
 
 Rows = Mapping[str, NDArray[np.generic]]
 """``index``, ``outcome``, ``refusal`` and an array a figure, one row a run."""
@@ -135,8 +135,7 @@ def described_columns(plan: Study) -> Iterator[tuple[str, str, str]]:
         yield key, unit, meaning
     yield "outcome", "", "how the run ended; refused: a guard that cannot keep its limits"
     for name in plan.figures:
-        figure = CORRIDOR if name == CORRIDOR.name else FIGURES[name]
-        yield figure.name, figure.unit, figure.meaning
+        yield name, FIGURES[name].unit, FIGURES[name].meaning
     yield REFUSAL, "", "why the guard refused the run, else empty"
 
 
