@@ -66,14 +66,6 @@ def test_bad_input_is_one_paragraph(wmr, tmp_path, text, options, words):
     assert not (tmp_path / "s").exists()
 
 
-def test_a_scenario_s_file_is_called_so(wmr, tmp_path):
-    (tmp_path / "robot.toml").write_text('title = "mine"\n[robot]\nm = 30.0\n')
-    told = " ".join(wmr(f"study {tmp_path}/robot.toml --out {tmp_path}/s").stderr.split())
-
-    assert "robot.toml is a scenario, not a study plan" in told
-    assert 'scenario = "robot.toml"' in told
-
-
 ALL_REFUSED = """\
 guard = true
 laws = ["mb"]
@@ -133,9 +125,9 @@ def test_a_number_that_is_no_power_of_2_is_told_in_one_warning(wmr, tmp_path, re
 @pytest.mark.parametrize(
     "files, words",
     [
-        (None, "there is no folder"),
-        ({}, "study.json is missing"),
-        ({"study.json": '{"plan": {"grid": {}, "sample": null}}'}, "columns.csv is missing"),
+        (None, "study.json cannot be read"),
+        ({}, "study.json cannot be read"),
+        ({"study.json": '{"plan": {"grid": {}, "sample": null}}'}, "columns.csv cannot be read"),
         ({"study.json": "{"}, "damaged"),
     ],
 )

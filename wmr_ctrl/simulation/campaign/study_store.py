@@ -10,6 +10,7 @@ import heapq
 import json
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -103,23 +104,14 @@ class StudyFolder:
 def counted_reasons(refusals: Iterable[str]) -> dict[str, int]:
     """Counts of each reason among texts, the most frequent first; empty texts are skipped.
 
-    Reasons that differ only in numbers are merged; "..." replaces the differing parts.
+    Reasons that differ only in numbers are one, with the numbers of the first.
     """
-    counts: dict[str, int] = {}
-    numbers: dict[str, list[str | None]] = {}
+    counts, first = Counter[str](), dict[str, str]()
     for text in filter(None, refusals):
-        words, values = NUMBER.sub("\0", text), NUMBER.findall(text)
-        before = numbers.setdefault(words, values)
-        numbers[words] = [a if a == b else None for a, b in zip(before, values, strict=True)]
-        counts[words] = counts.get(words, 0) + 1
-    ranked = sorted(counts, key=lambda words: -counts[words])
-    return {_filled(words, numbers[words]): counts[words] for words in ranked}
-
-
-def _filled(words: str, numbers: Sequence[str | None]) -> str:
-    shown = ["..." if number is None else number for number in numbers]
-    parts = zip(words.split("\0"), [*shown, ""], strict=True)
-    return "".join(part + number for part, number in parts)
+        words = NUMBER.sub("", text)
+        first.setdefault(words, text)
+        counts[words] += 1
+    return {first[words]: count for words, count in counts.most_common()}
 
 
 def described_columns(plan: Study) -> Iterator[tuple[str, str, str]]:
@@ -210,19 +202,9 @@ def finished_study(folder: Path) -> Iterator[None]:
     except ResultFileError:
         raise
     except (OSError, KeyError, ValueError, StopIteration) as error:
-        raise ResultFileError(_unfinished(folder, error)) from error
-
-
-def _unfinished(folder: Path, error: Exception) -> str:
-    """Why no study was found, with the remedy."""
-    if not folder.exists():
-        why = f"there is no folder {str(folder)!r}."
-    elif isinstance(error, OSError) and error.filename:
-        reason = "is missing" if isinstance(error, FileNotFoundError) else "cannot be read"
-        why = f"{str(folder)!r} holds no finished study: {Path(error.filename).name} {reason}."
-    else:
-        why = f"{str(folder)!r} holds no finished study: its files are damaged or not a study's."
-    return (
-        f"{why} Name the folder that `wmr-ctrl study PLAN.toml --out DIR` wrote, once the study "
-        "has run to its end."
-    )
+        file = getattr(error, "filename", None)
+        why = f"{Path(file).name} cannot be read" if file else "its files are damaged"
+        raise ResultFileError(
+            f"{str(folder)!r} holds no finished study: {why}. Name the folder that `wmr-ctrl "
+            "study PLAN.toml --out DIR` wrote, once the study has run to its end."
+        ) from error
