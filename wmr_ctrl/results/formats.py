@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from wmr_ctrl.core.errors import ResultFileError, library
-from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.core.fields.files import AnyPath, note_input
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.suffixes import BAG, RUNS
@@ -27,7 +27,7 @@ from wmr_ctrl.core.suffixes import BAG, RUNS
 from .bag import is_bag, run_as_mcap
 from .drive import NEVER
 from .files import atomic_write
-from .outcomes import Monitor, Outcome
+from .outcomes import Monitor, Outcome, RigidMonitor
 from .run import Floats, Run, split_columns
 from .settings import Settings
 
@@ -131,6 +131,15 @@ def _encoded(value: object) -> object:
     return value
 
 
+def _decoded(value: Any) -> Any:
+    """Inverse of `_encoded`."""
+    if isinstance(value, dict):
+        return {key: _decoded(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return tuple(map(_decoded, value))
+    return float(value) if value in ("inf", "-inf", "nan") else value
+
+
 def _parsed(text: str | bytes) -> Mapping[str, Any]:
     """The JSON object in a file; raises ValueError unless this release can read it."""
     metadata = json.loads(text)
@@ -145,12 +154,17 @@ def _signals_in(metadata: Mapping[str, Any]) -> tuple[Signal, ...]:
 
 def _run_from(metadata: Mapping[str, Any], columns: Mapping[str, Floats]) -> Run:
     """The run in a file; raises ValueError if rows are missing, and Run's own errors."""
+    settings, seen = Settings(**_decoded(metadata["settings"])), _decoded(metadata["monitor"])
+    rigid = seen.pop("rigid")
+    monitor = Monitor(**seen, rigid=rigid and RigidMonitor(**rigid))
+    for part in (settings, monitor):
+        check_fields(part)
     run = Run(
         **{name: metadata[name] for name in _LABELS},
-        settings=Settings(**metadata["settings"]),
+        settings=settings,
         signals=_signals_in(metadata),
         columns=columns,
-        monitor=Monitor(**metadata["monitor"]),
+        monitor=monitor,
         outcome=Outcome(metadata["outcome"]),
         provenance=metadata["provenance"],
     )

@@ -7,7 +7,7 @@ import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import lru_cache, wraps
-from itertools import islice
+from itertools import islice, repeat
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType, UnionType
@@ -150,8 +150,9 @@ def _is_a(value: object, kind: object, inner: tuple[Any, ...]) -> bool:
 def _holds(value: object, inner: tuple[Any, ...]) -> bool:
     """True if a collection's elements match; an iterator is not consumed."""
     if isinstance(value, Collection):
+        hints = repeat(inner[0]) if len(inner) == 1 or Ellipsis in inner else inner
         try:
-            return all(fits(item, inner[0]) for item in islice(value, LOOKED_AT))
+            return all(map(fits, islice(value, LOOKED_AT), hints))
         except TypeError:
             return False  # an array without dimensions
     return True
