@@ -202,7 +202,7 @@ def finished_study(folder: Path) -> Iterator[None]:
     except ResultFileError:
         raise
     except (OSError, KeyError, ValueError, StopIteration) as error:
-        file = getattr(error, "filename", None)
+        file = error.filename if isinstance(error, OSError) else None
         why = f"{Path(file).name} cannot be read" if file else "its files are damaged"
         raise ResultFileError(
             f"{str(folder)!r} holds no finished study: {why}. Name the folder that `wmr-ctrl "
