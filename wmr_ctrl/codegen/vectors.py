@@ -73,13 +73,13 @@ def vectors_of(
         inputs, counts = _with_counts(inputs, system, half)
     if REFUSED in known:  # nothing is late, nothing refused, and nothing in the way
         at, sides = places(item.signal for item in system.inputs), np.ravel(limits.sides)
-        told = {LIMITS: sides, FREE: np.full(4, FAR)}
+        usual = {LIMITS: sides, FREE: np.full(4, FAR)}
         nothing = (ODOMETRY_AGE, ELAPSED, FREE_AGE, REFUSED)
         for signal in (
-            s for s in (item.signal for item in system.inputs) if s in (*told, *nothing)
+            s for s in (item.signal for item in system.inputs) if s in (*usual, *nothing)
         ):
             begin = [at[signal.name].start] * signal.size
-            inputs = np.insert(inputs, begin, told.get(signal, np.zeros(1)), axis=1)
+            inputs = np.insert(inputs, begin, usual.get(signal, np.zeros(1)), axis=1)
     if float32:
         inputs, p = (values.astype(np.float32).astype(np.float64) for values in (inputs, p))
     torques = np.empty((len(inputs), system.y.numel()))

@@ -56,7 +56,7 @@ WAITED = Signal(
 )
 RESTED = Signal("rested", "1", "commands of (0, 0) in a row, in time")
 TRACE = 1e-20
-"""Commands [m/s, rad/s] up to this are 0: what a limit of 0 leaves of a curvature opens no brake."""
+"""Commands [m/s, rad/s] up to this are 0: what a limit of 0 leaves of a curve opens no brake."""
 LEAST_PULL = 1e-9
 """Least speed away [m/s, rad/s] that counts as one."""
 LEAST_PERIOD = 1e-9
