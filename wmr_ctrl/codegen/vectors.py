@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.control.filter.channels import ELAPSED, FREE, FREE_AGE, LIMITS, TOLD
+from wmr_ctrl.control.filter.channels import ELAPSED, FREE, FREE_AGE, TOLD
+from wmr_ctrl.control.sides import LIMITS
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.signals import ASKED, ODOMETRY_AGE, REFUSED, TORQUE, VELOCITY, places
 from wmr_ctrl.world.encoder import MOVED

@@ -15,9 +15,9 @@ from itertools import chain
 
 import casadi as ca
 
-from wmr_ctrl.control.sides import sides
+from wmr_ctrl.control.sides import LIMITS, is_number, sides
 from wmr_ctrl.core.signals import LARGEST, Signal
-from wmr_ctrl.world.model.system import Parameters, Port, port
+from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.scenario.sections import Limits
 
@@ -99,21 +99,12 @@ class Channel:
         return self.ways[0] * pair[0] + self.ways[1] * (self.arm * pair[1])
 
 
-LIMITS = Signal(
-    "limits", "m/s, m/s, rad/s, rad/s", "limits in force: v_min, v_max, omega_min, omega_max", 4
-)
-
 FREE = Signal(
     "free", "m, m, rad, rad", "free way ahead and behind, left and right; inf: no limit", 4
 )
 FREE_AGE = Signal("free_age", "s", "age of the free ways; negative: none is told")
 TOLD = (LIMITS, FREE, FREE_AGE)
 """What filters may be told beside commands and odometry."""
-
-
-def limits_port(scenario: Scenario) -> Port:
-    """The input of limits that change; by default the scenario's."""
-    return port(LIMITS, [end for side in scenario.limits.sides for end in side])
 
 
 def told_limits(told: ca.SX, channels: Sequence[Channel]) -> list[list[ca.SX]]:
@@ -138,11 +129,6 @@ def unusable_limits(told: ca.SX) -> ca.SX:
     """Flag of limits (4,) of which one is no number."""
     numbers = reduce(ca.logic_and, (is_number(told[k]) for k in range(4)))
     return ca.if_else(numbers, 0, LIMIT_REFUSED)
-
-
-def is_number(value: ca.SX) -> ca.SX:
-    """1 for every number, infinity too; 0 for NaN."""
-    return ca.logic_or(value >= 0, value < 0)
 
 
 def two_sided(channels: Sequence[Channel]) -> list[Channel]:

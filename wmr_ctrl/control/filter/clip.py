@@ -19,6 +19,7 @@ from functools import cached_property, reduce
 
 import casadi as ca
 
+from wmr_ctrl.control.sides import limits_port
 from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
 from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.world.scenario import Scenario
@@ -36,7 +37,6 @@ from .channels import (
     channels_of,
     largest_commands,
     limited,
-    limits_port,
     punctual,
     scaled,
     sound,

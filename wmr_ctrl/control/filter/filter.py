@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl.control.sides import LIMITS
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.section import quantities
@@ -31,7 +32,6 @@ from .channels import (
     FLAG_NAMES,
     FREE,
     FREE_AGE,
-    LIMITS,
     ROUNDING,
     largest_commands,
 )

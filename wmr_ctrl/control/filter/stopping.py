@@ -25,6 +25,7 @@ from itertools import chain
 
 import casadi as ca
 
+from wmr_ctrl.control.sides import is_number, limits_port
 from wmr_ctrl.core.signals import LARGEST, Signal
 from wmr_ctrl.world.model.system import Port, port
 from wmr_ctrl.world.scenario import Scenario
@@ -39,8 +40,6 @@ from .channels import (
     SLOWING,
     WAYS,
     ends_of,
-    is_number,
-    limits_port,
     told_limits,
     two_sided,
     unusable_limits,
