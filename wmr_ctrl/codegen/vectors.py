@@ -72,7 +72,7 @@ def vectors_of(
     counts = np.zeros((len(inputs), 0), int)
     if MOVED in known:
         inputs, counts = _with_counts(inputs, system, half)
-    if REFUSED in known:  # nothing is late, nothing refused, and nothing in the way
+    if ASKED not in known:  # nothing is late, nothing refused, and nothing in the way
         at, sides = places(item.signal for item in system.inputs), np.ravel(limits.sides)
         usual = {LIMITS: sides, FREE: np.full(4, FAR)}
         nothing = (ODOMETRY_AGE, ELAPSED, FREE_AGE, REFUSED)
