@@ -39,6 +39,7 @@ from .clip import Clip, slew_reach
 from .enclosure import Floats
 from .governor_step import ODOMETRY, Governor, check_jitter
 from .peak_gain import peak_gains, pi_loop, refuse_all
+from .ramp_stop import RampStopper
 from .stopping import StoppingGovernor
 
 
@@ -214,12 +215,15 @@ BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
     "clip": Clip,
     "governor": Governor,
     "told": StoppingGovernor,
+    "ramps": RampStopper,
     "band": BandGovernor,
 }
 
 
 def kind_of(settings: Filter) -> str:
-    """Key in `BUILDERS`: the filter's kind, or "told" for a governor that is told more."""
+    """Key in `BUILDERS`: the filter's kind, or that of one which is told more."""
+    if settings.kind == "clip" and settings.free_error is not None:
+        return "ramps"
     return "told" if settings.kind == "governor" and settings.is_told else settings.kind
 
 
