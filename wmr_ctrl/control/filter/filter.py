@@ -21,7 +21,13 @@ from wmr_ctrl.core.fields.values import Pair
 from wmr_ctrl.core.signals import ASKED, ODOMETRY_AGE, Signal
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.model.system import Output, System, port, stack, values
-from wmr_ctrl.world.scenario import Scenario, asking_about_units, load_scenario, unit_questions
+from wmr_ctrl.world.scenario import (
+    Scenario,
+    asking_about_units,
+    load_scenario,
+    override,
+    unit_questions,
+)
 from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Filter
 
 from .asked import for_base
@@ -298,9 +304,8 @@ def passing_commands(scenario: Scenario) -> list[tuple[str, Pair, Pair]]:
     if scenario.filter.kind == "none":
         return []
     check_filter(scenario)
-    built: Clip | Governor = (
-        Clip(scenario) if scenario.filter.kind == "clip" else Governor(scenario)
-    )
+    plain = override(scenario, {"filter.changing": False})
+    built: Clip | Governor = Clip(plain) if plain.filter.kind == "clip" else Governor(plain)
     ahead, back = (ca.vertcat(*way) for way in largest_commands(built.channels))
     units = ((1, 0), (0, 1))
     rows = ca.vertcat(*(ca.horzcat(*map(item.of, units)) for item in built.channels))
