@@ -70,7 +70,9 @@ class StoppingGovernor(Governor):
         self.channels = [replace(c, sides=(c.sides[0], c.sides[-1])) for c in self.channels]
         starts = [c.largest[place] for place in (0, -1) for c in self.channels]
         self.most_before = [port(_most(age), starts) for age in range(1, last + 1)]
-        self.held_before = [port(_held(age)) for age in range(1, last + 1)] if settings.rest else []
+        self.held_before = (
+            [port(_held(age)) for age in range(1, last + 1)] if self.rest is not None else []
+        )
         self.rested = [port(RESTED)] if self.held_before else []
         ends = [end for pair in scenario.limits.sides for end in pair]
         self.limits_told = port(LIMITS, ends)
@@ -286,7 +288,9 @@ class StoppingGovernor(Governor):
                 if not self.scenario.filter.nearing:
                     enough += [way * self.before[0].sym[i] < 0, stop.push == 0]
                     enough += [self._is_ripe(place, i)] if self.rest is not None else []
-                leaves = ca.logic_and(self.leaves[place][i], v_bar <= 0)
+                leaves = self.leaves[place][i]
+                if self.rest is not None:  # else zeros would lead no less far than it does
+                    leaves = ca.logic_and(leaves, v_bar <= 0)
                 passes = ca.logic_and(leaves, reduce(ca.logic_or, enough))
                 opens.append(ca.logic_or(self.stopping[place][i] >= 0, passes))
             sides.append(opens)

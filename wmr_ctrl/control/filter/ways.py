@@ -119,6 +119,18 @@ class ToldBound(SpeedBound):
     most: Sequence[ca.SX] = ()
     still: Sequence[ca.SX] = ()
 
+    @property
+    def stops_alone(self) -> bool:
+        """True if the base may stop on its own between two commands that come in time."""
+        plan = self.schedule
+        apart = (1 + plan.losses) * (1 + plan.jitter) + plan.delay[1] - plan.delay[0]
+        return 0 < plan.hold < apart - NEAR
+
+    @property
+    def stopped(self) -> list[ca.SX]:
+        """Steady speed of a base that stops on its own, if it may."""
+        return super().stopped if self.stops_alone else []
+
     def carried(
         self,
         v: ca.SX,
@@ -137,7 +149,7 @@ class ToldBound(SpeedBound):
 
     def _lifted(self, v: ca.SX, piece: Piece) -> ca.SX:
         """A bound of the speed that also holds if a brake closes in this piece."""
-        if self.schedule.hold > 0 and self.still:
+        if self.stops_alone and self.still:
             return ca.fmax(v, 0)
         still = [self.still[age] for age in piece.ages if self.still]
         return ca.if_else(reduce(ca.logic_or, still), ca.fmax(v, 0), v) if still else v
