@@ -98,7 +98,7 @@ static double hold_of(const numbers *p, const axis_numbers *a, double pull)
 static double zeros_until_rest(const numbers *p)
 {
     double spread = p->delay[1] - p->delay[0], longest = (1 + p->jitter) * p->period;
-    return ceil((spread + p->losses * longest + p->rest) / ((1 - p->jitter) * p->period) - 1e-9);
+    return ceil((spread + p->losses * longest + p->rest) / ((1 - p->jitter) * p->period) + 1e-9);
 }
 
 /* nav2's approach rule by its parameters: the command is scaled by the time until it would touch over the horizon. */

@@ -300,12 +300,25 @@ class StoppingGovernor(Governor):
         """1 where a command straight away was asked for from rest long enough."""
         stop, pull, plan = self.stops[axis], self.pull[place][axis], self.plans[axis]
         steps = plan.losses + whole_steps(plan, self.T, stop.hold(pull))
-        V, other = self.in_force[1 - place][axis], self.free_now[1 - place][axis]
-        time = steps * (1 + plan.jitter) * self.T + plan.longest * self.T + stop.fading
-        free = other - self.scenario.filter.leave * stop.roll >= V * time + stop.creep
+        time = (steps * (1 + plan.jitter) + plan.longest) * self.T
         waited = self.waited.sym[place + 2 * axis] >= steps * pull
         straight = self.offered[1 - axis] == 0
-        return reduce(ca.logic_and, (pull > LEAST_PULL, waited, free, straight))
+        V = self.in_force[1 - place][axis]
+        goes_on = [self._stays_free(1 - place, axis, V, time + stop.fading)]
+        across = 1 - axis
+        push = self.channels[across].bounds.dbar
+        goes_on += [self._stays_free(side, across, push, time) for side in AXES]
+        return reduce(ca.logic_and, (pull > LEAST_PULL, waited, straight, *goes_on))
+
+    def _stays_free(self, place: int, axis: int, speed: ca.SX, time: ca.SX) -> ca.SX:
+        """1 where a side stays open while its speed is at most this for a time [s].
+
+        Ways that are told later may be less by twice their error and the way of their age.
+        """
+        stop, aged = self.stops[axis], self.p.take("filter.free_age")
+        told = speed * aged + (0 if axis else 2 * self.p.take("filter.free_error"))
+        kept = self.scenario.filter.leave * stop.roll
+        return self.free_now[place][axis] - kept >= speed * time + stop.creep + told
 
     @cached_property
     def opens(self) -> ca.SX:
@@ -322,7 +335,7 @@ class StoppingGovernor(Governor):
         """1 where the base stands by the time the command acts, and (0, 0) is sent."""
         plan = max(self.plans, key=lambda plan: plan.delay[1] - plan.delay[0])
         time = self.rest + plan.losses * (1 + plan.jitter) * self.T
-        enough = self._in_row >= whole_steps(plan, self.T, time)
+        enough = self._in_row >= whole_steps(plan, self.T, time, NEAR)
         return ca.logic_and(_nothing(self.safe), enough)
 
     @property
@@ -453,10 +466,13 @@ def _shifted(before: Sequence[Port]) -> list[ca.SX]:
     return [item.sym for item in before[:-1]]
 
 
-def whole_steps(plan: Schedule, T: ca.SX, time: ca.SX) -> ca.SX:
-    """Number of commands that surely act for at least this time [s]."""
+def whole_steps(plan: Schedule, T: ca.SX, time: ca.SX, more: float = -NEAR) -> ca.SX:
+    """Number of commands that surely act for at least this time [s], and ``more`` of a period.
+
+    A brake ends a motion at once, so that rest needs more than the time after which it closes.
+    """
     spread = plan.delay[1] - plan.delay[0]
-    return ca.ceil((time + spread * T) / ((1 - plan.jitter) * T) - NEAR)
+    return ca.ceil((time + spread * T) / ((1 - plan.jitter) * T) + more)
 
 
 def _nothing(command: ca.SX) -> ca.SX:
