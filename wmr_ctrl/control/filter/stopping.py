@@ -85,6 +85,7 @@ class StoppingGovernor(Governor):
                     plan, c.sides[place], tau[i], self.T,
                     most=[ca.SX(0), *(item.sym[2 * place + i] for item in self.most_before)],
                     still=[ca.SX(0), *still] if still else (),
+                    punctual=self.punctual,
                 )
                 for i, (c, plan) in enumerate(zip(self.channels, self.plans, strict=True))
             ]

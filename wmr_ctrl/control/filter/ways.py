@@ -18,6 +18,8 @@ from functools import reduce
 
 import casadi as ca
 
+from wmr_ctrl.core.signals import LARGEST
+
 from .governor import NEAR, Piece, SpeedBound, largest, relaxed
 
 
@@ -113,11 +115,13 @@ class ToldBound(SpeedBound):
     """`SpeedBound` behind limits that change, on a base with a brake.
 
     By age of the command, [0] the newest: ``most`` bounds the speed while it acts; ``still`` is 1
-    if it is (0, 0), during which a brake may end any motion.
+    if it is (0, 0), during which a brake may end any motion. ``punctual``: 1 if all commands that
+    may act were sent in time.
     """
 
     most: Sequence[ca.SX] = ()
     still: Sequence[ca.SX] = ()
+    punctual: ca.SX = ca.SX(1)
 
     @property
     def stops_alone(self) -> bool:
@@ -129,7 +133,9 @@ class ToldBound(SpeedBound):
     @property
     def stopped(self) -> list[ca.SX]:
         """Steady speed of a base that stops on its own, if it may."""
-        return super().stopped if self.stops_alone else []
+        if self.stops_alone:
+            return super().stopped
+        return [ca.if_else(self.punctual, -LARGEST, push) for push in super().stopped]
 
     def carried(
         self,
@@ -145,7 +151,8 @@ class ToldBound(SpeedBound):
 
     def cap(self, piece: Piece) -> ca.SX:
         """Bound of the speed in a piece by the commands that may act in it."""
-        return largest([*(self.most[age] for age in reversed(piece.ages)), *self.stopped])
+        most = largest([*(self.most[age] for age in reversed(piece.ages)), *self.stopped])
+        return most if self.stops_alone else ca.if_else(self.punctual, most, self.bounds.V)
 
     def _lifted(self, v: ca.SX, piece: Piece) -> ca.SX:
         """A bound of the speed that also holds if a brake closes in this piece."""
