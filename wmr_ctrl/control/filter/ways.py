@@ -13,12 +13,13 @@ line for each time at which u may take over and each end of tau (`filter.free.pl
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
 from typing import Generic
 
 import casadi as ca
 
+from wmr_ctrl.core.signals import LARGEST
 from wmr_ctrl.world.model.system import Number
 
 from .governor import NEAR, Piece, SpeedBound, largest, relaxed
@@ -117,11 +118,27 @@ class ToldBound(SpeedBound):
     """`SpeedBound` behind limits that change, on a base with a brake.
 
     By age of the command, [0] the newest: ``most`` bounds the speed while it acts; ``still`` is 1
-    if it is (0, 0), during which a brake may end any motion.
+    if it is (0, 0), during which a brake may end any motion. ``punctual``: 1 if all commands that
+    may act were sent in time.
     """
 
     most: Sequence[ca.SX] = ()
     still: Sequence[ca.SX] = ()
+    punctual: ca.SX = field(default_factory=lambda: ca.SX(1))
+
+    @property
+    def stops_alone(self) -> bool:
+        """True if the base may stop on its own between two commands that come in time."""
+        plan = self.schedule
+        apart = (1 + plan.losses) * (1 + plan.jitter) + plan.delay[1] - plan.delay[0]
+        return 0 < plan.hold < apart - NEAR
+
+    @property
+    def stopped(self) -> list[ca.SX]:
+        """Steady speed of a base that stops on its own, if it may."""
+        if self.stops_alone:
+            return super().stopped
+        return [ca.if_else(self.punctual, -LARGEST, push) for push in super().stopped]
 
     def carried(
         self,
@@ -137,11 +154,12 @@ class ToldBound(SpeedBound):
 
     def cap(self, piece: Piece) -> ca.SX:
         """Bound of the speed in a piece by the commands that may act in it."""
-        return largest([*(self.most[age] for age in reversed(piece.ages)), *self.stopped])
+        most = largest([*(self.most[age] for age in reversed(piece.ages)), *self.stopped])
+        return most if self.stops_alone else ca.if_else(self.punctual, most, self.bounds.V)
 
     def _lifted(self, v: ca.SX, piece: Piece) -> ca.SX:
         """A bound of the speed that also holds if a brake closes in this piece."""
-        if self.schedule.hold > 0 and self.still:
+        if self.stops_alone and self.still:
             return ca.fmax(v, 0)
         still = [self.still[age] for age in piece.ages if self.still]
         return ca.if_else(reduce(ca.logic_or, still), ca.fmax(v, 0), v) if still else v
