@@ -47,7 +47,7 @@ from .channels import (
 )
 from .governor import NEAR, FirstOrder, Schedule, SpeedBound, largest
 from .governor_step import Governor, Sides
-from .ways import Reached, Stop, ToldBound
+from .ways import Reached, Stop, ToldBound, told_command
 
 FREE_KNOWN = Signal("free_known", "m, m, rad, rad", "least free ways since they were told", 4)
 WAITED = Signal(
@@ -226,13 +226,9 @@ class StoppingGovernor(Governor):
 
     def _admitted(self, place: int, axis: int, motion: ToldBound) -> ca.SX:
         """Largest command by the limit in force."""
-        V, v_bar, b = self.in_force[place][axis], self.takeover[place][axis], motion.bounds
-        plan = motion.schedule
-        acts = ca.fmax(plan.shortest * self.T, LEAST_PERIOD)
-        above = 1 / ca.expm1(acts / motion.tau[1])
-        room = V - v_bar
-        command = (V - b.dbar + ca.fmin(b.kappa * room, above * room)) / b.K_max
-        return ca.if_else(b.dbar < V, command, 0)
+        b, plan = motion.bounds, motion.schedule
+        slowest = 1 / ca.expm1(ca.fmax(plan.shortest * self.T, LEAST_PERIOD) / motion.tau[1])
+        return told_command(self.in_force[place][axis], self.takeover[place][axis], b, slowest)
 
     @cached_property
     def offered(self) -> ca.SX:

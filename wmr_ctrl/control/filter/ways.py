@@ -22,12 +22,31 @@ import casadi as ca
 from wmr_ctrl.core.signals import LARGEST
 from wmr_ctrl.world.model.system import Number
 
-from .governor import NEAR, Piece, SpeedBound, largest, relaxed
+from .governor import NEAR, FirstOrder, Piece, SpeedBound, largest, relaxed
 
 
 def covered(time: Number, tau: Number) -> Number:
     """Way for each m/s of a speed that fades with ``tau`` for a ``time`` [s]."""
     return -tau * ca.expm1(-time / tau)
+
+
+def told_command(V: ca.SX, v_bar: ca.SX, b: FirstOrder, slowest: ca.SX) -> ca.SX:
+    """Largest command for a limit V that may be below v_bar, the bound of the speed.
+
+    ``slowest``: 1/(exp(h/tau_max) - 1) of the least time for which it acts.
+    """
+    room = V - v_bar
+    command = (V - b.dbar + ca.fmin(b.kappa * room, slowest * room)) / b.K_max
+    return ca.if_else(b.dbar < V, ca.fmax(0, command), 0)
+
+
+def farthest(v: ca.SX, target: ca.SX, time: ca.SX, least: ca.SX, most: ca.SX) -> ca.SX:
+    """Way in a ``time`` [s] from the speed v towards ``target``.
+
+    ``least`` and ``most`` bound `covered` of that time.
+    """
+    away = v - target
+    return target * time + ca.fmax(away * least, away * most)
 
 
 @dataclass(frozen=True)
@@ -172,8 +191,7 @@ class ToldBound(SpeedBound):
         for piece in pieces:
             time = (piece.end - piece.start) * self.period
             target, shares = ca.fmax(self.target(piece, targets), 0), self.shares(time)
-            ways = [(speed - target) * covered(time, tau) for tau in self.tau]
-            way += target * time + ca.fmax(*ways)
+            way += farthest(speed, target, time, *(covered(time, tau) for tau in self.tau))
             speed = ca.fmax(ca.fmin(relaxed(speed, target, *shares), self.cap(piece)), 0)
             yield Reached(piece.end * self.period, way, speed)
 
