@@ -407,9 +407,9 @@ def in_force() -> None:
 
 @claim(
     "filter.free.stops",
-    given="a governor's hypotheses; what is in the way is as far as told, less free_error, and comes "
-    "nearer by at most nearing; the base stands and holds at the latest rest after (0, 0) takes "
-    "effect",
+    given="a governor's hypotheses; what is in the way is as far as told, less free_error, and "
+    "comes nearer by at most nearing; the base stands, and holds, at the latest rest after (0, 0) "
+    "takes effect",
     by=HAND,
     premises="filter.mean filter.drive filter.estimate filter.free.way filter.free.real "
     "filter.free.plan filter.free.seen filter.free.approach filter.free.brake",
