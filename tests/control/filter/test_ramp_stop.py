@@ -93,7 +93,7 @@ def test_it_stops_without_distances_and_leaves_with_one():
     away = clip.step((-0.3, 0.0), measured=(0.0, 0.0), free=(0.08, 2.0), dt=T)
     assert away.command == (-0.3, 0.0)
     assert "near" not in away.flags
-    for _ in range(10):
+    for _ in range(200):  # what is known shrinks by what may be driven
         blind = clip.step((-0.3, 0.0), measured=(0.0, 0.0), dt=T)
     assert blind.command == (0.0, 0.0)
     assert "no-distance" in blind.flags
@@ -102,7 +102,8 @@ def test_it_stops_without_distances_and_leaves_with_one():
 @pytest.mark.parametrize("stated, key", [
     ({"filter.decel": None}, r"filter\.decel"), ({"filter.odometry": None}, r"filter\.odometry"),
     ({"filter.rest": None}, r"filter\.rest"), ({"filter.slew": [1.0, 1.0]}, r"filter\.slew"),
-    ({"filter.delay": [[0, 0.1], [0, 0.2]]}, r"filter\.delay"), ({"filter.nearing": 0.1, "filter.leave": 1}, r"filter\.leave"),
+    ({"filter.delay": [[0, 0.1], [0, 0.2]]}, r"filter\.delay"),
+    ({"filter.nearing": 0.1, "filter.leave": 1}, r"filter\.leave"),
 ])  # fmt: skip
 def test_what_it_cannot_keep_is_refused(stated, key):
     with pytest.raises(ScenarioError, match=key):
