@@ -2,7 +2,6 @@
 
 import base64
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -67,11 +66,11 @@ AFTER_DARK: Mapping[str, str] = {
     "#5b0e3b": "#d987b8", "#d6336c": "#ff7aa2", "#6b7a1e": "#b9c94f", "#8a5a2b": "#d69a63",
     "#7f7f7f": "#a3a9b0", "#b0408f": "#e08fc6", "#4c4c9d": "#9f9ff0",
 }  # fmt: skip
-"""Each colour of a drawing, and its counterpart where a reader has asked for dark pages."""
+"""Each colour of an animation, and its counterpart where a reader has asked for dark pages."""
 
 
 def after_dark(colour: str) -> str:
-    """A drawing's colour where a reader has asked for dark pages."""
+    """A colour where a reader has asked for dark pages."""
     return AFTER_DARK.get(colour, colour)
 
 
@@ -173,29 +172,5 @@ def page_environment(package: str = "wmr_ctrl.report") -> Environment:
 
 def picture(svg: str) -> str:
     """An SVG text as a data address, so that the page needs no other file."""
-    text = base64.b64encode(two_schemes(svg).encode()).decode("ascii")
+    text = base64.b64encode(svg.encode()).decode("ascii")
     return f"data:image/svg+xml;base64,{text}"
-
-
-_COLOUR = re.compile(r"(?<=: )#([0-9a-f]{6})\b")
-"""A colour in a style, as matplotlib writes it."""
-
-
-def two_schemes(svg: str) -> str:
-    """The drawing with named colours, and two definitions of each name: light and dark.
-
-    A colour without a dark variant is equal in both.
-    """
-    light = "".join(f"--{colour[1:]}:{colour};" for colour in AFTER_DARK)
-    dark = "".join(f"--{colour[1:]}:{after};" for colour, after in AFTER_DARK.items())
-    # Text without a style of its own inherits the drawing's.
-    style = (
-        f"<style>svg{{fill:var(--{INK[1:]});{light}}}"
-        f"@media (prefers-color-scheme:dark){{svg{{{dark}}}}}</style>"
-    )
-    before, tag, rest = re.split(r"(<svg[^>]*>)", svg, maxsplit=1)
-    return before + tag + style + _COLOUR.sub(_name, rest)
-
-
-def _name(colour: re.Match[str]) -> str:
-    return f"var(--{colour[1]})" if colour[0] in AFTER_DARK else colour[0]
