@@ -347,12 +347,6 @@ def with_traction_limit(scenario: Scenario) -> Scenario:
     return override(scenario, {"actuator.tau_max": min(most, scenario.actuator.tau_max)})
 
 
-def with_effects_of(setup: Setup, scenario: Scenario) -> Setup:
-    """The setup on another scenario, with that scenario's effects and unchanged guard numbers."""
-    present = tuple(item for item in EFFECTS if item.present(scenario))
-    return replace(setup, scenario=scenario, effects=present)
-
-
 def one_period_later(setup: Setup) -> Setup:
     """The setup with drives that are one control period later.
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise, product
 
@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.applied import followed
-from wmr_ctrl.control.setup import Setup, with_effects_of
+from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.signals import SAMPLE, STEP, TIME
 from wmr_ctrl.world.model.dynamics import force_to_wheel
@@ -19,7 +19,7 @@ from wmr_ctrl.world.phases import drag
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
 from wmr_ctrl.world.registry import EFFECTS, OURS
-from wmr_ctrl.world.scenario import Model, Robot, Scenario, override
+from wmr_ctrl.world.scenario import Robot, Scenario, override
 from wmr_ctrl.world.velocity_loss import VelocityLoss
 
 from .error_coordinates import COMMAND, Floats, World, world_of
@@ -90,9 +90,6 @@ class Surroundings:
         self._counted = {key: (scenario.value(key)[0], late)
                          for item, late in shown for key in item.shape
                          if not key.startswith(("clock.", "actuator."))}  # fmt: skip
-        # Graphs have the robot as parameters: scenarios that believe in the same robot share them.
-        alike = replace(scenario, robot=scenario.believed, model=Model())
-        self._alike = None if alike == scenario else surroundings(alike)
         actuator = scenario.actuator
         known = scenario.base.delay if sends else actuator.delay
         late = known + actuator.unmodelled_delay + actuator.jitter
@@ -111,8 +108,6 @@ class Surroundings:
 
     def worlds(self, period: float) -> list[tuple[float, World]]:
         """The graphs at a control period [s], with weights that sum to 1."""
-        if self._alike:
-            return self._alike.worlds(period)
         own = period if self._foreign else self.scenario.clock.control
         ways = [_counts(key, time / period, late) for key, (time, late) in self._counted.items()]
         return [(math.prod(w for w, _ in way), self._world(own, tuple(n for _, n in way)))
@@ -121,12 +116,7 @@ class Surroundings:
     def _world(self, own: float, counts: tuple[int, ...]) -> World:
         if (own, *counts) not in self._worlds:
             times = {key: n * own for key, n in zip(self._counted, counts, strict=True)}
-            like = next(iter(self._worlds.values()), None)
-            self._worlds[own, *counts] = (
-                world_of(_still(self.scenario, own, times))
-                if like is None or self._foreign
-                else World(with_effects_of(like.setup, override(like.setup.scenario, times)), like)
-            )
+            self._worlds[own, *counts] = world_of(_still(self.scenario, own, times))
         return self._worlds[own, *counts]
 
     @cached_property
