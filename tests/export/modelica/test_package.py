@@ -14,7 +14,6 @@ from wmr_ctrl.api import export_fmu, simulate
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.export.modelica import modelica_package
-from wmr_ctrl.export.modelica.package import folded
 from wmr_ctrl.world.scenario import load_scenario
 
 NOMINAL = "paper-simulation-nominal"
@@ -121,14 +120,6 @@ def test_a_name_cannot_end_a_string(text, name):
     assert parser.parse("package WheeledRobot\n" + tail) is not None
     with pytest.raises(SyntaxError):
         parser.parse("package WheeledRobot\n" + tail.replace("the scenario ", 'the scenario "'))
-
-
-@pytest.mark.slow
-def test_lines_are_short_and_break_outside_of_strings(text):
-    assert max(map(len, text.split("\n"))) <= 100
-    long = 'x = "a b" + f({1.0, 2.0}, "' + "c d " * 40 + '");'
-    assert " ".join(line.strip() for line in folded("  " + long)) == long
-    assert all(line.startswith("  ") for line in folded("  " + long))
 
 
 def test_what_is_sampled_has_fixed_start_values(text):
