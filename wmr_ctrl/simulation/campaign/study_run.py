@@ -22,7 +22,6 @@ from wmr_ctrl.world.scenario import Scenario
 from .engine import PhaseProgress, build_loop, phase
 from .plan import PlannedCase, Study
 from .study_chunks import (
-    SCHEME,
     THREADS,
     StudyChunk,
     chunk_rows,
@@ -96,11 +95,11 @@ def study(
     chosen = plan_of(plan) if isinstance(plan, Mapping) else plan
     check_device(device, chosen.plant, here=executor == THREADS)
     own = [law for law in chosen.laws if law in LAWS.given]
-    if own and isinstance(executor, str) and executor.startswith(SCHEME):
+    if own and isinstance(executor, str) and executor != THREADS:
         raise ArgumentError(
             f"the workers of {executor} do not know the law {own[0]!r}, which is in a file or an "
-            "object of this process. Install it there as a package with an entry point, or use the "
-            "executor threads or dask."
+            "object of this process. Install it as a package with an entry point, or use the "
+            "executor threads."
         )
     if chosen.plant == "mujoco":
         from wmr_ctrl.simulation.physics.rigid import description, mujoco
