@@ -9,7 +9,6 @@ from wmr_ctrl.control.laws.prox import prox_step
 
 LIMITS = ((1.0, 0.8), (1.5, 1.3), (0.7, 0.2))
 EPS = float(np.finfo(float).eps)
-Axis = tuple[float, float, bool]
 every_axis = pytest.mark.parametrize(
     "axis", [(*limits, smooth) for limits in LIMITS for smooth in (False, True)]
 )

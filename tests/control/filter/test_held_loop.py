@@ -1,7 +1,6 @@
 """PI loops of runs, held over plant steps: what each step does is within what filters count on."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -21,7 +20,6 @@ from wmr_ctrl.world.scenario import load_scenario, override
 
 WORST = {"robot.m": 55.0, "base.kp": 140.0, "base.ki": 320.0}
 """The member of the stated family that swings most."""
-Demands = Sequence[tuple[float, float]]
 ALONE = {"base.kind": "torque"}
 """What takes a run's own base out of a scenario: the family alone is left."""
 

@@ -52,7 +52,6 @@ PLAIN = {
     "clock.control": T, "model.m": MASS[0], "model.I": MASS[1], "model.mu": 0.1,
     f"{OWN}.k": list(K), f"{OWN}.rate": list(RATE), f"{OWN}.a_max": list(A_MAX), f"{OWN}.wo": 0.0,
 }  # fmt: skip
-Sampled = tuple[np.ndarray, np.ndarray]
 
 
 def asked(rows):
