@@ -25,12 +25,10 @@ def hand():
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_barrier_is_exact_in_every_region(hand, axis):
-    """w, V1/A and q, and their limits where the velocity is its target; q jumps at an edge."""
+    """w, V1/A and q, and their limits where the velocity is its target."""
     u1, u2 = Setup().v_u1[axis], Setup().v_u2[axis]
     with mp.workdps(50):
-        for c, v in points(u1, u2, 1500):
-            if abs(abs(c) - u2 - 1 / (u1 - u2)) < 1e-3:
-                continue
+        for c, v in points(u1, u2, 1500, 1e-3):
             quotient, q, target, _ = exact(c, v, u1, u2)
             found = hand.barrier(axis, v, c)
             assert all(map(close, found.tolist(), (v - target, quotient, q))), (c, v, found)
