@@ -351,11 +351,6 @@ def test_no_number_of_the_wheels_is_left_out(stated, number):
         assert step(x, system.x0, p).full().ravel().tolist() == [0.0, 0.0, 32.0]
 
 
-def test_a_run_says_that_no_filter_acts_in_it():
-    with pytest.raises(ScenarioError, match="takes torques"):
-        wmr_ctrl.simulate(scenario("clip"), "mb")
-
-
 @pytest.mark.parametrize(
     "changes, words",
     [
