@@ -33,15 +33,19 @@ LONG = 0.1
 class SendingLoop(Loop):
     """Loop of a law whose output is the velocity command.
 
-    ``period`` and ``delay`` of commands for which it is built [s], by default the scenario's.
+    ``sender``: a graph to use instead of the controller's; ``period`` and ``delay`` of commands for
+    which it is built [s], by default the scenario's.
     """
 
+    sender: System | None = None
     period: float | None = None
     delay: float | None = None
 
     @cached_property
     def core(self) -> System:
         """Law and adapter with their memory, for a base that limits no command."""
+        if self.sender is not None:
+            return self.sender
         law = _law_graph(self.setup, self.in_flight)
         idle = replace(self.setup, scenario=idle_base(self.scenario))
         sent = velocity_sender(idle, law, self._late)
