@@ -123,7 +123,6 @@ def test_what_is_not_stated_is_not_shown_as_known():
 
     assert "\n# m = ..." in text
     assert "\n# v_u2 = ..." in text
-    assert "not stated" in scenario._repr_html_()
     assert loads_scenario(text, scenario.name) == scenario
 
 
