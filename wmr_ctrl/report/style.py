@@ -11,7 +11,6 @@ from typing import Any, TypeAlias
 
 import matplotlib as mpl
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from matplotlib.colors import to_rgb
 
 from wmr_ctrl.core.errors import printable
 
@@ -83,21 +82,12 @@ def look(law: str) -> Look:
 
 
 def colours_of(laws: Sequence[str]) -> list[str]:
-    """Colours of runs of ``laws``: their own; for repeated laws the colours least similar to the
-    others.
-
-    A law among ``laws`` keeps its colour for itself as long as others are free.
-    """
-    spare = [*(one.colour for one in _LOOKS.values()), *(colour for colour, *_ in _SPARE)]
-    own, taken = {look(law).colour for law in laws}, list[str]()
-    for law in laws:
-        colour = look(law).colour
-        if colour in taken:
-            free = [one for one in spare if one not in own and one not in taken]
-            free = free or [one for one in spare if one not in taken] or [colour]
-            seen = [to_rgb(other) for other in taken]
-            colour = max(free, key=lambda one: min(math.dist(to_rgb(one), rgb) for rgb in seen))
-        taken.append(colour)
+    """Colours of runs of ``laws``: their own; of a repeated law that of another, if any is left."""
+    every = [*(one.colour for one in _LOOKS.values()), *(colour for colour, *_ in _SPARE)]
+    own, taken = [look(law).colour for law in laws], list[str]()
+    free = iter([colour for colour in every if colour not in own])
+    for colour in own:
+        taken.append(next(free, colour) if colour in taken else colour)
     return taken
 
 
