@@ -42,8 +42,8 @@ MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
 class StudyOutcome:
     """Results of a study: its folder, the table's path, the numbers of runs made and planned.
 
-    ``stopped``: cases that the rule ended before all their seeds; ``warnings``: the plan's;
-    ``refused``: number of runs that a guard refused, by reason (`counted_reasons`).
+    ``stopped``: cases that the rule ended before all their seeds; ``refused``: number of runs that
+    a guard refused, by reason (`counted_reasons`).
     """
 
     folder: Path
@@ -51,7 +51,6 @@ class StudyOutcome:
     runs: int
     planned: int
     stopped: int
-    warnings: tuple[str, ...]
     refused: Mapping[str, int]
 
     @property
@@ -178,7 +177,7 @@ def run_study(
                     break
         table, refused = folder.write_table(looks), folder.refusals(looks)
         stopped = plan.cells - len(cells)
-        return StudyOutcome(out, table, done, plan.runs, stopped, plan.warnings, refused)
+        return StudyOutcome(out, table, done, plan.runs, stopped, refused)
 
 
 def _collect(
