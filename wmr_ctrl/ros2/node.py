@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection
-from difflib import get_close_matches
 from functools import partial, wraps
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar, cast
@@ -207,11 +206,9 @@ class SafeNode(LifecycleNode, Generic[C]):
         own = [name for name in given if not name.startswith("qos_overrides.")]
         for name in own:
             if not self.has_parameter(name):
-                known = [key for key in self._parameters if "." not in key]
-                near = "".join(f", near: {key}" for key in get_close_matches(name, known, 1))
+                known = sorted(key for key in self._parameters if "." not in key)
                 raise WmrError(
-                    f"{name} is not a parameter of this node{near}. It has "
-                    f"{', '.join(sorted(known))}."
+                    f"{name} is not a parameter of this node. It has {', '.join(known)}."
                 )
 
     def _look(self) -> None:
