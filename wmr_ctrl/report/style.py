@@ -4,7 +4,7 @@ import base64
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 import matplotlib as mpl
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import printable
 
 PAPER = "#ffffff"
@@ -33,7 +34,6 @@ Dash: TypeAlias = str | tuple[float, tuple[float, ...]]
 """A line's dash pattern, as matplotlib takes it."""
 DASHES: tuple[Dash, ...] = ("-", DASHED, DASH_DOT, DOTTED)
 """Dashes of runs drawn over each other, so that one hides another only in part."""
-_SPARE = (("#7f7f7f", DOTTED, "v"), ("#b0408f", DASHED, "P"), ("#4c4c9d", DASH_DOT, "X"))
 _SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "1": "",
           "kg.m2": "kg m²", "N.s/m": "N s/m", "N.m.s/rad": "N m s/rad"}  # fmt: skip
 ABSENT = "–"
@@ -49,22 +49,21 @@ class Look:
     marker: str = "o"
 
 
-_LOOKS = {
-    "pid": Look("PID", "#e69f00", DASH_DOT, "^"),
-    "smc": Look("SMC", "#00956d", DASHED, "s"),
-    "mb": Look("MB", "#1f77c9", "-", "D"),
-    "nn": Look("NN", "#5b0e3b", "-", "o"),
-    "prox": Look("prox", "#d6336c", DOTTED, "v"),
-    "kanayama": Look("Kanayama", "#6b7a1e", DASHED, "P"),
-    "pursuit": Look("pursuit", "#8a5a2b", DASH_DOT, "X"),
-}
-"""The paper's laws, from light to dark, so that they stay apart without colour; ours; the peers."""
-AFTER_DARK: Mapping[str, str] = {
-    INK: "#dfe3e8", MUTED: "#9aa4b0", GRID: "#343b44", RULE_LINE: "#2a3038", PAPER: "#15191e",
-    LIMIT: "#ff6b5e", "#e69f00": "#f0b429", "#00956d": "#2fc79a", "#1f77c9": "#5aaaf5",
-    "#5b0e3b": "#d987b8", "#d6336c": "#ff7aa2", "#6b7a1e": "#b9c94f", "#8a5a2b": "#d69a63",
-    "#7f7f7f": "#a3a9b0", "#b0408f": "#e08fc6", "#4c4c9d": "#9f9ff0",
+_PATTERNS: Mapping[str, Dash] = {
+    "solid": "-", "dashed": DASHED, "dash-dot": DASH_DOT, "dotted": DOTTED
 }  # fmt: skip
+"""Dash patterns by their names in data."""
+
+
+def look_of(row: Mapping[str, str]) -> Look:
+    """The look that a table of data describes."""
+    return Look(row["label"], row["colour"], _PATTERNS[row["dash"]], row.get("marker", "o"))
+
+
+_DATA = data(__package__, "looks.toml")
+_LOOKS = {law: look_of(row) for law, row in _DATA["law"].items()}
+_SPARE = [look_of(row) for row in _DATA["spare"]]
+AFTER_DARK: Mapping[str, str] = _DATA["after_dark"]
 """Each colour of an animation, and its counterpart where a reader has asked for dark pages."""
 
 
@@ -77,13 +76,13 @@ def look(law: str) -> Look:
     """The look of a law; laws of other origin get one of the spare looks, by name."""
     if law in _LOOKS:
         return _LOOKS[law]
-    colour, dash, marker = _SPARE[sum(law.encode()) % len(_SPARE)]
-    return Look(law.replace("_", " "), colour, dash, marker)
+    spare = _SPARE[sum(law.encode()) % len(_SPARE)]
+    return replace(spare, label=law.replace("_", " "))
 
 
 def colours_of(laws: Sequence[str]) -> list[str]:
     """Colours of runs of ``laws``: their own; of a repeated law that of another, if any is left."""
-    every = [*(one.colour for one in _LOOKS.values()), *(colour for colour, *_ in _SPARE)]
+    every = [one.colour for one in (*_LOOKS.values(), *_SPARE)]
     own, taken = [look(law).colour for law in laws], list[str]()
     free = iter([colour for colour in every if colour not in own])
     for colour in own:
