@@ -85,18 +85,6 @@ def test_multiplier_of_ros_1_stretches_the_track_of_the_description(tmp_path):
     assert "limits.v_u1[1]" not in found
 
 
-def test_nav2(tmp_path):
-    sheet = read(tmp_path, NAV2, name="{}.yaml")
-    assert {key: item.value for key, item in sheet.found.items()} == {
-        "limits.v_max": (0.5, 1.5), "limits.v_min": (-0.3, -1.5),
-        "base.accel": (2.5, 3.2), "base.decel": (2.0, 3.2),
-        "clock.control": 0.05, "body.radius": 0.5,
-        "ros.odom": "odometry/filtered", "ros.odometry_frame": "map",
-    }  # fmt: skip
-    told = {(item.key, item.value) for item in sheet.overruled}
-    assert told == {("limits.v_max[1]", 0.6), ("limits.v_min[1]", 0.0)}
-
-
 def test_a_path_follower_that_never_reverses(tmp_path):
     """Also where it has a least speed: a base must be allowed to stop."""
     for least in ("0.0", "0.08"):
@@ -104,14 +92,6 @@ def test_a_path_follower_that_never_reverses(tmp_path):
         found = values(tmp_path, text, name="{}.yaml")
         assert (found["limits.v_max[1]"], found["limits.v_min[1]"]) == (0.6, 0.0)
         assert "limits.v_u1" not in found
-
-
-def test_controller_counts_and_both_are_told(tmp_path):
-    sheet = read(tmp_path, NAV2, CONTROLLER, name="{}.yaml")
-
-    assert sheet.found["limits.v_min"].value == (-0.4, -1.5)
-    told = {(item.key, item.value) for item in sheet.overruled}
-    assert {("limits.v_min[1]", -0.3), ("limits.v_max[2]", 1.5), ("clock.control", 0.05)} <= told
 
 
 def test_half_of_a_pair_that_a_controller_names_is_refused(tmp_path):
@@ -167,14 +147,6 @@ def test_every_cut_and_altered_file_is_read_or_refused(tmp_path):
         except ScenarioError:
             refused += 1
     assert 50 < refused < 300
-
-
-@pytest.mark.parametrize("name", ["robot.stl", "robot.toml", "missing.urdf"])
-def test_other_files_are_refused_by_name(name, tmp_path):
-    if name != "missing.urdf":
-        (tmp_path / name).write_text("x", encoding="utf-8")
-    with pytest.raises(ScenarioError, match=name):
-        read_robot_files([tmp_path / name])
 
 
 def test_nodes_have_their_parameters_flat_by_dotted_name():
