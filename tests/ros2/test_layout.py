@@ -34,6 +34,8 @@ NUMBERS = {
 }
 STATES = NUMBERS - {"float32", "float64"} | {"string", "byte"}
 """What is a state: whatever has no fraction; a byte of ROS 2 is an unsigned one."""
+
+
 def kind_of(panel):
     return panel.partition("!")[0]
 
