@@ -122,7 +122,7 @@ FAULTS = {
     "of usual size": CONTROLLER.replace(RADIUS, "wheel_radius: .inf"),
     "substitution": CONTROLLER.replace(RADIUS, 'wheel_radius: "$(var r)"'),
     "is no point": NAV2.replace("[-0.3, 0.4]", "0.3"),
-    "values, aliases": "a: &a [1,1,1,1,1,1,1,1,1]\n" + BOMB,
+    "has an alias": "a: &a [1,1,1,1,1,1,1,1,1]\n" + BOMB,
     "nested too deeply": "[" * 5000,
 }  # fmt: skip
 
