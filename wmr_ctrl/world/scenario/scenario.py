@@ -9,7 +9,7 @@ from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError,
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.named_units import Stated, with_units
 from wmr_ctrl.core.fields.orientation import PAPER, checked_frames
-from wmr_ctrl.core.fields.section import Section, asking, number_of, numbers_in, quantities
+from wmr_ctrl.core.fields.section import Section, number_of, numbers_in, quantities
 from wmr_ctrl.core.fields.values import Frozen, Quantity, Range, as_list, check_multiple
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import Signal
@@ -144,8 +144,7 @@ class Scenario:
             raise MissingKeysError(missing_text(missing, sections()))
         for key, section in following(self):
             object.__setattr__(self, key, section)
-        with asking(("clock", self.clock)):
-            _relate(self)
+        _relate(self)
 
     def __repr__(self) -> str:
         kind, clock = self.reference_kind.name, self.clock
