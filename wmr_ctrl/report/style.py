@@ -34,8 +34,6 @@ Dash: TypeAlias = str | tuple[float, tuple[float, ...]]
 """A line's dash pattern, as matplotlib takes it."""
 DASHES: tuple[Dash, ...] = ("-", DASHED, DASH_DOT, DOTTED)
 """Dashes of runs drawn over each other, so that one hides another only in part."""
-_SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "1": "",
-          "kg.m2": "kg m²", "N.s/m": "N s/m", "N.m.s/rad": "N m s/rad"}  # fmt: skip
 ABSENT = "–"
 
 
@@ -119,7 +117,7 @@ def house_style() -> Iterator[None]:
 
 def unit_text(unit: str) -> str:
     """A unit for readers (``N.m`` -> ``N m``, ``m2.s + rad2.s`` -> ``m² s + rad² s``)."""
-    return " + ".join(_SIGNS.get(part, part) for part in unit.split(" + "))
+    return "" if unit == "1" else unit.replace(".", " ").translate(str.maketrans("23", "²³"))
 
 
 def with_unit(text: str, unit: str) -> str:
