@@ -81,7 +81,7 @@ class Surroundings:
         """Prepare the scenario; nothing is differentiated yet."""
         self._sends = sends = scenario.takes_velocity
         scenario = idle_base(scenario) if sends else scenario
-        self.scenario, self._worlds = scenario, dict[tuple[object, ...], World]()
+        self.scenario = scenario
         present = [item for item in EFFECTS.present(scenario) if "clock.control" in item.shape]
         self._foreign = any(item not in OURS for item in present)
         bounds = ((item, item.bounded(scenario)) for item in present)
@@ -97,6 +97,7 @@ class Surroundings:
         self._lag = actuator.lag * (1 + actuator.lag_spread)
         self._wheels = wheels(scenario.robot.r, scenario.robot.l)
         self._sent = np.eye(COMMAND) if sends else self._wheels
+        self._world = lru_cache(maxsize=256)(self._world_of)
         self.known_of_drives = lru_cache(maxsize=64)(self._known_of_drives)
         self._assembly = lru_cache(maxsize=64)(self._assembled)
         # Kept for the next law, which is tried at the same periods, delays and masses.
@@ -113,11 +114,9 @@ class Surroundings:
         return [(math.prod(w for w, _ in way), self._world(own, tuple(n for _, n in way)))
                 for way in product(*ways)]  # fmt: skip
 
-    def _world(self, own: float, counts: tuple[int, ...]) -> World:
-        if (own, *counts) not in self._worlds:
-            times = {key: n * own for key, n in zip(self._counted, counts, strict=True)}
-            self._worlds[own, *counts] = world_of(_still(self.scenario, own, times))
-        return self._worlds[own, *counts]
+    def _world_of(self, own: float, counts: tuple[int, ...]) -> World:
+        times = {key: n * own for key, n in zip(self._counted, counts, strict=True)}
+        return world_of(_still(self.scenario, own, times))
 
     @cached_property
     def headings(self) -> tuple[float, ...]:
@@ -317,9 +316,7 @@ def rounded_effects(scenario: Scenario) -> str:
 
 
 def rare_poses(scenario: Scenario) -> str:
-    """Remark on rare or lost poses, which a time-invariant loop neglects."""
-    sensor, period = scenario.section(PoseSensor), scenario.clock.control
-    parts = [f"a pose comes every {sensor.pose_period:g} s"] * (sensor.pose_period > period)
-    parts += [f"{sensor.pose_dropout:.0%} of them do not come"] * (sensor.pose_dropout > 0)
-    said = " and ".join(parts)
-    return f"as if a pose came at every sample, though {said}" if said else ""
+    """Remark on rare poses, which a time-invariant loop neglects; empty if none."""
+    every = scenario.section(PoseSensor).pose_period
+    said = f"as if a pose came at every sample, though one comes every {every:g} s"
+    return said if every > scenario.clock.control else ""

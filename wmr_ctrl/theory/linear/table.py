@@ -77,7 +77,7 @@ def _poles(report: LinearReport) -> Iterator[str]:
     scenario = report.scenario
     for figures_of, said in (
         ("Margins and Bode plots", rare_poses(scenario)),
-        ("All other figures", lost_samples(scenario)),
+        ("All figures", lost_samples(scenario)),
         ("All figures", rounded_effects(scenario)),
     ):
         if said:
