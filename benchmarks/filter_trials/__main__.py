@@ -1,6 +1,6 @@
 """The filter's statements against adversaries, a hundred thousand trials each.
 
-``python -m benchmarks.filter_trials [--quick] [--only WORDS] [--out docs/explanation/filter.md]``;
+``python -m benchmarks.filter_trials [--quick] [--only WORDS] [--out benchmarks/results.md]``;
 with words only the statements whose titles have them, and the page keeps its other rows.  The
 filter is the C of its package; bases and adversaries are the tests' own, integrated exactly between
 all instants at which something changes.  Where both axes are scaled by one factor, a command that
