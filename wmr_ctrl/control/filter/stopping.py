@@ -25,37 +25,37 @@ from itertools import chain
 
 import casadi as ca
 
+from wmr_ctrl.control.sides import is_number, limits_port
 from wmr_ctrl.core.signals import LARGEST, Signal
 from wmr_ctrl.world.model.system import Port, port
 from wmr_ctrl.world.scenario import Scenario
 
 from .channels import (
     AXES,
-    LIMIT_REFUSED,
+    FREE,
+    FREE_AGE,
     NEAR_BY,
     NO_DISTANCE,
     ROUNDING,
     SLOWING,
     WAYS,
     ends_of,
+    told_limits,
+    two_sided,
+    unusable_limits,
     within,
 )
 from .governor import NEAR, FirstOrder, Schedule, SpeedBound, largest
 from .governor_step import Governor, Sides
-from .ways import Reached, Stop, ToldBound
+from .ways import Reached, Stop, ToldBound, told_command
 
-LIMITS = Signal(
-    "limits", "m/s, m/s, rad/s, rad/s", "limits in force: v_min, v_max, omega_min, omega_max", 4
-)
-FREE = Signal(
-    "free", "m, m, rad, rad", "free way ahead and behind, left and right; inf: no limit", 4
-)
-FREE_AGE = Signal("free_age", "s", "age of the free ways; negative: none is told")
 FREE_KNOWN = Signal("free_known", "m, m, rad, rad", "least free ways since they were told", 4)
 WAITED = Signal(
     "waited", "m/s, m/s, rad/s, rad/s", "refused pull away from each side, summed over steps", 4
 )
 RESTED = Signal("rested", "1", "commands of (0, 0) in a row, in time")
+TRACE = 1e-20
+"""Commands [m/s, rad/s] up to this are 0: what a limit of 0 leaves of a curve opens no brake."""
 LEAST_PULL = 1e-9
 """Least speed away [m/s, rad/s] that counts as one."""
 LEAST_PERIOD = 1e-9
@@ -72,13 +72,14 @@ class StoppingGovernor(Governor):
         self.distances = settings.free_error is not None
         self.rest = None if settings.rest is None else p.take("filter.rest")
         tau = ends_of(p, "tau")
-        self.channels = [replace(c, sides=(c.sides[0], c.sides[-1])) for c in self.channels]
+        self.channels = two_sided(self.channels)
         starts = [c.largest[place] for place in (0, -1) for c in self.channels]
-        self.most_before = [port(_most(age), starts) for age in range(1, last + 1)]
-        self.held_before = [port(_held(age)) for age in range(1, last + 1)] if settings.rest else []
+        self.most_before = [port(most_signal(age), starts) for age in range(1, last + 1)]
+        self.held_before = (
+            [port(held_signal(age)) for age in range(1, last + 1)] if self.rest is not None else []
+        )
         self.rested = [port(RESTED)] if self.held_before else []
-        ends = [end for pair in scenario.limits.sides for end in pair]
-        self.limits_told = port(LIMITS, ends)
+        self.limits_told = limits_port(scenario)
         self.free, self.free_age = port(FREE, [LARGEST] * 4), port(FREE_AGE, -1.0)
         self.free_known, self.waited = port(FREE_KNOWN, [-1.0] * 4), port(WAITED)
         still = [_nothing(item.sym) for item in self.before] if self.rest is not None else []
@@ -88,6 +89,7 @@ class StoppingGovernor(Governor):
                     plan, c.sides[place], tau[i], self.T,
                     most=[ca.SX(0), *(item.sym[2 * place + i] for item in self.most_before)],
                     still=[ca.SX(0), *still] if still else (),
+                    punctual=self.punctual,
                 )
                 for i, (c, plan) in enumerate(zip(self.channels, self.plans, strict=True))
             ]
@@ -123,21 +125,10 @@ class StoppingGovernor(Governor):
         """Limit of each side: at least the push, at most the scenario's; the push if not told."""
         if not self.scenario.filter.changing:
             return [[b.V for b in self._bounds(place)] for place in AXES]
-        told, sides = self.limits_told.sym, []
-        for place, way in enumerate(WAYS):
-            limits = []
-            for i, b in enumerate(self._bounds(place)):
-                limit, widest = way * told[2 * i + 1 - place], largest([c.V for c in self._pair(i)])
-                less = ca.fmax(b.dbar, ca.fmin(limit - ROUNDING * widest, b.V))
-                limits.append(ca.if_else(_is_number(limit), less, b.dbar))
-            sides.append(limits)
-        return sides
+        return told_limits(self.limits_told.sym, self.channels)
 
     def _bounds(self, place: int) -> list[FirstOrder]:
         return [channel.sides[place] for channel in self.channels]
-
-    def _pair(self, axis: int) -> tuple[FirstOrder, ...]:
-        return self.channels[axis].sides
 
     @cached_property
     def now(self) -> Sides:
@@ -172,7 +163,7 @@ class StoppingGovernor(Governor):
                 far = self._far(place, i)
                 told = ca.fmin(self.free.sym[number], far) - (0 if i else error)
                 known = ca.if_else(self.came, self.free_known.sym[number], -1)
-                fresh = ca.logic_and(self.is_fresh, _is_number(self.free.sym[number]))
+                fresh = ca.logic_and(self.is_fresh, is_number(self.free.sym[number]))
                 ways.append(ca.if_else(fresh, told - gone - ROUNDING * far, known))
             sides.append(ways)
         return sides
@@ -235,18 +226,15 @@ class StoppingGovernor(Governor):
 
     def _admitted(self, place: int, axis: int, motion: ToldBound) -> ca.SX:
         """Largest command by the limit in force."""
-        V, v_bar, b = self.in_force[place][axis], self.takeover[place][axis], motion.bounds
-        plan = motion.schedule
-        acts = ca.fmax(plan.shortest * self.T, LEAST_PERIOD)
-        above = 1 / ca.expm1(acts / motion.tau[1])
-        room = V - v_bar
-        command = (V - b.dbar + ca.fmin(b.kappa * room, above * room)) / b.K_max
-        return ca.if_else(b.dbar < V, command, 0)
+        b, plan = motion.bounds, motion.schedule
+        slowest = 1 / ca.expm1(ca.fmax(plan.shortest * self.T, LEAST_PERIOD) / motion.tau[1])
+        return told_command(self.in_force[place][axis], self.takeover[place][axis], b, slowest)
 
     @cached_property
     def offered(self) -> ca.SX:
         """The command (2,) before it is known whether the brake may open for it."""
-        return self.within_limits
+        sent = self.within_limits
+        return ca.if_else(ca.fabs(sent) > TRACE, sent, 0)
 
     @cached_property
     def away(self) -> Sides:
@@ -291,7 +279,9 @@ class StoppingGovernor(Governor):
                 if not self.scenario.filter.nearing:
                     enough += [way * self.before[0].sym[i] < 0, stop.push == 0]
                     enough += [self._is_ripe(place, i)] if self.rest is not None else []
-                leaves = ca.logic_and(self.leaves[place][i], v_bar <= 0)
+                leaves = self.leaves[place][i]
+                if self.rest is not None:  # else zeros would lead no less far than it does
+                    leaves = ca.logic_and(leaves, v_bar <= 0)
                 passes = ca.logic_and(leaves, reduce(ca.logic_or, enough))
                 opens.append(ca.logic_or(self.stopping[place][i] >= 0, passes))
             sides.append(opens)
@@ -301,12 +291,25 @@ class StoppingGovernor(Governor):
         """1 where a command straight away was asked for from rest long enough."""
         stop, pull, plan = self.stops[axis], self.pull[place][axis], self.plans[axis]
         steps = plan.losses + whole_steps(plan, self.T, stop.hold(pull))
-        V, other = self.in_force[1 - place][axis], self.free_now[1 - place][axis]
-        time = steps * (1 + plan.jitter) * self.T + plan.longest * self.T + stop.fading
-        free = other - self.scenario.filter.leave * stop.roll >= V * time + stop.creep
+        time = (steps * (1 + plan.jitter) + plan.longest) * self.T
         waited = self.waited.sym[place + 2 * axis] >= steps * pull
         straight = self.offered[1 - axis] == 0
-        return reduce(ca.logic_and, (pull > LEAST_PULL, waited, free, straight))
+        V = self.in_force[1 - place][axis]
+        goes_on = [self._stays_free(1 - place, axis, V, time + stop.fading)]
+        across = 1 - axis
+        push = self.channels[across].bounds.dbar
+        goes_on += [self._stays_free(side, across, push, time) for side in AXES]
+        return reduce(ca.logic_and, (pull > LEAST_PULL, waited, straight, *goes_on))
+
+    def _stays_free(self, place: int, axis: int, speed: ca.SX, time: ca.SX) -> ca.SX:
+        """1 where a side stays open while its speed is at most this for a time [s].
+
+        Ways that are told later may be less by twice their error and the way of their age.
+        """
+        stop, aged = self.stops[axis], self.p.take("filter.free_age")
+        told = speed * aged + (0 if axis else 2 * self.p.take("filter.free_error"))
+        kept = self.scenario.filter.leave * stop.roll
+        return self.free_now[place][axis] - kept >= speed * time + stop.creep + told
 
     @cached_property
     def opens(self) -> ca.SX:
@@ -324,7 +327,7 @@ class StoppingGovernor(Governor):
         plan = max(self.plans, key=lambda plan: plan.delay[1] - plan.delay[0])
         rest = ca.SX(0) if self.rest is None else self.rest
         time = rest + plan.losses * (1 + plan.jitter) * self.T
-        enough = self._in_row >= whole_steps(plan, self.T, time)
+        enough = self._in_row >= whole_steps(plan, self.T, time, NEAR)
         return ca.logic_and(_nothing(self.safe), enough)
 
     @property
@@ -425,8 +428,7 @@ class StoppingGovernor(Governor):
         if self.scenario.filter.changing:
             pairs = zip(chain(*self.takeover), chain(*self.in_force), strict=True)
             faster = reduce(ca.logic_or, (v > V for v, V in pairs))
-            numbers = reduce(ca.logic_and, (_is_number(self.limits_told.sym[k]) for k in range(4)))
-            flags += ca.if_else(faster, SLOWING, 0) + ca.if_else(numbers, 0, LIMIT_REFUSED)
+            flags += ca.if_else(faster, SLOWING, 0) + unusable_limits(self.limits_told.sym)
         if self.distances:
             flags += ca.if_else(self.opens, 0, NEAR_BY) + ca.if_else(self.is_fresh, 0, NO_DISTANCE)
         return flags
@@ -455,24 +457,25 @@ def _shifted(before: Sequence[Port]) -> list[ca.SX]:
     return [item.sym for item in before[:-1]]
 
 
-def whole_steps(plan: Schedule, T: ca.SX, time: ca.SX) -> ca.SX:
-    """Number of commands that surely act for at least this time [s]."""
+def whole_steps(plan: Schedule, T: ca.SX, time: ca.SX, more: float = -NEAR) -> ca.SX:
+    """Number of commands that surely act for at least this time [s], and ``more`` of a period.
+
+    A brake ends a motion at once, so that rest needs more than the time after which it closes.
+    """
     spread = plan.delay[1] - plan.delay[0]
-    return ca.ceil((time + spread * T) / ((1 - plan.jitter) * T) - NEAR)
+    return ca.ceil((time + spread * T) / ((1 - plan.jitter) * T) + more)
 
 
 def _nothing(command: ca.SX) -> ca.SX:
     return ca.logic_and(command[0] == 0, command[1] == 0)
 
 
-def _is_number(value: ca.SX) -> ca.SX:
-    return ca.logic_or(value >= 0, value < 0)
-
-
-def _most(age: int) -> Signal:
+def most_signal(age: int) -> Signal:
+    """State: bounds of the speeds under a command sent some samples ago."""
     said = f"bound of v, omega and of their negatives while the command of {age} samples ago acts"
     return Signal(f"v_most_{age}", "m/s, rad/s, m/s, rad/s", said, 4)
 
 
-def _held(age: int) -> Signal:
+def held_signal(age: int) -> Signal:
+    """State: whether the base stands under a command sent some samples ago."""
     return Signal(f"held_{age}", "1", f"1: the base stands while the command of {age} ago acts")
