@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import reduce
-from typing import TYPE_CHECKING, Any, TypeAlias
+from types import ModuleType
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    import casadi as ca
+
     from .run import Run
 
 Floats: TypeAlias = NDArray[np.float64]
+N = TypeVar("N", Floats, "ca.SX")
 Shape: TypeAlias = tuple[float, ...] | tuple[tuple[float, float], ...]
 """A circle (x, y, r) or the corners of a polygon [m]."""
 
 
-def distance(shape: Shape, x: Any, y: Any, of: Any = np) -> Any:
+def distance(shape: Shape, x: N, y: N, of: ModuleType = np) -> N:
     """Distance [m] of places (x, y) from a circle or polygon; below 0 or 0 inside of it.
 
     ``of``: the module of their functions, numpy or, for expressions, casadi.
