@@ -59,16 +59,17 @@ def course_of(run: Run) -> Course:
     points = reference.points if isinstance(reference, Waypoints) else ()
     shown = points if len(points) <= MOST_WAYPOINTS else ()
     waypoints = tuple((float(x), float(y)) for x, y in shown)
-    return Course(waypoints, goal, tuple(reference.keep_out), scenario.robot.l)
+    return Course(waypoints, goal, scenario.obstacles, scenario.robot.l)
 
 
 def _obstacle(shape: Shape) -> Patch:
-    """An obstacle, a polygon or circle, hatched."""
+    """An obstacle: a hatched polygon or circle, or a wall."""
     if isinstance(shape[0], tuple):
         patch: Patch = Polygon(np.array(shape))
     else:
         patch = CirclePatch((shape[0], shape[1]), shape[2])
-    patch.set(facecolor=GRID, edgecolor=MUTED, hatch="////", linewidth=0.8, zorder=1.5)
+    width = 2.5 if len(shape) == 2 else 0.8
+    patch.set(facecolor=GRID, edgecolor=MUTED, hatch="////", linewidth=width, zorder=1.5)
     return patch
 
 
