@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from wmr_ctrl.codegen.build import numbers_of, phases_of
+from wmr_ctrl.control.filter.stop_numbers import stopping
 from wmr_ctrl.control.numbers import fields_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.fields.section import quantities
@@ -17,7 +18,7 @@ from wmr_ctrl.theory.corridor import corridor_course
 from wmr_ctrl.version import __version__
 from wmr_ctrl.world.scenario import Scenario
 
-from .controls import GROUPS, Control, controls_of
+from .controls import DELAY, GROUPS, SPANS, Control, controls_of
 from .module import PageLoop, PageLoops, Room
 from .scenes import (
     PageMember,
@@ -25,10 +26,13 @@ from .scenes import (
     SettledVariant,
     members_of,
     settled_variants,
+    stops,
 )
 
 Plain = dict[str, Any]
 Row = dict[str, float]
+STOPS = 20
+"""Speeds for which the way of a stop is computed."""
 EVERY = 0.1
 """Time [s] for which a corridor that varies has one width, its largest there."""
 
@@ -62,7 +66,8 @@ def content_of(
             loops.of(setup)
             progress((number + count / len(setups)) / len(scenes))
             actuator, base = setup.scenario.actuator, setup.scenario.base
-            late = actuator.delay + actuator.unmodelled_delay + base.delay
+            latest = SPANS[DELAY][1] if stops(setup.scenario) else 0.0
+            late = actuator.delay + actuator.unmodelled_delay + max(base.delay, latest)
             steps = max(steps, round(late / setup.scenario.clock.plant))
         scenery.append(_scene(scene, variants, loops, len(scenes) == 1))
         progress(len(scenery) / len(scenes))
@@ -123,6 +128,23 @@ def _scene(
         "tubes": {law: tube for law, setup in setups.items() if (tube := _tube(setup, whole))},
         "variants": [_variant(item, base, loops) for item in variants],
         "controls": [_control(item) for item in controls_of(scenario, ports, values)],
+        "obstacles": scenario.obstacles,
+        **(_stops(scenario) if stops(scenario) else {}),
+    }
+
+
+def _stops(scenario: Scenario) -> Plain:
+    """Distances [m] at which the filter stops, by speed; times after which a brake holds [s]."""
+    most = scenario.limits.sides[0][1]
+    speeds = [most * part / STOPS for part in range(STOPS + 1)]
+    ways = [stopping(scenario, speed).distance for speed in speeds]
+    return {
+        "stops": {
+            "most": most,
+            "ways": ways,
+            "rest": scenario.filter.rest,
+            "delay": scenario.filter.intervals("delay")[0],
+        }
     }
 
 
@@ -132,6 +154,8 @@ def _tube(setup: Setup, whole: bool) -> Plain | None:
     With ``whole`` also past the robot's changes: for a story of many runs that would take a minute.
     ``widths`` [m], each for ``every`` seconds, the last from there on; ``until`` [s].
     """
+    if stops(setup.scenario):
+        return None
     tube = corridor_course(setup.scenario, setup.name, whole=whole)
     if tube is None or tube.course is None:
         return None

@@ -24,23 +24,31 @@ from wmr_ctrl.core.fields.values import multiple
 from wmr_ctrl.report.style import DASH_DOT, DASHED, DASHES, DOTTED, Dash, Look, look
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override, preset_titles, title_of
 
+from .approach import approaching
+
 
 @dataclass(frozen=True)
 class PageMember:
-    """A robot: its name, law, look, caption, and its overrides of the scenario."""
+    """A robot: its name, law, look, caption, and its overrides of the scenario.
+
+    ``approaches``: whether its law is behind the rule of `approach`.
+    """
 
     name: str
     law: str
     look: Look
     title: str
     overrides: Mapping[str, object] = field(default_factory=dict)
+    approaches: bool = False
 
     def settled(self, scenario: Scenario) -> Setup:
         """Setup of this robot; raises as `settle` does."""
         own = override(scenario, self.overrides) if self.overrides else scenario
-        return settle(own, self.law)
+        setup = settle(own, self.law)
+        return replace(setup, law=approaching(setup.control_law)) if self.approaches else setup
 
 
+APPROACH = "approach"
 UNLIMITED = 1e3
 """Rate of commands [m/s2, rad/s2] that nothing holds back."""
 SLOW = 0.25
@@ -50,6 +58,7 @@ SMOOTH = [2.5, 3.2]
 WAYS: Mapping[str, tuple[str, str, Dash, str]] = {
     "clipped": ("at the limit", "#d6336c", "-", "commands clipped at the limit"),
     "smoothed": ("smoothed", "#e69f00", DASHED, "the usual smoother, then clipped at the limit"),
+    "approach": ("approach rule", "#e69f00", DASHED, "nav2's approach rule, transcribed, not run"),
     "clip": ("filter, clip", "#1f77c9", DASH_DOT, "command filter, memoryless"),
     "slew": (
         "filter, slow clip",
@@ -61,6 +70,11 @@ WAYS: Mapping[str, tuple[str, str, Dash, str]] = {
     "band": ("filter, band", "#5b0e3b", DASHED, "command filter, from what it sent"),
 }
 """Label, colour, dashes and title of each way to limit commands; several laws dash as laws."""
+
+
+def stops(scenario: Scenario) -> bool:
+    """True if a scenario's filter stops before obstacles, which the page then compares."""
+    return bool(scenario.obstacles) and scenario.filter.free_error is not None
 
 
 def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...]:
@@ -75,7 +89,8 @@ def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...
             if several:
                 label, dash = f"{law}, {label}", DASHES[number % len(DASHES)]
             own = Look(label, colour, dash)
-            members.append(PageMember(f"{law}-{way}", law, own, f"{law}: {title}", overrides))
+            named = f"{law}-{way}", law, own, f"{law}: {title}"
+            members.append(PageMember(*named, overrides, way == APPROACH))
     return tuple(members)
 
 
@@ -86,6 +101,10 @@ def _ways(scenario: Scenario, law: str) -> Iterator[tuple[str, Mapping[str, obje
         whole = {f"gains.{law}.share": 1.0, f"gains.{law}.a_max": [UNLIMITED, UNLIMITED]}
     bare = {**whole, "filter.kind": "none", "filter.slew": None}
     yield "clipped", bare
+    if stops(scenario):
+        yield APPROACH, bare
+        yield scenario.filter.kind, whole
+        return
     if whole:
         yield "smoothed", {**bare, f"gains.{law}.a_max": SMOOTH}
     for way, own in _filters(scenario):
@@ -158,7 +177,8 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
     if scenario != steps[0].scenario:
         most = MOST_WAYS if scenario.takes_velocity else MOST_SHOWN
         shown = tuple(member.name for member in members_of(scenario, laws))[:most]
-        return (PageScene("own", _own_title(scenario), "", scenario, shown),)
+        text = data(__package__, "story.toml")["stops"] if stops(scenario) else ""
+        return (PageScene("own", _own_title(scenario), text, scenario, shown),)
     return tuple(
         replace(step, shown=tuple(name for name in step.shown if name in laws) or laws[:2])
         for step in steps

@@ -48,7 +48,9 @@ class Plane extends Sheet {
     const { pen } = this;
     pen.clearRect(0, 0, this.width, this.height);
     this.grid(look);
+    this.obstacles(fleet.scene.obstacles, look);
     for (const member of fleet.members.values()) this.tube(fleet, member, look);
+    if (fleet.scene.stops) [...fleet.members.values()].forEach((member, k) => this.bar(fleet, member, look, k));
     this.desired(fleet, look);
     for (const member of fleet.members.values()) this.trail(member, look);
     const order = [...fleet.members.values()].reverse();
@@ -73,6 +75,39 @@ class Plane extends Sheet {
       this.stroke([[0, this.Y(y)], [this.width, this.Y(y)]]);
       if (this.Y(y) < this.height - 18 && this.Y(y) > 12) pen.fillText(`${shownNumber(Math.abs(y) < 1e-9 ? 0 : y)} m`, 4, this.Y(y) - 3);
     }
+  }
+
+  // Circles and polygons; a wall has two ends.
+  obstacles(shapes, look) {
+    const { pen } = this;
+    pen.strokeStyle = look.muted;
+    pen.fillStyle = look.grid;
+    for (const shape of shapes) {
+      pen.lineWidth = shape.length === 2 ? 5 : 1.5;
+      pen.beginPath();
+      if (Array.isArray(shape[0])) { for (const [x, y] of shape) pen.lineTo(this.X(x), this.Y(y)); pen.closePath(); }
+      else pen.arc(this.X(shape[0]), this.Y(shape[1]), shape[2] / this.view.scale, 0, 2 * Math.PI);
+      pen.fill();
+      pen.stroke();
+    }
+  }
+
+  // The body's disc, and ahead of it the way that the filter counts for a stop from this speed.
+  bar(fleet, member, look, k) {
+    const { pen } = this, { state } = member.robot, at = member.robot.places.state, wide = member.radius / 3;
+    const [x, y, theta, v] = ["x", "y", "theta", "v1"].map((name) => state[at[name]]);
+    const long = wayToStop(fleet.scene.stops, v), way = v < 0 ? -1 : 1, middle = way * (member.radius + long / 2);
+    pen.strokeStyle = pen.fillStyle = look.laws[member.law].colour;
+    pen.lineWidth = 1;
+    pen.beginPath();
+    pen.arc(this.X(x), this.Y(y), member.radius / this.view.scale, 0, 2 * Math.PI);
+    pen.stroke();
+    if (Math.abs(v) < 1e-3) return;
+    this.box(x - middle * Math.sin(theta), y + middle * Math.cos(theta), theta, [long, wide], (k - 1) * wide);
+    pen.globalAlpha = 0.45;
+    pen.fill();
+    pen.globalAlpha = 1;
+    pen.stroke();
   }
 
   stroke(points) {
