@@ -16,10 +16,12 @@ from wmr_ctrl.results.obstacles import Shape
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.corridor import corridor_course, is_covered
 from wmr_ctrl.world.references import Waypoints
-from wmr_ctrl.world.scenario import override
+from wmr_ctrl.world.scenario import Scenario, override
 
 from .style import GRID, INK, LIMIT, MUTED
 
+WITHIN = 0.53
+"""Half track of a robot drawn within its body's circle, as a share of the circle's radius."""
 MOST_WAYPOINTS = 60
 """More would hide the path that they are on."""
 
@@ -59,7 +61,13 @@ def course_of(run: Run) -> Course:
     points = reference.points if isinstance(reference, Waypoints) else ()
     shown = points if len(points) <= MOST_WAYPOINTS else ()
     waypoints = tuple((float(x), float(y)) for x, y in shown)
-    return Course(waypoints, goal, scenario.obstacles, scenario.robot.l)
+    return Course(waypoints, goal, scenario.obstacles, drawn_half_track(scenario))
+
+
+def drawn_half_track(scenario: Scenario) -> float:
+    """Half the track [m], or less where a body of body.radius has no room for the drawing."""
+    radius = scenario.body.radius
+    return scenario.robot.l if radius is None else min(scenario.robot.l, WITHIN * radius)
 
 
 def _obstacle(shape: Shape) -> Patch:

@@ -12,6 +12,7 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.core.signals import Signal, elements
+from wmr_ctrl.report.course import drawn_half_track
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
 from wmr_ctrl.report.style import after_dark, unit_text
 from wmr_ctrl.theory.corridor import corridor_course
@@ -81,7 +82,7 @@ def content_of(
         for name, unit in zip(signal.elements, signal.units, strict=True)
     }
     # Size of the drawn robot [m], as wide as its wheels are apart.
-    scale = scenes[0].scenario.robot.l / TRACK
+    scale = drawn_half_track(scenes[0].scenario) / TRACK
     size, wheel = ([scale * part for part in item] for item in (BODY, WHEEL))
     data = {
         "version": __version__,

@@ -365,7 +365,7 @@ class Page {
     }
     const { stops } = fleet.scene;
     if (stops) {
-      const own = fleet.value("base.delay"), [low, high] = stops.delay, pushed = fleet.value("disturbance.push[1]");
+      const own = fleet.value("base.delay"), [low, high] = stops.delay, pushed = fleet.pushed?.force ?? fleet.value("disturbance.push[1]");
       const drift = (pushed * fleet.value("base.tau[1]")) / fleet.value("robot.m"), most = fleet.value("filter.d[1]");
       if (own < low || own > high) found.add(`base.delay = ${shownNumber(own)} s is outside of filter.delay, ${shownNumber(low)} to ${shownNumber(high)} s: the filter promises nothing for such a base.`);
       if (drift > most) found.add(`A push of ${shownNumber(pushed)} N alone leads to ${shownNumber(drift)} m/s, more than filter.d = ${shownNumber(most)} m/s: the filter promises nothing.`);
