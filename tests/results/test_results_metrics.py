@@ -196,8 +196,8 @@ def test_the_summary_has_exactly_the_published_keys(make_run):
         "scenario law guard seed engine plant watched_every outcome robots ise position_rms "
         "position_max tracking tracked arrival guard_share filter_share usable_speed "
         "reference_speed torque_change_rms torque_needed_rms saturated_share max_abs_v "
-        "least_margin violations kept rigid d_least dbar tau_peak tau_rms e_rms figures remarks "
-        "provenance"
+        "least_margin least_gap violations kept rigid d_least dbar tau_peak tau_rms e_rms figures "
+        "remarks provenance"
     )
     assert [item["key"] for item in figures["remarks"]] == ["limit-violated"]
     assert list(figures["position_rms"]) == ["all", "last_quarter"]
