@@ -49,6 +49,8 @@ _RETURNS: dict[str, type | None] = {
     **dict.fromkeys(("make", "start", "tick", "limit")),
 }  # fmt: skip
 FILTER_CORE = (*NODE_CORE, "filter_core.h", "filter_core.c", "scan_core.h", "scan_core.c")
+SLACK = 1e-3
+"""Angle [rad] by which the smallest window is wider than it must be, for roundings."""
 LIMIT_TOPICS = ("v_max", "v_min", "enable", "speed")
 """Messages on limits, in the order of the C enumeration."""
 SIDES = ("ahead", "behind")
@@ -85,7 +87,7 @@ def core_files(
     kernels, smallest = [controller_kernel(gate, "gate")], 0.0
     if seen.topics:
         kernels.append(way_kernel())
-        smallest = min(max(smallest_window(scenario)), WIDEST)
+        smallest = min(max(smallest_window(scenario)) + SLACK, WIDEST)
     numbers = node_templates().get_template("gate_numbers.h.j2")
     longest = longest_pause(settings.command_timeout, period)
     return {
