@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import sys
 import tempfile
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -21,7 +20,7 @@ from pathlib import Path
 from tests.altered_files import ALTERED_FILES, altered_copy, check_tests, copy_of_tree, failing
 from tests.proofs.noticing import is_noticed
 from tests.proofs.test_alterations import ALTERATIONS, changes_a_verdict
-from wmr_ctrl.results.ledger import Entry, load
+from wmr_ctrl.results.ledger import load
 from wmr_proofs.claims import all_claims
 from wmr_proofs.noticed import CHANGES
 
@@ -30,7 +29,7 @@ WITNESSES = 20
 TRIED = ("* 9/8", "* -1")
 ANY_SCALE = "changes nothing: A(q)' q' = 0 says the same for any multiple of A"
 FLAG = "changes nothing: a flag is read as 0 or not 0"
-EQUIVALENT: dict[tuple[str, str], str] = {
+EQUIVALENT = {
     ("wmr_proofs.paper_functions:constraint", "* 9/8"): ANY_SCALE,
     ("wmr_proofs.paper_functions:constraint", "* -1"): ANY_SCALE,
     ("wmr_proofs.paper_functions:conditions", "* 9/8"): FLAG,
@@ -50,21 +49,21 @@ class Outcome:
     noticed_by: str
 
     @property
-    def survived(self) -> bool:
+    def survived(self):
         """Whether nothing noticed it, although something should have."""
         return not self.noticed_by and (self.what, self.change) not in EQUIVALENT
 
 
-def naming() -> dict[str, list[Entry]]:
+def naming():
     """PROVED entries by the functions that they name, the quickest first."""
-    found: dict[str, list[Entry]] = {}
+    found = {}
     for entry in sorted(load().entries, key=lambda entry: entry.seconds):
         for name in entry.functions if entry.verdict == "PROVED" else ():
             found.setdefault(name, []).append(entry)
     return found
 
 
-def of_graphs(words: list[str]) -> Iterator[Outcome]:
+def of_graphs(words):
     """Alterations of functions' results."""
     claims = {claim.id: claim for claim in all_claims()}
     for name, entries in naming().items():
@@ -76,7 +75,7 @@ def of_graphs(words: list[str]) -> Iterator[Outcome]:
             yield Outcome(name, change, first)
 
 
-def of_source(words: list[str]) -> Iterator[Outcome]:
+def of_source(words):
     """Alterations of single signs and constants."""
     for function, old, new, ids in ALTERATIONS:
         name = f"{function.__module__}:{function.__qualname__}"
@@ -84,7 +83,7 @@ def of_source(words: list[str]) -> Iterator[Outcome]:
             yield Outcome(name, f"{old} -> {new}", changes_a_verdict(function, old, new, ids))
 
 
-def of_files(words: list[str]) -> Iterator[Outcome]:
+def of_files(words):
     """Alterations of files, on a copy of the tree."""
     wanted = [a for a in ALTERED_FILES if not words or any(word in a.path for word in words)]
     if not wanted:
@@ -97,7 +96,7 @@ def of_files(words: list[str]) -> Iterator[Outcome]:
                 yield Outcome(item.path, f"{item.old} -> {item.new}", failing(base, item.tests))
 
 
-def main(words: list[str]) -> int:
+def main(words):
     """Print every outcome and their number; 1 where one survived."""
     outcomes = []
     for outcome in chain(of_graphs(words), of_source(words), of_files(words)):

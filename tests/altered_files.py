@@ -11,7 +11,6 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -46,11 +45,11 @@ class TextAlteration:
     tests: str
 
 
-def _rows(folder: str, tests: str, *rows: tuple[str, str, str]) -> tuple[TextAlteration, ...]:
+def _rows(folder, tests, *rows):
     return tuple(TextAlteration(folder + name, old, new, tests) for name, old, new in rows)
 
 
-ALTERED_FILES: tuple[TextAlteration, ...] = (
+ALTERED_FILES = (
     *_rows(
         WORLD, "tests/world/test_encoder.py",
         ("encoder.py", "ca.floor(turns)", "turns"),
@@ -391,7 +390,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("loop.py", "* (1 + NO_VIOLATION)", ""),
     ),
 )  # fmt: skip
-NOT_NOTICED: tuple[tuple[TextAlteration, str], ...] = (
+NOT_NOTICED = (
     (
         TextAlteration(RUNTIME + "loop.c", "STREAMS[k].held && !anew", "0 && !anew", ""),
         "a number that is held is drawn again in each step, by the index of its sample: the same "
@@ -409,7 +408,7 @@ NOT_NOTICED: tuple[tuple[TextAlteration, str], ...] = (
 
 
 @contextmanager
-def altered_copy(base: Path, alteration: TextAlteration) -> Iterator[None]:
+def altered_copy(base, alteration):
     """For a time the file of a copied tree is altered.  ValueError where it lacks the place."""
     file = base / alteration.path
     text = file.read_text(encoding="utf-8")
@@ -422,7 +421,7 @@ def altered_copy(base: Path, alteration: TextAlteration) -> Iterator[None]:
         file.write_text(text, encoding="utf-8")
 
 
-def copy_of_tree(base: Path) -> Path:
+def copy_of_tree(base):
     """What tests need of the project, under ``base``."""
     for name in COPIED:
         source = ROOT / name
@@ -433,7 +432,7 @@ def copy_of_tree(base: Path) -> Path:
     return base
 
 
-def check_tests(base: Path, rows: Iterable[TextAlteration]) -> None:
+def check_tests(base, rows):
     """Raise RuntimeError where a row names a test that is not there."""
     tests = (row.tests for row in rows if not row.tests.startswith(PROVE))
     named = sorted({test for text in tests for test in text.split()})
@@ -449,7 +448,7 @@ def check_tests(base: Path, rows: Iterable[TextAlteration]) -> None:
         raise RuntimeError(done.stdout + done.stderr)
 
 
-def failing(base: Path, tests: str) -> str:
+def failing(base, tests):
     """The first of the tests that fails on a copied tree; empty where all pass.
 
     Tests that do not end or crash fail, too.  RuntimeError where they could not run at all.

@@ -1,13 +1,10 @@
 """Compilers and emulators that only some tests need: where they are, and how they are called."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -34,7 +31,7 @@ ARM = "aarch64-linux-gnu.2.17" if ARM_LIBRARIES.is_dir() else "aarch64-linux-mus
 BESIDE_QEMU = {"QEMU_LD_PREFIX": str(ARM_LIBRARIES)}
 
 
-def where(*names: str) -> str:
+def where(*names):
     """The first of these programs that is there; skips where none is."""
     path = next((path for path in map(shutil.which, names) if path), None)
     if path is None:
@@ -42,7 +39,7 @@ def where(*names: str) -> str:
     return path
 
 
-def needs_compiler(command: Sequence[str]) -> None:
+def needs_compiler(command):
     """Skip where the compiler that a command calls is missing."""
     if tuple(command[: len(ZIG)]) != ZIG:
         where(command[0])
@@ -50,7 +47,7 @@ def needs_compiler(command: Sequence[str]) -> None:
         pytest.skip("NOT RUN: ziglang is not there")
 
 
-def compile_in(folder: Path, command: Sequence[str]) -> None:
+def compile_in(folder, command):
     """Run a compiler's command in a folder, with zig's parts in the tests' cache."""
     zig = str(cache_dir() / "zig")
     own = {"ZIG_GLOBAL_CACHE_DIR": zig, "ZIG_LOCAL_CACHE_DIR": zig}
@@ -65,7 +62,7 @@ def compile_in(folder: Path, command: Sequence[str]) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def compile_program(folder: Path, command: Sequence[str], units: Sequence[str], out: str) -> None:
+def compile_program(folder, command, units, out):
     """A program of units; where zig would compile a C library first, it is linked without one."""
     further, linking = WITHOUT_LIBRARY.get(Path(out).suffix, ((), None))
     if linking is None:
@@ -90,7 +87,7 @@ WITHOUT_LIBRARY = {
 Windows as FMUs for it, with a start of their own."""
 
 
-def processor() -> set[str]:
+def processor():
     """Names of this processor's instructions, as Linux tells them."""
     path = Path("/proc/cpuinfo")
     text = path.read_text(encoding="utf-8") if path.is_file() else ""
@@ -98,7 +95,7 @@ def processor() -> set[str]:
 
 
 @lru_cache
-def wine() -> dict[str, str]:
+def wine():
     """Environment in which wine runs a program at once, with a folder of the tests' cache as home.
 
     Setting up a Windows takes wine a minute of a processor and 700 MB: the stamp says that there

@@ -5,24 +5,17 @@ runs lose by it. The bits are the same: tests/bits compares builds at -O2 and -O
 Where tcc is installed it compiles FMUs, and loops of the folders that are not about compiled code.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterator
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from platform import machine
-from typing import TYPE_CHECKING, TypeAlias
 
 import pytest
 from hypothesis import HealthCheck, settings
-
-if TYPE_CHECKING:
-    from wmr_ctrl.codegen.build import Instructions
 
 TESTS = Path(__file__).parent
 COMPILED = tuple(
@@ -37,7 +30,6 @@ QUICK = (
     else ""
 )
 """Folder of a `cc` that has tcc compile what is not optimised; "" where there is none."""
-Sets: TypeAlias = "Callable[[], tuple[Instructions, ...]]"
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more wait busily for each other, on all cores
@@ -52,7 +44,7 @@ settings.register_profile(
 settings.load_profile("project")
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def pytest_configure(config):
     """Keep compiled kernels in pytest's own cache folder, so that HOME stays untouched.
 
     Garbage is looked for seldom: what tests and graphs are made of is many objects, and stays.
@@ -71,7 +63,7 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ.setdefault("WMR_CTRL_CACHE", str(cache.mkdir("wmr_ctrl")))
 
 
-def compile_quickly() -> None:
+def compile_quickly():
     """Have FMUs and loops compiled by what takes least time; zig begins by building a C library."""
     if compiler := shutil.which("cc"):
         os.environ.setdefault("WMR_CTRL_FMU_CC", "tcc" if QUICK else "cc")
@@ -79,7 +71,7 @@ def compile_quickly() -> None:
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_runtest_setup(item: pytest.Item) -> None:
+def pytest_runtest_setup(item):
     """The compiler of PATH is a user's own in the folders that are about compiled code."""
     if QUICK:
         others = [part for part in os.environ["PATH"].split(os.pathsep) if part != QUICK]
@@ -88,7 +80,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def one_set_of_instructions() -> Iterator[Sets]:
+def one_set_of_instructions():
     """Loops for lanes are compiled for one set of vector instructions, in a third of the time.
 
     Its value is the function that lists all of them.
@@ -102,9 +94,7 @@ def one_set_of_instructions() -> Iterator[Sets]:
 
 
 @pytest.fixture
-def every_set_of_instructions(
-    one_set_of_instructions: Sets, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def every_set_of_instructions(one_set_of_instructions, monkeypatch):
     """For tests of vectors: loops for lanes are compiled as a user has them."""
     from wmr_ctrl.codegen import build
 
@@ -112,7 +102,7 @@ def every_set_of_instructions(
     monkeypatch.setattr(build, "_PROGRAMS", {})  # those of other tests have one set
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items):
     """Of a test marked ``slow_but``, mark all cases slow but those that it names."""
     for item in items:
         case = item.nodeid.partition("[")[2].removesuffix("]")
@@ -121,7 +111,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
                 item.add_marker(pytest.mark.slow)
 
 
-def pytest_collection(session: pytest.Session) -> None:
+def pytest_collection(session):
     """Where several processes collect all tests, each module is compiled by one of them alone.
 
     Its bytecode, with what pytest writes into it, is kept; so each process begins with modules of
@@ -135,6 +125,6 @@ def pytest_collection(session: pytest.Session) -> None:
             import_module(".".join(module.relative_to(TESTS.parent).with_suffix("").parts))
 
 
-def pytest_collection_finish() -> None:
+def pytest_collection_finish():
     """What was imported and collected is not looked through for garbage again."""
     gc.freeze()

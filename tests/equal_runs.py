@@ -1,14 +1,11 @@
 """Whether two runs are the same in every bit."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from wmr_ctrl.results import Run
 from wmr_ctrl.results.formats import metadata_text
 
 
-def runs_equal(run_a: Run, run_b: Run) -> bool:
+def runs_equal(run_a, run_b):
     """True if two runs are the same in every bit, description included.
 
     Unlike with ==, a NaN equals a NaN, and 0.0 differs from -0.0.

@@ -1,10 +1,7 @@
 """Compilers and language standards that the C of this project is for."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
-from pathlib import Path
 
 import pytest
 
@@ -23,7 +20,7 @@ LANGUAGES = {
 """Name to command.  Nothing is optimised: what is asked is whether it is the language at all."""
 
 
-def compile_all(language: str, folder: Path, units: list[str], *flags: str) -> None:
+def compile_all(language, folder, units, *flags):
     """Compile each unit in ``folder``; skip, saying so, without the compiler."""
     command = LANGUAGES[language]
     if shutil.which(command[0]) is None:

@@ -1,25 +1,19 @@
 """The paper's robot on its circle, with noise and without changes, for tests that mean it."""
 
-from __future__ import annotations
-
-import os
 from dataclasses import replace
-from typing import Any
 
-from wmr_ctrl.world.scenario import Scenario, load_scenario, loads_scenario
+from wmr_ctrl.world.scenario import load_scenario, loads_scenario
 
 HEAD = 'extends = "paper-simulation-no-switch"\n'
 
 
-def paper(**parts: Any) -> Scenario:
+def paper(**parts):
     """The scenario without a name, title and law, with other parts."""
     preset = load_scenario("paper-simulation-no-switch")
     return replace(preset, **{"name": "unnamed", "title": "", "law": None, **parts})
 
 
-def paper_toml(
-    text: str | bytes, name: str = "unnamed", folder: str | os.PathLike[str] = "."
-) -> Scenario:
+def paper_toml(text, name="unnamed", folder="."):
     """The scenario of TOML text, in which what it leaves out is the paper's."""
     whole = isinstance(text, bytes) or "extends" in text or ("[robot]" in text and "v_u1" in text)
     if whole:

@@ -1,7 +1,5 @@
 """The list of altered places speaks of the product as it is."""
 
-from __future__ import annotations
-
 from tests.altered_files import ALTERED_FILES, NOT_NOTICED, PROVE, ROOT
 from wmr_ctrl.results.ledger import load
 

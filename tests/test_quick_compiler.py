@@ -1,10 +1,7 @@
 """The quick compiler takes what it can do right, and leaves the rest to the one of PATH."""
 
-from __future__ import annotations
-
 import os
 import subprocess
-from pathlib import Path
 
 import pytest
 
@@ -18,12 +15,12 @@ VECTORS = (
 
 @pytest.mark.skipif(not QUICK, reason="NOT RUN: tcc is not there")
 @pytest.mark.parametrize(
-    ("text", "level", "quick"),
+    "text, level, quick",
     [(PLAIN, "-O0", True), (PLAIN, "-O1", False), (VECTORS, "-O0", False)],
 )
 def test_a_library_that_is_not_optimised_and_has_no_vectors_is_made_quickly(
-    tmp_path: Path, text: str, level: str, quick: bool
-) -> None:
+    tmp_path, text, level, quick
+):
     (tmp_path / "a.c").write_text(text, encoding="utf-8")
     command = [os.path.join(QUICK, "cc"), "-O3", "-shared", "-fPIC", level, "a.c", "-o", "a.so"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)

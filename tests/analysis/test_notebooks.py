@@ -1,7 +1,5 @@
 """The notebooks: cleared, indexed, every number asserted, and each of them runs."""
 
-from __future__ import annotations
-
 import ast
 import json
 import re

@@ -1,10 +1,7 @@
 """Short functions, short files, documented and annotated names."""
 
-from __future__ import annotations
-
 import ast
 import statistics
-from pathlib import Path
 
 from tests.architecture.tree import (
     Function,
@@ -36,7 +33,7 @@ NUMBERS_OF_ANY_KIND = {"wmr_proofs", "codegen"}
 
 
 def test_no_function_is_too_long():
-    def long(module: Module) -> list[str]:
+    def long(module):
         sizes = {f.name: length(f) for f in functions(module.tree)}
         return [f"{name}: {size}" for name, size in sizes.items() if size > LONGEST_FUNCTION]
 
@@ -51,7 +48,7 @@ def test_most_functions_take_a_few_lines():
 
 
 def test_modules_and_public_names_have_docstrings():
-    def bare(module: Module) -> list[str]:
+    def bare(module):
         told = (node for node in public(module.tree) if not is_overload(node))
         names = [node.name for node in told if not ast.get_docstring(node)]
         return names if ast.get_docstring(module.tree) else ["the module itself", *names]
@@ -59,18 +56,18 @@ def test_modules_and_public_names_have_docstrings():
     assert offenders(bare) == {}
 
 
-def is_overload(node: Function | ast.ClassDef) -> bool:
+def is_overload(node):
     return "overload" in map(ast.unparse, node.decorator_list)
 
 
 def test_functions_are_annotated():
-    def bare(module: Module) -> list[str]:
+    def bare(module):
         return [f"{f.name}: {', '.join(missing(f))}" for f in functions(module.tree) if missing(f)]
 
     assert offenders(bare) == {}
 
 
-def missing(function: Function) -> list[str]:
+def missing(function):
     """Arguments without annotation, self and cls aside, and ``return``."""
     args = function.args
     listed = [*args.posonlyargs, *args.args, *args.kwonlyargs]
@@ -82,14 +79,14 @@ def missing(function: Function) -> list[str]:
 def test_what_users_call_is_typed_to_the_end():
     """No ``Any`` in public signatures and fields, but where a type follows from a value."""
 
-    def loose(module: Module) -> set[str]:
+    def loose(module):
         names = set() if module.room in NUMBERS_OF_ANY_KIND else {*untyped(module.tree)}
         return names - FOLLOWS_FROM_A_VALUE.get(module.name, set())
 
     assert offenders(loose) == {}
 
 
-def untyped(tree: ast.Module) -> list[str]:
+def untyped(tree):
     """Public functions, methods and fields whose annotations mention ``Any``."""
     owners = [tree, *(n for n in public(tree) if isinstance(n, ast.ClassDef))]
     fields = [node for owner in owners for node in owner.body if isinstance(node, ast.AnnAssign)]
@@ -106,13 +103,13 @@ def untyped(tree: ast.Module) -> list[str]:
     ]
 
 
-def mentions_any(annotation: ast.expr | None) -> bool:
+def mentions_any(annotation):
     names = ast.walk(annotation) if annotation is not None else ()
     return any(isinstance(node, ast.Name) and node.id == "Any" for node in names)
 
 
 def test_no_path_of_modules_is_changed():
-    def changed(module: Module) -> list[str]:
+    def changed(module):
         nodes = [node for node in nodes_of(module.tree) if isinstance(node, ast.Attribute)]
         return [text for node in nodes if (text := ast.unparse(node)) == "sys.path"]
 
@@ -120,21 +117,21 @@ def test_no_path_of_modules_is_changed():
 
 
 def test_library_code_prints_nothing_and_holds_no_debugger():
-    def wrong(module: Module) -> set[str]:
+    def wrong(module):
         unwanted = {"breakpoint", "set_trace", *(() if module.room == "cli" else ("print",))}
         return calls(module) & unwanted
 
     assert offenders(wrong) == {}
 
 
-def calls(module: Module) -> set[str]:
+def calls(module):
     """Names of the functions and methods that a module calls."""
     nodes = [node.func for node in nodes_of(module.tree) if isinstance(node, ast.Call)]
     names = {node.id for node in nodes if isinstance(node, ast.Name)}
     return names | {node.attr for node in nodes if isinstance(node, ast.Attribute)}
 
 
-def test_the_checks_see_what_they_should(tmp_path: Path):
+def test_the_checks_see_what_they_should(tmp_path):
     """The helpers themselves: a wrong file is told from a right one."""
     wrong = ast.parse("def f(a, *, b: int):\n    def g() -> int: return 1\n    print(a)\n")
     module = Module("wmr_ctrl.x", tmp_path, "", wrong)

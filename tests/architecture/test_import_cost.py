@@ -1,7 +1,5 @@
 """Importing the package, and asking for help, loads none of the heavy dependencies."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -13,7 +11,7 @@ import wmr_ctrl
 HEAVY = {"casadi", "control", "fmpy", "matplotlib", "scipy.optimize"}
 
 
-def loaded_after(statements: str) -> set[str]:
+def loaded_after(statements):
     """Heavy modules that a fresh interpreter has loaded after some statements."""
     script = f"import sys\n{statements}\nprint('LOADED', *sys.modules)"
     done = subprocess.run(
@@ -23,7 +21,7 @@ def loaded_after(statements: str) -> set[str]:
     return HEAVY & set(done.stdout.rpartition("LOADED")[2].split())
 
 
-def need(module: str) -> None:
+def need(module):
     if find_spec(module) is None:
         pytest.skip(f"{module} is not there")
 

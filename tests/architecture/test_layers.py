@@ -1,19 +1,16 @@
 """Who may import whom, as docs/architecture.md says it."""
 
-from __future__ import annotations
-
 import ast
 import sys
-from collections.abc import Mapping
 
-from tests.architecture.tree import ROOT, Module, modules, nodes_of, offenders, room_of
+from tests.architecture.tree import ROOT, modules, nodes_of, offenders, room_of
 
 ORDER = (
     "version", "core", "results", "world", "control", "codegen", "theory", "simulation",
     "identification", "report", "export", "api", "extend", "__init__", "ros2", "cli", "__main__",
 )  # fmt: skip
 """Rooms and files of wmr_ctrl: each imports from those before it."""
-UPWARD: dict[str, set[str]] = {}
+UPWARD = {}
 """Imports for typing alone that go upward, by module, with a comment that says why."""
 ROS_MESSAGES = {
     "diagnostic_msgs", "geometry_msgs", "nav_msgs", "nav2_msgs", "rcl_interfaces", "sensor_msgs",
@@ -48,25 +45,25 @@ LEDGER = "wmr_ctrl.results.ledger"
 LIGHT = ("wmr_ctrl.core.errors", "wmr_ctrl.core.signals")
 
 
-def rank(room: str) -> int:
+def rank(room):
     assert room in ORDER, f"wmr_ctrl/{room} is in no place: add it to docs/architecture.md and here"
     return ORDER.index(room)
 
 
-def own_imports(module: Module, *, typing: bool = False) -> list[str]:
+def own_imports(module, *, typing=False):
     return [name for name in module.imports(typing=typing) if name.split(".")[0] == "wmr_ctrl"]
 
 
-def foreign_imports(module: Module) -> set[str]:
+def foreign_imports(module):
     tops = {name.split(".")[0] for name in module.imports()}
     return tops - {"wmr_ctrl", "wmr_proofs", "__future__"} - sys.stdlib_module_names
 
 
-def rooms_used(module: Module) -> set[str]:
+def rooms_used(module):
     return {room_of(name) for name in own_imports(module)}
 
 
-def in_package() -> list[Module]:
+def in_package():
     return [module for module in modules() if module.room != "wmr_proofs"]
 
 
@@ -109,7 +106,7 @@ def test_no_import_goes_from_the_package_to_its_proofs():
 
 
 def test_files_of_a_folder_import_each_other_relatively():
-    def absolute(module: Module) -> list[str]:
+    def absolute(module):
         folder = ".".join(module.path.parent.relative_to(ROOT).parts)
         if folder == "wmr_ctrl":  # its files stand beside the rooms and name them in full
             return []
@@ -128,7 +125,7 @@ def test_no_file_imports_itself_by_way_of_others():
     assert circle(ours) == []
 
 
-def circle(edges: Mapping[str, set[str]]) -> list[str]:
+def circle(edges):
     """Names on circles of a graph, sorted, and what lies between circles; often none."""
     left = set(edges)
     while True:
@@ -145,7 +142,7 @@ def test_circles_are_seen():
 
 
 def test_third_party_imports_are_those_of_the_room():
-    def foreign(module: Module) -> set[str]:
+    def foreign(module):
         return foreign_imports(module) - THIRD_PARTY.get(module.room, set())
 
     assert {k: v for k, v in offenders(foreign).items() if not k.startswith("wmr_ctrl.cli")} == {}
@@ -158,7 +155,7 @@ def test_tests_notebooks_and_benchmarks_are_not_imported():
 
 
 def test_few_rooms_join_compiling_and_running():
-    def joins(module: Module) -> list[str]:
+    def joins(module):
         both = rooms_used(module) >= {"codegen", "simulation"}
         return ["codegen with simulation"] if both and module.room not in JOINERS else []
 
@@ -168,7 +165,7 @@ def test_few_rooms_join_compiling_and_running():
 def test_runs_are_handed_their_kernels():
     graphs = {"control", "codegen", "theory"}
 
-    def builds(module: Module) -> set[str]:
+    def builds(module):
         runs = module.name.startswith(ONLY_RUNS) and not module.name.startswith(BUILDS)
         return rooms_used(module) & graphs if runs else set()
 
@@ -178,7 +175,7 @@ def test_runs_are_handed_their_kernels():
 def test_the_report_runs_nothing():
     jobs = {"run_campaign", "run_cases", "run_comparison", "run_study", "simulate", "run_each"}
 
-    def runs(module: Module) -> set[str]:
+    def runs(module):
         if module.room != "report":
             return set()
         named = {node.id for node in nodes_of(module.tree) if isinstance(node, ast.Name)}
@@ -188,7 +185,7 @@ def test_the_report_runs_nothing():
 
 
 def test_the_ledger_needs_the_standard_library_alone():
-    def heavy(module: Module) -> set[str]:
+    def heavy(module):
         return foreign_imports(module) | rooms_used(module) if module.name == LEDGER else set()
 
     assert offenders(heavy) == {}
@@ -204,7 +201,7 @@ def test_methods_of_proof_stand_alone():
         LEDGER,
     )
 
-    def ours(module: Module) -> list[str]:
+    def ours(module):
         if not module.name.startswith(allowed[: len(parts)]):
             return []
         own = (name for name in module.imports() if name.split(".")[0].startswith("wmr_"))
@@ -253,7 +250,6 @@ def test_laws_and_plants_are_built_into_systems():
 def test_every_engine_returns_a_run():
     """One type at the arrow: what the interface simulates is a Run, or many of them."""
     api = next((module for module in modules() if module.name == "wmr_ctrl.api"), None)
-    assert api is not None
     returned = {
         node.name: ast.unparse(node.returns)
         for node in api.tree.body

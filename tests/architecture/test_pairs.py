@@ -4,35 +4,31 @@ The functions of ``wmr_ctrl/ROOM/NAME.py`` are called in ``tests/ROOM/test_NAME.
 of tests begins with the name of a module beside the one that it is about, or with its folder's.
 """
 
-from __future__ import annotations
-
 import ast
-from collections.abc import Iterator
 from functools import cache
-from pathlib import Path
 
-from tests.architecture.tree import ROOT, Module, functions, modules, nodes_of
+from tests.architecture.tree import ROOT, functions, modules, nodes_of
 
 TESTS = ROOT / "tests"
 ROOMS = ("core", "results", "world", "control", "codegen", "simulation", "export")
-WITHOUT: dict[str, str] = {}
+WITHOUT = {}
 """Modules that need no test of their own, and why."""
 
 
 @cache
-def parsed() -> dict[Path, ast.Module]:
+def parsed():
     """Every Python file below tests, parsed."""
     return {path: ast.parse(path.read_text("utf-8")) for path in sorted(TESTS.rglob("*.py"))}
 
 
 @cache
-def paired() -> dict[Module, Path]:
+def paired():
     """The modules of these rooms that have functions, each with the file of its test."""
     found = (item for item in modules() if item.room in ROOMS and item.path.stem != "__init__")
     return {item: mirrored_test(item.path) for item in found if any(functions(item.tree))}
 
 
-def mirrored_test(path: Path) -> Path:
+def mirrored_test(path):
     return TESTS / path.relative_to(ROOT / "wmr_ctrl").with_name(f"test_{path.name}")
 
 
@@ -43,7 +39,7 @@ def test_every_module_has_its_test_and_is_called_there():
     assert set(WITHOUT) <= set(faults)
 
 
-def fault(module: Module, path: Path) -> str:
+def fault(module, path):
     """What a module's test lacks; empty where it calls the module and asserts something."""
     if path not in parsed():
         return f"{path.relative_to(ROOT)} is missing"
@@ -53,14 +49,14 @@ def fault(module: Module, path: Path) -> str:
     return "" if asserts(tree) else f"{path.relative_to(ROOT)} asserts nothing"
 
 
-def uses(tree: ast.Module, name: str) -> bool:
+def uses(tree, name):
     """Whether functions of a test name what they import from a module."""
     imported = {given for given, home in imports_of(tree) if home == name}
     named = (node.id for node in nodes_of(tree) if isinstance(node, ast.Name))
     return not imported.isdisjoint(named)
 
 
-def imports_of(tree: ast.Module) -> Iterator[tuple[str, str]]:
+def imports_of(tree):
     """Names that a file imports, each with the module where it is defined."""
     for node in nodes_of(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("wmr_ctrl"):
@@ -69,7 +65,7 @@ def imports_of(tree: ast.Module) -> Iterator[tuple[str, str]]:
 
 
 @cache
-def home(package: str, name: str) -> str:
+def home(package, name):
     """The module that ``from package import name`` leads to, through what packages hand on."""
     by_name = {item.name: item for item in modules()}
     if f"{package}.{name}" in by_name:
@@ -85,7 +81,7 @@ def home(package: str, name: str) -> str:
     return package
 
 
-def asserts(tree: ast.Module) -> bool:
+def asserts(tree):
     """Whether a test asserts values or errors, itself or by a helper of that name."""
     called = (node.func for node in nodes_of(tree) if isinstance(node, ast.Call))
     names = {ast.unparse(item).rpartition(".")[2] for item in called}
@@ -104,7 +100,7 @@ def test_every_test_is_named_after_what_it_tests():
     assert astray == []
 
 
-def is_named_after_something(path: Path) -> bool:
+def is_named_after_something(path):
     mirrored = ROOT / "wmr_ctrl" / path.parent.relative_to(TESTS)
     names = {mirrored.name, *(item.stem for item in mirrored.glob("*.py"))}
     own = path.stem.removeprefix("test_")
@@ -123,6 +119,6 @@ def test_what_tests_import_of_each_other_is_there():
     assert missing == set()
 
 
-def is_there(module: str) -> bool:
+def is_there(module):
     path = ROOT.joinpath(*module.split("."))
     return path.is_dir() or path.with_suffix(".py").is_file()

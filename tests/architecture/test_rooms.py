@@ -1,12 +1,9 @@
 """The rooms of the two packages: how many, what each is for, how large, and what names say."""
 
-from __future__ import annotations
-
 import ast
 import io
 import re
 import tokenize
-from pathlib import Path
 
 import pytest
 
@@ -28,7 +25,7 @@ SNIFFED = {
 """Where an object may be asked for a name that it may not have, and why."""
 
 
-def folders(package: str) -> list[Path]:
+def folders(package):
     """Folders of Python files below a package."""
     return sorted({path.parent for path in (ROOT / package).rglob("*.py")} - {ROOT / package})
 
@@ -60,7 +57,7 @@ def test_page_lists_each_room_with_the_sentence_of_its_docstring():
     assert len(page.split()) <= 2500
 
 
-def sentence(folder: Path) -> str:
+def sentence(folder):
     """First paragraph of a folder's docstring."""
     tree = ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))
     return " ".join((ast.get_docstring(tree) or "").split("\n\n")[0].split())
@@ -73,7 +70,7 @@ def test_purpose_of_every_folder_is_one_sentence():
     assert bad == {}
 
 
-def is_sentence(text: str) -> bool:
+def is_sentence(text):
     return text.endswith(".") and ". " not in text
 
 
@@ -99,7 +96,7 @@ def test_packages_keep_their_budget(package, record_property):
     assert count <= TOKENS[package]
 
 
-def tokens_of_code(text: str) -> int:
+def tokens_of_code(text):
     """Names, operators, numbers and strings; docstrings are free, a formatted string is one."""
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     owners = (node for node in ast.walk(ast.parse(text)) if isinstance(node, documented))
@@ -118,7 +115,7 @@ def tokens_of_code(text: str) -> int:
     return count
 
 
-def has_text(node: ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+def has_text(node):
     return ast.get_docstring(node, clean=False) is not None
 
 
@@ -132,7 +129,7 @@ def test_nothing_is_asked_for_names_that_it_may_not_have():
     assert set(offenders(sniffed)) <= set(SNIFFED)
 
 
-def sniffed(module: Module) -> list[str]:
+def sniffed(module):
     """Calls of hasattr, and of getattr with a text."""
     calls = [node for node in nodes_of(module.tree) if isinstance(node, ast.Call)]
     return [

@@ -1,7 +1,5 @@
 """Every quantity that a user can set or read has a unit and a meaning."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib
 import re
@@ -16,7 +14,7 @@ UNIT = re.compile(r"(1|rad|deg|%|(k?g|m|s|N|Hz|W|J)\d?)([./](k?g|m|s|N|rad)\d?)*
 FREE_OF_UNITS = {"text", "flag", "mapping"}
 
 
-def catalogue() -> list[Signal]:
+def catalogue():
     listed = [value for value in vars(signals).values() if isinstance(value, Signal | tuple)]
     flat = [value if isinstance(value, tuple) else (value,) for value in listed]
     return [item for group in flat for item in group if isinstance(item, Signal)]
@@ -29,7 +27,7 @@ def test_signals_have_si_units_and_a_meaning(signal):
     assert all(UNIT.fullmatch(unit) for unit in signal.units), signal.units
 
 
-def section_fields() -> list[tuple[str, str, dataclasses.Field[object]]]:
+def section_fields():
     """Fields of every dataclass of scenarios and gains that were declared as quantities."""
     found = []
     for module in modules():

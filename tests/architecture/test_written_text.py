@@ -1,7 +1,5 @@
 """What is written in the tree speaks of the project only."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess
@@ -58,7 +56,7 @@ def test_what_users_commands_write_is_no_part_of_the_project(tmp_path, tracked):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    "text, told",
     [
         ("cd /" + "home/me/x", True),
         ("see '/" + "tmp/venv'", True),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import shutil
 import subprocess
-from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -30,11 +29,11 @@ class Module:
     tree: ast.Module
 
     @property
-    def room(self) -> str:
+    def room(self):
         """The folder or file right below wmr_ctrl that it belongs to, or wmr_proofs."""
         return room_of(self.name)
 
-    def imports(self, *, typing: bool = False) -> Iterator[str]:
+    def imports(self, *, typing=False):
         """Every imported module, wherever the statement stands; names count as modules if so.
 
         With ``typing`` also what only annotations need, under ``if TYPE_CHECKING:``.
@@ -48,13 +47,13 @@ class Module:
             elif isinstance(node, ast.ImportFrom):
                 yield from self._from(node)
 
-    def _from(self, node: ast.ImportFrom) -> Iterator[str]:
+    def _from(self, node):
         base = self.origin(node)
         for alias in node.names:
             full = f"{base}.{alias.name}"
             yield full if full in names_of_modules() else base
 
-    def origin(self, node: ast.ImportFrom) -> str:
+    def origin(self, node):
         """The module that such a statement imports from."""
         if not node.level:
             return node.module or ""
@@ -64,54 +63,54 @@ class Module:
 
 
 @cache
-def modules() -> tuple[Module, ...]:
+def modules():
     """Every Python file of both packages."""
     return tuple(_parsed(path) for path in paths())
 
 
 @cache
-def names_of_modules() -> frozenset[str]:
+def names_of_modules():
     """Dotted names of all modules of both packages."""
     return frozenset(map(_name, paths()))
 
 
-def paths() -> list[Path]:
+def paths():
     """Python files of both packages, sorted."""
     return sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
 
 
-def offenders(check: Callable[[Module], Iterable[str]]) -> dict[str, list[str]]:
+def offenders(check):
     """Module to what ``check`` says is wrong in it, for the modules where there is something."""
     faults = {module.name: list(check(module)) for module in modules()}
     return {name: wrong for name, wrong in faults.items() if wrong}
 
 
 @cache
-def nodes_of(tree: ast.Module) -> tuple[ast.AST, ...]:
+def nodes_of(tree):
     """All nodes of a syntax tree: many tests walk the same ones."""
     return tuple(ast.walk(tree))
 
 
 @cache
-def for_typing(tree: ast.Module) -> set[ast.AST]:
+def for_typing(tree):
     """What stands under ``if TYPE_CHECKING:`` and never runs."""
     guards = (node for node in nodes_of(tree) if isinstance(node, ast.If))
     asked = (node for node in guards if ast.unparse(node.test).endswith("TYPE_CHECKING"))
     return {inner for node in asked for line in node.body for inner in ast.walk(line)}
 
 
-def room_of(name: str) -> str:
+def room_of(name):
     """First part of a dotted name after wmr_ctrl, ``__init__`` for the package itself."""
     package, *parts = name.split(".")
     return package if package != "wmr_ctrl" else [*parts, "__init__"][0]
 
 
-def functions(tree: ast.Module) -> Iterator[Function]:
+def functions(tree):
     """Every function and method, nested ones too."""
     return (node for node in nodes_of(tree) if isinstance(node, Function))
 
 
-def public(tree: ast.Module) -> Iterator[Function | ast.ClassDef]:
+def public(tree):
     """Public functions and classes of a module, and the public methods of such classes."""
     for node in tree.body:
         if isinstance(node, Function | ast.ClassDef) and not node.name.startswith("_"):
@@ -124,7 +123,7 @@ def public(tree: ast.Module) -> Iterator[Function | ast.ClassDef]:
                 )
 
 
-def length(function: Function) -> int:
+def length(function):
     """Lines of a function without its decorators and docstring."""
     body = function.body
     documented = ast.get_docstring(function, clean=False) is not None
@@ -133,7 +132,7 @@ def length(function: Function) -> int:
     return (function.end_lineno or function.lineno) - function.lineno + 1 - said
 
 
-def text_files() -> Iterator[Path]:
+def text_files():
     """Files that belong to the project and are text."""
     for path in project_files():
         try:
@@ -143,7 +142,7 @@ def text_files() -> Iterator[Path]:
         yield path
 
 
-def project_files(root: Path = ROOT) -> list[Path]:
+def project_files(root=ROOT):
     """What git tracks, and what is new in the project's folders; without git all in these.
 
     What users' commands write beside them (reports, FMUs, scenarios of their own) is not ours.
@@ -155,17 +154,17 @@ def project_files(root: Path = ROOT) -> list[Path]:
     return [path for path in (*inside, *(root / name for name in AT_ROOT)) if path.is_file()]
 
 
-def _git(root: Path, options: tuple[str, ...]) -> list[str]:
+def _git(root, options):
     command = ["git", "ls-files", "-z", *options]
     done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True)
     return [name for name in done.stdout.split("\0") if name]
 
 
-def _parsed(path: Path) -> Module:
+def _parsed(path):
     text = path.read_text(encoding="utf-8")
     return Module(_name(path), path, text, ast.parse(text, filename=str(path)))
 
 
-def _name(path: Path) -> str:
+def _name(path):
     parts = path.relative_to(ROOT).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)

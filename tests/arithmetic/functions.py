@@ -1,15 +1,12 @@
 """The functions of fmu/runtime/arithmetic.h, compiled and called on arrays."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.codegen.compiler import Toolchain
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
@@ -25,14 +22,14 @@ SOURCE = Path(__file__).parent / "each.c"
 Call = Callable[..., np.ndarray]
 
 
-def files() -> dict[str, str | bytes]:
+def files():
     """Sources of the library, by name."""
     paths = (SOURCE, runtime_dir() / HEADER)
     return {path.name: path.read_text(encoding="utf-8") for path in paths}
 
 
 @functools.cache
-def library(toolchain: Toolchain | None = None, flags: Sequence[str] = ()) -> ct.CDLL:
+def library(toolchain=None, flags=()):
     """All functions for one number, or with a flag -DWMR_LANES for lanes."""
     chosen = (toolchain or find_toolchain()).with_flags(*flags)
     loaded = ct.CDLL(str(build_library(files(), chosen, name="each")))
@@ -40,7 +37,7 @@ def library(toolchain: Toolchain | None = None, flags: Sequence[str] = ()) -> ct
     return loaded
 
 
-def called(name: str, a: np.ndarray, b: np.ndarray | None = None, *, of: ct.CDLL) -> np.ndarray:
+def called(name, a, b=None, *, of):
     """Function ``name`` of a library on arrays of one length."""
     size = -(-len(a) // 8) * 8
     out = np.resize(np.asarray(a, dtype=float), size)
@@ -50,16 +47,16 @@ def called(name: str, a: np.ndarray, b: np.ndarray | None = None, *, of: ct.CDLL
     return out[: len(a)]
 
 
-def hashes(of: ct.CDLL) -> dict[str, str]:
+def hashes(of):
     """What each.c makes of its own inputs: equal hashes, equal bits."""
     return {name: f"{of.hash_of(ct.c_int32(place)):016x}" for place, name in enumerate(EVERY)}
 
 
-def one(name: str) -> Callable[..., float]:
+def one(name):
     """Function ``name`` of single numbers, as this machine's compiler makes it."""
     entry, number = library()[f"each_{name}"], ct.c_double * 1
 
-    def call(a: float, b: float = 0.0) -> float:
+    def call(a, b=0.0):
         out, other = number(a), number(b)
         entry(out, other, ct.c_int64(1))
         return out[0]

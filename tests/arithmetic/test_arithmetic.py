@@ -1,7 +1,5 @@
 """Elementary functions: how near they are to the truth, special values, lanes like numbers."""
 
-from __future__ import annotations
-
 import itertools
 import math
 
@@ -22,7 +20,7 @@ LIMITS = {
 """Units in the last place, as the header states them."""
 
 Range = tuple[float, float]
-UNIFORM: dict[str, list[Range]] = {
+UNIFORM = {
     "exp": [(-745.0, 709.7), (-701.0, -699.0), (699.0, 701.0), (-1.0, 1.0)],
     "expm1": [(-60.0, 60.0), (-1.5, 1.5), (-0.36, 0.36), (55.0, 57.0), (600.0, 709.7)],
     "log": [(0.5, 2.0), (0.999, 1.001)],
@@ -38,7 +36,7 @@ UNIFORM: dict[str, list[Range]] = {
     "atan": [(-5.0, 5.0), (0.43, 0.44), (0.68, 0.69), (1.18, 1.19), (2.43, 2.44)],
     "sqrt": [(0.0, 4.0)],
 }
-POWERS: dict[str, list[Range]] = {
+POWERS = {
     "exp": [(-20.0, 0.0)], "expm1": [(-20.0, 0.0)], "log": [(-323.0, -308.0), (-307.0, 308.0)],
     "log1p": [(-20.0, 300.0)], "sin": [(-20.0, 0.0), (3.0, 308.0)],
     "cos": [(-20.0, 0.0), (3.0, 308.0)], "tan": [(-20.0, 0.0), (3.0, 308.0)],
@@ -60,7 +58,7 @@ NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2
 SETS = {item.name: item for item in vector_sets()}
 
 
-def inputs(name: str) -> np.ndarray:
+def inputs(name):
     draw = np.random.default_rng(0)
     both = [1.0] if name in ("log", "log1p", "sqrt") else [1.0, -1.0]
     parts = [draw.uniform(low, high, DRAWS) for low, high in UNIFORM[name]]
@@ -71,10 +69,10 @@ def inputs(name: str) -> np.ndarray:
     return np.concatenate(parts)
 
 
-def pairs(name: str) -> tuple[np.ndarray, np.ndarray]:
+def pairs(name):
     draw = np.random.default_rng(0)
 
-    def power(low: float, high: float) -> np.ndarray:
+    def power(low, high):
         return 10 ** draw.uniform(low, high, DRAWS)
 
     if name == "pow":
@@ -88,7 +86,7 @@ def pairs(name: str) -> tuple[np.ndarray, np.ndarray]:
     return tuple(side * draw.choice([1.0, -1.0], len(side)) for side in sides)
 
 
-def error(found: float, wanted: mpmath.mpf) -> float:
+def error(found, wanted):
     """Of a result, in units in its last place."""
     rounded = float(wanted)
     if math.isinf(rounded) or math.isinf(found):
@@ -96,7 +94,7 @@ def error(found: float, wanted: mpmath.mpf) -> float:
     return float(abs(mpmath.mpf(found) - wanted) / math.ulp(rounded))
 
 
-def worst(name: str, given: tuple[np.ndarray, ...], precision: int = 120) -> float:
+def worst(name, given, precision=120):
     truth = getattr(mpmath, {"pow": "power"}.get(name, name))
     found = called(name, *given, of=library())
     with mpmath.workprec(precision):
@@ -107,17 +105,17 @@ def worst(name: str, given: tuple[np.ndarray, ...], precision: int = 120) -> flo
 
 
 @pytest.mark.parametrize("name", UNIFORM)
-def test_functions_are_as_right_as_the_header_says(name: str) -> None:
+def test_functions_are_as_right_as_the_header_says(name):
     assert worst(name, (inputs(name),)) <= LIMITS[name]
 
 
 @pytest.mark.parametrize("name", ["atan2", "hypot", "pow"])
-def test_functions_of_two_are_as_right_as_the_header_says(name: str) -> None:
+def test_functions_of_two_are_as_right_as_the_header_says(name):
     assert worst(name, pairs(name)) <= LIMITS[name]
 
 
 @pytest.mark.parametrize("name", ["sin", "cos", "tan"])
-def test_angles_of_any_size_are_reduced_exactly(name: str) -> None:
+def test_angles_of_any_size_are_reduced_exactly(name):
     """Next to multiples of pi/2 too: the first is the double that is nearest to one of all."""
     given = np.array([6381956970095103 * 2.0**797, 1e300, 1e22, 2.0**1023, -1.7976931348623157e308])
 
@@ -125,7 +123,7 @@ def test_angles_of_any_size_are_reduced_exactly(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_special_values_are_the_c_librarys(name: str) -> None:
+def test_special_values_are_the_c_librarys(name):
     """Signs of zeros included."""
     rows = itertools.product(SPECIAL, SPECIAL) if name in PAIRS else zip(SPECIAL, strict=True)
     given = [np.array(column) for column in zip(*rows, strict=True)]
@@ -140,7 +138,7 @@ def test_special_values_are_the_c_librarys(name: str) -> None:
     assert np.array_equal(np.signbit(found[known]), np.signbit(wanted[known]))
 
 
-def truth_of(name: str) -> np.ufunc:
+def truth_of(name):
     own = {
         "exp_many": np.exp,
         "sin_of_both": np.sin,
@@ -153,7 +151,7 @@ def truth_of(name: str) -> np.ufunc:
     return own.get(name) or getattr(np, NUMPY.get(name, name))
 
 
-def test_every_nan_becomes_the_same() -> None:
+def test_every_nan_becomes_the_same():
     bits = np.array([0x7FF8000000000001, 0xFFF8000000000000, 0x7FF0000000000001], dtype=np.uint64)
     found = called("one_nan", bits.view(float), of=library())
 
@@ -162,7 +160,7 @@ def test_every_nan_becomes_the_same() -> None:
 
 @pytest.mark.parametrize("vectors", SETS)
 @pytest.mark.slow
-def test_lanes_have_the_bits_of_numbers(vectors: str) -> None:
+def test_lanes_have_the_bits_of_numbers(vectors):
     if SETS[vectors].lanes > library().most_lanes():
         pytest.skip(f"NOT RUN: this processor has no {vectors}")
     toolchain = find_toolchain()
@@ -175,7 +173,7 @@ def test_lanes_have_the_bits_of_numbers(vectors: str) -> None:
 
 
 @pytest.mark.slow
-def test_branches_of_other_lanes_change_nothing() -> None:
+def test_branches_of_other_lanes_change_nothing():
     """Numbers of all kinds side by side, against the same number in all lanes."""
     toolchain = find_toolchain()
     lanes = library(toolchain, ("-DWMR_LANES=8", "-Wno-psabi"))
@@ -187,6 +185,6 @@ def test_branches_of_other_lanes_change_nothing() -> None:
         assert np.array_equal(mixed, alone, equal_nan=True), name
 
 
-def test_denormal_numbers_are_kept() -> None:
+def test_denormal_numbers_are_kept():
     assert called("sqrt", np.array([5e-324]), of=library())[0] > 0
     assert float(np.float64(2.3e-308) / 8) > 0

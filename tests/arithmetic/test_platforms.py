@@ -1,7 +1,5 @@
 """The bits of all elementary functions, equal for compilers, optimisation, processors, systems."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from pathlib import Path
@@ -30,9 +28,7 @@ WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wdouble-promotion", 
 HERE = (("gcc", "-O2", "-march=native"), ("clang", "-O3", "-march=native", "-DWMR_LANES=8"))
 
 
-def built(
-    folder: Path, command: tuple[str, ...], out: str = "each", flags: tuple[str, ...] = FLAGS
-) -> Path:
+def built(folder, command, out="each", flags=FLAGS):
     needs_compiler(command)
     for name, text in files().items():
         (folder / name).write_text(str(text), encoding="utf-8")
@@ -40,7 +36,7 @@ def built(
     return folder / out
 
 
-def assert_equal_bits(*command: object, **more: object) -> None:
+def assert_equal_bits(*command, **more):
     done = subprocess.run(
         [str(part) for part in command], capture_output=True, text=True, check=False,
         timeout=300, env={**os.environ, **{name: str(value) for name, value in more.items()}},
@@ -52,18 +48,18 @@ def assert_equal_bits(*command: object, **more: object) -> None:
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.slow_but("clang")
-def test_it_is_c99_without_a_warning(compiler: str, tmp_path: Path) -> None:
+def test_it_is_c99_without_a_warning(compiler, tmp_path):
     assert_equal_bits(built(tmp_path, (compiler, "-O1", "-DWMR_PRINT", *WARNINGS)))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", HERE, ids=" ".join)
-def test_compilers_and_flags_give_the_same_bits(command: tuple[str, ...], tmp_path: Path) -> None:
+def test_compilers_and_flags_give_the_same_bits(command, tmp_path):
     assert_equal_bits(built(tmp_path, (*command, "-DWMR_PRINT")))
 
 
 @pytest.mark.slow
-def test_aarch64_gives_the_same_bits(tmp_path: Path) -> None:
+def test_aarch64_gives_the_same_bits(tmp_path):
     emulator = where(*QEMU)
     target = ("-target", ARM, "-DWMR_LANES=2", "-DWMR_PRINT", "-O2")
 
@@ -71,7 +67,7 @@ def test_aarch64_gives_the_same_bits(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_windows_gives_the_same_bits(tmp_path: Path) -> None:
+def test_windows_gives_the_same_bits(tmp_path):
     emulator = where(*WINE)
     program = built(tmp_path, (*ZIG, "-target", "x86_64-windows-gnu", "-DWMR_PRINT", "-O2"),
                     "each.exe")  # fmt: skip
@@ -80,7 +76,7 @@ def test_windows_gives_the_same_bits(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_webassembly_gives_the_same_bits(tmp_path: Path) -> None:
+def test_webassembly_gives_the_same_bits(tmp_path):
     node = where(*NODE)
     command = (*WASM, "-Wl,--export=hash_of")
 
@@ -88,7 +84,7 @@ def test_webassembly_gives_the_same_bits(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_fused_operations_would_be_seen(tmp_path: Path) -> None:
+def test_fused_operations_would_be_seen(tmp_path):
     """The hashes tell a last digit: with contraction, where the processor can, they differ."""
     if "fma" not in processor():
         pytest.skip("NOT RUN: no x86 processor with fused operations")

@@ -50,7 +50,7 @@ def test_a_command_that_does_not_keep_the_curvature_is_seen():
     assert off.tolist() == [False, True, True, False, True]
 
 
-@pytest.mark.parametrize(("share", "seen"), [(1.0, False), (1.001, True)])
+@pytest.mark.parametrize("share, seen", [(1.0, False), (1.001, True)])
 def test_a_least_command_that_does_not_act_is_seen(share, seen):
     least = {**FAST_TURNS, "filter.least": True}
     stated = told_of("clip", Base(**BAND), least)

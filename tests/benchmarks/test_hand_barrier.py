@@ -56,7 +56,7 @@ def assert_exact(axis, v, c):
         assert abs(mp.mpf(float(actual)) - expected) <= slack, (name, axis, v, c, float(expected))
 
 
-@pytest.mark.parametrize(("region", "axis"), [(1, 0), (2, 1), (3, 1)])
+@pytest.mark.parametrize("region, axis", [(1, 0), (2, 1), (3, 1)])
 @pytest.mark.slow_but("3-1")
 def test_barrier_is_exact_in_every_region(region, axis):
     rng, u2 = np.random.default_rng(10 * region + axis), SETUP.v_u2[axis]

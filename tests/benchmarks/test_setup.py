@@ -21,7 +21,7 @@ def test_a_scenario_without_noise_or_change_is_taken_over():
 
 
 @pytest.mark.parametrize(
-    ("name", "key", "value"),
+    "name, key, value",
     [
         ("paper-simulation", "gains.nn.integrator", "semi-implicit"),
         ("paper-simulation", "actuator.tau_max", 5.0),

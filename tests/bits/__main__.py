@@ -4,11 +4,8 @@ Each line is a platform, a law and what was found; without names, all platforms.
 part of these, in which every law occurs.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 from pathlib import Path
@@ -16,12 +13,12 @@ from pathlib import Path
 import pytest
 
 from tests.bits.cases import CASES
-from tests.bits.platforms import Platform, differences
+from tests.bits.platforms import differences
 from tests.bits.test_same_bits import EVERYWHERE
 from wmr_ctrl.control.laws.registry import NAMES
 
 
-def said(platform: Platform, law: str) -> str:
+def said(platform, law):
     """What comes out of all cases of a law on a platform."""
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -31,7 +28,7 @@ def said(platform: Platform, law: str) -> str:
     return "; ".join(found) or "the same bits"
 
 
-def main(names: Sequence[str]) -> int:
+def main(names):
     """Print a line for each; 1 if any bit differs."""
     chosen = [item for name, item in EVERYWHERE.items() if name in names or not names]
     pairs = list(product(chosen, NAMES))

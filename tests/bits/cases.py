@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from wmr_ctrl.codegen.build import Program, build_loop, program_of
+from wmr_ctrl.codegen.build import build_loop, program_of
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.compiled import CompiledLoop
 from wmr_ctrl.core.signals import elements
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.simulation.engines import runnable_of
-from wmr_ctrl.simulation.memory import Memory, Task, laid_out, noise_key
-from wmr_ctrl.simulation.runnable import RunnableLoop
+from wmr_ctrl.simulation.memory import Task, laid_out, noise_key
 from wmr_ctrl.world.scenario import load_scenario
 
 SEED = 5
 WIDEST = 8
 """Robots of the widest vector."""
-EFFECTS: Mapping[str, object] = {
+EFFECTS = {
     "disturbance": {"std": 1.0, "truncate": 2.0, "push": [3.0, 0.5]},
     "sensor.pose_period": 0.05,
     "sensor.pose_noise": 0.004,
@@ -30,13 +28,13 @@ EFFECTS: Mapping[str, object] = {
     "sensor.correction": 0.6,
     "actuator": {"lag": 0.02, "delay": 0.003},
 }
-GUARD: Mapping[str, object] = {
+GUARD = {
     "guard.enabled": True,
     "guard.alpha": 5.0,
     "initial.velocity": [0.99, -1.45],
 }
 """So that it acts on every law."""
-CASES: Mapping[str, Mapping[str, object]] = {
+CASES = {
     "plain": {}, "guarded": GUARD, "effects": EFFECTS, "everything": {**EFFECTS, **GUARD},
 }  # fmt: skip
 """Changes of paper-simulation: 80 s with noise, and other masses from 40 s on."""
@@ -51,22 +49,22 @@ class Case:
     compiled: CompiledLoop
 
     @property
-    def program(self) -> Program:
+    def program(self):
         """Its C text."""
         return program_of(self.setup)
 
     @property
-    def loop(self) -> RunnableLoop:
+    def loop(self):
         """Ready to run."""
         setup = self.setup
         return runnable_of(self.compiled, setup)
 
     @property
-    def windows(self) -> list[tuple[int, int]]:
+    def windows(self):
         """Windows of the sums."""
         return list(windows_of(self.loop.settings).values())
 
-    def bits(self) -> bytes:
+    def bits(self):
         """What case.c shows, from our library: rows, findings, state; findings, state, sums."""
         task = Task(self.loop, SEED)
         logged, watched = laid_out([task], [], log=True), laid_out([task], self.windows)
@@ -77,24 +75,24 @@ class Case:
 
 
 @functools.cache
-def case(law: str, name: str) -> Case:
+def case(law, name):
     """One of CASES."""
     setup = settle(load_scenario("paper-simulation", CASES[name]), law)
     return Case(name, setup, build_loop(setup, watched=True))
 
 
 @functools.cache
-def bits_of(law: str, name: str) -> bytes:
+def bits_of(law, name):
     """Those of a case."""
     return case(law, name).bits()
 
 
-def left(memory: Memory) -> bytes:
+def left(memory):
     """Findings and state of the first lane."""
     return memory.findings[:, 0].tobytes() + memory.state[:, 0].tobytes()
 
 
-def numbers(one: Case) -> str:
+def numbers(one):
     """numbers.h of a case."""
     compiled, clock, delay = one.compiled, one.setup.scenario.clock, one.setup.scenario.actuator
     keys = ", ".join(f"{{{a}u, {b}u}}" for a, b in (noise_key(SEED + k) for k in range(WIDEST)))
@@ -115,18 +113,18 @@ def numbers(one: Case) -> str:
     ))  # fmt: skip
 
 
-def listed(values: Sequence[float]) -> str:
+def listed(values):
     """Numbers as C spells their very bits."""
     return ", ".join(map(_spelled, values))
 
 
-def _spelled(value: float) -> str:
+def _spelled(value):
     if isinstance(value, int):
         return str(value)
     return value.hex() if math.isfinite(value) else "-INFINITY" if value < 0 else "INFINITY"
 
 
-def different(law: str, name: str, shown: bytes) -> str:
+def different(law, name, shown):
     """Where bits differ from those of a case: first row and columns; nothing where they do not."""
     wanted = bits_of(law, name)
     if shown == wanted:
@@ -136,7 +134,7 @@ def different(law: str, name: str, shown: bytes) -> str:
     return f"{law}, {name}: {'; '.join(_places(case(law, name), wanted, shown))}"
 
 
-def _places(one: Case, wanted: bytes, shown: bytes) -> Iterator[str]:
+def _places(one, wanted, shown):
     columns = elements(one.compiled.layout.columns)
     pairs = zip(*(np.frombuffer(item, dtype="<u8") for item in (wanted, shown)), strict=True)
     places = [place for place, (a, b) in enumerate(pairs) if a != b]

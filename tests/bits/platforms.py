@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,7 +41,7 @@ class Platform:
     suffix: str = ""
 
 
-def check_tools(platform: Platform) -> list[str]:
+def check_tools(platform):
     """What runs a program of the platform; skips where something is missing."""
     needs_compiler(platform.command)
     for flag, name in INSTRUCTIONS.items():
@@ -52,7 +51,7 @@ def check_tools(platform: Platform) -> list[str]:
     return [*runner, *([str(platform.script)] if platform.script else [])]
 
 
-def differences(platform: Platform, law: str, names: Iterable[str], folder: Path) -> list[str]:
+def differences(platform, law, names, folder):
     """Where a platform's bits differ from those of our library here."""
     runner, listed = check_tools(platform), tuple(names)
     shown = ran([*runner, str(built(platform, law, listed, folder))], folder)
@@ -64,7 +63,7 @@ def differences(platform: Platform, law: str, names: Iterable[str], folder: Path
     return [text for text in texts if text] + [f"{law}: more bytes"] * (at != len(shown))
 
 
-def built(platform: Platform, law: str, names: Iterable[str], folder: Path) -> Path:
+def built(platform, law, names, folder):
     """The program of a law's cases; every case has a folder of its own there."""
     listed = tuple(names)
     units = [written(platform.lanes, law, name, folder / name) for name in listed]
@@ -78,7 +77,7 @@ def built(platform: Platform, law: str, names: Iterable[str], folder: Path) -> P
     return out
 
 
-def written(lanes: int, law: str, name: str, folder: Path) -> Path:
+def written(lanes, law, name, folder):
     """The unit of a case, with all that it includes beside it."""
     one = case(law, name)
     text = one.program.generated_lanes if lanes else one.program.generated_watched
@@ -90,7 +89,7 @@ def written(lanes: int, law: str, name: str, folder: Path) -> Path:
     return unit
 
 
-def ran(command: list[str], folder: Path) -> bytes:
+def ran(command, folder):
     """What a program writes; a file takes it, since not every platform can wait for a pipe."""
     out = folder / "bits"
     own = wine() if Path(command[0]).name in map(os.path.basename, WINE) else {}

@@ -1,9 +1,5 @@
 """The closed-loop FMU shows the bits of the native loop, over 80 s."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fmpy import simulate_fmu
@@ -18,8 +14,8 @@ AFTER = {"x", "y", "theta", "v1", "omega", "psi"}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "name"), [("nn", "plain"), ("mb", "everything")])
-def test_all_columns(law: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("law, name", [("nn", "plain"), ("mb", "everything")])
+def test_all_columns(law, name, tmp_path, monkeypatch):
     for variable in ("WMR_CTRL_OPTIMIZE", "WMR_CTRL_FMU_CC"):  # as FMUs are shipped
         monkeypatch.delenv(variable, raising=False)
     one = case(law, name)

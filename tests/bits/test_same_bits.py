@@ -1,9 +1,5 @@
 """All columns of all laws have the same bits on every platform, at every width, in every engine."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import pytest
 
 from tests.bits.cases import CASES, SEED, bits_of, case, different
@@ -44,7 +40,7 @@ EVERYWHERE = {platform.name: platform for platform in HERE_NOW + ELSEWHERE}
 
 
 @pytest.mark.slow
-def test_cases_differ_and_the_guard_acts_in_its_own() -> None:
+def test_cases_differ_and_the_guard_acts_in_its_own():
     assert len({bits_of("mb", name) for name in CASES}) == len(CASES)
     for name in ("guarded", "everything"):
         task = Task(case("mb", name).loop, SEED)
@@ -54,7 +50,7 @@ def test_cases_differ_and_the_guard_acts_in_its_own() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "law"),
+    "name, law",
     [
         ("gcc -O2", "pid"),
         ("gcc -O3 native", "smc"),
@@ -66,7 +62,7 @@ def test_cases_differ_and_the_guard_acts_in_its_own() -> None:
         ("wasm 2 lanes", "smc"),
     ],
 )
-def test_platforms_agree(name: str, law: str, tmp_path: Path) -> None:
+def test_platforms_agree(name, law, tmp_path):
     """With all effects and the guard, over 80 s.
 
     ``python -m tests.bits`` takes every law and case on every platform.
@@ -74,7 +70,7 @@ def test_platforms_agree(name: str, law: str, tmp_path: Path) -> None:
     assert differences(EVERYWHERE[name], law, ["everything"], tmp_path) == []
 
 
-def test_a_single_bit_is_seen_and_placed() -> None:
+def test_a_single_bit_is_seen_and_placed():
     bits = bytearray(bits_of("mb", "plain"))
     row = 8 * len(elements(case("mb", "plain").compiled.layout.columns))
     bits[3 * row + 8] ^= 1

@@ -1,7 +1,5 @@
 """No compiler fuses a product with a sum, not even where a difference stands beside it."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import re
 import shutil
@@ -11,8 +9,7 @@ import pytest
 
 from tests.bits.cases import case
 from tests.bits.platforms import processor
-from wmr_ctrl.codegen.build import X86, Instructions, flags_of, vector_sets
-from wmr_ctrl.codegen.compiler import Toolchain
+from wmr_ctrl.codegen.build import X86, flags_of, vector_sets
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.control.laws.registry import NAMES
 
@@ -27,7 +24,7 @@ void pair(double *restrict o, const double *restrict a, const double *restrict b
 """
 
 
-def assert_unfused(toolchain: Toolchain) -> None:
+def assert_unfused(toolchain):
     library = ct.CDLL(str(build_library({"pair.c": TEXT}, toolchain, name="pair")))
     for a, b, c in np.random.default_rng(1).normal(size=(200, 3, 2)):
         out, product = np.zeros(2), a * b
@@ -37,7 +34,7 @@ def assert_unfused(toolchain: Toolchain) -> None:
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.slow_but("gcc")
-def test_builds_for_this_processor(compiler: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_builds_for_this_processor(compiler, monkeypatch):
     if shutil.which(compiler) is None:
         pytest.skip(f"NOT RUN: {compiler} is not on this machine")
     monkeypatch.setenv("WMR_CTRL_CC", compiler)
@@ -46,7 +43,7 @@ def test_builds_for_this_processor(compiler: str, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize("vectors", X86, ids=lambda item: item.name)
-def test_builds_for_vectors(vectors: Instructions) -> None:
+def test_builds_for_vectors(vectors):
     if vectors not in vector_sets():
         pytest.skip("NOT RUN: not an x86 processor")
     toolchain = find_toolchain()
@@ -58,7 +55,7 @@ def test_builds_for_vectors(vectors: Instructions) -> None:
 
 @pytest.mark.parametrize("law", NAMES)
 @pytest.mark.slow_but("mb")
-def test_loops_take_one_number_after_the_other(law: str) -> None:
+def test_loops_take_one_number_after_the_other(law):
     """So that no two stores of a loop stand side by side in memory."""
     text = case(law, "everything").program.generated["kernels.c"]
     places = set(re.findall(r"\[([^\]]*\bj\b[^\]]*)\]", text))

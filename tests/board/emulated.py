@@ -6,14 +6,12 @@ import ctypes as ct
 import shutil
 import struct
 import subprocess
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from tests.codegen.packages import write_package
-from wmr_ctrl.world.scenario import Scenario
 
 HERE = Path(__file__).parent
 COMPILER, EMULATOR = "arm-none-eabi-gcc", "qemu-system-arm"
@@ -35,13 +33,13 @@ BOARDS = {
 }
 
 
-def missing() -> str:
+def missing():
     """What is not installed, in words; empty if both tools are there."""
     absent = [name for name in (COMPILER, EMULATOR) if shutil.which(name) is None]
     return f"NOT RUN: {' and '.join(absent)} not installed" if absent else ""
 
 
-def built(law: str, scenario: Scenario, board: Board, folder: Path, *, float32: bool) -> Path:
+def built(law, scenario, board, folder, *, float32):
     """The firmware of a package for a board."""
     write_package(law, folder, scenario, float32=float32)
     names = {
@@ -64,7 +62,7 @@ def built(law: str, scenario: Scenario, board: Board, folder: Path, *, float32: 
     return out
 
 
-def packed(inputs: np.ndarray, counts: Sequence[int], real: type) -> bytes:
+def packed(inputs, counts, real):
     """The struct of a sample's inputs: numbers, then counters of 32 bits that wrap."""
     return np.asarray(inputs, real).tobytes() + np.asarray(counts, np.int64).astype("i4").tobytes()
 
@@ -72,7 +70,7 @@ def packed(inputs: np.ndarray, counts: Sequence[int], real: type) -> bytes:
 class Emulated:
     """A board that runs a law; use it as a context."""
 
-    def __init__(self, firmware: Path, board: Board, *, float32: bool) -> None:
+    def __init__(self, firmware, board, *, float32):
         self.real = np.float32 if float32 else np.float64
         header = next(firmware.parent.glob("wmr_*.h")).read_text(encoding="utf-8")
         acted = "wmr_real guard_acted;" in header
@@ -83,31 +81,31 @@ class Emulated:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
         )  # fmt: skip
 
-    def __enter__(self) -> Emulated:
+    def __enter__(self):
         return self
 
-    def __exit__(self, *unused: object) -> None:
+    def __exit__(self, *unused):
         self.process.kill()
         self.process.wait()
         for pipe in (self.process.stdin, self.process.stdout):
             pipe.close()
 
-    def step(self, inputs: np.ndarray, counts: Sequence[int] = ()) -> tuple[int, np.ndarray, int]:
+    def step(self, inputs, counts=()):
         """Status, torques [N m], and instructions of one sample."""
         self._write(b"S" + packed(inputs, counts, self.real))
         status, right, left, *_, ticks = self.reply.unpack(self._read(self.reply.size))
         return status, np.array([right, left]), ticks * INSTRUCTIONS_PER_TICK
 
-    def deepest_stack(self) -> int:
+    def deepest_stack(self):
         """Bytes of stack that were ever in use; ends the program."""
         self._write(b"Q")
         return int(struct.unpack("<I", self._read(4))[0])
 
-    def _write(self, data: bytes) -> None:
+    def _write(self, data):
         self.process.stdin.write(data)
         self.process.stdin.flush()
 
-    def _read(self, count: int) -> bytes:
+    def _read(self, count):
         data = self.process.stdout.read(count)
         if len(data) != count:
             raise RuntimeError("the emulated board ended early")
@@ -117,7 +115,7 @@ class Emulated:
 class HostBuild:
     """The same package compiled for this machine, called through ctypes."""
 
-    def __init__(self, law: str, scenario: Scenario, folder: Path, *, float32: bool) -> None:
+    def __init__(self, law, scenario, folder, *, float32):
         write_package(law, folder, scenario, float32=float32)
         library = folder / "host.so"
         subprocess.run(
@@ -134,11 +132,11 @@ class HostBuild:
         loaded[f"wmr_{law}_defaults"](_pointer(self.parameters))
         self.reset()
 
-    def reset(self) -> None:
+    def reset(self):
         """Memory of the first sample."""
         self._start(_pointer(self.memory))
 
-    def step(self, inputs: np.ndarray, counts: Sequence[int] = ()) -> tuple[int, np.ndarray]:
+    def step(self, inputs, counts=()):
         """Status and torques [N m], or velocities, of one sample."""
         given = np.frombuffer(packed(inputs, counts, self.real), np.uint8)
         arrays = (self.parameters, self.memory, given, self.outputs)
@@ -146,5 +144,5 @@ class HostBuild:
         return status, self.outputs[:2].astype(float)
 
 
-def _pointer(array: np.ndarray) -> ct.c_void_p:
+def _pointer(array):
     return ct.c_void_p(array.ctypes.data)

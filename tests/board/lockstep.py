@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from statistics import median
 
 import numpy as np
 
 from tests.board.emulated import BOARDS, Emulated, HostBuild, built
 from tests.board.robot import Robot
-from wmr_ctrl.world.scenario import Scenario
 
 SAMPLES = 1000
 """10 s at 10 ms."""
@@ -35,7 +33,7 @@ class Lockstep:
     distance: float
 
 
-def lockstep(law: str, scenario: Scenario, board: str, folder: Path, *, float32: bool) -> Lockstep:
+def lockstep(law, scenario, board, folder, *, float32):
     """SAMPLES samples of ``law`` on ``board``; raises RuntimeError where a sample fails."""
     firmware = built(law, scenario, BOARDS[board], folder / "board", float32=float32)
     host = HostBuild(law, scenario, folder / "host", float32=float32)

@@ -1,20 +1,17 @@
 """The robot and its reference on the host, from the compiled kernels, sample by sample."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tests.codegen.compiled import compiled
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.export.fmi.blocks import stepped_plant
 from wmr_ctrl.world.references.kind import reference
-from wmr_ctrl.world.scenario import Scenario
 
 
 class Robot:
     """State x, y [m], theta [rad], v1 [m/s], omega [rad/s], without noise."""
 
-    def __init__(self, scenario: Scenario, start: np.ndarray | None = None) -> None:
+    def __init__(self, scenario, start=None):
         (plant, step), desired = stepped_plant(scenario), reference(scenario)
         sample = kernel("desired", "Desired trajectory.", {"u": desired.u, "p": desired.p},
                         {"y": desired.y})  # fmt: skip
@@ -25,21 +22,21 @@ class Robot:
         self.state = np.array(plant.x0 if start is None else start, dtype=float)
         self.fastest = abs(self.state[3:])
 
-    def reference(self, k: int) -> np.ndarray:
+    def reference(self, k):
         """Desired trajectory at sample k."""
         return self._reference(np.array([k * self.clock.control]), self._reference_p)
 
-    def inputs(self, k: int) -> np.ndarray:
+    def inputs(self, k):
         """What the law is given at sample k."""
         return np.concatenate([self.reference(k), self.state])
 
-    def advance(self, torque: np.ndarray) -> None:
+    def advance(self, torque):
         """One control period with the torques held."""
         u = np.concatenate([torque, self._more])
         for _ in range(self.clock.substeps):
             self.state = self._step(u, self.state, self._plant_p)
             self.fastest = np.maximum(self.fastest, abs(self.state[3:]))
 
-    def distance(self, k: int) -> float:
+    def distance(self, k):
         """From the desired position at sample k [m]."""
         return float(np.hypot(*(self.state[:2] - self.reference(k)[:2])))

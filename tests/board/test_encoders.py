@@ -1,10 +1,7 @@
 """A package whose header takes wheel counts gives the loop's torques, here and on the board."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -18,25 +15,23 @@ from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import REFERENCE
-from wmr_ctrl.results import Run
-from wmr_ctrl.world.scenario import Scenario
 
 ENCODED = {"encoder.counts": 1024, "encoder.window": 0.02, "clock.duration": 1.5,
            "wheels.radius": [0.02, 0.01]}  # fmt: skip
 HOST = pytest.mark.skipif(shutil.which("cc") is None, reason="NOT RUN: no cc")
 
 
-def encoded(**more: object) -> Scenario:
+def encoded(**more):
     return scenario_of("paper-simulation", {**ENCODED, **more})
 
 
-def given(run: Run, *more: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def given(run, *more):
     """What the package is given in each sample of a run: numbers, and counts."""
     names = [*(item.name for item in REFERENCE), "x", "y", "theta", *more]
     return zip(np.column_stack([run[name] for name in names]), run["wheel_counts"], strict=True)
 
 
-def torques(run: Run) -> np.ndarray:
+def torques(run):
     return np.column_stack([run["tau_right"], run["tau_left"]])
 
 

@@ -1,9 +1,6 @@
 """The packages on emulated Cortex-M boards: controller there, plant here, in lockstep."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,11 +20,9 @@ torque, memories carried on for 10 s: none in double precision, whose mathematic
 single precision there are two mathematics libraries."""
 
 
-@pytest.mark.parametrize(("law", "float32", "guarded"), [("nn", True, False), ("nn", False, True)])
+@pytest.mark.parametrize("law, float32, guarded", [("nn", True, False), ("nn", False, True)])
 @pytest.mark.slow
-def test_ten_seconds_in_lockstep(
-    law: str, float32: bool, guarded: bool, tmp_path: Path, record_property: object
-) -> None:
+def test_ten_seconds_in_lockstep(law, float32, guarded, tmp_path, record_property):
     scenario = loop_scenario(guarded)
     found = lockstep(law, scenario, BOARD, tmp_path, float32=float32)
     for name, value in asdict(found).items():
@@ -37,12 +32,11 @@ def test_ten_seconds_in_lockstep(
     assert found.distance < 0.2
     operations = step_kernel(packaged(settle(scenario, law))).operations
     told = known_footprint(law, float32, guarded, operations)
-    assert told is not None
     assert found.most_instructions <= 1.1 * told.most_instructions + 80
     assert found.stack <= 1.1 * told.deepest
 
 
-def test_bad_input_gives_no_torque_and_keeps_the_memory(tmp_path: Path) -> None:
+def test_bad_input_gives_no_torque_and_keeps_the_memory(tmp_path):
     scenario = loop_scenario(False)
     firmware = built("nn", scenario, BOARDS[BOARD], tmp_path, float32=True)
     with Emulated(firmware, BOARDS[BOARD], float32=True) as emulated:

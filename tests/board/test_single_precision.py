@@ -1,9 +1,6 @@
 """Where single precision keeps the velocity limit: wherever double precision does."""
 
-from __future__ import annotations
-
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +8,7 @@ import pytest
 from tests.board.emulated import HostBuild
 from tests.board.robot import Robot
 from wmr_ctrl.codegen.single_precision import PERIODS
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="NOT RUN: no cc")
 
@@ -24,7 +21,7 @@ REGION = np.array([5.0, 5.0, np.pi, NEAR * 1.0, NEAR * 1.5])
 LIMITS = np.array([1.0, 1.5])
 
 
-def nominal(control: float, guarded: bool, **changes: object) -> Scenario:
+def nominal(control, guarded, **changes):
     """The paper's circle without noise or change."""
     return load_scenario(
         "paper-simulation-nominal",
@@ -32,7 +29,7 @@ def nominal(control: float, guarded: bool, **changes: object) -> Scenario:
     )
 
 
-def starts(inside: int, at_the_edge: int) -> list[np.ndarray]:
+def starts(inside, at_the_edge):
     """Starts anywhere in the region, then some with both velocities at its edge."""
     draw = np.random.default_rng(3)
     drawn = draw.uniform(-1, 1, (inside + at_the_edge, 5))
@@ -40,11 +37,9 @@ def starts(inside: int, at_the_edge: int) -> list[np.ndarray]:
     return list(drawn * REGION)
 
 
-@pytest.mark.parametrize(("law", "guarded", "control"), [("mb", False, 1e-3), ("nn", True, 1e-2)])
+@pytest.mark.parametrize("law, guarded, control", [("mb", False, 1e-3), ("nn", True, 1e-2)])
 @pytest.mark.slow
-def test_the_limit_is_kept_from_the_stated_region(
-    law: str, guarded: bool, control: float, tmp_path: Path
-) -> None:
+def test_the_limit_is_kept_from_the_stated_region(law, guarded, control, tmp_path):
     assert control in PERIODS[law, guarded]
     scenario = nominal(control, guarded)
     builds = [HostBuild(law, scenario, tmp_path / str(f), float32=f) for f in (False, True)]
@@ -58,9 +53,7 @@ def test_the_limit_is_kept_from_the_stated_region(
 @pytest.mark.parametrize("law", ["pid", "mb"])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.slow_but("-1.0-pid")
-def test_the_guard_keeps_the_limit_against_the_worst_push(
-    law: str, side: float, tmp_path: Path
-) -> None:
+def test_the_guard_keeps_the_limit_against_the_worst_push(law, side, tmp_path):
     """No friction, the lightest robot, a disturbance of dbar all the time, a target ahead."""
     scenario = nominal(
         1e-2, True, **{"robot.mu": 0.0, "guard.mass_margin": 0.0, "guard.dbar": [60.0, 15.0]}
@@ -72,9 +65,7 @@ def test_the_guard_keeps_the_limit_against_the_worst_push(
     assert 0.999 < share < 1.0
 
 
-def fastest(
-    build: HostBuild, robot: Robot, control: float, push: object = 0.0, seconds: float = 2.0
-) -> float:
+def fastest(build, robot, control, push=0.0, seconds=2.0):
     """Largest velocity as a share of its limit, under a constant push [N m] on the wheels."""
     build.reset()
     for k in range(round(seconds / control)):

@@ -12,7 +12,7 @@ MODEL = "model"
 
 
 @pytest.mark.parametrize(
-    ("law", "v_c0", "most"),
+    "law, v_c0, most",
     [("mb", 0.2, (225, 171)), ("mb", 2, (51.31, 21.97)), ("mb", 100, (1.64, 0.68)),
      ("nn", 0.2, (405, None)), ("nn", 1.3, (None, 11.9 / 7.5))],
 )  # fmt: skip
@@ -46,7 +46,7 @@ def test_the_pull_is_the_same_in_either_direction(loop, law):
 
 
 @pytest.mark.parametrize(
-    ("scenario", "when"),
+    "scenario, when",
     [("far-start-friction-overestimated", "at the start"), ("far-start-drop", "from 3 s on")],
 )
 def test_stress_cases_that_break_the_model_based_law_are_foreseen(told, scenario, when):
@@ -81,7 +81,7 @@ def test_change_after_the_approach_cannot_push_through(told):
     assert not any("cannot hold" in sentence for sentence in sentences)
 
 
-@pytest.mark.parametrize(("share", "pushed"), [(0.98, True), (1.02, False)])
+@pytest.mark.parametrize("share, pushed", [(0.98, True), (1.02, False)])
 def test_the_approach_is_as_long_as_the_robot_takes_to_the_reference_at_v_u2(
     loop, told, share, pushed
 ):

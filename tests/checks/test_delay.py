@@ -5,7 +5,6 @@ import pytest
 import scipy.linalg
 
 from tests.checks.asking import closed
-from wmr_ctrl.control.laws.prox import guide
 from wmr_ctrl.theory.checks.radius import operating_points, radius
 from wmr_ctrl.theory.checks.sampled_plant import Motion
 from wmr_ctrl.theory.checks.stable_ranges import largest_period, stable_periods
@@ -14,7 +13,7 @@ CIRCLE = np.array((0.2, 0.1))
 
 
 @pytest.mark.parametrize(
-    ("name", "period", "delay"), [("safe-simulation", 0.1, 0.05), ("paper-simulation", 0.01, 0.05)]
+    "name, period, delay", [("safe-simulation", 0.1, 0.05), ("paper-simulation", 0.01, 0.05)]
 )
 @pytest.mark.slow_but("paper-simulation-0.01-0.05")
 def test_prox_is_said_to_cycle_where_it_does(told, loop, name, period, delay):
@@ -25,15 +24,6 @@ def test_prox_is_said_to_cycle_where_it_does(told, loop, name, period, delay):
     if name == "paper-simulation":
         assert largest_period(loop("prox", late)) < period
         assert largest_period(loop("prox", {"clock.control": period})) > 0.13
-
-
-def test_gains_are_proposed_for_the_speed_ahead_and_a_law_that_does_not_predict(told):
-    turning = {"reference.rate": 1.0, "reference.radius": 0.3}
-    late = {"clock.control": 0.05, "actuator.delay": 0.05, **turning}
-    (warning,) = told("prox", late, "paper-simulation", key="clock.control")
-    k = ", ".join(f"{value:.3g}" for value in guide(0.05, 0.05, 0.3).k)
-
-    assert f"gains.kinematics.k = [{k}]" in warning.sentence
 
 
 @pytest.mark.slow

@@ -43,9 +43,7 @@ def test_a_reference_too_fast_for_a_late_velocity_names_what_no_guard_can_beat(t
     assert "at most 0.669 m/s" in warning.sentence
 
 
-@pytest.mark.parametrize(
-    ("start", "warned"), [(0.9, False), (0.9999, True), (1.0, True), (1.2, False)]
-)
+@pytest.mark.parametrize("start, warned", [(0.9, False), (0.9999, True), (1.0, True), (1.2, False)])
 @pytest.mark.slow_but("0.9999-True")
 def test_a_start_that_a_push_can_carry_out_before_the_first_command(told, start, warned):
     changed = {**ON, "guard.dbar": [60.0, 15.0], "initial.velocity": [start, 0.0]}
@@ -59,7 +57,7 @@ def test_a_start_that_a_push_can_carry_out_before_the_first_command(told, start,
     assert not [item for item in at_once if "first command" in item.sentence]
 
 
-@pytest.mark.parametrize(("period", "warned"), [(0.01, False), (0.1, True)])
+@pytest.mark.parametrize("period, warned", [(0.01, False), (0.1, True)])
 def test_a_reference_faster_than_the_guard_allows(told, period, warned):
     wide = {
         **ON,
@@ -172,7 +170,7 @@ def test_a_slow_rate_of_approach_is_told_to_be_raised(told):
         assert [item.key for item in again] == left
 
 
-@pytest.mark.parametrize(("error", "calm"), [(0.06, True), (0.1, False)])
+@pytest.mark.parametrize("error, calm", [(0.06, True), (0.1, False)])
 def test_only_a_rate_that_the_guard_takes_is_proposed(told, error, calm):
     stated = {"guard.nbar": [error, 0.015], "guard.alpha": 5.0, "disturbance.std": 0.8}
     (found,) = told("pid", stated, scenario="robot-10ms", key="guard.alpha")

@@ -91,7 +91,7 @@ def test_a_small_displacement_on_a_circle_goes_the_way_of_the_matrices(name):
     assert by_matrices(scenario, seen[0]) == pytest.approx(seen, abs=2e-4)
 
 
-@pytest.mark.parametrize(("age", "correction", "every"), POSES)
+@pytest.mark.parametrize("age, correction, every", POSES)
 @pytest.mark.slow_but("0.1-0.4-5")
 def test_so_it_does_where_poses_are_late_filtered_or_rare(age, correction, every):
     """On a line; the rest is where the robot settles: it is behind by what it drives meanwhile."""
@@ -126,9 +126,7 @@ def finals(scenario, law, samples):
     return np.array(columns).T
 
 
-@pytest.mark.parametrize(
-    ("law", "effects"), [("pid", "none"), ("prox", "lag"), ("kanayama", "none")]
-)
+@pytest.mark.parametrize("law, effects", [("pid", "none"), ("prox", "lag"), ("kanayama", "none")])
 @pytest.mark.slow_but("pid-none")
 def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, effects):
     """Of the whole state, a law's memory and what its observer believes of the drives in it."""
@@ -143,7 +141,7 @@ def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, eff
 
 
 @pytest.mark.parametrize(
-    ("law", "effects"),
+    "law, effects",
     [
         ("mb", "none"),
         ("mb", "window and age"),
@@ -224,7 +222,7 @@ def test_from_pose_to_pose_is_the_product_of_the_samples_between():
 
 
 @pytest.mark.parametrize(
-    ("value", "period", "whole"), [(0.3, 0.1, 3), (0.06, 0.01, 6), (0.035, 0.01, 3), (0.0, 0.1, 0)]
+    "value, period, whole", [(0.3, 0.1, 3), (0.06, 0.01, 6), (0.035, 0.01, 3), (0.0, 0.1, 0)]
 )
 def test_a_delay_is_as_many_periods_as_its_decimals_say(value, period, whole):
     count, rest = divided(value, period)
@@ -253,7 +251,7 @@ def test_what_a_law_knows_of_its_drives_falls_with_their_lag():
 
 
 @pytest.mark.parametrize(
-    ("law", "late"),
+    "law, late",
     [
         ("mb", {}),
         ("prox", {"actuator.unmodelled_delay": 0.02}),

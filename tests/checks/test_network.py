@@ -9,7 +9,7 @@ from wmr_ctrl.theory.checks.radius import radius
 ETA, PERIOD = "gains.nn.eta", "clock.control"
 
 
-@pytest.mark.parametrize(("eta2", "square"), [(1, 0.0070), (2, 0.319), (4, 2.79), (10, 15.0)])
+@pytest.mark.parametrize("eta2, square", [(1, 0.0070), (2, 0.319), (4, 2.79), (10, 15.0)])
 def test_size_of_the_regressor_by_width(loop, eta2, square):
     assert largest_square(loop("nn"), eta2**0.5) == pytest.approx(square, rel=1e-2)
 
@@ -20,7 +20,7 @@ def test_bound_on_the_regressor(loop):
 
 
 @pytest.mark.parametrize(
-    ("eta2", "node", "warned"),
+    "eta2, node, warned",
     [(1.37, 1, False), (1.376, 1, True), (0.512, 0.5, False), (0.515, 0.5, True)],
 )
 def test_warns_from_the_audited_width_on(told, eta2, node, warned):
@@ -38,7 +38,7 @@ def test_paper_reading_is_told_of_with_both_remedies(told):
     assert "gains.nn.rho1[2] above 43.2" in warning.sentence
 
 
-@pytest.mark.parametrize(("rho1", "warned"), [(43.0, True), (43.3, False)])
+@pytest.mark.parametrize("rho1, warned", [(43.0, True), (43.3, False)])
 def test_larger_gain_makes_any_width_safe(told, rho1, warned):
     assert bool(told("nn", {ETA: 50.0, "gains.nn.rho1": (1350, rho1)}, key=ETA)) is warned
 
@@ -48,7 +48,7 @@ def test_no_learning_no_warning(told):
 
 
 @pytest.mark.parametrize(
-    ("size", "linear", "angular"),
+    "size, linear, angular",
     [(1, 0.0362, 0.0140), (4, 0.0095, 0.0035), (16, 0.0024, 0.00087), (64, 0.00060, 0.00022)],
 )
 def test_longest_period_for_the_steps_of_the_weights(loop, size, linear, angular):

@@ -19,7 +19,7 @@ LATE = {"guard.enabled": True, DELAY: 0.02}
 
 
 @pytest.mark.parametrize(
-    ("law", "changes", "scenario", "key", "said"),
+    "law, changes, scenario, key, said",
     [
         ("mb", {}, PAPER, NOISE, "unbounded"),
         ("nn", {}, PAPER, NOISE, "unbounded"),
@@ -73,7 +73,7 @@ def test_a_base_that_takes_velocities_gets_no_advice_on_torques_of_the_law():
 
 
 @pytest.mark.parametrize(
-    ("changed", "said"),
+    "changed, said",
     [
         ({}, 'Set filter.kind = "clip" or "governor".'),
         ({"base.tau": [0.3, 0.3]}, 'Set filter.kind = "clip".'),

@@ -8,7 +8,7 @@ def line(speed):
 
 
 @pytest.mark.parametrize(
-    ("law", "changes", "said"),
+    "law, changes, said",
     [
         ("mb", line(0.8), ""),
         ("mb", line(1.2), "may not drive that fast"),

@@ -18,9 +18,7 @@ def test_kink_of_the_network_law_needs_two_masses_over_rho1(loop):
     assert kink_limits(loop("nn")) == pytest.approx([2 * 50 / 1350, 2 * 5.4 / 21.6])
 
 
-@pytest.mark.parametrize(
-    ("period", "omega"), [(0.1, 5.87), (0.04, 2.35), (0.03, 1.76), (0.025, 1.468)]
-)
+@pytest.mark.parametrize("period, omega", [(0.1, 5.87), (0.04, 2.35), (0.03, 1.76), (0.025, 1.468)])
 def test_first_step_of_the_model_based_law(loop, period, omega):
     held = {PERIOD: period, "clock.duration": 100 * period}
 
@@ -32,14 +30,14 @@ def test_first_step_begins_with_the_speed_at_the_start(loop):
     assert first_speeds(loop("mb", {"initial.velocity": [-0.9, 0.0]}))[0] == 0.9
 
 
-@pytest.mark.parametrize(("law", "v1"), [("mb", 1.155), ("nn", 2.05)])
+@pytest.mark.parametrize("law, v1", [("mb", 1.155), ("nn", 2.05)])
 def test_first_step_without_coulomb_friction(loop, law, v1):
     held = {PERIOD: 0.1, "robot.mu": 0}
 
     assert first_speeds(loop(law, held))[0] == pytest.approx(v1, rel=2e-3)
 
 
-@pytest.mark.parametrize(("period", "told_of"), [(0.03, True), (0.025, False)])
+@pytest.mark.parametrize("period, told_of", [(0.03, True), (0.025, False)])
 @pytest.mark.slow_but("0.03-True")
 def test_warns_of_the_first_step_exactly_where_it_leaves_the_limit(told, period, told_of):
     held = {PERIOD: period, "clock.duration": 100 * period}
@@ -94,7 +92,7 @@ def test_guarded_first_step_stays_inside(loop, told):
 
 
 @pytest.mark.parametrize(
-    ("law", "stated", "periods"),
+    "law, stated, periods",
     [("prox", {}, [0.01, 0.02, 0.04]), ("kanayama", {"encoder.window": 0.1}, [0.01, 0.05])],
     ids=["prox", "kanayama"],
 )

@@ -17,7 +17,7 @@ CIRCLE = np.array([0.2, 0.1])
 
 
 @pytest.mark.parametrize(
-    ("law", "overrides", "known"),
+    "law, overrides, known",
     [
         ("mb", {}, 0.06089),
         ("nn", {}, 0.1480),
@@ -30,7 +30,7 @@ def test_largest_stable_periods_are_the_audited_ones(loop, law, overrides, known
     assert largest_period(loop(law, overrides)) == pytest.approx(known, rel=4e-3)
 
 
-@pytest.mark.parametrize(("period", "radius"), [(0.06, 0.99691), (0.07, 1.3366), (0.1, 2.530)])
+@pytest.mark.parametrize("period, radius", [(0.06, 0.99691), (0.07, 1.3366), (0.1, 2.530)])
 def test_spectral_radii_of_the_model_based_loop(loop, period, radius):
     eigenvalues = np.linalg.eigvals(closed(loop("mb"), CIRCLE, period))
 
@@ -73,7 +73,7 @@ def test_adaptive_laws_keep_their_estimates_out_of_the_loop(loop):
     assert closed(loop("pid"), CIRCLE, 0.01).shape == (8, 8)
 
 
-@pytest.mark.parametrize(("declared", "states"), [(True, 5), (False, 9)])
+@pytest.mark.parametrize("declared, states", [(True, 5), (False, 9)])
 def test_a_law_states_itself_what_its_memory_is(loop, declared, states):
     setup = loop("smc").setup
     traits = replace(setup.law.traits, estimates=declared)

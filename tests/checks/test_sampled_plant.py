@@ -8,7 +8,7 @@ from wmr_ctrl.theory.linear.linear_report import report_linear
 from wmr_ctrl.world.scenario import load_scenario
 
 
-@pytest.mark.parametrize(("period", "delay", "stable"), [(0.1, 0.05, True), (0.02, 0.06, False)])
+@pytest.mark.parametrize("period, delay, stable", [(0.1, 0.05, True), (0.02, 0.06, False)])
 @pytest.mark.slow
 def test_no_figure_of_one_page_contradicts_another(period, delay, stable):
     """Unstable by radius, poles, margins, limits of period, delay and mass, or by none of them."""

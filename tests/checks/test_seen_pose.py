@@ -20,7 +20,7 @@ def test_runs_cycle_where_a_pose_is_said_to_be_too_old():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("every", "stable"), [(0.2, False), (0.5, True)])
+@pytest.mark.parametrize("every, stable", [(0.2, False), (0.5, True)])
 def test_the_linear_report_has_the_same_limit(every, stable, monkeypatch):
     monkeypatch.setattr(
         "wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: []

@@ -17,7 +17,7 @@ def at(v1, omega=0.0):
 
 
 @pytest.mark.parametrize(
-    ("law", "changes", "scenario", "said"),
+    "law, changes, scenario, said",
     [
         *((law, {}, OUTSIDE, AXES) for law in ("pid", "smc", "mb", "nn")),
         *(("mb", at(v1), NOMINAL, ("",)) for v1 in (-1.3, -1 + 5e-7, 1 - 5e-7, 1.0)),
@@ -42,7 +42,7 @@ def test_start_exactly_at_the_limit_is_not_outside_it(told):
 
 
 @pytest.mark.parametrize(
-    ("law", "changes", "said"),
+    "law, changes, said",
     [
         ("pid", {}, FAR), ("smc", {}, FAR), ("mb", {}, ()), ("nn", {}, ()),
         ("pid", {"initial.pose": (0.0, 0.0, -1.57)}, ()), ("pid", GUARDED, ()),

@@ -19,7 +19,7 @@ from wmr_ctrl.world.phases import largest_friction
 from wmr_ctrl.world.scenario import load_scenario, override
 
 
-@pytest.mark.parametrize(("tolerance", "objects"), [(0.001, True), (1.0, False)])
+@pytest.mark.parametrize("tolerance, objects", [(0.001, True), (1.0, False)])
 def test_a_wrong_friction_is_objected_to_where_it_leads_beyond_the_tolerance(
     told, tolerance, objects
 ):
@@ -104,7 +104,7 @@ def test_points_of_a_reference_lie_within_its_cycle():
 
 
 @pytest.mark.parametrize(
-    ("key", "said"),
+    "key, said",
     [("chatter", CheckVerdict.OBJECTED), ("exact-pose", CheckVerdict.IN_PART),
      ("objected", CheckVerdict.HOLDS)],
 )  # fmt: skip

@@ -56,7 +56,7 @@ def test_the_plain_law_tracks_and_states_nothing():
 
 
 @pytest.mark.parametrize(
-    ("law", "name", "guard"),
+    "law, name, guard",
     [
         ("plain", "paper-experiment", True),
         ("plain", "paper-simulation", False),

@@ -89,7 +89,7 @@ def test_stated_zeros_count_like_derived_ones():
 
 
 @pytest.mark.parametrize(
-    ("d", "words"),
+    "d, words",
     [
         ([0.0, 0.1], "nothing pushes the robot forwards or backwards"),
         ([0.1, 0.0], "nothing pushes the robot into a turn"),

@@ -17,7 +17,7 @@ from wmr_ctrl.world.scenario import load_scenario, preset_names
 
 
 @pytest.mark.parametrize(
-    ("name", "law"),
+    "name, law",
     [
         ("paper-experiment", "nn"),
         ("paper-simulation", "pid"),

@@ -120,7 +120,7 @@ def test_bad_files_are_explained_in_one_paragraph(wmr, empty_folder, name, comma
 
 
 @pytest.mark.parametrize(
-    ("points", "words"),
+    "points, words",
     [
         ("1,2\n", "at least 2"),
         ("", "no column is named x or y"),

@@ -83,7 +83,7 @@ def test_more_than_two_runs_are_a_table(wmr, saved):
 
 
 @pytest.mark.parametrize(
-    ("args", "said"),
+    "args, said",
     [
         (("--law", "pid,pif"), "near: pid"),
         (("--law", ""), "law"),

@@ -22,7 +22,7 @@ def test_presets_of_the_paper_drive_with_its_law_and_others_have_one_without_a_n
     assert (default_law(load_scenario(name)).name == "nn") is name.startswith("paper")
 
 
-@pytest.mark.parametrize(("law", "why"), [(None, "not stated"), ("mb", "stated in the scenario")])
+@pytest.mark.parametrize("law, why", [(None, "not stated"), ("mb", "stated in the scenario")])
 def test_a_run_without_law_says_which_it_takes_and_why(law, why, tmp_path):
     file = tmp_path / "mine.toml"
     text = 'extends = "turtlebot3-burger"\n'

@@ -1,7 +1,5 @@
 """The dossier says what scenario, ledger and tests say; nothing is signed without a promise."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess
@@ -117,7 +115,7 @@ def test_a_comment_that_names_no_source_is_not_shown(own):
 
 
 @pytest.mark.parametrize(
-    ("comment", "shown"),
+    "comment, shown",
     [
         ("1 to 2; from drive.mcap, 40 s", True),
         ("controllers.yaml: wheel_radius", True),
@@ -227,7 +225,7 @@ def test_drives_without_a_limit_promise_no_way_back():
 
 
 @pytest.mark.parametrize(
-    ("source", "stated", "words"),
+    "source, stated, words",
     [
         ("paper-simulation", {}, "Not guarded"),
         (GOVERNED, {"filter.kind": "none"}, "No filter"),

@@ -83,7 +83,7 @@ def test_every_output_says_that_it_is_one():
                 assert option.metavar in ("FILE", "DIR"), command.name
 
 
-@pytest.mark.parametrize(("name", "option"), [*outputs("FILE")])
+@pytest.mark.parametrize("name, option", [*outputs("FILE")])
 def test_no_file_that_is_read_is_replaced(wmr, place, name, option):
     words = WORDS[name]
     source = next(Path(word) for word in words if Path(word).suffix in (".toml", ".csv"))
@@ -100,7 +100,7 @@ def test_no_file_that_is_read_is_replaced(wmr, place, name, option):
     assert source.read_bytes() == before
 
 
-@pytest.mark.parametrize(("name", "option"), [*outputs("DIR")])
+@pytest.mark.parametrize("name, option", [*outputs("DIR")])
 def test_no_file_that_is_read_is_replaced_in_a_folder(wmr, place, name, option):
     words, file = FOLDERS[name, option]
     source = next(word for word in words if word.endswith(".toml"))

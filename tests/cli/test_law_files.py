@@ -115,7 +115,7 @@ def test_python_functions_take_laws():
     assert run.law == "plain"
     assert wmr_ctrl.linearize("paper-simulation-nominal", PLAIN).law == "plain"
     assert wmr_ctrl.compile_law(PLAIN, "paper-simulation-nominal").step().shape == (2,)
-    with pytest.raises(ArgumentError, match="law = 3 must be a text"):
+    with pytest.raises(ArgumentError, match="law = 3 must be str"):
         wmr_ctrl.simulate("paper-simulation-nominal", 3)
 
 

@@ -163,7 +163,7 @@ def test_check_judges_the_scenarios_own_law(wmr):
 
 
 @pytest.mark.parametrize(
-    ("asked", "laws"),
+    "asked, laws",
     [
         (("--law", "pid,smc"), None),
         ((), None),
@@ -332,7 +332,7 @@ def test_every_key_of_a_preset_does_something(preset):
 
 
 @pytest.mark.parametrize(
-    ("preset", "idle", "switch"),
+    "preset, idle, switch",
     [
         ("paper-simulation", {"gyro.noise": 0.1}, {"gyro.enabled": True}),
         ("paper-simulation", {"slope.direction": 1.0}, {"slope.angle": 0.05}),

@@ -36,7 +36,7 @@ def asked(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("options", "seeds"),
+    "options, seeds",
     [((), 20), (("--quick",), "quick"), (("--seeds", 7), 7), (("--quick", "--seeds", 1), 1)],
 )
 def test_number_of_seeds(wmr, asked, tmp_path, options, seeds):
@@ -56,7 +56,7 @@ def test_agreement_is_exit_code_0_and_a_difference_1(wmr, asked, tmp_path):
     assert asked[0]["jobs"] == 2
 
 
-@pytest.mark.parametrize(("options", "wanted"), [((), False), (("--with-ours",), True)])
+@pytest.mark.parametrize("options, wanted", [((), False), (("--with-ours",), True)])
 def test_the_comparison_past_the_paper_is_asked_for(wmr, asked, tmp_path, options, wanted):
     assert wmr("reproduce", "--out", tmp_path / "r", *options).exit_code == 0
     assert asked[0]["with_ours"] is wanted

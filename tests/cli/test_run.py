@@ -46,7 +46,7 @@ def test_table_tells_outcome_and_limits(short_run):
 
 
 @pytest.mark.parametrize(
-    ("start", "said"),
+    "start, said",
     [(1.0 + 1e-13, "limit 1 m/s: kept\n"), (2000.0, "limit 1.5 rad/s: kept until")],
 )
 def test_a_limit_is_broken_where_the_outcome_says_so_and_kept_as_long_as_it_ran(
@@ -58,7 +58,7 @@ def test_a_limit_is_broken_where_the_outcome_says_so_and_kept_as_long_as_it_ran(
     assert said in found.stdout
 
 
-@pytest.mark.parametrize(("options", "told"), [
+@pytest.mark.parametrize("options, told", [
     ((), "within dbar 60 N, 15 N m"),
     (("--guard",), "within dbar 60 N, 15 N m"),
     (("--set", "disturbance.push=20,5", "--set", "guard.dbar=0,0", "--set", "robot.mu=0"),
@@ -163,7 +163,7 @@ def test_several_laws_are_a_study(wmr):
 
 
 @pytest.mark.parametrize(
-    ("options", "guard"), [((), False), (("--guard",), True), (("--no-guard",), False)]
+    "options, guard", [((), False), (("--guard",), True), (("--no-guard",), False)]
 )
 @pytest.mark.slow_but("options1-True")
 def test_guard_is_switched_by_an_option(short_run, options, guard):
@@ -234,7 +234,7 @@ def test_keys_without_effect_are_named_if_the_user_states_them(short_run, tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("command", "idle"),
+    "command, idle",
     [
         (("plant",), "gains.nn.eta, gains.mb.rho, gains.kinematics.k"),
         (("closed-loop", "--law", "mb"), "gains.nn.eta"),
@@ -268,7 +268,7 @@ def test_a_misspelt_output_is_told_its_name_not_to_leave_the_law_out():
     assert "no FMU is named 'closedloop'" in found.stderr
 
 
-@pytest.mark.parametrize(("law", "idle"), [((), "mb.rho"), (("--law", "mb"), "nn.eta")])
+@pytest.mark.parametrize("law, idle", [((), "mb.rho"), (("--law", "mb"), "nn.eta")])
 def test_a_co_simulation_names_gains_of_other_laws_than_its_own(law, idle, monkeypatch):
     monkeypatch.setattr(api, "cosimulate", Mock(side_effect=ArgumentError("enough")))
     stated = ("--set", "gains.nn.eta=1", "--set", "gains.mb.rho=15,57")

@@ -81,7 +81,7 @@ def test_a_run_that_an_fmu_ended_exits_with_3(monkeypatch, capsys, run):
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [(0.0, "0"), (9e-4, "<0.001"), (-9e-4, "<0.001"), (1e-3, "0.001"), (-1.5, "-1.5"), (2, "2")],
 )
 def test_three_digits_as_long_as_they_say_something(value, text):
@@ -154,7 +154,7 @@ def test_stable_periods_delays_and_masses_are_told_as_they_were_found():
 
 
 @pytest.mark.parametrize(
-    ("shortest", "period", "cell"),
+    "shortest, period, cell",
     [(0.0, 0.04, "40"), (0.003, 0.04, "3 to 40"), (0.0, inf, "any"), (0.0, 0.0, "none")],
 )
 def test_stable_periods_are_in_milliseconds(shortest, period, cell):
@@ -211,7 +211,7 @@ def test_every_key_of_a_change_has_words():
     assert all(f"{value:g}" in sentence for value in numbers.values())
 
 
-@pytest.mark.parametrize(("share", "said"), [(0.5, True), (1.0, False)])
+@pytest.mark.parametrize("share, said", [(0.5, True), (1.0, False)])
 def test_that_a_run_of_a_check_ends_early_is_said(run, share, said):
     lasts = replace(run.settings, duration=share * paper().clock.duration)
     head = "\n".join(check.head(answers(runs={"pid": replace(run, settings=lasts)})))
@@ -219,7 +219,7 @@ def test_that_a_run_of_a_check_ends_early_is_said(run, share, said):
     assert ("for 2000000 plant steps only" in " ".join(head.split())) is said
 
 
-@pytest.mark.parametrize(("room", "said"), [(1e-3, False), (-1e-3, True)])
+@pytest.mark.parametrize("room, said", [(1e-3, False), (-1e-3, True)])
 def test_a_start_that_a_push_may_take_outside_has_to_come_back_first(room, said):
     """Before the first late command acts, a push adds to the speed at the start."""
     late = {"guard.enabled": True, "actuator.delay": 0.02, "disturbance.truncate": 3.0}

@@ -47,30 +47,8 @@ def test_who_interrupts_is_told_that_it_goes_on(wmr, plan, tmp_path, monkeypatch
     assert ("the same command goes on from there" in " ".join(done.stderr.split())) is begun
 
 
-def test_the_table_by_columns_has_the_numbers_of_the_text(wmr, plan, tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
-    folder = tmp_path / "s"
-    nothing = wmr(f"study parquet {folder}")
-    wmr(f"study {plan} --out {folder}")
-    told = wmr(f"study parquet {folder}")
-
-    assert nothing.exit_code == 2
-    assert "there is no folder" in " ".join(nothing.stderr.split())
-    assert told.exit_code == 0, told.stderr
-    columns = parquet.read_table(folder / "table.parquet").to_pydict()
-    with (folder / "table.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert columns["seed"] == [int(row["seed"]) for row in rows]
-    assert columns["guard"] == [row["guard"] == "true" for row in rows]
-    assert columns["limits.v_u2"] == [row["limits.v_u2"] for row in rows]
-    for name in ("position_rms", "settling_time", "max_abs_v1"):
-        if name in columns:
-            given = [float(row[name]) if row[name] else None for row in rows]
-            assert columns[name] == given
-
-
 @pytest.mark.parametrize(
-    ("text", "options", "words"),
+    "text, options, words",
     [
         ('laws = ["nno"]', (), "no law is named 'nno'"),
         ("seeds = ", (), "not valid TOML"),
@@ -86,14 +64,6 @@ def test_bad_input_is_one_paragraph(wmr, tmp_path, text, options, words):
     assert result.exit_code == 2
     assert words in " ".join(result.stderr.split())
     assert not (tmp_path / "s").exists()
-
-
-def test_a_scenario_s_file_is_called_so(wmr, tmp_path):
-    (tmp_path / "robot.toml").write_text('title = "mine"\n[robot]\nm = 30.0\n')
-    told = " ".join(wmr(f"study {tmp_path}/robot.toml --out {tmp_path}/s").stderr.split())
-
-    assert "robot.toml is a scenario, not a study plan" in told
-    assert 'scenario = "robot.toml"' in told
 
 
 ALL_REFUSED = """\
@@ -137,7 +107,7 @@ robot.m = [50.0, 60.0]
 """
 
 
-@pytest.mark.parametrize(("n", "warned"), [(6, True), (4, False)])
+@pytest.mark.parametrize("n, warned", [(6, True), (4, False)])
 def test_a_number_that_is_no_power_of_2_is_told_in_one_warning(wmr, tmp_path, recwarn, n, warned):
     pytest.importorskip("SALib")
     (tmp_path / "plan.toml").write_text(SOBOL.format(n=n))
@@ -153,11 +123,11 @@ def test_a_number_that_is_no_power_of_2_is_told_in_one_warning(wmr, tmp_path, re
 
 
 @pytest.mark.parametrize(
-    ("files", "words"),
+    "files, words",
     [
-        (None, "there is no folder"),
-        ({}, "study.json is missing"),
-        ({"study.json": '{"plan": {"grid": {}, "sample": null}}'}, "columns.csv is missing"),
+        (None, "study.json cannot be read"),
+        ({}, "study.json cannot be read"),
+        ({"study.json": '{"plan": {"grid": {}, "sample": null}}'}, "columns.csv cannot be read"),
         ({"study.json": "{"}, "damaged"),
     ],
 )

@@ -82,7 +82,7 @@ def test_a_heading_error_is_told_without_its_whole_turns():
 
 
 @pytest.mark.parametrize(
-    ("asked", "fast"), [((1, 2), False), ((1.1, 2), True), ((1, 2.1), True), ((1.1, 2.1), True)]
+    "asked, fast", [((1, 2), False), ((1.1, 2), True), ((1, 2.1), True), ((1.1, 2.1), True)]
 )
 def test_a_reference_is_too_fast_where_one_of_its_speeds_is(run, asked, fast):
     settings = {"usable": (1.0, 2.0), "asked": asked}
@@ -131,7 +131,7 @@ def test_a_run_is_told_on_one_screen_with_what_matters_for_its_base(preset):
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [(0.0, "0 m/s"), (12345.6, "1.235e+04 m/s"), (0.1, "0.1 m/s"), (4.91e-5, "49.1 µm/s"),
      (-0.02594, "-25.94 mm/s"), (7.5e-9, "0.0075 µm/s")],
 )  # fmt: skip
@@ -140,7 +140,7 @@ def test_a_number_has_four_digits_and_a_prefix_that_fits(value, text):
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [(None, MISSING), (0.0, "0 mm"), (5e-7, "below 0.001 mm"), (1e-6, "0.001 mm"),
      (0.25, "250 mm"), (1.5, "1.5 m")],
 )  # fmt: skip
@@ -149,7 +149,7 @@ def test_errors_are_in_millimetres_below_a_metre(value, text):
 
 
 @pytest.mark.parametrize(
-    ("error", "code"),
+    "error, code",
     [
         (click.Abort(), 130),
         (click.ClickException("x"), 2),
@@ -171,7 +171,7 @@ def test_text_from_outside_cannot_command_the_terminal():
 
 
 @pytest.mark.parametrize(
-    ("seed", "good"),
+    "seed, good",
     [("-1", False), ("0", True), (str(SEED_END - 1), True), (str(SEED_END), False)],
 )
 def test_a_seed_is_from_zero_up_and_below_its_end(seed, good):

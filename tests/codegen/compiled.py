@@ -1,16 +1,13 @@
 """Compile single kernels and call them on arrays."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import math
-from collections.abc import Callable, Sequence
 
 import casadi as ca
 import numpy as np
 
 from tests.arithmetic.functions import one
-from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, definition
+from wmr_ctrl.codegen.emit import QUALIFIERS, definition
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 
@@ -22,7 +19,7 @@ REALS = ct.POINTER(ct.c_double)
 ELEMENTARY = {
     ca.OP_EXP: "exp", ca.OP_LOG: "log", ca.OP_SIN: "sin", ca.OP_COS: "cos",
 }  # fmt: skip
-EXACT: dict[int, Callable[..., float]] = {
+EXACT = {
     ca.OP_ASSIGN: lambda a: a, ca.OP_ADD: lambda a, b: a + b, ca.OP_SUB: lambda a, b: a - b,
     ca.OP_MUL: lambda a, b: a * b, ca.OP_DIV: lambda a, b: a / b, ca.OP_NEG: lambda a: -a,
     ca.OP_SQ: lambda a: a * a, ca.OP_TWICE: lambda a: 2 * a, ca.OP_INV: lambda a: 1 / a,
@@ -34,7 +31,7 @@ EXACT: dict[int, Callable[..., float]] = {
 """Operations of which there is only one right result."""
 
 
-def compiled(kernels: Sequence[Kernel], *, native: bool = False) -> list[Callable[..., np.ndarray]]:
+def compiled(kernels, *, native=False):
     """Callables of kernels with one output vector, from one library."""
     text = _HEAD + "\n".join(definition(item) for item in kernels)
     header = (runtime_dir() / "arithmetic.h").read_text(encoding="utf-8")
@@ -43,13 +40,13 @@ def compiled(kernels: Sequence[Kernel], *, native: bool = False) -> list[Callabl
     return [_callable(library[f"wmr_{item.name}"], item.function) for item in kernels]
 
 
-def _callable(entry: Callable[..., None], function: ca.Function) -> Callable[..., np.ndarray]:
+def _callable(entry, function):
     entry.restype = None
     arrays = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
     out = np.zeros(function.numel_out(0))
     pointers = [item.ctypes.data_as(REALS) for item in (*arrays, out)]
 
-    def call(*given: np.ndarray) -> np.ndarray:
+    def call(*given):
         for array, numbers in zip(arrays, given, strict=True):
             array[:] = numbers
         entry(*pointers)
@@ -58,14 +55,14 @@ def _callable(entry: Callable[..., None], function: ca.Function) -> Callable[...
     return call
 
 
-def in_two(item: Kernel) -> Callable[..., np.ndarray]:
+def in_two(item):
     """A prepared kernel of u, p and y as one call: its preparation, then the rest."""
     text = _HEAD + definition(item)
     header = (runtime_dir() / "arithmetic.h").read_text(encoding="utf-8")
     library = ct.CDLL(str(build_library({"two.c": text, "arithmetic.h": header})))
     prepare, rest = library[f"wmr_{item.name}_prepare"], library[f"wmr_{item.name}"]
 
-    def call(u: np.ndarray, p: np.ndarray) -> np.ndarray:
+    def call(u, p):
         c, out = np.zeros(1000), np.zeros(item.function.numel_out(0))
         uu, pp, cc, yy = (a.ctypes.data_as(REALS) for a in (u, np.ascontiguousarray(p), c, out))
         prepare(pp, cc)
@@ -75,7 +72,7 @@ def in_two(item: Kernel) -> Callable[..., np.ndarray]:
     return call
 
 
-def machine(item: Kernel) -> Callable[..., np.ndarray]:
+def machine(item):
     """The same by CasADi's list of instructions, one by one, with our elementary functions."""
     f, calls = item.function, {op: one(name) for op, name in ELEMENTARY.items()}
     listed = [
@@ -83,7 +80,7 @@ def machine(item: Kernel) -> Callable[..., np.ndarray]:
         for k in range(f.n_instructions())
     ]
 
-    def run(*given: np.ndarray) -> np.ndarray:
+    def run(*given):
         work, out = np.zeros(f.sz_w()), np.zeros(f.numel_out(0))
         for op, into, operands, k in listed:
             if op == ca.OP_INPUT:

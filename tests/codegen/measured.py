@@ -12,7 +12,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
 from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -34,7 +33,7 @@ from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.control.filter.filter import called_filter
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 BOARD = "cortex-m4f"
 TARGET = ("-mthumb", "-mfloat-abi=hard", *BOARDS[BOARD].flags)
@@ -46,11 +45,11 @@ SCENARIOS = {False: "paper-simulation", True: "safe-simulation"}
 """By whether the guard is on."""
 ROBOTS = ("robot-10ms", "robot-100ms")
 """Guarded scenarios with encoders and late drives, whose packages are compiled only."""
-GOVERNED: Mapping[str, object] = {
+GOVERNED = {
     "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
     "filter.d": (0.05, 0.05), "filter.odometry": (0.02, 0.02), "clock.control": 0.05,
 }  # fmt: skip
-FILTERS: Mapping[str, Mapping[str, object]] = {
+FILTERS = {
     "clip": {"filter.kind": "clip"},
     "governor": GOVERNED,
     "governor, delay of 0 to 30 ms": {**GOVERNED, "filter.delay": (0.0, 0.03)},
@@ -64,7 +63,7 @@ FILTERS: Mapping[str, Mapping[str, object]] = {
     },
 }  # fmt: skip
 """Command filters whose packages are compiled only."""
-NOTHING: Mapping[str, object] = MappingProxyType({})
+NOTHING = MappingProxyType({})
 NOMINAL = "paper-simulation-nominal"
 GOLDEN = fmu_dir() / "golden" / "c"
 COPIES = tuple((law, float32) for law in ("mb", "nn") for float32 in (False, True))
@@ -81,9 +80,7 @@ class Sizes:
     stack: int
 
 
-def sizes(
-    law: str, float32: bool, preset: str, folder: Path, changes: Mapping[str, object] = NOTHING
-) -> Sizes:
+def sizes(law, float32, preset, folder, changes=NOTHING):
     """Sizes of a law's package, or of the command filter's, compiled for the board's processor."""
     scenario = load_scenario(preset, changes)
     write_package(law, folder, scenario, float32=float32)
@@ -97,17 +94,17 @@ def sizes(
     return Sizes(step_kernel(system).operations, int(text), int(data) + int(bss), stack)
 
 
-def filter_sizes(name: str, float32: bool, folder: Path) -> Sizes:
+def filter_sizes(name, float32, folder):
     """Those of one of FILTERS."""
     return sizes(FILTER, float32, "paper-simulation", folder, FILTERS[name])
 
 
-def loop_scenario(guarded: bool) -> Scenario:
+def loop_scenario(guarded):
     """What the boards run: the paper's circle without noise or change."""
     return load_scenario(NOMINAL, {"guard.enabled": guarded})
 
 
-def measure(law: str, float32: bool, guarded: bool, folder: Path) -> Footprint:
+def measure(law, float32, guarded, folder):
     """Footprint of a law's package."""
     found = sizes(law, float32, SCENARIOS[guarded], folder / "sizes")
     loop = lockstep(law, loop_scenario(guarded), BOARD, folder / "loop", float32=float32)
@@ -115,22 +112,22 @@ def measure(law: str, float32: bool, guarded: bool, folder: Path) -> Footprint:
     return Footprint(*astuple(found), *board, _version(folder))
 
 
-def compiled(law: str, float32: bool, preset: str, folder: Path) -> Footprint:
+def compiled(law, float32, preset, folder):
     """Footprint of a preset's package that no board has run."""
     found = sizes(law, float32, preset, folder)
     return Footprint(*astuple(found), None, None, None, _version(folder))
 
 
-def _version(folder: Path) -> str:
+def _version(folder):
     return f"gcc {_output([COMPILER, '-dumpversion'], folder)[0]}"
 
 
-def _output(command: list[str], folder: Path) -> list[str]:
+def _output(command, folder):
     done = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
     return done.stdout.splitlines()
 
 
-def write_golden() -> None:
+def write_golden():
     """Renew the committed packages."""
     for law, float32 in COPIES:
         folder = GOLDEN / footprint_key(law, float32)
@@ -139,7 +136,7 @@ def write_golden() -> None:
     (GOLDEN / VERSION).write_text(f"{ca.__version__}\n", encoding="utf-8")
 
 
-def write_footprints() -> None:
+def write_footprints():
     """Measure and record all packages."""
     found = {}
     for law, float32, guarded in PACKAGES:
@@ -165,7 +162,7 @@ def write_footprints() -> None:
     RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 
 
-def main() -> None:
+def main():
     """Measure, record, renew."""
     if missing():
         print(missing(), file=sys.stderr)

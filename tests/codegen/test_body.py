@@ -1,18 +1,16 @@
 """Choices that hang on each other: branches compute what they need, in an order that has it."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 
 from tests.codegen.compiled import compiled, machine
 from wmr_ctrl.codegen.body import body
 from wmr_ctrl.codegen.dialect import LANES, SCALAR
-from wmr_ctrl.codegen.emit import Kernel, definition, kernel
+from wmr_ctrl.codegen.emit import definition, kernel
 from wmr_ctrl.world.model.graph import read
 
 
-def one_after_the_other() -> Kernel:
+def one_after_the_other():
     """A choice that reads another one on the same condition."""
     x = ca.SX.sym("x", 3)
     first = ca.if_else(x[0] > 0, ca.exp(x[1]), ca.log(1 + x[2] * x[2]))
@@ -20,7 +18,7 @@ def one_after_the_other() -> Kernel:
     return kernel("after", "Two choices.", {"x": x}, {"y": ca.vertcat(first, second)})
 
 
-def shared_by_an_inner_one() -> Kernel:
+def shared_by_an_inner_one():
     """A value that a branch gives away, and that a choice within it reads on one side alone."""
     x = ca.SX.sym("x", 3)
     value = ca.exp(x[1])
@@ -29,7 +27,7 @@ def shared_by_an_inner_one() -> Kernel:
     return kernel("within", "Choices in choices.", {"x": x}, {"y": ca.vertcat(*outer)})
 
 
-def test_choices_that_read_each_other_keep_their_values() -> None:
+def test_choices_that_read_each_other_keep_their_values():
     kernels = [one_after_the_other(), shared_by_an_inner_one()]
     for item, step in zip(kernels, compiled(kernels), strict=True):
         wanted = machine(item)
@@ -39,7 +37,7 @@ def test_choices_that_read_each_other_keep_their_values() -> None:
             assert (step(x) == wanted(x)).all(), item.name
 
 
-def test_a_sine_and_a_cosine_of_one_angle_are_one_call_in_lanes() -> None:
+def test_a_sine_and_a_cosine_of_one_angle_are_one_call_in_lanes():
     x = ca.SX.sym("x")
     function = ca.Function("both", [x], [ca.vertcat(ca.sin(x), ca.cos(x))])
     graph = read(function, ["x"], ["y"])

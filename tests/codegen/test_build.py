@@ -1,16 +1,13 @@
 """Libraries of loops for Windows, which zig links without MinGW's C library: wine loads them."""
 
-from __future__ import annotations
-
 import os
 import subprocess
-from pathlib import Path
 
 import pytest
 
 from tests.compilers import WINE, ZIG, compile_program, needs_compiler, processor, where, wine
 from wmr_ctrl.codegen.build import LOOP, NATIVE, X86, flags_of, program_of, unity, vector_sets
-from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object
+from wmr_ctrl.codegen.compiler import compile_library, compile_object
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.export.fmi.targets import targets_of, toolchain_for
@@ -37,12 +34,12 @@ int main(int count, char **words)
 
 
 @pytest.fixture
-def chain() -> Toolchain:
+def chain():
     needs_compiler(ZIG)
     return toolchain_for(*targets_of("x86_64-windows"))
 
 
-def sets_in(library: Path) -> list[str]:
+def sets_in(library):
     """What the library says that it can run, under wine."""
     emulator, program = where(*WINE), library.with_name("who.exe")
     (library.parent / "who.c").write_text(WHO, encoding="utf-8")
@@ -55,12 +52,12 @@ def sets_in(library: Path) -> list[str]:
     return done.stdout.split()
 
 
-def write(folder: Path, files: dict[str, str | bytes]) -> None:
+def write(folder, files):
     for name, text in files.items():
         (folder / name).write_text(str(text), encoding="utf-8")
 
 
-def test_the_loop_of_one_robot(chain: Toolchain, tmp_path: Path) -> None:
+def test_the_loop_of_one_robot(chain, tmp_path):
     write(tmp_path, unity(program_of(settle(load_scenario("paper-simulation"), "nn")).generated))
 
     library = compile_library(
@@ -71,9 +68,7 @@ def test_the_loop_of_one_robot(chain: Toolchain, tmp_path: Path) -> None:
     assert not list(tmp_path.glob("*.c.o"))
 
 
-def test_the_loop_for_lanes_has_every_set_of_this_processor(
-    chain: Toolchain, tmp_path: Path
-) -> None:
+def test_the_loop_for_lanes_has_every_set_of_this_processor(chain, tmp_path):
     write(
         tmp_path,
         unity(program_of(settle(load_scenario("paper-simulation"), "nn")).generated_lanes, LOOP),

@@ -1,11 +1,8 @@
 """What a killed process leaves in the cache, and a cache that can only be read."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from filelock import FileLock
@@ -24,7 +21,7 @@ build_cached({"b.c": "int b;"}, compile_in)
 posix = pytest.mark.skipif(os.name == "nt", reason="Windows tells nothing of dead processes here")
 
 
-def library_in(folder: Path, source: str = "a.c") -> Path:
+def library_in(folder, source="a.c"):
     from wmr_ctrl.codegen.compiler import compile_library
     from wmr_ctrl.codegen.toolchain import find_toolchain
 

@@ -1,12 +1,8 @@
 """Compiler flags that change values: C that is exported refuses them, or they change nothing."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from pathlib import Path
 from platform import machine
-from subprocess import CompletedProcess, run
+from subprocess import run
 
 import pytest
 
@@ -61,7 +57,7 @@ int main(void)
     return 0;
 }}
 """
-KINDS: Mapping[str, Callable[[], Mapping[str, str]]] = {
+KINDS = {
     "law": lambda: package_files("nn", SAFE),
     "law-float32": lambda: package_files("nn", SAFE, float32=True),
     "filter": lambda: package_files(FILTER, FILTERED),
@@ -91,18 +87,18 @@ NOT_COMPILED = ("check.c", "example.c", "sfun_wmr_nn.c")
 
 
 @cache
-def texts(kind: str) -> Mapping[str, str]:
+def texts(kind):
     return KINDS[kind]()
 
 
-def written(kind: str, folder: Path) -> list[str]:
+def written(kind, folder):
     """Write the files of a kind; its units are returned."""
     for name, text in texts(kind).items():
         (folder / name).write_text(text, encoding="utf-8")
     return sorted(path.name for path in folder.glob("*.c") if path.name not in NOT_COMPILED)
 
 
-def compiled(folder: Path, compiler: str, *words: str) -> CompletedProcess[str]:
+def compiled(folder, compiler, *words):
     target = TARGET if compiler == COMPILER else ("-fPIC",)
     command = [compiler, *target, "-std=c99", "-w", "-O1", "-ffp-contract=off", *words]
     return run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -112,7 +108,7 @@ def compiled(folder: Path, compiler: str, *words: str) -> CompletedProcess[str]:
     "compiler", ["gcc", *(pytest.param(c, marks=pytest.mark.slow) for c in ("clang", COMPILER))]
 )
 @pytest.mark.parametrize("kind", KINDS)
-def test_flag_is_refused_or_values_stay(kind: str, compiler: str, tmp_path: Path) -> None:
+def test_flag_is_refused_or_values_stay(kind, compiler, tmp_path):
     """Vectors pass or the first is refused; where there are none it is the same instructions.
 
     By Clang the ROS node is looked at below, the FMU in tests/export. The float filter turns
@@ -135,13 +131,13 @@ def test_flag_is_refused_or_values_stay(kind: str, compiler: str, tmp_path: Path
             assert instructions(tmp_path, compiler, units, *words) == plain, flag
 
 
-def instructions(folder: Path, compiler: str, units: Sequence[str], *words: str) -> list[str]:
+def instructions(folder, compiler, units, *words):
     done = compiled(folder, compiler, *words, "-S", *units)
     assert done.returncode == 0, done.stderr
     return [(folder / unit).with_suffix(".s").read_text(encoding="utf-8") for unit in units]
 
 
-def test_refusal_names_the_flag(tmp_path: Path) -> None:
+def test_refusal_names_the_flag(tmp_path):
     needs("gcc")
     written("law", tmp_path)
     for flag in ("-ffast-math", "-funsafe-math-optimizations", "-ffinite-math-only"):
@@ -152,7 +148,7 @@ def test_refusal_names_the_flag(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(machine() not in ("x86_64", "aarch64"), reason="NOT RUN: not recognised there")
 @pytest.mark.parametrize("flag", ["", *(flag for flag in FLAGS if flag != "-fassociative-math")])
-def test_gcc_before_12_refuses_without_its_newer_macros(flag: str, tmp_path: Path) -> None:
+def test_gcc_before_12_refuses_without_its_newer_macros(flag, tmp_path):
     """Its version and macros are feigned: it tells such flags by __GCC_IEC_559 alone.
 
     It ignores -fassociative-math without -fno-signed-zeros.
@@ -166,16 +162,14 @@ def test_gcc_before_12_refuses_without_its_newer_macros(flag: str, tmp_path: Pat
 
 
 @pytest.mark.parametrize(
-    ("kind", "compiler"),
+    "kind, compiler",
     [
         pytest.param(kind, compiler, marks=[] if shown else pytest.mark.slow)
         for compiler, shown in (("gcc", True), ("gcc-11", False), ("clang", False))
         for kind in ("law", "law-float32", "filter", "filter-float32", "reference")
     ],
 )
-def test_first_step_catches_flags_that_no_macro_tells(
-    kind: str, compiler: str, tmp_path: Path
-) -> None:
+def test_first_step_catches_flags_that_no_macro_tells(kind, compiler, tmp_path):
     """Refused for ever with status and flag; or, by Clang, the vectors pass all the same.
 
     GCC ignores -fassociative-math alone; short constants do no harm to a package of floats.
@@ -192,7 +186,7 @@ def test_first_step_catches_flags_that_no_macro_tells(
         units.remove(checker)
     (tmp_path / "main.c").write_text(main, encoding="utf-8")
 
-    def said(unit: str, words: Sequence[str]) -> CompletedProcess[str]:
+    def said(unit, words):
         done = compiled(tmp_path, compiler, *words, *NO_MACROS, unit, *units, "-lm", "-o", "main")
         assert done.returncode == 0, done.stderr
         return run(["./main"], cwd=tmp_path, capture_output=True, text=True, check=False)

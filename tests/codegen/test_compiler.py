@@ -1,7 +1,5 @@
 """Commands that are run, and the compiler's flags."""
 
-from __future__ import annotations
-
 import signal
 import sys
 import threading
@@ -11,7 +9,7 @@ import pytest
 from wmr_ctrl.codegen.compiler import Finished, is_zig, run_command
 
 
-def run(script: str, **given):
+def run(script, **given):
     return run_command([sys.executable, "-c", script], **{"timeout": 60.0, **given})
 
 

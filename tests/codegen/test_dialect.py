@@ -1,7 +1,5 @@
 """C text of operations."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca
@@ -12,7 +10,7 @@ from wmr_ctrl.core.errors import ArgumentError
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [(0.1, "0.1"), (-2.0, "(-2.0)"), (math.inf, "WMR_INF"), (-math.inf, "(-WMR_INF)"),
      (math.nan, "WMR_NAN")],
 )  # fmt: skip

@@ -1,9 +1,6 @@
 """The emitter on graphs of its own: random ones, loops, branches; to the bit what they say."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Callable
 from dataclasses import replace
 
 import casadi as ca
@@ -11,24 +8,24 @@ import numpy as np
 import pytest
 
 from tests.codegen.compiled import compiled, in_two, machine
-from wmr_ctrl.codegen.emit import Kernel, definition, kernel
+from wmr_ctrl.codegen.emit import definition, kernel
 
 INPUTS = 6
 
 
-def random_graph(name: str, seed: int) -> Kernel:
+def random_graph(name, seed):
     """A few hundred operations: arithmetic, calls, comparisons, choices inside choices."""
     draw = np.random.default_rng(seed)
     x = ca.SX.sym("x", INPUTS)
     pool = [x[i] for i in range(INPUTS)] + [ca.SX(0.5), ca.SX(-2.0)]
 
-    def pick() -> ca.SX:
+    def pick():
         return pool[-1 - min(int(draw.geometric(0.08)), len(pool)) + 1]
 
-    def guarded(value: ca.SX) -> ca.SX:
+    def guarded(value):
         return 1 + value * value
 
-    def condition() -> ca.SX:
+    def condition():
         first = pick() < pick()
         kind = draw.integers(4)
         return (first, ca.logic_not(first), ca.logic_and(first, pick() <= pick()),
@@ -54,7 +51,7 @@ def random_graph(name: str, seed: int) -> Kernel:
 
 @pytest.mark.parametrize("native", [False, True])
 @pytest.mark.slow
-def test_random_graphs_equal_their_instructions_to_the_bit(native: bool) -> None:
+def test_random_graphs_equal_their_instructions_to_the_bit(native):
     kernels = [random_graph(f"random{seed}", seed) for seed in range(3)]
     draw = np.random.default_rng(1)
     branches = 0
@@ -67,7 +64,7 @@ def test_random_graphs_equal_their_instructions_to_the_bit(native: bool) -> None
     assert branches > 2 * len(kernels)
 
 
-def network(lanes: int = 8) -> Kernel:
+def network(lanes=8):
     """Tensor product, product with weights in lanes, update: the shape of the network law."""
     W, z = ca.SX.sym("x", 128), ca.SX.sym("u", 5)
     basis = [ca.exp(-z[4])]
@@ -87,7 +84,7 @@ def network(lanes: int = 8) -> Kernel:
 
 @pytest.mark.parametrize("lanes", [8, 16])
 @pytest.mark.slow_but("8")
-def test_loops_equal_their_instructions_to_the_bit(lanes: int) -> None:
+def test_loops_equal_their_instructions_to_the_bit(lanes):
     item = network(lanes)
     step, wanted = compiled([item])[0], machine(item)
     draw = np.random.default_rng(0)
@@ -96,7 +93,7 @@ def test_loops_equal_their_instructions_to_the_bit(lanes: int) -> None:
         assert (step(z, W) == wanted(z, W)).all()
 
 
-def test_networks_become_short_loops() -> None:
+def test_networks_become_short_loops():
     text = definition(network())
 
     assert text.count("for (int j = 0; j < 64; ++j)") == 2
@@ -106,7 +103,7 @@ def test_networks_become_short_loops() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.slow_but("0", "3")
-def test_runs_of_any_shape_keep_their_values(seed: int) -> None:
+def test_runs_of_any_shape_keep_their_values(seed):
     """Shuffled, shifted and reversed operands; runs that read results of other runs."""
     draw = np.random.default_rng(seed)
     x = ca.SX.sym("x", 40)
@@ -128,7 +125,7 @@ def test_runs_of_any_shape_keep_their_values(seed: int) -> None:
         assert (step(given) == wanted(given)).all()
 
 
-def test_a_loop_read_once_needs_no_array() -> None:
+def test_a_loop_read_once_needs_no_array():
     x, k = ca.SX.sym("x", 16), ca.SX.sym("k")
     text = definition(
         kernel("axpy", "A sum.", {"x": x, "k": k}, {"y": ca.vertcat(*((k * x[j] + 1) for j in range(16)))})  # noqa: E501
@@ -138,22 +135,20 @@ def test_a_loop_read_once_needs_no_array() -> None:
     assert "y[j] = (k[0] * x[j]) + 1.0" in text.replace("((", "(").replace("));", ");")
 
 
-def one_more(x: ca.SX, k: ca.SX) -> ca.SX:
+def one_more(x, k):
     """A loop of which something else reads one element."""
     scaled = [x[i] * k for i in range(16)]
     return ca.vertcat(*(part + 1 for part in scaled), ca.sin(scaled[3]))
 
 
-def halves(x: ca.SX, k: ca.SX) -> ca.SX:
+def halves(x, k):
     """Either half of a loop is read by another, which begins where that half does."""
     whole = [(x[i] + k) * x[i] for i in range(16)]
     return ca.vertcat(*(part - k for part in whole[:8]), *(part / 3 for part in whole[8:]))
 
 
-@pytest.mark.parametrize(("made", "kept"), [(one_more, True), (halves, False)])
-def test_a_loop_keeps_its_array_where_something_else_reads_it(
-    made: Callable[[ca.SX, ca.SX], ca.SX], kept: bool
-) -> None:
+@pytest.mark.parametrize("made, kept", [(one_more, True), (halves, False)])
+def test_a_loop_keeps_its_array_where_something_else_reads_it(made, kept):
     x, k = ca.SX.sym("x", 16), ca.SX.sym("k")
     item = kernel("read", "A loop.", {"x": x, "k": k}, {"y": made(x, k)})
     draw = np.random.default_rng(4).normal(size=17)
@@ -164,7 +159,7 @@ def test_a_loop_keeps_its_array_where_something_else_reads_it(
     assert (step(draw[:16], draw[16:]) == wanted(draw[:16], draw[16:])).all()
 
 
-def test_expensive_sides_of_a_choice_are_evaluated_only_if_chosen() -> None:
+def test_expensive_sides_of_a_choice_are_evaluated_only_if_chosen():
     x = ca.SX.sym("x")
     text = definition(
         kernel("pick", "A choice.", {"x": x}, {"y": ca.if_else(x > 0, ca.exp(x), ca.log(-x))})
@@ -175,7 +170,7 @@ def test_expensive_sides_of_a_choice_are_evaluated_only_if_chosen() -> None:
     assert text.index("log(") > text.index("} else {")
 
 
-def test_choices_on_one_condition_share_a_branch() -> None:
+def test_choices_on_one_condition_share_a_branch():
     x = ca.SX.sym("x", 2)
     free = x[0] > 0
     outputs = [ca.if_else(free, x[1], ca.exp(x[1]) + k) for k in range(5)]
@@ -185,7 +180,7 @@ def test_choices_on_one_condition_share_a_branch() -> None:
     assert text.count("exp(") == 1
 
 
-def test_repeated_division_by_a_parameter_is_multiplication() -> None:
+def test_repeated_division_by_a_parameter_is_multiplication():
     u, p = ca.SX.sym("u", 3), ca.SX.sym("p")
     item = kernel("scaled", "Scaled.", {"u": u, "p": p}, {"y": u / (2 * p)})
     draw = np.random.default_rng(0)
@@ -199,7 +194,7 @@ def test_repeated_division_by_a_parameter_is_multiplication() -> None:
 
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.slow
-def test_prepared_kernels_have_the_bits_of_whole_ones(seed: int) -> None:
+def test_prepared_kernels_have_the_bits_of_whole_ones(seed):
     """Half of a random graph's inputs are parameters: what they make alone is made beforehand."""
     graph = random_graph(f"prepared{seed}", seed)
     split = ca.SX.sym("u", INPUTS // 2), ca.SX.sym("p", INPUTS - INPUTS // 2)
@@ -215,7 +210,7 @@ def test_prepared_kernels_have_the_bits_of_whole_ones(seed: int) -> None:
         assert np.array_equal(apart(u, p), at_once(u, p))
 
 
-def test_what_parameters_make_alone_leaves_the_kernel() -> None:
+def test_what_parameters_make_alone_leaves_the_kernel():
     x, p = ca.SX.sym("x"), ca.SX.sym("p", 2)
     item = kernel(
         "parts", "A product.", {"x": x, "p": p}, {"y": x / ca.sqrt(p[0]) + p[1]}, prepared=True

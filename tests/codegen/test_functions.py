@@ -1,7 +1,5 @@
 """A loop's graphs without a compiler."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper

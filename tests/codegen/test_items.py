@@ -1,7 +1,5 @@
 """Statements, and the order in which they stand."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.codegen.items import IfElse, ResultStore, branched, scheduled, statements

@@ -1,11 +1,8 @@
 """The compiled kernels against CasADi's virtual machine, on the very graphs they came from."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import shutil
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +10,7 @@ import pytest
 from wmr_ctrl.codegen.build import LOOP, build_law, build_loop, program_of, unity
 from wmr_ctrl.codegen.kernels import loop_kernels
 from wmr_ctrl.control.controller import watched_controller
-from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import elements
 from wmr_ctrl.simulation.memory import REALS, load, opened
 from wmr_ctrl.world.effect import Rate
@@ -22,17 +19,17 @@ from wmr_ctrl.world.scenario import load_scenario
 SCENARIO = load_scenario("paper-simulation")
 
 
-def settled(law: str) -> Setup:
+def settled(law):
     return settle(SCENARIO, law)
 
 
-def compiled(law: str, name: str) -> object:
+def compiled(law, name):
     """Call of one exported kernel: arrays in, arrays out."""
     build = build_law if name == "controller" else build_loop
     entry = opened(build(settled(law)).library)[f"wmr_export_{name}"]
     entry.restype = None
 
-    def call(inputs: list[np.ndarray], sizes: list[int]) -> list[np.ndarray]:
+    def call(inputs, sizes):
         outputs = [np.zeros(max(size, 1)) for size in sizes]
         given = [
             np.ascontiguousarray(item, dtype=float) if np.size(item) else np.zeros(1)
@@ -44,7 +41,7 @@ def compiled(law: str, name: str) -> object:
     return call
 
 
-def admissible(draw: np.random.Generator, size: int) -> tuple[np.ndarray, np.ndarray]:
+def admissible(draw, size):
     """(inputs, memory): all three regions of v_c0, both signs, v near the limits and the kinks."""
     reference = np.array([*draw.normal(size=3), 0.2, 0.1, 0.0, 0.0])
     pose = reference[:3] + draw.normal(size=3) * 10 ** draw.uniform(-6, 1)
@@ -56,7 +53,7 @@ def admissible(draw: np.random.Generator, size: int) -> tuple[np.ndarray, np.nda
     )
 
 
-def assert_near(ours: list[np.ndarray], theirs: list[np.ndarray]) -> None:
+def assert_near(ours, theirs):
     for one, other in zip(ours, theirs, strict=True):
         near = 1e-13 * (1 + abs(other).max(initial=0))
         assert one == pytest.approx(other, rel=1e-13, abs=near)
@@ -64,7 +61,7 @@ def assert_near(ours: list[np.ndarray], theirs: list[np.ndarray]) -> None:
 
 @pytest.mark.parametrize("law", ["mb", "prox", "nn", "kanayama"])
 @pytest.mark.slow_but("mb", "prox")
-def test_c_equals_the_virtual_machine(law: str) -> None:
+def test_c_equals_the_virtual_machine(law):
     """To 1e-13 per step, all regions, both signs, boundaries."""
     item = watched_controller(settled(law))
     machine, step = item.function("step", [item.update, item.y]), compiled(law, "controller")
@@ -77,7 +74,7 @@ def test_c_equals_the_virtual_machine(law: str) -> None:
 
 @pytest.mark.parametrize("law", ["prox", "nn"])
 @pytest.mark.slow_but("prox")
-def test_a_logged_sample_equals_the_virtual_machine(law: str) -> None:
+def test_a_logged_sample_equals_the_virtual_machine(law):
     """Reference, sensors, diagnostics and all, from such states."""
     loop, p = program_of(settled(law)).loop, np.array(build_loop(settled(law)).parameters[0])
     sample = next(item.function for item in loop_kernels(loop) if item.name == "sample_logged")
@@ -94,9 +91,9 @@ def test_a_logged_sample_equals_the_virtual_machine(law: str) -> None:
         assert_near(step([np.array([k]), x, p, w], sizes), wanted)
 
 
-@pytest.mark.parametrize(("compiler", "lanes"), [("gcc", 0), ("gcc", 4), ("clang", 0)])
+@pytest.mark.parametrize("compiler, lanes", [("gcc", 0), ("gcc", 4), ("clang", 0)])
 @pytest.mark.slow_but("gcc-0")
-def test_sources_compile_without_a_warning(compiler: str, lanes: int, tmp_path: Path) -> None:
+def test_sources_compile_without_a_warning(compiler, lanes, tmp_path):
     if not shutil.which(compiler):
         pytest.skip(f"NOT RUN: {compiler} is not on this machine")
     program = program_of(settled("nn"))
@@ -112,7 +109,7 @@ def test_sources_compile_without_a_warning(compiler: str, lanes: int, tmp_path: 
     assert done.returncode == 0, done.stderr
 
 
-def test_only_marked_names_leave_the_library() -> None:
+def test_only_marked_names_leave_the_library():
     if not shutil.which("nm"):
         pytest.skip("nm is not on this machine")
     listed = subprocess.run(
@@ -127,7 +124,7 @@ def test_only_marked_names_leave_the_library() -> None:
     assert all(name.startswith("wmr_") for name in names), names
 
 
-def test_noise_block_is_philox() -> None:
+def test_noise_block_is_philox():
     """Integers to the bit against NumPy, whose block of counter c is ours of c + 1."""
     library = load(build_loop(settled("mb")).library)
     for seed in (0, 1, 77):

@@ -3,15 +3,12 @@
 ESP-IDF and Zephyr are stubs of their CMake functions here; the others are the tools themselves.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import shlex
 import shutil
 import subprocess
 import tarfile
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -101,7 +98,7 @@ endfunction()
 
 
 @cache
-def texts(law: str, layout: str | None, float32: bool = False) -> Mapping[str, str]:
+def texts(law, layout, float32=False):
     if law == CORRIDOR:
         still = override(SAFE, {"changes": []})
         return files_of(CORRIDOR, corridor_monitor(still, "prox"), still, layout=layout)
@@ -110,18 +107,18 @@ def texts(law: str, layout: str | None, float32: bool = False) -> Mapping[str, s
     return package_files(law, PACKAGES[law], float32=float32, layout=layout)
 
 
-def written(law: str, folder: Path, layout: str | None = None, float32: bool = False) -> Path:
+def written(law, folder, layout=None, float32=False):
     write_all(texts(law, layout, float32), folder / f"wmr_{law}")
     return folder / f"wmr_{law}"
 
 
-def two_packages(folder: Path, layout: str | None = None) -> None:
+def two_packages(folder, layout=None):
     """A law in double and the filter in single precision."""
     written("prox", folder, layout)
     written(FILTER, folder, layout, float32=True)
 
 
-def with_main(folder: Path, first: str = "wmr_prox.h", second: str = "wmr_filter.h") -> Path:
+def with_main(folder, first="wmr_prox.h", second="wmr_filter.h"):
     real = 8 if first == "wmr_prox.h" else 4
     text = BOTH.replace("FIRST", first).replace("SECOND", second).replace("REAL", str(real))
     (folder / "both.c").write_text(text, encoding="utf-8")
@@ -130,9 +127,7 @@ def with_main(folder: Path, first: str = "wmr_prox.h", second: str = "wmr_filter
 
 @pytest.mark.parametrize("language", [["-std=c99"], ["-std=c++11", "-x", "c++"]], ids=["c", "c++"])
 @pytest.mark.parametrize("order", [1, -1])
-def test_packages_of_both_precisions_are_in_one_file(
-    language: list[str], order: int, tmp_path: Path
-) -> None:
+def test_packages_of_both_precisions_are_in_one_file(language, order, tmp_path):
     needs("g++")
     two_packages(tmp_path)
     main = with_main(tmp_path, *("wmr_prox.h", "wmr_filter.h")[::order])
@@ -145,7 +140,7 @@ def test_packages_of_both_precisions_are_in_one_file(
     run(["./both"], tmp_path)
 
 
-def test_packages_are_in_one_cmake_project(tmp_path: Path) -> None:
+def test_packages_are_in_one_cmake_project(tmp_path):
     """Its own targets may have the names of a package's, and it may join its sources."""
     needs("cmake", "cc")
     two_packages(tmp_path)
@@ -156,14 +151,14 @@ def test_packages_are_in_one_cmake_project(tmp_path: Path) -> None:
     assert not list((tmp_path / "build").glob("wmr_*/check"))
 
 
-def built(folder: Path) -> None:
+def built(folder):
     run(["cmake", "-S", ".", "-B", "build"], folder)
     run(["cmake", "--build", "build"], folder)
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("law", [*PACKAGES, CORRIDOR])
-def test_names_of_a_layout_begin_with_the_packages(law: str, layout: str) -> None:
+def test_names_of_a_layout_begin_with_the_packages(law, layout):
     files = texts(law, layout)
     assert f"src/wmr_{law}.h" in files
     for place, text in files.items():
@@ -175,9 +170,7 @@ def test_names_of_a_layout_begin_with_the_packages(law: str, layout: str) -> Non
 
 @pytest.mark.parametrize("layout", [None, *LAYOUTS])
 @pytest.mark.parametrize("law", [*PACKAGES, CORRIDOR])
-def test_commands_of_the_readme_run_as_written(
-    law: str, layout: str | None, tmp_path: Path
-) -> None:
+def test_commands_of_the_readme_run_as_written(law, layout, tmp_path):
     needs("cc", "cmake", "ctest")
     folder = written(law, tmp_path, layout)
     (readme,) = folder.glob("*README*")
@@ -189,7 +182,7 @@ def test_commands_of_the_readme_run_as_written(
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_readme_tells_refusal_cost_and_guard(layout: str) -> None:
+def test_readme_tells_refusal_cost_and_guard(layout):
     for law in [*PACKAGES, CORRIDOR]:
         readme = " ".join(texts(law, layout)[f"wmr_{law}_README.md"].split()).lower()
         assert "what to do" in readme
@@ -198,7 +191,7 @@ def test_readme_tells_refusal_cost_and_guard(layout: str) -> None:
         assert acted.get(law, "the output `guard_acted` is 1") in readme
 
 
-def test_arduino_builds_the_sketch_with_two_libraries(tmp_path: Path) -> None:
+def test_arduino_builds_the_sketch_with_two_libraries(tmp_path):
     """By arduino-builder for an ATmega2560; every law's library is compiled and linked."""
     needs("arduino-builder", "avr-gcc", "arduino-ctags")
     tools = Path(shutil.which("arduino-builder") or "").parent
@@ -212,7 +205,6 @@ def test_arduino_builds_the_sketch_with_two_libraries(tmp_path: Path) -> None:
     assert re.fullmatch(r"\d+\.\d+\.\d+", told["version"])
     ctags = (share / "arduino-builder/platform.txt").read_text(encoding="utf-8")
     pattern = re.search(r"^tools.ctags.pattern=(.*)", ctags, re.M)
-    assert pattern is not None
     preferences = [
         f"compiler.path={tools}/", "compiler.cpp.extra_flags=-DDECIMAL_DIG=17",
         f"tools.ctags.cmd.path={tools}/arduino-ctags", f"tools.ctags.pattern={pattern[1]}",
@@ -231,9 +223,7 @@ def test_arduino_builds_the_sketch_with_two_libraries(tmp_path: Path) -> None:
         assert "Sketch uses" in run([*command, *prefs, *place, str(sketch)], tmp_path)
 
 
-def test_platformio_packs_it_and_the_pack_compiles(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_platformio_packs_it_and_the_pack_compiles(tmp_path, monkeypatch):
     """Packed by PlatformIO where it is installed; the manifest and sources are tried anyway."""
     needs("cc")
     folder = written("nn", tmp_path, "platformio", float32=True)
@@ -253,10 +243,8 @@ def test_platformio_packs_it_and_the_pack_compiles(
     assert "largest error" in run(["./check"], tmp_path)
 
 
-@pytest.mark.parametrize(("layout", "stub"), [("esp-idf", IDF), ("zephyr", ZEPHYR)])
-def test_cmake_of_a_layout_builds_with_stubs_of_its_functions(
-    layout: str, stub: str, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("layout, stub", [("esp-idf", IDF), ("zephyr", ZEPHYR)])
+def test_cmake_of_a_layout_builds_with_stubs_of_its_functions(layout, stub, tmp_path):
     """Two components; the executable stands for the user's application."""
     needs("cmake", "cc")
     two_packages(tmp_path, layout)
@@ -289,7 +277,7 @@ def test_cmake_of_a_layout_builds_with_stubs_of_its_functions(
     assert len(flags.stdout.splitlines()) == 2
 
 
-def test_a_layout_needs_a_folder_of_its_own(tmp_path: Path) -> None:
+def test_a_layout_needs_a_folder_of_its_own(tmp_path):
     words = f"codegen LAW --scenario turtlebot3-burger --layout zephyr --out {tmp_path / 'libs'}"
     for law, code in ((FILTER, 0), (FILTER, 0), ("kanayama", 2)):
         done = CliRunner().invoke(root, shlex.split(words.replace("LAW", law)))

@@ -1,14 +1,10 @@
 """The stand-alone C packages: they build anywhere, compute the law, and need nothing."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import casadi as ca
 import pytest
@@ -24,7 +20,7 @@ from wmr_ctrl.world.scenario import load_scenario
 SCENARIO = load_scenario("paper-simulation")
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
 every_kind = pytest.mark.parametrize(
-    ("law", "float32", "guarded"),
+    "law, float32, guarded",
     [
         ("pid", True, False),
         pytest.param("mb", True, True, marks=pytest.mark.slow),
@@ -34,29 +30,29 @@ every_kind = pytest.mark.parametrize(
 HASH = re.compile(r'(?<=scenario_hash\[17\] = ")[0-9a-f]{16}')
 
 
-def run(command: list[str], folder: Path) -> str:
+def run(command, folder):
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
 
-def needs(*tools: str) -> None:
+def needs(*tools):
     absent = [tool for tool in tools if shutil.which(tool) is None]
     if absent:
         pytest.skip(f"NOT RUN: {', '.join(absent)} not on this machine")
 
 
 @cache
-def texts(law: str, float32: bool, guarded: bool) -> Mapping[str, str]:
+def texts(law, float32, guarded):
     return package_files(law, load_scenario(measured.SCENARIOS[guarded]), float32=float32)
 
 
-def written(law: str, folder: Path, float32: bool, guarded: bool = False) -> None:
+def written(law, folder, float32, guarded=False):
     for name, text in texts(law, float32, guarded).items():
         (folder / name).write_text(text, encoding="utf-8")
 
 
-def programs(law: str, folder: Path, compiler: str = "gcc") -> list[str]:
+def programs(law, folder, compiler="gcc"):
     """Build a package's check and example without a warning; return what they print."""
     needs(compiler)
     command = [compiler, *WARNINGS, "-O2", "-ffp-contract=off"]
@@ -67,16 +63,14 @@ def programs(law: str, folder: Path, compiler: str = "gcc") -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("law", "float32", "guarded", "compiler"),
+    "law, float32, guarded, compiler",
     [
         ("nn", False, False, "gcc"),
         pytest.param("mb", True, True, "gcc", marks=pytest.mark.slow),
         pytest.param("pursuit", False, True, "clang", marks=pytest.mark.slow),
     ],
 )
-def test_vectors_pass_and_nothing_warns(
-    law: str, float32: bool, guarded: bool, compiler: str, tmp_path: Path
-) -> None:
+def test_vectors_pass_and_nothing_warns(law, float32, guarded, compiler, tmp_path):
     written(law, tmp_path, float32, guarded)
     checked, example = programs(law, tmp_path, compiler)
 
@@ -86,7 +80,7 @@ def test_vectors_pass_and_nothing_warns(
 
 
 @pytest.mark.parametrize(
-    ("law", "language", "float32"),
+    "law, language, float32",
     [
         ("pid", "gcc-c99", False),
         ("mb", "clang-c99", False),
@@ -95,15 +89,13 @@ def test_vectors_pass_and_nothing_warns(
         pytest.param("prox", "tcc", True, marks=pytest.mark.slow),
     ],
 )
-def test_it_is_c_and_cpp_for_every_compiler(
-    law: str, language: str, float32: bool, tmp_path: Path
-) -> None:
+def test_it_is_c_and_cpp_for_every_compiler(law, language, float32, tmp_path):
     written(law, tmp_path, float32)
     compile_all(language, tmp_path, [f"wmr_{law}.c", "example.c", "check.c"])
 
 
 @every_kind
-def test_a_microcontroller_takes_it(law: str, float32: bool, guarded: bool, tmp_path: Path) -> None:
+def test_a_microcontroller_takes_it(law, float32, guarded, tmp_path):
     needs(measured.COMPILER)
     written(law, tmp_path, float32, guarded)
     for unit in (f"wmr_{law}.c", "example.c", "check.c"):
@@ -115,7 +107,6 @@ def test_a_microcontroller_takes_it(law: str, float32: bool, guarded: bool, tmp_
     readme = (tmp_path / "README.md").read_text(encoding="utf-8")
     told = re.search(r"from the C library: ([^.]*)\.", readme)
 
-    assert told is not None
     assert not kinds & set("BbDdCS"), "writable data"
     assert wanted - support <= set(told[1].replace("\n ", "").split(", "))
     if float32:
@@ -123,7 +114,7 @@ def test_a_microcontroller_takes_it(law: str, float32: bool, guarded: bool, tmp_
 
 
 @pytest.mark.parametrize(
-    ("law", "float32", "preset"),
+    "law, float32, preset",
     [
         ("pid", True, measured.SCENARIOS[False]),
         pytest.param("mb", True, measured.SCENARIOS[True], marks=pytest.mark.slow),
@@ -132,14 +123,13 @@ def test_a_microcontroller_takes_it(law: str, float32: bool, guarded: bool, tmp_
         pytest.param("nn", False, "robot-100ms", marks=pytest.mark.slow),
     ],
 )
-def test_documented_footprint_holds(law: str, float32: bool, preset: str, tmp_path: Path) -> None:
+def test_documented_footprint_holds(law, float32, preset, tmp_path):
     """Renew by ``python -m tests.codegen.measured`` and look at the difference."""
     needs(measured.COMPILER)
     found = measured.sizes(law, float32, preset, tmp_path)
     told = known_footprint(law, float32, preset != measured.SCENARIOS[False], found.operations)
     readme = (tmp_path / "README.md").read_text(encoding="utf-8")
 
-    assert told is not None
     assert found.code <= 1.1 * told.code
     assert found.data == told.data == 0
     assert found.stack <= 1.1 * told.stack + 32
@@ -154,23 +144,22 @@ def test_documented_footprint_holds(law: str, float32: bool, preset: str, tmp_pa
     "name", ["clip", "governor, delay of 0 to 30 ms", "governor", "band of 50 commands"]
 )
 @pytest.mark.slow_but("clip", "governor, delay of 0 to 30 ms")
-def test_documented_footprint_of_a_filter_holds(name: str, tmp_path: Path) -> None:
+def test_documented_footprint_of_a_filter_holds(name, tmp_path):
     needs(measured.COMPILER)
     found = measured.filter_sizes(name, False, tmp_path)
     told = known_footprint("filter", False, False, found.operations)
-    assert told is not None
     assert (told.code, told.data, told.stack) == (found.code, found.data, found.stack)
 
 
-def test_another_kernel_does_not_borrow_a_footprint() -> None:
+def test_another_kernel_does_not_borrow_a_footprint():
     late = load_scenario("safe-simulation", {"actuator.lag": 0.02})
 
     assert "Cortex" in package_files("mb", SCENARIO)["README.md"]
     assert "were not measured" in package_files("mb", late)["README.md"]
 
 
-@pytest.mark.parametrize(("law", "float32"), measured.COPIES)
-def test_committed_copy_is_what_is_generated(law: str, float32: bool) -> None:
+@pytest.mark.parametrize("law, float32", measured.COPIES)
+def test_committed_copy_is_what_is_generated(law, float32):
     """Renew by ``python -m tests.codegen.measured`` and look at the difference.
 
     A new key of scenarios changes the hash alone, for which nothing has to be renewed.
@@ -185,11 +174,11 @@ def test_committed_copy_is_what_is_generated(law: str, float32: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("law", "guarded"),
+    "law, guarded",
     [("prox", False), ("nn", True), ("pid", True), ("mb", False), ("kanayama", False)],
 )
 @pytest.mark.slow_but("prox-False", "nn-True")
-def test_every_member_says_unit_and_meaning(law: str, guarded: bool) -> None:
+def test_every_member_says_unit_and_meaning(law, guarded):
     files = package_files(law, load_scenario(measured.SCENARIOS[guarded]), float32=True)
     members = [
         line for line in files[f"wmr_{law}.h"].splitlines() if line.startswith("    wmr_real")
@@ -202,7 +191,7 @@ def test_every_member_says_unit_and_meaning(law: str, guarded: bool) -> None:
     assert len(files["README.md"].splitlines()) <= 75
 
 
-def test_one_file_that_cannot_be_written_leaves_none_of_the_others(tmp_path: Path) -> None:
+def test_one_file_that_cannot_be_written_leaves_none_of_the_others(tmp_path):
     (tmp_path / "check.c").mkdir()
 
     with pytest.raises(ResultFileError, match=r"check\.c"):
@@ -215,7 +204,7 @@ def test_one_file_that_cannot_be_written_leaves_none_of_the_others(tmp_path: Pat
     "name", ["two\nlines", "a */ int x; /*", 'a "b" \\', "a ```\n# b", "<b>&", "a\u2028b"]
 )
 @pytest.mark.slow_but("a */ int x; /*", "a\\u2028b")
-def test_a_name_of_a_scenario_stands_in_comments_alone(name: str) -> None:
+def test_a_name_of_a_scenario_stands_in_comments_alone(name):
     plain, named = (package_files("mb", replace(SCENARIO, name=each)) for each in ("wmr", name))
     assert sum(plain[file] != named[file] for file in plain) == 2
     for file, text in plain.items():
@@ -225,7 +214,7 @@ def test_a_name_of_a_scenario_stands_in_comments_alone(name: str) -> None:
         assert code == other
 
 
-def test_guarded_limits_leave_room_for_the_rounding_of_a_float() -> None:
+def test_guarded_limits_leave_room_for_the_rounding_of_a_float():
     guarded = load_scenario(measured.SCENARIOS[True])
     told = re.findall(
         r"limits_v_u1\[\d\] = ([\d.]+)f?;",

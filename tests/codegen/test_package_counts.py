@@ -1,11 +1,8 @@
 """Wheel counts and angles in C packages: they grow without end, and no robot stops for it."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import subprocess
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +15,7 @@ from tests.codegen.test_package import WARNINGS, needs, run
 from tests.languages import LANGUAGES, compile_all
 from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 HOURS = Path(__file__).parent / "ten_hours.c"
 FINE = {"encoder.counts": 61440, "gyro.enabled": False, "guard.alpha": 6.0}
@@ -31,15 +28,15 @@ every_counter = pytest.mark.parametrize("bits", [16, 32])
 either = pytest.mark.parametrize("float32", [False, True], ids=["double", "float32"])
 
 
-def encoded(**more: object) -> Scenario:
+def encoded(**more):
     return load_scenario("paper-simulation", {"encoder.counts": 1024, **more})
 
 
-def with_bits(bits: int, window: float = 0.02) -> Scenario:
+def with_bits(bits, window=0.02):
     return encoded(**{"encoder.bits": bits, "encoder.window": window})
 
 
-def torques(host: HostBuild, counts: np.ndarray) -> list[list[float]]:
+def torques(host, counts):
     host.reset()
     shown = [host.step(GOOD, row) for row in counts]
     assert not any(status for status, _ in shown)
@@ -48,7 +45,7 @@ def torques(host: HostBuild, counts: np.ndarray) -> list[list[float]]:
 
 @needs_cc
 @every_counter
-def test_ten_hours_of_a_fine_encoder_refuse_no_sample(bits: int, tmp_path: Path) -> None:
+def test_ten_hours_of_a_fine_encoder_refuse_no_sample(bits, tmp_path):
     """Counters wrap, angles reach 600 turns: the robot keeps to its circle, and loses no count."""
     scenario = load_scenario("robot-10ms", {**FINE, "encoder.bits": bits})
     write_package("kanayama", tmp_path, scenario, float32=True)
@@ -71,15 +68,13 @@ def test_ten_hours_of_a_fine_encoder_refuse_no_sample(bits: int, tmp_path: Path)
 
 @pytest.mark.parametrize("language", LANGUAGES)
 @either
-def test_counts_are_c_and_cpp_for_every_compiler(
-    language: str, float32: bool, tmp_path: Path
-) -> None:
+def test_counts_are_c_and_cpp_for_every_compiler(language, float32, tmp_path):
     write_package("mb", tmp_path, with_bits(16), float32=float32)
     compile_all(language, tmp_path, ["wmr_mb.c", "example.c", "check.c"])
 
 
 @every_counter
-def test_a_microcontroller_counts_without_doubles(bits: int, tmp_path: Path) -> None:
+def test_a_microcontroller_counts_without_doubles(bits, tmp_path):
     needs(measured.COMPILER)
     write_package("mb", tmp_path, with_bits(bits), float32=True)
     command = [measured.COMPILER, *WARNINGS, "-Wdouble-promotion", "-O2", *measured.TARGET]
@@ -91,9 +86,7 @@ def test_a_microcontroller_counts_without_doubles(bits: int, tmp_path: Path) -> 
 @needs_cc
 @every_counter
 @either
-def test_torques_are_the_same_wherever_counters_begin(
-    bits: int, float32: bool, tmp_path: Path
-) -> None:
+def test_torques_are_the_same_wherever_counters_begin(bits, float32, tmp_path):
     host = HostBuild("prox", with_bits(bits), tmp_path, float32=float32)
     half = 2 ** (bits - 1)
     plain = torques(host, STEPS)
@@ -106,7 +99,7 @@ def test_torques_are_the_same_wherever_counters_begin(
 
 @needs_cc
 @every_counter
-def test_half_of_the_range_is_refused_once_by_name(bits: int, tmp_path: Path) -> None:
+def test_half_of_the_range_is_refused_once_by_name(bits, tmp_path):
     """Either wheel: torques are 0, and the next sample counts from where that one was."""
     host = HostBuild("mb", with_bits(bits, 0.0), tmp_path, float32=True)
     half = 2 ** (bits - 1)
@@ -127,7 +120,7 @@ def test_half_of_the_range_is_refused_once_by_name(bits: int, tmp_path: Path) ->
 
 @needs_cc
 @either
-def test_counts_of_refused_samples_are_counted(float32: bool, tmp_path: Path) -> None:
+def test_counts_of_refused_samples_are_counted(float32, tmp_path):
     """After two samples without pose the speed is that of one period, not of three."""
     host = HostBuild("mb", with_bits(16, 0.0), tmp_path, float32=float32)
     wanted = torques(host, np.array([(0, 0), (3, 2)]))[1]
@@ -142,14 +135,14 @@ def test_counts_of_refused_samples_are_counted(float32: bool, tmp_path: Path) ->
 
 
 @needs_cc
-def test_a_new_start_forgets_counts(tmp_path: Path) -> None:
+def test_a_new_start_forgets_counts(tmp_path):
     host = HostBuild("prox", with_bits(16), tmp_path, float32=True)
     assert torques(host, STEPS + 20_000) == torques(host, STEPS - 9_000)
 
 
 @needs_cc
 @either
-def test_whole_turns_of_angles_do_not_matter(float32: bool, tmp_path: Path) -> None:
+def test_whole_turns_of_angles_do_not_matter(float32, tmp_path):
     """Continuous angles, or a compass's: the same torques, to the angle's own digits."""
     host = HostBuild("prox", load_scenario("paper-simulation"), tmp_path, float32=float32)
     wanted = None
@@ -166,20 +159,18 @@ def test_whole_turns_of_angles_do_not_matter(float32: bool, tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("stated", "said"),
+    "stated, said",
     [
         ({"encoder.bits": 16, "encoder.counts": 2**22}, r"by 9.179e\+04 counts .* below 32768"),
         ({"encoder.counts": 1e12}, "encoder.bits = 32"),
     ],
 )
-def test_limits_that_make_counts_ambiguous_are_refused(
-    stated: Mapping[str, object], said: str
-) -> None:
+def test_limits_that_make_counts_ambiguous_are_refused(stated, said):
     with pytest.raises(ArgumentError, match=said):
         package_files("mb", encoded(**stated))
 
 
 @pytest.mark.parametrize("bits", [8, 24, 64])
-def test_other_counters_are_refused(bits: int) -> None:
+def test_other_counters_are_refused(bits):
     with pytest.raises(ScenarioError, match=rf"encoder\.bits = {bits} must be 16 or 32"):
         encoded(**{"encoder.bits": bits})

@@ -1,10 +1,7 @@
 """Inputs that no robot has, into the C package of every law: refused, or a finite torque."""
 
-from __future__ import annotations
-
 import itertools
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +20,7 @@ REFUSED, TAKEN = 1, 0
 
 
 @pytest.mark.parametrize(
-    ("law", "float32", "guarded"),
+    "law, float32, guarded",
     [
         ("pid", False, False),
         ("smc", True, False),
@@ -31,9 +28,7 @@ REFUSED, TAKEN = 1, 0
         pytest.param("pursuit", False, True, marks=pytest.mark.slow),
     ],
 )
-def test_what_is_too_large_is_refused_and_leaves_no_trace(
-    law: str, float32: bool, guarded: bool, tmp_path: Path
-) -> None:
+def test_what_is_too_large_is_refused_and_leaves_no_trace(law, float32, guarded, tmp_path):
     """Each input that has a bound, of either sign, and no number: torques 0; then as before."""
     needs("cc")
     one = HostBuild(law, load_scenario(SCENARIOS[guarded]), tmp_path, float32=float32)

@@ -1,11 +1,7 @@
 """Laws of bases that take velocities as C: the run's commands, refused samples, guard_acted."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import re
-from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,9 +18,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import GUARD_ACTED, GUARD_DIAGNOSTICS, ODOMETRY_AGE, REFUSED, places
 from wmr_ctrl.export.fmi.files import sources_of
 from wmr_ctrl.export.fmi.fmu_files import model_of
-from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import (
-    Scenario,
     load_scenario,
     loads_scenario,
     override,
@@ -33,25 +27,25 @@ from wmr_ctrl.world.scenario import (
 )
 
 BURGER = "turtlebot3-burger"
-NO_FILTER: Mapping[str, object] = {"filter.kind": "none"}
-BAND: Mapping[str, object] = {
+NO_FILTER = {"filter.kind": "none"}
+BAND = {
     "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
     "filter.frequency": (8.0, 9.0), "filter.delay": (0.02, 0.02), "filter.trust": True,
 }  # fmt: skip
-FORMS: Mapping[str, Mapping[str, object]] = {
+FORMS = {
     "governor": {}, "clip": {"filter.kind": "clip"}, "none": NO_FILTER, "band": BAND,
 }  # fmt: skip
 LIMIT = 1 + 1e-9
 
 
-def burger(form: str, **stated: object) -> Scenario:
+def burger(form, **stated):
     if form == "band":  # which must not state odometry
         text = re.sub(r"(?m)^odometry = .*$", "", to_toml(load_scenario(BURGER), comments=False))
         return override(loads_scenario(text), {**FORMS[form], **stated})
     return load_scenario(BURGER, {**FORMS[form], **stated})
 
 
-def stepped(system: System, rows: np.ndarray) -> np.ndarray:
+def stepped(system, rows):
     """Outputs of a System, sample by sample."""
     graph = system.function("step", [system.update, system.y])
     x, shown = np.array(system.x0), []
@@ -62,7 +56,7 @@ def stepped(system: System, rows: np.ndarray) -> np.ndarray:
     return np.array(shown)
 
 
-def motions(count: int = 40) -> np.ndarray:
+def motions(count=40):
     """Samples of a law's twelve inputs, some far from the path and some at the limit."""
     draw = np.random.default_rng(3)
     rows = draw.uniform(-1, 1, (count, 12)) * 0.15
@@ -72,10 +66,10 @@ def motions(count: int = 40) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("law", "form"),
+    "law, form",
     [("kanayama", "governor"), ("pursuit", "clip"), ("prox", "none"), ("nn", "band")],
 )
-def test_commands_are_those_of_the_run(law: str, form: str) -> None:
+def test_commands_are_those_of_the_run(law, form):
     """With nothing refused and nothing late it is the run's controller, to the bit."""
     setup = settle(burger(form), law)
     plain, packed = controller(setup), packaged(setup)
@@ -95,7 +89,7 @@ def test_commands_are_those_of_the_run(law: str, form: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("law", "form", "float32"),
+    "law, form, float32",
     [
         ("kanayama", "governor", False),
         ("pursuit", "clip", False),
@@ -103,7 +97,7 @@ def test_commands_are_those_of_the_run(law: str, form: str) -> None:
         ("nn", "governor", True),
     ],
 )
-def test_refused_samples_keep_the_limit(law: str, form: str, float32: bool, tmp_path: Path) -> None:
+def test_refused_samples_keep_the_limit(law, form, float32, tmp_path):
     """Each third sample has NaN, infinity or a number too large somewhere; the base is sluggish."""
     needs("cc")
     scenario = burger(form)
@@ -136,7 +130,7 @@ def test_refused_samples_keep_the_limit(law: str, form: str, float32: bool, tmp_
 
 
 @pytest.mark.parametrize("form", ["band", "governor"])
-def test_parameters_that_are_no_numbers_send_zeros(form: str, tmp_path: Path) -> None:
+def test_parameters_that_are_no_numbers_send_zeros(form, tmp_path):
     """A band stays at rest until the next start: its memory does not know of the stop."""
     needs("cc")
     package = HostBuild("kanayama", burger(form), tmp_path, float32=False)
@@ -154,9 +148,7 @@ def test_parameters_that_are_no_numbers_send_zeros(form: str, tmp_path: Path) ->
 
 @pytest.mark.parametrize("float32", [False, True])
 @pytest.mark.parametrize("form", FORMS)
-def test_package_of_a_velocity_base_passes_its_vectors(
-    form: str, float32: bool, tmp_path: Path
-) -> None:
+def test_package_of_a_velocity_base_passes_its_vectors(form, float32, tmp_path):
     scenario = burger(form, **({"encoder.counts": 4096} if form == "clip" else {}))
     write_package("kanayama", tmp_path, scenario, float32=float32)
     checked, example = programs("kanayama", tmp_path)
@@ -164,7 +156,7 @@ def test_package_of_a_velocity_base_passes_its_vectors(
     assert float(example.split()[1]) < 0.05
 
 
-def test_guard_acted_is_what_the_guard_did(tmp_path: Path) -> None:
+def test_guard_acted_is_what_the_guard_did(tmp_path):
     """Of a robot that takes torques: 1 in samples in which the run's guard changed the force."""
     scenario = load_scenario("safe-simulation")
     setup = settle(scenario, "prox")
@@ -185,7 +177,7 @@ def test_guard_acted_is_what_the_guard_did(tmp_path: Path) -> None:
     assert GUARD_ACTED not in [item.signal for item in unguarded.outputs]
 
 
-def test_package_and_fmu_carry_the_hash_of_a_saved_run(tmp_path: Path) -> None:
+def test_package_and_fmu_carry_the_hash_of_a_saved_run(tmp_path):
     needs("cc")
     scenario = load_scenario("paper-simulation", {"clock.duration": 1.0})
     told = simulate(scenario, "mb").provenance["scenario_hash"]

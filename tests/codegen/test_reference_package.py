@@ -1,7 +1,5 @@
 """The path as C: its vectors, the simulator's bits, and a place beside the package of a law."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import subprocess
 

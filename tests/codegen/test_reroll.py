@@ -1,7 +1,5 @@
 """Loops for runs of similar operations."""
 
-from __future__ import annotations
-
 import casadi as ca
 import pytest
 
@@ -10,8 +8,8 @@ from wmr_ctrl.codegen.reroll import SHORTEST, depths, reroll
 from wmr_ctrl.world.model.graph import read
 
 
-@pytest.mark.parametrize(("count", "rolled"), [(SHORTEST - 1, False), (16, True)])
-def test_products_of_vectors_become_a_loop_from_a_length_on(count: int, rolled: bool):
+@pytest.mark.parametrize("count, rolled", [(SHORTEST - 1, False), (16, True)])
+def test_products_of_vectors_become_a_loop_from_a_length_on(count, rolled):
     a, b = ca.SX.sym("a", count), ca.SX.sym("b", count)
     graph = read(ca.Function("f", [a, b], [a * b]), ["a", "b"], ["y"])
     items, places = reroll(graph, statements(graph))

@@ -1,7 +1,5 @@
 """The key that the C runtime makes of a seed is NumPy's."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import shutil
 
@@ -12,7 +10,7 @@ from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import find_toolchain
 
 
-def test_a_seed_becomes_the_key_of_numpy(tmp_path) -> None:
+def test_a_seed_becomes_the_key_of_numpy(tmp_path):
     for name in ("seed.c", "seed.h"):
         shutil.copy(runtime_dir() / name, tmp_path)
     flags = ["-std=c99", "-shared", "-fPIC", "seed.c", "-o", "seed.so"]

@@ -1,7 +1,5 @@
 """The noise's product on compilers without 128-bit integers: the same bits."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import shutil
 
@@ -16,7 +14,7 @@ BLOCK = ct.c_uint64 * 4
 
 
 @pytest.mark.parametrize("seed", [0, 3])
-def test_noise_from_32_bit_pieces_is_philox(seed, tmp_path) -> None:
+def test_noise_from_32_bit_pieces_is_philox(seed, tmp_path):
     """Counters and keys whose halves carry: NumPy's block of counter c is ours of c + 1."""
     for name in ("noise.c", "noise.h"):
         shutil.copy(runtime_dir() / name, tmp_path)

@@ -1,7 +1,5 @@
 """C in single precision."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca

@@ -1,39 +1,36 @@
 """Kept C text is what the emitter writes, and no trouble with the folder is an error."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import casadi as ca
 import pytest
 
 from wmr_ctrl.codegen import cache, source
 from wmr_ctrl.codegen.dialect import LANES
-from wmr_ctrl.codegen.emit import Kernel, definition, kernel
+from wmr_ctrl.codegen.emit import definition, kernel
 
 
-def example() -> Kernel:
+def example():
     x = ca.SX.sym("x", 3)
     return kernel("example", "An example.", {"x": x}, {"y": ca.sin(x) * x})
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "cache"))
     return tmp_path / "cache"
 
 
-def test_kept_text_is_the_emitters(folder: Path) -> None:
+def test_kept_text_is_the_emitters(folder):
     assert source.cached_definition(example()) == definition(example())
     assert source.cached_definition(example()) == definition(example())
     assert source.cached_definition(example(), LANES) == definition(example(), LANES)
     assert len(list(folder.rglob("*.c"))) == 2
 
 
-def test_half_a_text_is_written_anew(folder: Path) -> None:
+def test_half_a_text_is_written_anew(folder):
     source.cached_definition(example())
     (path,) = folder.rglob("*.c")
     path.write_text(path.read_text(encoding="utf-8")[:40], encoding="utf-8")
@@ -41,9 +38,7 @@ def test_half_a_text_is_written_anew(folder: Path) -> None:
     assert source.cached_definition(example()) == definition(example())
 
 
-def test_a_folder_that_cannot_be_written_does_not_matter(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_that_cannot_be_written_does_not_matter(tmp_path, monkeypatch):
     blocked = tmp_path / "file"
     blocked.write_text("", encoding="utf-8")
     monkeypatch.setattr(cache, "cache_part", lambda name: blocked / name)
@@ -68,7 +63,7 @@ print([values[-1].tobytes().hex() for values in run.columns.values()])
 
 
 @pytest.mark.slow
-def test_a_second_process_writes_and_compiles_nothing(tmp_path: Path) -> None:
+def test_a_second_process_writes_and_compiles_nothing(tmp_path):
     environment = {**os.environ, "WMR_CTRL_CACHE": str(tmp_path)}
     last = [
         subprocess.run(

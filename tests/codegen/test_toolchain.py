@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import ctypes
 import os
 import shutil
@@ -57,7 +55,7 @@ def zig_cache(tmp_path_factory):
 def fake(tmp_path):
     """Return a function that writes a stand-in for a compiler, a Python script, and its path."""
 
-    def write(body: str, name: str = "cc") -> Path:
+    def write(body, name="cc"):
         path = tmp_path / "bin" / name
         path.parent.mkdir(exist_ok=True)
         head = f"#!{sys.executable}\nimport os, signal, sys, time\n"
@@ -70,22 +68,22 @@ def fake(tmp_path):
     return write
 
 
-def forget() -> None:
+def forget():
     build_cache._usable.cache_clear()
     toolchain._find.cache_clear()
 
 
-def of(path: Path) -> Toolchain:
+def of(path):
     return Toolchain((str(path),), path.name, "fake 1.0", default_flags((str(path),)))
 
 
-def hide_compilers(monkeypatch, *, zig: bool) -> None:
+def hide_compilers(monkeypatch, *, zig):
     monkeypatch.setenv("PATH", "")
     if zig:
         monkeypatch.setattr(toolchain, "zig_command", lambda: ())
 
 
-def square(library: Path) -> float:
+def square(library):
     function = ctypes.CDLL(str(library)).square
     function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double]
     return function(3.0)
@@ -223,7 +221,7 @@ def test_named_compiler_that_is_missing_is_not_replaced_by_another(monkeypatch):
 
 @posix
 @pytest.mark.parametrize(
-    ("body", "said"),
+    "body, said",
     [
         ("print('x.c:1: error: broken on purpose'); sys.exit(1)", "broken on purpose"),
         ("open(out, 'w').write('no library')", "cannot be loaded"),
@@ -262,7 +260,7 @@ def test_next_compiler_is_tried_after_a_broken_one(fake, monkeypatch):
 
 @posix
 @pytest.mark.parametrize(
-    ("body", "said"),
+    "body, said",
     [
         (
             "open(out, 'w').write('half'); print('a.c:3: error: no'); sys.exit(1)",
@@ -302,7 +300,7 @@ def test_what_a_hanging_compiler_started_is_killed_too(fake, tmp_path):
     assert ended(int(child.read_text()))
 
 
-def ended(pid: int) -> bool:
+def ended(pid):
     """Whether a process is gone, or dead and only waiting for somebody to collect it."""
     for _ in range(100):
         try:
@@ -340,8 +338,8 @@ def test_runtime_is_found():
     assert list(runtime_dir().glob("*.c"))
 
 
-@pytest.mark.parametrize(("asked", "level"), [("", "-O3"), ("1", "-O1"), (" 0 ", "-O0")])
-def test_the_level_is_what_the_environment_asks_for(asked, level, monkeypatch) -> None:
+@pytest.mark.parametrize("asked, level", [("", "-O3"), ("1", "-O1"), (" 0 ", "-O0")])
+def test_the_level_is_what_the_environment_asks_for(asked, level, monkeypatch):
     monkeypatch.setenv("WMR_CTRL_OPTIMIZE", asked)
     flags = [flag for flag in find_toolchain(native=True).flags if flag.startswith("-O")]
 
@@ -349,7 +347,7 @@ def test_the_level_is_what_the_environment_asks_for(asked, level, monkeypatch) -
 
 
 @pytest.mark.parametrize("asked", ["4", "fast", "-O2", "1.0"])
-def test_a_level_that_no_compiler_has_is_named(asked, monkeypatch) -> None:
+def test_a_level_that_no_compiler_has_is_named(asked, monkeypatch):
     monkeypatch.setenv("WMR_CTRL_OPTIMIZE", asked)
     with pytest.raises(CompilerError, match=r"WMR_CTRL_OPTIMIZE.*takes 0, 1, 2 or 3"):
         find_toolchain()

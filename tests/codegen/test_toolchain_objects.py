@@ -1,10 +1,7 @@
 """One library from several units: what is optional may fail, what is not may not."""
 
-from __future__ import annotations
-
 import ctypes as ct
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -34,51 +31,51 @@ LAST = Unit("last", "last.c")
 
 
 @pytest.fixture(autouse=True)
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def cache(tmp_path, monkeypatch):
     toolchain = find_toolchain()  # found with the usual cache, so that it need not be tried again
     monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path))
     monkeypatch.setattr("tests.codegen.test_toolchain_objects.find_toolchain", lambda: toolchain)
     return tmp_path
 
 
-def total(*units: Unit) -> int:
+def total(*units):
     path = build_units(SOURCES, units, LAST, find_toolchain(), name="sum")
     return int(ct.CDLL(str(path)).total())
 
 
-def broken(unit: Unit) -> Unit:
+def broken(unit):
     return replace(unit, flags=(*unit.flags, "-DBROKEN"))
 
 
-def unknown(unit: Unit) -> Unit:
+def unknown(unit):
     return replace(unit, flags=(*unit.flags, "-march=no-such-processor"))
 
 
-def test_units_have_flags_of_their_own_and_end_in_one_library(cache: Path) -> None:
+def test_units_have_flags_of_their_own_and_end_in_one_library(cache):
     assert total(FIRST, SECOND) == 42
     assert not list((cache / "kernels").rglob("*.o"))
 
 
-def test_the_library_goes_without_an_optional_unit_whose_flags_are_unknown() -> None:
+def test_the_library_goes_without_an_optional_unit_whose_flags_are_unknown():
     assert total(FIRST, unknown(SECOND)) == 40
 
 
 @pytest.mark.parametrize(
     "units", [(broken(FIRST), SECOND), (unknown(FIRST), SECOND), (FIRST, broken(SECOND))]
 )
-def test_any_other_failure_leaves_no_library(units: tuple[Unit, ...], cache: Path) -> None:
+def test_any_other_failure_leaves_no_library(units, cache):
     with pytest.raises(CompilerError, match=r"cannot do that|no-such-processor"):
         total(*units)
     assert not list(cache.glob("kernels/*"))
 
 
-def test_flags_of_units_are_part_of_the_key() -> None:
+def test_flags_of_units_are_part_of_the_key():
     other = replace(SECOND, flags=("-DNAME=second", "-DVALUE=3"))
 
     assert (total(FIRST, SECOND), total(FIRST, other)) == (42, 43)
 
 
-def test_an_error_stops_the_compilers_that_still_run(tmp_path: Path) -> None:
+def test_an_error_stops_the_compilers_that_still_run(tmp_path):
     """What fails at once neither waits for what takes long nor leaves it running."""
     script, ended = tmp_path / "slow-cc", tmp_path / "ended"
     quick = 'case "$*" in *QUICK*) exit 1;; esac'

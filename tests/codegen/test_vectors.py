@@ -1,9 +1,5 @@
 """Test vectors see what they are there for: every number of a law, and the guard at work."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -12,10 +8,9 @@ from tests.codegen.measured import SCENARIOS
 from tests.codegen.packages import write_package
 from tests.codegen.test_package import needs, run
 from wmr_ctrl.codegen.package import FILTER, packaged
-from wmr_ctrl.codegen.vectors import SAMPLES, SITUATIONS, TOLERANCES, Vectors, vectors_of
+from wmr_ctrl.codegen.vectors import SAMPLES, SITUATIONS, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario
 
 UNSEEN = {
@@ -28,7 +23,7 @@ UNSEEN = {
 }
 
 
-def torques_with(system: System, p: np.ndarray, inputs: np.ndarray) -> np.ndarray:
+def torques_with(system, p, inputs):
     """Torques [N m] (steps, 2) of the law with parameters ``p``."""
     machine, found = system.function("step", [system.update, system.y]), []
     x = ca.DM(system.x0)
@@ -38,7 +33,7 @@ def torques_with(system: System, p: np.ndarray, inputs: np.ndarray) -> np.ndarra
     return np.array(found)
 
 
-def unseen(system: System, vectors: Vectors) -> set[str]:
+def unseen(system, vectors):
     """Names of parameters of which an error of 1 % stays within the checker's tolerance."""
     names, missed = [p.signal.name for p in system.params for _ in p.value], set()
     for k, value in enumerate(system.p0):
@@ -51,11 +46,11 @@ def unseen(system: System, vectors: Vectors) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    ("law", "guarded"),
+    "law, guarded",
     [("mb", False), ("prox", True), ("pid", True), ("nn", True), ("kanayama", False)],
 )
 @pytest.mark.slow_but("mb-False", "prox-True")
-def test_an_error_of_one_per_cent_in_any_number_is_seen(law: str, guarded: bool) -> None:
+def test_an_error_of_one_per_cent_in_any_number_is_seen(law, guarded):
     scenario = load_scenario(SCENARIOS[guarded])
     system = controller(settle(scenario, law))
     shown_only = {"pid": {"limits.v_u2"}, "kanayama": {"limits.v_u2", "gains.kinematics.k"}}
@@ -64,7 +59,7 @@ def test_an_error_of_one_per_cent_in_any_number_is_seen(law: str, guarded: bool)
     assert missed <= set(UNSEEN) | shown_only.get(law, set())
 
 
-def test_counts_of_the_wheels_are_those_of_the_speeds_in_their_place() -> None:
+def test_counts_of_the_wheels_are_those_of_the_speeds_in_their_place():
     of = load_scenario(SCENARIOS[False], {"encoder.counts": 1e7})
     setup = settle(of, "mb")
     plain = vectors_of(controller(setup), of.limits).inputs
@@ -83,7 +78,7 @@ def test_counts_of_the_wheels_are_those_of_the_speeds_in_their_place() -> None:
         )
 
 
-def test_runs_cover_both_sides_of_both_limits() -> None:
+def test_runs_cover_both_sides_of_both_limits():
     scenario = load_scenario(SCENARIOS[False])
     vectors = vectors_of(controller(settle(scenario, "mb")), scenario.limits)
     share = vectors.inputs[:, -2:] / scenario.limits.v_u1
@@ -95,15 +90,11 @@ def test_runs_cover_both_sides_of_both_limits() -> None:
 
 
 @pytest.mark.parametrize(
-    ("compiler", "emulator"),
+    "compiler, emulator",
     [("aarch64-linux-gnu-gcc", "qemu-aarch64"), ("arm-linux-gnueabihf-gcc", "qemu-arm")],
 )
-@pytest.mark.parametrize(
-    ("law", "preset"), [("nn", "safe-simulation"), (FILTER, "turtlebot3-burger")]
-)
-def test_vectors_pass_on_arm(
-    law: str, preset: str, compiler: str, emulator: str, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("law, preset", [("nn", "safe-simulation"), (FILTER, "turtlebot3-burger")])
+def test_vectors_pass_on_arm(law, preset, compiler, emulator, tmp_path):
     needs(compiler, emulator)
     write_package(law, tmp_path, load_scenario(preset))
     command = [compiler, "-std=c99", "-O2", "-ffp-contract=off", "-static", "check.c"]

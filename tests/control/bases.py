@@ -1,19 +1,14 @@
 """Bases that take velocities, with a speed loop of the first order, and one behind a governor."""
 
-from __future__ import annotations
+from wmr_ctrl.world.scenario import load_scenario, override
 
-from collections.abc import Mapping
-from typing import Any
-
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
-
-VELOCITY: Mapping[str, Any] = {
+VELOCITY = {
     "base": {"kind": "velocity", "tau": [0.2, 0.25], "gain": [1.05, 0.95]},
     "clock.control": 0.05,
     "clock.duration": 6.0,
     "limits": {"v_u1": [1.0, 2.0], "v_u2": [0.7, 1.4]},
 }
-GOVERNED: Mapping[str, Any] = {
+GOVERNED = {
     **VELOCITY,
     "filter": {
         "kind": "governor",
@@ -24,6 +19,6 @@ GOVERNED: Mapping[str, Any] = {
 }
 
 
-def based(overrides: Mapping[str, Any], **further: Any) -> Scenario:
+def based(overrides, **further):
     given = {**overrides, **{key.replace("__", "."): value for key, value in further.items()}}
     return override(load_scenario("paper-simulation-noise-free"), {"changes": [], **given})

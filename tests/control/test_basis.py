@@ -1,7 +1,5 @@
 """Robot, base and path in the numbers from which gains follow."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper

@@ -1,7 +1,5 @@
 """A limit of the wheels' speed is judged in every plant step, as limits of v and omega are."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +16,7 @@ from wmr_ctrl.world.scenario import load_scenario
 
 @pytest.mark.parametrize("engine", ["native", "numpy"])
 @pytest.mark.slow_but("numpy")
-def test_a_wheel_beyond_its_limit_is_an_outcome(engine: str) -> None:
+def test_a_wheel_beyond_its_limit_is_an_outcome(engine):
     """By each engine; every step is logged, but the last. With a limit above it the run is well."""
     stated = {**VELOCITY, "clock.control": 0.01, "clock.plant": 0.01, "clock.duration": 2.0}
     free = wmr_ctrl.simulate(based(stated), "kanayama", engine=engine)
@@ -46,7 +44,7 @@ def test_a_wheel_beyond_its_limit_is_an_outcome(engine: str) -> None:
     assert high.outcome.value == "completed"
 
 
-def test_check_promises_a_limit_of_the_wheels_too() -> None:
+def test_check_promises_a_limit_of_the_wheels_too():
     case = load_scenario("turtlebot3-burger", {"filter.wheel_speed": 0.2})
     said = promise(settle(case, "kanayama"))
     assert "|v1| <= 0.22 m/s, |omega| <= 2.84 rad/s and wheels' speeds <= 0.2 m/s are" in said

@@ -1,9 +1,5 @@
 """A monitor behind every law: it changes no torque, and what it publishes is what it says."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -14,11 +10,10 @@ from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
-from wmr_ctrl.world.model.system import System
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
-DRIVES: dict[str, dict[str, Any]] = {
+DRIVES = {
     "ideal": {},
     "limited": {"actuator.tau_max": 6.5},
     "slow": {"actuator.lag": 0.02, "actuator.delay": 0.004},
@@ -26,11 +21,11 @@ DRIVES: dict[str, dict[str, Any]] = {
 SHORT = {"clock.duration": 3.0, "changes": [{"t": 1.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 
 
-def scenario_of(drive: str = "ideal", **changed: Any) -> Scenario:
+def scenario_of(drive="ideal", **changed):
     return load_scenario("paper-simulation", {**SHORT, **DRIVES[drive], **changed})
 
 
-def diagnostics(system: System) -> tuple[list[Any], list[Any]]:
+def diagnostics(system):
     """Signals, and values at the start."""
     at_start = system.function("d", [system.d])(np.zeros(system.u.numel()), system.x0, system.p0)
     return [item.signal for item in system.diagnostics], at_start.full().ravel().tolist()
@@ -38,7 +33,7 @@ def diagnostics(system: System) -> tuple[list[Any], list[Any]]:
 
 @every_law
 @pytest.mark.slow_but("mb", "prox")
-def test_a_guarded_controller_is_watched_anyway(law: str) -> None:
+def test_a_guarded_controller_is_watched_anyway(law):
     scenario = load_scenario("safe-simulation")
     plain, watched = (build(settle(scenario, law)) for build in (controller, watched_controller))
     graphs = [s.function("f", [s.update, s.y, s.d]).serialize() for s in (plain, watched)]
@@ -50,7 +45,7 @@ def test_a_guarded_controller_is_watched_anyway(law: str) -> None:
 
 @every_law
 @pytest.mark.slow_but("mb")
-def test_the_monitor_comes_last(law: str) -> None:
+def test_the_monitor_comes_last(law):
     """State and diagnostics: the law's own first, as they were; then tau_applied, then watching."""
     scenario = scenario_of()
     bare, watched = law_graph(settle(scenario, law)), watched_controller(settle(scenario, law))
@@ -65,7 +60,7 @@ def test_the_monitor_comes_last(law: str) -> None:
 
 
 @every_law
-def test_dbar_is_a_parameter_with_its_units(law: str) -> None:
+def test_dbar_is_a_parameter_with_its_units(law):
     given = {"guard.dbar": [12.0, 3.0]}
     listed = watched_controller(settle(scenario_of(**given), law)).params
     params = {item.signal.name: item for item in listed}
@@ -75,7 +70,7 @@ def test_dbar_is_a_parameter_with_its_units(law: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("law", "changed", "feasible"),
+    "law, changed, feasible",
     [
         ("pid", {}, 1.0),
         ("smc", {"actuator.tau_max": 6.5}, 1.0),
@@ -84,9 +79,7 @@ def test_dbar_is_a_parameter_with_its_units(law: str) -> None:
         pytest.param("prox", {"guard.M_min": [0.1, 0.01]}, 0.0, marks=pytest.mark.slow),
     ],
 )
-def test_bounds_that_cannot_be_met_are_told_not_refused(
-    law: str, changed: dict[str, Any], feasible: float
-) -> None:
+def test_bounds_that_cannot_be_met_are_told_not_refused(law, changed, feasible):
     scenario = scenario_of(**changed)
 
     assert diagnostics(watched_controller(settle(scenario, law)))[1][-1] == feasible

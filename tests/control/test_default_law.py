@@ -1,7 +1,5 @@
 """The law that drives where none is named."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from tests.papers_robot import paper

@@ -1,7 +1,5 @@
 """What a caller means by a scenario."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper

@@ -1,7 +1,5 @@
 """Numbers of the clock: whole plant steps of a delay, and limits with room for rounding."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -12,7 +10,7 @@ from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.mark.parametrize("plant", [0.001, 0.0005, 0.002])
-def test_no_delay_loses_a_step(plant: float) -> None:
+def test_no_delay_loses_a_step(plant):
     """0.043/0.001, 0.051/0.001 and 0.059/0.001 are below the whole number in doubles, too."""
     scenario = load_scenario("paper-simulation", {"clock.plant": plant, "actuator.delay": 0.006})
     graphs = LoopGraphs(settle(scenario, "mb"))
@@ -26,7 +24,7 @@ def test_no_delay_loses_a_step(plant: float) -> None:
             assert float(graphs.delay_steps(numbers)) == n
 
 
-def test_what_rounding_adds_to_a_limit_is_no_violation() -> None:
+def test_what_rounding_adds_to_a_limit_is_no_violation():
     """Some roundings of the limit are allowed, and no more than a part in a million million."""
     graphs = LoopGraphs(settle(load_scenario("paper-simulation"), "mb"))
     numbers = [value for item in graphs.parameters.ports for value in item.value]

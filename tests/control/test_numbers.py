@@ -1,7 +1,5 @@
 """Which numbers a setup's graphs do not depend on, and their ranges."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper
@@ -11,12 +9,12 @@ from wmr_ctrl.core.signals import LARGEST
 from wmr_ctrl.world.scenario import override
 
 
-def form(law: str = "mb", **changed: object):
+def form(law="mb", **changed):
     return structure_of(settle(override(paper(), changed), law))
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "same"),
+    "key, value, same",
     [
         ("robot.m", 60.0, True),
         ("disturbance.std", 0.5, True),

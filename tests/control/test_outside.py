@@ -1,7 +1,5 @@
 """Outputs that hold only a part of the loop."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper

@@ -1,7 +1,5 @@
 """A law on a scenario, and the numbers that follow."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper

@@ -1,7 +1,5 @@
 """Limits of both directions, as graphs read them."""
 
-from __future__ import annotations
-
 import casadi as ca
 import pytest
 

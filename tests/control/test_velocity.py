@@ -1,7 +1,5 @@
 """What is asked of a base that takes velocities, and what is remembered of what was sent."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -9,10 +7,10 @@ import pytest
 from tests.control.bases import VELOCITY, based
 from wmr_ctrl.control.controller import law_graph, velocity_sender
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.control.velocity import NEAR, SentVelocity
+from wmr_ctrl.control.velocity import NEAR
 
 
-def sender(law: str) -> SentVelocity:
+def sender(law):
     setup = settle(based(VELOCITY), law)
     return velocity_sender(setup, law_graph(setup))
 
@@ -33,8 +31,8 @@ def test_a_force_is_the_velocity_to_which_it_leads_and_friction_leads_nowhere():
     assert ca.is_equal(sent.asked, gone, 9)
 
 
-@pytest.mark.parametrize(("off", "learns"), [(0.0, True), (0.5 * NEAR, True), (0.1, False)])
-def test_estimates_stay_while_another_velocity_is_sent(off: float, learns: bool):
+@pytest.mark.parametrize("off, learns", [(0.0, True), (0.5 * NEAR, True), (0.1, False)])
+def test_estimates_stay_while_another_velocity_is_sent(off, learns):
     sent = sender("smc")
     near, symbols = (
         sent._learnt(sent.asked + off),

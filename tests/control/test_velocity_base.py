@@ -1,16 +1,9 @@
 """Bases that take velocities: speed loops, the adapter of torque laws, the filter in runs."""
 
-from __future__ import annotations
-
 import math
 import re
-from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from importlib import import_module
-from itertools import count
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -26,8 +19,8 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.theory.checks import filter_facts
 from wmr_ctrl.theory.checks.sending import loop_of
-from wmr_ctrl.theory.checks.velocity_base import rise_times, usable_speed, velocity_base
-from wmr_ctrl.theory.linear.nonlinear import law_nlsys
+from wmr_ctrl.theory.checks.velocity_base import usable_speed, velocity_base
+from wmr_ctrl.theory.linear.nonlinear import loop_nlsys
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import rolling_against
@@ -37,7 +30,7 @@ from wmr_ctrl.world.speed_loop import has_loop
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for() -> None:
+def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for():
     """With known time constants prox drives as it does on a base that takes torques."""
     fast = {"clock.control": 0.01, "base": {"kind": "velocity", "tau": [0.2, 0.2]}}
     velocity = wmr_ctrl.simulate(based({**VELOCITY, **fast}), "prox")
@@ -46,7 +39,7 @@ def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for() -> None:
         assert velocity[name] == pytest.approx(torque[name], abs=0.02), name
 
 
-def test_a_law_that_believes_another_time_constant_drives_another_way() -> None:
+def test_a_law_that_believes_another_time_constant_drives_another_way():
     base = {"kind": "velocity", "tau": [0.2, 0.2]}
     right = wmr_ctrl.simulate(based({**VELOCITY, "base": base}), "prox", engine="numpy")
     wrong = {**base, "tau_believed": [0.4, 0.4]}
@@ -55,7 +48,7 @@ def test_a_law_that_believes_another_time_constant_drives_another_way() -> None:
 
 
 @pytest.mark.slow
-def test_both_engines_agree_with_governor_and_delay() -> None:
+def test_both_engines_agree_with_governor_and_delay():
     late = based(
         GOVERNED,
         base={**VELOCITY["base"], "delay": 0.07},
@@ -68,7 +61,7 @@ def test_both_engines_agree_with_governor_and_delay() -> None:
 
 
 @pytest.mark.slow
-def test_no_push_is_looked_for_and_none_is_told() -> None:
+def test_no_push_is_looked_for_and_none_is_told():
     """A least push of 0 would read as if one had been looked for."""
     counted = {**GOVERNED["filter"], "d": [0.05, 0.05]}
     pushed = based({**GOVERNED, "filter": counted, "disturbance.push": [3.0, 0.0]})
@@ -80,7 +73,7 @@ def test_no_push_is_looked_for_and_none_is_told() -> None:
     assert "disturbance" not in summary_text(run)
 
 
-def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit_then() -> None:
+def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit_then():
     """The worst gain and the largest push that is stated, at the limit: to 1e-4 of it."""
     base = {"kind": "velocity", "tau": [0.2, 0.2], "gain": [1.1, 1.1]}
     reach = -0.001 / math.expm1(-0.001 / 0.2)
@@ -98,7 +91,7 @@ def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit
 
 
 @pytest.mark.slow
-def test_figures_tell_how_often_the_filter_acted_with_and_without_a_log() -> None:
+def test_figures_tell_how_often_the_filter_acted_with_and_without_a_log():
     scenario = based({**GOVERNED, "initial.pose": [-4.0, -4.0, -0.7], "gains.kanayama.share": 1.0})
     run = wmr_ctrl.simulate(scenario, "kanayama")
     sent = np.stack([run["v_command"], run["omega_command"]])
@@ -113,7 +106,7 @@ def test_figures_tell_how_often_the_filter_acted_with_and_without_a_log() -> Non
     assert table["guard_share1"][0] == 0.0
 
 
-OVERSHOOTING: Mapping[str, Any] = {
+OVERSHOOTING = {
     **VELOCITY,
     "base": {"kind": "velocity", "loop": "pi"},
     "robot.mu": 0.0,
@@ -131,7 +124,7 @@ OVERSHOOTING: Mapping[str, Any] = {
 
 
 @pytest.mark.slow
-def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> None:
+def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots():
     alone = wmr_ctrl.simulate(based({**OVERSHOOTING, "filter": {}}), "kanayama")
     assert alone.monitor.max_abs_v[0] > 1.05
     held = wmr_ctrl.simulate(based(OVERSHOOTING), "kanayama")
@@ -140,7 +133,7 @@ def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> 
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "words"),
+    "key, value, words",
     [
         ("base.kp", 170.0, "outside filter.kp"),
         ("robot.m", 60.0, "outside filter.mass"),
@@ -156,13 +149,13 @@ def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> 
         ("changes", [{"t": 3.0, "m": 54.0}], "`changes = []` takes out"),
     ],
 )
-def test_a_pi_base_outside_the_stated_family_is_refused(key: str, value: Any, words: str) -> None:
+def test_a_pi_base_outside_the_stated_family_is_refused(key, value, words):
     with pytest.raises(ScenarioError) as error:
         settle(based({**OVERSHOOTING, key: value}), "kanayama")
     assert words in str(error.value)
 
 
-def test_a_refusal_names_both_axes_at_once() -> None:
+def test_a_refusal_names_both_axes_at_once():
     pushed = {"filter.d": [1.05, 2.05], "limits.v_u1": [1.0, 2.0], "limits.v_u2": [0.7, 1.4]}
     with pytest.raises(ScenarioError, match=r"filter\.d\[1\] = 1\.05.* filter\.d\[2\] = 2\.05"):
         wmr_ctrl.command_filter(based({**GOVERNED, **pushed}))
@@ -170,14 +163,14 @@ def test_a_refusal_names_both_axes_at_once() -> None:
         settle(based({**GOVERNED, "base.tau": [9.0, 9.0]}), "kanayama")
 
 
-def broken(changes: Mapping[str, Any]) -> str:
+def broken(changes):
     """What a filter that is trusted all the same does not hold of its base."""
     setup = settle(override(based(changes), {"filter.trust": True}), "kanayama")
     return " ".join(broken_hypotheses(setup.scenario, setup.bound))
 
 
-@pytest.mark.parametrize(("share", "said"), [(0.99, False), (1.01, True)])
-def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share: float, said: bool) -> None:
+@pytest.mark.parametrize("share, said", [(0.99, False), (1.01, True)])
+def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share, said):
     """Friction by its square; rolling adds to what unequal wheels push."""
     filtered = {**OVERSHOOTING["filter"], "friction": [0.0, 20.0], "push": [100.0, 100.0]}
     slowed = {**OVERSHOOTING, "filter": filtered, "resistance.viscous": [1.0, share * 20 * 0.25**2]}
@@ -189,7 +182,7 @@ def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share: float, 
     assert ("The base may be pushed by" in broken(less)) is not said
 
 
-def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes() -> None:
+def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes():
     """Of a governor in one sentence an axis; of a clip pushes alone count."""
     ground = {"resistance.rolling": [0.02, 0.01], "filter.d": [1e-6, 1e-6]}
     text, clipped = broken({**GOVERNED, **ground}), broken({**CLIPPED, **ground})
@@ -199,7 +192,7 @@ def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes() -> None:
     assert [b / a for a, b in zip(pushed, slowed, strict=True)] == pytest.approx([3, 3], rel=2e-3)
 
 
-def test_no_wheel_is_asked_for_more_than_a_jump_from_limit_to_limit_takes() -> None:
+def test_no_wheel_is_asked_for_more_than_a_jump_from_limit_to_limit_takes():
     """Of both axes at once, against friction, in the first plant step."""
     scenario = based(GOVERNED)
     robot, h = scenario.robot, scenario.clock.plant
@@ -210,7 +203,7 @@ def test_no_wheel_is_asked_for_more_than_a_jump_from_limit_to_limit_takes() -> N
     assert most_torque(scenario) == pytest.approx(np.abs(wheels).max(), rel=1e-9)
 
 
-def test_usable_speed_is_the_closed_form_without_delay() -> None:
+def test_usable_speed_is_the_closed_form_without_delay():
     scenario = based(GOVERNED)
     facts = filter_facts(settle(scenario, "kanayama"))
     assert facts is not None
@@ -219,18 +212,15 @@ def test_usable_speed_is_the_closed_form_without_delay() -> None:
     expected = [k * (V + kappa * (V - 2 * 0.01)) / (1 + kappa * k) for V in (1.0, 2.0)]
     assert facts.usable_speed == pytest.approx(expected, rel=1e-6)
     later = filter_facts(settle(based({**GOVERNED, "filter.delay": [0.0, 0.001]}), "kanayama"))
-    assert later is not None
     left = [now - then for now, then in zip(facts.usable_speed, later.usable_speed, strict=True)]
     assert facts.delay_cost == pytest.approx(left, rel=1e-9)
     assert min(left) > 0
     clip = {**GOVERNED, "filter": {"kind": "clip", "gain": [0.9, 1.1]}}
     memoryless = filter_facts(settle(based(clip), "kanayama"))
-    assert memoryless is not None
     assert memoryless.usable_speed == pytest.approx((k, 2 * k), rel=1e-6)
-    assert rise_times(based(clip)) == pytest.approx([0.05 * 0.9 * 1.1] * 2, rel=1e-6)
 
 
-def test_pushes_count_for_the_lightest_robot_of_a_run_and_errors_by_the_gain() -> None:
+def test_pushes_count_for_the_lightest_robot_of_a_run_and_errors_by_the_gain():
     pushed, off = Bound(dbar=(2.0, 1.0)), Bound(command=(0.1, 0.2))
     alone = push_speeds(based(VELOCITY), pushed)
     robot = based(VELOCITY).robot
@@ -242,7 +232,7 @@ def test_pushes_count_for_the_lightest_robot_of_a_run_and_errors_by_the_gain() -
 
 
 @pytest.mark.parametrize("stated", [VELOCITY, GOVERNED], ids=["no filter", "governor"])
-def test_what_takes_torques_alone_names_all_that_has_to_change(stated) -> None:
+def test_what_takes_torques_alone_names_all_that_has_to_change(stated):
     with pytest.raises(ScenarioError, match="packages only for robots that take wheel") as refused:
         check_takes_torques(based(stated), "packages")
     remedy = str(refused.value).partition("Use one")[2]
@@ -252,44 +242,30 @@ def test_what_takes_torques_alone_names_all_that_has_to_change(stated) -> None:
     check_takes_torques(override(based(stated), told), "packages")
 
 
-def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch) -> None:
-    """To nine tenths of the limits, also between two samples."""
-    sent = (SimpleNamespace(command=(0.7 * 0.05 * k, 0.9 * 0.05 * k)) for k in count(1))
-    ramp = SimpleNamespace(step=lambda _: next(sent))
-    module = import_module(
-        "wmr_ctrl.theory.checks.velocity_base"
-    )  # the package has a function of its name
-    monkeypatch.setattr(module, "CommandFilter", lambda _: ramp)
-
-    assert rise_times(based(GOVERNED)) == pytest.approx([0.9 * 1.0 / 0.7, 0.9 * 2.0 / 0.9])
-
-
-@pytest.mark.parametrize(("noise", "told"), [({}, True), ({"truncate": 3.0}, False)])
-def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(
-    noise: Mapping[str, float], told: bool
-) -> None:
+@pytest.mark.parametrize("noise, told", [({}, True), ({"truncate": 3.0}, False)])
+def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(noise, told):
     clip = {"kind": "clip", "gain": [0.9, 1.1], "d": [0.3, 0.8]}
     noisy = {"disturbance": {"std": 0.5, **noise}, "filter": clip}
     warnings = velocity_base(loop_of(settle(based({**VELOCITY, **noisy}), "kanayama")))
     assert ("disturbance.truncate" in [item.key for item in warnings]) == told
 
 
-@pytest.mark.parametrize(("changes", "said"), [
+@pytest.mark.parametrize("changes, said", [
     ({}, "stated bounds$"), ({"base.w_max": 3.0}, "but for what base.w_max takes$"),
     ({"resistance.viscous": [5.0, 0.0], "base.w_max": 3.0}, r"w_max and \[resistance\] take$"),
 ])  # fmt: skip
-def test_check_names_what_else_slows_a_base_behind_a_clip(changes: Any, said: str) -> None:
+def test_check_names_what_else_slows_a_base_behind_a_clip(changes, said):
     first, *_ = filter_lines(settle(based({**CLIPPED, **changes}), "kanayama"))
     assert re.search(said, first)
 
 
-def test_check_promises_no_limit_that_a_start_breaks() -> None:
+def test_check_promises_no_limit_that_a_start_breaks():
     text = promise(settle(based({**CLIPPED, "initial.velocity": [1.1, 0.0]}), "kanayama"))
     assert "guaranteed for starts within them alone" in text
     assert "alone" not in promise(settle(based(CLIPPED), "kanayama"))
 
 
-def test_check_counts_on_no_odometry_that_is_too_old_to_be_used() -> None:
+def test_check_counts_on_no_odometry_that_is_too_old_to_be_used():
     """By a scenario that leaves it out; what is told of an age that is used is told as ever."""
     late = {**GOVERNED, "sensor.velocity_age": 0.1}
     deaf = settle(based({**late, "filter.age": 0.05}), "kanayama")
@@ -306,7 +282,7 @@ def test_check_counts_on_no_odometry_that_is_too_old_to_be_used() -> None:
 
 @pytest.mark.parametrize("stated", [{"channels": "wheels"}, {"wheel_speed": 0.8}])
 @pytest.mark.parametrize("kind", ["clip", "governor"])
-def test_check_says_what_a_filter_of_wheels_leaves(kind: str, stated: Mapping[str, Any]) -> None:
+def test_check_says_what_a_filter_of_wheels_leaves(kind, stated):
     changes = {"kind": kind, "gain": [0.9, 1.1], "d": [0.05, 0.02], **stated}
     alike = {"base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "robot.mu": 0.0}
     scenario = based(
@@ -321,57 +297,35 @@ def test_check_says_what_a_filter_of_wheels_leaves(kind: str, stated: Mapping[st
     assert facts.usable_speed == pytest.approx((ahead, turning), rel=1e-6)
 
 
-@pytest.mark.parametrize(("kind", "least"), [("clip", 0.5), ("band", 0.98)])
+@pytest.mark.parametrize("kind, least", [("clip", 0.5), ("band", 0.98)])
 @pytest.mark.slow_but("clip-0.5")
-def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
-    kind: str, least: float
-) -> None:
+def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(kind, least):
     stated = {**OVERSHOOTING["filter"], "kind": kind}
     scenario = based({**OVERSHOOTING, "filter": stated})
     facts = filter_facts(settle(scenario, "kanayama"))
-    assert facts is not None
     assert "linear loops" in facts.statement
-    assert facts.delay_cost == (0.0, 0.0)
+    assert facts.delay_cost == ((0.0, 0.0) if kind == "clip" else None)
     shares = [speed / limit for speed, limit in zip(facts.usable_speed, (1.0, 2.0), strict=True)]
     assert least < min(shares) <= max(shares) <= 1.0
     if kind == "clip":
         assert max(shares) > 1 / facts.gain > min(shares) - 1e-6
-        assert facts.gain_cost == pytest.approx([0.0099 * s for s in facts.usable_speed], rel=2e-3)
-    assert facts.overshoot is not None
-    assert min(facts.overshoot) > 0.1
-    assert facts.overshoot_cost is not None
     told = " ".join(filter_lines(settle(scenario, "kanayama")))
     assert ("millisecond of delay costs" in told) == (kind == "clip")
     assert ("a constant delay costs nothing" in told) == (kind == "band")
-    if kind == "band":
-        assert facts.rise is not None
-        assert facts.rise_cost is not None
-        assert 0.3 < min(facts.rise) < max(facts.rise) < 4.0
-        step = wmr_ctrl.command_filter(override(scenario, {"filter.scale": "axes"}))
-        sent = [0.0, *(step.step((10.0, 20.0)).command[0] for _ in range(100))]
-        times = scenario.clock.control * np.arange(101)
-        assert facts.rise[0] == pytest.approx(np.interp(0.9, sent, times), rel=1e-9)
-        assert 0.0 < min(facts.rise_cost) < max(facts.rise_cost) < 0.5
-    taken = [cost / share for cost, share in zip(facts.overshoot_cost, shares, strict=True)]
-    assert (0.01 if kind == "clip" else -1e-6) < min(taken) <= max(taken) < 0.06
 
 
 @pytest.mark.slow
-def test_a_band_that_is_pushed_is_asked_for_long_enough() -> None:
+def test_a_band_that_is_pushed_is_asked_for_long_enough():
     stated = {**OVERSHOOTING["filter"], "kind": "band", "friction": [0, 20], "push": [10, 0]}
     setup = settle(based({**OVERSHOOTING, "filter": stated}), "kanayama")
     facts = filter_facts(setup)
-    assert facts is not None
     step = wmr_ctrl.command_filter(setup.scenario)
     sent = [step.step((10.0, 0.0)).command[0] for _ in range(4000)]
     assert facts.usable_speed[0] == pytest.approx(sent[-1], rel=1e-6)
     assert sent[127] < 0.998 * sent[-1]
-    told = " ".join(filter_lines(setup))
-    assert "commands reach 0.9 of the limits after" in told
-    assert "one more per cent of overshoot" in told
 
 
-BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
+BROKEN = {
     "pi": ({"base.loop": "pi"}, "never exceed their command"),
     "tau": ({"base.tau": [0.19, 0.2]}, "outside filter.tau"),
     "gain": ({"base.gain": [1.11, 1.0]}, "outside filter.gain"),
@@ -395,7 +349,7 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
 
 @pytest.mark.parametrize("name", BROKEN)
 @pytest.mark.slow_but("pi", "gain", "delay")
-def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name: str) -> None:
+def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name):
     changes, words = BROKEN[name]
     broken = based({**GOVERNED, **changes})
     with pytest.raises(ScenarioError) as error:
@@ -403,11 +357,10 @@ def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name: str) ->
     assert words in str(error.value)
     trusted = override(broken, {"filter.trust": True})
     facts = filter_facts(settle(trusted, "kanayama"))
-    assert facts is not None
     assert any(words in sentence for sentence in facts.broken)
 
 
-CLIPPED: Mapping[str, Any] = {
+CLIPPED = {
     **VELOCITY,
     "clock.duration": 2.0,
     "filter": {"kind": "clip", "gain": [0.9, 1.1], "d": [0.1, 0.1]},
@@ -415,7 +368,7 @@ CLIPPED: Mapping[str, Any] = {
 
 
 @pytest.mark.parametrize("pushed", [[20.0, 0.0], [0.0, 1.9]])
-def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed: Sequence[float]) -> None:
+def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed):
     """Weak ones are refused, where trusted they leave the limit; what is named is never reached."""
     weak = based({**CLIPPED, "disturbance.push": pushed, "actuator.tau_max": 0.1, "robot.mu": 0.0})
     with pytest.raises(ScenarioError, match=r"actuator\.tau_max = 0\.1 N\.m: a wheel") as error:
@@ -431,7 +384,7 @@ def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed: Sequence[float
     settle(override(weak, {"disturbance.push": [0.0, 0.0]}), "kanayama")
 
 
-def resisted(v: float, goal: float, rho: float, time: float) -> tuple[float, float]:
+def resisted(v, goal, rho, time):
     """Speed after a while towards a goal against rolling, and the largest on the way; tau 0.2 s."""
     end = (goal - math.copysign(rho, v or goal)) if v or abs(goal) > rho else 0.0
     after = end + (v - end) * math.exp(-time / 0.2)
@@ -442,8 +395,8 @@ def resisted(v: float, goal: float, rho: float, time: float) -> tuple[float, flo
     return rest, max(abs(v), top)
 
 
-@pytest.mark.parametrize(("stated", "broken"), [(0.0, True), (0.3, False)])
-def test_a_governor_counts_on_what_slows_the_base(stated: float, broken: bool) -> None:
+@pytest.mark.parametrize("stated, broken", [(0.0, True), (0.3, False)])
+def test_a_governor_counts_on_what_slows_the_base(stated, broken):
     """Full ahead from full astern: against rolling the base is back at rest before a bound."""
     governor = {"kind": "governor", "tau": [0.2, 0.3], "gain": [0.9, 1.1], "d": [stated, 0.0]}
     limit, v, top = wmr_ctrl.command_filter(based({**VELOCITY, "filter": governor})), 0.0, 0.0
@@ -456,7 +409,7 @@ def test_a_governor_counts_on_what_slows_the_base(stated: float, broken: bool) -
 
 
 @pytest.mark.parametrize(
-    ("changes", "key"),
+    "changes, key",
     [
         ({"base.accel": [1.0, 9.0]}, ""),
         ({"base.decel": [1.0, 9.0]}, "base.decel"),
@@ -469,9 +422,7 @@ def test_a_governor_counts_on_what_slows_the_base(stated: float, broken: bool) -
         ({"base.accel": [1.0, 2.0], "base.decel": [0.5, 4.0]}, ""),
     ],
 )
-def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(
-    changes: Mapping[str, Any], key: str
-) -> None:
+def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(changes, key):
     """On ramps whose axes each stop no slower than the other starts, 0.25 m out, it holds."""
     clip = {**CLIPPED["filter"], "wheel_speed": 0.8}
     own = {**CLIPPED, "base.tau": [0.2, 0.2], "robot.mu": 0.0}
@@ -486,8 +437,8 @@ def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(
     assert bool(soon) is (key in ("base.accel", "base.decel") and "base.accel" in changes)
 
 
-@pytest.mark.parametrize(("l", "accel"), [(0.15, [0.9, 2.0]), (0.2, [0.5, 0.1])])
-def test_the_decel_that_a_refusal_tells_is_enough(l: float, accel: list[float]) -> None:
+@pytest.mark.parametrize("l, accel", [(0.15, [0.9, 2.0]), (0.2, [0.5, 0.1])])
+def test_the_decel_that_a_refusal_tells_is_enough(l, accel):
     """Also where a product by l is less than what it is of the same decimals."""
     clip = {**CLIPPED["filter"], "wheel_speed": 0.8}
     ramped = {"robot.l": l, "base.accel": accel, "base.decel": [1e-3, 1e-3], "filter": clip}
@@ -500,42 +451,42 @@ def test_the_decel_that_a_refusal_tells_is_enough(l: float, accel: list[float]) 
     settle(override(stated, {"base.decel": [linear, angular]}), "kanayama")
 
 
-REFUSED: Mapping[str, Mapping[str, Any]] = {
+REFUSED = {
     "guard.enabled": {"guard.enabled": True},
     "gains.kanayama.delay": {"gains.kanayama.delay": 0.05, "base.delay": 0.05},
 }
 
 
 @pytest.mark.parametrize("key", REFUSED)
-def test_what_a_velocity_base_cannot_have_is_refused_by_name(key: str) -> None:
+def test_what_a_velocity_base_cannot_have_is_refused_by_name(key):
     with pytest.raises(ScenarioError, match=r"base\.kind"):
         settle(based({**VELOCITY, **REFUSED[key]}), "kanayama")
 
 
 @pytest.mark.parametrize("name", ["delay", "jitter"])
-def test_late_torques_are_refused_where_velocities_are_sent(name: str) -> None:
+def test_late_torques_are_refused_where_velocities_are_sent(name):
     with pytest.raises(ScenarioError, match=f"actuator.{name}"):
         based({**VELOCITY, f"actuator.{name}": 0.01})
 
 
-def test_nonlinear_loops_refuse_a_velocity_base_by_name() -> None:
+def test_nonlinear_loops_refuse_a_velocity_base_by_name():
     with pytest.raises((ScenarioError, ArgumentError), match=r'base\.kind = "velocity"'):
-        law_nlsys(based(VELOCITY), "kanayama")
+        loop_nlsys(based(VELOCITY), "kanayama")
 
 
-def test_a_torque_base_has_no_speed_loop() -> None:
+def test_a_torque_base_has_no_speed_loop():
     scenario = based({"base": {"loop": "pi"}})
     assert not has_loop(scenario, "pi")
     assert not any(item.role.value == "loop" for item in EFFECTS.present(scenario))
 
 
-BANDED: Mapping[str, Any] = {
+BANDED = {
     **OVERSHOOTING, "filter": {**OVERSHOOTING["filter"], "kind": "band"}, "base.loop": "pi",
 }  # fmt: skip
-SLOW: Mapping[str, Any] = {
+SLOW = {
     **OVERSHOOTING, "filter": {**OVERSHOOTING["filter"], "slew": [0.05, 0.05]}, "base.loop": "pi",
 }  # fmt: skip
-LEFT_OPEN: Mapping[str, Mapping[str, Any]] = {
+LEFT_OPEN = {
     "losses": {"base.losses": 1},
     "a time-out": {"base.losses": 1, "base.timeout": 0.06},
     "a stop in every period": {"base.timeout": 0.04},
@@ -552,20 +503,20 @@ LEFT_OPEN: Mapping[str, Mapping[str, Any]] = {
 
 
 @pytest.mark.parametrize("name", LEFT_OPEN)
-def test_what_the_band_leaves_open_is_refused_by_name(name: str) -> None:
+def test_what_the_band_leaves_open_is_refused_by_name(name):
     with pytest.raises(ScenarioError, match="nothing here"):
         settle(based({**BANDED, **LEFT_OPEN[name]}), "kanayama")
 
 
 @pytest.mark.parametrize("name", [item for item in LEFT_OPEN if item != "losses"])
-def test_and_what_the_clip_of_slow_commands_does(name: str) -> None:
+def test_and_what_the_clip_of_slow_commands_does(name):
     """Losses are counted there, once they are stated."""
     with pytest.raises(ScenarioError, match="nothing here"):
         settle(based({**SLOW, **LEFT_OPEN[name]}), "kanayama")
 
 
 @pytest.mark.slow
-def test_slow_commands_count_on_losses_and_delays_that_are_stated() -> None:
+def test_slow_commands_count_on_losses_and_delays_that_are_stated():
     late = {**SLOW, "base.losses": 1, "base.delay": 0.02}
     with pytest.raises(ScenarioError, match=r"outside filter.delay"):
         settle(based(late), "kanayama")

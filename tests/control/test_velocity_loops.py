@@ -1,7 +1,5 @@
 """Speed loops of second order, and axes whose loops differ."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca
@@ -15,7 +13,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.model.dynamics import plant, rk4_step
-from wmr_ctrl.world.scenario import Scenario, load_scenario, loads_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
 from wmr_ctrl.world.speed_loops import SPEED_LOOP, assumed_lags
 
@@ -27,12 +25,12 @@ SECOND = {
 DRIVEN = ("x", "y", "v1", "omega")
 
 
-def base(**changes: object) -> Scenario:
+def base(**changes):
     numbers = {key.replace("__", "."): value for key, value in changes.items()}
     return load_scenario("paper-simulation-noise-free", {**SECOND, **numbers})
 
 
-def driven(scenario: Scenario, commands: np.ndarray, push: tuple[float, float] = (0.0, 0.0)):
+def driven(scenario, commands, push=(0.0, 0.0)):
     """Velocities (n, 2) after each plant step under commands (n, 2), from the graphs themselves."""
     loop, robot = SPEED_LOOP.system(scenario), plant(scenario)
     act = loop.function("act", [loop.update, loop.y])
@@ -49,7 +47,7 @@ def driven(scenario: Scenario, commands: np.ndarray, push: tuple[float, float] =
 
 @pytest.mark.slow_but("0.6")
 @pytest.mark.parametrize("damping", [0.3, 0.6, 1.5])
-def test_pushes_on_a_second_order_loop_lead_no_farther_than_is_counted(damping: float) -> None:
+def test_pushes_on_a_second_order_loop_lead_no_farther_than_is_counted(damping):
     """The worst push is one that turns with the sign of its own effect; it reaches nearly all."""
     scenario, h, w = base(base__damping=damping), 0.001, 6.0
     mass = scenario.robot.m
@@ -72,7 +70,7 @@ MIXED = {
 
 
 @pytest.mark.parametrize("name", MIXED)
-def test_each_axis_follows_by_its_own_loop(name: str) -> None:
+def test_each_axis_follows_by_its_own_loop(name):
     """Each as where both axes have its loop, as long as no wheel is at its torque limit."""
     loop, numbers = MIXED[name]
     commands = np.repeat(np.random.default_rng(4).uniform(-1, 1, (10, 2)), 40, axis=0)
@@ -84,7 +82,7 @@ def test_each_axis_follows_by_its_own_loop(name: str) -> None:
 
 @pytest.mark.slow_but("pi and second")
 @pytest.mark.parametrize("name", MIXED)
-def test_engines_and_lanes_agree(name: str) -> None:
+def test_engines_and_lanes_agree(name):
     loop, numbers = MIXED[name]
     scenario = override(base(), {"base.loop": loop, "actuator.tau_max": 20.0, **numbers})
     native, numpy = (wmr_ctrl.simulate(scenario, "prox", engine=e) for e in ("native", "numpy"))
@@ -95,7 +93,7 @@ def test_engines_and_lanes_agree(name: str) -> None:
     assert [*table["position_rms"]] == [alone["position_rms"][0]] * 4
 
 
-def test_a_value_for_both_axes_or_one_for_each() -> None:
+def test_a_value_for_both_axes_or_one_for_each():
     alike = base(base__frequency=7.0, base__damping="0.5", base__loop="second-order")
     assert alike == base(base__frequency=[7.0, 7.0], base__damping=[0.5, 0.5])
     assert alike.base.loop == ("second-order", "second-order")
@@ -114,13 +112,13 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_bad_loops_are_refused_by_name(name: str) -> None:
+def test_bad_loops_are_refused_by_name(name):
     changes, words = WRONG[name]
     with pytest.raises(ScenarioError, match=words):
         override(base(), changes)
 
 
-def test_keys_of_another_loop_do_nothing() -> None:
+def test_keys_of_another_loop_do_nothing():
     """They are named as idle, so that a file that extends another may leave them."""
     extended = base(base__tau=0.7, base__kp=9.0)
     assert {"base.tau", "base.kp"} <= {*idle_keys(extended)}
@@ -130,7 +128,7 @@ def test_keys_of_another_loop_do_nothing() -> None:
     assert "base.kp" in idle_keys(mixed)
 
 
-def test_laws_assume_the_lag_of_the_loop() -> None:
+def test_laws_assume_the_lag_of_the_loop():
     assert assumed_lags(base()) == pytest.approx([2 * 0.4 / 6.0, 2 * 1.3 / 9.0])
     assert assumed_lags(base(base__tau_believed=0.3)) == [0.3, 0.3]
     run = wmr_ctrl.simulate(
@@ -145,7 +143,7 @@ FILTERED = {
 }  # fmt: skip
 
 
-def test_a_clip_keeps_the_limit_of_a_second_order_base() -> None:
+def test_a_clip_keeps_the_limit_of_a_second_order_base():
     quick = {"clock.duration": 8.0, "initial.pose": [-2.0, -2.0, -0.7], "initial.velocity": [0, 0]}
     alone = wmr_ctrl.simulate(override(base(), quick), "kanayama")
     assert alone.monitor.max_abs_v[0] > 1.05
@@ -167,7 +165,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_a_second_order_base_outside_the_stated_family_is_refused(name: str) -> None:
+def test_a_second_order_base_outside_the_stated_family_is_refused(name):
     changes, words = REFUSED[name]
     with pytest.raises(ScenarioError, match=words):
         settle(override(base(), {"initial.velocity": [0, 0], **FILTERED, **changes}), "kanayama")

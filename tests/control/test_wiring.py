@@ -1,7 +1,5 @@
 """Systems joined by the names of their signals."""
 
-from __future__ import annotations
-
 import casadi as ca
 import pytest
 
@@ -14,7 +12,7 @@ from wmr_ctrl.world.model.system import NORMAL, UNIFORM, Parameters, draw
 from wmr_ctrl.world.scenario import override
 
 
-def wiring(**changed: object) -> Wiring:
+def wiring(**changed):
     setup = settle(override(paper(), changed), "mb")
     true = {item.name: ca.SX.sym(item.name) for item in PLANT_STATE}
     return Wiring(setup, Parameters(setup.scenario), Rate.SAMPLE, true)

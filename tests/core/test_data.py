@@ -1,7 +1,5 @@
 """Data in files beside the modules."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.data import data, with_tuples

@@ -1,7 +1,5 @@
 """Errors: what is wrong, near names, values of a readable length."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from fractions import Fraction
@@ -21,7 +19,7 @@ from wmr_ctrl.core.errors import (
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [
         (True, "true"),
         ("a\nb", '"a b"'),
@@ -49,7 +47,7 @@ def test_a_name_that_is_not_known_comes_with_the_near_ones_and_all():
 
 
 @pytest.mark.parametrize(
-    ("path", "place"), [("robot.mas", "in robot"), ("mas", "at the top of a scenario")]
+    "path, place", [("robot.mas", "in robot"), ("mas", "at the top of a scenario")]
 )
 def test_a_key_that_is_not_known_is_placed(path, place):
     said = f"{path} is not a key {place}; near: mass; known: mass."

@@ -1,7 +1,5 @@
 """Functions of higher layers, imported when asked for."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.late_bound import HOMES, late_bound

@@ -1,7 +1,5 @@
 """Signals: elements, units and places."""
 
-from __future__ import annotations
-
 from wmr_ctrl.core.signals import MEASURED, TRACKING_ERROR, Signal, elements, places, tau_sent
 
 

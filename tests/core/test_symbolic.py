@@ -1,7 +1,5 @@
 """CasADi is loaded when it is first used."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

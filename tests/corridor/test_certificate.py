@@ -201,7 +201,7 @@ LOST = {"sensor.pose_dropout": 0.1, "corridor.losses": 40}
 
 
 @pytest.mark.parametrize(
-    ("rare", "names"),
+    "rare, names",
     [
         ({**LOST, "corridor.losses": 1000}, {"corridor.losses"}),
         ({**LOST, "sensor.pose_period": 0.05}, {"sensor.pose_dropout"}),
@@ -252,5 +252,5 @@ def test_a_first_command_counts_from_the_measured_velocity():
 
 
 def test_a_name_instead_of_a_scenario_is_refused():
-    with pytest.raises(ArgumentError, match=r"find_corridor: scenario = .* must be a Scenario"):
+    with pytest.raises(ArgumentError, match=r"find_corridor: scenario = .* must be Scenario"):
         find_corridor("safe-simulation", "prox")

@@ -107,7 +107,7 @@ def test_a_condition_has_less_room_where_what_it_limits_is_measured_amiss(certif
         Certifier(settle(load_scenario("safe-simulation", loud), "kanayama"))
 
 
-@pytest.mark.parametrize(("share", "broken"), [(0.99, False), (1.01, True)])
+@pytest.mark.parametrize("share, broken", [(0.99, False), (1.01, True)])
 def test_a_condition_that_is_used_by_more_than_all_is_broken(certifier, share, broken):
     tube = replace(certifier._tube(certifier.linear(certifier.inputs)), share=share)
     if broken:
@@ -215,7 +215,7 @@ def test_an_error_that_is_reckoned_on_is_as_large_as_its_own_remainders_make_it(
 
 
 @pytest.mark.parametrize(
-    ("case", "run", "good"),
+    "case, run, good",
     [
         (
             {"actuator.lag": 0.02},

@@ -32,7 +32,7 @@ def test_clearance_of_a_circle_is_what_geometry_says():
 
 
 @pytest.mark.parametrize(
-    ("shapes", "corridor", "words"),
+    "shapes, corridor, words",
     [
         ([[0.0, 2.0, 1.8]], 0.01, "a robot that never left its path would touch it"),
         ([[0.0, 2.0, 2.1]], 0.01, "leads through keep_out[1]"),
@@ -61,7 +61,7 @@ def test_obstacles_survive_toml_and_a_run_that_touches_one_says_so(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("shapes", "words"),
+    "shapes, words",
     [
         ([[1.0, 2.0]], "a circle [x, y, r] or a polygon"),
         ([[1.0, 2.0, -1.0]], "r >= 0"),

@@ -59,9 +59,7 @@ LATE = {"jitter": {"actuator__jitter": 0.004}, "delay": {"actuator__unmodelled_d
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("late", "worst"), [("jitter", farthest_jittered), ("delay", farthest_held)]
-)
+@pytest.mark.parametrize("late, worst", [("jitter", farthest_jittered), ("delay", farthest_held)])
 def test_behind_a_guard_that_counts_late_commands_it_changes_none(late, worst):
     scenario = simulated(**GUARDED, **LATE[late], disturbance__std=0.1)
     tube = find_corridor(scenario, "prox")

@@ -82,7 +82,7 @@ def test_where_hardly_any_pose_comes_it_is_refused_and_told_how_often_one_has_to
 
 
 @pytest.mark.parametrize(
-    ("changes", "why"),
+    "changes, why",
     [
         ({"sensor.pose_dropout": 0.1}, "state corridor.losses"),
         ({"sensor.pose_period": 0.05, "sensor.correction": 0.5}, "corrected in part"),

@@ -157,7 +157,7 @@ def test_as_an_fmu_it_tells_the_same(monitor, shoved, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("case", "law", "words"),
+    "case, law, words",
     [
         ({"clock.control": 0.1, "guard.enabled": False}, "prox", "has no corridor to be watched"),
         ({}, "kanayama", "that a monitor cannot see"),

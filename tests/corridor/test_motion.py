@@ -21,7 +21,7 @@ def motion(moved=None):
     return RunMotion(pair, pair, way, far.copy(), far.copy(), far.copy(), far.copy(), robot)
 
 
-@pytest.mark.parametrize(("v", "turn"), [(0.3, 2.0), (-0.2, 2.0), (0.4, 0.0), (0.3, -15.0)])
+@pytest.mark.parametrize("v, turn", [(0.3, 2.0), (-0.2, 2.0), (0.4, 0.0), (0.3, -15.0)])
 def test_the_velocity_along_an_arc_is_that_at_which_it_is_driven(v, turn):
     period, theta = 0.1, np.array([0.3, -2.0])
     after = theta + turn * period
@@ -76,7 +76,7 @@ def test_later_laps_count_with_their_largest_difference_and_their_largest_distan
     assert laps.end[4] == COUNT
 
 
-@pytest.mark.parametrize(("last", "stands"), [(21, True), (20, False)])
+@pytest.mark.parametrize("last, stands", [(21, True), (20, False)])
 def test_a_lap_stands_for_others_where_each_of_its_samples_comes_again(last, stands):
     end = np.full(COUNT, COUNT)
     end[14] = last

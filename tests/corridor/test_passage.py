@@ -120,7 +120,7 @@ def test_constants_of_series_are_within_their_radius():
 
 
 @pytest.mark.parametrize(
-    ("name", "most"), [("sine", 0.5), ("cosine", 0.5), ("exponential", 300.0),
+    "name, most", [("sine", 0.5), ("cosine", 0.5), ("exponential", 300.0),
                        ("hyperbolic_tangent", 60.0)]
 )  # fmt: skip
 @pytest.mark.parametrize("wide", [0.0, 1e-6, 0.02])

@@ -24,8 +24,6 @@ def module_of(name, folder):
     path = folder / f"{name}.py"
     path.write_text(FILES[name], "utf-8")
     spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # entry points and dataclasses look there
     spec.loader.exec_module(module)

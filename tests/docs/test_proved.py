@@ -10,7 +10,7 @@ LINKS = [(title, link) for title, chain in CHAINS.items() for link in chain]
 HOLDS = {"PROVED", "LEMMA", "HAND"}
 
 
-@pytest.mark.parametrize(("title", "link"), LINKS, ids=lambda item: getattr(item, "says", item))
+@pytest.mark.parametrize("title, link", LINKS, ids=lambda item: getattr(item, "says", item))
 def test_every_entry_of_a_link_is_there_and_holds(title, link):
     assert set(verdicts(link).values()) <= HOLDS
 

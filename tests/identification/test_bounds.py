@@ -16,7 +16,7 @@ STUDENT = 2.1448
 
 
 @pytest.mark.parametrize(
-    ("share", "word"),
+    "share, word",
     [(0.1, "determined"), (0.11, "roughly"), (0.3, "roughly"), (0.31, "undetermined")],
 )
 def test_a_tenth_is_determined_and_three_tenths_are_so_roughly(share, word):
@@ -24,7 +24,7 @@ def test_a_tenth_is_determined_and_three_tenths_are_so_roughly(share, word):
 
 
 @pytest.mark.parametrize(
-    ("names", "said"),
+    "names, said",
     [
         (("delay", "lag"), "torques changed too slowly or too little"),
         (("Fc", "Fv"), "the log knows one speed"),
@@ -88,7 +88,7 @@ def test_intervals_of_a_mean_are_those_of_student_where_blocks_scatter_and_fishe
     )
 
 
-@pytest.mark.parametrize(("nll", "information"), [(np.nan, 1.0), (1.0, np.nan), (1.0, np.inf)])
+@pytest.mark.parametrize("nll, information", [(np.nan, 1.0), (1.0, np.nan), (1.0, np.inf)])
 def test_fit_that_is_not_finite_is_refused_in_words(nll, information):
     good, bad = (
         SimpleNamespace(nll=first, information=lambda size=second: np.full((2, 2), size))

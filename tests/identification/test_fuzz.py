@@ -174,7 +174,7 @@ def outcome(path, draw, base):
 
 
 @pytest.mark.parametrize(
-    ("tables", "bags"),
+    "tables, bags",
     [(range(40), range(30)),
      pytest.param(range(40, 240), range(30, 130), marks=pytest.mark.slow)],
 )  # fmt: skip

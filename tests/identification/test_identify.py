@@ -105,7 +105,7 @@ def test_a_bag_tells_what_its_columns_tell(driven, read, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "known"),
+    "name, known",
     [
         ("current_{} [A]", {"torque_constant": 0.5}),
         ("voltage_{} [V]", {"torque_constant": 1.0, "resistance": 2.0}),

@@ -54,7 +54,7 @@ def ramped(up, down):
 
 
 @pytest.mark.parametrize(
-    ("acts", "key", "found"),
+    "acts, key, found",
     [
         (lambda u, t: u, None, {}),
         (lambda u, t: math.copysign(max(abs(u) - 0.08, 0.0), u), "offset", {"offset": 0.08}),
@@ -133,7 +133,7 @@ def test_delays_that_differ_from_change_to_change_are_told():
 
 
 @pytest.mark.parametrize(
-    ("kind", "commands", "motion"), [("steps", 1, 1), ("steps", 2, 1), ("smooth", 2, 1),
+    "kind, commands, motion", [("steps", 1, 1), ("steps", 2, 1), ("smooth", 2, 1),
                                      ("steps", 2, 2)],
 )  # fmt: skip
 def test_delays_of_commands_that_are_logged_in_part_are_not_determined(kind, commands, motion):

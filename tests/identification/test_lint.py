@@ -59,11 +59,6 @@ def reset(log):
     return put(log, RIGHT=np.concatenate((log[RIGHT][:at], log[RIGHT][at:] - log[RIGHT][at])))
 
 
-def wrapped_at(bits):
-    half = 2 ** (bits - 1)
-    return lambda log: put(log, RIGHT=(log[RIGHT] + half) % (2 * half) - half)
-
-
 def turned_by(angle):
     c, s = np.cos(angle), np.sin(angle)
     return lambda log: put(log, X=c * log[X] - s * log[Y], Y=s * log[X] + c * log[Y])
@@ -156,7 +151,7 @@ def test_poses_tell_the_size_of_the_wheels(driven):
 
 
 @pytest.mark.parametrize(
-    ("header", "word"),
+    "header, word",
     [
         ("t [s],wheel_counts[1] [1]", "belong together"),
         ("time [s],v1 [m/s]", "named t"),
@@ -243,7 +238,7 @@ def test_the_smallest_step_of_an_angle_is_a_count_and_rounding_is_none():
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    ("rows", "word"),
+    "rows, word",
     [
         ("", "no rows"),
         ("1,2\n2,3\n", "line 2: it has another number of cells than the 3"),

@@ -43,7 +43,7 @@ def test_a_pause_changes_nothing(driven):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("changes", "key"),
+    "changes, key",
     [({"m": 42.0}, "m was"), ({"gust": (12.0, 2.4, 0.5)}, "guard.dbar[2]")],
 )
 def test_what_changed_in_the_last_third_is_named_and_the_guard_is_off(driven, changes, key):
@@ -87,7 +87,7 @@ def test_values_of_blocks_that_step_are_told_with_the_time_of_the_step(ends):
     assert found["delay"].values == pytest.approx((math.log(30.0), math.log(36.0)))
 
 
-@pytest.mark.parametrize(("step", "told"), [(0.0, []), (0.047, []), (0.0495, ["m"])])
+@pytest.mark.parametrize("step, told", [(0.0, []), (0.047, []), (0.0495, ["m"])])
 def test_blocks_that_scatter_or_step_by_little_tell_no_change(step, told):
     scatter = 0.004 * np.cos(2.4 * np.arange(15))
     assert list(changed(math.log(30.0) + step * (np.arange(15) < 7) + scatter)) == told

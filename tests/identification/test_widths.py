@@ -52,7 +52,7 @@ def test_the_first_three_tenths_of_a_second_of_a_stretch_do_not_count():
     assert problem.counts.tolist() == [False, False, True] * 2
 
 
-@pytest.mark.parametrize(("steps", "first"), [(4.9, [0]), (5.1, [0, 50])])
+@pytest.mark.parametrize("steps, first", [(4.9, [0]), (5.1, [0, 50])])
 def test_a_stretch_begins_after_five_steps_without_a_row(steps, first):
     t = 0.01 * np.arange(100.0)
     t[50:] += 0.01 * (steps - 1)
@@ -78,7 +78,7 @@ def white_fit(period, duration=60.0):
 
 
 @pytest.mark.parametrize(
-    ("delay", "late", "wide"),
+    "delay, late, wide",
     [
         ((-0.001, 0.004), (0.0, 0.010), False),
         ((0.020, 0.025), (0.020, 0.030), False),
@@ -104,7 +104,7 @@ def test_a_guard_stands_wider_masses_larger_pushes_and_creeping_tread(delay, lat
 
 
 @pytest.mark.parametrize(
-    ("duration", "colour", "word"),
+    "duration, colour, word",
     [
         (58.0, None, "largest seen in 58 blocks of 1 s"),
         (60.0, None, "at most 4.9 % of later blocks of 1 s"),

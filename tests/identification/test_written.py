@@ -329,7 +329,7 @@ def test_what_neither_log_nor_user_tells_is_left_out_of_the_file(tmp_path):
     assert known.scenario.robot.I == 0.7
 
 
-@pytest.mark.parametrize(("far", "enabled"), [(1.0, True), (1.5, True), (2.1, False)])
+@pytest.mark.parametrize("far, enabled", [(1.0, True), (1.5, True), (2.1, False)])
 def test_limits_beyond_the_log_widen_a_guard_or_switch_it_off(found, far, enabled):
     values = {name: item.value for name, item in found.parameters.items()}
     base = override(found.scenario, {"guard.enabled": False})
@@ -382,7 +382,7 @@ def test_a_preset_is_extended_by_its_name():
 
 
 @pytest.mark.parametrize(
-    ("value", "digits"), [(1234.56, (1234.0, 1235.0)), (-0.0123456, (-0.01235, -0.01234)),
+    "value, digits", [(1234.56, (1234.0, 1235.0)), (-0.0123456, (-0.01235, -0.01234)),
                           (0.25, (0.25, 0.25)), (0.0, (0.0, 0.0)), (math.inf, (math.inf,) * 2)]
 )  # fmt: skip
 def test_intervals_are_rounded_outward_to_four_digits(value, digits):

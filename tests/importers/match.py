@@ -13,7 +13,6 @@ import csv
 import io
 import sys
 import zipfile
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,7 +35,7 @@ class NothingToCompareError(Exception):
     """A file that is no result, or two that have no columns or instants in common."""
 
 
-def table(text: str, where: str) -> Table:
+def table(text, where):
     """The result in a CSV text whose first column, or that named time, is the time."""
     rows = [row for row in csv.reader(io.StringIO(text)) if row]
     try:
@@ -49,7 +48,7 @@ def table(text: str, where: str) -> Table:
     return Table(times, columns)
 
 
-def read(path: Path) -> Table:
+def read(path):
     """A result in a CSV file, or the reference result inside of an FMU."""
     try:
         if not zipfile.is_zipfile(path):
@@ -60,7 +59,7 @@ def read(path: Path) -> Table:
         raise NothingToCompareError(f"{path} cannot be read: {error}.") from None
 
 
-def pairs(found: Sequence[float], wanted: Sequence[float]) -> list[tuple[int, int]]:
+def pairs(found, wanted):
     """Rows of the same instant.
 
     A tool may write two rows for an instant at which something is sampled: the last one counts.
@@ -77,7 +76,7 @@ def pairs(found: Sequence[float], wanted: Sequence[float]) -> list[tuple[int, in
     return rows
 
 
-def differences(found: Table, wanted: Table, only: Iterable[str] = ()) -> dict[str, float]:
+def differences(found, wanted, only=()):
     """Largest difference of each common column, in its unit."""
     asked = set(only) or set(wanted.columns)
     common = [name for name in wanted.columns if name in asked and name in found.columns]
@@ -95,7 +94,7 @@ def differences(found: Table, wanted: Table, only: Iterable[str] = ()) -> dict[s
     }
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments=None):
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("result", type=Path)
     parser.add_argument("reference", type=Path, help="one of our FMUs, or a CSV file")

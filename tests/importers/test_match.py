@@ -1,7 +1,5 @@
 """The comparison that other tools' results go through, and the workflows that call it."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from pathlib import Path
@@ -17,12 +15,12 @@ WORKFLOW = ROOT / ".github/workflows/importers.yml"
 
 
 @pytest.fixture(scope="module")
-def plant(tmp_path_factory) -> Path:
+def plant(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fmus")
     return export_fmu("plant", scenario="paper-simulation-nominal", fmi="2", out=folder)[0]
 
 
-def simulated(plant: Path, folder: Path, torque: str) -> Path:
+def simulated(plant, folder, torque):
     """What FMPy's own command writes."""
     fmpy = pytest.importorskip("fmpy")
     starts = {"tau_right": float(torque), "tau_left": 4.5}
@@ -36,25 +34,25 @@ def simulated(plant: Path, folder: Path, torque: str) -> Path:
     return path
 
 
-def test_the_same_result_agrees(plant, tmp_path, capsys) -> None:
+def test_the_same_result_agrees(plant, tmp_path, capsys):
     assert main([str(simulated(plant, tmp_path, "5")), str(plant)]) == 0
     assert "AGREES to 1e-09" in capsys.readouterr().out
 
 
-def test_another_input_is_seen(plant, tmp_path, capsys) -> None:
+def test_another_input_is_seen(plant, tmp_path, capsys):
     assert main([str(simulated(plant, tmp_path, "5.001")), str(plant)]) == 1
     assert "DIFFERS" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("text", ["", "time,x\n0,1\n", "time,a\n0,b\n", "time,other\n0,0\n" * 2])
-def test_what_cannot_be_compared_never_agrees(plant, tmp_path, text) -> None:
+def test_what_cannot_be_compared_never_agrees(plant, tmp_path, text):
     path = tmp_path / "result.csv"
     path.write_text(text, encoding="utf-8")
 
     assert main([str(path), str(plant)]) == 2
 
 
-def test_the_later_row_of_an_instant_counts(tmp_path) -> None:
+def test_the_later_row_of_an_instant_counts(tmp_path):
     """As of a Modelica tool, which writes the values before and after a sample."""
     wanted = "time,u\n" + "".join(f"{k / 100},{k}\n" for k in range(20))
     found = "time,u\n" + "".join(f"{k / 100},{k - 1}\n{k / 100},{k}\n" for k in range(20))
@@ -64,7 +62,7 @@ def test_the_later_row_of_an_instant_counts(tmp_path) -> None:
     assert main([str(tmp_path / "found.csv"), str(tmp_path / "wanted.csv")]) == 0
 
 
-def test_commands_of_the_workflow_exist() -> None:
+def test_commands_of_the_workflow_exist():
     text = re.sub(r"\$\{\{.*?\}\}", "", WORKFLOW.read_text(encoding="utf-8"))
     calls = [shlex.split(line) for line in re.findall(r"wmr-ctrl (.+)$", text, flags=re.M)]
 

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.core.errors import UnknownNameError
-from wmr_ctrl.theory.linear import law_nlsys, loop_nlsys, plant_nlsys, start_of
+from wmr_ctrl.theory.linear import loop_nlsys, start_of
 from wmr_ctrl.world.scenario import override
 
 
@@ -36,25 +35,21 @@ def test_continuous_reading_is_the_limit_of_a_fast_clock(nominal):
     assert response.outputs[4] == pytest.approx(run["omega"][::100], abs=3e-2)
 
 
-def test_python_control_linearises_the_plant_to_the_same_matrices(nominal):
-    """Its own differences, as an independent check of ours."""
-    from wmr_ctrl.theory.linear import linearise
-    from wmr_ctrl.world.model.dynamics import plant
-
-    x, u = np.array((0.1, -0.2, 0.4, 0.3, 0.2)), np.array((2.0, 1.0, 0.0, 0.0, 0.0, 0.0))
-    theirs = plant_nlsys(nominal).linearize(x, u)
-
-    assert pytest.approx(theirs.A, abs=1e-4) == linearise(plant(nominal), u, x).A
-
-
-def test_law_has_named_signals_in_both_readings(nominal):
-    sampled, continuous = law_nlsys(nominal, "nn", sampled=True), law_nlsys(nominal, "nn")
+def test_loop_has_named_signals_in_both_readings(nominal):
+    sampled, continuous = loop_nlsys(nominal, "nn", sampled=True), loop_nlsys(nominal, "nn")
 
     assert sampled.dt == nominal.clock.control
     assert continuous.dt == 0
-    assert sampled.input_labels[:2] == ["x_d", "y_d"]
-    assert sampled.output_labels == ["tau_right", "tau_left"]
-    assert sampled.nstates == 128
-    assert law_nlsys(nominal, "nn", memory="frozen").nstates == 0
-    with pytest.raises(UnknownNameError):
-        law_nlsys(nominal, "nn", memory="none")
+    assert sampled.input_labels[:2] == ["noise_right", "noise_left"]
+    assert sampled.output_labels[-2:] == ["tau_right", "tau_left"]
+    assert sampled.nstates == len(start_of(nominal, "nn")) == 128 + 5
+
+
+def test_read_continuously_a_memory_changes_in_a_second_by_its_change_over_a_period(nominal):
+    sampled, continuous = loop_nlsys(nominal, "pid", sampled=True), loop_nlsys(nominal, "pid")
+    memory = np.array([0.3, -0.2, 1.0])
+    state, pushes = np.concatenate((memory, start_of(nominal, "pid")[3:])), np.zeros(4)
+    after = sampled.dynamics(0.0, state, pushes)[:3]
+
+    rate = continuous.dynamics(0.0, state, pushes)[:3]
+    assert rate == pytest.approx((after - memory) / nominal.clock.control)

@@ -72,7 +72,7 @@ def test_a_start_has_the_error_that_is_asked_for(nominal):
     assert run["e"][0] == pytest.approx(e, abs=1e-12)
 
 
-@pytest.mark.parametrize(("law", "left"), [("mb", 0.1), ("kanayama", 0.005)])
+@pytest.mark.parametrize("law, left", [("mb", 0.1), ("kanayama", 0.005)])
 @pytest.mark.slow_but("mb-0.1")
 def test_a_reference_that_changes_its_speed_is_followed(nominal, law, left):
     """Also by a law that remembers the speed that it told last."""

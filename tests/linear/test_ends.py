@@ -6,17 +6,9 @@ import numpy as np
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.control.controller import law_graph
-from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.linear import margins
 from wmr_ctrl.theory.linear.linearise import instant
 from wmr_ctrl.theory.linear.margins import Margins, margins_at, model_errors, with_robot, worst
-from wmr_ctrl.theory.linear.nonlinear import (
-    continuous_reading,
-    law_nlsys,
-    reference_nlsys,
-    start_of,
-)
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import load_scenario, override
 
@@ -45,7 +37,7 @@ def test_a_robot_that_differs_is_believed_to_be_what_it_was():
     assert (other.believed.m, other.believed.I, other.believed.mu) == (45.0, 5.4, 0.08)
 
 
-@pytest.mark.parametrize(("changed", "period"), [({}, None), ({"actuator.delay": 0.02}, 0.01)])
+@pytest.mark.parametrize("changed, period", [({}, None), ({"actuator.delay": 0.02}, 0.01)])
 def test_late_loops_are_sampled_and_each_number_is_half_off_either_way(
     monkeypatch, changed, period
 ):
@@ -77,31 +69,3 @@ def test_where_no_time_is_asked_for_it_is_where_the_reference_drives_fastest():
         v.max(), rel=1e-3
     )
     assert np.ptp(v) > 0.1
-
-
-def test_a_loop_that_learns_nothing_starts_without_the_laws_memory():
-    scenario = paper()
-    start = [*scenario.initial.pose, *scenario.initial.velocity]
-
-    assert start_of(scenario, "pid", "frozen").tolist() == start
-    assert start_of(scenario, "pid")[-5:].tolist() == start
-    assert len(start_of(scenario, "pid")) == law_nlsys(scenario, "pid").nstates + 5
-
-
-def test_clocks_of_readings_are_those_that_were_asked_for():
-    scenario = paper()
-
-    assert [reference_nlsys(scenario, sampled).dt for sampled in (False, True)] == [0, 0.01]
-    assert [law_nlsys(scenario, "pid", sampled).dt for sampled in (False, True)] == [0, 0.01]
-
-
-def test_read_continuously_a_memory_changes_in_a_second_by_its_change_over_a_period():
-
-    system = law_graph(settle(paper(), "pid"))
-    read = continuous_reading(system)
-    given = (np.linspace(0.1, 0.5, system.u.numel()), [0.3, -0.2, 1.0], system.p0)
-    after, rate = (
-        np.asarray(item.function("step", [item.update])(*given)).ravel() for item in (system, read)
-    )
-
-    assert rate == pytest.approx((after - [0.3, -0.2, 1.0]) / 0.01)

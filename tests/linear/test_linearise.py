@@ -11,14 +11,12 @@ from wmr_ctrl.theory.linear import (
     SADDLE,
     closed_loop,
     kinematic_poles,
-    linearise,
     on_reference,
     plant_at,
     resting_point,
 )
 from wmr_ctrl.theory.linear.linear_report import _pairs
 from wmr_ctrl.theory.linear.state_space import constant_speed
-from wmr_ctrl.world.model.dynamics import plant
 from wmr_ctrl.world.references import Lemniscate, Line, StopAndGo
 from wmr_ctrl.world.scenario import override
 
@@ -102,15 +100,6 @@ def test_linear_loop_is_the_limit_of_the_nonlinear_one(nominal, law):
         state = linear.A @ state
 
     assert np.abs(course.s - point.s - rows).max() < 2e-4 * 1e-6
-
-
-def test_any_system_linearises(nominal):
-    robot = plant(nominal)
-    found = linearise(robot, np.zeros(6), (0, 0, 0.3, 0.5, 0.1))
-
-    assert found.A[0, 2] == pytest.approx(-0.5 * np.cos(0.3))
-    assert found.A[1, 3] == pytest.approx(np.cos(0.3))
-    assert found.input_labels[:2] == ["tau_right", "tau_left"]
 
 
 def test_circle_and_line_are_time_invariant_and_others_are_not(nominal):

@@ -79,7 +79,7 @@ def test_continuous_margins_are_python_controls(nominal, law, axis):
 
 
 @pytest.mark.parametrize(
-    ("law", "period"), [("mb", None), pytest.param("pid", 0.01, marks=pytest.mark.slow)]
+    "law, period", [("mb", None), pytest.param("pid", 0.01, marks=pytest.mark.slow)]
 )
 def test_disk_margin_is_its_definition(nominal, law, period):
     """alpha = 1/max |S - 1/2|; a disk margin is never above what the classical ones allow."""
@@ -121,11 +121,11 @@ def test_friction_does_not_move_any_margin(nominal):
 
 
 @pytest.mark.parametrize(
-    ("given", "match"),
+    "given, match",
     [
         ({"axis": 2}, "axis = 2 must be 0, the thrust, or 1"),
         ({"axis": -1}, "axis = -1 must be 0"),
-        ({"axis": 1.0}, "must be a whole number"),
+        ({"axis": 1.0}, "must be int"),
         ({"axis": 0, "period": 0.0}, r"period = 0\.0 s must be finite and above 0"),
         ({"axis": 0, "period": -0.1}, "must be finite and above 0"),
         ({"axis": 0, "period": math.nan}, "must be finite and above 0"),
@@ -143,7 +143,7 @@ def test_a_scenario_by_its_name_is_told_what_is_wanted_by_every_function():
     assert len(taking) >= 19
     for function in taking:
         needed = [p for p in functions[function].values() if p.default is p.empty]
-        with pytest.raises(ArgumentError, match=r"scenario = .* must be a Scenario"):
+        with pytest.raises(ArgumentError, match=r"scenario = .* must be Scenario"):
             function(*("paper-simulation" for _ in needed))
 
 

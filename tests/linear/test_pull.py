@@ -29,7 +29,7 @@ TABLE = [
 ]
 
 
-@pytest.mark.parametrize(("c", "force", "v1", "moment", "omega"), TABLE)
+@pytest.mark.parametrize("c, force, v1, moment, omega", TABLE)
 def test_authority_of_the_audit(nominal, c, force, v1, moment, omega):
     thrust, turn = (authority(nominal, "mb", axis, c) for axis in (0, 1))
 
@@ -38,7 +38,7 @@ def test_authority_of_the_audit(nominal, c, force, v1, moment, omega):
 
 
 @pytest.mark.parametrize(
-    ("axis", "c", "force"),
+    "axis, c, force",
     [(0, 0.2, 405.0), (0, 0.8, 99.2), (0, 7.17, 46.3),
      (1, 0.2, 11.9), (1, 1.3, 1.59), (1, 7.17, 0.804)],
 )  # fmt: skip

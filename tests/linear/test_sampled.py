@@ -78,7 +78,7 @@ def test_the_network_of_the_paper_scenario_is_linearly_unstable(nominal):
 
 
 @pytest.mark.parametrize(
-    ("axis", "v_c0", "expected"),
+    "axis, v_c0, expected",
     [
         (0, 0.2, 0.24), (0, 2.0, 0.1035), (0, 5.8, 0.0853), (0, 7.17, 0.0831),
         (1, 0.2, 0.0648), (1, 2.0, 0.0295), (1, 5.8, 0.0225), (1, 20.0, 0.0194),

@@ -5,31 +5,26 @@ loop or with the symbolic graphs.  Of the product it uses scenarios, signals, an
 of columns.
 """
 
-from __future__ import annotations
-
-from typing import Any
-
 from tests.oracle.loop import simulate_oracle
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.context import own_diagnostics
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import LOG_HEAD
-from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.results import Monitor
 from wmr_ctrl.simulation.runnable import assemble_run
-from wmr_ctrl.world.scenario import Scenario
 
 __all__ = ["simulate", "simulate_oracle"]
 
 
 def simulate(
-    scenario: str | Scenario,
-    law: str,
+    scenario,
+    law,
     *,
-    seed: int = 0,
-    guard: bool | None = None,
-    overrides: dict[str, Any] | None = None,
-) -> Run:
+    seed=0,
+    guard=None,
+    overrides=None,
+):
     """One run, as `wmr_ctrl.simulate`; raises ValueError for what has no twin here."""
     setup = settle(scenario_of(scenario, overrides, guard), law)
     drives, stated = setup.scenario.actuator, setup.scenario.guard

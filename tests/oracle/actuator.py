@@ -1,36 +1,30 @@
 """Wheel drives: a delay of whole plant steps, then a first-order lag; no noise in here."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 
-from tests.oracle.arrays import Words
 from tests.oracle.noise import LAG, symmetric
-from tests.oracle.plant import Pair
-from wmr_ctrl.world.scenario import Actuator
-from wmr_ctrl.world.scenario.sections import Clock
 
 
 class Drives:
     """Turns the commanded torques into those that act, one plant step at a time."""
 
-    def __init__(self, settings: Actuator, clock: Clock, key: Words) -> None:
+    def __init__(self, settings, clock, key):
         steps = round((settings.delay + settings.unmodelled_delay) / clock.plant)
-        self.waiting: deque[Pair] = deque([(0.0, 0.0)] * steps)
+        self.waiting = deque([(0.0, 0.0)] * steps)
         self.settings, self.dt, self.every = settings, clock.plant, clock.substeps
         self.spread = settings.lag_spread * symmetric(key, clock.samples, LAG)[:, 0]
-        self.acting: Pair = (0.0, 0.0)
+        self.acting = (0.0, 0.0)
         self.step = 0
 
-    def _keep(self) -> float:
+    def _keep(self):
         """Share of what acts that is left after the plant step that starts now."""
         if not self.settings.lag:
             return 0.0
         lag = self.settings.lag * (1.0 + float(self.spread[self.step // self.every]))
         return math.exp(-self.dt / lag) if lag > 0.0 else 0.0
 
-    def advance(self, commanded: Pair) -> Pair:
+    def advance(self, commanded):
         """Torques (right, left) [N m] that act over the plant step that starts now."""
         self.waiting.append(commanded)
         right, left = self.waiting.popleft()

@@ -1,17 +1,12 @@
 """Tracking error, Eq. (8), auxiliary velocity, Eq. (7), and its exact rate."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Sequence
-
-from tests.oracle.target import DesiredState
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
 
 
-def tracking_error(target: DesiredState, pose: Sequence[float]) -> Triple:
+def tracking_error(target, pose):
     """Eq. (8): error ahead [m], to the left [m] and in angle [rad] of the pose (x, y, theta)."""
     x, y, theta = pose
     dx, dy = target.x - x, target.y - y
@@ -19,7 +14,7 @@ def tracking_error(target: DesiredState, pose: Sequence[float]) -> Triple:
     return -s * dx + c * dy, -c * dx - s * dy, target.theta - theta
 
 
-def auxiliary_velocity(e: Triple, target: DesiredState, k: Sequence[float]) -> Pair:
+def auxiliary_velocity(e, target, k):
     """Eq. (7): v_c0 [m/s, rad/s] for the gains k1, k2, k3."""
     v1d, v2d = target.v1, target.v2
     return (
@@ -28,7 +23,7 @@ def auxiliary_velocity(e: Triple, target: DesiredState, k: Sequence[float]) -> P
     )
 
 
-def auxiliary_rate(e: Triple, v: Pair, target: DesiredState, k: Sequence[float]) -> Pair:
+def auxiliary_rate(e, v, target, k):
     """Time derivative of Eq. (7) along Eqs. (33)-(35) [m/s2, rad/s2], v the measured velocity."""
     v1d, v2d = target.v1, target.v2
     s, c = math.sin(e[2]), math.cos(e[2])
@@ -41,6 +36,6 @@ def auxiliary_rate(e: Triple, v: Pair, target: DesiredState, k: Sequence[float])
     )
 
 
-def reference_rate(e: Triple, target: DesiredState, k: Sequence[float]) -> Pair:
+def reference_rate(e, target, k):
     """What the reference's acceleration adds to that rate [m/s2, rad/s2]."""
     return target.v1_dot * math.cos(e[2]), target.v2_dot + k[1] * target.v1_dot * e[1]

@@ -37,23 +37,23 @@ class BarrierTerms:
     """(v - v_c1)/A, in [0, 1]."""
 
 
-def clip(v: float, limit: float) -> float:
+def clip(v, limit):
     """``v`` held within plus and minus ``limit``."""
     return min(max(v, -limit), limit)
 
 
-def barrier(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
+def barrier(v, c, u1, u2):
     """Barrier terms at speed ``v``, |v| < u1, for the auxiliary velocity ``c`` = v_c0."""
     mirrored = c < 0.0
     result = _barrier_right(-v if mirrored else v, abs(c), u1, u2)
     return _mirror(result) if mirrored else result
 
 
-def _mirror(b: BarrierTerms) -> BarrierTerms:
+def _mirror(b):
     return BarrierTerms(-b.v_c1, -b.gap, b.V1, -b.V1_by_A, b.q)
 
 
-def _barrier_right(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
+def _barrier_right(v, c, u1, u2):
     if c <= u2:
         return _region1(v, c, u1, u2)
     excess = _excess(c, u1, u2)
@@ -66,7 +66,7 @@ def _barrier_right(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     return _region3_below(v, d, excess / (1.0 + 1.0 / (d * (u1 - u2))), u1, u2)
 
 
-def _excess(c: float, u1: float, u2: float) -> float:
+def _excess(c, u1, u2):
     """c - (u2 + 1/delta): positive in R3 only; near its zero evaluated in rationals."""
     delta = u1 - u2
     excess = (delta * (c - u2) - 1.0) / delta
@@ -76,13 +76,13 @@ def _excess(c: float, u1: float, u2: float) -> float:
     return excess
 
 
-def _distance(t: float) -> float:
+def _distance(t):
     """d = u1 - v_c1 in R3, positive root of d (d + t) = 1."""
     root = math.hypot(t, 2.0)
     return 2.0 / (t + root) if t >= 0.0 else (root - t) / 2.0
 
 
-def _f(v: float, u1: float, u2: float) -> float:
+def _f(v, u1, u2):
     """Eq. (15): -ln((u1 - |v|)/delta) beyond u2, else 0."""
     if abs(v) <= u2:
         return 0.0
@@ -90,12 +90,12 @@ def _f(v: float, u1: float, u2: float) -> float:
     return -math.log1p(-y) if y < 0.5 else -math.log((u1 - abs(v)) / (u1 - u2))
 
 
-def _slope(v: float, u1: float, u2: float) -> float:
+def _slope(v, u1, u2):
     """h(v)/(u1 - |v|), the barrier's share of Eq. (10) without its sign."""
     return 1.0 / (u1 - abs(v)) if abs(v) > u2 else 0.0
 
 
-def _psi(y: float, rest: float) -> float:
+def _psi(y, rest):
     """(-ln(1 - y) - y)/y^2 for y < 1, given ``rest`` = 1 - y with all its digits."""
     if abs(y) < 0.05:
         return sum(y**n / (n + 2) for n in range(15))
@@ -103,7 +103,7 @@ def _psi(y: float, rest: float) -> float:
     return (-log - y) / (y * y)
 
 
-def _region1(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
+def _region1(v, c, u1, u2):
     w = v - c
     if abs(v) <= u2:
         return BarrierTerms(c, w, 0.5 * w * w, 0.5 * w, 1.0)
@@ -112,14 +112,14 @@ def _region1(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     return BarrierTerms(c, w, V1, V1 / A, w / A)
 
 
-def _region2_below(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
+def _region2_below(v, c, u1, u2):
     n, a = u2 - v, c - u2
     V1 = 0.5 * n * n + a * n + _f(v, u1, u2)
     A = n + a + _slope(v, u1, u2)
     return BarrierTerms(u2, -n, V1, -V1 / A, n / A)
 
 
-def _region2_above(v: float, b: float, u1: float, u2: float) -> BarrierTerms:
+def _region2_above(v, b, u1, u2):
     """``b`` = u2 + 1/delta - c, the slope of V1 just above u2."""
     delta, w, rest = u1 - u2, v - u2, u1 - v
     psi = _psi(w / delta, rest / delta)
@@ -128,7 +128,7 @@ def _region2_above(v: float, b: float, u1: float, u2: float) -> BarrierTerms:
     return BarrierTerms(u2, w, V1, V1 / A, w / A)
 
 
-def _region3_above(v: float, d: float, u1: float) -> BarrierTerms:
+def _region3_above(v, d, u1):
     rest = u1 - v
     w = d - rest
     half = 0.5 + _psi(w / d, rest / d) / (d * d)
@@ -136,7 +136,7 @@ def _region3_above(v: float, d: float, u1: float) -> BarrierTerms:
     return BarrierTerms(u1 - d, w, w * w * half, w * half / slope, 1.0 / slope)
 
 
-def _region3_below(v: float, d: float, p: float, u1: float, u2: float) -> BarrierTerms:
+def _region3_below(v, d, p, u1, u2):
     """``p`` = v_c1 - u2."""
     m = u2 - v
     n, y = p + m, -p / d

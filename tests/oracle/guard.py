@@ -6,9 +6,6 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-from tests.oracle.law import Pair
-from wmr_ctrl.world.scenario import Scenario
-
 _SHRINK = 2.0**-44
 
 
@@ -28,18 +25,18 @@ class GuardedAxis:
     f_speed: float
     aim: float
 
-    def ceiling(self, y: float, alpha: float, T: float, brake: float, coming: float = 0.0) -> float:
+    def ceiling(self, y, alpha, T, brake, coming=0.0):
         """Largest force that is safe at the measured velocity ``y`` with a rise that is coming."""
         room = self.aim - max(y + self.nbar, self.f_speed) - coming
         gain = self.M_min * alpha if room >= 0.0 else self.M_max / T
         return max(gain * room - (self.dbar - self.f_min), -brake)
 
-    def cap(self, alpha: float, delay: float) -> float:
+    def cap(self, alpha, delay):
         """The largest braking force that leaves room for as large a one to arrive too late."""
         room = self.aim - self.f_speed
         return self.M_min * alpha * room / (1.0 + alpha * delay) - (self.dbar - self.f_min)
 
-    def largest(self, alpha: float, delay: float, brake: float) -> float:
+    def largest(self, alpha, delay, brake):
         """What no force may exceed while it takes ``delay`` to arrive."""
         if delay == 0.0:
             return math.inf
@@ -48,11 +45,11 @@ class GuardedAxis:
         room -= max(brake + push, 0.0) / (self.M_min * alpha)
         return self.M_min * room / delay - push
 
-    def rise(self, force: float, time: float) -> float:
+    def rise(self, force, time):
         """Most that v can gain while ``force`` acts for ``time``."""
         return max(force + self.dbar - self.f_min, 0.0) * time / self.M_min
 
-    def can_be_kept(self, alpha: float, T: float, brake: float, delay: float) -> bool:
+    def can_be_kept(self, alpha, T, brake, delay):
         """Whether the numbers make sense and braking outweighs the push wherever it has to."""
         sound = self.M_min <= self.M_max and self.f_speed < self.u1 and alpha * T <= 1.0
         seen = 2.0 * self.nbar <= self.aim
@@ -66,22 +63,22 @@ class VelocityGuard:
     An unguarded run has one too, which only watches.
     """
 
-    def __init__(self, scenario: Scenario, tau_max: float) -> None:
+    def __init__(self, scenario, tau_max):
         self.T, self.robot, self.settings = scenario.clock.control, scenario.robot, scenario.guard
         self.alpha = scenario.guard.alpha or 1.0 / self.T
         delay, lag = scenario.actuator.delay, scenario.actuator.lag
         self.delay = delay + lag
         self.times = times_that_count(delay, lag, self.T)
-        self.sent: list[Pair] = [(0.0, 0.0)] * len(self.times)
+        self.sent = [(0.0, 0.0)] * len(self.times)
         self.axes = axes_of(scenario)
         self.phi = 2.0 * tau_max / scenario.robot.r
         self.brakes = self._brakes()
         self.feasible = float(self._can_be_kept())
-        self.v_before: Pair | None = None
-        self.seen: dict[str, object] = {}
+        self.v_before = None
+        self.seen = {}
         self.memory_of((0.0, 0.0), (0.0, 0.0))
 
-    def _brakes(self) -> Pair:
+    def _brakes(self):
         first, second = (axis.cap(self.alpha, self.delay) for axis in self.axes)
         given, half = self.settings.brake, self.robot.l
         if given is not None:
@@ -96,7 +93,7 @@ class VelocityGuard:
             min(second, need[1] + (1.0 - share) * spare * half),
         )
 
-    def _can_be_kept(self) -> bool:
+    def _can_be_kept(self):
         """Whether there is a safe force at every state, within the wheels' reach."""
         both = self.brakes[0] + self.brakes[1] / self.robot.l
         within_reach = both <= self.phi
@@ -105,14 +102,14 @@ class VelocityGuard:
             a.can_be_kept(self.alpha, self.T, b, self.delay) for a, b in pairs
         )
 
-    def box(self, v: Pair) -> tuple[Pair, Pair]:
+    def box(self, v):
         """(lo, hi) of both axes, each a pair (thrust [N], moment [N m])."""
         return (-self._most(0, v, -1.0), -self._most(1, v, -1.0)), (
             self._most(0, v, 1.0),
             self._most(1, v, 1.0),
         )
 
-    def _most(self, i: int, v: Pair, way: float) -> float:
+    def _most(self, i, v, way):
         """Largest force of axis ``i`` that is safe in direction ``way``."""
         axis, brake = self.axes[i], self.brakes[i]
         coming = sum(
@@ -122,7 +119,7 @@ class VelocityGuard:
         hi = axis.ceiling(way * v[i], self.alpha, self.T, brake, coming)
         return min(hi, axis.largest(self.alpha, self.delay, brake))
 
-    def act(self, asked: Pair, v: Pair, applied: Pair) -> Pair:
+    def act(self, asked, v, applied):
         """The force that may act, within the wheels' reach."""
         box = self.box(v)
         held, safe = within(asked, box), within((0.0, 0.0), box)
@@ -133,16 +130,16 @@ class VelocityGuard:
         self.sent = [force, *self.sent][: len(self.sent)]
         return force
 
-    def watch(self, v: Pair, applied: Pair, changed: Pair = (0.0, 0.0)) -> None:
+    def watch(self, v, applied, changed=(0.0, 0.0)):
         """Take note of the sample at velocity ``v`` that the ``applied`` torque led to."""
         self.memory_of(changed, self._least(v, applied))
         self.v_before = v
 
-    def memory_of(self, changed: Pair, least: Pair) -> None:
+    def memory_of(self, changed, least):
         """Note what is logged."""
         self.seen = {"clip_active": changed, "d_least": least, "feasible": self.feasible}
 
-    def _least(self, v: Pair, applied: Pair) -> Pair:
+    def _least(self, v, applied):
         if self.v_before is None:
             return 0.0, 0.0
         bot = self.robot
@@ -154,7 +151,7 @@ class VelocityGuard:
         return first, second
 
 
-def least_push(axis: GuardedAxis, old: float, new: float, force: float, T: float) -> float:
+def least_push(axis, old, new, force, T):
     """Smallest disturbance that explains the step from ``old`` to ``new`` under ``force``."""
     if max(old, new) < -axis.nbar:
         return least_push(axis, -old, -new, -force, T)
@@ -164,12 +161,12 @@ def least_push(axis: GuardedAxis, old: float, new: float, force: float, T: float
     return max(0.0, min(axis.M_min * rate, axis.M_max * rate) - force)
 
 
-def on_their_way(scenario: Scenario) -> int:
+def on_their_way(scenario):
     """How many commands have not ended when the next is computed."""
     return math.ceil(scenario.actuator.delay / scenario.clock.control - 1e-9)
 
 
-def times_that_count(delay: float, lag: float, T: float) -> list[float]:
+def times_that_count(delay, lag, T):
     """For how long each earlier command counts, the latest first.
 
     Until the next one takes over in full, and what the lag leaves of it afterwards.
@@ -184,7 +181,7 @@ def times_that_count(delay: float, lag: float, T: float) -> list[float]:
     return [earlier - later for earlier, later in pairwise(left)]
 
 
-def axes_of(scenario: Scenario) -> tuple[GuardedAxis, GuardedAxis]:
+def axes_of(scenario):
     """Both axes' numbers, derived from the believed robot where the scenario leaves them out."""
     g, bot, noise = scenario.guard, scenario.robot, scenario.disturbance
     masses = (scenario.model.m or bot.m, scenario.model.I or bot.I)
@@ -205,13 +202,13 @@ def axes_of(scenario: Scenario) -> tuple[GuardedAxis, GuardedAxis]:
     return first, second
 
 
-def within(force: Pair, box: tuple[Pair, Pair]) -> Pair:
+def within(force, box):
     """Nearest force in the box; the upper bound wins."""
     lo, hi = box
     return min(max(force[0], lo[0]), hi[0]), min(max(force[1], lo[1]), hi[1])
 
 
-def linear_first(force: Pair, safe: Pair, phi: float, half: float) -> Pair:
+def linear_first(force, safe, phi, half):
     """The thrust as far as the safe moment leaves room, then the moment; ``phi`` = 2 tau_max/r."""
     room = phi - abs(safe[1]) / half
     thrust = min(max(force[0], -room), room)
@@ -219,7 +216,7 @@ def linear_first(force: Pair, safe: Pair, phi: float, half: float) -> Pair:
     return thrust, min(max(force[1], -rest), rest)
 
 
-def rotation_first(force: Pair, safe: Pair, phi: float, half: float) -> Pair:
+def rotation_first(force, safe, phi, half):
     """The moment as far as the safe thrust leaves room, then the thrust."""
     room = half * (phi - abs(safe[0]))
     moment = min(max(force[1], -room), room)

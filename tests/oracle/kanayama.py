@@ -1,28 +1,22 @@
 """Kanayama's kinematic law above a velocity loop with observer, from their definitions."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
-from typing import Any
 
-from tests.oracle.law import Pair, Sight
 from tests.oracle.observer import ForceObserver
 from tests.oracle.prediction import Predictor
-from wmr_ctrl.world.scenario import Scenario
 
 
 class Kanayama:
     """F = M1 a + F1(v + T a) + f, a = v_d' + (1 - exp(-rate T))/T (command - v)."""
 
-    def __init__(self, gains: Mapping[str, Any], scenario: Scenario) -> None:
+    def __init__(self, gains, scenario):
         self.gains, self.T, self.bot = gains, scenario.clock.control, scenario.believed
         self.tops = tuple(gains["share"] * u1 for u1 in scenario.limits.v_u1)
         self.observer = ForceObserver(gains["wo"], scenario)
         self.predictor = Predictor(gains["delay"], scenario)
-        self.command: Pair | None = None
+        self.command = None
 
-    def act(self, sight: Sight) -> Pair:
+    def act(self, sight):
         """Generalised force (thrust [N], moment [N m]); observer and command move before it."""
         force, moment = self.observer.look(sight)
         sight = self.predictor.ahead(sight, (force, moment))
@@ -32,26 +26,25 @@ class Kanayama:
         drag = self.observer.friction(sight.v[0] + self.T * a1)
         return self.bot.m * a1 + drag + force, self.bot.I * a2 + moment
 
-    def _wanted(self, sight: Sight) -> Pair:
+    def _wanted(self, sight):
         (e1, e2, e3), target, (kx, ky, kt) = sight.e, sight.target, self.gains["k"]
         return (
             target.v1 * math.cos(e3) + kx * e1,
             target.v2 + target.v1 * (ky * e2 + kt * math.sin(e3)),
         )
 
-    def _follow(self, i: int, wanted: float, last: float) -> float:
+    def _follow(self, i, wanted, last):
         """The command of one axis: to the wanted velocity, as far as both limits let it."""
         inside = min(max(wanted, -self.tops[i]), self.tops[i])
         most = self.gains["a_max"][i] * self.T
         return last + min(max(inside - last, -most), most)
 
-    def _acceleration(self, i: int, sight: Sight) -> float:
-        assert self.command is not None
+    def _acceleration(self, i, sight):
         pull = -math.expm1(-self.gains["rate"][i] * self.T) / self.T
         ahead = (sight.target.v1_dot, sight.target.v2_dot)[i]
         return float(ahead + pull * (self.command[i] - sight.v[i]))
 
-    def memory(self) -> dict[str, Pair]:
+    def memory(self):
         """The disturbance that the observer makes up for."""
         return self.observer.memory()
 
@@ -59,7 +52,7 @@ class Kanayama:
 class Pursuit(Kanayama):
     """An arc to a point ahead of the reference, above the same velocity loop."""
 
-    def _wanted(self, sight: Sight) -> Pair:
+    def _wanted(self, sight):
         ahead, left, way = self._point(sight)
         (e1, _, _), own = sight.e, self.gains
         kappa = 2 * left / max(ahead**2 + left**2, way * way / 4)
@@ -70,7 +63,7 @@ class Pursuit(Kanayama):
         share = max(1.0, v / self.tops[0], abs(kappa * v) / self.tops[1])
         return v / share, kappa * v / share
 
-    def _point(self, sight: Sight) -> tuple[float, float, float]:
+    def _point(self, sight):
         """Ahead, left [m] of the robot, and the way along the arc [m]."""
         (e1, e2, e3), target, (nearest, farthest) = sight.e, sight.target, self.gains["distance"]
         way = min(max(self.gains["lookahead"] * target.v1, nearest), farthest)

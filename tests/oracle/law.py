@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 from tests.oracle.barrier import BarrierTerms
 from tests.oracle.target import DesiredState
@@ -39,15 +38,3 @@ class Sight:
     """What the reference's acceleration adds to v_c0_dot [m/s2, rad/s2]."""
     sent: Sequence[Pair] = ()
     """Torques (right, left) commanded so far, the latest first [N m]."""
-
-
-class LawTwin(Protocol):
-    """A control law with its memory."""
-
-    def act(self, sight: Sight) -> Pair:
-        """Generalised force (thrust [N], moment [N m]); the memory is updated after it."""
-        ...
-
-    def memory(self) -> dict[str, Pair]:
-        """Further columns to log, after the update."""
-        ...

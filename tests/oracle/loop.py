@@ -1,17 +1,12 @@
 """The closed loop, one control sample after the other."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from tests.oracle.actuator import Drives
-from tests.oracle.arrays import FloatArray
 from tests.oracle.auxiliary import (
     auxiliary_rate,
     auxiliary_velocity,
@@ -21,21 +16,19 @@ from tests.oracle.auxiliary import (
 from tests.oracle.barrier import barrier, clip
 from tests.oracle.guard import VelocityGuard
 from tests.oracle.kanayama import Kanayama, Pursuit
-from tests.oracle.law import LawTwin, Pair, Sight
+from tests.oracle.law import Sight
 from tests.oracle.mb import ModelBased
-from tests.oracle.monitor import Watch, WatchedNumbers
+from tests.oracle.monitor import Watch
 from tests.oracle.nn import NeuralNetwork
 from tests.oracle.noise import key_of, torque_noise
 from tests.oracle.pid import Pid
-from tests.oracle.plant import State, limited_force, plants, wheel_torques
+from tests.oracle.plant import limited_force, plants, wheel_torques
 from tests.oracle.prox import Prox
 from tests.oracle.references import reference_of
 from tests.oracle.sensing import Sensors
 from tests.oracle.smc import Smc
 from tests.oracle.smooth import smooth_barrier
-from tests.oracle.target import DesiredState
 from wmr_ctrl.core.signals import LOG_HEAD
-from wmr_ctrl.world.scenario import Scenario
 
 _ROWS_PER_REPORT = 100
 REMEMBERED = 10_000
@@ -45,14 +38,14 @@ TWINS = frozenset({"velocity noise", "pose sensor", "torque noise", "push", "del
 
 
 def simulate_oracle(
-    scenario: Scenario,
-    law: str,
-    gains: Mapping[str, object],
-    kinematics: Mapping[str, object],
-    seed: int,
-    progress: Callable[[float], None] | None = None,
-    effects: Iterable[str] = (),
-) -> tuple[dict[str, FloatArray], WatchedNumbers]:
+    scenario,
+    law,
+    gains,
+    kinematics,
+    seed,
+    progress=None,
+    effects=(),
+):
     """One run of ``law`` in ``scenario``.
 
     ``gains`` are the law's resolved values, ``kinematics`` holds k (3) of Eq. (7); ``progress`` is
@@ -76,12 +69,12 @@ class _Loop:
 
     def __init__(
         self,
-        scenario: Scenario,
-        law: str,
-        gains: Mapping[str, Any],
-        kinematics: Mapping[str, Any],
-        seed: int,
-    ) -> None:
+        scenario,
+        law,
+        gains,
+        kinematics,
+        seed,
+    ):
         key, clock = key_of(seed), scenario.clock
         self.scenario, self.clock, self.k = scenario, clock, kinematics["k"]
         self.law = build_law(law, gains, scenario)
@@ -90,8 +83,8 @@ class _Loop:
         self.actuator = Drives(scenario.actuator, clock, key)
         told = replace(scenario.actuator, unmodelled_delay=0.0, lag_spread=0.0)
         self.told = Drives(told, clock, key)
-        self.applied: Pair = (0.0, 0.0)
-        self.sent: deque[Pair] = deque(maxlen=REMEMBERED)
+        self.applied = (0.0, 0.0)
+        self.sent = deque(maxlen=REMEMBERED)
         self.barrier = smooth_barrier if gains.get("barrier") == "smooth" else barrier
         self.tau_max = min(scenario.actuator.tau_max, gains.get("tau_max", math.inf))
         self.guard = VelocityGuard(scenario, self.tau_max)
@@ -99,10 +92,10 @@ class _Loop:
         self.plants = plants(scenario.robot, scenario.changes, clock)
         self.log = Recorder(self._memory())
         self.watch = Watch(scenario.limits.v_u1)
-        self.state: State = (*scenario.initial.pose, *scenario.initial.velocity)
+        self.state = (*scenario.initial.pose, *scenario.initial.velocity)
         self.ended = self.watch.see(0.0, self.state)
 
-    def run(self, progress: Callable[[float], None] | None) -> None:
+    def run(self, progress):
         """All control samples, or those before the run must end."""
         samples = self.clock.samples
         for k in range(samples):
@@ -112,7 +105,7 @@ class _Loop:
             if progress is not None and (k + 1) % _ROWS_PER_REPORT == 0:
                 progress((k + 1) / samples)
 
-    def _sample(self, k: int) -> None:
+    def _sample(self, k):
         """One control step: look, act, log, and let the plant run until the next sample."""
         target = self.reference(k * self.clock.control)
         sight = self._look(k, target)
@@ -127,7 +120,7 @@ class _Loop:
                 self._plant_step(k * self.clock.substeps + j, torque, (right, left))
         self.applied = _mean(told)
 
-    def _disturbance(self, k: int) -> Pair:
+    def _disturbance(self, k):
         """Noise of sample ``k`` (right, left) [N m], and a push on in each axis' direction."""
         right, left = self.noise[k].tolist()
         force, moment = self.scenario.disturbance.push
@@ -137,7 +130,7 @@ class _Loop:
         around = -around if self.state[4] < 0.0 else around
         return right + (along + around), left + (along - around)
 
-    def _force(self, sight: Sight) -> Pair:
+    def _force(self, sight):
         """What the law asks for, as far as guard and wheels allow it."""
         asked = self.law.act(sight)
         if self.scenario.guard.enabled:
@@ -145,11 +138,11 @@ class _Loop:
         self.guard.watch(sight.v, sight.applied)
         return limited_force(asked, self.tau_max, self.scenario.robot)
 
-    def _memory(self) -> dict[str, object]:
+    def _memory(self):
         """Further columns: the law's, then the monitor's."""
         return {**self.law.memory(), **self.guard.seen}
 
-    def _look(self, k: int, target: DesiredState) -> Sight:
+    def _look(self, k, target):
         pose, v = self.sensor.look(k, self.state)
         e = tracking_error(target, pose)
         v_c0 = auxiliary_velocity(e, target, self.k)
@@ -164,7 +157,7 @@ class _Loop:
             v, v_c0, rate, (first, second), target, e, pose, self.k, self.applied, share, self.sent
         )  # fmt: skip
 
-    def _plant_step(self, n: int, torque: Pair, noise: Pair) -> None:
+    def _plant_step(self, n, torque, noise):
         """The plant's step number ``n`` with the parameters of the time at which it starts."""
         while len(self.plants) > 1 and self.plants[1][0] <= n:
             self.plants.pop(0)
@@ -173,9 +166,7 @@ class _Loop:
         self.state = self.plants[0][1].step(self.state, total, self.clock.plant)
         self.ended = self.watch.see((n + 1) * self.clock.plant, self.state)
 
-    def _row(
-        self, k: int, target: DesiredState, sight: Sight, torque: Pair, noise: Pair
-    ) -> dict[str, object]:
+    def _row(self, k, target, sight, torque, noise):
         """The log's row: state at t_k, torques over the step, memory after the law acted."""
         x, y, theta, v1, omega = self.state
         row = {"t": k * self.clock.control, "x": x, "y": y, "theta": theta, "v1": v1}
@@ -185,7 +176,7 @@ class _Loop:
         row |= {"noise_right": noise[0], "noise_left": noise[1]}
         return row | self._diagnostics(target, sight) | self._memory()
 
-    def _diagnostics(self, target: DesiredState, sight: Sight) -> dict[str, object]:
+    def _diagnostics(self, target, sight):
         """Error of the true pose; margin and the rest as the law saw them."""
         speeds = zip(sight.v, self.scenario.limits.v_u1, strict=True)
         first, second = sight.barrier
@@ -199,7 +190,7 @@ class _Loop:
         }
 
 
-def _mean(pairs: list[Pair]) -> Pair:
+def _mean(pairs):
     count = max(1, len(pairs))
     return sum(pair[0] for pair in pairs) / count, sum(pair[1] for pair in pairs) / count
 
@@ -207,21 +198,21 @@ def _mean(pairs: list[Pair]) -> Pair:
 class Recorder:
     """Collects rows of values by column name."""
 
-    def __init__(self, further: Mapping[str, object]) -> None:
+    def __init__(self, further):
         self.sizes = {signal.name: signal.size for signal in LOG_HEAD}
         self.sizes.update(
             {name: len(v) if isinstance(v, tuple) else 1 for name, v in further.items()}
         )
-        self.rows: dict[str, list[object]] = {name: [] for name in self.sizes}
+        self.rows = {name: [] for name in self.sizes}
 
-    def write(self, row: Mapping[str, object]) -> None:
+    def write(self, row):
         """Append one row, which must name every column and nothing else."""
         if row.keys() != self.rows.keys():
             raise KeyError(f"columns that differ: {sorted(row.keys() ^ self.rows.keys())}")
         for name, value in row.items():
             self.rows[name].append(value)
 
-    def columns(self) -> dict[str, FloatArray]:
+    def columns(self):
         """Arrays (N,), or (N, size) for vectors, also when there is no row."""
         return {
             name: np.array(self.rows[name], dtype=float).reshape(-1 if size == 1 else (-1, size))
@@ -229,7 +220,7 @@ class Recorder:
         }
 
 
-LAW_TWINS: dict[str, Callable[[Mapping[str, object], Scenario], LawTwin]] = {
+LAW_TWINS = {
     "pid": Pid,
     "smc": Smc,
     "mb": ModelBased,
@@ -240,7 +231,7 @@ LAW_TWINS: dict[str, Callable[[Mapping[str, object], Scenario], LawTwin]] = {
 }
 
 
-def build_law(name: str, gains: Mapping[str, object], scenario: Scenario) -> LawTwin:
+def build_law(name, gains, scenario):
     """The twin of law ``name`` with its resolved gains; ValueError if it has none."""
     if name not in LAW_TWINS:
         raise ValueError(f"of the laws {', '.join(LAW_TWINS)} have a twin, not {name!r}")

@@ -4,22 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TypedDict
 
-from tests.oracle.plant import Pair, State
+from tests.oracle.plant import Pair
 
 _DIVERGED = 1e3  # m/s or rad/s
 _COUNTS = 1.0 + 1e-12  # less than this share of a limit beyond it is rounding
-
-
-class WatchedNumbers(TypedDict):
-    """Largest |v1| [m/s] and |omega| [rad/s], steps beyond a limit, first of them, how it ended."""
-
-    max_abs_v: Pair
-    violations: int
-    first_violation: tuple[float, int] | None
-    stopped: tuple[float, int] | None
-    stop_reason: str
 
 
 @dataclass
@@ -33,7 +22,7 @@ class Watch:
     stopped: tuple[float, int] | None = None
     stop_reason: str = ""
 
-    def see(self, t: float, state: State) -> bool:
+    def see(self, t, state):
         """Take note of the state at ``t``; True if the run must end here."""
         speed = first, second = abs(state[3]), abs(state[4])
         if not math.isfinite(sum(state)) and not all(map(math.isfinite, state)):
@@ -48,11 +37,11 @@ class Watch:
             return self._stop(t, 1 if speed[0] >= _DIVERGED else 2, "diverged")
         return False
 
-    def _stop(self, t: float, axis: int, reason: str) -> bool:
+    def _stop(self, t, axis, reason):
         self.stopped, self.stop_reason = (t, axis), reason
         return True
 
-    def numbers(self) -> WatchedNumbers:
+    def numbers(self):
         """The monitor's numbers by name, as plain Python values."""
         return {
             "max_abs_v": (self.max_abs_v[0], self.max_abs_v[1]),

@@ -4,14 +4,9 @@ A number depends on the seed and its counter only, so every law and every engine
 noise, whatever else was drawn before.
 """
 
-from __future__ import annotations
-
 import zlib
 
 import numpy as np
-
-from tests.oracle.arrays import FloatArray, Words
-from wmr_ctrl.world.scenario import Disturbance
 
 TORQUE, POSE, VELOCITY = 0, 1, 2
 """Streams."""
@@ -20,12 +15,12 @@ LOST, LAG = (16 + zlib.crc32(name) for name in (b"pose_lost", b"lag"))
 _ATTEMPTS = 64
 
 
-def key_of(seed: int) -> Words:
+def key_of(seed):
     """Philox key (2,) uint64 of a seed."""
     return np.asarray(np.random.SeedSequence(seed).generate_state(2, np.uint64), np.uint64)
 
 
-def raw_blocks(key: Words, first: int, count: int, stream: int, attempt: int = 0) -> Words:
+def raw_blocks(key, first, count, stream, attempt=0):
     """Integers (count, 4) uint64 of the control steps ``first`` to ``first + count - 1``."""
     counter = first + (stream << 64) + (attempt << 128)
     before = (counter - 1) % 2**256  # the generator counts up before it draws
@@ -33,17 +28,17 @@ def raw_blocks(key: Words, first: int, count: int, stream: int, attempt: int = 0
     return generator.random_raw(4 * count).reshape(count, 4)
 
 
-def uniforms(raw: Words) -> FloatArray:
+def uniforms(raw):
     """Numbers in [0, 1) of 53 bits, shaped like ``raw``."""
     return (raw >> np.uint64(11)).astype(np.float64) * 2.0**-53
 
 
-def symmetric(key: Words, count: int, stream: int) -> FloatArray:
+def symmetric(key, count, stream):
     """Pairs (count, 2), uniform in [-1, 1)."""
     return 2.0 * uniforms(raw_blocks(key, 0, count, stream))[:, :2] - 1.0
 
 
-def torque_noise(key: Words, count: int, disturbance: Disturbance) -> FloatArray:
+def torque_noise(key, count, disturbance):
     """Disturbance torques (count, 2) [N m], right and left wheel, one row per control step."""
     if disturbance.std == 0.0:
         return np.zeros((count, 2))
@@ -54,7 +49,7 @@ def torque_noise(key: Words, count: int, disturbance: Disturbance) -> FloatArray
     return disturbance.std * normal
 
 
-def _redrawn(key: Words, k: int, bound: float) -> FloatArray:
+def _redrawn(key, k, bound):
     """The first later attempt at step ``k`` that keeps the bound, or the last one clipped."""
     attempt, pair = 0, np.array([np.inf, np.inf])
     while np.abs(pair).max() > bound and attempt + 1 < _ATTEMPTS:
@@ -63,7 +58,7 @@ def _redrawn(key: Words, k: int, bound: float) -> FloatArray:
     return np.asarray(np.clip(pair, -bound, bound))
 
 
-def _box_muller(u: FloatArray) -> FloatArray:
+def _box_muller(u):
     """Standard normal pairs (count, 2) of uniforms (count, 4)."""
     radius = np.sqrt(-2.0 * np.log(1.0 - u[:, 0]))
     angle = 2.0 * np.pi * u[:, 1]

@@ -1,34 +1,29 @@
 """Momentum observer of what the model does not explain, from its definition."""
 
-from __future__ import annotations
-
 import math
-
-from tests.oracle.law import Pair, Sight
-from wmr_ctrl.world.scenario import Scenario
 
 
 class ForceObserver:
     """f_k = f_(k-1) + (1 - exp(-wo T)) (F_applied - M dv/T - F1(middle) - f_(k-1))."""
 
-    def __init__(self, wo: float, scenario: Scenario) -> None:
+    def __init__(self, wo, scenario):
         self.T, self.bot = scenario.clock.control, scenario.believed
         self.share = -math.expm1(-wo * self.T)
-        self.f_hat: Pair = (0.0, 0.0)
-        self.v_before: Pair | None = None
+        self.f_hat = (0.0, 0.0)
+        self.v_before = None
 
-    def friction(self, v1: float) -> float:
+    def friction(self, v1):
         """Believed friction [N] at the speed ``v1`` [m/s]."""
         return self.bot.mu * self.bot.m * self.bot.g * math.tanh(v1 / self.bot.v_s)
 
-    def look(self, sight: Sight) -> Pair:
+    def look(self, sight):
         """The force and moment that make up for the disturbance, renewed from the second sample."""
         old, self.v_before = self.v_before, sight.v
         if old is not None:
             self._renew(sight, old)
         return self.f_hat
 
-    def _renew(self, sight: Sight, old: Pair) -> None:
+    def _renew(self, sight, old):
         right, left = sight.applied
         force = ((right + left) / self.bot.r, self.bot.l * (right - left) / self.bot.r)
         drag = (self.friction((sight.v[0] + old[0]) / 2.0), 0.0)
@@ -38,6 +33,6 @@ class ForceObserver:
         )
         self.f_hat = (first, second)
 
-    def memory(self) -> dict[str, Pair]:
+    def memory(self):
         """The disturbance that is made up for."""
         return {"d_hat": (-self.f_hat[0], -self.f_hat[1])}

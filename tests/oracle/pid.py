@@ -1,23 +1,15 @@
 """The paper's PID baseline: it gives no integral gain, so a PD law on z = v - v_c0, Eq. (13)."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
-from tests.oracle.law import Pair, Sight
-from wmr_ctrl.world.scenario import Scenario
-
 
 class Pid:
     """F = -Kp z - Kd dz/dt, dz/dt by the backward difference, 0 at the first sample."""
 
-    def __init__(self, gains: Mapping[str, Any], scenario: Scenario) -> None:
+    def __init__(self, gains, scenario):
         self.Kp, self.Kd = gains["Kp"], gains["Kd"]
         self.T = scenario.clock.control
-        self.z_before: Pair | None = None
+        self.z_before = None
 
-    def act(self, sight: Sight) -> Pair:
+    def act(self, sight):
         """Generalised force (thrust [N], moment [N m])."""
         z = (sight.v[0] - sight.v_c0[0], sight.v[1] - sight.v_c0[1])
         old = z if self.z_before is None else self.z_before
@@ -28,6 +20,6 @@ class Pid:
             -self.Kp[1] * z[1] - self.Kd[1] * z_dot[1],
         )
 
-    def memory(self) -> dict[str, Pair]:
+    def memory(self):
         """Nothing to log."""
         return {}

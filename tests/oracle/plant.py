@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import ceil, cos, isinf, nan, sin, tanh
 
-from wmr_ctrl.world.scenario import Change, Robot
-from wmr_ctrl.world.scenario.sections import Clock
+from wmr_ctrl.world.scenario import Robot
 
 State = tuple[float, float, float, float, float]
 """x [m], y [m], theta [rad], v1 [m/s], omega [rad/s]."""
 Pair = tuple[float, float]
 
-_NOT_A_STATE: State = (nan,) * 5
+_NOT_A_STATE = (nan,) * 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +20,7 @@ class Plant:
 
     robot: Robot
 
-    def step(self, state: State, torque: Pair, dt: float) -> State:
+    def step(self, state, torque, dt):
         """State after ``dt`` seconds of constant torque, by the classical Runge-Kutta method."""
         bot, (x, y, theta, v1, omega) = self.robot, state
         m, v_s, half = bot.m, bot.v_s, 0.5 * dt
@@ -48,7 +47,7 @@ class Plant:
         )
 
 
-def plants(robot: Robot, changes: tuple[Change, ...], clock: Clock) -> list[tuple[int, Plant]]:
+def plants(robot, changes, clock):
     """(first plant step, plant) pairs in order of time, one more after each change."""
     current = robot
     schedule = [(0, Plant(current))]
@@ -60,13 +59,13 @@ def plants(robot: Robot, changes: tuple[Change, ...], clock: Clock) -> list[tupl
     return schedule
 
 
-def wheel_torques(force: Pair, robot: Robot) -> Pair:
+def wheel_torques(force, robot):
     """B1^-1 applied to (thrust [N], turning moment [N m]): torques (right, left) [N m]."""
     half = robot.r / 2.0
     return half * (force[0] + force[1] / robot.l), half * (force[0] - force[1] / robot.l)
 
 
-def limited_force(force: Pair, tau_max: float, robot: Robot) -> Pair:
+def limited_force(force, tau_max, robot):
     """Nearest force that the wheels can give, the thrust served first and the moment after it."""
     if isinf(tau_max):
         return force

@@ -1,7 +1,5 @@
 """What a law that knows its delay sees: the robot and its target one delay later."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import astuple, replace
 
@@ -11,19 +9,17 @@ from tests.oracle.auxiliary import (
     reference_rate,
     tracking_error,
 )
-from tests.oracle.law import Pair, Sight, Triple
 from tests.oracle.target import DesiredState
-from wmr_ctrl.world.scenario import Scenario
 
 
 class Predictor:
     """Rolls a sight on by ``delay`` [s] through the commands under way."""
 
-    def __init__(self, delay: float, scenario: Scenario) -> None:
+    def __init__(self, delay, scenario):
         self.delay, self.T, self.bot = delay, scenario.clock.control, scenario.believed
         self.count = math.ceil(delay / self.T - 1e-9)
 
-    def ahead(self, sight: Sight, made_up: Pair) -> Sight:
+    def ahead(self, sight, made_up):
         """The sight one delay later; ``made_up`` is the observer's force."""
         if not self.count:
             return sight
@@ -35,7 +31,7 @@ class Predictor:
             pose, v, left = _carried(pose, v, after, left), after, self.T
         return self._seen(sight, pose, v)
 
-    def _seen(self, sight: Sight, pose: Triple, v: Pair) -> Sight:
+    def _seen(self, sight, pose, v):
         target = _later(sight.target, self.delay)
         e = tracking_error(target, pose)
         return replace(
@@ -45,7 +41,7 @@ class Predictor:
             v_c0_dot_reference=reference_rate(e, target, sight.k),
         )  # fmt: skip
 
-    def _pushed(self, v: Pair, torque: Pair, made_up: Pair, time: float) -> Pair:
+    def _pushed(self, v, torque, made_up, time):
         """The velocity after a torque that acts for ``time``; friction stops it at most."""
         right, left = torque
         force, moment = (right + left) / self.bot.r, self.bot.l * (right - left) / self.bot.r
@@ -55,7 +51,7 @@ class Predictor:
         return slowed, v[1] + time * (moment - made_up[1]) / self.bot.I
 
 
-def _carried(pose: Triple, v: Pair, after: Pair, time: float) -> Triple:
+def _carried(pose, v, after, time):
     x, y, theta = pose
     speed, turning = ((v[i] + after[i]) / 2.0 for i in (0, 1))
     middle = theta + time * turning / 2.0
@@ -66,7 +62,7 @@ def _carried(pose: Triple, v: Pair, after: Pair, time: float) -> Triple:
     )
 
 
-def _later(target: DesiredState, time: float) -> DesiredState:
+def _later(target, time):
     """The reference carried on by its accelerations."""
     *pose, v1, v2, a1, a2 = astuple(target)
     then = (v1 + time * a1, v2 + time * a2)

@@ -1,30 +1,24 @@
 """Sampled-data barrier law, from its definition."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
-from typing import Any
 
 from tests.oracle.barrier import barrier
-from tests.oracle.law import Pair, Sight
 from tests.oracle.observer import ForceObserver
 from tests.oracle.prediction import Predictor
 from tests.oracle.smooth import smooth_barrier
-from wmr_ctrl.world.scenario import Scenario
 
 
 class Prox:
     """F = M1 (v+ - v)/T + F1(v+) + f, v+ the implicit step of V1's gradient flow."""
 
-    def __init__(self, gains: Mapping[str, Any], scenario: Scenario) -> None:
+    def __init__(self, gains, scenario):
         self.gains, self.limits = gains, scenario.limits
         self.T, self.bot = scenario.clock.control, scenario.believed
         self.smooth, self.level = gains["barrier"] == "smooth", gains["transport"] == "level"
         self.observer = ForceObserver(gains["wo"], scenario)
         self.predictor = Predictor(gains["delay"], scenario)
 
-    def act(self, sight: Sight) -> Pair:
+    def act(self, sight):
         """Generalised force (thrust [N], moment [N m]); the observer moves before it."""
         force, moment = self.observer.look(sight)
         sight = self.predictor.ahead(sight, (force, moment))
@@ -35,7 +29,7 @@ class Prox:
             self.bot.I * (ends[1] - sight.v[1]) / self.T + moment,
         )
 
-    def _end(self, i: int, sight: Sight) -> float:
+    def _end(self, i, sight):
         """v+ of axis ``i``."""
         c, c_next = sight.v_c0[i], sight.v_c0[i] + self.T * sight.v_c0_dot[i]
         followed = c + self.T * sight.v_c0_dot_reference[i]
@@ -44,7 +38,7 @@ class Prox:
         keep, rest = math.exp(-half), -math.expm1(-half)
         return self._near(i, keep * start + rest * c_next, rest)
 
-    def _carried(self, i: int, v: float, c: float, target: float) -> float:
+    def _carried(self, i, v, c, target):
         """v carried from c to ``target`` such that V1 does not rise."""
         if target == c:
             return v
@@ -62,29 +56,29 @@ class Prox:
         return x_next + share * w
 
     @staticmethod
-    def _share(w: float, level: float, excess: float) -> float:
+    def _share(w, level, excess):
         """The largest s up to 1 with s^2 w^2/2 + s excess <= level."""
         divisor = excess + math.sqrt(max(excess * excess + 2.0 * w * w * level, 0.0))
         return min(1.0, 2.0 * level / divisor) if divisor > 0.0 else 1.0
 
-    def _V1(self, i: int, v: float, c: float) -> float:
+    def _V1(self, i, v, c):
         form = smooth_barrier if self.smooth else barrier
         return form(v, c, self.limits.v_u1[i], self.limits.v_u2[i]).V1
 
-    def _near(self, i: int, c: float, k: float) -> float:
+    def _near(self, i, c, k):
         return nearest(c, k, self.limits.v_u1[i], self.limits.v_u2[i], self.smooth)
 
-    def memory(self) -> dict[str, Pair]:
+    def memory(self):
         """The disturbance that the observer makes up for."""
         return self.observer.memory()
 
 
-def nearest(c: float, k: float, u1: float, u2: float, smooth: bool = False) -> float:
+def nearest(c, k, u1, u2, smooth=False):
     """The x that minimises (x - c)^2/2 + k f(x), |x| < u1 [m/s or rad/s]."""
     return math.copysign(_right(abs(c), k, u1, u2, smooth), c)
 
 
-def _right(c: float, k: float, u1: float, u2: float, smooth: bool) -> float:
+def _right(c, k, u1, u2, smooth):
     if c <= u2:
         return c
     delta = u1 - u2
@@ -96,7 +90,7 @@ def _right(c: float, k: float, u1: float, u2: float, smooth: bool) -> float:
     return u1 - _root(c - u1, k)
 
 
-def _root(t: float, k: float) -> float:
+def _root(t, k):
     """d > 0 with d (d + t) = k."""
     r = math.hypot(t, 2.0 * math.sqrt(k))
     return 2.0 * k / (t + r) if t >= 0.0 else (r - t) / 2.0

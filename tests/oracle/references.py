@@ -3,24 +3,19 @@
 Angles follow the project's convention: 0 along +Y, forward = (-sin theta, cos theta).
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_right
 from collections.abc import Callable
 
-from tests.oracle.target import DesiredState, Pair, target_on
+from tests.oracle.target import DesiredState, target_on
 from wmr_ctrl.world.references.rounded_square import square_path
-from wmr_ctrl.world.references.speed_profile import SpeedProfile
-from wmr_ctrl.world.references.spline import SplinePath
 from wmr_ctrl.world.references.waypoints import LOOP, profile_of, waypoint_path
 from wmr_ctrl.world.scenario import Circle, Lemniscate, Line, RoundedSquare, StopAndGo, Waypoints
-from wmr_ctrl.world.scenario import Reference as Kind
 
 Reference = Callable[[float], DesiredState]
 
 
-def reference_of(kind: Kind) -> Reference:
+def reference_of(kind):
     """The function of time t [s] that a scenario's reference describes."""
     if isinstance(kind, Circle):
         return lambda t: circle(kind, t)
@@ -38,14 +33,14 @@ def reference_of(kind: Kind) -> Reference:
     raise ValueError(f"the reference {type(kind).__name__} has no twin")
 
 
-def circle(kind: Circle, t: float) -> DesiredState:
+def circle(kind, t):
     """Counter-clockwise from the origin, centre (0, R), at the angular rate ``rate``."""
     R, w = kind.radius, kind.rate
     x, y = R * math.sin(w * t), R - R * math.cos(w * t)
     return DesiredState(x, y, w * t - math.pi / 2.0, R * w, w, 0.0, 0.0)
 
 
-def line(kind: Line, t: float) -> DesiredState:
+def line(kind, t):
     """From ``origin`` straight ahead at ``speed``."""
     s = kind.speed * t
     x = kind.origin[0] - s * math.sin(kind.heading)
@@ -53,7 +48,7 @@ def line(kind: Line, t: float) -> DesiredState:
     return DesiredState(x, y, kind.heading, kind.speed, 0.0, 0.0, 0.0)
 
 
-def stop_and_go(kind: StopAndGo, t: float) -> DesiredState:
+def stop_and_go(kind, t):
     """The circle at the speed (speed/2) (1 - cos(2 pi t/period)), which is 0 once a period."""
     R, w = kind.radius, 2.0 * math.pi / kind.period
     half = kind.speed / 2.0
@@ -63,7 +58,7 @@ def stop_and_go(kind: StopAndGo, t: float) -> DesiredState:
     return DesiredState(x, y, arc - math.pi / 2.0, v1, v1 / R, v1_dot, v1_dot / R)
 
 
-def lemniscate(kind: Lemniscate, t: float) -> DesiredState:
+def lemniscate(kind, t):
     """Gerono's figure of eight, x = a sin p, y = a sin p cos p with p = rate t."""
     a, w = kind.size, kind.rate
     s, c = math.sin(w * t), math.cos(w * t)
@@ -76,12 +71,12 @@ def lemniscate(kind: Lemniscate, t: float) -> DesiredState:
     return target_on((a * s, a * s * c), theta, rate, rate2, rate3)
 
 
-def splined(path: SplinePath) -> Callable[[float], DesiredState]:
+def splined(path):
     """The function of time t [s] that follows a spline path."""
     return lambda t: along(path, t)
 
 
-def along(path: SplinePath, t: float) -> DesiredState:
+def along(path, t):
     """A closed path is repeated; an open one goes on straight ahead after its end."""
     if path.closed:
         lap = math.floor(t / path.duration)
@@ -89,7 +84,7 @@ def along(path: SplinePath, t: float) -> DesiredState:
     return _on_path(path, t, 0.0) if t <= path.duration else _beyond(path, t - path.duration)
 
 
-def timed(path: SplinePath, profile: SpeedProfile, laps: bool, t: float) -> DesiredState:
+def timed(path, profile, laps, t):
     """Along a path whose parameter has its own, piecewise quadratic law of time."""
     lap = math.floor(t / profile.duration) if laps else 0
     inside = t - lap * profile.duration
@@ -111,7 +106,7 @@ def timed(path: SplinePath, profile: SpeedProfile, laps: bool, t: float) -> Desi
     )
 
 
-def _on_path(path: SplinePath, t: float, turned: float) -> DesiredState:
+def _on_path(path, t, turned):
     """Target at time ``t`` of the first lap, its orientation increased by ``turned``."""
     knots = path.knots
     i = min(max(bisect_right(knots, t) - 1, 0), len(knots) - 2)
@@ -124,7 +119,7 @@ def _on_path(path: SplinePath, t: float, turned: float) -> DesiredState:
     return target_on(place, theta + turned, rate, rate2, rate3)
 
 
-def _derivative(path: SplinePath, i: int, s: float, order: int, length: float) -> Pair:
+def _derivative(path, i, s, order, length):
     """Derivative by time of segment ``i`` at its local parameter ``s``."""
     x = y = 0.0
     for power in range(path.coefficients.shape[1] - 1, order - 1, -1):
@@ -134,7 +129,7 @@ def _derivative(path: SplinePath, i: int, s: float, order: int, length: float) -
     return x / length**order, y / length**order
 
 
-def _beyond(path: SplinePath, late: float) -> DesiredState:
+def _beyond(path, late):
     """Straight on at the last velocity, ``late`` seconds after the end of an open path."""
     end = _on_path(path, path.duration, 0.0)
     x = end.x - late * end.v1 * math.sin(end.theta)

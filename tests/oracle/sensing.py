@@ -1,23 +1,16 @@
 """What the law is shown: the pose, dead-reckoned and corrected, and the measured velocity."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
-from tests.oracle.arrays import Words
-from tests.oracle.auxiliary import Pair, Triple
 from tests.oracle.noise import LOST, POSE, VELOCITY, symmetric
-from tests.oracle.plant import State
-from wmr_ctrl.world.scenario import Sensor
-from wmr_ctrl.world.scenario.sections import Clock
 
 
 class Sensors:
     """Measures one state per control sample, in order."""
 
-    def __init__(self, settings: Sensor, clock: Clock, key: Words) -> None:
+    def __init__(self, settings, clock, key):
         self.settings = settings
         self.period = clock.control
         self.every = max(1, round(settings.pose_period / clock.control))
@@ -26,10 +19,10 @@ class Sensors:
             key, clock.samples, VELOCITY
         )
         self.chance = (symmetric(key, clock.samples, LOST)[:, 0] + 1.0) / 2.0
-        self.estimate: Triple = (0.0, 0.0, 0.0)
-        self.v_before: Pair = (0.0, 0.0)
+        self.estimate = (0.0, 0.0, 0.0)
+        self.v_before = (0.0, 0.0)
 
-    def look(self, k: int, state: State) -> tuple[Triple, Pair]:
+    def look(self, k, state):
         """Pose (x, y, theta) and velocity (v1, omega) that the law is given at sample ``k``."""
         right, turn = self.velocity_error[k].tolist()
         velocity = (state[3] + right, state[4] + turn)
@@ -42,7 +35,7 @@ class Sensors:
         self.v_before = velocity
         return self.estimate, velocity
 
-    def _predict(self) -> None:
+    def _predict(self):
         """One Euler step with the measured velocity of the previous sample, the angle first."""
         x, y, theta = self.estimate
         v1, omega = self.v_before
@@ -51,7 +44,7 @@ class Sensors:
         y += self.period * v1 * math.cos(theta)
         self.estimate = (x, y, theta)
 
-    def _correct(self, k: int, state: State) -> None:
+    def _correct(self, k, state):
         """Move towards the measured pose, all the way at the first sample."""
         gain = self.settings.correction if k > 0 else 1.0
         error_x, error_y = self.pose_error[k].tolist()

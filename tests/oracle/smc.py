@@ -1,30 +1,24 @@
 """Adaptive sliding-mode law: a stand-in for the paper's reference [32], whose law it omits."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
-from typing import Any
 
 from tests.oracle.barrier import clip
-from tests.oracle.law import Pair, Sight
-from wmr_ctrl.world.scenario import Scenario
 
 
 class Smc:
     """With s = v_c0 - v: F = m^ v_c0' + F^ tanh(v/v_s) + K s + eta sat(s/boundary), per axis."""
 
-    def __init__(self, gains: Mapping[str, Any], scenario: Scenario) -> None:
+    def __init__(self, gains, scenario):
         self.gains = gains
         self.T = scenario.clock.control
         self.m_hat = [0.0, 0.0]
         self.F_hat = [0.0, 0.0]
 
-    def act(self, sight: Sight) -> Pair:
+    def act(self, sight):
         """Generalised force (thrust [N], moment [N m]); the estimates follow by explicit Euler."""
         return self._axis(0, sight), self._axis(1, sight)
 
-    def _axis(self, i: int, sight: Sight) -> float:
+    def _axis(self, i, sight):
         g = self.gains
         s = sight.v_c0[i] - sight.v[i]
         direction = math.tanh(sight.v[i] / g["v_s"])
@@ -34,7 +28,7 @@ class Smc:
         self.F_hat[i] += self.T * g["g_F"] * g["axis_scale"][i] * direction * s
         return float(force)
 
-    def memory(self) -> dict[str, Pair]:
+    def memory(self):
         """Estimated inertia and friction of both axes, after the update."""
         return {
             "m_hat": (self.m_hat[0], self.m_hat[1]),

@@ -3,21 +3,19 @@
 For c = v_c0 >= 0 the minimiser is c up to u2 and u2 + p beyond, without a dead zone at u2.
 """
 
-from __future__ import annotations
-
 import math
 
 from tests.oracle.barrier import BarrierTerms, _distance, _mirror, _psi, _region3_above
 
 
-def smooth_barrier(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
+def smooth_barrier(v, c, u1, u2):
     """Barrier terms at speed ``v``, |v| < u1, for the auxiliary velocity ``c`` = v_c0."""
     mirrored = c < 0.0
     result = _smooth_right(-v if mirrored else v, abs(c), u1, u2)
     return _mirror(result) if mirrored else result
 
 
-def _smooth_right(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
+def _smooth_right(v, c, u1, u2):
     if c <= u2:
         return _free_target(v, c, u1, u2)
     delta = u1 - u2
@@ -27,7 +25,7 @@ def _smooth_right(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     return _bound_target(v, d, (c - u2) / (1.0 + 1.0 / (d * delta)), u1, u2)
 
 
-def _free_target(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
+def _free_target(v, c, u1, u2):
     w = v - c
     if abs(v) <= u2:
         return BarrierTerms(c, w, 0.5 * w * w, 0.5 * w, 1.0)
@@ -36,7 +34,7 @@ def _free_target(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     return BarrierTerms(c, w, V1, V1 / A, w / A)
 
 
-def _bound_target(v: float, d: float, p: float, u1: float, u2: float) -> BarrierTerms:
+def _bound_target(v, d, p, u1, u2):
     """v up to u2, the target ``p`` above u2 and ``d`` below u1."""
     m, y, a = u2 - v, -p / d, p / (d * (u1 - u2))
     n = p + m
@@ -45,14 +43,14 @@ def _bound_target(v: float, d: float, p: float, u1: float, u2: float) -> Barrier
     return BarrierTerms(u2 + p, -n, V1, -V1 / A, n / A)
 
 
-def _f(v: float, u1: float, u2: float) -> float:
+def _f(v, u1, u2):
     if abs(v) <= u2:
         return 0.0
     y = (abs(v) - u2) / (u1 - u2)
     return y * y * _psi(y, (u1 - abs(v)) / (u1 - u2))
 
 
-def _slope(v: float, u1: float, u2: float) -> float:
+def _slope(v, u1, u2):
     """|f'(v)|."""
     if abs(v) <= u2:
         return 0.0

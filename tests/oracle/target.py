@@ -24,12 +24,12 @@ class DesiredState:
     v1_dot: float
     v2_dot: float
 
-    def columns(self) -> dict[str, float]:
+    def columns(self):
         """The values by the names of their signals."""
         return dict(zip(_NAMES, map(self.__getattribute__, self.__slots__), strict=True))
 
 
-def target_on(place: Pair, theta: float, rate: Pair, rate2: Pair, rate3: Pair) -> DesiredState:
+def target_on(place, theta, rate, rate2, rate3):
     """Target on a path that is driven forwards, from its first three derivatives by time.
 
     ``theta`` is the orientation of ``rate``; v2 is the rate at which that direction turns.

@@ -1,20 +1,17 @@
 """Whole runs of the NumPy oracle: columns, monitor, repeatability, and the paper's figures."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.oracle import simulate_oracle
 from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS, LOG_HEAD
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 KINEMATICS = {"k": (10.0, 5.0, 4.0)}
-GAINS: dict[str, dict[str, Any]] = {
+GAINS = {
     "pid": {"Kp": (210.0, 1.1), "Kd": (0.64, 0.08)},
     "smc": {
         "K": (200.0, 20.0),
@@ -39,20 +36,18 @@ GAINS: dict[str, dict[str, Any]] = {
 LAWS = tuple(GAINS)
 
 
-def simulate(
-    scenario: Scenario, law: str, seed: int = 0
-) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+def simulate(scenario, law, seed=0):
     return simulate_oracle(scenario, law, GAINS[law], KINEMATICS, seed)
 
 
-def shortened(scenario: Scenario, duration: float) -> Scenario:
+def shortened(scenario, duration):
     """The scenario's first ``duration`` seconds."""
     changes = tuple(change for change in scenario.changes if change.t < duration)
     return replace(scenario, changes=changes, clock=replace(scenario.clock, duration=duration))
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_columns_follow_the_catalogue(law: str) -> None:
+def test_columns_follow_the_catalogue(law):
     scenario = shortened(load_scenario("paper-simulation"), 0.2)
     columns, monitor = simulate(scenario, law)
 
@@ -66,7 +61,7 @@ def test_columns_follow_the_catalogue(law: str) -> None:
     assert monitor["stopped"] is None
 
 
-def test_first_row_is_the_start_with_its_known_errors() -> None:
+def test_first_row_is_the_start_with_its_known_errors():
     columns, _ = simulate(shortened(load_scenario("paper-simulation"), 0.01), "mb")
 
     assert columns["e"][0] == pytest.approx([0.70453, -0.06031, -0.87080], abs=1e-5)
@@ -75,7 +70,7 @@ def test_first_row_is_the_start_with_its_known_errors() -> None:
     assert columns["margin"][0] == 1.0
 
 
-def test_same_seed_same_run_and_another_seed_another() -> None:
+def test_same_seed_same_run_and_another_seed_another():
     scenario = shortened(load_scenario("paper-simulation"), 0.5)
     first, again, other = (simulate(scenario, "nn", seed)[0] for seed in (3, 3, 4))
 
@@ -83,7 +78,7 @@ def test_same_seed_same_run_and_another_seed_another() -> None:
     assert not np.array_equal(first["noise_left"], other["noise_left"])
 
 
-def test_semi_implicit_weights_stay_near_the_explicit_ones() -> None:
+def test_semi_implicit_weights_stay_near_the_explicit_ones():
     scenario = shortened(load_scenario("paper-simulation-noise-free"), 2.0)
     implicit = GAINS["nn"] | {"integrator": "semi-implicit"}
     columns, _ = simulate_oracle(scenario, "nn", implicit, KINEMATICS, 0)
@@ -93,7 +88,7 @@ def test_semi_implicit_weights_stay_near_the_explicit_ones() -> None:
     assert not np.array_equal(columns["W_norm"], explicit["W_norm"])
 
 
-def test_unstable_gains_end_the_run_with_time_and_axis() -> None:
+def test_unstable_gains_end_the_run_with_time_and_axis():
     scenario = load_scenario("paper-simulation-nominal")
     wild = {"Kp": (210.0, 1e5), "Kd": (0.0, 0.0)}
     columns, monitor = simulate_oracle(scenario, "pid", wild, KINEMATICS, 0)
@@ -104,7 +99,7 @@ def test_unstable_gains_end_the_run_with_time_and_axis() -> None:
     assert np.abs(columns["omega"]).max() < 1e3 <= monitor["max_abs_v"][1]
 
 
-def test_overflow_ends_the_run_as_non_finite() -> None:
+def test_overflow_ends_the_run_as_non_finite():
     wild = GAINS["nn"] | {"rho1": (1e308, 1e308)}
     scenario = load_scenario("paper-simulation-nominal")
     columns, monitor = simulate_oracle(scenario, "nn", wild, KINEMATICS, 0)
@@ -115,7 +110,7 @@ def test_overflow_ends_the_run_as_non_finite() -> None:
     assert np.isfinite(monitor["max_abs_v"]).all()
 
 
-def test_start_beyond_a_limit_counts_from_time_zero() -> None:
+def test_start_beyond_a_limit_counts_from_time_zero():
     scenario = shortened(load_scenario("outside-start"), 0.01)
     _, monitor = simulate(scenario, "mb")
 
@@ -123,15 +118,15 @@ def test_start_beyond_a_limit_counts_from_time_zero() -> None:
     assert monitor["violations"] >= 2
 
 
-def test_progress_is_told_the_share_that_is_done() -> None:
-    shares: list[float] = []
+def test_progress_is_told_the_share_that_is_done():
+    shares = []
     scenario = shortened(load_scenario("paper-simulation"), 4.0)
     simulate_oracle(scenario, "pid", GAINS["pid"], KINEMATICS, 0, shares.append)
 
     assert shares == [0.25, 0.5, 0.75, 1.0]
 
 
-def test_a_law_without_a_twin_is_refused() -> None:
+def test_a_law_without_a_twin_is_refused():
     with pytest.raises(ValueError, match=r"pid, smc, mb, nn.*lqr"):
         simulate_oracle(load_scenario("paper-simulation"), "lqr", {}, KINEMATICS, 0)
 
@@ -139,17 +134,17 @@ def test_a_law_without_a_twin_is_refused() -> None:
 # -- figures of whole runs ----
 
 
-def ise(columns: dict[str, np.ndarray]) -> float:
+def ise(columns):
     pairs = (("x_d", "x"), ("y_d", "y"), ("theta_d", "theta"))
     return float(sum(((columns[a] - columns[b]) ** 2).sum() for a, b in pairs) * 0.01)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "law", "figure"),
+    "name, law, figure",
     [("paper-simulation-nominal", "pid", 2.34), ("paper-simulation", "nn", 0.857)],
 )
-def test_figures_of_the_papers_simulation(name: str, law: str, figure: float) -> None:
+def test_figures_of_the_papers_simulation(name, law, figure):
     columns, monitor = simulate(load_scenario(name), law)
 
     assert ise(columns) == pytest.approx(figure, rel=0.005)

@@ -1,10 +1,7 @@
 """The oracle's barrier terms against their definitions, Eqs. (10)-(20), at 50 digits."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import astuple
-from typing import Any
 
 import mpmath
 import numpy as np
@@ -15,7 +12,7 @@ from tests.oracle.barrier import barrier
 LIMITS = ((1.0, 0.8), (1.5, 1.3), (3.0, 0.5))
 
 
-def exact_barrier(v: float, c: float, u1: float, u2: float) -> tuple[Any, ...]:
+def exact_barrier(v, c, u1, u2):
     """(v_c1, v - v_c1, V1, V1/A, q), straight from the printed definitions."""
     with mpmath.workdps(50):
         V, C, U1, U2 = (mpmath.mpf(number) for number in (v, c, u1, u2))
@@ -26,7 +23,7 @@ def exact_barrier(v: float, c: float, u1: float, u2: float) -> tuple[Any, ...]:
         if abs(C) > U2 + 1 / delta:
             x = side * (abs(C) + U1 - mpmath.sqrt((abs(C) - U1) ** 2 + 4)) / 2
 
-        def f(speed: Any) -> Any:
+        def f(speed):
             return -mpmath.log((U1 - abs(speed)) / delta) if abs(speed) > U2 else mpmath.mpf(0)
 
         V1 = (V - C) ** 2 / 2 + f(V) - (x - C) ** 2 / 2 - f(x)
@@ -34,7 +31,7 @@ def exact_barrier(v: float, c: float, u1: float, u2: float) -> tuple[Any, ...]:
         return x, V - x, V1, V1 / A, (V - x) / A
 
 
-def random_points(u1: float, u2: float, count: int) -> list[tuple[float, float]]:
+def random_points(u1, u2, count):
     """(v, c) in all regions: anywhere, near v_c1, near the kink and near the limit."""
     rng = np.random.default_rng(20)
     dead = u2 + 1.0 / (u1 - u2)
@@ -50,7 +47,7 @@ def random_points(u1: float, u2: float, count: int) -> list[tuple[float, float]]
 
 
 @pytest.mark.slow
-def test_barrier_equals_its_definition_at_50_digits() -> None:
+def test_barrier_equals_its_definition_at_50_digits():
     names = ("v_c1", "gap", "V1", "V1/A", "q")
     points = [(u1, u2, *point) for u1, u2 in LIMITS for point in random_points(u1, u2, 1000)]
     for u1, u2, v, c in points:
@@ -62,8 +59,8 @@ def test_barrier_equals_its_definition_at_50_digits() -> None:
             assert error <= max(1e-12 * abs(true), 1e-15), (name, u1, u2, v, c, found, true)
 
 
-@pytest.mark.parametrize(("u1", "u2"), LIMITS)
-def test_barrier_pushes_towards_its_minimiser(u1: float, u2: float) -> None:
+@pytest.mark.parametrize("u1, u2", LIMITS)
+def test_barrier_pushes_towards_its_minimiser(u1, u2):
     for v, c in random_points(u1, u2, 1000):
         b = barrier(v, c, u1, u2)
 
@@ -74,8 +71,8 @@ def test_barrier_pushes_towards_its_minimiser(u1: float, u2: float) -> None:
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize(("c", "q"), [(0.3, 1.0), (3.0, 0.0), (7.17, None)])
-def test_barrier_has_its_limits_at_the_minimiser(c: float, q: float | None, side: float) -> None:
+@pytest.mark.parametrize("c, q", [(0.3, 1.0), (3.0, 0.0), (7.17, None)])
+def test_barrier_has_its_limits_at_the_minimiser(c, q, side):
     x = barrier(0.0, c, 1.0, 0.8).v_c1
     b = barrier(side * x, side * c, 1.0, 0.8)
 
@@ -84,7 +81,7 @@ def test_barrier_has_its_limits_at_the_minimiser(c: float, q: float | None, side
     assert b.q == pytest.approx(1.0 / (1.0 + (1.0 - x) ** -2) if q is None else q, abs=1e-15)
 
 
-def test_border_of_the_saturated_regions_is_decided_exactly() -> None:
+def test_border_of_the_saturated_regions_is_decided_exactly():
     u1, u2 = 1.0, 0.5  # 1/delta = 2 and all of these are exact in binary
 
     assert barrier(0.6, 2.5, u1, u2).v_c1 == 0.5

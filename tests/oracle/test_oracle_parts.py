@@ -1,10 +1,7 @@
 """The oracle's noise, references, plant, drives and sensor, one by one."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import astuple, replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -24,7 +21,7 @@ PAPER = paper().robot
 # -- noise ----
 
 
-def philox4x64(counter: tuple[int, int, int, int], key: tuple[int, int]) -> list[int]:
+def philox4x64(counter, key):
     """One block of Philox4x64 with ten rounds, as published by Salmon et al. (2011)."""
     word = 2**64 - 1
     c, k = list(counter), list(key)
@@ -38,7 +35,7 @@ def philox4x64(counter: tuple[int, int, int, int], key: tuple[int, int]) -> list
 @pytest.mark.parametrize("stream", [noise.TORQUE, noise.POSE, noise.VELOCITY])
 @pytest.mark.parametrize("attempt", [0, 3])
 @pytest.mark.parametrize("seed", [0, 7])
-def test_raw_numbers_are_philox_blocks_to_the_bit(seed: int, attempt: int, stream: int) -> None:
+def test_raw_numbers_are_philox_blocks_to_the_bit(seed, attempt, stream):
     key = noise.key_of(seed)
     raw = noise.raw_blocks(key, 0, 5, stream, attempt).tolist()
 
@@ -47,14 +44,14 @@ def test_raw_numbers_are_philox_blocks_to_the_bit(seed: int, attempt: int, strea
     assert noise.raw_blocks(key, 3, 2, stream, attempt).tolist() == raw[3:]
 
 
-def test_torque_noise_is_standard_normal() -> None:
+def test_torque_noise_is_standard_normal():
     drawn = noise.torque_noise(noise.key_of(1), 100_000, Disturbance(std=2.0))
 
     assert drawn.mean(axis=0) == pytest.approx([0.0, 0.0], abs=0.03)
     assert drawn.std(axis=0) == pytest.approx([2.0, 2.0], rel=0.01)
 
 
-def test_truncated_noise_redraws_only_what_is_beyond() -> None:
+def test_truncated_noise_redraws_only_what_is_beyond():
     key = noise.key_of(2)
     free = noise.torque_noise(key, 500, Disturbance(std=1.0))
     held = noise.torque_noise(key, 500, Disturbance(std=1.0, truncate=1.5))
@@ -81,7 +78,7 @@ KINDS = (
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: type(kind).__name__)
-def test_reference_is_feasible_and_its_rates_are_its_derivatives(kind: Any) -> None:
+def test_reference_is_feasible_and_its_rates_are_its_derivatives(kind):
     reference = reference_of(kind)
     h = 1e-5
     for t in np.linspace(0.0123, 119.7, 400):
@@ -94,7 +91,7 @@ def test_reference_is_feasible_and_its_rates_are_its_derivatives(kind: Any) -> N
         assert slope[2:5] == pytest.approx(rates, abs=1e-6)
 
 
-def test_circle_is_the_papers() -> None:
+def test_circle_is_the_papers():
     here = reference_of(Circle(radius=2.0, rate=0.1))(7.0)
 
     assert here.x == 2.0 * math.sin(0.7000000000000001)
@@ -105,7 +102,7 @@ def test_circle_is_the_papers() -> None:
 # -- plant, drives, sensor ----
 
 
-def test_plant_without_friction_accelerates_as_newton_says() -> None:
+def test_plant_without_friction_accelerates_as_newton_says():
     plant = Plant(replace(PAPER, mu=0.0))
     state = (0.0, 0.0, 0.0, 0.0, 0.0)
     for _ in range(1000):
@@ -117,11 +114,11 @@ def test_plant_without_friction_accelerates_as_newton_says() -> None:
     assert state[2] == pytest.approx(moment / 5.4 / 2.0, rel=1e-12)
 
 
-def test_plant_step_converges_with_the_fourth_order() -> None:
+def test_plant_step_converges_with_the_fourth_order():
     plant = Plant(replace(PAPER, mu=0.0))
     start, torque = (0.0, 0.0, 0.3, 0.5, 1.0), (3.0, 1.0)
 
-    def error(steps: int) -> float:
+    def error(steps):
         state = start
         for _ in range(steps):
             state = plant.step(state, torque, 1.0 / steps)
@@ -133,7 +130,7 @@ def test_plant_step_converges_with_the_fourth_order() -> None:
     assert error(4) / error(8) == pytest.approx(16.0, rel=0.25)
 
 
-def test_change_holds_from_the_first_plant_step_that_starts_with_it() -> None:
+def test_change_holds_from_the_first_plant_step_that_starts_with_it():
     schedule = plants(PAPER, (Change(t=0.0035, m=60.0), Change(t=0.3, mu=0.2)), Clock())
 
     assert [first for first, _ in schedule] == [0, 4, 300]
@@ -141,7 +138,7 @@ def test_change_holds_from_the_first_plant_step_that_starts_with_it() -> None:
     assert (last.m, last.I, last.mu) == (60.0, 5.4, 0.2)
 
 
-def test_torque_limit_serves_the_thrust_first() -> None:
+def test_torque_limit_serves_the_thrust_first():
     robot, most = PAPER, 2.0 * 5.0 / 0.1
 
     assert limited_force((30.0, 2.0), 5.0, robot) == (30.0, 2.0)
@@ -151,7 +148,7 @@ def test_torque_limit_serves_the_thrust_first() -> None:
         assert max(map(abs, torque)) == pytest.approx(5.0, abs=1e-12)
 
 
-def test_drive_delays_then_lags() -> None:
+def test_drive_delays_then_lags():
     clock = Clock(duration=0.1)
     drive = actuator.Drives(Actuator(delay=0.002, lag=0.01), clock, noise.key_of(0))
     acting = [drive.advance((1.0, -2.0)) for _ in range(5)]
@@ -162,7 +159,7 @@ def test_drive_delays_then_lags() -> None:
     assert [left for _, left in acting] == pytest.approx([-2.0 * e for e in expected], abs=1e-15)
 
 
-def test_pose_is_dead_reckoned_between_corrections() -> None:
+def test_pose_is_dead_reckoned_between_corrections():
     settings = Sensor(pose_period=0.02, correction=0.25)
     sensor = OracleSensor(settings, Clock(duration=0.1), noise.key_of(0))
     first, _ = sensor.look(0, (1.0, 2.0, 0.0, 0.5, 1.0))

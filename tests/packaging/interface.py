@@ -3,12 +3,10 @@
 ``python -m tests.packaging.interface`` adds what is new to that file; it takes nothing out.
 """
 
-from __future__ import annotations
-
 import inspect
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 
@@ -49,7 +47,7 @@ OPEN = ("figures", "provenance", "sources")
 """Keys below which others may come and go, or which are listed by themselves."""
 
 
-def lines() -> Iterator[str]:
+def lines():
     """Everything that a script, a file or another package may name."""
     yield from _commands(root, "wmr-ctrl")
     yield from (f"exit code {getattr(console, name)}: {name}" for name in CODES)
@@ -71,7 +69,7 @@ def lines() -> Iterator[str]:
     yield from _variables()
 
 
-def _commands(command: click.Command, name: str) -> Iterator[str]:
+def _commands(command, name):
     yield f"command: {name}"
     for item in command.params:
         yield from (f"option: {name} {form}" for form in (*item.opts, *item.secondary_opts))
@@ -80,7 +78,7 @@ def _commands(command: click.Command, name: str) -> Iterator[str]:
             yield from _commands(below, f"{name} {child}")
 
 
-def _scenario() -> Iterator[str]:
+def _scenario():
     yield from (f"scenario: {name}" for name in ("title", "frames", "assumed"))
     kinds = {f'reference (kind = "{kind}")': REFERENCES[kind].section for kind in REFERENCES}
     for place, section in {**sections(), "changes": Change, **kinds}.items():
@@ -89,13 +87,13 @@ def _scenario() -> Iterator[str]:
         yield from (f"scenario: gains.{law}.{name}" for name in gains)
 
 
-def _document(*command: str) -> object:
+def _document(*command):
     done = CliRunner().invoke(root, [*command, "--json"])
     assert done.exit_code == 0, done.output
     return json.loads(done.stdout)
 
 
-def _keys(value: object, path: str = "") -> Iterator[str]:
+def _keys(value, path=""):
     """Keys of a document; names of laws among them as LAW, elements of lists as []."""
     if isinstance(value, list) and value:
         yield from _keys(value[0], f"{path}[]")
@@ -106,13 +104,13 @@ def _keys(value: object, path: str = "") -> Iterator[str]:
             yield from () if key in OPEN else _keys(item, name)
 
 
-def _python() -> Iterator[str]:
+def _python():
     for module in (wmr_ctrl, extend):
         for name in module.__all__:
             yield from _members(f"{module.__name__}.{name}", getattr(module, name))
 
 
-def _members(path: str, thing: object) -> Iterator[str]:
+def _members(path, thing):
     """Name, arguments by name, and of a class its fields, methods and properties."""
     yield f"python: {path}"
     if not inspect.isclass(thing):
@@ -130,7 +128,7 @@ def _members(path: str, thing: object) -> Iterator[str]:
             yield from (f"python: {path}.{name}({argument})" for argument in given)
 
 
-def _headers() -> Iterator[str]:
+def _headers():
     """Functions and members of structs of the generated packages that are kept."""
     for header in sorted((ROOT / "fmu" / "golden" / "c").glob("*-double/wmr_*.h")):
         code = re.sub(r"/\*.*?\*/", "", header.read_text("utf-8"), flags=re.DOTALL)
@@ -138,7 +136,7 @@ def _headers() -> Iterator[str]:
         yield from (f"C, {header.name}: {''.join(found)}" for found in names)
 
 
-def _variables() -> Iterator[str]:
+def _variables():
     """Variables of FMUs, but for the elements that only a vector's size tells."""
     case = load_scenario("safe-simulation")
     setup = settle(case, "nn")
@@ -147,12 +145,12 @@ def _variables() -> Iterator[str]:
         yield from (f"FMU, {model.what}: {item.name}" for item in model.variables)
 
 
-def promised() -> list[str]:
+def promised():
     """The lines of the committed file."""
     return STABLE.read_text("utf-8").splitlines()
 
 
-def main() -> None:
+def main():
     """Add what is new."""
     known = promised() if Path(STABLE).exists() else []
     every = sorted({*known, *lines()})

@@ -1,7 +1,5 @@
 """The paper's equations as data: complete, and each with a home that names it."""
 
-from __future__ import annotations
-
 import ast
 import re
 from functools import lru_cache
@@ -22,9 +20,9 @@ PROOFS = Path(wmr_proofs.__file__).parent
 COUNT = 88
 
 
-def numbers(text: str) -> set[int]:
+def numbers(text):
     """Equation numbers that a docstring names, ranges filled."""
-    found: set[int] = set()
+    found = set()
     for group in TAG.findall(text):
         for first, last in ITEM.findall(group):
             found |= set(range(int(first), int(last or first) + 1))
@@ -32,7 +30,7 @@ def numbers(text: str) -> set[int]:
 
 
 @lru_cache(maxsize=1)
-def docstrings() -> list[tuple[str, str]]:
+def docstrings():
     found = []
     for path in (*PACKAGE.rglob("*.py"), *PROOFS.rglob("*.py")):
         if not TAG.search(text := path.read_text(encoding="utf-8")):
@@ -46,12 +44,12 @@ def docstrings() -> list[tuple[str, str]]:
     return found
 
 
-def test_numbers_are_exactly_those_of_the_paper() -> None:
+def test_numbers_are_exactly_those_of_the_paper():
     assert [item.number for item in equations()] == list(range(1, COUNT + 1))
 
 
 @pytest.mark.parametrize("item", equations(), ids=lambda item: str(item.number))
-def test_home_exists_and_carries_the_number(item) -> None:
+def test_home_exists_and_carries_the_number(item):
     """In its own docstring; a claim's function has it in its row, and its file's docstring."""
     path, _, name = item.home.partition(":")
     module = import_module(path)
@@ -61,7 +59,7 @@ def test_home_exists_and_carries_the_number(item) -> None:
     assert item.number in numbers(" ".join(text or "" for text in texts))
 
 
-def test_no_docstring_names_an_unknown_equation() -> None:
+def test_no_docstring_names_an_unknown_equation():
     unknown = {
         (name, n) for name, text in docstrings() for n in numbers(text) if not 1 <= n <= COUNT
     }
@@ -69,20 +67,20 @@ def test_no_docstring_names_an_unknown_equation() -> None:
     assert unknown == set()
 
 
-def test_every_equation_is_named_by_some_docstring() -> None:
+def test_every_equation_is_named_by_some_docstring():
     named = set().union(*(numbers(text) for _, text in docstrings()))
 
     assert named == set(range(1, COUNT + 1))
 
 
-def test_fields_are_of_the_known_kinds() -> None:
+def test_fields_are_of_the_known_kinds():
     assert {item.role for item in equations()} <= {"definition", "identity", "inequality"}
     assert {item.status for item in equations()} <= {"as printed", "corrected", "stated only"}
     assert all(item.title for item in equations())
     assert all(item.note for item in equations() if item.status != "as printed")
 
 
-def test_symbols_and_citation() -> None:
+def test_symbols_and_citation():
     names = [item.symbol for item in symbols()]
 
     assert len(names) == len(set(names)) > 40

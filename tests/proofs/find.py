@@ -9,21 +9,18 @@ condition closes the other cases as well.
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from fractions import Fraction
+from collections.abc import Mapping
 from functools import cache
 from math import prod
 from time import process_time
-from typing import Any
 
 import z3
 
 from tests.proofs.kept_certificates import forget_others, save, words_hash
 from tests.proofs.record import merged, record
-from wmr_ctrl.results.ledger import REFUTED, Entry, Ledger, load
+from wmr_ctrl.results.ledger import REFUTED, Ledger, load
 from wmr_proofs.certificates import (
     FOLDER,
-    Row,
     obligations_of,
     with_certificate,
 )
@@ -32,9 +29,7 @@ from wmr_proofs.check import (
     Case,
     Choice,
     Fact,
-    Formula,
     Join,
-    Monomial,
     Polynomial,
     Problem,
     Quotient,
@@ -49,9 +44,8 @@ from wmr_proofs.check import (
     unpacked,
     var,
 )
-from wmr_proofs.claim import Claim
 from wmr_proofs.claims import all_claims
-from wmr_proofs.methods.obligations import Obligation, uses_z3
+from wmr_proofs.methods.obligations import uses_z3
 from wmr_proofs.runner import selected
 
 Facts = Mapping[str, Fact]
@@ -71,7 +65,7 @@ class NotFound(Exception):  # noqa: N818
     """No certificate is found in this way, or in time."""
 
 
-def proof(text: str, seconds: float = SECONDS) -> Any:
+def proof(text, seconds=SECONDS):
     """A tree that refutes an obligation; NotFound where none is found in time."""
     WORK.left = 10**15
     problem = Problem(text)
@@ -79,7 +73,7 @@ def proof(text: str, seconds: float = SECONDS) -> Any:
     return Search(end).tree(Case(problem, problem.facts, {}, {}))
 
 
-def point(text: str, known: Mapping[str, str]) -> Any:
+def point(text, known):
     """Rational numbers for all symbols at which an obligation holds, if possible with these."""
     symbols, asserted = Problem(text).symbols, z3.parse_smt2_string(text)
     given = [_real(name) == z3.RealVal(value) for name, value in known.items()
@@ -97,18 +91,18 @@ def point(text: str, known: Mapping[str, str]) -> Any:
     raise NotFound("no point of rational numbers")
 
 
-def _real(name: str) -> Any:
+def _real(name):
     return z3.Real(name.strip("|"))
 
 
 class Search:
     """A search that ends in time."""
 
-    def __init__(self, end: float) -> None:
+    def __init__(self, end):
         self.end = end
-        self.good: list[tuple[frozenset[str], int]] = []
+        self.good = []
 
-    def tree(self, case: Case, depth: int = 0) -> Any:
+    def tree(self, case, depth=0):
         """A tree that refutes a case."""
         if depth > DEPTH:
             raise NotFound("too many cases within cases")
@@ -124,7 +118,7 @@ class Search:
                 node = ["den", number, sign, total, node]
         return node
 
-    def _node(self, case: Case, facts: Facts, depth: int) -> Any:
+    def _node(self, case, facts, depth):
         found = self._sum(facts, 1)
         for used, degree in self.good if found is None else ():
             if found is None and used <= set(facts):
@@ -138,7 +132,7 @@ class Search:
                 return found
         return self._split(case, facts, model, depth)
 
-    def _closed(self, facts: Facts) -> Any:
+    def _closed(self, facts):
         """A sum of facts that z3 finds to contradict each other."""
         few = self._core(facts)
         unknowns = set[str]().union(*(names(fact.poly) for fact in few.values()))
@@ -156,7 +150,7 @@ class Search:
                     return found
         return None
 
-    def _core(self, facts: Facts) -> Facts:
+    def _core(self, facts):
         """Few facts that contradict each other."""
         kept, size = list(facts), max(1, len(facts) // 2)
         while size:
@@ -170,7 +164,7 @@ class Search:
             size //= 2
         return {name: facts[name] for name in kept}
 
-    def _signs(self, case: Case, facts: Facts) -> Iterator[tuple[int, int, Any]]:
+    def _signs(self, case, facts):
         """Quotients whose denominators have a sign, each with a sum that shows it."""
         seen = set(case.signs)
         for number, atom in enumerate(case.problem.atoms):
@@ -186,7 +180,7 @@ class Search:
                     yield number, sign, total
                     break
 
-    def _contradicted(self, facts: Facts) -> Any:
+    def _contradicted(self, facts):
         unknowns = names(facts["*"].poly)
         near = {name: fact for name, fact in facts.items() if names(fact.poly) <= unknowns}
         for degree in (1, 2):
@@ -196,15 +190,15 @@ class Search:
         answer, _ = self._asked(facts.values(), SOON)
         return self._closed(facts) if answer == z3.unsat else None
 
-    def _split(self, case: Case, facts: Facts, model: Any, depth: int) -> Any:
+    def _split(self, case, facts, model, depth):
         """The cases of a choice, or of a disjunction, which a model violates if there is one."""
         atoms = case.problem.atoms
         read = {name for fact in facts.values() for name in names(fact.poly)}
 
-        def holds(formula: Formula) -> bool:
+        def holds(formula):
             return z3.is_true(model.eval(_formula(_plain(case, formula)), model_completion=True))
 
-        def is_violated(number: int, choice: Choice) -> bool:
+        def is_violated(number, choice):
             value = choice.yes if holds(choice.condition) else choice.no
             return not holds(Fact(add(var(f"?{number}"), value, -1), "="))
 
@@ -230,7 +224,7 @@ class Search:
             ["ite", number], case, [case.taking(number, yes) for yes in (True, False)], depth
         )
 
-    def _cases(self, head: list[Any], case: Case, cases: list[Case], depth: int) -> Any:
+    def _cases(self, head, case, cases, depth):
         for part in cases:
             node = self.tree(part, depth + 1)
             if _refutes(case, node):
@@ -238,7 +232,7 @@ class Search:
             head.append(node)
         return head
 
-    def _asked(self, facts: Any, work: int) -> tuple[Any, Any]:
+    def _asked(self, facts, work):
         """z3's answer and model."""
         if process_time() > self.end:
             raise NotFound("out of time")
@@ -251,7 +245,7 @@ class Search:
                 return answer, solver.model() if answer == z3.sat else None
         return z3.unknown, None
 
-    def _sum(self, facts: Facts, degree: int) -> Any:
+    def _sum(self, facts, degree):
         """A sum of products of at most ``degree`` facts and of multiples of equations."""
         if process_time() > self.end:
             raise NotFound("out of time")
@@ -269,11 +263,11 @@ class Search:
                     return found
         return None
 
-    def _program(self, polys: Mapping[Any, Polynomial], above: Mapping[Any, bool]) -> Any:
+    def _program(self, polys, above):
         """A sum of shares of these, by exact linear programming; those in ``above`` >= 0."""
         if process_time() > self.end:
             raise NotFound("out of time")
-        rows: dict[Monomial, list[Any]] = {}
+        rows = {}
         solver = z3.SolverFor("QF_LRA")
         solver.set("rlimit", LATER)
         shares = {known: z3.Real(f"x{k}") for k, known in enumerate(polys)}
@@ -287,19 +281,19 @@ class Search:
             return None
         model = solver.model()
         value = {known: model.eval(share, True).as_fraction() for known, share in shares.items()}
-        equations: dict[str, Polynomial] = {}
+        equations = {}
         for known in (known for known in polys if known not in above):
             equations.setdefault(known[0], {})[known[1]] = value[known]
         told = [[name, _told(p)] for name, p in equations.items() if any(p.values())]
         return ["sum", [_item(value[used], used) for used in above if value[used]], told]
 
 
-def _facts(case: Case) -> Facts:
+def _facts(case):
     return {name: case.fact(name) for name, formula in case.facts.items()
             if isinstance(formula, Fact)}  # fmt: skip
 
 
-def _refutes(case: Case, node: Any) -> bool:
+def _refutes(case, node):
     try:
         case.refuted(node)
     except Refused:
@@ -307,13 +301,13 @@ def _refutes(case: Case, node: Any) -> bool:
     return True
 
 
-def _plain(case: Case, formula: Formula) -> Formula:
+def _plain(case, formula):
     if isinstance(formula, Fact):
         return Fact(case.plain(formula.poly), formula.kind)
     return Join(formula.word, tuple(_plain(case, part) for part in formula.parts))
 
 
-def _waits(case: Case, condition: Formula) -> bool:
+def _waits(case, condition):
     """True if a condition reads choices that are open."""
     if isinstance(condition, Join):
         return any(_waits(case, part) for part in condition.parts)
@@ -321,7 +315,7 @@ def _waits(case: Case, condition: Formula) -> bool:
     return any(isinstance(case.problem.atoms[number], Choice) for number in left)
 
 
-def _formula(formula: Formula) -> Any:
+def _formula(formula):
     """A formula for z3."""
     if isinstance(formula, Join):
         parts = [_formula(part) for part in formula.parts]
@@ -335,9 +329,9 @@ def _formula(formula: Formula) -> Any:
     return {"=": value == 0, ">": value > 0, ">=": value >= 0}[formula.kind]
 
 
-def _squares(facts: Facts) -> Facts:
+def _squares(facts):
     """Squares that are perhaps completed in a fact; their roots are their names."""
-    roots: list[Polynomial] = []
+    roots = []
     for p, _ in facts.values():
         for name in names(p):
             if max(dict(m).get(name, 0) for m in p) == 2:
@@ -346,8 +340,8 @@ def _squares(facts: Facts) -> Facts:
     return {name: Fact(mul(root, root), ">=") for name, root in zip(told, roots, strict=True)}
 
 
-def _derivative(p: Polynomial, name: str) -> Polynomial:
-    total: Polynomial = {}
+def _derivative(p, name):
+    total = {}
     for m, c in p.items():
         rest = _rest(m, ((name, 1),))
         if rest is not None:
@@ -355,7 +349,7 @@ def _derivative(p: Polynomial, name: str) -> Polynomial:
     return total
 
 
-def _item(share: Fraction, used: tuple[str, ...]) -> list[Any]:
+def _item(share, used):
     """A product as a certificate has it."""
     roots = [json.loads(name[1:]) for name in used if name.startswith(ROOT)]
     facts = [name for name in used if not name.startswith(ROOT)]
@@ -365,10 +359,10 @@ def _item(share: Fraction, used: tuple[str, ...]) -> list[Any]:
 Products = dict[tuple[str, ...], tuple[Polynomial, bool]]
 
 
-def _products(facts: Facts, degree: int) -> Products:
+def _products(facts, degree):
     """Products of inequalities, and whether they are above 0."""
     above = {name: fact for name, fact in facts.items() if fact.kind != "="}
-    level: Products = {(): (const(1), True)}
+    level = {(): (const(1), True)}
     found = dict(level)
     for _ in range(degree):
         if len(found) > EVERY:
@@ -383,12 +377,10 @@ def _products(facts: Facts, degree: int) -> Products:
     return found
 
 
-def _multiples(
-    facts: Facts, products: Products, degree: int
-) -> dict[tuple[str, Monomial], Polynomial]:
+def _multiples(facts, products, degree):
     """Multiples of equations that have a monomial in common with products."""
     equations = {name: fact.poly for name, fact in facts.items() if fact.kind == "="}
-    found: dict[tuple[str, Monomial], Polynomial] = {}
+    found = {}
     known = {m for p, _ in products.values() for m in p} if equations else set()
     for name, p in equations.items():
         for whole in known:
@@ -399,7 +391,7 @@ def _multiples(
     return found
 
 
-def _rest(whole: Monomial, part: Monomial) -> Monomial | None:
+def _rest(whole, part):
     """The quotient of two monomials if it is one."""
     powers = dict(whole)
     for name, power in part:
@@ -409,7 +401,7 @@ def _rest(whole: Monomial, part: Monomial) -> Monomial | None:
     return tuple((name, power) for name, power in sorted(powers.items()) if power)
 
 
-def _able_to_cancel(products: Products, multiples: Mapping[Any, Polynomial]) -> Products:
+def _able_to_cancel(products, multiples):
     """Products without those of which a monomial occurs with one sign alone."""
     free = {monomial for p in multiples.values() for monomial in p}
     while True:
@@ -421,9 +413,9 @@ def _able_to_cancel(products: Products, multiples: Mapping[Any, Polynomial]) -> 
         products = kept
 
 
-def _linked(polys: Mapping[Any, Polynomial]) -> Iterator[list[Any]]:
+def _linked(polys):
     """Polynomials that share monomials, or are linked by such: sums of others are 0 by parts."""
-    groups: dict[Monomial, list[Any]] = {}
+    groups = {}
     for known, p in polys.items():
         touched = {id(groups[m]): groups[m] for m in p if m in groups}
         group = max(touched.values(), key=len, default=[])
@@ -437,20 +429,20 @@ def _linked(polys: Mapping[Any, Polynomial]) -> Iterator[list[Any]]:
     yield from {id(group): group for group in groups.values()}.values()
 
 
-def _told(p: Polynomial) -> list[Any]:
+def _told(p):
     """A polynomial as a certificate has it."""
     return [[str(c), *(x for pair in m for x in pair)] for m, c in sorted(p.items()) if c]
 
 
 @cache
-def committed() -> dict[str, Any]:
+def committed():
     """Every certificate by its obligation, without the lines that name it."""
     files = FOLDER.glob("*.json.xz")
     pairs = (pair for path in files for pair in unpacked(path).values())
     return {text.split("\n", 2)[2]: certificate for text, certificate in pairs}
 
 
-def find(claim: Claim, entry: Entry, seconds: float) -> Row:
+def find(claim, entry, seconds):
     """Certify what can be certified of an entry, save it, and return its row of the index.
 
     What is committed and shows an obligation of today is kept, whatever its name was.
@@ -470,7 +462,7 @@ def find(claim: Claim, entry: Entry, seconds: float) -> Row:
     return row
 
 
-def _certificate(text: str, item: Obligation, known: Any, entry: Entry, seconds: float) -> Any:
+def _certificate(text, item, known, entry, seconds):
     """The certificate that is known, if it is one, or another; None if none is found."""
     try:
         if check(text, known) == item.wanted:
@@ -489,7 +481,7 @@ def _certificate(text: str, item: Obligation, known: Any, entry: Entry, seconds:
         return None
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
+def main(arguments=None):
     """Find certificates of the entries that are named, and enter them in the ledger."""
     parser = argparse.ArgumentParser(prog="python -m tests.proofs.find", description=__doc__)
     parser.add_argument("ids", nargs="*", metavar="ID", help="entries, or globs of them; none: all")

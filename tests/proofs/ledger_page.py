@@ -2,10 +2,9 @@
 
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from wmr_ctrl.results.ledger import Entry, Ledger, load
+from wmr_ctrl.results.ledger import load
 from wmr_proofs.paper import equations
 
 HEAD = """\
@@ -18,7 +17,7 @@ in full, with the functions of the product that its graph holds. Lists and table
 on a line with a triangle to open the one below it.
 """
 
-GUARANTEES: list[tuple[str, list[str]]] = [
+GUARANTEES = [
     (row["says"], row["entries"])
     for row in tomllib.loads(Path(__file__).with_name("guarantees.toml").read_text("utf-8"))[
         "guarantee"
@@ -29,7 +28,7 @@ COUNTEREXAMPLES = "Exact values of the inputs; with them the claim can be checke
 COLUMNS = "| id | eq. | claim | for a robot | verdict | how |\n|---|---|---|---|---|---|"
 
 
-def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
+def page(ledger=None, stale=()):
     """Markdown of the whole ledger (the committed one by default); ``stale`` ids are marked."""
     shown, marked = ledger or load(), set(stale)
     known, counts = shown.by_id(), shown.tally().items()
@@ -38,7 +37,7 @@ def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
     parts += [_folded(f"All {len(equations())} equations", _index(shown)), "## By guarantee\n"]
     parts += ["What is not in the paper.\n", _folded("All guarantees", _guarantees(known))]
     parts += [CHAINS, _folded("All chains", _chains(known))]
-    themes: dict[str, list[Entry]] = {}
+    themes = {}
     for entry in shown.entries:
         themes.setdefault(entry.theme, []).append(entry)
     for theme, group in themes.items():
@@ -53,16 +52,16 @@ def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
     return "\n".join(parts)
 
 
-def _folded(title: str, body: str) -> str:
+def _folded(title, body):
     return f"<details>\n<summary>{title}</summary>\n\n{body}\n</details>\n"
 
 
-def _counted(group: list[Entry]) -> str:
+def _counted(group):
     counts = Counter(entry.verdict for entry in group)
     return ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
 
 
-def _index(ledger: Ledger) -> str:
+def _index(ledger):
     rows = []
     for item in equations():
         entries = [entry for entry in ledger.entries if item.number in entry.equations]
@@ -75,7 +74,7 @@ def _index(ledger: Ledger) -> str:
     return f"{head}{''.join(rows)}"
 
 
-def _guarantees(known: Mapping[str, Entry]) -> str:
+def _guarantees(known):
     rows = "\n".join(
         f"| {_cell(what)} | {', '.join(f'{key} {known[key].verdict}' for key in ids)} |"
         for what, ids in GUARANTEES
@@ -92,17 +91,17 @@ HAND; what was shown above is not repeated.
 """
 
 
-def _chains(known: Mapping[str, Entry]) -> str:
-    lines: list[str] = []
+def _chains(known):
+    lines = []
     for what, ids in GUARANTEES:
         lines.append(f"- {what}")
-        shown: set[str] = set()
+        shown = set()
         for key in ids:
             lines += _chain(known, key, 1, shown)
     return "\n".join(lines) + "\n"
 
 
-def _chain(known: Mapping[str, Entry], key: str, depth: int, shown: set[str]) -> list[str]:
+def _chain(known, key, depth, shown):
     if key not in known or key in shown:
         return []
     shown.add(key)
@@ -112,7 +111,7 @@ def _chain(known: Mapping[str, Entry], key: str, depth: int, shown: set[str]) ->
     return lines
 
 
-def _row(entry: Entry, is_stale: bool) -> str:
+def _row(entry, is_stale):
     numbers = ", ".join(f"({n})" for n in entry.equations)
     claim = f"{entry.claim} [{entry.form}]" + (
         f" - *{entry.hypotheses}*" if entry.hypotheses else ""
@@ -122,7 +121,7 @@ def _row(entry: Entry, is_stale: bool) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def how(entry: Entry) -> str:
+def how(entry):
     """Why the verdict is what it is, in one phrase."""
     if entry.verdict == "HAND":
         return f"by hand, see lemmas.md{_rests(entry)}"
@@ -135,9 +134,9 @@ def how(entry: Entry) -> str:
     return f"{entry.method}{trusted}{second}{_rests(entry)}"
 
 
-def _rests(entry: Entry) -> str:
+def _rests(entry):
     return f"; rests on {', '.join(entry.premises)}" if entry.premises else ""
 
 
-def _cell(text: str) -> str:
+def _cell(text):
     return text.replace("|", "&#124;").replace("*'", "\\*'").replace("W*", "W\\*")

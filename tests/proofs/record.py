@@ -11,17 +11,16 @@ today. That is refused where an entry's graph, relations or method are others by
 import argparse
 import re
 import sys
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from tests.proofs.kept_certificates import save_index, words_hash
 from tests.proofs.ledger_page import page
 from tests.proofs.second_solvers import confirmed_by
-from wmr_ctrl.results.ledger import COMMITTED, OPEN, Entry, Ledger, load
+from wmr_ctrl.results.ledger import COMMITTED, OPEN, Ledger, load
 from wmr_proofs.alterations import functions_of
 from wmr_proofs.certificates import index
-from wmr_proofs.claim import CLAIMED, Claim
+from wmr_proofs.claim import CLAIMED
 from wmr_proofs.claims import all_claims
 from wmr_proofs.comparison import stale
 from wmr_proofs.entry import graph_hash
@@ -35,7 +34,7 @@ COUNTING = (ROOT / "README.md", ROOT / "docs" / "proofs.md")
 COUNT = r"\d+ of \d+ entries by z3"
 
 
-def record(ledger: Ledger) -> None:
+def record(ledger):
     """Save the ledger where `load` finds it, the page in docs/, and what pages count of it.
 
     The index of certificates gets the hashes of the words of today.
@@ -49,13 +48,13 @@ def record(ledger: Ledger) -> None:
     save_index({key: row | {"claim": words[key]} for key, row in index().items() if key in words})
 
 
-def certified(ledger: Ledger) -> str:
+def certified(ledger):
     """How many entries by z3 rest on certificates, as `COUNTING` pages say it."""
     asked = [entry for entry in ledger.entries if re.search(r"\bZ3\b", entry.method)]
     return f"{sum(1 for entry in asked if entry.certificate)} of {len(asked)} entries by z3"
 
 
-def merged(new: Ledger, old: Ledger) -> Ledger:
+def merged(new, old):
     """Every claim's entry: the new one, else the old one.
 
     SystemExit where an old one speaks of another claim than the program has.
@@ -70,7 +69,7 @@ def merged(new: Ledger, old: Ledger) -> Ledger:
     return Ledger(tuple(replace(entries[key], **claims[key].words()) for key in known))
 
 
-def examined(entry: Entry, anew: bool = False) -> Entry:
+def examined(entry, anew=False):
     """An entry with what altering its functions does, and with the solvers that agree.
 
     ``anew``: what was left open is tried again.
@@ -82,7 +81,7 @@ def examined(entry: Entry, anew: bool = False) -> Entry:
     return confirmed(found)
 
 
-def confirmed(entry: Entry) -> Entry:
+def confirmed(entry):
     """An entry with the solvers that agree, where it rests on one alone so far.
 
     Solvers are not asked where all obligations have certificates.
@@ -95,20 +94,20 @@ def confirmed(entry: Entry) -> Entry:
     return replace(entry, confirmed_by=agree)
 
 
-def _claim_of(entry: Entry) -> Claim:
+def _claim_of(entry):
     return next(claim for claim in all_claims() if claim.id == entry.id)
 
 
-def _backed(asked: list[str]) -> list[Entry]:
+def _backed(asked):
     known = load().by_id()
     wanted = (known[key] for key in selected(asked) if key in known)
     return [entry for entry in wanted if entry.verdict in ("PROVED", "LEMMA")]
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
+def main(arguments=None):
     """Check what is asked for, and record it."""
 
-    def show(share: float, entry: Entry) -> None:
+    def show(share, entry):
         sys.stderr.write(f"{100 * share:.0f} % {entry.id}: {entry.verdict}\n")
 
     parser = argparse.ArgumentParser(prog="python -m tests.proofs.record", description=__doc__)

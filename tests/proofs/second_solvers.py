@@ -4,13 +4,10 @@ The three decide products of unknowns each in code of its own.  Yices is a progr
 puts beside the interpreter.
 """
 
-from __future__ import annotations
-
 import resource
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
@@ -18,13 +15,13 @@ from pathlib import Path
 from tests.proofs.cases import cases
 from wmr_proofs.graph import UndecidedError
 from wmr_proofs.methods.obligations import obligations
-from wmr_proofs.statement import Statement, own_point
+from wmr_proofs.statement import own_point
 
 IMPATIENCE, PATIENCE = 2, 10
 """Seconds of the processor's time for one obligation and strategy, at first and in the end, so that
 a busy machine finds the same."""
 COVERINGS = {"nl-cov": "true", "nl-ext": "none"}
-STRATEGIES: Mapping[str, Mapping[str, str]] = {
+STRATEGIES = {
     "as it comes": {},
     "coverings": COVERINGS,
     "coverings, justified": {**COVERINGS, "decision": "justification"},
@@ -48,7 +45,7 @@ while not (command := parser.nextCommand()).isNull():
 """
 
 
-def programs() -> dict[str, list[list[str]]]:
+def programs():
     """By name, each solver that is installed: its strategies as commands that read a file.
 
     The quicker one first.
@@ -60,9 +57,7 @@ def programs() -> dict[str, list[list[str]]]:
     return {name: commands for name, commands in found.items() if commands}
 
 
-def confirmed_by(
-    statement: Statement, point: Mapping[str, str] | None = None, patience: int = PATIENCE
-) -> tuple[str, ...]:
+def confirmed_by(statement, point=None, patience=PATIENCE):
     """The first solver that finds every goal and every domain unsatisfiable, too; else nothing.
 
     As a whole or in every case of its choices (`tests.proofs.cases`).  And the hypotheses
@@ -75,7 +70,7 @@ def confirmed_by(
     *wrong, hypotheses = obligations(statement, point)
     for name in programs():
 
-        def says(word: str, text: str, name: str = name) -> bool:
+        def says(word, text, name=name):
             return answer(name, text, patience) == word
 
         if says("sat", hypotheses.text) and (
@@ -85,24 +80,24 @@ def confirmed_by(
     return ()
 
 
-def _all_cases(statement: Statement, says: Callable[[str, str], bool]) -> bool:
+def _all_cases(statement, says):
     try:
         return all(says("unsat", text) for text in cases(statement))
     except UndecidedError:  # more cases than are tried
         return False
 
 
-def answer(name: str, text: str, patience: int = PATIENCE) -> str:
+def answer(name, text, patience=PATIENCE):
     """A solver's answer to a file: sat, unsat or unknown; each way soon, then with patience."""
     limits = [limit for limit in (IMPATIENCE, patience) if limit <= patience]
     said = (_said(text, limit, way) for limit in limits for way in programs()[name])
     return next((word for word in said if word in ("sat", "unsat")), "unknown")
 
 
-def _said(text: str, patience: int, command: Sequence[str]) -> str:
+def _said(text, patience, command):
     """In a process of its own, which can be ended: solvers do not always keep to their limits."""
 
-    def limited() -> None:
+    def limited():
         resource.setrlimit(resource.RLIMIT_CPU, (patience, patience))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 

@@ -54,7 +54,7 @@ ALTERATIONS = [
 
 
 @pytest.mark.parametrize(
-    ("function", "old", "new", "ids"),
+    "function, old, new, ids",
     ALTERATIONS,
     ids=[f"{row[0].__qualname__}: {row[2]}" for row in ALTERATIONS],
 )
@@ -79,7 +79,6 @@ def test_what_nobody_stated_stays_so_where_results_are_altered():
     claim = next(item for item in all_claims() if item.id.startswith("guard.assembled"))
     changed = built(claim, {"wmr_ctrl.control.setup:settle": lambda value: 1.25 * value})
 
-    assert changed is not None
     assert "limits.v_u1[1]" in changed.parts["linear-first"].symbols
 
 

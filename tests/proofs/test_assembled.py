@@ -61,7 +61,7 @@ def any_drives(*given):
 
 
 @pytest.mark.parametrize(
-    ("key", "module", "name", "stand_in"),
+    "key, module, name, stand_in",
     [
         ("", controller, "guarded", bypassed),
         ("", guard, "rounding", rounded_down),
@@ -115,7 +115,7 @@ def whole_shares(context):
 
 
 @pytest.mark.parametrize(
-    ("key", "place", "name", "stand_in"),
+    "key, place, name, stand_in",
     [
         ("world.noise.thrust", torque_noise, "noise_at_most", capped),
         ("guard.assembled", applied.Applied, "following", kept_late),
@@ -183,7 +183,7 @@ COUNTING = {"sensor.velocity_window": 0.02, "actuator.jitter": 0.01}
 
 
 @pytest.mark.parametrize(
-    ("law", "changes"),
+    "law, changes",
     [
         ("pid", {}),
         ("mb", GUARDED),

@@ -77,7 +77,7 @@ def test_every_number_of_a_bound_has_an_entry(effect):
     assert numbers_told(effect) == set(COMPARED.get(effect.name, ()))
 
 
-@pytest.mark.parametrize(("effect", "number", "axis", "key"), [*rows()])
+@pytest.mark.parametrize("effect, number, axis, key", [*rows()])
 def test_half_a_bound_is_refuted(monkeypatch, effect, number, axis, key):
     original, halved = EffectGraph._bounded, []
 

@@ -78,7 +78,7 @@ def ahead(x, y):
 
 @pytest.mark.parametrize("term", [ones, differences, roots, logarithms])
 @pytest.mark.parametrize(
-    ("method", "given", "defined"),
+    "method, given, defined",
     [
         (Z3(), lambda _x, _y: (), False), (Z3(), ahead, True),
         (Ring((ALL,)), lambda _x, _y: (), False), (Ring((BEYOND,)), lambda _x, _y: (), True),

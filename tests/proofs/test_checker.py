@@ -78,13 +78,13 @@ GOOD = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("text", "tree"), GOOD)
+@pytest.mark.parametrize("text, tree", GOOD)
 def test_each_kind_of_node_shows_what_it_says(text, tree):
     assert check(text, {"proof": tree}) == "unsat"
 
 
 @pytest.mark.parametrize(
-    ("text", "tree"),
+    "text, tree",
     [
         (HALVES, total(product("a0"))),
         (HALVES, total(product("a0"), product("a1", times="-1"))),

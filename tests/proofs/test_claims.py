@@ -62,7 +62,6 @@ def differing(now, then):
 def refutes(claim, entry):
     """True if the entry's stored counterexample still refutes the claim on the graph."""
     assert claim.statement is not None
-    assert entry.counterexample is not None
     texts = entry.counterexample.items()
     point = {name: value if value.endswith("pi") else Fraction(value) for name, value in texts}
     given, goal = judge(claim.statement(CLAIMED), point)
@@ -142,7 +141,6 @@ def test_workers_end_with_their_parent():
     with subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True
     ) as parent:
-        assert parent.stdout is not None
         worker = int(parent.stdout.readline())
         time.sleep(1)
         parent.terminate()

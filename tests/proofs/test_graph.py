@@ -32,7 +32,7 @@ X, Y, P, Q = T.values()
 
 
 @pytest.mark.parametrize(
-    ("expr", "text"),
+    "expr, text",
     [
         (X / P, "mul(x, inv(p))"),
         (X / (P - Q), "mul(x, inv(sub(p, q)))"),

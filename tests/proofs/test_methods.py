@@ -35,7 +35,7 @@ UNIT = {"x": (Fraction(0), Fraction(1))}
 
 
 @pytest.mark.parametrize(
-    ("method", "statement", "verdict"),
+    "method, statement, verdict",
     [
         (Ring(), SQUARE, "PROVED"),
         (Ring(), WRONG_SQUARE, "REFUTED"),

@@ -21,7 +21,7 @@ def least(extra):
     return Statement(t, (at_least(ca.fabs(t["x"]) + extra),))
 
 
-@pytest.mark.parametrize(("extra", "fails"), [(0, False), (-1, True)])
+@pytest.mark.parametrize("extra, fails", [(0, False), (-1, True)])
 def test_a_refuted_statement_fails_and_a_proved_one_does_not(extra, fails):
     assert noticing.fails(CLAIM, least(extra)) is fails
 

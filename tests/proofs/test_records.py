@@ -65,7 +65,7 @@ CHART = Case("all", {"n": POSITIVE}, lambda n: {"x": n["n"]})
 
 
 @pytest.mark.parametrize(
-    ("one", "other"),
+    "one, other",
     [
         (Z3(), Ring()),
         (BOX, replace(BOX, box={"x": (Fraction(0), Fraction(2))})),
@@ -108,7 +108,7 @@ def known():
 
 
 @pytest.mark.parametrize(
-    ("change", "confirmed", "altered"),
+    "change, confirmed, altered",
     [
         ({}, ("cvc5",), KNOWN),
         ({"graph_hash": "00"}, (), UNTRIED),
@@ -161,7 +161,7 @@ def test_entries_of_another_claim_are_not_kept():
 
 
 @pytest.mark.parametrize(
-    ("answers", "closes", "verdict"),
+    "answers, closes, verdict",
     [
         ([OPEN, REFUTED], False, REFUTED),
         ([PROVED, OPEN] + [PROVED] * 3 + [OPEN], True, OPEN),

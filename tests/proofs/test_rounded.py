@@ -78,7 +78,7 @@ def test_what_is_not_defined_behind_a_rounding_is_left_open():
 
 
 @pytest.mark.parametrize(
-    ("on", "scale"),
+    "on, scale",
     [(on, scale) for on in ("body", "wheels", "both") for scale in ("curvature", "turn", "drive")],
 )
 def test_what_doubles_scale_is_as_near_to_its_limits_as_is_proved(on, scale):

@@ -101,7 +101,7 @@ def test_intervals_leave_open(statement):
     assert Ball(box=UNIT, budget=100).decide(statement).verdict == "OPEN"
 
 
-@pytest.mark.parametrize(("method", "statement"), POINTS)
+@pytest.mark.parametrize("method, statement", POINTS)
 def test_points_leave_open(method, statement):
     assert method.decide(statement).verdict == "OPEN"
 

@@ -86,7 +86,7 @@ ALTERED = (
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("check", "function", "old", "new"), ALTERED)
+@pytest.mark.parametrize("check, function, old, new", ALTERED)
 def test_samples_notice_an_altered_formula(check, function, old, new):
     with altered(function, old, new):
         found = check(np.random.default_rng(61))

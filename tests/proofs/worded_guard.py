@@ -122,7 +122,6 @@ def drawn(rng, late=""):
 def counted(rng, a):
     """Sums of commands under way as the entries bound them, and the last command's."""
     _, largest = a.caps()
-    assert a.delay is not None
     S, J = largest + a.net, 0 * a.u1 if a.jitter is None else a.jitter
     if a.usual is None:
         most = a.delay * S / a.M_min * share(rng)
@@ -196,7 +195,6 @@ def jittering(rng):
 )  # fmt: skip
 def averaged(rng):
     a = drawn(rng, "delay")
-    assert a.delay is not None
     return _late(rng, replace(a, usual=a.delay * share(rng)))
 
 
@@ -297,7 +295,6 @@ def monitor(rng):
 @about("guard.promise")
 def flag(rng):
     a = drawn(rng, "delay")
-    assert a.delay is not None
     a.numbers |= {name: a.numbers[name] * rng.choice([1.0, 1.0001, 1.3], SAMPLES) for name in KEYS}
     (told,) = calculated(lambda *x: [feasible(a.graph(*x))], *a.columns)
     need = 2 * a.net * (1 + a.alpha * a.delay)

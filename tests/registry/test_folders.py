@@ -1,7 +1,5 @@
 """Whatever is written says in a sentence that its folder cannot be, and leaves nothing behind."""
 
-from __future__ import annotations
-
 import pytest
 
 import wmr_ctrl

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.core.errors import UnknownNameError
-from wmr_ctrl.report.evidence_figures import slip_torque
 from wmr_ctrl.report.paper_claims import (
     Evidence,
     Measured,
@@ -24,6 +23,7 @@ from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.simulation.campaign import PAPER_LAWS
 from wmr_ctrl.simulation.campaign.paper_runs import REPORTED, STUDIES
 from wmr_ctrl.simulation.campaign.plan import PlannedCase
+from wmr_ctrl.world.scenario import load_scenario
 
 WORDS = {
     "a tenth": 0.1, "half": 0.5, "halves": 0.5, "grow by at least a half": 1.5, "twice": 2.0,
@@ -62,7 +62,7 @@ def test_ids_are_unique_and_every_claim_is_told_in_full():
         assert len({test.key for test in claim.tests}) == len(claim.tests)
 
 
-@pytest.mark.parametrize(("claim", "spec"), SPECS, ids=[f"{c}-{s.key}" for c, s in SPECS])
+@pytest.mark.parametrize("claim, spec", SPECS, ids=[f"{c}-{s.key}" for c, s in SPECS])
 def test_tests_name_what_a_campaign_has(claim, spec):
     figures = {*REPORTED} | TIMES
     other = spec.over or {}
@@ -84,9 +84,11 @@ def test_explanations_quote_tests_of_their_claim_only(claim):
 
 
 def test_the_torque_bound_is_that_of_the_robot():
+    """All weight on the two driving wheels, a tyre's friction coefficient of 1: m g r / 2."""
     bounds = {spec.at_most for claim, spec in SPECS if claim == "V-torque"}
+    robot = load_scenario("paper-simulation").robot
 
-    assert [*bounds] == [pytest.approx(slip_torque(), rel=0.01)]
+    assert [*bounds] == [pytest.approx(robot.m * robot.g * robot.r / 2, rel=0.01)]
 
 
 # -- the rule -----------------------------------------------------------------------------
@@ -115,7 +117,7 @@ GOOD_SMC, BAD_SMC = of_smc(1.0, at_most=2.0), of_smc(3.0, at_most=2.0)
 
 
 @pytest.mark.parametrize(
-    ("tests", "verdict"),
+    "tests, verdict",
     [
         ([GOOD_SMC], Verdict.STAND_IN),
         ([GOOD_SMC, BAD_SMC], Verdict.STAND_IN_PART),
@@ -130,7 +132,7 @@ def test_the_stand_in_never_makes_a_claim_hold(tests, verdict):
 
 
 @pytest.mark.parametrize(
-    ("tests", "verdict"), [([GOOD, GOOD], Verdict.UNBROKEN), ([GOOD, BAD], Verdict.FAILS)]
+    "tests, verdict", [([GOOD, GOOD], Verdict.UNBROKEN), ([GOOD, BAD], Verdict.FAILS)]
 )
 def test_what_never_happens_is_refuted_by_one_run_and_shown_by_none(tests, verdict):
     assert verdict_of(tests, never=True) == verdict
@@ -150,7 +152,7 @@ def test_both_sides_of_the_theorems_are_judged_and_told_apart():
 
 
 @pytest.mark.parametrize(
-    ("value", "bound", "passed"),
+    "value, bound, passed",
     [
         (2.0, {"at_most": 2.0}, True),
         (math.nextafter(2.0, 3.0), {"at_most": 2.0}, False),

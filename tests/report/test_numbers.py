@@ -13,8 +13,7 @@ from tests.results.conftest import build
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import course, scene
 from wmr_ctrl.report.course import Course, band, course_of
-from wmr_ctrl.report.drawing import FAR, running_mean, running_rms, target_of, view_limits
-from wmr_ctrl.report.plot_run import _error, _figures
+from wmr_ctrl.report.drawing import FAR, running_mean, target_of, view_limits
 from wmr_ctrl.report.scene import outline, scene_of
 from wmr_ctrl.report.study_table import PREFERRED, StudyTable, read_study
 from wmr_ctrl.report.tables import _Line, ranged, stress_table
@@ -31,7 +30,7 @@ def test_a_cell_has_its_range_only_where_numbers_differ():
 
 
 @pytest.mark.parametrize(
-    ("figure", "factor", "unit"),
+    "figure, factor, unit",
     [("position_rms", 1e3, "mm"), ("e3_rms_70_80", 1e3, "mrad"), ("tau_peak", 1.0, "N m")],
 )
 def test_lengths_and_angles_are_in_thousandths(figure, factor, unit):
@@ -79,7 +78,7 @@ def test_a_band_is_as_wide_on_both_sides_and_widest_where_the_path_rests():
     assert band(np.zeros((2, 3)), np.ones(3)).shape == (2, 0)
 
 
-@pytest.mark.parametrize(("arrival", "there"), [(0.5, True), (0.99, True), (1.5, False)])
+@pytest.mark.parametrize("arrival, there", [(0.5, True), (0.99, True), (1.5, False)])
 def test_a_goal_is_shown_once_the_desired_motion_was_there(arrival, there):
     run = build(x_d=2.0, y_d=3.0)
 
@@ -115,7 +114,6 @@ def test_a_gliding_mean_is_centred_and_keeps_what_is_straight(width):
     off = 0.5 if width % 2 == 0 else 0.0
     assert running_mean(line, width)[inner] == pytest.approx(line[inner] - off)
     assert running_mean(np.ones(20), width) == pytest.approx(np.ones(20))
-    assert running_rms(np.full(20, -3.0), width) == pytest.approx(np.full(20, 3.0))
 
 
 def test_what_is_beyond_four_times_a_limit_leaves_the_view_and_is_named():
@@ -129,25 +127,6 @@ def test_what_is_beyond_four_times_a_limit_leaves_the_view_and_is_named():
     assert (FAR, low) == (4.0, -4.0)
     assert 3.9 < high <= 4.0
     assert axes.get_xlabel().strip() == "(out of view: mb ↓ −9.00)"
-
-
-def test_an_error_is_in_thousandths_but_where_it_is_large_or_nothing():
-    assert _error(0.0123, "m") == "12.3 mm"
-    assert _error(12.3, "rad") == "12.3 rad"
-    assert _error(1e-7, "m") == "below 0.001 mm"
-    assert _error(None, "m") == "– mm"
-
-
-def test_errors_of_the_last_ten_seconds_are_those():
-    e = np.zeros((3000, 3))
-    e[:2000, 0] = 9.0
-    e[2000:, 0] = 0.5
-
-    lines = _figures(build(duration=30.0, e=e))
-
-    assert lines[-2] == "RMS errors of the last 10 s:"
-    assert lines[-1].strip() == "e₁ 500 mm, e₂ below 0.001 mm, e₃ below 0.001 mrad"
-    assert "before" not in lines[0]
 
 
 @pytest.mark.parametrize("guard", [False, True])
@@ -198,14 +177,6 @@ def test_a_picture_may_have_any_case_and_is_looked_at_where_it_is_written(tmp_pa
     assert target_of(inside, (".png",), "one", write=False) == inside
     with pytest.raises(ResultFileError):
         target_of(inside, (".png",), "one")
-
-
-@pytest.mark.parametrize(("arrival", "of"), [(12.0, " of the drive:"), (25.0, ":"), (None, ":")])
-def test_errors_of_the_drive_are_those_before_an_arrival_within_the_run(arrival, of):
-    run = build(duration=20.0)
-    lines = _figures(replace(run, settings=replace(run.settings, arrival=arrival)))
-
-    assert lines[-2] == f"RMS errors of the last 10 s{of}"
 
 
 def test_without_a_figure_of_tracking_the_first_of_the_plan_is_drawn():

@@ -1,5 +1,7 @@
 """Pictures of studies: indices at each point of the grid, missing values, values of any size."""
 
+import re
+
 import numpy as np
 import pytest
 from matplotlib.container import ErrorbarContainer
@@ -96,7 +98,7 @@ def test_what_has_no_indices_says_why():
     assert "the same in all runs" in constant.texts[0].get_text().replace("\n", " ")
     said = refused.texts[0].get_text().replace("\n", " ")
     assert "runs have no value: the guard refused" in said
-    assert "(the wheels cannot hold the robot: ... > 2 is needed)" in said
+    assert re.search(r"\(the wheels cannot hold the robot: \d+[.]\d+ > 2 is needed\)", said)
 
 
 @pytest.mark.slow
@@ -124,7 +126,7 @@ def simple(values, laws=("mb",), unit="m"):
     return StudyTable(plan, numbers, np.repeat(laws, len(values)), none, none, units)
 
 
-@pytest.mark.parametrize(("outlier", "said"), [(0.011, ""), (40.0, "1 runs are above the view")])
+@pytest.mark.parametrize("outlier, said", [(0.011, ""), (40.0, "1 runs are above the view")])
 def test_outliers_are_counted_where_they_would_crush_the_rest(outlier, said):
     axes = _by_group(simple(np.append(np.linspace(0.010, 0.012, 99), outlier))).axes[0]
 
@@ -135,7 +137,7 @@ def test_outliers_are_counted_where_they_would_crush_the_rest(outlier, said):
 
 
 @pytest.mark.parametrize(
-    ("size", "unit", "label"), [(1, "m", "m"), (0.01, "m", "mm"), (0.01, "N.m", "N m")]
+    "size, unit, label", [(1, "m", "m"), (0.01, "m", "mm"), (0.01, "N.m", "N m")]
 )
 def test_small_lengths_are_drawn_in_mm(size, unit, label):
     axes = _by_group(simple(size * np.linspace(1, 2, 10), unit=unit)).axes[0]
@@ -154,7 +156,7 @@ def test_bins_have_round_edges_and_all_values():
     assert bins.ticks.tolist() == [k - 0.5 for k in range(8)]
 
 
-@pytest.mark.parametrize(("laws", "empty"), [("abcd", 0), ("abc", 0), ("abcdef", 0), ("abcde", 1)])
+@pytest.mark.parametrize("laws, empty", [("abcd", 0), ("abc", 0), ("abcdef", 0), ("abcde", 1)])
 def test_panels_leave_as_few_places_empty_as_can_be(laws, empty):
     figure = _maps(simple(np.linspace(0.1, 0.2, 20), tuple(laws)), "position_rms")
     shown = [axes.axison for axes in figure.axes[:-1]]

@@ -41,7 +41,7 @@ def test_receipts_are_put_on_the_clock_of_the_stamps(rate):
     assert ("runs at 0.5 of the recorder's" in remarks[1]) is (rate == 0.5)
 
 
-@pytest.mark.parametrize(("apart", "two"), [(0.4, False), (-0.4, False), (0.6, True), (-0.6, True)])
+@pytest.mark.parametrize("apart, two", [(0.4, False), (-0.4, False), (0.6, True), (-0.6, True)])
 def test_clocks_half_a_second_apart_are_one(apart, two):
     remarks = []
     parts = {"odom": topic(T, T + apart), "cmd": topic(0 * T, T, "/cmd")}

@@ -183,7 +183,7 @@ def test_messages_out_of_order_are_sorted_and_repeated_ones_left_out(tmp_path):
     assert any("repeat a stamp" in text for text in told.remarks)
 
 
-@pytest.mark.parametrize(("back", "refused"), [(0.95, False), (1.05, True)])
+@pytest.mark.parametrize("back, refused", [(0.95, False), (1.05, True)])
 def test_a_message_a_second_late_is_put_in_order_and_a_later_one_is_a_clock_set_back(
     tmp_path, back, refused
 ):
@@ -215,7 +215,7 @@ def test_a_base_that_drives_sideways_is_told_what_is_not_read(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("about", "word"),
+    "about, word",
     [
         ({"frame": "map"}, "frame map"),
         ({"frame": "robot/map"}, "frame map"),

@@ -61,7 +61,7 @@ def test_the_element_of_a_vector_is_named_with_its_unit(make_run):
 
 
 @pytest.mark.parametrize(
-    ("height", "tolerance", "verdict"),
+    "height, tolerance, verdict",
     [
         (1e-10, 1e-9, "agree"),
         (5e-8, 1e-9, "agree"),  # 99 m of range: a relative difference of 5e-10

@@ -97,7 +97,7 @@ def test_a_figure_of_another_package_stands_in_the_report_s_tables(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("of", "error"),
+    "of, error",
     [(lambda run: run.speed, "Attribute"), (lambda run: run["speed"], "UnknownName")],
 )
 def test_a_figure_of_another_package_that_fails_is_named(monkeypatch, of, error):

@@ -56,7 +56,7 @@ def test_a_fault_inside_leaves_the_old_file_and_passes_on(tmp_path, fault):
 
 
 @pytest.mark.parametrize(
-    ("number", "remedy"),
+    "number, remedy",
     [
         (errno.ENOSPC, "Free some space"),
         (errno.EACCES, "you may write to"),
@@ -103,7 +103,7 @@ except ResultFileError as error:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit on file sizes to set")
-@pytest.mark.parametrize(("size", "kept"), [(500, True), (2000, False)])
+@pytest.mark.parametrize("size, kept", [(500, True), (2000, False)])
 def test_a_file_that_the_system_cuts_short_is_not_left_behind(tmp_path, size, kept):
     command = [sys.executable, "-B", "-c", FILL, str(tmp_path / "a.bin"), str(size)]
     paths = {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}

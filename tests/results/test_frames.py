@@ -46,16 +46,6 @@ def test_a_run_saves_draws_and_sums_itself_up(make_run, tmp_path):
     assert "position error" in run._repr_html_()
 
 
-def test_other_tools_read_the_columns_of_a_parquet_file(make_run, tmp_path):
-    pytest.importorskip("pyarrow")
-    run = make_run(v1=0.3)
-    run.save(tmp_path / "run.parquet")
-
-    frame = pandas.read_parquet(tmp_path / "run.parquet")
-    assert list(frame.columns) == [signal.name for signal in run.elements]
-    np.testing.assert_array_equal(frame["v1"], run["v1"])
-
-
 def test_cells_cannot_break_out_of_their_table():
     text = table_html("<b>", [("<script>", "&")])
 
@@ -93,7 +83,7 @@ def test_any_nesting_becomes_strict_json_and_stays_as_it_is_then(value):
 
 
 @pytest.mark.parametrize(
-    ("value", "plain"),
+    "value, plain",
     [
         (math.nan, None),
         ([1.5, math.inf], [1.5, None]),

@@ -34,7 +34,7 @@ def test_public_json_has_the_stated_keys():
 
 
 @pytest.mark.parametrize(
-    ("verdict", "code"), [("PROVED", 0), ("REFUTED", 1), ("OPEN", 1), ("NOT_CHECKED", 3)]
+    "verdict, code", [("PROVED", 0), ("REFUTED", 1), ("OPEN", 1), ("NOT_CHECKED", 3)]
 )
 def test_exit_codes(verdict, code):
     assert exit_code(Ledger((replace(ONE, verdict=verdict),)), Ledger((ONE,))) == code

@@ -54,7 +54,7 @@ def test_the_tolerance_itself_is_tracked():
     assert tracked(within(0.25, x=0.25, rows=50, monitor=stopped(5.0))) is False
 
 
-@pytest.mark.parametrize(("rows", "end", "there"), [
+@pytest.mark.parametrize("rows, end, there", [
     (80, None, 0.0), (80, 7.95, None), (62, 6.2, 0.0), (60, 6.0, None), (50, 5.0, None),
 ])  # fmt: skip
 def test_only_who_lived_beyond_the_goals_time_has_arrived(rows, end, there):
@@ -100,7 +100,7 @@ def keys(run):
 
 
 @pytest.mark.parametrize(
-    ("tau", "needed", "limit", "pushed", "chatters"),
+    "tau, needed, limit, pushed, chatters",
     [  # ALTERNATING changes by twice its size, SWINGING swings by 0.71 of it
         (0.6 * ALTERNATING, 1.0, np.inf, 0.0, True),
         (0.49 * ALTERNATING, 1.0, np.inf, 0.0, False),
@@ -127,7 +127,7 @@ def test_torques_chatter_beyond_what_motion_pushes_and_limit_allow(
     assert ("chatter" in keys(known(run, limit, needed))) is chatters
 
 
-@pytest.mark.parametrize(("peak", "chatters"), [(1.0, True), (10.0, False)])
+@pytest.mark.parametrize("peak, chatters", [(1.0, True), (10.0, False)])
 def test_where_the_motion_needs_no_torque_a_trace_of_it_does_not_chatter(peak, chatters):
     torque = 4e-3 * ALTERNATING
     torque[0] = peak
@@ -136,7 +136,7 @@ def test_where_the_motion_needs_no_torque_a_trace_of_it_does_not_chatter(peak, c
     assert ("chatter" in keys(known(run, np.inf, 0.0))) is chatters
 
 
-@pytest.mark.parametrize(("share", "told"), [(HELD_BACK, True), (HELD_BACK - 0.05, False)])
+@pytest.mark.parametrize("share, told", [(HELD_BACK, True), (HELD_BACK - 0.05, False)])
 @pytest.mark.parametrize("axis", [0, 1])
 def test_a_guard_that_acts_on_either_axis_holds_back(axis, share, told):
     clip = np.zeros((800, 2))

@@ -34,7 +34,7 @@ def test_the_robot_arrives_when_it_is_near_for_good(arriving):
 
 
 @pytest.mark.parametrize(
-    ("x", "goal", "words"),
+    "x, goal, words",
     [(0.5, 6.0, "0.5 m"), (1.0, 20.0, "clock.duration"), (1.0, 10.0, "no sample from then on")],
 )
 def test_a_goal_that_is_not_reached_is_said(arriving, x, goal, words):

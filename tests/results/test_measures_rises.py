@@ -19,8 +19,6 @@ WEIGHTS = (Signal("W_norm", "1", "norm of the weights", 2),)
 def test_rises_less_falls_are_the_change_over_the_run(make_run, values):
     up, down = rises(make_run(V1=values)), rises(make_run(V1=-np.array(values)))
 
-    assert up is not None
-    assert down is not None
     assert up.total - down.total == values[-1] - values[0]
     assert up.count + down.count == sum(a != b for a, b in pairwise(values))
     assert up.largest == max(0, *np.diff(values))

@@ -32,7 +32,7 @@ def test_a_swing_of_a_thousandth_of_a_newton_metre_is_none():
     assert oscillation(build(duration=2.0, tau_right=4e-3 * swing)) is not None
 
 
-@pytest.mark.parametrize(("periods", "told"), [(40, True), (10, False)])
+@pytest.mark.parametrize("periods, told", [(40, True), (10, False)])
 def test_of_few_periods_a_line_needs_more_of_the_power(periods, told):
     """Two waves in the last 8 s, the slower with a little more than half of the power."""
     t = 0.01 * np.arange(1600)
@@ -41,7 +41,7 @@ def test_of_few_periods_a_line_needs_more_of_the_power(periods, told):
     assert (oscillation(build(duration=16.0, tau_right=waves, tau_left=waves)) is not None) is told
 
 
-@pytest.mark.parametrize(("frequency", "swing", "told"), [
+@pytest.mark.parametrize("frequency, swing, told", [
     (0.2, 0.6, True), (0.2, 0.3, False), (0.05, 0.6, False), (2.0, 0.6, True),
 ])  # fmt: skip
 def test_a_velocity_that_cycles_is_told_by_its_swing(make_run, frequency, swing, told):
@@ -56,7 +56,7 @@ def test_a_velocity_that_cycles_is_told_by_its_swing(make_run, frequency, swing,
         assert found.frequency == pytest.approx(frequency, rel=0.05)
 
 
-@pytest.mark.parametrize(("share", "told"), [(KEPT - 0.1, False), (KEPT + 0.1, True)])
+@pytest.mark.parametrize("share, told", [(KEPT - 0.1, False), (KEPT + 0.1, True)])
 def test_a_swing_that_falls_below_its_share_in_a_quarter_decays(make_run, share, told):
     """A wave of 5 Hz whose last quarter has that share of the amplitude before."""
     t = 0.01 * np.arange(1600)
@@ -73,7 +73,7 @@ def test_what_is_faster_than_half_a_hertz_swings():
     assert fast_swing_rms(signal, 0.01) == pytest.approx(3 / np.sqrt(2))
 
 
-@pytest.mark.parametrize(("periods", "rms"), [(1, 0.0), (3, 0.0), (5, 1 / np.sqrt(2))])
+@pytest.mark.parametrize("periods, rms", [(1, 0.0), (3, 0.0), (5, 1 / np.sqrt(2))])
 def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods, rms):
     """A window of half a second, however fast they are."""
     signal = np.sin(2 * np.pi * periods * np.arange(50) / 50)[:, None]
@@ -82,7 +82,7 @@ def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods, rms):
 
 
 @pytest.mark.parametrize(
-    ("law", "duration"),
+    "law, duration",
     [("pid", 2.0), ("mb", 3.0), ("nn", 2.0), ("prox", 5.0), ("smc", 10.0), ("kanayama", 20.0)],
 )
 @pytest.mark.slow_but("pid-2.0", "mb-3.0")
@@ -99,19 +99,18 @@ def test_nor_is_a_guarded_far_start():
 
 
 @pytest.mark.parametrize(
-    ("duration", "period", "delay"), [(10.0, 0.02, 0.06), (6.0, 0.05, 0.05), (20.0, 0.01, 0.05)]
+    "duration, period, delay", [(10.0, 0.02, 0.06), (6.0, 0.05, 0.05), (20.0, 0.01, 0.05)]
 )
 @pytest.mark.slow_but("10.0-0.02-0.06")
 def test_limit_cycles_are_told_on_short_runs_too(duration, period, delay):
     late = {"clock.control": period, "actuator.delay": delay, "clock.duration": duration, **CYCLES}
     found = oscillation(simulate("safe-simulation", "prox", overrides=late))
 
-    assert found is not None
     assert found.swing == pytest.approx(40.0)  # the wheels give 20 N m either way
     assert 2 < found.frequency < 3
 
 
-@pytest.mark.parametrize(("decay", "periods", "told"), [
+@pytest.mark.parametrize("decay, periods, told", [
     (0.0, 40, True), (0.0, 5, True), (0.0, 2.5, False), (0.5, 40, False), (-0.3, 40, True),
     (0.12, 40, False), (0.05, 40, True),
 ])  # fmt: skip
@@ -125,7 +124,7 @@ def test_a_cycle_has_periods_and_does_not_decay(make_run, decay, periods, told):
 
 
 @pytest.mark.parametrize(
-    ("law", "reference"),
+    "law, reference",
     [("prox", "lemniscate"), ("kanayama", "rounded-square"), ("nn", "stop-and-go")],
 )
 @pytest.mark.slow
@@ -140,7 +139,6 @@ def test_a_cycle_has_its_frequency_and_swing(make_run):
     wave = 1.0 + np.sin(2 * np.pi * 5.0 * t)
     found = oscillation(make_run(duration=8.0, tau_right=wave, tau_left=wave))
 
-    assert found is not None
     assert found.frequency == pytest.approx(5.0, abs=0.05)
     assert found.swing == pytest.approx(2.0, rel=0.02)
 
@@ -150,5 +148,4 @@ def test_a_swing_is_no_larger_than_the_wheels_allow(make_run):
     square = np.where(np.arange(1600) % 40 < 20, 6.0, -6.0)
     found = oscillation(make_run(duration=16.0, tau_right=square, tau_left=square))
 
-    assert found is not None
     assert found.swing == pytest.approx(12.0)

@@ -31,7 +31,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("monitor", "value"), CASES)
+@pytest.mark.parametrize("monitor, value", CASES)
 def test_the_gravest_event_gives_the_outcome(monitor, value):
     assert outcome_of(monitor, guard=True) == Outcome(value)
     assert outcome_of(monitor, guard=True).value == value
@@ -50,7 +50,7 @@ def test_every_outcome_is_covered_here():
 
 
 @pytest.mark.parametrize(
-    ("max_abs_v", "outcome"),
+    "max_abs_v, outcome",
     [
         ((math.inf, 0.0), Outcome.NON_FINITE),
         ((0.0, math.nan), Outcome.NON_FINITE),
@@ -93,7 +93,7 @@ def test_reaching_the_limit_without_a_counted_violation_is_no_violation():
 
 
 @pytest.mark.parametrize(
-    ("monitor", "parts"),
+    "monitor, parts",
     [
         (KEPT, ["completed", "0.9 m/s", "1.2 rad/s"]),
         (FAILED, ["ended early", "plant.fmu", "t = 0.5 s"]),

@@ -1,7 +1,5 @@
 """Links of a promise find their entries by patterns."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

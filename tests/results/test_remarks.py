@@ -106,7 +106,7 @@ def test_what_the_outcome_says_is_a_remark_too(make_run):
 
 
 @pytest.mark.parametrize("engine", ["native", "numpy"])
-@pytest.mark.parametrize(("share", "counted"), [(1e-13, False), (1e-9, True)])
+@pytest.mark.parametrize("share, counted", [(1e-13, False), (1e-9, True)])
 def test_rounding_is_no_violation(engine, share, counted):
     """A start beyond the limit by so much, and no other violation after it."""
     start = {"initial.velocity": [1.0 + share, 0.0], "disturbance.std": 0.0}

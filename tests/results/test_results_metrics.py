@@ -51,7 +51,7 @@ def test_only_the_difference_from_the_reference_counts(make_run):
     assert ise(moved)["total"] == pytest.approx(ise(still)["total"], rel=1e-12)
 
 
-@pytest.mark.parametrize(("start", "end"), [(-0.1, 0.5), (0.5, 0.4), (0.0, 1.01), (2.0, 3.0)])
+@pytest.mark.parametrize("start, end", [(-0.1, 0.5), (0.5, 0.4), (0.0, 1.01), (2.0, 3.0)])
 def test_a_window_outside_the_run_has_no_figure(make_run, start, end):
     assert ise_over(make_run(), start, end) is None
     assert e_rms(make_run(), start, end) is None

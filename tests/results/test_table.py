@@ -56,7 +56,7 @@ def test_a_table_finds_cases_and_figures(campaign):
 
 
 @pytest.mark.parametrize(
-    ("figure", "scenario", "law"),
+    "figure, scenario, law",
     [
         ("nothing", "paper-simulation", "nn"),
         ("ise_total", "no-scenario", "nn"),

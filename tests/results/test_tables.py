@@ -33,7 +33,7 @@ def test_a_column_without_a_number_is_none(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("content", "columns", "word"),
+    "content, columns, word",
     [
         ("t,v1,omega\n", {}, "no rows of numbers"),
         ("t,v1\n0,\n", {}, "no rows of numbers"),

@@ -63,7 +63,7 @@ def test_a_stop_at_a_sample_covers_every_period_before_it(make_run, k, control):
     assert ise_over(run, 0.0, k * control) == 0.0
 
 
-@pytest.mark.parametrize(("k", "stop"), [(3, 0.3), (3, 0.1 * 3), (2, 0.29), (3, 0.3999)])
+@pytest.mark.parametrize("k, stop", [(3, 0.3), (3, 0.1 * 3), (2, 0.29), (3, 0.3999)])
 def test_a_period_counts_once_it_is_over_however_its_end_is_rounded(k, stop):
     ended = Monitor((0.0, 0.0), stopped=(stop, 1), stop_reason="diverged")
     run = build(rows=5, duration=1.0, control=0.1, monitor=ended)
@@ -83,7 +83,7 @@ def test_a_motion_is_judged_over_its_end_and_a_path_that_stops_over_its_drive():
 
 
 @pytest.mark.parametrize(
-    ("start", "end", "words"),
+    "start, end, words",
     [(0.0, 8.0, "50 kg, from 4 s on 65 kg"), (0.0, 4.0, "50 kg"), (4.0, 8.0, "65 kg")],
 )
 def test_robots_of_a_window_are_told_where_they_change(start, end, words):

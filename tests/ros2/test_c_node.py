@@ -58,7 +58,7 @@ def test_a_frame_is_a_text_of_c_whatever_is_in_it():
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    "given, said",
     [
         ("speed=1", "not a parameter that can be compiled"),
         ("scenario=mine.toml", "not a parameter that can be compiled"),
@@ -80,7 +80,7 @@ def test_what_cannot_be_compiled_in_is_a_sentence(given, said):
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    "words, said",
     [
         (["nn", "--ros2"], "command filter"),
         (["filter", "--ros2", "--float32"], "double precision"),

@@ -100,7 +100,7 @@ def test_an_executable_finds_the_environment_and_reads_the_parameters(
 @pytest.mark.slow
 @OVER_DDS
 @pytest.mark.parametrize(
-    ("python", "said"), [("", "wmr_ctrl was not found"), ("/nowhere/python", "cannot be run")]
+    "python, said", [("", "wmr_ctrl was not found"), ("/nowhere/python", "cannot be run")]
 )
 def test_without_an_environment_a_sentence_says_so(installed, python, said):
     site = next((installed / "lib").glob("python*/site-packages"))

@@ -129,7 +129,7 @@ def test_before_odometry_zeros_are_sent_and_the_first_message_drives(world):
 
 
 @pytest.mark.parametrize(
-    ("change", "reason"),
+    "change, reason",
     [
         ({"frame": "map"}, "wrong frame"),
         ({"frame": ""}, "wrong frame"),

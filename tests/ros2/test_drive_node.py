@@ -182,7 +182,7 @@ def test_where_all_is_well_diagnostics_say_so(faults, efforts):
 
 
 each_leap = pytest.mark.parametrize(
-    ("clock", "fault", "flag"),
+    "clock, fault, flag",
     [
         ("real", "pose leaps", "pose-jump"),
         ("simulated", "back", "time-back"),

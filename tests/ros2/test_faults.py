@@ -11,7 +11,7 @@ ROWS = [line for line in LINES if line and not line.startswith("#")]
 NAMED = [line.split() for line in ROWS if line.startswith(" ")]
 
 
-@pytest.mark.parametrize(("module", "name"), NAMED)
+@pytest.mark.parametrize("module, name", NAMED)
 def test_a_named_test_is_there_and_runs_over_dds(module, name):
     home = import_module(f"tests.ros2.{module}")
     asked = set(inspect.signature(getattr(home, name)).parameters)

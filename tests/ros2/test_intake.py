@@ -25,7 +25,7 @@ def age(intake, steady):
 
 
 @pytest.mark.parametrize(
-    ("changes", "reason"),
+    "changes, reason",
     [
         ({"value": (math.nan, 0.0)}, "not a number"),
         ({"value": (0.0, -math.inf)}, "not a number"),

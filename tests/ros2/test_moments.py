@@ -15,7 +15,7 @@ MS = 1_000_000
 
 
 @pytest.mark.parametrize(
-    ("ros", "steady", "happened"),
+    "ros, steady, happened",
     [
         (20, 20, ()),
         (-9, 20, ()),
@@ -36,7 +36,7 @@ def test_time_goes_back_by_10_ms_leaps_by_500_and_stands_still_for_the_longest_p
     assert clocks.see(Moment((10_000 + ros) * MS, (5_000 + steady) * MS)) == happened
 
 
-@pytest.mark.parametrize(("period", "pause"), [(0.02, 100), (0.04, 100), (0.1, 250)])
+@pytest.mark.parametrize("period, pause", [(0.02, 100), (0.04, 100), (0.1, 250)])
 def test_a_pause_of_two_and_a_half_periods_is_no_freeze(period, pause):
     assert longest_pause(0.1, period) == pause * MS
 
@@ -62,7 +62,7 @@ def core():
 
 
 @pytest.mark.parametrize(
-    ("way", "turn", "leaps"),
+    "way, turn, leaps",
     [
         (0.139, 0.0, False),
         (0.141, 0.0, True),

@@ -265,7 +265,7 @@ def test_without_ros_a_sentence_says_so():
 
 
 @pytest.mark.parametrize(
-    ("other", "said"),
+    "other, said",
     [
         ("type", "as geometry_msgs/msg/Twist, where this node has geometry_msgs/msg/TwistStamped"),
         ("rival", "other publishers on /rival/cmd_vel: "),

@@ -42,7 +42,7 @@ def test_command_ends_with_a_sentence(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    ("reason", "words"),
+    "reason, words",
     [
         ("wrong frame", ["'base_footprint'", "'base_link'", "base_frame"]),
         ("too old", ["0.182 s", "0.1 s", "odometry_timeout"]),

@@ -8,8 +8,6 @@ from pathlib import Path
 
 from filelock import FileLock
 
-from wmr_ctrl.simulation.gpu import Arrays, Batch, Defines
-
 PRELUDE = """\
 #define __global__
 #define __launch_bounds__(threads, blocks)
@@ -40,21 +38,19 @@ COMMAND = (str(COMPILER), *FLAGS)
 class Stand:
     """Stands for a graphics processor that holds ``most`` robots."""
 
-    def __init__(self, folder: Path, most: int = 64, memory: int = 2**30) -> None:
+    def __init__(self, folder, most=64, memory=2**30):
         self.folder, self.most, self.memory = folder, most, memory
-        self.launches: list[int] = []
+        self.launches = []
 
-    def threads(self) -> int:
+    def threads(self):
         """Robots at a time."""
         return self.most
 
-    def free_memory(self) -> int:
+    def free_memory(self):
         """Bytes."""
         return self.memory
 
-    def run(
-        self, path: str, defines: Defines, batch: Batch, arrays: Arrays, cancelled: ct.c_int32
-    ) -> None:
+    def run(self, path, defines, batch, arrays, cancelled):
         """All robots of a launch."""
         self.launches.append(batch.robots)
         for name, array in arrays.items():
@@ -62,7 +58,7 @@ class Stand:
         batch.cancelled = ct.addressof(cancelled)
         self._compiled(path, defines).wmr_every_robot(ct.byref(batch))
 
-    def _compiled(self, path: str, defines: Defines) -> ct.CDLL:
+    def _compiled(self, path, defines):
         text = PRELUDE + Path(path).read_text(encoding="utf-8") + DRIVER
         flags = [f"-D{name}={value}" for name, value in defines]
         name = hashlib.sha256(repr((text, flags)).encode()).hexdigest()[:24]

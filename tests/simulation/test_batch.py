@@ -1,7 +1,5 @@
 """Many runs at once: every lane is the run that the loop of one robot makes."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import threading
 from dataclasses import replace
@@ -13,11 +11,10 @@ import pytest
 from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import vector_sets
-from wmr_ctrl.codegen.toolchain import Unit
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.given import scenario_of as given
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.results import Monitor, split_columns
+from wmr_ctrl.results import split_columns
 from wmr_ctrl.results.frames import summary
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.simulation.batch import run_logged, run_tasks
@@ -29,40 +26,38 @@ Columns = dict[str, np.ndarray]
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 
 
-def tasks_of(
-    name: str, law: str, seeds: range, overrides: dict[str, object], vectors: str | None = None
-) -> list[Task]:
+def tasks_of(name, law, seeds, overrides, vectors=None):
     loop = runnable(scenario_of(name, overrides), law)
     if vectors and vectors not in names_of(loop.compiled.library):
         pytest.skip(f"NOT RUN: this processor has no {vectors}")
     return [Task(loop, seed, vectors=vectors) for seed in seeds]
 
 
-def names_of(library: str) -> list[str]:
+def names_of(library):
     return [item.name for item in usable(library)]
 
 
-def logged(tasks: list[Task]) -> list[tuple[Columns, Monitor]]:
+def logged(tasks):
     signals = tasks[0].loop.compiled.layout.columns
 
-    def columns(_: int, rows: np.ndarray, watched: Monitor) -> tuple[Columns, Monitor]:
+    def columns(_, rows, watched):
         return split_columns(signals, rows.copy()), watched
 
     return run_logged(tasks, columns)
 
 
-def same_bits(one: np.ndarray, other: np.ndarray) -> bool:
+def same_bits(one, other):
     return one.shape == other.shape and one.tobytes() == np.ascontiguousarray(other).tobytes()
 
 
-def same_values(one: np.ndarray, other: np.ndarray) -> bool:
+def same_values(one, other):
     """Texts and numbers alike; not a number is the same as itself."""
     return bool(np.all((one == other) | (one != one) & (other != other)))
 
 
-@pytest.mark.parametrize(("law", "guard"), [("mb", False), ("prox", True)])
+@pytest.mark.parametrize("law, guard", [("mb", False), ("prox", True)])
 @pytest.mark.slow
-def test_what_is_watched_is_that_of_the_runs(law: str, guard: bool) -> None:
+def test_what_is_watched_is_that_of_the_runs(law, guard):
     """A push beyond dbar on a light robot: the estimate leaves the bounds at the same sample."""
     changed = {
         **SHORT,
@@ -89,7 +84,7 @@ def test_what_is_watched_is_that_of_the_runs(law: str, guard: bool) -> None:
 
 
 @pytest.mark.slow
-def test_order_jobs_and_company_do_not_matter() -> None:
+def test_order_jobs_and_company_do_not_matter():
     """A lane's neighbours, those that diverge among them, leave it alone."""
     wild = tasks_of("paper-simulation", "pid", range(4), {**SHORT, "gains.pid.Kp": [2e4, 2e3]})
     tame = tasks_of("paper-simulation", "pid", range(9), SHORT)
@@ -104,7 +99,7 @@ def test_order_jobs_and_company_do_not_matter() -> None:
         assert all(same_values(mixed[k][task], own[k][0]) for k in own)
 
 
-def test_a_run_that_ended_counts_no_further_while_others_go_on() -> None:
+def test_a_run_that_ended_counts_no_further_while_others_go_on():
     """The guard acts in all samples of a push that throws the robot out, and hardly in others."""
     guard = {**SHORT, "guard.enabled": True, "guard.trust": True, "guard.dbar": [70.0, 15.0]}
     changed = ({**guard, "disturbance.push": [push, 1.0]} for push in (1e6, 1.0))
@@ -119,7 +114,7 @@ def test_a_run_that_ended_counts_no_further_while_others_go_on() -> None:
         assert [k for k in own if not same_values(together[k][place], own[k][0])] == []
 
 
-def test_a_batch_that_runs_again_begins_anew() -> None:
+def test_a_batch_that_runs_again_begins_anew():
     tasks = tasks_of("paper-simulation", "mb", range(2), {**SHORT, "actuator.delay": 0.02})
     memory = laid_out(tasks, list(windows_of(tasks[0].loop.settings).values()))
     arrays = memory.findings, memory.state, memory.added
@@ -131,7 +126,7 @@ def test_a_batch_that_runs_again_begins_anew() -> None:
     assert all(same_bits(one, again) for one, again in zip(first, arrays, strict=True))
 
 
-def test_a_loop_is_compiled_with_the_guard_where_it_is_asked_for() -> None:
+def test_a_loop_is_compiled_with_the_guard_where_it_is_asked_for():
     guards = (None, True, False)
     loops = [runnable(given("paper-simulation", SHORT, guard), "mb") for guard in guards]
 
@@ -139,19 +134,19 @@ def test_a_loop_is_compiled_with_the_guard_where_it_is_asked_for() -> None:
 
 
 @pytest.mark.parametrize("jobs", [0, -1, 1.5, True])
-def test_jobs_that_cannot_be_are_named(jobs: object) -> None:
+def test_jobs_that_cannot_be_are_named(jobs):
     with pytest.raises(ArgumentError, match="jobs"):
         simulate_many("paper-simulation", "mb", [0], SHORT, jobs=jobs)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("start", [(0.0, 0.0), (0.0,) * 6, (0.0, np.nan, 0.0, 0.0, 0.0)])
-def test_starts_that_cannot_be_are_named(start: tuple[float, ...]) -> None:
+def test_starts_that_cannot_be_are_named(start):
     loop = tasks_of("paper-simulation", "mb", range(1), SHORT)[0].loop
     with pytest.raises(ArgumentError, match="start"):
         Task(loop, 0, start)
 
 
-def test_starts_differ_by_task() -> None:
+def test_starts_differ_by_task():
     tasks = tasks_of("paper-simulation", "mb", range(2), SHORT)
     moved = Task(tasks[1].loop, 1, (1.0, 2.0, 0.0, 0.1, 0.2))
     found = run_tasks([tasks[0], moved])
@@ -164,27 +159,27 @@ def test_starts_differ_by_task() -> None:
 
 @pytest.mark.parametrize("shape", [(1,), (3, 1), (7, 2), (11, 8)])
 def test_numbers_of_lanes_are_where_vectors_of_every_set_may_be_read(
-    shape: tuple[int, ...],
-) -> None:
+    shape,
+):
     kept = [aligned(*shape) for _ in range(8)]
 
     assert {item.ctypes.data % 64 for item in kept} == {0}
     assert {(item.shape, item.any()) for item in kept} == {(shape, False)}
 
 
-def test_progress_reaches_the_end() -> None:
-    told: list[float] = []
+def test_progress_reaches_the_end():
+    told = []
     run_tasks(tasks_of("paper-simulation", "mb", range(40), SHORT), progress=told.append)
 
     assert told == sorted(told)
     assert told[-1] == 1.0
 
 
-def test_an_interrupt_ends_all_threads_at_once() -> None:
+def test_an_interrupt_ends_all_threads_at_once():
     tasks = tasks_of("paper-simulation", "nn", range(64), {"clock.duration": 4000.0})
     before = threading.active_count()
 
-    def stop(share: float) -> None:
+    def stop(share):
         raise KeyboardInterrupt
 
     short = tasks_of("paper-simulation", "nn", range(1), {"clock.duration": 0.1})
@@ -194,7 +189,7 @@ def test_an_interrupt_ends_all_threads_at_once() -> None:
     assert threading.active_count() == before
 
 
-def test_lanes_that_are_cancelled_do_no_further_sample() -> None:
+def test_lanes_that_are_cancelled_do_no_further_sample():
     tasks = tasks_of("paper-simulation", "mb", range(2), SHORT)
     memory = laid_out(tasks, [], cancelled=ct.c_int32(1))
 
@@ -202,15 +197,15 @@ def test_lanes_that_are_cancelled_do_no_further_sample() -> None:
     assert memory.row("samples").tolist() == [0.0, 0.0]
 
 
-def test_unknown_vector_set_is_named() -> None:
+def test_unknown_vector_set_is_named():
     tasks = tasks_of("paper-simulation", "mb", range(1), SHORT)
     with pytest.raises(UnknownNameError, match="vector"):
         run_tasks([replace(tasks[0], vectors="mmx")])
 
 
 @pytest.mark.usefixtures("every_set_of_instructions")
-def test_a_compiler_may_lack_any_set_of_instructions_but_the_baseline(monkeypatch) -> None:
-    asked: list[Unit] = []
+def test_a_compiler_may_lack_any_set_of_instructions_but_the_baseline(monkeypatch):
+    asked = []
     monkeypatch.setattr(build, "build_units", lambda _, units, *__, **___: asked.extend(units))
     monkeypatch.setattr(build, "unity", lambda *_: {})
     build.Program.lanes.func(SimpleNamespace(generated_lanes={}))
@@ -220,7 +215,7 @@ def test_a_compiler_may_lack_any_set_of_instructions_but_the_baseline(monkeypatc
     }
 
 
-def test_shares_that_the_guard_changes_are_of_either_axis() -> None:
+def test_shares_that_the_guard_changes_are_of_either_axis():
     changed = {
         "guard.enabled": True,
         "initial.velocity": [0.0, 1.45],
@@ -235,11 +230,9 @@ def test_shares_that_the_guard_changes_are_of_either_axis() -> None:
 
 
 @pytest.mark.parametrize(
-    ("beyond", "axis"), [((0.5, 0.01), 1), ((-0.5, 0.01), 2), ((0.0, 0.01), 2), ((0.0, 0.0), None)]
+    "beyond, axis", [((0.5, 0.01), 1), ((-0.5, 0.01), 2), ((0.0, 0.01), 2), ((0.0, 0.0), None)]
 )
-def test_a_run_that_begins_beyond_a_limit_is_in_violation_from_the_start(
-    beyond: tuple[float, float], axis: int | None
-) -> None:
+def test_a_run_that_begins_beyond_a_limit_is_in_violation_from_the_start(beyond, axis):
     limits = scenario_of("paper-simulation", SHORT).limits.v_u1
     start = [limit + more for limit, more in zip(limits, beyond, strict=True)]
     changed = {**SHORT, "initial.velocity": start}

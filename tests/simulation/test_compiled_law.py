@@ -1,7 +1,5 @@
 """A law's compiled controller, called from Python."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np
@@ -15,7 +13,7 @@ from wmr_ctrl.simulation.compiled_law import START_SAMPLE, CompiledLaw, seconds_
 
 
 @pytest.fixture
-def law() -> CompiledLaw:
+def law():
     return CompiledLaw(build_law(settle(paper(), "pid")))
 
 

@@ -1,7 +1,5 @@
 """The loop without its plant: what its monitor makes of any state, and that a start is a start."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -26,16 +24,16 @@ def loop_with():
     return lambda changes: runnable(load_scenario("paper-simulation", changes), "mb", "mujoco")
 
 
-def coupled(loop) -> Coupled:
+def coupled(loop):
     return Coupled(loop.compiled, 5, loop.scenario.clock.plant)
 
 
-def columns_of(loop) -> int:
+def columns_of(loop):
     return sum(item.size for item in loop.compiled.layout.columns)
 
 
 @pytest.mark.parametrize(
-    ("v", "omega", "most", "violated", "stop"),
+    "v, omega, most, violated, stop",
     [
         (-1.0, 1.5, (1.0, 1.5), None, None),
         (0.5, -1.6, (0.5, 1.6), 2, None),
@@ -89,7 +87,7 @@ def test_a_loop_that_starts_again_has_nothing_under_way(loop):
     one, state = coupled(loop), (0.1, 0.2, 0.3, 0.4, 0.5)
     columns = columns_of(loop)
 
-    def course(aside: int = 0) -> list[list[float]]:
+    def course(aside=0):
         rows = [one.sampled(state)]
         for step in range(1, 25):
             rows.append(one.acting([3.0, -2.0, *rows[0][2:-columns]]))

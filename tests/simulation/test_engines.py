@@ -1,7 +1,5 @@
 """Engines: which plant runs where."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper
@@ -11,7 +9,7 @@ from wmr_ctrl.world.scenario import override
 
 
 @pytest.mark.parametrize(
-    ("device", "plant", "error", "words"),
+    "device, plant, error, words",
     [
         ("tpu", "ode", UnknownNameError, "no device is named 'tpu'"),
         ("cpu", "odd", UnknownNameError, "no plant is named 'odd'"),

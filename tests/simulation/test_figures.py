@@ -1,7 +1,5 @@
 """Tables of many runs: one number a column."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

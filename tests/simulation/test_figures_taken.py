@@ -1,7 +1,5 @@
 """Figures taken from a whole Run are those that the lanes' loop adds up."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from wmr_ctrl.simulation.physics.run import figures_from_run
 
 
 @pytest.mark.parametrize(
-    ("law", "overrides", "guard"),
+    "law, overrides, guard",
     [
         ("mb", {"clock.duration": 6.0}, None),
         ("prox", {"clock.duration": 6.0, "disturbance.truncate": 3.0}, True),

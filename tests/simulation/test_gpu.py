@@ -4,8 +4,6 @@ The stand-in compiles the same text as C++ and runs one robot after the other; t
 CUDA where there is a device.
 """
 
-from __future__ import annotations
-
 import ctypes as ct
 import sys
 import types
@@ -21,7 +19,6 @@ from wmr_ctrl import simulate_many, simulate_runs, study
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.core.errors import ArgumentError, DeviceError, MissingExtraError, UnknownNameError
-from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.simulation import gpu
 from wmr_ctrl.simulation.batch import run_tasks
 from wmr_ctrl.simulation.campaign.plan import PlannedCase
@@ -34,9 +31,7 @@ SHORT = {"clock.duration": 2.0, "changes": [{"t": 1.0, "m": 3.3, "I": 0.03, "mu"
 
 
 @pytest.fixture
-def stand(
-    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, request
-) -> Stand:
+def stand(tmp_path_factory, monkeypatch, request):
     if COMPILER is None:
         pytest.skip("NOT RUN: no C++ compiler is there")
     made = Stand(Path(request.config.cache.mkdir("gpu")), most=3)
@@ -45,14 +40,14 @@ def stand(
     return made
 
 
-def assert_same(some: RunTable, others: RunTable) -> None:
+def assert_same(some, others):
     assert list(some) == list(others)
     for name, values in some.items():
         np.testing.assert_array_equal(others[name], values, err_msg=name)
 
 
 @pytest.mark.slow
-def test_figures_and_columns_are_those_of_lanes(stand: Stand) -> None:
+def test_figures_and_columns_are_those_of_lanes(stand):
     """With encoders, delay, disturbances, and a change of the robot on the way."""
     asked = ("robot-10ms", "prox", range(5))
     cpu, there = (simulate_many(*asked, SHORT, device=name) for name in ("cpu", "gpu"))
@@ -68,7 +63,7 @@ def test_figures_and_columns_are_those_of_lanes(stand: Stand) -> None:
             np.testing.assert_array_equal(other[name], run[name], err_msg=name)
 
 
-def test_a_launch_takes_no_more_than_the_memory_holds(stand: Stand) -> None:
+def test_a_launch_takes_no_more_than_the_memory_holds(stand):
     task = Task(runnable(scenario_of("safe-simulation"), "prox", device="gpu"), 0)
     stand.most = 10**6
     assert gpu.robots_of(task, 11, log=False) < 10**6
@@ -77,13 +72,11 @@ def test_a_launch_takes_no_more_than_the_memory_holds(stand: Stand) -> None:
     assert 1 <= logged <= stand.memory // 4 // (8 * rows)
 
 
-def test_a_cancelled_launch_ends_and_leaves_nothing(
-    stand: Stand, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_cancelled_launch_ends_and_leaves_nothing(stand, monkeypatch):
     loop = runnable(scenario_of("safe-simulation"), "prox", device="gpu")
     run = Stand.run
 
-    def interrupted(self: Stand, *words: object) -> None:
+    def interrupted(self, *words):
         cancelled = words[-1]
         assert isinstance(cancelled, ct.c_int32)
         cancelled.value = 1
@@ -102,16 +95,14 @@ def test_a_cancelled_launch_ends_and_leaves_nothing(
     assert gpu.launched([Task(loop, 0)], [], False, cancelled) is None
 
 
-def test_a_study_has_the_same_table_and_goes_on_after_an_interrupt(
-    stand: Stand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_study_has_the_same_table_and_goes_on_after_an_interrupt(stand, tmp_path, monkeypatch):
     monkeypatch.setattr("wmr_ctrl.simulation.campaign.study_run.GPU_CHUNK", 3)
     figures = ["violated", "position_rms"]
     plan = {**REAL, "guard": [False], "seeds": 4, "figures": figures, "chunk": 2}
     expected = study(plan, tmp_path / "cpu").table.read_bytes()
     run, left = Stand.run, [1]
 
-    def once(self: Stand, *words: object) -> None:
+    def once(self, *words):
         if not left.pop():
             raise KeyboardInterrupt
         left.append(0)
@@ -128,16 +119,14 @@ def test_a_study_has_the_same_table_and_goes_on_after_an_interrupt(
     assert len(stand.launches) == before + 2
 
 
-def test_the_text_includes_nothing() -> None:
+def test_the_text_includes_nothing():
     loop = runnable(scenario_of("safe-simulation"), "prox", device="gpu")
     text = Path(loop.compiled.library).read_text(encoding="utf-8")
     assert "#include" not in text
     assert text.count("wmr_runs") == 1
 
 
-def test_without_cupy_or_a_device_there_is_a_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_cupy_or_a_device_there_is_a_sentence(tmp_path, monkeypatch):
     plan = tmp_path / "plan.toml"
     plan.write_text('scenario = "far-start"\nlaws = ["mb"]\nseeds = 1\n', encoding="utf-8")
     words = ["study", str(plan), "--out", str(tmp_path / "out"), "--device", "gpu"]
@@ -154,13 +143,13 @@ def test_without_cupy_or_a_device_there_is_a_sentence(
     assert not (tmp_path / "out").exists()
 
 
-def _without_device() -> types.ModuleType:
+def _without_device():
     """CuPy on a machine without a driver."""
 
     class CUDARuntimeError(RuntimeError):
         pass
 
-    def fail(*_: object) -> None:
+    def fail(*_):
         raise CUDARuntimeError("no driver")
 
     module = types.ModuleType("cupy")
@@ -171,8 +160,8 @@ def _without_device() -> types.ModuleType:
 
 
 def test_a_chunk_for_a_worker_without_a_device_is_told_there(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     """A cluster's client needs no device of its own."""
     gpu.processor.cache_clear()
     monkeypatch.setitem(sys.modules, "cupy", _without_device())
@@ -182,14 +171,14 @@ def test_a_chunk_for_a_worker_without_a_device_is_told_there(
     assert isinstance(answer, DeviceError)
 
 
-def test_other_devices_and_plants_are_refused() -> None:
+def test_other_devices_and_plants_are_refused():
     with pytest.raises(UnknownNameError, match="device"):
         simulate_many("far-start", "mb", [0], device="tpu")
     with pytest.raises(ArgumentError, match="mujoco"):
         simulate_many("far-start", "mb", [0], device="gpu", plant="mujoco")
 
 
-def test_cuda_has_the_same_bits() -> None:
+def test_cuda_has_the_same_bits():
     gpu.processor.cache_clear()
     try:
         gpu.processor()

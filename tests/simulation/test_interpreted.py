@@ -1,7 +1,5 @@
 """The loop without a compiler."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tests.papers_robot import paper

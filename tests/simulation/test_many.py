@@ -1,7 +1,5 @@
 """Tables of many runs: seeds, overrides and starts side by side."""
 
-from __future__ import annotations
-
 from functools import partial
 from importlib.metadata import EntryPoint
 
@@ -12,22 +10,18 @@ import pytest
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws import LAWS
-from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.control.laws.law import Law, Traits
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.results.frames import summary
-from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.simulation.many import planned_tasks, tabulated
 from wmr_ctrl.simulation.memory import Task
-from wmr_ctrl.world.model.system import System
-from wmr_ctrl.world.scenario import Scenario
 
 SHORT = {"clock.duration": 4.0, "changes": []}
 
 
-def many(overrides: list[dict[str, object]], seeds: list[int], starts: object = None) -> RunTable:
+def many(overrides, seeds, starts=None):
     scenarios = [scenario_of("paper-simulation", {**SHORT, **item}) for item in overrides]
     build = partial(runnable, law="mb")
     return tabulated(planned_tasks(build, scenarios, seeds, starts, None))
@@ -37,12 +31,12 @@ class BlindGains(Section, key="gains.blind"):
     """None."""
 
 
-def blind(sample: LawContext) -> System:
+def blind(sample):
     """A thrust that is no number any more above 0.05 m/s."""
     return sample.system("blind law", ca.vertcat(100 + ca.sqrt(0.05 - sample.v[0]), 0))
 
 
-def with_law(monkeypatch: pytest.MonkeyPatch, name: str, **changed: object) -> Scenario:
+def with_law(monkeypatch, name, **changed):
     """A scenario without noise, and one of these laws registered for it."""
     entry = EntryPoint(name, f"{__name__}:{name.upper()}", "wmr_ctrl.laws")
     monkeypatch.setitem(LAWS.plugins, name, entry)
@@ -53,7 +47,7 @@ BLIND = Law("blind", BlindGains, blind, Traits(), "Toy law.")
 
 
 @pytest.mark.slow
-def test_a_torque_that_is_no_number_is_the_largest(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_torque_that_is_no_number_is_the_largest(monkeypatch):
     scenario = with_law(monkeypatch, "blind")
     table = tabulated([Task(runnable(scenario, "blind"), 0)])
     run = simulate(scenario, "blind")
@@ -64,7 +58,7 @@ def test_a_torque_that_is_no_number_is_the_largest(monkeypatch: pytest.MonkeyPat
     assert summary(run)["tau_peak"] is None
 
 
-def spin(sample: LawContext) -> System:
+def spin(sample):
     """No thrust, and a moment that turns half a kg m2 faster than doubles can say."""
     return sample.system("spinning law", ca.vertcat(0, 2e307))
 
@@ -74,8 +68,8 @@ SPINNING = Law("spinning", BlindGains, spin, Traits(), "Toy law.")
 
 @pytest.mark.slow
 def test_a_rate_of_turn_that_is_no_number_is_not_told_as_the_largest(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     scenario = with_law(monkeypatch, "spinning", **{"robot.I": 0.5})
     monitor = simulate(scenario, "spinning").monitor
 
@@ -83,7 +77,7 @@ def test_a_rate_of_turn_that_is_no_number_is_not_told_as_the_largest(
     assert np.isfinite(monitor.max_abs_v).all()
 
 
-def test_one_scenario_serves_all_seeds() -> None:
+def test_one_scenario_serves_all_seeds():
     table = many([{}], [4, 4, 7])
 
     assert table["seed"].tolist() == [4, 4, 7]
@@ -97,7 +91,7 @@ def test_one_scenario_serves_all_seeds() -> None:
 
 
 @pytest.mark.slow
-def test_overrides_may_differ_by_run_in_numbers_and_in_structure() -> None:
+def test_overrides_may_differ_by_run_in_numbers_and_in_structure():
     changed = [{"robot.m": 55.0}, {"clock.control": 0.005}, {"reference.kind": "lemniscate"}]
     table = many(changed, [1, 2, 3])
     for k, item in enumerate(changed):
@@ -106,7 +100,7 @@ def test_overrides_may_differ_by_run_in_numbers_and_in_structure() -> None:
         assert table["ise_total"][k] == pytest.approx(summary(run)["ise"]["total"], rel=1e-8)
 
 
-def test_a_grid_of_starts_needs_one_build() -> None:
+def test_a_grid_of_starts_needs_one_build():
     draw = np.random.default_rng(0)
     starts = draw.uniform(-1, 1, (200, 5)) * [3, 3, 3, 0.9, 1.4]
     table = many([{"disturbance.std": 0.0}], [0] * 200, starts=starts)
@@ -117,7 +111,7 @@ def test_a_grid_of_starts_needs_one_build() -> None:
 
 
 @pytest.mark.parametrize(
-    ("overrides", "seeds", "starts", "message"),
+    "overrides, seeds, starts, message",
     [
         ([{}], [], None, "empty"),
         ([{}, {}], [1, 2, 3], None, "2 entries for 3 seeds"),
@@ -125,8 +119,6 @@ def test_a_grid_of_starts_needs_one_build() -> None:
         ([{}], [1], [[0, 0, 0]], r"\(1, 5\)"),
     ],
 )
-def test_what_does_not_fit_is_said(
-    overrides: list[dict[str, object]], seeds: list[int], starts: object, message: str
-) -> None:
+def test_what_does_not_fit_is_said(overrides, seeds, starts, message):
     with pytest.raises(ArgumentError, match=message):
         many(overrides, seeds, starts=starts)

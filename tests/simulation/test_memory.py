@@ -1,7 +1,5 @@
 """Memory of a batch: aligned, keyed, and of a library that can be loaded."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The Run that is made of an engine's results."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -13,7 +11,7 @@ from wmr_ctrl.simulation.runnable import assemble_run, provenance, settings_of, 
 from wmr_ctrl.world.scenario import loads_scenario, override
 
 
-def assembled(**changed: object):
+def assembled(**changed):
     scenario = override(paper(), {"clock.duration": 0.1, **changed})
     columns = {s.name: np.full((10, s.size) if s.size > 1 else 10, 0.5) for s in LOG_HEAD}
     log = LOG_HEAD, {**columns, "t": np.arange(10) * 0.01}, Monitor((0.5, 0.5))

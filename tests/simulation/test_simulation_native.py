@@ -1,11 +1,8 @@
 """The compiled loop against the oracle and against what must hold in any loop."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import re
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -20,9 +17,8 @@ from wmr_ctrl.api import (
     simulate,
 )
 from wmr_ctrl.control.laws.registry import NAMES
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError, WmrError
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.core.signals import LARGEST
-from wmr_ctrl.results import Run
 from wmr_ctrl.simulation.compiled_law import seconds_of
 from wmr_ctrl.world.registry import Disturbance
 from wmr_ctrl.world.scenario import Scenario
@@ -32,14 +28,14 @@ SHORT = {"clock.duration": 6.0, "changes": CHANGES}
 SAMPLE = (0.1, 0.0, -1.5, 0.2, 0.1, 0.0, 0.0, -0.1, -0.2, -0.7, 0.1, 0.05)
 
 
-def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
+def largest_gap(first, second, rows=None):
     return max(
         float(np.nanmax(abs(first[s.name][:rows] - second[s.name][:rows]))) for s in first.signals
     )
 
 
 @pytest.mark.slow
-def test_both_engines_equal_the_oracle_over_80_s() -> None:
+def test_both_engines_equal_the_oracle_over_80_s():
     slow = oracle.simulate("paper-simulation", "nn", seed=5)
     for engine in ("native", "numpy"):
         run = simulate("paper-simulation", "nn", seed=5, engine=engine)
@@ -50,7 +46,7 @@ def test_both_engines_equal_the_oracle_over_80_s() -> None:
 
 
 @pytest.mark.parametrize(
-    ("law", "changed"),
+    "law, changed",
     [
         ("mb", {"actuator.tau_max": 10.0}),
         ("pid", {"actuator.lag": 0.02, "actuator.delay": 0.005}),
@@ -61,9 +57,7 @@ def test_both_engines_equal_the_oracle_over_80_s() -> None:
     ],
 )
 @pytest.mark.slow_but("mb-changed0")
-def test_every_option_means_what_the_oracle_takes_it_for(
-    law: str, changed: dict[str, object]
-) -> None:
+def test_every_option_means_what_the_oracle_takes_it_for(law, changed):
     given = {**SHORT, **changed}
     native, slow = (
         run("paper-simulation", law, seed=2, overrides=given) for run in (simulate, oracle.simulate)
@@ -76,7 +70,7 @@ def test_every_option_means_what_the_oracle_takes_it_for(
     assert native.monitor.violations == slow.monitor.violations == numpy.monitor.violations
 
 
-def test_seed_gives_the_same_bits_for_any_number_of_workers() -> None:
+def test_seed_gives_the_same_bits_for_any_number_of_workers():
     alone = [simulate("paper-simulation", "nn", seed=seed, overrides=SHORT) for seed in range(6)]
     with ThreadPoolExecutor(4) as pool:
         together = list(
@@ -90,7 +84,7 @@ def test_seed_gives_the_same_bits_for_any_number_of_workers() -> None:
     assert not runs_equal(alone[0], alone[1])
 
 
-def test_truncated_noise_is_drawn_again_where_either_number_is_beyond() -> None:
+def test_truncated_noise_is_drawn_again_where_either_number_is_beyond():
     run = simulate("paper-simulation", "mb", overrides={**SHORT, "disturbance.truncate": 1.5})
     drawn = noise.torque_noise(noise.key_of(0), run.rows, Disturbance(std=1.0, truncate=1.5))
 
@@ -98,7 +92,7 @@ def test_truncated_noise_is_drawn_again_where_either_number_is_beyond() -> None:
     assert np.abs(drawn - np.column_stack([run["noise_right"], run["noise_left"]])).max() < 1e-12
 
 
-def test_noise_that_is_never_within_its_bound_ends_there() -> None:
+def test_noise_that_is_never_within_its_bound_ends_there():
     """On either side; a pair within a thousandth is drawn once in a million tries."""
     rare = {"clock.duration": 1.0, "disturbance.truncate": 1e-3}
     run = simulate("paper-simulation", "mb", overrides=rare)
@@ -107,7 +101,7 @@ def test_noise_that_is_never_within_its_bound_ends_there() -> None:
     assert {(x.min(), x.max()) for x in drawn} == {(-1e-3, 1e-3)}
 
 
-def test_change_acts_on_the_first_plant_step_that_starts_at_it() -> None:
+def test_change_acts_on_the_first_plant_step_that_starts_at_it():
     """Without a change both runs agree up to t = 3 s and differ after the next plant step."""
     same, heavier = (
         simulate(
@@ -120,7 +114,7 @@ def test_change_acts_on_the_first_plant_step_that_starts_at_it() -> None:
     assert same.time[apart[0]] == pytest.approx(3.01)
 
 
-def test_mb_decays_as_the_theorem_says() -> None:
+def test_mb_decays_as_the_theorem_says():
     """V1 falls along the undisturbed, exactly modelled run, Eq. (30), up to the cost of 1 ms."""
     value = simulate(
         "paper-simulation-nominal", "mb", overrides={"clock.control": 0.001, "clock.duration": 4.0}
@@ -131,7 +125,7 @@ def test_mb_decays_as_the_theorem_says() -> None:
     assert value[-1] < 1e-15
 
 
-def test_divergence_is_an_outcome() -> None:
+def test_divergence_is_an_outcome():
     run = simulate("paper-experiment-literal", "pid", overrides={"gains.pid.Kp": [2e4, 2e3]})
 
     assert run.outcome == "diverged"
@@ -139,7 +133,7 @@ def test_divergence_is_an_outcome() -> None:
     assert not math.isnan(max(run.monitor.max_abs_v))
 
 
-def test_compiled_law_steps_like_the_loop() -> None:
+def test_compiled_law_steps_like_the_loop():
     run = simulate("paper-simulation-nominal", "pid", overrides={"clock.duration": 1.0})
     law = compile_law("pid", "paper-simulation-nominal")
     for k in range(100):
@@ -150,7 +144,7 @@ def test_compiled_law_steps_like_the_loop() -> None:
 
 @pytest.mark.parametrize("law", NAMES)
 @pytest.mark.slow_but("pid", "nn", "prox")
-def test_a_compiled_law_refuses_what_no_robot_has_and_goes_on_as_before(law: str) -> None:
+def test_a_compiled_law_refuses_what_no_robot_has_and_goes_on_as_before(law):
     one, good = compile_law(law), SAMPLE
     one.u[:] = good
     one.step()
@@ -172,7 +166,7 @@ def test_a_compiled_law_refuses_what_no_robot_has_and_goes_on_as_before(law: str
         one.reset()
 
 
-def test_bad_arguments() -> None:
+def test_bad_arguments():
     with pytest.raises(UnknownNameError, match="engine"):
         simulate("paper-simulation", "nn", engine="matlab")
     with pytest.raises(ArgumentError, match="seed"):
@@ -180,7 +174,7 @@ def test_bad_arguments() -> None:
 
 
 @pytest.mark.parametrize(
-    ("error", "message", "call"),
+    "error, message, call",
     [
         (ScenarioError, "effects = none must map", lambda: Scenario(effects=None)),
         (ArgumentError, "'simulink' .* plant", lambda: export_fmu("simulink", plant="a.fmu")),
@@ -188,15 +182,13 @@ def test_bad_arguments() -> None:
         (ArgumentError, "'modelica' .* fmi", lambda: export_fmu("modelica", fmi=3)),
     ],
 )
-def test_what_is_of_another_kind_is_refused_by_its_name(
-    error: type[WmrError], message: str, call: Callable[[], object]
-) -> None:
+def test_what_is_of_another_kind_is_refused_by_its_name(error, message, call):
     """Python allows any value anywhere; each is answered as a wrong one in a file is."""
     with pytest.raises(error, match=f"(?i){message}"):
         call()
 
 
-def test_the_least_of_several_times_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_least_of_several_times_is_told(monkeypatch):
     law = compile_law("pid", "paper-simulation-nominal")
     monkeypatch.setattr("timeit.repeat", lambda *_, **__: [3.0, 1.0, 2.0])
 

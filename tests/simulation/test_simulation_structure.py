@@ -1,7 +1,5 @@
 """Scenarios of one structure share graphs and C: whatever differs in numbers alone."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np
@@ -15,9 +13,8 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.simulation.engines import runnable_of
 from wmr_ctrl.simulation.many import later, planned_tasks, tabulated
-from wmr_ctrl.simulation.runnable import RunnableLoop
 from wmr_ctrl.world.model.system import values
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 BASES = {
     "plain": {},
@@ -34,9 +31,9 @@ What limits each direction by itself makes another graph."""
 TABLES = ("robot", "limits", "initial", "disturbance", "sensor", "actuator")
 
 
-def nudged(base: Scenario, law: str) -> Scenario:
+def nudged(base, law):
     """All numbers of a scenario a little larger, where they are not 0 or infinite."""
-    changes: dict[str, object] = {}
+    changes = {}
     for key in TABLES:
         part = base.table(key)
         for name, what in quantities(type(part)):
@@ -51,14 +48,14 @@ def nudged(base: Scenario, law: str) -> Scenario:
     return override(base, changes)
 
 
-def _larger(old: object, most: float | None) -> object:
+def _larger(old, most):
     if isinstance(old, tuple):
         return [_larger(number, most) for number in old]
     return old if old in (0.0, np.inf) or most is not None else float(old) * 1.001
 
 
 @pytest.mark.parametrize(
-    ("law", "base"),
+    "law, base",
     [
         ("mb", "everything on"),
         ("prox", "plain"),
@@ -98,19 +95,19 @@ def test_what_changes_the_graphs_changes_the_structure(change):
 
 
 @pytest.mark.parametrize(
-    ("base", "key", "values"),
+    "base, key, values",
     [
         ({"encoder.counts": 512}, "encoder.window", (0.02, 0.03)),
         ({"sensor.pose_period": 0.05}, "sensor.pose_delay", (0.02, 0.03)),
     ],
 )
-def test_how_many_samples_an_effect_remembers_is_part_of_the_structure(base, key, values) -> None:
+def test_how_many_samples_an_effect_remembers_is_part_of_the_structure(base, key, values):
     one, other = (settle(load_scenario("paper-simulation", base | {key: x}), "mb") for x in values)
 
     assert structure_of(one) != structure_of(other)
 
 
-def test_the_map_of_a_guard_is_part_of_the_structure() -> None:
+def test_the_map_of_a_guard_is_part_of_the_structure():
     maps = ("", "rotation-first")
     guards = ({"guard.enabled": True, **({"guard.map": kind} if kind else {})} for kind in maps)
     one, other = (settle(load_scenario("paper-simulation", item), "pid") for item in guards)
@@ -131,11 +128,11 @@ def test_a_sweep_over_numbers_builds_its_graphs_once(monkeypatch):
     masses = [{"robot.m": 40.0 + k, "clock.duration": 0.1} for k in range(20)]
     scenarios = [load_scenario("paper-simulation", mass) for mass in masses]
 
-    def ready(scenario: Scenario) -> RunnableLoop:
+    def ready(scenario):
         setup = settle(scenario, "mb")
         return runnable_of(build_batch(setup), setup)
 
-    shares: list[float] = []
+    shares = []
     tasks = planned_tasks(ready, scenarios, [0] * 20, None, shares.append)
     table = tabulated(tasks, progress=later(shares.append))
 

@@ -1,7 +1,5 @@
 """Toys as another package would register them."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.world import toys
@@ -10,7 +8,7 @@ from wmr_ctrl.world.registry import EFFECTS
 
 
 @pytest.fixture
-def toy_world(monkeypatch: pytest.MonkeyPatch) -> None:
+def toy_world(monkeypatch):
     """The toys stand in both registries."""
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", toys.EFFECTS)
     monkeypatch.setitem(REFERENCES.__dict__, "plugins", (toys.CLOTHOID,))

@@ -1,25 +1,22 @@
 """Effects whose numbers matter, their scenarios, and a motion to feed their Systems with."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.model.evaluate import evaluated
-from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.registry import EFFECTS as REGISTRY
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 Changes = Mapping[str, Any]
 Rows = list[dict[str, list[float]]]
 
-SHORT: Changes = {"clock.duration": 0.5, "disturbance.std": 0.5, "disturbance.truncate": 3.0}
-EFFECTS: Mapping[str, Changes] = {
+SHORT = {"clock.duration": 0.5, "disturbance.std": 0.5, "disturbance.truncate": 3.0}
+EFFECTS = {
     "encoder": {"encoder.counts": 1024},
     "encoder over a window": {"encoder.counts": 1024, "encoder.window": 0.03},
     "encoder by time": {"encoder.counts": 1024, "encoder.method": "time"},
@@ -42,15 +39,15 @@ EFFECTS: Mapping[str, Changes] = {
 PARTS = ("encoder over a window", "gyro", "late pose", "lost poses", "jitter of a delay",
          "lag that varies", "motor", "wheels", "slope", "resistance", "gust")  # fmt: skip
 TOGETHER = {key: value for part in PARTS for key, value in EFFECTS[part].items()}
-ALL: Mapping[str, Changes] = {**EFFECTS, "all at once": TOGETHER}
+ALL = {**EFFECTS, "all at once": TOGETHER}
 LAW = "mb"
 
 
-def scenario(changes: Changes) -> Scenario:
+def scenario(changes):
     return scenario_of("paper-simulation", {**SHORT, **changes})
 
 
-def rows(count: int, rng: np.random.Generator, size: float = 1.0) -> Rows:
+def rows(count, rng, size=1.0):
     """A motion that wanders with its way, torques of up to 10 N m, and random numbers."""
     v = np.cumsum(rng.normal(0, 0.05 * size, count))
     w = np.cumsum(rng.normal(0, 0.1 * size, count))
@@ -72,7 +69,7 @@ def rows(count: int, rng: np.random.Generator, size: float = 1.0) -> Rows:
     ]
 
 
-def fed(system: System, motion: Rows) -> np.ndarray:
+def fed(system, motion):
     """Outputs of a System, one row for each of ``motion``."""
     graph = system.function("fed", [ca.densify(system.update), ca.densify(system.y)])
     x, shown = system.x0, []
@@ -84,7 +81,7 @@ def fed(system: System, motion: Rows) -> np.ndarray:
     return np.array(shown)
 
 
-def delayed(motion: Rows, steps: int) -> Rows:
+def delayed(motion, steps):
     """The same with torques behind a constant delay of so many steps."""
     names = ("torque", "tau_right", "tau_left")
     zero = {"torque": [0.0, 0.0], "tau_right": [0.0], "tau_left": [0.0]}
@@ -94,12 +91,12 @@ def delayed(motion: Rows, steps: int) -> Rows:
     ]
 
 
-def bound_of(effect: Effect, changes: Changes) -> Bound:
+def bound_of(effect, changes):
     assert effect.bound is not None
     return effect.bound(scenario(changes))
 
 
-BASE: Changes = {
+BASE = {
     "changes": [],
     "base": {"kind": "velocity"},
     "clock.control": 0.05,
@@ -108,12 +105,12 @@ BASE: Changes = {
 }
 
 
-def based(**base: Any) -> Scenario:
+def based(**base):
     given = {**BASE, "base": {"kind": "velocity", **base}}
     return override(load_scenario("paper-simulation-noise-free"), given)
 
 
-def acting(scenario: Scenario, commands: np.ndarray, draws: Sequence[float] = ()) -> np.ndarray:
+def acting(scenario, commands, draws=()):
     """What one effect makes of commands (N, 2), one for each plant step."""
     system = REGISTRY.present(scenario, EffectRole.COMMAND)[-1].system(scenario)
     graph = system.function("act", [ca.densify(system.update), ca.densify(system.y)])
@@ -130,9 +127,7 @@ WHEELED = {"r": 0.1, "l": 0.25, "radius": (0.02, -0.01), "track": 0.02}
 GROUND = {"m": 50.0, "g": 9.81, "l": 0.25, "v_s": 0.01}
 
 
-def assert_is_twin(
-    effect: Effect, changes: Changes, twin: Callable[..., Any], late: int = 0
-) -> None:
+def assert_is_twin(effect, changes, twin, late=0):
     """The System computes what its twin in plain Python does, fed with a motion that wanders."""
     motion = delayed(rows(400, np.random.default_rng(7)), late)
     wanted = np.array([twin(k, row) for k, row in enumerate(motion)])

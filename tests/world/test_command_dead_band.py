@@ -1,7 +1,5 @@
 """The dead band of commands."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -9,14 +7,14 @@ from tests.world.motion import acting, based
 from wmr_ctrl.world.command_dead_band import COMMAND_DEAD_BAND
 
 
-def test_a_dead_band_takes_small_commands_for_zero_and_leaves_the_others() -> None:
+def test_a_dead_band_takes_small_commands_for_zero_and_leaves_the_others():
     wanted = np.array([[0.049, -0.11], [0.051, -0.09], [-0.05, 0.1]])
     assert acting(based(deadband=[0.05, 0.1]), wanted) == pytest.approx(
         np.array([[0.0, -0.11], [0.051, 0.0], [-0.05, 0.1]])
     )
 
 
-def test_what_it_drops_is_at_most_the_dead_band_and_as_good_as_all_of_it() -> None:
+def test_what_it_drops_is_at_most_the_dead_band_and_as_good_as_all_of_it():
     """What governor and band count in `filter.d`: 0 acts instead of a smaller command."""
     scenario = based(deadband=[0.05, 0.1])
     told = np.array(COMMAND_DEAD_BAND.bounded(scenario).dropped)

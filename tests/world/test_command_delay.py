@@ -1,7 +1,5 @@
 """The delay of commands."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.world.motion import based
@@ -10,8 +8,8 @@ from wmr_ctrl.world.command_delay import COMMAND_DELAY
 from wmr_ctrl.world.scenario import override
 
 
-@pytest.mark.parametrize(("count", "possible"), [(500, True), (501, False)])
-def test_five_hundred_commands_may_be_under_way(count: int, possible: bool) -> None:
+@pytest.mark.parametrize("count, possible", [(500, True), (501, False)])
+def test_five_hundred_commands_may_be_under_way(count, possible):
     changed = {"clock.control": 0.01, "base": {"kind": "velocity", "delay": round(count * 0.01, 9)}}
     if possible:
         scenario = override(based(), changed)
@@ -22,6 +20,6 @@ def test_five_hundred_commands_may_be_under_way(count: int, possible: bool) -> N
 
 
 @pytest.mark.parametrize("name", ["delay", "unmodelled_delay", "jitter"])
-def test_a_base_that_takes_velocities_has_no_late_torques(name: str) -> None:
+def test_a_base_that_takes_velocities_has_no_late_torques(name):
     with pytest.raises(ScenarioError, match=rf"actuator\.{name} = 0\.01 s delays torques"):
         override(based(), {f"actuator.{name}": 0.01})

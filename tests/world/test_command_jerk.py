@@ -1,7 +1,5 @@
 """The jerk limit of the firmware."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,7 @@ from wmr_ctrl.world.command_jerk import COMMAND_JERK, build
 JERKY = {"jerk": [3.0, 40.0]}
 
 
-def test_a_jerk_limit_bends_the_command_so_much_and_reaches_it_without_passing() -> None:
+def test_a_jerk_limit_bends_the_command_so_much_and_reaches_it_without_passing():
     wanted = np.repeat([[0.5, 1.0], [-0.4, -2.0], [0.0, 0.0]], 2500, axis=0)
     found = acting(based(**JERKY), wanted)
     bends = np.diff(np.vstack((np.zeros((2, 2)), found)), n=2, axis=0)
@@ -23,7 +21,7 @@ def test_a_jerk_limit_bends_the_command_so_much_and_reaches_it_without_passing()
     assert reached * 1e-3 == pytest.approx(2 * (0.5 / 3.0) ** 0.5, rel=0.02)
 
 
-def test_an_axis_without_limit_is_where_its_command_is() -> None:
+def test_an_axis_without_limit_is_where_its_command_is():
     wanted = np.random.default_rng(2).uniform(-1, 1, (300, 2))
     found = acting(based(jerk=[3.0, float("inf")]), wanted)
     assert found[:, 1] == pytest.approx(wanted[:, 1], abs=1e-12)
@@ -32,7 +30,7 @@ def test_an_axis_without_limit_is_where_its_command_is() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.slow_but("0")
-def test_whatever_comes_it_stays_between_the_commands_so_far(seed: int) -> None:
+def test_whatever_comes_it_stays_between_the_commands_so_far(seed):
     """The hypothesis of the clip, which asks nothing else of a stage of the base."""
     rng = np.random.default_rng(seed)
     held = np.repeat(rng.uniform(-1, 1, (60, 2)), rng.integers(1, 150, 60), axis=0)
@@ -44,8 +42,8 @@ def test_whatever_comes_it_stays_between_the_commands_so_far(seed: int) -> None:
     assert np.abs(found - held).max() > 0.1
 
 
-@pytest.mark.parametrize(("accel", "decel"), [(1.0, 3.0), (3.0, 1.0)])
-def test_the_rate_grows_to_the_larger_limit(accel: float, decel: float) -> None:
+@pytest.mark.parametrize("accel, decel", [(1.0, 3.0), (3.0, 1.0)])
+def test_the_rate_grows_to_the_larger_limit(accel, decel):
     system = build(based(accel=[accel] * 2, decel=[decel] * 2))
     step = system.function("step", [system.y, system.update])
 

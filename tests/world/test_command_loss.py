@@ -1,7 +1,5 @@
 """Lost commands, and a base that stops when it hears none."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ from tests.world.motion import acting, based
 from wmr_ctrl.world.command_loss import COMMAND_LOSS
 
 
-def test_commands_are_lost_so_often_in_a_row_and_no_more() -> None:
+def test_commands_are_lost_so_often_in_a_row_and_no_more():
     sent = np.repeat(np.arange(1.0, 61.0), 50)
     wanted = np.column_stack((sent, -sent))
     found = acting(based(losses=2), wanted, [-1.0] * len(sent))
@@ -18,20 +16,18 @@ def test_commands_are_lost_so_often_in_a_row_and_no_more() -> None:
     assert (found[:100] == 0).all()
 
 
-def test_a_base_that_hears_nothing_stops_after_its_time_out() -> None:
+def test_a_base_that_hears_nothing_stops_after_its_time_out():
     wanted = np.full((400, 2), 0.3)
     found = acting(based(losses=100, timeout=0.12), wanted, [1.0] * 50 + [-1.0] * 350)
     assert (found[:121] == 0.3).all()
     assert (found[121:] == 0.0).all()
 
 
-@pytest.mark.parametrize(("losses", "timeout", "stops", "acts"), [
+@pytest.mark.parametrize("losses, timeout, stops, acts", [
     (2, 0.149, True, True), (2, 0.15, False, True), (34, 1.75, False, True),
     (0, 0.05, False, False), (0, 0.049, True, True), (0, 1.0, False, False),
 ])  # fmt: skip
-def test_a_base_stops_between_commands_where_its_time_out_is_shorter(
-    losses, timeout, stops, acts
-) -> None:
+def test_a_base_stops_between_commands_where_its_time_out_is_shorter(losses, timeout, stops, acts):
     scenario = based(losses=losses, timeout=timeout)
 
     assert bool(COMMAND_LOSS.bounded(scenario).hidden) is stops

@@ -1,7 +1,5 @@
 """Commands in whole steps."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ from tests.world.motion import acting, based
 from wmr_ctrl.world.command_quantum import COMMAND_QUANTUM
 
 
-def test_a_quantum_is_off_by_half_a_step_at_most() -> None:
+def test_a_quantum_is_off_by_half_a_step_at_most():
     wanted = np.random.default_rng(0).uniform(-1, 1, (200, 2))
     found = acting(based(quantum=[0.03, 0.0]), wanted)
     assert (found[:, 1] == wanted[:, 1]).all()

@@ -1,7 +1,5 @@
 """The delay of the drives, in periods and plant steps."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper
@@ -11,9 +9,9 @@ from wmr_ctrl.world.scenario import override
 
 
 @pytest.mark.parametrize(
-    ("late", "parts", "count"), [(0.0, (0, 0), 0), (0.01, (1, 0), 1), (0.013, (1, 3), 2)]
+    "late, parts, count", [(0.0, (0, 0), 0), (0.01, (1, 0), 1), (0.013, (1, 3), 2)]
 )
-def test_a_command_is_under_way_for_periods_and_steps(late, parts, count) -> None:
+def test_a_command_is_under_way_for_periods_and_steps(late, parts, count):
     scenario = override(paper(), {"actuator.delay": late, "actuator.unmodelled_delay": 0.004})
 
     assert delay_in_periods(scenario) == in_periods(late, scenario) == parts
@@ -21,7 +19,7 @@ def test_a_command_is_under_way_for_periods_and_steps(late, parts, count) -> Non
     assert DELAY.bounded(scenario).delay == pytest.approx(late + 0.004)
 
 
-def test_an_observer_keeps_five_hundred_commands_and_no_more() -> None:
+def test_an_observer_keeps_five_hundred_commands_and_no_more():
     assert override(paper(), {"actuator.delay": 5.0}).actuator.delay == 5.0
     with pytest.raises(ScenarioError, match=r"actuator\.delay = 5\.01 s is 501 times"):
         override(paper(), {"actuator.delay": 5.01})

@@ -1,7 +1,5 @@
 """The effects of this package, everywhere alike: in engines, lanes, co-simulation and refusals."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -18,17 +16,16 @@ from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.signals import TORQUE
-from wmr_ctrl.results import Run
 from wmr_ctrl.world.effect import Bound, total
 
 TWINNED = ("lost poses", "untold delay", "lag that varies")
 
 
-def run_of(name: str) -> Run:
+def run_of(name):
     return simulate(scenario(ALL[name]), LAW, seed=3)
 
 
-def different(one: Run, other: Run) -> list[str]:
+def different(one, other):
     return [
         name for name in one.columns if not np.array_equal(one[name], other[name], equal_nan=True)
     ]
@@ -92,7 +89,7 @@ def test_effects_add_up_and_two_means_are_none():
     assert "0.01 s cannot vary by 0.02" in total([Bound(delay=0.01, jitter=0.02)]).void
 
 
-@pytest.mark.parametrize(("changes", "message"), [
+@pytest.mark.parametrize("changes, message", [
     ({"encoder.counts": 0}, r"encoder\.counts = 0 must be above 0"),
     ({"encoder.counts": -8}, r"encoder\.counts = -8 must be above 0"),
     ({"encoder.counts": 10.5}, r"encoder\.counts = 10\.5 must be a whole number"),
@@ -120,7 +117,7 @@ def test_bad_numbers_are_refused_with_key_and_remedy(changes, message):
 
 
 @pytest.mark.parametrize(
-    ("name", "key"),
+    "name, key",
     [
         ("motor", "motor.stall"),
         ("wheels", "actuator.tau_max"),

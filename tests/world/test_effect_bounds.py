@@ -1,7 +1,5 @@
 """Effects fed with a motion that wanders: within their bounds, sometimes by nearly all of them."""
 
-from __future__ import annotations
-
 import itertools
 
 import casadi as ca
@@ -28,7 +26,7 @@ from wmr_ctrl.world.wheels import WHEELS
 LIMITED = {"actuator.tau_max": 10.0}
 
 
-def force_of(torque: np.ndarray) -> np.ndarray:
+def force_of(torque):
     return np.stack((torque.sum(-1), 0.25 * (torque[..., 0] - torque[..., 1])), -1) / 0.1
 
 
@@ -82,7 +80,7 @@ def test_an_encoder_is_off_the_mean_by_less_than_its_bound(window, wheels):
 
 
 @pytest.mark.parametrize(
-    ("radius", "track"),
+    "radius, track",
     [([0.1, -0.2], 0.3), ([-0.1, 0.15], -0.3), ([0.2, 0.1], 0.0), ([0.0, 0.0], 0.4)],
     ids=str,
 )
@@ -143,7 +141,7 @@ def test_a_delay_is_as_many_plant_steps_as_its_decimals_say(plant):
     assert any(int(float(f"{k * plant:.6g}") / plant) != k for k in steps)
 
 
-@pytest.mark.parametrize(("limit", "step"), [(1.05, 0.3), (10.0, 0.7), (2.0, 0.5)])
+@pytest.mark.parametrize("limit, step", [(1.05, 0.3), (10.0, 0.7), (2.0, 0.5)])
 def test_steps_of_a_motor_go_beyond_its_limit_by_no_more_than_is_counted(limit, step):
     """By half a step, where the limit is half a step from a whole number of them."""
     chosen = load_scenario("far-start", {"actuator.tau_max": limit, "motor.step": step})
@@ -153,7 +151,7 @@ def test_steps_of_a_motor_go_beyond_its_limit_by_no_more_than_is_counted(limit, 
     assert (given == pytest.approx(largest_torque(chosen))) is (step == 0.3)
 
 
-@pytest.mark.parametrize(("noise", "wanted"), [([0.1, 0.0], 1), ([0.0, 0.1], 1), ([0.0, 0.0], 0)])
+@pytest.mark.parametrize("noise, wanted", [([0.1, 0.0], 1), ([0.0, 0.1], 1), ([0.0, 0.0], 0)])
 def test_noise_of_one_velocity_alone_is_drawn(noise, wanted):
     system = velocity_noise(load_scenario("far-start", {"sensor.velocity_noise": noise}))
     (numbers,) = system.draws

@@ -1,7 +1,5 @@
 """The closed loop with every effect in it: its state put back, its numbers set from outside."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +22,7 @@ SET = {
 
 
 @pytest.fixture(scope="module")
-def fmu(tmp_path_factory) -> Fmu:
+def fmu(tmp_path_factory):
     out = tmp_path_factory.mktemp("effects")
     (path,) = export_fmu("closed-loop", law=LAW, scenario=scenario(TOGETHER), fmi=3, out=out)
     return Fmu(path, Path(extract(str(path), str(out / "extracted"))), 3)

@@ -1,7 +1,5 @@
 """Encoders: counts against a twin, and the time between counts."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -31,12 +29,12 @@ def test_counts_of_other_wheels_over_a_window_are_the_twins():
     assert_is_twin(ENCODER, changes, twin)
 
 
-def test_less_than_one_count_is_nearest_to_one() -> None:
+def test_less_than_one_count_is_nearest_to_one():
     with pytest.raises(ScenarioError, match=r"The nearest is 1\."):
         override(paper(), {"encoder.counts": 0.4})
 
 
-def by_time(way: np.ndarray, turn: np.ndarray, counts: int = 1024) -> np.ndarray:
+def by_time(way, turn, counts=1024):
     """(v1, omega) shown by the time between counts, while way [m] and angle [rad] grow so."""
     motion = rows(len(way), np.random.default_rng(1))
     for row, path, theta in zip(motion, way.tolist(), turn.tolist(), strict=True):

@@ -1,7 +1,5 @@
 """Torques at which wheels spin."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper
@@ -9,7 +7,7 @@ from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.scenario import override
 
 
-def test_what_tyres_keep_is_the_least_of_all_phases() -> None:
+def test_what_tyres_keep_is_the_least_of_all_phases():
     changes = [{"t": 1.0, "m": 20.0, "mu": 0.02}, {"t": 2.0, "m": 80.0, "mu": 0.2}]
     scenario = override(paper(), {"changes": changes})
     alone = [

@@ -1,7 +1,5 @@
 """The gyro's graph against its formula."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.world.gyro import GYRO
@@ -10,8 +8,8 @@ from wmr_ctrl.world.scenario import load_scenario
 NUMBERS = {"gyro.enabled": True, "gyro.bias": 0.02, "gyro.noise": 0.3}
 
 
-@pytest.mark.parametrize(("omega", "drawn"), [(0.7, 0.0), (-0.4, 1.0), (0.0, -0.25)])
-def test_it_shows_omega_and_its_bias_and_its_noise(omega: float, drawn: float) -> None:
+@pytest.mark.parametrize("omega, drawn", [(0.7, 0.0), (-0.4, 1.0), (0.0, -0.25)])
+def test_it_shows_omega_and_its_bias_and_its_noise(omega, drawn):
     system = GYRO.build(load_scenario("paper-simulation", NUMBERS))
     shown = system.function("shown", [system.y])([omega], [], system.p0, [drawn, 0.0])
 

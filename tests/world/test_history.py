@@ -1,14 +1,12 @@
 """The memory of samples before."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.history import history
 
 
-def test_values_age_by_a_sample_and_the_first_one_counts_as_all_before() -> None:
+def test_values_age_by_a_sample_and_the_first_one_counts_as_all_before():
     now, first = ca.SX.sym("now"), ca.SX.sym("first")
     seen = history(Signal("toy", "m", "toy"), now, first, 2)
     state = ca.vertcat(*(item.sym for item in seen.state))

@@ -1,7 +1,5 @@
 """Commands that come late by a time of their own."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper
@@ -12,16 +10,16 @@ from wmr_ctrl.world.jitter import JITTER
 from wmr_ctrl.world.scenario import override
 
 
-@pytest.mark.parametrize(("delay", "most"), [(0, 6), (13, 10)])
+@pytest.mark.parametrize("delay, most", [(0, 6), (13, 10)])
 @pytest.mark.slow_but("0-6")
-def test_it_acts_when_its_twin_does(delay: int, most: int) -> None:
+def test_it_acts_when_its_twin_does(delay, most):
     changes = {"actuator.jitter": most / 1000, "actuator.delay": delay / 1000}
     twin = twins.JitterTwin({"delay": delay, "steps": 10, "most": most})
 
     assert_is_twin(JITTER, changes, twin, late=delay)
 
 
-def test_a_jitter_of_a_whole_period_overtakes_nothing() -> None:
+def test_a_jitter_of_a_whole_period_overtakes_nothing():
     assert override(paper(), {"actuator.jitter": 0.01}).actuator.jitter == 0.01
     with pytest.raises(ScenarioError, match="could otherwise overtake"):
         override(paper(), {"actuator.jitter": 0.011})

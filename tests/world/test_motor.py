@@ -1,7 +1,5 @@
 """Motors: steps, dead zone, and less torque the faster a wheel turns."""
 
-from __future__ import annotations
-
 from tests.world import twins
 from tests.world.motion import EFFECTS, assert_is_twin
 from wmr_ctrl.world.motor import MOTOR
@@ -16,5 +14,5 @@ NUMBERS = {
 }
 
 
-def test_it_is_its_twin() -> None:
+def test_it_is_its_twin():
     assert_is_twin(MOTOR, EFFECTS["motor"], lambda _, row: twins.motor_twin(NUMBERS, row))

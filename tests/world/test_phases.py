@@ -1,7 +1,5 @@
 """Words for a robot that changes: the fewest numbers that tell its states apart."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.fields.units import plain
@@ -13,7 +11,7 @@ from wmr_ctrl.world.scenario.sections import Change
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    "changes, words",
     [
         ([], ()),
         ([{"t": 4.0, "m": 50.0}], ()),
@@ -27,14 +25,14 @@ from wmr_ctrl.world.scenario.sections import Change
         ([{"t": 4.0, "m": 65.0}, {"t": 5.0, "m": 50.0}], ("50 kg", "65 kg", "50 kg")),
     ],
 )
-def test_robots_are_told_apart(changes: list[dict[str, float]], words: tuple[str, ...]) -> None:
+def test_robots_are_told_apart(changes, words):
     case = load_scenario("paper-simulation-nominal", {"changes": changes})
 
     assert tuple(text for _, text in robots_in_words(case)) == words
 
 
 @pytest.mark.parametrize(
-    ("start", "end", "words"),
+    "start, end, words",
     [
         (0, 40, "50 kg"),
         (40, 60, "65 kg"),
@@ -42,7 +40,7 @@ def test_robots_are_told_apart(changes: list[dict[str, float]], words: tuple[str
         (0, 80, "50 kg, from 40 s on 65 kg, from 60 s on 70 kg"),
     ],
 )
-def test_windows_name_the_robots_that_drive_in_them(start: float, end: float, words: str) -> None:
+def test_windows_name_the_robots_that_drive_in_them(start, end, words):
     changes = {"changes": [{"t": 40.0, "m": 65.0}, {"t": 60.0, "m": 70.0}]}
     settings = settings_of(load_scenario("paper-simulation-nominal", changes))
 
@@ -50,9 +48,9 @@ def test_windows_name_the_robots_that_drive_in_them(start: float, end: float, wo
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [(12345670.0, "12345670"), (65.0, "65"), (1e-5, "0.00001"), (0.0, "0"), (1e-9, "1e-09")],
 )
-def test_numbers_are_written_without_exponent(value: float, text: str) -> None:
+def test_numbers_are_written_without_exponent(value, text):
     assert plain(value) == text
     assert f" coefficient of {text}." in Change(t=1.0, mu=value).sentence

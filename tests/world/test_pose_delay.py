@@ -1,7 +1,5 @@
 """Poses that come late."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tests.world.motion import fed, rows, scenario

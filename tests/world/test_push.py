@@ -1,7 +1,5 @@
 """The push of an adversary."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper
@@ -9,7 +7,7 @@ from wmr_ctrl.world.push import PUSH
 from wmr_ctrl.world.scenario import override
 
 
-def test_at_rest_the_adversary_pushes_forward() -> None:
+def test_at_rest_the_adversary_pushes_forward():
     scenario = override(paper(), {"disturbance.push": [8.0, 2.0]})
     system = PUSH.build(scenario)
     shown = system.function("shown", [system.y])

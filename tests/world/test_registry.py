@@ -3,8 +3,6 @@
 Each toy runs natively, in lanes, in the closed-loop FMU and in co-simulation, with the same bits.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from fmpy import simulate_fmu
@@ -15,7 +13,6 @@ from wmr_ctrl.api import cosimulate, export_fmu, simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownKeyError
-from wmr_ctrl.results import Run
 from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.registry import EFFECTS, OURS, SHARED
@@ -42,7 +39,7 @@ SOME = ("sensor with state and draws", "drive behind a delay", "all at once")
 LAW = "mb"
 
 
-def run_of(name: str) -> Run:
+def run_of(name):
     return simulate("paper-simulation", LAW, seed=3, overrides={**SHORT, **TOYS[name]})
 
 
@@ -107,7 +104,7 @@ def test_the_engine_without_a_compiler_agrees(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "key"), [("sensor of the way", "toy_encoder"), ("drive with state", "toy_ramp")]
+    "name, key", [("sensor of the way", "toy_encoder"), ("drive with state", "toy_ramp")]
 )
 def test_the_guard_refuses_an_effect_without_a_bound(name, key):
     with pytest.raises(ScenarioError, match=rf"\[{key}\]\) states no bound"):

@@ -25,7 +25,6 @@ from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
 from wmr_ctrl.world.model.system import NORMAL, Output, Parameters, System, draw, port, ports
 from wmr_ctrl.world.references.registry import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import Scenario
 
 pytestmark = pytest.mark.usefixtures("toy_world")
 SHORT = {"clock.duration": 0.3, "disturbance.truncate": 3.0}
@@ -37,7 +36,7 @@ class Shake(Section, key="shake"):
     force: float = quantity(0.0, unit="N", doc="mean force backwards", minimum=0)
 
 
-def shaken(scenario: Scenario, signals: tuple[Signal, ...] = BODY_FORCE) -> System:
+def shaken(scenario, signals=BODY_FORCE):
     """A force with a mean, and random numbers around it, without state."""
     p = Parameters(scenario)
     force = p.take("shake.force")
@@ -79,7 +78,7 @@ def shaking(**more):
 
 
 @pytest.mark.parametrize(
-    ("field", "value"),
+    "field, value",
     [
         ("name", ""), ("name", 3), ("role", "disturbance"), ("role", EffectRole.SENSOR),
         ("rate", "step"), ("section", Section()), ("switches", "force"), ("switches", ("size",)),
@@ -156,7 +155,7 @@ def test_an_effect_reads_what_its_role_is_told(registered, signal):
 
 
 def test_random_numbers_are_of_a_kind_that_there_is(registered):
-    def build(scenario: Scenario) -> System:
+    def build(scenario):
         system = shaken(scenario)
         return replace(system, draws=(replace(system.draws[0], kind="poisson"),))
 
@@ -167,7 +166,7 @@ def test_random_numbers_are_of_a_kind_that_there_is(registered):
 
 @pytest.mark.parametrize("name", ["x", "V1", "tau_right", "shake_now"])
 def test_a_diagnostic_has_a_name_of_its_own(registered, name):
-    def build(scenario: Scenario) -> System:
+    def build(scenario):
         named = (Output(Signal(name, "1", "something"), ca.SX(0)),)
         again = (Output(Signal("shake_now", "1", "something"), ca.SX(0)),)
         return replace(shaken(scenario), diagnostics=(*named, *again))
@@ -200,7 +199,7 @@ class OtherLag(Section, key="other_lag"):
     time: float = quantity(0.0, unit="s", doc="time constant", minimum=0)
 
 
-def lagging(scenario: Scenario) -> System:
+def lagging(scenario):
     """A first order, exact over a plant step."""
     torque, p = ports(TORQUE), Parameters(scenario)
     old = port(Signal("other_torque", "N.m", "torque of the previous plant step", 2))
@@ -237,19 +236,19 @@ class Point:
     loaded: object
     value: str = "somewhere:X"
 
-    def load(self) -> object:
+    def load(self):
         """What it points to."""
         if isinstance(self.loaded, Exception):
             raise self.loaded
         return self.loaded
 
 
-def table(key: str) -> type[Section]:
+def table(key):
     return type("Own", (Section,), {"KEY": key})
 
 
 @pytest.mark.parametrize(
-    ("loaded", "said"),
+    "loaded, said",
     [
         (3, "must point to a Effect"),
         (ModuleNotFoundError("No module named 'nowhere'"), "nowhere"),
@@ -278,10 +277,10 @@ def test_no_reference_takes_the_name_of_another(monkeypatch):
         tuple(type(REFERENCES)())
 
 
-def reference(*changed: Output, inputs: tuple = ()) -> object:
+def reference(*changed, inputs=()):
     """The toy clothoid with other outputs or inputs."""
 
-    def build(scenario: Scenario) -> System:
+    def build(scenario):
         system = toys.CLOTHOID.build(scenario)
         return replace(system, outputs=changed or system.outputs, inputs=(*system.inputs, *inputs))
 

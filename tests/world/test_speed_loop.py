@@ -1,13 +1,11 @@
 """Which axes a kind of speed loop drives."""
 
-from __future__ import annotations
-
 from tests.world.motion import based
 from wmr_ctrl.world.scenario import override
 from wmr_ctrl.world.speed_loop import has_loop
 
 
-def test_only_a_base_that_takes_velocities_has_a_loop_on_each_axis() -> None:
+def test_only_a_base_that_takes_velocities_has_a_loop_on_each_axis():
     mixed = based(loop=["first-order", "pi"])
 
     assert has_loop(mixed, "pi", [1])

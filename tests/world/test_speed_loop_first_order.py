@@ -1,7 +1,5 @@
 """The first-order speed loop."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -11,7 +9,7 @@ from tests.world.test_speed_loops import forced
 from wmr_ctrl.world.speed_loop_first_order import reach
 
 
-def test_it_pulls_as_far_as_a_first_order_goes_in_a_step_and_holds_friction() -> None:
+def test_it_pulls_as_far_as_a_first_order_goes_in_a_step_and_holds_friction():
     base = based(tau=[0.2, 0.1], gain=[1.1, 0.9])
     (thrust, moment), _ = forced(base, [0.5, 1.0, 0.3, -0.2], [0.0, 0.0])
 

@@ -1,7 +1,5 @@
 """The second-order speed loop, against the exponential of its equation."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -12,7 +10,7 @@ from wmr_ctrl.world.speed_loop_second_order import SECOND_ORDER
 
 
 @pytest.mark.parametrize("damping", [0.05, 1.0, 1.0 + 1e-9, 1.5, 2.5])
-def test_over_a_step_it_goes_where_its_equation_does(damping: float) -> None:
+def test_over_a_step_it_goes_where_its_equation_does(damping):
     w, gain, u, v, a = np.array([8.0, 15.0]), 1.1, [0.5, 1.0], [0.3, -0.2], [0.7, -0.4]
     base = based(loop="second-order", frequency=[*w], damping=[damping] * 2, gain=[gain] * 2)
 

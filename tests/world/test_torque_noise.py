@@ -1,7 +1,5 @@
 """Torque noise, and what bounds it."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -10,17 +8,15 @@ from tests.world.motion import scenario
 from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, noise_at_most, unbounded
 
 
-def test_it_is_its_deviation_times_what_is_drawn() -> None:
+def test_it_is_its_deviation_times_what_is_drawn():
     system = TORQUE_NOISE_EFFECT.build(scenario({"disturbance.std": 0.5}))
     shown = system.function("shown", [system.y])([], [], system.p0, [2.0, -1.0])
 
     assert shown.full().ravel() == pytest.approx([1.0, -0.5])
 
 
-@pytest.mark.parametrize(("truncate", "sigmas"), [(2.5, 2.5), (math.inf, 3.0)])
-def test_the_guard_counts_both_wheels_at_the_truncation_or_three_deviations(
-    truncate: float, sigmas: float
-) -> None:
+@pytest.mark.parametrize("truncate, sigmas", [(2.5, 2.5), (math.inf, 3.0)])
+def test_the_guard_counts_both_wheels_at_the_truncation_or_three_deviations(truncate, sigmas):
     noisy = scenario({"disturbance.std": 0.5, "disturbance.truncate": truncate})
     thrust = 2 * sigmas * 0.5 / 0.1
 

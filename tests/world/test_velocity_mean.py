@@ -1,7 +1,5 @@
 """Late and averaged velocities."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper
@@ -12,13 +10,13 @@ from wmr_ctrl.world.velocity_mean import VELOCITY_MEAN
 
 
 @pytest.mark.parametrize("window", [0, 3])
-def test_a_mean_or_a_late_velocity_is_its_twins(window: int) -> None:
+def test_a_mean_or_a_late_velocity_is_its_twins(window):
     changes = {"sensor.velocity_window": window * 0.01, "sensor.velocity_age": 0.02}
 
     assert_is_twin(VELOCITY_MEAN, changes, twins.MeanTwin({"window": window, "age": 2, "T": 0.01}))
 
 
-def test_a_mean_is_off_by_the_rounding_of_the_way_and_what_is_late_by_nothing() -> None:
+def test_a_mean_is_off_by_the_rounding_of_the_way_and_what_is_late_by_nothing():
     """2^-53 of u1 times the duration in each step, and as much for the difference."""
     scenario = override(paper(), {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01})
     late = override(paper(), {"sensor.velocity_age": 0.01})

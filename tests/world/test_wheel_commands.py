@@ -1,10 +1,6 @@
 """Dead bands and ramps of wheels, from their graph."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +13,7 @@ L = CREATE3.robot.l
 BAND = 0.03
 
 
-def acting(changes: Mapping[str, Any], commands: np.ndarray) -> np.ndarray:
+def acting(changes, commands):
     """Commands (n, ..., 2) behind the firmware of the wheels, from its graph."""
     system = WHEEL_COMMANDS.system(override(CREATE3, changes))
     asked = commands.reshape(len(commands), -1, 2)
@@ -30,19 +26,19 @@ def acting(changes: Mapping[str, Any], commands: np.ndarray) -> np.ndarray:
     return np.array(rows).reshape(commands.shape)
 
 
-def rims(pairs: np.ndarray) -> np.ndarray:
+def rims(pairs):
     return np.stack([pairs[:, 0] + L * pairs[:, 1], pairs[:, 0] - L * pairs[:, 1]], axis=1)
 
 
-def test_a_wheel_within_its_dead_band_stands_and_the_other_turns() -> None:
+def test_a_wheel_within_its_dead_band_stands_and_the_other_turns():
     commands = np.random.default_rng(1).uniform(-1, 1, (500, 2)) * (0.08, 0.6)
     wanted, got = rims(commands), rims(acting({"base.wheel_deadband": BAND}, commands))
     assert got == pytest.approx(np.where(np.abs(wanted) < BAND, 0.0, wanted), abs=1e-15)
     assert 0.2 < (np.abs(wanted) < BAND).mean() < 0.8
 
 
-@pytest.mark.parametrize(("accel", "decel"), [(0.5, 0.5), (0.4, 1.2), (math.inf, 0.6)])
-def test_rims_change_no_faster_than_their_ramps(accel: float, decel: float) -> None:
+@pytest.mark.parametrize("accel, decel", [(0.5, 0.5), (0.4, 1.2), (math.inf, 0.6)])
+def test_rims_change_no_faster_than_their_ramps(accel, decel):
     commands = np.repeat(np.random.default_rng(2).uniform(-1, 1, (40, 2)) * (0.3, 1.5), 50, axis=0)
     ramps = {"base.wheel_accel": accel, "base.wheel_decel": decel}
     got, h = rims(acting(ramps, commands)), CREATE3.clock.plant
@@ -54,7 +50,7 @@ def test_rims_change_no_faster_than_their_ramps(accel: float, decel: float) -> N
     assert (np.abs(got[49::50] - reached) < 1e-12).any(axis=1).mean() > 0.1
 
 
-def test_a_wheel_kept_at_rest_changes_the_command_by_half_of_its_dead_band_at_most() -> None:
+def test_a_wheel_kept_at_rest_changes_the_command_by_half_of_its_dead_band_at_most():
     """`dropped` is what may act of a command that is as large as the limit allows or smaller."""
     changes = {"base.wheel_deadband": BAND}
     told = np.array(WHEEL_COMMANDS.bounded(override(CREATE3, changes)).dropped)
@@ -69,19 +65,16 @@ def test_a_wheel_kept_at_rest_changes_the_command_by_half_of_its_dead_band_at_mo
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("changes", "off"),
+    "changes, off",
     [({"base.wheel_deadband": BAND}, BAND / 2),
      ({"base.wheel_accel": 0.9, "base.wheel_decel": 0.9}, 0.9e-3),
      ({"base.wheel_deadband": BAND, "base.wheel_accel": 0.9, "base.wheel_decel": 0.9},
       BAND / 2 + 0.9e-3)],
 )  # fmt: skip
-def test_wheels_take_the_base_no_farther_than_is_counted(
-    changes: Mapping[str, Any], off: float
-) -> None:
+def test_wheels_take_the_base_no_farther_than_is_counted(changes, off):
     """Commands within a box, that change at any time: what acts is within it but for the bound."""
     rng = np.random.default_rng(5)
     told = WHEEL_COMMANDS.bounded(override(CREATE3, changes))
-    assert told is not None
     assert told.command == pytest.approx((off, off / L))
     most = np.stack([rng.uniform(0.02, 0.3, 300), rng.uniform(0.2, 1.9, 300)], axis=1)
     commands, held = np.zeros((1500, 300, 2)), np.zeros((300, 2))
@@ -94,7 +87,7 @@ def test_wheels_take_the_base_no_farther_than_is_counted(
     assert worst.max() > 0
 
 
-def test_wheels_that_start_and_stop_at_two_rates_leave_the_box() -> None:
+def test_wheels_that_start_and_stop_at_two_rates_leave_the_box():
     """So no filter takes them; 0.15 of 0.1 m/s in the draft's example."""
     turn = 0.2 / L
     commands = np.repeat([[0.1, turn], [0.1, -turn]], 2000, axis=0)

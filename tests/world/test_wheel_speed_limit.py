@@ -1,7 +1,5 @@
 """The limit of the wheels' speeds."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ from tests.world.motion import acting, based
 from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT
 
 
-def test_a_wheel_limit_couples_both_axes_and_lets_neither_grow() -> None:
+def test_a_wheel_limit_couples_both_axes_and_lets_neither_grow():
     wanted = np.random.default_rng(1).uniform(-3, 3, (500, 2))
     found = acting(based(w_max=8.0), wanted)
     wheels = np.column_stack([found @ [1.0, 0.25], found @ [1.0, -0.25]])

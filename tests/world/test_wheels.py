@@ -1,7 +1,5 @@
 """Wheels of another size than believed."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 

@@ -1,10 +1,5 @@
 """What acts on the commands of a base that takes velocities, in runs and before a filter."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -14,7 +9,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import override
 
-IN_RUNS: Mapping[str, Mapping[str, Any]] = {
+IN_RUNS = {
     "ramp": {"accel": [1.0, 3.0]},
     "jerk": {"jerk": [3.0, 9.0]},
     "dead band": {"deadband": [0.2, 0.3]},
@@ -27,7 +22,7 @@ IN_RUNS: Mapping[str, Mapping[str, Any]] = {
 
 @pytest.mark.parametrize("name", IN_RUNS)
 @pytest.mark.slow_but("losses")
-def test_it_acts_in_runs_alike_in_both_engines(name: str) -> None:
+def test_it_acts_in_runs_alike_in_both_engines(name):
     scenario = based(**IN_RUNS[name])
     native, numpy = (wmr_ctrl.simulate(scenario, "kanayama", engine=e) for e in ("native", "numpy"))
     plain = wmr_ctrl.simulate(based(), "kanayama", engine="numpy")
@@ -40,7 +35,7 @@ GOVERNOR = {"kind": "governor", "tau": [0.2, 0.2], "delay": [0.02, 0.02]}
 
 
 @pytest.mark.parametrize(
-    ("name", "words"),
+    "name, words",
     [
         ("ramp", "ramps"),
         ("jerk", "rounds"),
@@ -51,9 +46,7 @@ GOVERNOR = {"kind": "governor", "tau": [0.2, 0.2], "delay": [0.02, 0.02]}
         ("time-out", "the base stops"),
     ],
 )
-def test_a_governor_counts_on_none_of_them_and_a_clip_on_errors_alone(
-    name: str, words: str
-) -> None:
+def test_a_governor_counts_on_none_of_them_and_a_clip_on_errors_alone(name, words):
     broken = based(**{"delay": 0.02, **IN_RUNS[name]})
     with pytest.raises(ScenarioError) as error:
         settle(override(broken, {"filter": {**GOVERNOR, "losses": 3 * (name == "time-out")}}), None)

@@ -1,7 +1,5 @@
 """Everyday robots: presets keep the limit behind guard or filter, and leave it without."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.guard_runs import overrides_of
@@ -31,7 +29,7 @@ def test_a_robot_is_complete_and_guarded(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "law"), [("robot-10ms", "nn"), ("robot-10ms", "pid"), ("robot-100ms", "mb")]
+    "name, law", [("robot-10ms", "nn"), ("robot-10ms", "pid"), ("robot-100ms", "mb")]
 )
 @pytest.mark.slow_but("robot-10ms-nn")
 def test_it_tracks_inside_the_limit(name, law):
@@ -55,7 +53,7 @@ def remarks(name, law, seeds=10, **overrides):
     return {item.key for run in runs for item in run.remarks} | {item.key for item in warnings}
 
 
-@pytest.mark.parametrize(("name", "law"), [("robot-10ms", "pid"), ("robot-100ms", "prox")])
+@pytest.mark.parametrize("name, law", [("robot-10ms", "pid"), ("robot-100ms", "prox")])
 @pytest.mark.slow
 def test_nothing_is_to_be_said_against_laws_and_runs(name, law):
     assert remarks(name, law) == set()

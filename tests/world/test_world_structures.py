@@ -1,7 +1,5 @@
 """One robot and lanes of robots leave the same bits, whatever their loop is made of."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping
 
@@ -23,8 +21,8 @@ Changes = Mapping[str, object]
 
 KINDS = (*(kind.name for kind in OURS), CLOTHOID.name)
 POINTS = [[0.0, 0.0], [1.0, 0.2], [2.0, 1.0], [2.5, 2.0]]
-BASE: Changes = {"clock.duration": 1.2, "changes": [{"t": 0.6, "m": 60.0, "I": 6.5, "mu": 0.12}]}
-EFFECTS: tuple[Changes, ...] = (
+BASE = {"clock.duration": 1.2, "changes": [{"t": 0.6, "m": 60.0, "I": 6.5, "mu": 0.12}]}
+EFFECTS = (
     {"disturbance.truncate": 1.5},
     {"disturbance.push": [3.0, 0.5]},
     {"sensor.pose_period": 0.05, "sensor.pose_noise": 0.004, "sensor.correction": 0.6},
@@ -43,7 +41,7 @@ BOUNDLESS = ("toy_encoder", "toy_ramp")
 COUNT = 10
 
 
-def structure(number: int) -> tuple[str, Changes]:
+def structure(number):
     """A law, and what is drawn for it: effects, guard, a reference; every kind in its turn."""
     draw, guard = random.Random(number), number % 3 > 0
     known = [item for item in EFFECTS if not (guard and next(iter(item)).startswith(BOUNDLESS))]
@@ -55,7 +53,7 @@ def structure(number: int) -> tuple[str, Changes]:
     return NAMES[number % len(NAMES)], changes
 
 
-def bits(tasks: list[Task]) -> list[list[bytes]]:
+def bits(tasks):
     """All that the runs of a batch leave, with a log and without."""
     windows = list(windows_of(tasks[0].loop.settings).values())
     logged, watched = laid_out(tasks, [], log=True), laid_out(tasks, windows)

@@ -35,7 +35,6 @@ from wmr_ctrl.world.model.system import (
     stack,
 )
 from wmr_ctrl.world.references.kind import Reference, ReferenceKind
-from wmr_ctrl.world.scenario import Scenario
 
 OMEGA = MEASURED_VELOCITY[1]
 THETA = PLANT_STATE[2]
@@ -50,7 +49,7 @@ class ToyGyro(Section, key="toy_gyro"):
     walk: float = quantity(0.0, unit="rad/s", doc="largest step of the bias in a sample", minimum=0)
 
 
-def gyro(scenario: Scenario) -> System:
+def gyro(scenario):
     """Measured omega with a bias that moves by walk times a uniform number in each sample."""
     omega, p = port(OMEGA), Parameters(scenario)
     bias = port(Signal("toy_bias", "rad/s", "bias of the toy gyro"))
@@ -87,7 +86,7 @@ class ToyEncoder(Section, key="toy_encoder"):
     step: float = quantity(0.0, unit="m", doc="way of one count; 0: none", minimum=0)
 
 
-def encoder(scenario: Scenario) -> System:
+def encoder(scenario):
     """Measured v1: the way since the previous sample, in whole steps, over the period."""
     travel, p = port(TRAVEL), Parameters(scenario)
     step, period = p.take("toy_encoder.step"), p.take("clock.control")
@@ -114,7 +113,7 @@ class ToyRamp(Section, key="toy_ramp"):
     rate: float = quantity(0.0, unit="N.m/s", doc="largest rate; 0: the torque jumps", minimum=0)
 
 
-def ramp(scenario: Scenario) -> System:
+def ramp(scenario):
     """Torque that moves towards what arrives by at most rate h in a plant step."""
     torque, p = ports(TORQUE), Parameters(scenario)
     old = port(Signal("toy_torque", "N.m", "torque of the previous plant step", 2))
@@ -144,7 +143,7 @@ class ToySlope(Section, key="toy_slope"):
     angle: float = quantity(0.0, unit="rad", doc="rise of the ground along +X", minimum=0)
 
 
-def slope(scenario: Scenario) -> System:
+def slope(scenario):
     """Gravity along the heading, -m g sin(angle) times the share of it that points uphill."""
     theta, p = port(THETA), Parameters(scenario)
     pull = p.take("robot.m") * p.take("robot.g") * ca.sin(p.take("toy_slope.angle"))
@@ -157,7 +156,7 @@ def slope(scenario: Scenario) -> System:
     )
 
 
-def slope_bound(scenario: Scenario) -> Bound:
+def slope_bound(scenario):
     """The heaviest robot straight downhill."""
     heaviest = max((scenario.robot.m, *(c.m for c in scenario.changes if c.m)))
     pull = heaviest * scenario.robot.g * math.sin(scenario.section(ToySlope).angle)
@@ -176,7 +175,7 @@ class ToyGust(Section, key="toy_gust"):
     torque: float = quantity(0.0, unit="N.m", doc="standard deviation of a step's kick", minimum=0)
 
 
-def gust(scenario: Scenario) -> System:
+def gust(scenario):
     """Filtered noise on both wheels, the difference of two pairs, drawn anew in each plant step."""
     p, state = Parameters(scenario), port(Signal("toy_gust", "N.m", "filtered noise", 2))
     kick = draw(Signal("toy_gust", "1", "numbers", 4), NORMAL, p.take("toy_gust.torque") > 0, 3.0)
@@ -213,16 +212,16 @@ class ToyClothoid(Reference):
     growth: float = quantity(0.2, unit="1/m2", doc="growth of the curvature over the way")
 
 
-def clothoid(scenario: Scenario) -> System:
+def clothoid(scenario):
     """Position by Simpson's rule from sample to sample; orientation and rates in closed form."""
     time, p = port(TIME), Parameters(scenario)
     v, growth, T = p.take("ref_speed"), p.take("ref_growth"), p.take("clock.control")
     place = port(Signal("ref_place", "m", "desired position", 2))
 
-    def angle(t: ca.SX) -> ca.SX:
+    def angle(t):
         return growth * (v * t) ** 2 / 2
 
-    def velocity(t: ca.SX) -> ca.SX:
+    def velocity(t):
         return v * ca.vertcat(-ca.sin(angle(t)), ca.cos(angle(t)))
 
     t = time.sym
@@ -252,7 +251,7 @@ class ToyLate(Section, key="toy_late"):
     time: float = quantity(0.0, unit="s", doc="how long a torque takes to arrive", minimum=0)
 
 
-def late(scenario: Scenario) -> System:
+def late(scenario):
     """The torque that arrives."""
     torque, p = ports(TORQUE), Parameters(scenario)
     time = p.take("toy_late.time")

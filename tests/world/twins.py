@@ -3,8 +3,6 @@
 A twin is fed the same true motion, commands and random numbers as the System, in order.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 
@@ -16,10 +14,10 @@ Numbers = Mapping[str, float | Sequence[float]]
 class EncoderTwin:
     """Counts differenced over a window."""
 
-    def __init__(self, n: Numbers) -> None:
+    def __init__(self, n):
         self.n, self.counts = n, []
 
-    def __call__(self, k: int, row: Row) -> tuple[float, float]:
+    def __call__(self, k, row):
         n = self.n
         arm = n["l"] * (1 + n["track"])
         right, left = (n["r"] * (1 + e) for e in n["radius"])
@@ -37,10 +35,10 @@ class EncoderTwin:
 class MeanTwin:
     """Mean velocity over a window that ended some samples ago, from the way."""
 
-    def __init__(self, n: Numbers) -> None:
+    def __init__(self, n):
         self.n, self.rows = n, []
 
-    def __call__(self, k: int, row: Row) -> tuple[float, float]:
+    def __call__(self, k, row):
         n = self.n
         window, age = n["window"], n["age"]
         self.rows.append(row)
@@ -55,10 +53,10 @@ class MeanTwin:
 class JitterTwin:
     """Commands that arrive at the beginning of a period and wait: a list of takeovers."""
 
-    def __init__(self, n: Numbers) -> None:
+    def __init__(self, n):
         self.n, self.takeovers = n, []
 
-    def __call__(self, i: int, row: Row) -> tuple[float, float]:
+    def __call__(self, i, row):
         n = self.n
         phase = (i - n["delay"]) % n["steps"]
         if phase == 0:
@@ -72,7 +70,7 @@ class JitterTwin:
         )[1][1]
 
 
-def motor_twin(n: Numbers, row: Row) -> tuple[float, float]:
+def motor_twin(n, row):
     """Steps, dead zone and line, wheel by wheel."""
     shown = []
     for torque, side in zip(row["torque"], (1, -1), strict=True):
@@ -87,13 +85,13 @@ def motor_twin(n: Numbers, row: Row) -> tuple[float, float]:
     return shown[0], shown[1]
 
 
-def wheels_twin(n: Numbers, row: Row) -> tuple[float, float]:
+def wheels_twin(n, row):
     """Thrust [N] and moment [N m] at wheels of the true size."""
     forces = [t / (n["r"] * (1 + e)) for t, e in zip(row["torque"], n["radius"], strict=True)]
     return sum(forces), n["l"] * (1 + n["track"]) * (forces[0] - forces[1])
 
 
-def slope_twin(n: Numbers, row: Row) -> tuple[float, float]:
+def slope_twin(n, row):
     """Gravity as a vector in the plane of the ground, resolved along the heading and its left."""
     theta = row["theta"][0]
     ahead = (-math.sin(theta), math.cos(theta))
@@ -104,7 +102,7 @@ def slope_twin(n: Numbers, row: Row) -> tuple[float, float]:
     return along, n["offset"] * across
 
 
-def resistance_twin(n: Numbers, row: Row) -> tuple[float, float]:
+def resistance_twin(n, row):
     """Each wheel's resistance with its arm, and viscous friction."""
     v, w = row["v1"][0], row["omega"][0]
     forces = [
@@ -118,10 +116,10 @@ def resistance_twin(n: Numbers, row: Row) -> tuple[float, float]:
 class GustTwin:
     """Filtered numbers."""
 
-    def __init__(self, n: Numbers) -> None:
+    def __init__(self, n):
         self.n, self.share = n, [0.0, 0.0]
 
-    def __call__(self, k: int, row: Row) -> tuple[float, float]:
+    def __call__(self, k, row):
         a = math.exp(-self.n["T"] / self.n["time"])
         self.share = [a * s + (1 - a) * u for s, u in zip(self.share, row["gust"], strict=True)]
         first, second = (g * s for g, s in zip(self.n["size"], self.share, strict=True))

@@ -32,6 +32,7 @@ from wmr_ctrl.world.scenario import Scenario, override, unit_questions, unknown_
 from wmr_ctrl.world.scenario.toml_io import InheritedValue
 
 from . import check_sentences
+from .check_stopping import stop_lines, stopping_numbers
 from .console import Progress, say, table, wrapped
 
 MOST_STEPS = 2_000_000
@@ -213,10 +214,16 @@ def document(answers: Answers) -> dict[str, object]:
         },
         "guard": check_sentences.guard_numbers(answers.setup),
         "filter": filtering and asdict(filtering),
+        **stopping_numbers(case),
         "bounds": bounds(answers.setup),
         "robots": [{"from": t, "robot": words} for t, words in robots_in_words(case)],
         "corridor": {law: tube.figures for law, tube in answers.tubes.items()} or None,
     }
+
+
+def _filter_lines(setup: Setup) -> Iterator[str]:
+    yield from check_sentences.filter_lines(setup)
+    yield from stop_lines(setup)
 
 
 def _grip(case: Scenario) -> dict[str, float | None]:
@@ -342,7 +349,7 @@ def _seen(answers: Answers, law: str) -> list[Remark]:
 
 def findings(answers: Answers) -> Iterator[Note]:
     """All findings: first those on the scenario, then those on each law."""
-    about = {"guard": check_sentences.guard_lines, "filter": check_sentences.filter_lines}
+    about = {"guard": check_sentences.guard_lines, "filter": _filter_lines}
     for key, lines in about.items():
         yield from (Note("", key, line) for line in lines(answers.setup))
     if zero := unknown_zero(answers.setup):

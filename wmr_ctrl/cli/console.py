@@ -143,8 +143,6 @@ def explain(error: Exception, *, debug: bool) -> int:
         click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
     text, code = _told(error)
     say("error", text)
-    for note in vars(error).get("__notes__", ()):
-        click.echo(note, err=True)
     return code
 
 

@@ -30,26 +30,24 @@ def study(
 
     A plan names a scenario, laws, guards and seeds, values of fields ([grid]), ranges of fields
     ([sample]) and a rule to stop ([stop]). The table has the same bytes for any executor, any
-    number of jobs, and after interruptions. `study plot DIR` draws its pictures, `study parquet
-    DIR` also writes the table by columns. The output ends with the shares of runs that kept the
-    limits and that tracked. If the guard refused every run, the exit code is 1.
+    number of jobs, and after interruptions. `study plot DIR` draws its pictures. The output ends
+    with the shares of runs that kept the limits and that tracked. If the guard refused every run,
+    the exit code is 1.
     """
-    if words[0] in ("plot", "parquet") and len(words) == 2:
+    if words[0] == "plot" and len(words) == 2:
         if report or out:
             raise click.UsageError("--out and --report belong to a study that is run.")
         from wmr_ctrl.report.study_figures import plot_study
-        from wmr_ctrl.simulation.campaign.study_store import write_columns
 
-        draws = words[0] == "plot"
-        with Progress("drawing" if draws else "writing", measured=False):
-            paths = plot_study(words[1]) if draws else [write_columns(words[1])]
+        with Progress("drawing", measured=False):
+            paths = plot_study(words[1])
         if as_json:
             print_json([str(path) for path in paths])
         for path in paths:
             say("wrote", str(path))
         return
     if len(words) != 1 or out is None:
-        raise click.UsageError("give PLAN.toml and --out DIR, or `plot DIR`, or `parquet DIR`.")
+        raise click.UsageError("give PLAN.toml and --out DIR, or `plot DIR`.")
     opt.check_folder(out, "--out")
     from wmr_ctrl import api
     from wmr_ctrl.simulation.campaign.study_plan import load_plan
@@ -127,15 +125,13 @@ def tune(
     With --merit corridor the certified corridor takes the place of position_rms; gains with a
     certificate rank above all without one, which are ranked by the linear loop's deviation. Fewer
     runs that end early rank above a smaller objective. Writes the scenario with the gains found,
-    and shows how they perform on test seeds and on references that were not used for training. An
-    interrupted search continues when the command is repeated.
+    and shows how they perform on test seeds and on references that were not used for training.
     """
     from wmr_ctrl.simulation import tuning
-    from wmr_ctrl.simulation.tuning.search import trials_file
 
     case = opt.load(scenario, assignments)
     opt.note_idle(case, scenario, assignments, [law])
-    with resumable(trials_file(Path(out))), Progress(f"tune {law}") as progress:
+    with Progress(f"tune {law}") as progress:
         better = tuning.tune(
             case,
             law,

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmr_ctrl.control.loop import CLOCK, LIMITS
+from wmr_ctrl.control.loop import CLOCK, COUNTED
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.compiled import CompiledLoop
 from wmr_ctrl.world.effect import Rate
@@ -58,7 +58,7 @@ def loop_functions(setup: Setup) -> LoopFunctions:
     for item in loop.streams:
         made = (item.number, item.size, item.normal, item.draw.held)
         rates[item.rate].append(StreamNumbers(*made, wanted=next(said) != 0.0, bound=next(said)))
-    limits = tuple(clock[CLOCK.index(LIMITS[0]) : len(CLOCK)])
+    limits = tuple(clock[CLOCK.index(COUNTED[0]) : len(CLOCK)])
     sample, step = map(InPlace.with_arrays, (functions["sample_logged"], functions["step"]))
     streams = tuple(rates[Rate.SAMPLE]), tuple(rates[Rate.STEP])
     return LoopFunctions(numbers, sample, step, *streams, limits)

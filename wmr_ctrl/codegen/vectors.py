@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 SAMPLES = 6
 """Samples of a run; the memory begins anew with each run and is carried from sample to sample."""
 
+FAR = 100.0
+"""Free ways [m, rad] that limit no command."""
 TOLERANCES = {False: 1e-12, True: 2e-4}
 """By whether it is single precision: largest error of a torque, relative to 1 N m + its size."""
 
@@ -70,10 +72,14 @@ def vectors_of(
     counts = np.zeros((len(inputs), 0), int)
     if MOVED in known:
         inputs, counts = _with_counts(inputs, system, half)
-    if REFUSED in known:  # nothing is late, nothing refused
-        at = places(item.signal for item in system.inputs)
-        for signal in (signal for signal in (ODOMETRY_AGE, ELAPSED, REFUSED) if signal in known):
-            inputs = np.insert(inputs, at[signal.name].start, 0.0, axis=1)
+    if REFUSED in known:  # nothing is late, nothing refused, and nothing in the way
+        at, sides = places(item.signal for item in system.inputs), np.ravel(limits.sides)
+        told = {LIMITS: sides, FREE: [FAR] * 4} | dict.fromkeys(
+            (ODOMETRY_AGE, ELAPSED, FREE_AGE, REFUSED), [0.0]
+        )
+        for signal in (item.signal for item in system.inputs if item.signal in told):
+            begin = [at[signal.name].start] * signal.size
+            inputs = np.insert(inputs, begin, told[signal], axis=1)
     if float32:
         inputs, p = (values.astype(np.float32).astype(np.float64) for values in (inputs, p))
     torques = np.empty((len(inputs), system.y.numel()))

@@ -46,12 +46,16 @@ from wmr_ctrl.world.model.system import Parameters, Port, System, port, stack, v
 from wmr_ctrl.world.phases import demanded
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.scenario import unknown_keys
+from wmr_ctrl.world.sight import WIDEST, free_ways
 from wmr_ctrl.world.speed_loop import EXERTED
 
 from .controller import watched_controller, wheel_limit
+from .filter.stop_numbers import smallest_window, stopping
+from .filter.stopping import FREE, FREE_AGE, LIMITS
 from .laws.context import own_diagnostics
 from .setup import Setup
 from .sides import sides
+from .velocity import FREE_NARROW
 from .wiring import Named, Stream, Wiring, held_signals, pushes
 
 SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples", "needed", "saturated")
@@ -64,12 +68,15 @@ SEEN = (*SUMS, "peak", "clip1", "clip2", "least1", "least2", "beyond1", "beyond2
 """Monitor of every run without a log: also the largest |torque| [N m], and of the guard's
 monitor per axis whether it clipped, d_least [N, N m], and whether that contradicts the bounds."""
 SIDES = ("v_max_linear", "v_max_angular", "v_min_linear", "v_min_angular")
-LIMITS = (*SIDES, "wheel_speed", "half_track")
-CLOCK = ("control", "plant", "delay_steps", *LIMITS)
+COUNTED = (*SIDES, "wheel_speed", "half_track")
+CLOCK = ("control", "plant", "delay_steps", *COUNTED)
 """Numbers that the runtime takes from the parameters, before two for each stream: wanted, bound.
 Beyond these limits of v and omega, or of a rim, and NO_VIOLATION a step counts as a violation."""
 TRAVELLED = Signal("travel_mark", "m, rad", "way and orientation at the previous sample", 2)
 TORQUE_BEFORE = Signal("tau_before", "N.m", "torque commanded at the previous sample", 2)
+LOOK, LOOK_AHEAD = 0.3, 0.9
+"""Headings to either side that are free where something is near [rad], and more of them for each
+rad/s of the desired rotation [s]."""
 NO_VIOLATION = 1e-12
 """Share of a limit by which a velocity may exceed it through rounding alone."""
 
@@ -287,6 +294,7 @@ class LoopGraphs(Graphs):
         rate.measure(sensors)
         measured = zip((*POSE, *VELOCITY), MEASURED, strict=True)
         shown = known | {true.name: known[seen.name] for true, seen in measured}
+        shown |= self._told()
         known |= rate.run(self.controller, shown)
         if self.setup.takes_velocity:
             self._know_exerted(drives)
@@ -298,6 +306,30 @@ class LoopGraphs(Graphs):
         desired = rate.column(REFERENCE[:3])
         known[TRACKING_ERROR.name] = tracking_error(desired, rate.column(POSE))
         self.held = rate.column(held_signals(self.setup, self._pushed))
+
+    def _told(self) -> Named:
+        """Limits and free ways, as a filter is told them in a run.
+
+        Where nothing is near, any heading is free; else a window that suits the desired rotation.
+        """
+        scenario, settings = self.setup.scenario, self.setup.scenario.filter
+        ahead, back = sides(scenario.limits, self.parameters)
+        limits = ca.vertcat(-back[0], ahead[0], -back[1], ahead[1])
+        told = {LIMITS.name: limits, FREE_AGE.name: ca.SX(0)}
+        if settings.free_error is None:
+            return told
+        shapes, pose = scenario.obstacles, self.sample.column(POSE)
+        radius = self.parameters.take("body.radius") if shapes else 0.0
+        turns = ca.fabs(self.sample.known[REFERENCE[4].name])
+        look = ca.fmin(LOOK + LOOK_AHEAD * turns, WIDEST)
+        disc, *_ = free_ways(shapes, pose, (ca.SX(ca.pi), ca.SX(ca.pi)), radius)
+        needs = [stopping(scenario, speed).distance for speed in scenario.limits.sides[0]]
+        window = ca.if_else(disc >= max(needs), LARGEST, look)
+        least = ca.SX(smallest_window(scenario)[1])
+        for name, headings in ((FREE.name, window), (FREE_NARROW.name, least)):
+            ways = free_ways(shapes, pose, (headings, headings), radius)
+            told[name] = ca.vertcat(*ways, headings, headings)
+        return told
 
 
 class PlantlessGraphs(Graphs):

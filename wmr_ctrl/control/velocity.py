@@ -19,6 +19,7 @@ from functools import cached_property
 import casadi as ca
 
 from wmr_ctrl.core import signals
+from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.delay import in_periods
 from wmr_ctrl.world.model.dynamics import force_to_wheel, reduced_mass
 from wmr_ctrl.world.model.friction import friction
@@ -33,6 +34,7 @@ from .filter.channels import (
     BOUNDS_LEFT,
     ELAPSED,
     FLAGS,
+    NEAR_BY,
     REFUSED,
     SENT,
     has_bit,
@@ -41,8 +43,13 @@ from .filter.channels import (
 )
 from .filter.filter import called_filter, filter_system
 from .filter.governor_step import ODOMETRY
+from .filter.stopping import FREE, FREE_AGE, LIMITS
 from .setup import Setup
 
+FREE_NARROW = Signal(
+    "free_narrow", "m, m, rad, rad", "`free` in the smallest window of headings", 4
+)
+"""Free ways for a command straight on, which is tried where `free` refuses one."""
 NEAR = 1e-6
 """Share by which a velocity may differ from what was asked for, and yet be the same."""
 
@@ -76,6 +83,9 @@ class SentVelocity:
         read = self.filter.inputs if self.filter and VELOCITY_LOSS in setup.effects else ()
         dated = signals.ODOMETRY_AGE in (item.signal for item in read)
         self.age = (port(signals.ODOMETRY_AGE),) if dated else ()
+        own_inputs = self.filter.inputs if self.filter else ()
+        self.told = tuple(item for item in own_inputs if item.signal in (LIMITS, FREE, FREE_AGE))
+        self.narrow = (port(FREE_NARROW),) if FREE in {item.signal for item in self.told} else ()
 
     @cached_property
     def F1(self) -> ca.SX:
@@ -113,8 +123,17 @@ class SentVelocity:
         """The velocity that is sent (2,), the filter's flags and its next state."""
         if self.filter is None:
             return turned(self.setup.scenario, self.p, self.asked), ca.SX(0), ca.SX(0, 1)
-        told = {item.signal: item.sym for item in self.age}
-        return self._through(self.filter, {signals.ASKED: self.asked, **told})
+        told = {item.signal: item.sym for item in (*self.age, *self.told)}
+        wide = self._through(self.filter, {signals.ASKED: self.asked, **told})
+        if not self.narrow:
+            return wide
+        told |= {signals.ASKED: ca.vertcat(self.asked[0], 0), FREE: self.narrow[0].sym}
+        narrow = self._through(self.filter, told)
+        near = ca.logic_and(has_bit(wide[1], NEAR_BY), self.asked[0] != 0)
+        sent, flags, following = (
+            ca.if_else(near, *pair) for pair in zip(narrow, wide, strict=True)
+        )
+        return sent, flags, following
 
     def _through(
         self, own: System, told: Mapping[signals.Signal, ca.SX]
@@ -143,7 +162,8 @@ class SentVelocity:
         shown = (Output(signals.ASKED, self.asked), Output(FLAGS, flags))
         diagnostics = (*self.core.diagnostics, *(Output(*item) for item in watched), *shown)
         update = ca.vertcat(self._learnt(sent), *following, filtering)
-        law = self._around(memory, self.age, held, update, outputs(signals.COMMAND, sent))
+        inputs = (*self.age, *self.told, *self.narrow)
+        law = self._around(memory, inputs, held, update, outputs(signals.COMMAND, sent))
         return replace(law, diagnostics=diagnostics)
 
     def refusing(self) -> System:
@@ -162,7 +182,9 @@ class SentVelocity:
         if self.filter is not None:
             own = called_filter(self.setup.scenario)
             given = (signals.ODOMETRY_AGE, ELAPSED)
-            told, held = tuple(p for p in own.inputs if p.signal in given), own.state
+            further = (LIMITS, FREE, FREE_AGE)
+            told = tuple(p for p in own.inputs if p.signal in (*given, *further))
+            held = own.state
             known = {item.signal: item.sym for item in told} | {signals.ASKED: asked}
             if signals.ODOMETRY_AGE in known:
                 age = known[signals.ODOMETRY_AGE]

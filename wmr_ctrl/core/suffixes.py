@@ -1,6 +1,7 @@
 """Suffixes of the files in which runs are saved: the one list, which loads nothing."""
 
-RUNS = (".npz", ".csv", ".parquet", ".mcap")
-"""`results/formats.py` has the writer and the reader of each, in this order."""
-RUN_FILE = f"{', '.join(RUNS[:-1])} or {RUNS[-1]}"
-"""The same as words."""
+BAG = ".mcap"
+RUNS = (".npz", ".csv", BAG)
+"""All but a bag are read back as runs, by `results/formats.py`."""
+RUN_FILE = ".npz or .csv"
+"""Those that are read back, as words."""

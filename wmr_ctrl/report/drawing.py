@@ -1,4 +1,4 @@
-"""Helpers of the figures: a figure as a value, axes placed in inches, marks, thinned curves."""
+"""Helpers of the figures: a figure as a value, axes placed in inches, and marks."""
 
 import io
 import math
@@ -43,8 +43,6 @@ SUFFIXES = (".svg", ".png")
 Place: TypeAlias = Figure | SubFigure
 """Target of a panel: a figure of its own, or a part of a sheet."""
 _SWITCH: Dash = (0, (2, 2))
-POINTS = 1500
-"""Points of a drawn trace; more cannot be told apart on a page."""
 
 
 @dataclass(frozen=True)
@@ -207,9 +205,10 @@ def law_marks(laws: Iterable[str]) -> list[Line2D]:
     return [dot_handle(one.label, one.colour, one.colour, one.marker) for one in map(look, laws)]
 
 
-def plot_reference(axes: Axes, x: Floats, y: Floats) -> None:
-    """Points of the reference's path (N,) [m]: dots with a rim, visible on any law's line."""
-    axes.plot(x, y, ls="", marker="o", ms=2.6, mfc=INK, mec="white", mew=0.6, zorder=3.5)
+def plot_reference(axes: Axes, x: Floats, y: Floats, dots: int = 64) -> None:
+    """The reference's path (N,) [m] as ``dots`` with a rim, visible on any law's line."""
+    axes.plot(x, y, ls="", marker="o", ms=2.6, mfc=INK, mec="white", mew=0.6, zorder=3.5,
+              markevery=max(1, len(x) // dots))  # fmt: skip
 
 
 def mark_start(axes: Axes, x: Floats, y: Floats) -> None:
@@ -344,27 +343,6 @@ def law_rows(axes: Axes, laws: Iterable[str]) -> None:
     rows_of(axes, [look(law).label for law in laws])
 
 
-def thin(t: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
-    """Thin y(t) to ``points`` samples: minimum and maximum of each stretch, in order.
-
-    ``t`` and ``y`` have the shape (N,); short curves and their NaN are unchanged.
-    """
-    count = len(t)
-    stretches = points // 2
-    if count <= points or stretches < 1:
-        return t, y
-    size = -(-count // stretches)
-    padded = np.full(size * -(-count // size), np.nan)
-    padded[:count] = y
-    parts = padded.reshape(-1, size)
-    start = size * np.arange(len(parts))
-    low = start + np.argmin(np.where(np.isnan(parts), np.inf, parts), axis=1)
-    high = start + np.argmax(np.where(np.isnan(parts), -np.inf, parts), axis=1)
-    rows = np.unique(np.concatenate(([0], low, high, [count - 1])))
-    rows = rows[rows < count]
-    return t[rows], y[rows]
-
-
 def running_mean(values: Floats, width: int) -> Floats:
     """Centred mean over ``width`` values, fewer at the ends, shape (N,)."""
     total = np.concatenate(([0.0], np.cumsum(values)))
@@ -372,23 +350,3 @@ def running_mean(values: Floats, width: int) -> Floats:
     low = np.maximum(index - width // 2, 0)
     high = np.minimum(index + width - width // 2, len(values))
     return np.asarray((total[high] - total[low]) / (high - low))
-
-
-def running_rms(values: Floats, width: int) -> Floats:
-    """Centred RMS over ``width`` values, fewer at the ends, shape (N,)."""
-    return np.asarray(np.sqrt(np.maximum(running_mean(values**2, width), 0.0)))
-
-
-def thin_path(x: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
-    """Thin a path in the plane to ``points`` points, denser on fast parts.
-
-    Points are evenly distributed over path length and sample number together; the ends are kept.
-    """
-    count = len(x)
-    if count <= points:
-        return x, y
-    length = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
-    share = length / (length[-1] or 1.0) + np.arange(count) / (count - 1)
-    rows = np.unique(np.searchsorted(share, np.linspace(0.0, share[-1], points)))
-    rows = np.unique(np.concatenate(([0], np.minimum(rows, count - 1), [count - 1])))
-    return x[rows], y[rows]

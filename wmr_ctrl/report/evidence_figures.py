@@ -13,15 +13,14 @@ from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.table import RunTable, median, ratios
 from wmr_ctrl.results.windows import LATE, named, seconds
 from wmr_ctrl.simulation.campaign import Campaign
-from wmr_ctrl.world.scenario import load_scenario
 
 from . import drawing
 from .style import INK, LIMIT, MUTED, look, shown
 
 Runs: TypeAlias = Mapping[tuple[str, str], Run]
 """First runs by scenario and law."""
+LAWS = ("mb", "nn")
 WITH, WITHOUT = "paper-simulation", "paper-simulation-no-switch"
-NOMINAL = "paper-simulation-nominal"
 _TALL = 2.05
 
 
@@ -31,9 +30,6 @@ def evidence_figures(campaign: Campaign) -> tuple[drawing.Drawing, ...]:
     high = 0.9 + 0.07 * len(table.different("case")) * len(table.laws)
     return (
         drawing.Drawing("measure", (9.6, 2.6), partial(_draw_measure, table=table)),
-        drawing.Drawing("switch", (9.6, 2.5), partial(_draw_switch, runs=runs, laws=table.laws)),
-        drawing.Drawing("lyapunov_noise_free", (9.6, 2.4), partial(_draw_barrier, runs=runs)),
-        drawing.Drawing("torque", (9.6, 2.0), partial(_draw_torque, table=table)),
         drawing.Drawing("limits_all_seeds", (9.6, high), partial(_draw_limits, table=table)),
         drawing.Drawing(
             "stress_velocities", (9.6, 2 * _TALL + 0.55), partial(_draw_stress, runs=runs)
@@ -72,99 +68,6 @@ def _panel_measure(axes: Axes, table: RunTable, name: str, label: str, factor: f
                       color=INK)  # fmt: skip
     axes.annotate("factor", (1, 1), xycoords="axes fraction", xytext=(6, 4), va="bottom",
                   textcoords="offset points", size=6.5, color=MUTED)  # fmt: skip
-
-
-# -- running RMS of e1 with and without the change, one small panel per law ------------------
-
-_FROM = 20.0
-_MEAN = 1.0
-
-
-def _draw_switch(figure: Figure, runs: Runs, laws: tuple[str, ...]) -> None:
-    padding = drawing.Padding(left=0.62, right=0.12, bottom=0.42, top=0.64)
-    row = drawing.row_of_axes(figure, padding, (1,) * len(laws), 0.16)
-    for axes, law in zip(row, laws, strict=True):
-        changed = runs[WITH, law]
-        axes.plot(*_running_error(runs[WITHOUT, law]), color=MUTED, lw=0.9)
-        axes.plot(*_running_error(changed), color=look(law).colour, lw=1.4)
-        axes.set(yscale="log", xlabel="t [s]", xlim=(_FROM, changed.settings.duration))
-        axes.set_xticks((30, 40, 50, 60, 70))
-        axes.set_title(look(law).label, color=look(law).colour, pad=3)
-        axes.tick_params(labelleft=axes is row[0])
-        drawing.mark_switch(axes, changed.settings)
-    row[0].set_ylabel("RMS of $e_1$ over 1 s [mm]")
-    ranges = np.array([axes.get_ylim() for axes in row])
-    for axes in row:
-        axes.set_ylim(ranges[:, 0].min(), ranges[:, 1].max())
-    handles = [
-        drawing.line_handle("with the change", INK),
-        drawing.line_handle("without it, same noise", MUTED, 1.0),
-        *drawing.switch_handles(runs[WITH, laws[0]].settings),
-    ]
-    title = "What the change at 40 s does to the error along the heading"
-    drawing.heading(figure, title, handles, 0.26)
-
-
-def _running_error(run: Run) -> tuple[Floats, Floats]:
-    """Running RMS of e1 [mm] over time."""
-    rows = slice(run.settings.index(_FROM), None)
-    rms = drawing.running_rms(run["e[1]"], max(1, round(_MEAN / run.settings.control)))
-    return drawing.thin(run.time[rows], np.maximum(1e3 * rms[rows], 1e-3), 600)
-
-
-# -- V1 of MB and NN without noise and without the change; rises are marked -------------------
-
-LAWS = ("mb", "nn")
-_END = 5.0
-"""End of the V1 plot [s]."""
-_FLOOR = 1e-6
-"""The least V1 that is shown."""
-
-
-def _draw_barrier(figure: Figure, runs: Runs) -> None:
-    axes = drawing.one_axes(figure, drawing.Padding(left=0.62, right=0.14, bottom=0.42, top=0.50))
-    for law in LAWS:
-        run = runs[NOMINAL, law]
-        rows = slice(0, run.settings.index(_END))
-        t, y = run.time[rows], np.maximum(run["V1"][rows], _FLOOR)
-        axes.plot(t, y, color=look(law).colour, lw=1.1)
-        rising = np.concatenate((np.diff(y) > 0, [False]))
-        rising[1:] |= rising[:-1].copy()
-        axes.plot(t, np.where(rising, y, np.nan), color=LIMIT, lw=2.0, alpha=0.9)
-    axes.set(yscale="log", xlabel="t [s]", ylabel="V₁ [1]", xlim=(0, _END), ylim=(_FLOOR, 20))
-    handles = [*drawing.law_handles(LAWS), drawing.line_handle("rising", LIMIT, 2.2)]
-    drawing.heading(figure, "Lyapunov function values without noise", handles)
-
-
-# -- RMS from 2 s on and peak of the wheel torque, every law and seed -------------------------
-
-
-def slip_torque() -> float:
-    """Wheel torque at which the paper's robot spins its wheels [N m].
-
-    All its weight on the two driving wheels, and a tyre's friction coefficient of 1: m g r / 2.
-    """
-    robot = load_scenario(WITH).robot
-    return robot.m * robot.g * robot.r / 2
-
-
-def _draw_torque(figure: Figure, table: RunTable) -> None:
-    axes = drawing.one_axes(figure, drawing.Padding(left=0.60, right=0.20, bottom=0.42, top=0.50))
-    drawing.law_rows(axes, table.laws)
-    for row, law in enumerate(table.laws):
-        runs = table.case(WITH, law)
-        drawing.dots(axes, runs["tau_rms"], row, law, filled=False)
-        drawing.dots(axes, runs["tau_peak"], row, law)
-    axes.set(xscale="log", xlabel="wheel torque [N m]")
-    axes.set_xlim(1, max(200, axes.get_xlim()[1]))
-    drawing.plain_ticks(axes)
-    drawing.shade_beyond(axes, slip_torque())
-    handles = [
-        drawing.dot_handle("RMS from 2 s on", face="white"),
-        drawing.dot_handle("peak"),
-        drawing.line_handle(f"tyres slip, {slip_torque():.3g} N m", LIMIT, 1.0),
-    ]
-    drawing.heading(figure, "Wheel torques: RMS and peak", handles)
 
 
 # -- largest |v|/limit of the worse axis, every scenario, law and seed ------------------------
@@ -240,7 +143,7 @@ def _panel_stress(axes: Axes, case: _StressCase, runs: Mapping[str, Run]) -> Non
     for place, (law, run) in enumerate(runs.items()):
         seen, y = look(law), case.values(run)
         rows = slice(0, run.settings.index(case.end))
-        axes.plot(*drawing.thin(run.time[rows], y[rows]), color=seen.colour, lw=1.0)
+        axes.plot(run.time[rows], y[rows], color=seen.colour, lw=1.0)
         worst = float(np.nanmax(y))
         if worst > _CEILING and not case.error:
             axes.annotate(f"{seen.label}: ↑ to {worst:.3g}", (1, 1 - 0.1 * place),

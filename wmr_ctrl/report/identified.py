@@ -76,8 +76,8 @@ def _speeds(part: SubFigure, result: BaseIdentification, traces: Traces, axis: i
     ]
     drawing.heading(part, f"{name} [{unit}]; shaded: held out from this fit", handles)
     axes = drawing.one_axes(part, _MARGINS)
-    axes.plot(*drawing.thin(traces.t, traces.measured[:, axis]), color=INK, lw=0.9)
-    axes.plot(*drawing.thin(traces.t, traces.foretold[:, axis]), color=BLUE, lw=1.1, alpha=0.85)
+    axes.plot(traces.t, traces.measured[:, axis], color=INK, lw=0.9)
+    axes.plot(traces.t, traces.foretold[:, axis], color=BLUE, lw=1.1, alpha=0.85)
     axes.axvspan(traces.held_out_from, traces.t[-1], color=MUTED, alpha=0.12, lw=0)
     axes.set(xlabel="t [s]", xlim=(traces.t[0], traces.t[-1]))
 
@@ -91,7 +91,7 @@ def _residuals(part: SubFigure, result: BaseIdentification, traces: Traces, axis
     words = f"Residual as a {force} [{force_unit}]" if forces else f"Deviation [{speed_unit}]"
     drawing.heading(part, words, handles)
     axes = drawing.one_axes(part, _MARGINS)
-    axes.plot(*drawing.thin(traces.t, traces.residual[:, axis]), color=BLUE, lw=0.6)
+    axes.plot(traces.t, traces.residual[:, axis], color=BLUE, lw=0.6)
     largest = result.bounds.pairs()[bound][0][axis]
     if np.isfinite(largest):
         for level in (-largest, largest):

@@ -1,6 +1,6 @@
-"""Figures of a LinearReport: poles, sample times, Bode and Nyquist, the barrier's pull."""
+"""Figures of a LinearReport: poles, sample times, and Bode plots by python-control."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import TypeAlias
 
@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from wmr_ctrl.results import make_folder
 from wmr_ctrl.theory.checks.radius import largest_radius
 from wmr_ctrl.theory.linear.linear_report import LinearReport
-from wmr_ctrl.theory.linear.linearise import Floats, law_loop, learned_point
-from wmr_ctrl.theory.linear.margins import frequencies, open_loop
-from wmr_ctrl.theory.linear.sampled import pull_curve, spectral_radius
+from wmr_ctrl.theory.linear.linearise import law_loop, learned_point
+from wmr_ctrl.theory.linear.margins import open_loop
+from wmr_ctrl.theory.linear.sampled import spectral_radius
 
 from .drawing import plain_ticks, save_figure, say_below
 from .style import DASHED, LIMIT, MUTED, house_style, look, shown
@@ -23,8 +23,6 @@ SIZE = (6.4, 4.0)
 RADII = (0.9, 1.3)
 """Spectral radii that are shown."""
 PERIODS = np.geomspace(1e-3, 0.5, 150)
-BODE = (1e-2, 1e3)
-"""Frequencies that are shown [rad/s]."""
 Panels: TypeAlias = "np.ndarray[tuple[int, int], np.dtype[np.object_]]"
 """The axes of a figure, by row and column."""
 
@@ -41,10 +39,7 @@ def draw_linear(
         "poles": (_poles, 1, 1),
         "sample-time": (_sample_time, 1, 1),
         "bode": (_bode, 2, 2),
-        "nyquist": (_nyquist, 1, 2),
     }
-    if law_loop(report.scenario, report.law).has_barrier and report.rest is None:
-        parts["pull"] = (_pull, 1, 2)
     paths = []
     for name, (plot, rows, columns) in parts.items():
         path = folder / f"{report.scenario.name}-{report.law}-{name}.png"
@@ -109,38 +104,18 @@ def _stable(period: float) -> str:
     return f"stable up to {shown(1e3 * period)} ms" if period > 0 else "stable for no period"
 
 
-def _curves(report: LinearReport, axis: int) -> Iterator[tuple[str, str, Floats, Floats]]:
-    """Curves of the loop cut at a force: name, colour, frequencies [rad/s] and values.
-
-    Continuous, unless something is late, and sampled with the scenario's clock up to half its rate.
-    """
-    clock = report.scenario.clock.control
-    for period in (clock,) if report.late else (None, clock):
-        loop = open_loop(report.scenario, report.law, axis, report.point, period)
-        w = frequencies(loop)
-        at = 1j * w if period is None else np.exp(1j * w * period)
-        name = "continuous" if period is None else f"sampled, {period:g} s"
-        yield name, INK if period is None else SECOND, w, np.squeeze(loop(at))
-
-
 def _bode(report: LinearReport, panels: Panels) -> None:
+    """The loop cut at a force: continuous, unless something is late, and sampled."""
+    clock = report.scenario.clock.control
+    periods: dict[str, float | None] = {} if report.late else {"continuous": None}
+    periods |= {f"sampled, {clock:g} s": clock}
     for axis in (0, 1):
-        size, angle = panels[:, axis]
-        for name, colour, w, curve in _curves(report, axis):
-            size.plot(w, 20 * np.log10(np.abs(curve)), color=colour, label=name)
-            # Phase [deg] without jumps, between -315 and 45 where the size comes nearest to 1.
-            phase = np.degrees(np.unwrap(np.angle(curve)))
-            there = phase[np.argmin(np.abs(np.log(np.abs(curve))))]
-            angle.plot(w, (phase - 360 * np.ceil((there - 45) / 360)), color=colour)
-        size.axhline(0, color=LIMIT, lw=0.8)
-        angle.axhline(-180, color=LIMIT, lw=0.8)
-        size.set_title(f"{_name(report)}: cut at the {report.cuts[axis]}")
-        size.set(xscale="log", xlim=BODE, ylim=(-60, 100))
-        angle.set(xscale="log", xlim=BODE, ylim=(-270, 0), xlabel="frequency [rad/s]")
-        angle.set_yticks(range(-270, 1, 90))
-        _note_margins(angle, report, axis)
-    panels[0, 0].set_ylabel("magnitude [dB]")
-    panels[1, 0].set_ylabel("phase [deg]")
+        for name, period in periods.items():
+            loop = open_loop(report.scenario, report.law, axis, report.point, period)
+            place = panels[:, axis : axis + 1]
+            loop.bode_plot(dB=True, ax=place, label=name, title="", legend_loc=False)
+        panels[0, axis].set_title(f"{_name(report)}: cut at the {report.cuts[axis]}")
+        _note_margins(panels[1, axis], report, axis)
 
 
 def _note_margins(axes: Axes, report: LinearReport, axis: int) -> None:
@@ -153,35 +128,6 @@ def _note_margins(axes: Axes, report: LinearReport, axis: int) -> None:
         phase = "any" if item.phase is None else f"{item.phase:.3g}°"
         text = f"sampled: gain margin {gain}, phase margin {phase}"
     axes.set_title(text, size=7.5, weight="normal", color=MUTED)
-
-
-def _nyquist(report: LinearReport, panels: Panels) -> None:
-    for axis, panel in enumerate(panels[0]):
-        for name, colour, _, curve in _curves(report, axis):
-            panel.plot(curve.real, curve.imag, color=colour, label=name)
-        angle = np.linspace(0, 2 * np.pi, 200)
-        panel.plot(np.cos(angle), np.sin(angle), color=MUTED, lw=0.8, label="unit circle")
-        panel.plot(-1, 0, "+", color=LIMIT, ms=9, label="-1")
-        panel.set(xlim=(-3, 1.5), ylim=(-3, 1.5), aspect="equal", xlabel="real part [1]")
-        panel.set_title(f"{_name(report)}: cut at the {report.cuts[axis]}")
-    panels[0, 0].set_ylabel("imaginary part [1]")
-
-
-def _pull(report: LinearReport, panels: Panels) -> None:
-    asked = law_loop(report.scenario, report.law).start.v_c0
-    for axis, panel in enumerate(panels[0]):
-        u1 = report.scenario.limits.v_u1[axis]
-        v = np.linspace(-u1, u1, 800)[1:-1]
-        pull = pull_curve(report.scenario, report.law, axis, float(asked[axis]), v)
-        panel.plot(v, pull, color=INK)
-        panel.axhline(0, color=MUTED, lw=0.8)
-        for side, label in ((-u1, "limit"), (u1, None)):
-            panel.axvline(side, color=LIMIT, lw=0.8, label=label)
-        unit = ("m/s", "rad/s")[axis]
-        panel.set_xlabel(f"{('v₁', 'ω')[axis]} [{unit}]")
-        panel.set_ylabel(("force [N]", "moment [N m]")[axis])
-        asks = shown(float(asked[axis]))
-        panel.set_title(f"{_name(report)}: pull at v_c0 = {asks} {unit}")
 
 
 def _name(report: LinearReport) -> str:

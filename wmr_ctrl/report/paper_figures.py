@@ -1,4 +1,4 @@
-"""Fig. 3 and Fig. 5 of the paper: each of the twelve panels alone, and all on a sheet."""
+"""Fig. 3 and Fig. 5 of the paper: the twelve panels."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -24,7 +24,6 @@ GAP = 0.42
 START = 3.0
 """Length of the beginning that is shown enlarged [s]."""
 PANEL_SIZE = (4.7, 2.9)
-SHEET_SIZE = (11.7, 15.6)
 
 
 @dataclass(frozen=True)
@@ -71,12 +70,11 @@ class Trace:
             start.plot(t[: cut + 1], y[: cut + 1], color=seen.colour, ls=seen.dash)
             t, y = t[cut:], y[cut:]
             if self.smooth:
-                rest.plot(*drawing.thin(t, y), color=seen.colour, lw=0.5, alpha=0.25)
+                rest.plot(t, y, color=seen.colour, lw=0.5, alpha=0.25)
                 mean = drawing.running_mean(y, max(1, round(self.smooth / run.settings.control)))
-                line = drawing.thin(t, mean, 500)
-                rest.plot(*line, color=seen.colour, ls=seen.dash, lw=1.2, zorder=2.5)
+                rest.plot(t, mean, color=seen.colour, ls=seen.dash, lw=1.2, zorder=2.5)
             else:
-                rest.plot(*drawing.thin(t, y), color=seen.colour, ls=seen.dash, lw=0.9)
+                rest.plot(t, y, color=seen.colour, ls=seen.dash, lw=0.9)
         run = next(iter(group.values()))
         start.set(xlabel=f"t [s], first {self.early:g} s", xlim=(0, self.early), ylabel=self.label)
         mean_text = f" (line: {self.smooth:g} s mean)" if self.smooth else ""
@@ -110,14 +108,13 @@ class WholeTrace:
         axes = drawing.one_axes(place, padding)
         axes.set(xlabel="t [s]", ylabel=self.label)
         for law, run in group.items():
-            seen, y, points = look(law), self.value(run), 1500
+            seen, y = look(law), self.value(run)
             if self.floor:
-                y, points = np.maximum(y, self.floor), 600
-                axes.plot(*drawing.thin(run.time, y, 1000), color=seen.colour, lw=0.4, alpha=0.2)
+                y = np.maximum(y, self.floor)
+                axes.plot(run.time, y, color=seen.colour, lw=0.4, alpha=0.2)
                 y = drawing.running_mean(y, max(1, round(self.mean / run.settings.control)))
                 axes.set(xlabel=f"t [s] (faint: samples; line: {self.mean:g} s mean)", yscale="log")
-            line = drawing.thin(run.time, y, points)
-            axes.plot(*line, color=seen.colour, ls=seen.dash, zorder=2.5)
+            axes.plot(run.time, y, color=seen.colour, ls=seen.dash, zorder=2.5)
         run = next(iter(group.values()))
         axes.set(xlim=(0, run.settings.duration))
         axes.set_ylim(bottom=self.floor)
@@ -127,8 +124,8 @@ class WholeTrace:
 def draw_trajectory(place: drawing.Place, group: Group, padding: drawing.Padding) -> None:
     """Paths of all laws with their reference; on the right the first seconds; equal scales."""
     whole, start = drawing.row_of_axes(place, padding, (1.0, 1.0), 0.6)
-    _draw_paths(whole, group, 800, 64)
-    low, high = _draw_paths(start, group, 8000, 20, START)
+    _draw_paths(whole, group, 64)
+    low, high = _draw_paths(start, group, 20, START)
     whole.set(xlabel="x [m]", ylabel="y [m]")
     start.set(xlabel=f"x [m], first {START:g} s only", ylabel="y [m]")
     whole.set_aspect("equal", adjustable="datalim")
@@ -141,7 +138,7 @@ def draw_trajectory(place: drawing.Place, group: Group, padding: drawing.Padding
 
 
 def _draw_paths(
-    axes: Axes, group: Group, points: int, dots: int, end: float | None = None
+    axes: Axes, group: Group, dots: int, end: float | None = None
 ) -> tuple[Floats, Floats]:
     """Each law's path, the reference as dots on top, and a ring at the robot's start.
 
@@ -152,9 +149,8 @@ def _draw_paths(
         rows = slice(None if end is None else run.settings.index(end) + 1)
         path, desired = (run["x"][rows], run["y"][rows]), (run["x_d"][rows], run["y_d"][rows])
         seen += [np.column_stack(path), np.column_stack(desired)]
-        line = drawing.thin_path(*path, points)
-        axes.plot(*line, color=look(law).colour, ls=look(law).dash, lw=1.1)
-    drawing.plot_reference(axes, *drawing.thin_path(*desired, dots))
+        axes.plot(*path, color=look(law).colour, ls=look(law).dash, lw=1.1)
+    drawing.plot_reference(axes, *desired, dots)
     drawing.mark_start(axes, run["x"], run["y"])
     places = np.concatenate(seen)
     return places.min(axis=0), places.max(axis=0)
@@ -195,11 +191,10 @@ PANELS = (
     Panel("l", "weights_2", "Norm of the weights, angular axis", _W2.draw, laws=("nn",)),
 )
 """Panels (a) to (l)."""
-_SHEET_PADDING = drawing.Padding(left=0.60, right=0.20, bottom=0.46, top=0.36)
 
 
-def paper_figure(number: int, group: Group, what: str) -> Iterator[drawing.Drawing]:
-    """The panels and the sheet of Fig. ``number``; ``what`` names it in titles."""
+def paper_figure(number: int, group: Group) -> Iterator[drawing.Drawing]:
+    """The panels of Fig. ``number``."""
     for panel in PANELS:
         if panel.of(group):
             yield drawing.Drawing(
@@ -208,33 +203,19 @@ def paper_figure(number: int, group: Group, what: str) -> Iterator[drawing.Drawi
                 partial(_draw_panel, panel=panel, group=group),
                 f"Fig. {number}({panel.letter}): {panel.title}",
             )
-    draw = partial(_draw_sheet, group=group, title=f"Fig. {number} rerun: {what}")
-    yield drawing.Drawing(f"fig{number}_sheet", SHEET_SIZE, draw)
 
 
 def _draw_panel(figure: Figure, panel: Panel, group: Group) -> None:
     visible = panel.of(group)
     panel.draw(figure, visible, drawing.Padding())
-    handles = _handles(visible, path=panel.path, switch=not panel.path)
+    handles = _handles(visible, path=panel.path)
     drawing.heading(figure, f"({panel.letter}) {panel.title}", handles)
 
 
-def _draw_sheet(figure: Figure, group: Group, title: str) -> None:
-    width, height = SHEET_SIZE
-    head = 0.62
-    figure.text(0.1 / width, 1 - 0.12 / height, title, weight="bold", size=12, va="top")
-    drawing.heading(figure, "", _handles(group, path=True, switch=True), 0.40)
-    ratios = (head, *6 * ((height - head) / 6,))
-    grid = figure.add_gridspec(7, 2, height_ratios=ratios, hspace=0.0, wspace=0.0)
-    for index, panel in enumerate(PANELS):
-        part, visible = figure.add_subfigure(grid[index // 2 + 1, index % 2]), panel.of(group)
-        drawing.heading(part, f"({panel.letter}) {panel.title}")
-        if visible:
-            panel.draw(part, visible, _SHEET_PADDING)
-
-
-def _handles(group: Group, *, path: bool, switch: bool) -> list[Line2D]:
-    reference = [drawing.dot_handle("reference", "white", INK, size=3.2)] if path else []
+def _handles(group: Group, *, path: bool) -> list[Line2D]:
     run = next(iter(group.values()))
-    changes = drawing.switch_handles(run.settings) if switch else []
-    return [*drawing.law_handles(group), *reference, *changes]
+    if path:
+        more = [drawing.dot_handle("reference", "white", INK, size=3.2)]
+    else:
+        more = drawing.switch_handles(run.settings)
+    return [*drawing.law_handles(group), *more]

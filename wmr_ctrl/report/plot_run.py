@@ -22,18 +22,14 @@ from wmr_ctrl.results import (
     Floats,
     Run,
     distance,
-    e_rms,
-    ise,
-    percent,
     robots_over,
     tau_peak,
-    tau_rms,
 )
-from wmr_ctrl.results.measures import filter_share, heading_error, heading_rms
+from wmr_ctrl.results.measures import heading_error
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
-from wmr_ctrl.theory.checks.unknown_zero import FINE, finest
 
 from . import course, drawing, style
+from .run_rows import rows_of
 
 Lines: TypeAlias = Mapping[str, tuple[Run, str, style.Dash]]
 """Run, colour and dashes by name."""
@@ -47,16 +43,14 @@ LARGE = 10.0
 """Errors that come farther [m, rad] are in m and rad, others in mm and mrad."""
 LEAST = 1e-12
 """Values of V1 below it are drawn there."""
+WIDTH = 64
+"""Characters of a line of the run's figures."""
 START = 2.0
 """Transient [s] that may leave the view."""
 MEAN_TIME = 0.25
 """Torques and V1 are drawn as means over so long [s], with their samples faint behind."""
 LEAST_DISTANCE = 0.01
 """Distances [mm] below it are drawn there."""
-REST = 0.02
-"""Share of a limit below which a robot is at rest."""
-AFTER, SHORT = 1.1, 0.8
-"""A run is drawn for 1.1 times the time in which it moves, if that is below 0.8 of its length."""
 NEAR = 3.0
 """A torque limit is drawn if it is at most so many times the largest torque after the start."""
 
@@ -77,16 +71,13 @@ def overview(run: Run) -> drawing.Drawing:
 def _draw(figure: Figure, run: Run) -> None:
     title = f"{style.verbatim(run.scenario)}: {style.driver(run.law, run.guard)}"
     figure.text(0.02, 1 - 0.14 / _SIZE[1], title, size=13, weight="bold", va="top")
-    ends = shown_until(run)
     planned, early = run.settings.duration, run.rows < run.settings.samples
     lasted = f"ended at {_ended(run):.4g} of {planned:g} s" if early else f"{planned:g} s"
     note = f"seed {run.seed}, {run.engine} engine, {lasted}"
-    note += f", drawn to {ends:g} s: then all is at rest" * (ends < _ended(run))
     plants = {"mujoco": ", a rigid body on tyres", "fmu": ", somebody else's plant"}
     note += plants.get(run.settings.plant_kind, "")
-    robots = robots_over(run.settings, 0.0, ends)
-    seen = any(0 < time < ends for time, _ in run.settings.robots)
-    note += f"; {robots}{' (vertical lines)' * seen}" if robots else ""
+    robots = robots_over(run.settings, 0.0, _ended(run))
+    note += f"; {robots} (vertical lines)" if robots else ""
     tube = course.course_of_tube(run)
     note += "" if tube is None else "; errors, dotted: certified from a start on the path"
     figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=style.MUTED, va="top")
@@ -124,65 +115,23 @@ def draw_paths(part: SubFigure, lines: Lines, tube: Floats | None = None) -> Non
             edges = course.band(np.array([run["x_d"][rows], run["y_d"][rows]]), tube[0, rows])
             axes.fill(*edges, color=colour, alpha=course.FAINT, lw=0, zorder=1.4)
         opaque = 0.85 if len(lines) > 1 else 1.0
-        way = drawing.thin_path(run["x"], run["y"], 3000)
+        way = run["x"], run["y"]
         axes.plot(*way, color=colour, ls=dash, lw=1.2, alpha=opaque)
         drawing.mark_start(axes, *way)
-    drawing.plot_reference(axes, *drawing.thin_path(longest["x_d"], longest["y_d"], 64))
+    drawing.plot_reference(axes, longest["x_d"], longest["y_d"])
     marks = course.course_of(longest).draw(axes)
     drawing.finish_path(axes, ["dots: reference, ring: start", *marks])
 
 
 def _facts(part: SubFigure, run: Run) -> None:
     """Outcome of the run as text and figures, and the keys of its remarks."""
-    lines = [*wrap(run.explanation, 58), "", *_figures(run)]
+    lines = [*wrap(run.explanation, WIDTH), ""]
+    for name, text in rows_of(run):
+        lines += wrap(f"{name}: {text}", WIDTH, subsequent_indent="    ")
     keys = dict.fromkeys(item.key for item in run.remarks if item.key != run.outcome.value)
     if keys:
-        lines += ["", *wrap(f"Remarks, which `wmr-ctrl show` prints: {', '.join(keys)}.", 58)]
-    part.text(0.06, 0.93, "\n".join(lines), va="top", size=8.2, linespacing=1.55)
-
-
-def _figures(run: Run) -> list[str]:
-    square = ise(run)
-    arrival, end = run.settings.arrival, run.settings.duration
-    end, of = (end, "") if arrival is None or arrival > end else (arrival, " of the drive")
-    begin = max(0.0, end - 10.0)
-    errors = e_rms(run, begin, end) or (None, None, None)
-    angle, turns = heading_rms(run, begin, end) or (None, False)
-    say = partial(_error, least=finest(scenario_of_run(run)))
-    e1, e2, e3 = map(say, (*errors[:2], angle), ("m", "m", "rad"))
-    before, after = style.shown(square["before"]), style.shown(square["after"])
-    parts = f" (before {run.settings.split:g} s {before}, after {after})"
-    split = any(time == run.settings.split for time, _ in run.settings.robots)
-    robots = robots_over(run.settings, begin, end)
-    ended = square["total"] is None
-    total = f"ISE {style.shown(square['total'])} m² s + rad² s{parts if split else ''}"
-    if ended:
-        return ["ISE: none, the run ended early", _effort(run)]
-    return [
-        total,
-        _effort(run),
-        f"RMS errors of the last {end - begin:g} s{of}{f' ({robots})' * bool(robots)}:",
-        f"    e₁ {e1}, e₂ {e2}, e₃ {e3}{' without whole turns' if turns else ''}",
-    ]
-
-
-def _effort(run: Run) -> str:
-    """Text on the base's effort."""
-    shares = filter_share(run)
-    if "v_asked" in run and shares:
-        linear, angular = map(percent, shares)
-        return f"the filter changed v in {linear} and ω in {angular} of the samples"
-    peak, mean = style.shown(tau_peak(run)), tau_rms(run)
-    return f"wheel torque: peak {peak} N m{f', RMS {style.shown(mean)} N m' if mean else ''}"
-
-
-def _error(value: float | None, unit: str, least: float = FINE) -> str:
-    """An error [m, rad] in a suitable unit."""
-    if value is not None and value < least:
-        return f"below {1e3 * least:g} m{unit}"
-    if value is not None and value >= LARGE:
-        return f"{style.shown(value)} {unit}"
-    return f"{style.shown(value and 1e3 * value)} m{unit}"
+        lines += ["", *wrap(f"Remarks, which `wmr-ctrl show` prints: {', '.join(keys)}.", WIDTH)]
+    part.text(0.06, 0.93, "\n".join(lines), va="top", size=7.5, linespacing=1.4)
 
 
 def draw_velocity(part: SubFigure, lines: Lines, axis: int) -> None:
@@ -196,14 +145,11 @@ def draw_velocity(part: SubFigure, lines: Lines, axis: int) -> None:
     text = f"{unit}, {words}; {'black, ' * several}dashed: desired"
     axes = _time_axes(part, text + ", thin: command" * commanded, *runs)
     if commanded:
-        steps = drawing.thin(longest.time, longest[sent])
-        axes.plot(*steps, color=style.MUTED, lw=0.7, drawstyle="steps-post", zorder=1.9)
+        axes.step(longest.time, longest[sent], where="post", color=style.MUTED, lw=0.7, zorder=1.9)
     width, opaque = (0.9, 0.8) if several else (1.3, 0.6)
     for run, colour, dash in lines.values():
-        trace = drawing.thin(run.time, run[name])
-        axes.plot(*trace, color=colour, ls=dash, lw=width, alpha=opaque)
-    wanted = drawing.thin(longest.time, longest[desired])
-    axes.plot(*wanted, color=style.INK, ls=style.DASHED, lw=0.9, zorder=2.4)
+        axes.plot(run.time, run[name], color=colour, ls=dash, lw=width, alpha=opaque)
+    axes.plot(longest.time, longest[desired], color=style.INK, ls=style.DASHED, lw=0.9, zorder=2.4)
     drawing.view_limits(axes, sides, {label: run[name] for label, (run, *_) in lines.items()})
 
 
@@ -224,8 +170,7 @@ def _errors(
     if tube is not None:
         most = scale * tube[1 if len(errors) == 1 else 0]
         for row in (-most, most):
-            points = drawing.thin(run.time, row)
-            axes.plot(*points, color=style.LIMIT, ls=style.DOTTED, lw=1.0, zorder=2.3)
+            axes.plot(run.time, row, color=style.LIMIT, ls=style.DOTTED, lw=1.0, zorder=2.3)
     if farthest > SMALL:
         narrow = scale * NARROW
         axes.set_yscale("symlog", linthresh=narrow)
@@ -238,7 +183,7 @@ def _plot_pair(axes: Axes, run: Run, rows: dict[str, Floats], alpha: float = 1.0
     """One or two rows over time, the first in the law's colour and on top."""
     colours = (style.look(run.law).colour, style.MUTED)
     for (label, row), colour, zorder in zip(rows.items(), colours, (2.2, 2.1), strict=False):
-        axes.plot(*drawing.thin(run.time, row), color=colour, lw=0.9, zorder=zorder, alpha=alpha,
+        axes.plot(run.time, row, color=colour, lw=0.9, zorder=zorder, alpha=alpha,
                   label=label if alpha == 1 else None)  # fmt: skip
     if len(rows) > 1 and alpha == 1:
         axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.1)
@@ -277,7 +222,7 @@ def draw_distance(part: SubFigure, lines: Lines) -> None:
     axes = _time_axes(part, title, *runs)
     for run, colour, dash in lines.values():
         far = np.maximum(1e3 * distance(run), LEAST_DISTANCE)
-        axes.plot(*drawing.thin(run.time, far), color=colour, ls=dash, lw=0.9)
+        axes.plot(run.time, far, color=colour, ls=dash, lw=0.9)
     if axes.dataLim.ymin <= LEAST_DISTANCE:
         drawing.say_below(axes, f"axis starts at {LEAST_DISTANCE:g} mm")
     axes.set_yscale("log")
@@ -306,9 +251,9 @@ def _barrier(part: SubFigure, run: Run) -> None:
     values, colour = np.maximum(run["V1"], LEAST), style.look(run.law).colour
     if values.min() <= LEAST:
         drawing.say_below(axes, f"axis starts at {LEAST:g}")
-    axes.plot(*drawing.thin(run.time, values), color=colour, lw=0.8, alpha=0.3)
+    axes.plot(run.time, values, color=colour, lw=0.8, alpha=0.3)
     width = max(1, round(MEAN_TIME / run.settings.control))
-    axes.plot(*drawing.thin(run.time, drawing.running_mean(values, width)), color=colour, lw=1.0)
+    axes.plot(run.time, drawing.running_mean(values, width), color=colour, lw=1.0)
     axes.set_yscale("log")
 
 
@@ -317,25 +262,11 @@ def _ended(run: Run) -> float:
     return float(run.time[-1]) + run.settings.control
 
 
-def shown_until(*runs: Run) -> float:
-    """Time up to which runs are drawn [s]: their end, or shortly after the last motion of any."""
-    end, last = max(map(_ended, runs)), 0.0
-    for run in runs:
-        pairs = (("v1", "v1_d"), ("omega", "v2_d"))
-        moving = [
-            np.abs(run[name]) > REST * limit
-            for names, limit in zip(pairs, run.settings.v_u1, strict=True)
-            for name in names
-        ]
-        last = max(last, float(np.max(run.time, where=np.any(moving, axis=0), initial=0.0)))
-    soon = float(math.ceil(AFTER * last + 1.0))
-    return soon if last > 0 and soon < SHORT * end else end
-
-
 def _time_axes(part: SubFigure, title: str, *runs: Run) -> Axes:
-    """Axes over the time in which any run moves, with the changes of the longest's robot."""
-    axes, end = drawing.one_axes(part, MARGINS), shown_until(*runs)
+    """Axes over the longest run's time, with the changes of its robot."""
+    longest = max(runs, key=_ended)
+    axes, end = drawing.one_axes(part, MARGINS), _ended(longest)
     axes.set(xlabel="t [s]", xlim=(0, end))
     axes.set_title(title, weight="normal")
-    drawing.mark_switch(axes, max(runs, key=_ended).settings, end)
+    drawing.mark_switch(axes, longest.settings, end)
     return axes

@@ -128,7 +128,7 @@ def _drive_paths(lines: Drives, part: SubFigure) -> None:
     for drive, colour in lines:
         if drive.has(POSES):
             x, y = (drive.columns[name] for name in POSES[:2])
-            axes.plot(*drawing.thin_path(x, y, 3000), color=colour, lw=1.2, alpha=0.85)
+            axes.plot(x, y, color=colour, lw=1.2, alpha=0.85)
             drawing.mark_start(axes, x, y)
     drawing.finish_path(axes, ["ring: start"])
 
@@ -149,4 +149,4 @@ def _panel(
 
 def _trace(drive: RecordedDrive, name: str) -> tuple[Floats, Floats]:
     """Times and values of a column; empty if the drive lacks it."""
-    return drawing.thin(drive.times.get(name, NOTHING), drive.columns.get(name, NOTHING))
+    return drive.times.get(name, NOTHING), drive.columns.get(name, NOTHING)

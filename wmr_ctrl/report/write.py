@@ -110,8 +110,8 @@ def all_drawings(campaign: Campaign) -> tuple[Drawing, ...]:
     fig3 = {law: campaign.runs["paper-simulation", law] for law in laws}
     fig5 = {law: campaign.runs["paper-experiment", law] for law in laws}
     return (
-        *paper_figure(3, fig3, "simulation of Section V"),
-        *paper_figure(5, fig5, "experiment of Section VI, simulated"),
+        *paper_figure(3, fig3),
+        *paper_figure(5, fig5),
         *evidence_figures(campaign),
     )
 

@@ -1,19 +1,16 @@
-"""ROS 2 bags by `rosbags` (extra ``logs``): reader, and a run saved as a bag (MCAP).
+"""ROS 2 bags by `rosbags` (extra ``logs``): reader, and a run as a bag (MCAP).
 
-A run is written twice into one file: every column, bit for bit, on RUN_TOPIC with its description,
-and as a base would publish it (Odometry, JointState, TwistStamped), for ROS tools. Frames there are
-those of REP 103 and 105: yaw = theta + pi/2, poses in ``odom``.
+A run is written as a base would publish it (Odometry, JointState, TwistStamped). Frames are those
+of REP 103 and 105: yaw = theta + pi/2, poses in ``odom``.
 """
 
 from __future__ import annotations
 
-import heapq
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
-from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -33,13 +30,11 @@ if TYPE_CHECKING:
     Messages: TypeAlias = Callable[[Sequence[Connection]], Iterable[tuple[Connection, int, bytes]]]
     Opened: TypeAlias = tuple[Sequence[Connection], Messages]
 
-RUN_TOPIC, DESCRIPTION_TOPIC = "/wmr_ctrl/run", "/wmr_ctrl/description"
-ROW, TEXT = "std_msgs/msg/Float64MultiArray", "std_msgs/msg/String"
+ROW = "std_msgs/msg/Float64MultiArray"
 ODOMETRY, JOINTS = "nav_msgs/msg/Odometry", "sensor_msgs/msg/JointState"
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 SECOND = 1_000_000_000
 SUFFIXES = (".mcap", ".db3", ".bag")
-MAGIC = b"\x89MCAP0\r\n"
 
 
 @cache
@@ -104,31 +99,21 @@ def opened_bag(path: str | Path) -> Iterator[Opened]:
         ) from error
 
 
-def run_as_mcap(run: Run, description: str) -> bytes:
+def run_as_mcap(run: Run) -> bytes:
     """Bytes of the bag file, equal for equal runs.  Raises MissingExtraError without rosbags."""
     rosbag2, types = library("rosbags.rosbag2", "logs"), message_types()
-    rows = np.column_stack([run.columns[signal.name] for signal in run.signals])
     stamps = np.rint(run.time * SECOND).astype(np.int64).tolist()
-    layout = types.types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
-    text, row = types.types[TEXT], types.types[ROW]
-    about = [(stamp, text(data=description)) for stamp in (stamps or [0])[:1]]
-    table = ((t, row(layout=layout, data=r)) for t, r in zip(stamps, rows, strict=True))
-    topics: list[tuple[str, str, Iterable[tuple[int, Msg]]]] = [
-        (DESCRIPTION_TOPIC, TEXT, about),
-        (RUN_TOPIC, ROW, table),
-    ]
-    for topic, kind, each in _as_a_base(run, stamps) if stamps else ():  # some end before a sample
-        topics.append((topic, kind, zip(stamps, each, strict=True)))
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder, "run")
         with rosbag2.Writer(place, version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as writer:
-            timed = [
-                zip(repeat(writer.add_connection(topic, kind, typestore=types)), messages)
-                for topic, kind, messages in topics
+            topics = [
+                (writer.add_connection(topic, kind, typestore=types), messages)
+                for topic, kind, messages in _as_a_base(run, stamps)
             ]
-            for connection, (stamp, message) in heapq.merge(*timed, key=lambda item: item[1][0]):
-                data = types.serialize_cdr(message, connection.msgtype)
-                writer.write(connection, stamp, data)
+            for stamp in stamps:
+                for connection, messages in topics:
+                    data = types.serialize_cdr(next(messages), connection.msgtype)
+                    writer.write(connection, stamp, data)
         return (place / "run.mcap").read_bytes()
 
 
@@ -186,30 +171,3 @@ def _joint_states(columns: Mapping[str, Floats], headers: Iterator[Msg]) -> Iter
             header=header, name=["right_wheel", "left_wheel"],
             position=angle, velocity=speed, effort=effort,
         )  # fmt: skip
-
-
-def rows_of_mcap(data: bytes) -> tuple[str, Floats]:
-    """Description and rows (N, numbers) of a run; raises ValueError if a bag has none."""
-    if not data.endswith(MAGIC):
-        raise ValueError("its end is missing")  # rosbags would read what is there
-    data_of: dict[str, list[Any]] = {TEXT: [], ROW: []}
-    with tempfile.TemporaryDirectory() as folder:
-        place = Path(folder, "run.mcap")
-        place.write_bytes(data)
-        with _opened(place) as (connections, messages):
-            ours = [item for item in connections if item.topic in (RUN_TOPIC, DESCRIPTION_TOPIC)]
-            for connection, _, raw in messages(ours) if ours else ():
-                kind = TEXT if connection.topic == DESCRIPTION_TOPIC else ROW
-                message: Any = message_types().deserialize_cdr(raw, kind)
-                data_of[kind].append(message.data)
-    if len(data_of[TEXT]) != 1:
-        raise ValueError("it is a bag without a saved run")
-    return data_of[TEXT][0], np.array(data_of[ROW], dtype=np.float64)
-
-
-def holds_run(path: str | Path) -> bool:
-    """True if a run was saved in this bag."""
-    if Path(path).suffix.lower() != ".mcap" or os.path.isdir(path):
-        return False
-    with opened_bag(path) as (connections, _):
-        return any(item.topic == DESCRIPTION_TOPIC for item in connections)

@@ -59,13 +59,12 @@ def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> dri
 
 
 def load_source(path: str | Path, topics: Mapping[str, str] | None = None) -> Source:
-    """A saved run, or the drive in a bag; a bag that contains a saved run is that run.
+    """A saved run, or the drive in a bag.
 
-    With ``topics`` a bag is always read as a drive.  Raises ResultFileError, ArgumentError,
-    MissingExtraError.
+    Raises ResultFileError, ArgumentError, MissingExtraError.
     """
     if bag.is_bag(path):
-        return load_run(path) if not topics and bag.holds_run(path) else read_topics(path, topics)
+        return read_topics(path, topics)
     if topics:
         raise ArgumentError(
             f"topics can only be given for a bag, and {str(path)!r} is not one. Leave them out."

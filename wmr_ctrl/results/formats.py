@@ -2,8 +2,7 @@
 
 All data of a run except its columns are one JSON object, which each format stores in its own way:
 .npz in ``run.json`` beside an array per column, for ``numpy.load``; .csv in comment lines above a
-header of ``name [unit]`` and a row per sample; .parquet in the file's metadata; .mcap, a ROS 2 bag,
-in a separate message.
+header of ``name [unit]`` and a row per sample.  A .mcap has only what a base would publish.
 """
 
 import csv
@@ -12,30 +11,29 @@ import json
 import math
 import os
 import zipfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from wmr_ctrl.core.errors import MissingExtraError, ResultFileError, WmrError, library
-from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.errors import ResultFileError, library
+from wmr_ctrl.core.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.core.fields.files import AnyPath, note_input
-from wmr_ctrl.core.fields.values import may_unpack
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.core.suffixes import RUNS
+from wmr_ctrl.core.suffixes import BAG, RUNS
 
-from .bag import holds_run, is_bag, rows_of_mcap, run_as_mcap
+from .bag import is_bag, run_as_mcap
 from .drive import NEVER
 from .files import atomic_write
-from .outcomes import Monitor, Outcome
+from .outcomes import Monitor, Outcome, RigidMonitor
 from .run import Floats, Run, split_columns
 from .settings import Settings
 
 _FORMAT = "wmr_ctrl run, version 1"
 _LABELS = ("scenario", "law", "guard", "seed", "engine")
-_JSON_MEMBER, _JSON_KEY = "run.json", b"wmr_ctrl"
+_JSON_MEMBER = "run.json"
 
 
 @checks_arguments
@@ -43,10 +41,10 @@ def save_run(run: Run, path: AnyPath) -> None:
     """Write ``run`` atomically to a file whose suffix is one of `RUNS`.
 
     Raises ResultFileError for another suffix or if the file cannot be written, MissingExtraError
-    for .parquet without pyarrow and .mcap without rosbags.
+    for .mcap without rosbags.
     """
-    encode, _ = _FORMATS[check_suffix(path)]
-    data = encode(run)
+    suffix = check_suffix(path)
+    data = run_as_mcap(run) if suffix == BAG else _FORMATS[suffix][0](run)
     with atomic_write(path) as file:
         file.write(data)
 
@@ -55,32 +53,14 @@ def save_run(run: Run, path: AnyPath) -> None:
 def load_run(path: AnyPath) -> Run:
     """Read a run that `Run.save` wrote; it equals the saved run.
 
-    Raises ResultFileError if the file is missing, damaged, or something else: a robot's own bag is
-    read by `load_drive`.
+    Raises ResultFileError if the file is missing, damaged, or something else: bags are read by
+    `load_drive`.
     """
-    try:
-        return _loaded(path)
-    except ResultFileError as error:
-        if not _of_a_robot(path):
-            raise
+    if is_bag(Path(path)):
         raise ResultFileError(
-            f"{os.fspath(path)!r} is a robot's bag, and no run was saved in it: it has no {NEVER}. "
-            "Read it by wmr_ctrl.load_drive; its result names what else is missing."
-        ) from error
-
-
-def _of_a_robot(path: AnyPath) -> bool:
-    try:
-        return os.path.exists(path) and is_bag(Path(path)) and not holds_run(Path(path))
-    except WmrError:  # it cannot be opened
-        return False
-
-
-OTHER_TABLES = "; a log is read by `wmr-ctrl identify`, a path by reference.file of a scenario"
-"""What else a .csv may be."""
-
-
-def _loaded(path: AnyPath) -> Run:
+            f"{os.fspath(path)!r} is a bag: it has no {NEVER}. Read it by wmr_ctrl.load_drive; its "
+            "result names what else is missing."
+        )
     _, decode = _FORMATS[check_suffix(path)]
     note_input(path, "run")
     try:
@@ -92,8 +72,6 @@ def _loaded(path: AnyPath) -> Run:
         ) from error
     try:
         return decode(data)
-    except MissingExtraError:
-        raise
     except Exception as error:  # foreign bytes can break a decoder in any way
         table = isinstance(error, json.JSONDecodeError) and Path(path).suffix.lower() == ".csv"
         words = " ".join(f"{type(error).__name__}: {error}".split())[:300]
@@ -104,21 +82,25 @@ def _loaded(path: AnyPath) -> Run:
         ) from error
 
 
+OTHER_TABLES = "; a log is read by `wmr-ctrl identify`, a path by reference.file of a scenario"
+"""What else a .csv may be."""
+
+
 def check_suffix(path: AnyPath) -> str:
     """The lower-case suffix of ``path``; raises ResultFileError if no run format has it."""
     suffix = Path(path).suffix.lower()
-    if suffix not in _FORMATS:
+    if suffix not in RUNS:
         raise ResultFileError(
             f"{os.fspath(path)!r} has the suffix {suffix!r}; runs are saved as "
-            f"{' or '.join(_FORMATS)}. Give the file one of these suffixes."
+            f"{' or '.join(RUNS)}. Give the file one of these suffixes."
         )
     return suffix
 
 
 def check_format(path: AnyPath) -> None:
     """Raise MissingExtraError if the format of ``path`` needs a missing package."""
-    module, extra = _NEEDS.get(check_suffix(path), ("numpy", ""))
-    library(module, extra)
+    if check_suffix(path) == BAG:
+        library("rosbags.rosbag2", "logs")
 
 
 def metadata_text(run: Run) -> str:
@@ -149,6 +131,15 @@ def _encoded(value: object) -> object:
     return value
 
 
+def _decoded(value: Any) -> Any:
+    """Inverse of `_encoded`."""
+    if isinstance(value, dict):
+        return {key: _decoded(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return tuple(map(_decoded, value))
+    return float(value) if value in ("inf", "-inf", "nan") else value
+
+
 def _parsed(text: str | bytes) -> Mapping[str, Any]:
     """The JSON object in a file; raises ValueError unless this release can read it."""
     metadata = json.loads(text)
@@ -163,12 +154,17 @@ def _signals_in(metadata: Mapping[str, Any]) -> tuple[Signal, ...]:
 
 def _run_from(metadata: Mapping[str, Any], columns: Mapping[str, Floats]) -> Run:
     """The run in a file; raises ValueError if rows are missing, and Run's own errors."""
+    settings, seen = Settings(**_decoded(metadata["settings"])), _decoded(metadata["monitor"])
+    rigid = seen.pop("rigid")
+    monitor = Monitor(**seen, rigid=rigid and RigidMonitor(**rigid))
+    for part in (settings, monitor):
+        check_fields(part)
     run = Run(
         **{name: metadata[name] for name in _LABELS},
-        settings=Settings(**metadata["settings"]),
+        settings=settings,
         signals=_signals_in(metadata),
         columns=columns,
-        monitor=Monitor(**metadata["monitor"]),
+        monitor=monitor,
         outcome=Outcome(metadata["outcome"]),
         provenance=metadata["provenance"],
     )
@@ -191,20 +187,15 @@ def _npz_of(run: Run) -> bytes:
 
 
 def _run_in_npz(data: bytes) -> Run:
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        if sum(item.file_size for item in archive.infolist()) > len(data):
+    with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+        if sum(item.file_size for item in archive.zip.infolist()) > len(data):
             raise ValueError("it claims more than its own size, and runs are not compressed")
-        metadata = _parsed(archive.read(_JSON_MEMBER))
-        names = [signal.name for signal in _signals_in(metadata)]
-        columns = {name: _array(archive.read(f"{name}.npy")) for name in names}
+        metadata = _parsed(archive[_JSON_MEMBER])
+        columns = {signal.name: archive[signal.name] for signal in _signals_in(metadata)}
+    for name, column in columns.items():
+        if column.dtype != np.float64:
+            raise ValueError(f"the column {name} holds {column.dtype}, not double precision")
     return _run_from(metadata, columns)
-
-
-def _array(data: bytes) -> Floats:
-    array = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
-    if array.dtype != np.float64:
-        raise ValueError(f"a column holds {array.dtype}, not double precision")
-    return np.asarray(array, dtype=np.float64)
 
 
 def _csv_of(run: Run) -> bytes:
@@ -226,61 +217,19 @@ def _run_in_csv(data: bytes) -> Run:
     comments = [line[1:] for line in lines if line.startswith("#")]
     metadata = _parsed("\n".join(comments))
     signals = _signals_in(metadata)
-    header, *rows = csv.reader(lines[len(comments) :])
+    (header,) = csv.reader(lines[len(comments) :][:1])
+    rows = lines[len(comments) + 1 :]
     pairs = (pair for signal in signals for pair in zip(signal.elements, signal.units, strict=True))
     if header != [f"{name} [{unit}]" for name, unit in pairs]:
         raise ValueError("its header row does not name the columns of its description")
-    return _run_from(metadata, split_columns(signals, _numbers(rows, len(header))))
+    table = np.loadtxt(rows, delimiter=",", ndmin=2) if rows else np.empty((0, len(header)))
+    if table.shape[1] != len(header):
+        raise ValueError(f"its rows have {table.shape[1]} of {len(header)} numbers")
+    return _run_from(metadata, split_columns(signals, table))
 
 
-def _numbers(rows: Iterable[Sequence[str]], width: int) -> Floats:
-    """Numbers of rows of text, shape (N, width)."""
-    numbers = []
-    for count, row in enumerate(rows, start=1):
-        if len(row) != width:
-            raise ValueError(f"row {count} has {len(row)} of {width} numbers")
-        numbers.append([float(cell) for cell in row])
-    return np.array(numbers, dtype=np.float64).reshape(-1, width)
-
-
-def _parquet_of(run: Run) -> bytes:
-    """Bytes of a Parquet file, a column per number.  MissingExtraError without pyarrow."""
-    arrow, parquet = library("pyarrow"), library("pyarrow.parquet")
-    table = arrow.table({signal.name: run[signal.name] for signal in run.elements})
-    table = table.replace_schema_metadata({_JSON_KEY: metadata_text(run)})
-    buffer = io.BytesIO()
-    parquet.write_table(table, buffer)
-    return buffer.getvalue()
-
-
-def _run_in_parquet(data: bytes) -> Run:
-    file = library("pyarrow.parquet").ParquetFile(io.BytesIO(data))
-    numbers = file.metadata.num_rows * file.metadata.num_columns
-    if not may_unpack(len(data), np.dtype(float).itemsize * numbers):
-        raise ValueError(f"it claims {numbers} numbers, more than a file of its size can hold")
-    table = file.read()
-    metadata = _parsed((table.schema.metadata or {}).get(_JSON_KEY, b"null"))
-    columns = {}
-    for signal in _signals_in(metadata):
-        parts = [np.asarray(table[name].to_numpy(), float) for name in signal.elements]
-        columns[signal.name] = parts[0] if signal.size == 1 else np.column_stack(parts)
-    return _run_from(metadata, columns)
-
-
-def _run_in_mcap(data: bytes) -> Run:
-    text, rows = rows_of_mcap(data)
-    metadata = _parsed(text)
-    signals = _signals_in(metadata)
-    width = sum(signal.size for signal in signals)
-    return _run_from(metadata, split_columns(signals, rows.reshape(-1, width)))
-
-
-_CODECS: Sequence[tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = (
-    (_npz_of, _run_in_npz),
-    (_csv_of, _run_in_csv),
-    (_parquet_of, _run_in_parquet),
-    (lambda run: run_as_mcap(run, metadata_text(run)), _run_in_mcap),
-)
-_FORMATS = dict(zip(RUNS, _CODECS, strict=True))
+_FORMATS: Mapping[str, tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = {
+    ".npz": (_npz_of, _run_in_npz),
+    ".csv": (_csv_of, _run_in_csv),
+}
 """Writer and reader of each suffix."""
-_NEEDS = {".parquet": ("pyarrow", "data"), ".mcap": ("rosbags.rosbag2", "logs")}

@@ -4,8 +4,6 @@ An outcome is a value, never an exception, with a sentence that says what to do 
 """
 
 import math
-import operator
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -71,20 +69,9 @@ class Monitor:
     least_margin: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        linear, angular = self.max_abs_v
-        object.__setattr__(self, "max_abs_v", (float(linear), float(angular)))
-        object.__setattr__(self, "violations", operator.index(self.violations))
-        for name in ("first_violation", "stopped", "bounds_left"):
-            object.__setattr__(self, name, _event(name, getattr(self, name)))
-        for name in ("d_least", "least_margin"):
-            if getattr(self, name) is not None:
-                first, second = getattr(self, name)
-                object.__setattr__(self, name, (float(first), float(second)))
-        if isinstance(self.rigid, Mapping):
-            object.__setattr__(self, "rigid", RigidMonitor(**self.rigid))
-        self._check()
-
-    def _check(self) -> None:
+        for event in filter(None, (self.first_violation, self.stopped, self.bounds_left)):
+            if event[1] not in _AXES:
+                raise ArgumentError(f"monitor: an event has the axis {event[1]}; axes are 1 to 3.")
         if self.stop_reason not in STOP_REASONS:
             raise ArgumentError(
                 f"monitor.stop_reason = {self.stop_reason!r} must be one of {STOP_REASONS}."
@@ -99,15 +86,6 @@ class Monitor:
                 f"monitor.stop_reason = {self.stop_reason!r} does not fit monitor.stopped = "
                 f"{self.stopped}: give both, or neither."
             )
-
-
-def _event(name: str, value: Event | None) -> Event | None:
-    if value is None:
-        return None
-    time, axis = value
-    if axis not in (axes := (1, 2, 3) if name == "first_violation" else (1, 2)):
-        raise ArgumentError(f"monitor.{name} names axis {axis!r}; it must be one of {axes}.")
-    return float(time), operator.index(axis)
 
 
 class Outcome(StrEnum):

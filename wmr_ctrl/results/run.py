@@ -101,8 +101,7 @@ class Run:
     def save(self, path: AnyPath) -> None:
         """Write the run to a file, in the format of its suffix; `wmr_ctrl.load_run` reads it back.
 
-        Raises ResultFileError, or MissingExtraError for .parquet without pyarrow and .mcap without
-        rosbags.
+        Raises ResultFileError, or MissingExtraError for .mcap without rosbags.
         """
         late_bound("save_run")(self, path)
 

@@ -82,24 +82,6 @@ class Settings(CountedNumbers):
     v_max: Pair | None = None
 
     def __post_init__(self) -> None:
-        for name in ("control", "plant", "duration", "split", "rms_from"):
-            object.__setattr__(self, name, float(getattr(self, name)))
-        linear, angular = self.v_u1
-        object.__setattr__(self, "v_u1", (float(linear), float(angular)))
-        for name in ("dbar", "usable", "asked", "M_min", "M_max", "nbar", "v_min", "v_max"):
-            if getattr(self, name) is not None:
-                first, second = getattr(self, name)
-                object.__setattr__(self, name, (float(first), float(second)))
-        shapes = (
-            tuple(tuple(part) if isinstance(part, list) else part for part in shape)
-            for shape in self.keep_out
-        )
-        object.__setattr__(self, "keep_out", tuple(shapes))
-        robots = tuple((float(time), str(words)) for time, words in self.robots)
-        object.__setattr__(self, "robots", robots)
-        self._check()
-
-    def _check(self) -> None:
         for name in ("control", "plant", "duration"):
             if not 0 < getattr(self, name) < math.inf:
                 raise ArgumentError(_message(name, getattr(self, name), "finite and positive"))

@@ -65,7 +65,7 @@ def settings_of(scenario: Scenario) -> Settings:
     return Settings(
         clock.control, clock.plant, clock.duration, limits.v_u1, scenario.split,
         metrics.rms_from, tolerance=metrics.tolerance, arrival=scenario.reference.arrival,
-        keep_out=scenario.reference.keep_out, radius=scenario.body.radius,
+        keep_out=scenario.obstacles, radius=scenario.body.radius,
         frames=scenario.frames, robots=robots_in_words(scenario),
         v_min=limits.v_min if limits.apart else None, v_max=limits.v_max if limits.apart else None,
     )  # fmt: skip

@@ -10,11 +10,14 @@ and any way elsewhere. Backwards the bearing counts from behind. A wall is met a
 or along the heading of the window nearest to its normal.
 """
 
+from collections.abc import Sequence
 from functools import reduce
 
 import casadi as ca
 
+from wmr_ctrl.core.fields.values import Pair
 from wmr_ctrl.core.signals import LARGEST
+from wmr_ctrl.results.obstacles import Shape
 
 Point = tuple[ca.SX, ca.SX]
 WIDEST = 1.5
@@ -58,3 +61,29 @@ def way_to_wall(
 def _outside(bearing: ca.SX, window: tuple[ca.SX, ca.SX]) -> ca.SX:
     """How far a bearing is outside of a window, signed [rad]."""
     return bearing - ca.fmax(-window[1], ca.fmin(window[0], bearing))
+
+
+def seen_from(pose: ca.SX, place: Pair) -> Point:
+    """A point (X, Y) [m] as seen from a pose (3,): ahead, to the left [m]."""
+    x, y = place[0] - pose[0], place[1] - pose[1]
+    s, c = ca.sin(pose[2]), ca.cos(pose[2])
+    return c * y - s * x, -(c * x + s * y)
+
+
+def free_ways(
+    shapes: Sequence[Shape], pose: ca.SX, window: tuple[ca.SX, ca.SX], radius: ca.SX | float
+) -> tuple[ca.SX, ca.SX]:
+    """Ways [m] ahead and behind of a disc at ``pose`` (3,) before it touches a shape."""
+    ways = []
+    for sense in (1, -1):
+        own = [ca.SX(LARGEST)]
+        for shape in shapes:
+            if isinstance(shape[0], tuple):
+                ends = [seen_from(pose, corner) for corner in shape]
+                walls = zip(ends, [*ends[1:], ends[0]], strict=True)
+                own += [way_to_wall(wall, window, radius, sense) for wall in walls]
+            else:
+                x, y, size = shape
+                own.append(way_to_point(seen_from(pose, (x, y)), window, radius + size, sense))
+        ways.append(reduce(ca.fmin, own))
+    return ways[0], ways[1]

@@ -1,7 +1,5 @@
 """The level transport and the step behind it, against a barrier in 50-digit arithmetic."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -18,7 +16,7 @@ every_axis = pytest.mark.parametrize(
 v, c, c_m, c_next, E = (ca.SX.sym(name) for name in ("v", "c", "c_m", "c_next", "E"))
 
 
-def step(axis: Axis) -> ca.Function:
+def step(axis):
     """(v, c, c_m, c+, E) to (v*, v+)."""
     limits = (ca.SX(axis[0]), ca.SX(axis[1]))
     start = transported(v, c, c_m, limits, axis[2])
@@ -26,7 +24,7 @@ def step(axis: Axis) -> ca.Function:
     return ca.Function("step", [v, c, c_m, c_next, E], [start, end])
 
 
-def x_of(c: np.ndarray, axis: Axis) -> np.ndarray:
+def x_of(c, axis):
     """v_c1 in extended precision."""
     u1, u2 = map(np.longdouble, axis[:2])
     size = np.abs(c.astype(np.longdouble))
@@ -38,7 +36,7 @@ def x_of(c: np.ndarray, axis: Axis) -> np.ndarray:
 
 @every_axis
 @pytest.mark.slow_but("axis0", "axis5")
-def test_w_falls_and_the_limit_is_kept_from_every_speed(axis: Axis) -> None:
+def test_w_falls_and_the_limit_is_kept_from_every_speed(axis):
     """|w+| <= E (|w| + |c+ - c_m|) and |v+| <= v_u1; v* = v where the target is held."""
     count, u1 = 20_000, axis[0]
     draw = np.random.default_rng(6)
@@ -60,7 +58,7 @@ def test_w_falls_and_the_limit_is_kept_from_every_speed(axis: Axis) -> None:
 
 
 @every_axis
-def test_v_star_has_no_jump_where_the_velocity_enters_the_limit(axis: Axis) -> None:
+def test_v_star_has_no_jump_where_the_velocity_enters_the_limit(axis):
     act, u1 = step(axis), axis[0]
     for here, there in ((0.3, 0.31), (0.31, 0.3), (5.0, 5.5), (5.5, 5.0), (90.0, -3.0)):
         inside, outside = (
@@ -70,7 +68,7 @@ def test_v_star_has_no_jump_where_the_velocity_enters_the_limit(axis: Axis) -> N
 
 
 @every_axis
-def test_below_the_threshold_the_velocity_is_carried_all_the_way(axis: Axis) -> None:
+def test_below_the_threshold_the_velocity_is_carried_all_the_way(axis):
     act, u2 = step(axis), axis[1]
     draw = np.random.default_rng(7)
     for _ in range(50):

@@ -1,7 +1,5 @@
 """The stable barrier forms against their definition at 50 digits."""
 
-from __future__ import annotations
-
 import math
 import random
 
@@ -16,7 +14,7 @@ from wmr_ctrl.control.barrier.stable import stable_barrier, stable_minimiser
 LIMITS = ((1.0, 0.8), (1.5, 1.3), (0.7, 0.1), (3.0, 1.2), (1.0, 0.99))
 
 
-def _functions() -> tuple[ca.Function, ca.Function]:
+def _functions():
     """V1/A, q, v_c1, V1; and the slopes of the first two by c and v."""
     given = c, v, *_ = [ca.SX.sym(name) for name in ("c", "v", "u1", "u2")]
     found = stable_barrier(*given)
@@ -30,7 +28,7 @@ def _functions() -> tuple[ca.Function, ca.Function]:
 STABLE, SLOPES = _functions()
 
 
-def exact(c: float, v: float, u1: float, u2: float) -> tuple[mp.mpf, mp.mpf, mp.mpf, mp.mpf]:
+def exact(c, v, u1, u2):
     """(V1/A, q, v_c1, V1) from Eqs. (10)-(20) as printed, with their limits at v = v_c1."""
     c, v, u1, u2 = map(mp.mpf, (c, v, u1, u2))
     s = 1 if c >= 0 else -1
@@ -38,7 +36,7 @@ def exact(c: float, v: float, u1: float, u2: float) -> tuple[mp.mpf, mp.mpf, mp.
     delta = u1 - u2
     x = c if c <= u2 else u2 if c <= u2 + 1 / delta else (c + u1 - mp.sqrt((c - u1) ** 2 + 4)) / 2
 
-    def f(speed: mp.mpf) -> mp.mpf:
+    def f(speed):
         return -mp.log((u1 - abs(speed)) / delta) if abs(speed) > u2 else mp.mpf(0)
 
     value = (v - c) ** 2 / 2 + f(v) - (x - c) ** 2 / 2 - f(x)
@@ -49,18 +47,18 @@ def exact(c: float, v: float, u1: float, u2: float) -> tuple[mp.mpf, mp.mpf, mp.
     return s * value / a, (v - x) / a, s * x, value
 
 
-def close(found: float, wanted: mp.mpf) -> bool:
+def close(found, wanted):
     """Right to 1e-12 relative or 1e-15 absolute."""
     error = abs(mp.mpf(found) - wanted)
     return bool(error <= mp.mpf("1e-15") or error <= mp.mpf("1e-12") * abs(wanted))
 
 
-def points(u1: float, u2: float, count: int) -> list[tuple[float, float]]:
+def points(u1, u2, count):
     """(c, v) over all regions, both signs, both sides of every boundary down to one ulp."""
     draw = random.Random(f"{u1} {u2}")
     edge = u2 + 1 / (u1 - u2)
 
-    def near(value: float) -> float:
+    def near(value):
         return value + draw.choice((-1, 0, 1)) * 10 ** draw.uniform(-17, -1)
 
     found = []
@@ -101,7 +99,7 @@ def points(u1: float, u2: float, count: int) -> list[tuple[float, float]]:
     return found
 
 
-def test_stable_forms_are_right_to_50_digits() -> None:
+def test_stable_forms_are_right_to_50_digits():
     with mp.workdps(50):
         for u1, u2 in LIMITS:
             for c, v in points(u1, u2, 120):
@@ -112,8 +110,8 @@ def test_stable_forms_are_right_to_50_digits() -> None:
                 assert all(map(close, found, wanted)), (u1, u2, c, v, found, wanted)
 
 
-@pytest.mark.parametrize(("u1", "u2"), LIMITS[:2])
-def test_derivatives_are_right_where_they_exist(u1: float, u2: float) -> None:
+@pytest.mark.parametrize("u1, u2", LIMITS[:2])
+def test_derivatives_are_right_where_they_exist(u1, u2):
     """Away from kinks and region boundaries, to 1e-9 of a difference quotient at 50 digits."""
     edge, step = u2 + 1 / (u1 - u2), mp.mpf("1e-20")
     with mp.workdps(60):
@@ -149,7 +147,7 @@ target = st.floats(-1e6, 1e6)
 
 @given(target, target)
 @settings(max_examples=3 * settings.default.max_examples // 2)
-def test_minimiser_is_monotone_and_nonexpansive(a: float, b: float) -> None:
+def test_minimiser_is_monotone_and_nonexpansive(a, b):
     low, high = sorted((a, b))
 
     rise = float(MINIMISER(high)) - float(MINIMISER(low))
@@ -159,7 +157,7 @@ def test_minimiser_is_monotone_and_nonexpansive(a: float, b: float) -> None:
 
 @pytest.mark.parametrize("c", [1e200, -1e308, 5e-324, -0.0, math.inf, -math.inf])
 @pytest.mark.parametrize("v", [0.0, -0.0, 5e-324, 0.999999, -0.999999, 0.8, -0.8])
-def test_hostile_values_give_no_nan(c: float, v: float) -> None:
+def test_hostile_values_give_no_nan(c, v):
     found = [float(item) for item in STABLE(c, v, 1.0, 0.8)]
 
     assert not any(map(math.isnan, found)), found

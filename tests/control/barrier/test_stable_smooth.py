@@ -1,7 +1,5 @@
 """The barrier with a continuous slope, against its definition in 60 digits."""
 
-from __future__ import annotations
-
 import casadi as ca
 import mpmath as mp
 import numpy as np
@@ -17,16 +15,16 @@ _B = smooth_barrier(c, v, ca.SX(U1), ca.SX(U2))
 ALL = ca.Function("all", [c, v], [_B.v_c1, _B.w, _B.V1, _B.V1_over_A, _B.q])
 
 
-def defined(here: float, speed: float) -> tuple[mp.mpf, ...]:
+def defined(here, speed):
     """v_c1, w, V1, V1/A, q straight from f."""
     u1, u2 = mp.mpf(U1), mp.mpf(U2)
     delta = u1 - u2
 
-    def f(x: mp.mpf) -> mp.mpf:
+    def f(x):
         size = abs(x)
         return -mp.log((u1 - size) / delta) - (size - u2) / delta if size > u2 else mp.mpf(0)
 
-    def slope(x: mp.mpf) -> mp.mpf:
+    def slope(x):
         size = abs(x)
         rise = (size - u2) / (delta * (u1 - size)) if size > u2 else mp.mpf(0)
         return mp.sign(x) * rise
@@ -40,7 +38,7 @@ def defined(here: float, speed: float) -> tuple[mp.mpf, ...]:
     return x, speed - x, value, value / A, (speed - x) / A
 
 
-def samples() -> list[tuple[float, float]]:
+def samples():
     draw = np.random.default_rng(0)
     many = [(draw.normal() * 10 ** draw.uniform(-3, 3), draw.uniform(-1, 1)) for _ in range(400)]
     edges = [
@@ -52,7 +50,7 @@ def samples() -> list[tuple[float, float]]:
     return [*many, *edges]
 
 
-def test_agrees_with_its_definition_in_60_digits() -> None:
+def test_agrees_with_its_definition_in_60_digits():
     with mp.workdps(60):
         for here, speed in samples():
             if speed == here:
@@ -65,7 +63,7 @@ def test_agrees_with_its_definition_in_60_digits() -> None:
                 assert ours == pytest.approx(wanted, rel=2e-10, abs=1e-13), (here, speed, name)
 
 
-def test_limits_at_the_target() -> None:
+def test_limits_at_the_target():
     for here in (0.3, -0.5, 0.8, 2.0, 7.17, 100.0):
         x = float(ALL(here, 0.0)[0])
         _, _, _, quotient, q = (float(item) for item in ALL(here, x))
@@ -75,7 +73,7 @@ def test_limits_at_the_target() -> None:
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_what_stands_beside_a_logarithm_is_right_to_the_last_digits(sign: int) -> None:
+def test_what_stands_beside_a_logarithm_is_right_to_the_last_digits(sign):
     """(-ln(1 - y) - y)/y, by series up to where the logarithm loses no more than a digit or two."""
     y = ca.SX.sym("y")
     found = ca.Function("chi", [y], [_chi(y, 1 - y)])
@@ -88,7 +86,7 @@ def test_what_stands_beside_a_logarithm_is_right_to_the_last_digits(sign: int) -
 
 @pytest.mark.parametrize("law", ["mb", "nn", "prox"])
 @pytest.mark.slow_but("mb")
-def test_laws_take_it_as_their_twins_do(law: str) -> None:
+def test_laws_take_it_as_their_twins_do(law):
     changed = {f"gains.{law}.barrier": "smooth", "clock.duration": 5.0, "changes": []}
     native, slow = (
         run("paper-simulation", law, seed=4, overrides=changed)

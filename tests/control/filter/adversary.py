@@ -14,7 +14,6 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.filter import filter_system
-from wmr_ctrl.world.scenario import Scenario
 
 NONE, LONG_AGO = (np.inf, np.inf), -1e9
 RAMPED = 6
@@ -54,11 +53,11 @@ class Base:
     deadband: tuple[float, float] = (0.0, 0.0)
     wheel_deadband: float = 0.0
 
-    def wrong(self, **changes: object) -> Base:
+    def wrong(self, **changes):
         """The base with some numbers beyond what is stated."""
         return replace(self, **changes)
 
-    def bands(self, l: float) -> tuple[np.ndarray, np.ndarray] | None:
+    def bands(self, l):
         """Speeds that have a dead band, as parts of v and omega, and its size; None without one."""
         if self.wheel_deadband:
             return np.array([[1.0, l], [1.0, -l]]), np.full(2, self.wheel_deadband)
@@ -69,13 +68,13 @@ Sender = Callable[[np.ndarray], np.ndarray]
 """Sends for inputs (inputs, trials) the commands (2, trials), with a memory of its own."""
 
 
-def graphs(scenario: Scenario, trials: int) -> Sender:
+def graphs(scenario, trials):
     """The filter's graph for so many bases."""
     system = filter_system(scenario)
     step = system.function("filter", [system.update, system.y]).map(trials)
     x, p = (ca.repmat(ca.DM(item), 1, trials) for item in (system.x0, system.p0))
 
-    def send(u: np.ndarray) -> np.ndarray:
+    def send(u):
         nonlocal x
         x, out = step(ca.DM(u), x, p)
         x = ca.DM(x)
@@ -84,7 +83,7 @@ def graphs(scenario: Scenario, trials: int) -> Sender:
     return send
 
 
-def limited_speeds(scenario: Scenario) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def limited_speeds(scenario):
     """Speeds that are limited, each as its parts of v and of omega, and their limits.
 
     The larger of both directions, then those of each, forwards first.
@@ -99,13 +98,13 @@ def limited_speeds(scenario: Scenario) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
 
 def fastest(
-    scenario: Scenario,
-    base: Base,
-    trials: int = 400,
-    samples: int = 200,
-    seed: int = 0,
-    sending: Callable[[Scenario, int], Sender] = graphs,
-) -> np.ndarray:
+    scenario,
+    base,
+    trials=400,
+    samples=200,
+    seed=0,
+    sending=graphs,
+):
     """Largest share of a limit in each trial, over all instants at which a piece ends.
 
     Each is after one of the speeds that are limited.
@@ -206,9 +205,7 @@ HEADINGS = ((1, 0), (0, 1), (1, 1), (5, 1), (1, 5))
 """Where commands may head, in sizes of v and l omega, besides along the speed that is sought."""
 
 
-def _heard(
-    command: np.ndarray, bands: tuple[np.ndarray, np.ndarray], drops: np.ndarray
-) -> np.ndarray:
+def _heard(command, bands, drops):
     """The commands (trials, 2) that act behind dead bands, in the trials that drop small ones."""
     rows, sizes = bands
     parts = command @ rows.T
@@ -223,12 +220,12 @@ EDGES = (-EDGE, EDGE, -0.5, 0.3, 1.5)
 
 
 def _on_the_edge(
-    scenario: Scenario,
-    bands: tuple[np.ndarray, np.ndarray],
-    after: np.ndarray,
-    side: np.ndarray,
-    shares: np.ndarray,
-) -> np.ndarray:
+    scenario,
+    bands,
+    after,
+    side,
+    shares,
+):
     """Commands (trials, 2) of which a part is within a dead band.
 
     Of a rim while the speed that is sought is as fast as the clip lets it; or such ``shares``.
@@ -246,26 +243,24 @@ def _on_the_edge(
     return np.where((each % 2 == 0)[:, None], pair / (1, l), both)
 
 
-def _newest(since: np.ndarray) -> np.ndarray:
+def _newest(since):
     """The last instant at which a command took over or will, of each axis."""
     return np.max(np.where(np.isfinite(since), since, LONG_AGO), axis=1)
 
 
-def _forward(motion: np.ndarray, base: Base) -> np.ndarray:
+def _forward(motion, base):
     """Where a motion of each loop, of both together if they are alike, is one forwards."""
     return (motion.sum(axis=1, keepdims=True) if base.loops == "alike" else motion) > 0
 
 
-def _ramped(now: np.ndarray, wanted: np.ndarray, base: Base, time: np.ndarray) -> np.ndarray:
+def _ramped(now, wanted, base, time):
     """Commands that near the ``wanted`` ones as fast as they may; they stop at 0 to turn round."""
     goal = np.where(now * wanted < 0, 0, wanted)
     most = np.where(np.abs(goal) < np.abs(now), base.decel, base.accel) * np.maximum(time, 1e-300)
     return now + np.clip(goal - now, -most, most)
 
 
-def _recorded(
-    times: list[np.ndarray], values: list[np.ndarray], when: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _recorded(times, values, when):
     """The first instants from ``when`` on at which a piece ended, and the speeds there."""
     t, v = np.array(times), np.array(values)
     place = np.argmax(t >= when - 1e-12, axis=0)

@@ -6,7 +6,6 @@ commands switch where its own impulse response changes sign, seen backwards from
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +20,7 @@ class LinearBase:
     b: np.ndarray
     e: np.ndarray
 
-    def impulse(self, column: np.ndarray, times: np.ndarray) -> np.ndarray:
+    def impulse(self, column, times):
         """Impulse response of v at evenly spaced times from 0."""
         step, x, found = expm(self.A * (times[1] - times[0])), column, []
         for _ in times:
@@ -29,9 +28,7 @@ class LinearBase:
             x = step @ x
         return np.array(found)
 
-    def fastest(
-        self, send: Callable[[float], float], d: float, T: float, samples: int, parts: int = 8
-    ) -> float:
+    def fastest(self, send, d, T, samples, parts=8):
         """Largest |v| under commands that ``send`` lets through, and pushes of at most d."""
         times = np.arange(samples * parts) * (T / parts)
         ahead = np.sign(self.impulse(self.b, times[::parts] + 0.5 * T / parts))[::-1]
@@ -47,20 +44,20 @@ class LinearBase:
         return worst
 
 
-def held(A: np.ndarray, B: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+def held(A, B, h):
     """State and input matrices over a period of held input."""
     n, m = B.shape
     both = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * h)
     return both[:n, :n], both[:n, n:]
 
 
-def pi_base(M: float, kp: float, ki: float, c: float) -> LinearBase:
+def pi_base(M, kp, ki, c):
     """M v' = kp (u - v) + f - c v + d, f' = ki (u - v)."""
     A = np.array([[-(kp + c) / M, 1 / M], [-ki, 0.0]])
     return LinearBase(A, np.array([kp / M, ki]), np.array([1 / M, 0.0]))
 
 
-def second_order_base(w0: float, z: float, K: float) -> LinearBase:
+def second_order_base(w0, z, K):
     """v'' + 2 z w0 v' + w0^2 v = w0^2 (K u + d)."""
     A = np.array([[0.0, 1.0], [-(w0**2), -2 * z * w0]])
     return LinearBase(A, np.array([0.0, K * w0**2]), np.array([0.0, w0**2]))

@@ -1,10 +1,6 @@
 """Filters of bases with dead bands and ramps of wheels, and of those with a least radius."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -16,7 +12,7 @@ from wmr_ctrl.control.filter.gate import GateSettings, gate_system
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.theory.checks import warnings_for
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 CREATE3 = load_scenario("irobot-create3", {"clock.duration": 10.0})
 
@@ -46,13 +42,13 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_no_filter_covers_is_refused_with_numbers(name: str) -> None:
+def test_what_no_filter_covers_is_refused_with_numbers(name):
     changes, words = REFUSED[name]
     with pytest.raises(ScenarioError, match=words):
         wmr_ctrl.simulate(override(CREATE3, changes), "kanayama")
 
 
-def test_a_governor_counts_a_dead_band_in_its_push() -> None:
+def test_a_governor_counts_a_dead_band_in_its_push():
     """With d as large as the dead band it keeps its limit, and without it is refused (above)."""
     dead, _ = REFUSED["dead band of a governed base"]
     counted = override(CREATE3, {**dead, "filter.d": [0.03, 0.08]})
@@ -60,11 +56,11 @@ def test_a_governor_counts_a_dead_band_in_its_push() -> None:
     assert run.monitor.violations == 0
 
 
-def turning(radius: float, **changes: object) -> Scenario:
+def turning(radius, **changes):
     return override(CREATE3, {"base.min_radius": radius, **changes})
 
 
-def test_a_step_turns_no_tighter_than_the_base() -> None:
+def test_a_step_turns_no_tighter_than_the_base():
     step = wmr_ctrl.command_filter(turning(0.4)).step
     assert step((0.0, 0.5)).command == (0.0, 0.0)
     assert "turn-radius" in step((0.0, 0.5)).flags
@@ -79,7 +75,7 @@ def test_a_step_turns_no_tighter_than_the_base() -> None:
 
 
 @pytest.mark.parametrize("kind", ["clip", "none"])
-def test_a_run_turns_no_tighter_than_the_base(kind: str) -> None:
+def test_a_run_turns_no_tighter_than_the_base(kind):
     run = wmr_ctrl.simulate(turning(0.6, **{"filter.kind": kind}), "kanayama")
     sent = np.stack([run["v_command"], run["omega_command"]], axis=1)
     assert (np.abs(sent[:, 1]) * 0.6 <= np.abs(sent[:, 0]) + 1e-12).all()
@@ -87,20 +83,20 @@ def test_a_run_turns_no_tighter_than_the_base(kind: str) -> None:
     assert (np.abs(free["omega_command"]) * 0.6 > np.abs(free["v_command"]) + 1e-3).any()
 
 
-def found(scenario: Scenario) -> dict[str, str]:
+def found(scenario):
     return {item.key: str(item) for item in warnings_for(settle(scenario, "kanayama"))}
 
 
-def test_check_objects_to_a_path_tighter_than_the_base() -> None:
+def test_check_objects_to_a_path_tighter_than_the_base():
     assert "base.min_radius" not in found(turning(0.8))
     assert "radius of 0.8 m" in found(turning(0.81))["base.min_radius"]
 
 
 @pytest.mark.parametrize(
-    ("given", "sent"),
+    "given, sent",
     [((0.4, 0.5), 0.5), ((0.4, 2.0), 0.8), ((-0.4, -2.0), -0.8), ((0.0, 1.0), 0.0)],
 )
-def test_a_turn_is_no_tighter_than_the_least_radius(given, sent) -> None:
+def test_a_turn_is_no_tighter_than_the_least_radius(given, sent):
     found = ca.evalf(able.turning(ca.SX(given), ca.SX(0.5))).full().ravel()
 
     assert found == pytest.approx([given[0], sent])
@@ -114,7 +110,7 @@ DOCK = {
 }  # fmt: skip
 
 
-def docked(changes: Mapping[str, Any], law: str, engine: str = "native") -> tuple[float, list[str]]:
+def docked(changes, law, engine="native"):
     run = wmr_ctrl.simulate(override(CREATE3, {**DOCK, **changes}), law, engine=engine)
     away = np.hypot(run["x"][-1] - run["x_d"][-1], run["y"][-1] - run["y_d"][-1])
     return float(away), [item.key for item in run.remarks]
@@ -122,7 +118,7 @@ def docked(changes: Mapping[str, Any], law: str, engine: str = "native") -> tupl
 
 @pytest.mark.slow_but("kanayama")
 @pytest.mark.parametrize("law", ["kanayama", "pursuit", "prox"])
-def test_a_goal_within_the_dead_band_is_reached(law: str) -> None:
+def test_a_goal_within_the_dead_band_is_reached(law):
     away, remarks = docked(LEAST, law)
     assert away < 0.01
     assert not {"not-tracked", "goal-not-reached", "dead-band", "filter-holds-back"} & {*remarks}
@@ -132,7 +128,7 @@ def test_a_goal_within_the_dead_band_is_reached(law: str) -> None:
 
 
 @pytest.mark.parametrize("wheels", [False, True])
-def test_what_is_sent_acts_and_is_in_the_mean_what_was_asked(wheels: bool) -> None:
+def test_what_is_sent_acts_and_is_in_the_mean_what_was_asked(wheels):
     band = {"base.wheel_deadband": 0.03, "filter.d": [0.02, 0.2]} if wheels else LEAST
     step = wmr_ctrl.command_filter(override(CREATE3, {**band, "filter.least": True})).step
     l, rng = CREATE3.robot.l, np.random.default_rng(6)
@@ -152,7 +148,7 @@ def test_what_is_sent_acts_and_is_in_the_mean_what_was_asked(wheels: bool) -> No
     assert step((0.0, 0.0)).command == (0.0, 0.0)
 
 
-def test_the_least_command_is_sent_only_where_the_filter_admits_it() -> None:
+def test_the_least_command_is_sent_only_where_the_filter_admits_it():
     weak = override(CREATE3, {**LEAST, "limits.v_u1": [0.306, 0.2], "limits.v_u2": [0.2, 0.15]})
     step = wmr_ctrl.command_filter(weak).step
     sent = np.array([step((0.0, 0.1)).command[1] for _ in range(50)])
@@ -160,7 +156,7 @@ def test_the_least_command_is_sent_only_where_the_filter_admits_it() -> None:
     assert "limited" in {flag for _ in range(9) for flag in step((0.0, 0.1)).flags}
 
 
-def test_making_up_for_no_dead_band_is_refused() -> None:
+def test_making_up_for_no_dead_band_is_refused():
     with pytest.raises(ScenarioError, match=r"base\.deadband and base\.wheel_deadband are 0"):
         wmr_ctrl.command_filter(override(CREATE3, {"filter.least": True}))
     with pytest.raises(ScenarioError, match=r"filter\.least: a gate ramps commands"):

@@ -1,7 +1,5 @@
 """The band: its tables against step responses, and its limit against bases within and beyond."""
 
-from __future__ import annotations
-
 import itertools
 from functools import cache
 
@@ -9,11 +7,10 @@ import numpy as np
 import pytest
 from scipy.signal import lti, step
 
-from tests.control.filter.linear_base import LinearBase, held, pi_base, second_order_base
+from tests.control.filter.linear_base import held, pi_base, second_order_base
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.band import MOST_COMMANDS, PIECES
-from wmr_ctrl.control.filter.filter import CommandFilter
 from wmr_ctrl.control.filter.step_response import band, pi_cells, second_order_cells
 from wmr_ctrl.core.errors import ScenarioError
 
@@ -25,12 +22,12 @@ CORNERS = [pi_base(*numbers) for numbers in itertools.product(*WIDE.values())]
 
 
 @cache
-def banded(loop: str = "pi", push: float = 0.0) -> CommandFilter:
+def banded(loop="pi", push=0.0):
     stated = SWUNG | {"d": (push, 0.0)} if loop == "second-order" else {"push": (push, 0.0)}
     return command_filter(scenario(kind="band", **stated))
 
 
-def speeds(base: LinearBase, limit: CommandFilter, asked: np.ndarray, d: float) -> np.ndarray:
+def speeds(base, limit, asked, d):
     """Speeds at PARTS instants a period; the push changes its way with the asked command."""
     limit.start()
     A, B = held(base.A, np.c_[base.b, base.e], T / PARTS)
@@ -43,7 +40,7 @@ def speeds(base: LinearBase, limit: CommandFilter, asked: np.ndarray, d: float) 
     return np.array(found)
 
 
-def demands(base: LinearBase, seed: int) -> list[np.ndarray]:
+def demands(base, seed):
     """Commands that press on, swing, act at random, and are the worst for the base itself."""
     rng = np.random.default_rng(seed)
     worst = np.sign(base.impulse(base.b, (np.arange(120) + 0.5) * T))[::-1]
@@ -70,7 +67,7 @@ def test_nor_with_the_push_that_is_stated():
 SWINGING = list(itertools.product((3.0, 5.0), (0.4, 1.4), (0.8, 1.1)))
 
 
-@pytest.mark.parametrize(("w0", "z", "K"), [(3.0, 0.4, 1.1), (5.0, 1.4, 0.8)])
+@pytest.mark.parametrize("w0, z, K", [(3.0, 0.4, 1.1), (5.0, 1.4, 0.8)])
 @pytest.mark.slow
 def test_nor_second_order_loops_of_any_gain(w0, z, K):
     base = second_order_base(w0, z, K)
@@ -119,7 +116,7 @@ def test_it_is_odd():
 
 
 @pytest.mark.parametrize(
-    ("cells", "members"),
+    "cells, members",
     [
         (pi_cells(LOOP), [([kp, ki], [M, kp + c, ki]) for M, kp, ki, c in
                           itertools.product((50, 57, 65), (135, 165), (270, 330), (0, 7, 20))]),
@@ -144,7 +141,7 @@ def test_tables_hold_every_step_response_and_little_more(cells, members):
 
 
 @pytest.mark.parametrize(
-    ("stated", "words"),
+    "stated, words",
     [
         ({"loop": "first-order"}, "for loops that overshoot"),
         ({"losses": 1}, "filter.losses: .*a constant delay after"),

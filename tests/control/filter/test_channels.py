@@ -1,7 +1,5 @@
 """What a wheel's rim may do, by what both axes may: half a track apart, all counts."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -11,7 +9,7 @@ from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import load_scenario
 
 
-def test_a_rim_has_the_pushes_of_both_axes_and_the_widest_of_their_gains() -> None:
+def test_a_rim_has_the_pushes_of_both_axes_and_the_widest_of_their_gains():
     stated = {
         "robot.l": 0.2, "limits.v_u1": [1.0, 2.0], "filter.kind": "clip",
         "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05], "filter.channels": "wheels",

@@ -1,10 +1,5 @@
 """Odometry that comes late or not at all: its age is told, and the limit is kept."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -15,16 +10,15 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import Scenario
 
-AGED: Mapping[str, Mapping[str, Any]] = {
+AGED = {
     "lost": {"sensor.velocity_losses": 3},
     "late": {"sensor.velocity_age": 0.1},
     "late and lost": {"sensor.velocity_age": 0.1, "sensor.velocity_losses": 2},
 }
 
 
-def ages_shown(scenario: Scenario, count: int) -> tuple[np.ndarray, np.ndarray]:
+def ages_shown(scenario, count):
     """Shown v1 and its age at each sample, from the sensors' graphs, where v1 is the number."""
     systems = [item.system(scenario) for item in EFFECTS.present(scenario, EffectRole.SENSOR)]
     named = [s for s in systems if any(o.signal.name in ("v1_measured",) for o in s.outputs)]
@@ -46,7 +40,7 @@ def ages_shown(scenario: Scenario, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("case", AGED)
 @pytest.mark.slow_but("late and lost")
-def test_the_age_that_is_told_is_that_of_the_velocity_that_is_shown(case: str) -> None:
+def test_the_age_that_is_told_is_that_of_the_velocity_that_is_shown(case):
     scenario = based(GOVERNED, **{key.replace(".", "__"): v for key, v in AGED[case].items()})
     shown, age = ages_shown(scenario, 200)
     told = age >= 0
@@ -61,7 +55,7 @@ def test_the_age_that_is_told_is_that_of_the_velocity_that_is_shown(case: str) -
 
 @pytest.mark.parametrize("case", AGED)
 @pytest.mark.slow_but("late and lost")
-def test_odometry_that_is_late_or_lost_leaves_the_limit_kept(case: str) -> None:
+def test_odometry_that_is_late_or_lost_leaves_the_limit_kept(case):
     strong = {"kind": "velocity", "tau": [0.2, 0.25], "gain": [1.1, 1.1]}
     far = {**GOVERNED, **AGED[case], "base": strong, "initial.pose": [-2.0, -2.0, -0.7]}
     for age in (0.0, 0.2):
@@ -72,11 +66,11 @@ def test_odometry_that_is_late_or_lost_leaves_the_limit_kept(case: str) -> None:
         assert unused.any() if age == 0 else unused.mean() < 0.1  # the start, where late
 
 
-def has(flags: np.ndarray, bit: int) -> np.ndarray:
+def has(flags, bit):
     return (flags.astype(int) & bit) > 0
 
 
-def test_odometry_that_is_late_on_one_axis_alone_is_refused() -> None:
+def test_odometry_that_is_late_on_one_axis_alone_is_refused():
     one = based(GOVERNED, sensor__velocity_age=0.1, gyro__enabled=True)
     with pytest.raises(ScenarioError, match=r"sensor.velocity_age: one axis.*gyro"):
         settle(one, "kanayama")

@@ -1,7 +1,5 @@
 """The memoryless clip, and ramps to its commands."""
 
-from __future__ import annotations
-
 import casadi as ca
 import pytest
 

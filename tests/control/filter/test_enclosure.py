@@ -1,7 +1,5 @@
 """Intervals that are rounded outward, against fractions and balls of 200 bits."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import flint
@@ -46,7 +44,7 @@ def test_numpys_functions_are_as_exact_as_the_enclosures_count_on(name):
             assert abs(found - exact) <= abs(exact) * flint.arb(LIBM) / 2
 
 
-@pytest.mark.parametrize(("enclosure", "ball"), [
+@pytest.mark.parametrize("enclosure, ball", [
     (cosine, lambda w: w.cos()), (sine_over, lambda w: w.sin() / w),
 ])  # fmt: skip
 @pytest.mark.parametrize("width", [0.0, 1e-6, 0.01, 3.0])

@@ -1,7 +1,5 @@
 """The command filter: its limit against an adversary, what it admits, and what it says."""
 
-from __future__ import annotations
-
 import copy
 import math
 import pickle
@@ -20,7 +18,7 @@ from wmr_ctrl.control.filter.filter import filter_system
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.theory.checks.velocity_base import usable_speed
-from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario import override
 
 STATED = {
     "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1), "filter.d": (0.05, 0.05),
@@ -45,13 +43,13 @@ BROKEN = {
 CLIP = (1 - 0.05) / 1.1
 
 
-def scenario(kind: str = "governor", **stated: object) -> Scenario:
+def scenario(kind="governor", **stated):
     changed = {f"filter.{name}": value for name, value in {"kind": kind, **stated}.items()}
     return load_scenario("paper-simulation", STATED | changed)
 
 
 @pytest.mark.parametrize(
-    ("world", "heard"),
+    "world, heard",
     [
         ("delay of samples", True),
         ("all", True),
@@ -164,7 +162,7 @@ def test_odometry_that_contradicts_the_bounds_is_told_and_the_clip_acts():
     assert made.command[0] == pytest.approx(CLIP, rel=1e-7)
 
 
-def on_the_rim(seed: int, samples: int) -> None:
+def on_the_rim(seed, samples):
     """Gain, push, time constant and odometry's error exactly at an end of what is stated.
 
     The base moves by its own exact solution, and the weakest comes to rest where `check` says.
@@ -191,12 +189,12 @@ def on_the_rim(seed: int, samples: int) -> None:
         assert np.all(speed >= 0.999999 * np.array(usable_speed(settings)))
 
 
-def test_on_the_rim_of_its_bounds_rounding_stops_no_base() -> None:
+def test_on_the_rim_of_its_bounds_rounding_stops_no_base():
     for seed in range(4):
         on_the_rim(seed, samples=400)
 
 
-@pytest.mark.parametrize(("dt", "late"), [(None, False), (0.05, False), (0.08, True), (0.01, True)])
+@pytest.mark.parametrize("dt, late", [(None, False), (0.05, False), (0.08, True), (0.01, True)])
 def test_a_step_outside_its_jitter_is_told(dt, late):
     governor = wmr_ctrl.command_filter(scenario())
     made = governor.step((5.0, 0.0), (0.0, 0.0), dt=dt)
@@ -218,7 +216,7 @@ def test_the_limit_is_kept_away_from_by_the_rounding_alone():
 
 
 @pytest.mark.parametrize(
-    ("stated", "words"),
+    "stated, words",
     [
         ({"kind": "none"}, "has no command filter"),
         ({"tau": None}, "filter.tau is missing"),
@@ -359,7 +357,7 @@ def test_a_run_says_that_no_filter_acts_in_it():
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    "changes, words",
     [
         ({"filter.tau": (200.0, 300.0)}, r"filter.tau\[1\] = 200 .*0.2 s"),
         ({"filter.age": 80.0, "clock.control": 50.0}, "0.08 s"),

@@ -1,7 +1,5 @@
 """Laws behind the filter remember what was sent, not what they asked for: nothing winds up."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -60,7 +58,7 @@ def test_a_law_that_is_held_back_stays_as_it_is(law):
 
 
 @pytest.mark.parametrize(
-    ("law", "kind"), [("pursuit", "governor"), ("kanayama", "clip"), ("prox", "governor")]
+    "law, kind", [("pursuit", "governor"), ("kanayama", "clip"), ("prox", "governor")]
 )
 @pytest.mark.slow_but("pursuit-governor")
 def test_from_far_away_it_comes_to_the_path_and_stays(law, kind):

@@ -1,7 +1,5 @@
 """The command filter's package has the same bits on every platform, odd inputs included."""
 
-from __future__ import annotations
-
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -10,7 +8,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from tests.bits.platforms import HERE as BESIDE
-from tests.bits.platforms import Platform, check_tools, ran
+from tests.bits.platforms import check_tools, ran
 from tests.bits.test_same_bits import ELSEWHERE, HERE_NOW
 from tests.codegen.measured import FILTERS
 from tests.compilers import FLAGS, compile_program
@@ -22,12 +20,12 @@ PROGRAM = Path(__file__).with_name("bits.c")
 
 
 @cache
-def written(name: str, float32: bool) -> dict[str, str]:
+def written(name, float32):
     scenario = load_scenario("paper-simulation", FILTERS[name])
     return package_files("filter", scenario, float32=float32)
 
 
-def shown(platform: Platform, name: str, folder: Path, float32: bool = False) -> str:
+def shown(platform, name, folder, float32=False):
     """Digest of all that the filter sends and remembers."""
     runner = check_tools(platform)
     for file, text in written(name, float32).items():
@@ -40,27 +38,27 @@ def shown(platform: Platform, name: str, folder: Path, float32: bool = False) ->
 
 
 @cache
-def here(name: str, float32: bool = False) -> str:
+def here(name, float32=False):
     with TemporaryDirectory() as folder:
         return shown(PLATFORMS["gcc -O2"], name, Path(folder), float32)
 
 
 @pytest.mark.parametrize("name", ["clip", "band of 50 commands"])
 @pytest.mark.slow_but("clip")
-def test_compilers_agree(name: str, tmp_path: Path) -> None:
+def test_compilers_agree(name, tmp_path):
     assert shown(PLATFORMS["clang -O3"], name, tmp_path) == here(name)
 
 
 @pytest.mark.parametrize("name", ["clip", "band of 50 commands"])
 @pytest.mark.slow_but("clip")
-def test_compilers_agree_in_single_precision(name: str, tmp_path: Path) -> None:
+def test_compilers_agree_in_single_precision(name, tmp_path):
     found = shown(PLATFORMS["clang -O3"], name, tmp_path, float32=True)
     assert found == here(name, float32=True)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("platform", "name"),
+    "platform, name",
     [
         ("gcc -O3 native", "clip"),
         ("clang -O3", "clip of slow commands"),
@@ -69,5 +67,5 @@ def test_compilers_agree_in_single_precision(name: str, tmp_path: Path) -> None:
         ("wasm", "governor"),
     ],
 )
-def test_platforms_agree(platform: str, name: str, tmp_path: Path) -> None:
+def test_platforms_agree(platform, name, tmp_path):
     assert shown(PLATFORMS[platform], name, tmp_path) == here(name)

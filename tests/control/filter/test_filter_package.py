@@ -1,12 +1,8 @@
 """The command filter in C: its package passes its own check and says what the graph says."""
 
-from __future__ import annotations
-
 import math
 import re
 import subprocess
-from collections.abc import Mapping
-from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -21,10 +17,9 @@ from wmr_ctrl.codegen.package import known_footprint, package_files
 from wmr_ctrl.codegen.single_precision import with_margin
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.filter.channels import FLAG_NAMES
-from wmr_ctrl.control.filter.enclosure import Floats
-from wmr_ctrl.control.filter.filter import Filtered, filter_system
+from wmr_ctrl.control.filter.filter import filter_system
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 MEMORY = """#include <math.h>
 #include <stdio.h>
@@ -128,14 +123,12 @@ CHANGED = (
 )
 
 
-def written(folder: Path, kind: str, float32: bool = False, **stated: object) -> None:
+def written(folder, kind, float32=False, **stated):
     for name, text in package_files("filter", scenario(kind, **stated), float32=float32).items():
         (folder / name).write_text(text, encoding="utf-8")
 
 
-def built(
-    program: str, folder: Path, settings: Scenario, *words: str, float32: bool = False
-) -> list[str]:
+def built(program, folder, settings, *words, float32=False):
     """Lines that a C program around a package prints."""
     needs("gcc")
     for name, text in package_files("filter", settings, float32=float32).items():
@@ -147,7 +140,7 @@ def built(
 
 
 @pytest.mark.parametrize(
-    ("kind", "float32", "stated"),
+    "kind, float32, stated",
     [
         ("governor", False, {"delay": (0.02, 0.13), "losses": 1, "jitter": 0.004, "age": 0.08}),
         ("governor", True, {}),
@@ -205,7 +198,7 @@ int main(void)
 """The most of v of a base that rises too slowly for floats to see, and then is asked for more."""
 
 
-def crept(folder: Path, tau: float) -> float:
+def crept(folder, tau):
     exact = {"d": (0.0, 0.0), "odometry": (0.0, 0.0), "gain": (1.0, 1.0), "delay": (0.0, 0.0)}
     settings = scenario("governor", **exact, tau=(tau, tau))
     return float(built(CREEP, folder, settings, "-Wno-conversion", float32=True)[0])
@@ -247,7 +240,7 @@ int main(void)
 """The single-precision package's exponential less one, of floats from and to a pipe."""
 
 
-def expm1_of_floats(given: Floats, folder: Path) -> Floats:
+def expm1_of_floats(given, folder):
     needs("gcc")
     written(folder, "governor", float32=True)
     (folder / "main.c").write_text(EXPM1, encoding="utf-8")
@@ -258,7 +251,7 @@ def expm1_of_floats(given: Floats, folder: Path) -> Floats:
 
 
 @pytest.mark.slow
-def test_a_single_precision_exponential_is_as_right_as_its_comment_says(tmp_path: Path) -> None:
+def test_a_single_precision_exponential_is_as_right_as_its_comment_says(tmp_path):
     """Against 50 digits, from the smallest float to where it overflows; and at the ends."""
     draw = np.random.default_rng(0)
     sizes = [
@@ -285,7 +278,7 @@ def test_a_single_precision_exponential_is_as_right_as_its_comment_says(tmp_path
     assert math.isnan(ends[5])
 
 
-def assert_shown(words: list[str], made: Filtered, float32: bool) -> None:
+def assert_shown(words, made, float32):
     """Assert that a package printed the commands and flags that the graph made."""
     *sent, flags = words
     bits = {name: bit for bit, name in FLAG_NAMES.items()}
@@ -295,11 +288,11 @@ def assert_shown(words: list[str], made: Filtered, float32: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "float32"),
+    "name, float32",
     [("clip", False), ("governor", True), ("band", True), ("clip of slow commands", False)],
 )
 @pytest.mark.slow_but("clip-False", "governor-True")
-def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_path: Path) -> None:
+def test_untimely_calls_are_what_the_graph_says(name, float32, tmp_path):
     """A clock's readings come from whole nanoseconds, to the bit of a double."""
     key = "band of 50 commands" if name == "band" else name
     stated = {**FILTERS[key], "clock.control": 0.05}
@@ -316,7 +309,7 @@ def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_pa
                     True, True, True, False]  # fmt: skip
 
 
-WHEELS: Mapping[str, Mapping[str, object]] = {
+WHEELS = {
     "wheels alone": {**FILTERS["governor"], "filter.channels": "wheels"},
     "wheels beside": {
         **FILTERS["governor"], "filter.wheel_speed": 1.2, "filter.scale": "turn",
@@ -328,7 +321,7 @@ WHEELS: Mapping[str, Mapping[str, object]] = {
 
 @pytest.mark.parametrize("name", WHEELS)
 @pytest.mark.slow_but("wheels beside")
-def test_every_limit_is_lowered_in_single_precision(name: str) -> None:
+def test_every_limit_is_lowered_in_single_precision(name):
     """A rim came to 1 + 2e-7 of `filter.wheel_speed`, which was none of those that were lowered."""
     settings = load_scenario("paper-simulation", WHEELS[name])
     stated, lowered = (
@@ -348,7 +341,7 @@ WITHOUT_EFFECT = {
 
 
 @pytest.mark.parametrize(
-    ("name", "float32"),
+    "name, float32",
     [
         ("clip", False),
         ("clip", True),
@@ -360,9 +353,7 @@ WITHOUT_EFFECT = {
     ],
 )
 @pytest.mark.slow_but("clip-False", "wheels beside-False")
-def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
-    name: str, float32: bool, tmp_path: Path
-) -> None:
+def test_each_parameter_that_is_no_number_is_noticed_in_any_step(name, float32, tmp_path):
     """(0, 0) is sent with the flag "unsound"; a band goes on with that until it is started."""
     settings = load_scenario("paper-simulation", {**FILTERS, **WHEELS}[name])
     lines = built(EACH, tmp_path, settings, float32=float32)
@@ -382,7 +373,7 @@ def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
 
 
 @pytest.mark.parametrize(
-    ("name", "float32"),
+    "name, float32",
     [
         ("clip", False),
         ("clip", True),
@@ -391,7 +382,7 @@ def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
     ],
 )
 @pytest.mark.slow_but("clip-False", "clip-True")
-def test_misuse_gives_a_safe_command_and_its_flag(name: str, float32: bool, tmp_path: Path) -> None:
+def test_misuse_gives_a_safe_command_and_its_flag(name, float32, tmp_path):
     """As the graph says: what is no number is asked for as 0, which slew brings about."""
     settings = load_scenario("paper-simulation", FILTERS[name])
     lines = [

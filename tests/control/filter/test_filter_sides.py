@@ -1,7 +1,5 @@
 """A limit of each direction: what the filter sends, what it refuses, adversaries against it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -60,7 +58,7 @@ def test_a_command_between_its_ends_passes():
 
 
 @pytest.mark.parametrize(
-    ("more", "said"),
+    "more, said",
     [
         ({"limits.v_min": (0.0, -0.4)},
          r"filter.d\[1\] = 0.05 alone drives the base to -0.05, and limits.v_min\[1\] is .*"

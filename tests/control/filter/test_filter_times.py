@@ -1,19 +1,16 @@
 """Steps that come late, early, twice, or before the last one: what each filter makes of them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 
-from tests.control.filter.linear_base import LinearBase, held
+from tests.control.filter.linear_base import held
 from tests.control.filter.test_band import CORNERS, SWINGING, second_order_base
 from tests.control.filter.test_filter import scenario as first_order
 from tests.control.filter.test_peak_gain import scenario
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.band import NAMES, BandGovernor
-from wmr_ctrl.control.filter.filter import CommandFilter
 
 T = 0.05
 FAMILIES = {
@@ -29,19 +26,19 @@ UNTIMELY = (0.0, 0.02, 0.3, 0.9, 1.2, 1.7, 3.0, 8.0)
 COUNT, LONG = 300, 60
 
 
-def half_period(base: LinearBase) -> int:
+def half_period(base):
     """Half the base's own period, in samples; 10 where it does not swing."""
     swing = abs(np.linalg.eigvals(base.A).imag).max()
     return round(math.pi / swing / T) if swing > 0.3 else 10
 
 
-def standing_still(base: LinearBase) -> tuple[np.ndarray, np.ndarray]:
+def standing_still(base):
     """Commands that swing with the base, while the filter is called again and again at once."""
     k = np.arange(COUNT)
     return 9.0 * (-1.0) ** (k // LONG), T * np.where(k % LONG >= LONG - half_period(base), 1.0, 0.0)
 
 
-def at_random(base: LinearBase, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def at_random(base, rng):
     """Swings and chance; times some of which are untimely, now and then many in a row."""
     k, part = np.arange(COUNT), COUNT // 20
     swings = (-1.0) ** (k // half_period(base))
@@ -52,9 +49,7 @@ def at_random(base: LinearBase, rng: np.random.Generator) -> tuple[np.ndarray, n
     return 9 * asked, T * np.where(late, rng.choice(UNTIMELY, COUNT), 1.0)
 
 
-def fastest(
-    base: LinearBase, limit: CommandFilter, asked: np.ndarray, since: np.ndarray, *, told: bool
-) -> float:
+def fastest(base, limit, asked, since, *, told):
     """Largest |v| of a base whose filter is called at those times, and is told them or not."""
     limit.start()
     x, worst = np.zeros(2), 0.0
@@ -85,7 +80,7 @@ def test_one_that_is_not_told_breaks_it(family):
     assert max(fastest(b, limit, *standing_still(b), told=False) for b in bases) > 1.0
 
 
-def sent_at(limit: CommandFilter, since: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def sent_at(limit, since):
     """Commands for steps that ask for all, told ``since`` [s] the one before; which are late."""
     limit.start()
     made = [limit.step((9.0, 0.0), dt=time) for time in since]
@@ -191,7 +186,7 @@ def test_slow_commands_change_in_time_and_no_faster():
         last = made.command[0]
 
 
-def times_of(rng: np.random.Generator, count: int) -> np.ndarray:
+def times_of(rng, count):
     return T * np.where(rng.random(count) < 0.5, rng.choice(UNTIMELY, count), 1.0)
 
 
@@ -206,7 +201,7 @@ def test_a_clip_acts_whenever_a_step_is_untimely(kind, wrong):
     assert made.flags == ("limited", "late")
 
 
-def late_commands(told: bool) -> float:
+def late_commands(told):
     """Largest speed of a base whose commands take three periods, but for one that takes none.
 
     Asked for all, then nine times at once for the reverse, then, by the quick one, for all again:

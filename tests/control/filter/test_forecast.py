@@ -1,7 +1,5 @@
 """Forecasts of a speed: least elements, fading bounds."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca
@@ -19,7 +17,7 @@ def test_the_least_of_any_number_of_elements_is_found(count):
     assert float(ca.evalf(at_most(ca.SX(values)))) == max(values.min(), 0.0)
 
 
-@pytest.mark.parametrize(("rate", "time"), [(2.0, 0.0), (2.0, 0.1), (30.0, 1.0)])
+@pytest.mark.parametrize("rate, time", [(2.0, 0.0), (2.0, 0.1), (30.0, 1.0)])
 def test_what_stays_is_never_less_than_the_exponential(rate, time):
     stays = float(ca.evalf(stays_of(ca.SX(rate), ca.SX(time))))
 

@@ -1,7 +1,5 @@
 """The gate before a base: compiled and not, by properties that random streams must not break."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca
@@ -98,7 +96,7 @@ def test_a_large_command_keeps_its_curvature(gate):
 
 
 @pytest.mark.parametrize(
-    ("changes", "flag"),
+    "changes, flag",
     [
         ({"command_age": 0.26}, "no-command"),
         ({"command_age": -1.0}, "no-command"),

@@ -1,7 +1,5 @@
 """The governor's bounds of a first-order base, in numbers."""
 
-from __future__ import annotations
-
 import casadi as ca
 import pytest
 
@@ -18,13 +16,11 @@ from wmr_ctrl.control.filter.governor import (
 B = FirstOrder(V=1.0, dbar=0.1, nbar=0.0, K_min=0.9, K_max=1.2, kappa=0.5)
 
 
-def number(expression) -> float:
+def number(expression):
     return float(ca.evalf(ca.SX(expression)))
 
 
-@pytest.mark.parametrize(
-    ("u", "ahead", "back"), [(0.5, 0.7, -0.35), (-0.5, -0.35, 0.7), (0, 0.1, 0.1)]
-)
+@pytest.mark.parametrize("u, ahead, back", [(0.5, 0.7, -0.35), (-0.5, -0.35, 0.7), (0, 0.1, 0.1)])
 def test_a_command_drives_by_the_worse_gain_and_the_push(u, ahead, back):
     assert number(drive(u, B)) == pytest.approx(ahead)
     assert number(drive_back(u, B)) == pytest.approx(back)
@@ -35,7 +31,7 @@ def test_behind_a_slower_base_a_larger_command_is_safe():
     assert number(largest_command(0.4, B)) == pytest.approx(0.9 / 1.2 + 0.5 / 1.2 * 0.6)
 
 
-@pytest.mark.parametrize(("target", "bound"), [(1.0, 0.5 + 0.8 * 0.5), (0.0, 0.5 - 0.2 * 0.5)])
+@pytest.mark.parametrize("target, bound", [(1.0, 0.5 + 0.8 * 0.5), (0.0, 0.5 - 0.2 * 0.5)])
 def test_a_bound_rises_by_the_most_and_falls_by_the_least(target, bound):
     assert number(relaxed(0.5, target, 0.8, 0.2)) == pytest.approx(bound)
 

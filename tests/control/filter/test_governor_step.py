@@ -1,7 +1,5 @@
 """The governor's times, and which it cannot count through."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.control.filter.test_filter import scenario

@@ -1,10 +1,7 @@
 """PI loops of runs, held over plant steps: what each step does is within what filters count on."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, TypeAlias
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -14,31 +11,31 @@ from tests.control.bases import VELOCITY, based
 from tests.control.test_velocity_base import OVERSHOOTING, ROOT
 from wmr_ctrl.control.filter.band import enclosed
 from wmr_ctrl.control.filter.clip import slew_reach
-from wmr_ctrl.control.filter.filter import CommandFilter, command_filter
+from wmr_ctrl.control.filter.filter import command_filter
 from wmr_ctrl.control.filter.forecast import PIECES
 from wmr_ctrl.control.filter.held_loop import HeldLoop, held_friction
 from wmr_ctrl.control.filter.peak_gain import PiLoop, peak_gains
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 WORST = {"robot.m": 55.0, "base.kp": 140.0, "base.ki": 320.0}
 """The member of the stated family that swings most."""
-Demands: TypeAlias = Sequence[tuple[float, float]]
+Demands = Sequence[tuple[float, float]]
 ALONE = {"base.kind": "torque"}
 """What takes a run's own base out of a scenario: the family alone is left."""
 
 
-def worst(h: float, stated: Mapping[str, Any] = {}) -> Scenario:
+def worst(h, **stated):
     """A run of that member, its force held over h."""
     own = {**OVERSHOOTING, **WORST, "clock.plant": h, "clock.control": 0.05}
     return override(based(own), {f"filter.{key}": value for key, value in stated.items()})
 
 
 def steps(
-    h: float, pushed: bool = False, count: int = 4_000, M: float = 55.0, kp: float = 140.0,
-    ki: float = 320.0, c: float = 0.0,
-) -> np.ndarray:  # fmt: skip
+    h, pushed = False, count = 4_000, M = 55.0, kp = 140.0,
+    ki = 320.0, c = 0.0,
+):  # fmt: skip
     """Speed after each step, behind a command of 1 from the first on, or a push of 1 N."""
     v = f = 0.0
     found, u, d = [], 0.0 if pushed else 1.0, float(pushed)
@@ -48,19 +45,17 @@ def steps(
     return np.array(found)
 
 
-def swung(speeds: np.ndarray) -> float:
+def swung(speeds):
     """Largest speed that commands, or pushes, of at most 1 lead to: the sum of all changes."""
     return float(np.abs(np.diff(speeds, prepend=0.0)).sum())
 
 
 @pytest.mark.parametrize(
-    ("h", "more", "said"),
+    "h, more, said",
     [(0.005, 1.0073, "0.7 % at 5 ms"), (0.01, 1.0148, "1.5 % at 10 ms")],
 )
-def test_the_peak_gain_of_a_run_is_that_of_its_held_loop_where_it_is_the_larger(
-    h: float, more: float, said: str
-) -> None:
-    run = worst(h, {"push": [10.0, 0.0]})
+def test_the_peak_gain_of_a_run_is_that_of_its_held_loop_where_it_is_the_larger(h, more, said):
+    run = worst(h, push=[10.0, 0.0])
     own, alone = (peak_gains(item)[0] for item in (run, override(run, ALONE)))
     N, pushed = swung(steps(h)), swung(steps(h, pushed=True))
     assert N / alone.gain == pytest.approx(more, abs=1e-4)
@@ -72,7 +67,7 @@ def test_the_peak_gain_of_a_run_is_that_of_its_held_loop_where_it_is_the_larger(
 
 
 @pytest.mark.slow
-def test_no_loop_that_is_held_swings_more_than_it_is_said_to() -> None:
+def test_no_loop_that_is_held_swings_more_than_it_is_said_to():
     """It is said to swing 3 % more at most: dampings from .1 to 3, from ten steps a swing on."""
     rng = np.random.default_rng(7)
     seen = 0
@@ -97,10 +92,10 @@ def test_no_loop_that_is_held_swings_more_than_it_is_said_to() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("h", [0.001, 0.01])
-def test_the_tables_of_a_band_hold_every_step_of_the_held_loop(h: float) -> None:
+def test_the_tables_of_a_band_hold_every_step_of_the_held_loop(h):
     """And those of the family alone do not hold as long a step."""
 
-    def beyond(run: Scenario) -> float:
+    def beyond(run):
         known, response = enclosed(run, 0), steps(h)
         piece = run.clock.control / PIECES
         times = h * np.arange(1, 4001)
@@ -111,18 +106,18 @@ def test_the_tables_of_a_band_hold_every_step_of_the_held_loop(h: float) -> None
         left = np.abs(response[~inner] - 1) - known.left * np.exp(-known.rate * late)
         return float(max(map(np.max, (*over, left))))
 
-    run = worst(h, {"kind": "band"})
+    run = worst(h, kind="band")
     assert beyond(run) <= 1e-12
     exact = {"mass": [55.0] * 2, "kp": [140.0] * 2, "ki": [320.0] * 2}
-    known = worst(h, {"kind": "band", **exact})
+    known = worst(h, kind="band", **exact)
     assert beyond(known) <= 1e-12 < 1e-4 < beyond(override(known, ALONE))
 
 
 @pytest.mark.slow
-def test_slow_commands_reach_what_the_sum_over_steps_tells() -> None:
+def test_slow_commands_reach_what_the_sum_over_steps_tells():
     """K L of a held loop: h times the sum of |1 - S| from where S first reaches 1 on."""
     h = 0.01
-    run = worst(h, {"slew": [0.05, 0.05], "mass": [55.0] * 2, "kp": [140.0] * 2, "ki": [320.0] * 2})
+    run = worst(h, slew=[0.05, 0.05], mass=[55.0] * 2, kp=[140.0] * 2, ki=[320.0] * 2)
     left = 1 - steps(h)
     first = int(np.argmax(left <= 0))
     held = h * np.abs(left[first:]).sum() + peak_gains(run)[0].gain * run.clock.control / 2
@@ -130,9 +125,9 @@ def test_slow_commands_reach_what_the_sum_over_steps_tells() -> None:
     assert alone < held <= reach
 
 
-def test_a_run_takes_the_steps_that_are_counted_on() -> None:
+def test_a_run_takes_the_steps_that_are_counted_on():
     """Viscous friction is held over a step, too."""
-    run = worst(0.01, {"friction": [0.0, 30.0]})
+    run = worst(0.01, friction=[0.0, 30.0])
     run = override(run, {"clock.control": 0.01, "resistance.viscous": [20.0, 1.0],
                          "clock.duration": 3.0})  # fmt: skip
     log = wmr_ctrl.simulate(run, "kanayama", engine="numpy")
@@ -148,12 +143,12 @@ def test_a_run_takes_the_steps_that_are_counted_on() -> None:
     "change",
     [{"base.kp": 1e4, "filter.kp": [1e4, 1e4]}, {"clock.plant": 0.5, "clock.control": 1.0}],
 )
-def test_a_loop_too_quick_for_its_steps_is_refused(change: Mapping[str, Any]) -> None:
+def test_a_loop_too_quick_for_its_steps_is_refused(change):
     with pytest.raises(ScenarioError, match=r"clock\.plant = .* is held for as long"):
         settle(override(worst(0.01), change), "kanayama")
 
 
-def stepped(v: float, u: float, mu: float, h: float) -> float:
+def stepped(v, u, mu, h):
     """v behind a step of a run: one of Runge and Kutta's, the loop of 0.2 s and friction held."""
     given, k = (u - v) / (-h / math.expm1(-h / 0.2)) + mu * 9.81 * math.tanh(v / 0.01), [0.0]
     for share in (0.0, 0.5, 0.5, 1.0):
@@ -161,7 +156,7 @@ def stepped(v: float, u: float, mu: float, h: float) -> float:
     return v + h / 6 * (k[1] + 2 * k[2] + 2 * k[3] + k[4])
 
 
-def friction_held(limit: CommandFilter, mu: float, h: float) -> float:
+def friction_held(limit, mu, h):
     """Largest |v| while commands turn round."""
     rng, v, top = np.random.default_rng(0), 0.0, 0.0
     for _ in range(1200):
@@ -172,7 +167,7 @@ def friction_held(limit: CommandFilter, mu: float, h: float) -> float:
     return top
 
 
-def rim(limit: CommandFilter, mu: float, h: float, asked: Iterable[tuple[float, float]]) -> float:
+def rim(limit, mu, h, asked):
     """Largest speed of a rim while each of ``asked`` is asked for once, with true odometry."""
     l, top, v, w = 0.25, 0.0, 0.0, 0.0
     for demand in asked:
@@ -183,7 +178,7 @@ def rim(limit: CommandFilter, mu: float, h: float, asked: Iterable[tuple[float, 
     return top
 
 
-def test_a_governor_counts_on_friction_that_changes_within_a_plant_step() -> None:
+def test_a_governor_counts_on_friction_that_changes_within_a_plant_step():
     """Held back near rest, the base is faster than the governor knows when it turns round."""
     told = {"kind": "governor", "tau": [0.2, 0.2]}
     stated = based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": told,
@@ -201,30 +196,28 @@ def test_a_governor_counts_on_friction_that_changes_within_a_plant_step() -> Non
 LIMITED = {"wheel_speed": 0.8, "d": [0.0, 0.0], "tau": [0.2, 0.2]}
 CLIP = {"kind": "clip", **LIMITED}
 GOVERNOR = {"kind": "governor", "channels": "wheels", "odometry": [0.02, 0.0], **LIMITED}
-TURNED: Demands = [*((9.0, 0.0),) * 60, *((0.0, 9.0),) * 60] * 2
+TURNED = [*((9.0, 0.0),) * 60, *((0.0, 9.0),) * 60] * 2
 """Straight on, then a turn in place: friction keeps some of v while omega is there already."""
-SWAYED: Demands = [*((0.2, 9.0),) * 2, *((-0.1, 9.0),) * 2] * 20
+SWAYED = [*((0.2, 9.0),) * 2, *((-0.1, 9.0),) * 2] * 20
 """A turn in place that goes to and fro."""
 
 
-def limited(stated: Mapping[str, Any], mu: float, h: float) -> Scenario:
+def limited(stated, mu, h):
     """A base of loops of 0.2 s behind a filter that limits its wheels."""
     return based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": stated,
                   "robot.mu": mu, "clock.plant": h, "limits.v_u1": [1.0, 4.0]})  # fmt: skip
 
 
-def told(stated: Scenario) -> float:
+def told(stated):
     """d of v as it is told where a run is refused for less [m/s]."""
     with pytest.raises(ScenarioError, match=r"holds back v alone. Raise it to that") as refused:
         settle(stated, "kanayama")
     return float(str(refused.value).split("up to ")[1].split(" m/s")[0])
 
 
-@pytest.mark.parametrize(("stated", "asked"), [(CLIP, TURNED), (GOVERNOR, SWAYED)])
-@pytest.mark.parametrize(("mu", "h"), [(0.1, 0.001), (0.02, 0.005), (0.1, 0.01)])
-def test_what_counts_for_friction_at_a_rim_is_enough(
-    stated: Mapping[str, Any], asked: Demands, mu: float, h: float
-) -> None:
+@pytest.mark.parametrize("stated, asked", [(CLIP, TURNED), (GOVERNOR, SWAYED)])
+@pytest.mark.parametrize("mu, h", [(0.1, 0.001), (0.02, 0.005), (0.1, 0.01)])
+def test_what_counts_for_friction_at_a_rim_is_enough(stated, asked, mu, h):
     """Behind a clip and behind a governor, whose commands may be far beyond V."""
     run = limited(stated, mu, h)
     enough = override(run, {"filter.d": [told(run), 0.0]})
@@ -235,30 +228,28 @@ def test_what_counts_for_friction_at_a_rim_is_enough(
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    "changes, words",
     [
         ({"filter.odometry": [0.0, 0.0]}, "with friction within plant steps, and filter.odometry"),
         ({"initial.velocity": [0.3, 2.0]}, "a wheel starts at 0.8 m/s, above 0.798 m/s"),
         ({"robot.mu": 0.3, "clock.plant": 0.01}, "Shorten clock.plant to at most 0.00679 s"),
     ],
 )
-def test_what_a_governor_of_rims_counts_on_with_friction_is_refused_where_it_fails(
-    changes: Mapping[str, Any], words: str
-) -> None:
+def test_what_a_governor_of_rims_counts_on_with_friction_is_refused_where_it_fails(changes, words):
     run = limited({**GOVERNOR, "d": [0.3, 0.0]}, 0.1, 0.001)
     settle(run, "kanayama")
     with pytest.raises(ScenarioError, match=words):
         settle(override(run, changes), "kanayama")
 
 
-def test_the_burger_s_governor_takes_a_limit_of_its_wheels() -> None:
+def test_the_burger_s_governor_takes_a_limit_of_its_wheels():
     """As it is shipped, friction and all; what friction needs is below what slopes do."""
     for stated in ({"wheel_speed": 0.2}, {"channels": "wheels"}):
         keys = {f"filter.{key}": value for key, value in stated.items()}
         settle(load_scenario("turtlebot3-burger", keys), "kanayama")
 
 
-def test_friction_that_is_too_steep_for_a_plant_step_is_refused_behind_every_filter() -> None:
+def test_friction_that_is_too_steep_for_a_plant_step_is_refused_behind_every_filter():
     """With steps of 10 ms and mu = 0.6 a clip's base came to 1.27 of a limit of 1 cm/s."""
     stated = based({**VELOCITY, "base.gain": [1.0, 1.0], "filter": {"kind": "clip"},
                     "robot.mu": 0.6, "clock.plant": 0.01})  # fmt: skip

@@ -1,7 +1,5 @@
 """Commands that act are off what was sent: rounded by the base, or worse, by an adversary."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -17,7 +15,7 @@ T, COUNT = 0.05, 140
 ERROR = 0.04
 
 
-def fastest(kind: str, error: float, quantum: float = 0.0) -> float:
+def fastest(kind, error, quantum=0.0):
     """Largest |v| of some corners, behind a filter that is told of ERROR."""
     limit, worst = command_filter(scenario(kind=kind, d=(ERROR, 0.0), push=(0.0, 0.0))), 0.0
     for base in (*CORNERS[::5], pi_base(65, 135, 330, 0)):

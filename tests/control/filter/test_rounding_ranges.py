@@ -1,7 +1,5 @@
 """Numbers for which nobody proved that the filter's margin covers its roundings are named."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.control.filter.test_filter import scenario

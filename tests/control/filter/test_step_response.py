@@ -1,7 +1,5 @@
 """The clip of slow commands of linear loops, against the worst of all that change so slowly."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np
@@ -10,16 +8,15 @@ from scipy.optimize import linprog
 from scipy.signal import lti, step
 from scipy.sparse import diags, vstack
 
-from tests.control.filter.linear_base import LinearBase, held, pi_base
+from tests.control.filter.linear_base import held, pi_base
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.peak_gain import PiLoop
-from wmr_ctrl.control.filter.step_response import Cells, band, pi_cells, swing
+from wmr_ctrl.control.filter.step_response import band, pi_cells, swing
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.world.scenario import Scenario
 
 
-def fastest_slow_command(base: LinearBase, c: float, a: float, T: float) -> float:
+def fastest_slow_command(base, c, a, T):
     """Largest v after commands |u| <= c changing by at most a T: a linear programme's."""
     step, gain = held(base.A, base.b[:, None], T)
     x, reached = gain.ravel(), []
@@ -32,7 +29,7 @@ def fastest_slow_command(base: LinearBase, c: float, a: float, T: float) -> floa
     return float(-linprog(-ahead, A_ub=rows, b_ub=most, bounds=(-c, c)).fun)
 
 
-def sent_at_last(stated: Scenario) -> float:
+def sent_at_last(stated):
     limit = command_filter(stated)
     return [limit.step((9.0, 0.0)).command[0] for _ in range(300)][-1]
 
@@ -71,7 +68,7 @@ def test_no_member_swings_longer_than_its_family_and_the_slowest_nearly_as_long(
 
 
 @pytest.mark.parametrize(
-    ("stated", "words"),
+    "stated, words",
     [
         ({"slew": (1.2, 0.1)}, "brings no gain: from 0.9"),
         ({"slew": (0.1, 0.1), "hold": 0.5}, "stops on its own"),
@@ -91,7 +88,7 @@ def test_a_slew_that_cannot_be_counted_on_is_refused(stated, words):
 def test_loops_of_two_parts_that_differ_too_much_are_refused_with_what_helps():
     """What this one swings, 0.01 s, was told as none, its numbers being beyond all others."""
 
-    def cells(kp: float, ki: float) -> Cells:
+    def cells(kp, ki):
         return pi_cells(PiLoop((55.0, 55.0), (kp, kp), (ki, ki), (0.0, 0.0)))
 
     words = r"Lower the upper end of kp .* lower end of ki"

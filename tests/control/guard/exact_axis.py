@@ -23,9 +23,7 @@ class Robots:
     acting: np.ndarray
     lag: np.ndarray
 
-    def move(
-        self, force: np.ndarray, push: np.ndarray, mass: np.ndarray, grip: np.ndarray, h: float
-    ) -> np.ndarray:
+    def move(self, force, push, mass, grip, h):
         """Go on by ``h`` [s], by dry friction ``grip`` (inf: a stop); the integral of v."""
         slow = self.lag > 0
         lag = np.where(slow, self.lag, 1.0)
@@ -46,9 +44,7 @@ class Robots:
         return total
 
 
-def _stopping(
-    v: float, force: float, gap: float, lag: float, dry: float, mass: float, h: float
-) -> tuple[float, float]:
+def _stopping(v, force, gap, lag, dry, mass, h):
     """Velocity and way of one robot that dry friction stops or lets go."""
     total, piece = 0.0, h / PIECES
     for _ in range(PIECES):

@@ -29,27 +29,27 @@ class LateGuard:
     lag: float = 0.0
 
     @property
-    def J(self) -> float:
+    def J(self):
         return self.hi - self.lo
 
     @property
-    def L(self) -> float:
+    def L(self):
         return self.age + self.window
 
     @property
-    def late(self) -> float:
+    def late(self):
         return self.L + self.hi + self.lag
 
     @cached_property
-    def n(self) -> int:
+    def n(self):
         return math.ceil((self.L + self.hi) / self.T - 1e-9)
 
     @cached_property
-    def keep(self) -> float:
+    def keep(self):
         return math.exp(-self.T / self.lag) if self.lag else 0.0
 
     @cached_property
-    def mean(self) -> list[tuple[float, float]]:
+    def mean(self):
         """Weights [s] of command j = 1, ..., n + 1: sure, and mixed with the next."""
         if not self.window:
             return [self._group(j, lambda s: self._h(s - self.age)) for j in range(1, self.n + 2)]
@@ -57,30 +57,30 @@ class LateGuard:
         return [self._group(j, g) for j in range(1, self.n + 2)]
 
     @cached_property
-    def rest(self) -> list[tuple[float, float]]:
+    def rest(self):
         return [self._group(j, lambda s: self._h(s - self.L)) for j in range(1, self.n + 2)]
 
     @cached_property
-    def mixed(self) -> float:
+    def mixed(self):
         return sum(w for _, w in self.mean[: self.n]) + self.mean[self.n][1] / (1 - self.keep)
 
     @cached_property
-    def brakes(self) -> float:
+    def brakes(self):
         cap = self.M_min * (self.u1 - self.f_speed) / (1 / self.alpha + self.late)
         return min(self.brake, self._of_mixed(cap) - self.net)
 
     @cached_property
-    def largest(self) -> float:
+    def largest(self):
         if not self.late:
             return math.inf
         spent = max(self.brakes + self.net, 0) / self.alpha
         most = (self.M_min * (self.u1 - self.f_speed) - spent) / self.late
         return self._of_mixed(most) - self.net
 
-    def push(self, force: np.ndarray) -> np.ndarray:
+    def push(self, force):
         return np.maximum(force + self.net, 0.0)
 
-    def hi_of(self, y: np.ndarray, sent: list[np.ndarray], tail: np.ndarray, way: float):
+    def hi_of(self, y, sent, tail, way):
         """Largest safe force in direction ``way``; ``sent``: the latest first."""
         p = [self.push(way * force) for force in sent[: self.n]]
         spent = []
@@ -97,7 +97,7 @@ class LateGuard:
             m = np.minimum(self.alpha * (R - self.J * p[0]), R / (1 / self.alpha + self.J))
         return self._force(m)
 
-    def next_tail(self, tail: np.ndarray, commands: list[np.ndarray], way: float) -> np.ndarray:
+    def next_tail(self, tail, commands, way):
         """``commands``: the new one first."""
         if not self.lag:
             return tail
@@ -108,41 +108,41 @@ class LateGuard:
         return self.keep * tail + joined
 
     @property
-    def first_tail(self) -> float:
+    def first_tail(self):
         """After commands of 0."""
         return sum(self.rest[self.n]) / (1 - self.keep) * max(self.net, 0.0) if self.lag else 0.0
 
     @property
-    def _mixes(self) -> bool:
+    def _mixes(self):
         """True if the newest command may act while the one before still does."""
         return self.J > 0
 
-    def _of_mixed(self, force: float) -> float:
+    def _of_mixed(self, force):
         return (
             min(force, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
             if self._mixes
             else force
         )
 
-    def _room(self, y: np.ndarray, spent: list[np.ndarray], way: float) -> np.ndarray:
+    def _room(self, y, spent, way):
         """Momentum to the limit, less what is ``spent`` from the mean and from rest."""
         return np.minimum(
             self.M_min * (self.u1 - np.maximum(way * y + self.nbar, self.f_speed)) - spent[0],
             self.M_min * (self.u1 - self.f_speed) - spent[1],
         )
 
-    def _force(self, m: np.ndarray) -> np.ndarray:
+    def _force(self, m):
         """Force whose push is ``m``, as large as may be sent."""
         m = np.where(m < 0, m * self.M_max / (self.T * self.M_min * self.alpha), m)
         return np.minimum(np.maximum(m - self.net, -self.brakes), self.largest)
 
     @property
-    def _share(self) -> float:
+    def _share(self):
         if not (self.lag and self.window):
             return 1.0
         return self.lag / self.window * -math.expm1(-self.window / self.lag)
 
-    def _group(self, j: int, g) -> tuple[float, float]:
+    def _group(self, j, g):
         begin, sure, over = (
             j * self.T - self.hi,
             (j - 1) * self.T - self.lo,
@@ -150,12 +150,12 @@ class LateGuard:
         )
         return g(sure) - g(begin), g(over) - g(sure)
 
-    def _h(self, x: float) -> float:
+    def _h(self, x):
         if x <= 0:
             return self.lag - x
         return self.lag * math.exp(-x / self.lag) if self.lag else 0.0
 
-    def _k(self, x: float) -> float:
+    def _k(self, x):
         if x <= 0:
             return self.lag * x - x * x / 2
         return -(self.lag**2) * math.expm1(-x / self.lag) if self.lag else 0.0

@@ -13,10 +13,9 @@ from tests.control.guard.late_formula import LateGuard
 from tests.control.guard.varying_formula import VaryingGuard
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.guard.refusals import feasible_guard
-from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.model.evaluate import evaluated
-from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario
 
 LIMITS = np.array([1.0, 1.5])
@@ -48,11 +47,11 @@ class Case:
     tau_max: float | None = None
 
     @property
-    def setup(self) -> Setup:
+    def setup(self):
         """The guard by itself, settled with these numbers, once for all trials of a case."""
         return settled(self)
 
-    def formula(self, axis: int) -> LateGuard:
+    def formula(self, axis):
         """The same numbers for the formula in NumPy; the limit is shrunk as the product's."""
         setup, share = self.setup, (1.0, 0.2)[axis]
         stated = setup.guard
@@ -70,7 +69,7 @@ class Case:
 
 
 @lru_cache(maxsize=512)
-def settled(case: Case) -> Setup:
+def settled(case):
     """The guard by itself, settled with the numbers of a case."""
     both = lambda x: [x, 0.2 * x]  # noqa: E731
     changed = {
@@ -104,7 +103,7 @@ def settled(case: Case) -> Setup:
 
 
 @lru_cache(maxsize=512)
-def composed(case: Case) -> tuple[System, ca.Function]:
+def composed(case):
     """The guard of a case, and what it does with a sample: next state, torques, what is watched."""
     system = guard_system(case.setup)
     return system, system.function("guard", [*map(ca.densify, (system.update, system.y, system.d))])
@@ -138,14 +137,14 @@ class Thrown:
 
 
 def trial(
-    case: Case,
-    lanes: int,
-    samples: int,
-    seed: int,
-    true: Case | None = None,
-    compare: bool = True,
-    thrown: Thrown | None = None,
-) -> Result:
+    case,
+    lanes,
+    samples,
+    seed,
+    true=None,
+    compare=True,
+    thrown=None,
+):
     """Robots with the numbers of ``true`` (or those stated) behind the guard of a case."""
     draw, real = np.random.default_rng(seed), true or case
     thrown = thrown or Thrown(np.ones(lanes))
@@ -209,7 +208,7 @@ def trial(
     return Result(fastest, blamed, apart, np.array(seen), mass)
 
 
-def _time_constants(draw, lanes: int, real: Case):
+def _time_constants(draw, lanes, real):
     """Time constants [s] of both axes for how much more outward force is asked for than acts."""
     one = real.lag * draw.choice([0.0, 0.3, 1.0, 1.0], lanes)
     if real.fast is None:
@@ -217,7 +216,7 @@ def _time_constants(draw, lanes: int, real: Case):
     both = np.array([real.fast, real.lag])
     by_chance = np.tile(draw.random(lanes) < 0.3, 2)
 
-    def chosen(outward: np.ndarray) -> np.ndarray:
+    def chosen(outward):
         worst = np.where(outward > 0, both[0], both[1])
         mixed = draw.choice([*both, both.mean()], 2 * lanes)
         return real.T * np.where(by_chance, mixed, worst)
@@ -225,14 +224,14 @@ def _time_constants(draw, lanes: int, real: Case):
     return chosen
 
 
-def _ways(draw: np.random.Generator, lanes: int, samples: int):
+def _ways(draw, lanes, samples):
     """+-1 per sample, part and lane: with the velocity, by a rhythm, or by chance."""
     kind = draw.integers(0, 3, lanes)
     half = np.exp(draw.uniform(0, np.log(6 * PARTS), (2, lanes)))
     phase, duty = draw.uniform(0, 2, (2, lanes)) * half, draw.uniform(0.1, 0.9, (2, lanes))
     chance = np.where(draw.random((samples, PARTS, 2, lanes)) < duty, 1.0, -1.0)
 
-    def way(k: int, i: int, v: np.ndarray) -> np.ndarray:
+    def way(k, i, v):
         rhythm = np.where((k * PARTS + i + phase) % (2 * half) < 2 * half * duty, 1.0, -1.0)
         other = np.where(kind == BY_TIME, rhythm, chance[k, i])
         return np.where(kind == BY_SIGN, np.where(v < 0, -1.0, 1.0), other)
@@ -240,7 +239,7 @@ def _ways(draw: np.random.Generator, lanes: int, samples: int):
     return way
 
 
-def _difference(formulas, tails, sent, y, asked, force) -> float:
+def _difference(formulas, tails, sent, y, asked, force):
     """How far the product's force is from the formula's; the tails go on."""
     apart = 0.0
     for axis, item in enumerate(formulas):

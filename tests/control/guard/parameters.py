@@ -1,13 +1,9 @@
 """A guard by itself, asked with other parameters than it was composed for."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from wmr_ctrl.world.model.system import System
 
-
-def feasible_with(item: System, factors: dict[str, float]) -> float:
+def feasible_with(item, factors):
     """What the guard says of itself with parameters multiplied."""
     names = [name for port in item.params for name in port.signal.elements]
     p = np.array(item.p0)

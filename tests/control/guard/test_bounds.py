@@ -1,7 +1,5 @@
 """Numbers that the guard derives where a scenario leaves them out."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -20,17 +18,17 @@ from wmr_ctrl.world.scenario import load_scenario
 ON = {"guard.enabled": True}
 
 
-def derived(**changed: object):
+def derived(**changed):
     return settle(load_scenario("paper-simulation-no-switch", {**ON, **changed}), None).guard
 
 
-def test_dbar_counts_the_model_s_share_on_each_axis() -> None:
+def test_dbar_counts_the_model_s_share_on_each_axis():
     alone, more = derived(), derived(**{"guard.d_model": [7.0, 3.0]})
 
     assert more.dbar == pytest.approx((alone.dbar[0] + 7.0, alone.dbar[1] + 3.0))
 
 
-def test_a_slope_pulls_at_the_heaviest_robot_that_is_counted_on() -> None:
+def test_a_slope_pulls_at_the_heaviest_robot_that_is_counted_on():
     slope, pull = {"slope.angle": 0.05}, 9.81 * math.sin(0.05)
     light, heavy = derived(**slope), derived(**slope, **{"guard.M_max": [70.0, 9.0]})
 
@@ -47,7 +45,7 @@ EFFECTS = {"slope.angle": 0.05, "slope.offset": 0.02, "resistance.rolling": [0.0
 
 
 @pytest.mark.parametrize("true", TRUE)
-def test_no_number_follows_the_true_robot(true) -> None:
+def test_no_number_follows_the_true_robot(true):
     """What the guard counts on is what is believed, whatever drives below it."""
     believed = {"model.m": 30.0, "model.I": 3.0, "model.mu": 0.05, **EFFECTS}
     guard = derived(**believed, **true)
@@ -56,7 +54,7 @@ def test_no_number_follows_the_true_robot(true) -> None:
     assert (guard.M_min, guard.M_max) == (pytest.approx((27, 2.7)), pytest.approx((33, 3.3)))
 
 
-def test_friction_above_the_push_makes_nothing_faster_before_the_first_command() -> None:
+def test_friction_above_the_push_makes_nothing_faster_before_the_first_command():
     guard = derived(**{"guard.dbar": [60.0, 15.0], "actuator.delay": 0.02})
     held = replace(guard, f_min=(80.0, 5.0))
 
@@ -67,14 +65,14 @@ LATE = Bound(dbar=(20.0, 3.0), nbar=(0.05, 0.08), mass=(3.0, 0.2), age=(0.004, 0
              window=(0.02, 0.01), delay=0.012, jitter=0.004, lag=(0.01, 0.03))  # fmt: skip
 
 
-def late(**changed: object):
+def late(**changed):
     """Scenario and numbers of a guard with everything that an effect can add."""
     scenario = load_scenario("far-start", {**ON, **changed})
     return scenario, derived_guard(scenario, LATE, math.inf)
 
 
 @pytest.mark.parametrize("i", [0, 1])
-def test_what_effects_add_to_a_mass_widens_what_is_counted(i) -> None:
+def test_what_effects_add_to_a_mass_widens_what_is_counted(i):
     """By as much on both sides, and nothing where a mass is stated."""
     scenario, guard = late()
     alone = derived_guard(scenario, replace(LATE, mass=(0.0, 0.0)), math.inf)
@@ -86,7 +84,7 @@ def test_what_effects_add_to_a_mass_widens_what_is_counted(i) -> None:
 
 
 @pytest.mark.parametrize("i", [0, 1])
-def test_the_speed_that_no_guard_beats_counts_each_part(i) -> None:
+def test_the_speed_that_no_guard_beats_counts_each_part(i):
     """v_u1 - nbar - (friction + dbar) (T + age + delay)/M_min, worked out here by hand."""
     scenario, guard = late()
     best, friction = unbeatable_speed(scenario, guard, (39.0, 2.0)), (39.0, 2.0)
@@ -98,13 +96,13 @@ def test_the_speed_that_no_guard_beats_counts_each_part(i) -> None:
 
 
 @pytest.mark.parametrize("i", [0, 1])
-def test_before_the_first_command_acts_a_push_has_delay_and_lag(i) -> None:
+def test_before_the_first_command_acts_a_push_has_delay_and_lag(i):
     _, guard = late()
 
     assert early_speed(guard)[i] == pytest.approx((0.012 + 0.03) * LATE.dbar[i] / guard.M_min[i])
 
 
-def test_where_drives_vary_the_mixed_time_caps_what_brakes() -> None:
+def test_where_drives_vary_the_mixed_time_caps_what_brakes():
     """M_min (v_u1 - 2 nbar)/mixed, with so much error that it is the smaller of the two."""
     noisy = replace(LATE, nbar=(0.49, 0.735))
     scenario, still = late()
@@ -117,7 +115,7 @@ def test_where_drives_vary_the_mixed_time_caps_what_brakes() -> None:
         assert reach(scenario, guard, i) < 0.5 * reach(scenario, still, i)
 
 
-def test_what_is_counted_adds_up_to_the_guard_s_numbers() -> None:
+def test_what_is_counted_adds_up_to_the_guard_s_numbers():
     """Where effects add to a number, they and guard.d_model are the whole of it."""
     effects = {"encoder.counts": 4096.0, "actuator.delay": 0.02, "actuator.jitter": 0.01,
                "disturbance.push": [5.0, 1.0], "guard.d_model": [7.0, 3.0],
@@ -134,7 +132,7 @@ def test_what_is_counted_adds_up_to_the_guard_s_numbers() -> None:
     assert known["delay"].value == pytest.approx((0.02, 0.03))
 
 
-def test_what_is_stated_is_counted_as_stated() -> None:
+def test_what_is_stated_is_counted_as_stated():
     stated = {**ON, "guard.dbar": [90.0, 20.0], "disturbance.truncate": 3.0}
     setup = settle(load_scenario("paper-simulation", stated), None)
     found = assumption_sources(setup.scenario, setup.guard, setup.effects)["dbar"]
@@ -146,13 +144,13 @@ GRAPHED = {"sensor.velocity_window": 0.03, "actuator.delay": 0.013, "guard.dbar"
            "sensor.velocity_noise": [0.02, 0.03], "disturbance.std": 0.0, **ON}  # fmt: skip
 
 
-def graphed(**changed: object):
+def graphed(**changed):
     """Settings, both axes' bounds in the graph, and a function from symbols to their numbers."""
     setup = settle(load_scenario("paper-simulation-no-switch", {**GRAPHED, **changed}), None)
     p, late = Parameters(setup), setup.guard.lateness(setup.scenario.clock)
     axes = [bounds_of(p, late, setup.scenario.limits).axis(i) for i in (0, 1)]
 
-    def numbers(symbols: ca.SX) -> list[float]:
+    def numbers(symbols):
         names, given = stack(item.sym for item in p.ports), values(p.ports)
         return ca.Function("found", [names], [symbols])(given).full().ravel().tolist()
 
@@ -160,7 +158,7 @@ def graphed(**changed: object):
 
 
 @pytest.mark.parametrize("changed", [{}, {"actuator.jitter": 0.004}, {"actuator.lag": 0.02}])
-def test_reach_is_what_the_graph_brakes_with_and_what_holds_against(changed) -> None:
+def test_reach_is_what_the_graph_brakes_with_and_what_holds_against(changed):
     setup, _, axes, numbers = graphed(**changed)
     held = ca.vertcat(*(b.cap + b.net for b in axes), *map(feasible, axes))
     first, second, *met = numbers(held)
@@ -171,7 +169,7 @@ def test_reach_is_what_the_graph_brakes_with_and_what_holds_against(changed) -> 
 
 
 @pytest.mark.parametrize("i", [0, 1])
-def test_at_the_usable_speed_the_graph_s_ceiling_is_the_friction(i) -> None:
+def test_at_the_usable_speed_the_graph_s_ceiling_is_the_friction(i):
     """Of a robot that has driven so all along, with every command in flight as large."""
     setup, late, axes, numbers = graphed()
     friction = (39.24, 2.0)

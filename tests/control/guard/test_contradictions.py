@@ -1,7 +1,5 @@
 """Bounds that a scenario states and itself breaks: refused with the guard on, else told."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -56,7 +54,7 @@ MET = [
 ]
 
 
-@pytest.mark.parametrize(("changed", "key", "numbers"), BROKEN)
+@pytest.mark.parametrize("changed, key, numbers", BROKEN)
 @pytest.mark.slow_but(
     "changed0-guard.dbar-numbers0",
     "changed4-guard.nbar-numbers4",
@@ -64,7 +62,7 @@ MET = [
     "changed7-guard.delay-numbers7",
     "changed9-guard.lag-numbers9",
 )
-def test_with_the_guard_on_it_is_refused_unless_trusted(changed, key, numbers) -> None:
+def test_with_the_guard_on_it_is_refused_unless_trusted(changed, key, numbers):
     with pytest.raises(ScenarioError) as refused:
         scenario_of("safe-simulation", changed)
     trusted = scenario_of("safe-simulation", {**changed, "guard.trust": True})
@@ -76,7 +74,7 @@ def test_with_the_guard_on_it_is_refused_unless_trusted(changed, key, numbers) -
     assert [number for number in numbers if number not in settle(trusted, "prox").void] == []
 
 
-@pytest.mark.parametrize(("changed", "key", "numbers"), UNLIKE)
+@pytest.mark.parametrize("changed, key, numbers", UNLIKE)
 def test_a_robot_that_is_not_what_the_guard_is_told_is_run_without_promise(changed, key, numbers):
     scenario = scenario_of("safe-simulation", changed)
     told = [str(item) for item in told_of(settle(scenario, "prox"), key)]
@@ -87,14 +85,14 @@ def test_a_robot_that_is_not_what_the_guard_is_told_is_run_without_promise(chang
 
 
 @pytest.mark.parametrize("changed", MET)
-def test_a_bound_that_is_just_met_is_accepted(changed) -> None:
+def test_a_bound_that_is_just_met_is_accepted(changed):
     scenario = scenario_of("safe-simulation", changed)
 
     assert list(contradictions(scenario, settle(scenario, None).bound)) == []
 
 
 @pytest.mark.parametrize("name", preset_names())
-def test_no_preset_contradicts_itself(name: str) -> None:
+def test_no_preset_contradicts_itself(name):
     scenario = load_scenario(name)
 
     setup = settle(scenario, "mb")
@@ -103,9 +101,9 @@ def test_no_preset_contradicts_itself(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("step", "mu", "told"), [(0.001, 0.08, 0), (0.01, 0.08, 0), (0.01, 0.11, 1), (0.001, 1.1, 1)]
+    "step, mu, told", [(0.001, 0.08, 0), (0.01, 0.08, 0), (0.01, 0.11, 1), (0.001, 1.1, 1)]
 )
-def test_a_plant_step_too_coarse_for_the_friction_is_told(step, mu, told) -> None:
+def test_a_plant_step_too_coarse_for_the_friction_is_told(step, mu, told):
     changed = {"clock.plant": step, "robot.mu": mu, "changes": [], "clock.control": 0.01}
     setup = settle(load_scenario("paper-simulation-nominal", changed), "kanayama")
     found = told_of(setup, "clock.plant")
@@ -138,7 +136,7 @@ PUSH = [66.8580831, 12.34567891]
 
 
 @pytest.mark.parametrize("key", ["guard.dbar", "guard.nbar", "guard.brake", "filter.d"])
-def test_the_number_that_is_said_to_be_enough_is_enough(key) -> None:
+def test_the_number_that_is_said_to_be_enough_is_enough(key):
     base = {"disturbance.std": 0.0, "disturbance.push": PUSH, "guard.enabled": True}
     preset, changed = "paper-simulation", {"guard.dbar": [1.0, 40.0]}
     if key == "guard.nbar":

@@ -1,7 +1,5 @@
 """The guard behind drives with a delay: commands under way, refusals, and speeds reached."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 
@@ -19,7 +17,7 @@ from wmr_ctrl.world.scenario import load_scenario
 ON = {"guard.enabled": True}
 
 
-def test_commands_under_way_push_by_the_time_that_they_act() -> None:
+def test_commands_under_way_push_by_the_time_that_they_act():
     """sum of tau_j max(+-F_j + net, 0)/M_min; and a force that is no number becomes a safe one."""
     row = {"u1": 1.0, "period": 0.01, "M_min": 45.0, "M_max": 70.0, "dbar": 60.0, "nbar": 0.0,
            "alpha": 100.0, "brake": 400.0,
@@ -42,7 +40,7 @@ def test_commands_under_way_push_by_the_time_that_they_act() -> None:
     assert low <= force <= high
 
 
-def test_condition_is_the_necessary_one() -> None:
+def test_condition_is_the_necessary_one():
     """With alpha = 1/T it is 2 dbar (T + delay) <= M_min v_u1: accepted at the edge, not beyond."""
     edge = 45.0 / (2 * 0.05)
     for factor, possible in ((1 - 1e-9, True), (1 + 1e-9, False)):
@@ -56,10 +54,8 @@ def test_condition_is_the_necessary_one() -> None:
                 settle(scenario, None)
 
 
-@pytest.mark.parametrize(("stated", "possible"), [(0.013, 1.0), (0.012, 1.0), (0.014, 0.0)])
-def test_a_longer_delay_than_the_graph_was_built_for_is_not_feasible(
-    stated: float, possible: float
-) -> None:
+@pytest.mark.parametrize("stated, possible", [(0.013, 1.0), (0.012, 1.0), (0.014, 0.0)])
+def test_a_longer_delay_than_the_graph_was_built_for_is_not_feasible(stated, possible):
     late = load_scenario("paper-simulation", {**ON, "actuator.delay": 0.013})
     item = guard_alone(settle(late, None))
 
@@ -67,7 +63,7 @@ def test_a_longer_delay_than_the_graph_was_built_for_is_not_feasible(
     assert feasible_with(item, {}) == 1.0
 
 
-def test_without_delay_the_graph_has_no_further_parameter() -> None:
+def test_without_delay_the_graph_has_no_further_parameter():
     item = guard_alone(settle(load_scenario("paper-simulation", ON), None))
 
     assert "actuator.delay" not in {port.signal.name for port in item.params}

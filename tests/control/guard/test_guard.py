@@ -1,7 +1,5 @@
 """The guard's own graph: box, maps, monitor, and its generated C in exact arithmetic."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca
@@ -9,7 +7,6 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.control.guard.guard import MAPS, Bounds, ceiling, clipped, feasible, floor
-from wmr_ctrl.world.model.system import System
 
 NAMES = ("u1", "period", "M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed")
 BOUNDS = Bounds(**{name: ca.SX.sym(name) for name in NAMES})
@@ -20,7 +17,7 @@ BOX = ca.Function("box", [Y, SYMBOLS], [floor(Y, BOUNDS), ceiling(Y, BOUNDS), fe
 SHRUNK = 1 - 2.0**-44
 
 
-def drawn(draw: np.random.Generator) -> tuple[np.ndarray, float]:
+def drawn(draw):
     """Feasible numbers of one axis in the order of NAMES, and the limit that they serve."""
     u1, period = 10 ** draw.uniform(-1, 1), 10 ** draw.uniform(-3.5, 0)
     low = 10 ** draw.uniform(-1, 2.5)
@@ -36,7 +33,7 @@ def drawn(draw: np.random.Generator) -> tuple[np.ndarray, float]:
     return np.array(numbers), u1
 
 
-def test_box_is_never_empty() -> None:
+def test_box_is_never_empty():
     draw = np.random.default_rng(2)
     for _ in range(3000):
         row, u1 = drawn(draw)
@@ -46,31 +43,31 @@ def test_box_is_never_empty() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"),
+    "name, value",
     [("dbar", 1e9), ("nbar", 0.51), ("alpha", 100.1), ("brake", 5.0), ("M_max", 1.0)],
 )
-def test_bounds_that_cannot_be_met_are_flagged(name: str, value: float) -> None:
+def test_bounds_that_cannot_be_met_are_flagged(name, value):
     row = np.array([1.0, 0.01, 45.0, 70.0, 60.0, 0.0, 100.0, 400.0, 0.0, 0.0])
     assert float(BOX(0.0, row)[2]) == 1.0
     row[NAMES.index(name)] = value
     assert float(BOX(0.0, row)[2]) == 0.0
 
 
-def test_a_force_that_is_no_number_becomes_a_safe_one() -> None:
+def test_a_force_that_is_no_number_becomes_a_safe_one():
     row = np.array([1.0, 0.01, 45.0, 70.0, 60.0, 0.0, 100.0, 400.0, 0.0, 0.0])
     low, high, _ = (float(item) for item in BOX(0.9, row))
 
     assert low <= float(ONE_AXIS(math.nan, 0.9, row)) <= high
 
 
-def test_safe_force_inside_the_box_is_left_alone() -> None:
+def test_safe_force_inside_the_box_is_left_alone():
     row = np.array([1.0, 0.01, 45.0, 70.0, 60.0, 0.0, 100.0, 1e30, 0.0, 0.0])
 
     assert float(ONE_AXIS(123.456, 0.3, row)) == 123.456
 
 
 @pytest.mark.parametrize("name", MAPS)
-def test_maps_end_in_the_box_and_in_reach_and_a_clip_per_wheel_does_not(name: str) -> None:
+def test_maps_end_in_the_box_and_in_reach_and_a_clip_per_wheel_does_not(name):
     draw, half, left = np.random.default_rng(3), 0.25, 0
     force, safe, phi = ca.SX.sym("f", 2), ca.SX.sym("s", 2), ca.SX.sym("phi")
     mapped = ca.Function("map", [force, safe, phi], [MAPS[name](force, phi, ca.SX(half), safe)])
@@ -91,6 +88,6 @@ def test_maps_end_in_the_box_and_in_reach_and_a_clip_per_wheel_does_not(name: st
     assert left > 0
 
 
-def evaluated(item: System, u: object, x: object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def evaluated(item, u, x):
     f = item.function("guard", [item.update, item.y, item.d])
     return tuple(part.full().ravel() for part in f(u, x, item.p0))

@@ -1,12 +1,9 @@
 """The limit holds against the worst disturbance, and a broken bound costs its excess."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.results import Run
 
 LIGHT = np.array([25.0, 2.7])
 LIMITS = np.array([1.0, 1.5])
@@ -28,16 +25,14 @@ PUSHED_OUT = {"pid", "smc", "mb", "nn"}
 """Laws that an unguarded adversary drives through a limit at every period."""
 
 
-def pushed(law: str, period: float, guard: bool = True, **changed: object) -> Run:
+def pushed(law, period, guard=True, **changed):
     overrides = {**LIGHTEST, "clock.control": period, "clock.duration": 10.0, **changed}
     return simulate("paper-simulation-nominal", law, guard=guard, overrides=overrides)
 
 
-@pytest.mark.parametrize(
-    ("law", "period"), [("smc", 0.001), ("prox", 0.01), ("mb", 0.05), ("nn", 0.1)]
-)
+@pytest.mark.parametrize("law, period", [("smc", 0.001), ("prox", 0.01), ("mb", 0.05), ("nn", 0.1)])
 @pytest.mark.slow
-def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law: str, period: float) -> None:
+def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law, period):
     run = pushed(law, period)
 
     gap = np.array(run.monitor.max_abs_v) - LIMITS

@@ -1,7 +1,5 @@
 """Bounds of the guard at their ends: what is proposed is accepted, and a little less is not."""
 
-from __future__ import annotations
-
 import re
 
 import casadi as ca
@@ -18,16 +16,16 @@ from wmr_ctrl.control.guard.refusals import _enough, feasible_guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import Bound
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 ON = {"guard.enabled": True, "disturbance.std": 0.0, "changes": []}
 
 
-def guarded(**changed: object) -> Scenario:
+def guarded(**changed):
     return load_scenario("paper-simulation", {**ON, **changed})
 
 
-def test_each_bound_that_is_broken_is_named_and_none_that_is_met() -> None:
+def test_each_bound_that_is_broken_is_named_and_none_that_is_met():
     base = override(load_scenario("safe-simulation"), {"guard.enabled": False})
     for changed, key in [*((c, k) for c, k, _ in BROKEN), *((c, None) for c in MET)]:
         scenario = override(base, changed)
@@ -35,10 +33,10 @@ def test_each_bound_that_is_broken_is_named_and_none_that_is_met() -> None:
         assert named == ({key} if key else set()), changed
 
 
-@pytest.mark.parametrize(("spread", "key"), [
+@pytest.mark.parametrize("spread, key", [
     (0.9, None), (1.1, "guard.M_min"), (14.9, "guard.M_min"), (0.0, None),
 ])  # fmt: skip
-def test_what_effects_add_to_the_robots_mass_must_be_counted_too(spread, key) -> None:
+def test_what_effects_add_to_the_robots_mass_must_be_counted_too(spread, key):
     scenario = guarded(**{"guard.M_min": [49.0, 5.0], "guard.M_max": [70.0, 7.0]})
     setup = settle(scenario, None)
 
@@ -48,7 +46,7 @@ def test_what_effects_add_to_the_robots_mass_must_be_counted_too(spread, key) ->
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
-def test_spare_torque_is_shared_between_braking_ahead_and_in_a_turn(share: float) -> None:
+def test_spare_torque_is_shared_between_braking_ahead_and_in_a_turn(share):
     pushed = {"guard.dbar": [60.0, 15.0], "guard.brake_share": share, "actuator.tau_max": 10.0}
     brake = settle(guarded(**pushed), None).guard.brake
     phi, half_track = 2 * 10.0 / 0.1, 0.25
@@ -58,7 +56,7 @@ def test_spare_torque_is_shared_between_braking_ahead_and_in_a_turn(share: float
     assert brake[1] == pytest.approx(15.0 + (1 - share) * spare * half_track)
 
 
-def test_a_derived_brake_is_within_the_wheels_reach_however_it_is_rounded() -> None:
+def test_a_derived_brake_is_within_the_wheels_reach_however_it_is_rounded():
     pushed = guarded(**{"guard.dbar": [60.0, 15.0]})
     for tau_max, share in np.random.default_rng(0).uniform((7.0, 0.05), (20.0, 0.95), (60, 2)):
         scenario = override(
@@ -68,7 +66,7 @@ def test_a_derived_brake_is_within_the_wheels_reach_however_it_is_rounded() -> N
         assert first + second / scenario.robot.l <= 2 * tau_max / scenario.robot.r
 
 
-def test_where_the_robot_would_not_start_no_speed_is_usable() -> None:
+def test_where_the_robot_would_not_start_no_speed_is_usable():
     """A mean over a long window hides how fast it is; at rest all of the window counts."""
     scenario = guarded(**{"guard.dbar": [60.0, 15.0]})
     late = Bound(window=(0.5, 0.5))
@@ -100,7 +98,7 @@ ONE = re.compile(r"(guard\.nbar|guard\.dbar)\[1\] <= ([\d.e+-]+)|(actuator\.dela
 
 
 @pytest.mark.parametrize("case", PROPOSALS)
-def test_each_number_that_is_proposed_alone_is_enough_and_hardly_more_than_that(case: str) -> None:
+def test_each_number_that_is_proposed_alone_is_enough_and_hardly_more_than_that(case):
     changed = PROPOSALS[case]
     with pytest.raises(ScenarioError) as refused:
         settle(guarded(**changed), None)
@@ -125,12 +123,12 @@ def test_each_number_that_is_proposed_alone_is_enough_and_hardly_more_than_that(
                     settle(guarded(**again), None)
 
 
-def test_half_the_limit_of_noise_leaves_no_room_for_rounding() -> None:
+def test_half_the_limit_of_noise_leaves_no_room_for_rounding():
     with pytest.raises(ScenarioError, match=r"guard\.nbar\[1\] = 0\.5 cannot be met"):
         settle(guarded(**{"guard.nbar": [0.5, 0.0]}), None)
 
 
-def test_wheels_that_cannot_hold_are_told_so_in_numbers_that_add_up() -> None:
+def test_wheels_that_cannot_hold_are_told_so_in_numbers_that_add_up():
     with pytest.raises(ScenarioError) as refused:
         settle(guarded(**{"guard.dbar": [60.0, 15.0], "actuator.tau_max": 5.0}), None)
 
@@ -141,8 +139,8 @@ def test_wheels_that_cannot_hold_are_told_so_in_numbers_that_add_up() -> None:
     assert need == first + second / half_track
 
 
-@pytest.mark.parametrize(("a", "b"), [(100.0, 0.0), (100.0, 5.0), (33.0, 19.0), (100.0, 20.0)])
-def test_a_torque_limit_is_enough_from_where_both_lines_cross(a: float, b: float) -> None:
+@pytest.mark.parametrize("a, b", [(100.0, 0.0), (100.0, 5.0), (33.0, 19.0), (100.0, 20.0)])
+def test_a_torque_limit_is_enough_from_where_both_lines_cross(a, b):
     """A force a + b tau to hold against, and wheels that give 2 tau/r."""
     found = _enough(lambda tau: a + b * tau, a * 0.1 / 2, 0.1)
 
@@ -154,7 +152,7 @@ def test_a_torque_limit_is_enough_from_where_both_lines_cross(a: float, b: float
         assert found <= exact * (1 + 1e-3)
 
 
-def test_within_the_noise_no_motion_is_sure_and_no_push_is_told() -> None:
+def test_within_the_noise_no_motion_is_sure_and_no_push_is_told():
     """M (|v| - |old| - 2 nbar)/T outwards, where both samples are surely on the same side of 0."""
     T, least, most, nbar = 0.01, 40.0, 60.0, 0.02
     none = ca.SX(0)

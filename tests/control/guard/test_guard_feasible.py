@@ -1,7 +1,5 @@
 """feasible = 1 is enough, to the last digit: the guard's own graph evaluated in rationals."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from functools import cache
 
@@ -23,7 +21,7 @@ KEPT_BACK = 1 - Fraction(2) ** -44
 
 
 @cache
-def exported(kind: str) -> Statement:
+def exported(kind):
     """Both torques and the flag of the exported guard; the goals are only evaluated."""
     stated = {"guard.enabled": True, "guard.map": kind}
     system = guard(settle(load_scenario("paper-simulation", stated), None))
@@ -34,7 +32,7 @@ def exported(kind: str) -> Statement:
     return Statement(table, tuple(at_least(ca.SX(value)) for value in values))
 
 
-def told(kind: str, numbers: dict[str, object]) -> tuple[Fraction, Fraction, bool]:
+def told(kind, numbers):
     """Exact thrust and moment of the torques, and the flag; r = l = 1, so that phi = 2 tau_max."""
     at = {name: Fraction(0) for name in exported(kind).symbols}
     at |= {"robot.r": Fraction(1), "robot.l": Fraction(1)}
@@ -49,9 +47,7 @@ def told(kind: str, numbers: dict[str, object]) -> tuple[Fraction, Fraction, boo
     return right + left, right - left, flag == 1
 
 
-def excess(
-    kind: str, numbers: dict[str, object], v: Pair, off: Pair = NONE
-) -> tuple[Fraction, bool]:
+def excess(kind, numbers, v, off=NONE):
     """By how much the worst motion of a sample passes the limit that is aimed at, and the flag.
 
     The velocities v are measured ``off`` by so much, and ever more force is asked for.
@@ -69,7 +65,7 @@ def excess(
     return max(found), flag
 
 
-def at_the_edge(braked: Pair) -> dict[str, object]:
+def at_the_edge(braked):
     """Two light axes that are pushed as hard as their wheels can hold, T = 1/2."""
     rows = {"M_min": "1", "M_max": "1", "dbar": "2", "f_min": "1.500000000000043", "f_speed": "0"}
     return {
@@ -85,7 +81,7 @@ TURNING = (Fraction(0), Fraction(1, 2))
 """The turn is measured too fast, so that it is braked as hard as may be."""
 
 
-def test_brakes_beyond_the_wheels_by_a_rounding_are_not_feasible() -> None:
+def test_brakes_beyond_the_wheels_by_a_rounding_are_not_feasible():
     """The thrust falls short in every sample then: v passes the limit by 1e-14, again and again."""
     braked = (Fraction("0.499999999999972"), Fraction("0.500000000000064"))
     over, flag = excess("linear-first", at_the_edge(braked), (LIMIT, LIMIT), TURNING)
@@ -94,7 +90,7 @@ def test_brakes_beyond_the_wheels_by_a_rounding_are_not_feasible() -> None:
     assert not flag
 
 
-def test_brakes_that_are_just_within_reach_keep_both_limits() -> None:
+def test_brakes_that_are_just_within_reach_keep_both_limits():
     for kind in MAPS:
         numbers = at_the_edge((Fraction(1, 2), Fraction(1, 2)))
         over, flag = excess(kind, numbers, (LIMIT, LIMIT), TURNING)

@@ -3,8 +3,6 @@
 Nothing here integrates with the product's code; of the product there is the guard's graph alone.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -100,7 +98,7 @@ def guarded(world, draw, period, delay):
 
 
 CLOCKS = [(0.01, 0.0), (0.1, 0.0), (0.01, 0.025), (0.1, 0.03)]
-clocks = pytest.mark.parametrize(("period", "delay"), CLOCKS)
+clocks = pytest.mark.parametrize("period, delay", CLOCKS)
 
 
 @clocks

@@ -1,9 +1,5 @@
 """Guarded runs: both engines, the switch, the monitor's verdict, and the price in speed."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -11,7 +7,7 @@ from tests import oracle
 from tests.equal_runs import runs_equal
 from wmr_ctrl.api import simulate, simulate_runs
 from wmr_ctrl.control.laws.registry import NAMES
-from wmr_ctrl.results import Run, load_run
+from wmr_ctrl.results import load_run
 from wmr_ctrl.results.formats import save_run
 
 every_law = pytest.mark.parametrize("law", NAMES)
@@ -19,7 +15,7 @@ PAPERS = {"gains.kinematics.k": [10.0, 5.0, 4.0]}
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 
 
-def gap(first: Run, second: Run) -> float:
+def gap(first, second):
     return max(float(abs(first[s.name] - second[s.name]).max()) for s in first.signals)
 
 
@@ -30,7 +26,7 @@ def gap(first: Run, second: Run) -> float:
     {"initial.velocity": [1.3, 2.0]},
 ])  # fmt: skip
 @pytest.mark.slow_but("changed0")
-def test_every_option_means_what_the_oracle_takes_it_for(changed: dict[str, object]) -> None:
+def test_every_option_means_what_the_oracle_takes_it_for(changed):
     """prox reads the torque that was applied, so it sees delay and lag."""
     native, slow = (
         run("safe-simulation", "prox", overrides={**SHORT, **changed})
@@ -42,11 +38,11 @@ def test_every_option_means_what_the_oracle_takes_it_for(changed: dict[str, obje
 
 
 @pytest.mark.parametrize(
-    ("law", "scenario"),
+    "law, scenario",
     [("pid", "safe-simulation"), ("smc", "safe-experiment"), ("kanayama", "safe-experiment")],
 )
 @pytest.mark.slow_but("pid-safe-simulation")
-def test_presets_of_ours_keep_the_limits(law: str, scenario: str) -> None:
+def test_presets_of_ours_keep_the_limits(law, scenario):
     for run in simulate_runs(scenario, law, range(3)):
         assert run.outcome == "completed"
         assert run.guard
@@ -54,7 +50,7 @@ def test_presets_of_ours_keep_the_limits(law: str, scenario: str) -> None:
 
 @every_law
 @pytest.mark.slow_but("prox")
-def test_switch(law: str) -> None:
+def test_switch(law):
     off, on, preset = (
         simulate("far-start", law, guard=guard, overrides={"clock.duration": 6.0})
         for guard in (False, True, None)
@@ -68,7 +64,7 @@ def test_switch(law: str) -> None:
     assert runs_equal(off, preset)
 
 
-def test_monitor_notices_a_disturbance_beyond_dbar(tmp_path: Path) -> None:
+def test_monitor_notices_a_disturbance_beyond_dbar(tmp_path):
     pushed = {"disturbance.push": [60.0, 15.0], "robot.mu": 0.0, "model.mu": 0.08}
     too_small = {
         "guard.dbar": [20.0, 5.0],
@@ -86,7 +82,7 @@ def test_monitor_notices_a_disturbance_beyond_dbar(tmp_path: Path) -> None:
     assert runs_equal(load_run(tmp_path / "run.npz"), run)
 
 
-def test_monitor_notices_a_mass_below_m_min() -> None:
+def test_monitor_notices_a_mass_below_m_min():
     drop = [{"t": 1.0, "m": 5.0, "I": 0.5, "mu": 0.0}]
     stated = {"guard.M_min": [45.0, 4.8], "guard.M_max": [71.5, 7.7], "guard.dbar": [60.0, 15.0]}
     changed = {**stated, "guard.trust": True, "changes": drop, "clock.duration": 5.0}
@@ -94,7 +90,7 @@ def test_monitor_notices_a_mass_below_m_min() -> None:
     assert simulate("safe-simulation", "mb", overrides=changed).monitor.bounds_left
 
 
-def test_clip_is_told_where_it_acts() -> None:
+def test_clip_is_told_where_it_acts():
     run = simulate("safe-simulation", "pid", overrides=PAPERS)
 
     assert 0 < run["clip_active"].mean() < 0.1

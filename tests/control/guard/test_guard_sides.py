@@ -1,7 +1,5 @@
 """The guard with another limit backwards than forwards."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import casadi as ca
@@ -27,7 +25,7 @@ BACKWARDS = {"initial.pose": [6.0, 0.0, -np.pi / 2], "initial.velocity": [-0.1, 
 """A start far ahead of the desired motion: the law wants back, and pushes drive that way."""
 
 
-def drawn(draw: np.random.Generator, late: bool) -> dict[str, float]:
+def drawn(draw, late):
     """Numbers of an axis that can be met, the way back with less room than the way ahead."""
     M, alpha, period = draw.uniform(1, 50), draw.uniform(1, 20), draw.uniform(0.005, 0.05)
     u1, back = draw.uniform(0.5, 2.0), draw.uniform(0.1, 0.5)
@@ -41,7 +39,7 @@ def drawn(draw: np.random.Generator, late: bool) -> dict[str, float]:
     }  # fmt: skip
 
 
-def bounds(numbers: dict[str, float], late: bool) -> Bounds:
+def bounds(numbers, late):
     """The guard's bounds as numbers."""
     known = {name: ca.SX(value) for name, value in numbers.items()}
     if not late:

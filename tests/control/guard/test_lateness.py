@@ -1,7 +1,5 @@
 """Late and averaged velocities, jitter and lag: the limit holds, and the bounds are tight."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace
@@ -55,7 +53,7 @@ BROKEN = {
 
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.slow_but("all")
-def test_hostile_robots_reach_the_limit_and_never_pass_it(name: str) -> None:
+def test_hostile_robots_reach_the_limit_and_never_pass_it(name):
     case = CASES[name]
     found = trial(case, 200, 40, 0)
     assert (found.fastest <= 1).all()
@@ -67,25 +65,25 @@ def test_hostile_robots_reach_the_limit_and_never_pass_it(name: str) -> None:
 @pytest.mark.parametrize(
     "case", [FIRM, VARYING_JITTER], ids=["mean, sure friction", "lag and jitter vary"]
 )
-def test_a_few_hostile_robots_get_the_forces_of_the_formula(case: Case) -> None:
+def test_a_few_hostile_robots_get_the_forces_of_the_formula(case):
     found = trial(case, 24, 16, 0)
 
     assert (found.fastest <= 1).all()
     assert found.apart < 1e-11 * case.M_min / case.T
 
 
-def passed(name: str, lanes: int, samples: int) -> bool:
+def passed(name, lanes, samples):
     case, changed = BROKEN[name]
     return bool((trial(case, lanes, samples, 0, replace(case, **changed), False).fastest > 1).any())
 
 
 @pytest.mark.parametrize("name", ["window", "latest takeover", "lag", "smallest lag"])
 @pytest.mark.slow_but("window", "lag")
-def test_an_assumption_that_is_broken_breaks_the_limit(name: str) -> None:
+def test_an_assumption_that_is_broken_breaks_the_limit(name):
     assert passed(name, 200, 40)
 
 
-def test_a_guard_does_the_same_in_either_direction() -> None:
+def test_a_guard_does_the_same_in_either_direction():
     system, step = composed(ALL_VARYING)
     draw, x, back, changed = np.random.default_rng(3), system.x0, system.x0, 0
     for _ in range(100):
@@ -100,7 +98,7 @@ def test_a_guard_does_the_same_in_either_direction() -> None:
 @pytest.mark.parametrize(
     "late", [{"lag": 1.0}, {"lag": 1.0, "fast": 0.5}, {"lag": 0.5, "lo": 0.5, "hi": 0.5}], ids=str
 )
-def test_older_commands_count_as_weak_wheels_were_given_them(late: dict[str, float]) -> None:
+def test_older_commands_count_as_weak_wheels_were_given_them(late):
     """Wheels that cannot reach a safe force get a smaller one, and that is what acts later."""
     case = Case(**late, dbar=20.0, tau_max=5.0)
     formulas = [case.formula(axis) for axis in (0, 1)]
@@ -127,7 +125,7 @@ def test_older_commands_count_as_weak_wheels_were_given_them(late: dict[str, flo
 # --- what a command counts for
 
 
-def rows() -> list[tuple[float, ...]]:
+def rows():
     draw, steps = np.random.default_rng(1), 0.001
     table = []
     for _ in range(40):
@@ -138,7 +136,7 @@ def rows() -> list[tuple[float, ...]]:
 
 
 @pytest.mark.parametrize("times", rows())
-def test_pieces_count_for_the_integral_of_what_is_left(times: tuple[float, ...]) -> None:
+def test_pieces_count_for_the_integral_of_what_is_left(times):
     """By the mean over ages sigma, in numbers; together all that may count."""
     age, window, delay, jitter, lag = (float(t) / 0.01 for t in times)
     late = lateness(times_of(*(float(t) for t in times)))
@@ -160,28 +158,27 @@ def test_pieces_count_for_the_integral_of_what_is_left(times: tuple[float, ...])
     assert not late.tail or late.tail.share <= 1
 
 
-def times_of(age=0.0, window=0.0, delay=0.0, jitter=0.0, lag=0.0, period=0.01) -> Times:
+def times_of(age=0.0, window=0.0, delay=0.0, jitter=0.0, lag=0.0, period=0.01):
     return Times(period, 0.001, age, window, (delay - jitter, delay), (lag, lag))
 
 
-def ends(which: tuple[int, ...], lo: float, hi: float) -> tuple[float, float]:
+def ends(which, lo, hi):
     """Ages between which a piece lies."""
     j = which[0]
     return (j - 1 - lo, j - hi) if len(which) == 1 else (j - 1 - hi, j - 1 - lo)
 
 
-def test_a_constant_delay_counts_as_it_did() -> None:
+def test_a_constant_delay_counts_as_it_did():
     late = lateness(times_of(delay=0.024))
     pieces = (((1,), 1.0), ((2,), 1.0), ((3,), 0.4))
     assert late == Counting(pieces, pieces, 0.0, 0.0, 0.0, 2.4, 2.4, 0.0, 3)
     assert lateness(times_of()).at_once
 
 
-def test_a_mean_over_one_sample_counts_the_last_command_half() -> None:
+def test_a_mean_over_one_sample_counts_the_last_command_half():
     late = lateness(times_of(window=0.1, period=0.1))
     assert (late.mean, late.rest) == ((((1,), 0.5),), (((1,), 1.0),))
     since = since_last(times_of(window=0.1, period=0.1))
-    assert since is not None
     assert since.mean == (((1,), 0.5), ((2,), 0.5))
     assert since_last(times_of(window=0.2, period=0.1)) is None
 
@@ -189,26 +186,26 @@ def test_a_mean_over_one_sample_counts_the_last_command_half() -> None:
 # --- numbers
 
 
-@pytest.mark.parametrize(("case", "said"), [
+@pytest.mark.parametrize("case, said", [
     (Case(window=1, dbar=120.0), r"late = window 0\.1 s.*clock\.control <= .*dbar\[1\] <= "),
     (Case(hi=1.5, lo=0.25), r"varies by 0\.125 s, more than clock\.control.*at most 0\.1"),
     (Case(hi=1, nbar=0.45), r"jitter of 0\.1 s and nbar\[1\] = 0\.45.*guard\.nbar\[1\] <= "),
     (Case(lag=3, dbar=100.0), r"late = lag 0\.3 s"),
     (Case(lag=0.5, fast=0.2, window=1, nbar=0.45), r"a lag between 0\.02 and 0\.05 s and nbar"),
 ])  # fmt: skip
-def test_what_cannot_be_met_is_refused_with_numbers_and_a_remedy(case: Case, said: str) -> None:
+def test_what_cannot_be_met_is_refused_with_numbers_and_a_remedy(case, said):
     with pytest.raises(ScenarioError) as refused:
         guard_system(case.setup)
 
     assert re.search(said, str(refused.value)), str(refused.value)
 
 
-def test_the_age_of_an_axis_is_told_where_that_axis_cannot_be_held() -> None:
+def test_the_age_of_an_axis_is_told_where_that_axis_cannot_be_held():
     """With the least inertia that would do, which does, and hardly any less does not."""
     pushed = {**ON, "guard.dbar": [60.0, 15.0], "guard.trust": True}
     words = r"late = age 0\.3 s, is needed on axis 2"
 
-    def asked(**more: object) -> None:
+    def asked(**more):
         given = pushed | {key.replace("__", "."): value for key, value in more.items()}
         feasible_guard(load_scenario("far-start", given), Bound(age=(0.0, 0.3)), math.inf)
 
@@ -220,7 +217,7 @@ def test_the_age_of_an_axis_is_told_where_that_axis_cannot_be_held() -> None:
         asked(guard__M_min=[45.0, 0.99 * least], guard__M_max=[1e3, 1e3])
 
 
-def test_times_are_whole_plant_steps_where_rounding_alone_keeps_them_from_it() -> None:
+def test_times_are_whole_plant_steps_where_rounding_alone_keeps_them_from_it():
     times = Times(0.1, 0.01)
 
     assert times.in_periods(0.1 + 0.2) == Fraction(3)
@@ -228,7 +225,7 @@ def test_times_are_whole_plant_steps_where_rounding_alone_keeps_them_from_it() -
     assert float(times.in_periods(0.034)) == pytest.approx(0.34, rel=1e-12)
 
 
-def test_nothing_late_gives_the_graph_of_before() -> None:
+def test_nothing_late_gives_the_graph_of_before():
     scenario = load_scenario("paper-simulation", ON)
     item = guard_system(settle(scenario, None))
     names = [port.signal.name for port in item.state]

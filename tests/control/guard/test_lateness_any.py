@@ -1,7 +1,5 @@
 """Any numbers at once behind late velocities, jitter and lag: inside, broken bounds, outside."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,20 +7,19 @@ import numpy as np
 import pytest
 
 from tests.control.guard.exact_axis import PARTS
-from tests.control.guard.late_formula import LateGuard
-from tests.control.guard.late_trial import LIMITS, Case, Result, Thrown, trial
+from tests.control.guard.late_trial import LIMITS, Case, Thrown, trial
 
 some_seeds = pytest.mark.parametrize("seed", [0, 1, 37, 73, 109])
 
 
-def any_case(seed: int) -> Case:
+def any_case(seed):
     """Windows, ages, delays, lags, errors, friction, brakes and slopes by chance; dbar up to most.
 
     Most is what the guard can be asked for, which half of the cases come close to.
     """
     draw = np.random.default_rng(seed)
 
-    def parts(most: float) -> float:
+    def parts(most):
         return float(draw.integers(0, int(most * PARTS) + 1) / PARTS * (draw.random() < 0.7))
 
     lo, sure = parts(1.5), draw.random() < 0.3
@@ -47,13 +44,13 @@ def any_case(seed: int) -> Case:
 
 @some_seeds
 @pytest.mark.slow_but("1")
-def test_inside_stays_inside(seed: int) -> None:
+def test_inside_stays_inside(seed):
     assert (trial(any_case(seed), 150, 40, seed, compare=False).fastest <= 1).all()
 
 
 @some_seeds
 @pytest.mark.slow_but("1")
-def test_from_outside_it_comes_back_as_stated_and_not_through_the_other_limit(seed: int) -> None:
+def test_from_outside_it_comes_back_as_stated_and_not_through_the_other_limit(seed):
     """Pushed by several times dbar for some samples, or started outside, always the same way."""
     case, draw = any_case(seed), np.random.default_rng(seed + 10_000)
     way = draw.choice([-1.0, 1.0], 100)
@@ -68,11 +65,11 @@ def test_from_outside_it_comes_back_as_stated_and_not_through_the_other_limit(se
         returned(found, axis, formula, thrown)
 
 
-def formulas(case: Case) -> tuple[LateGuard, LateGuard]:
+def formulas(case):
     return case.formula(0), case.formula(1)
 
 
-def returned(found: Result, axis: int, f: LateGuard, thrown: Thrown) -> None:
+def returned(found, axis, f, thrown):
     """What docs/explanation/guarantee.md says of robots outside; speeds along the throw."""
     u1, h = LIMITS[axis], f.T / PARTS
     v = np.vstack([thrown.start * u1 * np.ones(len(thrown.way)), found.seen[:, axis] * thrown.way])

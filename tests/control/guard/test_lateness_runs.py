@@ -1,9 +1,6 @@
 """Sensors and drives as robots have them, stated and guarded: runs, lanes, FMUs, packages."""
 
-from __future__ import annotations
-
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,7 +40,7 @@ RANGES = {
 SHORT = {"actuator.tau_max": 10.0, "clock.duration": 3.0, "changes": [], "disturbance.truncate": 3}
 
 
-def checked(law: str, kind: str) -> None:
+def checked(law, kind):
     """The lightest robot without friction, pushed the way it moves."""
     changed = {**LIGHTEST, **WEAK, **{**KINDS, **RANGES}[kind], "clock.duration": 20.0}
     run = simulate("paper-simulation-nominal", law, guard=True, overrides=changed)
@@ -54,7 +51,7 @@ def checked(law: str, kind: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("law", "kind"),
+    "law, kind",
     [
         ("pid", "as a robot has it, 10 ms"),
         pytest.param("pid", "encoder of 256 counts over 100 ms", marks=pytest.mark.slow),
@@ -63,18 +60,18 @@ def checked(law: str, kind: str) -> None:
         pytest.param("prox", "untold delay", marks=pytest.mark.slow),
     ],
 )
-def test_pushed_the_way_it_moves_the_robot_stays_within_its_limits(law: str, kind: str) -> None:
+def test_pushed_the_way_it_moves_the_robot_stays_within_its_limits(law, kind):
     checked(law, kind)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", RANGES)
-def test_drives_anywhere_within_stated_bounds(kind: str) -> None:
+def test_drives_anywhere_within_stated_bounds(kind):
     checked("pid", kind)
 
 
 @pytest.mark.slow
-def test_lanes_and_fmus_equal_the_native_loop() -> None:
+def test_lanes_and_fmus_equal_the_native_loop():
     scenario = scenario_of("safe-simulation", {**SHORT, **DRIVES})
     native, fmu = simulate(scenario, "prox", seed=2), cosimulate(scenario, "prox", seed=2)
 
@@ -91,7 +88,7 @@ def test_lanes_and_fmus_equal_the_native_loop() -> None:
 
 
 @pytest.mark.slow
-def test_package_checks_itself_with_what_the_guard_remembers(tmp_path: Path) -> None:
+def test_package_checks_itself_with_what_the_guard_remembers(tmp_path):
     write_package("pid", tmp_path, scenario_of("safe-simulation", {**SHORT, **DRIVES}))
     header = (tmp_path / "wmr_pid.h").read_text(encoding="utf-8")
     for name in ("tau_sent1[2]", "guard_tail[4]", "guard_monitor_tail[4]", "guard_samples"):
@@ -104,7 +101,7 @@ def test_package_checks_itself_with_what_the_guard_remembers(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("key", DRIVES)
-def test_drives_slower_than_the_graph_was_built_for_are_not_feasible(key: str) -> None:
+def test_drives_slower_than_the_graph_was_built_for_are_not_feasible(key):
     item = guard_alone(
         settle(load_scenario("safe-simulation", {"guard.enabled": True, **SHORT, **DRIVES}), None)
     )
@@ -112,7 +109,7 @@ def test_drives_slower_than_the_graph_was_built_for_are_not_feasible(key: str) -
     assert feasible_with(item, {}) == 1.0
 
 
-def test_drives_quicker_than_the_graph_was_built_for_are_not_feasible_where_they_vary() -> None:
+def test_drives_quicker_than_the_graph_was_built_for_are_not_feasible_where_they_vary():
     changed = {"guard.enabled": True, **SHORT, **DRIVES}
     item = guard_alone(settle(load_scenario("safe-simulation", changed), None))
     constant = {**changed, "actuator.lag_spread": 0.0, "actuator.jitter": 0.0}

@@ -1,10 +1,6 @@
 """The monitor of unguarded runs: what it reveals, and that it never accuses what holds."""
 
-from __future__ import annotations
-
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -14,7 +10,7 @@ from tests.equal_runs import runs_equal
 from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.control.guard.monitor import least_push
 from wmr_ctrl.control.laws import LAWS
-from wmr_ctrl.results import Run, load_run
+from wmr_ctrl.results import load_run
 from wmr_ctrl.results.formats import save_run
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -24,14 +20,14 @@ PUSHED = {"disturbance.push": [150.0, 40.0], "disturbance.std": 0.0, "robot.mu":
           "guard.dbar": [60.0, 15.0], "guard.mass_margin": 0.0, "guard.trust": True}  # fmt: skip
 
 
-def disturbance(run: Run) -> np.ndarray:
+def disturbance(run):
     """What acted on thrust [N] and moment [N m] during each sample, (N, 2)."""
     robot = load_scenario("paper-simulation").robot
     right, left = run["noise_right"], run["noise_left"]
     return np.column_stack([right + left, robot.l * (right - left)]) / robot.r
 
 
-def ahead(run: Run) -> np.ndarray:
+def ahead(run):
     """The largest disturbance in the direction of motion that d_least could tell, (N, 2).
 
     Row k is about sample k - 1, and 0 in row 0 and where an axis was pushed back.
@@ -41,7 +37,7 @@ def ahead(run: Run) -> np.ndarray:
     return np.fmax(pushed, 0.0)
 
 
-def scale(run: Run) -> np.ndarray:
+def scale(run):
     """What errors of rounding and integration may add [N, N m]: 1e-6 of what stops the robot."""
     fastest = np.abs([run["v1"], run["omega"]]).max(axis=1)
     return 1e-6 * np.array([70.0, 7.0]) * np.fmax(fastest, (1.0, 1.5)) / run.settings.control
@@ -49,7 +45,7 @@ def scale(run: Run) -> np.ndarray:
 
 @every_law
 @pytest.mark.slow_but("mb", "nn")
-def test_a_push_beyond_dbar_is_revealed_by_a_known_mass(law: str, tmp_path: Path) -> None:
+def test_a_push_beyond_dbar_is_revealed_by_a_known_mass(law, tmp_path):
     """Without friction and with the mass known, d_least is the push itself."""
     run = simulate("paper-simulation-no-switch", law, overrides={**OFF, **PUSHED})
     found = run["d_least"].max(axis=0)
@@ -68,7 +64,7 @@ def test_a_push_beyond_dbar_is_revealed_by_a_known_mass(law: str, tmp_path: Path
 
 @every_law
 @pytest.mark.slow_but("mb", "prox")
-def test_the_same_push_costs_a_guarded_run_its_outcome(law: str) -> None:
+def test_the_same_push_costs_a_guarded_run_its_outcome(law):
     """The event is the same; the outcome is a warning only where there is a guarantee."""
     run = simulate("paper-simulation", law, guard=True, overrides={**OFF, **PUSHED})
 
@@ -76,7 +72,7 @@ def test_the_same_push_costs_a_guarded_run_its_outcome(law: str) -> None:
     assert run.outcome in ("bounds-left", "limit-violated")
 
 
-def drawn(draw: np.random.Generator, drive: dict[str, Any]) -> dict[str, Any]:
+def drawn(draw, drive):
     """A robot within stated masses, under noise and a push, measured with an error or exactly."""
     margin, mass = draw.uniform(0.0, 0.4), draw.uniform(30.0, 70.0)
     off = 1.0 + margin * draw.uniform(-1.0, 1.0, 2)
@@ -98,11 +94,11 @@ def drawn(draw: np.random.Generator, drive: dict[str, Any]) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("law", "drive"),
+    "law, drive",
     [("pid", {}), ("smc", {"actuator.lag": 0.02}), ("mb", {"actuator.delay": 0.013})],
 )
 @pytest.mark.slow_but("pid-drive0")
-def test_it_never_tells_more_than_there_was(law: str, drive: dict[str, Any]) -> None:
+def test_it_never_tells_more_than_there_was(law, drive):
     """d_least <= the true disturbance along the motion, whatever robot, push, law and drives."""
     draw, told = np.random.default_rng(0), 0
     for seed in range(8):
@@ -115,7 +111,7 @@ def test_it_never_tells_more_than_there_was(law: str, drive: dict[str, Any]) -> 
 
 @pytest.mark.parametrize("law", ["pid", "mb", "prox"])
 @pytest.mark.slow_but("pid", "mb")
-def test_a_push_of_dbar_itself_contradicts_nothing_by_rounding(law: str) -> None:
+def test_a_push_of_dbar_itself_contradicts_nothing_by_rounding(law):
     """d_least is the push to a few units in the last place, above it in some sample."""
     push = [60.0, 15.0]
     changed = {**OFF, **PUSHED, "disturbance.push": push, "guard.dbar": push}
@@ -128,7 +124,7 @@ def test_a_push_of_dbar_itself_contradicts_nothing_by_rounding(law: str) -> None
 
 
 @pytest.mark.parametrize(
-    ("old", "v", "force", "least"),
+    "old, v, force, least",
     [
         (0.5, 0.6, 0.0, 40.0 * (0.1 - 0.02) / 0.1),
         (0.5, 0.6, 10.0, 40.0 * (0.1 - 0.02) / 0.1 - 10.0),

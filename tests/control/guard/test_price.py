@@ -1,14 +1,12 @@
 """What the guard costs: steady speeds that it leaves."""
 
-from __future__ import annotations
-
 from tests.papers_robot import paper
 from wmr_ctrl.control.guard.price import early_speed, speed_price, torque_swing, usable_formula
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.scenario import override
 
 
-def priced(**changed: object):
+def priced(**changed):
     scenario = override(paper(), {"guard.enabled": True, "disturbance.truncate": 3.0, **changed})
     return scenario, settle(scenario, "prox").guard
 

@@ -1,7 +1,5 @@
 """Settings that cannot be met are refused, with the inequality, the numbers and a remedy."""
 
-from __future__ import annotations
-
 import math
 import re
 
@@ -18,7 +16,7 @@ from wmr_ctrl.world.scenario import load_scenario
 ON = {"guard.enabled": True}
 
 
-@pytest.mark.parametrize(("changed", "said"), [
+@pytest.mark.parametrize("changed, said", [
     ({"guard.dbar": [2500.0, 1.0]}, r"2 \(dbar - f_min\) <= M_min alpha.*axis 1.*5000 > 45 \* 100"),
     ({"guard.dbar": [60.0, 400.0]}, r"axis 2.*clock\.control <= .*guard\.dbar\[2\] <= "),
     ({"clock.control": 0.5, "guard.M_min": [25.0, 2.7]}, r"clock\.control <= 0\.208 s"),
@@ -42,7 +40,7 @@ ON = {"guard.enabled": True}
     ({"guard.alpha": 4.0, "actuator.delay": 0.2},
      r"axis 1.*delay <= 0\.124 s, or from guard\.alpha >= 5\.715"),
 ])  # fmt: skip
-def test_what_cannot_be_met_is_refused(changed: dict[str, object], said: str) -> None:
+def test_what_cannot_be_met_is_refused(changed, said):
     with pytest.raises(ScenarioError) as refused:
         guard(settle(scenario_of("paper-simulation", {**ON, **changed}), None))
 
@@ -50,7 +48,7 @@ def test_what_cannot_be_met_is_refused(changed: dict[str, object], said: str) ->
 
 
 @pytest.mark.parametrize("beyond", [1.0, 1.1])
-def test_a_command_may_take_over_one_period_late_and_no_later(beyond) -> None:
+def test_a_command_may_take_over_one_period_late_and_no_later(beyond):
     """J <= T, at the edge too."""
     scenario = load_scenario("far-start", ON)
     bound = Bound(delay=0.03, jitter=0.01 * beyond)
@@ -62,7 +60,7 @@ def test_a_command_may_take_over_one_period_late_and_no_later(beyond) -> None:
 
 
 @pytest.mark.parametrize("late", [{"age": (0.01, 0.0)}, {"window": (0.01, 0.0)}])
-def test_a_moving_start_needs_a_velocity_that_is_not_late(late) -> None:
+def test_a_moving_start_needs_a_velocity_that_is_not_late(late):
     """On that axis: the other may be late."""
     moving, turning = (
         load_scenario("far-start", {**ON, "initial.velocity": start})
@@ -73,7 +71,7 @@ def test_a_moving_start_needs_a_velocity_that_is_not_late(late) -> None:
     assert feasible_guard(turning, Bound(**late), math.inf)
 
 
-def reads_the_limit(share: float):
+def reads_the_limit(share):
     """The bound of drives that push with a share of what the wheels can give."""
     return lambda scenario: Bound(
         dbar=(60.0 + share * 2 * scenario.actuator.tau_max / scenario.robot.r, 15.0)
@@ -82,8 +80,8 @@ def reads_the_limit(share: float):
 
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 0.9])
 @pytest.mark.slow_but("0.0", "0.5")
-def test_the_torque_that_is_enough_is_enough_though_bounds_read_it(share) -> None:
-    def settled(limit: float):
+def test_the_torque_that_is_enough_is_enough_though_bounds_read_it(share):
+    def settled(limit):
         scenario = scenario_of("far-start", {"actuator.tau_max": limit})
         return feasible_guard(scenario, bound(scenario), limit, bound)
 
@@ -99,7 +97,7 @@ def test_the_torque_that_is_enough_is_enough_though_bounds_read_it(share) -> Non
 
 
 @pytest.mark.parametrize("share", [0.97, 1.0, 2.0])
-def test_a_torque_limit_is_not_proposed_where_none_is_enough(share) -> None:
+def test_a_torque_limit_is_not_proposed_where_none_is_enough(share):
     """At 0.97 there is one that the wheels need, and dbar is too large for the period there."""
     bound, scenario = reads_the_limit(share), scenario_of("far-start", {"actuator.tau_max": 4.0})
 
@@ -108,7 +106,7 @@ def test_a_torque_limit_is_not_proposed_where_none_is_enough(share) -> None:
     assert "tau_max >=" not in str(told.value)
 
 
-def test_wheels_of_another_size_are_counted_in_the_torque_that_is_enough() -> None:
+def test_wheels_of_another_size_are_counted_in_the_torque_that_is_enough():
     """What they push with is a share of tau_max: settle finds the limit that counts it."""
     changed = {**ON, "wheels.radius": [0.05, -0.05], "disturbance.truncate": 3.0}
     with pytest.raises(ScenarioError) as refused:
@@ -121,7 +119,7 @@ def test_wheels_of_another_size_are_counted_in_the_torque_that_is_enough() -> No
         settle(scenario_of("far-start", {**changed, "actuator.tau_max": 0.998 * float(said)}), "mb")
 
 
-def test_defaults_follow_from_the_scenario() -> None:
+def test_defaults_follow_from_the_scenario():
     scenario = load_scenario("paper-simulation-no-switch", ON)
     setup = settle(scenario, None)
     settled = setup.guard
@@ -137,7 +135,7 @@ def test_defaults_follow_from_the_scenario() -> None:
     assert settle(given, None).guard.M_min == (30.0, 3.0)
 
 
-def test_dbar_of_truncated_noise_is_its_largest_value() -> None:
+def test_dbar_of_truncated_noise_is_its_largest_value():
     scenario = load_scenario("paper-simulation", {"disturbance.truncate": 2.0})
 
     assert settle(scenario, None).guard.dbar == pytest.approx((40.0, 10.0))
@@ -153,11 +151,11 @@ def test_dbar_of_truncated_noise_is_its_largest_value() -> None:
     {"guard.alpha": 1.7, "clock.control": 0.05, "guard.dbar": [130.0, 15.0]},
 ])  # fmt: skip
 def test_every_number_that_is_proposed_is_enough_as_it_is_printed(
-    changed: dict[str, object],
-) -> None:
+    changed,
+):
     """By whichever key; what bounds must be true of the scenario is said of the scenario."""
 
-    def told(more: dict[str, object]) -> str:
+    def told(more):
         try:
             settle(scenario_of("safe-experiment", {**ON, **changed, **more}), "prox")
         except ScenarioError as error:
@@ -189,11 +187,11 @@ def test_every_number_that_is_proposed_is_enough_as_it_is_printed(
         assert f"limits.v_u1[{axis}]" not in again, (more, again)
 
 
-def test_a_push_that_sure_friction_makes_up_for_in_part_may_be_that_much_larger() -> None:
+def test_a_push_that_sure_friction_makes_up_for_in_part_may_be_that_much_larger():
     """The bound of dbar that is told is the largest one, with the friction that is sure."""
     sure = {**ON, "guard.f_min": [30.0, 1.0], "guard.f_speed": [0.1, 0.1], "guard.trust": True}
 
-    def settled(dbar: float) -> None:
+    def settled(dbar):
         settle(scenario_of("safe-experiment", {**sure, "guard.dbar": [dbar, 5.0]}), "prox")
 
     with pytest.raises(ScenarioError) as refused:
@@ -206,17 +204,17 @@ def test_a_push_that_sure_friction_makes_up_for_in_part_may_be_that_much_larger(
 
 
 @pytest.mark.parametrize(
-    ("late", "said"),
+    "late, said",
     [
         ({"actuator.delay": 0.1, "actuator.jitter": 0.0}, "actuator.delay"),
         ({"actuator.delay": 0.095, "actuator.jitter": 0.005}, "actuator.delay + jitter"),
         ({"guard.delay": [0.1, 0.1], "actuator.jitter": 0.0}, "guard.delay[2]"),
     ],
 )
-def test_the_delay_that_is_said_to_be_short_enough_is(late, said) -> None:
+def test_the_delay_that_is_said_to_be_short_enough_is(late, said):
     """All that delays a command counts, in whole plant steps; what the guard is told, first."""
 
-    def settled(changed: dict[str, object]) -> None:
+    def settled(changed):
         guard(settle(scenario_of("robot-10ms", changed), None))
 
     with pytest.raises(ScenarioError) as refused:
@@ -233,10 +231,10 @@ def test_the_delay_that_is_said_to_be_short_enough_is(late, said) -> None:
     settled({**late, **enough[said]})
 
 
-def test_a_robot_that_is_said_to_be_heavy_enough_is_so_on_a_slope() -> None:
+def test_a_robot_that_is_said_to_be_heavy_enough_is_so_on_a_slope():
     """There a heavier robot is pushed harder; where that is by too much, no mass is proposed."""
 
-    def settled(angle: float, mass: float | None = None) -> None:
+    def settled(angle, mass=None):
         heavier = {} if mass is None else {"robot.m": mass, "guard.M_min": [mass, 4.86]}
         guard(settle(scenario_of("robot-10ms", {"slope.angle": angle, **heavier}), None))
 

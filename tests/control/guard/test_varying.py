@@ -1,7 +1,5 @@
 """Weights of commands behind a lag that varies."""
 
-from __future__ import annotations
-
 from fractions import Fraction as Q
 
 import numpy as np

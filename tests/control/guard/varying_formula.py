@@ -19,14 +19,14 @@ class VaryingGuard(LateGuard):
     fast: float = 0.0
 
     @property
-    def mixed(self) -> float:
+    def mixed(self):
         return self.late - self.window / 2
 
     @property
-    def _mixes(self) -> bool:
+    def _mixes(self):
         return True
 
-    def pieces(self, count: int) -> list[tuple[tuple[int, ...], float, float]]:
+    def pieces(self, count):
         """Commands and ages [s] of every piece of ``count`` commands, the oldest first."""
         items = []
         for j in range(count, 0, -1):
@@ -36,12 +36,12 @@ class VaryingGuard(LateGuard):
                 items.append(((j, j - 1), over - self.lo, over - self.hi))
         return items
 
-    def share(self, s: np.ndarray, averaged: bool) -> np.ndarray:
+    def share(self, s, averaged):
         if not (averaged and self.window):
             return (s <= self.L) * 1.0
         return np.clip((self.L - s) / self.window, 0.0, 1.0)
 
-    def through(self, z, p, begin: float, end: float):
+    def through(self, z, p, begin, end):
         """Z at ages between, as a function of the age."""
         falls, rises = np.maximum(z - p, 0.0), np.maximum(p - z, 0.0)
 
@@ -51,7 +51,7 @@ class VaryingGuard(LateGuard):
 
         return at
 
-    def integral(self, at, begin: float, end: float, averaged: bool):
+    def integral(self, at, begin, end, averaged):
         """Of Z with the share of ages that count, cut where that has a corner."""
         cuts = sorted({begin, end, *(s for s in (self.age, self.L) if end < s < begin)})
         total = 0.0
@@ -61,7 +61,7 @@ class VaryingGuard(LateGuard):
                 total = total + weight * (high - low) / 2 * self.share(s, averaged) * at(s)
         return total
 
-    def hi_of(self, y: np.ndarray, sent: list[np.ndarray], tail: np.ndarray, way: float):
+    def hi_of(self, y, sent, tail, way):
         spent, z = [0.0, 0.0], tail
         for which, begin, end in self.pieces(self.n):
             if begin - end < 1e-12:
@@ -81,7 +81,7 @@ class VaryingGuard(LateGuard):
             lines += [left / rate, (left + more(self.T) * z) / (rate + more(self.T))]
         return self._force(np.minimum.reduce(lines))
 
-    def next_tail(self, tail: np.ndarray, commands: list[np.ndarray], way: float) -> np.ndarray:
+    def next_tail(self, tail, commands, way):
         z = tail
         for which, begin, end in self.pieces(self.n + 1)[: 2 if self.n else 1]:
             if begin - end > 1e-12:
@@ -90,8 +90,8 @@ class VaryingGuard(LateGuard):
         return z
 
     @property
-    def first_tail(self) -> float:
+    def first_tail(self):
         return max(self.net, 0.0)
 
-    def _quick(self, time: float) -> float:
+    def _quick(self, time):
         return float(np.exp(-time / self.fast)) if self.fast else float(time == 0)

@@ -1,15 +1,10 @@
 """Laws' graphs at single points."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from tests.papers_robot import paper
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import override
 
 T, M, INERTIA, R, HALF = 0.01, 50.0, 5.4, 0.1, 0.25
@@ -17,11 +12,11 @@ DRIVING = {"x_d": 0.1, "y_d": 0.2, "theta_d": 0.3, "v1_d": 0.4, "v2_d": 0.2, "x"
            "theta": 0.25, "v1": 0.45, "omega": 0.1}  # fmt: skip
 
 
-def graph(law: str, **changed: object) -> System:
+def graph(law, **changed):
     return law_graph(settle(override(paper(), changed), law))
 
 
-def at(system: System, given: Mapping[str, float], memory: Mapping[str, list[float]] | None = None):
+def at(system, given, memory=None):
     """Output and next memory for inputs and memory by name; what is not named is 0."""
     u = [given.get(name, 0.0) for item in system.inputs for name in item.signal.elements]
     x = [number for item in system.state

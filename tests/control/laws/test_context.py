@@ -1,7 +1,5 @@
 """What a law is given at a control sample."""
 
-from __future__ import annotations
-
 import casadi as ca
 import pytest
 

@@ -1,7 +1,5 @@
 """Laws that a user hands over."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -12,7 +10,7 @@ from wmr_ctrl.core.errors import ArgumentError
 
 
 @pytest.mark.parametrize(
-    ("given", "is_file"),
+    "given, is_file",
     [
         ("mine.py", True),
         (Path("mine"), True),
@@ -32,7 +30,7 @@ def test_names_stay_names_and_a_law_is_known_by_its_own():
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    "text, words",
     [
         ("A = 1", "defines no LAW. Write LAW = Law(...)"),
         ("LAW = 1", "line 1: LAW is 1, and must be a Law"),

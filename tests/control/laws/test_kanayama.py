@@ -1,7 +1,5 @@
 """The plain peer: its kinematic law, its two limits, its observer, and how well it tracks."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -11,32 +9,31 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.laws import kanayama
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results import Run
 from wmr_ctrl.world.scenario import load_scenario
 
 LAW = kanayama.LAW.name
 OWN = f"gains.{LAW}"
 
 
-def run_at(period: float, law: str = LAW, **changed: object) -> Run:
+def run_at(period, law=LAW, **changed):
     return simulate("safe-simulation", law, overrides={"clock.control": period, **changed})
 
 
-def last_quarter_rms(run: Run) -> float:
+def last_quarter_rms(run):
     gap = np.hypot(run["x"] - run["x_d"], run["y"] - run["y_d"])
     return float(np.sqrt(np.mean(gap[3 * run.rows // 4 :] ** 2)))
 
 
-@pytest.mark.parametrize(("period", "most"), [(0.01, 0.6e-3), (0.1, 6e-3)])
+@pytest.mark.parametrize("period, most", [(0.01, 0.6e-3), (0.1, 6e-3)])
 @pytest.mark.parametrize("guard", [False, True])
-def test_it_tracks_the_circle_to_millimetres(period: float, most: float, guard: bool) -> None:
+def test_it_tracks_the_circle_to_millimetres(period, most, guard):
     run = run_at(period, **{"guard.enabled": guard})
 
     assert run.outcome == "completed"
     assert last_quarter_rms(run) < most
 
 
-def test_the_command_is_cut_and_rises_no_faster_than_allowed() -> None:
+def test_the_command_is_cut_and_rises_no_faster_than_allowed():
     """From rest, far away: both velocities climb as slowly as a_max says, up to their share."""
     slow = {f"{OWN}.a_max": [0.1, 0.2], f"{OWN}.share": 0.5, "guard.enabled": False}
     still = {"initial.velocity": [0.0, 0.0], "initial.pose": [-5.0, -5.0, -0.7]}
@@ -58,7 +55,7 @@ PLAIN = {
 Sampled = tuple[np.ndarray, np.ndarray]
 
 
-def asked(rows: list[np.ndarray]) -> list[Sampled]:
+def asked(rows):
     """Command and force (2,) for rows of inputs, last command, and the observer's force."""
     system = law_graph(settle(load_scenario("paper-simulation-nominal", PLAIN), LAW))
     graph = system.function("sample", [system.update, system.y])
@@ -71,7 +68,7 @@ def asked(rows: list[np.ndarray]) -> list[Sampled]:
     return found
 
 
-def by_hand(row: np.ndarray) -> Sampled:
+def by_hand(row):
     x_d, y_d, theta_d, v1_d, v2_d, *rates, x, y, theta = (float(item) for item in row[:10])
     v, last, made_up = row[10:12], row[12:14], row[14:]
     way = math.sin(theta), math.cos(theta)
@@ -89,14 +86,14 @@ def by_hand(row: np.ndarray) -> Sampled:
     return command, np.array(MASS) * a + (drag, 0.0) + made_up
 
 
-def drawn(count: int) -> list[np.ndarray]:
+def drawn(count):
     """Rows near the reference, turned by up to a half turn, slow enough for friction to bend."""
     draw = np.random.default_rng(5)
     size = [*(0.1, 0.1, 3.0, 0.3, 0.3, 0.3, 0.3), *(0.1, 0.1, 0.1, 0.03, 0.3), *(0.1, 0.4, 5, 1)]
     return list(draw.uniform(-1, 1, (count, 16)) * size)
 
 
-def test_command_and_force_are_those_of_its_formulas() -> None:
+def test_command_and_force_are_those_of_its_formulas():
     rows = drawn(60)
     found = asked(rows)
 

@@ -1,7 +1,5 @@
 """What laws have in common: titles, damping, commands that they predict over."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.control.laws.points import T
@@ -10,10 +8,10 @@ from wmr_ctrl.control.laws.pid import PidGains
 from wmr_ctrl.control.laws.prox import ProxGains
 
 
-@pytest.mark.parametrize(("delay", "count"), [
+@pytest.mark.parametrize("delay, count", [
     (0.0, 0), (0.03, 3), (0.07, 7), (0.0300001, 4), (0.0299, 3), (1e-4, 1),
 ])  # fmt: skip
-def test_commands_are_predicted_over_a_delay_as_its_decimals_say(delay: float, count: int) -> None:
+def test_commands_are_predicted_over_a_delay_as_its_decimals_say(delay, count):
     assert commands_predicted(ProxGains(delay=delay), T) == count
     assert commands_predicted(ProxGains(delay=delay / 7), T / 7) == count
 

@@ -1,7 +1,5 @@
 """What every control law must satisfy, whichever it is."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,6 @@ from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import gains_of, settle
 from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.core.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, TAU_APPLIED, VELOCITY
-from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario, override
 
 SCENARIO = load_scenario("paper-simulation-nominal")
@@ -18,9 +15,7 @@ NOMINAL = (0.0, 0.0, -np.pi / 2, 0.2, 0.1, 0.0, 0.0)
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
 
 
-def sample(
-    system: System, u: np.ndarray, x: object = None
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def sample(system, u, x=None):
     """Next state, outputs and diagnostics for inputs u; no torque was applied before."""
     f = system.function("sample", [system.update, system.y, system.d])
     given = np.zeros(system.u.numel())
@@ -28,7 +23,7 @@ def sample(
     return tuple(item.full().ravel() for item in f(given, system.x0 if x is None else x, system.p0))
 
 
-def inputs(draw: np.random.Generator) -> np.ndarray:
+def inputs(draw):
     """Reference, pose up to metres away from it, velocity inside the limits."""
     reference = np.array(NOMINAL) + draw.normal(size=7) * (1, 1, 3, 0, 0, 0, 0)
     pose = reference[:3] + draw.normal(size=3) * 10 ** draw.uniform(-3, 0.7)
@@ -37,7 +32,7 @@ def inputs(draw: np.random.Generator) -> np.ndarray:
 
 @every_law
 @pytest.mark.slow_but("pid", "mb", "kanayama")
-def test_ports_are_the_common_ones(law: str) -> None:
+def test_ports_are_the_common_ones(law):
     system = law_graph(settle(SCENARIO, law))
 
     common, further = [*REFERENCE, *POSE, *VELOCITY], [item.signal for item in system.inputs][12:]
@@ -50,7 +45,7 @@ def test_ports_are_the_common_ones(law: str) -> None:
 
 
 @every_law
-def test_parameters_are_named_once_by_their_scenario_key(law: str) -> None:
+def test_parameters_are_named_once_by_their_scenario_key(law):
     params = controller(settle(SCENARIO, law)).params
     names = [item.signal.name for item in params]
 
@@ -72,7 +67,7 @@ def test_parameters_are_named_once_by_their_scenario_key(law: str) -> None:
 
 @every_law
 @pytest.mark.slow_but("nn")
-def test_mirror_symmetry(law: str) -> None:
+def test_mirror_symmetry(law):
     """A world seen in a mirror: the thrust stays, the moment changes sign."""
     system, draw = law_graph(settle(SCENARIO, law)), np.random.default_rng(1)
     flip = np.array([-1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1, -1.0])  # x, theta, v2 change sign
@@ -86,7 +81,7 @@ def test_mirror_symmetry(law: str) -> None:
 
 @every_law
 @pytest.mark.slow_but("mb", "nn", "prox")
-def test_only_the_difference_of_headings_and_positions_matters(law: str) -> None:
+def test_only_the_difference_of_headings_and_positions_matters(law):
     """Turning and shifting the whole plane changes nothing."""
     system, draw = law_graph(settle(SCENARIO, law)), np.random.default_rng(2)
     for _ in range(50):
@@ -102,7 +97,7 @@ def test_only_the_difference_of_headings_and_positions_matters(law: str) -> None
 
 @every_law
 @pytest.mark.slow_but("pid", "nn")
-def test_torque_limit_is_never_exceeded(law: str) -> None:
+def test_torque_limit_is_never_exceeded(law):
     limited = override(SCENARIO, {"actuator.tau_max": 6.5})
     system, draw = controller(settle(limited, law)), np.random.default_rng(3)
     for _ in range(200):
@@ -110,7 +105,7 @@ def test_torque_limit_is_never_exceeded(law: str) -> None:
 
 
 @every_law
-def test_memory_starts_at_zero_and_moves(law: str) -> None:
+def test_memory_starts_at_zero_and_moves(law):
     system = law_graph(settle(SCENARIO, law))
     following = sample(system, (*NOMINAL, -0.5, -0.5, -0.7, 0.0, 0.0))[0]
 
@@ -119,7 +114,7 @@ def test_memory_starts_at_zero_and_moves(law: str) -> None:
 
 
 @every_law
-def test_diagnostics_tell_the_margin(law: str) -> None:
+def test_diagnostics_tell_the_margin(law):
     diagnostics = sample(
         law_graph(settle(SCENARIO, law)), (*NOMINAL, -0.5, -0.5, -0.7, 0.25, -1.2)
     )[2]
@@ -128,7 +123,7 @@ def test_diagnostics_tell_the_margin(law: str) -> None:
 
 
 @every_law
-def test_gains_are_checked(law: str) -> None:
+def test_gains_are_checked(law):
     name = next(iter(vars(gains_of(SCENARIO, LAWS[law]))))
 
     with pytest.raises(ScenarioError, match=rf"gains\.{law}\.{name}"):
@@ -138,7 +133,7 @@ def test_gains_are_checked(law: str) -> None:
 
 
 @every_law
-def test_documentation_names_source_and_differences(law: str) -> None:
+def test_documentation_names_source_and_differences(law):
     doc = LAWS[law].doc
 
     assert "Source:" in doc
@@ -146,12 +141,12 @@ def test_documentation_names_source_and_differences(law: str) -> None:
     assert "Choose it" in doc
 
 
-def test_unknown_law_lists_the_near_ones() -> None:
+def test_unknown_law_lists_the_near_ones():
     with pytest.raises(UnknownNameError, match="near: nn"):
         LAWS["nnn"]
 
 
-def test_feedforward_is_not_dropped_at_the_target() -> None:
+def test_feedforward_is_not_dropped_at_the_target():
     """At v = v_c0 exactly, MB asks for M1 v_c0' + F1; the printed A^-1 := 0 asks for F1 alone."""
     system = law_graph(settle(SCENARIO, "mb"))
     accelerating = (0.0, 0.0, 0.0, 0.2, 0.1, 0.7, -0.4)
@@ -161,7 +156,7 @@ def test_feedforward_is_not_dropped_at_the_target() -> None:
     assert sample(system, u)[1] == pytest.approx([50.0 * 0.7 + friction, 5.4 * -0.4], rel=1e-12)
 
 
-def test_the_semi_implicit_step_leaks_at_its_end() -> None:
+def test_the_semi_implicit_step_leaks_at_its_end():
     """(W+ - W)/T = -Gamma (S w + sigma W+): the explicit step but for its leak."""
     leaking = {"gains.nn.sigma": [20.0, 30.0], "gains.nn.Gamma": [2.0, 3.0]}
     explicit, implicit = (

@@ -1,7 +1,5 @@
 """The model-based law."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -10,10 +8,10 @@ from wmr_ctrl.control.basis import ANY_BASIS
 from wmr_ctrl.control.laws.mb import LAW, inside, rule
 
 
-def test_the_exact_decay_is_that_of_a_whole_period() -> None:
+def test_the_exact_decay_is_that_of_a_whole_period():
     """The force is linear in the rate: two rates tell which one the option stands for."""
 
-    def force(**gains: object) -> np.ndarray:
+    def force(**gains):
         return at(graph(LAW.name, **{f"gains.mb.{name}": value for name, value in gains.items()}),
                   DRIVING)[0]  # fmt: skip
 

@@ -1,7 +1,5 @@
 """The observer of the force that the model does not explain."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -14,7 +12,7 @@ from wmr_ctrl.control.laws.observer import Observer
 from wmr_ctrl.control.setup import settle
 
 
-def test_an_observer_counts_on_friction_at_the_mean_velocity_and_begins_with_nothing() -> None:
+def test_an_observer_counts_on_friction_at_the_mean_velocity_and_begins_with_nothing():
     system, wo, mu_m_g, v_s = graph("prox"), 10.0, 0.08 * 50.0 * 9.81, 0.01
     old, f_hat, tau = np.array([0.004, 0.12]), np.array([3.0, -1.0]), np.array([2.0, 1.5])
     known = {"f_hat": f_hat.tolist(), "v_previous": old.tolist(), "started": [1.0]}

@@ -1,7 +1,5 @@
 """The PID law."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,7 @@ from wmr_ctrl.control.basis import ANY_BASIS
 from wmr_ctrl.control.laws.pid import LAW, rule
 
 
-def test_pid_begins_without_a_difference() -> None:
+def test_pid_begins_without_a_difference():
     system = graph(LAW.name)
     old = np.array([0.3, -0.2])
     first, later = (at(system, DRIVING, {"started": [k], "z_previous": old})[0] for k in (0.0, 1.0))

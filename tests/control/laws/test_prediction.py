@@ -1,9 +1,5 @@
 """Laws that predict to the time when their command acts, and what that is worth behind a delay."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -18,17 +14,16 @@ from wmr_ctrl.control.laws.prox import guide
 from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import tau_sent
-from wmr_ctrl.results import Run
 from wmr_ctrl.theory.checks.loop import Loop
 from wmr_ctrl.theory.linear import closed_loop as linear_loop
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 T = 0.1
 LAWS = ("prox", "kanayama")
 predicting = pytest.mark.parametrize("law", LAWS)
 
 
-def late(law: str, share: float, stated: float | None = None, **changed: object) -> Scenario:
+def late(law, share, stated=None, **changed):
     """100 ms with a delay of ``share`` periods, the guide's gains for none, and a prediction."""
     gains, delay = guide(T, 0.0, 0.2), round(share * T, 3)
     overrides = {
@@ -40,16 +35,16 @@ def late(law: str, share: float, stated: float | None = None, **changed: object)
     return load_scenario("safe-simulation", overrides | changed)
 
 
-def radius(scenario: Scenario, law: str) -> float:
+def radius(scenario, law):
     matrix = closed(Loop(settle(scenario, law)), np.array((0.2, 0.1)), T)
     return float(np.abs(np.linalg.eigvals(matrix)).max())
 
 
-def run_of(scenario: Scenario, law: str, **changed: object) -> Run:
+def run_of(scenario, law, **changed):
     return simulate(scenario, law, seed=3, overrides=changed)
 
 
-def test_commands_that_a_law_predicts_with_are_remembered_where_drives_are_quicker() -> None:
+def test_commands_that_a_law_predicts_with_are_remembered_where_drives_are_quicker():
     setup = settle(late("prox", 0.5, stated=0.25), "prox")
     kept = {item.signal for item in controller(setup).state}
 
@@ -57,7 +52,7 @@ def test_commands_that_a_law_predicts_with_are_remembered_where_drives_are_quick
     assert {tau_sent(age) for age in (1, 2, 3)} <= kept
 
 
-def test_a_law_at_another_instant_forgets_what_it_read_of_this_one() -> None:
+def test_a_law_at_another_instant_forgets_what_it_read_of_this_one():
     here = LawContext(settle(late("prox", 1.0), "prox"))
     before = here.e, here.friction
     there = here.at((ca.SX.zeros(3), here.v_d, here.v_d_dot), ca.SX.zeros(3), ca.SX.zeros(2))
@@ -67,7 +62,7 @@ def test_a_law_at_another_instant_forgets_what_it_read_of_this_one() -> None:
     assert there.friction.is_zero()
 
 
-def test_it_counts_on_the_observers_force_and_on_a_reference_that_gathers_speed() -> None:
+def test_it_counts_on_the_observers_force_and_on_a_reference_that_gathers_speed():
     """Two commands under way, 1.5 periods: the plain equations of motion in steps of 0.1 ms."""
     believed = {"model.m": 60.0, "model.I": 4.0, "model.mu": 0.1}
     here = LawContext(settle(late("prox", 1.5, **believed), "prox"))
@@ -87,7 +82,7 @@ def test_it_counts_on_the_observers_force_and_on_a_reference_that_gathers_speed(
     row = (*desired, *rate, *pose, *v, *newest, *oldest, *force)
     found = [item.full().ravel() for item in graph(row, values)]
 
-    def gained(time: float, v: np.ndarray) -> np.ndarray:
+    def gained(time, v):
         right, left = oldest if time < 0.05 else newest
         pushes = np.array(((right + left) / 0.1, 0.25 * (right - left) / 0.1))
         drag = (0.1 * 60.0 * 9.81 * np.tanh(v[0] / 0.01), 0.0)
@@ -98,9 +93,7 @@ def test_it_counts_on_the_observers_force_and_on_a_reference_that_gathers_speed(
         assert told == pytest.approx(wanted, abs=1e-9 if i % 2 else 1e-3)  # velocity, pose
 
 
-def moved(
-    pose: tuple[float, ...], v: tuple[float, ...], gained: Callable[[float, np.ndarray], np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
+def moved(pose, v, gained):
     """Pose and velocity after 0.15 s of a velocity that gains ``gained`` of time and itself."""
     at, speed, step = np.array(pose), np.array(v), 1e-4
     for i in range(1500):
@@ -115,7 +108,7 @@ def moved(
 @predicting
 @pytest.mark.parametrize("share", [0.5, 1.0, 1.5])
 @pytest.mark.slow_but("1.0-kanayama", "1.5-prox")
-def test_gains_that_know_no_delay_stand_it_if_it_is_predicted(law: str, share: float) -> None:
+def test_gains_that_know_no_delay_stand_it_if_it_is_predicted(law, share):
     """The slowest pole stays that of no delay, where without prediction it comes near 1."""
     at_once = radius(late(law, 0.0), law)
 
@@ -124,7 +117,7 @@ def test_gains_that_know_no_delay_stand_it_if_it_is_predicted(law: str, share: f
 
 
 @predicting
-def test_checks_and_linear_package_build_the_same_loop(law: str) -> None:
+def test_checks_and_linear_package_build_the_same_loop(law):
     scenario = late(law, 1.5)
 
     assert np.abs(linear_loop(scenario, law, period=T).poles()).max() == pytest.approx(
@@ -133,7 +126,7 @@ def test_checks_and_linear_package_build_the_same_loop(law: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_prediction_longer_than_the_delay_is_told_and_cycles() -> None:
+def test_a_prediction_longer_than_the_delay_is_told_and_cycles():
     """Believed T and really 0: unstable; the shortest delay that there may be is what counts."""
     keys = [
         [item.key for item in told_of(settle(scenario, "prox"), "gains.prox.delay")]
@@ -148,7 +141,7 @@ def test_a_prediction_longer_than_the_delay_is_told_and_cycles() -> None:
     assert radius(late("prox", 0.0, T), "prox") > 1
 
 
-def test_the_number_of_commands_is_part_of_the_form_and_their_times_are_not() -> None:
+def test_the_number_of_commands_is_part_of_the_form_and_their_times_are_not():
     forms = [structure_of(settle(late("prox", share), "prox")) for share in (0.6, 0.7, 1.2)]
 
     assert forms[0][-3][1] == forms[1][-3][1] == 1
@@ -156,8 +149,8 @@ def test_the_number_of_commands_is_part_of_the_form_and_their_times_are_not() ->
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "share"), [("prox", 0.5), ("kanayama", 1.5)])
-def test_its_twin_agrees(law: str, share: float) -> None:
+@pytest.mark.parametrize("law, share", [("prox", 0.5), ("kanayama", 1.5)])
+def test_its_twin_agrees(law, share):
     native = run_of(late(law, share), law)
     slow = oracle.simulate(late(law, share), law, seed=3)
 
@@ -165,6 +158,6 @@ def test_its_twin_agrees(law: str, share: float) -> None:
         assert native[name] == pytest.approx(slow[name], abs=1e-9), name
 
 
-def test_friction_stops_and_never_turns_round() -> None:
+def test_friction_stops_and_never_turns_round():
     for free, taken, left in ((0.1, 0.5, 0.0), (-0.1, -0.5, 0.0), (1.0, 0.25, 0.75), (-1, -2, 0)):
         assert float(ca.evalf(slowed(ca.SX(free), ca.SX(taken)))) == left

@@ -1,7 +1,5 @@
 """The sampled-data law: what its theorem promises, on its own graph and in the loop."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca
@@ -14,7 +12,6 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.control.barrier.proximal import resolvent
 from wmr_ctrl.control.laws.prox import guide, prox_step
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results import Run
 from wmr_ctrl.theory.checks.loop import Loop
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.paper_barrier import lyapunov, minimiser
@@ -34,17 +31,17 @@ V1 = ca.Function("V1", [v, c], [lyapunov(v, c, *LIMITS)])
 both_forms = pytest.mark.parametrize("smooth", [False, True])
 
 
-def targets(draw: np.random.Generator, count: int) -> np.ndarray:
+def targets(draw, count):
     return draw.normal(size=count) * 10 ** draw.uniform(-2, 3, count)
 
 
-def test_resolvent_with_weight_1_is_the_papers_target() -> None:
+def test_resolvent_with_weight_1_is_the_papers_target():
     for value in (*targets(np.random.default_rng(0), 300), 0.8, 5.8, 0.0, -0.8):
         assert float(X[False](value, 1.0)) == pytest.approx(float(TARGET(value)), abs=1e-13)
 
 
 @both_forms
-def test_resolvent_does_not_expand_and_stays_inside(smooth: bool) -> None:
+def test_resolvent_does_not_expand_and_stays_inside(smooth):
     draw = np.random.default_rng(2)
     for weight in draw.uniform(1e-6, 1, 100):
         first, second = targets(draw, 2)
@@ -54,7 +51,7 @@ def test_resolvent_does_not_expand_and_stays_inside(smooth: bool) -> None:
 
 
 @both_forms
-def test_a_step_ends_inside_and_comes_nearer(smooth: bool) -> None:
+def test_a_step_ends_inside_and_comes_nearer(smooth):
     """|v+| < v_u1 and |w+| <= E |w| from every v, also outside the limit."""
     draw = np.random.default_rng(3)
     for _ in range(500):
@@ -67,7 +64,7 @@ def test_a_step_ends_inside_and_comes_nearer(smooth: bool) -> None:
         assert abs(after) <= keep * abs(before) * (1 + 1e-9) + 1e-13
 
 
-def test_a_step_divides_v1_by_at_least_exp_rho_t() -> None:
+def test_a_step_divides_v1_by_at_least_exp_rho_t():
     """With the target at rest V1(v+) <= E^2 V1(v), and equal where there is no barrier."""
     draw = np.random.default_rng(4)
     for _ in range(500):
@@ -79,12 +76,12 @@ def test_a_step_divides_v1_by_at_least_exp_rho_t() -> None:
             assert after == pytest.approx(keep**2 * before, rel=1e-9, abs=1e-15)
 
 
-def noise_free(law: str, period: float, **changed: object) -> Run:
+def noise_free(law, period, **changed):
     overrides = {"clock.control": period, "clock.duration": 40.0, **changed}
     return simulate("paper-simulation-nominal", law, overrides=overrides)
 
 
-def test_observer_finds_a_constant_force() -> None:
+def test_observer_finds_a_constant_force():
     """A push of 20 N along the motion appears as d_hat."""
     changed = {"disturbance.push": [20.0, 0.0], "clock.duration": 20.0}
     run = simulate("paper-simulation-nominal", "prox", overrides=changed)
@@ -92,8 +89,8 @@ def test_observer_finds_a_constant_force() -> None:
     assert run["d_hat"][-1] == pytest.approx([20.0, 0.0], abs=0.05)
 
 
-@pytest.mark.parametrize(("transport", "falls"), [("level", True), ("two-part", False)])
-def test_level_transport_keeps_the_decay_of_v1_in_a_run(transport: str, falls: bool) -> None:
+@pytest.mark.parametrize("transport, falls", [("level", True), ("two-part", False)])
+def test_level_transport_keeps_the_decay_of_v1_in_a_run(transport, falls):
     """S(v; c+) at the next sample, c+ as the law expected it: exp(-rho T/2) S, or less."""
     plain = {"gains.prox.wo": 0.0, "gains.prox.tau_max": 1e6, "robot.mu": 0.0, "model.mu": 0.0}
     run = noise_free("prox", 0.05, **plain, **{"gains.prox.transport": transport})
@@ -110,11 +107,9 @@ def test_level_transport_keeps_the_decay_of_v1_in_a_run(transport: str, falls: b
     assert (S_next <= np.exp(-15 * 0.05 / 2) * S[:-1] * (1 + 1e-6) + 1e-7)[moving].all() == falls
 
 
-@pytest.mark.parametrize(("period", "share"), [(0.1, 0.5), (0.01, 0.0), (0.2, 0.5)])
+@pytest.mark.parametrize("period, share", [(0.1, 0.5), (0.01, 0.0), (0.2, 0.5)])
 @pytest.mark.slow_but("0.1-0.5")
-def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(
-    period: float, share: float
-) -> None:
+def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(period, share):
     """The linear loop, delay in it, with 0.6 to 1.6 times the believed mass."""
     delay = share * period
     start = guide(period, delay, 0.2)
@@ -130,7 +125,7 @@ def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(
         assert np.abs(np.linalg.eigvals(matrix)).max() < 1, ratio
 
 
-def test_first_sample_respects_the_laws_own_torque_limit() -> None:
+def test_first_sample_respects_the_laws_own_torque_limit():
     limited, free = (
         simulate("paper-simulation-nominal", "prox", overrides={"gains.prox.tau_max": tau})
         for tau in (20.0, 1e6)
@@ -140,7 +135,7 @@ def test_first_sample_respects_the_laws_own_torque_limit() -> None:
     assert max(abs(free["tau_right"]).max(), abs(free["tau_left"]).max()) > 150.0
 
 
-def test_prox_makes_up_for_friction_at_the_speed_that_it_is_after() -> None:
+def test_prox_makes_up_for_friction_at_the_speed_that_it_is_after():
     slow = {**DRIVING, "v1": 0.0, "omega": 0.0, "v1_d": 0.02}
     rough, smooth = (at(graph("prox", **{"model.mu": mu}), slow)[0] for mu in (0.08, 0.0))
 
@@ -150,8 +145,8 @@ def test_prox_makes_up_for_friction_at_the_speed_that_it_is_after() -> None:
     assert rough - smooth == pytest.approx([friction, 0.0], rel=1e-6)
 
 
-@pytest.mark.parametrize(("period", "delay"), [(0.01, 0.0), (0.01, 0.05), (0.1, 0.1), (0.05, 0.2)])
-def test_the_guides_observer_slows_with_period_and_delay_together(period, delay) -> None:
+@pytest.mark.parametrize("period, delay", [(0.01, 0.0), (0.01, 0.05), (0.1, 0.1), (0.05, 0.2)])
+def test_the_guides_observer_slows_with_period_and_delay_together(period, delay):
     assert guide(period, delay, 0.2).wo == pytest.approx(min(10.0, 0.45 / (period + delay)))
     for wrong in ((0.0, delay, 0.2), (period, -1e-9, 0.2), (period, delay, 0.0)):
         with pytest.raises(ValueError, match="needs period, speed > 0"):

@@ -1,7 +1,5 @@
 """Regulated pure pursuit: its arc, its speeds, and how it turns on the spot."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 
@@ -109,7 +107,7 @@ def test_bounds_of_the_way_ahead_the_wrong_way_round_are_refused():
         pursuing(distance=[0.9, 0.3])
 
 
-def test_pursuit_looks_no_farther_round_than_its_widest_angle() -> None:
+def test_pursuit_looks_no_farther_round_than_its_widest_angle():
     at = pursuing()
     for v1_d, v2_d, half in (
         (0.1, 2.0, 0.75),

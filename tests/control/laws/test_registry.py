@@ -1,7 +1,5 @@
 """The promise of the registry: a new law is one module, and everything else follows."""
 
-from __future__ import annotations
-
 from importlib.metadata import EntryPoint
 
 import numpy as np
@@ -17,11 +15,11 @@ from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.fixture(autouse=True)
-def toy(monkeypatch: pytest.MonkeyPatch) -> None:
+def toy(monkeypatch):
     install(monkeypatch, TOY)
 
 
-def test_it_is_listed_run_and_compiled() -> None:
+def test_it_is_listed_run_and_compiled():
     run = simulate("paper-simulation", "toy", overrides={"clock.duration": 20.0})
 
     assert {"name": "toy", "title": "Toy law"} in law_table()
@@ -30,7 +28,7 @@ def test_it_is_listed_run_and_compiled() -> None:
     assert compile_law("toy").step().shape == (2,)
 
 
-def test_its_gains_are_scenario_keys() -> None:
+def test_its_gains_are_scenario_keys():
     weak, strong = (
         simulate(
             "paper-simulation-nominal",
@@ -46,14 +44,14 @@ def test_its_gains_are_scenario_keys() -> None:
 
 
 @pytest.mark.slow
-def test_guard_and_theory_serve_it_too() -> None:
+def test_guard_and_theory_serve_it_too():
     guarded = simulate("far-start-drop", "toy", guard=True, overrides={"disturbance.truncate": 3.0})
 
     assert guarded.monitor.violations == 0
     assert warnings_for(settle(load_scenario("paper-experiment-literal"), "toy"))
 
 
-def test_the_engine_without_a_compiler_runs_it_too() -> None:
+def test_the_engine_without_a_compiler_runs_it_too():
     short = {"clock.duration": 2.0, "changes": []}
     native, numpy = (
         simulate("paper-simulation", "toy", engine=engine, overrides=short)
@@ -63,7 +61,7 @@ def test_the_engine_without_a_compiler_runs_it_too() -> None:
     assert native["tau_right"] == pytest.approx(numpy["tau_right"], abs=1e-9)
 
 
-def test_an_entry_point_that_cannot_be_loaded_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_entry_point_that_cannot_be_loaded_is_named(monkeypatch):
     entry = EntryPoint("lost", "nowhere_at_all:LAW", "wmr_ctrl.laws")
     monkeypatch.setitem(LAWS.plugins, "lost", entry)
 

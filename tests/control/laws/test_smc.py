@@ -1,7 +1,5 @@
 """The adaptive sliding mode."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The velocity loop below laws that command velocities."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -11,9 +9,7 @@ from wmr_ctrl.control.basis import ANY_BASIS
 from wmr_ctrl.control.laws.velocity_loop import cut, loop_rule
 
 
-def test_a_first_command_is_counted_from_the_measured_velocity_and_later_ones_from_the_last() -> (
-    None
-):
+def test_a_first_command_is_counted_from_the_measured_velocity_and_later_ones_from_the_last():
     base = {"base.kind": "velocity", "base.tau": [0.1, 0.1], "actuator.tau_max": 20.0}
     system = graph("kanayama", **base)
     given = {**DRIVING, "v1": -0.3, "omega": 0.9, "v_sent_before[1]": 0.1, "v_sent_before[2]": 0.0}

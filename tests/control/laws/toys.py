@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import casadi as ca
-import pytest
 
 from wmr_ctrl.control.laws import registry
-from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.control.laws.law import Law, Traits
 from wmr_ctrl.core.fields.section import Section, quantity
-from wmr_ctrl.world.model.system import System
 
 
 class ToyGains(Section, key="gains.toy"):
@@ -18,7 +15,7 @@ class ToyGains(Section, key="gains.toy"):
     k: tuple[float, float] = quantity((200.0, 20.0), unit="N.s/m, N.m.s/rad", doc="gain on z")
 
 
-def build_toy(context: LawContext) -> System:
+def build_toy(context):
     """F = F1 - k (v - v_c1)."""
     pull = context.gain("k") * (context.v - context.per_axis("v_c1"))
     return context.system("toy", context.friction - pull)
@@ -42,7 +39,7 @@ class PlainGains(Section, key="gains.plain"):
     k: tuple[float, float] = quantity((1000.0, 100.0), unit="N.s/m, N.m.s/rad", doc="gain on v")
 
 
-def build_plain(context: LawContext) -> System:
+def build_plain(context):
     """F = k (v_d + gains times errors - v): no Eq. (7), no barrier, no model, no memory."""
     steer = context.gain("aside") * context.e[1] + context.gain("turned") * context.e[2]
     wanted = context.v_d + ca.vertcat(context.gain("ahead") * context.e[0], steer)
@@ -61,15 +58,15 @@ PLAIN = Law(
 class Entry:
     """Stands for the entry point of another package."""
 
-    def __init__(self, law: Law) -> None:
+    def __init__(self, law):
         self.name, self.value, self._law = law.name, "elsewhere:LAW", law
 
-    def load(self) -> Law:
+    def load(self):
         """The law."""
         return self._law
 
 
-def install(monkeypatch: pytest.MonkeyPatch, *laws: Law) -> None:
+def install(monkeypatch, *laws):
     """Register laws for one test, as if their packages were installed."""
     monkeypatch.setattr(registry, "entry_points", lambda group: [Entry(law) for law in laws])
     monkeypatch.setitem(vars(registry.LAWS), "plugins", registry.LawRegistry().plugins)

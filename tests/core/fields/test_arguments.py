@@ -1,9 +1,6 @@
 """Whatever is handed to a public name or to a public value: a result, or one sentence about it."""
 
-from __future__ import annotations
-
 import inspect
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -19,7 +16,7 @@ from wmr_ctrl.results.drive import drive_of
 SHORT = {"clock.duration": 0.05}
 SCENARIO, LAW = "paper-simulation", "pid"
 RUN = partial(wmr_ctrl.simulate, SCENARIO, LAW, overrides=SHORT)
-GOOD: dict[str, dict[str, object]] = {
+GOOD = {
     "RecordedDrive": {},
     "Run": {},
     "Scenario": {},
@@ -60,7 +57,7 @@ LONG = {
 
 
 class Unfit:
-    def __repr__(self) -> str:
+    def __repr__(self):
         raise RuntimeError("a value that cannot be shown")
 
 
@@ -81,7 +78,7 @@ def elsewhere(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def refused_in_a_sentence(call: Callable[[], object]) -> bool:
+def refused_in_a_sentence(call):
     """Whether a call is refused; a refusal is one of ours, with words that end."""
     try:
         call()
@@ -146,7 +143,7 @@ METHODS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("make", "method"), METHODS, ids=[method for _, method in METHODS])
+@pytest.mark.parametrize("make, method", METHODS, ids=[method for _, method in METHODS])
 def test_every_argument_of_a_public_values_method(make, method):
     call = getattr(make(), method)
 

@@ -1,13 +1,10 @@
 """Reading of small text files, and which files a command reads and writes."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ResultFileError, ScenarioError
 from wmr_ctrl.core.fields.files import (
     decode,
-    excerpt,
     note_input,
     note_output,
     one_command,
@@ -32,7 +29,7 @@ def test_a_file_is_text_of_its_suffix_and_size(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("data", "words"), [(b"ab\xff", "is not UTF-8 text (byte 3)"), (b"a\0", "it has a byte 0")]
+    "data, words", [(b"ab\xff", "is not UTF-8 text (byte 3)"), (b"a\0", "it has a byte 0")]
 )
 def test_what_is_no_text_is_refused(data, words):
     with pytest.raises(ScenarioError) as caught:
@@ -58,19 +55,11 @@ def test_a_command_does_not_write_what_it_reads(tmp_path, read_first):
         note_output(tmp_path / "c")
 
 
-def test_toml_that_is_wrong_is_shown_with_a_caret():
+def test_toml_that_is_wrong_is_told_with_its_place():
     with pytest.raises(ScenarioError) as caught:
         parse_toml("a = 1\nb = = 2\n", "it", "Mend it.")
 
-    assert str(caught.value).startswith("it is not valid TOML (line 2, column 5): ")
-    assert str(caught.value).endswith(". Mend it.")
-    assert caught.value.__notes__ == ["  2 | b = = 2\n" + " " * 10 + "^"]
+    assert str(caught.value).startswith("it is not valid TOML: ")
+    assert str(caught.value).endswith(" (at line 2, column 5). Mend it.")
     with pytest.raises(ScenarioError, match="nested too deeply"):
         parse_toml("a = " + "[" * 5000 + "]" * 5000, "it")
-
-
-def test_of_a_long_line_what_is_around_the_column_is_shown():
-    line, caret = excerpt("x" * 100 + "!" + "y" * 100, 1, 101).split("\n")
-
-    assert line[caret.index("^")] == "!"
-    assert len(line) == len("  1 | ") + 72

@@ -1,7 +1,5 @@
 """Numbers that are written with their unit: correctly rounded, of the right kind, in SI inside."""
 
-from __future__ import annotations
-
 import pickle
 from dataclasses import replace
 from decimal import Decimal, localcontext

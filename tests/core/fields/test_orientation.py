@@ -1,7 +1,5 @@
 """`frames = "rep103"` counts orientations from +X at the border, and changes no motion."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re

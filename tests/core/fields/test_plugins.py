@@ -1,7 +1,5 @@
 """Entries of other packages, and errors in code of other authors."""
 
-from __future__ import annotations
-
 from importlib.metadata import EntryPoint
 
 import pytest

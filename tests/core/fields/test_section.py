@@ -52,7 +52,7 @@ def test_values_take_the_type_of_the_default():
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "message"),
+    "name, value, message",
     [
         ("rho", [1.0], "gains.toy.rho = [1.0] must be an array of 2 numbers"),
         ("rho", 1.0, "gains.toy.rho = 1.0 must be an array of 2 numbers"),

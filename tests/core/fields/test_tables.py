@@ -1,7 +1,5 @@
 """Tables that people bring: separators, names, units, and rows that are wrong."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -12,7 +10,7 @@ from wmr_ctrl.core.fields.tables import TableReader
 READER = TableReader("way", {"t": "s", "x": "m", "w": "rad/s"}, ("t",), unnamed=("t", "x"))
 
 
-def columns(*lines: str) -> dict[str, list[float]]:
+def columns(*lines):
     return {name: list(values) for name, values in READER.read(lines).columns.items()}
 
 
@@ -43,7 +41,7 @@ def test_what_is_not_read_empty_or_cut_off_is_told():
 
 
 @pytest.mark.parametrize(
-    ("lines", "words"),
+    "lines, words",
     [
         (["a,x", "1,2"], "no column is named t. There are a, x."),
         (["t,T", "1,2"], "two columns are named t"),

@@ -1,7 +1,5 @@
 """Usual sizes, units that may be meant, and digits."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.fields.units import is_usual, length, meant, plain, rounded, sized, written
@@ -25,7 +23,7 @@ def test_a_size_is_usual_within_its_range_and_nothing_is_meant_then():
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [(1e-6, "0.000001"), (123456.0, "123456"), (9.9e-7, "9.9e-07"), (0.1 + 0.2, "0.3")],
 )
 def test_numbers_are_plain_for_sizes_that_a_robot_may_have(value, text):
@@ -33,7 +31,7 @@ def test_numbers_are_plain_for_sizes_that_a_robot_may_have(value, text):
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(0.1, "0.1 m"), (0.05, "50 mm"), (2e-6, "2 µm"), (0.0, "0 m")]
+    "value, text", [(0.1, "0.1 m"), (0.05, "50 mm"), (2e-6, "2 µm"), (0.0, "0 m")]
 )
 def test_short_lengths_are_in_thousandths(value, text):
     assert sized(value, "m") == text

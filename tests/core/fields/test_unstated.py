@@ -1,7 +1,5 @@
 """Values that nobody stated."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated, derived, unknown

@@ -1,7 +1,5 @@
 """YAML as plain values."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError
@@ -17,7 +15,7 @@ def test_documents_that_say_something_are_read_and_tables_joined():
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    "text, words",
     [
         ("a: 1\nb: 2\na: 3\n", 'it, line 3: "a" is stated twice'),
         ("a: [1", "it is not YAML ("),

@@ -77,7 +77,7 @@ def same(one, other):
     )
 
 
-@pytest.mark.parametrize(("law", "version"), [("pid", 2), ("nn", 3)])
+@pytest.mark.parametrize("law, version", [("pid", 2), ("nn", 3)])
 @pytest.mark.slow
 def test_a_law_of_ours_guarded_from_outside_is_the_guarded_run(bare, law, version):
     guarded = simulate(SAFE, law, seed=4)
@@ -104,7 +104,7 @@ def test_a_law_that_remembers_its_torque_needs_the_guard_in_it(bare):
 
 
 @pytest.mark.parametrize(
-    ("master", "text", "outputs"),
+    "master, text, outputs",
     [("jacobi", BY_TORQUE, TORQUES), ("gauss-seidel", BY_FORCE, FORCE)],
     ids=["jacobi", "gauss-seidel"],
 )
@@ -156,7 +156,7 @@ def test_a_guard_that_cannot_hold_is_refused_as_in_a_run(foreign, mapped):
 
 
 @pytest.mark.parametrize(
-    ("on", "foreign", "bare", "apart"),
+    "on, foreign, bare, apart",
     [
         (True, False, False, False), (True, True, False, True), (True, False, True, True),
         (False, True, False, False),

@@ -101,7 +101,7 @@ def test_a_foreign_plant_is_watched_at_its_own_steps(foreign, mapped):
 
 
 @pytest.mark.parametrize(
-    ("changes", "match"),
+    "changes, match",
     [
         ({"actuator.lag": 0.02}, r"0\.005 s, does not divide clock\.plant = 0\.001 s"),
         ({"actuator.delay": 0.003}, r"0\.005 s, does not divide clock\.plant = 0\.001 s"),
@@ -162,7 +162,7 @@ def test_a_package_that_would_lose_a_part_is_refused(tmp_path, changes):
 
 
 @pytest.mark.parametrize(
-    ("drives", "fixed", "free"),
+    "drives, fixed, free",
     [
         ({}, {"actuator.delay": 0.003, "actuator.lag": 0.02}, {"clock.plant": 0.0005}),
         (

@@ -121,7 +121,7 @@ def test_a_change_is_set_in_the_plants_own_unit(plant, mapped):
 
 
 @pytest.mark.parametrize(
-    ("mass", "error", "words"),
+    "mass, error, words",
     [
         ('"fixed"', ArgumentError, "fixed of .* cannot be set during a run .*fixed parameter"),
         ('"v"', ArgumentError, r"v of .* \(it is a continuous output\)"),
@@ -202,7 +202,7 @@ def test_rows_have_every_type_of_number_and_elements_of_arrays(plant, mapped):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "words"),
+    "old, new, words",
     [
         ("offset = 2", "offset = 300", r"setting steps: 300 does not fit into type Int8"),
         ("twist[1]", "twist", r"twist is an array: name twist\[1\] to twist\[2\]"),
@@ -245,7 +245,7 @@ def test_what_an_fmu_prints_never_reaches_standard_output(plant, mapped):
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    "given, words",
     [
         ({"library_name": "other"}, r"foreign3\.so but other\.so there.* Rename it"),
         ({"described": [('n="3.0"', 'n="3.0-beta.3"')]}, r"it is of FMI 3\.0-beta\.3, and only"),

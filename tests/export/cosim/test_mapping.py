@@ -34,7 +34,7 @@ def test_units_that_do_not_fit_are_refused(exported, mapped, row):
 
 
 @pytest.mark.parametrize(
-    ("unit", "row"), [("N.m", "tau_right"), ("rad/s", "omega"), ("m", "x"), ("rad", "theta")]
+    "unit, row", [("N.m", "tau_right"), ("rad/s", "omega"), ("m", "x"), ("rad", "theta")]
 )
 def test_the_hint_names_a_unit_of_the_right_dimension(unit, row):
     gives, takes = ("controller", "plant") if unit == "N.m" else ("plant", "controller")
@@ -106,7 +106,7 @@ def test_a_change_that_the_map_cannot_make_is_refused(exported, mapped):
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    "text, words",
     [
         ("[plant]\nstep = -1\n", r"plant\.step = -1 must be above 0"),
         ("[plant]\ninputs = 3\n", r"written as \[plant\.inputs\]"),
@@ -127,7 +127,7 @@ def test_a_row_of_no_source_is_a_constant_only_if_it_says_which():
 
 
 @pytest.mark.parametrize(
-    ("row", "words"),
+    "row, words",
     [
         ({"terms": {"theta": "far"}}, r'plant\.inputs\.x\.terms\.theta = "far" must be a number'),
         ({"terms": {}, "ofset": 1.0}, r"plant\.inputs\.x\.ofset is not .*near: offset"),
@@ -139,7 +139,7 @@ def test_entries_of_a_map_are_told_like_keys_of_a_scenario(row, words):
 
 
 @pytest.mark.parametrize(
-    ("read", "part", "row", "words"),
+    "read, part, row, words",
     [
         (input_rows, "plant", "tau_applied[1]", r"plant\.inputs\.theirs can have .* tau_right"),
         (input_rows, "controller", "torque_right", r"controller\.inputs\.theirs can have"),
@@ -155,7 +155,7 @@ def test_a_quantity_that_a_part_does_not_have_is_refused(read, part, row, words)
 
 
 @pytest.mark.parametrize(
-    ("part", "both"),
+    "part, both",
     [
         ("plant", ("theta", "psi")),
         ("plant", ("v1", "w_left")),

@@ -32,7 +32,7 @@ def part(step=None, foreign=False):
     return Part(Stub(), rows, rows, ["a", "b"], step, foreign=foreign)
 
 
-@pytest.mark.parametrize(("step", "count"), [(None, 1), (0.01, 3), (0.05, 1)])
+@pytest.mark.parametrize("step, count", [(None, 1), (0.01, 3), (0.05, 1)])
 def test_it_steps_by_its_own_size_to_the_end(step, count):
     own = part(step)
     reached = list(own.steps(1.0, 0.03, 1.03))

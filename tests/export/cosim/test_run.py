@@ -100,7 +100,7 @@ def test_an_fmu_that_is_none_is_named(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("parts", "said"),
+    "parts, said",
     [
         (None, "there is no such file. Check the path."),
         ((), "it is a folder. Name the file, which ends in .fmu."),
@@ -137,7 +137,7 @@ def _of_another_processor(library):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="what loaders say differs")
 @pytest.mark.parametrize(
-    ("altered", "said"),
+    "altered, said",
     [
         (_half, "the process that tried was ended by it, so it is damaged or cut off. Copy"),
         (_of_another_processor, "it is for another processor. Copy"),

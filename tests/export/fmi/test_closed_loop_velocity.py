@@ -105,7 +105,7 @@ def test_the_closed_loop_fmu_has_the_bits_of_the_run(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("case", "law"),
+    "case, law",
     [
         (SCENARIO, LAW), (BURGER, "prox"), (override(BURGER, LOST), "mb"),
         (override(BURGER, {"filter.kind": "none", "base.loop": "pi"}), "mb"),
@@ -182,7 +182,7 @@ def test_a_master_that_steps_all_at_once_voids_the_filters_assumption():
 
 
 @pytest.mark.parametrize(
-    ("case", "text", "words"),
+    "case, text, words",
     [
         (BURGER, BY_VELOCITY, r"does not reach .* \(disturbance\.std = 0\)"),
         (SIZELESS, BY_WHEELS, r"w_left_command, w_right_command, which follow from robot\.r"),

@@ -53,7 +53,7 @@ def program(interface):
 
 
 @pytest.mark.parametrize(
-    ("law", "scenario"), [("prox", "paper-simulation"), ("kanayama", "robot-10ms")]
+    "law, scenario", [("prox", "paper-simulation"), ("kanayama", "robot-10ms")]
 )
 @pytest.mark.slow
 def test_called_as_described_it_has_the_bits_of_the_fmu(exported, tmp_path, law, scenario):

@@ -58,7 +58,7 @@ def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("what", "compiler", "version"),
+    "what, compiler, version",
     [("plant", "gcc", 3), ("closed-loop", "clang", 2), ("prox", "gcc", 2)],
 )
 def test_optimising_compilers_find_nothing_to_warn_of(tmp_path, compiler, what, version):
@@ -79,7 +79,7 @@ REORDERS = ("-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math")
 @linux
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("what", "version", "compiler", "flags", "most"),
+    "what, version, compiler, flags, most",
     [
         ("nn", 2, "cc", ("-std=c99", "-O0", "-ffp-contract=off"), 1e-9),
         ("nn", 3, "cc", ("-std=c99", "-O0", "-ffp-contract=off"), 1e-9),

@@ -37,7 +37,7 @@ def test_dae_builder_evaluates_the_plant_and_its_jacobian(exported, tmp_path, ve
 
 
 @pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize(("what", "fixed"), [("plant", "robot.r"), ("nn", "limits.v_u1[1]")])
+@pytest.mark.parametrize("what, fixed", [("plant", "robot.r"), ("nn", "limits.v_u1[1]")])
 def test_a_fixed_parameter_may_be_written_again_with_its_own_value(raw, version, what, fixed):
     """GEMSEO and OpenModelica set all parameters once more; another value is named as fixed."""
     fmu = raw(what, version)

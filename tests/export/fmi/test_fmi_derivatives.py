@@ -78,7 +78,7 @@ def call(instance, name, unknowns, knowns, seed, count):
     return status, np.array(found[:])
 
 
-@pytest.mark.parametrize(("what", "version", "interface"), FMI2 + FMI3)
+@pytest.mark.parametrize("what, version, interface", FMI2 + FMI3)
 @pytest.mark.slow_but("plant-2-ModelExchange", "reference-3-ModelExchange", "nn-2-CoSimulation")
 def test_directional_derivatives_are_casadis(raw, what, version, interface):
     instance, unknowns, knowns, jacobian = setting(raw(what, version), what, interface)
@@ -90,7 +90,7 @@ def test_directional_derivatives_are_casadis(raw, what, version, interface):
     instance.free()
 
 
-@pytest.mark.parametrize(("what", "version", "interface"), FMI3)
+@pytest.mark.parametrize("what, version, interface", FMI3)
 def test_adjoint_derivatives_are_casadis(raw, what, version, interface):
     """FMI 2 has none."""
     instance, unknowns, knowns, jacobian = setting(raw(what, version), what, interface)

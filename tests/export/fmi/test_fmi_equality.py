@@ -25,7 +25,7 @@ def assert_same(first, second, bound=0.0):
 
 
 @pytest.mark.parametrize(
-    ("law", "version"),
+    "law, version",
     [("nn", 3), ("pid", 2), ("smc", 3), ("mb", 2), ("prox", 2), ("kanayama", 3), ("pursuit", 2)],
 )
 @pytest.mark.slow_but("nn-3")
@@ -33,7 +33,7 @@ def test_cosimulation_is_the_native_loop_to_the_bit(law, version):
     assert_same(simulate(SHORT, law, seed=3), cosimulate(SHORT, law, seed=3, fmi=version))
 
 
-@pytest.mark.parametrize(("law", "version"), [("nn", 3), ("prox", 2)])
+@pytest.mark.parametrize("law, version", [("nn", 3), ("prox", 2)])
 @pytest.mark.slow_but("nn-3")
 def test_closed_loop_fmu_is_the_native_loop_to_the_bit(exported, law, version):
     run = simulate("paper-simulation", law, seed=3)

@@ -138,7 +138,7 @@ def test_every_effect_acts_alone():
 
 
 @pytest.mark.parametrize(
-    ("effect", "version"),
+    "effect, version",
     [
         (COUNTED, 2),
         (AVERAGED, 3),
@@ -239,14 +239,14 @@ class Parts:
             self.outside.ends([plant[n] for n in STATE if n in plant], i + 1)
 
 
-@pytest.mark.parametrize(("effect", "version", "guard"), [(COUNTED, 2, False), (AVERAGED, 3, True)])
+@pytest.mark.parametrize("effect, version, guard", [(COUNTED, 2, False), (AVERAGED, 3, True)])
 @pytest.mark.slow
 def test_the_parts(load, effect, version, guard):
     Parts(load, LAW, scenario_with(effect, guard), version).whole()
 
 
 @pytest.mark.parametrize(
-    ("kind", "version"),
+    "kind, version",
     [("lemniscate", 2), ("stop-and-go", 2), ("waypoints", 3), ("line", 2), ("rounded-square", 3)],
 )
 @pytest.mark.slow

@@ -154,7 +154,7 @@ SECTIONS = sections()
 
 
 @pytest.mark.parametrize(
-    ("section", "version"),
+    "section, version",
     [
         ("actuator", 2),
         ("changes[1]", 3),

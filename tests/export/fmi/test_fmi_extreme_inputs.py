@@ -15,7 +15,7 @@ from wmr_ctrl.core.signals import LARGEST
 STEP = 0.01
 SIZES = (1.7e308, 1.0001 * LARGEST, math.inf, math.nan)
 every_law = pytest.mark.parametrize(
-    ("what", "version"), [("nn", 2), ("nn", 3), ("guard", 2), ("guard", 3), *OTHER_LAWS]
+    "what, version", [("nn", 2), ("nn", 3), ("guard", 2), ("guard", 3), *OTHER_LAWS]
 )
 
 
@@ -129,7 +129,7 @@ def begins(fmu, name, *tries):
 
 
 @pytest.mark.parametrize(
-    ("what", "version", "axis"),
+    "what, version, axis",
     [("nn", 2, 1), ("nn", 3, 2), ("pid", 2, 2), ("mb", 3, 1), ("mb", 3, 2), ("prox", 2, 2)],
 )
 @pytest.mark.slow_but("nn-2-1")
@@ -144,7 +144,7 @@ def test_a_barrier_without_room_is_refused_at_the_start(raw, what, version, axis
 
 
 @pytest.mark.parametrize(
-    ("what", "version"),
+    "what, version",
     [("nn", 2), ("prox", 3), ("guard", 2), ("guard", 3), ("closed-loop", 3), *OTHER_LAWS],
 )
 @pytest.mark.parametrize("axis", [1, 2])

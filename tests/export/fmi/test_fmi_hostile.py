@@ -13,8 +13,8 @@ from tests.export.fmi.raw import CS, ERROR, ME, OK, ONE, REFUSED, WARNING, reals
 from tests.export.fmi.sequences import MODES, calls, reach
 from tests.export.fmi.test_fmi_extreme_inputs import overflow
 
-full = pytest.mark.parametrize(("what", "version"), [*product(("plant", "nn"), (2, 3))])
-everywhere = pytest.mark.parametrize(("what", "version"), FMUS)
+full = pytest.mark.parametrize("what, version", [*product(("plant", "nn"), (2, 3))])
+everywhere = pytest.mark.parametrize("what, version", FMUS)
 NAN, INF = math.nan, math.inf
 STATE = ("x", "y", "theta", "v1", "omega", "psi")
 
@@ -41,7 +41,7 @@ def test_every_function_in_every_state(raw, what, version):
 
 
 @pytest.mark.parametrize(
-    ("what", "version"),
+    "what, version",
     [("reference", 2), ("closed-loop", 3), ("plant", 2), ("guard", 3), ("nn", 3), ("kanayama", 2)],
 )
 @pytest.mark.slow_but("reference-2", "closed-loop-3")

@@ -37,7 +37,7 @@ def looped(path, run, **starts):
     return rows, tuple(found[name][-1] for name in speeds)
 
 
-@pytest.mark.parametrize(("version", "guard"), [(2, False), (3, True)])
+@pytest.mark.parametrize("version, guard", [(2, False), (3, True)])
 @pytest.mark.slow_but("2-False")
 def test_closed_loop_under_an_adversary_is_the_native_loop(tmp_path, version, guard):
     scenario = override(PUSHED, {"guard.enabled": guard})

@@ -12,7 +12,7 @@ from tests.export.fmi.raw import CS, ERROR, ME, OK
 
 ROOT = Path(__file__).resolve().parents[3]
 every_fmu = pytest.mark.parametrize(
-    ("what", "version"),
+    "what, version",
     [
         ("plant", 2),
         ("plant", 3),
@@ -85,7 +85,7 @@ def test_a_state_brings_its_parameters_into_a_new_instance(raw, what, version):
 
 
 @pytest.mark.parametrize(
-    ("what", "version"), [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3)]
+    "what, version", [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3)]
 )
 @pytest.mark.slow_but("nn-3", "closed-loop-2")
 def test_the_bytes_mean_the_same_in_another_process(raw, what, version):
@@ -109,7 +109,7 @@ def test_the_bytes_mean_the_same_in_another_process(raw, what, version):
     assert json.loads(done.stdout.rpartition("ALL ")[2]) == [x.hex() for x in instance.all()]
 
 
-@pytest.mark.parametrize(("what", "version"), [("nn", 2), ("nn", 3), *OTHER_LAWS])
+@pytest.mark.parametrize("what, version", [("nn", 2), ("nn", 3), *OTHER_LAWS])
 def test_the_monitor_remembers_the_sample_before(raw, what, version):
     """A jump of the velocity is told from it, in an instance that got its state as bytes too."""
     first = raw(what, version).new().begin()
@@ -127,7 +127,7 @@ def test_the_monitor_remembers_the_sample_before(raw, what, version):
 
 
 @pytest.mark.parametrize(
-    ("what", "version"), [("closed-loop", 3), ("plant", 2), ("reference", 3), ("nn", 2)]
+    "what, version", [("closed-loop", 3), ("plant", 2), ("reference", 3), ("nn", 2)]
 )
 @pytest.mark.slow_but("closed-loop-3")
 def test_damaged_and_foreign_bytes_are_refused(raw, what, version):

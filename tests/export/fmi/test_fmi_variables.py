@@ -87,7 +87,7 @@ def test_an_array_is_described_as_a_whole():
     assert all(v.get("description") for v in whole)
 
 
-@pytest.mark.parametrize(("what", "step"), [("plant", 0.002), ("mb", 0.01), ("closed-loop", 0.01)])
+@pytest.mark.parametrize("what, step", [("plant", 0.002), ("mb", 0.01), ("closed-loop", 0.01)])
 def test_the_plant_steps_inside_and_all_else_by_the_period(what, step):
     assert float(xml(what, 3).find("CoSimulation").get("fixedInternalStepSize")) == step
 
@@ -120,7 +120,7 @@ def test_outputs_depend_on_what_moves_and_at_the_start_on_parameters_as_well():
 
 
 @pytest.mark.parametrize(
-    ("constant", "kind"),
+    "constant, kind",
     [
         ((True, True), "constant"),
         ((True, False), "dependent"),
@@ -148,7 +148,7 @@ def test_initialisation_keeps_limits_apart_and_masses_in_order():
 
 
 @pytest.mark.parametrize(
-    ("unit", "factor"),
+    "unit, factor",
     [("mN", 1e-3), ("kN", 1e3), ("J", 1.0), ("W", 1.0), ("Hz", 1.0), ("deg", math.pi / 180),
      ("rpm", math.pi / 30), ("g", 1e-3), ("mm", 1e-3), ("cm", 1e-2), ("km", 1e3), ("ms", 1e-3),
      ("min", 60.0), ("h", 3600.0), ("km/h", 1 / 3.6), ("kg.cm2", 1e-4)],
@@ -158,7 +158,7 @@ def test_a_unit_is_so_many_of_the_base_units(unit, factor):
 
 
 @pytest.mark.parametrize(
-    ("unit", "same"),
+    "unit, same",
     [("N", "kg.m/s2"), ("mN", "kg.m/s2"), ("kN", "N"), ("J", "N.m"), ("W", "J/s"), ("Hz", "1/s"),
      ("rpm", "rad/s"), ("deg", "rad"), ("g", "kg"), ("mm", "m"), ("ms", "s"), ("h", "min"),
      ("N.m.s/rad", "kg.m2/s/rad")],
@@ -168,7 +168,7 @@ def test_a_unit_measures_what_its_definition_does(unit, same):
 
 
 @pytest.mark.parametrize(
-    ("unit", "rate"),
+    "unit, rate",
     [("m", "m/s"), ("m/s", "m/s2"), ("rad/s2", "rad/s3"), ("kg.m2/s", "kg.m2/s2"), ("N.m", "N.m/s"),
      ("N/m", "N/m/s"), ("1/s", "1/s2"), ("m/s/kg", "m/s/kg/s"), ("m/ms", "m/ms/s"), ("1", "1/s")],
 )  # fmt: skip
@@ -222,7 +222,7 @@ def test_torques_act_on_the_wheel_that_they_are_commanded_for():
     }
 
 
-@pytest.mark.parametrize(("duration", "seconds"), [(0.5, 0.5), (80.0, 2.0)])
+@pytest.mark.parametrize("duration, seconds", [(0.5, 0.5), (80.0, 2.0)])
 def test_a_reference_result_is_no_longer_than_the_run(duration, seconds):
     short = load_scenario("paper-simulation-nominal", {"clock.duration": duration})
 

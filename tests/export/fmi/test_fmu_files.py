@@ -8,7 +8,7 @@ from wmr_ctrl.export.fmi.fmu_files import export_fmu, model_of, scenario_given, 
 from wmr_ctrl.world.scenario import override
 
 
-@pytest.mark.parametrize(("given", "versions"), [("2", (2,)), (3, (3,)), ("both", (2, 3))])
+@pytest.mark.parametrize("given, versions", [("2", (2,)), (3, (3,)), ("both", (2, 3))])
 def test_versions_are_named_by_numbers_or_both(given, versions):
     assert versions_of(given) == versions
     with pytest.raises(UnknownNameError, match="no version of FMI is named '4'"):

@@ -25,8 +25,8 @@ from wmr_ctrl.world.model.system import ports
 from wmr_ctrl.world.scenario import load_scenario
 
 SCHEMA = Path(fmpy.__file__).parent / "schema"
-every_fmu = pytest.mark.parametrize(("what", "version"), FMUS)
-some_fmus = pytest.mark.parametrize(("what", "version"), SOME_FMUS)
+every_fmu = pytest.mark.parametrize("what, version", FMUS)
+some_fmus = pytest.mark.parametrize("what, version", SOME_FMUS)
 
 
 def parsed(path, name):
@@ -34,7 +34,7 @@ def parsed(path, name):
         return etree.fromstring(archive.read(name))
 
 
-@pytest.mark.parametrize(("what", "version"), [("plant", 2), ("closed-loop", 2), ("prox", 3)])
+@pytest.mark.parametrize("what, version", [("plant", 2), ("closed-loop", 2), ("prox", 3)])
 @pytest.mark.slow
 def test_fmpy_finds_nothing_to_say(exported, what, version):
     assert validate_fmu(str(exported(what, version))) == []
@@ -135,7 +135,7 @@ def test_parameters_are_key_paths_and_tunable_where_they_change(exported):
 
 
 @pytest.mark.parametrize(
-    ("what", "version"), [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3), *OTHER_LAWS]
+    "what, version", [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3), *OTHER_LAWS]
 )
 def test_every_controller_publishes_its_monitor_and_the_bound(exported, what, version):
     """Unguarded as the preset is: distance to the limit, clip, least disturbance, feasibility."""

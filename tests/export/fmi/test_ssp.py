@@ -140,7 +140,7 @@ def needs(module):
 
 
 @pytest.mark.parametrize(
-    ("law", "module", "script"), [("nn", "libcosimpy", LIBCOSIM), ("prox", "ecospy", ECOS)],
+    "law, module, script", [("nn", "libcosimpy", LIBCOSIM), ("prox", "ecospy", ECOS)],
     ids=["libcosimpy", "ecospy"],
 )  # fmt: skip
 @pytest.mark.slow

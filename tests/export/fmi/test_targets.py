@@ -73,7 +73,7 @@ def library_by(monkeypatch, tmp_path):
 
 
 @linux
-@pytest.mark.parametrize(("what", "version"), [("plant", 2), ("closed-loop", 3), ("nn", 3)])
+@pytest.mark.parametrize("what, version", [("plant", 2), ("closed-loop", 3), ("nn", 3)])
 @pytest.mark.slow_but("plant-2", "closed-loop-3")
 def test_the_standards_functions_and_the_scenarios_hash_are_exported(library_by, what, version):
     listed = subprocess.run(

@@ -38,7 +38,7 @@ def test_an_operation_is_written_as_what_it_computes(op):
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [(math.inf, "1e+300"), (-math.inf, "(-1e+300)"), (-2, "(-2.0)"), (0.1, "0.1"), (0, "0.0")],
 )
 def test_a_number_is_finite_and_in_parentheses_where_it_is_negative(value, text):
@@ -59,7 +59,7 @@ def test_a_change_holds_from_its_time_until_that_of_the_next():
 
 
 @pytest.mark.parametrize(
-    ("unit", "text"),
+    "unit, text",
     [("m", 'unit = "m"'), ("m, m", 'each unit = "m"'), ("m, rad", 'unit = {"m", "rad"}')],
 )
 def test_a_unit_is_one_or_one_for_all_or_one_for_each(unit, text):

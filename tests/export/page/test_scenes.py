@@ -36,7 +36,7 @@ def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "ways"),
+    "name, ways",
     [
         ("turtlebot3-burger", ["clipped", "smoothed", "clip", "governor"]),
         ("clearpath-jackal", ["clipped", "smoothed", "clip"]),
@@ -50,7 +50,7 @@ def test_a_base_has_the_filters_that_hold_for_it(name, ways):
 
 
 @pytest.mark.parametrize(
-    ("stated", "ways"),
+    "stated, ways",
     [
         ({"filter.kind": "band"}, ["clipped", "smoothed", "clip", "slew", "band"]),
         ({"filter.kind": "clip", "filter.jitter": 0.06}, ["clipped", "smoothed", "clip"]),

@@ -77,7 +77,7 @@ def played(folder, law, language=("gcc", "-std=c99"), *options, ends=0):
 
 
 @pytest.mark.parametrize(
-    ("law", "language"),
+    "law, language",
     [("prox", ("gcc", "-std=c99")), ("pursuit", ("g++", "-xc++"))],
     ids=["prox-c", "pursuit-c++"],
 )
@@ -93,7 +93,7 @@ def test_the_s_function_plays_the_laws_vectors(tmp_path, law, language):
     assert rest[:2] == ["memory 1 1", "next 0 1"]
 
 
-@pytest.mark.parametrize(("law", "guarded"), [("pid", False), ("pursuit", True)])
+@pytest.mark.parametrize("law, guarded", [("pid", False), ("pursuit", True)])
 @pytest.mark.slow
 def test_a_number_in_the_dialog_is_that_number_in_an_export(tmp_path, law, guarded):
     """Limits, gains, model and guard of a new scenario in a kit of the old: the new vectors."""

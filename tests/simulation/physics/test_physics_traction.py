@@ -1,14 +1,12 @@
 """actuator.traction: torques that tyres pass on, under which the guard's promise is one again."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.grip import grip
-from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 BOUNDED = {"disturbance.truncate": 3.0}
 GRIPPING = {"actuator.traction": True, **BOUNDED}
@@ -32,7 +30,7 @@ def test_where_no_torque_is_sure_of_its_grip_it_is_refused():
         simulate("paper-simulation", "mb", overrides={**GRIPPING, "body.tyre": 0.1})
 
 
-def promise_is_one(scenario: str | Scenario, law: str, seed: int, **overrides: object) -> None:
+def promise_is_one(scenario, law, seed, **overrides):
     chosen = {key.replace("__", "."): value for key, value in overrides.items()}
     run = simulate(
         scenario, law, seed=seed, guard=True, plant="mujoco", overrides={**GRIPPING, **chosen}

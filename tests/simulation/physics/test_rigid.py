@@ -1,7 +1,5 @@
 """The rigid body against mechanics in closed form."""
 
-from __future__ import annotations
-
 import math
 
 import mujoco
@@ -11,25 +9,25 @@ import pytest
 from tests.simulation.physics.states import state_of
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.simulation.physics.rigid import RigidBody, description
-from wmr_ctrl.world.scenario import Change, Scenario, load_scenario
+from wmr_ctrl.world.scenario import Change, load_scenario
 
 REST = {"initial.pose": [0.0, 0.0, 0.0], "initial.velocity": [0.0, 0.0]}
 WHEELS = ("sphere", "cylinder")
 
 
-def scenario(**overrides: object) -> Scenario:
+def scenario(**overrides):
     changed = {key.replace("__", "."): value for key, value in overrides.items()}
     return load_scenario("paper-simulation-nominal", {**REST, **changed})
 
 
-def driven(body: RigidBody, right: float, left: float, steps: int, *push: float) -> RigidBody:
+def driven(body, right, left, steps, *push):
     thrust, moment = push or (0.0, 0.0)
     for _ in range(steps):
         body.step((right, left, 0.0, 0.0, thrust, moment))
     return body
 
 
-def rolling_mass(case: Scenario) -> float:
+def rolling_mass(case):
     """Mass with what turns: a disc's m r^2/2 over r^2, for two wheels."""
     return case.robot.m + case.body.wheel_mass
 
@@ -74,7 +72,7 @@ def test_drag_holds_the_robot_until_the_torque_exceeds_it():
     assert moves.velocity[0] > 0.1
 
 
-@pytest.mark.parametrize(("tyre", "torque"), [(0.3, 15.0), (0.8, 35.0)])
+@pytest.mark.parametrize("tyre, torque", [(0.3, 15.0), (0.8, 35.0)])
 def test_spinning_wheels_push_with_what_the_tyres_give(tyre, torque):
     """The back caster takes the torques' reaction off the wheels, and the rest is mu N."""
     case, steps = scenario(body__tyre=tyre, body__caster=2.0, body__grip=0.1), 300
@@ -159,7 +157,7 @@ def test_load_centre_follows_the_acceleration():
 
 
 @pytest.mark.parametrize(
-    ("overrides", "key"),
+    "overrides, key",
     [
         ({"body__wheel_mass": 30.0}, "body.wheel_mass"),
         ({"body__wheel_mass": 22.0, "robot__I": 2.0}, "body.wheel_mass"),

@@ -1,7 +1,5 @@
 """Runs on the rigid body: the product's own loop on one side of the wheels."""
 
-from __future__ import annotations
-
 import importlib
 
 import numpy as np
@@ -25,7 +23,7 @@ SHORT = {"clock.duration": 4.0, "actuator.tau_max": 10.0}
 
 
 @pytest.mark.parametrize(
-    ("law", "overrides"),
+    "law, overrides",
     [
         ("mb", {"disturbance.push": [5.0, 1.0]}),
         ("nn", {"sensor.velocity_noise": [0.01, 0.02], "sensor.pose_noise": 0.01}),
@@ -138,7 +136,7 @@ def test_what_it_cannot_be_asked():
 
 
 def test_without_the_package_one_sentence_tells_what_to_install(monkeypatch):
-    def absent(name: str) -> object:
+    def absent(name):
         if name == "mujoco":
             raise ImportError(name)
         return importlib.import_module(name)

@@ -1,7 +1,5 @@
 """What a run takes note of on a body: largest and least of all samples, and the first of events."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest
@@ -18,19 +16,19 @@ H = 0.001
 class Body:
     """A body that is what a list says, one entry a plant step."""
 
-    def __init__(self, slips, wheels, tilts, margins) -> None:
+    def __init__(self, slips, wheels, tilts, margins):
         self._k, self._rows = 0, list(zip(slips, wheels, tilts, margins, strict=True))
         self.plane_state = (0.0,) * 7
 
-    def step(self, acting) -> None:
+    def step(self, acting):
         self._k += 1
 
-    def __getattr__(self, name: str):
+    def __getattr__(self, name):
         slip, wheels, tilt, margin = self._rows[self._k]
         return {"slip": slip, "wheels": wheels, "tilt": tilt, "tip_margin": margin}[name]
 
 
-def watched(slips, wheels, tilts, margins) -> Coupling:
+def watched(slips, wheels, tilts, margins):
     coupling = object.__new__(Coupling)
     coupling.body, coupling.scenario = Body(slips, wheels, tilts, margins), paper()
     coupling.clock = SimpleNamespace(substeps=1, plant=H)
@@ -47,7 +45,7 @@ def watched(slips, wheels, tilts, margins) -> Coupling:
     return coupling
 
 
-def test_extremes_of_both_wheels_and_first_events_are_kept() -> None:
+def test_extremes_of_both_wheels_and_first_events_are_kept():
     slips = [(0.0, 0.0), (0.05, -0.2), (0.3, 0.0), (0.0, 0.0), (0.0, 0.4)]
     wheels = [(1.0, 1.0), (2.0, -9.0), (4.0, 1.0), (1.0, 1.0), (1.0, 1.0)]
     tilts, margins = [0.1, 0.4, 0.2, 0.0, 0.0], [0.9, 0.8, 0.2, 0.7, 0.95]
@@ -59,7 +57,7 @@ def test_extremes_of_both_wheels_and_first_events_are_kept() -> None:
     assert (seen.slipped, seen.tipped) == (pytest.approx(H), None)
 
 
-def test_it_ends_where_the_robot_has_tipped() -> None:
+def test_it_ends_where_the_robot_has_tipped():
     still = [(0.0, 0.0)] * 5
     coupling = watched(still, still, [0.0, 0.5, 0.51, 0.0, 0.0], [1.0] * 5)
 
@@ -67,7 +65,7 @@ def test_it_ends_where_the_robot_has_tipped() -> None:
     assert (coupling.seen.tipped, coupling._reached) == (pytest.approx(2 * H), 2)
 
 
-def test_tyres_need_steps_of_five_milliseconds_at_most() -> None:
+def test_tyres_need_steps_of_five_milliseconds_at_most():
     description(override(paper(), {"clock.plant": 0.005}))
     with pytest.raises(ScenarioError, match=r"clock\.plant = 0\.01 s is too long for tyres"):
         description(override(paper(), {"clock.plant": 0.01}))

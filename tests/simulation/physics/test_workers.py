@@ -1,7 +1,5 @@
 """Many runs on the rigid body: one table, whoever makes it and however many at a time."""
 
-from __future__ import annotations
-
 import csv
 import os
 import sys

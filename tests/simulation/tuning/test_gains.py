@@ -1,7 +1,5 @@
 """Which runs tuning makes, and what it makes of them, with runs of the tests' own."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import count

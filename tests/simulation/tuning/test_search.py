@@ -1,7 +1,5 @@
 """The search by itself: what it asks for and keeps, which plans it takes, and what it is told."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +12,7 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.simulation.tuning import gains
 from wmr_ctrl.simulation.tuning.gains import Tuning
-from wmr_ctrl.simulation.tuning.search import Cost, Search, Trials, TuningPlan
+from wmr_ctrl.simulation.tuning.search import Cost, Search, TuningPlan
 from wmr_ctrl.world.scenario import load_scenario
 
 START = {"gains.mb.rho": (60.0, 20.0)}
@@ -35,41 +33,6 @@ def test_it_begins_with_the_start_and_goes_no_farther_than_thirty_times():
         most = max(most, np.abs(asked).max())
 
     assert 29.0 < math.exp(most) < 30.0
-
-
-def test_trials_that_were_kept_are_known_again_until_the_search_is_over(tmp_path):
-    kept, target = [[Cost(True, 2, 0.5)], [Cost(False, 0, 0.25)]], tmp_path / "a.toml"
-    trials = Trials(target, "same")
-    for costs in kept:
-        trials.keep(costs)
-    again = Trials(target, "same")
-
-    assert [again.known(k) for k in range(3)] == [*kept, None]
-    with pytest.raises(ArgumentError, match="another search"):
-        Trials(target, "other")
-    again.forget()
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_search_is_another_with_every_part_of_its_plan(scenario, monkeypatch, tmp_path):
-    found = set()
-
-    def told(*parts):
-        found.add(repr(parts))
-        raise InterruptedError
-
-    monkeypatch.setattr(gains.search, "digest_of", told)
-    monkeypatch.setattr(gains, "_check_corridor", lambda *_: None)
-    one = {"scenario": scenario, "law": "mb", "seeds": [1], "weight": 0.1, "hold": []}
-    others = (
-        {}, {"law": "pid"}, {"seeds": [2]}, {"weight": 0.2}, {"hold": ["gains.mb.rho"]},
-        {"merit": "corridor"}, {"scenario": load_scenario("safe-experiment")},
-    )  # fmt: skip
-    for other in others:
-        with pytest.raises(InterruptedError):
-            tune(out=tmp_path / "a.toml", **{**one, **other})
-
-    assert len(found) == len(others)
 
 
 @pytest.mark.parametrize("wrong", [{"trials": 0}, {"weight": -1e-9}, {"weight": math.inf}])

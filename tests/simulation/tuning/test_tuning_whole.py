@@ -1,6 +1,4 @@
-"""Gains found by search: better on training, the same however often interrupted."""
-
-from __future__ import annotations
+"""Gains found by search: better on training."""
 
 import json
 import sys
@@ -49,23 +47,6 @@ def test_the_file_is_the_scenario_with_the_gains_that_were_found(short, once):
 
 
 @pytest.mark.slow
-def test_an_interrupted_search_ends_as_one_that_was_not(short, once, tmp_path):
-    out = tmp_path / "again.toml"
-
-    def stop(share):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        wmr_ctrl.tune(short, "prox", out, **FEW, progress=stop)
-    assert not out.exists()
-    assert len(json.loads((tmp_path / "again.toml.trials.json").read_text())["costs"]) == 1
-    resumed = wmr_ctrl.tune(short, "prox", out, **FEW)
-
-    assert resumed.gains == once.gains
-    assert resumed.after.records() == once.after.records()
-
-
-@pytest.mark.slow
 def test_the_corridor_can_be_what_is_made_small(tmp_path):
     pytest.importorskip("flint")
     brief = {"changes": [], "clock.duration": 4.0, "clock.plant": 0.005}
@@ -109,13 +90,6 @@ def test_a_merit_that_nothing_is_known_of_is_refused(tmp_path):
         wmr_ctrl.tune(curved, "prox", tmp_path / "a.toml", merit="speed")
 
 
-def test_trials_of_another_search_are_not_taken(short, tmp_path):
-    (tmp_path / "a.toml.trials.json").write_text('{"search": "other", "costs": [[1.0]]}')
-
-    with pytest.raises(ArgumentError, match="another search"):
-        wmr_ctrl.tune(short, "prox", tmp_path / "a.toml", **FEW)
-
-
 def test_every_law_of_ours_has_gains_to_be_tuned():
     for law in NAMES:
         assert tunable(LAWS[law])
@@ -130,7 +104,7 @@ def test_without_the_extra_it_says_what_to_install(short, tmp_path, monkeypatch)
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    "given, told",
     [
         (("--seeds", "3"), "not a range of seeds"),
         (("--seeds", "5:5"), "not a range of seeds"),

@@ -1,7 +1,5 @@
 """Dynamics against the mathematics that defines them."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -20,7 +18,7 @@ from wmr_proofs.paper_functions import projected
 SCENARIO = load_scenario("paper-simulation-nominal")
 
 
-def test_projection_gives_the_reduced_dynamics() -> None:
+def test_projection_gives_the_reduced_dynamics():
     """Eq. (4): H' M H = diag(m, I), H' B tau = B1 tau, whatever the heading."""
     theta, tau = ca.SX.sym("theta"), ca.SX.sym("tau", 2)
     numbers = tuple(ca.SX(number) for number in (50.0, 5.4, 0.1, 0.25))
@@ -34,7 +32,7 @@ def test_projection_gives_the_reduced_dynamics() -> None:
     assert ca.evalf(reduced_mass(*numbers[:2])).full().ravel() == pytest.approx([50.0, 5.4])
 
 
-def test_wheel_torques_and_forces_are_inverse() -> None:
+def test_wheel_torques_and_forces_are_inverse():
     force = ca.SX.sym("force", 2)
     r, half_track = ca.SX(0.1), ca.SX(0.25)
     there_and_back = wheel_to_force(r, half_track, force_to_wheel(r, half_track, force))
@@ -44,7 +42,7 @@ def test_wheel_torques_and_forces_are_inverse() -> None:
     )
 
 
-def test_power_balance() -> None:
+def test_power_balance():
     """The kinetic energy's rate is the power of wheels and pushes less that of friction."""
     system = plant(SCENARIO)
     x, u = system.x, system.u
@@ -59,12 +57,12 @@ def test_power_balance() -> None:
         assert abs(found).max() < 1e-12
 
 
-def test_runge_kutta_step_is_of_fourth_order() -> None:
+def test_runge_kutta_step_is_of_fourth_order():
     """Halving the step divides the error by 16."""
     system, h = plant(SCENARIO), ca.SX.sym("h")
     step = ca.Function("step", [system.u, system.x, system.p, h], [rk4_step(system, h)])
 
-    def end(count: int) -> np.ndarray:
+    def end(count):
         state = ca.DM([0, 0, 0.3, 0.5, 0.4])
         for _ in range(count):
             state = step((20, 20.3, 0, 0, 0, 0), state, system.p0, 0.4 / count)

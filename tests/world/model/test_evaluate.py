@@ -1,7 +1,5 @@
 """Values of CasADi functions as arrays."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -12,14 +10,14 @@ X, Y = ca.SX.sym("x", 2), ca.SX.sym("y")
 FUNCTION = ca.Function("f", [X, Y], [ca.horzcat(X, Y * X, X + 1), ca.dot(X, X)])
 
 
-def test_the_numbers_are_those_of_a_call() -> None:
+def test_the_numbers_are_those_of_a_call():
     table, square = evaluated(FUNCTION, [[1.5, -2.0]], 3)
 
     assert (table == np.array([[1.5, 4.5, 2.5], [-2.0, -6.0, -1.0]])).all()
     assert square == [[6.25]]
 
 
-def test_a_call_in_place_reads_and_writes_the_same_arrays() -> None:
+def test_a_call_in_place_reads_and_writes_the_same_arrays():
     call = InPlace.with_arrays(FUNCTION)
     for x in (1.0, 2.0):
         call.inputs[0][:] = x

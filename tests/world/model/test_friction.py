@@ -1,7 +1,5 @@
 """The largest force and slope of friction are those of the graph that runs."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -13,7 +11,7 @@ SPEEDS = np.concatenate([[0.0], *(s * np.geomspace(1e-9, 1e3, 40_001) for s in (
 ROBOTS = [(0.1, 40.0, 9.81, 0.01), (0.9, 2.0, 1.62, 0.3), (0.02, 500.0, 9.81, 1e-3)]
 
 
-def scanned(robot: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+def scanned(robot):
     """Force and slope of the graph at all speeds."""
     v = ca.SX.sym("v", 2)
     force = friction(*map(ca.SX, robot), v)

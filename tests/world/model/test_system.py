@@ -1,7 +1,5 @@
 """Systems: their shapes, symbols and draws."""
 
-from __future__ import annotations
-
 import casadi as ca
 import pytest
 
@@ -9,7 +7,7 @@ from wmr_ctrl.core.signals import MEASURED_VELOCITY, TIME, TORQUE, Signal
 from wmr_ctrl.world.model.system import NORMAL, Output, System, draw, port, ports
 
 
-def test_random_numbers_come_in_pairs() -> None:
+def test_random_numbers_come_in_pairs():
     wanted = ca.SX(1)
 
     assert draw(Signal("two", "1", "a pair", 2), NORMAL, wanted).port.signal.size == 2
@@ -19,7 +17,7 @@ def test_random_numbers_come_in_pairs() -> None:
     assert len(ports(MEASURED_VELOCITY)) == 2
 
 
-def test_a_system_has_as_many_updates_as_states_and_only_its_own_symbols() -> None:
+def test_a_system_has_as_many_updates_as_states_and_only_its_own_symbols():
     state, free = port(TIME), ca.SX.sym("free")
 
     with pytest.raises(ValueError, match="toy: 2 rows of update, 1 of state"):

@@ -1,7 +1,5 @@
 """References in closed form, and what they are where nobody sizes them."""
 
-from __future__ import annotations
-
 import math
 
 import casadi as ca
@@ -20,7 +18,7 @@ from wmr_ctrl.world.references.curves import (
 )
 
 
-def test_curves_are_their_formulas() -> None:
+def test_curves_are_their_formulas():
     """Radius 2 m, 0.5 rad/s for 3 s; a line along (-sin, cos); an eight of 1.5 m."""
     found = ca.evalf(circle(ca.SX(3.0), {"ref_radius": ca.SX(2.0), "ref_rate": ca.SX(0.5)}))
     x, y = 2 * math.sin(1.5), 2 - 2 * math.cos(1.5)
@@ -36,7 +34,7 @@ def test_curves_are_their_formulas() -> None:
 
 
 @pytest.mark.parametrize("kind", [CIRCLE, LINE, LEMNISCATE, STOP_AND_GO])
-def test_what_is_left_out_is_within_the_limits(kind) -> None:
+def test_what_is_left_out_is_within_the_limits(kind):
     limits = (0.8, 1.2)
     sizes = kind.section().sized(limits, (LARGEST, LARGEST))
 

@@ -1,7 +1,5 @@
 """Waypoints from CSV files, good ones and bad ones."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -82,7 +80,7 @@ def test_usual_ways_of_navigation_stacks(tmp_path, text):
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text, message",
     [
         ("0,0\n", "way.csv holds 1 different point(s), but a path needs at least 2"),
         ("x,y\n0,0\n", "way.csv holds 1 different point(s), but a path needs at least 2"),
@@ -121,7 +119,7 @@ def test_errors_name_row_and_column(tmp_path, text, message):
 
 
 @pytest.mark.parametrize(
-    ("name", "message"), [("none.csv", "there is no file"), (".", "is a directory")]
+    "name, message", [("none.csv", "there is no file"), (".", "is a directory")]
 )
 def test_files_that_are_not_there(tmp_path, name, message):
     with pytest.raises(ScenarioError, match=rf"^reference\.file: .*{message}"):
@@ -143,7 +141,7 @@ def bends(count):
     return np.column_stack([way, np.sin(way)]) + jitter
 
 
-def ellipse(count: int) -> np.ndarray:
+def ellipse(count):
     turn = np.linspace(0, 2 * np.pi, count, endpoint=False)
     return np.column_stack([3 * np.cos(turn), 2 * np.sin(turn)])
 
@@ -169,7 +167,7 @@ def test_a_planners_path_is_thinned_within_the_tolerance(tmp_path, at_end):
     assert to_path.max() < 0.05
 
 
-@pytest.mark.parametrize(("tolerance", "word"), [(1e-4, "Raise"), (20.0, "Lower")])
+@pytest.mark.parametrize("tolerance, word", [(1e-4, "Raise"), (20.0, "Lower")])
 def test_a_tolerance_that_does_not_fit_the_points_is_refused(tolerance, word):
     points = ellipse(5000) + bends(5000) * [0, 1e-3]
 

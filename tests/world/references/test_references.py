@@ -1,7 +1,5 @@
 """Desired trajectories: what a wheeled robot can follow, and that the velocities belong to it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -119,7 +117,7 @@ def test_laps_repeat(reference):
 
 
 @pytest.mark.parametrize(
-    ("reference", "turns"), list(zip(LAPS, (0, 1, 1, 1, 0, 1), strict=True)), ids=str
+    "reference, turns", list(zip(LAPS, (0, 1, 1, 1, 0, 1), strict=True)), ids=str
 )
 def test_orientation_counts_the_turns_of_a_lap(reference, turns):
     start, end = sample(reference, np.array([0.0, reference.cycle]))
@@ -182,7 +180,7 @@ def test_an_open_path_goes_straight_on_after_its_end():
 
 
 @pytest.mark.parametrize(
-    ("reference", "bounds"),
+    "reference, bounds",
     [
         (Circle(radius=2.0, rate=0.1), (0.2, 0.2, 0.1)),
         (Circle(radius=2.0, rate=-0.1), (-0.2, -0.2, 0.1)),

@@ -1,7 +1,5 @@
 """The registry of references."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ArgumentError
@@ -9,13 +7,13 @@ from wmr_ctrl.world.references.curves import CIRCLE, Line
 from wmr_ctrl.world.references.registry import OURS, REFERENCES, ReferenceRegistry
 
 
-def test_an_entry_is_found_by_the_name_that_it_gives_itself_and_by_its_section() -> None:
+def test_an_entry_is_found_by_the_name_that_it_gives_itself_and_by_its_section():
     assert len(REFERENCES) == len(set(REFERENCES)) > 3
     assert all(entry.name == name for name, entry in REFERENCES.items())
     assert REFERENCES.of(Line()) is REFERENCES["line"]
 
 
-def test_a_name_of_ours_is_nobody_elses(monkeypatch) -> None:
+def test_a_name_of_ours_is_nobody_elses(monkeypatch):
     where = "wmr_ctrl.world.references.registry.loaded"
     monkeypatch.setattr(where, lambda *_: (CIRCLE,))
 

@@ -1,7 +1,5 @@
 """Squares with smoothed corners."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from wmr_ctrl.world.scenario import override
 
 
 @pytest.mark.parametrize("corner", [0.2, 1.5])
-def test_it_is_a_square_that_looks_alike_from_every_side(corner: float) -> None:
+def test_it_is_a_square_that_looks_alike_from_every_side(corner):
     points = square_points(3.0, corner) - [0.0, 1.5]
 
     assert np.abs(points).max(axis=0) == pytest.approx([1.5, 1.5], abs=1e-12)
@@ -24,7 +22,7 @@ def test_it_is_a_square_that_looks_alike_from_every_side(corner: float) -> None:
     assert np.count_nonzero(below > 0) == np.count_nonzero(below < 0)
 
 
-def test_a_lap_takes_as_long_as_its_way_at_its_speed() -> None:
+def test_a_lap_takes_as_long_as_its_way_at_its_speed():
     square = RoundedSquare(side=3.0, corner=0.8, speed=0.25)
     sides = 4 * (3.0 - 2 * 0.8)
 
@@ -32,7 +30,7 @@ def test_a_lap_takes_as_long_as_its_way_at_its_speed() -> None:
     assert sides + 4 * 0.8 * np.sqrt(2) < 0.25 * square.cycle < 12.0
 
 
-def test_two_corners_share_a_side() -> None:
+def test_two_corners_share_a_side():
     with pytest.raises(ScenarioError, match=r"reference\.corner = 1\.6 must be at most half"):
         override(paper(), {"reference.kind": "rounded-square", "reference.corner": 1.6,
                            "reference.side": 3.0})  # fmt: skip

@@ -1,7 +1,5 @@
 """Goals: limits along the path are kept, little time is given away, and the motion ends at rest."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise
@@ -133,7 +131,7 @@ def test_a_path_message_gives_its_points(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text, message",
     [
         ("poses: 3", "pose 1"),
         ("a: [", "is not YAML"),
@@ -156,7 +154,7 @@ def test_errors_name_the_pose(tmp_path, text, message):
 
 
 @pytest.mark.parametrize(
-    ("top", "time"), [(10.0, 2 * math.sqrt(4.0 / 0.5)), (0.4, 4.0 / 0.4 + 0.4 / 0.5)]
+    "top, time", [(10.0, 2 * math.sqrt(4.0 / 0.5)), (0.4, 4.0 / 0.4 + 0.4 / 0.5)]
 )
 def test_a_straight_line_takes_as_long_as_a_triangle_or_a_trapezium_of_speed(top, time):
     """4 m at 0.5 m/s2, with and without a limit of the speed."""

@@ -1,7 +1,5 @@
 """The spline behind rounded squares and waypoints."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,21 +1,19 @@
 """Waypoints: what is left out, closed paths, and the end."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.world.references import Waypoints, sample
+from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.references.waypoints import waypoint_path
 from wmr_ctrl.world.scenario import override
 
 
-def way(**changed: object) -> Waypoints:
+def way(**changed):
     return override(paper(), {"reference.kind": "waypoints", **changed}).reference
 
 
-def test_of_many_points_half_of_the_tolerance_is_for_those_left_out() -> None:
+def test_of_many_points_half_of_the_tolerance_is_for_those_left_out():
     """A corner of 250 points either way is cut by the other half."""
     side = np.linspace(0.0, 2.0, 250)
     points = [*([x, 0.0] for x in side), *([2.0, y] for y in side[1:])]
@@ -31,7 +29,7 @@ def test_of_many_points_half_of_the_tolerance_is_for_those_left_out() -> None:
     assert cut == pytest.approx([0.2, 0.1], rel=0.02)
 
 
-def test_a_closed_path_may_name_its_first_point_once_more() -> None:
+def test_a_closed_path_may_name_its_first_point_once_more():
     square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]
     closed = {"reference.closed": True, "reference.tolerance": 0.3}
     once, twice = (
@@ -43,7 +41,7 @@ def test_a_closed_path_may_name_its_first_point_once_more() -> None:
 
 
 @pytest.mark.parametrize("speed", [0.21, 0.37, 0.53])
-def test_where_it_stops_it_never_drives_back(speed: float) -> None:
+def test_where_it_stops_it_never_drives_back(speed):
     scenario = override(paper(), {
         "reference.kind": "waypoints", "reference.speed": speed, "reference.tolerance": 0.1,
         "reference.points": [[0.0, 0.0], [1.0, 0.3], [1.7, 1.9]], "clock.duration": 40.0,

@@ -1,15 +1,13 @@
 """Parameters of ros2_control's differential drive."""
 
-from __future__ import annotations
-
 from wmr_ctrl.world.robot_files.controllers import is_controller, read
 
 
-def found(**params: object) -> dict[str, object]:
+def found(**params):
     return {item.key: item.value for item in read("base", params, "robot.yaml")}
 
 
-def test_limits_are_of_the_axis_and_may_be_switched_off() -> None:
+def test_limits_are_of_the_axis_and_may_be_switched_off():
     limits = {"linear.x.max_velocity": 1.0, "angular.z.max_velocity": 2.0}
 
     assert found(**limits) == {"limits.v_max[1]": 1.0, "limits.v_max[2]": 2.0}
@@ -17,7 +15,7 @@ def test_limits_are_of_the_axis_and_may_be_switched_off() -> None:
     assert off == {"limits.v_max[1]": 1.0}
 
 
-def test_topics_are_below_the_controllers_name_stamped_or_not() -> None:
+def test_topics_are_below_the_controllers_name_stamped_or_not():
     names = {"left_wheel_names": ["left"]}
 
     assert is_controller(names)

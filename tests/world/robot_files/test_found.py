@@ -1,13 +1,11 @@
 """What robot files say, and which of several counts."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.world.robot_files.found import Found, Rank, merged, shown
 
 
-def test_the_controller_counts_before_others_and_what_differs_is_told() -> None:
+def test_the_controller_counts_before_others_and_what_differs_is_told():
     mine = Found("robot.r", 0.1, "controller", Rank.CONTROLLER)
     near = Found("robot.r", 0.1005, "gazebo", Rank.GAZEBO)
     far = Found("robot.r", 0.12, "urdf", Rank.DESCRIPTION)
@@ -18,7 +16,7 @@ def test_the_controller_counts_before_others_and_what_differs_is_told() -> None:
     assert sheet.overruled == (far,)
 
 
-def test_a_base_brakes_as_it_speeds_up_and_axes_become_a_pair() -> None:
+def test_a_base_brakes_as_it_speeds_up_and_axes_become_a_pair():
     one, two = (Found(f"base.accel[{k}]", float(k), f"file {k}", Rank.GAZEBO) for k in (1, 2))
 
     found = merged([two, one]).found
@@ -28,7 +26,7 @@ def test_a_base_brakes_as_it_speeds_up_and_axes_become_a_pair() -> None:
     assert merged([one]).found["base.decel[1]"].value == 1.0
 
 
-def test_a_multiplier_is_one_of_its_length() -> None:
+def test_a_multiplier_is_one_of_its_length():
     size = Found("robot.r", 0.1, "a", Rank.CONTROLLER)
     factor = Found("radius factor", 1.5, "b", Rank.CONTROLLER)
 
@@ -36,7 +34,7 @@ def test_a_multiplier_is_one_of_its_length() -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(0.123456, "0.1235"), ((1.0, 2.5), "[1, 2.5]"), (True, "true"), ("a", "a")]
+    "value, text", [(0.123456, "0.1235"), ((1.0, 2.5), "[1, 2.5]"), (True, "true"), ("a", "a")]
 )
-def test_values_are_shown_in_four_digits(value, text) -> None:
+def test_values_are_shown_in_four_digits(value, text):
     assert shown(value) == text

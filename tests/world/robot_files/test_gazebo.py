@@ -1,18 +1,16 @@
 """The differential drive of Gazebo."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.world.robot_files.gazebo import drives, joints, read
 from wmr_ctrl.world.robot_files.xml_text import tree
 
 
-def plugin(name: str, parts: str):
+def plugin(name, parts):
     return tree(f'<robot><plugin name="{name}">{parts}</plugin></robot>', "robot.sdf")
 
 
-def test_both_spellings_are_read_and_a_radius_is_half_of_the_diameter() -> None:
+def test_both_spellings_are_read_and_a_radius_is_half_of_the_diameter():
     new = plugin(
         "diff_drive",
         "<left_joint>l</left_joint><right_joint> r </right_joint>"
@@ -29,6 +27,6 @@ def test_both_spellings_are_read_and_a_radius_is_half_of_the_diameter() -> None:
     assert len(drives(old)) == 1
 
 
-def test_another_plugin_is_no_drive() -> None:
+def test_another_plugin_is_no_drive():
     assert drives(plugin("camera", "<wheel_separation>1</wheel_separation>")) == []
     assert drives(plugin("diff_drive", "<rate>1</rate>")) == []

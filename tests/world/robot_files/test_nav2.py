@@ -1,21 +1,19 @@
 """Parameters of nav2."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.robot_files.nav2 import read, reads
 
 
-def test_only_nodes_that_say_something_on_the_robot_are_read() -> None:
+def test_only_nodes_that_say_something_on_the_robot_are_read():
     known = ("velocity_smoother", "a/controller_server", "local_costmap/local_costmap")
 
     assert all(map(reads, known))
     assert not reads("planner_server")
 
 
-def test_a_footprint_is_as_large_as_its_farthest_corner() -> None:
+def test_a_footprint_is_as_large_as_its_farthest_corner():
     params = {"footprint": "[[0.3, 0.4], [-0.1, 0.2]]"}
     (radius,) = [i for i in read("global_costmap", params, "nav2.yaml") if i.key == "body.radius"]
 
@@ -24,6 +22,6 @@ def test_a_footprint_is_as_large_as_its_farthest_corner() -> None:
         list(read("global_costmap", {"footprint": "[[1, 2, 3]]"}, "nav2.yaml"))
 
 
-def test_limits_of_the_smoother_are_three_numbers() -> None:
+def test_limits_of_the_smoother_are_three_numbers():
     with pytest.raises(ScenarioError, match="must be three numbers: x, y, theta"):
         list(read("velocity_smoother", {"max_velocity": [1.0, 2.0]}, "nav2.yaml"))

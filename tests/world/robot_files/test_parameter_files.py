@@ -1,7 +1,5 @@
 """Parameters of controllers, of nav2 and of Gazebo, and what counts where they disagree."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

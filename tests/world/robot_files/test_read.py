@@ -1,7 +1,5 @@
 """Robot files are told apart by what is in them."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError
@@ -12,7 +10,7 @@ CONTROLLER = "{}: {{ros__parameters: {{left_wheel_names: [l], wheel_radius: 0.1}
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "words"),
+    "name, text, words",
     [
         ("a.yaml", "planner: {ros__parameters: {rate: 1}}", "no node of it is a diff_drive"),
         ("a.yaml", CONTROLLER.format("one") + CONTROLLER.format("two"), "drives, one and two"),
@@ -21,7 +19,7 @@ CONTROLLER = "{}: {{ros__parameters: {{left_wheel_names: [l], wheel_radius: 0.1}
         ("a.txt", "", "must end in .urdf or .xacro"),
     ],
 )
-def test_what_is_no_robot_is_named(tmp_path, name, text, words) -> None:
+def test_what_is_no_robot_is_named(tmp_path, name, text, words):
     (tmp_path / name).write_text(text)
 
     with pytest.raises(ScenarioError) as caught:

@@ -1,7 +1,5 @@
 """Mass, inertia, wheels and track of a URDF."""
 
-from __future__ import annotations
-
 import math
 import random
 

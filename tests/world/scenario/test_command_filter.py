@@ -1,7 +1,5 @@
 """The section of the command filter: what cannot be asked for together."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError
@@ -22,7 +20,7 @@ def test_an_interval_of_a_filter_is_the_right_way_round(name):
 
 
 @pytest.mark.parametrize(
-    ("values", "word"),
+    "values, word",
     [
         ({"kind": "clip", "scale": "axes", "wheel_speed": 1.0}, 'filter.scale = "axes"'),
         ({"kind": "clip", "scale": "axes", "channels": "wheels"}, 'filter.scale = "axes"'),
@@ -58,7 +56,7 @@ def test_a_gain_that_a_preset_states_need_not_be_left_out():
 
 
 @pytest.mark.parametrize(
-    ("values", "keys"),
+    "values, keys",
     [
         ({"kind": "none"}, ()),
         ({"kind": "clip"}, ()),

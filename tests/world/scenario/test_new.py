@@ -1,7 +1,5 @@
 """``wmr-ctrl new``: a file that loads, is checked and drives, whatever was found."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """Overrides, as ``--set KEY=VALUE`` gives them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -14,7 +12,7 @@ from wmr_ctrl.world.scenario.raw import parse_key, parse_value
 
 
 @pytest.mark.parametrize(
-    ("text", "value"),
+    "text, value",
     [
         ("1", 1),
         ("1e3", 1000.0),
@@ -60,7 +58,7 @@ def test_assignments():
 
 
 @pytest.mark.parametrize(
-    ("overrides", "check"),
+    "overrides, check",
     [
         ({"robot.m": "60"}, lambda s: s.robot.m == 60.0),
         ({"robot.m": 60}, lambda s: s.robot.m == 60.0),
@@ -123,7 +121,7 @@ def test_odd_value_is_refused_in_words(key, value):
 
 
 @pytest.mark.parametrize(
-    ("overrides", "message"),
+    "overrides, message",
     [
         ({"robot.mass": 3}, r"^robot\.mass is not a key in robot; near: m"),
         ({"limts.v_u1": 3}, r"^limts is not a key .*near: limits"),
@@ -169,7 +167,7 @@ def test_a_file_of_points_is_found_from_where_one_stands(tmp_path, monkeypatch):
     assert again.reference.speed == 0.3
 
 
-def test_tables_that_are_given_stay_as_they_were() -> None:
+def test_tables_that_are_given_stay_as_they_were():
     given = {"robot": {"m": 52.0}}
     override(load_scenario("paper-simulation"), {**given, "robot.m": 60.0})
     assert given == {"robot": {"m": 52.0}}

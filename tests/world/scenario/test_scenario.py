@@ -1,7 +1,5 @@
 """The Scenario itself: its tables, its gains, and what follows from its fields."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import paper
@@ -46,7 +44,7 @@ def test_numbers_have_a_signal_at_their_key_and_the_references_at_their_name():
 
 
 @pytest.mark.parametrize(
-    ("raw", "words"),
+    "raw, words",
     [
         (3, "gains = 3 must be a table of laws"),
         ({"mb": 3}, "gains.mb = 3 must be a table of gains"),

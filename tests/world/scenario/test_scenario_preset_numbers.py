@@ -4,10 +4,7 @@ After a change that is meant, `python -m tests.world.scenario.test_scenario_pres
 the list anew.
 """
 
-from __future__ import annotations
-
 import tomllib
-from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 
@@ -23,7 +20,7 @@ ON_THE_MARKET = ("turtlebot3-burger", "turtlebot3-waffle", "irobot-create3", "cl
                  "clearpath-jackal")  # fmt: skip
 
 
-def tables(place: str, content: dict[str, object]) -> Iterator[str]:
+def tables(place, content):
     """A line a table: what it states by itself, then those within."""
     own = {key: value for key, value in content.items() if not isinstance(value, dict)}
     if own:
@@ -33,7 +30,7 @@ def tables(place: str, content: dict[str, object]) -> Iterator[str]:
             yield from tables(f"{place} {key}", value)
 
 
-def listed() -> Iterator[str]:
+def listed():
     for name in preset_names():
         text = (files("wmr_ctrl.world.scenario") / "presets" / f"{name}.toml").read_text("utf-8")
         yield from tables(name, {k: v for k, v in tomllib.loads(text).items() if k != "title"})

@@ -1,7 +1,5 @@
 """Presets against the numbers of the paper and of the project's conventions, typed by hand."""
 
-from __future__ import annotations
-
 import pickle
 
 import pytest

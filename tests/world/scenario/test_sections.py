@@ -3,15 +3,11 @@
 After a change that is meant, `python -m tests.world.scenario.test_sections` writes the list anew.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from pathlib import Path
 
 from wmr_ctrl.control.laws import LAWS
-from wmr_ctrl.core.fields.section import REQUIRED, Section, quantities
+from wmr_ctrl.core.fields.section import REQUIRED, quantities
 from wmr_ctrl.core.fields.unstated import Unstated
-from wmr_ctrl.core.fields.values import Quantity
 from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.scenario.scenario import sections
@@ -20,7 +16,7 @@ from wmr_ctrl.world.scenario.sections import Change
 LIST = Path(__file__).with_name("keys.txt")
 
 
-def tables() -> Iterator[tuple[str, type[Section]]]:
+def tables():
     yield from sections().items()
     yield "changes", Change
     yield from ((f"reference ({kind})", REFERENCES[kind].section) for kind in REFERENCES)
@@ -29,12 +25,12 @@ def tables() -> Iterator[tuple[str, type[Section]]]:
     yield from ((f"gains.{law}", own[law]) for law in own if is_ours(own[law]))
 
 
-def is_ours(section: type[Section]) -> bool:
+def is_ours(section):
     """False for gains of a law that another test registered."""
     return section.__module__.startswith("wmr_ctrl.")
 
 
-def line(key: str, what: Quantity) -> str:
+def line(key, what):
     """A key as a reader would state it: default, unit, and what else it may be."""
     ends = {n: getattr(what.bounds, n) for n in ("above", "minimum", "below", "maximum")}
     said = [f"{name} {end:g}" for name, end in ends.items() if end is not None]
@@ -48,7 +44,7 @@ def line(key: str, what: Quantity) -> str:
     return "; ".join([f"{key} = {default} [{what.unit}]", *said])
 
 
-def listed() -> str:
+def listed():
     lines = [line(f"{place}.{n}", what) for place, own in tables() for n, what in quantities(own)]
     return "".join(f"{item}\n" for item in lines)
 

@@ -1,7 +1,5 @@
 """Limits of both directions: what follows where they are left out, and what is refused."""
 
-from __future__ import annotations
-
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError
@@ -40,7 +38,7 @@ def test_an_override_moves_what_follows():
 
 
 @pytest.mark.parametrize(
-    ("stated", "said"),
+    "stated, said",
     [
         ({"v_min": (0.1, -1.0)}, r"v_min\[1\] = 0.1 must be at most 0: .*may stop"),
         ({"v_max": (1.0, -0.5)}, r"v_max\[2\] = -0.5 must be at least 0"),

@@ -1,7 +1,5 @@
 """Scenarios as TOML: files of users, ``extends``, and text that loads back equal."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -166,7 +164,7 @@ def test_same_kind_keeps_the_rest_of_the_extended_reference():
     assert paper_toml(text).reference == Line(speed=0.9, origin=(0.0, 1.0))
 
 
-@pytest.mark.parametrize(("duration", "left"), [(39.99, 0), (40.0, 0), (40.01, 1)])
+@pytest.mark.parametrize("duration, left", [(39.99, 0), (40.0, 0), (40.01, 1)])
 def test_a_change_at_the_very_end_is_not_reached(duration, left):
     text = f'extends = "paper-simulation"\n[clock]\nduration = {duration}\n'
 

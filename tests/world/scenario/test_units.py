@@ -1,7 +1,5 @@
 """Values that look like a slip of units are asked about, with the unit that may be meant."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -39,7 +37,7 @@ def asked(scenario):
     return [sentence for _, sentence in unit_questions(scenario)]
 
 
-@pytest.mark.parametrize(("overrides", "question"), SLIPS.values(), ids=SLIPS)
+@pytest.mark.parametrize("overrides, question", SLIPS.values(), ids=SLIPS)
 def test_a_slip_is_asked_about_with_its_remedy(overrides, question):
     assert any(question in item for item in asked(load_scenario("far-start", overrides)))
 
@@ -85,7 +83,7 @@ def test_a_value_beyond_its_bound_is_asked_about():
 
 
 @pytest.mark.parametrize(
-    ("size", "words"),
+    "size, words",
     [(1e-3, ""), (1.0, "5.41 km long. Millimetres?"), (0.15, "takes 1.2 h for 812.1 m")],
 )
 def test_a_very_long_way_is_asked_about(size, words):

@@ -1,7 +1,5 @@
 """What a file calls assumed is listed until somebody states it; presets are whole."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.papers_robot import HEAD

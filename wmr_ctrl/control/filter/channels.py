@@ -57,6 +57,8 @@ FLAG_NAMES = {
     NO_DISTANCE: "no-distance",
     LIMIT_REFUSED: "limit-refused",
 }
+TOLD_FLAGS = (SLOWING, NEAR_BY, NO_DISTANCE, LIMIT_REFUSED)
+"""Flags of a filter that is told limits or free ways."""
 FLAG_MEANINGS = {
     LIMITED: "the command was not sent as it came",
     UNUSED: "no odometry was used",

@@ -279,10 +279,10 @@ def passing_commands(scenario: Scenario) -> list[tuple[str, Pair, Pair]]:
 
     This is valid for any history: the limits are the clip's own, and a governor's are never
     smaller, since its speed bound is at most V (ledger: filter.contains-clip).  For a clip without
-    slew or a governor; empty without filter, and where each step is told its limits or ways.  0 if
-    no command passes.
+    slew or a governor, as runs have it; empty without filter.  0 if no command surely passes, as
+    where obstacles are in the way.
     """
-    if scenario.filter.kind == "none" or scenario.filter.is_told:
+    if scenario.filter.kind == "none":
         return []
     check_filter(scenario)
     built: Clip | Governor = (
@@ -295,7 +295,7 @@ def passing_commands(scenario: Scenario) -> list[tuple[str, Pair, Pair]]:
     numbers = [stack(item.sym for item in ports)]
     graph = ca.Function("passing", numbers, [ca.horzcat(-back, ahead), rows, built.sound])
     most, sides, sound = (item.full() for item in graph(values(ports)))
-    most = most * sound
+    most = most * sound * (scenario.filter.free_error is None or not scenario.obstacles)
     names = SIDES[2:] if scenario.filter.channels == "wheels" else SIDES
     return [
         (name, (float(row[0]), float(row[1])), (float(ends[0]) * SHRUNK, float(ends[1]) * SHRUNK))

@@ -57,6 +57,12 @@ def _of_long_times(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
 def check_single_precision(scenario: Scenario) -> None:
     """Raise ScenarioError for a governor whose bounds rise by less than a float's rounding."""
     settings, T = scenario.filter, scenario.clock.control
+    if settings.is_told:
+        raise ScenarioError(
+            "filter.changing, filter.free_error and filter.rest need double precision: nobody has "
+            "bounded what roundings of single precision take of a stop. Write the package without "
+            "--float32."
+        )
     for axis, plan in enumerate(schedules(scenario)):
         _, slowest = settings.intervals("tau")[axis]
         longest = T / (SHORTEST_SINGLE * _most_pieces(plan))

@@ -79,8 +79,8 @@ class Leaving:
     """How a base that the governor stopped is driven away.
 
     ``roll`` [m]: largest way of one release. ``least`` [m/s]: least command that drives away,
-    whatever pushes; None if the limit admits none. ``hold`` [s]: for how long it is to be held, with
-    the largest command. ``rest`` [s]: until the base is known to stand.
+    whatever pushes; None if the limit admits none. ``hold`` [s]: for how long the largest command
+    is to be held. ``rest`` [s]: until the base is known to stand.
     """
 
     roll: float

@@ -44,11 +44,17 @@ from .governor import NEAR, FirstOrder, Schedule, SpeedBound, largest
 from .governor_step import Governor, Sides
 from .ways import Reached, Stop, ToldBound
 
-LIMITS = Signal("limits", "m/s, rad/s", "limits in force: v_min, v_max, omega_min, omega_max", 4)
-FREE = Signal("free", "m, rad", "free way ahead and behind, left and right; inf: no limit", 4)
+LIMITS = Signal(
+    "limits", "m/s, m/s, rad/s, rad/s", "limits in force: v_min, v_max, omega_min, omega_max", 4
+)
+FREE = Signal(
+    "free", "m, m, rad, rad", "free way ahead and behind, left and right; inf: no limit", 4
+)
 FREE_AGE = Signal("free_age", "s", "age of the free ways; negative: none is told")
-FREE_KNOWN = Signal("free_known", "m, rad", "least free ways since they were told", 4)
-WAITED = Signal("waited", "m/s, rad/s", "refused pull away from each side, summed over steps", 4)
+FREE_KNOWN = Signal("free_known", "m, m, rad, rad", "least free ways since they were told", 4)
+WAITED = Signal(
+    "waited", "m/s, m/s, rad/s, rad/s", "refused pull away from each side, summed over steps", 4
+)
 RESTED = Signal("rested", "1", "commands of (0, 0) in a row, in time")
 LEAST_PULL = 1e-9
 """Least speed away [m/s, rad/s] that counts as one."""
@@ -465,7 +471,7 @@ def _is_number(value: ca.SX) -> ca.SX:
 
 def _most(age: int) -> Signal:
     said = f"bound of v, omega and of their negatives while the command of {age} samples ago acts"
-    return Signal(f"v_most_{age}", "m/s, rad/s", said, 4)
+    return Signal(f"v_most_{age}", "m/s, rad/s, m/s, rad/s", said, 4)
 
 
 def _held(age: int) -> Signal:

@@ -3,10 +3,11 @@
 import builtins
 import inspect
 import os
+import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import lru_cache, wraps
-from itertools import islice
+from itertools import islice, repeat
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType, UnionType
@@ -16,12 +17,6 @@ from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, show
 
 LOOKED_AT = 1000
 """Elements of a collection whose type is looked at; there may be millions of seeds."""
-WORDS: Mapping[object, str] = {
-    str: "a text", bool: "True or False", int: "a whole number", float: "a number",
-    NoneType: "None", Path: "a path", os.PathLike: "a path", Callable: "a function",
-    type: "a class",
-}  # fmt: skip
-
 _EITHER = inspect.Parameter.POSITIONAL_OR_KEYWORD
 
 P = ParamSpec("P")
@@ -114,26 +109,8 @@ def fits(value: object, hint: object) -> bool:
 
 
 def words(hint: object) -> str:
-    """A type hint in words, such as ``a text or None``."""
-    parts = list(dict.fromkeys(_word(part) for part in _parts(hint)))
-    return " or ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
-
-
-def _word(part: object) -> str:
-    kind, inner = _kind(part), get_args(part)
-    if kind in (Mapping, dict):
-        return f"a mapping from {_plural(inner[0])}" if inner else "a mapping"
-    if kind in _LISTS:
-        return f"a list of {_plural(inner[0])}" if inner else "a list"
-    name = kind.__name__ if isinstance(kind, type) else str(kind)
-    if name == "ndarray":
-        return "an array"
-    return WORDS.get(kind) or f"{'an' if name[0] in 'AEIO' else 'a'} {name}"
-
-
-def _plural(hint: object) -> str:
-    noun, of, rest = words(hint).partition(" of ")
-    return f"{noun.partition(' ')[2]}s{of}{rest}"
+    """A type hint as it is written, such as ``str | None``."""
+    return re.sub(r"\w+\.", "", inspect.formatannotation(hint))
 
 
 @lru_cache(maxsize=1024)
@@ -173,8 +150,9 @@ def _is_a(value: object, kind: object, inner: tuple[Any, ...]) -> bool:
 def _holds(value: object, inner: tuple[Any, ...]) -> bool:
     """True if a collection's elements match; an iterator is not consumed."""
     if isinstance(value, Collection):
+        hints = repeat(inner[0]) if len(inner) == 1 or Ellipsis in inner else inner
         try:
-            return all(fits(item, inner[0]) for item in islice(value, LOOKED_AT))
+            return all(map(fits, islice(value, LOOKED_AT), hints))
         except TypeError:
             return False  # an array without dimensions
     return True

@@ -5,7 +5,6 @@ its suffix says that it is meant.
 """
 
 import os
-import re
 import tomllib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -19,8 +18,6 @@ AnyPath: TypeAlias = str | os.PathLike[str]
 LARGEST_FILE = 1_000_000
 """Bytes; a scenario is far smaller."""
 TOML = (".toml",)
-EXCERPT = 72
-"""Characters of a line that are shown at most, around the column."""
 _COMMAND = ContextVar[tuple[dict[Path, str], set[Path]] | None]("files of a command", default=None)
 
 
@@ -118,38 +115,12 @@ def decode(data: bytes, what: str, largest: int = LARGEST_FILE) -> str:
 def parse_toml(text: str, what: str | Path, remedy: str = "") -> dict[str, object]:
     """Return TOML text as a dictionary.
 
-    Raises ScenarioError: ``what``, line and column, why, ``remedy``; its note is the line with a
-    caret below the column.
+    Raises ScenarioError: ``what``, why, line and column, ``remedy``.
     """
     try:
         return tomllib.loads(text)
     except RecursionError:
         raise ScenarioError(f"{what} is not usable TOML: it is nested too deeply.") from None
     except ValueError as problem:
-        reason, line, column = _place(str(problem), text)
-        error = ScenarioError(
-            f"{what} is not valid TOML (line {line}, column {column}): {reason}. {remedy}".rstrip()
-        )
-        error.add_note(excerpt(text, line, column))
-        raise error from None
-
-
-_AT = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
-
-
-def _place(problem: str, text: str) -> tuple[str, int, int]:
-    """Reason, line and column (from 1) of a parser's message; by default the end of the text."""
-    place = _AT.fullmatch(problem)
-    lines = text.rstrip().split("\n")
-    reason, line, column = place.groups() if place else (problem, len(lines), len(lines[-1]) + 1)
-    reason = reason.removesuffix(" (at end of document)")[:200]
-    return printable(reason[:1].lower() + reason[1:]), int(line), int(column)
-
-
-def excerpt(text: str, line: int, column: int) -> str:
-    """Return a line of a text, indented, with a caret below a column; both count from 1."""
-    whole = printable(text.split("\n")[line - 1].rstrip("\r"))
-    begin = max(0, column - EXCERPT) if len(whole) > EXCERPT else 0
-    head = f"  {line} | "
-    cut = whole[begin : begin + EXCERPT]
-    return f"{head}{cut}\n{' ' * (len(head) + column - 1 - begin)}^"
+        why = printable(str(problem)[:200])
+        raise ScenarioError(f"{what} is not valid TOML: {why}. {remedy}".rstrip()) from None

@@ -17,7 +17,7 @@ import numpy as np
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.codegen.kernels import sizes_of
 from wmr_ctrl.control.controller import asking_controller, guard
-from wmr_ctrl.control.filter.channels import AXES, FLAG_MEANINGS, FLAG_NAMES, FLAGS, SENT, has_bit
+from wmr_ctrl.control.filter.channels import AXES, FLAG_MEANINGS, FLAG_NAMES, FLAGS, SENT, TOLD_FLAGS, has_bit
 from wmr_ctrl.control.filter.filter import called_filter
 from wmr_ctrl.control.loop import rolling_of
 from wmr_ctrl.control.numbers import Range, clock_of, ranges_of
@@ -116,6 +116,7 @@ def filter_model(scenario: Scenario) -> FmuModel:
             has_bit(results[FLAGS], bit),
         )
         for bit, name in FLAG_NAMES.items()
+        if scenario.filter.is_told or bit not in TOLD_FLAGS
     )
     shown = (Output(SHARE, ca.vertcat(*shares)), *flags)
     return _counting("filter", scenario, replace(system, diagnostics=shown))

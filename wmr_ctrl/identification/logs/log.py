@@ -123,9 +123,8 @@ def log_of(
 ) -> Log:
     """A log from a file, a run, a drive, or columns by ``name [unit]``.
 
-    ``topics`` are of a bag, by role, and ``columns`` a table's names by ours.  A bag that a run was
-    saved in is that run, unless topics are named.  Raises LogError, ResultFileError, ArgumentError,
-    MissingExtraError.
+    ``topics`` are of a bag, by role, and ``columns`` a table's names by ours.  Raises LogError,
+    ResultFileError, ArgumentError, MissingExtraError.
     """
     if topics and not isinstance(given, str | Path):
         raise ArgumentError("topics can only be given with the path of a bag. Leave them out.")

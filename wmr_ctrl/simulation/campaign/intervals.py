@@ -3,26 +3,21 @@
 A rule examines the runs of a case only after fixed numbers of seeds, doubling from ``first``.  Each
 of the J looks that the plan allows uses an interval of confidence 1 - (1 - c)/J (Bonferroni), so
 that all of them together are correct with probability c at least, wherever the rule stops: exactly
-for Clopper and Pearson's interval of a share, nearly for Wilson's and for the bootstrap of a mean.
+for Clopper and Pearson's interval of a share, nearly for the bootstrap of a mean.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.section import REQUIRED, Section, quantity
 from wmr_ctrl.results.figures import SHARES
 
 Floats = NDArray[np.float64]
-EXACT, WILSON, BOOTSTRAP = "clopper-pearson", "wilson", "bootstrap"
 RESAMPLES = 2000
 
 
 class StopRule(Section, key="stop"):
-    """Rule to stop a case: the interval of its figure is narrow enough.
-
-    ``interval`` "": Clopper-Pearson of a share, the bootstrap of a mean.
-    """
+    """Rule to stop a case: the interval of its figure is narrow enough."""
 
     figure: str = quantity(REQUIRED, "1", "figure whose interval decides", kind="text")
     half_width: float = quantity(
@@ -30,21 +25,11 @@ class StopRule(Section, key="stop"):
     )
     confidence: float = quantity(0.95, "1", "of the interval", above=0, below=1)
     first: int = quantity(32, "1", "seeds before the first look", minimum=2)
-    interval: str = quantity("", "1", "kind of interval")
 
     @property
     def share(self) -> bool:
         """True for a figure that is 0 or 1 in each run."""
         return self.figure in SHARES
-
-    def relate(self) -> None:
-        """Raise ArgumentError if the interval does not suit the figure."""
-        allowed = ("", EXACT, WILSON) if self.share else ("", BOOTSTRAP)
-        if self.interval not in allowed:
-            raise ArgumentError(
-                f"stop.interval = {self.interval!r} does not fit {self.figure}; known: "
-                f"{', '.join(name for name in allowed if name)}."
-            )
 
     def looks(self, seeds: int) -> list[int]:
         """Numbers of seeds after which the rule is evaluated; the last is all of them."""
@@ -66,19 +51,14 @@ class StopRule(Section, key="stop"):
         """The interval of the share or mean of ``values``."""
         if not self.share:
             return bootstrap(values, confidence, cell)
-        return of_share(int(np.sum(values > 0)), len(values), confidence, self.interval)
+        return of_share(int(np.sum(values > 0)), len(values), confidence)
 
 
-def of_share(hits: int, count: int, confidence: float, kind: str) -> tuple[float, float]:
-    """Interval of a share: Clopper and Pearson's, or Wilson's.
-
-    The first contains any true share with at least this probability; Wilson's is shorter, and right
-    on average.
-    """
+def of_share(hits: int, count: int, confidence: float) -> tuple[float, float]:
+    """Clopper and Pearson's interval: it has any true share with at least this probability."""
     from scipy.stats import binomtest  # slow to import, and seldom needed
 
-    method = "wilson" if kind == WILSON else "exact"
-    return binomtest(hits, count).proportion_ci(confidence, method)
+    return binomtest(hits, count).proportion_ci(confidence)
 
 
 def bootstrap(values: Floats, confidence: float, key: int = 0) -> tuple[float, float]:

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.core.data import data, with_tuples
 from wmr_ctrl.core.errors import library
-from wmr_ctrl.results.figures import Figure
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override, scenario_dict
 
 from .intervals import StopRule
@@ -27,11 +26,6 @@ from .intervals import StopRule
 Overrides: TypeAlias = Mapping[str, object]
 """Fields of a scenario by key path, such as ``clock.control``."""
 LATIN, SOBOL, UNIFORM = "latin-hypercube", "sobol", "uniform"
-CORRIDOR = Figure(
-    "corridor", "m", "certified distance from the path: of law and scenario, not of a run",
-    lambda _: None,
-)  # fmt: skip
-"""Figure of a plan's case, the same for all its seeds; on the plane model."""
 MOST_SEEDS_EACH = 10_000
 """Seeds of a study that names no number of its own: at most these are asked for."""
 

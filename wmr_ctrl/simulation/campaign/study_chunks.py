@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -19,13 +19,8 @@ from wmr_ctrl.simulation.many import tabulated
 from wmr_ctrl.simulation.memory import Task
 from wmr_ctrl.simulation.runnable import RunnableLoop
 
-from .engine import (
-    Refusal,
-    accepted,
-    built_loops,
-    case_key,
-)
-from .plan import CORRIDOR, PlannedCase
+from .engine import Refusal, accepted, built_loops
+from .plan import PlannedCase
 
 THREADS, DASK, SCHEME = "threads", "dask", "dask://"
 PATIENCE = 20.0
@@ -83,27 +78,13 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
             from wmr_ctrl.simulation.physics.run import rigid_table
 
             tabulate = rigid_table
-        further = [name for name in chunk.figures if name not in (*SHARES, CORRIDOR.name)]
+        further = [name for name in chunk.figures if name not in SHARES]
         table = tabulate([Task(loop, seed) for loop, seed in ready], further, jobs)
         columns = {"violated": table["violations"] > 0, **table}
-        if CORRIDOR.name in chunk.figures:
-            columns[CORRIDOR.name] = _corridors([chunk.runs[k][0] for k in places])
         outcome[places] = table["outcome"]
         for name in chunk.figures:
             rows[name][places] = columns[name]
     return {"outcome": outcome, "refusal": np.array(refusal), **rows}
-
-
-def _corridors(cases: Sequence[PlannedCase]) -> np.ndarray:
-    """Corridor [m] of each run's case, NaN without one; MissingExtraError without proofs."""
-    from wmr_ctrl.theory.corridor import find_corridor
-    from wmr_ctrl.theory.door import proofs
-
-    proofs()
-
-    different = {case_key(case): case for case in cases}
-    known = {k: find_corridor(case.overridden(), case.law) for k, case in different.items()}
-    return np.array([known[case_key(case)].position for case in cases], dtype=float)
 
 
 @contextmanager

@@ -19,11 +19,11 @@ from wmr_ctrl.core.fields.section import Section, build, quantities, quantity
 from wmr_ctrl.core.fields.values import SEED_END, Frozen, as_list
 from wmr_ctrl.results import PLANTS
 from wmr_ctrl.results.figures import FIGURES, RIGID, SHARES, SUMMED
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override, sections
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 from wmr_ctrl.world.scenario.toml_io import is_path, naming_file, stated_keys
 
 from .intervals import StopRule
-from .plan import CORRIDOR, LATIN, SOBOL, UNIFORM, SamplePlan, Study
+from .plan import LATIN, SOBOL, UNIFORM, SamplePlan, Study
 
 Raw: TypeAlias = Mapping[str, object]
 ENABLED = "guard.enabled"
@@ -88,13 +88,6 @@ def load_plan(path: str | Path) -> Study:
     raw = parse_toml(read_text(file, "plan"), file)
     if not raw:
         raise ArgumentError(f'{file} is empty. Give at least one key, such as laws = ["nn"].')
-    alone = {"title", "extends", "changes", "gains", "reference", *sections()} - {*KEYS}
-    if alone & raw.keys():
-        raise ArgumentError(
-            f"{file} is a scenario, not a study plan. A plan is a file of its own that names a "
-            f'scenario and what to run on it: scenario = "{file.name}", laws = ["prox"], seeds = '
-            f"20. For one run use `wmr-ctrl run {file}`."
-        )
     with naming_file(file):
         return plan_of(raw, file.parent)
 
@@ -239,7 +232,6 @@ def _figures(names: Sequence[str], plant: str) -> tuple[str, ...]:
     if not names:
         return (*SHARES, *(f.name for f in (*SUMMED, *(RIGID if on_tyres else ()))))
     known = [figure.name for figure in FIGURES if on_tyres or figure not in RIGID]
-    known += [] if on_tyres else [CORRIDOR.name]
     for name in names:
         if name not in known:
             raise UnknownNameError("figure", name, known)

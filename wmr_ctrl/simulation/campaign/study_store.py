@@ -4,29 +4,27 @@ study.json      the plan, its identity, what made the results
 chunks/*.npz    rows of finished chunks: index, outcome, refusal, figures
 columns.csv     name, unit and meaning of the table's columns
 table.csv       one row a run, in the order of the index; empty where a figure is not finite
-table.parquet   the same by columns, where it is asked for; pyarrow writes it
 """
 
-import csv
 import heapq
 import json
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
-from wmr_ctrl.core.errors import ResultFileError, library
-from wmr_ctrl.results import FIGURES, atomic_path, atomic_text
+from wmr_ctrl.core.errors import ResultFileError
+from wmr_ctrl.results import FIGURES, atomic_text
 from wmr_ctrl.results.files import atomic_write, write_csv
 from wmr_ctrl.world.scenario import Section, quantities
 
-from .plan import CORRIDOR, Study
+from .plan import Study
 
 Rows = Mapping[str, NDArray[np.generic]]
 """``index``, ``outcome``, ``refusal`` and an array a figure, one row a run."""
@@ -35,7 +33,6 @@ REFUSAL = "refusal"
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 """A number within the words of a refusal; the one in ``v_u1`` is none."""
 FORMAT = "wmr_ctrl study, version 1"
-TEXTS, COUNTS = ("law", "outcome", "refusal"), ("index", "seed")
 
 
 class StudyFolder:
@@ -107,23 +104,14 @@ class StudyFolder:
 def counted_reasons(refusals: Iterable[str]) -> dict[str, int]:
     """Counts of each reason among texts, the most frequent first; empty texts are skipped.
 
-    Reasons that differ only in numbers are merged; "..." replaces the differing parts.
+    Reasons that differ only in numbers are one, with the numbers of the first.
     """
-    counts: dict[str, int] = {}
-    numbers: dict[str, list[str | None]] = {}
+    counts, first = Counter[str](), dict[str, str]()
     for text in filter(None, refusals):
-        words, values = NUMBER.sub("\0", text), NUMBER.findall(text)
-        before = numbers.setdefault(words, values)
-        numbers[words] = [a if a == b else None for a, b in zip(before, values, strict=True)]
-        counts[words] = counts.get(words, 0) + 1
-    ranked = sorted(counts, key=lambda words: -counts[words])
-    return {_filled(words, numbers[words]): counts[words] for words in ranked}
-
-
-def _filled(words: str, numbers: Sequence[str | None]) -> str:
-    shown = ["..." if number is None else number for number in numbers]
-    parts = zip(words.split("\0"), [*shown, ""], strict=True)
-    return "".join(part + number for part, number in parts)
+        words = NUMBER.sub("", text)
+        first.setdefault(words, text)
+        counts[words] += 1
+    return {first[words]: count for words, count in counts.most_common()}
 
 
 def described_columns(plan: Study) -> Iterator[tuple[str, str, str]]:
@@ -139,8 +127,7 @@ def described_columns(plan: Study) -> Iterator[tuple[str, str, str]]:
         yield key, unit, meaning
     yield "outcome", "", "how the run ended; refused: a guard that cannot keep its limits"
     for name in plan.figures:
-        figure = CORRIDOR if name == CORRIDOR.name else FIGURES[name]
-        yield figure.name, figure.unit, figure.meaning
+        yield name, FIGURES[name].unit, FIGURES[name].meaning
     yield REFUSAL, "", "why the guard refused the run, else empty"
 
 
@@ -215,57 +202,9 @@ def finished_study(folder: Path) -> Iterator[None]:
     except ResultFileError:
         raise
     except (OSError, KeyError, ValueError, StopIteration) as error:
-        raise ResultFileError(_unfinished(folder, error)) from error
-
-
-def _unfinished(folder: Path, error: Exception) -> str:
-    """Why no study was found, with the remedy."""
-    if not folder.exists():
-        why = f"there is no folder {str(folder)!r}."
-    elif isinstance(error, OSError) and error.filename:
-        reason = "is missing" if isinstance(error, FileNotFoundError) else "cannot be read"
-        why = f"{str(folder)!r} holds no finished study: {Path(error.filename).name} {reason}."
-    else:
-        why = f"{str(folder)!r} holds no finished study: its files are damaged or not a study's."
-    return (
-        f"{why} Name the folder that `wmr-ctrl study PLAN.toml --out DIR` wrote, once the study "
-        "has run to its end."
-    )
-
-
-def write_columns(folder: str | Path) -> Path:
-    """Write table.parquet atomically beside a study's table.csv; returns its path.
-
-    Numbers are doubles, empty cells null; index and seed integers, guard a Boolean, lists of a grid
-    their JSON text.  Raises ResultFileError if no study is finished or the file cannot be written,
-    MissingExtraError without pyarrow.
-    """
-    where = Path(folder)
-    arrow: Any = library("pyarrow")
-    read, write = library("pyarrow.csv"), library("pyarrow.parquet")
-    named = {"string": arrow.string(), "int64": arrow.int64(), "bool": arrow.bool_(),
-             "double": arrow.float64()}  # fmt: skip
-    kinds = {name: named[kind] for name, kind in _kinds(where).items()}
-    options = read.ConvertOptions(column_types=kinds, strings_can_be_null=False)
-    target = where / "table.parquet"
-    with (
-        atomic_path(target) as scratch,
-        read.open_csv(where / "table.csv", convert_options=options) as blocks,
-        write.ParquetWriter(scratch, blocks.schema) as file,
-    ):
-        for block in blocks:
-            file.write_batch(block)
-    return target
-
-
-def _kinds(folder: Path) -> dict[str, str]:
-    with finished_study(folder):
-        plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
-        with (folder / "table.csv").open(newline="", encoding="utf-8") as file:
-            names = next(csv.reader(file))
-    kinds = dict.fromkeys(names, "double") | dict.fromkeys(TEXTS, "string")
-    kinds |= dict.fromkeys(COUNTS, "int64") | {"guard": "bool"}
-    for key, values in plan["grid"].items():
-        numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
-        kinds[key] = "double" if numbers else "string"
-    return kinds
+        file = error.filename if isinstance(error, OSError) else None
+        why = f"{Path(file).name} cannot be read" if file else "its files are damaged"
+        raise ResultFileError(
+            f"{str(folder)!r} holds no finished study: {why}. Name the folder that `wmr-ctrl "
+            "study PLAN.toml --out DIR` wrote, once the study has run to its end."
+        ) from error

@@ -24,13 +24,13 @@ import numpy as np
 
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.given import LawGiven, law_name
-from wmr_ctrl.control.laws.registry import LAWS, NAMES
+from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import one_command
 from wmr_ctrl.core.fields.section import Section, numbers_in
 from wmr_ctrl.results import FIGURES, RunTable, atomic_text, check_writable
-from wmr_ctrl.simulation.engines import runnable, table_of
+from wmr_ctrl.simulation.engines import table_of
 from wmr_ctrl.simulation.many import checked_seeds
 from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
 from wmr_ctrl.theory.door import proofs
@@ -143,10 +143,8 @@ def tune(
     ``weight`` [m/(N m)] weights torque change; ``hold`` lists keys of gains to keep; ``merit`` is
     "tracking", the distance in runs, or "corridor", the certified one (which takes the extra
     proofs, and a scenario and law that `find_corridor` covers); ``trials`` sets of gains are tried,
-    rounded up to whole generations. Until the end they are stored in ``out``.trials.json, so that
-    after an interruption the same call continues, with the same result. Raises MissingExtraError
-    without the extra tune, ArgumentError (that file belongs to another search, say), ScenarioError,
-    UnknownNameError, ResultFileError.
+    rounded up to whole generations. Raises MissingExtraError without the extra tune, ArgumentError,
+    ScenarioError, UnknownNameError, ResultFileError.
     """
     law = law_name(law)
     chosen = scenario_of(scenario)
@@ -162,20 +160,11 @@ def tune(
     )
     if merit == search.CORRIDOR:
         _check_corridor(chosen, law)
-    target, start, text = check_writable(out), _start(plan), to_toml(chosen, comments=False)
-    # Another file of the same name is another search, by its compiled loop.
-    code = "" if law in NAMES else runnable(_unguarded(chosen), law).compiled.digest
-    digest = search.digest_of(
-        text, law, code, plan.seeds, weight, plan.hold, merit, _masses(chosen)
-    )
-    tries = search.Trials(target, digest)
+    target, start = check_writable(out), _start(plan)
     tell, optimiser = progress or (lambda share: None), search.Search(start)
     while optimiser.tried < plan.trials:
         candidates = optimiser.ask()
-        costs = tries.known(optimiser.generation)
-        if costs is None:
-            costs = _costs(plan, [optimiser.gains(item) for item in candidates], jobs)
-            tries.keep(costs)
+        costs = _costs(plan, [optimiser.gains(item) for item in candidates], jobs)
         optimiser.tell(candidates, costs)
         tell(SEARCH * min(1.0, optimiser.tried / plan.trials))
     best = optimiser.best()
@@ -190,7 +179,6 @@ def tune(
     tuning = Tuning(plan, better, best, (first, last), before, after, target, tubes)
     with atomic_text(target) as file:
         file.write(_document(tuning))
-    tries.forget()
     tell(1.0)
     return tuning
 

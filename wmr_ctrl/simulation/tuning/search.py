@@ -1,19 +1,16 @@
-"""The search behind tuning: its plan, CMA-ES over logarithms of gains, and its trials on disk."""
+"""The search behind tuning: its plan, and CMA-ES over logarithms of gains."""
 
-import hashlib
-import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, fields
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
 from wmr_ctrl.control.laws.law import Law
 from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, library, show
-from wmr_ctrl.results import Floats, atomic_text
+from wmr_ctrl.results import Floats
 from wmr_ctrl.world.scenario import Scenario
 
 MOST_TRIALS = 100_000
@@ -114,12 +111,6 @@ class Cost:
         return f"{1e3 * self.metres:.4g} mm{' without a corridor' if self.refused else ''}{ended}"
 
 
-def digest_of(*parts: object) -> str:
-    """Hash that distinguishes searches."""
-    rules = (SPREAD, WIDEST, DIGITS, [item.name for item in fields(Cost)])
-    return hashlib.sha256(repr((*parts, *rules)).encode()).hexdigest()
-
-
 class Search:
     """CMA-ES over the logarithms of gains relative to the start's; deterministic for a plan."""
 
@@ -133,13 +124,13 @@ class Search:
             "tolflatfitness": 10**9,
         }  # fmt: skip
         self._engine = library("cma", "tune").CMAEvolutionStrategy(np.zeros(size), SPREAD, options)
-        self.tried = self.generation = 0
+        self.tried = 0
         self._best = Cost(True, sys.maxsize, math.inf), np.zeros(size)
 
     def ask(self) -> list[Floats]:
         """Candidates of the next generation; the start is one of the first ones."""
         asked = [np.asarray(item, dtype=float) for item in self._engine.ask()]
-        if self.generation == 0:
+        if self.tried == 0:
             asked[0] = np.zeros_like(asked[0])
         return asked
 
@@ -151,7 +142,6 @@ class Search:
         if least < self._best[0]:
             self._best = least, candidates[costs.index(least)]
         self.tried += len(candidates)
-        self.generation += 1
 
     def gains(self, logarithms: Floats) -> dict[str, tuple[float, ...]]:
         """Gains by key, rounded to their printed digits."""
@@ -164,50 +154,3 @@ class Search:
     def best(self) -> dict[str, tuple[float, ...]]:
         """The gains with the least cost."""
         return self.gains(self._best[1])
-
-
-def trials_file(target: Path) -> Path:
-    """File that stores the trials until ``target`` is written."""
-    return target.with_name(f"{target.name}.trials.json")
-
-
-class Trials:
-    """Costs of the generations so far, in a file beside the result."""
-
-    def __init__(self, target: Path, digest: str) -> None:
-        """Open the file beside ``target``; raises ArgumentError if it belongs to another search."""
-        self.path, self.digest = trials_file(target), digest
-        self.costs: list[list[Cost]] = []
-        if self.path.exists():
-            self.costs = self._read()
-
-    def _read(self) -> list[list[Cost]]:
-        try:
-            content = json.loads(self.path.read_text(encoding="utf-8"))
-            digest, costs = content["search"], content["costs"]
-        except (OSError, ValueError, KeyError, TypeError):
-            digest, costs = "", []
-        if digest != self.digest:
-            raise ArgumentError(
-                f"{str(self.path)!r} holds the trials of another search (of another scenario, law, "
-                "seeds or weight), or is damaged. Remove it, or write the result elsewhere."
-            )
-        return [
-            [Cost(bool(refused), int(lost), float(metres)) for refused, lost, metres in generation]
-            for generation in costs
-        ]
-
-    def known(self, generation: int) -> list[Cost] | None:
-        """Costs of a generation that was evaluated before; None for a new one."""
-        return self.costs[generation] if generation < len(self.costs) else None
-
-    def keep(self, costs: list[Cost]) -> None:
-        """Store the costs of a further generation."""
-        self.costs.append(costs)
-        with atomic_text(self.path) as file:
-            costs_told = [[astuple(cost) for cost in generation] for generation in self.costs]
-            json.dump({"search": self.digest, "costs": costs_told}, file)
-
-    def forget(self) -> None:
-        """Delete the file when the search is over."""
-        self.path.unlink(missing_ok=True)

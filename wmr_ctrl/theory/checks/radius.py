@@ -174,41 +174,19 @@ def supremum(
 
 
 def edge(of: Callable[[float], float], stable: float, unstable: float) -> float:
-    """The last stable value between ``stable`` and ``unstable``, by the spectral radius ``of``."""
-    return crossing(lambda value: of(value) - 1 - MARGIN, stable, unstable)
+    """The last stable value between ``stable`` and ``unstable``, by the spectral radius ``of``.
 
-
-def crossing(
-    excess: Callable[[float], float], inside: float, outside: float, rtol: float = RTOL
-) -> float:
-    """An x between ``inside`` and ``outside`` with ``excess(x)`` <= 0, next to one with excess
-    above 0.
-
-    It is the last such x if excess changes its sign once on the way.  Excess is positive at
-    ``outside``, which may be the smaller of the two.  Guesses are on the line through the last two
-    points outside, if there are two: a mode that stays at 1 makes excess flat inside.  Each trial
-    is placed beyond the guess, so that both ends move, and at least every second step halves the
-    interval.
+    It is that of the whole range if ``of`` passes 1 once in it.
     """
-    span, size = outside - inside, max(abs(inside), abs(outside))
-    tolerance = rtol * size / abs(span)
-    low, high, above = 0.0, 1.0, min(excess(outside), 1.0)
-    other, beyond, halve = low, excess(inside), False
-    while (width := high - low) > tolerance:
-        steep = above != beyond
-        guess = high - above * (high - other) / (above - beyond) if steep else low
-        if halve or not low < guess < high:
-            share = (low + high) / 2
-        else:
-            left, right = guess - low, high - guess
-            shift = max(0.4 * tolerance, min(0.5 * min(left, right), 0.2 * width**2))
-            share = guess + math.copysign(shift, right - left)
-            share = min(max(share, low + tolerance / 4), high - tolerance / 4)
-        value = excess(inside + share * span)
-        if value <= 0:
-            low = share
-            other, beyond = (low, value) if beyond <= 0 else (other, beyond)
-        else:
-            other, beyond, high, above = high, above, share, min(value, 1.0)
-        halve = high - low > width / 2
-    return inside + low * span
+    from scipy.optimize import brentq  # slow to import, and not needed for most verdicts
+
+    kept = [stable]
+
+    def excess(value: float) -> float:
+        above = min(of(value) - 1 - MARGIN, 1.0)  # brentq interpolates no infinity
+        if above <= 0:
+            kept.append(value)
+        return above
+
+    brentq(excess, stable, unstable, xtol=RTOL * max(stable, unstable))
+    return min(kept, key=lambda value: abs(value - unstable))

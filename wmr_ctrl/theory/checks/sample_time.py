@@ -31,7 +31,7 @@ from .stable_ranges import (
 )
 from .surroundings import delays_by_name
 from .torques import first_torques
-from .warning import SPEEDS, UNITS, gains_that_fit, joined
+from .warning import SPEEDS, UNITS, as_tuned, joined
 
 SAFE = 0.5
 """Share of a stability limit that the remedies propose."""
@@ -126,7 +126,7 @@ def _unstable(loop: Loop) -> Warning:
             )
         return Warning(
             PERIOD,
-            f"{beginning}: lower {lower}{gains_that_fit(loop, _stable)}.",
+            f"{beginning}: lower {lower}{as_tuned(loop)}.",
             f"{loop.equations}, linearised",
         )
     choice = f"{low:.3g} to {limit:.3g} s" if low else f"{SAFE * limit:.2g} s or less"
@@ -136,7 +136,7 @@ def _unstable(loop: Loop) -> Warning:
         PERIOD,
         f"clock.control = {period:g} s is above {limit:.4g} s, the longest period for which "
         f"{loop.law} is stable around the reference with {late}these gains{total}: "
-        f"choose {choice}, or lower the gains{gains_that_fit(loop, _stable)}.",
+        f"choose {choice}, or lower the gains{as_tuned(loop)}.",
         f"{loop.equations}, linearised and sampled",
     )
 
@@ -179,7 +179,7 @@ def _mass(loop: Loop) -> Iterator[Warning]:
         f"{loop.law} is stable around the reference only while the robot's mass and inertia are "
         f"{masses[0]:.3g} to {masses[1]:.3g} times the believed ones, at clock.control = "
         f"{loop.scenario.clock.control:g} s; outside this range it cycles. Gains for {NEAR[0]:g} "
-        f"to {NEAR[1]:g} are lower{gains_that_fit(loop, _stands)}.",
+        f"to {NEAR[1]:g} are lower{as_tuned(loop)}.",
         f"{loop.equations}, linearised and sampled",
         objects=masses[0] > CLOSE[0] or masses[1] < CLOSE[1],
     )

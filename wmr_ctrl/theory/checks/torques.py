@@ -23,7 +23,7 @@ from wmr_ctrl.world.scenario import Robot, Scenario
 
 from .error_coordinates import Floats
 from .loop import Loop
-from .warning import gains_that_fit
+from .warning import as_tuned
 
 KEY = "actuator.tau_max"
 GRIP = "grip, docs/physics.md"
@@ -137,23 +137,18 @@ def noise_gain(loop: Loop) -> Iterator[Warning]:
     the gradient of the law's own graph on the reference; errors of pose and of both velocities add
     up as squares.
     """
-    if _quiet(loop):
-        return
+    limit = loop.setup.tau_max if math.isfinite(loop.setup.tau_max) else 0.0
     needed, change = _needed(loop.scenario), _change_by_noise(loop)
+    if change <= max(NOISY * needed, OF_LIMIT * limit):
+        return
     yield Warning(
         f"gains.{loop.law}",
         f"The noise of its sensors, times the gains of {loop.law}, changes the wheel torques by "
         f"about {change:.3g} N m RMS from sample to sample, where the motion needs {needed:.3g} "
         "N m in all: they will chatter. Measure better (finer encoders, a longer encoder.window "
-        f"or sensor.velocity_window), or lower the gains{gains_that_fit(loop, _quiet)}.",
+        f"or sensor.velocity_window), or lower the gains{as_tuned(loop)}.",
         f"{loop.equations}, linearised",
     )
-
-
-def _quiet(loop: Loop) -> bool:
-    """True if noise changes the torques little, compared with the motion's demand or the limit."""
-    limit = loop.setup.tau_max if math.isfinite(loop.setup.tau_max) else 0.0
-    return _change_by_noise(loop) <= max(NOISY * _needed(loop.scenario), OF_LIMIT * limit)
 
 
 def _needed(scenario: Scenario) -> float:

@@ -32,6 +32,7 @@ ERRORS = (
 )
 COMMANDS = ("its commands act exactly", "its commands of v act exactly",
             "its commands of omega act exactly")  # fmt: skip
+STANDS = "nothing that is in the way comes nearer"
 SCALE = "a spring scale shows the largest pull of people, cables and slopes"
 STEADY = "the largest difference from the true speed, over a measured length and counted turns"
 REMEDIES = {
@@ -40,6 +41,7 @@ REMEDIES = {
     "filter.d": "filter.d = [m/s, rad/s] (the largest change of speed, at a constant command, over "
     "the steepest slope and the roughest floor)",
     "filter.push": f"filter.push = [N, N m] ({SCALE}; times its lever that is the moment)",
+    "filter.nearing": "filter.nearing = m/s (the fastest of what may come towards the robot)",
     "filter.odometry": f"filter.odometry = [m/s, rad/s] ({STEADY})",
 }
 """How to state each bound."""
@@ -105,6 +107,8 @@ def _of_filter(setup: Setup) -> Iterator[ZeroBound]:
         yield from _zero(key, own, words, remedy)
     if stated.kind == "governor" and stated.odometry is not None:
         yield from _zero("filter.odometry", stated.odometry, ERRORS)
+    if stated.free_error is not None:
+        yield from _zero("filter.nearing", (stated.nearing,), (STANDS,) * 3)
 
 
 def _of_scenario(setup: Setup) -> Iterator[ZeroBound]:

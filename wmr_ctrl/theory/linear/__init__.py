@@ -8,7 +8,6 @@ from .answer import start_off as start_off
 from .linear_report import LinearReport as LinearReport
 from .linear_report import report_linear as report_linear
 from .linearise import Point as Point
-from .linearise import linearise as linearise
 from .linearise import on_reference as on_reference
 from .linearise import resting_point as resting_point
 from .margins import Margins as Margins
@@ -16,12 +15,8 @@ from .margins import margins_at as margins_at
 from .margins import open_loop as open_loop
 from .margins import with_robot as with_robot
 from .margins import worst as worst
-from .nonlinear import law_nlsys as law_nlsys
 from .nonlinear import loop_nlsys as loop_nlsys
-from .nonlinear import plant_nlsys as plant_nlsys
-from .nonlinear import reference_nlsys as reference_nlsys
 from .nonlinear import start_of as start_of
-from .nonlinear import to_nlsys as to_nlsys
 from .sampled import kink_periods as kink_periods
 from .sampled import largest_learning_period as largest_learning_period
 from .sampled import largest_stable_period as largest_stable_period
@@ -31,7 +26,6 @@ from .sampled import regressor_square as regressor_square
 from .sampled import spectral_radius as spectral_radius
 from .state_space import SADDLE as SADDLE
 from .state_space import closed_loop as closed_loop
-from .state_space import kinematic_loop as kinematic_loop
 from .state_space import kinematic_poles as kinematic_poles
 from .state_space import law_at as law_at
 from .state_space import plant_at as plant_at

@@ -178,7 +178,7 @@ class LinearReport:
 
     @checks_arguments
     def plots(self, folder: str | Path, progress: Progress | None = None) -> list[Path]:
-        """Draw poles, sample times, Bode, Nyquist and the barrier's pull into ``folder``."""
+        """Draw poles, sample times and Bode plots into ``folder``."""
         return cast("list[Path]", late_bound("draw_linear")(self, Path(folder), progress))
 
 

@@ -1,14 +1,11 @@
-"""Exact linearisation of a System: gradients of its graph by CasADi, as a named StateSpace.
+"""Operating points to linearise at: on the reference, or at the loop's true equilibrium.
 
-Operating points are on the reference, or at the loop's true equilibrium.  The module also names the
-signals, and has numerical helpers for the other files.
+The module also names the signals, and has numerical helpers for the other files.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-import casadi as ca
-import control as ct
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
@@ -31,7 +28,6 @@ from wmr_ctrl.theory.checks.rest import rest
 from wmr_ctrl.theory.checks.sampled_plant import Point as Point
 from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.theory.checks.surroundings import surroundings
-from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Scenario
 
@@ -47,16 +43,10 @@ def element_names(signals: Iterable[Signal]) -> list[str]:
 DISTURBANCE = Signal(
     "disturbance", "N, N.m", "disturbing generalised force (thrust, turning moment)", 2
 )
-V_D = Signal("v_d", "m/s, rad/s", "desired velocity", 2)
 FORCES = element_names((FORCE,))
 DISTURBANCES = element_names((DISTURBANCE,))
 STATES = element_names((TRACKING_ERROR, *VELOCITY))
 """e (3), v1, omega: the robot seen from its reference."""
-
-
-def column(value: ArrayLike) -> Floats:
-    """A CasADi column as a flat array."""
-    return np.asarray(value, dtype=float).ravel()
 
 
 def check_axis(axis: int) -> None:
@@ -88,32 +78,6 @@ def lowest(of: Callable[[Floats], Floats], grid: Floats, xatol: float) -> tuple[
     )  # fmt: skip
     place, least = (near.x, near.fun) if near.fun < values[best] else (grid[best], values[best])
     return float(place), float(least)
-
-
-def linearise(
-    system: System, u: Sequence[float] | Floats, x: Sequence[float] | Floats | None = None
-) -> ct.StateSpace:
-    """The System near inputs ``u`` and state ``x``, as deviations from that point.
-
-    Continuous for a continuous System, with ``dt`` for a sampled one.  States, inputs and outputs
-    have the names of the System's ports.  ``x`` defaults to the ports' own values.
-    """
-    start = system.x0 if x is None else x
-    a, b, c, d = (np.asarray(part) for part in gradients(system)(u, start, system.p0))
-    return ct.ss(
-        a, b, c, d, 0 if system.period is None else system.period, name=system.name,
-        states=element_names(port.signal for port in system.state) or None,
-        inputs=element_names(port.signal for port in system.inputs),
-        outputs=element_names(item.signal for item in system.outputs),
-        remove_useless_states=False,
-    )  # fmt: skip
-
-
-def gradients(system: System) -> ca.Function:
-    """(u, x, p) -> A, B, C, D, exactly."""
-    u, x, update, y = system.u, system.x, system.update, system.y
-    parts = [ca.jacobian(graph, symbol) for graph in (update, y) for symbol in (x, u)]
-    return system.function("gradients", [ca.densify(part) for part in parts])
 
 
 INSTANTS = 257

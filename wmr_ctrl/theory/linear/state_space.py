@@ -12,23 +12,19 @@ from numpy.typing import ArrayLike
 from wmr_ctrl.control.setup import kinematic_gains, settle
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.core.fields.arguments import checks_arguments
-from wmr_ctrl.core.signals import TRACKING_ERROR
 from wmr_ctrl.theory.checks.radius import from_pose_to_pose
 from wmr_ctrl.theory.checks.surroundings import DriveTimes, is_sampled, surroundings
 from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
-from wmr_ctrl.world.model.system import Output, System, port
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Scenario
 
 from .linearise import (
     DISTURBANCES,
     STATES,
-    V_D,
     Floats,
     Point,
     check_reading,
     law_loop,
-    linearise,
     on_reference,
     reference_velocity,
     sent_names,
@@ -169,21 +165,14 @@ SADDLE = (0.0, 0.0, np.pi)
 
 
 @checks_arguments
-def kinematic_loop(scenario: Scenario) -> System:
-    """Continuous System e' of Eqs. (33)-(35) with v = v_c0."""
-    e, v_d = port(TRACKING_ERROR), port(V_D)
-    v = auxiliary_velocity(e.sym, v_d.sym, ca.SX(ca.DM(kinematic_gains(scenario).k)))
-    rate, outputs = error_rate(e.sym, v, v_d.sym), (Output(TRACKING_ERROR, e.sym),)
-    name, title = "kinematics", "kinematic loop"
-    return System(name, title, inputs=(v_d,), state=(e,), update=rate, outputs=outputs)
-
-
-@checks_arguments
 def kinematic_poles(scenario: Scenario, e: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Floats:
-    """Eigenvalues [1/s] near error ``e`` [m, m, rad], v_d that of the reference at t = 0.
+    """Eigenvalues [1/s] of Eqs. (33)-(35) with v = v_c0, near error ``e`` [m, m, rad].
 
-    The slowest is last at e = 0 with the paper's gains.
+    v_d is that of the reference at t = 0.  The slowest is last at e = 0 with the paper's gains.
     """
-    near = linearise(kinematic_loop(scenario), reference_velocity(scenario, 0.0)[0], e)
-    poles = np.asarray(near.poles(), dtype=complex)
+    at, k = ca.SX.sym("e", 3), ca.SX(ca.DM(kinematic_gains(scenario).k))
+    v_d = ca.SX(ca.DM(reference_velocity(scenario, 0.0)[0]))
+    rate = error_rate(at, auxiliary_velocity(at, v_d, k), v_d)
+    slope = ca.Function("slope", [at], [ca.densify(ca.jacobian(rate, at))])(e)
+    poles = np.linalg.eigvals(np.asarray(slope)).astype(complex)
     return poles[np.argsort(poles.real)]

@@ -176,7 +176,8 @@ class Filter(Section, key="filter"):
     @property
     def is_told(self) -> bool:
         """True if steps are told limits or distances, or the base's brake is counted on."""
-        return self.changing or self.free_error is not None or self.rest is not None
+        told = self.changing or self.free_error is not None or self.rest is not None
+        return told and self.kind != "none"
 
     @property
     def reads(self) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from wmr_ctrl.core.fields.values import Frozen, Quantity, Range, as_list, check_
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results.frames import table_html
+from wmr_ctrl.results.obstacles import Shape
 from wmr_ctrl.world.references import REFERENCES, Reference
 from wmr_ctrl.world.references.kind import ReferenceKind
 from wmr_ctrl.world.registry import EFFECTS, Actuator, Base, Disturbance, Sensor
@@ -32,6 +33,7 @@ from .sections import (
     Model,
     Robot,
     Ros,
+    World,
 )
 from .unstated import KIND, following, missing_keys, missing_text
 
@@ -134,6 +136,7 @@ class Scenario:
     metrics: Metrics = field(default_factory=Metrics)
     corridor: CorridorSettings = field(default_factory=CorridorSettings)
     ros: Ros = field(default_factory=Ros)
+    world: World = field(default_factory=World)
 
     def __post_init__(self) -> None:
         """Freeze the contents and check the relations between the sections."""
@@ -190,6 +193,11 @@ class Scenario:
     def split(self) -> float:
         """Time that splits the run into before and after, s."""
         return self.clock.duration / 2 if self.metrics.split is None else self.metrics.split
+
+    @property
+    def obstacles(self) -> tuple[Shape, ...]:
+        """What the body must not touch: of the reference, then of the world."""
+        return (*self.reference.keep_out, *self.world.shapes)
 
     @property
     def reference_kind(self) -> ReferenceKind:
@@ -302,10 +310,11 @@ def _relate(scenario: Scenario) -> None:
     clock = scenario.clock
     for effect in EFFECTS:
         effect.relate(scenario)
-    if scenario.reference.keep_out and scenario.body.radius is None:
+    named = "reference.keep_out" if scenario.reference.keep_out else "world"
+    if scenario.obstacles and scenario.body.radius is None:
         raise ScenarioError(
-            "reference.keep_out says what the body must not touch, but body.radius is not stated: "
-            "the distance [m] from the axle's midpoint to the body's farthest point. State it."
+            f"{named} says what the body must not touch, but body.radius is not stated: the "
+            "distance [m] from the axle's midpoint to the body's farthest point. State it."
         )
     low, high = scenario.guard.delay or (0.0, 0.0)
     if high - low > clock.control * (1 + ROUNDING):

@@ -8,6 +8,7 @@ from wmr_ctrl.core.fields.section import REQUIRED, Section, quantity
 from wmr_ctrl.core.fields.units import plain
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated, derived, unknown
 from wmr_ctrl.core.fields.values import Pair, check_multiple, is_by_axis
+from wmr_ctrl.results.obstacles import Shape
 
 CHANGING = {"m": "kg", "I": "kg m2", "mu": ""}
 """Fields of the robot that may change during a run, with their units in words."""
@@ -93,6 +94,28 @@ class Body(Section, key="body"):
         0.5, "rad", "tilt of the axis above which the robot has tipped", above=0,
         maximum=math.pi / 2,
     )  # fmt: skip
+
+
+class World(Section, key="world"):
+    """What stands around the robot, and is seen without error by a filter with `free_error`."""
+
+    obstacles: tuple[Shape, ...] = quantity(
+        (), "m", "circles [x, y, r], polygons [[x, y], ...]", kind="shapes"
+    )
+    wall: tuple[Pair, ...] = quantity((), "m", "both ends of a wall", kind="points")
+
+    def relate(self) -> None:
+        """Check that a wall has two ends."""
+        if self.wall and (len(self.wall) != 2 or self.wall[0] == self.wall[1]):
+            raise ScenarioError(
+                f"world.wall has {len(set(self.wall))} ends and must have two, as in "
+                "[[3, -2], [3, 2]]. State longer outlines as polygons in world.obstacles."
+            )
+
+    @property
+    def shapes(self) -> tuple[Shape, ...]:
+        """All that stands there."""
+        return (*self.obstacles, *((self.wall,) if self.wall else ()))
 
 
 class Ros(Section, key="ros"):

@@ -9,7 +9,6 @@ import tomllib
 from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -24,7 +23,6 @@ from wmr_ctrl.core.fields.files import AnyPath, decode, parse_toml, read_text
 from wmr_ctrl.core.fields.orientation import PAPER, described, field_outward
 from wmr_ctrl.core.fields.section import Section, quantities
 from wmr_ctrl.core.fields.unstated import Unstated
-from wmr_ctrl.core.suffixes import RUNS
 from wmr_ctrl.world.references import REFERENCES
 
 from .raw import (
@@ -70,31 +68,9 @@ def title_of(scenario: Scenario) -> str:
     return f"{named[0]}, changed"
 
 
-_READ_BY = {
-    ".fmu": "an FMU: `wmr-ctrl cosim --plant {0}` or `--controller {0}` runs it",
-    **dict.fromkeys(RUNS, "read as a saved run, by `wmr-ctrl show {0}`"),
-    ".csv": "a table: `wmr-ctrl show {0}` prints a saved run, `wmr-ctrl identify {0}` reads a log, "
-    "and reference.file of a scenario names a path",
-    ".urdf": "a robot description: `wmr-ctrl new --from {0}` reads it",
-    ".xacro": "a robot description: `wmr-ctrl new --from {0}` reads it",
-    ".yaml": "a file of parameters: `wmr-ctrl new --from {0}` reads it",
-}
-"""What reads a file that is no scenario, by its suffix."""
-
-
 def _no_scenario(name: str) -> ScenarioError:
-    """Error for a file's name that does not end in .toml, with similar files."""
-    path = Path(name)
-    if path.suffix.lower() in _READ_BY:
-        return ScenarioError(f"{name} is {_READ_BY[path.suffix.lower()].format(name)}.")
-    return ScenarioError(f"{name} must end in {_SUFFIX}: a scenario is a TOML file.{_beside(path)}")
-
-
-def _beside(path: Path) -> str:
-    """Sentence on similar scenario files beside a path; empty if there is none."""
-    files = [item.name for item in path.parent.glob(f"*{_SUFFIX}")]
-    near = get_close_matches(path.name, files, cutoff=0.8) or sorted(files)[:3]
-    return f" There is {' and '.join(near)}." if near else ""
+    """Error for a file's name that does not end in .toml."""
+    return ScenarioError(f"{name} must end in {_SUFFIX}: a scenario is a TOML file.")
 
 
 def _preset_text(name: str) -> str:
@@ -182,12 +158,7 @@ def _resolved(source: str, folder: Path, seen: tuple[str, ...]) -> Raw:
         )
     if path.suffix != _SUFFIX and path.suffix:
         raise _no_scenario(source)
-    try:
-        text = read_text(path, "scenario")
-    except ScenarioError as error:
-        if not os.path.exists(path):
-            error.args = (f"{error}{_beside(path)}",)
-        raise
+    text = read_text(path, "scenario")
     return _extended(_parse(text, path), path.parent, (*seen, mark))
 
 
@@ -340,7 +311,13 @@ def to_toml(
     return tomlkit.dumps(document)
 
 
-LATER = ("changing = false", "free_age = 0.2", "nearing = 0.0", "leave = 1")
+LATER = (
+    "changing = false",
+    "free_age = 0.2",
+    "nearing = 0.0",
+    "leave = 1",
+    "\n[world]\nobstacles = []\nwall = []",
+)
 """Lines that a hash leaves out: keys that came later, with values that change nothing."""
 
 

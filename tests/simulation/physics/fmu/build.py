@@ -1,7 +1,5 @@
 """Packs rigid.c, compiled against the library of the wheel, with a scenario's body into an FMU."""
 
-from __future__ import annotations
-
 import sys
 import tempfile
 import zipfile
@@ -15,7 +13,6 @@ from tests.compilers import compile_in, where
 from tests.simulation.physics.states import state_of
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.simulation.physics.rigid import RigidBody, description
-from wmr_ctrl.world.scenario import Scenario
 
 INPUTS = {"motor_right": "N.m", "motor_left": "N.m", "force": "N", "moment": "N.m"}
 OUTPUTS = {
@@ -55,7 +52,7 @@ UNITS = {
 }  # fmt: skip
 
 
-def build_rigid(scenario: Scenario, folder: Path) -> tuple[Path, Path]:
+def build_rigid(scenario, folder):
     """FMU of a scenario's body, and the map for `cosimulate`; skips without a compiler."""
     if sys.platform != "linux":
         pytest.skip("NOT RUN: this FMU is linked as Linux does")
@@ -71,7 +68,7 @@ def build_rigid(scenario: Scenario, folder: Path) -> tuple[Path, Path]:
 
 
 @cache
-def library() -> bytes:
+def library():
     """The compiled library, which finds MuJoCo's where the wheel has it."""
     home = Path(mujoco.__file__).parent
     (shared,) = home.glob("libmujoco.so.*")
@@ -85,7 +82,7 @@ def library() -> bytes:
         return Path(folder, "rigid.so").read_bytes()
 
 
-def start(scenario: Scenario) -> str:
+def start(scenario):
     """What a run of the body starts from, to the bit."""
     body, robot = RigidBody(scenario), scenario.robot
     state = state_of(body).tolist()
@@ -93,7 +90,7 @@ def start(scenario: Scenario) -> str:
     return "\n".join([*map(float.hex, head), str(len(state)), *map(float.hex, state)]) + "\n"
 
 
-def described() -> str:
+def described():
     """The model description."""
     units = "".join(f'<Unit name="{n}"><BaseUnit {b}/></Unit>' for n, b in UNITS.items())
     rows = [(name, unit, "input", ' start="0"') for name, unit in INPUTS.items()]

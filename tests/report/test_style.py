@@ -1,18 +1,14 @@
-"""Numbers for readers, and long traces made short."""
+"""Numbers, colours and units for readers."""
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.report.drawing import thin, thin_path
 from wmr_ctrl.report.style import colours_of, look, shown, unit_text
-
-COUNTS = st.integers(1, 9000)
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    "value, text",
     [
         (None, "–"),
         (0.0, "0"),
@@ -57,33 +53,3 @@ def test_each_law_has_a_look_of_its_own():
 
     assert len({one.colour for one in looks}) == len({one.marker for one in looks}) == 4
     assert look("backstepping") == look("backstepping")
-
-
-@given(count=COUNTS, seed=st.integers(0, 50), points=st.integers(10, 2000))
-def test_thinning_keeps_the_extremes_and_the_ends(count, seed, points):
-    y = np.random.default_rng(seed).normal(size=count)
-    t, thinned = thin(np.arange(count, dtype=float), y, points)
-
-    assert len(t) <= max(points, 1) + 2
-    assert (thinned.min(), thinned.max()) == (y.min(), y.max())
-    assert (t[0], t[-1]) == (0, count - 1)
-    assert (np.diff(t) > 0).all()
-    assert (thinned == y[t.astype(int)]).all()
-
-
-def test_thinning_survives_gaps():
-    y = np.ones(5000)
-    y[1000:3000] = np.nan
-    t, thinned = thin(np.arange(5000.0), y, 100)
-
-    assert np.nanmax(thinned) == 1.0
-    assert np.isnan(thinned[(t > 1100) & (t < 2900)]).all()
-
-
-@given(count=COUNTS, seed=st.integers(0, 50))
-def test_a_thinned_path_keeps_its_ends(count, seed):
-    x, y = np.random.default_rng(seed).normal(size=(2, count)).cumsum(axis=1)
-    u, v = thin_path(x, y, 200)
-
-    assert len(u) <= max(202, min(count, 200))
-    assert (u[0], v[0], u[-1], v[-1]) == (x[0], y[0], x[-1], y[-1])

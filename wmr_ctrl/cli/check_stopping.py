@@ -1,0 +1,120 @@
+"""Sentences of ``wmr-ctrl check`` on limits that change and on stops before what is in the way."""
+
+from collections.abc import Iterator
+from dataclasses import asdict
+
+from wmr_ctrl.control.filter.stop_numbers import (
+    Stopping,
+    costs,
+    leaving,
+    smallest_window,
+    stopping,
+    times_inside,
+)
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.core.fields.units import length
+from wmr_ctrl.world.scenario import Scenario
+
+SPEEDS = (0.1, 0.25, 0.5, 0.75, 1.0)
+"""Shares of the limit from which stops are told."""
+
+
+def _stops(case: Scenario) -> bool:
+    return case.takes_velocity and case.filter.is_told and case.filter.free_error is not None
+
+
+def stopping_table(case: Scenario) -> list[Stopping] | None:
+    """Distances of stops from several speeds; None for a filter that is told no distance."""
+    if not _stops(case):
+        return None
+    return [stopping(case, share * case.limits.v_max[0]) for share in SPEEDS]
+
+
+def stopping_numbers(case: Scenario) -> dict[str, object]:
+    """The same, and what more uncertainty costs, for JSON; null where no distance is told."""
+    table = stopping_table(case)
+    return {
+        "stopping": table and [asdict(row) for row in table],
+        "stopping_costs": costs(case) if table else None,
+    }
+
+
+def stop_promise(case: Scenario) -> str:
+    """What a filter promises of stops and of limits that change; empty if nothing."""
+    words = []
+    if table := stopping_table(case):
+        words.append(
+            f"It stops before what is in the way, from {table[-1].speed:g} m/s within "
+            f"{length(table[-1].distance)}."
+        )
+    if case.takes_velocity and case.filter.changing:
+        words.append("Limits may be lowered while it drives.")
+    return "".join(f" {text}" for text in words)
+
+
+def stop_lines(setup: Setup) -> Iterator[str]:
+    """Stops, how the base leaves, and times of lowered limits; none if it is told nothing."""
+    case = setup.scenario
+    if table := stopping_table(case):
+        yield from _distances(case, table)
+    if case.takes_velocity and case.filter.changing:
+        yield from _times(case)
+
+
+def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
+    rows = (f"{row.speed:g} m/s {length(row.distance)}" for row in table)
+    last = table[-1]
+    yield (
+        f"it stops within: {', '.join(rows)}; of the last, delay takes {length(last.delay)}, what "
+        f"pushes {length(last.push)}, the brake {length(last.brake)}, the distance's error "
+        f"{length(last.error)}"
+    )
+    names = {"millisecond": "millisecond of delay", "per_cent": "per cent of tau",
+             "rest_second": "second of rest"}  # fmt: skip
+    prices = (f"{names[key]} {length(price)}" for key, price in costs(case).items())
+    yield f"one more costs: {', '.join(prices)}"
+    turned, held = smallest_window(case)
+    if turned > 0:
+        yield (
+            f"a push turns it by up to {turned:.3g} rad during a stop: state at least as much free "
+            f"turning (`look` of the ROS 2 node), {held:.3g} rad to leave"
+        )
+    if not any(case.filter.d) or case.filter.nearing:
+        return
+    for way, words in ((-1, "what is ahead"), (1, "what is behind")):
+        own = leaving(case, way)
+        if own is None:
+            continue
+        if own.least is None:
+            yield (
+                f"it can never leave {words} by commands: the limit away from it is too small for "
+                f"filter.d = {case.filter.d[0]:g} m/s and filter.gain"
+            )
+        else:
+            yield (
+                f"to leave {words}, hold a command of at least {own.least:.3g} m/s away from it "
+                f"(with the largest for {own.hold:.2g} s); it is known to stand {own.rest:.3g} s "
+                f"after it was told to stop, and a command let go too early rolls up to "
+                f"{length(own.roll)}"
+            )
+
+
+def _times(case: Scenario) -> Iterator[str]:
+    if case.filter.kind == "clip":
+        yield (
+            "a limit that is lowered is kept in the end; no time is promised, since a clip does "
+            "not know the base's speed: a governor does"
+        )
+        return
+    for axis, unit in enumerate(("m/s", "rad/s")):
+        rows = dict[float, list[str]]()
+        for before, after, time in times_inside(case, axis):
+            shown = "no time promised" if time == float("inf") else f"{time:.3g}"
+            rows.setdefault(before, []).append(f"{after:.3g}: {shown}")
+        yield (
+            f"a limit lowered from one [{unit}] to another is kept from so many seconds after the "
+            "step that is told:"
+        )
+        yield from (f"from {before:.3g} to {', '.join(texts)}" for before, texts in rows.items())
+        if case.filter.d[axis] >= case.limits.v_max[axis] / 10:
+            yield f"no time is promised at or below filter.d = {case.filter.d[axis]:g} {unit}"
