@@ -258,7 +258,7 @@ static void look(const wmr_filter_core *core, double look, double omega, double 
 #if WMR_SCANS
     free[2] = fmin(WMR_WIDEST, look + fmax(0.0, WMR_TURNING * omega));
     free[3] = fmin(WMR_WIDEST, look + fmax(0.0, -WMR_TURNING * omega));
-    wmr_scan_ways(core->sights, core->points, free + 2, free);
+    wmr_scan_ways(core->sights, core->points[0][0], free + 2, free);
 #else
     (void)look;
     (void)omega;

@@ -159,13 +159,13 @@ static void over_gaps(const wmr_sight *seen, const double *window, double *ways)
     }
 }
 
-void wmr_scan_ways(const wmr_sight *seen, double (*const points)[WMR_BEAMS][2], const double *window, double *ways)
+void wmr_scan_ways(const wmr_sight *seen, const double *points, const double *window, double *ways)
 {
     ways[0] = ways[1] = INFINITY;
     over_gaps(seen, window, ways);
     for (int64_t k = 0; k < WMR_SCANS; ++k) {
         for (int64_t i = 0; i < seen[k].points; ++i) {
-            meet(points[k][i], window, ways);
+            meet(points + 2 * (k * WMR_BEAMS + i), window, ways);
         }
     }
 }

@@ -32,8 +32,9 @@ int64_t wmr_scan_usable(const wmr_beams *beams);
 /* Takes the message of a laser. */
 void wmr_scan_take(int64_t laser, const wmr_beams *beams, wmr_sight *seen, double (*points)[2]);
 
-/* Ways ahead and behind until the disc meets something, while its heading stays within ``window`` (left, right). */
-void wmr_scan_ways(const wmr_sight *seen, double (*const points)[WMR_BEAMS][2], const double *window, double *ways);
+/* Ways ahead and behind until the disc meets something, while its heading stays within ``window`` (left, right).
+   ``points``: WMR_BEAMS for each laser, two numbers each. */
+void wmr_scan_ways(const wmr_sight *seen, const double *points, const double *window, double *ways);
 
 /* Sides that are never free, since no beam covers what is there, even with the smallest window. */
 int64_t wmr_scan_never(const wmr_sight *seen);

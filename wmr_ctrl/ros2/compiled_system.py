@@ -106,8 +106,16 @@ class Gate:
         "too-fast" (odometry contradicts the bounds: stopped), "ramped".
         """
         v, omega, bits = self._function.step(
-            (*command, command_age, *odometry, odometry_age, elapsed, stop, reset,
-             *(told or self._untold))
+            (
+                *command,
+                command_age,
+                *odometry,
+                odometry_age,
+                elapsed,
+                stop,
+                reset,
+                *(told or self._untold),
+            )
         )
         names = tuple(name for bit, name in GATE_FLAGS.items() if int(bits) & bit)
         return Gated((v, omega), names)

@@ -93,8 +93,16 @@ def core_files(
     return {
         **plain_sources(kernels, "gate"),
         "gate_numbers.h": numbers.render(
-            gate=gate, settings=settings, period=period, longest=longest, unit=UNIT, sight=seen,
-            scenario=scenario, near=NEAR_BY, widest=WIDEST, smallest=smallest,
+            gate=gate,
+            settings=settings,
+            period=period,
+            longest=longest,
+            unit=UNIT,
+            sight=seen,
+            scenario=scenario,
+            near=NEAR_BY,
+            widest=WIDEST,
+            smallest=smallest,
         ),
         **c_texts(HEADER),
         **c_texts(*FILTER_CORE, folder="ros2"),

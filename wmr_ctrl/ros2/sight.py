@@ -63,7 +63,9 @@ class SightSettings:
                 f"scan_pose has {len(self.scan_pose)} numbers: give three (x, y, yaw) for each of "
                 f"scans, of which there may be {MOST}."
             )
-        outside = [pose for pose in self.poses if math.hypot(*pose[:2]) > LARGEST_SHARE * self.radius]
+        outside = [
+            pose for pose in self.poses if math.hypot(*pose[:2]) > LARGEST_SHARE * self.radius
+        ]
         if outside:
             raise ArgumentError(
                 f"radius = {self.radius:g} m: the disc must hold the robot with its lasers, and "
