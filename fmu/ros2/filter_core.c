@@ -18,9 +18,11 @@ void wmr_filter_core_make(wmr_filter_core *core)
     memset(core, 0, sizeof *core);
     core->commands.timeout = WMR_COMMAND_TIMEOUT;
     core->odometry.timeout = WMR_ODOMETRY_TIMEOUT;
+#ifdef WMR_AT_FREE
     for (int k = 0; k < WMR_LASERS; ++k) {
         core->frees[k].timeout = WMR_FREE_TIMEOUT;
     }
+#endif
     core->clocks.longest = WMR_LONGEST;
     core->scale = 1.0;
     wmr_filter_core_start(core);

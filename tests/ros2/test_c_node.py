@@ -1,5 +1,6 @@
 """The filter as a node in C, as text: its settings, and what cannot be compiled in."""
 
+import json
 import os
 import re
 import subprocess
@@ -20,8 +21,9 @@ WORDS = {"stamped": "true", "odometry": "watched", "trigger": "timer"}
 
 def word(name):
     """NAME=VALUE of a parameter's default."""
-    value = WORDS.get(name) or re.sub(r"\(|\)", "", str(FILTER[name].default))
-    return f"{name}={value}"
+    default = FILTER[name].default
+    value = json.dumps(default) if isinstance(default, list) else str(default)
+    return f"{name}={WORDS.get(name, value)}"
 
 
 def test_defaults_are_those_of_the_node_in_python():

@@ -119,8 +119,9 @@ def node_files(scenario: Scenario, settings: NodeSettings) -> dict[str, str]:
         return sum(bit for bit, word in GATE_FLAGS.items() if word in words)
 
     nav2 = ("nav2_msgs",) if settings.sight.speed_limit else ()
+    packages = (*LIBRARIES, RMW, *INTERFACES, *nav2)
     engine, context = node_templates(), {
-        "name": NAME, "packages": (*LIBRARIES, RMW, *INTERFACES, *nav2), "kept": kept(scenario, settings),
+        "name": NAME, "packages": packages, "kept": kept(scenario, settings),
         "kind": "TwistStamped" if settings.stamped else "Twist", "libraries": " ".join(LINKED),
         "settings": settings, "frame": settings.frame or scenario.ros.base_frame,
         "topics": settings.sight.topics,

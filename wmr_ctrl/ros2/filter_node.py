@@ -12,7 +12,6 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64MultiArray
 
 from wmr_ctrl.control.filter.gate import GateSettings
-from wmr_ctrl.core.data import with_tuples
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.units import limits_in_words
 from wmr_ctrl.world.scenario import Scenario
@@ -50,12 +49,17 @@ class FilterNode(SafeNode[FilterCore]):
         self._refuses_parts = self.choice("other_parts") == "refuse"
         at_once = self.choice("trigger") == "command"
         self.choice("no_return")
-        self.sight = SightSettings(**with_tuples({name: self.value(name) for name in SIGHT}))
+        self.sight = SightSettings(**{name: self._stated(name) for name in SIGHT})
         core = FilterCore(scenario, settings, self.frame, self.sight, at_once=at_once)
         self._told, self._never = scenario.filter, tuple[str, ...]()
         self._remedy = remedy(scenario) if self._told.free_error is not None else ""
         core.scale = float(self.value(SPEED_SCALE))  # type: ignore[arg-type]
         return core, core.period / 4 if core.at_once else core.period
+
+    def _stated(self, name: str) -> Any:
+        """Value of a parameter, a list as a tuple."""
+        value = self.value(name)
+        return value if isinstance(value, (str, float)) else tuple(value)  # type: ignore[arg-type]
 
     def connect(self) -> None:
         """Create the topics that the documentation page lists."""
