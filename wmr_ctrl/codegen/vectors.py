@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.control.filter.channels import ELAPSED
-from wmr_ctrl.control.filter.stopping import FREE, FREE_AGE, LIMITS
+from wmr_ctrl.control.filter.channels import ELAPSED, FREE, FREE_AGE, TOLD
+from wmr_ctrl.control.sides import LIMITS
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.signals import ASKED, ODOMETRY_AGE, REFUSED, TORQUE, VELOCITY, places
 from wmr_ctrl.world.encoder import MOVED
@@ -72,14 +72,15 @@ def vectors_of(
     counts = np.zeros((len(inputs), 0), int)
     if MOVED in known:
         inputs, counts = _with_counts(inputs, system, half)
-    if REFUSED in known:  # nothing is late, nothing refused, and nothing in the way
+    if ASKED not in known:  # nothing is late, nothing refused, and nothing in the way
         at, sides = places(item.signal for item in system.inputs), np.ravel(limits.sides)
-        told = {LIMITS: sides, FREE: [FAR] * 4} | dict.fromkeys(
-            (ODOMETRY_AGE, ELAPSED, FREE_AGE, REFUSED), [0.0]
-        )
-        for signal in (item.signal for item in system.inputs if item.signal in told):
+        usual = {LIMITS: sides, FREE: np.full(4, FAR)}
+        nothing = (ODOMETRY_AGE, ELAPSED, FREE_AGE, REFUSED)
+        for signal in (
+            s for s in (item.signal for item in system.inputs) if s in (*usual, *nothing)
+        ):
             begin = [at[signal.name].start] * signal.size
-            inputs = np.insert(inputs, begin, told[signal], axis=1)
+            inputs = np.insert(inputs, begin, usual.get(signal, np.zeros(1)), axis=1)
     if float32:
         inputs, p = (values.astype(np.float32).astype(np.float64) for values in (inputs, p))
     torques = np.empty((len(inputs), system.y.numel()))
@@ -110,7 +111,7 @@ def _commands(system: System, limits: Limits) -> Floats:
     Limits and free ways, where they are told, leave most commands less than the scenario does.
     """
     draw, rows, known = np.random.default_rng(2024), [], [item.signal for item in system.inputs]
-    own = sum(item.size for item in known if item not in (LIMITS, FREE, FREE_AGE))
+    own = sum(item.size for item in known if item not in TOLD)
     for k in range(len(SITUATIONS) * SAMPLES):
         asked, measured = (size * draw.uniform(-1, 1, 2) * limits.v_u1 for size in (5, 0.02))
         age = 0.0 if k % 2 else -1.0

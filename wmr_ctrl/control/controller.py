@@ -12,6 +12,7 @@ from wmr_ctrl.world.scenario import MissingKeysError, Scenario, missing_text, se
 
 from .applied import Applied, Lateness, remembered
 from .guard.bounds import ROUNDING, pair_of
+from .guard.changing import ChangingLimits
 from .guard.delay import Tails, delayed_push
 from .guard.guard import MAPS, Bounds, bounds_of, guarded, linear_first, possible
 from .guard.monitor import GuardMonitor, LateMotion
@@ -90,7 +91,7 @@ def guard(setup: Setup) -> System:
     return System(
         "guard",
         "velocity guard",
-        inputs=(asked, *velocity),
+        inputs=(asked, *velocity, *memory.inputs),
         state=(*applied.state, *memory.state),
         params=p.ports,
         update=ca.vertcat(*applied.following(torque), memory.update),
@@ -107,6 +108,10 @@ def _guarded_torque(
     r, half_track, phi = _wheels(setup, p)
     late = setup.guard.lateness(setup.scenario.clock)
     both, tails = bounds_of(p, late, setup.scenario.limits), Tails("guard_tail", late)
+    changing = None
+    if setup.guard.changing:
+        changing = ChangingLimits(setup.scenario, p, both)
+        both = changing.bounds
     sent = [wheel_to_force(r, half_track, item.sym) for item in applied.earlier]
     first, second = (
         delayed_push(sent, late[i], i, b, tails) for i, b in enumerate(map(both.axis, (0, 1)))
@@ -118,6 +123,8 @@ def _guarded_torque(
     if tails.state:
         monitor.state = (*monitor.state, *tails.state)
         monitor.update = ca.vertcat(monitor.update, tails.following([mapped, *sent], both))
+    if changing is not None:
+        monitor.remember(changing)
     return torque, monitor
 
 
@@ -229,6 +236,7 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     if applied:
         state += applied.state
         update += applied.following(torque)
+    told = monitor.inputs if monitor else ()
     if monitor:
         state += monitor.state
         update.append(monitor.update)
@@ -238,7 +246,7 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     return System(
         core.name,
         core.title,
-        inputs=tuple(item for item in core.inputs if item not in known),
+        inputs=(*(item for item in core.inputs if item not in known), *told),
         state=tuple(state),
         params=p.ports,
         update=ca.vertcat(*update),

@@ -50,11 +50,11 @@ from wmr_ctrl.world.sight import WIDEST, free_ways
 from wmr_ctrl.world.speed_loop import EXERTED
 
 from .controller import watched_controller, wheel_limit
+from .filter.channels import FREE, FREE_AGE
 from .filter.stop_numbers import smallest_window, stopping
-from .filter.stopping import FREE, FREE_AGE, LIMITS
 from .laws.context import own_diagnostics
 from .setup import Setup
-from .sides import sides
+from .sides import LIMITS, sides
 from .velocity import FREE_NARROW
 from .wiring import Named, Stream, Wiring, held_signals, pushes
 

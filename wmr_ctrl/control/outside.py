@@ -16,6 +16,11 @@ def check_plain_loop(setup: Setup, holder: str) -> None:
     outside. ``holder``: name of the export, such as "the Simulink kit".
     """
     scenario = setup.scenario
+    if (scenario.filter if scenario.takes_velocity else scenario.guard).changing:
+        raise ArgumentError(
+            f"{holder} holds only reference, controller and plant, and nothing that tells limits. "
+            "Leave out guard.changing and filter.changing, or export the law alone."
+        )
     acting = [item for item in setup.effects if item.active(scenario)]
     missed = [item.title for item in acting if not _is_noise(item, scenario)]
     if missed:

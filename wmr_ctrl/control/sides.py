@@ -1,11 +1,13 @@
-"""Limits of both directions as graphs read them.
+"""Limits of both directions as graphs read them, also those that change while a robot drives.
 
 Where a scenario limits no direction apart, both are v_u1.
 """
 
 import casadi as ca
 
-from wmr_ctrl.world.model.system import Parameters
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.world.model.system import Parameters, Port, port
+from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.scenario.sections import Limits
 
 
@@ -20,3 +22,18 @@ def sides(limits: Limits, p: Parameters, kept: float = 0.0) -> tuple[ca.SX, ca.S
     ahead, back = p.take("limits.v_max"), -p.take("limits.v_min")
     less = kept * ca.fmax(ahead, back)
     return ahead - less, back - less
+
+
+LIMITS = Signal(
+    "limits", "m/s, m/s, rad/s, rad/s", "limits in force: v_min, v_max, omega_min, omega_max", 4
+)
+
+
+def limits_port(scenario: Scenario) -> Port:
+    """The input of limits that change; by default the scenario's."""
+    return port(LIMITS, [end for side in scenario.limits.sides for end in side])
+
+
+def is_number(value: ca.SX) -> ca.SX:
+    """1 for every number, infinity too; 0 for NaN."""
+    return ca.logic_or(value >= 0, value < 0)

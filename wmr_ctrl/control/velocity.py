@@ -34,16 +34,17 @@ from .filter.channels import (
     BOUNDS_LEFT,
     ELAPSED,
     FLAGS,
+    FREE,
     NEAR_BY,
     REFUSED,
     SENT,
+    TOLD,
     has_bit,
     usable_command,
     within,
 )
 from .filter.filter import called_filter, filter_system
 from .filter.governor_step import ODOMETRY
-from .filter.stopping import FREE, FREE_AGE, LIMITS
 from .setup import Setup
 
 FREE_NARROW = Signal(
@@ -84,7 +85,7 @@ class SentVelocity:
         dated = signals.ODOMETRY_AGE in (item.signal for item in read)
         self.age = (port(signals.ODOMETRY_AGE),) if dated else ()
         own_inputs = self.filter.inputs if self.filter else ()
-        self.told = tuple(item for item in own_inputs if item.signal in (LIMITS, FREE, FREE_AGE))
+        self.told = tuple(item for item in own_inputs if item.signal in TOLD)
         self.narrow = (port(FREE_NARROW),) if FREE in {item.signal for item in self.told} else ()
 
     @cached_property
@@ -182,8 +183,7 @@ class SentVelocity:
         if self.filter is not None:
             own = called_filter(self.setup.scenario)
             given = (signals.ODOMETRY_AGE, ELAPSED)
-            further = (LIMITS, FREE, FREE_AGE)
-            told = tuple(p for p in own.inputs if p.signal in (*given, *further))
+            told = tuple(p for p in own.inputs if p.signal in (*given, *TOLD))
             held = own.state
             known = {item.signal: item.sym for item in told} | {signals.ASKED: asked}
             if signals.ODOMETRY_AGE in known:

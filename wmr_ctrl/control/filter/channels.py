@@ -9,13 +9,13 @@ Omega), so that |v| <= V and |omega| <= Omega follow (`filter.wheel-box`).
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import chain
 
 import casadi as ca
 
-from wmr_ctrl.control.sides import sides
+from wmr_ctrl.control.sides import LIMITS, is_number, sides
 from wmr_ctrl.core.signals import LARGEST, Signal
 from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import Scenario
@@ -97,6 +97,43 @@ class Channel:
     def of(self, pair: Sequence[ca.SX | int] | ca.SX) -> ca.SX:
         """The channel's part of (v, omega)."""
         return self.ways[0] * pair[0] + self.ways[1] * (self.arm * pair[1])
+
+
+FREE = Signal(
+    "free", "m, m, rad, rad", "free way ahead and behind, left and right; inf: no limit", 4
+)
+FREE_AGE = Signal("free_age", "s", "age of the free ways; negative: none is told")
+TOLD = (LIMITS, FREE, FREE_AGE)
+"""What filters may be told beside commands and odometry."""
+
+
+def told_limits(told: ca.SX, channels: Sequence[Channel]) -> list[list[ca.SX]]:
+    """Limits in force of the axes, forwards and then backwards, by those that are told (4,).
+
+    Each is at most the scenario's, and at least the push, with which only 0 is sent: so is one that
+    is no number.
+    """
+    sides = []
+    for place, way in enumerate(WAYS):
+        limits = []
+        for i, channel in enumerate(channels):
+            b, limit = channel.sides[place], way * told[2 * i + 1 - place]
+            widest = reduce(ca.fmax, (side.V for side in channel.sides))
+            less = ca.fmax(b.dbar, ca.fmin(limit - ROUNDING * widest, b.V))
+            limits.append(ca.if_else(is_number(limit), less, b.dbar))
+        sides.append(limits)
+    return sides
+
+
+def unusable_limits(told: ca.SX) -> ca.SX:
+    """Flag of limits (4,) of which one is no number."""
+    numbers = reduce(ca.logic_and, (is_number(told[k]) for k in range(4)))
+    return ca.if_else(numbers, 0, LIMIT_REFUSED)
+
+
+def two_sided(channels: Sequence[Channel]) -> list[Channel]:
+    """Channels with numbers of each direction, also where both are the same."""
+    return [replace(c, sides=(c.sides[0], c.sides[-1])) for c in channels]
 
 
 def largest_commands(channels: Sequence[Channel]) -> tuple[list[ca.SX], list[ca.SX]]:

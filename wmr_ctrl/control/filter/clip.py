@@ -14,10 +14,12 @@ for the step response S, and L the integral of |1 - S| from when S first reaches
 and |u| <= c = (V - delta - a (K L + N H/2))/K is admitted (`filter.slew`).
 """
 
+from dataclasses import replace
 from functools import cached_property, reduce
 
 import casadi as ca
 
+from wmr_ctrl.control.sides import limits_port
 from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
 from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.world.scenario import Scenario
@@ -38,6 +40,9 @@ from .channels import (
     punctual,
     scaled,
     sound,
+    told_limits,
+    two_sided,
+    unusable_limits,
     usable_command,
     usable_time,
 )
@@ -77,6 +82,10 @@ class Clip:
                 least, most, _ = stated(self.p)
                 numbers = least, most, delta.sym + self.p.take("filter.slew") * reach.sym
         self.channels: list[Channel] = channels_of(scenario, self.p, numbers)
+        self.told: tuple[Port, ...] = ()
+        if scenario.filter.changing:
+            self.told = (limits_port(scenario),)
+            self.channels = _changed(two_sided(self.channels), self.told[0].sym)
         self.T = self.p.take("clock.control")
         self.limits, behind = largest_commands(self.channels)
         self.command, self.refused = usable_command(self.asked.sym)
@@ -113,13 +122,24 @@ class Clip:
         jitter = self.scenario.filter.jitter / self.scenario.clock.control
         came = punctual(self.elapsed.sym, self.T, max(jitter, UNTOLD))
         flags = limited(self.sent, self.command) + self.refused + ca.if_else(came, 0, LATE)
+        flags += unusable_limits(self.told[0].sym) if self.told else 0
         flagged = ca.if_else(self.sound, flags, UNSOUND)
         return System(
-            "filter", "command filter (clip)", inputs=(self.asked, self.elapsed),
+            "filter", "command filter (clip)", inputs=(self.asked, self.elapsed, *self.told),
             params=self.p.ports, state=self.last, update=self.sent if self.last else ca.SX(0, 1),
             outputs=(Output(SENT, self.sent), Output(FLAGS, flagged)),
             period=self.scenario.clock.control,
         )  # fmt: skip
+
+
+def _changed(channels: list[Channel], told: ca.SX) -> list[Channel]:
+    """The channels with the limits that are told (4,)."""
+    forth, back = told_limits(told, channels)
+    pairs = zip(channels, zip(forth, back, strict=True), strict=True)
+    return [
+        replace(c, sides=tuple(replace(b, V=V) for b, V in zip(c.sides, limits, strict=True)))
+        for c, limits in pairs
+    ]
 
 
 def ramp_shares(last: ca.SX, wanted: ca.SX, most: ca.SX) -> list[ca.SX]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl.control.sides import LIMITS
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.section import quantities
@@ -25,12 +26,20 @@ from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Filter
 
 from .asked import for_base
 from .band import NAMES, BandGovernor, check_beat
-from .channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING, largest_commands
+from .channels import (
+    AXES,
+    ELAPSED,
+    FLAG_NAMES,
+    FREE,
+    FREE_AGE,
+    ROUNDING,
+    largest_commands,
+)
 from .clip import Clip, slew_reach
 from .enclosure import Floats
 from .governor_step import ODOMETRY, Governor, check_jitter
 from .peak_gain import peak_gains, pi_loop, refuse_all
-from .stopping import FREE, FREE_AGE, LIMITS, StoppingGovernor
+from .stopping import StoppingGovernor
 
 
 def _damped(scenario: Scenario, axis: int) -> str:

@@ -17,10 +17,10 @@ from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal, places
 from wmr_ctrl.world.model.system import Output, System, port
 from wmr_ctrl.world.scenario import Scenario
 
-from .channels import AXES, FLAG_NAMES, LIMITED, usable_time, within
+from .channels import AXES, FLAG_NAMES, LIMITED, TOLD, usable_time, within
 from .filter import filter_system
 from .governor_step import ELAPSED, ODOMETRY
-from .stopping import FREE, FREE_AGE, LIMITS, WAITED
+from .stopping import WAITED
 
 COMMAND_AGE = Signal("command_age", "s", "time since the command came; negative: there is none")
 STOP = Signal("stop", "1", "1: stop at once, and stay stopped")
@@ -138,7 +138,7 @@ def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, c
             (missing, NO_ODOMETRY), (over, TOO_FAST),
             (ca.logic_not(_same(offered, goal)), RAMPED))  # fmt: skip
     flags = reduce(lambda total, bit: total + ca.if_else(bit[0], bit[1], 0), bits, goal[2])
-    further = (ports[signal] for signal in (LIMITS, FREE, FREE_AGE) if signal in ports)
+    further = (ports[signal] for signal in TOLD if signal in ports)
     inputs = (asked, age, odometry, odometry_age, elapsed, stop, reset, *further)
     gate = System(
         "gate", f"gate before a base: {inner.title}", inputs=inputs,

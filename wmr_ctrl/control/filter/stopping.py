@@ -25,37 +25,37 @@ from itertools import chain
 
 import casadi as ca
 
+from wmr_ctrl.control.sides import is_number, limits_port
 from wmr_ctrl.core.signals import LARGEST, Signal
 from wmr_ctrl.world.model.system import Port, port
 from wmr_ctrl.world.scenario import Scenario
 
 from .channels import (
     AXES,
-    LIMIT_REFUSED,
+    FREE,
+    FREE_AGE,
     NEAR_BY,
     NO_DISTANCE,
     ROUNDING,
     SLOWING,
     WAYS,
     ends_of,
+    told_limits,
+    two_sided,
+    unusable_limits,
     within,
 )
 from .governor import NEAR, FirstOrder, Schedule, SpeedBound, largest
 from .governor_step import Governor, Sides
 from .ways import Reached, Stop, ToldBound
 
-LIMITS = Signal(
-    "limits", "m/s, m/s, rad/s, rad/s", "limits in force: v_min, v_max, omega_min, omega_max", 4
-)
-FREE = Signal(
-    "free", "m, m, rad, rad", "free way ahead and behind, left and right; inf: no limit", 4
-)
-FREE_AGE = Signal("free_age", "s", "age of the free ways; negative: none is told")
 FREE_KNOWN = Signal("free_known", "m, m, rad, rad", "least free ways since they were told", 4)
 WAITED = Signal(
     "waited", "m/s, m/s, rad/s, rad/s", "refused pull away from each side, summed over steps", 4
 )
 RESTED = Signal("rested", "1", "commands of (0, 0) in a row, in time")
+TRACE = 1e-20
+"""Commands [m/s, rad/s] up to this are 0: what a limit of 0 leaves of a curve opens no brake."""
 LEAST_PULL = 1e-9
 """Least speed away [m/s, rad/s] that counts as one."""
 LEAST_PERIOD = 1e-9
@@ -72,13 +72,12 @@ class StoppingGovernor(Governor):
         self.distances = settings.free_error is not None
         self.rest = None if settings.rest is None else p.take("filter.rest")
         tau = ends_of(p, "tau")
-        self.channels = [replace(c, sides=(c.sides[0], c.sides[-1])) for c in self.channels]
+        self.channels = two_sided(self.channels)
         starts = [c.largest[place] for place in (0, -1) for c in self.channels]
         self.most_before = [port(_most(age), starts) for age in range(1, last + 1)]
         self.held_before = [port(_held(age)) for age in range(1, last + 1)] if settings.rest else []
         self.rested = [port(RESTED)] if self.held_before else []
-        ends = [end for pair in scenario.limits.sides for end in pair]
-        self.limits_told = port(LIMITS, ends)
+        self.limits_told = limits_port(scenario)
         self.free, self.free_age = port(FREE, [LARGEST] * 4), port(FREE_AGE, -1.0)
         self.free_known, self.waited = port(FREE_KNOWN, [-1.0] * 4), port(WAITED)
         still = [_nothing(item.sym) for item in self.before] if self.rest is not None else []
@@ -123,21 +122,10 @@ class StoppingGovernor(Governor):
         """Limit of each side: at least the push, at most the scenario's; the push if not told."""
         if not self.scenario.filter.changing:
             return [[b.V for b in self._bounds(place)] for place in AXES]
-        told, sides = self.limits_told.sym, []
-        for place, way in enumerate(WAYS):
-            limits = []
-            for i, b in enumerate(self._bounds(place)):
-                limit, widest = way * told[2 * i + 1 - place], largest([c.V for c in self._pair(i)])
-                less = ca.fmax(b.dbar, ca.fmin(limit - ROUNDING * widest, b.V))
-                limits.append(ca.if_else(_is_number(limit), less, b.dbar))
-            sides.append(limits)
-        return sides
+        return told_limits(self.limits_told.sym, self.channels)
 
     def _bounds(self, place: int) -> list[FirstOrder]:
         return [channel.sides[place] for channel in self.channels]
-
-    def _pair(self, axis: int) -> tuple[FirstOrder, ...]:
-        return self.channels[axis].sides
 
     @cached_property
     def now(self) -> Sides:
@@ -172,7 +160,7 @@ class StoppingGovernor(Governor):
                 far = self._far(place, i)
                 told = ca.fmin(self.free.sym[number], far) - (0 if i else error)
                 known = ca.if_else(self.came, self.free_known.sym[number], -1)
-                fresh = ca.logic_and(self.is_fresh, _is_number(self.free.sym[number]))
+                fresh = ca.logic_and(self.is_fresh, is_number(self.free.sym[number]))
                 ways.append(ca.if_else(fresh, told - gone - ROUNDING * far, known))
             sides.append(ways)
         return sides
@@ -246,7 +234,8 @@ class StoppingGovernor(Governor):
     @cached_property
     def offered(self) -> ca.SX:
         """The command (2,) before it is known whether the brake may open for it."""
-        return self.within_limits
+        sent = self.within_limits
+        return ca.if_else(ca.fabs(sent) > TRACE, sent, 0)
 
     @cached_property
     def away(self) -> Sides:
@@ -425,8 +414,7 @@ class StoppingGovernor(Governor):
         if self.scenario.filter.changing:
             pairs = zip(chain(*self.takeover), chain(*self.in_force), strict=True)
             faster = reduce(ca.logic_or, (v > V for v, V in pairs))
-            numbers = reduce(ca.logic_and, (_is_number(self.limits_told.sym[k]) for k in range(4)))
-            flags += ca.if_else(faster, SLOWING, 0) + ca.if_else(numbers, 0, LIMIT_REFUSED)
+            flags += ca.if_else(faster, SLOWING, 0) + unusable_limits(self.limits_told.sym)
         if self.distances:
             flags += ca.if_else(self.opens, 0, NEAR_BY) + ca.if_else(self.is_fresh, 0, NO_DISTANCE)
         return flags
@@ -463,10 +451,6 @@ def whole_steps(plan: Schedule, T: ca.SX, time: ca.SX) -> ca.SX:
 
 def _nothing(command: ca.SX) -> ca.SX:
     return ca.logic_and(command[0] == 0, command[1] == 0)
-
-
-def _is_number(value: ca.SX) -> ca.SX:
-    return ca.logic_or(value >= 0, value < 0)
 
 
 def _most(age: int) -> Signal:

@@ -33,6 +33,7 @@ from .delay import Tails, moved_since
 from .lateness import AT_ONCE, Since
 
 if TYPE_CHECKING:
+    from .changing import ChangingLimits
     from .guard import Bounds
 
 OLD_VELOCITY = Signal("guard_v", "m/s, rad/s", "measured velocity of the previous sample", 2)
@@ -73,6 +74,14 @@ class GuardMonitor:
         self.diagnostics: tuple[Output, ...] = tuple(
             Output(signal, value) for signal, value in zip(GUARD_DIAGNOSTICS, values, strict=True)
         )
+        self.inputs: tuple[Port, ...] = ()
+
+    def remember(self, limits: ChangingLimits) -> None:
+        """Add the input, the state and the diagnostic of limits that change."""
+        self.inputs = (limits.told,)
+        self.state = (*self.state, limits.before)
+        self.update = ca.vertcat(self.update, limits.update)
+        self.diagnostics = (*self.diagnostics, *limits.diagnostics)
 
 
 class LateMotion:

@@ -49,6 +49,7 @@ def feasible_guard(
     complete = derived_guard(scenario, bound, tau_max)
     Guard.relate(complete)
     _check_times(scenario, complete)
+    _check_changing(scenario, complete)
     others = bound_of or (lambda _: bound)
     _check(scenario, complete, bound, others)
     _check_brake(scenario, complete, tau_max, others)
@@ -71,6 +72,17 @@ def _check_times(scenario: Scenario, guard: GuardNumbers) -> None:
             f"guard: the delay varies by {guard.jitter:g} s, more than clock.control = {period:g} "
             "s: a command could take over after the next one. Lower actuator.jitter to at most "
             f"{period:g} s, or lengthen clock.control."
+        )
+
+
+def _check_changing(scenario: Scenario, guard: GuardNumbers) -> None:
+    """Refuse limits that change where velocities or commands are late."""
+    late = not all(times.at_once for times in guard.lateness(scenario.clock))
+    if guard.changing and late:
+        raise ScenarioError(
+            "guard.changing: with delay, lag, jitter or late velocities, commands in transit were "
+            "given under older limits, which this guard does not follow. Remove what is late, "
+            "leave out guard.changing, or drive a base that takes velocities by a governor."
         )
 
 

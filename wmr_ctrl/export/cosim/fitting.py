@@ -97,6 +97,11 @@ def _graph_in(path: str | Path) -> str:
 def check_parts(setup: Setup, plant: Part) -> None:
     """Raise ArgumentError if a foreign plant replaces a part of the scenario."""
     scenario = setup.scenario
+    if setup.takes_velocity and scenario.filter.is_told and scenario.filter.free_error is not None:
+        raise ArgumentError(
+            "filter.free_error: nothing in a co-simulation measures free distances, without which "
+            "the filter lets no command pass. Leave it out, or run the scenario natively."
+        )
     if plant.is_base and not setup.takes_velocity:
         raise ArgumentError(
             f"the map gives velocities to {plant.slave.path}, and the scenario's robot takes "

@@ -17,7 +17,15 @@ import numpy as np
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.codegen.kernels import sizes_of
 from wmr_ctrl.control.controller import asking_controller, guard
-from wmr_ctrl.control.filter.channels import AXES, FLAG_MEANINGS, FLAG_NAMES, FLAGS, SENT, TOLD_FLAGS, has_bit
+from wmr_ctrl.control.filter.channels import (
+    AXES,
+    FLAG_MEANINGS,
+    FLAG_NAMES,
+    FLAGS,
+    SENT,
+    TOLD_FLAGS,
+    has_bit,
+)
 from wmr_ctrl.control.filter.filter import called_filter
 from wmr_ctrl.control.loop import rolling_of
 from wmr_ctrl.control.numbers import Range, clock_of, ranges_of

@@ -412,6 +412,13 @@ class Guard(Section, key="guard"):
         (0.0, 0.0), "N, N.m", "friction that certainly acts above f_speed", minimum=0
     )
     f_speed: Pair = quantity((0.0, 0.0), "m/s, rad/s", "speed above which f_min acts", minimum=0)
+    changing: bool = quantity(
+        False, "1", "each sample is told the limits in force; those of [limits] are the widest"
+    )
+    falling: Pair | None = quantity(
+        None, "m/s2, rad/s2", "fastest fall of a limit; default: the fastest that is kept",
+        above=0, size=2,
+    )  # fmt: skip
 
     def masses(self, m: float, inertia: float) -> tuple[Pair, Pair]:
         """Smallest, largest mass and inertia [kg, kg m2]: stated, or of a model by mass_margin."""
