@@ -64,7 +64,7 @@ class SightSettings:
                 f"scans, of which there may be {MOST}."
             )
         outside = [
-            pose for pose in self.poses if math.hypot(*pose[:2]) > LARGEST_SHARE * self.radius
+            pose for pose in self.poses if math.hypot(*pose[:2]) >= LARGEST_SHARE * self.radius
         ]
         if outside:
             raise ArgumentError(
