@@ -23,8 +23,8 @@ MS = 1_000_000
 STATED = {
     "limits.v_u1": [0.5, 1.0], "limits.v_u2": [0.4, 0.8], "clock.control": 0.05,
     "base.kind": "velocity", "filter.kind": "governor", "filter.gain": [0.95, 1.05],
-    "filter.tau": [0.1, 0.2], "filter.d": [0.03, 0.02], "filter.changing": True, "filter.free_error": 0.02,
-    "filter.free_age": 0.25, "filter.rest": 0.5,
+    "filter.tau": [0.1, 0.2], "filter.d": [0.03, 0.02], "filter.changing": True,
+    "filter.free_error": 0.02, "filter.free_age": 0.25, "filter.rest": 0.5,
 }  # fmt: skip
 RADIUS, LOOK = 0.2, 0.3
 OPEN = walls()
