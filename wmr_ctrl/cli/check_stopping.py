@@ -69,7 +69,8 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
         f"pushes {length(last.push)}, the brake {length(last.brake)}, the distance's error "
         f"{length(last.error)}"
     )
-    names = {"millisecond": "millisecond of delay", "per_cent": "per cent of tau",
+    slow = "decel" if case.filter.kind == "clip" else "tau"
+    names = {"millisecond": "millisecond of delay", "per_cent": f"per cent of {slow}",
              "rest_second": "second of rest"}  # fmt: skip
     prices = (f"{names[key]} {length(price)}" for key, price in costs(case).items())
     yield f"one more costs: {', '.join(prices)}"

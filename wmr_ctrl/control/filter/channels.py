@@ -131,6 +131,11 @@ def unusable_limits(told: ca.SX) -> ca.SX:
     return ca.if_else(numbers, 0, LIMIT_REFUSED)
 
 
+def is_nothing(command: ca.SX) -> ca.SX:
+    """1 where a command (2,) is (0, 0)."""
+    return ca.logic_and(command[0] == 0, command[1] == 0)
+
+
 def two_sided(channels: Sequence[Channel]) -> list[Channel]:
     """Channels with numbers of each direction, also where both are the same."""
     return [replace(c, sides=(c.sides[0], c.sides[-1])) for c in channels]

@@ -21,7 +21,13 @@ from wmr_ctrl.core.fields.values import Pair
 from wmr_ctrl.core.signals import ASKED, ODOMETRY_AGE, Signal
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.model.system import Output, System, port, stack, values
-from wmr_ctrl.world.scenario import Scenario, asking_about_units, load_scenario, unit_questions
+from wmr_ctrl.world.scenario import (
+    Scenario,
+    asking_about_units,
+    load_scenario,
+    override,
+    unit_questions,
+)
 from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Filter
 
 from .asked import for_base
@@ -39,6 +45,7 @@ from .clip import Clip, slew_reach
 from .enclosure import Floats
 from .governor_step import ODOMETRY, Governor, check_jitter
 from .peak_gain import peak_gains, pi_loop, refuse_all
+from .ramp_stop import RampStopper
 from .stopping import StoppingGovernor
 
 
@@ -214,12 +221,15 @@ BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
     "clip": Clip,
     "governor": Governor,
     "told": StoppingGovernor,
+    "ramps": RampStopper,
     "band": BandGovernor,
 }
 
 
 def kind_of(settings: Filter) -> str:
-    """Key in `BUILDERS`: the filter's kind, or "told" for a governor that is told more."""
+    """Key in `BUILDERS`: the filter's kind, or that of one which is told more."""
+    if settings.kind == "clip" and settings.free_error is not None:
+        return "ramps"
     return "told" if settings.kind == "governor" and settings.is_told else settings.kind
 
 
@@ -294,9 +304,8 @@ def passing_commands(scenario: Scenario) -> list[tuple[str, Pair, Pair]]:
     if scenario.filter.kind == "none":
         return []
     check_filter(scenario)
-    built: Clip | Governor = (
-        Clip(scenario) if scenario.filter.kind == "clip" else Governor(scenario)
-    )
+    plain = override(scenario, {"filter.changing": False})
+    built: Clip | Governor = Clip(plain) if plain.filter.kind == "clip" else Governor(plain)
     ahead, back = (ca.vertcat(*way) for way in largest_commands(built.channels))
     units = ((1, 0), (0, 1))
     rows = ca.vertcat(*(ca.horzcat(*map(item.of, units)) for item in built.channels))

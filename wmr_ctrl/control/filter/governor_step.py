@@ -17,7 +17,6 @@ from wmr_ctrl.world.scenario import Scenario, asking_about_units
 from wmr_ctrl.world.scenario.command_filter import MOST_PERIODS
 
 from .channels import (
-    AXES,
     BOUNDS_LEFT,
     ELAPSED,
     FLAGS,
@@ -30,20 +29,18 @@ from .channels import (
     ends_of,
     gains_of,
     limited,
-    punctual,
     scaled,
     sound,
     usable_command,
-    within,
 )
 from .governor import (
-    NEAR,
     Schedule,
     SpeedBound,
     drive,
     drive_back,
     largest_command,
 )
+from .heard import Heard
 
 Sides: TypeAlias = list[list[ca.SX]]
 """A number of every channel, of its speed first, then of the speed's negative."""
@@ -96,7 +93,7 @@ def _schedule(scenario: Scenario, delay: Pair) -> Schedule:
     return plan
 
 
-class Governor:
+class Governor(Heard):
     """Graph of a governor, from odometry to the command that is sent."""
 
     def __init__(self, scenario: Scenario) -> None:
@@ -105,7 +102,7 @@ class Governor:
         self.asked, self.odometry = port(ASKED), port(ODOMETRY)
         self.age, self.elapsed = port(ODOMETRY_AGE, -1.0), port(ELAPSED)
         self.oldest = oldest = self.remembered
-        self.before = [port(_sent(number)) for number in range(1, oldest + 1)]
+        self.before = [port(sent_signal(number)) for number in range(1, oldest + 1)]
         self.counted = (port(IN_TIME, oldest),) if oldest > 1 else ()
         self.T, tau = self.p.take("clock.control"), ends_of(self.p, "tau")
         loops = list(zip(self.plans, tau, strict=True))
@@ -132,31 +129,6 @@ class Governor:
     def remembered(self) -> int:
         """Number of commands that the state holds."""
         return max(plan.oldest for plan in self.plans)
-
-    @cached_property
-    def seen(self) -> ca.SX:
-        """1 if there is odometry, young enough and a number."""
-        if self.scenario.filter.odometry is None:
-            return ca.SX(0)
-        age = 0.5 * self.plans[0].age * self.T
-        young = within(self.age.sym - age, age + NEAR * self.T)
-        return reduce(ca.logic_and, [young, *(within(self.odometry.sym[i], LARGEST) for i in AXES)])
-
-    @cached_property
-    def came(self) -> ca.SX:
-        """1 if the sample came within its jitter."""
-        return punctual(self.elapsed.sym, self.T, self.plans[0].jitter)
-
-    @cached_property
-    def in_time(self) -> list[ca.SX]:
-        """Number of punctual samples since the last late one; empty if only one command may act."""
-        most = self.oldest
-        return [ca.if_else(self.came, ca.fmin(n.sym + 1, most), 0) for n in self.counted]
-
-    @cached_property
-    def punctual(self) -> ca.SX:
-        """1 if all commands that may still act were sent on time."""
-        return self.in_time[0] >= self.oldest if self.counted else self.came
 
     @cached_property
     def now(self) -> Sides:
@@ -296,5 +268,6 @@ def _known(name: str, meaning: str, size: int) -> Signal:
     return Signal(name, "m/s, rad/s", f"{meaning}, of each channel", size)
 
 
-def _sent(age: int) -> Signal:
+def sent_signal(age: int) -> Signal:
+    """State: a command sent some samples ago."""
     return Signal(f"v_sent_{age}", "m/s, rad/s", f"command sent {age} samples ago", 2)

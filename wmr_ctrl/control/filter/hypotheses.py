@@ -59,6 +59,8 @@ def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
     sentences = [*_of_every_filter(scenario, bound)]
     if scenario.filter.kind == "governor":
         sentences += _of_the_governor(scenario, bound)
+    if scenario.filter.kind == "clip" and scenario.filter.free_error is not None:
+        sentences += _of_slow_stops(scenario, bound)
     if scenario.filter.kind == "band":
         sentences += _of_the_band(bound)
     if scenario.filter.slew is not None:
@@ -336,15 +338,42 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
             if not _within(tau, ends):
                 yield _outside(f"base.tau[{axis}]", tau, "s", "filter.tau", ends)
     yield from _of_the_times(scenario, bound)
-    if stated.odometry is None:
-        return
+    if stated.odometry is not None:
+        yield from _of_odometry(scenario, bound, stated.odometry)
+
+
+def _of_slow_stops(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    """Objections to a base that slows down later or less than a clip that stops relies on."""
+    stated, base = scenario.filter, scenario.base
+    for axis, (least, own) in enumerate(zip(stated.decel or (), base.decel, strict=False), 1):
+        if own * (1 + ROUNDING) < least:
+            yield (
+                f"base.decel[{axis}] = {own:g} is less than filter.decel[{axis}] = {least:g}. "
+                "Lower the latter to it."
+            )
+    for axis, lag in enumerate(base.tau):
+        most = 0.0 if stated.tau is None else stated.intervals("tau")[axis][1]
+        if base.loop[axis] == "first-order" and lag > most * (1 + ROUNDING):
+            yield (
+                f"base.tau[{axis + 1}] = {lag:g} s delays a stop, and filter.tau covers {most:g} "
+                "s. State filter.tau = [low, high] that holds it."
+            )
+    if min(base.jerk) < math.inf:
+        yield "base.jerk delays a stop by a time that filter.decel does not cover. Leave it out."
+    yield from _of_the_times(scenario, bound)
+    if stated.odometry is not None:
+        yield from _of_odometry(scenario, bound, stated.odometry)
+
+
+def _of_odometry(scenario: Scenario, bound: Bound, stated: Pair) -> Iterator[str]:
+    """Objections to velocities that are less exact than ``stated``, or not of one instant."""
     kick = kick_of_friction(scenario) * counts_on_rims(scenario)
     for axis, error in enumerate((bound.nbar[0] + kick, bound.nbar[1])):
-        if error > stated.odometry[axis] * (1 + ROUNDING):
+        if error > stated[axis] * (1 + ROUNDING):
             yield (
                 f"The sensors' velocity is off by up to {rounded(error, 4)} {UNITS[axis]}"
                 f"{' with friction within plant steps' * (axis == 0 and kick > 0)}, and "
-                f"filter.odometry[{axis + 1}] = {stated.odometry[axis]:g} {UNITS[axis]} is less. "
+                f"filter.odometry[{axis + 1}] = {stated[axis]:g} {UNITS[axis]} is less. "
                 "Raise it to that."
             )
     encoder = scenario.section(Encoder)

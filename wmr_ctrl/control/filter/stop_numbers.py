@@ -27,6 +27,13 @@ def stop_of(scenario: Scenario, axis: int) -> tuple[Stop[float], Schedule]:
     return stop, plan
 
 
+def _reaction(scenario: Scenario, axis: int) -> float:
+    """Time [s] in which a clip's base may not slow down yet: delay, command and lag."""
+    plan, tau = schedules(scenario)[axis], scenario.filter.tau
+    lag = scenario.filter.intervals("tau")[axis][1] if tau is not None else 0.0
+    return (plan.delay[1] + plan.acting) * scenario.clock.control + lag
+
+
 @dataclass(frozen=True)
 class Stopping:
     """Distance [m] that a base needs to stop from ``speed`` [m/s], and what it is made of [m].
@@ -45,12 +52,17 @@ class Stopping:
 
 def stopping(scenario: Scenario, speed: float) -> Stopping:
     """Distance at which the governor still lets a base drive on straight at this speed [m/s]."""
-    settings = scenario.filter
-    stop, _ = stop_of(scenario, 0)
-    delay = speed * (stop.last + stop.acts)
-    brake = stop.fading * max(speed - stop.push, 0.0)
-    push = stop.creep + settings.leave * stop.roll + stop.nearing * stop.time
-    error = settings.free_error or 0.0
+    settings, error = scenario.filter, scenario.filter.free_error or 0.0
+    if settings.decel is not None and settings.kind == "clip":
+        reaction, rest = _reaction(scenario, 0), settings.rest or 0.0
+        delay, brake = speed * reaction, speed * speed / (2 * settings.decel[0])
+        nears = reaction + scenario.limits.v_max[0] / settings.decel[0] + rest
+        push = (1 + settings.leave) * settings.d[0] * rest + settings.nearing * nears
+    else:
+        stop, _ = stop_of(scenario, 0)
+        delay = speed * (stop.last + stop.acts)
+        brake = stop.fading * max(speed - stop.push, 0.0)
+        push = stop.creep + settings.leave * stop.roll + stop.nearing * stop.time
     return Stopping(speed, delay + push + brake + error, delay, push, brake, error)
 
 
@@ -67,8 +79,16 @@ def costs(scenario: Scenario) -> dict[str, float]:
         return stopping(changed, speed).distance - whole
 
     later = settings.each("delay", lambda ends: (ends[0], ends[1] + 1e-3))
-    slower = settings.each("tau", lambda ends: (ends[0], 1.01 * ends[1]))
-    found = {"millisecond": more("delay", later), "per_cent": more("tau", slower)}
+    found = {"millisecond": more("delay", later)}
+    if settings.kind == "clip" and settings.decel is not None:
+        v, omega = settings.decel
+        found["per_cent"] = (
+            stopping(override(scenario, {"filter.decel": [v / 1.01, omega]}), speed).distance
+            - whole
+        )
+    else:
+        slower = settings.each("tau", lambda ends: (ends[0], 1.01 * ends[1]))
+        found["per_cent"] = more("tau", slower)
     if settings.rest is not None:
         found["rest_second"] = more("rest", settings.rest + 1)
     return found
@@ -92,6 +112,8 @@ class Leaving:
 def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
     """How a base leaves what is before it (``way`` -1) or behind it (1); None without a rest."""
     settings, T = scenario.filter, scenario.clock.control
+    if settings.kind == "clip":
+        return None
     stop, plan = stop_of(scenario, 0)
     if stop.rest is None:
         return None
@@ -109,6 +131,11 @@ def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
 
 def smallest_window(scenario: Scenario) -> Pair:
     """Headings [rad] to either side that a stop, and a stop and a hold, may turn through."""
+    settings = scenario.filter
+    if settings.kind == "clip" and settings.decel is not None:
+        d, rest = settings.d[1], settings.rest or 0.0
+        turned = d * (_reaction(scenario, 1) + rest) + d * d / (2 * settings.decel[1])
+        return (1 + settings.leave) * turned, (1 + settings.leave) * turned
     stop, _ = stop_of(scenario, 1)
     turned = stop.push * stop.time
     ways = [leaving(scenario, way) for way in (1, -1)]

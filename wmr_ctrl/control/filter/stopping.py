@@ -74,8 +74,10 @@ class StoppingGovernor(Governor):
         tau = ends_of(p, "tau")
         self.channels = two_sided(self.channels)
         starts = [c.largest[place] for place in (0, -1) for c in self.channels]
-        self.most_before = [port(_most(age), starts) for age in range(1, last + 1)]
-        self.held_before = [port(_held(age)) for age in range(1, last + 1)] if settings.rest else []
+        self.most_before = [port(most_signal(age), starts) for age in range(1, last + 1)]
+        self.held_before = (
+            [port(held_signal(age)) for age in range(1, last + 1)] if settings.rest else []
+        )
         self.rested = [port(RESTED)] if self.held_before else []
         self.limits_told = limits_port(scenario)
         self.free, self.free_age = port(FREE, [LARGEST] * 4), port(FREE_AGE, -1.0)
@@ -453,10 +455,12 @@ def _nothing(command: ca.SX) -> ca.SX:
     return ca.logic_and(command[0] == 0, command[1] == 0)
 
 
-def _most(age: int) -> Signal:
+def most_signal(age: int) -> Signal:
+    """State: bounds of the speeds under a command sent some samples ago."""
     said = f"bound of v, omega and of their negatives while the command of {age} samples ago acts"
     return Signal(f"v_most_{age}", "m/s, rad/s, m/s, rad/s", said, 4)
 
 
-def _held(age: int) -> Signal:
+def held_signal(age: int) -> Signal:
+    """State: whether the base stands under a command sent some samples ago."""
     return Signal(f"held_{age}", "1", f"1: the base stands while the command of {age} ago acts")

@@ -137,6 +137,10 @@ class Filter(Section, key="filter"):
         None, "s", "time after which the base stands, and holds, once commands of 0 act",
         minimum=0, usual=(0, 10),
     )  # fmt: skip
+    decel: tuple[float, float] | None = quantity(
+        None, "m/s2, rad/s2", "least deceleration of a base that never passes its command, for a "
+        "clip that stops", size=2, above=0,
+    )  # fmt: skip
     leave: int = quantity(
         1, "1", "releases that come too early, for which a stop keeps enough distance", minimum=0
     )
@@ -222,7 +226,8 @@ class Filter(Section, key="filter"):
         """Raise ScenarioError where limits or distances cannot be told while the base drives."""
         told = {"changing": self.changing, "free_error": self.free_error is not None}
         name = next((key for key, is_told in told.items() if is_told), "rest")
-        kinds = ("governor", "clip") if name == "changing" else ("governor",)
+        ramps = self.decel is not None and name == "free_error"
+        kinds = ("governor", "clip") if name == "changing" or ramps else ("governor",)
         if self.kind not in kinds:
             raise ScenarioError(
                 f'filter.{name} does not go with filter.kind = "{self.kind}", which knows no bound '
@@ -241,6 +246,8 @@ class Filter(Section, key="filter"):
                     "filter.free_error, or leave out filter.nearing."
                 )
             return
+        if self.kind == "clip":
+            self._relate_ramps()
         if self.rest is None and (any(self.d) or self.nearing):
             cause = (
                 f"filter.nearing = {self.nearing:g} m/s: what is in the way comes nearer for ever"
@@ -263,6 +270,20 @@ class Filter(Section, key="filter"):
                 "filter.leave keeps a distance for releases, which what comes nearer (filter."
                 "nearing) uses up while the base rests. Set filter.leave = 0: the base then leaves "
                 "where its distance certifies that."
+            )
+
+    def _relate_ramps(self) -> None:
+        """Raise ScenarioError where a clip cannot stop in time."""
+        if self.decel is None:
+            raise ScenarioError(
+                'filter.decel is missing: filter.kind = "clip" with filter.free_error stops in '
+                "time on a base that slows down by at least so much. Give decel = [m/s2, rad/s2], "
+                'or use filter.kind = "governor".'
+            )
+        if self.loop != FIRST_ORDER or self.odometry is None:
+            raise ScenarioError(
+                "filter.decel is for a base that never passes its command, and whose odometry is "
+                'used: state filter.odometry, and filter.loop = "first-order".'
             )
 
     def _relate_loop(self, axis: int) -> None:
