@@ -48,6 +48,11 @@ from .heard import Watching
 from .stopping import FREE_KNOWN, RESTED, TRACE, held_signal, most_signal, whole_steps
 
 
+def stopping_speed(room: ca.SX, h: ca.SX, A: ca.SX) -> ca.SX:
+    """Largest speed m for which m h + m^2/(2 A) is within ``room``."""
+    return A * (ca.sqrt(h * h + 2 * ca.fmax(room, 0) / A) - h)
+
+
 class RampStopper(Clip, Watching):
     """Graph of the clip; its state is what may act, what that allows, and the free ways."""
 
@@ -155,7 +160,7 @@ class RampStopper(Clip, Watching):
                 b, h, A = channel.sides[place], self.reaction[i], self.decel[i]
                 least = self._stop(i, ca.SX(0))
                 room = self.free_now[place][i] - least
-                root = A * (ca.sqrt(h * h + 2 * ca.fmax(room, 0) / A) - h)
+                root = stopping_speed(room, h, A)
                 slow = ca.fmax(self.fastest[place][i], b.dbar) <= root
                 slow = ca.logic_and(room >= 0, slow)
                 limits.append(ca.if_else(slow, (root - b.dbar) / b.K_max, -1))

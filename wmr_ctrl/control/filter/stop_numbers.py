@@ -122,7 +122,7 @@ def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
     pull = least_gain * (V - d) / most_gain - d
     slowest = (1 - plan.jitter) * T
     spread = plan.spread * T
-    rests = math.ceil((stop.rest + plan.losses * (1 + plan.jitter) * T + spread) / slowest - NEAR)
+    rests = math.ceil((stop.rest + plan.losses * (1 + plan.jitter) * T + spread) / slowest + NEAR)
     if pull <= 0:
         return Leaving(stop.roll, None, math.inf, rests * T)
     steps = plan.losses + math.ceil((stop.hold(pull) + spread) / slowest - NEAR)

@@ -47,7 +47,7 @@ from .channels import (
 )
 from .governor import NEAR, FirstOrder, Schedule, SpeedBound, largest
 from .governor_step import Governor, Sides
-from .ways import Reached, Stop, ToldBound
+from .ways import Reached, Stop, ToldBound, told_command
 
 FREE_KNOWN = Signal("free_known", "m, m, rad, rad", "least free ways since they were told", 4)
 WAITED = Signal(
@@ -76,7 +76,7 @@ class StoppingGovernor(Governor):
         starts = [c.largest[place] for place in (0, -1) for c in self.channels]
         self.most_before = [port(most_signal(age), starts) for age in range(1, last + 1)]
         self.held_before = (
-            [port(held_signal(age)) for age in range(1, last + 1)] if settings.rest else []
+            [port(held_signal(age)) for age in range(1, last + 1)] if self.rest is not None else []
         )
         self.rested = [port(RESTED)] if self.held_before else []
         self.limits_told = limits_port(scenario)
@@ -89,6 +89,7 @@ class StoppingGovernor(Governor):
                     plan, c.sides[place], tau[i], self.T,
                     most=[ca.SX(0), *(item.sym[2 * place + i] for item in self.most_before)],
                     still=[ca.SX(0), *still] if still else (),
+                    punctual=self.punctual,
                 )
                 for i, (c, plan) in enumerate(zip(self.channels, self.plans, strict=True))
             ]
@@ -225,13 +226,9 @@ class StoppingGovernor(Governor):
 
     def _admitted(self, place: int, axis: int, motion: ToldBound) -> ca.SX:
         """Largest command by the limit in force."""
-        V, v_bar, b = self.in_force[place][axis], self.takeover[place][axis], motion.bounds
-        plan = motion.schedule
-        acts = ca.fmax(plan.shortest * self.T, LEAST_PERIOD)
-        above = 1 / ca.expm1(acts / motion.tau[1])
-        room = V - v_bar
-        command = (V - b.dbar + ca.fmin(b.kappa * room, above * room)) / b.K_max
-        return ca.if_else(b.dbar < V, command, 0)
+        b, plan = motion.bounds, motion.schedule
+        slowest = 1 / ca.expm1(ca.fmax(plan.shortest * self.T, LEAST_PERIOD) / motion.tau[1])
+        return told_command(self.in_force[place][axis], self.takeover[place][axis], b, slowest)
 
     @cached_property
     def offered(self) -> ca.SX:
@@ -282,7 +279,9 @@ class StoppingGovernor(Governor):
                 if not self.scenario.filter.nearing:
                     enough += [way * self.before[0].sym[i] < 0, stop.push == 0]
                     enough += [self._is_ripe(place, i)] if self.rest is not None else []
-                leaves = ca.logic_and(self.leaves[place][i], v_bar <= 0)
+                leaves = self.leaves[place][i]
+                if self.rest is not None:  # else zeros would lead no less far than it does
+                    leaves = ca.logic_and(leaves, v_bar <= 0)
                 passes = ca.logic_and(leaves, reduce(ca.logic_or, enough))
                 opens.append(ca.logic_or(self.stopping[place][i] >= 0, passes))
             sides.append(opens)
@@ -292,12 +291,25 @@ class StoppingGovernor(Governor):
         """1 where a command straight away was asked for from rest long enough."""
         stop, pull, plan = self.stops[axis], self.pull[place][axis], self.plans[axis]
         steps = plan.losses + whole_steps(plan, self.T, stop.hold(pull))
-        V, other = self.in_force[1 - place][axis], self.free_now[1 - place][axis]
-        time = steps * (1 + plan.jitter) * self.T + plan.longest * self.T + stop.fading
-        free = other - self.scenario.filter.leave * stop.roll >= V * time + stop.creep
+        time = (steps * (1 + plan.jitter) + plan.longest) * self.T
         waited = self.waited.sym[place + 2 * axis] >= steps * pull
         straight = self.offered[1 - axis] == 0
-        return reduce(ca.logic_and, (pull > LEAST_PULL, waited, free, straight))
+        V = self.in_force[1 - place][axis]
+        goes_on = [self._stays_free(1 - place, axis, V, time + stop.fading)]
+        across = 1 - axis
+        push = self.channels[across].bounds.dbar
+        goes_on += [self._stays_free(side, across, push, time) for side in AXES]
+        return reduce(ca.logic_and, (pull > LEAST_PULL, waited, straight, *goes_on))
+
+    def _stays_free(self, place: int, axis: int, speed: ca.SX, time: ca.SX) -> ca.SX:
+        """1 where a side stays open while its speed is at most this for a time [s].
+
+        Ways that are told later may be less by twice their error and the way of their age.
+        """
+        stop, aged = self.stops[axis], self.p.take("filter.free_age")
+        told = speed * aged + (0 if axis else 2 * self.p.take("filter.free_error"))
+        kept = self.scenario.filter.leave * stop.roll
+        return self.free_now[place][axis] - kept >= speed * time + stop.creep + told
 
     @cached_property
     def opens(self) -> ca.SX:
@@ -315,7 +327,7 @@ class StoppingGovernor(Governor):
         plan = max(self.plans, key=lambda plan: plan.delay[1] - plan.delay[0])
         rest = ca.SX(0) if self.rest is None else self.rest
         time = rest + plan.losses * (1 + plan.jitter) * self.T
-        enough = self._in_row >= whole_steps(plan, self.T, time)
+        enough = self._in_row >= whole_steps(plan, self.T, time, NEAR)
         return ca.logic_and(_nothing(self.safe), enough)
 
     @property
@@ -445,10 +457,13 @@ def _shifted(before: Sequence[Port]) -> list[ca.SX]:
     return [item.sym for item in before[:-1]]
 
 
-def whole_steps(plan: Schedule, T: ca.SX, time: ca.SX) -> ca.SX:
-    """Number of commands that surely act for at least this time [s]."""
+def whole_steps(plan: Schedule, T: ca.SX, time: ca.SX, more: float = -NEAR) -> ca.SX:
+    """Number of commands that surely act for at least this time [s], and ``more`` of a period.
+
+    A brake ends a motion at once, so that rest needs more than the time after which it closes.
+    """
     spread = plan.delay[1] - plan.delay[0]
-    return ca.ceil((time + spread * T) / ((1 - plan.jitter) * T) - NEAR)
+    return ca.ceil((time + spread * T) / ((1 - plan.jitter) * T) + more)
 
 
 def _nothing(command: ca.SX) -> ca.SX:

@@ -13,20 +13,40 @@ line for each time at which u may take over and each end of tau (`filter.free.pl
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
 from typing import Generic
 
 import casadi as ca
 
+from wmr_ctrl.core.signals import LARGEST
 from wmr_ctrl.world.model.system import Number
 
-from .governor import NEAR, Piece, SpeedBound, largest, relaxed
+from .governor import NEAR, FirstOrder, Piece, SpeedBound, largest, relaxed
 
 
 def covered(time: Number, tau: Number) -> Number:
     """Way for each m/s of a speed that fades with ``tau`` for a ``time`` [s]."""
     return -tau * ca.expm1(-time / tau)
+
+
+def told_command(V: ca.SX, v_bar: ca.SX, b: FirstOrder, slowest: ca.SX) -> ca.SX:
+    """Largest command for a limit V that may be below v_bar, the bound of the speed.
+
+    ``slowest``: 1/(exp(h/tau_max) - 1) of the least time for which it acts.
+    """
+    room = V - v_bar
+    command = (V - b.dbar + ca.fmin(b.kappa * room, slowest * room)) / b.K_max
+    return ca.if_else(b.dbar < V, ca.fmax(0, command), 0)
+
+
+def farthest(v: ca.SX, target: ca.SX, time: ca.SX, least: ca.SX, most: ca.SX) -> ca.SX:
+    """Way in a ``time`` [s] from the speed v towards ``target``.
+
+    ``least`` and ``most`` bound `covered` of that time.
+    """
+    away = v - target
+    return target * time + ca.fmax(away * least, away * most)
 
 
 @dataclass(frozen=True)
@@ -117,11 +137,27 @@ class ToldBound(SpeedBound):
     """`SpeedBound` behind limits that change, on a base with a brake.
 
     By age of the command, [0] the newest: ``most`` bounds the speed while it acts; ``still`` is 1
-    if it is (0, 0), during which a brake may end any motion.
+    if it is (0, 0), during which a brake may end any motion. ``punctual``: 1 if all commands that
+    may act were sent in time.
     """
 
     most: Sequence[ca.SX] = ()
     still: Sequence[ca.SX] = ()
+    punctual: ca.SX = field(default_factory=lambda: ca.SX(1))
+
+    @property
+    def stops_alone(self) -> bool:
+        """True if the base may stop on its own between two commands that come in time."""
+        plan = self.schedule
+        apart = (1 + plan.losses) * (1 + plan.jitter) + plan.delay[1] - plan.delay[0]
+        return 0 < plan.hold < apart - NEAR
+
+    @property
+    def stopped(self) -> list[ca.SX]:
+        """Steady speed of a base that stops on its own, if it may."""
+        if self.stops_alone:
+            return super().stopped
+        return [ca.if_else(self.punctual, -LARGEST, push) for push in super().stopped]
 
     def carried(
         self,
@@ -137,11 +173,12 @@ class ToldBound(SpeedBound):
 
     def cap(self, piece: Piece) -> ca.SX:
         """Bound of the speed in a piece by the commands that may act in it."""
-        return largest([*(self.most[age] for age in reversed(piece.ages)), *self.stopped])
+        most = largest([*(self.most[age] for age in reversed(piece.ages)), *self.stopped])
+        return most if self.stops_alone else ca.if_else(self.punctual, most, self.bounds.V)
 
     def _lifted(self, v: ca.SX, piece: Piece) -> ca.SX:
         """A bound of the speed that also holds if a brake closes in this piece."""
-        if self.schedule.hold > 0 and self.still:
+        if self.stops_alone and self.still:
             return ca.fmax(v, 0)
         still = [self.still[age] for age in piece.ages if self.still]
         return ca.if_else(reduce(ca.logic_or, still), ca.fmax(v, 0), v) if still else v
@@ -154,8 +191,7 @@ class ToldBound(SpeedBound):
         for piece in pieces:
             time = (piece.end - piece.start) * self.period
             target, shares = ca.fmax(self.target(piece, targets), 0), self.shares(time)
-            ways = [(speed - target) * covered(time, tau) for tau in self.tau]
-            way += target * time + ca.fmax(*ways)
+            way += farthest(speed, target, time, *(covered(time, tau) for tau in self.tau))
             speed = ca.fmax(ca.fmin(relaxed(speed, target, *shares), self.cap(piece)), 0)
             yield Reached(piece.end * self.period, way, speed)
 
