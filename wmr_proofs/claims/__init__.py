@@ -35,6 +35,7 @@ THEMES = (
      "guard_delay_sums guard_delay_rounding"),
     ("The guard as it is exported", "guard_flag:watched_claim"),
     ("The command filter of bases that take velocities", "command_filter filter_assembled"),
+    ("Limits that change, and stops in time", "filter_stops"),
     ("The gate before a base", "gate"),
     ("The command filter of bases that take velocities",
      "filter_loops filter_shapes filter_kick filter_band filter_band_times filter_rounding "

@@ -14,7 +14,7 @@ line for each time at which u may take over and each end of tau (`filter.free.pl
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import cached_property, reduce
 from typing import Generic
 
 import casadi as ca
@@ -79,6 +79,11 @@ class Stop(Generic[Number]):
         """Way during the rest for each m/s of speed at its start."""
         return self.tau[1] if self.rest is None else covered(self.rest, self.tau[1])
 
+    @cached_property
+    def quick(self) -> Number:
+        """The same of the quickest base."""
+        return self.tau[0] if self.rest is None else covered(self.rest, self.tau[0])
+
     @property
     def creep(self) -> Number:
         """Way that a push leads to during the rest."""
@@ -94,12 +99,11 @@ class Stop(Generic[Number]):
         """Largest way that a push leads to after a command away was let go, from rest."""
         if self.rest is None:
             return 0 * self.push
-        return self.push * (self.rest - covered(self.rest, self.tau[0]))
+        return self.push * (self.rest - self.quick)
 
     def hold(self, pull: Number) -> Number:
         """Time after which a command away with this ``pull`` has gained what a release rolls."""
-        fading = self.tau[0] if self.rest is None else covered(self.rest, self.tau[0])
-        return self.roll / pull + self.tau[1] - fading
+        return self.roll / pull + self.tau[1] - self.quick
 
     def room(self, free: Number) -> Number:
         """Free distance less what any stop takes."""
@@ -127,8 +131,7 @@ class Stop(Generic[Number]):
 
         ``way``: gone before it takes over; ``speed`` <= 0: then.
         """
-        fading = self.tau[0] if self.rest is None else covered(self.rest, self.tau[0])
-        rolls = self.creep + (ca.fmax(speed, target) - self.push) * fading
+        rolls = self.creep + (ca.fmax(speed, target) - self.push) * self.quick
         return self.nearing * self.time + way + ca.fmax(0, rolls)
 
 

@@ -42,7 +42,7 @@ class ChangingLimits:
         for i in (0, 1):
             b = both.axis(i)
             widest = b.mirrored.u1, b.u1  # backwards, forwards
-            fall = _fall(b, [way * self.before.sym[2 * i + k] for k, way in _SIDES], [
+            fall = largest_fall(b, [way * self.before.sym[2 * i + k] for k, way in _SIDES], [
                 _usable(way * self.told.sym[2 * i + k], widest[k], b) for k, way in _SIDES
             ])  # fmt: skip
             if slower is not None:
@@ -69,7 +69,7 @@ def _usable(limit: ca.SX, widest: ca.SX, b: Bounds) -> ca.SX:
     return ca.fmin(ca.fmax(ca.if_else(is_number(limit), limit, 0), least), widest)
 
 
-def _fall(b: Bounds, before: list[ca.SX], wanted: list[ca.SX]) -> ca.SX:
+def largest_fall(b: Bounds, before: list[ca.SX], wanted: list[ca.SX]) -> ca.SX:
     """Largest fall of both directions' limits in a period."""
     narrow, stiff = ca.fmin(*before), b.period * b.M_min * b.alpha / b.M_max
     least = (narrow + stiff * b.f_speed + 2 * b.period * b.net / b.M_max) / (1 + stiff)

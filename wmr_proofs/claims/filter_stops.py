@@ -1,0 +1,451 @@
+"""Limits that change, and stops before what is in the way, of one side of one axis.
+
+E is the share of the old speed that is left, e1 and e2 its least (tau_min, the longest time) and
+its largest (tau_max, the least time), A a way for each m/s of a speed that fades.
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.governor import FirstOrder, drive
+from wmr_ctrl.control.filter.ramp_stop import stopping_speed
+from wmr_ctrl.control.filter.ways import Reached, Stop, covered, farthest, told_command
+from wmr_ctrl.control.guard.changing import largest_fall
+from wmr_ctrl.control.guard.guard import Bounds
+from wmr_ctrl.results.ledger import HAND
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, between, equal, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Named, Symbols, symbols
+
+from .command_filter import ANY_SIDE, NUMBERS, admits
+
+claim = Claims(by=Z3())
+LOWERED = f"{ANY_SIDE}; v <= v_bar; kappa = e1/(1 - e1), kappa_2 = e2/(1 - e2), e1 <= E <= e2 < 1"
+
+
+class Lowered(Named):
+    """Symbols of a command that takes over at v <= v_bar while a limit V is in force."""
+
+    def __init__(self, mutation: Mutation) -> None:
+        self.symbols = symbols(f"{NUMBERS} kappa_2 u v v_bar mean E e1 e2 v_other", NUMBERS)
+        self.bounds = FirstOrder(**{name: self[name] for name in NUMBERS.split()})
+        e1, e2, E = self.e1, self.e2, self.E
+        ratios = equal(self.kappa * (1 - e1), e1), equal(self.kappa_2 * (1 - e2), e2)
+        self.given: tuple[Relation, ...] = (
+            *admits(self.bounds), above(e1), at_least(e2, e1), above(ca.SX(1), e2), *ratios,
+            at_least(E, e1), at_least(mutation(1, 1.01) * e2, E), at_least(1, E),
+            at_least(self.v_bar, self.v), at_least(drive(self.u, self.bounds), self.mean),
+        )  # fmt: skip
+        self.hi = told_command(self.V, self.v_bar, self.bounds, self.kappa_2)
+        self.end = E * self.v + (1 - E) * self.mean
+
+    def stopped(self, share: ca.SX, v: ca.SX | None = None) -> ca.SX:
+        """Largest of V and of what a stop leaves of a bound of the speed."""
+        start = self.v_bar if v is None else v
+        return ca.fmax(self.V, self.dbar + share * (start - self.dbar))
+
+
+@claim("filter.limits.enters", given=f"{LOWERED}; V < v_bar, u <= hi, mean <= drive(u)")
+def enters(mutation: Mutation) -> Statement:
+    """E v + (1 - E) mean <= max(V, d + E (v_bar - d)), and <= v_bar.
+
+    Above a limit the base is inside no later than a stop would bring it there.
+    """
+    a = Lowered(mutation)
+    goals = at_least(a.stopped(a.E), a.end), at_least(a.v_bar, a.end)
+    return a.states(*goals, given=(*a.given, above(a.v_bar, a.V), at_least(a.hi, a.u)))
+
+
+@claim("filter.limits.inside", given=f"{LOWERED}; v_bar <= V, u <= hi, mean <= drive(u)")
+def inside(mutation: Mutation) -> Statement:
+    """E v + (1 - E) mean <= V, and hi >= 0.
+
+    Below a limit it stays inside.
+    """
+    a = Lowered(Mutation(1))
+    below = at_least(a.V, mutation(1, 0.99) * a.v_bar)
+    goals = at_least(a.V, a.end), at_least(a.hi)
+    return a.states(*goals, given=(*a.given, below, at_least(a.hi, a.u)))
+
+
+@claim("filter.limits.no-larger", given=f"{LOWERED}; d < V <= v_bar, hi < u")
+def no_larger(mutation: Mutation) -> Statement:
+    """e2 v_bar + (1 - e2)(K_max u + d) > max(V, d + e2 (v_bar - d)).
+
+    A larger command leaves the slowest base outside for longer than a stop.
+    """
+    a = Lowered(Mutation(1))
+    sent = above(a.u, mutation(1, 0.99) * a.hi), above(a.V, a.dbar), at_least(a.v_bar, a.V)
+    end = a.e2 * a.v_bar + (1 - a.e2) * (a.K_max * a.u + a.dbar)
+    return a.states(above(end, a.stopped(a.e2)), given=(*a.given, *sent))
+
+
+@claim("filter.limits.compose", given=f"{LOWERED}; v_bar <= v_other")
+def compose(mutation: Mutation) -> Statement:
+    """max(V, d + E (v_bar - d)) <= max(V, d + E (v_other - d)).
+
+    What a stop leaves rises with the bound, so that the steps of a stop may be put together.
+    """
+    a = Lowered(Mutation(1))
+    larger = at_least(a.v_other + mutation(0, 1), a.v_bar)
+    goal = at_least(a.stopped(a.E, a.v_other), a.stopped(a.E))
+    return a.states(goal, given=(*a.given, larger))
+
+
+@claim(
+    "filter.limits.spacing",
+    given="delays within [dl, dh]; t_f + dl <= s_f <= t_f + dh, t_g + dl <= s_g <= t_g + dh, "
+    "t_g - t_f >= w",
+)
+def spacing(mutation: Mutation) -> Statement:
+    """s_g - s_f >= w - (dh - dl).
+
+    Any i commands at once act for at least i periods less jitter and the delay's variation.
+    """
+    t = symbols("dl dh t_f t_g s_f s_g w")
+    ends = [
+        *between(t.t_f + t.dl, t.s_f, t.t_f + mutation(1, 1.01) * t.dh),
+        *between(t.t_g + t.dl, t.s_g, t.t_g + t.dh), *between(0, t.dl, t.dh),
+        at_least(t.t_g - t.t_f, t.w),
+    ]  # fmt: skip
+    return Statement(t, (at_least(t.s_g - t.s_f, t.w - (t.dh - t.dl)),), tuple(ends))
+
+
+@claim("filter.free.brake", given="v <= v_bar; afterwards the speed is v, or 0")
+def brake(mutation: Mutation) -> Statement:
+    """Either speed is at most max(v_bar, 0).
+
+    A brake that closes on a moving base leaves the bounds of both directions valid.
+    """
+    t = symbols("v v_bar stands")
+    after = ca.if_else(t.stands > 0, mutation(0, 1), t.v)
+    return Statement(t, (at_least(ca.fmax(t.v_bar, 0), after),), (at_least(t.v_bar, t.v),))
+
+
+@claim("filter.free.way", given="0 <= A_least <= A <= A_most <= t; v <= w, x <= m t + (v - m) A")
+def way(mutation: Mutation) -> Statement:
+    """x <= farthest(w, m, t).
+
+    The way in a piece of time is bounded by one of both time constants.
+    """
+    t = symbols("t A A_least A_most v w m x")
+    ends = at_least(t.A_least), at_least(mutation(1, 1.01) * t.A, t.A_least)
+    rest = at_least(t.A_most, t.A), at_least(t.t, t.A_most), at_least(t.w, t.v)
+    gone = at_least(t.m * t.t + (t.v - t.m) * t.A, t.x)
+    goal = at_least(farthest(t.w, t.m, t.t, t.A_least, t.A_most), t.x)
+    return Statement(t, (goal,), (*ends, *rest, gone))
+
+
+class Plan(Named):
+    """A command that takes over at w and acts for D, then 0 until the base stands.
+
+    For both ends of tau: A = covered(D, tau), q = A/tau; A_B of the rest.
+    """
+
+    def __init__(self) -> None:
+        names = "tau_1 tau_2 push rest acts last free w way m"
+        self.symbols = t = symbols(names)
+        self.stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, t.acts, t.last, ca.SX(0))
+        fades = [covered(t.acts + t.last, tau) for tau in (t.tau_1, t.tau_2)]
+        self.A, self.fading = fades, self.stop.fading
+        self.shares = [fade / tau for fade, tau in zip(fades, (t.tau_1, t.tau_2), strict=True)]
+        D, self.at = t.acts + t.last, Reached(ca.SX(0), t.way, t.w)
+        self.given: tuple[Relation, ...] = (
+            above(t.tau_1), at_least(t.tau_2, t.tau_1), at_least(t.push), at_least(t.rest),
+            above(t.acts), at_least(t.last), at_least(t.w, t.push), above(fades[0]),
+            at_least(fades[1], fades[0]), above(D, fades[1]), above(self.shares[1]),
+            at_least(self.shares[0], self.shares[1]), above(ca.SX(1), self.shares[0]),
+            at_least(self.fading), at_least(t.rest, self.fading),
+        )  # fmt: skip
+
+    def needed(self, k: int, m: ca.SX) -> ca.SX:
+        """Way of the whole plan by one end of tau."""
+        t = self.symbols
+        D = t.acts + t.last
+        end = t.w + (m - t.w) * self.shares[k]
+        own = t.way + m * D + (t.w - m) * self.A[k]
+        return own + self.fading * (end - t.push) + t.push * t.rest
+
+    def most(self, mutation: Mutation) -> ca.SX:
+        """Largest steady speed that the free way admits."""
+        return self.stop.steady(mutation(1, 1.01) * self.free, [self.at])
+
+
+@claim(
+    "filter.free.plan",
+    given="tau_min <= tau_max, 0 <= d <= w; m <= steady(free), the largest steady speed",
+)
+def plan(mutation: Mutation) -> Statement:
+    """m D + (w - m) A + A_B (w + (m - w) q - d) + d B <= free, for both ends of tau.
+
+    A command that the graph admits leaves a way that is free, whichever end of tau is true.
+    """
+    a = Plan()
+    admitted = at_least(a.most(mutation), a.m)
+    goals = [at_least(a.free, a.needed(k, a.m)) for k in (0, 1)]
+    return a.states(*goals, given=(*a.given, admitted))
+
+
+@claim(
+    "filter.free.real",
+    given="d <= m; A and q of the true tau between those of its ends, v <= w; x_2 and v_3: way and "
+    "speed under the command, x_3: during the rest",
+)
+def real(mutation: Mutation) -> Statement:
+    """x_2 + x_3 <= the larger of both ways m D + (w - m) A + A_B (w + (m - w) q - d) + d B.
+
+    The way of the true base is at most that of one end of tau.
+    """
+    t = symbols("D A_1 A_2 q_1 q_2 A_B d B w m v a q a_B x_2 v_3 x_3")
+    ends = ((t.A_1, t.q_1), (t.A_2, t.q_2))
+    ways = [
+        t.m * t.D + (t.w - t.m) * A + t.A_B * (t.w + (t.m - t.w) * q - t.d) + t.d * t.B
+        for A, q in ends
+    ]
+    given = (
+        at_least(t.A_1), *between(mutation(1, 0.9) * t.A_1, t.a, t.A_2), at_least(t.D, t.A_2),
+        at_least(t.q_2), *between(t.q_2, t.q, t.q_1), at_least(1, t.q_1), at_least(t.d),
+        at_least(t.w, t.d), at_least(t.m, t.d), at_least(t.w, t.v), *between(0, t.a_B, t.A_B),
+        at_least(t.B, t.A_B), at_least(t.m * t.D + (t.v - t.m) * t.a, t.x_2),
+        at_least(t.v + t.q * (t.m - t.v), t.v_3),
+        at_least(ca.fmax(t.v_3 - t.d, 0) * t.a_B + t.d * t.B, t.x_3), at_least(t.A_2, t.A_1),
+    )  # fmt: skip
+    return Statement(t, (at_least(ca.fmax(*ways), t.x_2 + t.x_3),), given)
+
+
+@claim("filter.free.necessary", given="tau_min <= tau_max, 0 <= d <= w <= m; steady(free) < m")
+def necessary(mutation: Mutation) -> Statement:
+    """The way of one end of tau is beyond the free one.
+
+    No larger command stops every base in time.
+    """
+    a = Plan()
+    beyond = above(a.m, mutation(1, 0.99) * a.most(Mutation(1)))
+    goal = above(ca.fmax(a.needed(0, a.m), a.needed(1, a.m)), a.free)
+    return a.states(goal, given=(*a.given, beyond, at_least(a.m, a.push), above(a.free)))
+
+
+@claim(
+    "filter.free.seen",
+    given="told <= D + error, 0 <= age; driven <= most age since then, D_now >= D - driven - "
+    "nearing age",
+)
+def seen(mutation: Mutation) -> Statement:
+    """told - error - (most + nearing) age <= D_now.
+
+    What was told some time ago, less the most that was driven since, is still free.
+    """
+    t = symbols("told D D_now error age driven most nearing")
+    given = (
+        at_least(t.D + t.error, t.told), at_least(t.age), at_least(t.nearing),
+        at_least(mutation(1, 1.01) * t.most * t.age, t.driven), at_least(t.most),
+        at_least(t.D_now, t.D - t.driven - t.nearing * t.age),
+    )  # fmt: skip
+    now = t.told - t.error - (t.most + t.nearing) * t.age
+    return Statement(t, (at_least(t.D_now, now),), given)
+
+
+@claim(
+    "filter.free.approach",
+    given="0 <= x_1 <= x_2, 0 <= t_1 <= t_2, 0 <= nearing; x_2 + nearing t_2 <= free",
+)
+def approach(mutation: Mutation) -> Statement:
+    """x_1 + nearing t_1 <= free.
+
+    If what comes nearer is not touched at rest, it is not touched before.
+    """
+    t = symbols("x_1 x_2 t_1 t_2 nearing free")
+    given = (
+        *between(0, t.x_1, t.x_2), at_least(t.t_1), at_least(mutation(1, 1.01) * t.t_2, t.t_1),
+        at_least(t.nearing), at_least(t.free, t.x_2 + t.nearing * t.t_2),
+    )  # fmt: skip
+    return Statement(t, (at_least(t.free, t.x_1 + t.nearing * t.t_1),), given)
+
+
+def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[ca.SX], list[Relation]]:
+    """Symbols of a base that is let go: way, speed at its start, and what that fades to."""
+    t = symbols("tau_1 tau_2 push rest x_1 x_2 x_3 v_3 w a_B free target pull h q a")
+    stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, ca.SX(0), ca.SX(0), ca.SX(0))
+    least = stop.quick
+    given = [
+        above(t.tau_1), at_least(t.rest), at_least(t.push), at_least(least),
+        at_least(mutation(1, 1.01) * t.a_B, least),
+        at_least(t.rest, t.a_B), at_least(t.push * t.rest + (t.v_3 - t.push) * t.a_B, t.x_3),
+    ]  # fmt: skip
+    return t, stop, given
+
+
+@claim(
+    "filter.leave.roll",
+    given="0 <= d, v_3 <= 0, A(B; tau_min) <= a_B <= B; x_3 <= d B + (v_3 - d) a_B",
+)
+def roll(mutation: Mutation) -> Statement:
+    """x_3 <= d (B - A(B; tau_min)).
+
+    One release of a command away rolls at most so far.
+    """
+    t, stop, given = _leaving(mutation)
+    cuts = {"minus_A_least": -stop.quick}
+    return Statement(t, (at_least(stop.roll, t.x_3),), (*given, at_least(-t.v_3)), cuts)
+
+
+@claim(
+    "filter.free.retreat",
+    given="v_3 <= max(w, target) <= 0, x_1 <= way before, x_2 <= 0; x_3 <= d B + (v_3 - d) a_B; "
+    "retreat(...) <= free",
+)
+def retreat(mutation: Mutation) -> Statement:
+    """x_1 + x_2 + x_3 <= free, and x_1 + x_2 <= free.
+
+    A command away that its distance certifies rolls no farther than is free.
+    """
+    t, stop, given = _leaving(Mutation(1))
+    speed = ca.fmax(t.w, t.target)
+    given += [
+        at_least(-speed), at_least(speed, t.v_3), at_least(-t.x_2),
+        at_least(mutation(1, 1.01) * t.free, stop.retreat(t.x_1, t.w, t.target)), at_least(t.x_1),
+    ]  # fmt: skip
+    goals = at_least(t.free, t.x_1 + t.x_2 + t.x_3), at_least(t.free, t.x_1 + t.x_2)
+    return Statement(t, goals, tuple(given))
+
+
+@claim(
+    "filter.leave.hold",
+    given="0 <= d, 0 < p, A(B; tau_min) <= a_B <= B; a command with the pull p acts for h >= "
+    "hold(p) from rest: x_2 <= -p (h - a), v_3 <= -p q, a <= tau_max q, q <= 1; x_3 <= d B + "
+    "(v_3 - d) a_B",
+)
+def hold(mutation: Mutation) -> Statement:
+    """x_2 + x_3 <= 0.
+
+    After the hold a release ends no nearer than where the command began.
+    """
+    t, stop, given = _leaving(Mutation(1))
+    given += [
+        above(t.pull), at_least(t.tau_2, stop.quick), *between(0, t.q, 1),
+        at_least(t.h, mutation(1, 0.9) * stop.hold(t.pull)), *between(0, t.a, t.tau_2 * t.q),
+        at_least(-t.pull * (t.h - t.a), t.x_2), at_least(-t.pull * t.q, t.v_3),
+    ]  # fmt: skip
+    return Statement(t, (at_least(-t.x_2, t.x_3),), tuple(given))
+
+
+@claim(
+    "filter.leave.away",
+    given="0 < K_min <= K, |push| <= d; u <= -d/K_min; v <= 0, 0 <= E <= 1, 0 <= A <= t",
+)
+def away(mutation: Mutation) -> Statement:
+    """K u + push <= 0; E v + (1 - E)(K u + push) <= 0; (K u + push) t + (v - K u - push) A <= 0.
+
+    From rest a command away creeps nothing while it acts, whatever pushes.
+    """
+    t = symbols("K_min K u d push v E A t")
+    target = t.K * t.u + t.push
+    given = (
+        above(t.K_min), at_least(mutation(1, 1.01) * t.K, t.K_min), at_least(t.d, t.push),
+        at_least(t.d), at_least(-t.d, t.K_min * t.u), at_least(-t.v), *between(0, t.E, 1),
+        *between(0, t.A, t.t),
+    )  # fmt: skip
+    way = target * t.t + (t.v - target) * t.A
+    goals = at_least(-target), at_least(-t.E * t.v, (1 - t.E) * target), at_least(-way)
+    return Statement(t, goals, given)
+
+
+@claim("filter.free.ramp", given="0 < A, 0 <= h, 0 <= room; 0 <= m <= stopping_speed(room)")
+def ramp(mutation: Mutation) -> Statement:
+    """m h + m^2/(2 A) <= room.
+
+    A base that slows down by A stops within the room that it has.
+    """
+    t = symbols("A h room m")
+    most = mutation(1, 1.01) * stopping_speed(t.room, t.h, t.A)
+    goal = at_least(t.room, t.m * t.h + t.m * t.m / (2 * t.A))
+    return Statement(
+        t, (goal,), (above(t.A), at_least(t.h), at_least(t.room), *between(0, t.m, most))
+    )
+
+
+@claim(
+    "guard.falling",
+    given="0 < M_min <= M <= M_max, 0 < T, 0 <= net <= brake; v <= V_0, V_0 - largest_fall <= V_1, "
+    "f_speed < V_1; v_1 <= max(V_1, v - T (braking - net)/M)",
+)
+def falling(mutation: Mutation) -> Statement:
+    """v_1 <= V_1, and the fall is at least 0.
+
+    A limit that falls no faster than the guard surely brakes is kept.
+    """
+    names = "M_min M_max dbar f_min f_speed nbar alpha brake M T v v_1 V_0 V_1"
+    t = symbols(names)
+    own = {key: t[key] for key in names.split()[:8]}
+    b = Bounds(u1=t.V_1, period=t.T, **own)
+    fall = largest_fall(b, [t.V_0, t.V_0], [t.V_1, t.V_1])
+    braking = ca.fmin(b.brake, b.cap)
+    reached = ca.fmax(t.V_1, t.v - t.T * ca.fmax(braking - b.net, 0) / t.M)
+    given = (
+        *positive(t.M_min, t.T, t.alpha), *between(t.M_min, t.M, t.M_max), at_least(t.V_0, t.v),
+        at_least(b.net), at_least(b.brake, b.net), at_least(t.V_1, t.f_speed),
+        at_least(t.V_1, t.V_0 - mutation(1, 1.1) * fall), at_least(reached, t.v_1),
+    )  # fmt: skip
+    return Statement(t, (at_least(t.V_1, t.v_1), at_least(fall)), given)
+
+
+@claim(
+    "filter.limits.in-force",
+    given="a governor's hypotheses (filter.induction); limits that change in any way",
+    by=HAND,
+    premises="filter.mean filter.drive filter.estimate filter.limits.enters filter.limits.inside "
+    "filter.limits.compose filter.limits.spacing filter.free.brake",
+)
+def in_force() -> None:
+    """Theorem L: each command's own bound holds while it acts, and a limit that is lowered and kept
+    is kept from T_in on after the step that is told.
+
+    How long a lowered limit may still be exceeded.
+    """
+
+
+@claim(
+    "filter.free.stops",
+    given="a governor's hypotheses; what is in the way is as far as told, less free_error, and "
+    "comes nearer by at most nearing; the base stands, and holds, at the latest rest after (0, 0) "
+    "takes effect",
+    by=HAND,
+    premises="filter.mean filter.drive filter.estimate filter.free.way filter.free.real "
+    "filter.free.plan filter.free.seen filter.free.approach filter.free.brake",
+)
+def stops() -> None:
+    """Theorem F: the base is at rest before it touches, or moves away, at every instant, if the
+    last command other than (0, 0) passed for the distance of that thing.
+
+    A robot that stops in time.
+    """
+
+
+@claim(
+    "filter.free.leaves",
+    given="the hypotheses of filter.free.stops, nearing = 0, V > d (1 + K_max/K_min) on the other "
+    "side, which is free for the hold",
+    by=HAND,
+    premises="filter.free.stops filter.free.retreat filter.leave.away filter.leave.roll "
+    "filter.leave.hold",
+)
+def leaves() -> None:
+    """No touch if, once as many releases as `leave` came too early, none is early that a hold
+    opened; and a request straight away that lasts is sent after n_rest + n_hold + 2 steps.
+
+    A robot that was stopped can be driven away.
+    """
+
+
+@claim(
+    "filter.free.cone",
+    given="a disc of radius R whose heading stays within right + left < pi of the present one",
+    by=HAND,
+)
+def cone() -> None:
+    """On straight ways the disc covers a point at range p and bearing b, o beyond the window, only
+    from p cos o - sqrt(R^2 - p^2 sin^2 o) on, or never if p |sin o| > R or |o| >= 90 degrees.
+
+    What a distance in the plane says of the two ways ahead and behind.
+    """
