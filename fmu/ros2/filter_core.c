@@ -254,15 +254,22 @@ static double free_age(const wmr_filter_core *core, int64_t answered, int64_t st
     return oldest;
 }
 
-/* Free ways with a window of headings that is ``look`` wide to either side, and wider where a command turns to. */
-static void look(const wmr_filter_core *core, double look, double omega, double *free)
+/* Free ways with a window of headings that is wider where a command turns to, or the smallest one; any heading is free
+   where nothing is nearer than a stop takes. */
+static void look(const wmr_filter_core *core, int smallest, double omega, double *free)
 {
 #if WMR_SCANS
-    free[2] = fmin(WMR_WIDEST, look + fmax(0.0, WMR_TURNING * omega));
-    free[3] = fmin(WMR_WIDEST, look + fmax(0.0, -WMR_TURNING * omega));
+    const double window = smallest ? WMR_SMALLEST : WMR_LOOK;
+
+    free[2] = free[3] = WMR_ANY;
     wmr_scan_ways(core->sights, core->points[0][0], free + 2, free);
+    if (fmin(free[0], free[1]) < WMR_ENOUGH) {
+        free[2] = fmin(WMR_WIDEST, window + fmax(0.0, WMR_TURNING * omega));
+        free[3] = fmin(WMR_WIDEST, window + fmax(0.0, -WMR_TURNING * omega));
+        wmr_scan_ways(core->sights, core->points[0][0], free + 2, free);
+    }
 #else
-    (void)look;
+    (void)smallest;
     (void)omega;
     memcpy(free, core->told, sizeof core->told);
 #endif
@@ -290,13 +297,13 @@ void wmr_filter_core_tick(wmr_filter_core *core, int64_t answered, int64_t stamp
 #endif
 #ifdef WMR_AT_FREE
     u[WMR_AT_FREE_AGE] = free_age(core, answered, stamp, now);
-    look(core, WMR_LOOK, u[1], u + WMR_AT_FREE);
+    look(core, 0, u[1], u + WMR_AT_FREE);
 #endif
     wmr_gate(u, core->gate, parameters, next, y);
 #ifdef WMR_AT_FREE
     if ((int64_t)y[2] & WMR_NEAR) { /* what is not in the way of straight on counts no more */
         u[1] = 0.0;
-        look(core, WMR_SMALLEST, 0.0, u + WMR_AT_FREE);
+        look(core, 1, 0.0, u + WMR_AT_FREE);
         wmr_gate(u, core->gate, parameters, next, y);
     }
     memcpy(core->free, u + WMR_AT_FREE, sizeof core->free);

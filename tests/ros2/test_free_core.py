@@ -347,9 +347,10 @@ def test_the_smaller_one_of_limit_and_way_counts(free):
 # -- a step again ------------------------------------------------------------------------------
 
 
-def in_a_passage(v, omega, count=120):
-    """A base between two walls 40 mm beside it, with a third one ahead; (sent, free) a step."""
-    room = walls((0.0, 1.0, RADIUS + 0.04), (0.0, -1.0, RADIUS + 0.04), (1.0, 0.0, RADIUS + 0.05))
+def in_a_passage(v, omega, ahead=0.05, count=120):
+    """A base between walls 40 mm beside it and another one ahead [m]; (sent, free) a step."""
+    beside = RADIUS + 0.04
+    room = walls((0.0, 1.0, beside), (0.0, -1.0, beside), (1.0, 0.0, RADIUS + ahead))
     world, x, steps = World(CORES["seeing"]), 0.0, []
     for _ in range(count):
         world.ros, world.steady = world.ros + TICK, world.steady + TICK
@@ -369,6 +370,15 @@ def test_where_the_window_is_in_the_way_it_looks_straight_on():
 
     assert any(free[2] < 0.1 for _, free in steps)
     assert steps[-1][0].command[0] < -0.05
+
+
+def test_so_near_that_it_must_be_held_the_base_backs_off():
+    """By a hold, which the smallest window must have room for."""
+    steps = in_a_passage(-0.3, 0.0, ahead=0.02)
+    sent = [gated.command[0] for gated, _ in steps]
+
+    assert sent[:5] == [0.0] * 5
+    assert sent[-1] == -0.3
 
 
 def test_a_turn_that_is_in_the_way_is_left_out():

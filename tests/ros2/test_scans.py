@@ -82,7 +82,7 @@ def nearest_way(points, window, sense):
 @pytest.mark.parametrize("laser", [LDS_01, RPLIDAR], ids=["LDS-01", "RPLIDAR"])
 def test_free_ways_have_the_bits_of_the_graph(laser):
     placed = replace(laser, pose=(0.05, -0.02, 0.4))
-    room = walls((1.0, 0.2, 1.3), (-1.0, 0.0, 0.9), (0.1, 1.0, 0.7), (0.0, -1.0, 0.8))
+    room = walls((1.0, 0.2, 1.3), (-1.0, 0.0, 0.9), (0.1, 1.0, 0.7), (0.0, -1.0, 0.3))
     ranges = placed.scan(room)
     free = free_of(core_of(placed), (placed, ranges))
     points = list(points_of(placed, ranges))
@@ -94,7 +94,7 @@ def test_free_ways_have_the_bits_of_the_graph(laser):
 
 def test_no_path_of_the_disc_within_the_window_touches_sooner():
     """Straight paths at each heading of the window, among the points that are seen."""
-    room = walls((1.0, 0.3, 1.5), (-1.0, 0.1, 1.2), (0.0, 1.0, 0.6), (0.0, -1.0, 0.5))
+    room = walls((1.0, 0.3, 1.5), (-1.0, 0.1, 1.2), (0.0, 1.0, 0.3), (0.0, -1.0, 0.4))
     ranges = RPLIDAR.scan(room)
     ahead, behind, left, right = free_of(core_of(RPLIDAR), (RPLIDAR, ranges))
     points = np.array(list(points_of(RPLIDAR, ranges)))
@@ -116,13 +116,13 @@ def test_what_does_not_return_is_as_far_as_the_laser_sees():
 def test_silence_is_blind_unless_it_is_stated_as_far(silence):
     """Of a laser that sends something else than infinity where nothing returns."""
     laser = replace(LDS_01, silence=silence)
-    ranges = laser.scan(walls((1.0, 0.0, 1.0)))
+    ranges = laser.scan(walls((1.0, 0.0, 0.4)))
     blind, far = core_of(laser), core_of(laser, no_return="range_max")
 
     assert free_of(blind, (laser, ranges))[1] <= 0
     assert blind.sights[0].blind == sum(not r <= laser.most or r == 0 for r in ranges)
     assert free_of(far, (laser, ranges))[1] == pytest.approx(laser.most - RADIUS, abs=1e-3)
-    assert free_of(far, (laser, ranges))[0] == pytest.approx(1.0 - RADIUS, abs=1e-3)
+    assert free_of(far, (laser, ranges))[0] == pytest.approx(0.4 - RADIUS, abs=1e-3)
     assert far.sights[0].blind == 0
 
 
@@ -142,18 +142,28 @@ def test_a_beam_across_the_window_blocks_neither_side_unless_something_is_there(
     """At a right angle, farther than the disc."""
     ranges = RPLIDAR.scan(OPEN)
     side = min(range(RPLIDAR.beams), key=lambda k: abs(RPLIDAR.angles()[k] - math.pi / 2))
-    ranges[side] = 1.0
+    ranges[side] = 0.3
 
     assert min(free_of(core_of(RPLIDAR), (RPLIDAR, ranges))[:2]) > 5
 
 
 def test_window_is_wider_where_the_command_turns_to_and_never_a_quarter():
     core = core_of(RPLIDAR)
-    open_room = RPLIDAR, RPLIDAR.scan(OPEN)
+    room = RPLIDAR, RPLIDAR.scan(walls((0.0, 1.0, 0.45)))
 
-    assert free_of(core, open_room, command=(0.2, 0.5))[2:] == (LOOK + 0.9 * 0.5, LOOK)
-    assert free_of(core, open_room, command=(0.2, -0.5))[2:] == (LOOK, LOOK + 0.9 * 0.5)
-    assert free_of(core, open_room, command=(0.2, 1e9))[2:] == (1.5, LOOK)
+    assert free_of(core, room, command=(0.2, 0.5))[2:] == (LOOK + 0.9 * 0.5, LOOK)
+    assert free_of(core, room, command=(0.2, -0.5))[2:] == (LOOK, LOOK + 0.9 * 0.5)
+    assert free_of(core, room, command=(0.2, 1e9))[2:] == (1.5, LOOK)
+
+
+def test_any_heading_is_free_where_nothing_is_nearer_than_a_stop_takes():
+    """Then a step that is late closes no window."""
+    near, far = (free_of(core_of(RPLIDAR), (RPLIDAR, RPLIDAR.scan(walls((1.0, 0.0, c)))))
+                 for c in (0.35, 0.6))  # fmt: skip
+
+    assert near[2:] == (LOOK, LOOK)
+    assert far[2:] == (LARGEST, LARGEST)
+    assert far[0] == far[1] == pytest.approx(0.6 - RADIUS, abs=1e-3)
 
 
 def test_a_laser_of_270_degrees_never_lets_the_base_back():

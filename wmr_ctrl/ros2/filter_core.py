@@ -21,10 +21,8 @@ from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.toolchain import build_library
 from wmr_ctrl.control.filter.channels import NEAR_BY
 from wmr_ctrl.control.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
-from wmr_ctrl.control.filter.stop_numbers import smallest_window
 from wmr_ctrl.results.bag_topics import UNIT
 from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.sight import WIDEST
 
 from .clocks import Clocks, Moment, longest_pause, named_happenings
 from .compiled_system import PAIR, VISIBLE
@@ -40,7 +38,7 @@ from .native import (
     node_functions,
     reason_words,
 )
-from .sight import MOST, SightSettings
+from .sight import MOST, SightSettings, windows
 
 _RETURNS: dict[str, type | None] = {
     **dict.fromkeys((
@@ -49,8 +47,6 @@ _RETURNS: dict[str, type | None] = {
     **dict.fromkeys(("make", "start", "tick", "limit")),
 }  # fmt: skip
 FILTER_CORE = (*NODE_CORE, "filter_core.h", "filter_core.c", "scan_core.h", "scan_core.c")
-SLACK = 1e-3
-"""Angle [rad] by which the smallest window is wider than it must be, for roundings."""
 LIMIT_TOPICS = ("v_max", "v_min", "enable", "speed")
 """Messages on limits, in the order of the C enumeration."""
 SIDES = ("ahead", "behind")
@@ -84,10 +80,7 @@ def core_files(
     seen = sight or SightSettings()
     seen.check(scenario)
     gate, period = gate_system(scenario, settings), scenario.clock.control
-    kernels, smallest = [controller_kernel(gate, "gate")], 0.0
-    if seen.topics:
-        kernels.append(way_kernel())
-        smallest = min(max(smallest_window(scenario)) + SLACK, WIDEST)
+    kernels = [controller_kernel(gate, "gate"), *([way_kernel()] if seen.topics else [])]
     numbers = node_templates().get_template("gate_numbers.h.j2")
     longest = longest_pause(settings.command_timeout, period)
     return {
@@ -101,8 +94,7 @@ def core_files(
             sight=seen,
             scenario=scenario,
             near=NEAR_BY,
-            widest=WIDEST,
-            smallest=smallest,
+            windows=windows(scenario) if seen.topics else {},
         ),
         **c_texts(HEADER),
         **c_texts(*FILTER_CORE, folder="ros2"),

@@ -5,13 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmr_ctrl.control.filter.stop_numbers import leaving, smallest_window
+from wmr_ctrl.control.filter.stop_numbers import leaving, smallest_window, stopping
+from wmr_ctrl.control.loop import LOOK_AHEAD
 from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.signals import LARGEST
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.sight import WIDEST
 
 MOST = 4
 """Most lasers (`fmu/ros2/scan_core.h`)."""
+SLACK = 1e-3
+"""Angle [rad] by which the smallest window is wider than it must be, for roundings."""
 LARGEST_SHARE = 0.99
 """Share of the radius within which a laser must be."""
 
@@ -79,6 +83,19 @@ class SightSettings:
             )
         if len(self.ignore) % 2:
             raise ArgumentError("ignore has an odd number of angles: give pairs, from and to.")
+
+
+def windows(scenario: Scenario) -> dict[str, float]:
+    """Windows of headings [rad], by their names in C; ``enough`` [m] is more than any stop takes.
+
+    ``turning`` [s]: for how long a turn that is asked for widens the window.
+    """
+    settings, ends = scenario.filter, [abs(end) for end in scenario.limits.sides[0]]
+    enough = max(stopping(scenario, end).distance for end in ends)
+    enough += (max(ends) + settings.nearing) * settings.free_age
+    smallest = min(max(smallest_window(scenario)) + SLACK, WIDEST)
+    return {"widest": WIDEST, "smallest": smallest, "any": LARGEST, "turning": LOOK_AHEAD,
+            "enough": enough}  # fmt: skip
 
 
 def remedy(scenario: Scenario) -> str:
