@@ -293,6 +293,21 @@ def test_without_one_of_two_lasers_no_distance_is_told():
     assert "no-distance" not in core.tick(STANDS).flags
 
 
+def test_the_oldest_of_two_scans_counts():
+    """Of a base that drives, its way since then is no longer free."""
+    rear, flags = replace(RPLIDAR, pose=(-0.1, 0.0, math.pi)), []
+    for old in (0, 1):
+        core = core_of(RPLIDAR, rear)
+        for k, laser in enumerate((RPLIDAR, rear)):
+            stamp = STANDS.ros - (200 * MS if k == old else 0)
+            assert core.scan(k, laser.numbers, laser.scan(OPEN), stamp, STANDS) == ""
+        later = Moment(STANDS.ros + 100 * MS, STANDS.steady + 100 * MS)
+        core.tick(later)
+        flags.append("no-distance" in core.last.flags)
+
+    assert flags == [True, True]
+
+
 # -- settings that are refused -----------------------------------------------------------------
 
 
