@@ -226,8 +226,7 @@ class Filter(Section, key="filter"):
         """Raise ScenarioError where limits or distances cannot be told while the base drives."""
         told = {"changing": self.changing, "free_error": self.free_error is not None}
         name = next((key for key, is_told in told.items() if is_told), "rest")
-        ramps = self.decel is not None and name == "free_error"
-        kinds = ("governor", "clip") if name == "changing" or ramps else ("governor",)
+        kinds = ("governor",) if name == "rest" else ("governor", "clip")
         if self.kind not in kinds:
             raise ScenarioError(
                 f'filter.{name} does not go with filter.kind = "{self.kind}", which knows no bound '

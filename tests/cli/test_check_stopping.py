@@ -1,0 +1,93 @@
+"""A base before a wall, as the commands tell it."""
+
+import json
+
+import pytest
+
+CART = """
+[base]
+kind = "velocity"
+tau = [0.28, 0.28]
+gain = [1.05, 0.95]
+delay = 0.1
+[body]
+radius = 0.25
+[limits]
+v_u1 = [1.0, 2.0]
+[clock]
+control = 0.05
+duration = 12.0
+[filter]
+kind = "governor"
+tau = [0.15, 0.3]
+gain = [0.9, 1.1]
+d = [0.05, 0.05]
+odometry = [0.02, 0.02]
+delay = [0.1, 0.15]
+changing = true
+free_error = 0.02
+rest = 1.0
+[world]
+wall = [[5.0, -2.0], [5.0, 2.0]]
+[reference]
+kind = "line"
+speed = 0.8
+[disturbance]
+std = 0.0
+"""
+BAND = " ".join(f"--set filter.{key}" for key in (
+    "kind=band", "loop=second-order", "damping=[0.5,1]", "frequency=[3,4]", "odometry=none",
+    "delay=[0.1,0.1]",
+))  # fmt: skip
+
+
+@pytest.fixture
+def cart(tmp_path):
+    path = tmp_path / "cart.toml"
+    path.write_text(CART)
+    return path
+
+
+def test_check_tells_stops_and_what_they_cost(wmr, cart):
+    told = json.loads(wmr(f"check {cart} --law kanayama --json").stdout)
+    rows, costs = told["stopping"], told["stopping_costs"]
+    parts = ("delay", "push", "brake", "error")
+    assert [row["speed"] for row in rows] == [0.1, 0.25, 0.5, 0.75, 1.0]
+    assert all(row["distance"] == pytest.approx(sum(row[key] for key in parts)) for row in rows)
+    assert costs.keys() == {"millisecond", "per_cent", "rest_second"}
+    assert "unknown-zero" in {item["key"] for item in told["warnings"]}
+    assert "filter.nearing" in str(told["warnings"])
+    lines = wmr(f"check {cart} --law kanayama --only filter").stdout
+    assert "it stops within" in lines
+    assert "from 1 to 0.9:" in " ".join(lines.split())
+
+
+def test_a_filter_that_is_told_nothing_has_no_such_numbers(wmr):
+    told = json.loads(wmr("check turtlebot3-burger --law kanayama --json").stdout)
+    assert (told["stopping"], told["stopping_costs"]) == (None, None)
+
+
+def test_a_run_stands_before_the_wall_in_every_engine(wmr, cart):
+    for engine in ("native", "numpy"):
+        out = cart.with_suffix(f".{engine}.csv")
+        wmr(f"run {cart} --law kanayama --engine {engine} --out {out}")
+        rows = [line.split(",") for line in out.read_text().splitlines() if "," in line]
+        names = next(row for row in rows if any(name.startswith("x") for name in row))
+        place = next(i for i, name in enumerate(names) if name.split(" ")[0] == "x")
+        gap = 5.0 - 0.25 - max(float(row[place]) for row in rows[rows.index(names) + 1 :])
+        assert 0.05 < gap < 0.15
+
+
+@pytest.mark.parametrize("command, words", [
+    ("cosim {} --law kanayama", "free_error"),
+    ("codegen filter --scenario {} --float32 --out OUT", "double precision"),
+    (f"check {{}} --law kanayama {BAND}", "filter.changing"),
+    ("check {} --law kanayama --set filter.channels=wheels", "filter.channels"),
+    ("check {} --law kanayama --set filter.rest=none", "filter.rest"),
+    ("check {} --law kanayama --set world.wall=[[1,2]]", "world.wall"),
+    ("check {} --law kanayama --set body.radius=none", "body.radius"),
+])  # fmt: skip
+def test_what_cannot_be_is_refused(wmr, cart, command, words, tmp_path):
+    done = wmr(command.format(cart).replace("OUT", str(tmp_path / "c")))
+    assert done.exit_code == 2
+    assert words in " ".join(done.stderr.split())

@@ -1,0 +1,118 @@
+"""Times and distances that people read, against what the graph does with the same numbers."""
+
+import math
+
+import numpy as np
+import pytest
+
+from wmr_ctrl import command_filter, load_scenario
+from wmr_ctrl.control.filter.stop_numbers import (
+    costs,
+    leaving,
+    smallest_window,
+    stopping,
+    time_inside,
+    times_inside,
+)
+from wmr_ctrl.world.scenario import override
+
+BASE = {
+    "base.kind": "velocity", "limits.v_u1": [1.0, 2.0], "limits.v_u2": [0.8, 1.6],
+    "clock.control": 0.05, "filter.kind": "governor", "filter.gain": [0.9, 1.1],
+    "filter.tau": [0.2, 0.3], "filter.d": [0.05, 0.05], "filter.odometry": [0.02, 0.02],
+    "filter.delay": [0.0, 0.03], "filter.free_error": 0.02, "filter.rest": 1.0,
+    "filter.changing": True,
+}  # fmt: skip
+SCENARIO = load_scenario("paper-simulation", BASE)
+RAMPS = {"filter.kind": "clip", "filter.tau": None, "filter.decel": [1.0, 2.0]}
+
+
+def test_a_stop_is_made_of_its_parts():
+    """By hand: 0.08 s late, a speed of 0.95 m/s fades for 1 s, a push of 0.05 m/s for 1 s."""
+    stop = stopping(override(SCENARIO, {"filter.leave": 0}), 1.0)
+    brake = 0.95 * 0.3 * (1 - math.exp(-1 / 0.3))
+    assert (stop.delay, stop.push, stop.brake, stop.error) == pytest.approx(
+        (0.08, 0.05, brake, 0.02)
+    )
+    assert stop.distance == pytest.approx(0.15 + brake)
+    assert stopping(SCENARIO, 1.0).distance == pytest.approx(stop.distance + leaving(SCENARIO).roll)
+
+
+@pytest.mark.parametrize("changes", [{}, RAMPS])
+def test_the_filter_lets_a_base_drive_on_from_that_distance_alone(changes):
+    """At rest in speed, told exactly, commands of the speed pass; a millimetre less, and not."""
+    scenario = override(SCENARIO, changes)
+    speed = 0.4
+    needed = stopping(scenario, speed).distance
+    command = (speed - 0.05) / 1.1
+    for more, passes in ((2e-3, True), (-2e-3, False)):
+        step = command_filter(scenario).step
+        for _ in range(60):
+            sent = step((command, 0.0), (speed - 0.02, 0.0), free=(needed + more, 9.0), dt=0.05)
+        assert (sent.command[0] == pytest.approx(command, rel=1e-6)) is passes
+
+
+@pytest.mark.parametrize("changes", [{}, RAMPS])
+def test_prices_are_those_of_the_distance(changes):
+    scenario = override(SCENARIO, changes)
+    price, whole = costs(scenario), stopping(scenario, 1.0).distance
+    longer = override(scenario, {"filter.rest": 2.0})
+    assert price["rest_second"] == pytest.approx(stopping(longer, 1.0).distance - whole)
+    assert price["millisecond"] == pytest.approx(1e-3)
+    assert price["per_cent"] > 0
+
+
+def test_a_base_is_inside_in_time_and_hardly_sooner():
+    """The slowest base, its push towards the limit, behind commands that are late by turns."""
+    told, T = 0.5, 0.05
+    latest = time_inside(SCENARIO, 0, 1.0, told)
+    assert latest == pytest.approx(0.2741643, abs=1e-6)
+    worst = 0.0
+    for start in np.linspace(0.0, 0.03, 4):
+        step = command_filter(SCENARIO).step
+        v = 1.0
+        for _ in range(40):
+            step((1.0, 0.0), (1.0, 0.0), free=(99.0, 99.0), dt=T)
+        acting, last = 0.95 / 1.1, 0.0
+        for k in range(20):
+            sent = step((9.0, 0.0), (v - 0.02, 0.0), free=(99.0, 99.0), dt=T,
+                        limits=((-1, told), (-2, 2)))  # fmt: skip
+            late = start if k == 0 else 0.03
+            for part in range(50):
+                now = part * T / 50
+                v = _after(v, acting if now < late - 1e-12 else sent.command[0], T / 50)
+                last = k * T + now + T / 50 if v > told else last
+            acting = sent.command[0]
+        worst = max(worst, last)
+    assert 0.8 * latest < worst <= latest
+
+
+def _after(v, u, time):
+    target = 1.1 * u + 0.05
+    return target + (v - target) * math.exp(-time / 0.3)
+
+
+def test_no_time_is_promised_at_the_push_and_more_for_each_lower_limit():
+    rows = list(times_inside(SCENARIO, 0))
+    assert len(rows) == 45
+    assert time_inside(SCENARIO, 0, 1.0, 0.05) == math.inf
+    for before, after, time in rows:
+        lower = time_inside(SCENARIO, 0, before, 0.9 * after)
+        assert time <= lower
+        assert time > time_inside(SCENARIO, 0, before, before)
+
+
+def test_how_a_base_leaves():
+    own = leaving(SCENARIO)
+    assert own.roll == pytest.approx(0.05 * (1 - 0.2 * (1 - math.exp(-5))))
+    assert own.least == pytest.approx(0.05 / 0.9)
+    slow = leaving(override(SCENARIO, {"limits.v_min": [-0.1, -2], "limits.v_max": [1, 2]}))
+    assert slow.least is None
+    assert leaving(override(SCENARIO, {"filter.d": [0, 0], "filter.rest": None})) is None
+
+
+def test_the_window_of_a_stop_is_the_way_of_a_push():
+    """d (delay + period + rest), and that of the hold besides."""
+    turned, held = smallest_window(SCENARIO)
+    assert turned == pytest.approx(0.05 * (0.03 + 0.05 + 1.0))
+    assert held == pytest.approx(turned + 0.05 * leaving(SCENARIO).hold)

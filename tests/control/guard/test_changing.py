@@ -1,0 +1,105 @@
+"""Limits of the guard that change: kept by the heaviest and lightest robot under the worst push."""
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.control.controller import guard
+from wmr_ctrl.control.guard.changing import BEHIND, IN_FORCE
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.signals import places
+from wmr_ctrl.world.scenario import load_scenario, override
+
+PUSH, ERROR = (20.0, 5.0), (0.01, 0.01)
+STATED = {
+    "guard.enabled": True, "guard.changing": True, "guard.dbar": PUSH, "guard.nbar": ERROR,
+    "disturbance.std": 0.0, "changes": [],
+}  # fmt: skip
+SCENARIO = load_scenario("paper-simulation", STATED)
+
+
+def driven(scenario, trials, falls=1.0, seed=0):
+    """Largest speed beyond the limits in force; those fall ``falls`` times as fast as they may."""
+    setup = settle(scenario, "pid")
+    system, numbers = guard(setup), setup.guard
+    step = system.function("guard", [system.update, system.y]).map(trials)
+    at, draw, T = places(item.signal for item in system.state), np.random.default_rng(seed), 0.01
+    x, p = (np.tile(np.array(own)[:, None], trials) for own in (system.x0, system.p0))
+    r, l, v, beyond = scenario.robot.r, scenario.robot.l, np.zeros((2, trials)), -np.inf
+    low, high = (np.reshape(own, (2, 1)) for own in (numbers.M_min, numbers.M_max))
+    mass = np.where(draw.random((2, trials)) < 0.5, low, high)
+    widest = np.array(scenario.limits.v_u1)[:, None] * np.ones(trials)
+    limits, asked = widest, np.full((2, trials), 1e4)
+    for _ in range(250):
+        lowered = draw.random(trials) < 0.03
+        limits = np.where(lowered, widest * draw.uniform(0, 1.2, (2, trials)), limits)
+        asked = np.where(draw.random((2, trials)) < 0.02, -asked, asked)
+        told = np.stack([-limits[0], limits[0], -limits[1], limits[1]])
+        before = x[at[IN_FORCE.name]].copy()
+        x, torque = (
+            own.full()
+            for own in step(
+                np.vstack([asked, v - np.sign(v) * np.reshape(ERROR, (2, 1)), told]), x, p
+            )
+        )
+        x[at[IN_FORCE.name]] = before + falls * (x[at[IN_FORCE.name]] - before)
+        force = np.stack([torque[0] + torque[1], l * (torque[0] - torque[1])]) / r
+        v = v + T / mass * (force + np.where(v >= 0, 1, -1) * np.reshape(PUSH, (2, 1)))
+        least, most = x[at[IN_FORCE.name]][[0, 2]], x[at[IN_FORCE.name]][[1, 3]]
+        beyond = max(beyond, (v - most).max(), (least - v).max())
+    return beyond
+
+
+def test_limits_in_force_are_kept_while_they_fall():
+    assert driven(SCENARIO, 200) <= 1e-12
+    assert (
+        driven(override(SCENARIO, {"limits.v_min": [-0.5, -1.0], "limits.v_max": [0.9, 1.4]}), 200)
+        <= 1e-12
+    )
+
+
+def test_limits_that_fall_faster_are_not_kept():
+    assert driven(SCENARIO, 200, falls=1.2) > 1e-3
+
+
+def told(limits, steps=1, **changes):
+    """Limits in force after some steps at rest, and whether they are behind those told."""
+    system = guard(settle(override(SCENARIO, changes), "pid"))
+    step = system.function("guard", [system.update, system.d])
+    x, at = np.array(system.x0), places(item.signal for item in system.state)
+    shown = places(item.signal for item in system.diagnostics)
+    for _ in range(steps):
+        x, d = step([0, 0, 0, 0, *limits], x, system.p0)
+        x = x.full().ravel()
+    return x[at[IN_FORCE.name]], bool(d[shown[BEHIND.name]])
+
+
+def test_a_limit_rises_at_once_and_falls_slowly():
+    wide, behind = told([-5, 5, -5, 5])
+    assert wide == pytest.approx([-1, 1, -1.5, 1.5])
+    assert not behind
+    low, behind = told([-0.5, 0.5, -0.5, 0.5])
+    assert 0.5 < low[1] < 1
+    assert behind
+    low, behind = told([-0.5, 0.5, -0.5, 0.5], steps=200)
+    assert low == pytest.approx([-0.5, 0.5, -0.5, 0.5], rel=1e-6)
+    own, _ = told([-0.5, 0.5, -0.5, 0.5], **{"guard.falling": [0.1, 0.1]})
+    assert own[1] == pytest.approx(1 - 0.1 * 0.01)
+
+
+def test_no_limit_is_lower_than_the_guard_can_keep():
+    low, behind = told([np.nan, 0.0, 0.0, np.nan], steps=3000)
+    numbers = settle(SCENARIO, "pid").guard
+    least = [
+        max(f + 2 * (d - g) / (M * numbers.alpha), 2 * n)
+        for f, d, g, M, n in zip(
+            numbers.f_speed, numbers.dbar, numbers.f_min, numbers.M_min, ERROR, strict=True
+        )
+    ]
+    assert low == pytest.approx([-least[0], least[0], -least[1], least[1]], rel=1e-3)
+    assert behind
+
+
+def test_limits_do_not_change_behind_late_commands():
+    with pytest.raises(ScenarioError, match=r"guard\.changing"):
+        settle(override(SCENARIO, {"actuator.delay": 0.01}), "pid")
