@@ -319,14 +319,14 @@ static void on_limit(filter_node *n, int64_t topic, double first, double second)
 /* Tells of sides that no beam covers, when they change. */
 static void tell_never(filter_node *n)
 {
-    static const char *const sides[] = {"no side", "ahead", "behind", "ahead and behind"};
+    static const char *const sides[] = {"", "ahead", "behind", "ahead and behind"};
     const int64_t never = wmr_filter_core_never(&n->core);
 
-    if (never != n->never) {
-        n->never = never;
+    if (never && never != n->never) {
         RCUTILS_LOG_WARN_NAMED(NAME,
             "no beam covers %s: no command that way is ever sent. Add a laser, or give ignore.", sides[never]);
     }
+    n->never = never;
 }
 
 static void on_scan(filter_node *n, int64_t laser)

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import rclpy
 from geometry_msgs.msg import Twist
-from outside import AT_ONCE, KEPT, LATEST, PATIENCE, World, tell
+from outside import AT_ONCE, KEPT, LATEST, MANY, PATIENCE, World, tell
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64, Float64MultiArray
 
@@ -125,14 +125,56 @@ def of_scans(world):
     return found
 
 
+def of_ways(world):
+    """Free ways that are odd numbers, and a command to turn on the spot before a wall."""
+    found = {}
+    for name, ahead in (("none", 0.25), ("negative", 0.0), ("infinite", -math.inf)):
+        world.again()
+        world.ahead = ahead
+        found[name] = world.until_rest("near")
+    world.again()
+    world.ahead = math.inf
+    found["open"] = world.fault(rests=False)["falls"]
+    world.again()
+    world.ahead = math.nan
+    found["no number"] = world.until_rest("near")
+    world.ahead = NEAR
+
+    def turning():
+        world.command(0.0, 0.1)
+
+    world.seen.clear()
+    found["turning"] = world.until_rest("near", turning)
+    found["turned"] = max(abs(omega) for _, _, omega in world.seen)
+    return found
+
+
+def frozen(world):
+    """The largest command after the process stood still, and whether it drives again."""
+    world.again()
+    world.process.send_signal(signal.SIGSTOP)
+    time.sleep(0.6)
+    world.go(0.2)
+    world.seen.clear()
+    world.process.send_signal(signal.SIGCONT)
+    world.go(PATIENCE, until=lambda: len(world.seen) > MANY)
+    largest = max(v for _, v, _ in world.seen)
+    return {"largest": largest, "again": world.reaches(0.5, 0.5)}
+
+
 def of_limits(world):
     """Limits that fall, end, and come again."""
     found = {}
     world.again()
     world.limit = 0.2
     found["lower"] = world.reaches(0.1, 0.2)
-    world.limit = 1.0
+    world.ahead = 0.35
+    found["both"] = world.reaches(0.0, 0.15)
+    world.ahead, world.limit = WALL, 1.0
     found["higher"] = world.reaches(0.5, 0.5)
+    world.limit = 0.01
+    found["below the push"] = world.reaches(0.0, 0.0)
+    world.limit = 1.0
     world.enable.publish(Bool(data=False))
     found["disabled"] = world.reaches(0.0, 0.0)
     world.enable.publish(Bool(data=True))
@@ -178,6 +220,7 @@ def main(scenario, kind, node=""):
     try:
         found = of_scans(world)
         found |= of_limits(world)
+        found |= {"frozen": frozen(world)} if kind == "scan" else of_ways(world)
         if kind == "scan" and not node:
             found |= of_limits_that_must_go_on(world)
         process.send_signal(signal.SIGINT)

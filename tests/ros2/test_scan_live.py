@@ -110,8 +110,40 @@ def test_a_laser_that_is_blind_ahead_is_a_stop(report, node):
 
 def test_limits_that_fall_and_rise(seen):
     assert seen["lower"]
+    assert seen["both"]
     assert seen["higher"]
+    assert seen["below the push"]
     assert seen["disabled"]
+
+
+@pytest.mark.parametrize("node", ["Python", "C"])
+@pytest.mark.parametrize("way", ["none", "negative", "infinite"])
+def test_no_way_ahead_is_a_stop(report, node, way):
+    assert report(f"free live, {node}")[way]["after"] < 0.5
+
+
+@pytest.mark.parametrize("node", ["Python", "C"])
+def test_a_way_without_end_limits_nothing_and_one_that_is_no_number_is_not_told(report, node):
+    found = report(f"free live, {node}")
+
+    assert found["open"] is None
+    assert 0.5 < found["no number"]["after"] < 8
+
+
+@pytest.mark.parametrize("node", ["Python", "C"])
+def test_turning_on_the_spot_before_a_wall_is_refused(report, node):
+    found = report(f"free live, {node}")
+
+    assert found["turned"] == 0
+    assert any("near" in text for text in found["turning"]["said"])
+
+
+@pytest.mark.parametrize("node", ["Python", "C"])
+def test_a_process_that_stood_still_sends_no_more_and_drives_again(report, node):
+    found = report(f"scan live, {node}")["frozen"]
+
+    assert found["largest"] <= 0.5
+    assert found["again"]
 
 
 def test_limits_that_must_go_on(report):

@@ -203,11 +203,10 @@ class FilterNode(SafeNode[FilterCore]):
         seen = Received(frame, frame, stamp, now.ros, patience, "filter.free_age of the scenario")
         self.refused(self.sight.topics[laser], seen.explained(reason))
         never, self._never = self._never, self.core.never
-        if self._never != never:
-            sides = " and ".join(self._never) or "no side"
+        if self._never and self._never != never:
             self.get_logger().warning(
-                f"no beam covers {sides}: no command that way is ever sent. Add a laser, or give "
-                "ignore."
+                f"no beam covers {' and '.join(self._never)}: no command that way is ever sent. "
+                "Add a laser, or give ignore."
             )
 
     def change(self, key: str, value: object) -> str:
