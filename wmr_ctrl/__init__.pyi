@@ -59,7 +59,6 @@ from .simulation.campaign.study_run import study as study
 from .simulation.compiled_law import CompiledLaw as CompiledLaw
 from .simulation.tuning import tune as tune
 from .simulation.tuning.gains import Tuning as Tuning
-from .simulation.tuning.gains import WorseFigure as WorseFigure
 from .theory.linear import LinearReport as LinearReport
 from .theory.linear.margins import Margins as Margins
 from .version import __version__ as __version__

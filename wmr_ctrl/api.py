@@ -196,7 +196,8 @@ def reproduce(
     """
     from wmr_ctrl.report.paper_claims import Evidence, judge_all
     from wmr_ctrl.report.report_page import Reproduction
-    from wmr_ctrl.report.write import FILES, check_folder, write_reproduction
+    from wmr_ctrl.report.write import FILES, write_reproduction
+    from wmr_ctrl.results import check_writable, new_folder
     from wmr_ctrl.simulation.batch import check_jobs
     from wmr_ctrl.simulation.campaign import PAPER_LAWS
     from wmr_ctrl.simulation.campaign.engine import run_campaign
@@ -207,15 +208,17 @@ def reproduce(
     check_jobs(jobs)
     wanted = [what for what, on in (("ours", with_ours), ("physics", with_physics)) if on]
     more = [name for what in wanted for name in _benchmark("beyond").FILES[what]]
-    check_folder(Path(out), (*FILES, *more))
     if with_physics:
         mujoco()
-    facts = _facts(PAPER_LAWS, quick)
-    campaign = run_campaign(plan, jobs, progress)
-    judged = judge_all(Evidence(campaign.table, facts.timings))
-    verdicts = write_reproduction(out, Reproduction(campaign, judged, facts), progress)
-    for what in wanted:
-        _benchmark("beyond").run(what, Path(out), jobs, quick, progress)
+    with new_folder(Path(out)):
+        for name in (*FILES, *more):
+            check_writable(Path(out) / name)
+        facts = _facts(PAPER_LAWS, quick)
+        campaign = run_campaign(plan, jobs, progress)
+        judged = judge_all(Evidence(campaign.table, facts.timings))
+        verdicts = write_reproduction(out, Reproduction(campaign, judged, facts), progress)
+        for what in wanted:
+            _benchmark("beyond").run(what, Path(out), jobs, quick, progress)
     return verdicts
 
 

@@ -5,7 +5,6 @@ import statistics
 
 from tests.architecture.tree import (
     Function,
-    Module,
     functions,
     length,
     modules,
@@ -129,25 +128,3 @@ def calls(module):
     nodes = [node.func for node in nodes_of(module.tree) if isinstance(node, ast.Call)]
     names = {node.id for node in nodes if isinstance(node, ast.Name)}
     return names | {node.attr for node in nodes if isinstance(node, ast.Attribute)}
-
-
-def test_the_checks_see_what_they_should(tmp_path):
-    """The helpers themselves: a wrong file is told from a right one."""
-    wrong = ast.parse("def f(a, *, b: int):\n    def g() -> int: return 1\n    print(a)\n")
-    module = Module("wmr_ctrl.x", tmp_path, "", wrong)
-    outer, inner = functions(wrong)
-
-    assert missing(outer) == ["a", "return"]
-    assert missing(inner) == []
-    assert length(outer) == 3
-    assert calls(module) == {"print"}
-    assert [node.name for node in public(wrong)] == ["f"]
-
-
-def test_the_check_of_types_sees_any_wherever_it_stands():
-    text = (
-        "class A:\n    x: dict[str, Any]\n    y: int\n    def m(self, a: int) -> Any: ...\n"
-        "def g(*a: int, **k: Any) -> None: ...\ndef _h(a: Any) -> None: ...\ndef i() -> int: ...\n"
-    )
-
-    assert sorted(untyped(ast.parse(text))) == ["g", "m", "x"]

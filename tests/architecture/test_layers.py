@@ -136,11 +136,6 @@ def circle(edges):
         left = inner
 
 
-def test_circles_are_seen():
-    assert circle({"a": {"b"}, "b": {"c", "d"}, "c": set(), "d": {"c"}}) == []
-    assert circle({"a": {"b"}, "b": {"c"}, "c": {"b", "d"}, "d": set()}) == ["b", "c"]
-
-
 def test_third_party_imports_are_those_of_the_room():
     def foreign(module):
         return foreign_imports(module) - THIRD_PARTY.get(module.room, set())

@@ -7,7 +7,7 @@ import tokenize
 
 import pytest
 
-from tests.architecture.tree import PACKAGES, ROOT, Module, modules, nodes_of, offenders
+from tests.architecture.tree import PACKAGES, ROOT, modules, nodes_of, offenders
 
 MOST_ROOMS = 12
 BESIDE_ROOMS = {"__init__", "__main__", "api", "extend", "version"}
@@ -139,10 +139,3 @@ def sniffed(module):
         and call.func.id in ("getattr", "hasattr")
         and (call.func.id == "hasattr" or isinstance(call.args[1], ast.Constant))
     ]
-
-
-def test_the_search_for_such_names_sees_them():
-    text = "def f(item, a):\n    kept = getattr(a, 'b')\n    return hasattr(kept, item)\n"
-    module = Module("wmr_ctrl.x", next(m.path for m in modules()), text, ast.parse(text))
-
-    assert len(sniffed(module)) == 2

@@ -2,7 +2,6 @@
 
 import ctypes as ct
 import functools
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +18,6 @@ EVERY = (*ONES, *PAIRS, "exp_many")
 """In the order of each.c."""
 
 SOURCE = Path(__file__).parent / "each.c"
-Call = Callable[..., np.ndarray]
 
 
 def files():

@@ -19,7 +19,6 @@ LIMITS = {
 }  # fmt: skip
 """Units in the last place, as the header states them."""
 
-Range = tuple[float, float]
 UNIFORM = {
     "exp": [(-745.0, 709.7), (-701.0, -699.0), (699.0, 701.0), (-1.0, 1.0)],
     "expm1": [(-60.0, 60.0), (-1.5, 1.5), (-0.36, 0.36), (55.0, 57.0), (600.0, 709.7)],

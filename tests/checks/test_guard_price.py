@@ -43,20 +43,6 @@ def test_a_reference_too_fast_for_a_late_velocity_names_what_no_guard_can_beat(t
     assert "at most 0.669 m/s" in warning.sentence
 
 
-@pytest.mark.parametrize("start, warned", [(0.9, False), (0.9999, True), (1.0, True), (1.2, False)])
-@pytest.mark.slow_but("0.9999-True")
-def test_a_start_that_a_push_can_carry_out_before_the_first_command(told, start, warned):
-    changed = {**ON, "guard.dbar": [60.0, 15.0], "initial.velocity": [start, 0.0]}
-    late = told("prox", {**changed, "actuator.delay": 0.005}, key="initial.velocity")
-    places = [item.sentence for item in late if "first command" in item.sentence]
-
-    assert bool(places) is warned
-    assert all("0.00667 m/s" in sentence for sentence in places)
-    assert all("Start below 0.9933 m/s for" in sentence for sentence in places)
-    at_once = told("prox", changed, key="initial.velocity")
-    assert not [item for item in at_once if "first command" in item.sentence]
-
-
 @pytest.mark.parametrize("period, warned", [(0.01, False), (0.1, True)])
 def test_a_reference_faster_than_the_guard_allows(told, period, warned):
     wide = {

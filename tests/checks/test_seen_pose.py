@@ -44,6 +44,5 @@ def test_what_is_left_out_is_said():
         "as if nothing were lost, though 30% of the poses may be"
     )
     assert rare_poses(load_scenario("paper-simulation", rare)) == (
-        "as if a pose came at every sample, though a pose comes every 0.1 s and 30% of them do "
-        "not come"
+        "as if a pose came at every sample, though one comes every 0.1 s"
     )

@@ -143,14 +143,6 @@ def test_a_run_may_replace_the_one_before(wmr, place, short_run):
     assert short_run("mine.toml --out saved.csv").exit_code == 0
 
 
-def test_package_in_the_folder_of_another_is_noted(wmr, place):
-    for law in ("pid", "kanayama"):
-        result = wmr(f"codegen {law} --out c")
-    said = " ".join(result.stderr.split())
-
-    assert "c also holds files of another package: wmr_pid.c, wmr_pid.h. Delete them" in said
-
-
 def test_notebook_may_save_over_what_it_loaded(place):
     load_run("saved.csv").save("saved.csv")
 

@@ -278,20 +278,6 @@ def test_read_only_folder_is_replaced(tmp_path, monkeypatch, folder):
     assert cache_dir() != folder
 
 
-@pytest.mark.skipif(not hasattr(os, "getuid"), reason="Windows' temporary folder is private")
-@pytest.mark.parametrize("mode", [0o777, 0o710, 0o701])
-def test_temporary_folder_that_others_may_use_is_not_used(tmp_path, monkeypatch, mode):
-    prepared = tmp_path / f"wmr_ctrl-{os.getuid()}"
-    prepared.mkdir()
-    prepared.chmod(mode)
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "file"))
-    monkeypatch.setattr(cache.tempfile, "tempdir", str(tmp_path))
-
-    assert cache_dir() != prepared
-    assert cache_dir().stat().st_mode & 0o077 == 0
-
-
 EVERYBODY = 0o002
 rights = pytest.mark.skipif(os.name == "nt", reason="rights of POSIX")
 

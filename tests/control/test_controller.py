@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from tests import oracle
-from wmr_ctrl.api import compile_law, simulate
-from wmr_ctrl.control.controller import controller, law_graph, watched_controller
+from wmr_ctrl.api import compile_law
+from wmr_ctrl.control.controller import law_graph, watched_controller
 from wmr_ctrl.control.laws import LAWS
-from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.world.scenario import load_scenario
@@ -29,18 +27,6 @@ def diagnostics(system):
     """Signals, and values at the start."""
     at_start = system.function("d", [system.d])(np.zeros(system.u.numel()), system.x0, system.p0)
     return [item.signal for item in system.diagnostics], at_start.full().ravel().tolist()
-
-
-@every_law
-@pytest.mark.slow_but("mb", "prox")
-def test_a_guarded_controller_is_watched_anyway(law):
-    scenario = load_scenario("safe-simulation")
-    plain, watched = (build(settle(scenario, law)) for build in (controller, watched_controller))
-    graphs = [s.function("f", [s.update, s.y, s.d]).serialize() for s in (plain, watched)]
-
-    assert graphs[0] == graphs[1]
-    assert plain.p0 == watched.p0
-    assert diagnostics(plain)[0] == diagnostics(watched)[0]
 
 
 @every_law
@@ -67,22 +53,3 @@ def test_dbar_is_a_parameter_with_its_units(law):
 
     assert params["guard.dbar"].value == (12.0, 3.0)
     assert params["guard.dbar"].signal.units == ("N", "N.m")
-
-
-@pytest.mark.parametrize(
-    "law, changed, feasible",
-    [
-        ("pid", {}, 1.0),
-        ("smc", {"actuator.tau_max": 6.5}, 1.0),
-        pytest.param("mb", {"actuator.tau_max": 5.0}, 0.0, marks=pytest.mark.slow),
-        pytest.param("pursuit", {"guard.dbar": [1e4, 1.0]}, 0.0, marks=pytest.mark.slow),
-        pytest.param("prox", {"guard.M_min": [0.1, 0.01]}, 0.0, marks=pytest.mark.slow),
-    ],
-)
-def test_bounds_that_cannot_be_met_are_told_not_refused(law, changed, feasible):
-    scenario = scenario_of(**changed)
-
-    assert diagnostics(watched_controller(settle(scenario, law)))[1][-1] == feasible
-    assert (simulate(scenario, law)["feasible"] == feasible).all()
-    if law in NAMES:
-        assert (oracle.simulate(scenario, law)["feasible"] == feasible).all()

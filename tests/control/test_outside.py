@@ -3,9 +3,9 @@
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.control.outside import check_plain_loop, check_takes_torques
+from wmr_ctrl.control.outside import check_plain_loop
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.world.scenario import override
 
 
@@ -18,10 +18,3 @@ def test_noise_at_the_wheels_comes_from_outside_and_nothing_else_does():
         ArgumentError, match=r"the kit holds only .* also has: gust \(\[gust\]\)\. Export"
     ):
         check_plain_loop(settle(windy, "mb"), "the kit")
-
-
-def test_a_base_that_takes_velocities_is_refused_by_name():
-    check_takes_torques(paper(), "the kit is")
-    base = override(paper(), {"base.kind": "velocity"})
-    with pytest.raises(ScenarioError, match=r'or set base\.kind = "torque"\.$'):
-        check_takes_torques(base, "the kit is")

@@ -22,10 +22,8 @@ from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.theory.checks.velocity_base import usable_speed, velocity_base
 from wmr_ctrl.theory.linear.nonlinear import loop_nlsys
 from wmr_ctrl.world.effect import Bound
-from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import rolling_against
 from wmr_ctrl.world.scenario import override
-from wmr_ctrl.world.speed_loop import has_loop
 
 ROOT = Path(__file__).parents[2]
 
@@ -37,27 +35,6 @@ def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for():
     torque = wmr_ctrl.simulate(based({**VELOCITY, **fast, "base": {}}), "prox")
     for name in ("x", "y", "v1", "omega"):
         assert velocity[name] == pytest.approx(torque[name], abs=0.02), name
-
-
-def test_a_law_that_believes_another_time_constant_drives_another_way():
-    base = {"kind": "velocity", "tau": [0.2, 0.2]}
-    right = wmr_ctrl.simulate(based({**VELOCITY, "base": base}), "prox", engine="numpy")
-    wrong = {**base, "tau_believed": [0.4, 0.4]}
-    other = wmr_ctrl.simulate(based({**VELOCITY, "base": wrong}), "prox", engine="numpy")
-    assert np.abs(right["x"] - other["x"]).max() > 1e-3
-
-
-@pytest.mark.slow
-def test_both_engines_agree_with_governor_and_delay():
-    late = based(
-        GOVERNED,
-        base={**VELOCITY["base"], "delay": 0.07},
-        filter={**GOVERNED["filter"], "delay": [0.07, 0.07]},
-    )
-    for law in ("kanayama", "prox"):
-        native, numpy = (wmr_ctrl.simulate(late, law, engine=e) for e in ("native", "numpy"))
-        for name in ("x", "v1", "omega", "v_command", "tau_right", "v_asked"):
-            assert native[name] == pytest.approx(numpy[name], abs=1e-9), name
 
 
 @pytest.mark.slow
@@ -121,15 +98,6 @@ OVERSHOOTING = {
         "ki": [280.0, 320.0],
     },
 }
-
-
-@pytest.mark.slow
-def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots():
-    alone = wmr_ctrl.simulate(based({**OVERSHOOTING, "filter": {}}), "kanayama")
-    assert alone.monitor.max_abs_v[0] > 1.05
-    held = wmr_ctrl.simulate(based(OVERSHOOTING), "kanayama")
-    assert held.monitor.violations == 0
-    assert held["clip_active"].any()
 
 
 @pytest.mark.parametrize(
@@ -250,15 +218,6 @@ def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(noise, tol
     assert ("disturbance.truncate" in [item.key for item in warnings]) == told
 
 
-@pytest.mark.parametrize("changes, said", [
-    ({}, "stated bounds$"), ({"base.w_max": 3.0}, "but for what base.w_max takes$"),
-    ({"resistance.viscous": [5.0, 0.0], "base.w_max": 3.0}, r"w_max and \[resistance\] take$"),
-])  # fmt: skip
-def test_check_names_what_else_slows_a_base_behind_a_clip(changes, said):
-    first, *_ = filter_lines(settle(based({**CLIPPED, **changes}), "kanayama"))
-    assert re.search(said, first)
-
-
 def test_check_promises_no_limit_that_a_start_breaks():
     text = promise(settle(based({**CLIPPED, "initial.velocity": [1.1, 0.0]}), "kanayama"))
     assert "guaranteed for starts within them alone" in text
@@ -312,17 +271,6 @@ def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(kind, 
     told = " ".join(filter_lines(settle(scenario, "kanayama")))
     assert ("millisecond of delay costs" in told) == (kind == "clip")
     assert ("a constant delay costs nothing" in told) == (kind == "band")
-
-
-@pytest.mark.slow
-def test_a_band_that_is_pushed_is_asked_for_long_enough():
-    stated = {**OVERSHOOTING["filter"], "kind": "band", "friction": [0, 20], "push": [10, 0]}
-    setup = settle(based({**OVERSHOOTING, "filter": stated}), "kanayama")
-    facts = filter_facts(setup)
-    step = wmr_ctrl.command_filter(setup.scenario)
-    sent = [step.step((10.0, 0.0)).command[0] for _ in range(4000)]
-    assert facts.usable_speed[0] == pytest.approx(sent[-1], rel=1e-6)
-    assert sent[127] < 0.998 * sent[-1]
 
 
 BROKEN = {
@@ -437,20 +385,6 @@ def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(changes
     assert bool(soon) is (key in ("base.accel", "base.decel") and "base.accel" in changes)
 
 
-@pytest.mark.parametrize("l, accel", [(0.15, [0.9, 2.0]), (0.2, [0.5, 0.1])])
-def test_the_decel_that_a_refusal_tells_is_enough(l, accel):
-    """Also where a product by l is less than what it is of the same decimals."""
-    clip = {**CLIPPED["filter"], "wheel_speed": 0.8}
-    ramped = {"robot.l": l, "base.accel": accel, "base.decel": [1e-3, 1e-3], "filter": clip}
-    stated = based({**CLIPPED, "base.tau": [0.2, 0.2], "robot.mu": 0.0, **ramped})
-    with pytest.raises(ScenarioError, match=r"base\.accel may hold back") as refused:
-        settle(stated, "kanayama")
-    told = re.findall(r"base\.decel = \[(.*), (.*)\] or more", str(refused.value))[0]
-    linear, angular = map(float, told)
-    assert linear < l * accel[1] or l * angular < accel[0]  # by a rounding
-    settle(override(stated, {"base.decel": [linear, angular]}), "kanayama")
-
-
 REFUSED = {
     "guard.enabled": {"guard.enabled": True},
     "gains.kanayama.delay": {"gains.kanayama.delay": 0.05, "base.delay": 0.05},
@@ -472,12 +406,6 @@ def test_late_torques_are_refused_where_velocities_are_sent(name):
 def test_nonlinear_loops_refuse_a_velocity_base_by_name():
     with pytest.raises((ScenarioError, ArgumentError), match=r'base\.kind = "velocity"'):
         loop_nlsys(based(VELOCITY), "kanayama")
-
-
-def test_a_torque_base_has_no_speed_loop():
-    scenario = based({"base": {"loop": "pi"}})
-    assert not has_loop(scenario, "pi")
-    assert not any(item.role.value == "loop" for item in EFFECTS.present(scenario))
 
 
 BANDED = {
@@ -506,13 +434,6 @@ LEFT_OPEN = {
 def test_what_the_band_leaves_open_is_refused_by_name(name):
     with pytest.raises(ScenarioError, match="nothing here"):
         settle(based({**BANDED, **LEFT_OPEN[name]}), "kanayama")
-
-
-@pytest.mark.parametrize("name", [item for item in LEFT_OPEN if item != "losses"])
-def test_and_what_the_clip_of_slow_commands_does(name):
-    """Losses are counted there, once they are stated."""
-    with pytest.raises(ScenarioError, match="nothing here"):
-        settle(based({**SLOW, **LEFT_OPEN[name]}), "kanayama")
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.model.dynamics import plant, rk4_step
 from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
-from wmr_ctrl.world.speed_loops import SPEED_LOOP, assumed_lags
+from wmr_ctrl.world.speed_loops import SPEED_LOOP
 
 SECOND = {
     "base.kind": "velocity", "base.loop": "second-order", "base.frequency": [6.0, 9.0],
@@ -128,28 +128,10 @@ def test_keys_of_another_loop_do_nothing():
     assert "base.kp" in idle_keys(mixed)
 
 
-def test_laws_assume_the_lag_of_the_loop():
-    assert assumed_lags(base()) == pytest.approx([2 * 0.4 / 6.0, 2 * 1.3 / 9.0])
-    assert assumed_lags(base(base__tau_believed=0.3)) == [0.3, 0.3]
-    run = wmr_ctrl.simulate(
-        base(clock__duration=30.0, base__gain=1.0, base__frequency=20.0, base__damping=0.7), "prox"
-    )
-    assert run["e"][-50:, :2].max() < 0.05
-
-
 FILTERED = {
     "filter.kind": "clip", "filter.loop": "second-order", "filter.gain": [0.8, 1.2],
     "filter.damping": [0.35, 1.4], "filter.frequency": [5.0, 10.0],
 }  # fmt: skip
-
-
-def test_a_clip_keeps_the_limit_of_a_second_order_base():
-    quick = {"clock.duration": 8.0, "initial.pose": [-2.0, -2.0, -0.7], "initial.velocity": [0, 0]}
-    alone = wmr_ctrl.simulate(override(base(), quick), "kanayama")
-    assert alone.monitor.max_abs_v[0] > 1.05
-    held = wmr_ctrl.simulate(override(base(), {**quick, **FILTERED}), "kanayama")
-    assert held.monitor.violations == 0
-    assert held["clip_active"].any()
 
 
 REFUSED = {

@@ -88,7 +88,7 @@ def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0, chang
     """
     loop = Attacked(scenario, law, push, pose, velocity, changing)
     loop.jump, loop.at = jump, at * scenario.clock.substeps
-    loop.run(None)
+    loop.run()
     columns = loop.log.columns()
     torque = max(np.abs(columns[name]).max() for name in ("tau_right", "tau_left"))
     return Excursion(np.array(loop.errors), float(torque), bool(np.any(columns["clip_active"])))

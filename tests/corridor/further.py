@@ -103,7 +103,7 @@ def farthest_lost(scenario, pushes, come, velocities=None, law="prox"):
         velocity = None if velocities is None else velocities[k]
         loop = Attacked(scenario, law, push, np.zeros_like(push), velocity)
         loop.sensor.chance = np.resize(come, len(push)).astype(float)
-        loop.run(None)
+        loop.run()
         e = np.array(loop.errors)
         found.append((np.hypot(e[:, 0], e[:, 1]).max(), np.abs(e[:, 2]).max()))
     return np.max(found, axis=0)

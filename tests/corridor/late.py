@@ -49,7 +49,7 @@ class Jittered(Attacked):
 def jittered(scenario, law, push, waits):
     """The Excursion, and the torques that were sent (N, 2)."""
     loop = Jittered(scenario, law, push, waits)
-    loop.run(None)
+    loop.run()
     columns = loop.log.columns()
     sent = np.stack([columns["tau_right"], columns["tau_left"]], axis=1)
     clipped = bool(np.any(columns["clip_active"]))

@@ -216,26 +216,3 @@ def farthest(scenario, law, samples, kind, size, times=1.0):
         for error in worst(scenario, law, samples, kind, size)
     )
     return max(each, key=lambda x: x.position)
-
-
-def farthest_on_the_way(scenario, law, end, size, stride, times=1.0):
-    """The largest course under pushes of ``size`` that lead furthest at the end of some samples.
-
-    Along any path, from a base to which nothing was sent yet.
-    """
-    blank = np.zeros((end, 2))
-    rest = course(scenario, law, end, idle=True).e[-1]
-    places = np.arange(0, end, stride)
-    answers = np.zeros((2, len(places), 3))
-    for wheel in (0, 1):
-        for k, place in enumerate(places):
-            push = blank.copy()
-            push[place, wheel] = TINY
-            answers[wheel, k] = course(scenario, law, end, idle=True, push=push).e[-1] - rest
-    every = []
-    for ahead, left in DIRECTIONS:
-        led = ahead * answers[..., 0] + left * answers[..., 1]
-        every.append(np.stack([np.interp(np.arange(end), places, row) for row in led], axis=1))
-    pushes = farthest_first(every, times * size)[:TRIED]
-    each = (course(scenario, law, end, idle=True, push=push) for push in pushes)
-    return max(each, key=lambda x: x.position)

@@ -15,7 +15,6 @@ from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.theory.corridor.answer import Corridor, bounds
 from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_proofs.corridor import masses
-from wmr_proofs.corridor.certificate import Certifier
 from wmr_proofs.corridor.masses import certified
 
 EXACT_POSE = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
@@ -224,31 +223,6 @@ def test_without_ball_arithmetic_it_is_not_checked(monkeypatch):
     monkeypatch.setattr(room, "is_open", lambda: False)
 
     assert "NOT_CHECKED" in find_corridor(load_scenario("safe-simulation"), "prox").sentence
-
-
-@pytest.mark.slow
-def test_a_first_command_counts_from_the_measured_velocity():
-    """Its change may be a_max T at most: what that velocity is off leaves the less of it."""
-    changes = {
-        "sensor.velocity_noise": [1e-4, 1e-4], "disturbance.std": 0.1, "guard.enabled": False,
-    }  # fmt: skip
-    scenario = override(load_scenario("safe-simulation"), changes)
-    certifier = Certifier(settle(scenario, "kanayama"))
-    names = [item.name for item in certifier.loop.conditions]
-    sizes = dict(zip(names, certifier.most, strict=True))
-    period, gains = scenario.clock.control, settle(scenario, "kanayama").gains
-    off = certifier.inputs.velocity
-
-    assert (off > 0).all()
-    for i, axis in enumerate(("linear", "angular")):
-        left = gains.a_max[i] * period - off[i]
-        assert sizes[f"the command's change ({axis})"] == pytest.approx(left, rel=1e-9)
-        assert sizes[f"the command's change ({axis})"] <= left
-
-    far = override(scenario, {"sensor.velocity_noise": [0.1, 0.1]})
-    refused = find_corridor(far, "kanayama")
-    assert refused.position is None
-    assert "the measured velocity is off by" in refused.refused
 
 
 def test_a_name_instead_of_a_scenario_is_refused():

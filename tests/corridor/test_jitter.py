@@ -6,7 +6,6 @@ import pytest
 from tests.corridor.further import simulated as safe
 from tests.corridor.late import farthest_held, farthest_jittered
 from wmr_ctrl.theory.corridor import find_corridor
-from wmr_proofs.corridor.overlap import jitter_overlap
 
 
 def simulated(**told):
@@ -42,16 +41,6 @@ def test_close_to_where_its_changes_feed_themselves_there_is_a_corridor_and_beyo
     )
     assert 10 * plain.position < tube.position < 50 * plain.position
     assert "may grow as large as what the loop corrects" in over.refused
-
-
-@pytest.mark.slow
-def test_a_jitter_widens_it_for_whole_runs_as_well():
-    scenario = simulated(actuator__jitter=0.004)
-    tube, plain = find_corridor(scenario, "prox"), find_corridor(simulated(), "prox")
-
-    assert jitter_overlap(scenario).steps == 4
-    assert plain.position < tube.position < 1.4 * plain.position
-    assert find_corridor(scenario, "prox", whole=True).position == tube.position
 
 
 GUARDED = {"guard__enabled": True, "disturbance__truncate": 3.0}

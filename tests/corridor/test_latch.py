@@ -5,13 +5,13 @@ import pytest
 
 from tests.corridor.adversary import attack
 from tests.simulation.physics.shove import SHOVE
-from wmr_ctrl import load_run, simulate, simulate_runs
+from wmr_ctrl import load_run, simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor.certificate import Certifier
-from wmr_proofs.corridor.latch import STAGES, latch_of, left_by
+from wmr_proofs.corridor.latch import STAGES, latch_of
 
 SHORT = {"changes": [], "clock.duration": 32.0}
 
@@ -48,17 +48,6 @@ def test_no_sample_from_the_box_goes_farther_than_it_says(certifier):
 
 
 @pytest.mark.slow
-def test_runs_that_keep_their_bounds_are_settled_and_stay():
-    scenario = override(load_scenario("safe-simulation"), SHORT)
-    latch = latch_of(*((c := Certifier(settle(scenario, "prox"))), c.inputs))
-    for run in simulate_runs(scenario, "prox", range(3)):
-        late = run.time > 20.0
-        off = np.hypot(run["x"] - run["x_d"], run["y"] - run["y_d"])[late]
-        assert left_by(run, scenario) is None
-        assert off.max() < latch.position[1]
-
-
-@pytest.mark.slow
 def test_a_push_that_nobody_told_of_is_proved_to_have_been(monkeypatch, tmp_path):
     """An effect whose bound says that it does nothing; the run says that this was false."""
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", (SHOVE,))
@@ -79,11 +68,3 @@ def test_a_push_that_nobody_told_of_is_proved_to_have_been(monkeypatch, tmp_path
 
     shown = {**shoved, "frames": "rep103"}  # orientations from +X: the same run
     assert simulate("safe-simulation", "prox", seed=3, overrides=shown).corridor_left == left
-
-
-@pytest.mark.slow
-def test_a_run_that_is_not_settled_yet_proves_nothing(monkeypatch):
-    monkeypatch.setitem(EFFECTS.__dict__, "plugins", (SHOVE,))
-    early = {**SHORT, "shove.force": 300.0, "shove.start": 5.0, "shove.time": 0.5}
-
-    assert simulate("safe-simulation", "prox", overrides=early).corridor_left is None

@@ -32,7 +32,7 @@ class Made:
     def __init__(self, scenario, at, frames="paper", off=(0.0, 0.0)):
         loop = Attacked(scenario, "prox", np.zeros((scenario.clock.samples, 2)))
         loop.jump, loop.at = (0.05, 0.0, 0.0), at * scenario.clock.substeps
-        loop.run(None)
+        loop.run()
         self.columns = loop.log.columns()
         (ahead, aside), theta = off, self.columns["theta"]
         s, c = np.sin(theta), np.cos(theta)

@@ -2,9 +2,6 @@
 
 import math
 
-Pair = tuple[float, float]
-Triple = tuple[float, float, float]
-
 
 def tracking_error(target, pose):
     """Eq. (8): error ahead [m], to the left [m] and in angle [rad] of the pose (x, y, theta)."""

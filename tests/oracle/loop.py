@@ -30,28 +30,19 @@ from tests.oracle.smc import Smc
 from tests.oracle.smooth import smooth_barrier
 from wmr_ctrl.core.signals import LOG_HEAD
 
-_ROWS_PER_REPORT = 100
 REMEMBERED = 10_000
 """Commands that laws are told of at most."""
 TWINS = frozenset({"velocity noise", "pose sensor", "torque noise", "push", "delay", "lag"})
 """Effects that are written down here a second time."""
 
 
-def simulate_oracle(
-    scenario,
-    law,
-    gains,
-    kinematics,
-    seed,
-    progress=None,
-    effects=(),
-):
+def simulate_oracle(scenario, law, gains, kinematics, seed, effects=()):
     """One run of ``law`` in ``scenario``.
 
-    ``gains`` are the law's resolved values, ``kinematics`` holds k (3) of Eq. (7); ``progress`` is
-    called now and then with the share of the run that is done.  Returns the columns, (N,) or
-    (N, size), of ``signals.LOG_HEAD``, of the law's memory and of the guard's diagnostics (on or
-    off), and the monitor's numbers (max_abs_v, violations, first_violation, stopped, stop_reason).
+    ``gains`` are the law's resolved values, ``kinematics`` holds k (3) of Eq. (7).  Returns the
+    columns, (N,) or (N, size), of ``signals.LOG_HEAD``, of the law's memory and of the guard's
+    diagnostics (on or off), and the monitor's numbers (max_abs_v, violations, first_violation,
+    stopped, stop_reason).
     ``effects`` names those that the loop has.  Raises ValueError for a law, a reference or an
     effect that has no NumPy twin.
     """
@@ -60,7 +51,7 @@ def simulate_oracle(
             raise ValueError(f"the effect {name!r} has no twin")
     loop = _Loop(scenario, law, gains, kinematics, seed)
     with np.errstate(over="ignore", invalid="ignore"):  # a run that overflows ends with a reason
-        loop.run(progress)
+        loop.run()
     return loop.log.columns(), loop.watch.numbers()
 
 
@@ -95,15 +86,12 @@ class _Loop:
         self.state = (*scenario.initial.pose, *scenario.initial.velocity)
         self.ended = self.watch.see(0.0, self.state)
 
-    def run(self, progress):
+    def run(self):
         """All control samples, or those before the run must end."""
-        samples = self.clock.samples
-        for k in range(samples):
+        for k in range(self.clock.samples):
             if self.ended:
                 break
             self._sample(k)
-            if progress is not None and (k + 1) % _ROWS_PER_REPORT == 0:
-                progress((k + 1) / samples)
 
     def _sample(self, k):
         """One control step: look, act, log, and let the plant run until the next sample."""

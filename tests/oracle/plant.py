@@ -7,8 +7,6 @@ from math import ceil, cos, isinf, nan, sin, tanh
 
 from wmr_ctrl.world.scenario import Robot
 
-State = tuple[float, float, float, float, float]
-"""x [m], y [m], theta [rad], v1 [m/s], omega [rad/s]."""
 Pair = tuple[float, float]
 
 _NOT_A_STATE = (nan,) * 5

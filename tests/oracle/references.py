@@ -5,14 +5,11 @@ Angles follow the project's convention: 0 along +Y, forward = (-sin theta, cos t
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable
 
 from tests.oracle.target import DesiredState, target_on
 from wmr_ctrl.world.references.rounded_square import square_path
 from wmr_ctrl.world.references.waypoints import LOOP, profile_of, waypoint_path
 from wmr_ctrl.world.scenario import Circle, Lemniscate, Line, RoundedSquare, StopAndGo, Waypoints
-
-Reference = Callable[[float], DesiredState]
 
 
 def reference_of(kind):

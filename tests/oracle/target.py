@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from wmr_ctrl.core.signals import REFERENCE
 
-Pair = tuple[float, float]
-
 _NAMES = [signal.name for signal in REFERENCE]
 
 

@@ -9,7 +9,6 @@ condition closes the other cases as well.
 import argparse
 import json
 import sys
-from collections.abc import Mapping
 from functools import cache
 from math import prod
 from time import process_time
@@ -30,7 +29,6 @@ from wmr_proofs.check import (
     Choice,
     Fact,
     Join,
-    Polynomial,
     Problem,
     Quotient,
     Refused,
@@ -48,7 +46,6 @@ from wmr_proofs.claims import all_claims
 from wmr_proofs.methods.obligations import uses_z3
 from wmr_proofs.runner import selected
 
-Facts = Mapping[str, Fact]
 ROOT = "~"
 """Begins the name of a square in a search."""
 DEGREE, DEPTH = 5, 40
@@ -354,9 +351,6 @@ def _item(share, used):
     roots = [json.loads(name[1:]) for name in used if name.startswith(ROOT)]
     facts = [name for name in used if not name.startswith(ROOT)]
     return [str(share), facts, roots] if roots else [str(share), facts]
-
-
-Products = dict[tuple[str, ...], tuple[Polynomial, bool]]
 
 
 def _products(facts, degree):

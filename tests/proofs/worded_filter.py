@@ -26,7 +26,6 @@ from wmr_ctrl.control.filter.forecast import Fading, spread_of, stays_of
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.scenario import load_scenario
 
-Array = np.ndarray
 PERIOD, SPARE = 0.1, 1 - 2.0**-26
 BASE = {
     "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),

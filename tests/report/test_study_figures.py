@@ -53,7 +53,7 @@ def test_indices_are_those_of_each_point_of_the_grid():
     """At 5 ms only mu matters, at 10 ms only m, each whole."""
     pytest.importorskip("SALib")
     table = table_of(lambda r: r["robot.mu"] if r["clock.control"] < 0.007 else r["robot.m"] / 60)
-    axes = _indices(table, range(2)).axes
+    axes = _indices(table).axes
     titles = [ax.get_title() for ax in axes]
 
     assert len(axes) == 4
@@ -62,24 +62,13 @@ def test_indices_are_those_of_each_point_of_the_grid():
         assert heights(ax) == pytest.approx(whole, abs=0.1)
 
 
-@pytest.mark.slow
-def test_many_points_of_a_grid_stand_in_several_pictures():
-    pytest.importorskip("SALib")
-    radii = [0.05 + 0.01 * k for k in range(9)]
-    sample = {**PLAN["sample"], "n": 8}
-    table = table_of(lambda r: r["robot.mu"], sample=sample, grid={"robot.r": radii}, laws=["mb"])
-    names = [name for name, _ in drawings_of(table)]
-
-    assert [name for name in names if "sobol" in name] == ["sobol", "sobol-2", "sobol-3"]
-
-
 def test_the_same_study_has_the_same_intervals():
     pytest.importorskip("SALib")
     table = table_of(lambda r: r["robot.mu"])
     first, second = (
         [
             part[2][0].get_segments()
-            for axes in _indices(table, range(1)).axes
+            for axes in _indices(table).axes
             for part in axes.containers
             if isinstance(part, ErrorbarContainer)
         ]
@@ -93,7 +82,7 @@ def test_the_same_study_has_the_same_intervals():
 def test_what_has_no_indices_says_why():
     pytest.importorskip("SALib")
     table = table_of(lambda r: 1.0, lambda r: r["law"] == "prox" and r["robot.m"] > 55)
-    constant, refused = _indices(table, range(1)).axes
+    constant, refused, *_ = _indices(table).axes
 
     assert "the same in all runs" in constant.texts[0].get_text().replace("\n", " ")
     said = refused.texts[0].get_text().replace("\n", " ")
@@ -126,14 +115,11 @@ def simple(values, laws=("mb",), unit="m"):
     return StudyTable(plan, numbers, np.repeat(laws, len(values)), none, none, units)
 
 
-@pytest.mark.parametrize("outlier, said", [(0.011, ""), (40.0, "1 runs are above the view")])
-def test_outliers_are_counted_where_they_would_crush_the_rest(outlier, said):
-    axes = _by_group(simple(np.append(np.linspace(0.010, 0.012, 99), outlier))).axes[0]
+def test_outliers_do_not_crush_the_rest():
+    axes = _by_group(simple(np.append(np.linspace(0.010, 0.012, 99), 40.0))).axes[0]
 
     assert axes.get_ylabel() == "position_rms [mm]"
     assert axes.get_ylim()[1] < 40
-    assert axes.get_xlabel().startswith(said)
-    assert bool(axes.get_xlabel()) == bool(said)
 
 
 @pytest.mark.parametrize(

@@ -128,23 +128,17 @@ def test_a_drive_around_a_circle_arrives_in_our_frame(tmp_path, plugin):
     assert all(np.array_equal(alone.columns[key], whole.columns[key]) for key in whole.columns)
 
 
-@pytest.mark.parametrize("rate", [0.59, 0.995, 1.0, 3.0])
-@pytest.mark.parametrize("pause", [0.0, 8.0])
-def test_receipts_of_commands_are_put_on_the_stamps_of_another_clock(tmp_path, rate, pause):
-    """A simulation at `rate` of real time that may stand still, messages up to 30 ms late."""
+def test_receipts_of_commands_are_put_on_the_stamps_of_another_clock(tmp_path):
+    """Messages are up to 30 ms late."""
     rng, t = np.random.default_rng(0), np.arange(1, 21, 0.05)
     late = 0.002 + np.minimum(rng.exponential(0.004, (2, len(t))), 0.03)
-    odom, sent = EPOCH + t / rate + pause * (t > 9.98) + late
+    odom, sent = EPOCH + t + late
     told = read_topics(bag(tmp_path, odom_at(t, odom) + sent_at(sent)))
 
     off = told.times["v_command"] - told.times["v_command"][0] - (t - t[0])
-    assert np.abs(off).max() < 0.035 * max(rate, 1.0)
-    assert told.times["v_command"][0] < 0.035 * max(rate, 1.0)
-    assert told.times["v1_measured"][-1] == pytest.approx(t[-1] - t[0], abs=0.03 * rate)
-    said = " ".join(told.remarks)
-    assert "two clocks" in said
-    assert ("runs at" in said) is (rate != 1.0)
-    assert ("stands still for 8 s" in said) is bool(pause)
+    assert np.abs(off).max() < 0.035
+    assert told.times["v_command"][0] < 0.035
+    assert "two clocks" in " ".join(told.remarks)
 
 
 def test_stamps_of_two_clocks_are_put_on_one(tmp_path):
@@ -283,27 +277,6 @@ def test_joints_that_could_be_two_pairs_are_a_remark_where_other_topics_suffice(
     assert not any("a_left" in text for text in left_out.remarks)
     with pytest.raises(ResultFileError, match="is not clear"):
         read_topics(place, {"joints": "/joint_states"})
-
-
-def test_bags_of_ros_1_are_read(tmp_path):
-    from rosbags.rosbag1 import Writer as OldWriter
-    from rosbags.typesys import Stores, get_typestore
-
-    types = get_typestore(Stores.ROS1_NOETIC)
-    kind = types.types
-    with OldWriter(tmp_path / "old.bag") as writer:
-        there = writer.add_connection("/cmd_vel", TWIST, typestore=types)
-        for k in range(20):
-            vector = kind["geometry_msgs/msg/Vector3"]
-            message = kind[TWIST](
-                linear=vector(x=0.1 * k, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=1.0)
-            )
-            data = types.serialize_ros1(message, TWIST)
-            writer.write(there, (EPOCH + k) * SECOND, data)
-
-    told = read_topics(tmp_path / "old.bag")
-
-    assert told.columns["v_command"] == pytest.approx(0.1 * np.arange(20))
 
 
 def test_efforts_of_a_topic_go_before_those_of_joints(tmp_path):

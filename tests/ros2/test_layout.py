@@ -34,25 +34,6 @@ NUMBERS = {
 }
 STATES = NUMBERS - {"float32", "float64"} | {"string", "byte"}
 """What is a state: whatever has no fraction; a byte of ROS 2 is an unsigned one."""
-SHAPES = {
-    "Plot": {
-        "title": str, "paths": list, "showXAxisLabels": bool, "showYAxisLabels": bool,
-        "showLegend": bool, "legendDisplay": str, "isSynced": bool, "xAxisVal": str,
-        "followingViewWidth": (int, float),
-    },
-    "StateTransitions": {"isSynced": bool, "paths": list},
-    "DiagnosticSummary": {
-        "minLevel": int, "pinnedIds": list, "topicToRender": str, "hardwareIdFilter": str,
-        "sortByLevel": bool,
-    },
-    "3D": {
-        "cameraState": dict, "followMode": str, "followTf": str, "scene": dict, "transforms": dict,
-        "topics": dict, "layers": dict,
-    },
-}  # fmt: skip
-"""Keys of a panel's settings that are used here, and the type of each."""
-DRAWN = {"nav_msgs/msg/Odometry", "nav_msgs/msg/Path"}
-"""Types of messages that the panel 3D draws; it has more."""
 
 
 def kind_of(panel):
@@ -61,32 +42,6 @@ def kind_of(panel):
 
 def of_kind(kind):
     return [settings for name, settings in PANELS.items() if kind_of(name) == kind]
-
-
-def leaves(node):
-    """Panels of a tree of pairs, whose form is checked."""
-    if isinstance(node, str):
-        return [node]
-    assert {"direction", "first", "second"} <= set(node)
-    assert set(node) <= {"direction", "first", "second", "splitPercentage"}
-    assert node["direction"] in ("row", "column")
-    assert 0 < node.get("splitPercentage", 50) < 100
-    return [*leaves(node["first"]), *leaves(node["second"])]
-
-
-def test_it_has_the_form_of_a_layout_and_shows_each_panel_once():
-    assert set(LAYOUT) == {"configById", "globalVariables", "userNodes", "playbackConfig", "layout"}
-    assert sorted(leaves(LAYOUT["layout"])) == sorted(PANELS)
-    assert len({kind_of(name) for name in PANELS}) == len(SHAPES)
-
-
-@pytest.mark.parametrize("panel", PANELS)
-def test_a_panels_settings_are_those_that_it_has(panel):
-    shape = SHAPES[kind_of(panel)]
-
-    assert set(PANELS[panel]) == set(shape)
-    for name, value in PANELS[panel].items():
-        assert isinstance(value, shape[name]), name
 
 
 STEP = re.compile(r"\.(?P<field>\w+)|\[(?P<slice>:)\]|\{(?P<key>\w+)==\"(?P<value>[^\"]*)\"\}")
@@ -143,14 +98,6 @@ def test_states_are_one_value_a_message_and_of_one_node():
     assert {
         node for node in NODES if any(node in path["value"] for path in panel["paths"])
     } == NODES
-
-
-def test_the_plane_shows_what_can_be_drawn_in_the_frame_of_odometry():
-    (panel,) = of_kind("3D")
-    assert panel["followMode"] in ("follow-pose", "follow-position", "follow-none")
-    assert panel["followTf"] == "odom"
-    assert {KINDS[topic] for topic in panel["topics"]} == DRAWN
-    assert [layer["layerId"] for layer in panel["layers"].values()] == ["foxglove.Grid"]
 
 
 def test_diagnostics_are_those_of_the_nodes():

@@ -32,7 +32,7 @@ REFUSED = [
     (["scenario:={}", "rise:=[1.0]"], "must have two"),
     (["scenario:={}", "fall:=[0.0, 1.0]"], "must be positive"),
     (["scenario:={}", "trigger:=never"], "must be one of timer, command"),
-    (["scenario:={}", "comand_timeout:=0.5"], "near: command_timeout"),
+    (["scenario:={}", "comand_timeout:=0.5"], "comand_timeout is not a parameter"),
     (["scenario:={}", "other_parts:=drop"], "must be one of count, refuse"),
     (["scenario:={}", "-r", "__ns:=/1bad"], "ROS 2 refuses the arguments"),
     (["scenario:={}", "--params-file", "nowhere.yaml"], "nowhere.yaml"),

@@ -22,7 +22,6 @@ from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.simulation.memory import Task, aligned, laid_out
 from wmr_ctrl.simulation.memory import vector_sets as usable
 
-Columns = dict[str, np.ndarray]
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 
 

@@ -1,7 +1,5 @@
 """A law's compiled controller, called from Python."""
 
-import pickle
-
 import numpy as np
 import pytest
 
@@ -17,14 +15,13 @@ def law():
     return CompiledLaw(build_law(settle(paper(), "pid")))
 
 
-def test_a_sample_moves_the_memory_and_a_copy_goes_on_alike(law):
+def test_a_sample_moves_the_memory_until_it_is_reset(law):
     law.u = START_SAMPLE
     first = law.step().copy()
-    other = pickle.loads(pickle.dumps(law))
 
     assert np.isfinite(first).all()
     assert law.x.any()
-    assert np.array_equal(other.step(), law.step())
+    law.step()
     law.reset()
     assert np.array_equal(law.step(), first)
 

@@ -1,8 +1,5 @@
 """Effects whose numbers matter, their scenarios, and a motion to feed their Systems with."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import casadi as ca
 import numpy as np
 
@@ -11,9 +8,6 @@ from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.registry import EFFECTS as REGISTRY
 from wmr_ctrl.world.scenario import load_scenario, override
-
-Changes = Mapping[str, Any]
-Rows = list[dict[str, list[float]]]
 
 SHORT = {"clock.duration": 0.5, "disturbance.std": 0.5, "disturbance.truncate": 3.0}
 EFFECTS = {

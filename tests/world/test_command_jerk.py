@@ -21,13 +21,6 @@ def test_a_jerk_limit_bends_the_command_so_much_and_reaches_it_without_passing()
     assert reached * 1e-3 == pytest.approx(2 * (0.5 / 3.0) ** 0.5, rel=0.02)
 
 
-def test_an_axis_without_limit_is_where_its_command_is():
-    wanted = np.random.default_rng(2).uniform(-1, 1, (300, 2))
-    found = acting(based(jerk=[3.0, float("inf")]), wanted)
-    assert found[:, 1] == pytest.approx(wanted[:, 1], abs=1e-12)
-    assert np.abs(found[:, 0]).max() < 0.1
-
-
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.slow_but("0")
 def test_whatever_comes_it_stays_between_the_commands_so_far(seed):

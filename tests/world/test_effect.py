@@ -11,7 +11,7 @@ from tests.world.motion import (
     LAW,
     scenario,
 )
-from wmr_ctrl.api import cosimulate, simulate
+from wmr_ctrl.api import simulate
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
@@ -33,18 +33,6 @@ def different(one, other):
 
 DRIVES = {**EFFECTS["jitter of a delay"], **EFFECTS["lag that varies"], **EFFECTS["motor"],
           **EFFECTS["wheels"], **EFFECTS["gust"], **EFFECTS["lost poses"]}  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    "changes", [EFFECTS["encoder over a window"], DRIVES], ids=["encoder", "drives"]
-)
-@pytest.mark.slow
-def test_co_simulation_has_the_bits_of_the_native_loop(changes):
-    coupled = cosimulate(scenario(changes), LAW, seed=3)
-    run = simulate(scenario(changes), LAW, seed=3)
-
-    assert set(different(run, coupled)) <= {"e"}
-    assert run.monitor == coupled.monitor
 
 
 @pytest.mark.parametrize(
@@ -114,17 +102,3 @@ def test_effects_add_up_and_two_means_are_none():
 def test_bad_numbers_are_refused_with_key_and_remedy(changes, message):
     with pytest.raises(ScenarioError, match=message):
         scenario(changes)
-
-
-@pytest.mark.parametrize(
-    "name, key",
-    [
-        ("motor", "motor.stall"),
-        ("wheels", "actuator.tau_max"),
-        ("encoder by time", "encoder.method"),
-    ],
-)
-def test_what_has_no_bound_voids_the_guarantee_by_its_key(name, key):
-    changes = {**EFFECTS[name], "disturbance.std": 0.0}
-
-    assert settle(scenario(changes), LAW).bound.void.startswith(key)

@@ -15,12 +15,10 @@ from tests.world.motion import (
 )
 from wmr_ctrl.world.delay import delay_in_periods
 from wmr_ctrl.world.encoder import ENCODER
-from wmr_ctrl.world.gust import GUST
 from wmr_ctrl.world.motor import MOTOR, largest_torque, stepped
 from wmr_ctrl.world.resistance import RESISTANCE
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.slope import SLOPE
-from wmr_ctrl.world.velocity_noise import build as velocity_noise
 from wmr_ctrl.world.wheels import WHEELS
 
 LIMITED = {"actuator.tau_max": 10.0}
@@ -117,16 +115,6 @@ def test_the_ground_pulls_and_resists_within_its_bound():
     assert (driven <= bound).all()
 
 
-def test_gusts_keep_their_size():
-    motion = rows(300, np.random.default_rng(4))
-    for row in motion:
-        row["gust"] = [1.0, -1.0]
-    shown = np.abs(fed(GUST.build(scenario(EFFECTS["gust"])), motion))
-
-    assert (shown <= (5.0, 1.0)).all()
-    assert shown[-1] == pytest.approx((5.0, 1.0))
-
-
 @pytest.mark.parametrize("plant", [0.001, 0.002, 0.005])
 def test_a_delay_is_as_many_plant_steps_as_its_decimals_say(plant):
     """Also where the quotient of the doubles is just below that number, such as 0.043/0.001."""
@@ -149,11 +137,3 @@ def test_steps_of_a_motor_go_beyond_its_limit_by_no_more_than_is_counted(limit, 
 
     assert given <= largest_torque(chosen) * (1 + 1e-12) <= limit + 0.5 * step + 1e-9
     assert (given == pytest.approx(largest_torque(chosen))) is (step == 0.3)
-
-
-@pytest.mark.parametrize("noise, wanted", [([0.1, 0.0], 1), ([0.0, 0.1], 1), ([0.0, 0.0], 0)])
-def test_noise_of_one_velocity_alone_is_drawn(noise, wanted):
-    system = velocity_noise(load_scenario("far-start", {"sensor.velocity_noise": noise}))
-    (numbers,) = system.draws
-
-    assert float(ca.Function("wanted", [system.p], [numbers.wanted])(system.p0)) == wanted

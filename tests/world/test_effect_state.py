@@ -42,17 +42,6 @@ def test_numbers_that_are_set_act_as_in_a_loop_of_their_own(fmu):
     assert np.array_equal(np.array(shown), wanted)
 
 
-@pytest.mark.slow
-def test_each_of_them_matters():
-    base = simulate(scenario(TOGETHER), LAW)
-    same = [
-        key
-        for key, value in SET.items()
-        if np.array_equal(simulate(scenario({**TOGETHER, key: value}), LAW)["v1"], base["v1"])
-    ]
-    assert same == []
-
-
 @pytest.mark.parametrize("key", ["clock.control", "actuator.delay"])
 def test_what_decides_the_form_cannot_be_set(fmu, key):
     instance = fmu.new()

@@ -7,7 +7,7 @@ import pytest
 
 from tests.papers_robot import paper
 from tests.world import twins
-from tests.world.motion import EFFECTS, WHEELED, assert_is_twin, bound_of, fed, rows, scenario
+from tests.world.motion import EFFECTS, WHEELED, assert_is_twin, fed, rows, scenario
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.encoder import ENCODER
 from wmr_ctrl.world.scenario import override
@@ -63,17 +63,3 @@ def test_the_time_between_counts_forgets_a_speed_when_the_robot_stops():
 
 
 # Why the time between counts has no bound.
-
-
-@pytest.mark.parametrize("counts", [64, 1024, 65536])
-def test_two_windows_mix_turn_and_thrust_whatever_the_counts(counts):
-    """The left wheel stands while the right one drives, then friction stops the turn."""
-    omega = np.concatenate([np.full(300, 1.5), np.zeros(20)])
-    v1 = np.full(320, 0.25 * 1.5)
-    v1[0] += 0.4 * 2 * math.pi * 0.1 / counts / 0.01  # so that the left wheel stands between edges
-    way, turn = (np.concatenate([[0.0], np.cumsum(0.01 * item)]) for item in (v1, omega))
-    shown = by_time(way, turn, counts)[1:]
-    off = v1[300:] - shown[300:, 0]
-
-    assert off.max() == pytest.approx(0.25 * 1.5 / 2, rel=0.05)
-    assert bound_of(ENCODER, {"encoder.counts": counts, "encoder.method": "time"}).void

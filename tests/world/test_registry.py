@@ -9,11 +9,10 @@ from fmpy import simulate_fmu
 
 from tests.papers_robot import paper_toml
 from tests.world import motion
-from wmr_ctrl.api import cosimulate, export_fmu, simulate
+from wmr_ctrl.api import export_fmu, simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownKeyError
-from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.registry import EFFECTS, OURS, SHARED
 from wmr_ctrl.world.scenario import loads_scenario, to_toml
@@ -80,19 +79,6 @@ def test_a_package_refuses_an_effect_by_its_name(name, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.slow
-def test_a_package_holds_a_reference_with_state(tmp_path):
-    from fmpy.ssp.simulation import simulate_ssp
-
-    calm = {"clock.duration": 0.5, "disturbance.std": 0.0, "reference.kind": "toy-clothoid"}
-    scenario = scenario_of("paper-simulation-nominal", calm)
-    (path,) = export_fmu("ssp", law=LAW, scenario=scenario, out=tmp_path)
-    table = simulate_ssp(str(path), stop_time=0.49, step_size=0.01)
-    run = cosimulate(scenario, LAW, master="jacobi")
-
-    assert np.array_equal(table["x"][: run.rows - 1], run["x"][1:])
-
-
 @pytest.mark.parametrize("name", TOYS)
 @pytest.mark.slow_but("delay of its own", "all at once")
 def test_the_engine_without_a_compiler_agrees(name):
@@ -111,13 +97,6 @@ def test_the_guard_refuses_an_effect_without_a_bound(name, key):
         scenario_of("paper-simulation", {**SHORT, **TOYS[name]}, guard=True)
     with pytest.raises(ScenarioError, match=rf"\[{key}\]\) states no bound"):
         settle(scenario_of("paper-simulation", {**SHORT, **TOYS[name]}), None)
-
-
-def test_a_governor_refuses_a_sensor_without_a_bound_and_a_clip_hears_none():
-    toy = {**TOYS["sensor of the way"], "disturbance.std": 0.0}
-    with pytest.raises(ScenarioError, match=r"\[toy_encoder\]\) states no bound"):
-        settle(scenario_of("turtlebot3-burger", toy), LAW)
-    settle(scenario_of("turtlebot3-burger", {**toy, "filter.kind": "clip"}), LAW)
 
 
 def test_the_guard_counts_an_effect_by_its_bound():
@@ -153,17 +132,6 @@ def test_a_stream_depends_on_its_name_alone():
     more = simulate("paper-simulation", LAW, seed=3, overrides={**SHORT, "toy_gyro.walk": 0.001})
 
     assert np.array_equal(plain["noise_right"], more["noise_right"])
-
-
-@pytest.mark.slow
-def test_structures_of_foreign_effects_are_never_shared():
-    one, other = (
-        runnable(scenario_of("paper-simulation", {**SHORT, "toy_slope.angle": a}), LAW)
-        for a in (0.01, 0.02)
-    )
-
-    assert one.compiled.structure != other.compiled.structure
-    assert one.compiled.library == other.compiled.library  # their C is the same all the same
 
 
 def test_effects_have_names_and_sections_of_their_own():

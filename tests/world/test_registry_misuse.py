@@ -13,14 +13,11 @@ from tests.world import toys
 from wmr_ctrl.api import export_fmu
 from wmr_ctrl.cli import root
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields import plugins
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import BODY_FORCE, REFERENCE, TORQUE, TORQUE_NOISE, Signal
 from wmr_ctrl.simulation.engines import runnable
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.stable_ranges import largest_period
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
 from wmr_ctrl.world.model.system import NORMAL, Output, Parameters, System, draw, port, ports
 from wmr_ctrl.world.references.registry import REFERENCES
@@ -108,13 +105,6 @@ def test_what_is_no_bound_names_its_effect(registered, bound):
         runnable(shaking(**{"guard.enabled": True}), "mb")
 
 
-@pytest.mark.parametrize("returned", [None, "none", (1.0, 2.0)])
-def test_a_bound_is_a_bound(registered, returned):
-    registered(replace(SHAKE, bound=lambda scenario: returned))
-    with pytest.raises(ArgumentError, match=r"shake.*not a Bound"):
-        runnable(shaking(), "mb")
-
-
 # -- functions that fail ------------------------------------------------------------------
 
 
@@ -128,13 +118,6 @@ def test_an_error_in_an_effect_names_it(registered, field):
     assert done.exit_code == 2
     said = " ".join(done.stderr.split())
     assert f"the effect shake ([shake]) fails in its {field}: ZeroDivisionError" in said
-
-
-@pytest.mark.parametrize("built", [None, 3])
-def test_an_effect_builds_a_system(registered, built):
-    registered(replace(SHAKE, build=lambda scenario: built))
-    with pytest.raises(ArgumentError, match=r"shake.*not a System"):
-        runnable(shaking(), "mb")
 
 
 # -- what a role has a place for ----------------------------------------------------------
@@ -193,12 +176,6 @@ def test_a_mean_force_is_not_lost_with_its_noise(registered, what, signals, tmp_
 # -- figures of stability -----------------------------------------------------------------
 
 
-class OtherLag(Section, key="other_lag"):
-    """How slow a torque is."""
-
-    time: float = quantity(0.0, unit="s", doc="time constant", minimum=0)
-
-
 def lagging(scenario):
     """A first order, exact over a plant step."""
     torque, p = ports(TORQUE), Parameters(scenario)
@@ -211,18 +188,6 @@ def lagging(scenario):
         "other_lag", "another lag", inputs=torque, state=(old,), params=p.ports,
         update=following, outputs=outputs, period=scenario.clock.plant,
     )  # fmt: skip
-
-
-OTHER_LAG = Effect("other lag", EffectRole.DRIVE, OtherLag, lagging, rate=Rate.STEP)
-
-
-def test_a_lag_of_another_package_is_in_the_figures(registered):
-    """One that is built as ours is gives the same figures, though it says nothing of itself."""
-    registered(OTHER_LAG)
-    ours, theirs = ({"actuator.lag": 0.03}, {"other_lag.time": 0.03})
-    loops = [Loop(settle(scenario_of("paper-simulation", item), "mb")) for item in (ours, theirs)]
-
-    assert largest_period(loops[1]) == pytest.approx(largest_period(loops[0]), rel=1e-6)
 
 
 # -- registries ---------------------------------------------------------------------------

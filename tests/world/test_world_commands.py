@@ -1,9 +1,7 @@
 """What acts on the commands of a base that takes velocities, in runs and before a filter."""
 
-import numpy as np
 import pytest
 
-import wmr_ctrl
 from tests.world.motion import based
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
@@ -18,17 +16,6 @@ IN_RUNS = {
     "losses": {"losses": 3, "delay": 0.02},
     "time-out": {"losses": 3, "timeout": 0.06},
 }
-
-
-@pytest.mark.parametrize("name", IN_RUNS)
-@pytest.mark.slow_but("losses")
-def test_it_acts_in_runs_alike_in_both_engines(name):
-    scenario = based(**IN_RUNS[name])
-    native, numpy = (wmr_ctrl.simulate(scenario, "kanayama", engine=e) for e in ("native", "numpy"))
-    plain = wmr_ctrl.simulate(based(), "kanayama", engine="numpy")
-    for column in ("x", "v1", "omega"):
-        assert native[column] == pytest.approx(numpy[column], abs=1e-9), column
-    assert np.abs(native["v1"] - plain["v1"]).max() > 1e-4
 
 
 GOVERNOR = {"kind": "governor", "tau": [0.2, 0.2], "delay": [0.02, 0.02]}

@@ -2,7 +2,6 @@
 
 import pytest
 
-from benchmarks.guard_runs import overrides_of
 from wmr_ctrl.api import simulate, simulate_runs
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
@@ -14,9 +13,11 @@ from wmr_ctrl.world.lag import LAG
 from wmr_ctrl.world.wheels import WHEELS
 
 ROBOTS = ("robot-10ms", "robot-100ms")
-FACTOR = "as a robot has it"
 UNSEEN = 7401
 """A seed that no gain was chosen with."""
+
+
+FACTOR = "as a robot has it"
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -28,42 +29,11 @@ def test_a_robot_is_complete_and_guarded(name):
     assert setup.bound.void == ""
 
 
-@pytest.mark.parametrize(
-    "name, law", [("robot-10ms", "nn"), ("robot-10ms", "pid"), ("robot-100ms", "mb")]
-)
-@pytest.mark.slow_but("robot-10ms-nn")
-def test_it_tracks_inside_the_limit(name, law):
-    run = simulate(name, law, seed=UNSEEN)
-
-    assert run.monitor.violations == 0
-    assert run.outcome.value == "completed"
-
-
-def test_without_guard_the_slow_robot_leaves_the_limit():
-    """With the paper's gains: what the guard is for, and that these robots do try it."""
-    changes = overrides_of("100 ms", FACTOR)
-
-    assert simulate("paper-simulation", "mb", seed=UNSEEN, overrides=changes).monitor.violations > 0
-
-
 def remarks(name, law, seeds=10, **overrides):
     """Keys of what runs and check say; no gain was chosen with these ten seeds."""
     runs = simulate_runs(name, law, range(seeds), overrides=overrides)
     warnings = warnings_for(settle(scenario_of(name, overrides), law))
     return {item.key for run in runs for item in run.remarks} | {item.key for item in warnings}
-
-
-@pytest.mark.parametrize("name, law", [("robot-10ms", "pid"), ("robot-100ms", "prox")])
-@pytest.mark.slow
-def test_nothing_is_to_be_said_against_laws_and_runs(name, law):
-    assert remarks(name, law) == set()
-
-
-@pytest.mark.slow
-def test_pid_would_stay_behind_with_the_k_that_the_others_share():
-    shared = {"gains.pid.kinematics": [1.0, 42.0, 1.5], "gains.pid.Kp": [420.0, 40.0]}
-
-    assert "not-tracked" in remarks("robot-100ms", "pid", 2, **shared)
 
 
 SKIDDING = ("clearpath-jackal", "clearpath-husky")

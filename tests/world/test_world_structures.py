@@ -1,7 +1,6 @@
 """One robot and lanes of robots leave the same bits, whatever their loop is made of."""
 
 import random
-from collections.abc import Mapping
 
 import pytest
 
@@ -17,7 +16,6 @@ from wmr_ctrl.world.references.registry import OURS
 from wmr_ctrl.world.scenario import load_scenario
 
 pytestmark = pytest.mark.usefixtures("every_set_of_instructions", "toy_world")
-Changes = Mapping[str, object]
 
 KINDS = (*(kind.name for kind in OURS), CLOTHOID.name)
 POINTS = [[0.0, 0.0], [1.0, 0.2], [2.0, 1.0], [2.5, 2.0]]

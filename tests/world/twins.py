@@ -4,11 +4,6 @@ A twin is fed the same true motion, commands and random numbers as the System, i
 """
 
 import math
-from collections.abc import Mapping, Sequence
-
-Row = Mapping[str, Sequence[float]]
-"""True quantities, torque and random numbers of a sample or step, by name."""
-Numbers = Mapping[str, float | Sequence[float]]
 
 
 class EncoderTwin:

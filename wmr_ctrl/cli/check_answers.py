@@ -33,7 +33,7 @@ from wmr_ctrl.world.scenario.toml_io import InheritedValue
 
 from . import check_sentences
 from .check_stopping import stop_lines, stopping_numbers
-from .console import Progress, say, table, wrapped
+from .console import Progress, say, short_number, table, wrapped
 
 MOST_STEPS = 2_000_000
 """Plant steps that one law is run for; twenty times what the paper's runs take."""
@@ -315,17 +315,13 @@ def _cells(answers: Answers, law: str) -> Iterator[str]:
     elif limits.period == 0:
         yield "none"
     else:
-        low = f"{_digits(1e3 * limits.shortest)} to " if limits.shortest > 0 else ""
-        yield low + (_digits(1e3 * limits.period) if limits.period < inf else "any")
+        low = f"{short_number(1e3 * limits.shortest)} to " if limits.shortest > 0 else ""
+        yield low + (short_number(1e3 * limits.period) if limits.period < inf else "any")
     least = 1e3 * finest(answers.scenario)
-    yield NONE if away is None else _digits(1e3 * away, least)
-    yield _digits(100 * max(shares)) if shares and answers.scenario.guard.enabled else NONE
-    yield NONE if most is None else _digits(float(rounded(1e3 * most, 3)), least)  # never less
+    yield NONE if away is None else short_number(1e3 * away, least)
+    yield short_number(100 * max(shares)) if shares and answers.scenario.guard.enabled else NONE
+    yield NONE if most is None else short_number(float(rounded(1e3 * most, 3)), least)  # never less
     yield ", ".join(_reasons(answers, law)) or NONE
-
-
-def _digits(value: float, least: float = 1e-3) -> str:
-    return f"<{least:g}" if 0 < value < least else f"{float(f'{value:.3g}'):g}"
 
 
 def _reasons(answers: Answers, law: str) -> Iterator[str]:

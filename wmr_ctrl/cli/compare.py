@@ -61,8 +61,8 @@ def compare(
     figures of all. For saved runs the same table is printed. For two runs, their differences are
     listed as well: which columns differ, by how much and when. The exit code is then 0 if they are
     equal or agree within the tolerance, and 1 if they differ or have no sample in common. A robot's
-    own ROS 2 bag may take the place of a run; then only the columns that a bag can have are
-    compared: pose, velocities, commands, torques and wheels.
+    own ROS 2 bag may take the place of a run; then the figures that a bag can have are shown side
+    by side: pose, velocities, commands, torques and wheels.
     """
     from wmr_ctrl.results import Run
     from wmr_ctrl.results.compare import compare as difference
@@ -78,17 +78,22 @@ def compare(
     drives = drives_of(loaded) if len(runs) < len(loaded) else []
     if drives:
         draw_drives(drives, plot, animate)
-    else:
-        write_file(plot, "plot_runs", [*runs.values()])
-        write_file(animate, "animate_runs", [*runs.values()], "animation")
-    shown: list[Run | RecordedDrive] = [*(drives or runs.values())]
-    pair = None if laws or len(shown) > 2 else difference(shown[0], shown[1], tolerance)
+        if as_json:
+            print_json([drive.summary() for drive in drives])
+        else:
+            click.echo(drives_text(drives))
+        return
+    write_file(plot, "plot_runs", [*runs.values()])
+    write_file(animate, "animate_runs", [*runs.values()], "animation")
+    pair = None
+    if not laws and len(runs) == 2:
+        first, second = runs.values()
+        pair = difference(first, second, tolerance)
     if not as_json:
-        text = drives_text(drives) if drives else comparison_text(runs)
+        text = comparison_text(runs)
         click.echo(text if pair is None else f"{pair}\n\n{text}")
     elif pair is None:
-        figures = {name: run.summary() for name, run in runs.items()}
-        print_json([drive.summary() for drive in drives] or figures)
+        print_json({name: run.summary() for name, run in runs.items()})
     else:
         print_json(asdict(pair))
     if pair is not None and pair.verdict not in ("equal", "agree"):

@@ -97,7 +97,7 @@ LEAST = 1e-3
 
 def short_number(value: float, least: float = LEAST) -> str:
     """A number with three digits, or "<least" below ``least``: table cells have to be short."""
-    return f"<{least:g}" if 0 < abs(value) < least else f"{value:.3g}"
+    return f"<{least:g}" if 0 < abs(value) < least else f"{float(f'{value:.3g}'):g}"
 
 
 def note_missing_proofs() -> None:

@@ -158,11 +158,6 @@ def codegen(
         paths = [*write_node(Path(out), case, node_settings(params))]
     for path in paths:
         say("wrote", str(path))
-    beside = {path.name for path in {*Path(out).glob("wmr_*.[ch]")} - {*paths}}
-    others = sorted(name for name in beside if REFERENCE not in (law, Path(name).stem[4:]))
-    if others:
-        text = f"{out} also holds files of another package: {', '.join(others)}. Delete them, or"
-        say("note", f"{text} write each package into a folder of its own.")
     _ask_about_units(law, case)
 
 

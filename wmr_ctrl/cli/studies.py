@@ -56,8 +56,6 @@ def study(
 
     plan = load_plan(words[0])
     opt.check_output(report, (".html",), "--report")
-    for text in plan.warnings:
-        say("warning", text)
     for text in unread_k(plan.loaded, plan.laws, plan.stated):
         say("note", text)
     with resumable(Path(out)), Progress("study") as progress:
@@ -87,13 +85,6 @@ def _show_study(result: StudyOutcome, as_json: bool) -> None:
     head, *refused = str(result).split("\n")
     click.echo("\n".join((head, *(wrapped(f"- {text}", hang="  ") for text in refused))))
     click.echo(f"\n{table([share.cells for share in shares], SHARE_HEADS)}")
-
-
-WORSE = (
-    "Figures under worse are worse than before on the test seeds. Take these gains only "
-    "if the robot does not drive like that; otherwise tune on that reference, or raise "
-    "--weight where the torque is worse."
-)
 
 
 ROUNDING = (
@@ -173,29 +164,20 @@ def _text(better: Tuning) -> str:
     position = [[*map(short_number, 1e3 * test["tracking_drive_rms"])] for test in both]
     change = [[*map(short_number, test["torque_change_rms"])] for test in both]
     fastest = [np.maximum(test["max_abs_v1"] / v1, test["max_abs_v2"] / omega) for test in both]
-    names = {"tracking_drive_rms": "position", "torque_change_rms": "torque", "lost": "runs"}
+    lost = [test["lost"] for test in both]
     columns = {
         "reference": [row["reference"] for row in better.after.records()],
         "mass": [f"{value:g}" for value in better.after["mass"]],
         "position RMS\n[mm]": map(" -> ".join, zip(*position, strict=True)),
         "torque change\n[N m]": map(" -> ".join, zip(*change, strict=True)),
+        "ended\nearly": ("{:g} -> {:g}".format(*two) for two in zip(*lost, strict=True)),
         "worst\n|v|/limit": ("{:.2f} -> {:.2f}".format(*two) for two in zip(*fastest, strict=True)),
     }
     if better.scenario.takes_velocity:
         del columns["mass"], columns["torque change\n[N m]"]
-    said = []
-    for row in better.after.records():
-        place = row["reference"], row["mass"]
-        worse = [item.figure for item in better.worse if (item.reference, item.mass) == place]
-        lost = [f"{row['lost']} runs ended early"] if row["lost"] else []
-        lost += [", ".join(dict.fromkeys(names.get(name, "speed") for name in worse))]
-        said.append("; ".join(filter(None, lost)))
-    columns["worse"] = said
     lines += [
         "",
         "Test seeds, before -> after:",
         table(zip(*columns.values(), strict=True), tuple(columns)),
     ]
-    if better.worse:
-        lines += ["", wrapped(WORSE)]
     return "\n".join(lines)

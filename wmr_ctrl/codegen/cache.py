@@ -51,7 +51,7 @@ def wanted_dir() -> Path:
 def cache_dir() -> Path:
     """The cache folder, which exists and is writable: `wanted_dir`, or a substitute.
 
-    If that cannot be written, a private temporary folder, with a warning in the log.  Raises
+    If that cannot be written, a temporary folder of this process, with a warning.  Raises
     CacheError if everybody may write to it.
     """
     return _usable(wanted_dir())
@@ -104,7 +104,7 @@ def _usable(folder: Path) -> Path:
     if not problem:
         refuse_shared(folder)
         return folder
-    substitute = _private_temporary_folder()
+    substitute = Path(tempfile.mkdtemp(prefix="wmr_ctrl-"))
     log.warning(
         "the build cache %s cannot be written (%s); using %s. Name another folder in the "
         "environment variable %s to keep compiled code.",
@@ -126,20 +126,6 @@ def _why_not_writable(folder: Path) -> str:
     except OSError as error:
         return error.strerror or str(error)
     return ""
-
-
-def _private_temporary_folder() -> Path:
-    """One folder per user; a new one if another user prepared that, or could have."""
-    user = os.getuid() if os.name == "posix" else "user"  # Windows: the user's own folder
-    folder = Path(tempfile.gettempdir()) / f"wmr_ctrl-{user}"
-    with suppress(OSError):
-        folder.mkdir(mode=0o700, exist_ok=True)
-        status = folder.lstat()
-        mine = stat.S_ISDIR(status.st_mode) and status.st_uid == user
-        private = os.name != "posix" or (mine and not status.st_mode & 0o077)
-        if private and not _why_not_writable(folder):
-            return folder
-    return Path(tempfile.mkdtemp(prefix="wmr_ctrl-"))
 
 
 Sources = Mapping[str, str | bytes]

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import Any, cast
 
@@ -136,25 +135,18 @@ class Graphs:
         """The fast state after a step of everything except the plant."""
         return ca.vertcat(self.plant.x, *self.step.following)
 
-    def _join_sensors(
-        self, setup: Setup, *, external_plant: bool, like: Graphs | None = None
-    ) -> list[System]:
-        """Create the plant and the wirings of both rates, with the sensors, which are returned.
-
-        With ``like``, plant, steps and parameter symbols are those of these graphs.
-        """
-        taken = like.parameters.ports if like else ()
-        known = (replace(item, value=setup.value(item.signal.name)) for item in taken)
-        self.parameters = Parameters(setup, known)
+    def _join_sensors(self, setup: Setup, *, external_plant: bool) -> list[System]:
+        """Create the plant and the wirings of both rates, with the sensors, which are returned."""
+        self.parameters = Parameters(setup)
         sample = Wiring(setup, self.parameters, Rate.SAMPLE, {})
         sensors = sample.effects(EffectRole.SENSOR)
         self.rolling = rolling_of(sensors)
         rolling = self.rolling if external_plant else self.rolling[:1]
-        self.plant = like.plant if like else plant(setup.scenario, rolling=rolling)
+        self.plant = plant(setup.scenario, rolling=rolling)
         true: Named = {item.signal.name: item.sym for item in self.plant.state}
         sample.known |= {SKID.name: ca.SX(0), **true}
         self.sample = sample
-        self.step = like.step if like else Wiring(setup, self.parameters, Rate.STEP, true)
+        self.step = Wiring(setup, self.parameters, Rate.STEP, true)
         if any(item.signal == TRAVEL for system in sensors for item in system.inputs):
             now, mark = sample.column((PATH, POSE[2])), port(TRAVELLED)
             way = ca.if_else(sample.clock.sym > 0, now - mark.sym, ca.SX.zeros(2))
@@ -357,15 +349,6 @@ class PlantlessGraphs(Graphs):
         self.calm = not gusts
         self.steady = not drives and self.calm
         self._join_drives(drives, gusts, pushed=True)
-
-
-class SensedGraphs(Graphs):
-    """Sensors and disturbances of a sample; plant and steps are those of the graphs ``like``."""
-
-    def __init__(self, setup: Setup, like: Graphs) -> None:
-        sensors = self._join_sensors(setup, external_plant=True, like=like)
-        self.sample.measure(sensors)
-        self.sample.disturb(self.sample.effects(EffectRole.DISTURBANCE))
 
 
 def rolling_of(sensors: Sequence[System]) -> tuple[Signal, ...]:

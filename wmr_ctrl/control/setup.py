@@ -19,7 +19,7 @@ from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references.kind import check_finite
 from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import Scenario, asking_about_units, override, preset_names
+from wmr_ctrl.world.scenario import Scenario, override, preset_names
 
 from .basis import ANY_BASIS, basis_of
 from .filter.filter import derived_numbers
@@ -203,10 +203,7 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
             '"velocity", or filter.kind = "none"; for the filter by itself take '
             "wmr_ctrl.command_filter or `wmr-ctrl codegen filter`."
         )
-    with asking_about_units(scenario):
-        return _settled(
-            with_kinematics(with_traction_limit(scenario), chosen), chosen, tuple(EFFECTS)
-        )
+    return _settled(with_kinematics(with_traction_limit(scenario), chosen), chosen, tuple(EFFECTS))
 
 
 @lru_cache(maxsize=4096)
@@ -345,12 +342,6 @@ def with_traction_limit(scenario: Scenario) -> Scenario:
             "tyres (body.tyre) or less friction."
         )
     return override(scenario, {"actuator.tau_max": min(most, scenario.actuator.tau_max)})
-
-
-def with_effects_of(setup: Setup, scenario: Scenario) -> Setup:
-    """The setup on another scenario, with that scenario's effects and unchanged guard numbers."""
-    present = tuple(item for item in EFFECTS if item.present(scenario))
-    return replace(setup, scenario=scenario, effects=present)
 
 
 def one_period_later(setup: Setup) -> Setup:

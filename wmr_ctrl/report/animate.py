@@ -1,7 +1,6 @@
 """Animations of a run: the robot and the desired pose on the path, as a page or a GIF."""
 
 import json
-import math
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
@@ -86,7 +85,6 @@ def _json(scene: Scene) -> str:
     """Data that the page's script draws, rounded to visible precision; safe inside a script."""
     moving = (np.column_stack((one.pose, one.velocity)) for one in scene.actors)
     rows = [scene.t] if scene.target is None else [scene.t, scene.target]
-    off_path, isnan = scene.off_path.tolist(), math.isnan
     content = {
         "names": [one.label for one in scene.actors],
         "rows": np.round(np.column_stack(rows), 4).tolist(),
@@ -94,10 +92,7 @@ def _json(scene: Scene) -> str:
         "view": [round(edge, 4) for edge in scene.view],
         "scales": [float(f"{scale:.4g}") for scale in scene.scales],
         "limited": scene.limited,
-        "tubes": scene.tubes,
         "bands": [np.round(scene.band(one).T, 4).tolist() for one in scene.actors],
-        "off": scene.tube_words.split("\n"),
-        "used": [[None if isnan(x) else round(x, 4) for x in row] for row in off_path],
         "body": [scene.size * part for part in BODY],
         "wheel": [scene.size * part for part in WHEEL],
         "track": scene.size * TRACK,

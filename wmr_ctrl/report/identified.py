@@ -12,7 +12,7 @@ from matplotlib.figure import Figure, SubFigure
 from wmr_ctrl.core.fields.files import AnyPath
 
 from . import drawing
-from .style import INK, LIMIT, MUTED, PAPER
+from .style import INK, LIMIT, MUTED
 
 if TYPE_CHECKING:
     from wmr_ctrl.identification import BaseIdentification
@@ -33,7 +33,7 @@ def write_identification(
 ) -> None:
     """Write one self-contained page of HTML, or the picture in it, or both.
 
-    Speeds as measured and predicted, residuals with dbar or d, and intervals; on the page also a
+    Speeds as measured and predicted, residuals with dbar or d; on the page also a
     proposed ``drive``.  Files are written atomically.  Raises ResultFileError for another suffix or
     if a file cannot be written.
     """
@@ -56,15 +56,14 @@ def write_identification(
 
 def drawing_of(result: BaseIdentification, traces: Traces) -> drawing.Drawing:
     """The picture of an identification."""
-    return drawing.Drawing("fit", (8.3, 9.4), partial(_draw, result=result, traces=traces))
+    return drawing.Drawing("fit", (8.3, 6.6), partial(_draw, result=result, traces=traces))
 
 
 def _draw(figure: Figure, result: BaseIdentification, traces: Traces) -> None:
-    grid = figure.add_gridspec(4, 2, height_ratios=(1, 1, 0.9, 1.25), hspace=0.0, wspace=0.0)
+    grid = figure.add_gridspec(3, 2, height_ratios=(1, 1, 0.9), hspace=0.0, wspace=0.0)
     for axis in (0, 1):
         _speeds(figure.add_subfigure(grid[axis, :]), result, traces, axis)
         _residuals(figure.add_subfigure(grid[2, axis]), result, traces, axis)
-    _intervals(figure.add_subfigure(grid[3, :]), result)
 
 
 def _speeds(part: SubFigure, result: BaseIdentification, traces: Traces, axis: int) -> None:
@@ -98,23 +97,3 @@ def _residuals(part: SubFigure, result: BaseIdentification, traces: Traces, axis
             axes.axhline(level, color=LIMIT, lw=1.0)
         drawing.include(axes, (-1.15 * largest, 1.15 * largest))
     axes.set(xlabel="t [s]", xlim=(traces.t[0], traces.t[-1]))
-
-
-def _intervals(part: SubFigure, result: BaseIdentification) -> None:
-    """Half-widths relative to the sizes of the verdicts, on a logarithmic scale."""
-    items = {k: v for k, v in result.parameters.items() if np.isfinite(v.value)}
-    drawing.heading(part, "Half-width of the interval [%]; dashed: 10 and 30 %", below=0.22)
-    axes = drawing.one_axes(part, drawing.Padding(left=0.62, right=0.18, bottom=0.42, top=0.34))
-    shares = [max(100 * item.share, 0.05) for item in items.values()]
-    axes.set_xscale("log")
-    for row, (share, item) in enumerate(zip(shares, items.values(), strict=True)):
-        colour = {"determined": BLUE, "roughly": "#e69f00"}.get(item.verdict, LIMIT)
-        axes.plot([0.05, share], [row, row], color=colour, lw=3)
-        axes.annotate(item.verdict, (share, row), xytext=(4, 0), va="center",
-                      textcoords="offset points", size=6.8, color=INK,
-                      bbox={"fc": PAPER, "ec": "none", "pad": 0.6})  # fmt: skip
-    for edge in (10.0, 30.0):
-        axes.axvline(edge, color=MUTED, lw=0.8, ls=(0, (2, 2)))
-    axes.set_xlim(0.05, 8 * max([*shares, 30.0]))
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    drawing.rows_of(axes, list(items))

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.orientation import ORIENTATIONS, inward
-from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.drive import POSES, SPEEDS, RecordedDrive
 
@@ -23,8 +22,6 @@ WHEEL = (0.2, 0.05)
 TRACK = 0.25
 """Axle's midpoint to a wheel [m]."""
 _POSE, _TARGET, _V = ("x", "y", "theta"), ("x_d", "y_d", "theta_d"), ("v1", "omega")
-_LEAST = 1e-9
-"""Least width [m] that a distance is divided by: a run on its path begins with a corridor of 0."""
 _SAME = 1e-6
 """References this near [m, rad] are one: runs of other periods sample them at other times."""
 
@@ -46,23 +43,13 @@ class Actor:
     certified: float = math.inf
     widest: float = 0.0
 
-    @property
-    def has_one_width(self) -> bool:
-        """True if the corridor has one width everywhere."""
-        return self.tube is not None and float(np.nanmin(self.tube)) == self.widest
-
 
 @dataclass(frozen=True)
 class Gauge:
-    """A scale below the map: its text, and each robot's readings, (frames, robots).
-
-    1 is the ``edges``' value, nan means no reading; if ``limited``, values beyond an edge are red.
-    """
+    """A scale below the map: its text, and each robot's readings (frames, robots); 1 is an edge."""
 
     words: str
     shares: Floats
-    edges: tuple[float, ...]
-    limited: bool
 
 
 @dataclass(frozen=True)
@@ -90,16 +77,14 @@ class Scene:
 
     @property
     def gauges(self) -> list[Gauge]:
-        """Gauges of velocities and, with a corridor, of the distance from the place on the path."""
+        """Gauges of the velocities."""
         word = "limit" if self.limited else "largest"
         gauges = []
         for axis, (symbol, unit) in enumerate((("v₁", "m/s"), ("ω", "rad/s"))):
             scale = self.scales[axis]
             shares = np.column_stack([one.velocity[:, axis] for one in self.actors]) / scale
             words = f"{symbol}, {word}\n±{scale:.4g} {unit}"
-            gauges.append(Gauge(words, shares, (-1, 1), self.limited))
-        if self.tubes:
-            gauges.append(Gauge(self.tube_words, self.off_path, (1,), False))
+            gauges.append(Gauge(words, shares))
         return gauges
 
     @property
@@ -107,30 +92,11 @@ class Scene:
         """True if a robot has a certified corridor."""
         return any(one.tube is not None for one in self.actors)
 
-    @property
-    def off_path(self) -> Floats:
-        """Each robot's distance from its place on the path, relative to its corridor, or nan."""
-        return np.column_stack([self._off(one) for one in self.actors])
-
-    @property
-    def tube_words(self) -> str:
-        """Label of the gauge of the certified corridors."""
-        known = [one for one in self.actors if one.tube is not None]
-        widths = {length(one.widest) for one in known}
-        same = len(widths) == 1 and all(one.has_one_width for one in known)
-        tube = f"certified {widths.pop()}" if same else "over what is certified"
-        return f"off its place,\n{tube}"
-
     def band(self, one: Actor) -> Floats:
         """Corners (2, m) of a robot's corridor about the path; none without one."""
         if self.target is None or one.tube is None:
             return np.empty((2, 0))
         return band(self.target[:, :2].T, one.tube)
-
-    def _off(self, one: Actor) -> Floats:
-        if self.target is None or one.tube is None:
-            return np.full(len(self.t), math.nan)
-        return np.hypot(*(one.pose - self.target)[:, :2].T) / np.maximum(one.tube, _LEAST)
 
 
 def scene_of(runs: Sequence[Run], frames: int) -> Scene:

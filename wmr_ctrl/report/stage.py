@@ -92,14 +92,13 @@ class _Stage:
         gauge = self._gauges[place]
         low = 0.03 + _STEP * (len(self._gauges) - 1 - place)
         axes = self._figure.add_axes((0.2, low, 0.77, 0.035))
-        least = min(0.0, *gauge.edges)
-        axes.set(xlim=(_BEYOND * least, _BEYOND), ylim=(0, 1), yticks=(), xticks=())
+        axes.set(xlim=(-_BEYOND, _BEYOND), ylim=(0, 1), yticks=(), xticks=())
         axes.grid(visible=False)
         axes.spines[:].set_visible(False)
-        axes.axvspan(least, 1, color="#eef1f4", lw=0)
+        axes.axvspan(-1, 1, color="#eef1f4", lw=0)
         axes.axvline(0, color=MUTED, lw=0.6)
-        for edge in gauge.edges:
-            axes.axvline(edge, color=LIMIT if gauge.limited else MUTED, lw=1.4)
+        for edge in (-1, 1):
+            axes.axvline(edge, color=LIMIT if self._scene.limited else MUTED, lw=1.4)
         axes.set_ylabel(gauge.words, rotation=0, ha="right", va="center", size=7, labelpad=6)
         actors = self._scene.actors
         high = 0.7 / len(actors)
@@ -120,8 +119,8 @@ class _Stage:
             robot.place(index)
         for gauge, bars in zip(self._gauges, self._bars, strict=True):
             for bar, share, one in zip(bars, gauge.shares[index], scene.actors, strict=True):
-                bar.set_width(float(np.clip(np.nan_to_num(share), -_BEYOND, _BEYOND)))
-                bar.set_color(LIMIT if gauge.limited and abs(share) > 1 else one.colour)
+                bar.set_width(float(np.clip(share, -_BEYOND, _BEYOND)))
+                bar.set_color(LIMIT if scene.limited and abs(share) > 1 else one.colour)
 
 
 class _Robot:

@@ -1,4 +1,4 @@
-"""Pictures of a study: a heat map, boxes by factor, the region where the limit is kept, indices."""
+"""Pictures of a study: a heat map, boxes, the region where the limit is kept, indices."""
 
 import json
 from collections.abc import Iterator
@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
@@ -28,10 +27,6 @@ from .study_table import StudyTable, read_study
 Floats = NDArray[np.float64]
 MOST_VALUES = 12
 BINS = 8
-REACH = 5.0
-"""Quartile distances above the upper quartile up to which a violin is drawn."""
-ROWS = 4
-"""Points of a grid whose Sobol indices stand in one picture."""
 KEPT = "#1F77C9"
 _SHARES = {"violated": "share of runs beyond a limit", "tracked": "share of runs that tracked"}
 
@@ -65,10 +60,7 @@ def drawings_of(table: StudyTable) -> Iterator[tuple[str, Figure]]:
         if "violated" in table.plan["figures"]:
             yield "limit-kept", _maps(table, "violated")
     if table.plan["sample"] and table.plan["sample"]["method"] == SOBOL:
-        rows = len(list(product(*table.plan["grid"].values())))
-        for page, first in enumerate(range(0, rows, ROWS), 1):
-            name = "sobol" if page == 1 else f"sobol-{page}"
-            yield name, _indices(table, range(first, min(first + ROWS, rows)))
+        yield "sobol", _indices(table)
 
 
 def _label(table: StudyTable, name: str) -> str:
@@ -82,47 +74,48 @@ def _values(table: StudyTable, mask: NDArray[np.bool_]) -> Floats:
     return values[np.isfinite(values)]
 
 
-def _highest(values: Floats) -> float:
-    """Upper end of a violin, since far outliers would compress it."""
-    if not values.size:
-        return -np.inf
-    low, high = np.quantile(values, (0.25, 0.75))
-    return float(min(values.max(), high + REACH * (high - low)))
-
-
 def _by_group(table: StudyTable) -> Figure:
-    """A violin for each law and guard; runs far above are counted, not drawn."""
+    """A box for each law and guard."""
     wide = max(4.2, 1.6 + 0.9 * len(table.groups))
     figure = Figure(figsize=(wide, 3.2), layout="constrained")
     axes = figure.add_subplot()
-    everything = {group: _values(table, table.group == group) for group in table.groups}
-    top = max(map(_highest, everything.values()))
-    for place, (group, whole) in enumerate(everything.items()):
-        values = whole[whole <= top]
-        if values.size > 1 and np.ptp(values) > 0:
-            parts = axes.violinplot(values, [place], widths=0.8, showextrema=False)
-            bodies: Any = parts["bodies"]
-            for body in bodies:
-                body.set(facecolor=_colour(group), alpha=0.35)
-        if values.size:
-            low, middle, high = np.quantile(whole, (0.25, 0.5, 0.75))
-            axes.vlines(place, low, high, color=_colour(group), lw=3)
-            axes.plot(place, middle, "o", ms=4, color="white", mec="black", mew=0.7)
+    drawn = 0
+    for place, group in enumerate(table.groups):
+        values = _values(table, table.group == group)
+        _boxes(axes, group, [values], np.array([place]), 0.6)
+        drawn += values.size
     axes.set_xticks(range(len(table.groups)), [_label_of(group, "\n") for group in table.groups])
     axes.set(ylabel=_label(table, table.figure), xlim=(-0.6, len(table.groups) - 0.4))
-    figure.suptitle(f"{len(table.group)} runs: median, quartiles, density", fontsize="medium")
-    all_values = np.concatenate([*everything.values()])
-    above = int((all_values > top).sum())
-    if above:
-        unit = style.unit_text(table.scale(table.figure)[1])
-        most = style.shown(float(all_values.max()))
-        axes.set_xlabel(f"{above} runs are above the view, up to {most} {unit}".rstrip())
+    figure.suptitle(f"{len(table.group)} runs: median and quartiles", fontsize="medium")
     why = fill(_missing(table), int(14 * wide))
-    if all_values.size:
+    if drawn:
         axes.set_title(why, color=style.MUTED, fontsize="small", fontweight="normal")
     else:
         _say(axes, why)
     return figure
+
+
+def _boxes(
+    axes: Axes, group: str, values: list[Floats], places: NDArray[np.floating], width: float
+) -> None:
+    """Boxes in the look of a law and guard; runs far off are left out."""
+    guarded, colour = "guarded" in group, _colour(group)
+    # Lines in the law's colour: a box may be thinner than its outline.
+    line = {"color": colour, "linestyle": style.DOTTED if guarded else "-"}
+    face = to_rgba(colour, 0.15 if guarded else 0.45)
+    drawn = axes.boxplot(
+        values,
+        positions=places,
+        widths=width,
+        showfliers=False,
+        manage_ticks=False,
+        patch_artist=True,
+        medianprops=line | {"linewidth": 2.0},
+        boxprops={"facecolor": face, "edgecolor": colour, "linestyle": line["linestyle"]},
+        whiskerprops=line,
+        capprops={"color": colour},
+    )
+    drawn["boxes"][0].set_label(_label_of(group))
 
 
 def _missing(table: StudyTable) -> str:
@@ -152,25 +145,12 @@ def _by_factor(table: StudyTable) -> Figure:
     for axes, key in zip(figure.subplots(len(keys), 1, squeeze=False)[:, 0], keys, strict=True):
         bins = _bins(table.numbers[key])
         for k, group in enumerate(table.groups):
-            of_group, colour = table.group == group, _colour(group)
-            # Lines in the law's colour: a box may be thinner than its outline.
-            dash = style.DOTTED if "guarded" in group else "-"
-            line = {"color": colour, "linestyle": dash}
-            face = to_rgba(colour, 0.15 if "guarded" in group else 0.45)
-            axes.boxplot(
-                [_values(table, of_group & (bins.places == b)) for b in range(bins.count)],
-                positions=np.arange(bins.count) + (k + 0.5) / count * 0.8 - 0.4,
-                widths=0.7 / count,
-                showfliers=False,
-                manage_ticks=False,
-                patch_artist=True,
-                medianprops=line | {"linewidth": 2.0},
-                boxprops={"facecolor": face, "edgecolor": colour, "linestyle": dash},
-                whiskerprops=line,
-                capprops=line | {"linestyle": "-"},
-            )
-            label = _label_of(group)
-            axes.add_patch(Rectangle((0, 0), 0, 0, fc=face, ec=colour, ls=dash, label=label))
+            values = [
+                _values(table, (table.group == group) & (bins.places == b))
+                for b in range(bins.count)
+            ]
+            places = np.arange(bins.count) + (k + 0.5) / count * 0.8 - 0.4
+            _boxes(axes, group, values, places, 0.7 / count)
         axes.set_xticks(bins.ticks, bins.labels)
         axes.set_xlim(-0.6, bins.count - 0.4)
         axes.set(xlabel=_label(table, key), ylabel=_label(table, table.figure))
@@ -255,24 +235,22 @@ def _map(
     for ticks, bins in zip((axes.set_xticks, axes.set_yticks), grid, strict=True):
         step = -(-len(bins.ticks) // 6)
         ticks(bins.ticks[::step], bins.labels[::step])
-    whole = name == "violated" and np.isfinite(cells).all() and min(cells.shape) > 1
-    if whole and cells.min() < 0.5 < cells.max():
-        axes.contour(cells, [0.5], colors=style.LIMIT, linewidths=1.0)
     return image
 
 
-def _indices(table: StudyTable, rows: range) -> Figure:
+def _indices(table: StudyTable) -> Figure:
     """First and total Sobol indices of the figure with 95 % intervals.
 
-    A row for each of the grid's ``rows``, a column for each law and guard. Each point has the mean
+    A row for each point of the grid, a column for each law and guard. Each point has the mean
     over its seeds; if a run has no value, a text there says why.
     """
     grid, ranges = table.plan["grid"], table.plan["sample"]["ranges"]
     combinations = list(product(*grid.values()))
     wide = len(table.groups)
-    size = (1.0 + 2.6 * wide, 0.3 + 2.8 * len(rows))
+    high = len(combinations)
+    size = (1.0 + 2.6 * wide, 0.3 + 2.8 * high)
     figure = Figure(figsize=size, layout="constrained")
-    for row, line in zip(rows, figure.subplots(len(rows), wide, squeeze=False), strict=True):
+    for row, line in enumerate(figure.subplots(high, wide, squeeze=False)):
         at = zip(grid, combinations[row], strict=True)
         where = "".join(f"\n{key} = {json.dumps(value)}" for key, value in at)
         for group, axes in zip(table.groups, line, strict=True):

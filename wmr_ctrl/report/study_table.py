@@ -58,21 +58,9 @@ class StudyTable:
 
     @property
     def figure(self) -> str:
-        """The figure to draw: the tracking figure with the largest differences between groups."""
+        """The figure to draw: one of tracking, if there is any."""
         names = self.plan["figures"]
-        return max((name for name in PREFERRED if name in names), key=self._apart, default=names[0])
-
-    def _apart(self, name: str) -> float:
-        """Range of the groups' medians of a figure, divided by the median of all [1]."""
-        values = self.numbers.get(name, np.array([]))
-        finite = np.isfinite(values)
-        medians = [
-            np.median(values[mask])
-            for group in self.groups
-            if (mask := finite & (self.group == group)).any()
-        ]
-        middle = abs(float(np.median(medians))) if medians else 0.0
-        return float(np.ptp(medians)) / middle if middle else 0.0
+        return next((name for name in PREFERRED if name in names), names[0])
 
     @property
     def point(self) -> NDArray[np.intp]:

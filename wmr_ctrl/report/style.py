@@ -2,18 +2,17 @@
 
 import base64
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import matplotlib as mpl
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from matplotlib.colors import to_rgb
 
+from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import printable
 
 PAPER = "#ffffff"
@@ -35,9 +34,6 @@ Dash: TypeAlias = str | tuple[float, tuple[float, ...]]
 """A line's dash pattern, as matplotlib takes it."""
 DASHES: tuple[Dash, ...] = ("-", DASHED, DASH_DOT, DOTTED)
 """Dashes of runs drawn over each other, so that one hides another only in part."""
-_SPARE = (("#7f7f7f", DOTTED, "v"), ("#b0408f", DASHED, "P"), ("#4c4c9d", DASH_DOT, "X"))
-_SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "1": "",
-          "kg.m2": "kg m²", "N.s/m": "N s/m", "N.m.s/rad": "N m s/rad"}  # fmt: skip
 ABSENT = "–"
 
 
@@ -51,27 +47,26 @@ class Look:
     marker: str = "o"
 
 
-_LOOKS = {
-    "pid": Look("PID", "#e69f00", DASH_DOT, "^"),
-    "smc": Look("SMC", "#00956d", DASHED, "s"),
-    "mb": Look("MB", "#1f77c9", "-", "D"),
-    "nn": Look("NN", "#5b0e3b", "-", "o"),
-    "prox": Look("prox", "#d6336c", DOTTED, "v"),
-    "kanayama": Look("Kanayama", "#6b7a1e", DASHED, "P"),
-    "pursuit": Look("pursuit", "#8a5a2b", DASH_DOT, "X"),
-}
-"""The paper's laws, from light to dark, so that they stay apart without colour; ours; the peers."""
-AFTER_DARK: Mapping[str, str] = {
-    INK: "#dfe3e8", MUTED: "#9aa4b0", GRID: "#343b44", RULE_LINE: "#2a3038", PAPER: "#15191e",
-    LIMIT: "#ff6b5e", "#e69f00": "#f0b429", "#00956d": "#2fc79a", "#1f77c9": "#5aaaf5",
-    "#5b0e3b": "#d987b8", "#d6336c": "#ff7aa2", "#6b7a1e": "#b9c94f", "#8a5a2b": "#d69a63",
-    "#7f7f7f": "#a3a9b0", "#b0408f": "#e08fc6", "#4c4c9d": "#9f9ff0",
+_PATTERNS: Mapping[str, Dash] = {
+    "solid": "-", "dashed": DASHED, "dash-dot": DASH_DOT, "dotted": DOTTED
 }  # fmt: skip
-"""Each colour of a drawing, and its counterpart where a reader has asked for dark pages."""
+"""Dash patterns by their names in data."""
+
+
+def look_of(row: Mapping[str, str]) -> Look:
+    """The look that a table of data describes."""
+    return Look(row["label"], row["colour"], _PATTERNS[row["dash"]], row.get("marker", "o"))
+
+
+_DATA = data(__package__, "looks.toml")
+_LOOKS = {law: look_of(row) for law, row in _DATA["law"].items()}
+_SPARE = [look_of(row) for row in _DATA["spare"]]
+AFTER_DARK: Mapping[str, str] = _DATA["after_dark"]
+"""Each colour of an animation, and its counterpart where a reader has asked for dark pages."""
 
 
 def after_dark(colour: str) -> str:
-    """A drawing's colour where a reader has asked for dark pages."""
+    """A colour where a reader has asked for dark pages."""
     return AFTER_DARK.get(colour, colour)
 
 
@@ -79,26 +74,17 @@ def look(law: str) -> Look:
     """The look of a law; laws of other origin get one of the spare looks, by name."""
     if law in _LOOKS:
         return _LOOKS[law]
-    colour, dash, marker = _SPARE[sum(law.encode()) % len(_SPARE)]
-    return Look(law.replace("_", " "), colour, dash, marker)
+    spare = _SPARE[sum(law.encode()) % len(_SPARE)]
+    return replace(spare, label=law.replace("_", " "))
 
 
 def colours_of(laws: Sequence[str]) -> list[str]:
-    """Colours of runs of ``laws``: their own; for repeated laws the colours least similar to the
-    others.
-
-    A law among ``laws`` keeps its colour for itself as long as others are free.
-    """
-    spare = [*(one.colour for one in _LOOKS.values()), *(colour for colour, *_ in _SPARE)]
-    own, taken = {look(law).colour for law in laws}, list[str]()
-    for law in laws:
-        colour = look(law).colour
-        if colour in taken:
-            free = [one for one in spare if one not in own and one not in taken]
-            free = free or [one for one in spare if one not in taken] or [colour]
-            seen = [to_rgb(other) for other in taken]
-            colour = max(free, key=lambda one: min(math.dist(to_rgb(one), rgb) for rgb in seen))
-        taken.append(colour)
+    """Colours of runs of ``laws``: their own; of a repeated law that of another, if any is left."""
+    every = [one.colour for one in (*_LOOKS.values(), *_SPARE)]
+    own, taken = [look(law).colour for law in laws], list[str]()
+    free = iter([colour for colour in every if colour not in own])
+    for colour in own:
+        taken.append(next(free, colour) if colour in taken else colour)
     return taken
 
 
@@ -131,7 +117,7 @@ def house_style() -> Iterator[None]:
 
 def unit_text(unit: str) -> str:
     """A unit for readers (``N.m`` -> ``N m``, ``m2.s + rad2.s`` -> ``m² s + rad² s``)."""
-    return " + ".join(_SIGNS.get(part, part) for part in unit.split(" + "))
+    return "" if unit == "1" else unit.replace(".", " ").translate(str.maketrans("23", "²³"))
 
 
 def with_unit(text: str, unit: str) -> str:
@@ -173,29 +159,5 @@ def page_environment(package: str = "wmr_ctrl.report") -> Environment:
 
 def picture(svg: str) -> str:
     """An SVG text as a data address, so that the page needs no other file."""
-    text = base64.b64encode(two_schemes(svg).encode()).decode("ascii")
+    text = base64.b64encode(svg.encode()).decode("ascii")
     return f"data:image/svg+xml;base64,{text}"
-
-
-_COLOUR = re.compile(r"(?<=: )#([0-9a-f]{6})\b")
-"""A colour in a style, as matplotlib writes it."""
-
-
-def two_schemes(svg: str) -> str:
-    """The drawing with named colours, and two definitions of each name: light and dark.
-
-    A colour without a dark variant is equal in both.
-    """
-    light = "".join(f"--{colour[1:]}:{colour};" for colour in AFTER_DARK)
-    dark = "".join(f"--{colour[1:]}:{after};" for colour, after in AFTER_DARK.items())
-    # Text without a style of its own inherits the drawing's.
-    style = (
-        f"<style>svg{{fill:var(--{INK[1:]});{light}}}"
-        f"@media (prefers-color-scheme:dark){{svg{{{dark}}}}}</style>"
-    )
-    before, tag, rest = re.split(r"(<svg[^>]*>)", svg, maxsplit=1)
-    return before + tag + style + _COLOUR.sub(_name, rest)
-
-
-def _name(colour: re.Match[str]) -> str:
-    return f"var(--{colour[1]})" if colour[0] in AFTER_DARK else colour[0]

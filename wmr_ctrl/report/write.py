@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmr_ctrl.core.errors import ArgumentError, ResultFileError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.paper import CITATION
-from wmr_ctrl.results import FIGURES, atomic_text, check_writable, json_safe, make_folder
+from wmr_ctrl.results import FIGURES, atomic_text, json_safe, make_folder
 from wmr_ctrl.results.files import write_csv
 from wmr_ctrl.results.table import STATISTICS, RunTable
 from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign, PhaseProgress, phase
@@ -114,19 +114,6 @@ def all_drawings(campaign: Campaign) -> tuple[Drawing, ...]:
         *paper_figure(5, fig5),
         *evidence_figures(campaign),
     )
-
-
-def check_folder(folder: Path, names: Sequence[str]) -> None:
-    """Raise ResultFileError if the files ``names`` clearly cannot be written to ``folder``."""
-    known = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    where = f"cannot write to {str(folder)!r}: {str(known)!r}"
-    if not known.is_dir():
-        raise ResultFileError(f"{where} is not a folder. Give the name of a folder.")
-    if not os.access(known, os.W_OK | os.X_OK):
-        remedy = "Choose another folder, or allow writing to this one."
-        raise ResultFileError(f"{where} may not be written to. {remedy}")
-    for name in names if known == folder else ():
-        check_writable(folder / name)
 
 
 # -- the data: cells are empty, and JSON null, where there is no number ---------------------

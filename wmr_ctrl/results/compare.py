@@ -1,4 +1,4 @@
-"""Comparison of two runs or drives: differences of columns and of properties."""
+"""Comparison of two runs: differences of columns and of properties."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -13,7 +13,6 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.orientation import ORIENTATIONS, inward
 
-from .drive import COMMANDS, POSES, TORQUES, UNITS, RecordedDrive, drive_of
 from .run import Floats, Run
 
 Verdict: TypeAlias = Literal["equal", "agree", "differ", "nothing shared"]
@@ -21,10 +20,6 @@ Verdict: TypeAlias = Literal["equal", "agree", "differ", "nothing shared"]
 _ABSENT = "(absent)"
 _TICK = 1e-9
 """Runs of different control periods are matched at sample times on a grid this fine [s]."""
-_AT_ONCE = 1e-6
-"""Messages of two drives this near [s] are of one moment."""
-_GAP = 0.5
-"""Between two messages of a drive that are farther apart [s] nothing is compared."""
 _LINE = 88
 """Width of wrapped text, in characters."""
 _WIDTH = 42
@@ -62,7 +57,7 @@ class ColumnDifference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two runs or drives side by side.
+    """Two runs side by side.
 
     ``columns``: one entry per number that both runs log, empty if they share no sample; ``rows``:
     number of samples that they share; ``facts``: labels, settings, readings and provenance that
@@ -82,89 +77,26 @@ class Comparison:
 
 
 @checks_arguments
-def compare(
-    first: Run | RecordedDrive, second: Run | RecordedDrive, tolerance: float = 1e-9
-) -> Comparison:
-    """Compare the common columns and samples of two runs or drives, and list other differences.
+def compare(first: Run, second: Run, tolerance: float = 1e-9) -> Comparison:
+    """Compare the common columns and samples of two runs, and list other differences.
 
     ``tolerance`` is absolute in a column's own unit or relative to its range, whichever is larger.
     Runs whose outcomes differ over the same samples differ, however close their columns are.
-    Compared with a drive, a run is reduced to what its base would have reported. A drive's times
-    count from its first message. At the times of the first drive, the second's commands and torques
-    keep the value of its last message, and its measured values are interpolated. Raises
-    ArgumentError for a tolerance that is negative or not a number.
+    Raises ArgumentError for a tolerance that is negative or not a number.
     """
     if not tolerance >= 0:
         raise ArgumentError(f"tolerance = {tolerance!r} must be zero or a positive number.")
-    if isinstance(first, Run) and isinstance(second, Run):
-        return _compare_runs(first, second, tolerance)
-    pair = (drive_of(one) if isinstance(one, Run) else one for one in (first, second))
-    drive_a, drive_b = pair
-    return _compare_drives(drive_a, drive_b, tolerance)
-
-
-def _compare_runs(run_a: Run, run_b: Run, tolerance: float) -> Comparison:
-    rows_a, rows_b = _shared_rows(run_a, run_b)
+    rows_a, rows_b = _shared_rows(first, second)
     columns = tuple(
-        _difference(signal.name, run_a, run_b, rows_a, rows_b)
-        for signal in run_a.elements
-        if signal.name in run_b and len(rows_a)
+        _difference(signal.name, first, second, rows_a, rows_b)
+        for signal in first.elements
+        if signal.name in second and len(rows_a)
     )
-    facts = differing_facts(run_a, run_b, tolerance)
-    same_span = len(rows_a) == run_a.rows == run_b.rows
-    verdict = _verdict(columns, tolerance, same_span and run_a.outcome != run_b.outcome)
-    notes = tuple(_notes(run_a, run_b, len(rows_a)))
+    facts = differing_facts(first, second, tolerance)
+    same_span = len(rows_a) == first.rows == second.rows
+    verdict = _verdict(columns, tolerance, same_span and first.outcome != second.outcome)
+    notes = tuple(_notes(first, second, len(rows_a)))
     return Comparison(columns, len(rows_a), facts, notes, tolerance, verdict)
-
-
-def _compare_drives(drive_a: RecordedDrive, drive_b: RecordedDrive, tolerance: float) -> Comparison:
-    shared = [name for name in UNITS if drive_a.has([name]) and drive_b.has([name])]
-    rows = {name: _within(drive_a.times[name], drive_b.times[name]) for name in shared}
-    columns = tuple(
-        _drives_differ(name, drive_a, drive_b, rows[name]) for name in shared if rows[name].any()
-    )
-    compared = max((int(mask.sum()) for mask in rows.values()), default=0)
-    notes = [
-        f"Only the {label} has {', '.join(alone)}."
-        for label, one, other in (("first", drive_a, drive_b), ("second", drive_b, drive_a))
-        if (alone := [name for name in UNITS if one.has([name]) and not other.has([name])])
-    ]
-    left = {name: int((~mask).sum()) for name, mask in rows.items() if not mask.all()}
-    if left:
-        counted = ", ".join(f"{count} of {name}" for name, count in left.items())
-        notes.append(
-            f"Samples of the first at which the second has no value, or a gap of more than "
-            f"{_GAP:g} s: {counted}."
-        )
-    notes.append(
-        "Times count from the first message of each. At those of the first, the second's commands "
-        "and torques are held, and its measured values are interpolated."
-    )
-    verdict = _verdict(columns, tolerance, outcomes_differ=False)
-    return Comparison(columns, compared, (), tuple(notes), tolerance, verdict)
-
-
-def _within(t: Floats, other: Floats) -> NDArray[np.bool_]:
-    """Mask of ``t`` (N,) at times of ``other``, or between two of them without a gap."""
-    before = np.searchsorted(other, t + _AT_ONCE, side="right") - 1
-    after = np.searchsorted(other, t - _AT_ONCE, side="left")
-    inside = (before >= 0) & (after < len(other))
-    apart = other[np.minimum(after, len(other) - 1)] - other[np.maximum(before, 0)]
-    return np.asarray(inside & (apart <= _GAP))
-
-
-def _drives_differ(
-    name: str, a: RecordedDrive, b: RecordedDrive, rows: NDArray[np.bool_]
-) -> ColumnDifference:
-    t, values = a.times[name][rows], a.columns[name][rows]
-    if name in (*COMMANDS, *TORQUES):
-        held = np.searchsorted(b.times[name], t + _AT_ONCE, side="right") - 1
-        others = b.columns[name][held]
-    else:
-        others = np.interp(t, b.times[name], b.columns[name])
-    if name == POSES[2]:  # each is counted from its own first message
-        others = others + 2 * math.pi * np.rint((values[0] - others[0]) / (2 * math.pi))
-    return _largest_gap(name, UNITS[name], t, values, others)
 
 
 def _shared_rows(run_a: Run, run_b: Run) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -182,10 +114,6 @@ def _difference(
     a, b = run_a[name][rows_a], run_b[name][rows_b]
     if name in ORIENTATIONS:  # the runs may count them differently
         a, b = inward(a, run_a.settings.frames), inward(b, run_b.settings.frames)
-    return _largest_gap(name, run_a.signal(name).unit, run_a.time[rows_a], a, b)
-
-
-def _largest_gap(name: str, unit: str, t: Floats, a: Floats, b: Floats) -> ColumnDifference:
     gaps = _gaps(a, b)
     row = int(np.argmax(gaps))
     largest = relative = float(gaps[row])
@@ -193,7 +121,8 @@ def _largest_gap(name: str, unit: str, t: Floats, a: Floats, b: Floats) -> Colum
         finite = np.concatenate((a, b))[np.isfinite(np.concatenate((a, b)))]
         span = float(np.max(finite)) - float(np.min(finite))
         relative = largest / span if math.isfinite(span) else math.inf
-    return ColumnDifference(name, unit, largest, float(t[row]), relative)
+    time = float(run_a.time[rows_a][row])
+    return ColumnDifference(name, run_a.signal(name).unit, largest, time, relative)
 
 
 def _gaps(a: Floats, b: Floats) -> Floats:

@@ -6,11 +6,8 @@ in a command that may be sent.
 
 from __future__ import annotations
 
-import logging
 import time
-from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
-from difflib import get_close_matches
+from collections.abc import Callable, Collection
 from functools import partial, wraps
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar, cast
@@ -19,7 +16,6 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
-from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
@@ -27,7 +23,6 @@ from rclpy.subscription import Subscription
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
-from wmr_ctrl.codegen.toolchain import BUILDS
 from wmr_ctrl.control.filter.gate import Gated
 from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.core.fields.units import limits_in_words
@@ -187,8 +182,11 @@ class SafeNode(LifecycleNode, Generic[C]):
                     "scenario:=mine.toml."
                 )
             scenario = load_scenario(path)
-            with _telling_of_builds(self.get_logger(), path):
-                self.core, self.period = self.build(scenario)
+            self.get_logger().info(
+                f"compiling what is not in the cache; `python -m wmr_ctrl.ros2 prepare {path}`, "
+                "with this node's parameters, does it beforehand"
+            )
+            self.core, self.period = self.build(scenario)
             self._connect()
             self._look()
         except WmrError as error:
@@ -208,11 +206,9 @@ class SafeNode(LifecycleNode, Generic[C]):
         own = [name for name in given if not name.startswith("qos_overrides.")]
         for name in own:
             if not self.has_parameter(name):
-                known = [key for key in self._parameters if "." not in key]
-                near = "".join(f", near: {key}" for key in get_close_matches(name, known, 1))
+                known = sorted(key for key in self._parameters if "." not in key)
                 raise WmrError(
-                    f"{name} is not a parameter of this node{near}. It has "
-                    f"{', '.join(sorted(known))}."
+                    f"{name} is not a parameter of this node. It has {', '.join(known)}."
                 )
 
     def _look(self) -> None:
@@ -403,32 +399,6 @@ class SafeNode(LifecycleNode, Generic[C]):
         reasons = [self.change(item.name, item.value) for item in changed] if self.core else []
         answer.reason = "; ".join(filter(None, reasons))
         answer.successful = not answer.reason
-
-
-class _Told(logging.Handler):
-    """Logging handler that writes compiler builds into a node's log."""
-
-    def __init__(self, log: RcutilsLogger, path: str) -> None:
-        super().__init__(logging.INFO)
-        self._log, self._path = log, path
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Log a build, and how to run it beforehand."""
-        remedy = f"`python -m wmr_ctrl.ros2 prepare {self._path}` does it beforehand"
-        self._log.info(f"{record.getMessage()}; {remedy}, with this node's parameters")
-
-
-@contextmanager
-def _telling_of_builds(log: RcutilsLogger, path: str) -> Iterator[None]:
-    """Context in which builds missing from the cache are written to the node's log."""
-    handler, before = _Told(log, path), BUILDS.level
-    BUILDS.addHandler(handler)
-    BUILDS.setLevel(logging.INFO)
-    try:
-        yield
-    finally:
-        BUILDS.removeHandler(handler)
-        BUILDS.setLevel(before)
 
 
 def stamp_of(message: object) -> int:

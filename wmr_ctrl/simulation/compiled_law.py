@@ -35,14 +35,14 @@ class CompiledLaw:
     Write the inputs into ``u`` (order: ``inputs``; reference, pose, velocity) and call `step`: it
     returns ``torque`` (right, left) [N m] and moves the law's memory ``x`` (order: ``state``) to
     the next sample. ``parameters`` may be changed, in the order of ``parameter_names``. Assigning
-    to one of the four arrays writes into it: ``law.u = values`` is ``law.u[:] = values``. A pickled
-    or copied object is another law in the same state, on this machine. A sample with an input that
-    is NaN, or above 1e12 in size, is refused: ArgumentError, torques 0, memory unchanged.
+    to one of the four arrays writes into it: ``law.u = values`` is ``law.u[:] = values``. A sample
+    with an input that is NaN, or above 1e12 in size, is refused: ArgumentError, torques 0, memory
+    unchanged.
     """
 
     def __init__(self, loop: CompiledLoop) -> None:
         """Load the library of ``loop`` and set start values."""
-        law, self._loop = loop.law, loop
+        law = loop.law
         self.inputs = tuple(signal.name for signal in law.inputs)
         self.state, self.parameter_names = elements(law.state), elements(law.parameters)
         self._names = elements(law.inputs)
@@ -76,15 +76,6 @@ class CompiledLaw:
                 f"{given.shape}."
             )
         array[:] = given
-
-    def __reduce__(self) -> tuple[object, ...]:
-        """Pickle as the loop and this object's numbers."""
-        numbers = {name: getattr(self, name).copy() for name in ARRAYS}
-        return CompiledLaw, (self._loop,), numbers
-
-    def __setstate__(self, numbers: dict[str, Floats]) -> None:
-        for name, values in numbers.items():
-            setattr(self, name, values)
 
     def reset(self) -> None:
         """Set the law's memory to its start values."""

@@ -63,13 +63,14 @@ BY_HAND = "Arguments by hand, assumptions, open ends"
 @lru_cache(maxsize=1)
 def all_claims() -> tuple[Claim, ...]:
     """Every claim, with its theme."""
-    found: list[Claim] = []
+    found, by_hand = list[Claim](), _by_hand()
     for title, places in THEMES:
         for place in places.split():
             file, _, name = place.partition(":")
             claims = vars(import_module(f"wmr_proofs.claims.{file}"))[name or "claim"]
             found += [replace(claim, theme=title) for claim in claims.listed]
-    return (*found, *_by_hand())
+        found += [claim for claim in by_hand if claim.theme == title and claim not in found]
+    return (*found, *(claim for claim in by_hand if claim.theme == BY_HAND))
 
 
 def forget() -> None:
@@ -85,4 +86,4 @@ def _by_hand() -> list[Claim]:
     lists = ("equations", "premises")
     found = tomllib.loads(text)["entry"]
     rows = (row | {key: tuple(row.get(key, ())) for key in lists} for row in found)
-    return [Claim(**row, theme=BY_HAND) for row in rows]
+    return [Claim(**({"theme": BY_HAND} | row)) for row in rows]

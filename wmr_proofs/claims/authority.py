@@ -6,7 +6,6 @@ from functools import partial
 
 import casadi as ca
 
-from wmr_ctrl.results.ledger import HAND
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Ball, Point, Ring, Table
@@ -189,18 +188,3 @@ def limit_reached(mutation: Mutation) -> Statement:
     """
     t = symbols("s")
     return Statement(t, (at_least(authority_limit(t.s), mutation(0.2161, 0.2163)),))
-
-
-@claim(
-    "authority.meaning",
-    (9,),
-    given="model exact, v_c0' = 0",
-    by=HAND,
-    premises="authority.lower-linear authority.upper-linear lemma.comparison",
-)
-def meaning() -> None:
-    """a constant disturbance d <= rho max V1/A, met from v <= v_c1 with v_c0 held, never carries
-    |v| to the limit; any larger one does.
-
-    The paper's theorem has no disturbance; this is what its barrier really withstands.
-    """

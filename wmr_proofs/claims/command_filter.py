@@ -8,7 +8,6 @@ import casadi as ca
 
 from wmr_ctrl.control.filter import governor
 from wmr_ctrl.control.filter.governor import FirstOrder, drive, drive_back, largest_command
-from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, equal, positive
@@ -178,32 +177,3 @@ def curvature(mutation: Mutation) -> Statement:
     goals += [at_least(hi[i], eta * r[i]) for i in (0, 1)]
     goals += [at_least(eta * r[i], lo[i]) for i in (0, 1)]
     return Statement(t, tuple(goals), positive(*hi, *(-item for item in lo)))
-
-
-@claim(
-    "filter.mean",
-    given="tau v' = K u + d - v, tau in [tau_min, tau_max] and K, d in their intervals, all "
-    "measurable functions of time; u constant",
-    by=HAND,
-)
-def mean() -> None:
-    """v(t) = E v(0) + (1 - E) m with E = exp(-int_0^t ds/tau) between e^(-t/tau_min) and
-    e^(-t/tau_max), and m a weighted mean of K u + d.
-
-    Variation of constants: what the base does while one command acts.
-    """
-
-
-@claim(
-    "filter.induction",
-    given="|v| <= V at the start; commands take over in order, no later and no sooner than stated, "
-    "at most L in a row are lost; odometry is within nbar and no older than stated",
-    by=HAND,
-    premises="filter.mean filter.drive filter.inside filter.estimate",
-)
-def induction() -> None:
-    """|v| <= V at every instant: every command takes over at a speed that v_bar bounds, for v_bar
-    is carried through every command that may act until then, and acts for at most H.
-
-    The limit holds from sample to sample for as long as the bounds do.
-    """

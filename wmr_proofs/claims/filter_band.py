@@ -15,7 +15,6 @@ from wmr_ctrl.control.filter.forecast import (
     ResponseTable,
     inverse_slopes,
 )
-from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between
@@ -239,35 +238,3 @@ def zero_held(mutation: Mutation) -> Statement:
     known = tuple(at_least(a.table.high[i], ca.SX(FLATTEST)) for i in range(a.size))
     goals = at_least(mutation(1, 0.9) * fall, s.u), at_least(s.u + rise)
     return Statement(s, goals, (*a.stated, *known, at_least(s.u), *a.inside(*a.everywhere)))
-
-
-@claim(
-    "filter.band.superposition",
-    given="a linear loop of the family that reaches its command at rest, its numbers constant, at "
-    "rest at the start; commands take over when they are sent or later by a constant delay, each "
-    "within its jitter of a beat; |d| <= dbar",
-    by=HAND,
-    premises="filter.band.forecast filter.peak-gain",
-)
-def superposition() -> None:
-    """v(t) = sum of Delta_j S(age_j) + the response to pushes, which is at most delta; each |S - 1|
-    <= reach exp(-rate age).
-
-    Forecasts that bound the sum bound the speed, at every instant of every member of the family.
-    """
-
-
-@claim(
-    "filter.band.induction",
-    given="as in filter.band.superposition; 2^-30 <= high on every piece",
-    by=HAND,
-    premises="filter.band.superposition filter.band.least filter.band.held "
-    "filter.band.stop filter.band.zero filter.band.zero-held filter.band.mirrored "
-    "filter.band.sent filter.band.sent-stop",
-)
-def induction() -> None:
-    """|v| <= K_max c'' + delta <= V at every instant, and 0 is admitted at every sample: forecasts
-    that are within c'' stay so from sample to sample, whatever is asked for.
-
-    The band keeps a loop that overshoots within its limit.
-    """

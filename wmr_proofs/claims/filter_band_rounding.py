@@ -6,7 +6,6 @@ A computed number is any result of rounding each operation by at most 2^-53 of i
 import casadi as ca
 
 from wmr_ctrl.control.filter.forecast import PAST, PIECES, Fading, spread_of, stays_of
-from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, nonnegative, within
@@ -222,39 +221,3 @@ def past(mutation: Mutation, way: int) -> Statement:
     given = (above(s.c), *within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v))
     goal = at_least(s.made, v)
     return Statement(s, (goal,), given, computed={"made": bounds[0 if way > 0 else 1]})
-
-
-@claim(
-    "filter.rounding.band",
-    given="the hypotheses of filter.band.induction; high <= 5, left <= 1/5, fading <= 1 - 2^-40; "
-    "tables of at most 128 periods; no overflow, and no underflow but of the tail",
-    by=HAND,
-    premises="filter.band.induction filter.rounding.band-forecast "
-    "filter.rounding.band-tail filter.rounding.band-limit filter.rounding.clip",
-)
-def band() -> None:
-    """|v| <= V, V the stated limit, behind what the band's text computes: a piece of time is
-    carried through at most 128 periods, of which each adds 2^-45 of c.
-
-    The margin that is kept back covers the band's roundings, for ever.
-    """
-
-
-@claim(
-    "filter.rounding.band-untimely",
-    given="the hypotheses of filter.band.untimely, times told to within 2^-52 of what has passed; "
-    "tables as in filter.rounding.band; no overflow but of a long time's square, and no underflow "
-    "but of what fades",
-    by=HAND,
-    premises="filter.band.untimely filter.rounding.band filter.rounding.band-beat "
-    "filter.rounding.band-stays filter.rounding.band-fading filter.rounding.band-reached "
-    "filter.rounding.band-past",
-)
-def untimely() -> None:
-    """|v| <= V, V the stated limit, behind what the band's text computes, whenever it is called:
-    a command that is held keeps v_u within K c (1 + 2^-29 - 2^-47), and each that is admitted
-    within K c (1 + 2^-30 + 2^-38).
-
-    The margin that is kept back covers the band's roundings at any time, for ever: nothing adds up
-    from one untimely sample to the next.
-    """

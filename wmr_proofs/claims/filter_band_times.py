@@ -4,7 +4,6 @@ import casadi as ca
 
 from wmr_ctrl.control.filter.band import BandGovernor
 from wmr_ctrl.control.filter.forecast import PAST, Fading, spread_of, stays_of
-from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
@@ -133,22 +132,3 @@ def past(mutation: Mutation, way: int) -> Statement:
     v = way * (s.v - s.held)
     known = at_least(s.past, mutation(1, 0.9) * v), at_least(PAST * s.c, way * s.v)
     return Statement(s, (at_least(bound, v),), (*known, *nonnegative(s.c, v)))
-
-
-@claim(
-    "filter.band.untimely",
-    given="as in filter.band.superposition, but commands are sent at any time, late, early, at "
-    "once or by a clock that is set back, and the filter is told the time since the last one as it "
-    "is, or a negative one or no number, or, once a time was told, 0",
-    by=HAND,
-    premises="filter.band.superposition filter.band.held "
-    "filter.band.beat filter.band.fading filter.band.past "
-    "filter.band.sent",
-)
-def untimely() -> None:
-    """|v| <= K_max c'' + delta <= V at every instant: the command before may be held for ever, and
-    one that takes its place may, too; at an untimely sample the beat begins anew, and what was sent
-    before is bounded by what it would lead to if held, and by what has not faded yet.
-
-    The band keeps its limit whenever it is called and told when; a stop may take a ramp then.
-    """

@@ -19,7 +19,6 @@ from wmr_ctrl.control.filter.channels import (
 from wmr_ctrl.control.filter.channels import WAYS as SIDES
 from wmr_ctrl.control.filter.clip import moved, ramp_shares
 from wmr_ctrl.control.filter.governor import FirstOrder, largest_command
-from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, nonnegative, within
@@ -218,19 +217,3 @@ def slew_step(mutation: Mutation) -> Statement:
     goals = (*within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))
     computed = {"own": own, "sent": moved(s.last, s.wanted, s.share)}
     return Statement(s, goals, given, computed=computed)
-
-
-@claim(
-    "filter.rounding.slew",
-    given="the hypotheses of filter.slew; a t = 0 or >= 2^-20 of the largest command on each axis, "
-    "t the time since the sample before, T at most; "
-    "no overflow and no underflow",
-    by=HAND,
-    premises="filter.slew filter.rounding.slew-limit filter.rounding.slew-kept "
-    "filter.rounding.slew-step filter.rounding.scaled",
-)
-def slew() -> None:
-    """|v| <= V, V the stated limit, behind what the text of the clip of slow commands computes.
-
-    The margin that is kept back covers its roundings, for ever.
-    """

@@ -8,7 +8,6 @@ import casadi as ca
 from wmr_ctrl.control.filter import held_loop
 from wmr_ctrl.control.filter.channels import WAYS
 from wmr_ctrl.control.filter.governor import FirstOrder, largest_command
-from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.model.dynamics import KEYS, plant, rk4_step, wheel_to_force
 from wmr_ctrl.world.model.friction import friction, largest_slope
@@ -228,21 +227,6 @@ def held_rim(mutation: Mutation) -> Statement:
         at_least(seen, true + t.credit),
     )
     return t.states(*goals, given=t.given)
-
-
-@claim(
-    "filter.held-kicks",
-    given="commands that change at plant steps; pushes of at most d_v on v; x <= 2; 2 x d_v beside "
-    "them counts as pushes, and what leads to h/m times F1's range while the shortest command acts",
-    by=HAND,
-    premises="filter.held-kick filter.held-rim filter.mean filter.induction",
-)
-def held_kicks() -> None:
-    """while one command acts, what friction adds to a rim's speed is at most h/m times the fall of
-    F1(v) so far where v started above K u + d_v, and nothing where it did not.
-
-    Behind clip and governor every wheel keeps its limit in every plant step, friction and all.
-    """
 
 
 @claim(

@@ -6,7 +6,6 @@ from wmr_ctrl.control.filter.asked import JUST_ABOVE, for_base
 from wmr_ctrl.control.filter.channels import WAYS
 from wmr_ctrl.control.filter.clip import Clip
 from wmr_ctrl.control.filter.governor_step import Governor
-from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
@@ -123,82 +122,3 @@ def ramp_rim(mutation: Mutation) -> Statement:
     given += [r for x, y in pairs for way in WAYS for r in within(x + way * l * y, t.W)]
     goals = tuple(r for way in WAYS for r in within(v + way * l * omega, t.W))
     return Statement(t, goals, tuple(given))
-
-
-@claim(
-    "filter.peak-worst",
-    given="K in (0, K_max], z >= z_min > 0; 0 < M, kp, ki and c >= 0 in their intervals",
-    by=HAND,
-)
-def peak_worst() -> None:
-    """N of second-order loops is largest at K_max and z_min, that of PI loops where kp is least, ki
-    and M largest and c = 0, what a push leads to where kp, c, ki and M are least.
-
-    The peak gain of a whole family is that of one corner, which is known beforehand.
-    """
-
-
-@claim(
-    "filter.peak-gain",
-    given="a linear loop of the family, its numbers constant, at rest at the start; |u| <= (V - "
-    "delta)/N and |d| <= dbar, measurable functions of time",
-    by=HAND,
-    premises="filter.sent-clip.axes",
-)
-def peak_gain() -> None:
-    """|v| <= N max|u| + delta <= V at every instant, N = int |g|, delta = int |g_d| dbar, for g and
-    g_d the responses to an impulse of u and d.
-
-    A clip at (V - delta)/N keeps a loop that overshoots within its limit, and no larger one does.
-    """
-
-
-@claim(
-    "filter.command-error",
-    given="as in filter.peak-gain, but what acts is off what was sent by at most d, a measurable "
-    "function of time; delta + N d in place of delta",
-    by=HAND,
-    premises="filter.peak-gain",
-)
-def command_error() -> None:
-    """|v| <= V at every instant, behind a clip, a clip of slow commands and a band alike: the loop
-    is linear, so that the error adds a response of at most N d to that of what was sent.
-
-    A base that rounds its commands keeps its limit for the price of N times half a step.
-    """
-
-
-@claim(
-    "filter.slew",
-    given="a linear loop of the family, its numbers constant, at rest at the start; |u| <= c; u "
-    "changes by at most a times the time since the sample before, a T at most, or, where that is "
-    "not told, by a T at samples T - jitter apart or more; commands take over in order, delays "
-    "differ by at most s, at most n are lost in a row, H = (1 + n) (T + jitter) + s; |d| <= dbar; "
-    "L as `swing` encloses it",
-    by=HAND,
-    premises="filter.peak-gain filter.slew-sent.together",
-)
-def slew() -> None:
-    """|v| <= K c + a' (K L + N H/2) + delta <= V, a' = a T/(T - jitter), L the integral of |1 - S|
-    from when S first reaches 1 on: what acts at two instants differs by at most a' (the time from
-    one to the other + H), late or not, so that there is r with |r| <= c, |r'| <= a' and |u - r| <=
-    a' H/2; before that instant r leads to at most K c, since S only rises there; after it, by
-    parts, to at most K L a'.
-
-    When commands change slowly, a linear loop overshoots by less than its peak gain allows for.
-    """
-
-
-@claim(
-    "filter.held-loop",
-    given="a PI loop of constant numbers whose force is held over steps h, friction too, at rest "
-    "at the start; commands change at steps; h a < 2, h b < a, |w| h < 1 - h a/2 where w^2 < 0",
-    by=HAND,
-    premises="filter.peak-gain filter.slew filter.band.superposition",
-)
-def held_loop() -> None:
-    """what is left of its steps, at each instant k h, is that of the loop with a', b', gamma'
-    (`held_loop`), and the sum of h |1 - S| over instants at most its integral and h (N - 1).
-
-    A filter that counts this loop beside its family keeps its limits in every step of a run.
-    """

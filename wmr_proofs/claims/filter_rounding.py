@@ -11,7 +11,6 @@ from wmr_ctrl.control.filter import governor
 from wmr_ctrl.control.filter.channels import ROUNDING, Channel
 from wmr_ctrl.control.filter.governor import FirstOrder, drive, largest_command, relaxed
 from wmr_ctrl.control.filter.governor_step import contradiction
-from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, when, within
@@ -241,24 +240,3 @@ def agrees(mutation: Mutation) -> Statement:
     given = (above(V), *sizes, *bounds)
     computed = {"sum": s.above + s.below, "least": -contradiction(V)}
     return Statement(s, (at_least(s.sum, s.least),), given, computed=computed)
-
-
-@claim(
-    "filter.rounding.governor",
-    given="the hypotheses of filter.induction; jitter of at most T/2; odometry at most 60 tau_min "
-    "old; at most n pieces of time from a sample to the next, to the latest takeover, and in any "
-    "period that odometry looks back through; T >= n 2^-13 tau_max; pieces as the schedule cuts "
-    "them; no overflow and no underflow",
-    by=HAND,
-    premises="filter.induction filter.rounding.takeover filter.rounding.target filter.rounding.rim "
-    "filter.rounding.relaxed filter.rounding.piece filter.rounding.odometry filter.rounding.rest "
-    "filter.rounding.scaled filter.rounding.beside-cut",
-)
-def governed() -> None:
-    """|v| <= V (1 - 2^-26) (1 + 2^-28) (1 + 2^-52) < V, V the stated limit, behind what the text
-    computes: the speed is at most 2^-28 V + n 2^-44 V above its computed bound at samples, since
-    the base goes at least n 2^-14 of its way in a period, and n 2^-44 V more at a takeover.
-
-    The margin that is kept back covers the governor's roundings, with delays, losses, jitter and
-    late odometry, for v, omega and wheels, scaled in any way.
-    """

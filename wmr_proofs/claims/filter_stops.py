@@ -11,7 +11,6 @@ from wmr_ctrl.control.filter.ramp_stop import stopping_speed
 from wmr_ctrl.control.filter.ways import Reached, Stop, covered, farthest, told_command
 from wmr_ctrl.control.guard.changing import largest_fall
 from wmr_ctrl.control.guard.guard import Bounds
-from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, equal, positive
@@ -388,64 +387,3 @@ def falling(mutation: Mutation) -> Statement:
         at_least(t.V_1, t.V_0 - mutation(1, 1.1) * fall), at_least(reached, t.v_1),
     )  # fmt: skip
     return Statement(t, (at_least(t.V_1, t.v_1), at_least(fall)), given)
-
-
-@claim(
-    "filter.limits.in-force",
-    given="a governor's hypotheses (filter.induction); limits that change in any way",
-    by=HAND,
-    premises="filter.mean filter.drive filter.estimate filter.limits.enters filter.limits.inside "
-    "filter.limits.compose filter.limits.spacing filter.free.brake",
-)
-def in_force() -> None:
-    """Theorem L: each command's own bound holds while it acts, and a limit that is lowered and kept
-    is kept from T_in on after the step that is told.
-
-    How long a lowered limit may still be exceeded.
-    """
-
-
-@claim(
-    "filter.free.stops",
-    given="a governor's hypotheses; what is in the way is as far as told, less free_error, and "
-    "comes nearer by at most nearing; the base stands, and holds, at the latest rest after (0, 0) "
-    "takes effect",
-    by=HAND,
-    premises="filter.mean filter.drive filter.estimate filter.free.way filter.free.real "
-    "filter.free.plan filter.free.seen filter.free.approach filter.free.brake",
-)
-def stops() -> None:
-    """Theorem F: the base is at rest before it touches, or moves away, at every instant, if the
-    last command other than (0, 0) passed for the distance of that thing.
-
-    A robot that stops in time.
-    """
-
-
-@claim(
-    "filter.free.leaves",
-    given="the hypotheses of filter.free.stops, nearing = 0, V > d (1 + K_max/K_min) on the other "
-    "side, which is free for the hold",
-    by=HAND,
-    premises="filter.free.stops filter.free.retreat filter.leave.away filter.leave.roll "
-    "filter.leave.hold",
-)
-def leaves() -> None:
-    """No touch if, once as many releases as `leave` came too early, none is early that a hold
-    opened; and a request straight away that lasts is sent after n_rest + n_hold + 2 steps.
-
-    A robot that was stopped can be driven away.
-    """
-
-
-@claim(
-    "filter.free.cone",
-    given="a disc of radius R whose heading stays within right + left < pi of the present one",
-    by=HAND,
-)
-def cone() -> None:
-    """On straight ways the disc covers a point at range p and bearing b, o beyond the window, only
-    from p cos o - sqrt(R^2 - p^2 sin^2 o) on, or never if p |sin o| > R or |o| >= 90 degrees.
-
-    What a distance in the plane says of the two ways ahead and behind.
-    """

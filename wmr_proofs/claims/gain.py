@@ -17,7 +17,6 @@ from typing import Any
 import casadi as ca
 
 from wmr_ctrl.control.barrier.stable import Axis, SmoothAxis, smooth_barrier
-from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation, rows
@@ -265,19 +264,3 @@ def levels(mutation: Mutation) -> Statement:
     t = symbols("v c u1 u2 rho low", "u1 u2 rho")
     star = level(t.c, t.u1, t.u2, t.rho / t.low)
     return Statement(t, (above(mutation * (star - t.v)),))
-
-
-@claim(
-    "gain.meaning",
-    (9,),
-    given="v_c0 held, model exact",
-    by=HAND,
-    premises="gain.none gain.none-smooth lemma.comparison",
-)
-def gain_meaning() -> None:
-    """under law (9) the velocity error has no input-to-state stability on |v| < v_u1: for every D >
-    0 a constant force D carries v from v* to v_u1 within 2 M (v_u1 - v*)/D.
-
-    No bound of the disturbance, however small, keeps V1 bounded from every start inside the limits;
-    the gradient law has such a bound (prox.gain).
-    """

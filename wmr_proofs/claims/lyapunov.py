@@ -2,7 +2,6 @@
 
 import casadi as ca
 
-from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs import regions
@@ -262,18 +261,3 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
     given = (*m.inside, equal(v, u2), above(t.h), at_least(1, 1000000 * t.h), above(t.rho))
     del t["vdot"]
     return Statement(t, (at_least(1, ca.fabs(change + t.rho * m.V)),), given)
-
-
-@claim(
-    "eq30",
-    (30,),
-    form=CORRECTED,
-    given="model exact, no disturbance, one rho for both axes (else the slower one bounds V1)",
-    by=HAND,
-    premises="eq29 lemma.almost-everywhere",
-)
-def eq30() -> None:
-    """V1(t) = V1(0) exp(-rho t): (30) at almost every t, V1 continuous.
-
-    The decay of the theorem is right in spite of the corner.
-    """

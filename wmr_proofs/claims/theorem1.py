@@ -2,7 +2,6 @@
 
 import casadi as ca
 
-from wmr_ctrl.results.ledger import HAND
 from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
@@ -62,13 +61,6 @@ def eq40_printed(mutation: Mutation) -> Statement:
     With the printed inequality the bound is false: the error ahead may be the larger one.
     """
     return start(-mutation)
-
-
-@claim(
-    "eq41", (41,), given="V2 differentiable along the motion", by=HAND, premises="lemma.integration"
-)
-def eq41() -> None:
-    """V2(t) = V2(t0) + integral of V2'."""
 
 
 @claim("eq42.rate", (42,), given="|e2(t0)| > 2 l sqrt(k2 eps1/k3), V2 > e2^2/2")

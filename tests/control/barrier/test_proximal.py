@@ -9,7 +9,6 @@ from wmr_ctrl.control.laws.prox import prox_step
 
 LIMITS = ((1.0, 0.8), (1.5, 1.3), (0.7, 0.2))
 EPS = float(np.finfo(float).eps)
-Axis = tuple[float, float, bool]
 every_axis = pytest.mark.parametrize(
     "axis", [(*limits, smooth) for limits in LIMITS for smooth in (False, True)]
 )
@@ -55,23 +54,3 @@ def test_w_falls_and_the_limit_is_kept_from_every_speed(axis):
     assert (start == speed)[middle == here].all()
     assert (after <= keep * (before + np.abs(there - middle)) * (1 + 1e-12) + 4 * EPS * u1).all()
     assert (np.abs(start - x_of(middle, axis)) <= before * (1 + 1e-12) + 4 * EPS * u1).all()
-
-
-@every_axis
-def test_v_star_has_no_jump_where_the_velocity_enters_the_limit(axis):
-    act, u1 = step(axis), axis[0]
-    for here, there in ((0.3, 0.31), (0.31, 0.3), (5.0, 5.5), (5.5, 5.0), (90.0, -3.0)):
-        inside, outside = (
-            float(act(u1 * (1 + way * 1e-13), here, there, there, 0.5)[0]) for way in (-1, 1)
-        )
-        assert inside == pytest.approx(outside, abs=0.05 * u1)
-
-
-@every_axis
-def test_below_the_threshold_the_velocity_is_carried_all_the_way(axis):
-    act, u2 = step(axis), axis[1]
-    draw = np.random.default_rng(7)
-    for _ in range(50):
-        speed, here, there = draw.uniform(-u2 / 3, u2 / 3, 3)
-        start = float(act(speed, here, there, there, 0.5)[0])
-        assert start == pytest.approx(speed + there - here, abs=4 * EPS)

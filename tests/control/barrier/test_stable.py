@@ -53,8 +53,11 @@ def close(found, wanted):
     return bool(error <= mp.mpf("1e-15") or error <= mp.mpf("1e-12") * abs(wanted))
 
 
-def points(u1, u2, count):
-    """(c, v) over all regions, both signs, both sides of every boundary down to one ulp."""
+def points(u1, u2, count, off=0.0):
+    """(c, v) over all regions, both signs, both sides of every boundary down to one ulp.
+
+    ``off``: no closer than this to where q jumps.
+    """
     draw = random.Random(f"{u1} {u2}")
     edge = u2 + 1 / (u1 - u2)
 
@@ -94,7 +97,7 @@ def points(u1, u2, count):
                 draw.choice((-1, 1)) * (u1 - 10 ** draw.uniform(-6, -1)),
             )
         )
-        if abs(v) <= u1 - 1e-6:
+        if abs(v) <= u1 - 1e-6 and abs(c - edge) >= off:
             found.append(draw.choice(((c, v), (-c, -v))))
     return found
 

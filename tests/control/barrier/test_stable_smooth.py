@@ -63,15 +63,6 @@ def test_agrees_with_its_definition_in_60_digits():
                 assert ours == pytest.approx(wanted, rel=2e-10, abs=1e-13), (here, speed, name)
 
 
-def test_limits_at_the_target():
-    for here in (0.3, -0.5, 0.8, 2.0, 7.17, 100.0):
-        x = float(ALL(here, 0.0)[0])
-        _, _, _, quotient, q = (float(item) for item in ALL(here, x))
-        assert abs(quotient) < 1e-12
-        bend = 1 / (1 - abs(x)) ** 2 if abs(x) > U2 else 0.0
-        assert q == pytest.approx(1 / (1 + bend), rel=1e-6)
-
-
 @pytest.mark.parametrize("sign", [1, -1])
 def test_what_stands_beside_a_logarithm_is_right_to_the_last_digits(sign):
     """(-ln(1 - y) - y)/y, by series up to where the logarithm loses no more than a digit or two."""

@@ -48,14 +48,6 @@ def test_what_no_filter_covers_is_refused_with_numbers(name):
         wmr_ctrl.simulate(override(CREATE3, changes), "kanayama")
 
 
-def test_a_governor_counts_a_dead_band_in_its_push():
-    """With d as large as the dead band it keeps its limit, and without it is refused (above)."""
-    dead, _ = REFUSED["dead band of a governed base"]
-    counted = override(CREATE3, {**dead, "filter.d": [0.03, 0.08]})
-    run = wmr_ctrl.simulate(counted, "kanayama")
-    assert run.monitor.violations == 0
-
-
 def turning(radius, **changes):
     return override(CREATE3, {"base.min_radius": radius, **changes})
 

@@ -86,16 +86,6 @@ def test_bases_beyond_the_family_pass_the_limit(beyond):
     assert max(abs(speeds(beyond, limit, r, 0.0)).max() for r in demands(beyond, 3)) > 1.0
 
 
-@pytest.mark.slow
-def test_it_leaves_nearly_the_whole_limit_at_rest():
-    clip, whole = command_filter(scenario(push=(0.0, 0.0))), banded()
-    whole.start()
-    for _ in range(200):
-        sent = whole.step((9.0, 0.0)).command[0]
-    assert sent > 0.999
-    assert clip.step((9.0, 0.0)).command[0] < 0.56
-
-
 def test_a_stop_is_never_held_back():
     rng, limit = np.random.default_rng(5), banded()
     limit.start()

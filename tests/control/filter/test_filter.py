@@ -14,7 +14,7 @@ import wmr_ctrl
 from tests.control.filter.adversary import Base, fastest
 from wmr_ctrl import load_scenario
 from wmr_ctrl.control.filter.channels import ROUNDING
-from wmr_ctrl.control.filter.filter import filter_system
+from wmr_ctrl.control.filter.filter import filter_questions
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.theory.checks.velocity_base import usable_speed
@@ -224,7 +224,7 @@ def test_the_limit_is_kept_away_from_by_the_rounding_alone():
         ({"gain": (0.0, 1.0)}, "filter.gain"),
         ({"d": (1.0, 0.0)}, "filter.d\\[1\\] = 1"),
         ({"jitter": 0.05}, "filter.jitter"),
-        ({"delay": (0.0, 5.0)}, "Milliseconds[?].*span 100 control periods"),
+        ({"delay": (0.0, 5.0)}, "span 100 control periods"),
         ({"losses": -1}, "filter.losses"),
     ],
 )
@@ -351,41 +351,24 @@ def test_no_number_of_the_wheels_is_left_out(stated, number):
         assert step(x, system.x0, p).full().ravel().tolist() == [0.0, 0.0, 32.0]
 
 
-def test_a_run_says_that_no_filter_acts_in_it():
-    with pytest.raises(ScenarioError, match="takes torques"):
-        wmr_ctrl.simulate(scenario("clip"), "mb")
-
-
 @pytest.mark.parametrize(
     "changes, words",
     [
         ({"filter.tau": (200.0, 300.0)}, r"filter.tau\[1\] = 200 .*0.2 s"),
         ({"filter.age": 80.0, "clock.control": 50.0}, "0.08 s"),
         ({"limits.v_u1": (1000.0, 1.0)}, "1 m/s"),
-        ({"filter.delay": (0.0, 30.0)}, r"Milliseconds\? 30 ms is 0.03 s"),
         ({"filter.age": 2.0, "filter.kind": "clip"}, r"Milliseconds\? 2 ms"),
-        ({"filter.jitter": 5.0}, r"Milliseconds\? 5 ms is 0.005 s"),
         ({"filter.hold": 500.0}, r"Milliseconds\? 500 ms is 0.5 s"),
     ],
 )
 def test_numbers_in_another_unit_are_asked_about(changes, words):
-    """Also where they are refused."""
     stated = STATED | {"filter.kind": "governor", "clock.duration": 1000.0} | changes
     with warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
-        try:
-            wmr_ctrl.command_filter(load_scenario("paper-simulation", stated))
-            said = " ".join(str(item.message) for item in heard)
-            assert {item.filename for item in heard} == {__file__}
-        except ScenarioError as error:
-            said = str(error)
+        wmr_ctrl.command_filter(load_scenario("paper-simulation", stated))
+    said = " ".join(str(item.message) for item in heard)
+    assert {item.filename for item in heard} == {__file__}
     assert re.search(words, said), said
-
-
-def test_whoever_builds_a_filter_is_asked_where_it_is_refused():
-    for stated in ({"delay": (0.0, 30.0)}, {"jitter": 5.0}):
-        with pytest.raises(ScenarioError, match="Milliseconds"):
-            filter_system(scenario(**stated))
 
 
 def test_a_time_in_milliseconds_is_asked_about_once():
@@ -400,6 +383,7 @@ def test_a_time_in_milliseconds_is_asked_about_once():
 
 
 def test_usual_numbers_are_not():
+    assert not [*filter_questions(scenario())]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         wmr_ctrl.command_filter(scenario())

@@ -10,7 +10,7 @@ from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.theory.checks.velocity_base import filter_facts, usable_speed
-from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override, to_toml
+from wmr_ctrl.world.scenario import override
 
 APART = {"tau": ((0.1, 0.15), (0.4, 0.6)), "gain": ((0.95, 1.05), (0.8, 1.5))}
 LATE = {"delay": ((0.02, 0.02), (0.02, 0.2)), "losses": 1, "jitter": 0.004, "age": 0.08}
@@ -85,19 +85,6 @@ WORLD = Base(**APART, **LATE)
 def test_no_adversary_within_them_passes_a_limit():
     worst = fastest(scenario("governor", **APART, **LATE), WORLD, trials=60, samples=120)
     assert 0.999 < worst.max() <= 1.0
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_they_are_read_back_from_toml(name):
-    kind, stated = CASES[name]
-    made = scenario(kind, **stated)
-    assert loads_scenario(to_toml(made), made.name) == made
-
-
-def test_they_can_be_overridden_one_by_one():
-    made = load_scenario("clearpath-jackal", {"filter.gain": "[[0.95,1.05],[0.8,1.5]]"})
-    assert made.filter.gain == ((0.95, 1.05), (0.8, 1.5))
-    assert override(made, {"filter.gain[2][1]": "0.7"}).filter.gain == ((0.95, 1.05), (0.7, 1.5))
 
 
 @pytest.mark.parametrize("name", ["tau", "gain", "delay", "damping", "frequency", "loop"])

@@ -1,7 +1,6 @@
 """PI loops of runs, held over plant steps: what each step does is within what filters count on."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -17,11 +16,10 @@ from wmr_ctrl.control.filter.held_loop import HeldLoop, held_friction
 from wmr_ctrl.control.filter.peak_gain import PiLoop, peak_gains
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import override
 
 WORST = {"robot.m": 55.0, "base.kp": 140.0, "base.ki": 320.0}
 """The member of the stated family that swings most."""
-Demands = Sequence[tuple[float, float]]
 ALONE = {"base.kind": "torque"}
 """What takes a run's own base out of a scenario: the family alone is left."""
 
@@ -240,13 +238,6 @@ def test_what_a_governor_of_rims_counts_on_with_friction_is_refused_where_it_fai
     settle(run, "kanayama")
     with pytest.raises(ScenarioError, match=words):
         settle(override(run, changes), "kanayama")
-
-
-def test_the_burger_s_governor_takes_a_limit_of_its_wheels():
-    """As it is shipped, friction and all; what friction needs is below what slopes do."""
-    for stated in ({"wheel_speed": 0.2}, {"channels": "wheels"}):
-        keys = {f"filter.{key}": value for key, value in stated.items()}
-        settle(load_scenario("turtlebot3-burger", keys), "kanayama")
 
 
 def test_friction_that_is_too_steep_for_a_plant_step_is_refused_behind_every_filter():

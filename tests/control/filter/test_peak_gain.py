@@ -53,14 +53,6 @@ def test_peak_gain_of_second_order_loops_is_the_quadrature_s(z):
     assert 0.2 * variation(base, base.e) == pytest.approx(peak.push, rel=2e-4)
 
 
-@pytest.mark.parametrize("z", [0.05, 0.4, 0.9, 1.5])
-def test_peak_gain_of_pi_loops_without_friction_falls_with_damping(z):
-    def at(kp):
-        return PiLoop((1.0, 1.0), (kp, kp), (1.0, 1.0), (0.0, 0.0)).peak(0.0).gain
-
-    assert at(2.02 * z) < at(2 * z)
-
-
 def sender(stated, axis=0):
     limit = command_filter(stated)
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import casadi as ca
 import pytest
 
-from wmr_ctrl.control.guard.bounds import MODEL, STATED, assumption_sources, derived_guard, reach
+from wmr_ctrl.control.guard.bounds import MODEL, assumption_sources, derived_guard, reach
 from wmr_ctrl.control.guard.delay import Tails, delayed_push
 from wmr_ctrl.control.guard.guard import bounds_of, ceiling, feasible
 from wmr_ctrl.control.guard.price import early_speed, unbeatable_speed, usable_speed
@@ -20,12 +20,6 @@ ON = {"guard.enabled": True}
 
 def derived(**changed):
     return settle(load_scenario("paper-simulation-no-switch", {**ON, **changed}), None).guard
-
-
-def test_dbar_counts_the_model_s_share_on_each_axis():
-    alone, more = derived(), derived(**{"guard.d_model": [7.0, 3.0]})
-
-    assert more.dbar == pytest.approx((alone.dbar[0] + 7.0, alone.dbar[1] + 3.0))
 
 
 def test_a_slope_pulls_at_the_heaviest_robot_that_is_counted_on():
@@ -52,13 +46,6 @@ def test_no_number_follows_the_true_robot(true):
 
     assert guard == derived(**believed)
     assert (guard.M_min, guard.M_max) == (pytest.approx((27, 2.7)), pytest.approx((33, 3.3)))
-
-
-def test_friction_above_the_push_makes_nothing_faster_before_the_first_command():
-    guard = derived(**{"guard.dbar": [60.0, 15.0], "actuator.delay": 0.02})
-    held = replace(guard, f_min=(80.0, 5.0))
-
-    assert early_speed(held) == (0.0, pytest.approx(0.02 * 10.0 / guard.M_min[1]))
 
 
 LATE = Bound(dbar=(20.0, 3.0), nbar=(0.05, 0.08), mass=(3.0, 0.2), age=(0.004, 0.002),
@@ -130,14 +117,6 @@ def test_what_is_counted_adds_up_to_the_guard_s_numbers():
         assert known[name].value == pytest.approx(total, abs=1e-15), name
     assert set(known["M_min"].sources) == {MODEL}
     assert known["delay"].value == pytest.approx((0.02, 0.03))
-
-
-def test_what_is_stated_is_counted_as_stated():
-    stated = {**ON, "guard.dbar": [90.0, 20.0], "disturbance.truncate": 3.0}
-    setup = settle(load_scenario("paper-simulation", stated), None)
-    found = assumption_sources(setup.scenario, setup.guard, setup.effects)["dbar"]
-
-    assert (found.value, dict(found.sources)) == ((90.0, 20.0), {STATED: None})
 
 
 GRAPHED = {"sensor.velocity_window": 0.03, "actuator.delay": 0.013, "guard.dbar": [40.0, 8.0],

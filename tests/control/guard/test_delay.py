@@ -6,8 +6,6 @@ from functools import partial
 import casadi as ca
 import pytest
 
-from tests.control.guard.parameters import feasible_with
-from wmr_ctrl.control.controller import guard as guard_alone
 from wmr_ctrl.control.guard.delay import in_flight
 from wmr_ctrl.control.guard.guard import Bounds, ceiling, clipped, floor
 from wmr_ctrl.control.setup import settle
@@ -52,18 +50,3 @@ def test_condition_is_the_necessary_one():
         else:
             with pytest.raises(ScenarioError, match="axis 1"):
                 settle(scenario, None)
-
-
-@pytest.mark.parametrize("stated, possible", [(0.013, 1.0), (0.012, 1.0), (0.014, 0.0)])
-def test_a_longer_delay_than_the_graph_was_built_for_is_not_feasible(stated, possible):
-    late = load_scenario("paper-simulation", {**ON, "actuator.delay": 0.013})
-    item = guard_alone(settle(late, None))
-
-    assert feasible_with(item, {"actuator.delay": stated / 0.013}) == possible
-    assert feasible_with(item, {}) == 1.0
-
-
-def test_without_delay_the_graph_has_no_further_parameter():
-    item = guard_alone(settle(load_scenario("paper-simulation", ON), None))
-
-    assert "actuator.delay" not in {port.signal.name for port in item.params}

@@ -86,8 +86,3 @@ def test_maps_end_in_the_box_and_in_reach_and_a_clip_per_wheel_does_not(name):
         left += (clipped_force < corner[0] - 1e-9).any() or (clipped_force > corner[1] + 1e-9).any()
 
     assert left > 0
-
-
-def evaluated(item, u, x):
-    f = item.function("guard", [item.update, item.y, item.d])
-    return tuple(part.full().ravel() for part in f(u, x, item.p0))

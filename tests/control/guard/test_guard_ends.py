@@ -2,17 +2,14 @@
 
 import re
 
-import casadi as ca
 import numpy as np
 import pytest
 
 from tests.control.guard.test_contradictions import BROKEN, MET
 from wmr_ctrl.control.guard.bounds import derived_guard
 from wmr_ctrl.control.guard.contradictions import beyond_belief, contradictions
-from wmr_ctrl.control.guard.guard import Bounds
-from wmr_ctrl.control.guard.monitor import least_push
 from wmr_ctrl.control.guard.price import usable_speed
-from wmr_ctrl.control.guard.refusals import _enough, feasible_guard
+from wmr_ctrl.control.guard.refusals import feasible_guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import Bound
@@ -121,42 +118,3 @@ def test_each_number_that_is_proposed_alone_is_enough_and_hardly_more_than_that(
             else:
                 with pytest.raises(ScenarioError):
                     settle(guarded(**again), None)
-
-
-def test_half_the_limit_of_noise_leaves_no_room_for_rounding():
-    with pytest.raises(ScenarioError, match=r"guard\.nbar\[1\] = 0\.5 cannot be met"):
-        settle(guarded(**{"guard.nbar": [0.5, 0.0]}), None)
-
-
-def test_wheels_that_cannot_hold_are_told_so_in_numbers_that_add_up():
-    with pytest.raises(ScenarioError) as refused:
-        settle(guarded(**{"guard.dbar": [60.0, 15.0], "actuator.tau_max": 5.0}), None)
-
-    first, second, half_track, need = map(
-        float, re.search(r"but (\S+) \+ (\S+)/(\S+) = (\S+) > 100 N", str(refused.value)).groups()
-    )
-    assert (first, second, half_track) == (60.0, 15.0, 0.25)
-    assert need == first + second / half_track
-
-
-@pytest.mark.parametrize("a, b", [(100.0, 0.0), (100.0, 5.0), (33.0, 19.0), (100.0, 20.0)])
-def test_a_torque_limit_is_enough_from_where_both_lines_cross(a, b):
-    """A force a + b tau to hold against, and wheels that give 2 tau/r."""
-    found = _enough(lambda tau: a + b * tau, a * 0.1 / 2, 0.1)
-
-    if b >= 20.0:
-        assert found is None
-    else:
-        exact = a / (2 / 0.1 - b)
-        assert exact <= found * (1 + 1e-9)
-        assert found <= exact * (1 + 1e-3)
-
-
-def test_within_the_noise_no_motion_is_sure_and_no_push_is_told():
-    """M (|v| - |old| - 2 nbar)/T outwards, where both samples are surely on the same side of 0."""
-    T, least, most, nbar = 0.01, 40.0, 60.0, 0.02
-    none = ca.SX(0)
-    b = Bounds(none, ca.SX(T), ca.SX(least), ca.SX(most), none, ca.SX(nbar), none, none, none, none)
-    for old, v, sure in ((0.015, 0.9, 0), (0.03, 0.9, 1), (-0.03, -0.9, 1), (-0.015, -0.9, 0)):
-        push = float(ca.evalf(least_push(ca.SX(v), ca.SX(old), none, b)))
-        assert push == pytest.approx(sure * least * (abs(v - old) - 2 * nbar) / T), (old, v)

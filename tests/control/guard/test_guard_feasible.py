@@ -15,7 +15,6 @@ from wmr_proofs.statement import Statement
 
 point = pytest.importorskip("wmr_proofs.methods.point")
 
-Pair = tuple[Fraction, Fraction]
 NONE = (Fraction(0), Fraction(0))
 KEPT_BACK = 1 - Fraction(2) ** -44
 

@@ -3,7 +3,6 @@
 import math
 import re
 from dataclasses import replace
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -215,14 +214,6 @@ def test_the_age_of_an_axis_is_told_where_that_axis_cannot_be_held():
     asked(guard__M_min=[45.0, least], guard__M_max=[1e3, 1e3])
     with pytest.raises(ScenarioError, match=words):
         asked(guard__M_min=[45.0, 0.99 * least], guard__M_max=[1e3, 1e3])
-
-
-def test_times_are_whole_plant_steps_where_rounding_alone_keeps_them_from_it():
-    times = Times(0.1, 0.01)
-
-    assert times.in_periods(0.1 + 0.2) == Fraction(3)
-    assert times.in_periods(0.07) == Fraction(7, 10)
-    assert float(times.in_periods(0.034)) == pytest.approx(0.34, rel=1e-12)
 
 
 def test_nothing_late_gives_the_graph_of_before():

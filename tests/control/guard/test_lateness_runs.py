@@ -1,19 +1,13 @@
 """Sensors and drives as robots have them, stated and guarded: runs, lanes, FMUs, packages."""
 
-import subprocess
-
 import numpy as np
 import pytest
 
-from tests.codegen.packages import write_package
 from tests.control.guard.parameters import feasible_with
 from tests.control.guard.test_guard_adversary import LIGHTEST, LIMITS
-from wmr_ctrl.api import simulate, simulate_many
-from wmr_ctrl.codegen.toolchain import find_toolchain
+from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import guard as guard_alone
-from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.world.scenario import load_scenario
 
 SLOW_SAMPLE = {"clock.control": 0.1}
@@ -62,42 +56,6 @@ def checked(law, kind):
 )
 def test_pushed_the_way_it_moves_the_robot_stays_within_its_limits(law, kind):
     checked(law, kind)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", RANGES)
-def test_drives_anywhere_within_stated_bounds(kind):
-    checked("pid", kind)
-
-
-@pytest.mark.slow
-def test_lanes_and_fmus_equal_the_native_loop():
-    scenario = scenario_of("safe-simulation", {**SHORT, **DRIVES})
-    native, fmu = simulate(scenario, "prox", seed=2), cosimulate(scenario, "prox", seed=2)
-
-    assert native["clip_active"].any()
-    for signal in fmu.signals:
-        if signal.name in native:
-            assert native[signal.name] == pytest.approx(fmu[signal.name], abs=1e-9), signal.name
-    seen = scenario_of("safe-simulation", {**SHORT, **DRIVES, "encoder.counts": 4096.0})
-    for item in (scenario, seen):
-        table = simulate_many(item, "prox", range(3))
-        runs = [simulate(item, "prox", seed=seed) for seed in range(3)]
-        fastest = zip(table["max_abs_v1"], table["max_abs_v2"], strict=True)
-        assert [run.monitor.max_abs_v for run in runs] == list(fastest)
-
-
-@pytest.mark.slow
-def test_package_checks_itself_with_what_the_guard_remembers(tmp_path):
-    write_package("pid", tmp_path, scenario_of("safe-simulation", {**SHORT, **DRIVES}))
-    header = (tmp_path / "wmr_pid.h").read_text(encoding="utf-8")
-    for name in ("tau_sent1[2]", "guard_tail[4]", "guard_monitor_tail[4]", "guard_samples"):
-        assert name in header
-    sources = [str(tmp_path / name) for name in ("wmr_pid.c", "check.c")]
-    program = tmp_path / "check"
-    command = [*find_toolchain().command, "-O2", *sources, "-o", str(program), "-lm"]
-    subprocess.run(command, check=True, capture_output=True)
-    assert subprocess.run([program], check=False, capture_output=True).returncode == 0
 
 
 @pytest.mark.parametrize("key", DRIVES)

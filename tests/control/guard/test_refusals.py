@@ -106,19 +106,6 @@ def test_a_torque_limit_is_not_proposed_where_none_is_enough(share):
     assert "tau_max >=" not in str(told.value)
 
 
-def test_wheels_of_another_size_are_counted_in_the_torque_that_is_enough():
-    """What they push with is a share of tau_max: settle finds the limit that counts it."""
-    changed = {**ON, "wheels.radius": [0.05, -0.05], "disturbance.truncate": 3.0}
-    with pytest.raises(ScenarioError) as refused:
-        settle(scenario_of("far-start", {**changed, "actuator.tau_max": 2.0}), "mb")
-    (said,) = re.findall(r"tau_max >= (\S+) N m", str(refused.value))
-
-    enough = settle(scenario_of("far-start", {**changed, "actuator.tau_max": float(said)}), "mb")
-    assert enough.guard.dbar[0] > 60.0
-    with pytest.raises(ScenarioError, match="cannot hold the robot"):
-        settle(scenario_of("far-start", {**changed, "actuator.tau_max": 0.998 * float(said)}), "mb")
-
-
 def test_defaults_follow_from_the_scenario():
     scenario = load_scenario("paper-simulation-no-switch", ON)
     setup = settle(scenario, None)
@@ -133,12 +120,6 @@ def test_defaults_follow_from_the_scenario():
     assert settled.brake == pytest.approx((45.0 * 100 - 60, 4.86 * 100 * 1.5 - 15))
     given = load_scenario("paper-simulation", {**ON, "guard.M_min": [30.0, 3.0]})
     assert settle(given, None).guard.M_min == (30.0, 3.0)
-
-
-def test_dbar_of_truncated_noise_is_its_largest_value():
-    scenario = load_scenario("paper-simulation", {"disturbance.truncate": 2.0})
-
-    assert settle(scenario, None).guard.dbar == pytest.approx((40.0, 10.0))
 
 
 @pytest.mark.parametrize("changed", [
@@ -187,22 +168,6 @@ def test_every_number_that_is_proposed_is_enough_as_it_is_printed(
         assert f"limits.v_u1[{axis}]" not in again, (more, again)
 
 
-def test_a_push_that_sure_friction_makes_up_for_in_part_may_be_that_much_larger():
-    """The bound of dbar that is told is the largest one, with the friction that is sure."""
-    sure = {**ON, "guard.f_min": [30.0, 1.0], "guard.f_speed": [0.1, 0.1], "guard.trust": True}
-
-    def settled(dbar):
-        settle(scenario_of("safe-experiment", {**sure, "guard.dbar": [dbar, 5.0]}), "prox")
-
-    with pytest.raises(ScenarioError) as refused:
-        settled(900.0)
-    most = float(re.search(r"dbar\[1\] <= (\S+) N", str(refused.value))[1])
-
-    settled(most)
-    with pytest.raises(ScenarioError, match="is needed on axis 1"):
-        settled(1.01 * most)
-
-
 @pytest.mark.parametrize(
     "late, said",
     [
@@ -229,21 +194,3 @@ def test_the_delay_that_is_said_to_be_short_enough_is(late, said):
 
     assert name == said
     settled({**late, **enough[said]})
-
-
-def test_a_robot_that_is_said_to_be_heavy_enough_is_so_on_a_slope():
-    """There a heavier robot is pushed harder; where that is by too much, no mass is proposed."""
-
-    def settled(angle, mass=None):
-        heavier = {} if mass is None else {"robot.m": mass, "guard.M_min": [mass, 4.86]}
-        guard(settle(scenario_of("robot-10ms", {"slope.angle": angle, **heavier}), None))
-
-    with pytest.raises(ScenarioError) as refused:
-        settled(0.1)
-    least = float(re.search(r"robot of at least (\S+) kg", str(refused.value))[1])
-
-    settled(0.1, least)
-    with pytest.raises(ScenarioError, match="is needed on axis 1"):
-        settled(0.1, 0.99 * least)
-    with pytest.raises(ScenarioError, match=r"guard\.d_model add up to at most \S+ N\.$"):
-        settled(0.2)

@@ -105,24 +105,6 @@ def test_torque_limit_is_never_exceeded(law):
 
 
 @every_law
-def test_memory_starts_at_zero_and_moves(law):
-    system = law_graph(settle(SCENARIO, law))
-    following = sample(system, (*NOMINAL, -0.5, -0.5, -0.7, 0.0, 0.0))[0]
-
-    assert not any(system.x0)
-    assert following.size == 0 or following.any()
-
-
-@every_law
-def test_diagnostics_tell_the_margin(law):
-    diagnostics = sample(
-        law_graph(settle(SCENARIO, law)), (*NOMINAL, -0.5, -0.5, -0.7, 0.25, -1.2)
-    )[2]
-
-    assert diagnostics[7] == pytest.approx(min(1 - 0.25, 1 - 1.2 / 1.5))
-
-
-@every_law
 def test_gains_are_checked(law):
     name = next(iter(vars(gains_of(SCENARIO, LAWS[law]))))
 
@@ -139,11 +121,6 @@ def test_documentation_names_source_and_differences(law):
     assert "Source:" in doc
     assert "Differences from the paper:" in doc
     assert "Choose it" in doc
-
-
-def test_unknown_law_lists_the_near_ones():
-    with pytest.raises(UnknownNameError, match="near: nn"):
-        LAWS["nnn"]
 
 
 def test_feedforward_is_not_dropped_at_the_target():

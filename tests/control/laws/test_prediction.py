@@ -4,8 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests import oracle
-from tests.checks.asking import closed, told_of
+from tests.checks.asking import closed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.laws.context import LawContext
@@ -50,16 +49,6 @@ def test_commands_that_a_law_predicts_with_are_remembered_where_drives_are_quick
 
     assert setup.predicted == 3
     assert {tau_sent(age) for age in (1, 2, 3)} <= kept
-
-
-def test_a_law_at_another_instant_forgets_what_it_read_of_this_one():
-    here = LawContext(settle(late("prox", 1.0), "prox"))
-    before = here.e, here.friction
-    there = here.at((ca.SX.zeros(3), here.v_d, here.v_d_dot), ca.SX.zeros(3), ca.SX.zeros(2))
-
-    assert (before[0], before[1]) == (here.e, here.friction)
-    assert there.e.is_zero()
-    assert there.friction.is_zero()
 
 
 def test_it_counts_on_the_observers_force_and_on_a_reference_that_gathers_speed():
@@ -125,37 +114,11 @@ def test_checks_and_linear_package_build_the_same_loop(law):
     )
 
 
-@pytest.mark.slow
-def test_a_prediction_longer_than_the_delay_is_told_and_cycles():
-    """Believed T and really 0: unstable; the shortest delay that there may be is what counts."""
-    keys = [
-        [item.key for item in told_of(settle(scenario, "prox"), "gains.prox.delay")]
-        for scenario in (
-            late("prox", 0.0, T),
-            late("prox", 0.5),
-            late("prox", 0.5, 0.06, **{"actuator.jitter": 0.02}),
-        )
-    ]
-
-    assert ["gains.prox.delay" in found for found in keys] == [True, False, True]
-    assert radius(late("prox", 0.0, T), "prox") > 1
-
-
 def test_the_number_of_commands_is_part_of_the_form_and_their_times_are_not():
     forms = [structure_of(settle(late("prox", share), "prox")) for share in (0.6, 0.7, 1.2)]
 
     assert forms[0][-3][1] == forms[1][-3][1] == 1
     assert forms[0] != forms[2]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("law, share", [("prox", 0.5), ("kanayama", 1.5)])
-def test_its_twin_agrees(law, share):
-    native = run_of(late(law, share), law)
-    slow = oracle.simulate(late(law, share), law, seed=3)
-
-    for name in ("x", "y", "theta", "v1", "omega", "tau_right", "tau_left", "d_hat"):
-        assert native[name] == pytest.approx(slow[name], abs=1e-9), name
 
 
 def test_friction_stops_and_never_turns_round():

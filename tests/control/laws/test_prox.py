@@ -81,14 +81,6 @@ def noise_free(law, period, **changed):
     return simulate("paper-simulation-nominal", law, overrides=overrides)
 
 
-def test_observer_finds_a_constant_force():
-    """A push of 20 N along the motion appears as d_hat."""
-    changed = {"disturbance.push": [20.0, 0.0], "clock.duration": 20.0}
-    run = simulate("paper-simulation-nominal", "prox", overrides=changed)
-
-    assert run["d_hat"][-1] == pytest.approx([20.0, 0.0], abs=0.05)
-
-
 @pytest.mark.parametrize("transport, falls", [("level", True), ("two-part", False)])
 def test_level_transport_keeps_the_decay_of_v1_in_a_run(transport, falls):
     """S(v; c+) at the next sample, c+ as the law expected it: exp(-rho T/2) S, or less."""
@@ -123,16 +115,6 @@ def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(period, share):
         loop = Loop(settle(load_scenario("paper-simulation", changed), "prox"))
         matrix = closed(loop, np.array((0.2, 0.1)), period)
         assert np.abs(np.linalg.eigvals(matrix)).max() < 1, ratio
-
-
-def test_first_sample_respects_the_laws_own_torque_limit():
-    limited, free = (
-        simulate("paper-simulation-nominal", "prox", overrides={"gains.prox.tau_max": tau})
-        for tau in (20.0, 1e6)
-    )
-
-    assert abs(limited["tau_right"]).max() <= 20.0 * (1 + 1e-15)
-    assert max(abs(free["tau_right"]).max(), abs(free["tau_left"]).max()) > 150.0
 
 
 def test_prox_makes_up_for_friction_at_the_speed_that_it_is_after():

@@ -44,15 +44,6 @@ def pursuing(**gains):
     return at
 
 
-@pytest.mark.parametrize("v2_d", [0.0, 0.11, -0.2])
-@pytest.mark.parametrize("lookahead", [0.5, 1.5, 4.0])
-def test_in_its_place_it_drives_the_reference_s_own_circle(lookahead, v2_d):
-    """Whatever the way ahead is, since the point lies on the circle."""
-    wanted, *_ = pursuing(lookahead=lookahead)(0.2, v2_d)
-
-    assert wanted == pytest.approx((0.2, v2_d), abs=1e-12)
-
-
 def test_the_arc_that_it_drives_ends_at_the_point():
     """Also where it is scaled down to the limits, and where the turn slows it."""
     ways = [pursuing(turn_from=3.15, radius=radius, distance=[0.2, 0.4]) for radius in (0.0, 2.0)]
@@ -92,14 +83,6 @@ def test_ahead_of_the_reference_it_waits():
     (v, omega), *_ = pursuing(k=1.0)(0.2, 0.0, back=-0.25)
 
     assert (v, omega) == (0.0, 0.0)
-
-
-def test_a_reference_that_stands_or_spins_gives_numbers():
-    at = pursuing()
-    for v1_d, v2_d in ((0.0, 0.0), (0.0, 1.0), (1e-9, -1.0), (0.2, 40.0)):
-        wanted, _, way = at(v1_d, v2_d, back=0.1)
-        assert np.isfinite(wanted).all()
-        assert way == pytest.approx(0.3)
 
 
 def test_bounds_of_the_way_ahead_the_wrong_way_round_are_refused():

@@ -8,10 +8,7 @@ import pytest
 from tests.control.laws.toys import TOY, install
 from wmr_ctrl.api import compile_law, law_table, simulate
 from wmr_ctrl.control.laws import LAWS
-from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.theory.checks import warnings_for
-from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.fixture(autouse=True)
@@ -41,24 +38,6 @@ def test_its_gains_are_scenario_keys():
     assert abs(strong["e[1]"][-1]) < abs(weak["e[1]"][-1])
     with pytest.raises(UnknownNameError, match="near: k"):
         simulate("paper-simulation", "toy", overrides={"gains.toy.kk": 1.0})
-
-
-@pytest.mark.slow
-def test_guard_and_theory_serve_it_too():
-    guarded = simulate("far-start-drop", "toy", guard=True, overrides={"disturbance.truncate": 3.0})
-
-    assert guarded.monitor.violations == 0
-    assert warnings_for(settle(load_scenario("paper-experiment-literal"), "toy"))
-
-
-def test_the_engine_without_a_compiler_runs_it_too():
-    short = {"clock.duration": 2.0, "changes": []}
-    native, numpy = (
-        simulate("paper-simulation", "toy", engine=engine, overrides=short)
-        for engine in ("native", "numpy")
-    )
-
-    assert native["tau_right"] == pytest.approx(numpy["tau_right"], abs=1e-9)
 
 
 def test_an_entry_point_that_cannot_be_loaded_is_named(monkeypatch):

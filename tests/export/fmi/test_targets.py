@@ -8,7 +8,6 @@ import struct
 import subprocess
 import sys
 import zipfile
-from pathlib import Path
 
 import pytest
 from fmpy import read_model_description, simulate_fmu
@@ -24,7 +23,6 @@ from wmr_ctrl.export.fmi.targets import PartlyBuiltError
 
 WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)
 HEADERS = fmu_dir() / "fmi" / "headers"
-ROOT = Path(__file__).resolve().parents[3]
 zig = pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not there")
 linux = pytest.mark.skipif(sys.platform != "linux", reason="reads ELF files")
 

@@ -80,14 +80,14 @@ def test_a_slider_spans_a_fifth_to_five_times_its_value_within_its_bounds():
     assert found["robot.m"].span == (10.0, 150.0)
     assert found["robot.I"].span == pytest.approx((5.4 / 5, 5.4 * 5))
     assert found["guard.brake_share"].span == (pytest.approx(0.1), 1.0)
-    assert found["limits.v_u1[2]"].along == ("limits.v_u2[2]",)
+    assert found["limits.v_u1[2]"].along == ["limits.v_u2[2]"]
     assert found["limits.v_u1[2]"].meaning.endswith("(angular)")
     assert {name for name, item in found.items() if item.log} == {
         "limits.v_u1[1]", "limits.v_u1[2]", "robot.m", "robot.I", "guard.brake_share",
     }  # fmt: skip
 
 
-COLOURS = [*(look(law).colour for law in NAMES), *(colour for _, colour, *_ in WAYS.values())]
+COLOURS = [*(look(law).colour for law in NAMES), *(row["colour"] for row in WAYS.values())]
 
 
 @pytest.mark.parametrize("colour", COLOURS)

@@ -20,12 +20,6 @@ def test_a_sample_is_within_its_box_and_the_same_for_a_seed(method):
     assert (len(set(strata)) == 50) is (method == "latin-hypercube")
 
 
-def test_sobols_points_want_a_power_of_two():
-    assert SamplePlan("sobol", 64, 0, RANGES).warnings == ()
-    (said,) = SamplePlan("sobol", 100, 0, RANGES).warnings
-    assert said.endswith("Take 64 or 128.")
-
-
 def test_a_study_counts_its_points_laws_guards_and_seeds():
     grid = {"robot.mu": (0.1, 0.2), "robot.m": (40.0, 50.0, 60.0)}
     study = Study("far-start", seeds=4, laws=("pid", "mb"), guards=(True, False), grid=grid)

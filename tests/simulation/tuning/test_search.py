@@ -1,17 +1,13 @@
 """The search by itself: what it asks for and keeps, which plans it takes, and what it is told."""
 
 import math
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from wmr_ctrl import tune
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.simulation.tuning import gains
-from wmr_ctrl.simulation.tuning.gains import Tuning
 from wmr_ctrl.simulation.tuning.search import Cost, Search, TuningPlan
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -66,24 +62,3 @@ def test_what_runs_without_rounded_gains_would_be_worse_is_not_taken(
     assert calls[1][1]["gains.mb.rho"] != START["gains.mb.rho"]
     assert found.gains["gains.mb.rho"] == START["gains.mb.rho"]
     assert found.objective == (Cost(False, 0, 1.0), Cost(False, 0, 1.0))
-
-
-def test_figures_that_became_worse_are_told(scenario):
-    before = {"reference": "circle", "mass": 1.0, "tracking_drive_rms": 0.18, "lost": 0,
-              "torque_change_rms": 0.5, "max_abs_v1": 0.9, "max_abs_v2": 1.0}  # fmt: skip
-    better = before | {"tracking_drive_rms": 0.15, "torque_change_rms": 0.52, "max_abs_v2": 1.4}
-    worse = before | {"reference": "lemniscate", "tracking_drive_rms": 0.2, "max_abs_v1": 0.95}
-    tables = [[before] * 2, [better, worse | {"max_abs_v2": 1.6, "lost": 1}]]
-    plan, cost = TuningPlan(scenario=scenario, law="mb"), Cost(False, 0, 1.0)
-    both = map(table_of_rows, tables)
-    tuning = Tuning(plan, scenario, START, (cost, cost), *both, Path("a.toml"))
-
-    assert [(item.reference, item.figure, item.after) for item in tuning.worse] == [
-        ("lemniscate", "tracking_drive_rms", 0.2),
-        ("lemniscate", "max_abs_v2", 1.6),
-        ("lemniscate", "lost", 1),
-    ]
-    assert [item["figure"] for item in tuning.to_json()["worse"]] == [
-        item.figure for item in tuning.worse
-    ]
-    assert replace(tuning, after=tuning.before).worse == ()

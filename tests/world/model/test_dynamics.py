@@ -6,7 +6,6 @@ import pytest
 
 from tests.world.model.test_kinematics import ANGLES, value
 from wmr_ctrl.world.model.dynamics import (
-    force_to_wheel,
     plant,
     reduced_mass,
     rk4_step,
@@ -30,16 +29,6 @@ def test_projection_gives_the_reduced_dynamics():
             value(wheel_to_force(*numbers[2:], tau), [tau], (3.0, -1.0)), abs=1e-13
         )
     assert ca.evalf(reduced_mass(*numbers[:2])).full().ravel() == pytest.approx([50.0, 5.4])
-
-
-def test_wheel_torques_and_forces_are_inverse():
-    force = ca.SX.sym("force", 2)
-    r, half_track = ca.SX(0.1), ca.SX(0.25)
-    there_and_back = wheel_to_force(r, half_track, force_to_wheel(r, half_track, force))
-
-    assert value(there_and_back, [force], (37.0, -2.5)).ravel() == pytest.approx(
-        [37.0, -2.5], rel=1e-15
-    )
 
 
 def test_power_balance():

@@ -33,14 +33,3 @@ def test_largest_slope_bounds_the_graph_and_is_reached(robot):
     _, slope = scanned(robot)
 
     assert np.abs(slope).max() == pytest.approx(largest_slope(*robot), rel=1e-9)
-
-
-@pytest.mark.parametrize("robot", ROBOTS)
-def test_friction_opposes_motion_and_leaves_the_rotation_alone(robot):
-    v = ca.SX.sym("v", 2)
-    force = ca.Function("f", [v], [ca.densify(friction(*map(ca.SX, robot), v))])
-
-    for speed in (-2.0, -1e-4, 0.0, 1e-4, 2.0):
-        thrust, moment = np.asarray(force([speed, 0.7])).ravel()
-        assert np.sign(thrust) == np.sign(speed)
-        assert moment == 0

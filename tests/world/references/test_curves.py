@@ -5,13 +5,7 @@ import math
 import casadi as ca
 import pytest
 
-from wmr_ctrl.core.signals import LARGEST
 from wmr_ctrl.world.references.curves import (
-    CIRCLE,
-    LEMNISCATE,
-    LINE,
-    STOP_AND_GO,
-    Circle,
     circle,
     lemniscate,
     line,
@@ -31,16 +25,3 @@ def test_curves_are_their_formulas():
 
     found = ca.evalf(lemniscate(ca.SX(3.0), {"ref_size": ca.SX(1.5), "ref_rate": ca.SX(0.5)}))
     assert found.full()[:2, 0] == pytest.approx([1.5 * x / 2, 1.5 * x / 2 * math.cos(1.5)])
-
-
-@pytest.mark.parametrize("kind", [CIRCLE, LINE, LEMNISCATE, STOP_AND_GO])
-def test_what_is_left_out_is_within_the_limits(kind):
-    limits = (0.8, 1.2)
-    sizes = kind.section().sized(limits, (LARGEST, LARGEST))
-
-    assert all(value > 0 for value in sizes.values())
-    if kind is CIRCLE:
-        assert sizes == pytest.approx({"rate": 0.3, "radius": 0.4 / 0.3})
-        assert Circle(radius=10.0).sized(limits, (LARGEST, LARGEST))["rate"] == pytest.approx(0.04)
-    if kind is LINE:
-        assert sizes == {"speed": 0.4}

@@ -6,10 +6,8 @@ from typing import ClassVar
 
 import casadi as ca
 import pytest
-from click.testing import CliRunner
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantity
@@ -40,14 +38,6 @@ def test_it_is_refused_before_a_run():
         scenario_of("paper-simulation", {"reference.kind": "toy-singular"})
 
 
-def test_the_command_line_says_so_in_one_paragraph():
-    done = CliRunner().invoke(root, ["run", "--set", "reference.kind=toy-singular"])
-
-    assert done.exit_code == 2
-    assert "not finite at t = 0.37 s" in " ".join(done.stderr.split())
-    assert "Traceback" not in done.output
-
-
 def test_beyond_what_was_looked_at_the_run_blames_the_reference():
     period = 0.001
     when = (MOST_SAMPLES + 1234) * period
@@ -59,10 +49,3 @@ def test_beyond_what_was_looked_at_the_run_blames_the_reference():
 
     assert run.outcome == "non-finite"
     assert f"desired motion was no longer finite at t = {when:.6g} s" in run.explanation
-
-
-def test_an_unknown_kind_is_told_with_those_that_are_near():
-    done = CliRunner().invoke(root, ["run", "--set", "reference.kind=circel"])
-
-    assert done.exit_code == 2
-    assert "near: circle" in " ".join(done.stderr.split())

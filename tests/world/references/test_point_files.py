@@ -12,7 +12,7 @@ from tests.papers_robot import HEAD
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references.point_files import read_points
 from wmr_ctrl.world.references.spline import simplified
-from wmr_ctrl.world.references.waypoints import Waypoints, waypoint_path
+from wmr_ctrl.world.references.waypoints import waypoint_path
 from wmr_ctrl.world.scenario import load_scenario
 
 GOOD = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
@@ -64,16 +64,11 @@ def test_usual_ways_to_write_points(tmp_path, text):
         "- pose: {position: {x: 1, y: 0.5}}\n- pose: {position: {x: 2, y: -1}}\n---\n",
         "goals:\n- pose: {position: {x: 0, y: 0}}\n- position: {x: 1, y: 0.5}\n- {x: 2, y: -1}\n",
         "waypoints:\n- [0, 0, 0.1]\n- [1, 0.5, 0]\n- [2, -1, 0]\n",
-        "waypoints:\n  a: [0, 0, 0.1]\n  b: [1, 0.5, 0]\n  c: [2, -1, 0]\n",
-        "node:\n  ros__parameters:\n    waypoints: [0, 0, 0.1, 1, 0.5, 0, 2, -1, 0.3]\n",
-        '{"type": "FeatureCollection", "features": [{"geometry": {"coordinates": [0, 0]}}, '
-        '{"geometry": {"coordinates": [1, 0.5]}}, {"geometry": {"coordinates": [2, -1]}}]}',
-        '{"features": [{"geometry": {"coordinates": [[0, 0], [1, 0.5], [2, -1]]}}]}',
     ],
 )
 def test_usual_ways_of_navigation_stacks(tmp_path, text):
     pytest.importorskip("yaml")
-    file = tmp_path / "way.geojson"
+    file = tmp_path / "way.yaml"
     file.write_text(text)
 
     assert read_points(file) == GOOD
@@ -126,14 +121,6 @@ def test_files_that_are_not_there(tmp_path, name, message):
         read_points(tmp_path / name)
 
 
-def test_too_many_points(tmp_path):
-    (tmp_path / "way.csv").write_text("".join(f"{i},{i % 2}\n" for i in range(401)))
-    (tmp_path / "mine.toml").write_text('[reference]\nkind = "waypoints"\nfile = "way.csv"\n')
-
-    with pytest.raises(ScenarioError, match=r"at most 400.*reference\.tolerance = 0\.05"):
-        load_scenario(tmp_path / "mine.toml")
-
-
 def bends(count):
     """A planner's path: close points of a bend, each off by half a millimetre."""
     way = np.linspace(0, 6, count)
@@ -165,14 +152,6 @@ def test_a_planners_path_is_thinned_within_the_tolerance(tmp_path, at_end):
     assert len(path.coefficients) < 100
     assert from_all.max() < 0.05
     assert to_path.max() < 0.05
-
-
-@pytest.mark.parametrize("tolerance, word", [(1e-4, "Raise"), (20.0, "Lower")])
-def test_a_tolerance_that_does_not_fit_the_points_is_refused(tolerance, word):
-    points = ellipse(5000) + bends(5000) * [0, 1e-3]
-
-    with pytest.raises(ScenarioError, match=rf"5000 points .* {word} reference\.tolerance"):
-        waypoint_path(Waypoints(points=points.tolist(), tolerance=tolerance, closed=True))
 
 
 def test_a_way_back_on_the_same_line_is_not_left_out():

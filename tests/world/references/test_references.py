@@ -19,7 +19,6 @@ from wmr_ctrl.world.references import (
 )
 from wmr_ctrl.world.references import sample as sample_scenario
 from wmr_ctrl.world.references.waypoints import profile_of, waypoint_path
-from wmr_ctrl.world.scenario.sections import Clock
 
 SIZED = {"speed": 0.2, "omega_max": 1.0, "a_max": 0.2, "alpha_max": 1.0}
 HOOK = ((0.0, 0.0), (1.0, 0.2), (2.0, 1.5), (1.0, 2.5), (-0.5, 2.0), (-1.0, 0.5))
@@ -89,33 +88,6 @@ def test_robot_can_follow_it_without_slipping(reference):
     assert worst < 1e-9
 
 
-@pytest.mark.parametrize("reference", ALL, ids=name_of)
-@pytest.mark.slow_but("Circle0", "Line0", "StopAndGo0", "Waypoints3", "Lemniscate")
-def test_all_outputs_are_continuous(reference):
-    cycle = reference.cycle if math.isfinite(reference.cycle) else 20.0
-    coarse, fine = (np.linspace(0, 2.2 * cycle, n) for n in (4001, 16001))
-    several = slice(None)
-    if isinstance(reference, Waypoints):  # the rates of its fastest motion jump from row to row
-        several = slice(5)
-    jumps = [
-        np.abs(np.diff(sample(reference, times)[:, several], axis=0)).max(axis=0)
-        for times in (coarse, fine)
-    ]
-
-    assert (jumps[1] <= 0.3 * jumps[0] + 1e-9).all()
-    assert jumps[1][2] < 0.1
-
-
-@pytest.mark.parametrize("reference", LAPS, ids=name_of)
-def test_laps_repeat(reference):
-    times = instants(reference, 100, seed=2)
-    one, next_ = sample(reference, times), sample(reference, times + reference.cycle)
-    turns = (next_ - one)[:, 2] / (2 * math.pi)
-
-    np.testing.assert_allclose(np.delete(next_ - one, 2, axis=1), 0, atol=1e-9)
-    np.testing.assert_allclose(turns, round(turns[0]), atol=1e-9)
-
-
 @pytest.mark.parametrize(
     "reference, turns", list(zip(LAPS, (0, 1, 1, 1, 0, 1), strict=True)), ids=str
 )
@@ -146,14 +118,6 @@ def test_numbers_are_parameters_of_the_graph(reference):
     np.testing.assert_allclose(found, sample(other, times), rtol=1e-14, atol=1e-15)
 
 
-def test_stop_and_go_really_stops_and_starts_again():
-    reference = StopAndGo(speed=0.4, period=10.0)
-    found = sample(reference, np.array([0.0, 5.0, 10.0]))
-
-    np.testing.assert_allclose(found[:, 3], [0.0, 0.4, 0.0], atol=1e-15)
-    np.testing.assert_allclose(found[:, 5:], 0.0, atol=1e-15)
-
-
 def test_waypoints_are_passed_in_order():
     for reference in (
         Waypoints(points=EIGHT, **SIZED),
@@ -166,17 +130,6 @@ def test_waypoints_are_passed_in_order():
         places = sample(reference, np.array(times))[: len(points), :2]
 
         np.testing.assert_allclose(places, points, atol=1e-9)
-
-
-def test_an_open_path_goes_straight_on_after_its_end():
-    reference = Waypoints(points=HOOK, at_end="continue", **SIZED)
-    end = reference.cycle
-    at, later = sample(reference, np.array([end, end + 2.0]))
-    ahead = at[:2] + 2.0 * at[3] * np.array([-math.sin(at[2]), math.cos(at[2])])
-
-    np.testing.assert_allclose(at[4:], 0.0, atol=1e-12)
-    np.testing.assert_allclose(later[:2], ahead, atol=1e-12)
-    np.testing.assert_allclose(later[2:], at[2:], atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -197,9 +150,3 @@ def test_bounds_of_the_velocities(reference, bounds):
     for value, expected in zip(found, bounds, strict=True):
         if expected is not None:
             assert value == pytest.approx(expected, rel=1e-5, abs=1e-12)
-
-
-def test_bounds_cover_the_run_only():
-    short = paper(reference=StopAndGo(speed=0.4, period=10.0), clock=Clock(duration=2.5))
-
-    assert reference_bounds(short)[1] == pytest.approx(0.2)

@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.papers_robot import paper
-from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references.rounded_square import RoundedSquare, square_path, square_points
-from wmr_ctrl.world.scenario import override
 
 
 @pytest.mark.parametrize("corner", [0.2, 1.5])
@@ -28,9 +25,3 @@ def test_a_lap_takes_as_long_as_its_way_at_its_speed():
 
     assert square.cycle == square_path(square).duration
     assert sides + 4 * 0.8 * np.sqrt(2) < 0.25 * square.cycle < 12.0
-
-
-def test_two_corners_share_a_side():
-    with pytest.raises(ScenarioError, match=r"reference\.corner = 1\.6 must be at most half"):
-        override(paper(), {"reference.kind": "rounded-square", "reference.corner": 1.6,
-                           "reference.side": 3.0})  # fmt: skip

@@ -1,20 +1,18 @@
 """Goals: limits along the path are kept, little time is given away, and the motion ends at rest."""
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from tests.papers_robot import HEAD, paper, paper_toml
+from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references import Waypoints
 from wmr_ctrl.world.references import sample as sample_scenario
 from wmr_ctrl.world.references.point_files import read_points
 from wmr_ctrl.world.references.speed_profile import PathLimits, fastest
-from wmr_ctrl.world.references.waypoints import profile_of, waypoint_path
-from wmr_ctrl.world.scenario import load_scenario
+from wmr_ctrl.world.references.waypoints import waypoint_path
 
 ZIGZAG = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.5), (4.0, 1.5), (4.5, -1.0))
 FAST = {"speed": 0.9, "omega_max": 0.7, "a_max": 0.4, "alpha_max": 0.6}
@@ -49,28 +47,6 @@ def test_limits_are_kept_everywhere_and_one_of_them_nearly_met(reference):
     assert np.median(inner) > 0.85  # in a cell with a corner the limit is met at one place
 
 
-def test_turning_around_a_wide_arc_is_as_fast_as_the_rate_of_turning_admits():
-    angle = np.linspace(0, 1.5 * math.pi, 40)
-    points = tuple(zip(np.sin(angle).tolist(), (1 - np.cos(angle)).tolist(), strict=True))
-    limits = {"speed": 5.0, "a_max": 50.0, "alpha_max": 50.0, "omega_max": 0.5}
-    reference = Waypoints(points=points, **limits)
-
-    # |v2_d| = 0.5 rad/s all the way, but for the straight ends and both ramps
-    assert reference.cycle == pytest.approx(1.5 * math.pi / 0.5, rel=0.06)
-
-
-def test_the_motion_begins_and_ends_at_rest_and_stays_there():
-    reference = PATHS[2]
-    end = reference.arrival
-    at, before, after = sample(reference, [0.0, end - 1e-6, end + 30.0])
-
-    assert at[3] == 0
-    assert before[3] < 1e-5
-    np.testing.assert_array_equal(after[3:], 0.0)
-    np.testing.assert_allclose(after[:2], ZIGZAG[-1], atol=1e-12)
-    assert replace(reference, at_end="continue").arrival is None
-
-
 def test_no_corner_is_cut_by_more_than_the_tolerance():
     for tolerance in (0.02, 0.15, 0.5):
         reference = Waypoints(points=ZIGZAG, tolerance=tolerance)
@@ -90,20 +66,6 @@ def away(points, begin, end):
     return np.hypot(*(points - begin - share[:, None] * way).T)
 
 
-def test_a_lap_ends_as_it_begins():
-    reference = PATHS[3]
-    profile = profile_of(reference)
-
-    assert profile.rates[0] == pytest.approx(profile.rates[-1], rel=1e-9)
-    assert profile.rates.min() > 0
-
-
-def test_the_example_of_the_list_of_keys_runs():
-    from wmr_ctrl.world.references.waypoints import EXAMPLE
-
-    assert paper_toml(EXAMPLE).reference.arrival > 5
-
-
 PATH = """\
 header: {frame_id: map}
 poses:
@@ -116,18 +78,6 @@ poses:
 - {x: 2, y: -1}
 ---
 """
-
-
-def test_a_path_message_gives_its_points(tmp_path):
-    pytest.importorskip("yaml")
-    (tmp_path / "way.yaml").write_text(PATH)
-    (tmp_path / "mine.toml").write_text(
-        f'{HEAD}[reference]\nkind = "waypoints"\nfile = "way.yaml"\n'
-    )
-
-    points = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
-    assert read_points(tmp_path / "way.yaml") == points
-    assert load_scenario(tmp_path / "mine.toml").reference.points == points
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.references.waypoints import waypoint_path
 from wmr_ctrl.world.scenario import override
 
@@ -38,17 +37,3 @@ def test_a_closed_path_may_name_its_first_point_once_more():
     )
 
     assert np.array_equal(once.coefficients, twice.coefficients)
-
-
-@pytest.mark.parametrize("speed", [0.21, 0.37, 0.53])
-def test_where_it_stops_it_never_drives_back(speed):
-    scenario = override(paper(), {
-        "reference.kind": "waypoints", "reference.speed": speed, "reference.tolerance": 0.1,
-        "reference.points": [[0.0, 0.0], [1.0, 0.3], [1.7, 1.9]], "clock.duration": 40.0,
-    })  # fmt: skip
-    end = scenario.reference.arrival
-    times = np.unique(np.append(end - np.geomspace(1e-15, 1e-3, 400), end))
-
-    v = sample(scenario, times)[:, 3]
-    assert (v >= 0).all()
-    assert v[-1] == 0.0

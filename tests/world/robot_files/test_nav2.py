@@ -20,8 +20,3 @@ def test_a_footprint_is_as_large_as_its_farthest_corner():
     assert radius.value == pytest.approx(0.5, rel=1e-3)
     with pytest.raises(ScenarioError, match=r"footprint: \[1, 2, 3\] is no point"):
         list(read("global_costmap", {"footprint": "[[1, 2, 3]]"}, "nav2.yaml"))
-
-
-def test_limits_of_the_smoother_are_three_numbers():
-    with pytest.raises(ScenarioError, match="must be three numbers: x, y, theta"):
-        list(read("velocity_smoother", {"max_velocity": [1.0, 2.0]}, "nav2.yaml"))

@@ -146,15 +146,6 @@ def test_wheels_that_are_steered_drive_no_side(tmp_path):
         assert (found["robot.l"].value, found["robot.r"].value) == (0.2, 0.1)
 
 
-def test_wheels_that_the_controller_names_need_no_mirror(tmp_path):
-    control = "d: {ros__parameters: {left_wheel_names: [l_joint], right_wheel_names: [r_joint]}}"
-    (tmp_path / "control.yaml").write_text(control, encoding="utf-8")
-    (tmp_path / "r.urdf").write_text(robot(wheel("l", 0, 0.2), wheel("r", 0.01, -0.3)))
-    assert read_robot_files([tmp_path / "r.urdf", tmp_path / "control.yaml"]).found[
-        "robot.l"
-    ].value == pytest.approx(0.25)
-
-
 PAIR = wheel("l", 0, 0.2) + wheel("r", 0, -0.2)
 NEGATIVE = '<link name="b"><inertial><mass value="-1"/></inertial></link>' + joined("base", "b")
 CIRCLE = '<link name="a"/><link name="b"/>' + joined("a", "b") + joined("b", "a")
@@ -201,30 +192,6 @@ def test_every_cut_and_altered_file_is_read_or_refused(tmp_path):
         except ScenarioError:
             refused += 1
     assert 100 < refused < 300
-
-
-def test_xacro_is_expanded_with_packages_of_the_workspace(tmp_path):
-    for name in ("mine_description", "wheels"):
-        (tmp_path / name).mkdir()
-        package = f"<package><name>{name}</name></package>"
-        (tmp_path / name / "package.xml").write_text(package, encoding="utf-8")
-    spaces = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
-    (tmp_path / "wheels" / "wheel.xacro").write_text(
-        f'<robot {spaces}><xacro:macro name="wheel" params="side y">'
-        + wheel("${side}", 0, 0).replace("0.0 0.0 0.0", "0 ${y} 0")
-        + "</xacro:macro></robot>",
-        encoding="utf-8",
-    )
-    file = tmp_path / "mine_description" / "mine.urdf.xacro"
-    file.write_text(
-        f'<robot name="r" {spaces}><xacro:arg name="track" default="0.6"/>'
-        '<xacro:include filename="$(find wheels)/wheel.xacro"/><link name="base"/>'
-        '<xacro:wheel side="left" y="${$(arg track)/2}"/>'
-        '<xacro:wheel side="right" y="${-$(arg track)/2}"/></robot>',
-        encoding="utf-8",
-    )
-
-    assert read_robot_files([file]).found["robot.l"].value == 0.3
 
 
 def test_wheels_are_found_by_the_joints_that_a_controller_names():

@@ -105,21 +105,6 @@ def test_override_by_name_and_of_a_scenario_agree(overrides, check):
     assert override(load_scenario("paper-simulation"), overrides) == loaded
 
 
-def test_override_leaves_the_scenario_alone():
-    before = load_scenario("paper-simulation")
-    override(before, {"robot.m": 70, "changes[1].m": 80})
-
-    assert before == load_scenario("paper-simulation")
-    assert override(before, {}) == before
-
-
-@pytest.mark.parametrize("value", [np.array([1.0, 2.0, 3.0]), iter(()), [np.array([1.0])]])
-@pytest.mark.parametrize("key", ["robot.m", "model.m", "filter.tau", "reference.kind", "changes"])
-def test_odd_value_is_refused_in_words(key, value):
-    with pytest.raises(ScenarioError, match=key):
-        load_scenario("turtlebot3-burger", {key: value})
-
-
 @pytest.mark.parametrize(
     "overrides, message",
     [
@@ -153,21 +138,3 @@ def test_overrides_are_checked(overrides, message):
     ):
         with pytest.raises((ScenarioError, UnknownNameError), match=message):
             make()
-
-
-def test_a_file_of_points_is_found_from_where_one_stands(tmp_path, monkeypatch):
-    (tmp_path / "way.csv").write_text("0,0\n1,0\n2,1\n")
-    monkeypatch.chdir(tmp_path)
-    scenario = load_scenario(
-        "paper-simulation", {"reference.kind": "waypoints", "reference.file": "way.csv"}
-    )
-    again = override(scenario, {"reference.file": "way.csv", "reference.speed": "0.3"})
-
-    assert scenario.reference.points == again.reference.points == ((0, 0), (1, 0), (2, 1))
-    assert again.reference.speed == 0.3
-
-
-def test_tables_that_are_given_stay_as_they_were():
-    given = {"robot": {"m": 52.0}}
-    override(load_scenario("paper-simulation"), {**given, "robot.m": 60.0})
-    assert given == {"robot": {"m": 52.0}}

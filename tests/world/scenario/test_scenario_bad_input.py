@@ -42,7 +42,7 @@ CASES = {
     "period": ("[clock]\nplant = 0.003", "clock.control = 0.01 s must be a whole multiple"),
     "step longer": ("[clock]\nplant = 0.02", "clock.control = 0.01 s must be a whole multiple"),
     "step zero": ("[clock]\nplant = 0", "clock.plant = 0 must be at least 1e-09"),
-    "too long": ("[clock]\nduration = 1e9", "clock.duration = 1e+09 s is unusual"),
+    "too long": ("[clock]\nduration = 1e9", "clock.duration = 1000000000.0 s is 1e+11 times"),
     "correction": ("[sensor]\ncorrection = 0.0", "sensor.correction = 0.0 must be above 0"),
     "correction 2": ("[sensor]\ncorrection = 1.5", "sensor.correction = 1.5 must be at most 1"),
     "pose period": (
@@ -182,14 +182,6 @@ def test_nothing_is_quoted_of_a_file_of_another_kind(tmp_path, name, text, key):
     assert ("secret" in told) == ("must end in" not in told)
 
 
-def test_files_that_extend_each_other(tmp_path):
-    (tmp_path / "a.toml").write_text('extends = "b.toml"')
-    (tmp_path / "b.toml").write_text('extends = "./a.toml"')
-
-    with pytest.raises(ScenarioError, match=r"leads back to where it came from: .*a\.toml -> "):
-        load_scenario(tmp_path / "a.toml")
-
-
 def one_paragraph_or_none(load):
     """Tell whether loading gives a scenario, or an error of one line."""
     try:
@@ -206,6 +198,20 @@ def test_random_bytes_never_give_a_traceback(data):
 
 numbers = st.one_of(st.integers(), st.floats(), st.booleans(), st.text(max_size=5))
 values = st.recursive(numbers, lambda inner: st.lists(inner, max_size=4), max_leaves=6)
+keys = st.sampled_from(
+    ["robot.m", "robot", "limits.v_u1", "limits.v_u2[1]", "clock.plant", "clock.duration",
+     "sensor.pose_period", "actuator.delay", "changes", "changes[1].t", "changes[2].mu", "gains.mb",
+     "gains", "reference", "reference.kind", "reference.points", "reference.radius", "model.mu",
+     "metrics.split", "title", "initial.pose", "disturbance.truncate", "reference.file"]
+)  # fmt: skip
+
+
+numbers = st.one_of(st.integers(), st.floats(), st.booleans(), st.text(max_size=5))
+
+
+values = st.recursive(numbers, lambda inner: st.lists(inner, max_size=4), max_leaves=6)
+
+
 keys = st.sampled_from(
     ["robot.m", "robot", "limits.v_u1", "limits.v_u2[1]", "clock.plant", "clock.duration",
      "sensor.pose_period", "actuator.delay", "changes", "changes[1].t", "changes[2].mu", "gains.mb",

@@ -3,7 +3,6 @@
 import pytest
 
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override, to_toml
 from wmr_ctrl.world.scenario.sections import Limits
 
 BASE = "paper-simulation"
@@ -26,15 +25,6 @@ def test_what_is_left_out_follows():
     forward = limits(v_u1=(1.0, 2.0), v_min=(0.0, -2.0))
     assert forward.v_max == (1.0, 2.0)
     assert forward.unequal == (0,)
-
-
-def test_an_override_moves_what_follows():
-    stated = override(load_scenario(BASE), {"limits.v_min": [-0.2, -1.0]})
-    moved = override(stated, {"limits.v_u1": [0.95, 1.4]})
-    assert moved.limits.v_max == (0.95, 1.4)
-    assert moved.limits.v_min == (-0.2, -1.0)
-    again = loads_scenario(to_toml(moved), "again")
-    assert again.limits == moved.limits
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from tests.papers_robot import HEAD, paper, paper_toml
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references import (
-    REFERENCES,
     Circle,
     Lemniscate,
     Line,
@@ -71,12 +70,6 @@ def test_every_kind_and_field_loads_back_equal(reference, comments):
 
     assert loads_scenario(to_toml(scenario, comments), scenario.name) == scenario
     assert from_dict(scenario_dict(scenario), scenario.name) == scenario
-
-
-def test_every_kind_is_tried_above():
-    assert {type(reference) for reference in MOTIONS} == {
-        kind.section for kind in REFERENCES.values()
-    }
 
 
 finite = st.floats(-1e12, 1e12)
@@ -151,28 +144,6 @@ def test_files_extend_files_next_to_them(tmp_path):
     assert scenario.title == "base"
 
 
-def test_another_kind_replaces_the_extended_reference():
-    text = 'extends = "fast-reference"\n[reference]\nkind = "circle"\nradius = 3.0\n'
-    reference = paper_toml(text).reference
-
-    assert (type(reference), reference.radius) == (Circle, 3.0)
-
-
-def test_same_kind_keeps_the_rest_of_the_extended_reference():
-    text = 'extends = "fast-reference"\n[reference]\norigin = [0.0, 1.0]\n'
-
-    assert paper_toml(text).reference == Line(speed=0.9, origin=(0.0, 1.0))
-
-
-@pytest.mark.parametrize("duration, left", [(39.99, 0), (40.0, 0), (40.01, 1)])
-def test_a_change_at_the_very_end_is_not_reached(duration, left):
-    text = f'extends = "paper-simulation"\n[clock]\nduration = {duration}\n'
-
-    assert len(paper_toml(text).changes) == left
-    changed = override(load_scenario("paper-simulation"), {"clock.duration": duration})
-    assert len(changed.changes) == left
-
-
 def test_points_of_a_file_that_is_extended_take_the_place_of_the_other(tmp_path):
     (tmp_path / "way.csv").write_text("0,0\n1,0\n2,1\n")
     base = f'{HEAD}[reference]\nkind = "waypoints"\nfile = "way.csv"\n'
@@ -186,12 +157,6 @@ def test_points_of_a_file_that_is_extended_take_the_place_of_the_other(tmp_path)
     assert read["points"].reference.points == ((0.0, 0.0), (3.0, 0.0))
     assert read["back"].reference.points == read["base"].reference.points
     assert len(read["base"].reference.points) == 3
-
-
-def test_none_takes_back_what_the_extended_scenario_says():
-    text = 'extends = "far-start-friction-overestimated"\n[model]\nmu = "none"\n'
-
-    assert paper_toml(text).believed.mu == 0.08
 
 
 def test_a_preset_s_title_is_shown_of_its_own_numbers_alone(tmp_path):

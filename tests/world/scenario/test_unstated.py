@@ -1,6 +1,5 @@
 """What must be stated is asked for at once; what is not known does not matter; the rest follows."""
 
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +8,8 @@ import pytest
 from tests.papers_robot import paper
 from wmr_ctrl import simulate
 from wmr_ctrl.control.controller import lacking
-from wmr_ctrl.control.laws import LAWS
-from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated, unknown
-from wmr_ctrl.results import measures
 from wmr_ctrl.theory.checks import stability
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.references.kind import reference_bounds
@@ -24,9 +20,7 @@ from wmr_ctrl.world.scenario import (
     loads_scenario,
     override,
     sections,
-    to_toml,
 )
-from wmr_ctrl.world.scenario.toml_io import MARK
 from wmr_ctrl.world.scenario.unstated import guessed_keys, missing_keys, missing_text, unknown_keys
 
 ROBOT = {"m": 12.0, "I": 0.6, "mu": 0.05, "r": 0.08, "l": 0.2}
@@ -62,13 +56,6 @@ def test_what_is_stated_is_not_missing_though_it_contradicts_another_key():
         from_dict({**TORQUE, "limits": {**LIMITS, "v_u2": [0.7, 1.0]}})
 
     assert "missing" not in str(error.value)
-
-
-@pytest.mark.parametrize("v_u1", ["3 m", [1.0], [1.0, "1 m"], [-1.0, 1.0], [0.5, 1e-6]])
-def test_what_is_stated_wrongly_is_not_called_missing(v_u1):
-    with pytest.raises(ScenarioError, match=r"^limits\.v_u") as caught:
-        from_dict({**TORQUE, "limits": {"v_u1": v_u1, "v_u2": [0.2, 2.4]}})
-    assert "missing" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -111,22 +98,6 @@ def test_no_motion_depends_on_a_placeholder(law):
         assert np.array_equal(first[name], second[name])
 
 
-@pytest.mark.parametrize("law", ["mb", "nn", "pid", "prox"])
-def test_a_law_that_reads_the_robot_asks_for_it(law):
-    with pytest.raises(ScenarioError, match=rf"law {law}: .*robot\.m \[kg\]"):
-        simulate(from_dict(VELOCITY), law)
-
-
-def test_what_is_not_stated_is_not_shown_as_known():
-    scenario = from_dict(VELOCITY)
-    text = to_toml(scenario)
-
-    assert "\n# m = ..." in text
-    assert "\n# v_u2 = ..." in text
-    assert "not stated" in scenario._repr_html_()
-    assert loads_scenario(text, scenario.name) == scenario
-
-
 def test_a_file_that_lacks_keys_is_a_base_for_others(tmp_path):
     (tmp_path / "part.toml").write_text("[robot]\nm = 12.0\nI = 0.6\n[limits]\nv_u2 = [0.3, 0.4]\n")
     rest = "[robot]\nmu = 0.05\nr = 0.08\nl = 0.2\n[limits]\nv_u1 = [0.6, 1.2]\n"
@@ -159,24 +130,6 @@ def test_a_path_that_nobody_sizes_leaves_the_limits_room(kind, limits):
         assert all(getattr(made.reference, name) == value for name, value in more.items())
 
 
-def test_torques_of_a_robot_that_is_not_known_are_no_numbers():
-    run = simulate(from_dict(VELOCITY), "kanayama", overrides={"clock.duration": 1.0})
-
-    assert np.isnan(run["tau_right"]).all()
-    assert measures.torque_needed_rms(run) is None
-    assert np.isfinite(run["v1"]).all()
-
-
-def test_values_that_are_no_defaults_are_marked():
-    """What is not marked may be left out."""
-    scenario = load_scenario("turtlebot3-burger")
-    lines = to_toml(scenario, marked=True).splitlines()
-    kept = [line for line in lines if MARK in line or line.startswith("[") or "=" not in line]
-
-    assert not any(line.startswith(("plant =", 'kind = "none"')) for line in kept)
-    assert from_dict(tomllib.loads("\n".join(kept)), scenario.name) == replace(scenario, title="")
-
-
 def test_what_is_left_out_follows():
     scenario = from_dict(TORQUE)
     path = {"kind": "waypoints", "points": [[0, 0], [1, 0], [2, 1]]}
@@ -202,16 +155,6 @@ def test_gains_that_nobody_states_are_stable_at_the_period(law, period):
     scenario = override(from_dict(TORQUE), {"clock.control": period})
 
     assert stability(scenario, law).period > period
-
-
-def test_gains_follow_the_robot_unless_they_are_stated():
-    light = from_dict(TORQUE)
-    heavy = override(light, {"robot.m": 24.0})
-    stated = override(heavy, {"gains.pid.Kp": [5.0, 5.0]})
-
-    assert settle(heavy, "pid").gains.Kp[0] == pytest.approx(2 * settle(light, "pid").gains.Kp[0])
-    assert settle(stated, "pid").gains.Kp == (5.0, 5.0)
-    assert all(settle(light, law).gains for law in LAWS)
 
 
 def test_what_is_missing_unknown_or_guessed_is_listed():

@@ -36,15 +36,6 @@ def test_what_a_file_calls_assumed_is_listed_until_somebody_states_it(tmp_path):
     assert keys(child) == ["limits.v_u1", "robot.mu", KIND]
 
 
-def test_what_is_assumed_is_written_and_read_again():
-    scenario = loads_scenario(LIMITED)
-
-    assert scenario.assumed == ("limits.v_u1", "robot.mu")
-    assert loads_scenario(to_toml(scenario)) == scenario
-    assert loads_scenario(to_toml(scenario, comments=False)) == scenario
-    assert "assumed" not in to_toml(load_scenario("paper-simulation"))
-
-
 @pytest.mark.parametrize("raw", ['"robot.m"', '["robot.mass"]', '["robot"]', "[1]", "3"])
 def test_what_is_assumed_is_a_list_of_keys(raw):
     with pytest.raises(ScenarioError, match="assumed"):

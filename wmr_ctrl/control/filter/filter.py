@@ -21,13 +21,7 @@ from wmr_ctrl.core.fields.values import Pair
 from wmr_ctrl.core.signals import ASKED, ODOMETRY_AGE, Signal
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.model.system import Output, System, port, stack, values
-from wmr_ctrl.world.scenario import (
-    Scenario,
-    asking_about_units,
-    load_scenario,
-    override,
-    unit_questions,
-)
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override, unit_questions
 from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Filter
 
 from .asked import for_base
@@ -254,9 +248,8 @@ def filter_system(scenario: Scenario) -> System:
 
     Raises ScenarioError where the filter is not set, or cannot be met.
     """
-    with asking_about_units(scenario):
-        check_filter(scenario)
-        return for_base(BUILDERS[kind_of(scenario.filter)](scenario).system, scenario)
+    check_filter(scenario)
+    return for_base(BUILDERS[kind_of(scenario.filter)](scenario).system, scenario)
 
 
 def filter_questions(scenario: Scenario) -> Iterator[str]:

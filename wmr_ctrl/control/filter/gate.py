@@ -127,11 +127,7 @@ def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, c
     offered = ca.if_else(stop.sym > 0, 0, ramped)
     y, update = filtered(offered)
     sent = y[:2]
-    following = sent
-    if WAITED in {item.signal for item in inner.state}:
-        rows = places(item.signal for item in inner.state)[WAITED.name]
-        update[rows] = aimed[rows]  # what was asked for counts, and the ramp begins meanwhile
-        following = ca.if_else(ca.sum1(aimed[rows]) > 0, offered, sent)
+    update, following = _leaving(inner, (update, aimed), (offered, sent))
     missing = ca.logic_not(seen) if settings.odometry != "none" else ca.SX(0)
     less = ca.logic_and(_same(goal, wanted), ca.logic_not(_same(sent, offered)))
     bits = ((less, LIMITED), (stays, STOPPED), (ca.logic_not(came), NO_COMMAND),
@@ -147,6 +143,22 @@ def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, c
         outputs=(Output(SENT, sent), Output(FLAGS, flags)), period=inner.period,
     )  # fmt: skip
     return gate, goal
+
+
+def _leaving(
+    inner: System, updates: tuple[ca.SX, ca.SX], commands: tuple[ca.SX, ca.SX]
+) -> tuple[ca.SX, ca.SX]:
+    """The filter's next state, and the command from which the next ramp begins.
+
+    ``updates``: for the command ``offered`` and for what was asked for, which counts while a base
+    waits to leave; the ramp begins meanwhile.  ``commands``: offered and sent.
+    """
+    (update, aimed), (offered, sent) = updates, commands
+    rows = places(item.signal for item in inner.state).get(WAITED.name)
+    if rows is None:
+        return update, sent
+    update[rows] = aimed[rows]
+    return update, ca.if_else(ca.sum1(aimed[rows]) > 0, offered, sent)
 
 
 def ramp(last: ca.SX, wanted: ca.SX, rates: tuple[float, float], time: ca.SX) -> ca.SX:

@@ -13,7 +13,7 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.values import Pair
 from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
 from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
-from wmr_ctrl.world.scenario import Scenario, asking_about_units
+from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.scenario.command_filter import MOST_PERIODS
 
 from .channels import (
@@ -83,13 +83,12 @@ def _schedule(scenario: Scenario, delay: Pair) -> Schedule:
     soonest, latest, jitter, age, hold = in_periods
     plan = Schedule((soonest, latest), settings.losses, jitter, age, hold)
     span = (last + settings.age) / (T - settings.jitter) + settings.losses
-    with asking_about_units(scenario):
-        if span > MOST_PERIODS:
-            raise ScenarioError(
-                f"filter: delay, age of odometry and losses span {span:.0f} control periods of "
-                f"{T:g} s and the governor handles at most {MOST_PERIODS}. State shorter ones, or "
-                'set filter.kind = "clip", which does not depend on them.'
-            )
+    if span > MOST_PERIODS:
+        raise ScenarioError(
+            f"filter: delay, age of odometry and losses span {span:.0f} control periods of "
+            f"{T:g} s and the governor handles at most {MOST_PERIODS}. State shorter ones, or "
+            'set filter.kind = "clip", which does not depend on them.'
+        )
     return plan
 
 

@@ -8,8 +8,7 @@ frozen dataclass that takes keywords; its fields are made by :func:`quantity`::
 """
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, TypeVar, cast, dataclass_transform
 
 from wmr_ctrl.core.errors import ScenarioError, UnknownKeyError, UnknownNameError, show
@@ -105,8 +104,7 @@ class Section:
         """Put every field into its own type, or raise ScenarioError that names the key."""
         for name, what in quantities(type(self)):
             object.__setattr__(self, name, what.clean(getattr(self, name), key(self.KEY, name)))
-        with asking((self.KEY, self)):
-            self.relate()
+        self.relate()
 
     def relate(self) -> None:
         """Check relations between the fields; a section that has some overrides this."""
@@ -154,27 +152,6 @@ def questions(section: Section, path: str) -> Iterator[tuple[str, str]]:
     for name, what in quantities(type(section)):
         for sentence in what.questions(getattr(section, name), key(path, name)):
             yield key(path, name), sentence
-
-
-@contextmanager
-def asking(*parts: tuple[str, Section]) -> Iterator[None]:
-    """Context that adds questions about units to a refusal: a wrong unit may be its cause."""
-    try:
-        yield
-    except ScenarioError as error:
-        put_first(error, (said for path, part in parts for _, said in questions(part, path)))
-        raise
-
-
-IF_NOT = "If not: "
-"""Words between questions about units and the error that a slip of units may have caused."""
-
-
-def put_first(error: ScenarioError, asked: Iterable[str]) -> None:
-    """Prepend to the error's text those questions that are not yet in it."""
-    text = str(error)
-    if new := [sentence for sentence in asked if sentence not in text]:
-        error.args = (f"{' '.join(new)} {'' if IF_NOT in text else IF_NOT}{text}",)
 
 
 def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[float, ...]]:

@@ -23,8 +23,6 @@ MOST_SEEDS = 10_000_000
 """Runs that one call may be asked for."""
 MOST_JOBS = 4096
 """Threads or processes that one call may be asked for."""
-MOST_NODES = 200_000
-"""Values of a YAML file, each alias counted as often as it would be written out."""
 MOST_UNPACKED, RATIO = 200_000_000, 100
 """Bytes that a packed file may hold unpacked, or so many times its own size if that is more."""
 

@@ -1,11 +1,8 @@
 """YAML text as plain values; damaged, endless or ambiguous text is refused."""
 
-import math
 from typing import Any
 
 from wmr_ctrl.core.errors import ScenarioError, show
-
-from .values import MOST_NODES
 
 
 def yaml_document(text: str, place: str) -> object:
@@ -16,34 +13,22 @@ def yaml_document(text: str, place: str) -> object:
 def yaml_documents(text: str, place: str) -> list[object]:
     """Return the documents of YAML text that are not empty.
 
-    Repeated tables are merged. Raises ScenarioError, starting with ``place``, if it is not YAML,
-    repeats another key, or has more than MOST_NODES values, aliases written out.
+    Repeated tables are merged, as ROS does. Raises ScenarioError, starting with ``place``, if it is
+    not YAML, repeats another key, or has an alias, which ROS does not read either.
     """
     import yaml  # seldom needed
 
+    documents = []
     try:
-        loader = yaml.SafeLoader(text)
-    except yaml.YAMLError as problem:
-        raise _no_yaml(place, problem) from None
-    documents, size = [], 0.0
-    try:
-        while loader.check_node():
-            node = loader.get_node()
-            size += _size(node, {}, place)
-            if size > MOST_NODES:
-                raise ScenarioError(
-                    f"{place} has more than {MOST_NODES} values, aliases written out. Save it "
-                    "without anchors and aliases, or without what is not needed."
-                )
-            documents.append(loader.construct_document(node))
+        for node in yaml.compose_all(text, yaml.SafeLoader):
+            _check(node, set(), place)
+            documents.append(yaml.SafeLoader("").construct_document(node))
     except RecursionError:
         raise ScenarioError(f"{place} is not usable YAML: it is nested too deeply.") from None
     except (yaml.YAMLError, ValueError, TypeError, OverflowError) as problem:
         if isinstance(problem, ScenarioError):
             raise
         raise _no_yaml(place, problem) from None
-    finally:
-        loader.dispose()
     return [document for document in documents if document is not None]
 
 
@@ -52,20 +37,21 @@ def _no_yaml(place: str, problem: Exception) -> ScenarioError:
     return ScenarioError(f"{place} is not YAML ({detail}). Check its indentation and quotes.")
 
 
-def _size(node: Any, known: dict[int, float], place: str) -> float:
-    """Values in a node of YAML with every alias written out; infinite if it holds itself."""
-    if id(node) not in known:
-        known[id(node)] = math.inf
-        if node.id == "mapping":
-            node.value = _once(node.value, place)
-        inner = node.value if isinstance(node.value, list) else []
-        parts = (part for item in inner for part in (item if isinstance(item, tuple) else (item,)))
-        known[id(node)] = 1 + sum(_size(part, known, place) for part in parts)
-    return known[id(node)]
+def _check(node: Any, seen: set[int], place: str) -> None:
+    """Merge repeated tables in a node of YAML; raise ScenarioError where an alias leads back."""
+    if id(node) in seen:
+        line = node.start_mark.line + 1
+        raise ScenarioError(f"{place}: the anchor in line {line} has an alias. Write it out.")
+    seen.add(id(node))
+    if node.id == "mapping":
+        node.value = _once(node.value, place)
+    for item in node.value if isinstance(node.value, list) else ():
+        for part in item if isinstance(item, tuple) else (item,):
+            _check(part, seen, place)
 
 
 def _once(pairs: list[tuple[Any, Any]], place: str) -> list[tuple[Any, Any]]:
-    """Pairs of nodes with unique keys; tables with the same name are merged, as ROS does."""
+    """Pairs of nodes with unique keys; tables with the same name are merged."""
     kept: dict[object, tuple[Any, Any]] = {}
     for key, value in pairs:
         name = key.value if isinstance(key.value, str) and key.value != "<<" else id(key)

@@ -1,4 +1,4 @@
-"""The Modelica package WheeledRobot: plant, reference, every law, closed loops, imported FMUs.
+"""The Modelica package WheeledRobot: plant, reference, every law, closed loops.
 
 Everything in it comes from the Systems of a scenario: ports with their units, parameters with their
 values, and the graphs themselves. A law is a block that calls one function at each sample, and that
@@ -37,9 +37,6 @@ CLOCK = "clock.control"
 RESULT = "y"
 """Name of a function's one result."""
 _TEMPLATES = Path(__file__).parent
-_WIDTH = 100
-"""Characters of a line of code, but where one word or string is longer."""
-_WORD = re.compile(r'(?:"(?:\\.|[^"\\])*"|[^\s"]|")+')
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
 
 
@@ -106,19 +103,6 @@ def quoted(text: str) -> str:
     return "".join(_ESCAPES.get(c, c if c.isprintable() else " ") for c in text)
 
 
-def folded(line: str) -> list[str]:
-    """A line of code, split at spaces outside of strings if it is too long."""
-    if len(line) <= _WIDTH:
-        return [line]
-    indent = line[: len(line) - len(line.lstrip())]
-    lines = [indent]
-    for word in _WORD.findall(line):
-        if len(lines[-1]) + len(word) >= _WIDTH and lines[-1].strip():
-            lines.append(indent + "  ")
-        lines[-1] += word if lines[-1].isspace() or not lines[-1] else f" {word}"
-    return lines
-
-
 def export_modelica(*, scenario: Scenario, out: str | Path = ".") -> list[Path]:
     """Write WheeledRobot.mo atomically into the folder ``out``; returns its path.
 
@@ -143,11 +127,10 @@ def modelica_package(scenario: Scenario) -> str:
     inputs, outputs = members(controllers[0].inputs), members(controllers[0].outputs)
     sides = (desired, inputs, outputs, members(robot.inputs), members(robot.outputs))
     ports = diagram.places_of_parts(*([member.name for member in side] for side in sides))
-    parts = ("reference", "controller", "plant")
     noisy = any(item.active(scenario) for item in setups[0].effects)
     engine = text_engine(_TEMPLATES)
     engine.filters["quoted"] = quoted
-    text = engine.get_template("package.mo.j2").render(
+    return engine.get_template("package.mo.j2").render(
         version=__version__,
         scenario=scenario,
         clock=clock,
@@ -159,9 +142,7 @@ def modelica_package(scenario: Scenario) -> str:
         ports=ports,
         diagram=diagram,
         wires=diagram.wires_of_loop(ports),
-        imported={name: diagram.wires_within(ports[name]) for name in parts},
     )
-    return "\n".join(line for long in text.split("\n") for line in folded(long))
 
 
 def _function(system: System) -> Mapping[str, object]:

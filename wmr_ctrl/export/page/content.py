@@ -71,7 +71,7 @@ def content_of(
         plain |= _admitted(scene.scenario, numbers.values())
     known = [item for loop in loops for item in (*loop.layout.columns, *loop.layout.parameters)]
     names = {  # unit and meaning of every element
-        name: [_unit(unit), signal.meaning]
+        name: [unit_text(unit), signal.meaning]
         for signal in known
         for name, unit in zip(signal.elements, signal.units, strict=True)
     }
@@ -164,7 +164,7 @@ def _control(control: Control) -> Plain:
     return {
         **asdict(control),
         **{name: [_number(value) for value in pair] for name, pair in numbers.items()},
-        "unit": _unit(control.unit),
+        "unit": unit_text(control.unit),
     }
 
 
@@ -203,11 +203,6 @@ def _spelled(row: Row) -> Plain:
 def _number(value: float) -> float | str:
     """A number for JSON; infinity becomes a text that JavaScript's Number reads."""
     return value if math.isfinite(value) else "Infinity" if value > 0 else "-Infinity"
-
-
-def _unit(unit: str) -> str:
-    """A unit for readers: kg m² for kg.m2."""
-    return unit_text(unit).replace(".", " ").translate(str.maketrans("23", "²³"))
 
 
 def _look(member: PageMember) -> Plain:

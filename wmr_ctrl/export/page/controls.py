@@ -4,7 +4,7 @@ Value, unit, meaning and bounds come from the fields that the parameters are nam
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from wmr_ctrl.control.numbers import ranges_of
@@ -29,18 +29,13 @@ class Group:
 _DATA = data(__package__, "controls.toml")
 GROUPS = [Group(**group) for group in _DATA["group"]]
 """In the order in which they are listed; a parameter belongs to the first that names it."""
-HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.unmodelled_delay", "robot.g",
-          "robot.v_s", "base.delay", "base.timeout", "base.tau_believed",
-          "filter.delta", "filter.drag", "filter.slew_reach")  # fmt: skip
+HIDDEN = tuple(_DATA["hidden"])
 """Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
 OF_FIRST_ORDER = ("filter.gain", "filter.d")
 """Parameters that filters of other loops ignore, or use only in what is computed beforehand."""
 SPANS: Mapping[str, Span] = {key: (low, high) for key, (low, high) in _DATA["spans"].items()}
 """Ranges other than a fifth to five times the value."""
-ALONG: Mapping[str, tuple[str, ...]] = {
-    "limits.v_u1[1]": ("limits.v_u2[1]",),
-    "limits.v_u1[2]": ("limits.v_u2[2]",),
-}
+ALONG: Mapping[str, Sequence[str]] = _DATA["along"]
 """Elements that keep their proportion to the one that is moved, and are not moved by themselves."""
 WIDER = 5.0
 AXES = ("linear", "angular")
@@ -62,7 +57,7 @@ class Control:
     span: Span
     bounds: Span
     log: bool
-    along: tuple[str, ...]
+    along: Sequence[str]
 
 
 def controls_of(

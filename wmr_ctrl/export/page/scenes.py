@@ -21,7 +21,7 @@ from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.values import multiple
-from wmr_ctrl.report.style import DASH_DOT, DASHED, DASHES, DOTTED, Dash, Look, look
+from wmr_ctrl.report.style import DASHES, Look, look, look_of
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override, preset_titles, title_of
 
 
@@ -47,20 +47,8 @@ SLOW = 0.25
 """Slew that is shown where none is stated, as a share of that from which on it is worth nothing."""
 SMOOTH = [2.5, 3.2]
 """Rates of Nav2's velocity smoother as it ships [m/s2, rad/s2]."""
-WAYS: Mapping[str, tuple[str, str, Dash, str]] = {
-    "clipped": ("at the limit", "#d6336c", "-", "commands clipped at the limit"),
-    "smoothed": ("smoothed", "#e69f00", DASHED, "the usual smoother, then clipped at the limit"),
-    "clip": ("filter, clip", "#1f77c9", DASH_DOT, "command filter, memoryless"),
-    "slew": (
-        "filter, slow clip",
-        "#6b7a1e",
-        DASHED,
-        "command filter, of commands that change slowly",
-    ),
-    "governor": ("filter, governor", "#00956d", DOTTED, "command filter, from odometry"),
-    "band": ("filter, band", "#5b0e3b", DASHED, "command filter, from what it sent"),
-}
-"""Label, colour, dashes and title of each way to limit commands; several laws dash as laws."""
+WAYS = data(__package__, "ways.toml")
+"""Look and title of each way to limit commands; several laws dash as laws."""
 
 
 def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...]:
@@ -71,11 +59,11 @@ def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...
     members = []
     for number, law in enumerate(laws):
         for way, overrides in _ways(scenario, law):
-            label, colour, dash, title = WAYS[way]
+            own, title = look_of(WAYS[way]), f"{law}: {WAYS[way]['title']}"
             if several:
-                label, dash = f"{law}, {label}", DASHES[number % len(DASHES)]
-            own = Look(label, colour, dash)
-            members.append(PageMember(f"{law}-{way}", law, own, f"{law}: {title}", overrides))
+                dash = DASHES[number % len(DASHES)]
+                own = replace(own, label=f"{law}, {own.label}", dash=dash)
+            members.append(PageMember(f"{law}-{way}", law, own, title, overrides))
     return tuple(members)
 
 

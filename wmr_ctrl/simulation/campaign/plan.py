@@ -12,7 +12,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
-from warnings import catch_warnings, filterwarnings
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,9 +84,7 @@ class SamplePlan:
         low, high = np.array(list(self.ranges.values())).T
         if self.method == SOBOL:
             sampler: Any = library("SALib.sample.sobol", "study")
-            with catch_warnings():
-                filterwarnings("ignore", ".*power of 2", UserWarning)  # `warnings` tells it
-                rows = sampler.sample(self.problem, self.n, calc_second_order=False, seed=self.seed)
+            rows = sampler.sample(self.problem, self.n, calc_second_order=False, seed=self.seed)
             return np.asarray(rows, dtype=np.float64)
         draw = np.random.Generator(np.random.Philox(self.seed))
         unit = draw.random((self.n, len(low)))
@@ -95,17 +92,6 @@ class SamplePlan:
             strata = np.column_stack([draw.permutation(self.n) for _ in low])
             unit = (strata + unit) / self.n
         return low + (high - low) * unit
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Sentences on avoidable faults of the sample."""
-        if self.method != SOBOL or self.n.bit_count() == 1:
-            return ()
-        below = 1 << (self.n.bit_length() - 1)
-        return (
-            f"sample.n = {self.n} is not a power of 2, which Sobol's points need to be evenly "
-            f"spread. Take {below} or {2 * below}.",
-        )
 
     @property
     def described(self) -> dict[str, object]:
@@ -193,11 +179,6 @@ class Study:
     def runs(self) -> int:
         """Number of runs of the whole plan, if no rule stops it."""
         return self.cells * self.seeds
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Remarks on the plan that are not errors, one sentence each."""
-        return self.sample.warnings if self.sample else ()
 
     def values(self, cell: int) -> tuple[object, ...]:
         """Values of `keys` in a cell."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import Any, ParamSpec, TypeAlias, TypeVar
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.simulation.batch import cores, deaf_to_interrupts
 from wmr_ctrl.simulation.many import tabulated
 from wmr_ctrl.simulation.memory import Task
-from wmr_ctrl.simulation.runnable import RunnableLoop
 
 from .engine import Refusal, accepted, built_loops
 from .plan import PlannedCase
@@ -35,30 +34,15 @@ RETRIES = 3
 """Times that a chunk is sent again after its worker was lost."""
 Facts = Mapping[str, str]
 Columns: TypeAlias = dict[str, np.ndarray]
-P = ParamSpec("P")
-T = TypeVar("T")
-MOST_LOOPS = 16
-"""Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
 
 
 @dataclass(frozen=True)
 class StudyChunk:
-    """A worker's task: some runs of a study, and the figures to compute.
-
-    ``loops``: that of each run, if the worker need not build them; ``device``: as in `study`.
-    """
+    """A worker's task: runs of a study, and the figures to compute; ``device`` as in `study`."""
 
     runs: tuple[tuple[PlannedCase, int], ...]
     figures: tuple[str, ...]
-    loops: tuple[RunnableLoop | Refusal, ...] = ()
     device: str = "cpu"
-
-    def with_loops(self) -> StudyChunk:
-        """The chunk with its loops; unchanged if almost every run has a separate case."""
-        cases = [case for case, _ in self.runs]
-        if len(set(map(id, cases))) > MOST_LOOPS:
-            return self
-        return replace(self, loops=tuple(built_loops(cases, None, "", self.device)))
 
 
 def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
@@ -67,7 +51,7 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
     Called by an executor's worker, on ``jobs`` threads, or processes for the rigid body.
     """
     cases = (case for case, _ in chunk.runs)
-    loops = chunk.loops or built_loops(cases, None, "", chunk.device)
+    loops = built_loops(cases, None, "", chunk.device)
     places, ready = accepted(loops, [seed for _, seed in chunk.runs])
     rows: Columns = {name: np.full(len(loops), np.nan) for name in chunk.figures}
     outcome = np.array([REFUSED] * len(loops), dtype="<U16")
@@ -94,17 +78,16 @@ def executor_named(
     """The executor of that name, closed at the end; None for threads of this process.
 
     ``facts`` returns this process's versions; ``asked`` is called on each worker for comparison.
-    Processes of this machine use its libraries, so they receive loops. Raises UnknownNameError,
-    MissingExtraError without distributed, ArgumentError for an unreachable scheduler or a worker of
-    another version.
+    Raises UnknownNameError, MissingExtraError without distributed, ArgumentError for an unreachable
+    scheduler or a worker of another version.
     """
     if isinstance(name, Executor):
         yield name
     elif name == THREADS:
         yield None
     elif name == DASK:
-        with _local(jobs) as executor:
-            yield _SendsLoops(executor)
+        with _local(jobs) as local:
+            yield local
     elif name.startswith(SCHEME):
         distributed: Any = library("distributed", "cluster")
         with _client(distributed, f"tcp://{name.removeprefix(SCHEME)}", name) as client:
@@ -112,20 +95,6 @@ def executor_named(
             yield client.get_executor(pure=False, retries=RETRIES)
     else:
         raise UnknownNameError("executor", name, (THREADS, DASK, f"{SCHEME}HOST:PORT"))
-
-
-class _SendsLoops(Executor):
-    """An executor whose workers receive the loops of a chunk, and so need no graphs."""
-
-    def __init__(self, executor: Executor) -> None:
-        self._executor = executor
-
-    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Send a call with its chunk."""
-        sent: list[Any] = [
-            item.with_loops() if isinstance(item, StudyChunk) else item for item in args
-        ]
-        return self._executor.submit(fn, *sent, **kwargs)
 
 
 @contextmanager

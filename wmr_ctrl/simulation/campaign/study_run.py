@@ -22,7 +22,6 @@ from wmr_ctrl.world.scenario import Scenario
 from .engine import PhaseProgress, build_loop, phase
 from .plan import PlannedCase, Study
 from .study_chunks import (
-    SCHEME,
     THREADS,
     StudyChunk,
     chunk_rows,
@@ -43,8 +42,8 @@ MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
 class StudyOutcome:
     """Results of a study: its folder, the table's path, the numbers of runs made and planned.
 
-    ``stopped``: cases that the rule ended before all their seeds; ``warnings``: the plan's;
-    ``refused``: number of runs that a guard refused, by reason (`counted_reasons`).
+    ``stopped``: cases that the rule ended before all their seeds; ``refused``: number of runs that
+    a guard refused, by reason (`counted_reasons`).
     """
 
     folder: Path
@@ -52,7 +51,6 @@ class StudyOutcome:
     runs: int
     planned: int
     stopped: int
-    warnings: tuple[str, ...]
     refused: Mapping[str, int]
 
     @property
@@ -96,11 +94,11 @@ def study(
     chosen = plan_of(plan) if isinstance(plan, Mapping) else plan
     check_device(device, chosen.plant, here=executor == THREADS)
     own = [law for law in chosen.laws if law in LAWS.given]
-    if own and isinstance(executor, str) and executor.startswith(SCHEME):
+    if own and isinstance(executor, str) and executor != THREADS:
         raise ArgumentError(
             f"the workers of {executor} do not know the law {own[0]!r}, which is in a file or an "
-            "object of this process. Install it there as a package with an entry point, or use the "
-            "executor threads or dask."
+            "object of this process. Install it as a package with an entry point, or use the "
+            "executor threads."
         )
     if chosen.plant == "mujoco":
         from wmr_ctrl.simulation.physics.rigid import description, mujoco
@@ -179,7 +177,7 @@ def run_study(
                     break
         table, refused = folder.write_table(looks), folder.refusals(looks)
         stopped = plan.cells - len(cells)
-        return StudyOutcome(out, table, done, plan.runs, stopped, plan.warnings, refused)
+        return StudyOutcome(out, table, done, plan.runs, stopped, refused)
 
 
 def _collect(

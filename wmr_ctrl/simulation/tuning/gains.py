@@ -17,7 +17,7 @@ were not trained on.
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -51,19 +51,6 @@ _ERRORS = ("tracking_drive_rms", "torque_change_rms")
 """Figures that are judged, less is better; of a base that takes velocities the first."""
 FLOOR = 1e-6
 """A smaller error [m] or change of torque [N m] is as good as none."""
-WORSE = 0.05
-"""Share by which a figure may grow before it is worse: medians of few runs differ by as much."""
-
-
-@dataclass(frozen=True)
-class WorseFigure:
-    """A test figure that tuning made worse: its reference, robot, and both values."""
-
-    reference: str
-    mass: float
-    figure: str
-    before: float
-    after: float
 
 
 @dataclass(frozen=True)
@@ -82,26 +69,6 @@ class Tuning:
     out: Path
     corridor: tuple[float | None, float | None] = (None, None)
 
-    @property
-    def worse(self) -> tuple[WorseFigure, ...]:
-        """Test figures that are worse after tuning than before, in the order of the table."""
-        v1, omega = self.scenario.limits.v_u1
-        judged_by = _ERRORS[:1] if self.scenario.takes_velocity else _ERRORS
-        allowed = {name: np.maximum((1 + WORSE) * self.before[name], FLOOR) for name in judged_by}
-        allowed |= {
-            "max_abs_v1": np.maximum(self.before["max_abs_v1"], v1),
-            "max_abs_v2": np.maximum(self.before["max_abs_v2"], omega),
-            "lost": self.before["lost"],
-        }
-        both = self.before, self.after
-        names, masses = (self.after[label].tolist() for label in ("reference", "mass"))
-        return tuple(
-            WorseFigure(reference, mass, name, *(float(item[name][k]) for item in both))
-            for k, (reference, mass) in enumerate(zip(names, masses, strict=True))
-            for name, most in allowed.items()
-            if not self.after[name][k] <= most[k]
-        )
-
     def to_json(self) -> dict[str, object]:
         """Plain data."""
         plan, (first, last) = self.plan, self.objective
@@ -118,7 +85,6 @@ class Tuning:
             "gains": {key: list(value) for key, value in self.gains.items()},
             "before": self.before.records(),
             "after": self.after.records(),
-            "worse": [asdict(item) for item in self.worse],
         }  # fmt: skip
 
 

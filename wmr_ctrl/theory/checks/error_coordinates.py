@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.control.laws.registry import LAWS
-from wmr_ctrl.control.loop import Graphs, PlantlessGraphs, SensedGraphs
+from wmr_ctrl.control.loop import Graphs, PlantlessGraphs
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.signals import DISTURBING, MEASURED, places
 from wmr_ctrl.world.effect import Rate
@@ -27,7 +26,6 @@ from wmr_ctrl.world.scenario import Scenario
 Floats = NDArray[np.float64]
 POSE, SPEED = "m, m, rad", "m/s, rad/s"
 """Units by which the memory of a pose and of a velocity is known."""
-Steps: TypeAlias = tuple[ca.Function, ca.Function, ca.Function, ca.Function]
 ROBOT, COMMAND, HELD = 5, 2, 4
 """Sizes: tracking error with v1 and omega; a command; what disturbs over a sample."""
 
@@ -43,21 +41,13 @@ class World:
     for steps of length 0.
     """
 
-    step: ca.Function
-    slopes: ca.Function
-    rates: ca.Function
-    rate_slopes: ca.Function
-
-    def __init__(self, setup: Setup, like: World | None = None) -> None:
-        """Differentiate the graphs; with ``like``, share its plant steps and parameters."""
-        self.setup = setup
-        if like is None:
-            full = PlantlessGraphs(setup)
-            self.held, moved = full.u.sym.numel(), _quiet(full.plant_step(), full.draws(Rate.STEP))
-            self.graphs: Graphs = full
-        else:
-            self.held, self.graphs = like.held, SensedGraphs(setup, like.graphs)
-        graphs = self.graphs
+    def __init__(self, setup: Setup) -> None:
+        """Differentiate the graphs."""
+        self.graphs = graphs = PlantlessGraphs(setup)
+        self.held, moved = (
+            graphs.u.sym.numel(),
+            _quiet(graphs.plant_step(), graphs.draws(Rate.STEP)),
+        )
         self.ports: tuple[Port, ...] = graphs.parameters.ports
         self.fast, self.slow = graphs.fast, graphs.slow
         self.size = len(names_of(self.fast))
@@ -66,14 +56,6 @@ class World:
         )
         x, m = (stack(item.sym for item in part) for part in (self.fast, self.slow))
         self._sense(graphs, x, m)
-        if like is None:
-            each: Steps = self._stepping(graphs, x, moved)
-        else:
-            assert [item.signal for item in self.ports] == [item.signal for item in like.ports]
-            each = like.step, like.slopes, like.rates, like.rate_slopes
-        self.step, self.slopes, self.rates, self.rate_slopes = each
-
-    def _stepping(self, graphs: Graphs, x: ca.SX, moved: ca.SX) -> Steps:
         u, p, h = graphs.u.sym, graphs.p, graphs.parameters.take("clock.plant")
         z, v_d, theta = ca.SX.sym("z", self.size), ca.SX.sym("v_d", 2), ca.SX.sym("theta")
         desired, angle = ca.vertcat(0, 0, theta), theta - z[2]
@@ -83,12 +65,10 @@ class World:
         step = ca.vertcat(tracking_error(desired, after[:3]), after[3:])
         slopes = ca.densify(ca.jacobian(step, ca.vertcat(z, u)))
         given = [graphs.step.clock.sym, z, theta, u, p, v_d]
-        return (
-            ca.Function("step", given, [ca.densify(step)]),
-            ca.Function("slopes", given, [slopes]),
-            ca.Function("rates", given, [ca.densify(_slope(step, h))]),
-            ca.Function("rate_slopes", given, [ca.densify(_slope(slopes, h))]),
-        )
+        self.step = ca.Function("step", given, [ca.densify(step)])
+        self.slopes = ca.Function("slopes", given, [slopes])
+        self.rates = ca.Function("rates", given, [ca.densify(_slope(step, h))])
+        self.rate_slopes = ca.Function("rate_slopes", given, [ca.densify(_slope(slopes, h))])
 
     def _sense(self, graphs: Graphs, x: ca.SX, m: ca.SX) -> None:
         shown = ca.vertcat(graphs.sample.column((*MEASURED, *DISTURBING)), *graphs.sample.following)

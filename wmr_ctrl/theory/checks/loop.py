@@ -105,11 +105,6 @@ class Loop:
         return self
 
     @property
-    def graphs(self) -> Loop:
-        """The loop whose graphs this one uses."""
-        return self
-
-    @property
     def longest(self) -> float:
         """Longest control period [s] for which each command is held until the next one arrives."""
         return np.inf
@@ -256,7 +251,7 @@ class Loop:
 
     def _slopes_at(self, at: Point, period: float, learning: bool) -> Floats:
         """Gradient of the force, and of the memory if it changes, by s, memory and forces."""
-        graph = self.graphs._gradient_learning if learning else self.graphs._gradient
+        graph = self._gradient_learning if learning else self._gradient
         forces, numbers = np.tile(at.force, len(self.remembered)), self.parameters(period)
         return evaluated(graph, at.s, at.v_d, at.v_d_dot, at.memory, forces, numbers)[0]
 
@@ -272,7 +267,7 @@ class Loop:
         """
         forces = np.tile(point.force, len(self.remembered))
         force, memory = evaluated(
-            self.graphs.act, point.s, point.v_d, point.v_d_dot, point.memory, forces,
+            self.act, point.s, point.v_d, point.v_d_dot, point.memory, forces,
             self.parameters(self.own_period),
         )  # fmt: skip
         after = point.memory if self.traits.estimates else memory.ravel()
@@ -348,12 +343,7 @@ class Loop:
     def parameters(self, period: float) -> list[float]:
         """Values of the law's parameters with a control period [s]."""
         listed = ((port.signal.name, port.value) for port in self.core.params)
-        timed = self.timed(period)
-        return [n for name, own in listed for n in timed.get(name, own)]
-
-    def timed(self, period: float) -> dict[str, tuple[float, ...]]:
-        """Values of the parameters that depend on the control period [s]."""
-        return {PERIOD: (period,)}
+        return [n for name, own in listed for n in ((period,) if name == PERIOD else own)]
 
     @property
     def own_period(self) -> float:

@@ -198,11 +198,13 @@ class Assembly:
         """Gradient of measurements, disturbances and memory after a sample."""
         if len(self.worlds) == 1:  # the same, in a tenth of the time
             return self._of(self.world, sample)
+        from scipy.linalg import block_diag  # slow to import, and seldom needed
+
         size, shown = self.world.size, ROBOT + HELD
         each = [(weight, self._of(world, sample)) for weight, world in self.worlds]
         seen = sum(weight * slopes[:shown, :size] for weight, slopes in each)
         sides = [weight * slopes[:shown, size:] for weight, slopes in each]
-        memory = _diagonal([slopes[shown:, size:] for _, slopes in each])
+        memory = block_diag(*(slopes[shown:, size:] for _, slopes in each))
         after = np.vstack([slopes[shown:, :size] for _, slopes in each])
         return np.block([[seen, np.hstack(sides)], [after, memory]])
 
@@ -288,15 +290,6 @@ class Assembly:
             plant.moved[np.ix_(i, i)], plant.forced[i], plant.pushed[i], plant.measured[:, i],
             tuple(every[k] for k in i[ROBOT:]),
         )  # fmt: skip
-
-
-def _diagonal(blocks: Sequence[Floats]) -> Floats:
-    """Block-diagonal matrix."""
-    ends = np.cumsum([0, *map(len, blocks)]).tolist()
-    whole = np.zeros((ends[-1], ends[-1]))
-    for block, (first, end) in zip(blocks, pairwise(ends), strict=True):
-        whole[first:end, first:end] = block
-    return whole
 
 
 def _without_origin(plant: SampledPlant, way: int, memory: slice) -> SampledPlant:

@@ -9,14 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 
-import casadi as ca
 import numpy as np
 
-from wmr_ctrl.control.applied import Lateness, remembered
+from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph, unfiltered_controller, velocity_sender
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.core.signals import ASKED, SENT_BEFORE, Signal, places
-from wmr_ctrl.world.model.system import Output, Port, System
+from wmr_ctrl.core.signals import ASKED, SENT_BEFORE, places
+from wmr_ctrl.world.model.system import Output, System
 from wmr_ctrl.world.scenario import Robot, unknown_keys
 
 from .budget import counted
@@ -26,8 +25,6 @@ from .rest import rest
 from .sampled_plant import Point, steps_in
 from .surroundings import idle_base
 
-LATE = ("late_steps", "period_steps")
-"""Parameters of a graph that periods share: plant steps of a delay beyond whole ones; of one."""
 LONG = 0.1
 """A control period in which laws may change their command much [s]."""
 
@@ -46,46 +43,31 @@ class SendingLoop(Loop):
 
     @cached_property
     def core(self) -> System:
-        """Law and adapter with their memory."""
+        """Law and adapter with their memory, for a base that limits no command."""
         if self.sender is not None:
             return self.sender
-        if not self._is_timed:
-            return _sent(self.setup, self.in_flight, None)
-        return self._alike.core
-
-    @property
-    def _is_timed(self) -> bool:
-        """True if it is built for a period or delay of commands other than the scenario's."""
-        return self.period is not None or self.delay is not None
+        law = _law_graph(self.setup, self.in_flight)
+        idle = replace(self.setup, scenario=idle_base(self.scenario))
+        sent = velocity_sender(idle, law, self._late)
+        return replace(sent.system(), outputs=(Output(ASKED, sent.asked),), diagnostics=())
 
     @cached_property
     def own_period(self) -> float:
         """Control period that it is built for [s]."""
         return self.scenario.clock.control if self.period is None else self.period
 
-    @cached_property
-    def _late(self) -> tuple[int, int, int]:
-        """Delay of commands in whole periods and further plant steps; plant steps per period."""
+    @property
+    def _late(self) -> tuple[int, float, float] | None:
+        """Delay of commands in whole periods and further plant steps, and plant steps per period.
+
+        None for those of the scenario.
+        """
+        if self.period is None and self.delay is None:
+            return None
         delay = self.scenario.base.delay if self.delay is None else self.delay
         steps = steps_in(self.own_period, self.scenario.clock.plant)
         whole, part = divmod(round(delay / (self.own_period / steps)), steps)
         return whole, part, steps
-
-    @cached_property
-    def _alike(self) -> SendingLoop:
-        """The equal loop whose graph has the numbers of plant steps as parameters."""
-        whole, part, _ = self._late
-        return _alike(self.setup, self.in_flight, whole, part > 0)
-
-    @property
-    def graphs(self) -> Loop:
-        """The loop whose graphs this one uses: periods and delays of one structure share them."""
-        return self._alike if self._is_timed else self
-
-    def timed(self, period: float) -> dict[str, tuple[float, ...]]:
-        """Values of the parameters that depend on the control period [s]."""
-        late = zip(LATE, self._late[1:], strict=True) if self._is_timed else ()
-        return {**super().timed(period), **{name: (float(count),) for name, count in late}}
 
     def at_period(self, period: float) -> Loop:
         """The loop for a control period [s]; it remembers the commands in transit."""
@@ -162,27 +144,6 @@ def _at_rest(
 @lru_cache(maxsize=16)
 def _law_graph(setup: Setup, in_flight: int | None) -> System:
     return law_graph(replace(setup, scenario=idle_base(setup.scenario)), in_flight)
-
-
-def _sent(setup: Setup, in_flight: int | None, late: Lateness | None) -> System:
-    """Law and adapter with their memory, for a base that limits no command."""
-    law = _law_graph(setup, in_flight)
-    counts = [
-        Port(Signal(name, "1", "plant steps"), count, (1.0,))
-        for name, count in zip(LATE, late[1:] if late else (0, 0), strict=True)
-        if isinstance(count, ca.SX)
-    ]
-    law = replace(law, params=(*law.params, *counts))
-    idle = replace(setup, scenario=idle_base(setup.scenario))
-    sent = velocity_sender(idle, law, late)
-    return replace(sent.system(), outputs=(Output(ASKED, sent.asked),), diagnostics=())
-
-
-@lru_cache(maxsize=128)
-def _alike(setup: Setup, in_flight: int | None, whole: int, partial: bool) -> SendingLoop:
-    part, steps = (ca.SX.sym(name) for name in LATE)
-    late = whole, part if partial else 0, steps
-    return SendingLoop(setup, in_flight, sender=_sent(setup, in_flight, late))
 
 
 @lru_cache(maxsize=128)

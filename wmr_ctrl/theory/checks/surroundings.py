@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise, product
 
@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.applied import followed
-from wmr_ctrl.control.setup import Setup, with_effects_of
+from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.signals import SAMPLE, STEP, TIME
 from wmr_ctrl.world.model.dynamics import force_to_wheel
@@ -19,7 +19,7 @@ from wmr_ctrl.world.phases import drag
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
 from wmr_ctrl.world.registry import EFFECTS, OURS
-from wmr_ctrl.world.scenario import Model, Robot, Scenario, override
+from wmr_ctrl.world.scenario import Robot, Scenario, override
 from wmr_ctrl.world.velocity_loss import VelocityLoss
 
 from .error_coordinates import COMMAND, Floats, World, world_of
@@ -81,7 +81,7 @@ class Surroundings:
         """Prepare the scenario; nothing is differentiated yet."""
         self._sends = sends = scenario.takes_velocity
         scenario = idle_base(scenario) if sends else scenario
-        self.scenario, self._worlds = scenario, dict[tuple[object, ...], World]()
+        self.scenario = scenario
         present = [item for item in EFFECTS.present(scenario) if "clock.control" in item.shape]
         self._foreign = any(item not in OURS for item in present)
         bounds = ((item, item.bounded(scenario)) for item in present)
@@ -90,9 +90,6 @@ class Surroundings:
         self._counted = {key: (scenario.value(key)[0], late)
                          for item, late in shown for key in item.shape
                          if not key.startswith(("clock.", "actuator."))}  # fmt: skip
-        # Graphs have the robot as parameters: scenarios that believe in the same robot share them.
-        alike = replace(scenario, robot=scenario.believed, model=Model())
-        self._alike = None if alike == scenario else surroundings(alike)
         actuator = scenario.actuator
         known = scenario.base.delay if sends else actuator.delay
         late = known + actuator.unmodelled_delay + actuator.jitter
@@ -100,6 +97,7 @@ class Surroundings:
         self._lag = actuator.lag * (1 + actuator.lag_spread)
         self._wheels = wheels(scenario.robot.r, scenario.robot.l)
         self._sent = np.eye(COMMAND) if sends else self._wheels
+        self._world = lru_cache(maxsize=256)(self._world_of)
         self.known_of_drives = lru_cache(maxsize=64)(self._known_of_drives)
         self._assembly = lru_cache(maxsize=64)(self._assembled)
         # Kept for the next law, which is tried at the same periods, delays and masses.
@@ -111,23 +109,14 @@ class Surroundings:
 
     def worlds(self, period: float) -> list[tuple[float, World]]:
         """The graphs at a control period [s], with weights that sum to 1."""
-        if self._alike:
-            return self._alike.worlds(period)
         own = period if self._foreign else self.scenario.clock.control
         ways = [_counts(key, time / period, late) for key, (time, late) in self._counted.items()]
         return [(math.prod(w for w, _ in way), self._world(own, tuple(n for _, n in way)))
                 for way in product(*ways)]  # fmt: skip
 
-    def _world(self, own: float, counts: tuple[int, ...]) -> World:
-        if (own, *counts) not in self._worlds:
-            times = {key: n * own for key, n in zip(self._counted, counts, strict=True)}
-            like = next(iter(self._worlds.values()), None)
-            self._worlds[own, *counts] = (
-                world_of(_still(self.scenario, own, times))
-                if like is None or self._foreign
-                else World(with_effects_of(like.setup, override(like.setup.scenario, times)), like)
-            )
-        return self._worlds[own, *counts]
+    def _world_of(self, own: float, counts: tuple[int, ...]) -> World:
+        times = {key: n * own for key, n in zip(self._counted, counts, strict=True)}
+        return world_of(_still(self.scenario, own, times))
 
     @cached_property
     def headings(self) -> tuple[float, ...]:
@@ -327,9 +316,7 @@ def rounded_effects(scenario: Scenario) -> str:
 
 
 def rare_poses(scenario: Scenario) -> str:
-    """Remark on rare or lost poses, which a time-invariant loop neglects."""
-    sensor, period = scenario.section(PoseSensor), scenario.clock.control
-    parts = [f"a pose comes every {sensor.pose_period:g} s"] * (sensor.pose_period > period)
-    parts += [f"{sensor.pose_dropout:.0%} of them do not come"] * (sensor.pose_dropout > 0)
-    said = " and ".join(parts)
-    return f"as if a pose came at every sample, though {said}" if said else ""
+    """Remark on rare poses, which a time-invariant loop neglects; empty if none."""
+    every = scenario.section(PoseSensor).pose_period
+    said = f"as if a pose came at every sample, though one comes every {every:g} s"
+    return said if every > scenario.clock.control else ""

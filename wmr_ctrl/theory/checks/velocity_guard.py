@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from wmr_ctrl.control.guard.contradictions import contradictions
 from wmr_ctrl.control.guard.price import (
     SpeedPrice,
-    early_speed,
     speed_price,
     torque_swing,
     usable_formula,
@@ -44,12 +43,11 @@ def contradicted(loop: Loop) -> Iterator[Warning]:
 
 
 def guard_price(loop: Loop) -> Iterator[Warning]:
-    """Yield reasons why the guarantee is void, an early start, and a reference that is too fast."""
+    """Yield reasons why the guarantee is void, and a reference that is too fast."""
     if not loop.guarded:
         return
     for text in void_effects(loop.setup):
         yield Warning(text.partition(" ")[0], text, PLACE, objects=False)
-    yield from _early_start(loop)
     price = speed_price(loop.scenario, loop.setup.guard)
     for axis, short in enumerate(price.short):
         if short:
@@ -66,26 +64,6 @@ def void_effects(setup: Setup) -> Iterator[str]:
         if bound and bound.void:
             key, _, _ = bound.void.partition(" ")
             yield f"{bound.void} {REMEDIES.get(key, OTHER_REMEDY)}"
-
-
-def _early_start(loop: Loop) -> Iterator[Warning]:
-    """Yield a start within the limit that a push can leave before the first command acts."""
-    scenario = loop.scenario
-    gained = early_speed(loop.setup.guard)
-    excess = scenario.limits.excess(scenario.initial.velocity)
-    for i, (speed, unit) in enumerate(zip(SPEEDS, UNITS, strict=True)):
-        start, beyond = abs(scenario.initial.velocity[i]), excess[i]
-        u1 = start - beyond
-        if beyond <= 0 < beyond + gained[i]:
-            yield Warning(
-                "initial.velocity",
-                f"Before the first command acts, a push of guard.dbar can add {gained[i]:.3g} "
-                f"{unit} to |{speed}| = {start:g}, and the guard can only bring it back from "
-                f"beyond {u1:g}. Start below {u1 - gained[i]:.4g} {unit} for a guarantee from the "
-                "first instant.",
-                PLACE,
-                objects=False,
-            )
 
 
 def _too_fast(loop: Loop, price: SpeedPrice, axis: int) -> Warning:

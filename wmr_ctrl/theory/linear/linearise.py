@@ -3,12 +3,11 @@
 The module also names the signals, and has numerical helpers for the other files.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize_scalar
 
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
@@ -66,18 +65,6 @@ def is_stable(poles: ArrayLike, sampled: bool = False) -> bool:
     values = np.asarray(poles, dtype=complex)
     inside = np.abs(values) <= 1 + MARGINAL if sampled else values.real <= MARGINAL
     return bool(inside.all())
-
-
-def lowest(of: Callable[[Floats], Floats], grid: Floats, xatol: float) -> tuple[float, float]:
-    """Location and value of the minimum of ``of`` (N) -> (N): on a ``grid`` (N), then refined."""
-    values = np.asarray(of(grid))
-    best = int(values.argmin())
-    near = minimize_scalar(
-        lambda x: float(np.squeeze(of(x))), method="bounded", options={"xatol": xatol},
-        bounds=(grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]),
-    )  # fmt: skip
-    place, least = (near.x, near.fun) if near.fun < values[best] else (grid[best], values[best])
-    return float(place), float(least)
 
 
 INSTANTS = 257

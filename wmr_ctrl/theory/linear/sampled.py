@@ -27,12 +27,12 @@ from .linearise import (
     check_axis,
     check_period,
     law_loop,
-    lowest,
     on_reference,
 )
 from .state_space import is_learning
 
-SPEEDS = 400
+SPEEDS = 2001
+"""Velocities of an axis at which the time to its limit is looked at."""
 
 
 @checks_arguments
@@ -144,18 +144,9 @@ def _shortest(scenario: Scenario, law: str, axis: int, v_c0: Floats, period: flo
         room: Floats = u1 - np.copysign(1.0, acceleration) * v
         return room / np.maximum(np.abs(acceleration), 1e-300)
 
-    return smallest(crossing, u1, scenario.limits.v_u2[axis])
-
-
-def smallest(of: Callable[[Floats], Floats], u1: float, u2: float) -> float:
-    """Smallest value of ``of(v)`` (N) over |v| < u1, with the kinks at +-u2 taken from both sides.
-
-    ``of`` takes velocities (N).
-    """
-    inside = u1 * (1 - 1e-6)
-    sides = [sign * u2 + side * 1e-12 * u1 for sign in (-1, 1) for side in (-1, 0, 1)]
-    grid = np.unique(np.concatenate((np.linspace(-inside, inside, SPEEDS), sides)))
-    return lowest(of, grid, 1e-10)[1]
+    inside, u2 = u1 * (1 - 1e-6), scenario.limits.v_u2[axis]
+    sides = [sign * u2 + side * 1e-12 * u1 for sign in (-1, 1) for side in (-1, 0, 1)]  # kinks
+    return float(crossing(np.append(np.linspace(-inside, inside, SPEEDS), sides)).min())
 
 
 def pull_of(

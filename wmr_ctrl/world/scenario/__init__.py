@@ -35,7 +35,6 @@ from .toml_io import preset_titles as preset_titles
 from .toml_io import scenario_hash as scenario_hash
 from .toml_io import title_of as title_of
 from .toml_io import to_toml as to_toml
-from .units import asking_about_units as asking_about_units
 from .units import unit_questions as unit_questions
 from .unstated import missing_text as missing_text
 from .unstated import unknown_keys as unknown_keys

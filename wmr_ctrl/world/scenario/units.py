@@ -2,11 +2,9 @@
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import pairwise
 
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.section import Section, put_first, questions
+from wmr_ctrl.core.fields.section import Section, questions
 from wmr_ctrl.core.fields.units import USUAL, meant
 from wmr_ctrl.core.fields.unstated import Unstated
 from wmr_ctrl.world.references import Waypoints
@@ -64,13 +62,3 @@ def _way(reference: Waypoints) -> Iterator[tuple[str, str]]:
             "m, and speed, omega_max and a_max in m/s, rad/s and m/s2?"
         )
         yield "reference.speed", sentence
-
-
-@contextmanager
-def asking_about_units(scenario: Scenario) -> Iterator[None]:
-    """Context that prepends questions to a refusal: a mistaken unit may be its cause."""
-    try:
-        yield
-    except ScenarioError as error:
-        put_first(error, (sentence for _, sentence in unit_questions(scenario)))
-        raise
