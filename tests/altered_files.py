@@ -334,6 +334,19 @@ ALTERED_FILES = (
          "now->simulated && core->stamp"),
     ),
     *_rows(
+        "fmu/ros2/", "tests/ros2/test_free_core.py",
+        ("filter_core.c", "isnan(one) || one < other", "one < other"),
+        ("filter_core.c", "        u[1] = 0.0;\n", ""),
+        ("filter_core.c", ": k == WMR_V_MAX;", ": 0;"),
+    ),
+    *_rows(
+        "fmu/ros2/", "tests/ros2/test_scans.py",
+        ("filter_core.c", "oldest = fmax(oldest, age)", "oldest = age"),
+        ("scan_core.c", "range < b->least ? -1.0 : range", "range"),
+        ("scan_core.c", "apart(gap, ray)", "1"),
+        ("scan_core.c", "is_ignored(angle)) {", "0) {"),
+    ),
+    *_rows(
         RUNTIME, "tests/identification/test_identify.py::test_gradient_and_likelihood_agree",
         ("read_log.c", "if (kinds[n] != WATCHED)", "if (1)"),
         ("read_log.c", "kinds[n] == COUNTED", "kinds[n] >= SKIPPED"),

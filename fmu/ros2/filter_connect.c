@@ -22,8 +22,46 @@
 #define COMMAND_NAME "geometry_msgs/msg/Twist"
 #endif
 
-const char *const wmr_type_names[TOPICS] = {
-    COMMAND_NAME, "nav_msgs/msg/Odometry", "std_msgs/msg/Bool", "rosgraph_msgs/msg/Clock"};
+#if WMR_SCANS
+#define FREE_TYPE ROSIDL_GET_MSG_TYPE_SUPPORT(sensor_msgs, msg, LaserScan)
+#define FREE_NAME "sensor_msgs/msg/LaserScan"
+static const char *const scan_topics[] = WMR_SCAN_TOPICS;
+#elif defined WMR_AT_FREE
+#define FREE_TYPE ROSIDL_GET_MSG_TYPE_SUPPORT(std_msgs, msg, Float64MultiArray)
+#define FREE_NAME "std_msgs/msg/Float64MultiArray"
+static const char *const scan_topics[] = {"free"};
+#endif
+
+const char *wmr_type_name(int place)
+{
+    switch (place) {
+    case COMMANDS:
+        return COMMAND_NAME;
+    case ODOMETRY:
+        return "nav_msgs/msg/Odometry";
+    case STOP:
+#ifdef WMR_AT_LIMITS
+    case ENABLE:
+        return "std_msgs/msg/Bool";
+    case V_MAX:
+    case V_MIN:
+        return "geometry_msgs/msg/Twist";
+#else
+        return "std_msgs/msg/Bool";
+#endif
+#ifdef WMR_SPEED_LIMIT
+    case SPEED_LIMIT:
+        return "nav2_msgs/msg/SpeedLimit";
+#endif
+#ifdef WMR_AT_FREE
+    default:
+        return FREE_NAME;
+#else
+    default:
+        return "rosgraph_msgs/msg/Clock";
+#endif
+    }
+}
 
 void wmr_check(rcl_ret_t result, const char *what)
 {
@@ -89,11 +127,18 @@ static void make_messages(filter_node *n)
     COMMAND_MAKE(&n->sent);
     nav_msgs__msg__Odometry__init(&n->odometry);
     std_msgs__msg__Bool__init(&n->stop);
+    geometry_msgs__msg__Twist__init(&n->limit);
+    std_msgs__msg__Bool__init(&n->enable);
+    std_msgs__msg__Float64MultiArray__init(&n->free);
+    sensor_msgs__msg__LaserScan__init(&n->scan);
+#ifdef WMR_SPEED_LIMIT
+    nav2_msgs__msg__SpeedLimit__init(&n->speed_limit);
+#endif
     rosgraph_msgs__msg__Clock__init(&n->clock);
     diagnostic_msgs__msg__DiagnosticArray__init(&n->told);
     diagnostic_msgs__msg__DiagnosticStatus__Sequence__init(&n->told.status, 1);
     status = n->told.status.data;
-    diagnostic_msgs__msg__KeyValue__Sequence__init(&status->values, 4 + 2 * WMR_REASONS);
+    diagnostic_msgs__msg__KeyValue__Sequence__init(&status->values, WMR_DETAILS);
     rosidl_runtime_c__String__assign(&status->name, rcl_node_get_fully_qualified_name(&n->node));
 #if WMR_STAMPED
     rosidl_runtime_c__String__assign(&n->sent.header.frame_id, WMR_BASE_FRAME);
@@ -146,6 +191,20 @@ void wmr_connect(filter_node *n, int argc, const char *const *argv)
     subscribe(n, COMMANDS, COMMAND_TYPE, "cmd_vel_in", 0);
     subscribe(n, ODOMETRY, ROSIDL_GET_MSG_TYPE_SUPPORT(nav_msgs, msg, Odometry), "odom", 0);
     subscribe(n, STOP, ROSIDL_GET_MSG_TYPE_SUPPORT(std_msgs, msg, Bool), "~/stop", 1);
+#ifdef WMR_AT_LIMITS
+    subscribe(n, V_MAX, ROSIDL_GET_MSG_TYPE_SUPPORT(geometry_msgs, msg, Twist), "~/v_max", 1);
+    subscribe(n, V_MIN, ROSIDL_GET_MSG_TYPE_SUPPORT(geometry_msgs, msg, Twist), "~/v_min", 1);
+    subscribe(n, ENABLE, ROSIDL_GET_MSG_TYPE_SUPPORT(std_msgs, msg, Bool), "~/enable", 1);
+#endif
+#ifdef WMR_SPEED_LIMIT
+    subscribe(n, SPEED_LIMIT, ROSIDL_GET_MSG_TYPE_SUPPORT(nav2_msgs, msg, SpeedLimit), WMR_SPEED_LIMIT, 1);
+#endif
+#ifdef WMR_AT_FREE
+    for (int k = 0; k < WMR_SOURCES; ++k) {
+        n->free_topics[k] = scan_topics[k];
+        subscribe(n, FREE + k, FREE_TYPE, WMR_SCANS ? scan_topics[k] : "~/free", 0);
+    }
+#endif
     if (n->topics == TOPICS) {
         subscribe(n, CLOCK, ROSIDL_GET_MSG_TYPE_SUPPORT(rosgraph_msgs, msg, Clock), "/clock", 0);
     }

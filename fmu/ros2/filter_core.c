@@ -1,5 +1,6 @@
 #include "filter_core.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "gate.h"
@@ -17,6 +18,11 @@ void wmr_filter_core_make(wmr_filter_core *core)
     memset(core, 0, sizeof *core);
     core->commands.timeout = WMR_COMMAND_TIMEOUT;
     core->odometry.timeout = WMR_ODOMETRY_TIMEOUT;
+#ifdef WMR_AT_FREE
+    for (int k = 0; k < WMR_LASERS; ++k) {
+        core->frees[k].timeout = WMR_FREE_TIMEOUT;
+    }
+#endif
     core->clocks.longest = WMR_LONGEST;
     core->scale = 1.0;
     wmr_filter_core_start(core);
@@ -26,6 +32,9 @@ static void forget(wmr_filter_core *core)
 {
     wmr_intake_forget(&core->commands);
     wmr_intake_forget(&core->odometry);
+    for (int k = 0; k < WMR_LASERS; ++k) {
+        wmr_intake_forget(&core->frees[k]);
+    }
 }
 
 void wmr_filter_core_start(wmr_filter_core *core)
@@ -47,6 +56,9 @@ int64_t wmr_filter_core_see(wmr_filter_core *core, const wmr_moment *now)
     }
     if (happened & WMR_FROZEN) {
         core->commands.thawed = core->odometry.thawed = 1;
+        for (int k = 0; k < WMR_LASERS; ++k) {
+            core->frees[k].thawed = 1;
+        }
     }
     return happened;
 }
@@ -73,6 +85,70 @@ int64_t wmr_filter_core_odometry(wmr_filter_core *core, const double *velocity, 
     }
     return keep(wmr_intake_take(&core->odometry, 2, velocity, framed, stamp, now), core->measured, velocity);
 }
+
+void wmr_filter_core_limit(wmr_filter_core *core, int64_t topic, const double *pair, const wmr_moment *now)
+{
+    memcpy(core->limits[topic], pair, sizeof core->limits[topic]);
+    core->limited[topic] = now->steady;
+}
+
+int64_t wmr_filter_core_free(wmr_filter_core *core, const double *ways, int64_t count, const wmr_moment *now)
+{
+    int64_t reason;
+
+    if (count != 4) {
+        return wmr_intake_refuse(&core->frees[0], WMR_UNUSABLE);
+    }
+    reason = wmr_intake_take(&core->frees[0], 0, ways, 1, 0, now);
+    if (!reason) {
+        memcpy(core->told, ways, sizeof core->told);
+    }
+    return reason;
+}
+
+#if WMR_SCANS
+int64_t wmr_filter_core_scan(
+    wmr_filter_core *core, int64_t laser, const wmr_beams *beams, int64_t stamp, const wmr_moment *now)
+{
+    wmr_intake *intake = &core->frees[laser];
+    int64_t reason = !wmr_scan_usable(beams) ? WMR_UNUSABLE : !stamp ? WMR_NO_STAMP : WMR_TAKEN;
+
+    if (reason) {
+        return wmr_intake_refuse(intake, reason);
+    }
+    reason = wmr_intake_take(intake, 0, NULL, 1, stamp, now);
+    if (!reason) {
+        wmr_scan_take(laser, beams, &core->sights[laser], core->points[laser]);
+    }
+    return reason;
+}
+
+int64_t wmr_filter_core_never(const wmr_filter_core *core)
+{
+    for (int k = 0; k < WMR_SCANS; ++k) {
+        if (!core->frees[k].there) {
+            return 0;
+        }
+    }
+    return wmr_scan_never(core->sights);
+}
+#else
+int64_t wmr_filter_core_scan(
+    wmr_filter_core *core, int64_t laser, const wmr_beams *beams, int64_t stamp, const wmr_moment *now)
+{
+    (void)laser;
+    (void)beams;
+    (void)stamp;
+    (void)now;
+    return wmr_intake_refuse(&core->frees[0], WMR_UNUSABLE);
+}
+
+int64_t wmr_filter_core_never(const wmr_filter_core *core)
+{
+    (void)core;
+    return 0;
+}
+#endif
 
 /* On simulated time a simulator says how much has passed between two commands; else nobody is trusted with that but the
    steady clock. */
@@ -102,37 +178,136 @@ static double elapsed(const wmr_filter_core *core, int64_t stamp, const wmr_mome
     return !core->before || (-ROUNDED <= off && off <= ROUNDED) ? 0.0 : time ? (double)time * 1e-9 : -1.0;
 }
 
-/* Age of odometry [s], negative: there is none.  A base that is simulated moves in simulated time, in which a command's
-   stamp says when it is answered; the time-out stays on the steady clock. */
-static double odometry_age(const wmr_filter_core *core, int64_t answered, int64_t stamp, const wmr_moment *now)
+/* Age of a message's data [s], negative: there is none.  A base that is simulated moves in simulated time, in which a
+   command's stamp says when it is answered; the time-out stays on the steady clock. */
+static double age_of(const wmr_intake *intake, int64_t answered, int64_t stamp, const wmr_moment *now)
 {
-    const wmr_intake *odometry = &core->odometry;
-    const int64_t since = (answered && stamp ? stamp : now->ros) - odometry->stamp;
-    const double age = wmr_intake_age(odometry, now);
+    const int64_t since = (answered && stamp ? stamp : now->ros) - intake->stamp;
+    const double age = wmr_intake_age(intake, now);
 
-    if (!now->simulated || !odometry->stamped || age < 0.0 || age > WMR_ODOMETRY_TIMEOUT * 1e-9) {
+    if (!now->simulated || !intake->stamped || age < 0.0 || age > (double)intake->timeout * 1e-9) {
         return age;
     }
     return since > 0 ? (double)since * 1e-9 : 0.0;
 }
 
+#ifdef WMR_AT_LIMITS
+/* The smaller one, or what is no number. */
+static double smaller(double one, double other)
+{
+    return isnan(one) || one < other ? one : other;
+}
+
+/* Whether limits must come again and again, and did not: the largest ones, and all that ever came. */
+static int is_silent(const wmr_filter_core *core, const wmr_moment *now)
+{
+    int silent = 0;
+
+    for (int k = 0; k < WMR_LIMIT_TOPICS && WMR_LIMIT_TIMEOUT > 0; ++k) {
+        const int64_t came = core->limited[k];
+
+        silent |= came ? now->steady - came > WMR_LIMIT_TIMEOUT : k == WMR_V_MAX;
+    }
+    return silent;
+}
+
+/* Limits in force: v_min, v_max, omega_min, omega_max; all no numbers where none came in time, which is a stop. */
+static void limits_now(const wmr_filter_core *core, const wmr_moment *now, double *limits)
+{
+    static const double widest[] = WMR_LIMITS;
+    const double *speed = core->limits[WMR_SPEED];
+    const int off = core->limited[WMR_ENABLE] && core->limits[WMR_ENABLE][0] == 0.0;
+
+    memcpy(limits, widest, sizeof widest);
+    for (int i = 0; i < 2; ++i) {
+        double *low = limits + 2 * i, *high = low + 1;
+
+        *high = core->limited[WMR_V_MAX] ? smaller(core->limits[WMR_V_MAX][i], *high) : *high;
+        *low = core->limited[WMR_V_MIN] ? -smaller(-core->limits[WMR_V_MIN][i], -*low) : *low;
+    }
+    if (core->limited[WMR_SPEED] && speed[0] != 0.0) {
+        const int percent = speed[1] != 0.0;
+
+        limits[1] = smaller(percent ? speed[0] / 100 * widest[1] : speed[0], limits[1]);
+        limits[0] = -smaller(percent ? speed[0] / 100 * -widest[0] : speed[0], -limits[0]);
+    }
+    for (int k = 0; k < 4; ++k) {
+        limits[k] = is_silent(core, now) ? NAN : off ? 0.0 : limits[k];
+    }
+}
+#endif
+
+#ifdef WMR_AT_FREE
+/* Age of the oldest message on free ways; negative unless there is one of each. */
+static double free_age(const wmr_filter_core *core, int64_t answered, int64_t stamp, const wmr_moment *now)
+{
+    double oldest = 0.0;
+
+    for (int k = 0; k < WMR_SOURCES; ++k) {
+        const double age = age_of(&core->frees[k], answered, stamp, now);
+
+        if (age < 0.0) {
+            return age;
+        }
+        oldest = fmax(oldest, age);
+    }
+    return oldest;
+}
+
+/* Free ways with a window of headings that is wider where a command turns to, or the smallest one; any heading is free
+   where nothing is nearer than a stop takes. */
+static void look(const wmr_filter_core *core, int smallest, double omega, double *free)
+{
+#if WMR_SCANS
+    const double window = smallest ? WMR_SMALLEST : WMR_LOOK;
+
+    free[2] = free[3] = WMR_ANY;
+    wmr_scan_ways(core->sights, core->points[0][0], free + 2, free);
+    if (fmin(free[0], free[1]) < WMR_ENOUGH) {
+        free[2] = fmin(WMR_WIDEST, window + fmax(0.0, WMR_TURNING * omega));
+        free[3] = fmin(WMR_WIDEST, window + fmax(0.0, -WMR_TURNING * omega));
+        wmr_scan_ways(core->sights, core->points[0][0], free + 2, free);
+    }
+#else
+    (void)smallest;
+    (void)omega;
+    memcpy(free, core->told, sizeof core->told);
+#endif
+}
+#endif
+
 void wmr_filter_core_tick(wmr_filter_core *core, int64_t answered, int64_t stamp, const wmr_moment *now)
 {
     static const double parameters[] = WMR_GATE_PARAMETERS;
-    const double u[9] = {
+    double u[WMR_GATE_INPUTS] = {
         core->scale * core->command[0],
         core->scale * core->command[1],
         wmr_intake_age(&core->commands, now),
         core->measured[0],
         core->measured[1],
-        odometry_age(core, answered, stamp, now),
+        age_of(&core->odometry, answered, stamp, now),
         elapsed(core, stamp, now),
         (double)core->stop,
         (double)core->reset,
     };
     double next[WMR_GATE_STATE], y[3];
 
+#ifdef WMR_AT_LIMITS
+    limits_now(core, now, u + WMR_AT_LIMITS);
+#endif
+#ifdef WMR_AT_FREE
+    u[WMR_AT_FREE_AGE] = free_age(core, answered, stamp, now);
+    look(core, 0, u[1], u + WMR_AT_FREE);
+#endif
     wmr_gate(u, core->gate, parameters, next, y);
+#ifdef WMR_AT_FREE
+    if ((int64_t)y[2] & WMR_NEAR) { /* what is not in the way of straight on counts no more */
+        u[1] = 0.0;
+        look(core, 1, 0.0, u + WMR_AT_FREE);
+        wmr_gate(u, core->gate, parameters, next, y);
+    }
+    memcpy(core->free, u + WMR_AT_FREE, sizeof core->free);
+#endif
     memcpy(core->gate, next, sizeof next);
     memcpy(core->sent, y, sizeof core->sent);
     core->flags = (int64_t)y[2];

@@ -5,15 +5,27 @@
 
 #include "gate_numbers.h"
 #include "node_core.h"
+#include "scan_core.h"
+
+/* Topics of limits: largest v and omega, least ones, whether any motion is allowed, and a limit of |v| that is 0 for none,
+   with 1 if it is a percentage. */
+enum { WMR_V_MAX, WMR_V_MIN, WMR_ENABLE, WMR_SPEED, WMR_LIMIT_TOPICS };
 
 /* ``stop`` is what the topic ~/stop says, ``scale`` the share of each command that is passed on, ``sent`` and ``flags``
    what was sent last, ``before`` when [steady], ``answered`` whether that was a command's answer, ``stamp`` that of the
-   command that was answered last. */
+   command that was answered last.  ``limits`` are the newest messages on limits, by topic, and ``limited`` when they came
+   [steady].  ``frees`` are the messages that tell free ways: scans, or ``told`` alone; ``free`` is what the gate was told
+   last: ahead, behind, left, right. */
 typedef struct {
-    wmr_intake commands, odometry;
+    wmr_intake commands, odometry, frees[WMR_LASERS];
     wmr_clocks clocks;
-    int64_t stop, reset, before, answered, stamp, flags;
-    double command[2], measured[2], scale, sent[2], gate[WMR_GATE_STATE];
+    int64_t stop, reset, before, answered, stamp, flags, limited[WMR_LIMIT_TOPICS];
+    double command[2], measured[2], scale, sent[2], limits[WMR_LIMIT_TOPICS][2], told[4], free[4];
+    wmr_sight sights[WMR_LASERS];
+    double gate[WMR_GATE_STATE];
+#if WMR_SCANS
+    double points[WMR_SCANS][WMR_BEAMS][2];
+#endif
 } wmr_filter_core;
 
 int64_t wmr_filter_core_size(void);
@@ -35,6 +47,19 @@ int64_t wmr_filter_core_command(
 /* Takes odometry: v, omega, and the quaternion of its pose. */
 int64_t wmr_filter_core_odometry(wmr_filter_core *core, const double *velocity, const double *quaternion,
     int64_t framed, int64_t stamp, const wmr_moment *now);
+
+/* Takes a message of a topic of limits: two numbers, which may be none.  It stays in force over a start. */
+void wmr_filter_core_limit(wmr_filter_core *core, int64_t topic, const double *pair, const wmr_moment *now);
+
+/* Takes free ways ahead, behind [m], left and right [rad]; those that are no numbers count as not told. */
+int64_t wmr_filter_core_free(wmr_filter_core *core, const double *ways, int64_t count, const wmr_moment *now);
+
+/* Takes the scan of a laser. */
+int64_t wmr_filter_core_scan(
+    wmr_filter_core *core, int64_t laser, const wmr_beams *beams, int64_t stamp, const wmr_moment *now);
+
+/* Sides that are never free, since no beam covers them: WMR_AHEAD, WMR_BEHIND; 0 until each laser was heard. */
+int64_t wmr_filter_core_never(const wmr_filter_core *core);
 
 /* Whether a command that came now is answered at once, or leaves that to the timer: not sooner than three quarters of a
    period after a command that was answered, at once after the timer, so that answers find back to their commands. */

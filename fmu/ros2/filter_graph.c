@@ -117,9 +117,9 @@ int wmr_useless(filter_node *n, char *text)
 {
     int problem = rivals(n, text);
 
-    for (int k = COMMANDS; k <= STOP && !problem; ++k) {
+    for (int k = COMMANDS; k < CLOCK && !problem; ++k) {
         problem = strangers(n, rcl_get_publishers_info_by_topic, rcl_subscription_get_topic_name(&n->heard[k]),
-            wmr_type_names[k], rcl_subscription_get_actual_qos(&n->heard[k]), text);
+            wmr_type_name(k), rcl_subscription_get_actual_qos(&n->heard[k]), text);
     }
     text[0] = problem ? text[0] : '\0';
     return problem;
@@ -140,7 +140,7 @@ int wmr_doubtful(filter_node *n, char *text)
                          "twist_mux (" LEASE ").", found.size, topic, names);
     done_with(&found);
     if (several || strangers(n, rcl_get_subscriptions_info_by_topic, rcl_publisher_get_topic_name(&n->out),
-                       wmr_type_names[COMMANDS], rcl_publisher_get_actual_qos(&n->out), text)) {
+                       wmr_type_name(COMMANDS), rcl_publisher_get_actual_qos(&n->out), text)) {
         return 1;
     }
     text[0] = '\0';

@@ -95,11 +95,48 @@ static void put(diagnostic_msgs__msg__KeyValue *pair, const char *key, const cha
     rosidl_runtime_c__String__assign(&pair->value, value);
 }
 
+static diagnostic_msgs__msg__KeyValue *put_counts(
+    diagnostic_msgs__msg__KeyValue *pair, const char *what, const wmr_intake *intake)
+{
+    char text[ROOM], number[ROOM];
+
+    for (int64_t reason = 0; reason < WMR_REASONS; ++reason) {
+        snprintf(text, ROOM, "%ss %s", what, reason ? wmr_reason(reason) : "taken");
+        snprintf(number, ROOM, "%lld", (long long)(reason ? intake->refused[reason] : intake->taken));
+        put(pair++, text, number);
+    }
+    return pair;
+}
+
+static diagnostic_msgs__msg__KeyValue *put_sight(
+    diagnostic_msgs__msg__KeyValue *pair, const char *what, const wmr_sight *seen)
+{
+    char text[ROOM], number[ROOM];
+
+    snprintf(text, ROOM, "%s blind beams", what);
+    snprintf(number, ROOM, "%lld", (long long)seen->blind);
+    put(pair++, text, number);
+    snprintf(text, ROOM, "%s nearest beam", what);
+    snprintf(number, ROOM, "%.3f m at %.3f rad", seen->nearest, seen->nearest_at);
+    put(pair++, text, number);
+    return pair;
+}
+
+/* A text of ROOM, and what to do where something is too near. */
+static const char *with_remedy(int64_t flags, char *text)
+{
+    const size_t used = strlen(text);
+
+    if (flags & WMR_NEAR && WMR_REMEDY[0]) {
+        snprintf(text + used, ROOM - used, "; %s", WMR_REMEDY);
+    }
+    return text;
+}
+
 static void publish_diagnostics(filter_node *n)
 {
     diagnostic_msgs__msg__DiagnosticStatus *status = n->told.status.data;
     diagnostic_msgs__msg__KeyValue *pair = status->values.data;
-    const wmr_intake *intakes[] = {&n->core.commands, &n->core.odometry};
     const int64_t flags = n->core.flags;
     char text[ROOM], number[ROOM];
 
@@ -121,19 +158,21 @@ static void publish_diagnostics(filter_node *n)
         strcpy(text, n->doubtful);
     }
     n->passing = n->more_parts = 0;
-    rosidl_runtime_c__String__assign(&status->message, text);
+    rosidl_runtime_c__String__assign(&status->message, with_remedy(flags, text));
     put(pair++, "flags", named(wmr_flags, WMR_FLAGS, flags, text));
     for (int k = 0; k < 2; ++k) {
         snprintf(number, ROOM, "%.4f", n->core.sent[k]);
         put(pair++, k ? "omega" : "v", number);
     }
-    for (int k = 0; k < 2; ++k) {
-        for (int64_t reason = 0; reason < WMR_REASONS; ++reason) {
-            snprintf(text, ROOM, "%s %s", k ? "odometrys" : "commands", reason ? wmr_reason(reason) : "taken");
-            snprintf(number, ROOM, "%lld", (long long)(reason ? intakes[k]->refused[reason] : intakes[k]->taken));
-            put(pair++, text, number);
-        }
+    pair = put_counts(pair, "command", &n->core.commands);
+    pair = put_counts(pair, "odometry", &n->core.odometry);
+    for (int k = 0; k < WMR_HEARD; ++k) {
+        pair = put_counts(pair, n->free_topics[k], &n->core.frees[k]);
+        pair = put_sight(pair, n->free_topics[k], &n->core.sights[k]);
     }
+    snprintf(number, ROOM, "%.3f m, %.3f m, %.3f rad, %.3f rad", n->core.free[0], n->core.free[1], n->core.free[2],
+        n->core.free[3]);
+    put(pair++, "free", number);
     snprintf(number, ROOM, "%lld", (long long)n->with_parts);
     put(pair, "commands with other parts", number);
     stamp_it(&n->told.header.stamp, ros_time(n));
@@ -165,7 +204,7 @@ static void answer(filter_node *n, int64_t answered, int64_t stamp, const wmr_mo
     if (grave != n->grave) {
         n->grave = grave;
         named(wmr_flags, WMR_FLAGS, grave, text);
-        RCUTILS_LOG_INFO_NAMED(NAME, "%s", grave ? text : "driving");
+        RCUTILS_LOG_INFO_NAMED(NAME, "%s", grave ? with_remedy(grave, text) : "driving");
         publish_diagnostics(n);
     }
 }
@@ -174,6 +213,7 @@ static void answer(filter_node *n, int64_t answered, int64_t stamp, const wmr_mo
 typedef struct {
     const char *what, *frame;
     int64_t stamp, timeout;
+    const char *patience; /* parameter of the time-out */
 } received;
 
 /* What came and what is wanted, behind the reason. */
@@ -184,8 +224,8 @@ static const char *explained(const received *message, int64_t reason, const wmr_
     if (reason == WMR_WRONG_FRAME) {
         snprintf(text, ROOM, ": it is '%s', wanted is '%s'", message->frame, WMR_BASE_FRAME);
     } else if (reason == WMR_TOO_OLD) {
-        snprintf(text, ROOM, ": %.3g s by its stamp, at most %.3g s (%s_timeout)", late,
-            (double)message->timeout * 1e-9, message->what);
+        snprintf(text, ROOM, ": %.3g s by its stamp, at most %.3g s (%s)", late, (double)message->timeout * 1e-9,
+            message->patience);
     } else if (reason == WMR_FUTURE) {
         snprintf(text, ROOM, ": its stamp is %.3g s ahead of this node's clock", -late);
     } else {
@@ -222,7 +262,7 @@ static void on_command(filter_node *n)
     const int64_t stamp = 0;
     const char *frame = WMR_BASE_FRAME;
 #endif
-    const received message = {"command", frame, stamp, WMR_COMMAND_TIMEOUT};
+    const received message = {"command", frame, stamp, WMR_COMMAND_TIMEOUT, "command_timeout"};
     const int64_t framed = wmr_frame_fits(WMR_BASE_FRAME, frame, 0);
     int64_t reason;
 
@@ -250,7 +290,7 @@ static void on_odometry(filter_node *n)
     const double quaternion[] = {turn->x, turn->y, turn->z, turn->w};
     const char *frame = n->odometry.child_frame_id.data;
     const int64_t framed = wmr_frame_fits(WMR_BASE_FRAME, frame, 0), stamp = ns_of(&n->odometry.header.stamp);
-    const received message = {"odometry", frame, stamp, WMR_ODOMETRY_TIMEOUT};
+    const received message = {"odometry", frame, stamp, WMR_ODOMETRY_TIMEOUT, "odometry_timeout"};
 
     tell_refusal(n, &message, wmr_filter_core_odometry(&n->core, velocity, quaternion, framed, stamp, &now), &now);
 }
@@ -264,6 +304,53 @@ static void on_stop(filter_node *n)
         answer(n, 0, 0, &now);
     }
 }
+
+#ifdef WMR_AT_LIMITS
+static void on_limit(filter_node *n, int64_t topic, double first, double second)
+{
+    const wmr_moment now = look(n);
+    const double pair[] = {first, second};
+
+    wmr_filter_core_limit(&n->core, topic, pair, &now);
+}
+#endif
+
+#if WMR_SCANS
+/* Tells of sides that no beam covers, when they change. */
+static void tell_never(filter_node *n)
+{
+    static const char *const sides[] = {"", "ahead", "behind", "ahead and behind"};
+    const int64_t never = wmr_filter_core_never(&n->core);
+
+    if (never && never != n->never) {
+        RCUTILS_LOG_WARN_NAMED(NAME,
+            "no beam covers %s: no command that way is ever sent. Add a laser, or give ignore.", sides[never]);
+    }
+    n->never = never;
+}
+
+static void on_scan(filter_node *n, int64_t laser)
+{
+    const wmr_moment now = look(n);
+    const sensor_msgs__msg__LaserScan *scan = &n->scan;
+    const wmr_beams beams = {scan->angle_min, scan->angle_increment, scan->range_min, scan->range_max,
+        (int64_t)scan->ranges.size, scan->ranges.data};
+    const int64_t stamp = ns_of(&scan->header.stamp);
+    const received message = {n->free_topics[laser], "", stamp, WMR_FREE_TIMEOUT, "filter.free_age of the scenario"};
+
+    tell_refusal(n, &message, wmr_filter_core_scan(&n->core, laser, &beams, stamp, &now), &now);
+    tell_never(n);
+}
+#elif defined WMR_AT_FREE
+static void on_free(filter_node *n)
+{
+    const wmr_moment now = look(n);
+    const received message = {"free", "", 0, WMR_FREE_TIMEOUT, ""};
+
+    tell_refusal(n, &message,
+        wmr_filter_core_free(&n->core, n->free.data.data, (int64_t)n->free.data.size, &now), &now);
+}
+#endif
 
 static void on_reset(filter_node *n)
 {
@@ -306,10 +393,77 @@ static void refuse_to_start(filter_node *n)
     }
 }
 
+/* Where a message of a topic is put. */
+static void *message_of(filter_node *n, int place)
+{
+    switch (place) {
+    case COMMANDS:
+        return &n->in;
+    case ODOMETRY:
+        return &n->odometry;
+    case STOP:
+        return &n->stop;
+    case CLOCK:
+        return &n->clock;
+#ifdef WMR_AT_LIMITS
+    case V_MAX:
+    case V_MIN:
+        return &n->limit;
+    case ENABLE:
+        return &n->enable;
+#endif
+#ifdef WMR_SPEED_LIMIT
+    case SPEED_LIMIT:
+        return &n->speed_limit;
+#endif
+    default:
+        return WMR_SCANS ? (void *)&n->scan : (void *)&n->free;
+    }
+}
+
+/* Acts on the message of a topic that was just taken. */
+static void act_on(filter_node *n, int place)
+{
+    switch (place) {
+    case COMMANDS:
+        on_command(n);
+        break;
+    case ODOMETRY:
+        on_odometry(n);
+        break;
+    case STOP:
+        on_stop(n);
+        break;
+    case CLOCK:
+        n->simulated_now = ns_of(&n->clock.clock);
+        break;
+#ifdef WMR_AT_LIMITS
+    case V_MAX:
+    case V_MIN:
+        on_limit(n, place == V_MAX ? WMR_V_MAX : WMR_V_MIN, n->limit.linear.x, n->limit.angular.z);
+        break;
+    case ENABLE:
+        on_limit(n, WMR_ENABLE, n->enable.data, 0.0);
+        break;
+#endif
+#ifdef WMR_SPEED_LIMIT
+    case SPEED_LIMIT:
+        on_limit(n, WMR_SPEED, n->speed_limit.speed_limit, n->speed_limit.percentage);
+        break;
+#endif
+    default:
+#if WMR_SCANS
+        on_scan(n, place - FREE);
+#elif defined WMR_AT_FREE
+        on_free(n);
+#endif
+        break;
+    }
+}
+
 /* Waits until something comes or a time [steady], and acts on it. */
 static void wait_until(filter_node *n, int64_t time)
 {
-    void *const messages[TOPICS] = {&n->in, &n->odometry, &n->stop, &n->clock};
     const int64_t left = time - clock_of(CLOCK_MONOTONIC);
     size_t place;
 
@@ -321,12 +475,10 @@ static void wait_until(filter_node *n, int64_t time)
     (void)!rcl_wait(&n->waits, left > 0 ? left : 0);
     rcl_reset_error();
     for (int k = n->topics - 1; k >= 0; --k) { /* the clock first: the others are of its time */
-        if (!n->waits.subscriptions[k] || rcl_take(&n->heard[k], messages[k], NULL, NULL) != RCL_RET_OK) {
+        if (!n->waits.subscriptions[k] || rcl_take(&n->heard[k], message_of(n, k), NULL, NULL) != RCL_RET_OK) {
             rcl_reset_error();
-        } else if (k == CLOCK) {
-            n->simulated_now = ns_of(&n->clock.clock);
         } else {
-            k == COMMANDS ? on_command(n) : k == ODOMETRY ? on_odometry(n) : on_stop(n);
+            act_on(n, k);
         }
     }
     if (n->waits.services[0]) {

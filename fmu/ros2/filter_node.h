@@ -8,13 +8,26 @@
 #include <nav_msgs/msg/odometry.h>
 #include <rcl/rcl.h>
 #include <rosgraph_msgs/msg/clock.h>
+#include <sensor_msgs/msg/laser_scan.h>
 #include <std_msgs/msg/bool.h>
+#include <std_msgs/msg/float64_multi_array.h>
 
 #include "filter_core.h"
 #include "node_settings.h"
 
+#ifdef WMR_SPEED_LIMIT
+#include <nav2_msgs/msg/speed_limit.h>
+#endif
+
 #define NAME "wmr_filter"
 #define ROOM 512
+/* Values of the diagnostics: flags, v, omega, other parts, free ways; of each message taken and refused; of each laser. */
+#define WMR_DETAILS (5 + 2 * WMR_REASONS + WMR_HEARD * (2 + WMR_REASONS))
+#ifdef WMR_AT_FREE
+#define WMR_HEARD WMR_SOURCES
+#else
+#define WMR_HEARD 0
+#endif
 
 #if WMR_STAMPED
 typedef geometry_msgs__msg__TwistStamped command;
@@ -22,7 +35,26 @@ typedef geometry_msgs__msg__TwistStamped command;
 typedef geometry_msgs__msg__Twist command;
 #endif
 
-enum { COMMANDS, ODOMETRY, STOP, CLOCK, TOPICS };
+/* What is heard, by place; FREE and those after it are lasers, if there are any. */
+enum {
+    COMMANDS,
+    ODOMETRY,
+    STOP,
+#ifdef WMR_AT_LIMITS
+    V_MAX,
+    V_MIN,
+    ENABLE,
+#endif
+#ifdef WMR_SPEED_LIMIT
+    SPEED_LIMIT,
+#endif
+#ifdef WMR_AT_FREE
+    FREE,
+    LAST_FREE = FREE + WMR_SOURCES - 1,
+#endif
+    CLOCK,
+    TOPICS
+};
 
 typedef struct {
     rcl_context_t context;
@@ -36,15 +68,23 @@ typedef struct {
     command in, sent;
     nav_msgs__msg__Odometry odometry;
     std_msgs__msg__Bool stop;
+    geometry_msgs__msg__Twist limit;
+    std_msgs__msg__Bool enable;
+    std_msgs__msg__Float64MultiArray free;
+    sensor_msgs__msg__LaserScan scan;
+#ifdef WMR_SPEED_LIMIT
+    nav2_msgs__msg__SpeedLimit speed_limit;
+#endif
     rosgraph_msgs__msg__Clock clock;
     diagnostic_msgs__msg__DiagnosticArray told;
-    int64_t simulated_now, grave, passing, refused_at;
+    const char *free_topics[WMR_HEARD + 1]; /* topics that tell free ways */
+    int64_t simulated_now, grave, passing, refused_at, never;
     int64_t more_parts, with_parts; /* whether, and how many, commands had parts that the base cannot follow */
     char useless[ROOM], doubtful[ROOM]; /* what was last found in the graph; empty where all is well */
 } filter_node;
 
 /* Types of what is heard, as the graph names them. */
-extern const char *const wmr_type_names[TOPICS];
+const char *wmr_type_name(int place);
 
 /* Ends the process with a sentence where a call fails. */
 void wmr_check(rcl_ret_t result, const char *what);

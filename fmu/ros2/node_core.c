@@ -102,6 +102,7 @@ const char *wmr_reason(int64_t reason)
         "not a rotation",
         "without a stamp",
         "other parts of the twist",
+        "of a size or with angles that cannot be used",
     };
     return words[reason];
 }

@@ -32,6 +32,7 @@ enum {
     WMR_NO_ROTATION,
     WMR_NO_STAMP,
     WMR_OTHER_PARTS,
+    WMR_UNUSABLE,
     WMR_REASONS
 };
 

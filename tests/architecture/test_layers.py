@@ -13,7 +13,8 @@ ORDER = (
 UPWARD = {}
 """Imports for typing alone that go upward, by module, with a comment that says why."""
 ROS_MESSAGES = {
-    "diagnostic_msgs", "geometry_msgs", "nav_msgs", "rcl_interfaces", "std_msgs", "std_srvs",
+    "diagnostic_msgs", "geometry_msgs", "nav_msgs", "nav2_msgs", "rcl_interfaces", "sensor_msgs",
+    "std_msgs", "std_srvs",
 }  # fmt: skip
 THIRD_PARTY = {
     "version": set(),

@@ -8,6 +8,7 @@ import pytest
 
 from tests.codegen.measured import COMPILER, FILTERS, TARGET
 from tests.codegen.test_package import needs
+from tests.ros2.test_scans import RADIUS, STATED
 from wmr_ctrl.codegen.package import CORRIDOR, FILTER, files_of, package_files
 from wmr_ctrl.codegen.reference_package import reference_files
 from wmr_ctrl.control.filter.gate import GateSettings
@@ -15,6 +16,7 @@ from wmr_ctrl.export.fmi.files import sources_of
 from wmr_ctrl.export.fmi.fmu_files import model_of
 from wmr_ctrl.export.simulink import kit_files
 from wmr_ctrl.ros2.filter_core import core_files
+from wmr_ctrl.ros2.sight import SightSettings
 from wmr_ctrl.theory.corridor import corridor_monitor
 from wmr_ctrl.world.scenario import load_scenario, override
 
@@ -67,6 +69,9 @@ KINDS = {
     "fmu": lambda: sources_of(model_of("closed-loop", "pid", SAFE), 3).files,
     "simulink": lambda: kit_files("nn", SAFE),
     "ros": lambda: core_files(FILTERED, GATE),
+    "ros-laser": lambda: core_files(
+        load_scenario("paper-simulation", STATED), GATE, SightSettings(scans=("a",), radius=RADIUS)
+    ),
 }
 """Every kind of C that a user compiles: file name to text."""
 PATH_STATUS = """#include <stdio.h>

@@ -14,7 +14,7 @@ import venv
 from pathlib import Path
 
 WHEELS = ("rclpy[fastrtps]", "geometry-msgs", "nav-msgs", "std-msgs", "diagnostic-msgs",
-          "lifecycle-msgs", "rosgraph-msgs", "std-srvs")  # fmt: skip
+          "lifecycle-msgs", "rosgraph-msgs", "sensor-msgs", "std-srvs")  # fmt: skip
 AMENT = ("ament-cmake", "ament-package", "ament-cmake-include-directories")
 WANTED = (*(f"ros-jazzy-{name}" for name in (*WHEELS, *AMENT)), "cmake", "colcon-cmake",
           "colcon-core", "colcon-ros", "cyclonedds")  # fmt: skip

@@ -95,8 +95,8 @@ class Sender(Base):
             self.answer(0.1)  # what is under way; the timer is silent until the time-out
 
 
-def start(scenario, law, node):
-    """The filter, and the drive before it where a law is named."""
+def start(scenario, law, node, *more):
+    """The filter with ``more`` parameters, and the drive before it where a law is named."""
 
     def run(command, settings, names):
         given = [part for item in settings for part in ("-p", item)]
@@ -106,6 +106,7 @@ def start(scenario, law, node):
     python = [sys.executable, "-m", "wmr_ctrl.ros2"]
     ours = [f"scenario:={scenario}", "odometry:=watched", "trigger:=command", *WIDE]
     ours += ["command_timeout:=60.0", "odometry_timeout:=60.0", "discovery_time:=0.0"]
+    ours += more
     command, settings = ([node], []) if node else ([*python, "filter"], ours)
     names = ["cmd_vel_in:=/base/raw", "cmd_vel:=/base/cmd_vel", "odom:=/base/seen"]
     nodes = [run(command, [*settings, "use_sim_time:=true"], names)]

@@ -1,5 +1,6 @@
 """The filter as a node in C, as text: its settings, and what cannot be compiled in."""
 
+import json
 import os
 import re
 import subprocess
@@ -20,8 +21,9 @@ WORDS = {"stamped": "true", "odometry": "watched", "trigger": "timer"}
 
 def word(name):
     """NAME=VALUE of a parameter's default."""
-    value = WORDS.get(name) or re.sub(r"\(|\)", "", str(FILTER[name].default))
-    return f"{name}={value}"
+    default = FILTER[name].default
+    value = json.dumps(default) if isinstance(default, list) else str(default)
+    return f"{name}={WORDS.get(name, value)}"
 
 
 def test_defaults_are_those_of_the_node_in_python():
@@ -93,6 +95,38 @@ def test_options_that_do_not_go_together_are_refused(tmp_path, words, said):
     assert done.exit_code == 2
     assert said in " ".join(done.output.split())
     assert not (tmp_path / "out").exists()
+
+
+SPEED_LIMIT = """
+#include <rosidl_runtime_c/message_type_support_struct.h>
+typedef struct {
+    double speed_limit;
+    bool percentage;
+} nav2_msgs__msg__SpeedLimit;
+bool nav2_msgs__msg__SpeedLimit__init(nav2_msgs__msg__SpeedLimit *message);
+const rosidl_message_type_support_t *ROSIDL_TYPESUPPORT_INTERFACE__MESSAGE_SYMBOL_NAME(
+    rosidl_typesupport_c, nav2_msgs, msg, SpeedLimit)(void);
+"""
+"""In place of nav2's header, of which there is no wheel."""
+
+
+@pytest.mark.slow
+@OVER_DDS
+def test_a_node_that_hears_nav2_compiles_with_its_message(ros, tmp_path):
+    scenario = load_scenario("paper-simulation", {**STATED, "filter.changing": True})
+    write_node(tmp_path, scenario, node_settings(["speed_limit=speed_limit"]))
+    header = tmp_path / "nav2_msgs" / "msg" / "speed_limit.h"
+    header.parent.mkdir(parents=True)
+    header.write_text(SPEED_LIMIT, "utf-8")
+    places = [f"-I{path}" for path in (tmp_path, *(ros.parent.parent / "include").iterdir())]
+    flags = ["-std=gnu11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"]
+    done = subprocess.run(
+        ["cc", *flags, *places, *(path.name for path in tmp_path.glob("*.c"))],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+    assert done.returncode == 0, done.stderr
+    assert "find_package(nav2_msgs REQUIRED)" in (tmp_path / "CMakeLists.txt").read_text("utf-8")
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ import logging
 
 import pytest
 
+from tests.ros2.test_scans import STATED
 from wmr_ctrl.codegen.toolchain import BUILDS
 from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.core.errors import WmrError
@@ -11,7 +12,8 @@ from wmr_ctrl.ros2.__main__ import main
 from wmr_ctrl.ros2.filter_core import FilterCore
 from wmr_ctrl.ros2.prepare import prepare
 from wmr_ctrl.ros2.refusals import Received
-from wmr_ctrl.world.scenario import load_scenario
+from wmr_ctrl.ros2.sight import SightSettings
+from wmr_ctrl.world.scenario import load_scenario, to_toml
 
 
 def test_nothing_is_compiled_after_prepare(tmp_path, monkeypatch, caplog):
@@ -25,6 +27,19 @@ def test_nothing_is_compiled_after_prepare(tmp_path, monkeypatch, caplog):
     for use in ("none", "watched", "required"):
         settings = GateSettings(command_timeout=0.4, odometry=use)
         FilterCore(load_scenario("turtlebot3-burger"), settings, "base_footprint")
+    assert caplog.messages == []
+
+
+def test_nothing_is_compiled_after_prepare_with_a_laser(tmp_path, monkeypatch, caplog):
+    monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path))
+    caplog.set_level(logging.INFO, BUILDS.name)
+    path, words = tmp_path / "base.toml", ['scans:=["scan"]', "radius:=0.25", "odometry:=none"]
+    path.write_text(to_toml(load_scenario("paper-simulation", STATED)), "utf-8")
+    assert next(prepare(str(path), words)) == "filter, odometry none"
+
+    caplog.clear()
+    sight = SightSettings(scans=("scan",), radius=0.25)
+    FilterCore(load_scenario(str(path)), GateSettings(odometry="none"), "base_link", sight)
     assert caplog.messages == []
 
 

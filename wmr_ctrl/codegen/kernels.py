@@ -19,6 +19,7 @@ from wmr_ctrl.control.wiring import Stream
 from wmr_ctrl.core.signals import VELOCITY
 from wmr_ctrl.world.effect import Rate
 from wmr_ctrl.world.model.system import System, stack, values
+from wmr_ctrl.world.sight import way_to_point
 
 from .emit import Kernel, kernel
 
@@ -87,6 +88,14 @@ def controller_kernel(system: System, name: str = "controller") -> Kernel:
     """One sample of the controller alone."""
     given, left = {"u": system.u, "x": system.x, "p": system.p}, {"next": system.update}
     return kernel(name, f"One sample: {system.title}.", given, {**left, "y": system.y})
+
+
+def way_kernel() -> Kernel:
+    """Ways of a disc ahead and behind to a point: its place, the window, the radius."""
+    u = ca.SX.sym("u", 5)
+    x, y, left, right, radius = ca.vertsplit(u)
+    ways = [way_to_point((x, y), (left, right), radius, sense) for sense in (1, -1)]
+    return kernel("way", "Ways of a disc to a point.", {"u": u}, {"y": ca.vertcat(*ways)})
 
 
 def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:

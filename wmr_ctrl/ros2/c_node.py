@@ -18,12 +18,13 @@ from wmr_ctrl.world.scenario import Scenario, scenario_hash
 from .diagnosis import ERRORS, WARNINGS
 from .filter_core import core_files, node_templates
 from .native import HAPPENINGS
-from .parameters import FILTER, Default
+from .parameters import FILTER, SIGHT, Declared
+from .sight import SightSettings, remedy
 
 LIBRARIES = ("rcl", "rcl_yaml_param_parser", "rcutils", "rmw", "rosidl_runtime_c")
 INTERFACES = (
     "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "nav_msgs", "rosgraph_msgs",
-    "std_msgs", "std_srvs",
+    "sensor_msgs", "std_msgs", "std_srvs",
 )  # fmt: skip
 """ROS packages that the node is compiled against, without and with messages."""
 RMW = "rmw_implementation"
@@ -32,7 +33,7 @@ LINKED = (
     *(f"-l{name}" for name in (*LIBRARIES, "rmw_fastrtps_cpp")),
     *(f"-l{name}__rosidl_{kind}_c" for name in INTERFACES for kind in ("generator", "typesupport")),
 )
-"""Words for a linker, where there is no ament_cmake to find them."""
+"""Words for a linker, where there is no ament_cmake to find them; nav2_msgs has no wheel."""
 SOURCES = ("filter_node.h", "filter_node.c", "filter_connect.c", "filter_graph.c")
 NAME = "wmr_filter_node"
 GIVEN = tuple(name for name in FILTER if name not in ("scenario", "autostart"))
@@ -41,7 +42,7 @@ GIVEN = tuple(name for name in FILTER if name not in ("scenario", "autostart"))
 
 @dataclass(frozen=True, kw_only=True)
 class NodeSettings:
-    """Settings compiled into the node: its gate, ``frame`` of base and commands, message type.
+    """Settings compiled into the node: its gate, lasers, ``frame`` of base and commands, type.
 
     Without a ``frame`` it is the scenario's ros.base_frame.
 
@@ -50,6 +51,7 @@ class NodeSettings:
     """
 
     gate: GateSettings = field(default_factory=GateSettings)
+    sight: SightSettings = field(default_factory=SightSettings)
     frame: str = ""
     refuses_parts: bool = False
     stamped: bool = True
@@ -67,8 +69,9 @@ def node_settings(given: Sequence[str]) -> NodeSettings:
     own = {ours: values.pop(name) for name, ours in named.items() if name in values}
     own["at_once"] = values.pop("trigger", "") == "command"
     own["refuses_parts"] = values.pop("other_parts", "") == "refuse"
+    sight: dict[str, Any] = with_tuples({key: values.pop(key) for key in SIGHT if key in values})
     gate: dict[str, Any] = with_tuples(values)
-    return NodeSettings(gate=GateSettings(**gate), **own)
+    return NodeSettings(gate=GateSettings(**gate), sight=SightSettings(**sight), **own)
 
 
 def _parsed(word: str) -> tuple[str, Any]:
@@ -81,7 +84,7 @@ def _parsed(word: str) -> tuple[str, Any]:
     stated = FILTER[name]
     if isinstance(stated.default, str):
         return name, stated.chosen(name, text)
-    value = _like(stated.default, text)
+    value = _like(stated, text)
     if value is None:
         told = json.dumps(stated.default)
         raise ArgumentError(f"{name} = {text!r} must be like its default: {told}.")
@@ -91,13 +94,14 @@ def _parsed(word: str) -> tuple[str, Any]:
     return name, value
 
 
-def _like(default: Default, text: str) -> Default | None:
+def _like(stated: Declared, text: str) -> Any:
     """Parse a JSON value of the default's type; None for another type."""
+    default = stated.default
     try:
         value = json.loads(text)
         if isinstance(default, list):
-            pair = [float(part) for part in value]
-            return pair if len(pair) == len(default) else None
+            parts = [type(default[0])(part) for part in value]
+            return parts if stated.many or len(parts) == len(default) else None
         if isinstance(default, bool) == isinstance(value, bool):
             return type(default)(value)
     except (ValueError, TypeError):
@@ -114,16 +118,20 @@ def node_files(scenario: Scenario, settings: NodeSettings) -> dict[str, str]:
     def masked(words: set[str]) -> int:
         return sum(bit for bit, word in GATE_FLAGS.items() if word in words)
 
+    nav2 = ("nav2_msgs",) if settings.sight.speed_limit else ()
+    packages = (*LIBRARIES, RMW, *INTERFACES, *nav2)
     engine, context = node_templates(), {
-        "name": NAME, "packages": (*LIBRARIES, RMW, *INTERFACES), "kept": kept(scenario, settings),
+        "name": NAME, "packages": packages, "kept": kept(scenario, settings),
         "kind": "TwistStamped" if settings.stamped else "Twist", "libraries": " ".join(LINKED),
         "settings": settings, "frame": settings.frame or scenario.ros.base_frame,
+        "topics": settings.sight.topics,
+        "remedy": remedy(scenario) if scenario.filter.free_error is not None else "",
         "errors": masked(ERRORS), "warnings": masked(WARNINGS), "flags": GATE_FLAGS,
         "happenings": {1 << k: word for k, word in enumerate(HAPPENINGS)},
     }  # fmt: skip
     written = ("CMakeLists.txt", "package.xml", "README.md", "node_settings.h")
     return {
-        **core_files(scenario, settings.gate),
+        **core_files(scenario, settings.gate, settings.sight),
         **c_texts(*SOURCES, folder="ros2"),
         **{name: engine.get_template(f"{name}.j2").render(context) for name in written},
     }

@@ -12,7 +12,7 @@ from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.toolchain import build_library
 from wmr_ctrl.control.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
-from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.model.system import System, values
 from wmr_ctrl.world.scenario import Scenario
 
 VISIBLE = ("-fvisibility=default",)
@@ -64,6 +64,8 @@ NONE = -1.0
 """Age of what never came [s]."""
 PAIR = (0.0, 0.0)
 """Velocities [m/s, rad/s] where there are none."""
+OWN_INPUTS = 9
+"""Numbers that each gate takes, before limits and free ways."""
 
 
 class Gate:
@@ -74,7 +76,9 @@ class Gate:
 
         Raises ScenarioError where the filter is not set or cannot be met, CompilerError.
         """
-        self._function = CompiledSystem(gate_system(scenario, settings), "gate")
+        system = gate_system(scenario, settings)
+        self._function = CompiledSystem(system, "gate")
+        self._untold = values(system.inputs)[OWN_INPUTS:]
         self.period = scenario.clock.control
 
     def start(self) -> None:
@@ -91,16 +95,27 @@ class Gate:
         *,
         stop: bool = False,
         reset: bool = False,
+        told: Sequence[float] = (),
     ) -> Gated:
         """The command (v [m/s], omega [rad/s]) that goes to the base, and its report.
 
         Ages [s] count from a message's arrival; negative: no message; ``elapsed`` [s] since the
-        last step, 0: the period. ``stop`` latches zeros until ``reset``. Flags: those of
+        last step, 0: the period. ``stop`` latches zeros until ``reset``. ``told``: limits, free
+        ways and their age where the filter has such inputs, by default none. Flags: those of
         `wmr_ctrl.control.filter.CommandFilter.step`, and "stopped", "no-command", "no-odometry",
         "too-fast" (odometry contradicts the bounds: stopped), "ramped".
         """
         v, omega, bits = self._function.step(
-            (*command, command_age, *odometry, odometry_age, elapsed, stop, reset)
+            (
+                *command,
+                command_age,
+                *odometry,
+                odometry_age,
+                elapsed,
+                stop,
+                reset,
+                *(told or self._untold),
+            )
         )
         names = tuple(name for bit, name in GATE_FLAGS.items() if int(bits) & bit)
         return Gated((v, omega), names)

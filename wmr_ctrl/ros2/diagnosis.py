@@ -16,10 +16,11 @@ from .drive_core import (
 
 OK, WARN, ERROR = 0, 1, 2
 TOO_FAST, NO_COMMAND, MORE_PARTS = "too-fast", "no-command", "other-parts"
+NEAR, NO_DISTANCE = "near", "no-distance"
 ERRORS = {TOO_FAST, "unsound", STOPPED, NOT_FINITE}
 WARNINGS = {
     NO_COMMAND, NO_ODOMETRY, "bounds-left", BACK, FORTH, FROZEN, JUMPED, MISSED, NO_PATH,
-    NEW_PATH, MORE_PARTS,
+    NEW_PATH, MORE_PARTS, NEAR, NO_DISTANCE, "limit-refused",
 }  # fmt: skip
 PASSING = {MISSED, BACK, FORTH, FROZEN, MORE_PARTS}
 """Flags of a moment, which diagnostics tell for a second and the log not at each change."""

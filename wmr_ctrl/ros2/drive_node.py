@@ -42,6 +42,11 @@ class DriveNode(SafeNode[DriveCore]):
         self.wheels = [str(name) for name in self.value("wheels")]  # type: ignore[attr-defined]
         if sorted(self.wheels) != sorted(SIDES):
             raise WmrError(f"wheels = {self.wheels} must name left and right, each once.")
+        if scenario.filter.free_error is not None:
+            raise WmrError(
+                "filter.free_error: this node hears no distances, so that the base would never "
+                "move. Leave it out, and let the commands pass wmr_filter with it."
+            )
         late = float(self.value("odometry_timeout"))  # type: ignore[arg-type]
         gate = GateSettings(
             command_timeout=late, odometry_timeout=late, odometry="required",

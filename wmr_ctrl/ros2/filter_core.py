@@ -5,6 +5,7 @@ the node passes on what arrived and when.
 """
 
 import ctypes
+from array import array
 from collections.abc import Sequence
 from ctypes import byref, c_double, c_int64
 from functools import cache
@@ -13,11 +14,12 @@ from pathlib import Path
 from jinja2 import Environment
 
 from wmr_ctrl.codegen.dialect import HEADER, SCALAR
-from wmr_ctrl.codegen.kernels import controller_kernel
+from wmr_ctrl.codegen.kernels import controller_kernel, way_kernel
 from wmr_ctrl.codegen.package import text_engine
 from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.toolchain import build_library
+from wmr_ctrl.control.filter.channels import NEAR_BY
 from wmr_ctrl.control.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
 from wmr_ctrl.results.bag_topics import UNIT
 from wmr_ctrl.world.scenario import Scenario
@@ -27,19 +29,28 @@ from .compiled_system import PAIR, VISIBLE
 from .intake import IntakeCounts, fits
 from .native import (
     NODE_CORE,
+    BeamsStruct,
     ClocksStruct,
     IntakeStruct,
+    SightStruct,
     functions_of,
     in_ns,
     node_functions,
     reason_words,
 )
+from .sight import MOST, SightSettings, windows
 
 _RETURNS: dict[str, type | None] = {
-    **dict.fromkeys(("size", "see", "command", "odometry", "due", "overdue", "reset"), c_int64),
-    **dict.fromkeys(("make", "start", "tick")),
-}
-FILTER_CORE = (*NODE_CORE, "filter_core.h", "filter_core.c")
+    **dict.fromkeys((
+        "size", "see", "command", "odometry", "due", "overdue", "reset", "free", "scan", "never",
+    ), c_int64),
+    **dict.fromkeys(("make", "start", "tick", "limit")),
+}  # fmt: skip
+FILTER_CORE = (*NODE_CORE, "filter_core.h", "filter_core.c", "scan_core.h", "scan_core.c")
+LIMIT_TOPICS = ("v_max", "v_min", "enable", "speed")
+"""Messages on limits, in the order of the C enumeration."""
+SIDES = ("ahead", "behind")
+"""Sides in the order of their bits in C."""
 
 
 @cache
@@ -59,18 +70,31 @@ def _quoted(text: str) -> str:
     return f'"{plain}"'
 
 
-def core_files(scenario: Scenario, settings: GateSettings) -> dict[str, str]:
+def core_files(
+    scenario: Scenario, settings: GateSettings, sight: SightSettings | None = None
+) -> dict[str, str]:
     """C of a filter's decisions: file name to text.
 
-    Raises ScenarioError where the filter is not set, or cannot be met.
+    Raises ScenarioError where the filter is not set, or cannot be met, ArgumentError.
     """
+    seen = sight or SightSettings()
+    seen.check(scenario)
     gate, period = gate_system(scenario, settings), scenario.clock.control
+    kernels = [controller_kernel(gate, "gate"), *([way_kernel()] if seen.topics else [])]
     numbers = node_templates().get_template("gate_numbers.h.j2")
     longest = longest_pause(settings.command_timeout, period)
     return {
-        **plain_sources([controller_kernel(gate, "gate")], "gate"),
+        **plain_sources(kernels, "gate"),
         "gate_numbers.h": numbers.render(
-            gate=gate, settings=settings, period=period, longest=longest, unit=UNIT
+            gate=gate,
+            settings=settings,
+            period=period,
+            longest=longest,
+            unit=UNIT,
+            sight=seen,
+            scenario=scenario,
+            near=NEAR_BY,
+            windows=windows(scenario) if seen.topics else {},
         ),
         **c_texts(HEADER),
         **c_texts(*FILTER_CORE, folder="ros2"),
@@ -78,18 +102,24 @@ def core_files(scenario: Scenario, settings: GateSettings) -> dict[str, str]:
 
 
 class _Core(ctypes.Structure):
-    """``wmr_filter_core`` without the gate's state, which is its last member."""
+    """``wmr_filter_core`` without its last members: the gate's state, and points that are seen."""
 
     _fields_ = [
         ("commands", IntakeStruct),
         ("odometry", IntakeStruct),
+        ("frees", IntakeStruct * MOST),
         ("clocks", ClocksStruct),
         *((name, c_int64) for name in (
             "stop", "reset", "before", "answered", "stamp", "flags")),
+        ("limited", c_int64 * len(LIMIT_TOPICS)),
         ("command", c_double * 2),
         ("measured", c_double * 2),
         ("scale", c_double),
         ("sent", c_double * 2),
+        ("limits", c_double * 2 * len(LIMIT_TOPICS)),
+        ("told", c_double * 4),
+        ("free", c_double * 4),
+        ("sights", SightStruct * MOST),
     ]  # fmt: skip
 
 
@@ -101,10 +131,16 @@ class FilterCore:
     """
 
     def __init__(
-        self, scenario: Scenario, settings: GateSettings, frame: str = "", *, at_once: bool = False
+        self,
+        scenario: Scenario,
+        settings: GateSettings,
+        frame: str = "",
+        sight: SightSettings | None = None,
+        *,
+        at_once: bool = False,
     ) -> None:
         """Compile the gate; ``frame`` is that of the base.  Raises ScenarioError, CompilerError."""
-        path = build_library(core_files(scenario, settings), name="filter", flags=VISIBLE)
+        path = build_library(core_files(scenario, settings, sight), name="filter", flags=VISIBLE)
         self._c = functions_of(ctypes.CDLL(str(path)), _RETURNS, "wmr_filter_core_")
         size = self._c["size"]()
         self._memory = (c_double * (size // ctypes.sizeof(c_double)))()
@@ -112,6 +148,8 @@ class FilterCore:
         self.period, self.at_once, self._frame = scenario.clock.control, at_once, frame.encode()
         self._call("make")
         self.commands, self.odometry = map(IntakeCounts, (self._core.commands, self._core.odometry))
+        self.frees = [*map(IntakeCounts, self._core.frees)]
+        self.sights: list[SightStruct] = [*self._core.sights]
         self.clocks = Clocks(0, self._core.clocks)
         self.last = Gated(PAIR, ())
 
@@ -175,6 +213,47 @@ class FilterCore:
         framed = c_int64(fits(self._frame, frame, False))
         reason = self._call("odometry", pair, turn, framed, c_int64(stamp), byref(now.struct))
         return reason_words()[reason]
+
+    def limit(self, topic: str, numbers: tuple[float, float], now: Moment) -> None:
+        """Take a message of one of LIMIT_TOPICS: v and omega, or what it says and 0.
+
+        For "speed" 1 follows a percentage; 0 m/s is no limit.
+        """
+        place, pair = LIMIT_TOPICS.index(topic), (c_double * 2)(*numbers)
+        self._call("limit", c_int64(place), pair, byref(now.struct))
+
+    def hear_free(self, ways: Sequence[float], now: Moment) -> str:
+        """Take free ways ahead, behind [m], left and right [rad]; returns why not, else ""."""
+        numbers = (c_double * len(ways))(*ways)
+        return reason_words()[self._call("free", numbers, c_int64(len(ways)), byref(now.struct))]
+
+    def scan(
+        self,
+        laser: int,
+        numbers: tuple[float, float, float, float],
+        ranges: Sequence[float],
+        stamp: int,
+        now: Moment,
+    ) -> str:
+        """Take a scan; returns why it is refused, else "".
+
+        ``numbers``: angle of the first beam and between two [rad], least and largest range [m].
+        """
+        held = array("f", ranges)
+        beams = BeamsStruct(*numbers, len(held), held.buffer_info()[0])
+        given = c_int64(laser), byref(beams), c_int64(stamp), byref(now.struct)
+        return reason_words()[self._call("scan", *given)]
+
+    @property
+    def free(self) -> tuple[float, ...]:
+        """Free ways that the gate was told last: ahead, behind [m], left, right [rad]."""
+        return tuple(self._core.free)
+
+    @property
+    def never(self) -> tuple[str, ...]:
+        """Sides that are never free, since no beam covers them."""
+        bits = self._call("never")
+        return tuple(side for k, side in enumerate(SIDES) if bits >> k & 1)
 
     def halt(self, stop: bool, now: Moment) -> Gated | None:
         """Process a message on ~/stop; true stops at once."""

@@ -14,7 +14,7 @@ NS = 1e-9
 """Second of a nanosecond."""
 HAPPENINGS = ("time-back", "time-forth", "frozen")
 """Happenings of time, in the order of their bits."""
-REASONS = 10
+REASONS = 11
 """Number of words of ``wmr_reason``."""
 NODE_CORE = ("node_core.h", "node_core.c")
 
@@ -49,6 +49,26 @@ class IntakeStruct(ctypes.Structure):
             "timeout", "stamp", "stamped", "arrived", "there", "late", "thawed", "taken")),
         ("refused", ctypes.c_int64 * REASONS),
     ]  # fmt: skip
+
+
+class SightStruct(ctypes.Structure):
+    """``wmr_sight``."""
+
+    _fields_ = [
+        ("points", ctypes.c_int64),
+        ("blind", ctypes.c_int64),
+        *((name, ctypes.c_double) for name in ("nearest", "nearest_at", "gap", "half")),
+    ]
+
+
+class BeamsStruct(ctypes.Structure):
+    """``wmr_beams``."""
+
+    _fields_ = [
+        *((name, ctypes.c_double) for name in ("first", "step", "least", "most")),
+        ("count", ctypes.c_int64),
+        ("ranges", ctypes.c_void_p),
+    ]
 
 
 Functions: TypeAlias = "dict[str, ctypes._NamedFuncPointer]"

@@ -12,13 +12,17 @@ Default: TypeAlias = str | float | bool | list[float] | list[str]
 
 @dataclass(frozen=True)
 class Declared:
-    """A parameter: default, description, and what a value must be, as parameters.toml says it."""
+    """A parameter: default, description, and what a value must be, as parameters.toml says it.
+
+    ``many``: a list of any length.
+    """
 
     default: Default
     text: str
     rule: str = ""
     range: Sequence[float] = ()
     choices: Sequence[str] = ()
+    many: bool = False
 
     @property
     def constraints(self) -> str:
@@ -37,7 +41,9 @@ _TABLES: dict[str, Table] = {
     part: {name: Declared(**row) for name, row in rows.items()}
     for part, rows in data(__package__, "parameters.toml").items()
 }
-FILTER, DRIVE = (_TABLES[node] | _TABLES["shared"] for node in ("filter", "drive"))
+SIGHT = _TABLES["sight"]
+"""Those of ``wmr_filter`` about limits that change and about what is in the way."""
+FILTER, DRIVE = _TABLES["filter"] | SIGHT | _TABLES["shared"], _TABLES["drive"] | _TABLES["shared"]
 """Those of ``wmr_filter`` and ``wmr_drive``."""
 CHANGING = _TABLES["changing"]
 """Further ones of ``wmr_filter``, which may change while it drives."""

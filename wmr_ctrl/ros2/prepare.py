@@ -23,11 +23,13 @@ def prepare(source: str, words: Sequence[str]) -> Iterator[str]:
     """
     given = dict(_pair(word) for word in words)
     law = given.pop("law", None)
-    gate = node_settings([f"{key}={value}" for key, value in given.items() if key in GIVEN]).gate
+    settings = node_settings([f"{key}={value}" for key, value in given.items() if key in GIVEN])
+    gate = settings.gate
     scenario = load_scenario(source)
     if scenario.filter.kind != "none":
         for use in [given["odometry"]] if "odometry" in given else ODOMETRY_USES:
-            FilterCore(scenario, replace(gate, odometry=use), scenario.ros.base_frame)
+            used, frame = replace(gate, odometry=use), scenario.ros.base_frame
+            FilterCore(scenario, used, frame, settings.sight)
             yield f"filter, odometry {use}"
     late = gate.odometry_timeout
     driven = replace(gate, command_timeout=late, odometry="required")

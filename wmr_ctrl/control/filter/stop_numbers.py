@@ -125,22 +125,31 @@ def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
     rests = math.ceil((stop.rest + plan.losses * (1 + plan.jitter) * T + spread) / slowest + NEAR)
     if pull <= 0:
         return Leaving(stop.roll, None, math.inf, rests * T)
-    steps = plan.losses + math.ceil((stop.hold(pull) + spread) / slowest - NEAR)
+    steps = _commands(plan, T, stop.hold(pull))
     return Leaving(stop.roll, d / least_gain, steps * T if d else 0.0, rests * T)
 
 
 def smallest_window(scenario: Scenario) -> Pair:
-    """Headings [rad] to either side that a stop, and a stop and a hold, may turn through."""
-    settings = scenario.filter
+    """Headings [rad] to either side that a stop, and a stop and a hold, may turn through.
+
+    The hold is that of twice the least command that drives away.
+    """
+    settings, T = scenario.filter, scenario.clock.control
     if settings.kind == "clip" and settings.decel is not None:
         d, rest = settings.d[1], settings.rest or 0.0
         turned = d * (_reaction(scenario, 1) + rest) + d * d / (2 * settings.decel[1])
         return (1 + settings.leave) * turned, (1 + settings.leave) * turned
-    stop, _ = stop_of(scenario, 1)
-    turned = stop.push * stop.time
-    ways = [leaving(scenario, way) for way in (1, -1)]
-    holds = [item.hold for item in ways if item is not None and item.hold < math.inf]
-    return turned, turned + stop.push * max(holds, default=0.0)
+    (straight, plan), (stop, _) = (stop_of(scenario, axis) for axis in (0, 1))
+    turned = stop.push * stop.time + settings.leave * stop.roll
+    if not straight.push:
+        return turned, turned
+    longest = _commands(plan, T, straight.hold(straight.push)) * (1 + plan.jitter) * T
+    return turned, turned + stop.push * (longest + settings.free_age)
+
+
+def _commands(plan: Schedule, T: float, time: float) -> int:
+    """Number of commands that surely act for a time [s]."""
+    return plan.losses + math.ceil((time + plan.spread * T) / ((1 - plan.jitter) * T) - NEAR)
 
 
 def time_inside(scenario: Scenario, axis: int, before: float, after: float) -> float:

@@ -1,0 +1,234 @@
+"""Faults of lasers and of limits around the filter, from outside over DDS.
+
+``python scan_live.py SCENARIO KIND [NODE]`` starts the node (that in Python, or the program NODE),
+which hears a laser (KIND "scan"), or free ways (KIND "free"), breaks one thing after the other and
+prints what was seen as JSON.  The node in Python has a nav2_msgs whose messages are those of
+std_msgs: there is no wheel of the real one.
+"""
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import rclpy
+from geometry_msgs.msg import Twist
+from outside import AT_ONCE, KEPT, LATEST, MANY, PATIENCE, World, tell
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Bool, Float64, Float64MultiArray
+
+SETTINGS = {
+    "scan": ['scans:=["scan"]', "radius:=0.25", "limit_timeout:=1.0", "speed_limit:=speed_limit"],
+    "free": [],
+}
+STUB = """
+from std_msgs.msg import Float64 as SpeedLimit
+SpeedLimit.speed_limit = property(lambda message: abs(message.data))
+SpeedLimit.percentage = property(lambda message: message.data < 0)
+"""
+"""Messages of nav2_msgs: a negative number is a percentage."""
+LIMITS = (("speed", 0.3, 0.2, 0.3), ("percent", -15.0, 0.1, 0.15), ("none", 0.0, 0.5, 0.5))
+"""Limits of speed that are sent, and the speeds between which the answer is."""
+BEAMS = 180
+FAR, WALL, NEAR = 10.0, 1.5, 0.27
+"""Ranges [m] behind, ahead, and ahead where it is too near."""
+LASTS = 12.0
+"""Time [s] in which a base that is no longer told a way of less than 2 m has stopped."""
+
+
+class Seeing(World):
+    """A world with a laser, or free ways, and limits; what they say can be changed."""
+
+    def __init__(self, process, kind):
+        self.kind, self.ahead, self.behind, self.ago = kind, WALL, FAR, 0.0
+        self.sees, self.limit, self.details = True, 1.0, {}
+        super().__init__(process)
+        self.scans = self.node.create_publisher(LaserScan, "scan", LATEST)
+        self.frees = self.node.create_publisher(Float64MultiArray, "wmr_filter/free", LATEST)
+        self.limits = self.node.create_publisher(Twist, "wmr_filter/v_max", KEPT)
+        self.enable = self.node.create_publisher(Bool, "wmr_filter/enable", KEPT)
+        self.speeds = self.node.create_publisher(Float64, "speed_limit", KEPT)
+
+    def _told(self, message):
+        super()._told(message)
+        for status in message.status:
+            self.details = {item.key: item.value for item in status.values}
+
+    def scan(self):
+        """A wall ahead, one behind, and nothing near beside the base."""
+        message = LaserScan(angle_min=-math.pi, angle_increment=math.tau / BEAMS)
+        message.header.stamp = self._stamp(self.ago)
+        message.range_min, message.range_max = 0.1, 12.0
+        angles = (-math.pi + k * math.tau / BEAMS for k in range(BEAMS))
+        message.ranges = [
+            self.ahead if abs(angle) < math.pi / 2 else self.behind for angle in angles
+        ]
+        self.scans.publish(message)
+
+    def command(self, v=0.5, omega=0.0, ago=0.0, frame=""):
+        """What is seen, a limit, and a command."""
+        if self.sees and self.kind == "scan":
+            self.scan()
+        elif self.sees:
+            ways = self.ahead - 0.25, self.behind - 0.25, math.inf, math.inf
+            self.frees.publish(Float64MultiArray(data=ways))
+        if self.limit is not None:
+            limit = Twist()
+            limit.linear.x, limit.angular.z = self.limit, 2.0
+            self.limits.publish(limit)
+        super().command(v, omega, ago, frame)
+
+    def until_rest(self, word, command=None):
+        """Seconds until the base is sent zeros; what diagnostics say once they have the word."""
+        start = time.monotonic()
+        self.said.clear()
+        rests = lambda: self.speed == (0.0, 0.0)  # noqa: E731
+        self.go(LASTS, command, until=rests)
+        after = time.monotonic() - start if rests() else None
+        self.go(PATIENCE, command, until=lambda: self.told(word))
+        said = sorted({text for text in self.said if word in text})
+        return {"after": after, "said": said, "details": self.details}
+
+    def again(self):
+        """A sound world until the base drives."""
+        self.ahead, self.behind, self.ago, self.sees, self.limit = WALL, FAR, 0.0, True, 1.0
+        self.drive()
+
+    def reaches(self, low, high, command=None):
+        """Whether the speed that is sent comes into a range; steps that are late may delay it."""
+        self.go(PATIENCE, command, until=lambda: low <= self.speed[0] <= high)
+        return low <= self.speed[0] <= high
+
+
+def of_scans(world):
+    """Faults of what is seen."""
+    found = {}
+    world.drive()
+    world.sees = False
+    found["stops"] = world.until_rest("no-distance")
+    world.again()
+    world.ago = 0.6
+    found["late"] = world.until_rest("no-distance")
+    world.again()
+    world.ahead = NEAR
+    found["near"] = world.until_rest("near")
+    found["back"] = world.reaches(-0.3, -0.3, lambda: world.command(-0.3))
+    world.again()
+    world.ahead = math.nan
+    found["blind"] = world.until_rest("near")
+    world.again()
+    return found
+
+
+def of_ways(world):
+    """Free ways that are odd numbers, and a command to turn on the spot before a wall."""
+    found = {}
+    for name, ahead in (("none", 0.25), ("negative", 0.0), ("infinite", -math.inf)):
+        world.again()
+        world.ahead = ahead
+        found[name] = world.until_rest("near")
+    world.again()
+    world.ahead = math.inf
+    found["open"] = world.fault(rests=False)["falls"]
+    world.again()
+    world.ahead = math.nan
+    found["no number"] = world.until_rest("near")
+    world.ahead = NEAR
+
+    def turning():
+        world.command(0.0, 0.1)
+
+    world.seen.clear()
+    found["turning"] = world.until_rest("near", turning)
+    found["turned"] = max(abs(omega) for _, _, omega in world.seen)
+    return found
+
+
+def frozen(world):
+    """The largest command after the process stood still, and whether it drives again."""
+    world.again()
+    world.process.send_signal(signal.SIGSTOP)
+    time.sleep(0.6)
+    world.go(0.2)
+    world.seen.clear()
+    world.process.send_signal(signal.SIGCONT)
+    world.go(PATIENCE, until=lambda: len(world.seen) > MANY)
+    largest = max(v for _, v, _ in world.seen)
+    return {"largest": largest, "again": world.reaches(0.5, 0.5)}
+
+
+def of_limits(world):
+    """Limits that fall, end, and come again."""
+    found = {}
+    world.again()
+    world.limit = 0.2
+    found["lower"] = world.reaches(0.1, 0.2)
+    world.ahead = 0.35
+    found["both"] = world.reaches(0.0, 0.15)
+    world.ahead, world.limit = WALL, 1.0
+    found["higher"] = world.reaches(0.5, 0.5)
+    world.limit = 0.01
+    found["below the push"] = world.reaches(0.0, 0.0)
+    world.limit = 1.0
+    world.enable.publish(Bool(data=False))
+    found["disabled"] = world.reaches(0.0, 0.0)
+    world.enable.publish(Bool(data=True))
+    return found
+
+
+def of_limits_that_must_go_on(world):
+    """Limits that fall silent, and those of nav2."""
+    found = {}
+
+    def enabled():
+        world.enable.publish(Bool(data=True))
+        world.command()
+
+    found["enabled"] = world.reaches(0.5, 0.5, enabled)
+    world.limit = None
+    found["silent"] = world.until_rest("limit-refused", command=enabled)
+    world.limit = 1.0
+    found["again"] = world.reaches(0.5, 0.5, enabled)
+    for name, said, low, high in LIMITS:
+
+        def limited(said=said):
+            world.speeds.publish(Float64(data=said))
+            enabled()
+
+        found[name] = world.reaches(low, high, limited)
+    return found
+
+
+def main(scenario, kind, node=""):
+    folder = Path(tempfile.mkdtemp(), "nav2_msgs")
+    folder.mkdir()
+    (folder / "__init__.py").touch()
+    (folder / "msg.py").write_text(STUB, "utf-8")
+    paths = {"PYTHONPATH": os.pathsep.join([str(folder.parent), os.environ.get("PYTHONPATH", "")])}
+    words = [part for word in SETTINGS[kind] for part in ("-p", word)]
+    command = [sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *AT_ONCE, *words]
+    command += ["-p", f"scenario:={scenario}", "-p", "odometry:=none"]
+    command = [node, "--ros-args"] if node else command
+    process = subprocess.Popen(command, env={**os.environ, **paths})
+    rclpy.init()
+    world = Seeing(process, kind)
+    try:
+        found = of_scans(world)
+        found |= of_limits(world)
+        found |= {"frozen": frozen(world)} if kind == "scan" else of_ways(world)
+        if kind == "scan" and not node:
+            found |= of_limits_that_must_go_on(world)
+        process.send_signal(signal.SIGINT)
+        found["interrupt"] = world.ended()
+    finally:
+        process.kill()
+    tell(json.loads(json.dumps(found)))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
