@@ -6,10 +6,6 @@
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
-#ifdef TRACE
-#include <stdio.h>
-#include <stdlib.h>
-#endif
 
 #include "wmr_filter.h"
 
@@ -119,46 +115,38 @@ typedef struct {
     uint64_t seed;
     int axis, side, base, driver, limits, noise, delays, losing, jitter, other;
     double t, x[2], v[2], walls[2][2]; /* walls: distance from the start, ahead and behind */
-    double tau[2], gain[2], push[2], ahead_speed[2];
+    double tau[2], gain[2], push[2], nearing[2];
     int touched[2][2], braked;
     double zero_since, brakes_after;
     deadline due[2][2];
     result *out;
 } drive;
 
-static int moving_out(double v, double w) { return v > 0 || w > 0; }
-
 /* One axis over a piece of time in which nothing changes. */
 static void carried(drive *s, int i, double h, double u)
 {
-    const axis_numbers *a = &s->real->axes[i];
     double m = s->gain[i] * u + s->push[i], tau = s->tau[i], v = s->v[i], x = s->x[i];
-    double fades = -expm1(-h / tau), after = v + (m - v) * fades, far = x + m * h + (v - m) * tau * fades, turns = x;
+    double fades = -expm1(-h / tau), after = v + (m - v) * fades, far = x + m * h + (v - m) * tau * fades;
     if (s->braked) { after = v = 0; far = x; }
-    int swings = !s->braked && ((v > 0 && after < 0) || (v < 0 && after > 0));
-    if (swings) { /* where it stands for a moment */
-        double when = tau * log((v - m) / -m);
-        turns = x + m * when - (v - m) * tau * expm1(-when / tau);
-    }
+    double turns = v * after < 0 ? tau * log((v - m) / -m) : h; /* until it stands for a moment */
     for (int k = 0; k < 2; ++k) {
-        double way = k ? -1 : 1, at = way * (v > after ? v : after), wall = s->walls[i][k];
-        double end = i == 0 ? s->ahead_speed[k] * h : 0, where = way * far, V = a->limits[k];
-        at = larger(way * v, way * after);
-        s->out->over = larger(s->out->over, at / s->p->axes[i].limits[k]);
-        if (!s->touched[i][k] && moving_out(way * v, way * after)) {
-            double reached = swings && way * v > 0 ? way * turns : where;
-            double gap = smaller(wall - end - reached, NEVER);
-            s->out->gap = smaller(s->out->gap, gap);
+        double way = k ? -1 : 1, before = way * v, then = way * after, most = larger(before, then);
+        double speed = i == 0 ? s->nearing[k] : 0, wall = s->walls[i][k];
+        s->out->over = larger(s->out->over, most / s->p->axes[i].limits[k]);
+        if (!s->touched[i][k] && most > 0) {
+            double until = before > 0 ? turns : h;
+            double at = x + m * until - (v - m) * tau * expm1(-until / tau);
+            s->out->gap = smaller(s->out->gap, wall - speed * until - way * (s->braked ? x : at));
         }
-        if (wall - end < where) s->touched[i][k] = 1;
-        s->walls[i][k] = wall - end;
+        s->walls[i][k] = wall - speed * h;
+        if (s->walls[i][k] < way * far) s->touched[i][k] = 1;
         deadline *d = &s->due[i][k];
-        if (s->t + h >= d->due) s->out->late = larger(s->out->late, (s->t >= d->due ? at : way * after) - d->limit);
-        if (d->due < NEVER && d->before > d->limit && way * v > d->limit) {
-            double until = way * after > d->limit ? h : tau * log((v - m) / (way * d->limit - m));
-            s->out->used = larger(s->out->used, (s->t + until - d->told) / (d->due - d->told + s->c->less * s->p->period));
+        if (s->t + h >= d->due) s->out->late = larger(s->out->late, (s->t >= d->due ? most : then) - d->limit);
+        if (d->due < NEVER && d->before > d->limit && before > d->limit) {
+            double until = then > d->limit ? h : tau * log((v - m) / (way * d->limit - m));
+            double promised = d->due - d->told + s->c->less * s->p->period;
+            s->out->used = larger(s->out->used, (s->t + until - d->told) / promised);
         }
-        (void)V;
     }
     s->x[i] = far;
     s->v[i] = after;
@@ -189,7 +177,7 @@ typedef struct { double asked, away, other; int left, turn; } driver;
 /* Requests away from one side: commands sent in a row, their least pull, releases that came too early. */
 typedef struct { int sent, spent, refused; double weakest; } request;
 
-static void asks(drive *s, driver *d, int k, int zeros, int stands, double tail)
+static void asks(drive *s, driver *d, int k, int stands, double tail)
 {
     uint64_t *r = &s->seed;
     double T = s->p->period, t = k * T;
@@ -223,7 +211,6 @@ static void asks(drive *s, driver *d, int k, int zeros, int stands, double tail)
             d->left = below(r, 40);
         }
     }
-    (void)zeros;
     double V = smaller(s->p->axes[1 - s->axis].limits[0], s->p->axes[1 - s->axis].limits[1]);
     switch (s->other) {
     case 0: d->other = 0; break;
@@ -298,13 +285,15 @@ static void drive_one(const numbers *p, const numbers *real, const choices *c, u
     int n = (int)(c->seconds / T), acting[2] = {-1, -1}, lost = 0, zeros = 0, owed = 0, owing[2] = {0, 0};
     int phase_left = 0, waiting = 0, changed = 0;
     request leaves[2][2] = {{{0, 0, 0, NEVER}, {0, 0, 0, NEVER}}, {{0, 0, 0, NEVER}, {0, 0, 0, NEVER}}};
-    double last_take[2] = {-NEVER, -NEVER}, last_heard[2] = {-NEVER, -NEVER}, held_after = zeros_until_rest(p);
+    for (int i = 0; i < 2; ++i)
+        for (int m = 0; m < 2; ++m) /* a base put nearer than the filter would have stopped it */
+            if (s.walls[i][m] < p->leave * roll_of(p, &p->axes[i])) leaves[i][m].spent = (int)p->leave;
+    double last_take[2] = {-NEVER, -NEVER}, last_heard[2] = {-NEVER, -NEVER}, held_after = isfinite(p->rest) ? zeros_until_rest(p) : NEVER;
     double ceiling[2][2], told_dt = 0, odometry[2] = {0, 0}, error[2][2] = {{0, 0}, {0, 0}}, owed_pull = 0;
     double quiet = 0, sum = 0;
     int back = (int)(real->free_age / T + 1e-9);
     if (n > MOST) n = MOST;
     for (int i = 0; i < 2; ++i) for (int k = 0; k < 2; ++k) ceiling[i][k] = p->axes[i].limits[k];
-    if (p->rest >= 1e9 || mine->push == 0) held_after = NEVER;
 
     for (int k = 0; k < n; ++k) {
         /* things go away, and others come from afar */
@@ -381,7 +370,7 @@ static void drive_one(const numbers *p, const numbers *real, const choices *c, u
 
         /* what is asked for */
         int stands = zeros > held_after;
-        asks(&s, &d, k, zeros, stands, tail);
+        asks(&s, &d, k, stands, tail);
         u.v_asked[s.axis] = s.side * d.asked;
         u.v_asked[1 - s.axis] = d.other;
         if (owed > 0) { /* the driver goes on */
@@ -413,15 +402,6 @@ static void drive_one(const numbers *p, const numbers *real, const choices *c, u
             }
             wmr_filter_step(&parameters, &state, &u, &y);
             near_by = ((long)y.filter_flags & NEAR_BY) != 0;
-#ifdef TRACE
-            if (getenv("TRACE")) printf("%d t %.3f x %.4f %.4f v %.4f %.4f asked %.3g %.3g sent %.4g %.4g flags %g free %.4f %.4f %.4f %.4f gap %.4f %.4f rested %g waited %.3g %.3g %.3g %.3g known %.4f %.4f | %.4f %.4f owed %d braked %d lim %.3g %.3g\n", k, s.t, s.x[0], s.x[1], s.v[0], s.v[1], u.v_asked[0], u.v_asked[1], y.v_sent[0], y.v_sent[1], y.filter_flags, u.free[0], u.free[1], u.free[2], u.free[3], s.walls[s.axis][0] - s.x[s.axis], s.walls[s.axis][1] + s.x[s.axis],
-#ifdef REST
- state.rested, state.waited[0], state.waited[1], state.waited[2], state.waited[3],
-#else
-0.,0.,0.,0.,0.,
-#endif
- state.free_known[0], state.free_known[1], state.v_above[0], state.v_below[0], owed, s.braked, u.limits[0], u.limits[1]);
-#endif
             for (int i = 0; i < 2; ++i) sent[i] = y.v_sent[i];
         }
         if (!(isfinite(sent[0]) && isfinite(sent[1]))) out->over = NEVER;
@@ -501,7 +481,7 @@ static void drive_one(const numbers *p, const numbers *real, const choices *c, u
 
         /* the base */
         int pieces = s.base == GREEDY ? 2 : 4;
-        for (int i = 0; i < 2; ++i) s.ahead_speed[i] = real->nearing * (s.base == GREEDY ? 1 : uniform(r, 0, 1));
+        for (int i = 0; i < 2; ++i) s.nearing[i] = real->nearing * (s.base == GREEDY ? 1 : uniform(r, 0, 1));
         for (int piece = 1; s.t < end - SAME;) {
             double now[2];
             for (int i = 0; i < 2; ++i) {
@@ -540,7 +520,7 @@ static void drive_one(const numbers *p, const numbers *real, const choices *c, u
         if (out->stopped < 0 && quiet * T > 0.5 && s.side * s.x[s.axis] > 0.02) out->stopped = s.walls[s.axis][near_side] - s.side * s.x[s.axis];
     }
     out->mean = sum / s.t;
-    if (c->rule) out->stopped = s.walls[s.axis][near_side] - s.side * s.x[s.axis];
+    if (c->rule || s.driver == PRESS) out->stopped = s.walls[s.axis][near_side] - s.side * s.x[s.axis];
 }
 
 /* ``count`` drives, with seeds from ``seed`` on. */
