@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 Pair = tuple[float, float]
 NO_BRAKE = math.inf
 
-RESULTS = ("over", "gap", "late", "used", "waits", "stopped", "mean", "holds", "early", "shapes")
+RESULTS = ("over", "gap", "late", "used", "waits", "stopped", "mean", "passed", "early", "drawn")
 """Columns of `Drives.run`: fields of ``result`` in benchmarks/filter_drives.c."""
 (
     PRESS,
