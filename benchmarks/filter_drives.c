@@ -22,7 +22,8 @@ typedef struct {
 } numbers; /* Base in filter_trials/stopping.py */
 
 typedef struct {
-    double seconds, axis, side, base, driver, limits, near, less, missing, rule, speed, rate, kept, far[2], apart, pauses;
+    double seconds, axis, side, base, driver, limits, near, less, missing, rule, speed, rate, kept, far[2];
+    double apart, pauses;
 } choices; /* Choices there; -1: by chance */
 
 enum { PRESS, ANY, TO_AND_FRO, ON_AND_OFF, ODD, TURN_BACK, SMALL, BACK, TAPS, ALL_SORTS, SLOWLY, ONE_STEP, DRIVERS };
@@ -51,7 +52,11 @@ static uint64_t mixed(uint64_t *s)
     return z ^ (z >> 31);
 }
 
-static double uniform(uint64_t *s, double low, double high) { return low + (high - low) * (double)(mixed(s) >> 11) * 0x1p-53; }
+static double uniform(uint64_t *s, double low, double high)
+{
+    return low + (high - low) * (double)(mixed(s) >> 11) * 0x1p-53;
+}
+
 static int below(uint64_t *s, int n) { return (int)(mixed(s) % (uint64_t)n); }
 static int chance(uint64_t *s, double share) { return uniform(s, 0, 1) < share; }
 static double either(uint64_t *s, double size) { return below(s, 2) ? size : -size; }
@@ -66,7 +71,8 @@ static double covered(double time, double tau) { return isfinite(time) ? -tau * 
 static double inside_by(const numbers *p, const axis_numbers *a, double v_0, double V)
 {
     double shortest = (1 - p->jitter) * p->period, longest = (1 + p->jitter) * p->period;
-    double spread = p->delay[1] - p->delay[0], least = larger(0, shortest - spread), first = p->delay[1] + p->losses * longest;
+    double spread = p->delay[1] - p->delay[0], least = larger(0, shortest - spread);
+    double first = p->delay[1] + p->losses * longest;
     if (v_0 <= V) return first;
     if (V <= a->push) return NEVER;
     double fades = a->tau[1] * log((v_0 - a->push) / (V - a->push)), n = ceil((fades + spread) / shortest - 1e-9);
@@ -123,7 +129,7 @@ typedef struct {
     double t, x[2], v[2], walls[2][2]; /* walls: places ahead and behind of which the base touches */
     double tau[2], gain[2], push[2], nearing[2], zero_since, brakes_after;
     int touched[2][2], braked;
-    double asked, across, away, leaves_late, stands_after; /* asked: away from the wall is below 0 */
+    double asked, across, away, leaves_late, stands_after, left_at; /* asked: away from the wall is below 0 */
     int left, turns_at, waiting;
     double ceiling[2][2];
     int phase, changed;
@@ -266,7 +272,7 @@ static void begins(drive *s)
         walls[near] = uniform(r, c->far[0], c->far[1]);
         walls[1 - near] = s->driver < BACK ? uniform(r, c->far[0], c->far[1]) : s->axis ? NEVER : 40;
         if (c->near > 0) walls[near] = p->leave * roll_of(p, mine) + (below(r, 2) ? 0 : uniform(r, 0, 0.1));
-        else if (s->axis == 0 && chance(r, 0.3) && s->driver < BACK) /* angles as well */
+        else if (s->axis == 0 && s->driver < BACK && !c->rule && chance(r, 0.3)) /* angles as well */
             for (int k = 0; k < 2; ++k) s->walls[1][k] = uniform(r, 0, 3);
     }
     s->braked = isfinite(s->real->rest) && (c->far[1] > 0 || chance(r, 0.7));
@@ -287,6 +293,7 @@ static void begins(drive *s)
         }
     }
     s->brakes_after = s->real->rest;
+    s->left_at = NEVER;
 }
 
 /* Limits of this step; they change in phases, within each of which they are at most its ceilings. */
@@ -416,18 +423,20 @@ static void count_requests(drive *s, const wmr_filter_inputs *u, const double se
         }
 }
 
-/* Steps for which the last request waits, as a share of what is promised. */
-static void count_waiting(drive *s, int goes)
+/* Steps for which the last request waits, as a share of what is promised; it has to lead away in the end. */
+static void count_waiting(drive *s, int k, int goes)
 {
     const numbers *p = s->p;
     const axis_numbers *a = &p->axes[s->axis];
-    int behind = s->side > 0 ? 1 : 0;
-    if (s->waiting < 0 || s->owed > 0) return;
-    s->waiting = goes ? -1 : s->waiting + 1;
-    double pull = pull_of(a, s->away, a->limits[behind]);
+    int behind = s->side > 0 ? 1 : 0, last = k + 1 == (int)(s->c->seconds / p->period);
+    double pull = pull_of(a, s->away, a->limits[behind]), place = s->side * s->x[s->axis];
     double most = (s->stands_after < NEVER ? s->stands_after : 0) + hold_of(p, a, pull) + 2;
-    int free = s->walls[s->axis][behind] + s->side * s->x[s->axis] > 5;
-    if (pull > 1e-9 && free && p->nearing == 0) s->out->waits = larger(s->out->waits, s->waiting / most);
+    if (!(pull > 1e-9 && s->walls[s->axis][behind] + place > 5 && p->nearing == 0)) return;
+    if (s->left_at == NEVER) s->left_at = place;
+    if (last && pull > 0.02 && most * p->period < 6 && place > s->left_at - 0.05) s->out->waits = NEVER;
+    if (s->waiting >= 0 && s->owed == 0) ++s->waiting;
+    if (goes) s->waiting = -1;
+    s->out->waits = larger(s->out->waits, s->waiting / most);
 }
 
 /* One command: 1 if no side was open for it. */
@@ -483,7 +492,8 @@ static double lasts(drive *s, int k, int *zeros)
 {
     uint64_t *r = &s->seed;
     double T = s->p->period, most = s->p->jitter, towards = s->side * s->samples[k].sent[s->axis];
-    double j = s->jitter == 0 ? uniform(r, -1, 1) : s->jitter == 1 ? 1 : s->jitter == 2 ? either(r, 1) : towards < 0 ? -1 : 1;
+    double j = s->jitter == 0 ? uniform(r, -1, 1) : s->jitter == 2 ? either(r, 1) : 1;
+    if (s->jitter == 3 && towards < 0) j = -1;
     double share = 1 + s->real->jitter * j;
     s->elapsed = T * larger(1 - most, smaller(1 + most, share));
     if (s->c->pauses <= 0 || s->owed > 0 || s->driver >= BACK || !chance(r, s->c->pauses)) return T * share;
@@ -560,7 +570,7 @@ static void drive_one(const numbers *p, const numbers *real, const choices *c, u
         u.elapsed = s.elapsed;
         int near_by = commands(&s, k, &u, sent);
         count_requests(&s, &u, sent, near_by);
-        if (k * p->period >= s.leaves_late) count_waiting(&s, s.side * sent[s.axis] < 0);
+        if (k * p->period >= s.leaves_late) count_waiting(&s, k, s.side * sent[s.axis] < 0);
         zeros = sent[0] == 0 && sent[1] == 0 ? zeros + 1 : 0;
         deliver(&s, k);
         moves(&s, k, lasts(&s, k, &zeros));
