@@ -318,7 +318,8 @@ def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Est
     """
     fit = judgement.fit
     value, in_part = fit.values[name], judgement.explained != EXPLAINED
-    low, high = _interval(fit, name, period)
+    pairs = [_interval(item, name, period) for item in (fit, *fit.others)]
+    low, high = min(low for low, _ in pairs), max(high for _, high in pairs)
     more = min(judgement.share, 1.0) * (1 + in_part) + UNSURE * (
         in_part and name in ("tau", "wn", "zeta")
     )

@@ -175,6 +175,8 @@ def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
             ends = gain * max(min(shares), 0.05), gain * max(shares)
             text = words.format(name=AXES[axis], unit=UNITS[axis], **said)
             reach = {"gain": ends} if shares[1:] else {}
+            if member == "lag":
+                reach = {"delay": (values["delay"], values["delay"] + values["lag"])}
             yield Finding(text, key, level, reach)
 
 

@@ -4,13 +4,13 @@ Source: logs of real bases: ramps that differ up and down, dead bands, offsets, 
 that depends on direction, speed or time, a constant push.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
-from .fit import Tell
+from .fit import ACCEPTED, Tell
 from .logs.log import Floats, Names
 from .logs.samples import AxisLog
 from .residual import explainable
@@ -41,6 +41,10 @@ PASSES, PLAIN = 15, 3
 SPEEDS = (0.03, 0.1, 0.3)
 """Time constants that fits are started from [s]."""
 GAIN_OF_BIC = 4.0
+MORE: Sequence[Names] = ((), ("accel",), ("lag",))
+"""What may be beside a loop without further structures."""
+LAGS = 0.01 * 2 ** (np.arange(12) / 2)
+"""Lags of a sensor that a log may hide [s]."""
 Starts = Callable[[LoopFit], Sequence[Values]]
 
 
@@ -99,7 +103,7 @@ MENU: Mapping[str, Member] = {
 
 
 def axis_fit(log: AxisLog, tell: Tell, loops: Names = tuple(LOOPS)) -> LoopFit:
-    """The likeliest loop of one axis, with the structures that its log needs."""
+    """The likeliest loop of one axis, with the structures that its log needs, and fits as likely."""
     fit = plain = best_loop(log, tell, loops)
     for _ in range(MOST):
         better = _one_more(fit, tell) if explainable(fit) > LEAST_EXPLAINABLE else None
@@ -109,8 +113,19 @@ def axis_fit(log: AxisLog, tell: Tell, loops: Names = tuple(LOOPS)) -> LoopFit:
     if fit is not plain:
         again = best_loop(log, tell, loops, fit)
         fit = again if again.bic < fit.bic - GAIN_OF_BIC else fit
-    squared = _again(fit, fit.values, PASSES, PASSES)
-    return squared if squared.squares < SQUARES_WIN * fit.squares else fit
+    squared, others = _again(fit, fit.values, PASSES, PASSES), tuple(_as_likely(fit))
+    return replace(squared if squared.squares < SQUARES_WIN * fit.squares else fit, others=others)
+
+
+def _as_likely(fit: LoopFit) -> Iterator[LoopFit]:
+    """Fits of a loop that overshoots, behind sensors whose lag the log does not show."""
+    one = fit
+    for lag in LAGS if "zeta" in fit.names and "lag" not in fit.names else ():
+        fixed = {**fit.fixed, "lag": lag}
+        one = fitted(fit.log, fit.loop, fit.names, one.theta, PASSES, fixed=fixed)
+        if one.nll.sum() > fit.nll.sum() + ACCEPTED:
+            return
+        yield one
 
 
 def best_loop(log: AxisLog, tell: Tell, loops: Names, beside: LoopFit | None = None) -> LoopFit:
@@ -122,10 +137,10 @@ def best_loop(log: AxisLog, tell: Tell, loops: Names, beside: LoopFit | None = N
     members = () if beside is None else beside.members
     fixed = {} if beside is None else dict(beside.fixed)
     tried = []
-    for ramp, loop in product((False, True), loops):
-        if (ramp and members) or (loop == "pi" and {*members} & {*SIDED}):
+    for more, loop in product(MORE, loops):
+        if ({*more} & {*members} or (more == ("accel",) and members) or (more == ("lag",) and loop == "first-order") or (loop == "pi" and {*members} & {*SIDED})):
             continue
-        names = (*LOOPS[loop], *(("accel",) if ramp else ()), *members)
+        names = (*LOOPS[loop], *more, *members)
         start = _nearest(log, loop, [fixed | item for item in _starts(log, names, beside)])
         tried.append(fitted(log, loop, names, searched(start, names), 2 * PASSES, PASSES, fixed))
         tell()
@@ -144,7 +159,7 @@ def _starts(log: AxisLog, names: Names, beside: LoopFit | None) -> list[dict[str
     grid: dict[str, Sequence[float]] = {
         "gain": (gain, 1.25 * gain) if "accel" in names else (gain,),
         "tau": SPEEDS, "wn": [1 / x for x in SPEEDS], "zeta": (0.35, 1.0),
-        "delay": (0.01, 0.06, 0.15), "accel": (0.7 * steepest, 1.1 * steepest, 2 * steepest),
+        "delay": (0.01, 0.06, 0.15), "lag": SPEEDS, "accel": (0.7 * steepest, 1.1 * steepest, 2 * steepest),
     }  # fmt: skip
     if beside is not None:
         grid |= {name: (beside.values[name],) for name in ("gain", *beside.members)
