@@ -8,6 +8,7 @@ from operator import attrgetter, itemgetter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from wmr_ctrl.world.scenario import Scenario, from_dict, scenario_dict
@@ -20,6 +21,7 @@ from .bounds import (
     UNDETERMINED,
     Estimate,
     Score,
+    Traces,
     informative_seconds,
     verdict,
 )
@@ -38,8 +40,8 @@ from .fit import (
 from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement, Judgements
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats, Pair
-from .logs.samples import AxisLog, Samples, differenced, forces, speeds, wheels
-from .speed_loop import LINEAR, LOOPS, RANGES, Fits, LoopFit
+from .logs.samples import Samples, differenced, forces, speeds, wheels
+from .speed_loop import LINEAR, LOOPS, RANGES, LoopFit
 
 START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""
@@ -259,36 +261,25 @@ def fitted_part(fit: Fit, end: float) -> Fit:
     return replace(scored(part, fit.theta, fit.free, PART_PASSES), least=fit.least)
 
 
-def score_of(white: Fit, trained: Fit) -> Score:
-    """Score on the held-out last third, by predictions over one second each."""
-    problem, cut = white.problem, cut_of(white.problem.log)
-    rest = problem.log.until(np.inf, cut)
-    result = replace(problem, log=rest).read(trained.theta, slopes=False)
-    foretold, held = free_runs(problem, rest, trained.theta, result.mean)
-    (v, omega), (held_v, held_omega) = (
-        shares_told(item, result.mean[:, 2:4]).tolist() for item in (foretold, held)
-    )
-    return Score((v, omega), (held_v, held_omega), cut)
+def score_of(curves: Traces) -> Score:
+    """Score on the held-out last third, beside speeds that are held for `FREE_RUN`."""
+    held = curves.measured[seconds_begin(curves.t)]
+    shares = np.full((2, 2), np.nan)
+    for axis, foretold in enumerate(curves.foretold.T):
+        rest = (curves.t >= curves.held_out_from) & np.isfinite(foretold)
+        if rest.any():
+            seen = curves.measured[rest, axis]
+            total = max(float(np.sum((seen - seen.mean()) ** 2)), 1e-12)
+            for k, told in enumerate((foretold, held[:, axis])):
+                shares[k, axis] = 1 - np.sum((told[rest] - seen) ** 2) / total
+    (v, omega), (held_v, held_omega) = shares.tolist()
+    return Score((v, omega), (held_v, held_omega), curves.held_out_from)
 
 
-def shares_told(foretold: Floats, seen: Floats) -> Floats:
-    """Share of the variance of each column of ``seen`` (N, K) that ``foretold`` explains."""
-    total = np.sum((seen - seen.mean(axis=0)) ** 2, axis=0)
-    return np.asarray(1 - np.sum((foretold - seen) ** 2, axis=0) / np.maximum(total, 1e-12))
-
-
-def free_runs(
-    problem: LogProblem, log: Samples, theta: Floats, mean: Floats
-) -> tuple[Floats, Floats]:
-    """Speeds (N, 2) predicted for one second from the filter's means, and constant speeds."""
-    index = np.arange(len(log.t))
-    turn = np.floor((log.t - log.t[0]) / FREE_RUN)
-    fresh = np.concatenate(([True], np.diff(turn) > 0))
-    fresh[log.first] = True
-    first = np.flatnonzero(fresh)
-    begin = first[np.searchsorted(first, index, "right") - 1]
-    foretold = problem.foretold(replace(log, first=first), theta, mean[first])
-    return foretold[:, 2:4], mean[begin, 2:4]
+def seconds_begin(t: Floats) -> NDArray[np.int64]:
+    """Rows (N,) at which each row's stretch of `FREE_RUN` begins."""
+    turn = np.floor((t - t[0]) / FREE_RUN)
+    return np.searchsorted(turn, turn)
 
 
 def loop_estimates(judgements: Judgements, period: float) -> dict[str, Estimate]:
@@ -361,19 +352,3 @@ def _interval(fit: LoopFit, name: str, period: float) -> Pair:
         return max(value - half, low), min(value + half, high)
     wide = math.exp(min(half, WIDEST / 3))
     return value / wide, value * wide
-
-
-def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
-    """Score on the held-out last third, predicted from commands alone."""
-    shares = []
-    for axis, fit in zip(axes, trained, strict=True):
-        rest = (axis.t >= cut) & axis.in_fit
-        if fit is None or not rest.any():
-            shares.append([math.nan, math.nan])
-            continue
-        turn = np.floor((axis.t - axis.t[0]) / FREE_RUN)
-        held, seen = axis.speed[np.searchsorted(turn, turn)][rest], axis.speed[rest]
-        pair = fit.forecast[rest], held
-        shares.append([float(shares_told(item, seen)) for item in pair])
-    (v, held_v), (omega, held_omega) = shares
-    return Score((v, omega), (held_v, held_omega), cut)

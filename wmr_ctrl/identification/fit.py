@@ -30,8 +30,6 @@ from .kalman import (
 from .logs.log import Floats, Mask, Pair
 from .logs.samples import LONGEST_DELAY, AxisLog, Samples, forces, speeds
 
-Tell = Callable[[], None]
-"""Called at each pass, to show progress."""
 SKIPPED_TIME = 0.3
 """Time at the start of each stretch that does not count [s]: commands before are not known."""
 RANGES: Mapping[str, Pair] = with_tuples(data(__package__, "fit.toml")["ranges"]) | {
@@ -61,12 +59,10 @@ class LogProblem:
     filter: CompiledFilter
     known: Floats
     boost: Floats | float = 1.0
-    tell: Tell = lambda: None
 
     def read(self, theta: Floats, slopes: bool = True) -> PassResult:
         """One pass of the filter over the log."""
         kinds = np.where(self.counts, COUNTED, SKIPPED)
-        self.tell()
         return self.filter(
             self.log, self._starts(), *self._given(theta), slopes=slopes, boost=self.boost,
             kinds=kinds, blocks=blocks_of(self.log.t),

@@ -21,7 +21,7 @@ from .kalman import BLOCKS, blocks_of
 from .logs.log import AXES, UNITS, Pair, quick, unit_of, usual_step
 from .logs.samples import AxisLog
 from .residual import told
-from .speed_loop import LINEAR, NEUTRAL, SIDED, LoopFit, foretold, whitener
+from .speed_loop import LINEAR, NEUTRAL, LoopFit, foretold, whitener
 
 LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explained"
 MORE_TOLD, MOST_TOLD = 0.04, 0.12
@@ -171,29 +171,24 @@ def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
     }
     for member, (key, words, level) in STRUCTURES.items():
         if member in values:
-            shares = _shares(fit, member, top)
-            ends = gain * max(min(shares), 0.05), gain * max(shares)
-            text = words.format(name=AXES[axis], unit=UNITS[axis], **said)
-            reach = {"gain": ends} if shares[1:] else {}
+            shares = 1.0, *_shares(fit, member, top)
+            reach = {"gain": (gain * max(min(shares), 0.05), gain * max(shares))}
             if member == "lag":
-                reach = {"delay": (values["delay"], values["delay"] + values["lag"])}
+                reach = {"delay": (said["delay"], said["delay"] + said["lag"])}
+            text = words.format(name=AXES[axis], unit=UNITS[axis], **said)
             yield Finding(text, key, level, reach)
 
 
 def _shares(fit: LoopFit, member: str, top: float) -> list[float]:
-    """Shares of its gain that a base with a structure may have; 1 is among them."""
-    value = fit.values[member]
-    if member == "offset":
-        return [1.0, max(1 - value / top, 0.2)]
-    if member == "sat":
-        return [1.0, min(value / top, 1.0)]
-    if member not in SIDED:
-        return [1.0]
-    half = fit.half_widths()[member]
-    if member == "curve":
-        return [1.0, 1 + (value - half) * top, 1 + (value + half) * top]
+    """Further shares of its gain that a base with a structure may have."""
+    value, half = fit.values[member], fit.half_widths().get(member, 0.0)
     wide = math.exp(min(half, 3.0))
-    return [1.0, value / wide, value * wide]
+    shares = {
+        "offset": [max(1 - value / top, 0.2)], "sat": [min(value / top, 1.0)],
+        "curve": [1 + (value - half) * top, 1 + (value + half) * top],
+        "back": [value / wide, value * wide], "then": [value / wide, value * wide],
+    }  # fmt: skip
+    return shares.get(member, [])
 
 
 def _by_groups(fit: LoopFit, name: str) -> Iterator[Finding]:

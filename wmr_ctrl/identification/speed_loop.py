@@ -8,7 +8,8 @@
 The ramp is that of `world.command_ramp`.  The shape of a command u is 0 below a dead band, else
 |u| less an offset, at most its saturation.  Behind the ramp, w = K u (1 + curve |u|) + bias; K is
 ``back`` times as large backwards, and ``then`` times from a time ``when`` on.  The sensor shows the
-speed with a first-order lag.  What a fit leaves over is an autoregressive process, by whose inverse residuals and slopes are whitened.
+speed with a first-order lag.  What a fit leaves over is an autoregressive process, by whose inverse
+residuals and slopes are whitened.
 """
 
 from __future__ import annotations
@@ -45,8 +46,8 @@ NUMBERS = 12
 """Columns that the compiled steps take."""
 PLACE = {name: place for place, name in enumerate(NEUTRAL)} | {"tau": 1, "wn": 1}
 """Columns of a set of parameters."""
-SIDED = ("back", "curve", "then")
-"""Parameters of a gain, which a PI loop does not have."""
+WITHOUT: Mapping[str, Names] = with_tuples(_DATA["without"])
+"""Parameters that a loop does not have."""
 LINEAR = ("delay", "curve", "bias")
 """Parameters that are searched as they are; all others as logarithms."""
 ORDER = 6

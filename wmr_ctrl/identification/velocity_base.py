@@ -20,8 +20,7 @@ from .bounds import (
     Traces,
     loop_remarks,
 )
-from .estimate import bare_scenario, cut_of, loop_estimates, loop_score
-from .fit import Tell
+from .estimate import bare_scenario, cut_of, loop_estimates, score_of
 from .judgement import NOT_EXPLAINED, Judgements, bent, judged
 from .logs.lint import check_following
 from .logs.log import COMMAND, Pair
@@ -45,30 +44,13 @@ UNFOUNDED = ("filter.gain", "filter.d", "filter.kp", "filter.push")
 
 @dataclass(frozen=True)
 class VelocityIdentification(BaseIdentification):
-    """Results for a base that takes velocities.
-
-    ``fits``: those of v and omega, if driven; ``trained``: fits to the first two thirds only.
-    """
+    """Results for a base that takes velocities."""
 
     bounds: FilterBounds
-    axes: tuple[AxisLog, ...]
-    fits: Fits
-    trained: Fits
-
-    def traces(self) -> Traces:
-        """Measured and predicted speeds, and their deviations as in filter.d."""
-        log = self.axes[0]
-        seen = np.column_stack([axis.speed for axis in self.axes])
-        foretold, left = np.full((2, *seen.shape), np.nan)
-        for axis, (fit, trained) in enumerate(zip(self.fits, self.trained, strict=True)):
-            if fit is not None and trained is not None:
-                left[:, axis] = fit.deviation()
-                foretold[:, axis] = np.where(log.in_fit, trained.forecast, np.nan)
-        return Traces(log.t, seen, foretold, left, self.score.held_out_from)
 
 
 def of_velocities(
-    name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Tell
+    name: str, log: Samples, scenario: Scenario, remarks: list[str]
 ) -> VelocityIdentification:
     """Identify the base of a log; raises LogError if units, signs or clocks are wrong."""
     axes = [axis_log(log, axis) for axis in (0, 1)]
@@ -76,7 +58,7 @@ def of_velocities(
     for axis, drives, column in zip(axes, driven, COMMAND, strict=True):
         if drives:
             check_following(name, column, *axis.follows, log.period)
-    fits = same_loop(axes, driven, tell)
+    fits = same_loop(axes, driven)
     pairs = zip(fits, fits[::-1], strict=True)
     judgements = [judged(fit, other, place) for place, (fit, other) in enumerate(pairs) if fit]
     for item in judgements:
@@ -87,32 +69,37 @@ def of_velocities(
     remarks += loop_remarks(judgements, estimates)
     bare = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")
     bounds, identified = _scenario(bare, log, judgements, estimates, remarks)
-    cut = cut_of(log)
-    first, second = (fit and trained_on(fit, cut) for fit in fits)
-    trained, said = (first, second), tuple(remarks)
-    score = loop_score(axes, cut, trained)
+    curves, said = _curves(axes, fits, cut_of(log)), tuple(remarks)
     return VelocityIdentification(
-        name, estimates, bounds, said, score, identified, tuple(axes), fits, trained,
+        name, estimates, bounds, said, score_of(curves), identified, curves,
         judgements=tuple(judgements),
     )  # fmt: skip
 
 
-def trained_on(fit: LoopFit, cut: float) -> LoopFit:
-    """Refit the part of the log before a time [s]."""
-    log = replace(fit.log, in_fit=fit.log.in_fit & (fit.log.t < cut))
-    return fitted(log, fit.loop, fit.names, fit.theta, TRAINED, fixed=fit.fixed)
+def _curves(axes: list[AxisLog], fits: Fits, cut: float) -> Traces:
+    """Measured speeds, predictions by fits before ``cut`` [s], and deviations as in filter.d."""
+    seen = np.column_stack([axis.speed for axis in axes])
+    foretold, left = np.full((2, *seen.shape), np.nan)
+    for axis, fit in enumerate(fits):
+        if fit is not None:
+            inside = fit.log.in_fit
+            part = replace(fit.log, in_fit=inside & (fit.log.t < cut))
+            trained = fitted(part, fit.loop, fit.names, fit.theta, TRAINED, fixed=fit.fixed)
+            left[:, axis] = fit.deviation()
+            foretold[inside, axis] = trained.forecast[inside]
+    return Traces(axes[0].t, seen, foretold, left, cut)
 
 
-def same_loop(axes: list[AxisLog], driven: list[bool], tell: Tell) -> Fits:
+def same_loop(axes: list[AxisLog], driven: list[bool]) -> Fits:
     """Fits of both axes with one kind of loop: if their kinds differ, the likelier one for both."""
     first, second = (
-        axis_fit(axis, tell) if moves else None for axis, moves in zip(axes, driven, strict=True)
+        axis_fit(axis) if moves else None for axis, moves in zip(axes, driven, strict=True)
     )
     if first is None or second is None or first.loop == second.loop:
         return first, second
     others = (
-        (first, axis_fit(axes[1], tell, (first.loop,))),
-        (axis_fit(axes[0], tell, (second.loop,)), second),
+        (first, axis_fit(axes[1], (first.loop,))),
+        (axis_fit(axes[0], (second.loop,)), second),
     )
     return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
 
