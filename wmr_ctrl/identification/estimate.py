@@ -40,7 +40,7 @@ from .fit import (
 from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement, Judgements
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats, Pair
-from .logs.samples import Samples, differenced, forces, speeds, wheels
+from .logs.samples import Samples, differenced, gains, shifts_of, speeds, wheels
 from .speed_loop import LINEAR, LOOPS, RANGES, LoopFit
 
 START_SECONDS = 30.0
@@ -69,35 +69,14 @@ UNSURE = 0.1
 """Share by which numbers of a loop are widened that explains its log in part."""
 
 
-def first_guess(log: Samples) -> tuple[dict[str, float], float]:
-    """Start values by regression: m, I, friction of motion, and time from command to force [s].
-
-    The time is the shift of the command that explains most of the motion.
-    """
-    t, rate, speed, pushed = differenced(log, 3)
-    later = np.minimum(np.searchsorted(log.t, t), len(log.t) - 1)
-    near = np.abs(log.t[later] - t) < 5 * log.period
-    tried = []
-    for shift in np.arange(0.0, 0.5, max(log.period, 0.01)):
-        force = pushed(shift)
-        solved, rest = [], 0.0
-        for axis in (0, 1):
-            v, y = speed[:, axis], rate[near, axis]
-            x = np.column_stack((force[:, axis], np.tanh(v / 0.02), v))[near]
-            solution = np.linalg.lstsq(x, y, rcond=None)[0]
-            rest += float(np.sum((y - x @ solution) ** 2) / max(np.sum(y**2), 1e-12))
-            solved.append(solution)
-        tried.append((rest, float(shift), np.array(solved)))
-    _, shift, fits = min(tried, key=itemgetter(0))
-    m, inertia = (1 / max(item, 1e-3) for item in fits[:, 0])
-    return {
-        "m": m,
-        "I": inertia,
-        "Fc": max(-fits[0, 1] * m, 0.0),
-        "Fv": max(-fits[0, 2] * m, 0.0),
-        "Mv": max(-fits[1, 2] * inertia, 0.0),
-        "c": 0.0,
-    }, shift
+def first_guess(log: Samples, r: float, half_track: float) -> tuple[dict[str, float], float]:
+    """Start values by regression, without friction: m, I, and time from command to force [s]."""
+    moved, torque = differenced(log, half_track)
+    tried = [(*gains(moved, torque(shift)), shift) for shift in shifts_of(log.period) if shift >= 0]
+    _, gain, shift = max(tried, key=itemgetter(0))
+    ahead, turn = (max(float(sides @ gain @ sides), 1e-3) for sides in ([1, 1], [1, -1]))
+    m, inertia = 4 / (r * ahead), 4 * half_track**2 / (r * turn)
+    return {"m": m, "I": inertia} | dict.fromkeys(("Fc", "Fv", "Mv", "c"), 0.0), float(shift)
 
 
 def searched(values: dict[str, float]) -> Floats:
@@ -117,8 +96,7 @@ def free_of(problem: LogProblem, coloured: bool) -> np.ndarray:
 def started(problem: LogProblem) -> Floats:
     """Best of a few starts on the log's first piece; delay and lag share one time."""
     log = problem.log
-    force = forces(log.command, *problem.known[:2])
-    guess, shift = first_guess(replace(log, command=force))
+    guess, shift = first_guess(log, *problem.known[:2].tolist())
     piece = replace(problem, log=log.until(log.t[0] + START_SECONDS))
     rest = {"q1": 0.1 * guess["m"], "q2": 0.1 * guess["I"], "s1": 0.0, "s2": 0.0, "time": 1.0}
     noise = 1e-3 if log.of_speed else 1.0
@@ -151,7 +129,7 @@ def white_fit(problem: LogProblem) -> Fit:
     return likeliest((fit, other))
 
 
-def coloured_if_likelier(white: Fit) -> tuple[Fit, float | None]:
+def coloured_if_likelier(white: Fit) -> Fit:
     """The fit with a coloured push if twice its gain exceeds 4 ln n, else the white one."""
     tried = []
     for time, passes in ((0.4, 40), (3.0, 12)):
@@ -163,9 +141,8 @@ def coloured_if_likelier(white: Fit) -> tuple[Fit, float | None]:
         tried.append(scored(white.problem, start, free, passes, ROUGH))
     best = likeliest(tried)
     if 2 * (white.nll - best.nll) > 4 * math.log(int(white.problem.counts.sum())):
-        best = scored(white.problem, best.theta, best.free)
-        return best, float(np.exp(best.theta[INDEX["time"]]))
-    return white, None
+        return scored(white.problem, best.theta, best.free)
+    return white
 
 
 def distrusting_low_speeds(fit: Fit, remarks: list[str]) -> Fit:

@@ -134,11 +134,11 @@ def best_loop(log: AxisLog, loops: Names, beside: LoopFit | None = None) -> Loop
     A simpler loop is replaced only if a richer one gains more than by chance and its numbers are
     determined.  ``beside``: a fit whose structures are kept.
     """
-    members = () if beside is None else beside.members
+    members = () if beside is None else tuple(n for n in beside.members if n != "lag")
     fixed = {} if beside is None else dict(beside.fixed)
     tried = []
     for more, loop in product(MORE, loops):
-        if (more and members) or {*more, *members} & {*WITHOUT[loop]}:
+        if ("accel" in more and members) or {*more, *members} & {*WITHOUT[loop]}:
             continue
         names = (*LOOPS[loop], *more, *members)
         start = _nearest(log, loop, [fixed | item for item in _starts(log, names, beside)])

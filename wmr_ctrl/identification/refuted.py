@@ -41,22 +41,17 @@ CREEP, CREEP_LAG = 0.01, 0.005
 for 30 kg on tyres of 1500 N s/m, and by how much fits of such logs miss the lag on average."""
 SIGMAS = 3.0
 NEWTON = 1.0
-WILKS_BLOCKS = 59
-"""Blocks of which the largest bounds 95 % of all, with 95 % confidence."""
-BLOCK_TIMES = 5.0
-"""Length of a block, in time constants of a coloured push: shorter ones are not independent."""
 
 
 def guard_bounds(
     white: Fit,
     intervals: Mapping[str, tuple[float, float, float]],
     scenario: Scenario,
-    colour: float | None,
 ) -> GuardBounds:
     """The guard's numbers from the intervals (value, low, high) and the white fit's residuals.
 
     dbar is q max(3, max |z|) per axis: q the rms force noise of the white fit, z the standardised
-    residuals.  ``colour``: time constant of the coloured push [s], if there is one.
+    residuals.
     """
     log = white.problem.log
     q = np.exp(white.theta[[INDEX["q1"], INDEX["q2"]]])
@@ -66,6 +61,7 @@ def guard_bounds(
     value, least, most = np.array([intervals["m"], intervals["I"]]).T
     low, high = value * (least / value) ** wider, value * (most / value) ** wider
     period, robot = scenario.clock.control, scenario.robot
+    v, w = np.abs(white.last.mean[:, 2:4]).max(axis=0)
     if log.of_speed:
         noise = np.exp(white.theta[[INDEX["n1"], INDEX["n2"]]])
         nbar = noise * np.maximum(SIGMAS, z.max(axis=0))
@@ -77,8 +73,8 @@ def guard_bounds(
     wide = latest - early > period
     late = (early, latest) if wide else (early, min(latest + CREEP, early + period))
     lightest, heaviest, pushes, noises = (
-        (four_digits(float(v), up), four_digits(float(w), up))
-        for (v, w), up in ((low, False), (high, True), (dbar, True), (nbar, True))
+        (four_digits(float(first), up), four_digits(float(second), up))
+        for (first, second), up in ((low, False), (high, True), (dbar, True), (nbar, True))
     )
     return GuardBounds(
         lightest,
@@ -88,27 +84,11 @@ def guard_bounds(
         late,
         outward(max(intervals["lag"][1], 0.0), intervals["lag"][2] + CREEP_LAG),
         (float(q[0]), float(q[1])),
-        tolerance_sentence(white, colour),
+        (
+            f"largest push that was seen in {log.t[-1] - log.t[0]:.3g} s, at speeds up to {v:.2g} "
+            f"m/s and {w:.2g} rad/s, on this floor, with this load: no bound that is proved"
+        ),
         wide,
-    )
-
-
-def tolerance_sentence(white: Fit, colour: float | None) -> str:
-    """Sentence on dbar: a tolerance bound for blocks of time, or only the largest value seen."""
-    log = white.problem.log
-    length = max(1.0, BLOCK_TIMES * (colour or 0.0))
-    count = int((log.t[-1] - log.t[0]) / length)
-    v, w = np.abs(white.last.mean[:, 2:4]).max(axis=0)
-    visited = f"at speeds up to {v:.2g} m/s and {w:.2g} rad/s, on this floor, with this load"
-    if count < WILKS_BLOCKS:
-        return (
-            f"largest seen in {count} blocks of {length:.2g} s, {visited}; {WILKS_BLOCKS} blocks "
-            "would also bound a share of later ones"
-        )
-    share = 0.05 ** (1 / count)
-    return (
-        f"with 95 % confidence at most {100 * (1 - share):.2g} % of later blocks of {length:.2g} s "
-        f"exceed it, if such blocks are independent, {visited}"
     )
 
 
@@ -126,7 +106,7 @@ def usable_speeds(scenario: Scenario) -> Pair | None:
     return now, now - then
 
 
-def held_out(white: Fit, fit: Fit, scenario: Scenario, colour: float | None) -> tuple[Fit, Texts]:
+def held_out(white: Fit, fit: Fit, scenario: Scenario) -> tuple[Fit, Texts]:
     """The white fit of the first two thirds, and sentences on contradictions: motion of the last
     third beyond these bounds, and numbers that changed.
 
@@ -136,7 +116,7 @@ def held_out(white: Fit, fit: Fit, scenario: Scenario, colour: float | None) -> 
     before = fitted_part(fit, cut)
     same = fit.problem is white.problem and (fit.free == white.free).all()
     trained = before if same else fitted_part(white, cut)
-    bounds = guard_bounds(trained, intervals_of(before), scenario, colour)
+    bounds = guard_bounds(trained, intervals_of(before), scenario)
     unexplained = [item.against(bounds) for item in contradictions(white, bounds, cut)]
     return trained, (*changed(fit), *unexplained)
 
