@@ -11,9 +11,9 @@ from itertools import product
 import numpy as np
 
 from .fit import ACCEPTED
+from .judgement import explainable
 from .logs.log import Floats, Names
 from .logs.samples import AxisLog
-from .residual import explainable
 from .speed_loop import (
     LINEAR,
     LOOPS,

@@ -206,38 +206,34 @@ def _pushes(
 ) -> Floats:
     """Ends, lengths [s] and least pushes (3, K) of windows in which an axis keeps its direction.
 
-    A window is two halves of ``span`` [s] each; measured speeds are means over half a window.  The
-    push is monotonic in the force that acted, so the least push is at an end of the forces' range.
+    A window is two halves of ``span`` [s] each; speeds are means over half a window.  The push is
+    monotonic in the force that acted, so the least push is at an end of the forces' range.
     """
-    n = max(1, round(span / usual_step(log.t)))
-    reach = n if log.of_speed else 2 * n
-    left = log.stretches[1] - np.arange(len(log.t))
-    i = np.flatnonzero(left >= reach)[:: max(1, n // 4)]
-    seen, middle, last = log.seen[:, axis], i + n, i + reach
-    before, after = log.t[middle] - log.t[i], log.t[last] - log.t[middle]
-    if log.of_speed:
-        period, nbar = before, np.full(len(i), bounds.nbar[axis])
-        ways = np.sign(seen) * (np.abs(seen) > bounds.nbar[axis])
-    else:
-        # Each wheel's reading is off by less than a count, so both sums are by less than `count`.
-        count = math.sqrt(24 * log.variance[axis])
-        period, nbar = (before + after) / 2, count * (1 / before + 1 / after) / 2
-        moved = np.diff(seen, prepend=seen[0])
-        ways = np.sign(moved) * (np.abs(moved) > count)
-    sums = np.concatenate(([0.0], np.cumsum(ways)))
-    first = i if log.of_speed else i + 1
-    one_way = np.abs(sums[last + 1] - sums[first]) == last + 1 - first
+    t, step = log.t, np.diff(log.t, prepend=log.t[0])
+    n = max(1, round(span / usual_step(t)))
+    i = np.flatnonzero(log.stretches[1] - np.arange(len(t)) >= 2 * n)[:: max(1, n // 4)]
+    middle, last = i + n, i + 2 * n
+    before, after = t[middle] - t[i], t[last] - t[middle]
+    period, speed_off = (before + after) / 2, bounds.nbar[axis]
+    # Each wheel's reading is off by less than a count, so both sums are by less than this.
+    off = speed_off * step if log.of_speed else math.sqrt(24 * log.variance[axis])
+    nbar = off * (1 / before + 1 / after) / 2 if not log.of_speed else speed_off + 0 * before
+
+    def way(x: Floats) -> Floats:
+        return np.cumsum(x * step) if log.of_speed else x
+
+    def velocities(x: Floats) -> tuple[Floats, Floats]:
+        return (x[middle] - x[i]) / before, (x[last] - x[middle]) / after
+
+    seen = way(log.seen[:, axis])
+    moved = np.diff(seen, prepend=seen[0])
+    sums = np.cumsum(np.sign(moved) * (np.abs(moved) > off))
+    one_way = np.abs(sums[last] - sums[i]) == 2 * n
     if not one_way.any():
         return np.zeros((3, 0))
-
-    def velocities(way: Floats, speed: Floats) -> Floats:
-        if log.of_speed:
-            return np.stack((speed[i], speed[last]))
-        return np.stack(((way[middle] - way[i]) / before, (way[last] - way[middle]) / after))
-
-    moves = [velocities(item[:, axis], item[:, 2 + axis]) for item in forced]
+    moves = [velocities(way(item[:, axis + 2 * log.of_speed])) for item in forced]
     forces = [(new - old) / period for old, new in moves]
-    old, new = velocities(seen, seen)
+    old, new = velocities(seen)
     pushes = [
         _monitor()(*np.stack((new, old, end, period, nbar))[:, None, one_way], *bounds.masses[axis])
         for end in (np.min(forces, axis=0), np.max(forces, axis=0))

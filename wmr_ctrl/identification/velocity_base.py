@@ -13,25 +13,33 @@ from wmr_ctrl.world.encoder import Encoder
 from wmr_ctrl.world.scenario import Scenario, override
 
 from .bounds import (
+    DETERMINED,
+    ROUGHLY,
     UNDETERMINED,
     BaseIdentification,
+    Estimate,
     Estimates,
     FilterBounds,
     Traces,
+    informative_seconds,
     loop_remarks,
+    verdict,
 )
-from .estimate import bare_scenario, cut_of, loop_estimates, score_of
-from .judgement import NOT_EXPLAINED, Judgements, bent, judged
+from .estimate import bare_scenario, cut_of, score_of
+from .fit import WIDEST, plant_step
+from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement, Judgements, bent, judged
 from .logs.lint import check_following
 from .logs.log import COMMAND, Pair
 from .logs.samples import AxisLog, Samples, axis_log
 from .loop_search import axis_fit
-from .speed_loop import LOOPS, SMOOTHED, Fits, LoopFit, fitted
+from .speed_loop import LINEAR, LOOPS, RANGES, SMOOTHED, Fits, LoopFit, fitted
 from .stated import MOST_FAR, beyond, refusal, too_far
 from .written import four_digits, outward
 
 LOOP, LEAST_DRIVEN = "first-order", 1e-3
 TRAINED = 4
+UNSURE = 0.1
+"""Share by which numbers of a loop are widened that explains its log in part."""
 LEAST_BACK = 2.0
 """Largest ratio of commands in both directions of a log that shows both."""
 MOST_LATE, MOST_VAGUE = 0.3, 4.0
@@ -102,6 +110,78 @@ def same_loop(axes: list[AxisLog], driven: list[bool]) -> Fits:
         (axis_fit(axes[0], (second.loop,)), second),
     )
     return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
+
+
+def loop_estimates(judgements: Judgements, period: float) -> dict[str, Estimate]:
+    """Value, interval and verdict of each parameter, for the axes that were driven."""
+    if not judgements:
+        keys = [f"{name}{axis}" for axis in (1, 2) for name in LOOPS["first-order"]]
+        return dict.fromkeys(keys, Estimate(math.nan, 0.0, math.inf, UNDETERMINED, share=9.0))
+    estimates = {}
+    sure = all(item.explained == EXPLAINED for item in judgements)
+    for item in judgements:
+        fit, axis = item.fit, item.place + 1
+        for name in fit.values:
+            if name != "when":
+                estimates[f"{name}{axis}"] = _estimate(item, name, period, sure)
+        if "accel" not in fit.names:
+            # A command that is ramped drives no speed faster than its ramp, times the gain.
+            known = item.explained == EXPLAINED
+            least = fit.steepest / fit.gain if known else 0.0
+            estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, UNDETERMINED, share=9.0)
+    return estimates
+
+
+def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Estimate:
+    """A parameter's estimate; its interval is widened if the fit explains the log only in part.
+
+    ``sure``: the other axis is explained, too, so it cannot have caused the misfit.
+    """
+    fit = judgement.fit
+    value, in_part = fit.values[name], judgement.explained != EXPLAINED
+    pairs = [_interval(item, name, period) for item in (fit, *fit.others)]
+    low, high = min(low for low, _ in pairs), max(high for _, high in pairs)
+    more = min(judgement.share, 1.0) * (1 + in_part) + UNSURE * (
+        in_part and name in ("tau", "wn", "zeta")
+    )
+    if name == "delay":
+        low, high = low - period * in_part, high + period * in_part
+    elif name not in LINEAR:
+        low, high = low / (1 + more), high * (1 + more)
+    least, most = judgement.reached(name, value)
+    size, own = max(abs(value), period if name == "delay" else 1e-12), (high - low) / 2
+    # What is hardly determined reaches little beyond what is searched.
+    lowest, highest = RANGES.get(name, (0.0, math.inf))
+    low, high = max(min(low, least), lowest / 2), min(max(high, most), 2 * highest)
+    # A structure that is known makes a number another, not unknown.
+    share = ((high - low) / 2 if in_part else own) / size
+    word, seconds, several = verdict(share), (0.0, 0.0), (least, most) != (value, value)
+    if name in fit.names:
+        place = fit.names.index(name)
+        seconds = informative_seconds(fit.log.t, fit.fisher[:, place, place])
+        several |= bool(fit.alone[place]) or (name in fit.members and not sure)
+    if judgement.explained == NOT_EXPLAINED:
+        word = NOT_EXPLAINED
+    elif fit.at_end(name):
+        word = UNDETERMINED
+    elif word == DETERMINED and (in_part or several):
+        word = ROUGHLY
+    return Estimate(value, low, high, word, seconds, share)
+
+
+def _interval(fit: LoopFit, name: str, period: float) -> Pair:
+    """95 % interval from the fit alone; that of a dead band is between two commands of the log."""
+    value = fit.values[name]
+    if name not in fit.names:
+        sizes = np.unique(np.abs(fit.log.sent))
+        place = int(np.clip(np.searchsorted(sizes, value), 1, len(sizes) - 1))
+        return float(sizes[place - 1]), float(sizes[place])
+    half = fit.half_widths(plant_step(period) / 2)[name]
+    if name in LINEAR:
+        low, high = RANGES[name]
+        return max(value - half, low), min(value + half, high)
+    wide = math.exp(min(half, WIDEST / 3))
+    return value / wide, value * wide
 
 
 def _scenario(

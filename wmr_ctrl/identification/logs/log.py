@@ -158,15 +158,15 @@ def joined(logs: Sequence[Log]) -> Log:
     names = [name for name in logs[0].columns if all(log.has([name]) for log in logs)]
     if not names:
         raise LogError("no column is in all of these logs. Give logs with the same columns.")
-    times, columns, begin = dict[str, Floats](), dict[str, Floats](), 0.0
+    times, columns, begin = {}, {}, 0.0
     for log in logs:
         ends = [log.times[name][[0, -1]] for name in names]
         first, last = np.min(ends), np.max(ends)
         for name in names:
-            rest = np.full(int(name in (*COMMAND, *TORQUES)), begin - BETWEEN / 2)
-            clock = (times.get(name, rest[:0]), rest, log.times[name] - first + begin)
-            values = (columns.get(name, rest[:0]), 0 * rest, log.columns[name])
-            times[name], columns[name] = np.concatenate(clock), np.concatenate(values)
+            rest = [begin - BETWEEN / 2] if name in (*COMMAND, *TORQUES) else []
+            own, values = [*rest, *(log.times[name] - first + begin)], log.columns[name]
+            times[name] = np.append(times.get(name, []), own)
+            columns[name] = np.append(columns.get(name, []), [*np.zeros(len(rest)), *values])
         begin += float(last - first) + BETWEEN
     remarks = dict.fromkeys(text for log in logs for text in log.remarks)
     name = ", ".join(log.name for log in logs)
