@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from wmr_ctrl.world.scenario import Scenario, from_dict, scenario_dict
 from wmr_ctrl.world.scenario.scenario import multiples
@@ -22,17 +21,15 @@ from .bounds import (
 from .fit import (
     ACCEPTED,
     LAG_LEAST,
-    PHYSICAL,
     Fit,
     LogProblem,
     half_widths,
     plant_step,
     scored,
-    standard_errors,
 )
 from .kalman import INDEX, LOGARITHMIC, NAMES
 from .logs.log import Floats
-from .logs.samples import Samples, differenced, gains, shifts_of, speeds, wheels
+from .logs.samples import Samples, differenced, gains, shifts_of
 
 START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""
@@ -42,10 +39,6 @@ SPLITS = (0.2, 0.5, 0.8)
 """Shares of delay in the time from command to force that fits are started from."""
 LATENESS, SURE_PASSES = (0.03, 0.1, 0.3), 12
 """Delay and lag together [s] that further fits start from where a log tells little."""
-LOW_SPEED, LOW_FADING, LOW_FACTOR = 0.06, 0.1, 10.0
-"""Speed of a wheel below which the force noise counts LOW_FACTOR times [m/s], fading over [s]."""
-MOVED = 3.5
-"""Standard errors of the worse fit from which on a parameter has moved."""
 HELD_OUT = 1 / 3
 PART_PASSES = 12
 """Passes of the fit of a part of a log, from that of the whole."""
@@ -134,32 +127,6 @@ def coloured_if_likelier(white: Fit) -> Fit:
     return white
 
 
-def distrusting_low_speeds(fit: Fit, remarks: list[str]) -> Fit:
-    """Refit with larger noise at low speeds; ``fit`` itself if no parameter moves by that."""
-    problem = fit.problem
-    speed = np.abs(wheels(speeds(problem.log), problem.known[1])).min(axis=1)
-    slow = np.flatnonzero(speed < LOW_SPEED)
-    if not slow.size or slow.size > 0.8 * len(speed):
-        return fit
-    t = problem.log.t
-    away = KDTree(t[slow, None]).query(t[:, None])[0]
-    near = np.clip(1 - away / LOW_FADING, 0, 1)
-    distrusting = replace(problem, boost=1 + (LOW_FACTOR - 1) * near)
-    again = scored(distrusting, fit.theta, fit.free)
-    errors = np.maximum(standard_errors(fit), standard_errors(again))
-    count = len(PHYSICAL)
-    by = np.abs(again.theta[:count] - fit.theta[:count])
-    moved = [name for name in PHYSICAL if by[INDEX[name]] > MOVED * errors[INDEX[name]]]
-    if not moved:
-        return fit
-    remarks.append(
-        f"{', '.join(moved)} move{'s' if len(moved) == 1 else ''} where speeds below "
-        f"{100 * LOW_SPEED:g} cm/s count less, as stiction or backlash make them; values are those "
-        "of that fit, and Coulomb friction at low speed is not covered."
-    )
-    return replace(again, least={INDEX[name]: by[INDEX[name]] for name in moved})
-
-
 def surest(fit: Fit) -> Fit:
     """The likeliest of several fits if ``fit`` hardly determines delay or mass, else ``fit``.
 
@@ -177,11 +144,7 @@ def surest(fit: Fit) -> Fit:
         fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, ROUGH))
     best = likeliest(fits)
     near = [item.theta for item in fits if item.nll < best.nll + ACCEPTED]
-    least = {
-        k: max(fit.least.get(k, 0.0), *(abs(x[k] - best.theta[k]) for x in near))
-        for k in range(len(PHYSICAL))
-    }
-    return replace(best, least=least)
+    return replace(best, least=np.abs(np.array(near) - best.theta).max(axis=0))
 
 
 def bare_scenario(scenario: Scenario, log: Samples, remarks: list[str]) -> Scenario:
@@ -221,9 +184,7 @@ def cut_of(log: Samples) -> float:
 
 def fitted_part(fit: Fit, end: float) -> Fit:
     """Refit, with the same model, the part of the log before ``end`` [s]."""
-    problem = fit.problem
-    boost = np.broadcast_to(problem.boost, problem.log.t.shape)[problem.log.t < end]
-    part = replace(problem, log=problem.log.until(end), boost=boost)
+    part = replace(fit.problem, log=fit.problem.log.until(end))
     return replace(scored(part, fit.theta, fit.free, PART_PASSES), least=fit.least)
 
 

@@ -33,7 +33,6 @@ from .estimate import (
     bare_scenario,
     coloured_if_likelier,
     cut_of,
-    distrusting_low_speeds,
     score_of,
     seconds_begin,
     surest,
@@ -274,9 +273,9 @@ def _of_torques(name: str, log: Samples, scenario: Scenario, remarks: list[str])
     known = np.array([robot.r, robot.l, robot.g, robot.v_s, log.period])
     problem = LogProblem(log, CompiledFilter(scenario), known)
     white = white_fit(problem)
-    fit = distrusting_low_speeds(coloured_if_likelier(white), remarks)
-    fit = surest(fit)
+    fit = coloured_if_likelier(white)
     _check_finite(name, white, fit)
+    fit = surest(fit)
     widths, estimates = intervals_of(fit), {}
     speed = np.sqrt(np.mean(white.last.mean[:, 2:4] ** 2, axis=0))
     values = {key: item[0] for key, item in widths.items()}

@@ -114,8 +114,7 @@ def held_out(white: Fit, fit: Fit, scenario: Scenario) -> tuple[Fit, Texts]:
     """
     cut = cut_of(white.problem.log)
     before = fitted_part(fit, cut)
-    same = fit.problem is white.problem and (fit.free == white.free).all()
-    trained = before if same else fitted_part(white, cut)
+    trained = before if (fit.free == white.free).all() else fitted_part(white, cut)
     bounds = guard_bounds(trained, intervals_of(before), scenario)
     unexplained = [item.against(bounds) for item in contradictions(white, bounds, cut)]
     return trained, (*changed(fit), *unexplained)

@@ -158,7 +158,7 @@ def joined(logs: Sequence[Log]) -> Log:
     names = [name for name in logs[0].columns if all(log.has([name]) for log in logs)]
     if not names:
         raise LogError("no column is in all of these logs. Give logs with the same columns.")
-    times, columns, begin = {}, {}, 0.0
+    times, columns, begin = dict[str, Floats](), dict[str, Floats](), 0.0
     for log in logs:
         ends = [log.times[name][[0, -1]] for name in names]
         first, last = np.min(ends), np.max(ends)
