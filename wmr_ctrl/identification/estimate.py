@@ -143,8 +143,10 @@ def surest(fit: Fit) -> Fit:
         start[[m, inertia]] -= lighter
         fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, ROUGH))
     best = likeliest(fits)
-    near = [item.theta for item in fits if item.nll < best.nll + ACCEPTED]
-    return replace(best, least=np.abs(np.array(near) - best.theta).max(axis=0))
+    near = [item.theta[fit.free] for item in fits if item.nll < best.nll + ACCEPTED]
+    least = np.zeros(len(best.theta))
+    least[fit.free] = np.abs(np.array(near) - best.theta[fit.free]).max(axis=0)
+    return replace(best, least=least)
 
 
 def bare_scenario(scenario: Scenario, log: Samples, remarks: list[str]) -> Scenario:
