@@ -19,9 +19,10 @@ import numpy as np
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
-from wmr_ctrl.core.errors import ResultFileError, UnknownNameError
+from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.results import FIGURES, atomic_text
 from wmr_ctrl.results.files import atomic_write, write_csv
+from wmr_ctrl.world.scenario import Section, quantities
 
 from .plan import Study
 
@@ -122,15 +123,22 @@ def described_columns(plan: Study) -> Iterator[tuple[str, str, str]]:
         ("seed", "1", "seed of all noise"),
     )
     for key in plan.keys:
-        try:
-            number, _ = plan.loaded.number(key.partition("[")[0])
-            yield key, number.unit, number.meaning
-        except UnknownNameError:  # a gain, a change, or a text
-            yield key, "", "field of the scenario"
+        unit, meaning = _field(plan, key)
+        yield key, unit, meaning
     yield "outcome", "", "how the run ended; refused: a guard that cannot keep its limits"
     for name in plan.figures:
         yield name, FIGURES[name].unit, FIGURES[name].meaning
     yield REFUSAL, "", "why the guard refused the run, else empty"
+
+
+def _field(plan: Study, key: str) -> tuple[str, str]:
+    """Unit and meaning of a field of the scenario; empty for a gain."""
+    table, _, name = key.partition(".")
+    if table in ("gains", "changes"):
+        return "", "field of the scenario"
+    section: Section = plan.loaded.table(table)
+    what = dict(quantities(type(section))).get(name.partition("[")[0])
+    return ("", "field of the scenario") if what is None else (what.unit, what.doc)
 
 
 @contextmanager
