@@ -11,13 +11,11 @@ from wmr_ctrl.control.setup import KINEMATICS, Setup, gains_of, settle
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantities
-from wmr_ctrl.core.fields.units import length, limits_in_words, rounded, sized
+from wmr_ctrl.core.fields.units import limits_in_words, rounded, sized
 from wmr_ctrl.core.fields.unstated import Unstated
-from wmr_ctrl.results import Run, driving, percent, speeds, tracked
-from wmr_ctrl.results.measures import arrival, guard_share, tracking
+from wmr_ctrl.results import speeds
 from wmr_ctrl.theory.checks import Stability, filter_advice, filter_facts
-from wmr_ctrl.theory.checks.outlook import scenario_of_run
-from wmr_ctrl.theory.checks.unknown_zero import exactness, finest
+from wmr_ctrl.theory.checks.unknown_zero import exactness
 from wmr_ctrl.theory.checks.velocity_base import hears
 from wmr_ctrl.theory.checks.velocity_guard import void_effects
 from wmr_ctrl.theory.checks.warning import joined
@@ -264,30 +262,6 @@ def unread_k(case: Scenario, laws: Sequence[str], stated: Set[str]) -> Iterator[
                 f"{SHARED_K} is stated, and law {law} does not read it: here it has {own} = "
                 f"{list(gains.kinematics)}, its own. State that for {law}."
             )
-
-
-def sight(run: Run) -> str:
-    """One-sentence summary of a run."""
-    parts, shares, times = tracking(run), guard_share(run), arrival(run)
-    away = " and ".join(
-        f"{_away(run, part['position_rms'])} RMS from the desired position in the {place}"
-        for place, part in zip((driving(run), "end"), parts.values(), strict=True)
-        if part is not None and part["position_rms"] is not None
-    )
-    away = away or ("it ended early" if run.monitor.stopped else "too short to be judged")
-    verdict = "tracked" if tracked(run) else "not tracked"
-    held = ""
-    if run.guard and shares is not None:
-        thrusts, moments = map(percent, shares)
-        held = f", the guard changed {thrusts} of the thrusts and {moments} of the moments"
-    goal = f", at its goal from {times['robot']:.4g} s on" if times and times["robot"] else ""
-    return f"run once with seed 0: {run.outcome.value}, {verdict}, {away}{goal}{held}"
-
-
-def _away(run: Run, distance: float) -> str:
-    """A distance as text; values below the rounding errors of the run are shown as "below ..."."""
-    least = finest(scenario_of_run(run))
-    return f"below {length(least)}" if distance < least else f"{distance:.3g} m"
 
 
 def stable(limits: Stability, period: float) -> str:
