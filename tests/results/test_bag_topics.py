@@ -11,7 +11,7 @@ pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
 
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, STAMPED, TWIST, message_types
+from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, TWIST, message_types
 from wmr_ctrl.results.bag_topics import read_topics
 
 TYPES = message_types().types
@@ -128,73 +128,6 @@ def test_a_drive_around_a_circle_arrives_in_our_frame(tmp_path, plugin):
     assert all(np.array_equal(alone.columns[key], whole.columns[key]) for key in whole.columns)
 
 
-def test_receipts_of_commands_are_put_on_the_stamps_of_another_clock(tmp_path):
-    """Messages are up to 30 ms late."""
-    rng, t = np.random.default_rng(0), np.arange(1, 21, 0.05)
-    late = 0.002 + np.minimum(rng.exponential(0.004, (2, len(t))), 0.03)
-    odom, sent = EPOCH + t + late
-    told = read_topics(bag(tmp_path, odom_at(t, odom) + sent_at(sent)))
-
-    off = told.times["v_command"] - told.times["v_command"][0] - (t - t[0])
-    assert np.abs(off).max() < 0.035
-    assert told.times["v_command"][0] < 0.035
-    assert "two clocks" in " ".join(told.remarks)
-
-
-def test_stamps_of_two_clocks_are_put_on_one(tmp_path):
-    """Commands stamped by another machine, whose clock is days off."""
-    t = np.arange(1, 7, 0.1)
-    messages = odom_at(EPOCH + t, EPOCH + t + 0.002)
-    kind = TYPES[STAMPED]
-    messages += [
-        ("/cmd_vel", STAMPED, EPOCH + s + 0.002, kind(header=header(s), twist=twist(0.5, 0.0)))
-        for s in t
-    ]
-
-    told = read_topics(bag(tmp_path, messages, StoragePlugin.SQLITE3))
-
-    assert told.times["v_command"] == pytest.approx(told.times["v1_measured"], abs=0.01)
-
-
-def test_messages_out_of_order_are_sorted_and_repeated_ones_left_out(tmp_path):
-    t = EPOCH + np.arange(0, 6, 0.1)
-    stamps = t.copy()
-    stamps[[20, 21]] = stamps[[21, 20]]
-    stamps[40] = stamps[39]
-    messages = [
-        ("/odom", ODOMETRY, t[k], odometry(s, v=float(round((s - EPOCH) / 0.1))))
-        for k, s in enumerate(stamps)
-    ]
-
-    told = read_topics(bag(tmp_path, messages))
-
-    assert np.all(np.diff(told.times["v1_measured"]) > 0)
-    assert told.columns["v1_measured"] == pytest.approx(
-        np.round(told.times["v1_measured"] / 0.1), abs=1e-9
-    )
-    assert len(told.times["v1_measured"]) == len(t) - 1
-    assert any("out of order" in text for text in told.remarks)
-    assert any("repeat a stamp" in text for text in told.remarks)
-
-
-@pytest.mark.parametrize("back, refused", [(0.95, False), (1.05, True)])
-def test_a_message_a_second_late_is_put_in_order_and_a_later_one_is_a_clock_set_back(
-    tmp_path, back, refused
-):
-    t = EPOCH + np.arange(0, 6, 0.1)
-    messages = odom_at(t)
-    messages[41] = ("/odom", ODOMETRY, t[41], odometry(t[40] - back, v=7.0))
-    place = bag(tmp_path, messages)
-
-    if refused:
-        with pytest.raises(ResultFileError, match=r"by 1.05 s at message 42"):
-            read_topics(place)
-    else:
-        told = read_topics(place)
-        at = told.times["v1_measured"][told.columns["v1_measured"] == 7.0]
-        assert at == pytest.approx([t[40] - EPOCH - back], abs=1e-6)
-
-
 def test_a_base_that_drives_sideways_is_told_what_is_not_read(tmp_path):
     """Once a topic, with the largest speed; nothing where it is 0 or no number."""
     t = EPOCH + np.arange(0, 10, 0.1)
@@ -279,17 +212,6 @@ def test_joints_that_could_be_two_pairs_are_a_remark_where_other_topics_suffice(
         read_topics(place, {"joints": "/joint_states"})
 
 
-def test_efforts_of_a_topic_go_before_those_of_joints(tmp_path):
-    t = EPOCH + np.arange(0, 6, 0.1)
-    messages = joints_at(t, lambda s: (s, s), lambda s: (), lambda s: (1.0, 1.0))
-    messages += [("/effort/commands", ROW, s, array(3.0, 4.0)) for s in t]
-
-    told = read_topics(bag(tmp_path, messages), {"effort": "/effort/commands"})
-
-    assert set(told.columns["tau_right"]) == {3.0}
-    assert set(told.columns["tau_left"]) == {4.0}
-
-
 def test_topics_are_asked_for_by_role_and_what_is_not_there_is_named(tmp_path):
     t = EPOCH + np.arange(0, 6, 0.1)
     messages = odom_at(t, name="/a/odom", v=1.0) + odom_at(t, name="/b/odom", v=2.0)
@@ -312,29 +234,3 @@ def test_what_is_no_bag_is_refused_in_one_paragraph(tmp_path):
         with pytest.raises(ResultFileError, match="cannot be read") as told:
             read_topics(tmp_path / name)
         assert "\n" not in str(told.value)
-
-
-def test_stamped_commands_and_plain_ones_are_the_same(tmp_path):
-    t = EPOCH + np.arange(0, 6, 0.1)
-    stamped = TYPES[STAMPED]
-    messages = odom_at(t)
-    messages += [("/cmd_vel", STAMPED, s, stamped(header=header(s), twist=twist(0.2, -0.3)))
-                 for s in t]  # fmt: skip
-
-    told = read_topics(bag(tmp_path, messages))
-
-    assert set(told.columns["v_command"]) == {0.2}
-    assert set(told.columns["omega_command"]) == {-0.3}
-
-
-def test_times_of_receipt_count_where_the_recorders_clock_is_asked_for(tmp_path):
-    receipt = EPOCH + 0.1 * np.arange(50)
-    place = bag(tmp_path, [("/odom", ODOMETRY, t, odometry(t - 0.2 - 0.05 * (k % 2)))
-                           for k, t in enumerate(receipt)])  # fmt: skip
-
-    stamped, received = (read_topics(place, {"clock": name}) for name in ("stamps", "recorder"))
-
-    assert received.times["v1_measured"] == pytest.approx(receipt - EPOCH, abs=1e-6)
-    assert np.ptp(np.diff(stamped.times["v1_measured"])) == pytest.approx(0.1, abs=1e-6)
-    with pytest.raises(ArgumentError, match="clock = 'mine' must be stamps or recorder"):
-        read_topics(place, {"clock": "mine"})
