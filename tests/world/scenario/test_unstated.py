@@ -98,6 +98,16 @@ def test_no_motion_depends_on_a_placeholder(law):
         assert np.array_equal(first[name], second[name])
 
 
+def test_what_is_not_stated_is_not_shown_as_known():
+    scenario = from_dict(VELOCITY)
+    text = to_toml(scenario)
+
+    assert "\n# m = ..." in text
+    assert "\n# v_u2 = ..." in text
+    assert "not stated" in scenario._repr_html_()
+    assert loads_scenario(text, scenario.name) == scenario
+
+
 def test_a_file_that_lacks_keys_is_a_base_for_others(tmp_path):
     (tmp_path / "part.toml").write_text("[robot]\nm = 12.0\nI = 0.6\n[limits]\nv_u2 = [0.3, 0.4]\n")
     rest = "[robot]\nmu = 0.05\nr = 0.08\nl = 0.2\n[limits]\nv_u1 = [0.6, 1.2]\n"
