@@ -7,7 +7,7 @@ import pytest
 from tests.papers_robot import paper
 from wmr_ctrl.export.fmi.blocks import plant_model
 from wmr_ctrl.export.fmi.files import sources_of
-from wmr_ctrl.export.fmi.xml import description, documentation
+from wmr_ctrl.export.fmi.xml import description, documentation, terminals
 
 MODEL = plant_model(paper())
 
@@ -26,5 +26,9 @@ def test_every_variable_stands_in_it_once_and_outputs_in_its_structure(version):
     assert len(found) == len(outputs)
 
 
-def test_the_page_of_a_model_has_its_title():
+def test_terminals_are_those_whose_signals_are_there():
+    text = terminals(MODEL)
+
+    assert 'name="torque"' in text
+    assert 'name="reference"' not in text
     assert MODEL.title in documentation(MODEL, "toy tool")

@@ -134,6 +134,7 @@ def write_fmu(
     text = xml.description(model, sources, version, TOOL, arrays=arrays)
     files = {"modelDescription.xml": text}
     if version == 3:
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = xml.terminals(model)
         built_from = {"identifier": model.identifier, "units": sources.units}
         files["sources/buildDescription.xml"] = render("buildDescription.xml", m=built_from)
     files["documentation/index.html"] = xml.documentation(model, TOOL)
