@@ -91,8 +91,9 @@ def test_terminals_gather_what_is_asked_and_what_is_sent():
     assert text.count('matchingRule="bus"') == text.count("<Terminal ")
 
 
-def test_it_claims_no_derivatives(tmp_path):
+def test_its_plain_code_is_named_and_it_claims_no_derivatives(tmp_path):
     description = read_model_description(str(exported(scenario("clip"), 2, tmp_path)))
+    assert description.description.endswith("interface.xml")
     assert not description.coSimulation.providesDirectionalDerivative
 
 

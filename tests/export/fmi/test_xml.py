@@ -14,13 +14,14 @@ MODEL = plant_model(paper())
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_every_variable_stands_in_it_once_and_outputs_in_its_structure(version):
-    text = description(MODEL, sources_of(MODEL, version), version, "toy tool")
+    text = description(MODEL, sources_of(MODEL, version), version, "toy tool", note=", noted")
     root = ET.fromstring(text)
     named = [item.get("name") for item in root.find("ModelVariables")]
     outputs = [item for item in MODEL.variables if item.output]
 
     assert sorted(named) == sorted(item.name for item in MODEL.variables)
     assert root.get("generationTool") == "toy tool"
+    assert ", noted" in text
     structure = root.find("ModelStructure")
     found = structure.findall("Output") if version == 3 else list(structure.find("Outputs"))
     assert len(found) == len(outputs)
