@@ -11,7 +11,7 @@ pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
 
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, TWIST, message_types
+from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, STAMPED, TWIST, message_types
 from wmr_ctrl.results.bag_topics import read_topics
 
 TYPES = message_types().types

@@ -21,6 +21,7 @@ from wmr_ctrl.world.scenario import (
     override,
     sections,
 )
+from wmr_ctrl.world.scenario.toml_io import to_toml
 from wmr_ctrl.world.scenario.unstated import guessed_keys, missing_keys, missing_text, unknown_keys
 
 ROBOT = {"m": 12.0, "I": 0.6, "mu": 0.05, "r": 0.08, "l": 0.2}
