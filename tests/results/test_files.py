@@ -34,17 +34,6 @@ def test_what_was_written_is_there_afterwards_and_nothing_else(tmp_path):
     assert contents(tmp_path) == {"a.bin": b"new", "a.txt": "Größe\n".encode()}
 
 
-def test_the_old_file_stays_until_the_new_one_is_complete(tmp_path):
-    path = tmp_path / "a.bin"
-    path.write_bytes(b"old")
-    with atomic_write(path) as file:
-        file.write(b"new")
-        file.flush()
-        assert path.read_bytes() == b"old"
-
-    assert contents(tmp_path) == {"a.bin": b"new"}
-
-
 @pytest.mark.parametrize("fault", [ValueError("mine"), KeyboardInterrupt()])
 def test_a_fault_inside_leaves_the_old_file_and_passes_on(tmp_path, fault):
     path = tmp_path / "a.bin"
@@ -128,11 +117,6 @@ def test_places_that_cannot_be_written_are_refused_beforehand(tmp_path, name):
 
     assert "\n" not in str(caught.value)
     assert contents(tmp_path) == {"file": b""}
-
-
-def test_a_missing_folder_is_named(tmp_path):
-    with pytest.raises(ResultFileError, match=r"folder '.*none' does not exist.*Create"):
-        check_writable(tmp_path / "none" / "a.bin")
 
 
 def test_a_folder_is_called_a_folder(tmp_path):

@@ -95,9 +95,7 @@ def _by_group(table: StudyTable) -> Figure:
     return figure
 
 
-def _boxes(
-    axes: Axes, group: str, values: list[Floats], places: NDArray[np.floating], width: float
-) -> None:
+def _boxes(axes: Axes, group: str, values: list[Floats], places: NDArray[np.floating], width: float) -> None:
     """Boxes in the look of a law and guard; runs far off are left out."""
     guarded, colour = "guarded" in group, _colour(group)
     # Lines in the law's colour: a box may be thinner than its outline.

@@ -94,6 +94,11 @@ class Run:
             f"{self.rows} rows, {self.outcome}>"
         )
 
+    def _repr_html_(self) -> str:
+        from .frames import run_html
+
+        return run_html(self)
+
     @checks_arguments
     def save(self, path: AnyPath) -> None:
         """Write the run to a file, in the format of its suffix; `wmr_ctrl.load_run` reads it back.

@@ -180,7 +180,7 @@ def _loaded(path: Path, topics: Mapping[str, str] | None) -> Run | drive.Recorde
         folder = "is a folder without metadata.yaml" if os.path.isdir(path) else ""
         raise LogError(
             f"{str(path)!r} {folder or f'has the suffix {path.suffix!r}'}; a log is a table "
-            f"({', '.join(TABLES)}), a ROS bag (its folder, .mcap or .db3), or a saved run "
+            f"({', '.join(TABLES)}), a ROS bag (its folder, .mcap, .db3 or .bag), or a saved run "
             f"({RUN_FILE})."
         )
     return load_source(path, topics)
