@@ -23,7 +23,7 @@ typedef struct {
 
 typedef struct {
     double seconds, axis, side, base, driver, limits, near, less, missing, rule, speed, rate, kept, far[2];
-    double apart, pauses;
+    double apart, pauses, trusts;
 } choices; /* Choices there; -1: by chance */
 
 enum { PRESS, ANY, TO_AND_FRO, ON_AND_OFF, ODD, TURN_BACK, SMALL, BACK, TAPS, ALL_SORTS, SLOWLY, ONE_STEP, DRIVERS };
@@ -116,7 +116,7 @@ static double approach(double distance, double asked, double horizon)
 typedef struct { double limit, before, told, due; } deadline;
 
 /* Requests away from one side: commands sent in a row, their least pull, releases that came too early. */
-typedef struct { int sent, spent, refused; double weakest; } request;
+typedef struct { int sent, spent, refused, waited; double weakest; } request;
 
 typedef struct { double t, v[2], free[2][2], sent[2], take[2]; } sample;
 
@@ -390,7 +390,7 @@ static double ruled(const drive *s, double distance)
 }
 
 /* What the driver owes after a step: releases that the hold opened do not come too early. */
-static void count_requests(drive *s, const wmr_filter_inputs *u, const double sent[2], int near_by)
+static void count_requests(drive *s, const wmr_filter_inputs *u, const double sent[2], int near_by, int stands)
 {
     const numbers *p = s->p;
     for (int i = 0; i < 2; ++i)
@@ -407,7 +407,7 @@ static void count_requests(drive *s, const wmr_filter_inputs *u, const double se
                 s->out->passed += e->refused;
                 int opened = e->refused && s->walls[i][m] < 1e9 && sent[1 - i] == 0 && a->push > 0;
                 if (opened && e->spent >= p->leave && hold < NEVER) {
-                    s->owed = (int)hold - 1;
+                    s->owed = (s->c->trusts > 0 ? e->waited : (int)hold) - 1; /* trusts: as long as it waited */
                     s->owing[0] = i;
                     s->owing[1] = m;
                     s->owed_command = fabs(u->v_asked[i]);
@@ -420,6 +420,7 @@ static void count_requests(drive *s, const wmr_filter_inputs *u, const double se
                 if (mine) s->owed = 0;
             }
             e->refused = near_by && way * u->v_asked[i] > 0 && sent[i] == 0;
+            e->waited = e->refused && stands ? e->waited + 1 : 0;
         }
 }
 
@@ -557,7 +558,8 @@ static void drive_one(const numbers *p, const numbers *real, const choices *c, u
             s.walls[s.axis][below(&s.seed, 2)] += uniform(&s.seed, 0, 2);
         tell_limits(&s, k, &u);
         tell_measured(&s, k, &u);
-        asks(&s, k, zeros > s.stands_after);
+        int stands = zeros > s.stands_after;
+        asks(&s, k, stands);
         u.v_asked[s.axis] = s.side * s.asked;
         u.v_asked[1 - s.axis] = s.across;
         if (s.owed > 0) { /* the driver goes on */
@@ -569,7 +571,7 @@ static void drive_one(const numbers *p, const numbers *real, const choices *c, u
             u.v_asked[below(&s.seed, 2)] = NAN;
         u.elapsed = s.elapsed;
         int near_by = commands(&s, k, &u, sent);
-        count_requests(&s, &u, sent, near_by);
+        count_requests(&s, &u, sent, near_by, stands);
         if (k * p->period >= s.leaves_late) count_waiting(&s, k, s.side * sent[s.axis] < 0);
         zeros = sent[0] == 0 && sent[1] == 0 ? zeros + 1 : 0;
         deliver(&s, k);

@@ -117,6 +117,7 @@ class Choices:
     far: Pair = (0.0, 5.0)
     apart: float = 0.0
     pauses: float = 0.0
+    trusts: bool = False
 
     @property
     def numbers(self) -> Floats:
@@ -279,13 +280,14 @@ class Compared:
 
     ``filtered``: this filter, without a distance for releases and with that for one. ``approach``:
     nav2's rule with its own horizon of 1.2 s: share that touches, and least gap. ``tuned``: least
-    horizon [s] of `HORIZONS` with which it never touches, and its median gap; None without one.
+    horizon [s] of `HORIZONS` with which it never touches, its median gap, and the share that then
+    touches where the adversary chooses the base; None without one.
     ``root``: share that touches with sqrt(2 a d), a = 1 m/s2, 0.1 m kept.
     """
 
     filtered: tuple[float, float]
     approach: tuple[float, float]
-    tuned: tuple[float, float] | None
+    tuned: tuple[float, float, float] | None
     root: float
 
 
@@ -301,9 +303,11 @@ def compared(name: str, count: int, seed: int = 5) -> Compared:
     first, tuned = None, None
     for horizon in HORIZONS:
         found = plain.run(count, seed, rule=APPROACH, rate=horizon, **speed)
-        first = first or (float(np.mean(found["gap"] < 0)), float(found["gap"].min()))
+        first = first or (float(np.mean(found["gap"] < 0)), float(found["stopped"].min()))
         if not (found["gap"] < 0).any():
-            tuned = horizon, float(np.median(found["stopped"]))
+            hard = {**speed, "base": GREEDY}
+            worst = plain.run(count, seed, rule=APPROACH, rate=horizon, **hard)
+            tuned = horizon, float(np.median(found["stopped"])), float(np.mean(worst["gap"] < 0))
             break
     root = plain.run(count, seed, rule=ROOT, rate=1.0, kept=0.1, **speed)
     assert first is not None
