@@ -291,7 +291,8 @@ class LoopGraphs(Graphs):
         rate.measure(sensors)
         measured = zip((*POSE, *VELOCITY), MEASURED, strict=True)
         shown = known | {true.name: known[seen.name] for true, seen in measured}
-        shown |= self._told()
+        if {LIMITS, FREE} & {item.signal for item in self.controller.inputs}:
+            shown |= self._told()
         known |= rate.run(self.controller, shown)
         if self.setup.takes_velocity:
             self._know_exerted(drives)
