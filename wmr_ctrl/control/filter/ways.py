@@ -119,9 +119,9 @@ class ToldBound(SpeedBound):
     may act were sent in time.
     """
 
+    punctual: ca.SX
     most: Sequence[ca.SX] = ()
     still: Sequence[ca.SX] = ()
-    punctual: ca.SX = ca.SX(1)
 
     @property
     def stops_alone(self) -> bool:
