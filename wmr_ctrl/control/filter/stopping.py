@@ -91,7 +91,7 @@ class StoppingGovernor(Governor):
             ]
             for place in AXES
         ]  # fmt: skip
-        self.motions = self.told
+        self.motions = [[*side] for side in self.told]
         self.stops = [self._stop(i, tau[i]) for i in AXES]
         numbers = [*([self.rest] if self.rest is not None else [])]
         if self.distances:
@@ -335,7 +335,8 @@ class StoppingGovernor(Governor):
     def held(self) -> ca.SX:
         """1 where the base stands by the time the command acts, and (0, 0) is sent."""
         plan = max(self.plans, key=lambda plan: plan.delay[1] - plan.delay[0])
-        time = self.rest + plan.losses * (1 + plan.jitter) * self.T
+        time = ca.SX(0) if self.rest is None else self.rest
+        time += plan.losses * (1 + plan.jitter) * self.T
         enough = self._in_row >= whole_steps(plan, self.T, time, NEAR)
         return ca.logic_and(_nothing(self.safe), enough)
 
