@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from itertools import chain
 from typing import Any
@@ -165,16 +165,24 @@ MIXED: Sequence[tuple[float, Mapping[str, Any]]] = (
 """Shares of drives, and what is chosen in them."""
 
 
+def mixed(filtering: Drives, count: int, seed: int) -> Found:
+    """Drives of all kinds behind one filter (`MIXED`)."""
+    aged = {"missing": 0.3} if filtering.told.free_age else {}
+    return _together(
+        filtering.run(round(share * count), seed + 10_000_000 * number, **aged, **chosen)
+        for number, (share, chosen) in enumerate(MIXED)
+    )
+
+
 def drives(told: Base, count: int, seed: int) -> Found:
     """Drives of all kinds: half of them without a distance for releases."""
-    found: list[Found] = []
-    aged = {"missing": 0.3} if told.free_age else {}
-    for leave in sorted({0, told.leave}):
-        filtering = Drives(replace(told, leave=leave))
-        each = count / len({0, told.leave})
-        for number, (share, chosen) in enumerate(MIXED):
-            start = seed + 10_000_000 * number
-            found.append(filtering.run(round(share * each), start, **aged, **chosen))
+    kinds = sorted({0, told.leave})
+    filters = [Drives(replace(told, leave=leave)) for leave in kinds]
+    return _together(mixed(item, count // len(kinds), seed) for item in filters)
+
+
+def _together(parts: Iterable[Found]) -> Found:
+    found = list(parts)
     return {name: np.concatenate([item[name] for item in found]) for name in RESULTS}
 
 
@@ -257,9 +265,10 @@ def bitten(name: str, count: int, seed: int) -> Found:
     """Drives of a base beyond one bound (`TEETH`), as many of each of `HARD`."""
     told, wrong, chosen = TEETH[name]
     filtering, real = Drives(told), replace(told, **wrong)
-    found = [filtering.run(count, seed + 1000 * k, real, **{**hard, **chosen})
-             for k, hard in enumerate(HARD)]  # fmt: skip
-    return {name: np.concatenate([item[name] for item in found]) for name in RESULTS}
+    return _together(
+        filtering.run(count, seed + 1000 * k, real, **{**hard, **chosen})
+        for k, hard in enumerate(HARD)
+    )
 
 
 RULES: Sequence[str] = (

@@ -53,6 +53,8 @@ TRACE = 1e-20
 """Commands [m/s, rad/s] up to this are 0: what a limit of 0 leaves of a curve opens no brake."""
 LEAST_PULL = 1e-9
 """Least speed away [m/s, rad/s] that counts as one."""
+PENDING = 1e-12
+"""Sum of a request that was refused before the base stood."""
 LEAST_PERIOD = 1e-9
 """Least time for which a command is taken to act [s], so that k2 is finite."""
 
@@ -226,17 +228,40 @@ class StoppingGovernor(Watching, Governor):
         if self.rest is not None:  # else zeros would lead no less far than it does
             leaves = ca.logic_and(leaves, v_bar <= 0)
         passes = ca.logic_and(leaves, reduce(ca.logic_or, enough))
-        return ca.logic_or(self.stopping[place][axis] >= 0, passes)
+        certain = self.stopping[place][axis] >= 0
+        if self.rest is not None and not self.scenario.filter.nearing:
+            certain = ca.logic_and(certain, self._lasts(place, axis))
+        return ca.logic_or(certain, passes)
+
+    def _lasts(self, place: int, axis: int) -> ca.SX:
+        """0 for a request away that was refused, and may be so again before it has led away.
+
+        Distances that are off now and then would let single commands pass, after each of which
+        rest is no longer known.
+        """
+        way, push = WAYS[place], self.channels[axis].bounds.dbar
+        request = [self.leaves[place][axis], self.waited.sym[place + 2 * axis] > 0]
+        fresh = reduce(ca.logic_and, (*request, way * self.before[0].sym[axis] >= 0))
+        free = self._stays_free(place, axis, push, self._lasting(place, axis))
+        return ca.logic_or(ca.logic_not(fresh), free)
+
+    def _holding(self, place: int, axis: int) -> ca.SX:
+        """n_hold: commands away after which a release ends no nearer than where it began."""
+        plan, pull = self.plans[axis], self.pull[place][axis]
+        return plan.losses + whole_steps(plan, self.T, self.stops[axis].hold(pull))
+
+    def _lasting(self, place: int, axis: int) -> ca.SX:
+        """Longest time [s] for which n_hold commands and the one before may act."""
+        plan = self.plans[axis]
+        return (self._holding(place, axis) * (1 + plan.jitter) + plan.longest) * self.T
 
     def _is_ripe(self, place: int, axis: int) -> ca.SX:
         """1 where a command straight away was asked for from rest long enough."""
-        stop, pull, plan = self.stops[axis], self.pull[place][axis], self.plans[axis]
-        steps = plan.losses + whole_steps(plan, self.T, stop.hold(pull))
-        time = (steps * (1 + plan.jitter) + plan.longest) * self.T
-        waited = self.waited.sym[place + 2 * axis] >= steps * pull
+        pull, time = self.pull[place][axis], self._lasting(place, axis)
+        waited = self.waited.sym[place + 2 * axis] >= self._holding(place, axis) * pull
         straight = self.offered[1 - axis] == 0
-        V = self.in_force[1 - place][axis]
-        goes_on = [self._stays_free(1 - place, axis, V, time + stop.fading)]
+        V, fading = self.in_force[1 - place][axis], self.stops[axis].fading
+        goes_on = [self._stays_free(1 - place, axis, V, time + fading)]
         across = 1 - axis
         push = self.channels[across].bounds.dbar
         goes_on += [self._stays_free(side, across, push, time) for side in AXES]
@@ -332,7 +357,8 @@ class StoppingGovernor(Watching, Governor):
         stands, leaves = self.held_before[0].sym, self.leaves[place][axis]
         before = self.waited.sym[place + 2 * axis]
         more = before + ca.fmax(self.pull[place][axis], 0)
-        refused = ca.if_else(reduce(ca.logic_and, (stands, leaves, *others)), more, 0)
+        counts = reduce(ca.logic_and, (stands, leaves, *others))
+        refused = ca.if_else(counts, more, PENDING * leaves)
         goes_on = ca.if_else(WAYS[place] * self.safe[axis] < 0, before, 0)
         return ca.if_else(self.opens, goes_on, refused)
 
