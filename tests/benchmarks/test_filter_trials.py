@@ -44,7 +44,7 @@ def test_the_page_has_every_base_that_stops_and_no_break():
     assert all(0.9 < float(row[3].rstrip("%")) / 100 <= 1 for row in rows)
 
 
-@pytest.mark.parametrize(("name", "known"), [("stops-broken", TEETH), ("stops-altered", ALTERED)])
+@pytest.mark.parametrize("name, known", [("stops-broken", TEETH), ("stops-altered", ALTERED)])
 def test_the_page_has_a_break_of_each_wrong_bound_and_formula(name, known):
     rows = part(name)
 

@@ -220,7 +220,7 @@ def test_the_package_sends_what_the_graph_sends_where_a_hold_lets_it_go():
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    "given, words",
     [
         ({"limits": ((-1, 1), (-1, 1))}, "filter.changing"),
         ({"free": (1, 1)}, "filter.free_error"),
@@ -232,7 +232,7 @@ def test_what_a_filter_does_not_ask_for_is_refused(given, words):
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    "given, words",
     [
         ({"limits": ((-1, 1),)}, "limits has 1 pairs"),
         ({"limits": ((-1, 1, 2), (-1, 1))}, "limits has 3 numbers"),
@@ -249,7 +249,7 @@ TOLD = {**PLAIN, "filter.free_error": 0.02, "filter.rest": 1.0}
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    "changes, words",
     [
         ({"filter.rest": None}, "filter.rest is missing"),
         (
