@@ -92,6 +92,12 @@ def falling(r: np.random.Generator) -> Drawn:
     return replace(base, then=(float(r.uniform(12, 28)), int(r.integers(2)), 0.8)), way
 
 
+def averaging(r: np.random.Generator) -> Drawn:
+    """A sensor that tells the mean of the last moments."""
+    base, way = first(r, str(r.choice(["second-order", "pi"])))
+    return replace(base, mean=float(r.uniform(0.05, 0.2))), way
+
+
 GOOD: Mapping[str, Callable[[np.random.Generator], Drawn]] = {
     "first": first,
     "ramp": both(lambda r, most: {"accel": most * r.uniform(1.5, 3)}),
@@ -135,6 +141,7 @@ BAD: Mapping[str, Callable[[np.random.Generator], Drawn]] = {
     "per cent": of(scale=(100.0, 1.0)),
     "equal stamps": of(twice=200),
     "sensor": lambda r: (replace(first(r, "second-order")[0], sensor=0.08), first(r)[1]),
+    "sensor of means": averaging,
 }
 KINDS = {**GOOD, **BAD}
 

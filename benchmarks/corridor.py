@@ -1,7 +1,7 @@
 """The certified corridor against an adversary and against random runs.
 
 ``python -m benchmarks.corridor [--runs 8000] [--row 1] [--out PAGE]``: a table of
-docs/explanation/corridor.md. Each case is a preset with changes.  The adversary
+benchmarks/results.md. Each case is a preset with changes.  The adversary
 (`tests.corridor.adversary`) drives a loop that shares no code with the certificate, by the worst
 signs for 8 directions at the bound and a fifth beyond it.  Random runs are native ones from a start
 on the path, with pushes and errors drawn uniformly from within the bound.

@@ -1,7 +1,7 @@
 """The certified corridor against further adversaries, each with a loop of its own.
 
 ``python -m benchmarks.corridor_further [--quick] [--out PAGE]``: a table of
-docs/explanation/corridor.md.  Bases that take velocities, commands that take over when it hurts,
+benchmarks/results.md.  Bases that take velocities, commands that take over when it hurts,
 poses that are lost (`tests.corridor.further`).
 A row has the most that worst signs reach at the bound and a fifth beyond it, and from how many
 times the bound on some of them leave the corridor.

@@ -146,7 +146,6 @@ def covered(case: str, count: int) -> dict[str, object]:
             happened["refused"] += 1
             continue
         happened["logs"] += 1
-        happened["moved"] += any(" move" in text for text in found.remarks)
         if isinstance(found, Identification):
             happened["coloured"] += bool(found.fit.free.sum() > found.white.free.sum())
             happened["refuted"] += bool(found.bounds.refuted)
@@ -159,15 +158,15 @@ def covered(case: str, count: int) -> dict[str, object]:
         if sys.stderr.isatty() or happened["logs"] % 50 == 0:
             print(f"{case}: {happened['logs']} of {count}", file=sys.stderr)
     middle = {key: sorted(each)[len(each) // 2] if each else None for key, each in halves.items()}
-    told = {key: happened[key] for key in ("logs", "refused", "coloured", "moved", "refuted")}
+    told = {key: happened[key] for key in ("logs", "refused", "coloured", "refuted")}
     return {"case": case, **told, "covered": {key: hits[key] for key in halves},
             "half_width": middle}  # fmt: skip
 
 
 def table(rows: Sequence[Mapping[str, object]]) -> str:
     """The counts as Markdown: a parameter that another loop was taken for counts as missed."""
-    last = ("coloured", "moved", "refuted", "refused")
-    lines = [["case", "logs", "intervals that hold the truth", *last], ["---"] * 7]
+    last = ("coloured", "refuted", "refused")
+    lines = [["case", "logs", "intervals that hold the truth", *last], ["---"] * 6]
     for row in rows:
         hits = row["covered"]
         assert isinstance(hits, dict)

@@ -49,7 +49,8 @@ class Truth:
     cross: float = 0.0
     timeout: float = NONE
     sensor: float = 0.0
-    """Lag of the sensor [s]."""
+    mean: float = 0.0
+    """Lag of the sensor, and time over which it averages [s]."""
     then: tuple[float, int, float] | None = None
     """Time [s], axis and factor of its gain from then on."""
 
@@ -67,6 +68,7 @@ class Base:
 
     def __post_init__(self) -> None:
         self.queues = [deque([0.0] * round(late / STEP)) for late in self.truth.delay]
+        self.averaged = [deque([0.0] * max(round(self.truth.mean / STEP), 1)) for _ in self.v]
 
     def step(self, command: tuple[float, float], push: tuple[float, float] = (0.0, 0.0)) -> None:
         """One millisecond with a command that is sent now."""
@@ -81,8 +83,11 @@ class Base:
             self._axis(axis, u, extra)
         self.now += STEP
         keep = math.exp(-STEP / self.truth.sensor) if self.truth.sensor else 0.0
-        for axis in (0, 1):
-            self.shown[axis] = keep * self.shown[axis] + (1 - keep) * self.v[axis]
+        for axis, row in enumerate(self.averaged):
+            row.append(self.v[axis])
+            row.popleft()
+            mean = sum(row) / len(row) if self.truth.mean else self.v[axis]
+            self.shown[axis] = keep * self.shown[axis] + (1 - keep) * mean
 
     def off(self) -> None:
         """One millisecond without drivers."""

@@ -26,11 +26,11 @@ from .export.cosim.fmu_file import FmuError as FmuError
 from .export.fmi.targets import PartlyBuiltError as PartlyBuiltError
 from .identification import identify as identify
 from .identification.bounds import BaseIdentification as BaseIdentification
+from .identification.bounds import Estimate as Estimate
 from .identification.bounds import FilterBounds as FilterBounds
 from .identification.bounds import GuardBounds as GuardBounds
+from .identification.bounds import Score as Score
 from .identification.bounds import Traces as Traces
-from .identification.estimate import Estimate as Estimate
-from .identification.estimate import Score as Score
 from .identification.identification import Identification as Identification
 from .identification.logs.log import LogError as LogError
 from .identification.propose import ProposedDrive as ProposedDrive

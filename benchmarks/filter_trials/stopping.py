@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -17,10 +16,11 @@ from benchmarks.native import load_filter
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 Floats = NDArray[np.float64]
+Found = dict[str, Floats]
 Pair = tuple[float, float]
 NO_BRAKE = math.inf
 
-RESULTS = ("over", "gap", "late", "used", "waits", "stopped", "mean", "holds", "early", "shapes")
+RESULTS = ("over", "gap", "late", "used", "waits", "stopped", "mean", "passed", "early", "drawn")
 """Columns of `Drives.run`: fields of ``result`` in benchmarks/filter_drives.c."""
 (
     PRESS,
@@ -90,11 +90,11 @@ class Base:
     @property
     def numbers(self) -> Floats:
         """``numbers`` of benchmarks/filter_drives.c."""
-        whole = (self.period, self.jitter, *self.delay, self.losses, self.age, self.rest,
-                 self.nearing, self.error, self.free_age, self.leave, self.heard, self.hold)  # fmt: skip
+        times = self.period, self.jitter, *self.delay, self.losses, self.age, self.rest
+        told = self.nearing, self.error, self.free_age, self.leave, self.heard, self.hold
         sides = zip(self.push, self.odometry, (self.v, self.omega), strict=True)
         axes = [(*self.tau, *self.gain, push, n, *limits) for push, n, limits in sides]
-        return np.array([*whole, *axes[0], *axes[1]], float)
+        return np.array([*times, *told, *axes[0], *axes[1]], float)
 
 
 @dataclass(frozen=True)
@@ -117,26 +117,12 @@ class Choices:
     far: Pair = (0.0, 5.0)
     apart: float = 0.0
     pauses: float = 0.0
+    trusts: bool = False
 
     @property
     def numbers(self) -> Floats:
-        names = (
-            "seconds",
-            "axis",
-            "side",
-            "base",
-            "driver",
-            "limits",
-            "near",
-            "less",
-            "missing",
-            "rule",
-            "speed",
-            "rate",
-            "kept",
-        )
-        own = [getattr(self, name) for name in names]
-        return np.array([*own, *self.far, self.apart, self.pauses], float)
+        """``choices`` of benchmarks/filter_drives.c."""
+        return np.array([*chain.from_iterable(map(np.atleast_1d, astuple(self)))], float)
 
 
 class Drives:
@@ -146,18 +132,184 @@ class Drives:
         """Compile it; CompilerError where that fails."""
         self.told, self._library = told, load_filter(told.scenario(), "filter_drives")
 
-    def run(
-        self, count: int, seed: int, real: Base | None = None, **chosen: Any
-    ) -> dict[str, Floats]:
+    def run(self, count: int, seed: int, real: Base | None = None, **chosen: Any) -> Found:
         """`RESULTS` of so many drives, of a base as it is told or of another."""
         out = np.zeros((count, len(RESULTS)))
-        drawn = Choices(**chosen).numbers
-        given = (self.told.numbers, (real or self.told).numbers, drawn)
+        given = self.told.numbers, (real or self.told).numbers, Choices(**chosen).numbers
         pointers = [item.ctypes.data_as(ctypes.c_void_p) for item in given]
         self._library.wmr_filter_drives(
-            *pointers,
-            ctypes.c_long(count),
-            ctypes.c_ulonglong(seed),
+            *pointers, ctypes.c_long(count), ctypes.c_ulonglong(seed),
             out.ctypes.data_as(ctypes.c_void_p),
-        )
+        )  # fmt: skip
         return dict(zip(RESULTS, out.T, strict=True))
+
+
+def breaks(found: Found) -> dict[str, NDArray[np.bool_]]:
+    """Drives that touch, are too fast, too late within a lowered limit, or cannot leave."""
+    return {
+        "touch": found["gap"] < 0,
+        "fast": found["over"] > 1,
+        "late": found["late"] > 0,
+        "stuck": found["waits"] > 1,
+    }
+
+
+MIXED: Sequence[tuple[float, Mapping[str, Any]]] = (
+    (0.3, {}),
+    (0.2, {"near": True, "seconds": 34.0}),
+    (0.15, {"base": GREEDY}),
+    (0.15, {"base": GREEDY, "near": True, "seconds": 34.0}),
+    (0.1, {"driver": PRESS, "far": (0.0, 0.0)}),
+    (0.1, {"driver": PRESS, "base": GREEDY, "limits": CONSTANT}),
+)
+"""Shares of drives, and what is chosen in them."""
+
+
+def drives(told: Base, count: int, seed: int) -> Found:
+    """Drives of all kinds: half of them without a distance for releases."""
+    found: list[Found] = []
+    aged = {"missing": 0.3} if told.free_age else {}
+    for leave in sorted({0, told.leave}):
+        filtering = Drives(replace(told, leave=leave))
+        each = count / len({0, told.leave})
+        for number, (share, chosen) in enumerate(MIXED):
+            start = seed + 10_000_000 * number
+            found.append(filtering.run(round(share * each), start, **aged, **chosen))
+    return {name: np.concatenate([item[name] for item in found]) for name in RESULTS}
+
+
+FAMILIES: Mapping[str, Base] = {
+    "0 to 30 ms late": Base(delay=(0.0, 0.03)),
+    "quick, no push, no brake": Base(
+        tau=(0.05, 0.08), gain=(0.98, 1.02), push=(0.0, 0.0), rest=NO_BRAKE,
+        odometry=(0.005, 0.005), leave=0),
+    "slow": Base(tau=(0.5, 1.0)),
+    "0.1 to 0.15 s late": Base(delay=(0.1, 0.15), tau=(0.15, 0.3), v=(1.0, 1.0)),
+    "no reverse": Base(v=(1.0, 0.05), delay=(0.05, 0.05)),
+    "0.5 m/s ahead, 0.2 back": Base(v=(0.5, 0.2), delay=(0.02, 0.04)),
+    "0.1 s late": Base(delay=(0.1, 0.1)),
+    "0.2 s late": Base(delay=(0.2, 0.2)),
+    "0.364 s late": Base(delay=(0.364, 0.364)),
+    "0.4 s late": Base(delay=(0.4, 0.4)),
+    "0.1 to 0.2 s late": Base(delay=(0.1, 0.2)),
+    "0.35 to 0.4 s late, jitter 10 %, a loss": Base(delay=(0.35, 0.4), jitter=0.1, losses=1),
+    "0 to 0.2 s late, jitter 30 %, two losses": Base(delay=(0.0, 0.2), jitter=0.3, losses=2),
+    "two losses": Base(losses=2, delay=(0.02, 0.02)),
+    "jitter 30 %": Base(jitter=0.3, delay=(0.03, 0.03)),
+    "no odometry": Base(heard=False, delay=(0.05, 0.05)),
+    "odometry 0.1 s old": Base(age=0.1, delay=(0.05, 0.08)),
+    "distances 0.2 s old, some missing": Base(free_age=0.2, delay=(0.05, 0.05)),
+    "things come nearer at 0.3 m/s": Base(nearing=0.3, leave=0, delay=(0.05, 0.05)),
+    "they come at 0.5 m/s, 0.2 s late": Base(
+        nearing=0.5, leave=0, delay=(0.2, 0.2), free_age=0.1),
+    "control at 50 Hz": Base(period=0.02, delay=(0.1, 0.1)),
+    "control at 10 Hz": Base(period=0.1, delay=(0.1, 0.12)),
+    "push of 0.2 m/s, brake 0.4 s": Base(
+        push=(0.2, 0.2), rest=0.4, delay=(0.05, 0.05), v=(1.0, 0.9)),
+    "brake 3 s": Base(rest=3.0, delay=(0.05, 0.05)),
+    "gain 0.7 to 1.4": Base(gain=(0.7, 1.4), delay=(0.1, 0.1)),
+    "turning": Base(v=(1.5, 1.5), omega=(1.5, 0.5), tau=(0.1, 0.2), delay=(0.05, 0.1)),
+    "stops by itself after 0.2 s": Base(hold=0.2, delay=(0.02, 0.05)),
+    "brakes at once": Base(rest=0.0, delay=(0.05, 0.05)),
+    "no push sideways": Base(push=(0.05, 0.0), delay=(0.05, 0.05)),
+    "tau 0.05 to 0.8 s": Base(tau=(0.05, 0.8), delay=(0.05, 0.1)),
+}  # fmt: skip
+"""Bases within their bounds."""
+
+PLAIN = Base(delay=(0.1, 0.1), leave=0)
+LATE = Base(delay=(0.1, 0.2), jitter=0.1, losses=1, leave=0)
+COMING, OLD, AGED = (
+    replace(PLAIN, nearing=0.2),
+    replace(PLAIN, free_age=0.2),
+    replace(PLAIN, age=0.1),
+)
+TEETH: Mapping[str, tuple[Base, Mapping[str, Any], Mapping[str, Any]]] = {
+    "largest time constant": (PLAIN, {"tau": (0.2, 0.33)}, {}),
+    "least time constant": (PLAIN, {"tau": (0.18, 0.3)}, {}),
+    "largest gain": (PLAIN, {"gain": (0.9, 1.21)}, {}),
+    "least gain": (PLAIN, {"gain": (0.81, 1.1)}, {}),
+    "push": (PLAIN, {"push": (0.055, 0.055)}, {}),
+    "odometry": (PLAIN, {"odometry": (0.022, 0.022)}, {}),
+    "distances": (PLAIN, {"error": 0.022}, {}),
+    "brake": (PLAIN, {"rest": 1.1}, {}),
+    "delay, later": (PLAIN, {"delay": (0.1, 0.11)}, {}),
+    "delay, sooner": (PLAIN, {"delay": (0.09, 0.1)}, {}),
+    "spread of the delay": (LATE, {"delay": (0.1, 0.21)}, {}),
+    "a loss": (PLAIN, {"losses": 1}, {}),
+    "jitter of 10 %": (PLAIN, {"jitter": 0.1}, {}),
+    "things come nearer": (COMING, {"nearing": 0.22}, {}),
+    "distances older by a period": (OLD, {"free_age": 0.25}, {}),
+    "odometry older by a period": (AGED, {"age": 0.15}, {}),
+    "axes that take over apart": (replace(LATE, losses=0), {}, {"apart": 1.0}),
+    "a period less than the time for a lowered limit": (PLAIN, {}, {"less": 1.0}),
+}
+"""What is 10 % beyond its bound, or as it says: what is told, what is true, what is chosen."""
+HARD: Sequence[Mapping[str, Any]] = (
+    {"driver": PRESS, "base": GREEDY, "limits": CONSTANT, "far": (0.5, 4.0)},
+    {"driver": PRESS, "base": GREEDY, "limits": KEPT, "far": (0.0, 0.0)},
+    *({"driver": kind, "base": GREEDY, "limits": CONSTANT, "near": True, "seconds": 30.0}
+      for kind in (TAPS, ONE_STEP, BACK, SLOWLY)),
+)  # fmt: skip
+"""Drives that are hard on a filter: to a wall, with limits that fall, and away from a wall."""
+
+
+def bitten(name: str, count: int, seed: int) -> Found:
+    """Drives of a base beyond one bound (`TEETH`), as many of each of `HARD`."""
+    told, wrong, chosen = TEETH[name]
+    filtering, real = Drives(told), replace(told, **wrong)
+    found = [filtering.run(count, seed + 1000 * k, real, **{**hard, **chosen})
+             for k, hard in enumerate(HARD)]  # fmt: skip
+    return {name: np.concatenate([item[name] for item in found]) for name in RESULTS}
+
+
+RULES: Sequence[str] = (
+    "quick, no push, no brake", "0 to 30 ms late", "0.1 s late", "0.2 s late", "0.364 s late",
+    "slow", "push of 0.2 m/s, brake 0.4 s",
+)  # fmt: skip
+"""Bases on which other rules are tried as well."""
+HORIZONS = (1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
+TO_THE_WALL: Mapping[str, Any] = {
+    "axis": 0, "side": 0, "base": DRAWN, "driver": PRESS, "limits": CONSTANT, "far": (2.0, 5.0),
+    "seconds": 25.0,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Gaps [m] on chance bases that press on to a wall: medians, and shares that touch.
+
+    ``filtered``: this filter, without a distance for releases and with that for one. ``approach``:
+    nav2's rule with its own horizon of 1.2 s: share that touches, and least gap. ``tuned``: least
+    horizon [s] of `HORIZONS` with which it never touches, its median gap, and the share that then
+    touches where the adversary chooses the base; None without one.
+    ``root``: share that touches with sqrt(2 a d), a = 1 m/s2, 0.1 m kept.
+    """
+
+    filtered: tuple[float, float]
+    approach: tuple[float, float]
+    tuned: tuple[float, float, float] | None
+    root: float
+
+
+def compared(name: str, count: int, seed: int = 5) -> Compared:
+    """The filter beside other rules, which are transcribed: nav2 itself is not run."""
+    told = FAMILIES[name]
+    plain = Drives(replace(told, leave=0))
+    one = Drives(replace(told, leave=1)) if math.isfinite(told.rest) else plain
+    filtered = tuple(
+        np.median(item.run(count, seed, **TO_THE_WALL)["stopped"]) for item in (plain, one)
+    )
+    speed = {**TO_THE_WALL, "speed": told.v[0]}
+    first, tuned = None, None
+    for horizon in HORIZONS:
+        found = plain.run(count, seed, rule=APPROACH, rate=horizon, **speed)
+        first = first or (float(np.mean(found["gap"] < 0)), float(found["stopped"].min()))
+        if not (found["gap"] < 0).any():
+            hard = {**speed, "base": GREEDY}
+            worst = plain.run(count, seed, rule=APPROACH, rate=horizon, **hard)
+            tuned = horizon, float(np.median(found["stopped"])), float(np.mean(worst["gap"] < 0))
+            break
+    root = plain.run(count, seed, rule=ROOT, rate=1.0, kept=0.1, **speed)
+    assert first is not None
+    return Compared((float(filtered[0]), float(filtered[1])), first, tuned,
+                    float(np.mean(root["gap"] < 0)))  # fmt: skip

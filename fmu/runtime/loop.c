@@ -139,6 +139,9 @@ void wmr_loop_start(const wmr_settings *s, wmr_loop *w)
     }
     w->findings[WMR_FOUND_FIRST_STEP] = w->findings[WMR_FOUND_LEFT_SAMPLE] = wmr_all(-1.0);
     w->findings[WMR_FOUND_MARGIN_V1] = w->findings[WMR_FOUND_MARGIN_OMEGA] = wmr_all(WMR_NO_MARGIN);
+#ifdef WMR_FOUND_GAP
+    w->findings[WMR_FOUND_GAP] = wmr_all(WMR_NO_MARGIN);
+#endif
     w->running = wmr_always();
     monitor(w, w->running);
 }
@@ -280,6 +283,10 @@ static void watch(wmr_loop *w, const wmr_v *seen)
         found[WMR_FOUND_CLIPPED1 + i] += wmr_number(w->running & wmr_truth(clip[i]));
     }
     set(peak, w->running & wmr_not(wmr_mask(seen[WMR_SEEN_PEAK] <= *peak)), seen[WMR_SEEN_PEAK]);
+#ifdef WMR_FOUND_GAP
+    set(&found[WMR_FOUND_GAP], w->running & wmr_mask(seen[WMR_SEEN_GAP] < found[WMR_FOUND_GAP]),
+        seen[WMR_SEEN_GAP]);
+#endif
 }
 #endif
 

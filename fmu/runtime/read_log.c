@@ -102,14 +102,14 @@ static void correct(const wmr_v *u, const model *m, filter *f, double *nll, doub
 }
 
 /* From one event to the next: a command acts for h0 + h1 delay [s], in pieces. */
-static void move(const double *command, double h0, double h1, double delay, double boost,
-                 const model *m, filter *f)
+static void move(const double *command, double h0, double h1, double delay, const model *m,
+                 filter *f)
 {
     const double length = h0 + h1 * delay;
     const double parts = length > SHORTEST ? ceil(length / LONGEST) : 0.0;
-    const double piece[] = {command[0], command[1], h0 / parts, h1 / parts, boost};
+    const double piece[] = {command[0], command[1], h0 / parts, h1 / parts};
     wmr_v u[WMR_INPUTS];
-    spread(WMR_INPUTS, piece, u);
+    spread(sizeof piece / sizeof *piece, piece, u);
     for (int64_t k = 0; k < (int64_t)parts; ++k) {
         step(u, m, f);
     }
@@ -117,13 +117,12 @@ static void move(const double *command, double h0, double h1, double delay, doub
 
 /* `count` samples at times t with what was seen then (count, 2), and `sent` commands (sent, 2) of which each acts from
    command_t and a delay on, until the next.  At the samples `first` begins a stretch, with means from `start`
-   (stretches, STATE) and a covariance.  `boost` (count) is the factor of the noise up to a sample, which counts as its
-   kind says, in its block.  A sample writes its residuals, their sizes in standard deviations, then the mean after
-   it, to `told`.  Without `slopes` there are no derivatives. */
+   (stretches, STATE) and a covariance.  A sample counts as its kind says, in its block; it writes its residuals, their
+   sizes in standard deviations, then the mean after it, to `told`.  Without `slopes` there are no derivatives. */
 WMR_EXPORT void wmr_read_log(int64_t count, int64_t sent, int64_t stretches, int32_t of_speed,
                              int32_t slopes, const double *t, const double *seen,
                              const double *variance, const double *command_t,
-                             const double *command, const double *start, const double *boost,
+                             const double *command, const double *start,
                              const double *parameters, const double *covariance,
                              const int64_t *first, const int32_t *kinds, const int32_t *blocks,
                              double *nll, double *gradient, double *fisher, double *told)
@@ -142,7 +141,7 @@ WMR_EXPORT void wmr_read_log(int64_t count, int64_t sent, int64_t stretches, int
         const int begins = stretch < stretches && first[stretch] == n;
         if (n > 0 && !begins) {
             move(command + 2 * (begun > 0 ? begun - 1 : 0), base - since, now_late - late, delay,
-                 boost[n], &m, &f);
+                 &m, &f);
         }
         since = base;
         late = now_late;

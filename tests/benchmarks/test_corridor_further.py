@@ -7,7 +7,7 @@ import pytest
 from benchmarks.corridor_further import FIFTH, FINE, HEAD, NAME, row
 from tests.corridor.further import ROWS, Further
 
-PAGE = (Path(__file__).parents[2] / "docs/explanation/corridor.md").read_text("utf-8")
+PAGE = (Path(__file__).parents[2] / "benchmarks/results.md").read_text("utf-8")
 RUN_AGAIN = (
     "the same, acceleration limited to 0.5 m/s2 and 3 rad/s2",
     "kanayama, acceleration limited, poses off by 0.2 mm an axis",

@@ -13,7 +13,7 @@ from benchmarks.filter_trials.linear import RIM_SWUNG, linear
 from benchmarks.filter_trials.statements import REFUSED, STATEMENTS, refusals, refused
 from tests.control.filter.adversary import Base, fastest
 
-PAGE = (Path(__file__).parents[2] / "docs/explanation/filter.md").read_text("utf-8")
+PAGE = (Path(__file__).parents[2] / "benchmarks/results.md").read_text("utf-8")
 
 
 def part(name):

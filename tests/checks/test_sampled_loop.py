@@ -7,10 +7,9 @@ import pytest
 
 from tests.checks.asking import closed
 from wmr_ctrl.core.errors import UnknownNameError
-from wmr_ctrl.theory.checks import largest_stable_period
 from wmr_ctrl.theory.checks.loop import Loop
 from wmr_ctrl.theory.checks.radius import operating_points
-from wmr_ctrl.theory.checks.stable_ranges import largest_period
+from wmr_ctrl.theory.checks.stable_ranges import largest_period, largest_stable_period
 from wmr_ctrl.world.scenario import load_scenario
 
 CIRCLE = np.array([0.2, 0.1])

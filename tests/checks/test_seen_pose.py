@@ -3,7 +3,7 @@
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.theory.checks import largest_stable_period
+from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period
 from wmr_ctrl.theory.checks.surroundings import lost_samples, rare_poses
 from wmr_ctrl.theory.linear.linear_report import report_linear
 from wmr_ctrl.world.scenario import load_scenario

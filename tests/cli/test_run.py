@@ -20,7 +20,7 @@ KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "watched_every", 
         "position_rms", "position_max", "tracking", "tracked", "arrival", "guard_share",
         "filter_share", "usable_speed", "reference_speed",
         "torque_change_rms", "torque_needed_rms", "saturated_share", "max_abs_v", "least_margin",
-        "violations", "kept", "rigid", "d_least", "dbar", "tau_peak",
+        "least_gap", "violations", "kept", "rigid", "d_least", "dbar", "tau_peak",
         "tau_rms", "e_rms", "figures", "remarks", "provenance"]  # fmt: skip
 
 

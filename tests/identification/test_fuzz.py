@@ -7,21 +7,10 @@ import random
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 
-from tests.results.test_bag_topics import (
-    EPOCH,
-    JOINTS,
-    ODOMETRY,
-    STAMPED,
-    TWIST,
-    TYPES,
-    bag,
-    header,
-    joints,
-    odometry,
-    twist,
-)
+from tests.results.test_bag_topics import EPOCH, TYPES, bag, header, joints, odometry, twist
 from wmr_ctrl import identify
 from wmr_ctrl.core.errors import WmrError
+from wmr_ctrl.results.bag import JOINTS, ODOMETRY, STAMPED, TWIST
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 

@@ -10,8 +10,8 @@ from benchmarks.own_plant import log_of, simulate
 from tests.identification.conftest import KNOWN, STEP, TRUTH
 from tests.papers_robot import paper
 from wmr_ctrl.identification import identify
-from wmr_ctrl.identification.estimate import PHYSICAL, searched
-from wmr_ctrl.identification.fit import packed
+from wmr_ctrl.identification.estimate import searched
+from wmr_ctrl.identification.fit import PHYSICAL, packed
 from wmr_ctrl.identification.kalman import NAMES, SKIPPED, WATCHED, CompiledFilter
 from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.logs.samples import Samples

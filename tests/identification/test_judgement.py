@@ -37,10 +37,6 @@ def driven(acts=lambda u, t: u, seed=0, tau=TAU, push=lambda v, t, other: 0.0, o
     return AxisLog(t, speed, inside, t, sent, np.array([0]), of_way=False, period=PERIOD)
 
 
-def none():
-    """Nothing to tell of progress."""
-
-
 def ramped(up, down):
     now = 0.0
 
@@ -67,7 +63,7 @@ def ramped(up, down):
     ],
 )  # fmt: skip
 def test_a_structure_beside_the_loop_is_found_and_named(acts, key, found):
-    fit = axis_fit(driven(acts), none)
+    fit = axis_fit(driven(acts))
     judgement = judged(fit, None, 0)
 
     assert (fit.loop, {row["key"] for row in judgement.diagnosis()}) == (
@@ -82,7 +78,7 @@ def test_a_structure_beside_the_loop_is_found_and_named(acts, key, found):
 
 def test_a_dead_band_lies_between_two_commands_of_the_log():
     log = driven(lambda u, t: u if abs(u) >= 0.15 else 0.0)
-    fit = axis_fit(log, none)
+    fit = axis_fit(log)
     sizes = np.unique(np.abs(log.sent))
     place = np.searchsorted(sizes, fit.values["dead"])
 
@@ -112,7 +108,7 @@ def test_a_slow_push_accuses_no_model():
         state[0] += -state[0] * 2e-3 + 0.02 * math.sqrt(4e-3) * rng.normal()
         return state[0]
 
-    fit = axis_fit(driven(push=push), none)
+    fit = axis_fit(driven(push=push))
 
     assert judged(fit, None, 0).plain
     assert fit.half_widths()["gain"] > abs(fit.values["gain"] - 1.0)

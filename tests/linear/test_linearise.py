@@ -12,11 +12,10 @@ from wmr_ctrl.theory.linear import (
     closed_loop,
     kinematic_poles,
     on_reference,
-    plant_at,
     resting_point,
 )
 from wmr_ctrl.theory.linear.linear_report import _pairs
-from wmr_ctrl.theory.linear.state_space import constant_speed
+from wmr_ctrl.theory.linear.state_space import constant_speed, plant_at
 from wmr_ctrl.world.references import Lemniscate, Line, StopAndGo
 from wmr_ctrl.world.scenario import override
 

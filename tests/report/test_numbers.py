@@ -162,10 +162,12 @@ def test_a_corridor_is_drawn_as_long_as_its_run_lasted(monkeypatch):
 
 def test_a_course_has_what_is_to_be_kept_out_of():
     shapes = [[1.0, 1.0, 0.3], [[-1.0, -2.0], [3.0, -2.0], [3.0, -1.0]]]
-    text = to_toml(override(paper(), {"reference.keep_out": shapes, "body.radius": 0.2}))
+    wall = ((4.0, -1.0), (4.0, 1.0))
+    given = {"reference.keep_out": shapes, "world.wall": wall, "body.radius": 0.2}
+    text = to_toml(override(paper(), given))
 
     assert course_of(build(duration=1.0, provenance={"scenario_toml": text})).keep_out == (
-        (1.0, 1.0, 0.3), ((-1.0, -2.0), (3.0, -2.0), (3.0, -1.0)),
+        (1.0, 1.0, 0.3), ((-1.0, -2.0), (3.0, -2.0), (3.0, -1.0)), wall,
     )  # fmt: skip
 
 

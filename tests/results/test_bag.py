@@ -9,11 +9,9 @@ from click.testing import CliRunner
 
 from tests.results.conftest import build
 from wmr_ctrl.cli import root
-from wmr_ctrl.core.errors import MissingExtraError, ResultFileError
-from wmr_ctrl.core.signals import COMMAND
+from wmr_ctrl.core.errors import MissingExtraError
 from wmr_ctrl.results.bag import JOINTS, ODOMETRY, SECOND, message_types, opened_bag
 from wmr_ctrl.results.bag_topics import read_topics
-from wmr_ctrl.results.formats import load_run
 
 
 def test_a_run_is_what_a_base_would_publish(tmp_path):
@@ -41,30 +39,6 @@ def test_a_run_is_what_a_base_would_publish(tmp_path):
             stamp = message_types().deserialize_cdr(raw, connection.msgtype).header.stamp
             assert stamp.sec * SECOND + stamp.nanosec == received
     assert len(stamped) == 2
-
-
-def test_commands_of_a_run_go_out_beside_its_odometry(tmp_path):
-    t = np.arange(100) * 0.01
-    run = build(extra=COMMAND, v_command=np.cos(t), omega_command=-t)
-    run.save(tmp_path / "run.mcap")
-
-    told = read_topics(tmp_path / "run.mcap")
-
-    assert np.array_equal(told.columns["v_command"], np.cos(t))
-    assert np.array_equal(told.columns["omega_command"], -t)
-
-
-def test_commands_take_it_as_a_drive(tmp_path):
-    run = build(v1=0.25)
-    for name in ("a.mcap", "b.npz"):
-        run.save(tmp_path / name)
-
-    shown = CliRunner().invoke(root, f"show {tmp_path}/a.mcap --json")
-    compared = CliRunner().invoke(root, f"compare {tmp_path}/a.mcap {tmp_path}/b.npz")
-
-    assert shown.exit_code == compared.exit_code == 0, shown.stderr + compared.stderr
-    with pytest.raises(ResultFileError, match="is a bag: it has no desired motion"):
-        load_run(tmp_path / "a.mcap")
 
 
 def test_without_rosbags_the_extra_is_named(tmp_path, monkeypatch):

@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
-
-from tests.results.conftest import build
 from tests.results.test_bag_topics import (
     EPOCH,
     JOINTS,
@@ -25,12 +22,8 @@ from wmr_ctrl import RecordedDrive, identify, load_drive, load_run
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import drive_text
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError, UnknownNameError, WmrError
-from wmr_ctrl.core.signals import COMMAND, MEASURED_POSE, MEASURED_VELOCITY
 from wmr_ctrl.identification.logs.log import log_of
-from wmr_ctrl.report.plot_runs import page_of
-from wmr_ctrl.report.scene import scene_of_drives
-from wmr_ctrl.results.bag_topics import read_topics
-from wmr_ctrl.results.drive import UNITS, drive_of
+from wmr_ctrl.results.drive import UNITS
 
 T = np.arange(0, 6, 0.1)
 
@@ -116,21 +109,6 @@ def test_what_is_saved_is_the_log_that_identify_reads(recorded, tmp_path):
         assert log.times[name].tobytes() == drive.times[name].tobytes()
 
 
-def test_a_picture_has_what_there_is(recorded, commands_alone, tmp_path):
-    odometry_alone = bag(tmp_path / "bag", [row for row in messages() if row[0] == "/base/odom"])
-    both = ["v₁ [m/s]; dashed: as commanded", "ω [rad/s]; dashed: as commanded"]
-    wheels = [f"Wheel {what}; right, dotted: left" for what in ("speeds [rad/s]", "angles [rad]")]
-    for place, titles in (
-        (recorded, ["Path (ring: start)", *both, *wheels]),
-        (commands_alone, both),
-        (odometry_alone, ["Path (ring: start)", "v₁ [m/s]", "ω [rad/s]"]),
-    ):
-        figure = page_of([load_drive(place)]).figure()
-        drawn = [axes.get_title() for axes in figure.axes]
-        assert drawn == titles
-        assert all(axes.lines for axes in figure.axes)
-
-
 @pytest.mark.parametrize(
     "words, word",
     [
@@ -149,21 +127,6 @@ def test_what_cannot_be_is_a_sentence_and_no_file(commands_alone, tmp_path, word
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.slow
-def test_a_run_beside_a_bag_is_what_its_base_tells(recorded, tmp_path):
-    run = build(v1=0.25, omega=0.5)
-    run.save(tmp_path / "run.npz")
-
-    compared = invoke("compare", tmp_path / "run.npz", recorded, "--plot", tmp_path / "both.png",
-                      "--animate", tmp_path / "both.html", "--json")  # fmt: skip
-    run, drive = json.loads(compared.stdout)
-
-    assert compared.exit_code == 0
-    assert (run["max_abs_v1"], drive["max_abs_v1"]) == (0.25, pytest.approx(0.4))
-    assert len(list(tmp_path.iterdir())) == 3
-    assert "tau_right" in said(invoke("compare", tmp_path / "run.npz", recorded))
-
-
 def drive(t, **columns):
     """A drive whose columns all have the times ``t``."""
     arrays = {name: np.broadcast_to(values, np.shape(t)).copy() for name, values in columns.items()}
@@ -175,34 +138,6 @@ def test_the_longest_gap_of_a_column_is_told_in_milliseconds():
     (row,) = [line.split() for line in text.splitlines() if line.startswith("v1_measured")]
 
     assert row == ["v1_measured", "[m/s]", "4", "0.4", "250", "0", "0.3"]
-
-
-def test_a_run_tells_its_base_what_it_measured():
-    signals = (*MEASURED_POSE, *MEASURED_VELOCITY, *COMMAND)
-    run = build(extra=signals, v1=0.25, v1_measured=0.3, x_measured=1.5, v_command=0.2)
-
-    told = drive_of(run)
-
-    assert set(told.columns["v1_measured"]) == {0.3}
-    assert set(told.columns["x_measured"]) == {1.5}
-    assert set(told.columns["v_command"]) == {0.2}
-    assert told.remarks == ()
-    assert set(drive_of(build(v1=0.25)).columns["v1_measured"]) == {0.25}
-    assert "true ones" in drive_of(build()).remarks[0]
-
-
-def test_a_film_of_two_drives_holds_who_came_to_his_end(recorded):
-    long = read_topics(recorded)
-    short = RecordedDrive("short", {k: t[:20] for k, t in long.times.items()},
-                  {k: v[:20] for k, v in long.columns.items()})  # fmt: skip
-
-    scene = scene_of_drives([long, short], 50)
-
-    assert scene.target is None
-    assert scene.scales == (0.4, 0.5)
-    ended = scene.t > short.times["x_measured"][-1]
-    assert np.ptp(scene.actors[1].pose[ended], axis=0).max() == 0.0
-    assert scene.actors[0].colour != scene.actors[1].colour
 
 
 @pytest.mark.slow
@@ -245,27 +180,7 @@ def test_a_bag_is_no_run_and_says_who_reads_it(recorded, commands_alone, tmp_pat
         load_drive(commands_alone).animate(tmp_path / "film.html")
 
 
-def test_a_saved_run_as_a_drive_is_what_its_base_tells(tmp_path):
-    run = build(v1=0.25)
-    for name in ("run.npz", "run.mcap"):
-        run.save(tmp_path / name)
-        drive = load_drive(tmp_path / name)
-        assert drive.name == name
-        assert set(drive["v1_measured"]) == {0.25}
-    with pytest.raises(ResultFileError, match=r"must end in \.csv"):
-        drive.save(tmp_path / "drive.npz")
-
-
 def refusal(log, **given):
     with pytest.raises(WmrError) as caught:
         identify(log, base="velocity", **given)
     return str(caught.value)
-
-
-def test_identify_takes_a_drive_as_it_takes_its_bag(recorded, tmp_path):
-    """Of this one, which turns evenly all the time, with the same words; of a run, too."""
-    assert refusal(load_drive(recorded)) == refusal(recorded)
-    run = build(v1=0.25)
-    run.save(tmp_path / "toy.npz")
-    assert refusal(run) == refusal(tmp_path / "toy.npz").replace("toy.npz", "toy")
-    assert "path of a bag" in refusal(load_drive(recorded), topics={"odom": "/odom"})

@@ -62,29 +62,6 @@ def test_distance_figures():
     assert value("d_rms_70_80", run) == pytest.approx(0.25 / math.sqrt(3), rel=1e-3)
 
 
-def test_the_limit_ratio_is_that_of_the_worse_axis():
-    assert value("limit_ratio", build(monitor=Monitor((0.5, 1.2)))) == pytest.approx(0.8)
-    assert value("violated", build(monitor=Monitor((1.5, 0), 3, (0.1, 1)))) == 1.0
-
-
-def test_rises_of_the_barrier_are_those_before_the_split_relative_to_its_start():
-    barrier = np.full(8000, 2.0)
-    barrier[100:200] = 3.0
-    barrier[5000] = 9.0
-    run = build(duration=80.0, V1=barrier)
-
-    assert value("V1_rises", run) == 1
-    assert value("V1_rise_share", run) == 0.5
-    assert value("V1_late", run) == 1.0
-
-
-def test_numbers_that_are_not_finite_are_none():
-    with np.errstate(over="ignore"):
-        run = build(duration=80.0, x=1e300)
-
-    assert value("ise_total", run) is None
-
-
 def test_a_figure_of_another_package_stands_in_the_report_s_tables(monkeypatch):
     twice = Figure("twice", "1", "a number", lambda run: 2.0)
     monkeypatch.setitem(FIGURES.__dict__, "plugins", (twice,))

@@ -11,7 +11,7 @@ import pytest
 
 from tests.proofs.ledger_page import GUARANTEES, page
 from wmr_ctrl.results.ledger import PUBLIC_KEYS, VERDICTS, Entry, Ledger, load
-from wmr_proofs.comparison import differences, exit_code, stale
+from wmr_proofs.comparison import differences, exit_code
 from wmr_proofs.paper import equations
 
 ROOT = Path(__file__).parents[2]
@@ -46,11 +46,6 @@ def test_a_missing_or_new_entry_is_a_difference_only_in_a_complete_run():
     assert [d.id for d in differences(Ledger((ONE,)), Ledger((ONE, two)))] == ["b"]
     assert [d.id for d in differences(Ledger((ONE, two)), Ledger((ONE,)))] == ["b"]
     assert differences(Ledger((ONE,)), Ledger((ONE, two)), complete=False) == []
-
-
-def test_stale_hashes_are_named():
-    assert stale({"a": "01"}, Ledger((ONE,))) == ["a"]
-    assert stale({"a": "00"}, Ledger((ONE,))) == []
 
 
 def test_every_identity_and_inequality_has_an_entry():

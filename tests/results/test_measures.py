@@ -10,12 +10,10 @@ from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.measures import (
     arrival,
-    barrier,
     change_rms,
     halving_time,
     saturated_share,
     torque_change_rms,
-    tracked,
 )
 from wmr_ctrl.results.remarks import CHATTER, HELD_BACK, OF_LIMIT
 from wmr_ctrl.results.verdicts import Outlook
@@ -48,12 +46,6 @@ def test_half_the_distance_is_reached_at_half_of_it():
     assert halving_time(build(rows=0, duration=0.05)) is None
 
 
-def test_the_tolerance_itself_is_tracked():
-    assert tracked(within(0.25, x=0.25)) is True
-    assert tracked(within(np.nextafter(0.25, 0), x=0.25)) is False
-    assert tracked(within(0.25, x=0.25, rows=50, monitor=stopped(5.0))) is False
-
-
 @pytest.mark.parametrize("rows, end, there", [
     (80, None, 0.0), (80, 7.95, None), (62, 6.2, 0.0), (60, 6.0, None), (50, 5.0, None),
 ])  # fmt: skip
@@ -82,13 +74,6 @@ def test_a_wheel_is_at_its_limit_there_and_nowhere_below_but_for_rounding():
 
     assert saturated_share(known(run, 2.0)) == pytest.approx(3 / 5)
     assert saturated_share(build()) is None
-
-
-def test_rises_of_the_barrier_are_counted_before_the_split():
-    V1 = np.r_[3.0, 1.0, 2.0, 2.0, 0.0, 5.0, 0.0, 7.0, 0.0, 9.0]
-
-    assert barrier(build(duration=0.1, split=0.05, V1=V1))["rises"] == 1
-    assert barrier(build(duration=0.1, split=0.06, V1=V1))["rises"] == 2
 
 
 ALTERNATING = np.where(np.arange(800) % 2, 1.0, -1.0)

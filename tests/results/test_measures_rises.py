@@ -24,12 +24,6 @@ def test_rises_less_falls_are_the_change_over_the_run(make_run, values):
     assert up.largest == max(0, *np.diff(values))
 
 
-def test_a_value_that_never_grows_has_no_rises(make_run):
-    falling = np.linspace(5, 0, 100).round()
-
-    assert rises(make_run(V1=falling)) == Rises(0, 0.0, 0.0)
-
-
 def test_rises_are_those_between_the_samples_of_the_window(make_run):
     stairs = np.where(np.arange(100) < 50, 0.0, 1.0)
     run = make_run(V1=stairs)
@@ -37,13 +31,6 @@ def test_rises_are_those_between_the_samples_of_the_window(make_run):
     assert rises(run, 0.49, 0.51) == Rises(1, 1.0, 1.0)
     assert rises(run, 0.0, 0.5) == rises(run, 0.5) == Rises(0, 0.0, 0.0)
     assert rises(run, 0.5, 1.2) is None
-
-
-def test_rises_of_an_early_end_are_those_of_its_rows(make_run):
-    run = make_run(V1=np.arange(60.0), rows=60, monitor=STOPPED)
-
-    assert rises(run) == Rises(59, 59.0, 1.0)
-    assert rises(run, 0.0, 0.6) is None
 
 
 def test_weight_norms_at_the_end_and_at_their_largest(make_run):
@@ -70,11 +57,6 @@ def test_the_settling_time_is_the_start_of_the_last_stay(make_run):
     assert settling_time(make_run(x=away), 0.1) == pytest.approx(0.7)
     assert settling_time(make_run(x=away), 0.09) is None
     assert settling_time(make_run(x=away), 1.0) == 0.0
-
-
-@pytest.mark.parametrize("rows", [0, 60])
-def test_a_run_that_ended_early_never_settled(make_run, rows):
-    assert settling_time(make_run(rows=rows, monitor=STOPPED), 1.0) is None
 
 
 def test_a_distance_that_is_no_number_is_not_near(make_run):

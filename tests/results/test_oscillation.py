@@ -93,11 +93,6 @@ def test_a_short_run_that_settles_is_no_oscillation(law, duration):
         assert oscillation(simulate("paper-simulation", law, seed=seed, overrides=late)) is None
 
 
-def test_nor_is_a_guarded_far_start():
-    short = {"guard.enabled": True, "disturbance.truncate": 3.0, "clock.duration": 5.0}
-    assert oscillation(simulate("far-start", "prox", overrides=short)) is None
-
-
 @pytest.mark.parametrize(
     "duration, period, delay", [(10.0, 0.02, 0.06), (6.0, 0.05, 0.05), (20.0, 0.01, 0.05)]
 )
@@ -121,17 +116,6 @@ def test_a_cycle_has_periods_and_does_not_decay(make_run, decay, periods, told):
     found = oscillation(make_run(duration=16.0, tau_right=wave, tau_left=wave))
 
     assert (found is not None) is told
-
-
-@pytest.mark.parametrize(
-    "law, reference",
-    [("prox", "lemniscate"), ("kanayama", "rounded-square"), ("nn", "stop-and-go")],
-)
-@pytest.mark.slow
-def test_noise_and_moving_references_are_no_oscillation(law, reference):
-    run = simulate("safe-simulation", law, overrides={"reference.kind": reference})
-
-    assert oscillation(run) is None
 
 
 def test_a_cycle_has_its_frequency_and_swing(make_run):

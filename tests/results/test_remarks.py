@@ -3,19 +3,14 @@
 import numpy as np
 import pytest
 
-from tests.results.test_verdicts import PATH
-from wmr_ctrl.api import simulate, simulate_many
+from wmr_ctrl.api import simulate
 from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.results import Monitor, percent, position_rms, tracked
 from wmr_ctrl.results.measures import (
     guard_share,
     position_max,
-    saturated_share,
     torque_change_rms,
-    torque_needed_rms,
-    tracking,
 )
-from wmr_ctrl.results.oscillation import oscillation
 
 CLIP = next(signal for signal in GUARD_DIAGNOSTICS if signal.name == "clip_active")
 AT_100_MS = {"clock.control": 0.1}
@@ -36,13 +31,6 @@ def test_position_is_the_straight_distance(make_run):
 
     assert position_rms(run) == pytest.approx({"all": 0.025, "last_quarter": 0.05})
     assert position_max(run) == pytest.approx(0.05)
-
-
-def test_figures_of_a_run_that_ended_early_are_missing(make_run):
-    run = make_run(rows=90)
-
-    assert position_rms(run) == {"all": None, "last_quarter": None}
-    assert position_max(run) is torque_change_rms(run) is oscillation(run) is None
 
 
 def test_torque_change_is_counted_over_the_last_half(make_run):
@@ -81,20 +69,6 @@ def test_a_guard_that_holds_back_is_told():
     assert not tracked(run)
 
 
-@pytest.mark.slow
-def test_void_assumptions_are_told_with_the_guard_on_only():
-    tails = {"disturbance.truncate": float("inf")}
-    timed = {"encoder.method": "time", "encoder.counts": 65536.0}
-    for cause in (tails, timed):
-        on, off = (
-            simulate("safe-simulation", "kanayama", guard=guard, overrides=cause)
-            for guard in (True, False)
-        )
-        assert "assumption-void" in keys(on)
-        assert next(iter(cause)) in remark(on, "assumption-void")
-        assert "assumption-void" not in keys(off)
-
-
 def test_what_the_outcome_says_is_a_remark_too(make_run):
     beyond = Monitor((1.7, 1.2), 12, (0.0125, 1), bounds_left=(0.5, 1))
 
@@ -115,33 +89,6 @@ def test_rounding_is_no_violation(engine, share, counted):
 
     assert run.monitor.max_abs_v[0] == 1.0 + share
     assert (run.monitor.violations > 0) == counted
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "changed",
-    [
-        {"clock.control": 0.1, "actuator.delay": 0.05, "actuator.lag": 0.02},
-        {**PATH, "clock.duration": 30.0},
-    ],
-)
-def test_tables_have_the_runs_figures(changed):
-    table = simulate_many("safe-simulation", "prox", range(2), changed)
-    for seed in range(2):
-        run = simulate("safe-simulation", "prox", seed=seed, overrides=changed)
-        rms = position_rms(run)
-        exact = {"position_rms": rms["all"], "position_rms_last_quarter": rms["last_quarter"],
-                 "torque_change_rms": torque_change_rms(run),
-                 "torque_needed_rms": torque_needed_rms(run)}  # fmt: skip
-        for part, seen in tracking(run).items():
-            for kind, value in zip(("rms", "max"), (seen or {}).values(), strict=False):
-                exact[f"tracking_{part}_{kind}"] = value
-        for name, value in exact.items():
-            assert table[name][seed] == pytest.approx(value, rel=1e-6), name
-        shares = (*guard_share(run), saturated_share(run))
-        found = [table[name][seed] for name in ("guard_share1", "guard_share2", "saturated_share")]
-        assert found == pytest.approx(shares, abs=2e-3)
-        assert table["tracked"][seed] == tracked(run)
 
 
 def test_shares_read_as_percent():

@@ -9,7 +9,7 @@ import pytest
 
 from tests.equal_runs import runs_equal
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.core.signals import LOG_HEAD, Signal
+from wmr_ctrl.core.signals import LOG_HEAD
 from wmr_ctrl.results import Monitor, Outcome, Run
 
 
@@ -109,13 +109,6 @@ def test_repr_is_one_short_line(make_run):
     text = repr(make_run(labels={"guard": True}))
 
     assert text == "<Run toy, nn, guarded, seed 0, native: 100 rows, completed>"
-
-
-def test_further_diagnostics_of_a_law_are_columns_like_any(make_run):
-    run = make_run(extra=(Signal("W_norm", "1", "norm", 2),), W_norm=[1.0, 2.0])
-
-    assert "W_norm[2]" in run
-    assert np.array_equal(run["W_norm[2]"], np.full(100, 2.0))
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from tests.simulation.campaign.synthetic import made_up
 from wmr_ctrl.core.errors import UnknownNameError
-from wmr_ctrl.results import Outcome
 from wmr_ctrl.results.table import STATISTICS, RunTable, Spread, spread, table_of_rows
 from wmr_ctrl.simulation.campaign.engine import run_campaign
 from wmr_ctrl.simulation.campaign.paper_runs import paper_plan
@@ -89,10 +88,3 @@ def test_the_spread_of_two_numbers_is_half_their_distance():
     found = spread([5.0, None, 1.0, float("nan")])
 
     assert found == Spread(2, 3.0, 1.0, 5.0, 2.0, 4.0, 3.0, 2.0)
-
-
-def test_runs_that_left_a_limit_are_those_whose_outcome_says_so():
-    every = [outcome.value for outcome in Outcome]
-    table = table_of_rows([{"seed": k, "outcome": word} for k, word in enumerate(every)])
-
-    assert set(table.broken["outcome"]) == {"limit-violated", "diverged", "non-finite"}

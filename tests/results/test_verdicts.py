@@ -8,7 +8,7 @@ import pytest
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.results import tracked
-from wmr_ctrl.results.measures import saturated_share, tracking
+from wmr_ctrl.results.measures import tracking
 from wmr_ctrl.results.verdicts import CorridorLeft, Outlook, Warning
 from wmr_ctrl.theory.checks.outlook import CheckVerdict, outlook, verdict
 
@@ -82,35 +82,6 @@ def test_without_friction_the_motion_needs_what_accelerates_it():
     assert right + left == pytest.approx(robot.m * run["v1_d_dot"], rel=1e-6)
     assert robot.l * (right - left) == pytest.approx(robot.I * run["v2_d_dot"], rel=1e-6)
     assert abs(run["v2_d_dot"]).max() > 2 * abs(run["v1_d_dot"]).max() > 0
-
-
-@pytest.mark.parametrize("seed", [0, 7101])
-@pytest.mark.slow_but("0")
-def test_gains_for_another_period_are_objected_whatever_the_seed(seed):
-    run = simulate("safe-simulation", "prox", seed=seed, overrides={"clock.control": 0.1})
-    text = next(item.text for item in run.remarks if item.key == "objected")
-
-    assert "are lower, as `wmr-ctrl tune` finds them." in text
-    assert "Nothing needs to be done" not in run.explanation
-
-
-def test_weak_drives_are_told():
-    weak = {"actuator.tau_max": 0.9, "clock.duration": 20.0}
-    run = simulate("paper-simulation-no-switch", "kanayama", overrides=weak)
-
-    assert saturated_share(run) > 0.2
-    assert "saturated" in keys(run)
-
-
-@pytest.mark.slow
-def test_noise_through_gains_is_objected_and_seen():
-    noisy = {"sensor.velocity_noise": [0.1, 0.1], "clock.duration": 20.0}
-    calm, loud = (outlook(scenario_of("safe-simulation", case), "pid") for case in ({}, noisy))
-    run = simulate("safe-simulation", "pid", overrides=noisy)
-
-    assert calm.objections == ()
-    assert [item.key for item in loud.objections] == ["gains.pid"]
-    assert {"chatter", "objected"} <= keys(run)
 
 
 @pytest.mark.slow

@@ -54,15 +54,6 @@ def test_a_window_holds_the_samples_that_exact_arithmetic_puts_there(make_run, a
     assert list(range(300))[rows] == inside
 
 
-@given(k=st.integers(1, 99), control=CONTROLS)
-def test_a_stop_at_a_sample_covers_every_period_before_it(make_run, k, control):
-    monitor = Monitor((2.0, 1000.0), 3, (0.0, 1), (k * control, 2), "diverged")
-    run = make_run(duration=100 * control, control=control, rows=k, monitor=monitor)
-
-    assert covered(run) == k
-    assert ise_over(run, 0.0, k * control) == 0.0
-
-
 @pytest.mark.parametrize("k, stop", [(3, 0.3), (3, 0.1 * 3), (2, 0.29), (3, 0.3999)])
 def test_a_period_counts_once_it_is_over_however_its_end_is_rounded(k, stop):
     ended = Monitor((0.0, 0.0), stopped=(stop, 1), stop_reason="diverged")

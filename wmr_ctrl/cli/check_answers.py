@@ -14,6 +14,7 @@ from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.errors import ArgumentError, CompilerError
 from wmr_ctrl.core.fields.units import rounded
+from wmr_ctrl.report.run_rows import rows_of
 from wmr_ctrl.results import Run, driving, summary
 from wmr_ctrl.results.measures import guard_share, tracking
 from wmr_ctrl.results.remarks import Remark
@@ -366,7 +367,9 @@ def findings(answers: Answers) -> Iterator[Note]:
         yield from (item for item in warnings if item.law == law)
         yield from (Note(law, item.key, f"{item.key}: {item.text}") for item in _seen(answers, law))
         if law in answers.runs:
-            yield Note(law, "run", check_sentences.sight(answers.runs[law]))
+            run = answers.runs[law]
+            rows = (f"{name}: {text}" for name, text in rows_of(run))
+            yield Note(law, "run", "; ".join((f"one run, seed 0: {run.outcome.value}", *rows)))
         if law in answers.tubes:
             yield Note(law, "corridor", answers.tubes[law].sentence)
 

@@ -11,20 +11,18 @@ from wmr_ctrl.control.setup import KINEMATICS, Setup, gains_of, settle
 from wmr_ctrl.core.data import data
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantities
-from wmr_ctrl.core.fields.units import length, limits_in_words, rounded, sized
+from wmr_ctrl.core.fields.units import limits_in_words, rounded, sized
 from wmr_ctrl.core.fields.unstated import Unstated
-from wmr_ctrl.results import Run, driving, percent, speeds, tracked
-from wmr_ctrl.results.measures import arrival, guard_share, tracking
+from wmr_ctrl.results import speeds
 from wmr_ctrl.theory.checks import Stability, filter_advice, filter_facts
-from wmr_ctrl.theory.checks.outlook import scenario_of_run
-from wmr_ctrl.theory.checks.unknown_zero import exactness, finest
+from wmr_ctrl.theory.checks.unknown_zero import exactness
 from wmr_ctrl.theory.checks.velocity_base import hears
 from wmr_ctrl.theory.checks.velocity_guard import void_effects
 from wmr_ctrl.theory.checks.warning import joined
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import against
 from wmr_ctrl.world.scenario import Scenario, override, parse_assignments, title_of
-from wmr_ctrl.world.scenario.command_filter import Filter
+from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Filter
 from wmr_ctrl.world.scenario.sections import Guard
 from wmr_ctrl.world.scenario.toml_io import InheritedValue, stated_keys
 from wmr_ctrl.world.speed_loops import KINDS, loops_of
@@ -172,7 +170,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     facts = filter_facts(setup)
     if facts is None:
         return
-    limits = limits_in_words(setup.scenario.limits.sides)
+    limits, stated = limits_in_words(setup.scenario.limits.sides), setup.scenario.filter
     (back, v), (right, omega) = (
         [rounded(max(size, 0.0), 3, up=False) for size in (-low, high)]
         for low, high in facts.usable.values()
@@ -184,17 +182,35 @@ def filter_lines(setup: Setup) -> Iterator[str]:
         f"m/s, {omega} rad/s{ways} on any base inside the stated bounds"
         f"{', with odometry in every step' if hears(setup.scenario) else ''}{_slowed(setup)}"
     )
+    gain = "gain" if stated.loop == FIRST_ORDER else "peak gain"
     if facts.kind == "band":
         yield (
             "a constant delay costs nothing of that; delays that vary, even by a millisecond, are "
             "refused (filter.delay)"
         )
-    if facts.delay_cost:
-        linear, angular = (round(cost, 7) for cost in facts.delay_cost)
+    costs = {
+        "millisecond of delay": None if facts.kind == "band" else facts.delay_cost,
+        f"per cent of {gain}": facts.gain_cost,
+        "per cent of overshoot": None if facts.rise_cost else facts.overshoot_cost,
+    }  # fmt: skip
+    if facts.overshoot:
+        v, omega = (f"{100 * share:.3g} %" for share in facts.overshoot)
+        yield f"steps of such a base overshoot by up to {v} (linear), {omega} (angular)"
+    if facts.rise:
+        first, second = facts.rise
+        more = facts.rise_cost or (0.0, 0.0)
+        added = f"; one more per cent of overshoot adds {more[0]:.2g} s, {more[1]:.2g} s"
         yield (
-            f"one more millisecond of delay costs {sized(linear, 'm/s', 3)}, "
-            f"{sized(angular, 'rad/s', 3)}"
+            f"commands reach 0.9 of the limits after {first:.3g} s (linear), {second:.3g} s "
+            f"(angular){added if facts.rise_cost else ''}"
         )
+    prices = {name: (round(cost[0], 7), round(cost[1], 7)) for name, cost in costs.items() if cost}
+    texts = [
+        f"one more {name} costs {sized(cost[0], 'm/s', 3)}, {sized(cost[1], 'rad/s', 3)}"
+        for name, cost in prices.items()
+    ]
+    if texts:
+        yield "; ".join(texts)
 
 
 def _slowed(setup: Setup) -> str:
@@ -264,30 +280,6 @@ def unread_k(case: Scenario, laws: Sequence[str], stated: Set[str]) -> Iterator[
                 f"{SHARED_K} is stated, and law {law} does not read it: here it has {own} = "
                 f"{list(gains.kinematics)}, its own. State that for {law}."
             )
-
-
-def sight(run: Run) -> str:
-    """One-sentence summary of a run."""
-    parts, shares, times = tracking(run), guard_share(run), arrival(run)
-    away = " and ".join(
-        f"{_away(run, part['position_rms'])} RMS from the desired position in the {place}"
-        for place, part in zip((driving(run), "end"), parts.values(), strict=True)
-        if part is not None and part["position_rms"] is not None
-    )
-    away = away or ("it ended early" if run.monitor.stopped else "too short to be judged")
-    verdict = "tracked" if tracked(run) else "not tracked"
-    held = ""
-    if run.guard and shares is not None:
-        thrusts, moments = map(percent, shares)
-        held = f", the guard changed {thrusts} of the thrusts and {moments} of the moments"
-    goal = f", at its goal from {times['robot']:.4g} s on" if times and times["robot"] else ""
-    return f"run once with seed 0: {run.outcome.value}, {verdict}, {away}{goal}{held}"
-
-
-def _away(run: Run, distance: float) -> str:
-    """A distance as text; values below the rounding errors of the run are shown as "below ..."."""
-    least = finest(scenario_of_run(run))
-    return f"below {length(least)}" if distance < least else f"{distance:.3g} m"
 
 
 def stable(limits: Stability, period: float) -> str:

@@ -92,6 +92,7 @@ def reference_text(kind: str) -> str:
 
 def _print(name: str, as_json: bool, complete: bool, assignments: tuple[str, ...]) -> None:
     from wmr_ctrl.world.scenario import scenario_dict, title_of, to_toml
+    from wmr_ctrl.world.scenario.toml_io import MARK
 
     scenario = load(name, assignments)
     if as_json:
@@ -102,7 +103,8 @@ def _print(name: str, as_json: bool, complete: bool, assignments: tuple[str, ...
         click.echo(f"# {_left_out(scenario)}")
         scenario = replace(scenario, changes=())
         scenario = replace(scenario, title=title_of(scenario))
-    click.echo(to_toml(scenario, gains_docs=gains_docs(scenario)), nl=False)
+    click.echo(f"# Lines with {MARK} are of this scenario's robot, path and gains: look at each.")
+    click.echo(to_toml(scenario, gains_docs=gains_docs(scenario), marked=True), nl=False)
 
 
 def _left_out(scenario: Scenario) -> str:

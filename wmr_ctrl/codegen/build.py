@@ -117,7 +117,7 @@ class Program:
         self.layout = LoopLayout(
             loop.controller.title, loop.columns,
             tuple(item.signal for item in (*loop.fast, *loop.slow)),
-            tuple(item.signal for item in loop.parameters.ports), kernels.FINDINGS, WINDOW,
+            tuple(item.signal for item in loop.parameters.ports), kernels.findings_of(loop), WINDOW,
         )  # fmt: skip
 
     @cached_property

@@ -5,7 +5,16 @@ from dataclasses import replace
 
 import casadi as ca
 
-from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, WINDOW, Graphs, LoopGraphs, PlantlessGraphs
+from wmr_ctrl.control.loop import (
+    CLOCK,
+    GAP,
+    SEEN,
+    SUMS,
+    WINDOW,
+    Graphs,
+    LoopGraphs,
+    PlantlessGraphs,
+)
 from wmr_ctrl.control.wiring import Stream
 from wmr_ctrl.core.signals import VELOCITY
 from wmr_ctrl.world.effect import Rate
@@ -22,7 +31,7 @@ FINDINGS = (
 """Run results: largest |v| and least margin to the limits [m/s, rad/s]; plant steps beyond a limit,
 step and axis of the first (-1, 0); reason, step and axis of an early end; samples made; and of runs
 without a log the largest |torque| [N m] and d_least [N, N m], sample and axis of the first beyond
-its bound (-1, 0), samples with the clip active."""
+its bound (-1, 0), samples with the clip active.  With obstacles GAP comes last, its least [m]."""
 
 
 def loop_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:
@@ -91,9 +100,19 @@ def way_kernel() -> Kernel:
 
 def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
     """Sizes and indices that the runtime needs, by their names in C."""
-    sizes = {"ROW": loop.row.numel(), "SUMS": len(SUMS), "WINDOW": len(WINDOW), "SEEN": len(SEEN)}
-    places = {f"SEEN_{name.upper()}": place for place, name in enumerate(SEEN)}
+    seen = (*SEEN, *_gap(loop))
+    sizes = {"ROW": loop.row.numel(), "SUMS": len(SUMS), "WINDOW": len(WINDOW), "SEEN": len(seen)}
+    places = {f"SEEN_{name.upper()}": place for place, name in enumerate(seen)}
     return {**sizes, **places, **_constants(loop)}
+
+
+def findings_of(loop: Graphs) -> tuple[str, ...]:
+    """FINDINGS of a loop, with GAP where it has obstacles."""
+    return (*FINDINGS, *_gap(loop))
+
+
+def _gap(loop: Graphs) -> tuple[str, ...]:
+    return (GAP,) * len(loop.gap)
 
 
 def outside_constants(loop: PlantlessGraphs) -> Mapping[str, int | str]:
@@ -112,13 +131,14 @@ def _beside_plant(loop: Graphs) -> Mapping[str, int | str]:
 
 def _constants(loop: Graphs) -> Mapping[str, int | str]:
     state = [name for item in loop.fast for name in item.signal.elements]
+    findings = findings_of(loop)
     sizes: dict[str, int | str] = {
         "STATE": len(values((*loop.fast, *loop.slow))),
         "FAST": len(state),
         "PARAMETERS": len(values(loop.parameters.ports)),
         "HELD": loop.u.sym.numel(),
         "CLOCK": loop.clock.numel(),
-        "FINDINGS": len(FINDINGS),
+        "FINDINGS": len(findings),
         "SAMPLE_DRAWS": loop.draws(Rate.SAMPLE).numel(),
         "STEP_DRAWS": loop.draws(Rate.STEP).numel(),
         "CLOCK_STREAMS": len(CLOCK),
@@ -126,7 +146,7 @@ def _constants(loop: Graphs) -> Mapping[str, int | str]:
     }
     sizes |= {f"AT_{s.name.upper()}": state.index(s.name) for s in VELOCITY}
     sizes |= {f"CLOCK_{name.upper()}": place for place, name in enumerate(CLOCK)}
-    return sizes | {f"FOUND_{name.upper()}": place for place, name in enumerate(FINDINGS)}
+    return sizes | {f"FOUND_{name.upper()}": place for place, name in enumerate(findings)}
 
 
 def _stream(item: Stream) -> str:

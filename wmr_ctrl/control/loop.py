@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any, cast
 
 import casadi as ca
@@ -37,6 +37,7 @@ from wmr_ctrl.core.signals import (
     Signal,
 )
 from wmr_ctrl.results.measures import AT_LIMIT
+from wmr_ctrl.results.obstacles import distance
 from wmr_ctrl.results.settings import admitted, stopping_force
 from wmr_ctrl.world.effect import EffectRole, Rate
 from wmr_ctrl.world.model.dynamics import KEYS, plant, rk4_step
@@ -66,6 +67,8 @@ WINDOW = (*SUMS, "farthest")
 SEEN = (*SUMS, "peak", "clip1", "clip2", "least1", "least2", "beyond1", "beyond2")
 """Monitor of every run without a log: also the largest |torque| [N m], and of the guard's
 monitor per axis whether it clipped, d_least [N, N m], and whether that contradicts the bounds."""
+GAP = "gap"
+"""With obstacles also the distance of the body from the nearest [m]."""
 SIDES = ("v_max_linear", "v_max_angular", "v_min_linear", "v_min_angular")
 COUNTED = (*SIDES, "wheel_speed", "half_track")
 CLOCK = ("control", "plant", "delay_steps", *COUNTED)
@@ -86,7 +89,7 @@ class Graphs:
     ``sample`` and ``step``: the wirings of both rates; ``plant``: its state comes first; ``u``:
     values that a sample passes to its steps; ``acting``: torques and disturbances over a plant
     step; ``resting``: the fast state after it if the plant is external; ``clock``: see CLOCK;
-    ``rolling``: plant outputs beside its state that sensors need.
+    ``rolling``: plant outputs beside its state that sensors need; ``gap``: see GAP, () without.
     """
 
     parameters: Parameters
@@ -99,6 +102,7 @@ class Graphs:
     _late: ca.SX
     _sides: tuple[ca.SX, ca.SX]
     _rim: ca.SX
+    gap: tuple[ca.SX, ...] = ()
 
     @property
     def fast(self) -> tuple[Port, ...]:
@@ -210,7 +214,7 @@ class LoopGraphs(Graphs):
     """Both graphs of a setup's closed loop.
 
     ``fast`` and ``slow``: ports of the state; ``held``: values that a sample passes to its steps;
-    ``columns`` and ``row``: a line of the log; ``seen``: see SEEN.
+    ``columns`` and ``row``: a line of the log; ``seen``: see SEEN, then GAP.
     """
 
     def __init__(self, setup: Setup, *, external_plant: bool = False) -> None:
@@ -268,7 +272,8 @@ class LoopGraphs(Graphs):
             needed += math.nan
         at_limit = peak >= AT_LIMIT * wheel_limit(self.setup, p)
         summed = (*sums, *squares, 1, ca.sumsqr(needed), at_limit)
-        return ca.vertcat(*summed, peak, known["clip_active"], least, self._beyond(least))
+        guard = known["clip_active"], least, self._beyond(least)
+        return ca.vertcat(*summed, peak, *guard, *self.gap)
 
     def _beyond(self, least: ca.SX) -> ca.SX:
         """1 where d_least (2,) contradicts the guard's bounds; 0 if the base takes velocities."""
@@ -286,7 +291,8 @@ class LoopGraphs(Graphs):
         rate.measure(sensors)
         measured = zip((*POSE, *VELOCITY), MEASURED, strict=True)
         shown = known | {true.name: known[seen.name] for true, seen in measured}
-        shown |= self._told()
+        if {LIMITS, FREE} & {item.signal for item in self.controller.inputs}:
+            shown |= self._told()
         known |= rate.run(self.controller, shown)
         if self.setup.takes_velocity:
             self._know_exerted(drives)
@@ -298,6 +304,9 @@ class LoopGraphs(Graphs):
         desired = rate.column(REFERENCE[:3])
         known[TRACKING_ERROR.name] = tracking_error(desired, rate.column(POSE))
         self.held = rate.column(held_signals(self.setup, self._pushed))
+        if shapes := self.setup.scenario.obstacles:
+            away = (distance(shape, known["x"], known["y"], ca) for shape in shapes)
+            self.gap = (reduce(ca.fmin, away) - self.parameters.take("body.radius"),)
 
     def _told(self) -> Named:
         """Limits and free ways, as a filter is told them in a run.

@@ -49,7 +49,8 @@ def structure_of(setup: Setup) -> Hashable:
     guard = (scenario.guard.enabled, scenario.guard.map)
     sent = (scenario.filter, scenario.clock, scenario.base)  # the filter counts in samples
     steps = _steps(setup), setup.predicted, sent if setup.takes_velocity else None
-    told = guard, bool(unknown_keys(scenario)), scenario.limits.apart  # unknown torques are NaN
+    nothing = bool(unknown_keys(scenario))  # unknown torques are NaN
+    told = guard, nothing, scenario.limits.apart, scenario.obstacles
     return parts, sizes, tables, shape, told, steps, _form(setup.gains), _form(setup.kinematics)
 
 

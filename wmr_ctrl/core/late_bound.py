@@ -19,6 +19,7 @@ HOMES = {
     "plot_drives": "wmr_ctrl.report.plot_runs",
     "animate_runs": "wmr_ctrl.report.animate",
     "animate_drives": "wmr_ctrl.report.animate",
+    "rows_of": "wmr_ctrl.report.run_rows",
     "gains_by_law": "wmr_ctrl.control.setup",
     "outlook_of": "wmr_ctrl.theory.checks.outlook",
     "needed_by": "wmr_ctrl.theory.checks.outlook",

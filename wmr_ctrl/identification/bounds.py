@@ -4,7 +4,7 @@ Each parameter gets a verdict; parameters that cannot be separated are named, as
 informative seconds.
 """
 
-from abc import ABC, abstractmethod
+from abc import ABC
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -171,7 +171,8 @@ class BaseIdentification(ABC):
     """Results of an identification.
 
     ``parameters`` maps a name to (value, low, high, verdict, seconds), SI units; ``bounds`` are the
-    numbers for the guard or the filter; ``score`` says how well the held-out third was predicted;
+    numbers for the guard or the filter; ``score`` says how well the held-out third was predicted,
+    of which ``curves`` are the speeds;
     ``scenario`` can be run as it is. It has stand-ins for ``missing``, required keys that neither
     the log determines nor anybody states; the file is written without them.
     """
@@ -182,6 +183,7 @@ class BaseIdentification(ABC):
     remarks: Texts
     score: Score
     scenario: Scenario
+    curves: Traces = field(repr=False)
     missing: Names = field(default=(), kw_only=True)
     words: Mapping[str, str] = field(default_factory=dict, kw_only=True)
     """Keys that the written scenario has though they are as by default, with words on some."""
@@ -221,9 +223,9 @@ class BaseIdentification(ABC):
             "range": {axis: list(ends) for axis, ends in self.range.items()},
         }
 
-    @abstractmethod
     def traces(self) -> Traces:
         """Measured and predicted speeds, and residuals."""
+        return self.curves
 
     def to_toml(self, folder: Path | None = None) -> str:
         """TOML text of the scenario for a file in ``folder``: its base scenario and the results."""

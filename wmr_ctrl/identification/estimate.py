@@ -1,4 +1,4 @@
-"""Estimation from samples: start values, choice of the model, intervals, score."""
+"""Estimation from samples of torques: start values, choice of the model; scores."""
 
 import math
 from collections.abc import Sequence
@@ -8,38 +8,28 @@ from operator import attrgetter, itemgetter
 from typing import Any
 
 import numpy as np
-from scipy.spatial import KDTree
+from numpy.typing import NDArray
 
 from wmr_ctrl.world.scenario import Scenario, from_dict, scenario_dict
 from wmr_ctrl.world.scenario.scenario import multiples
 
 from .bounds import (
-    DETERMINED,
-    ROUGHLY,
     SHARES,
-    UNDETERMINED,
-    Estimate,
     Score,
-    informative_seconds,
-    verdict,
+    Traces,
 )
 from .fit import (
     ACCEPTED,
     LAG_LEAST,
-    PHYSICAL,
-    WIDEST,
     Fit,
     LogProblem,
     half_widths,
     plant_step,
     scored,
-    standard_errors,
 )
-from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement, Judgements
 from .kalman import INDEX, LOGARITHMIC, NAMES
-from .logs.log import Floats, Pair
-from .logs.samples import AxisLog, Samples, differenced, forces, speeds, wheels
-from .speed_loop import LINEAR, LOOPS, RANGES, Fits, LoopFit
+from .logs.log import Floats
+from .logs.samples import Samples, differenced, gains, shifts_of
 
 START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""
@@ -49,10 +39,6 @@ SPLITS = (0.2, 0.5, 0.8)
 """Shares of delay in the time from command to force that fits are started from."""
 LATENESS, SURE_PASSES = (0.03, 0.1, 0.3), 12
 """Delay and lag together [s] that further fits start from where a log tells little."""
-LOW_SPEED, LOW_FADING, LOW_FACTOR = 0.06, 0.1, 10.0
-"""Speed of a wheel below which the force noise counts LOW_FACTOR times [m/s], fading over [s]."""
-MOVED = 3.5
-"""Standard errors of the worse fit from which on a parameter has moved."""
 HELD_OUT = 1 / 3
 PART_PASSES = 12
 """Passes of the fit of a part of a log, from that of the whole."""
@@ -63,39 +49,16 @@ REPLACED = (
 )
 """Tables and keys of what is known that the identified numbers take the place of."""
 FREE_RUN = 1.0
-UNSURE = 0.1
-"""Share by which numbers of a loop are widened that explains its log in part."""
 
 
-def first_guess(log: Samples) -> tuple[dict[str, float], float]:
-    """Start values by regression: m, I, friction of motion, and time from command to force [s].
-
-    The time is the shift of the command that explains most of the motion.
-    """
-    t, rate, speed, pushed = differenced(log, 3)
-    later = np.minimum(np.searchsorted(log.t, t), len(log.t) - 1)
-    near = np.abs(log.t[later] - t) < 5 * log.period
-    tried = []
-    for shift in np.arange(0.0, 0.5, max(log.period, 0.01)):
-        force = pushed(shift)
-        solved, rest = [], 0.0
-        for axis in (0, 1):
-            v, y = speed[:, axis], rate[near, axis]
-            x = np.column_stack((force[:, axis], np.tanh(v / 0.02), v))[near]
-            solution = np.linalg.lstsq(x, y, rcond=None)[0]
-            rest += float(np.sum((y - x @ solution) ** 2) / max(np.sum(y**2), 1e-12))
-            solved.append(solution)
-        tried.append((rest, float(shift), np.array(solved)))
-    _, shift, fits = min(tried, key=itemgetter(0))
-    m, inertia = (1 / max(item, 1e-3) for item in fits[:, 0])
-    return {
-        "m": m,
-        "I": inertia,
-        "Fc": max(-fits[0, 1] * m, 0.0),
-        "Fv": max(-fits[0, 2] * m, 0.0),
-        "Mv": max(-fits[1, 2] * inertia, 0.0),
-        "c": 0.0,
-    }, shift
+def first_guess(log: Samples, r: float, half_track: float) -> tuple[dict[str, float], float]:
+    """Start values by regression, without friction: m, I, and time from command to force [s]."""
+    moved, torque = differenced(log, half_track)
+    tried = [(*gains(moved, torque(shift)), shift) for shift in shifts_of(log.period) if shift >= 0]
+    _, gain, shift = max(tried, key=itemgetter(0))
+    ahead, turn = (max(float(sides @ gain @ sides), 1e-3) for sides in ([1, 1], [1, -1]))
+    m, inertia = 4 / (r * ahead), 4 * half_track**2 / (r * turn)
+    return {"m": m, "I": inertia} | dict.fromkeys(("Fc", "Fv", "Mv", "c"), 0.0), float(shift)
 
 
 def searched(values: dict[str, float]) -> Floats:
@@ -115,8 +78,7 @@ def free_of(problem: LogProblem, coloured: bool) -> np.ndarray:
 def started(problem: LogProblem) -> Floats:
     """Best of a few starts on the log's first piece; delay and lag share one time."""
     log = problem.log
-    force = forces(log.command, *problem.known[:2])
-    guess, shift = first_guess(replace(log, command=force))
+    guess, shift = first_guess(log, *problem.known[:2].tolist())
     piece = replace(problem, log=log.until(log.t[0] + START_SECONDS))
     rest = {"q1": 0.1 * guess["m"], "q2": 0.1 * guess["I"], "s1": 0.0, "s2": 0.0, "time": 1.0}
     noise = 1e-3 if log.of_speed else 1.0
@@ -149,7 +111,7 @@ def white_fit(problem: LogProblem) -> Fit:
     return likeliest((fit, other))
 
 
-def coloured_if_likelier(white: Fit) -> tuple[Fit, float | None]:
+def coloured_if_likelier(white: Fit) -> Fit:
     """The fit with a coloured push if twice its gain exceeds 4 ln n, else the white one."""
     tried = []
     for time, passes in ((0.4, 40), (3.0, 12)):
@@ -161,35 +123,8 @@ def coloured_if_likelier(white: Fit) -> tuple[Fit, float | None]:
         tried.append(scored(white.problem, start, free, passes, ROUGH))
     best = likeliest(tried)
     if 2 * (white.nll - best.nll) > 4 * math.log(int(white.problem.counts.sum())):
-        best = scored(white.problem, best.theta, best.free)
-        return best, float(np.exp(best.theta[INDEX["time"]]))
-    return white, None
-
-
-def distrusting_low_speeds(fit: Fit, remarks: list[str]) -> Fit:
-    """Refit with larger noise at low speeds; ``fit`` itself if no parameter moves by that."""
-    problem = fit.problem
-    speed = np.abs(wheels(speeds(problem.log), problem.known[1])).min(axis=1)
-    slow = np.flatnonzero(speed < LOW_SPEED)
-    if not slow.size or slow.size > 0.8 * len(speed):
-        return fit
-    t = problem.log.t
-    away = KDTree(t[slow, None]).query(t[:, None])[0]
-    near = np.clip(1 - away / LOW_FADING, 0, 1)
-    distrusting = replace(problem, boost=1 + (LOW_FACTOR - 1) * near)
-    again = scored(distrusting, fit.theta, fit.free)
-    errors = np.maximum(standard_errors(fit), standard_errors(again))
-    count = len(PHYSICAL)
-    by = np.abs(again.theta[:count] - fit.theta[:count])
-    moved = [name for name in PHYSICAL if by[INDEX[name]] > MOVED * errors[INDEX[name]]]
-    if not moved:
-        return fit
-    remarks.append(
-        f"{', '.join(moved)} move{'s' if len(moved) == 1 else ''} where speeds below "
-        f"{100 * LOW_SPEED:g} cm/s count less, as stiction or backlash make them; values are those "
-        "of that fit, and Coulomb friction at low speed is not covered."
-    )
-    return replace(again, least={INDEX[name]: by[INDEX[name]] for name in moved})
+        return scored(white.problem, best.theta, best.free)
+    return white
 
 
 def surest(fit: Fit) -> Fit:
@@ -208,11 +143,9 @@ def surest(fit: Fit) -> Fit:
         start[[m, inertia]] -= lighter
         fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, ROUGH))
     best = likeliest(fits)
-    near = [item.theta for item in fits if item.nll < best.nll + ACCEPTED]
-    least = {
-        k: max(fit.least.get(k, 0.0), *(abs(x[k] - best.theta[k]) for x in near))
-        for k in range(len(PHYSICAL))
-    }
+    near = [item.theta[fit.free] for item in fits if item.nll < best.nll + ACCEPTED]
+    least = np.zeros(len(best.theta))
+    least[fit.free] = np.abs(np.array(near) - best.theta[fit.free]).max(axis=0)
     return replace(best, least=least)
 
 
@@ -253,126 +186,26 @@ def cut_of(log: Samples) -> float:
 
 def fitted_part(fit: Fit, end: float) -> Fit:
     """Refit, with the same model, the part of the log before ``end`` [s]."""
-    problem = fit.problem
-    boost = np.broadcast_to(problem.boost, problem.log.t.shape)[problem.log.t < end]
-    part = replace(problem, log=problem.log.until(end), boost=boost)
+    part = replace(fit.problem, log=fit.problem.log.until(end))
     return replace(scored(part, fit.theta, fit.free, PART_PASSES), least=fit.least)
 
 
-def score_of(white: Fit, trained: Fit) -> Score:
-    """Score on the held-out last third, by predictions over one second each."""
-    problem, cut = white.problem, cut_of(white.problem.log)
-    rest = problem.log.until(np.inf, cut)
-    result = replace(problem, log=rest).read(trained.theta, slopes=False)
-    foretold, held = free_runs(problem, rest, trained.theta, result.mean)
-    (v, omega), (held_v, held_omega) = (
-        shares_told(item, result.mean[:, 2:4]).tolist() for item in (foretold, held)
-    )
-    return Score((v, omega), (held_v, held_omega), cut)
+def score_of(curves: Traces) -> Score:
+    """Score on the held-out last third, beside speeds that are held for `FREE_RUN`."""
+    held = curves.measured[seconds_begin(curves.t)]
+    shares = np.full((2, 2), np.nan)
+    for axis, foretold in enumerate(curves.foretold.T):
+        rest = (curves.t >= curves.held_out_from) & np.isfinite(foretold)
+        if rest.any():
+            seen = curves.measured[rest, axis]
+            total = max(float(np.sum((seen - seen.mean()) ** 2)), 1e-12)
+            for k, told in enumerate((foretold, held[:, axis])):
+                shares[k, axis] = 1 - np.sum((told[rest] - seen) ** 2) / total
+    (v, omega), (held_v, held_omega) = shares.tolist()
+    return Score((v, omega), (held_v, held_omega), curves.held_out_from)
 
 
-def shares_told(foretold: Floats, seen: Floats) -> Floats:
-    """Share of the variance of each column of ``seen`` (N, K) that ``foretold`` explains."""
-    total = np.sum((seen - seen.mean(axis=0)) ** 2, axis=0)
-    return np.asarray(1 - np.sum((foretold - seen) ** 2, axis=0) / np.maximum(total, 1e-12))
-
-
-def free_runs(
-    problem: LogProblem, log: Samples, theta: Floats, mean: Floats
-) -> tuple[Floats, Floats]:
-    """Speeds (N, 2) predicted for one second from the filter's means, and constant speeds."""
-    index = np.arange(len(log.t))
-    turn = np.floor((log.t - log.t[0]) / FREE_RUN)
-    fresh = np.concatenate(([True], np.diff(turn) > 0))
-    fresh[log.first] = True
-    first = np.flatnonzero(fresh)
-    begin = first[np.searchsorted(first, index, "right") - 1]
-    foretold = problem.foretold(replace(log, first=first), theta, mean[first])
-    return foretold[:, 2:4], mean[begin, 2:4]
-
-
-def loop_estimates(judgements: Judgements, period: float) -> dict[str, Estimate]:
-    """Value, interval and verdict of each parameter, for the axes that were driven."""
-    if not judgements:
-        keys = [f"{name}{axis}" for axis in (1, 2) for name in LOOPS["first-order"]]
-        return dict.fromkeys(keys, Estimate(math.nan, 0.0, math.inf, UNDETERMINED, share=9.0))
-    estimates = {}
-    sure = all(item.explained == EXPLAINED for item in judgements)
-    for item in judgements:
-        fit, axis = item.fit, item.place + 1
-        for name in fit.values:
-            if name != "when":
-                estimates[f"{name}{axis}"] = _estimate(item, name, period, sure)
-        if "accel" not in fit.names:
-            # A command that is ramped drives no speed faster than its ramp, times the gain.
-            known = item.explained == EXPLAINED
-            least = fit.steepest / fit.gain if known else 0.0
-            estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, UNDETERMINED, share=9.0)
-    return estimates
-
-
-def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Estimate:
-    """A parameter's estimate; its interval is widened if the fit explains the log only in part.
-
-    ``sure``: the other axis is explained, too, so it cannot have caused the misfit.
-    """
-    fit = judgement.fit
-    value, in_part = fit.values[name], judgement.explained != EXPLAINED
-    low, high = _interval(fit, name, period)
-    more = min(judgement.share, 1.0) * (1 + in_part) + UNSURE * (
-        in_part and name in ("tau", "wn", "zeta")
-    )
-    if name == "delay":
-        low, high = low - period * in_part, high + period * in_part
-    elif name not in LINEAR:
-        low, high = low / (1 + more), high * (1 + more)
-    least, most = judgement.reached(name, value)
-    size, own = max(abs(value), period if name == "delay" else 1e-12), (high - low) / 2
-    # What is hardly determined reaches little beyond what is searched.
-    lowest, highest = RANGES.get(name, (0.0, math.inf))
-    low, high = max(min(low, least), lowest / 2), min(max(high, most), 2 * highest)
-    # A structure that is known makes a number another, not unknown.
-    share = ((high - low) / 2 if in_part else own) / size
-    word, seconds, several = verdict(share), (0.0, 0.0), (least, most) != (value, value)
-    if name in fit.names:
-        place = fit.names.index(name)
-        seconds = informative_seconds(fit.log.t, fit.fisher[:, place, place])
-        several |= bool(fit.alone[place]) or (name in fit.members and not sure)
-    if judgement.explained == NOT_EXPLAINED:
-        word = NOT_EXPLAINED
-    elif fit.at_end(name):
-        word = UNDETERMINED
-    elif word == DETERMINED and (in_part or several):
-        word = ROUGHLY
-    return Estimate(value, low, high, word, seconds, share)
-
-
-def _interval(fit: LoopFit, name: str, period: float) -> Pair:
-    """95 % interval from the fit alone; that of a dead band is between two commands of the log."""
-    value = fit.values[name]
-    if name not in fit.names:
-        sizes = np.unique(np.abs(fit.log.sent))
-        place = int(np.clip(np.searchsorted(sizes, value), 1, len(sizes) - 1))
-        return float(sizes[place - 1]), float(sizes[place])
-    half = fit.half_widths(plant_step(period) / 2)[name]
-    if name in LINEAR:
-        low, high = RANGES[name]
-        return max(value - half, low), min(value + half, high)
-    wide = math.exp(min(half, WIDEST / 3))
-    return value / wide, value * wide
-
-
-def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
-    """Score on the held-out last third, predicted from commands alone."""
-    shares = []
-    for axis, fit in zip(axes, trained, strict=True):
-        rest = (axis.t >= cut) & axis.in_fit
-        if fit is None or not rest.any():
-            shares.append([math.nan, math.nan])
-            continue
-        turn = np.floor((axis.t - axis.t[0]) / FREE_RUN)
-        held, seen = axis.speed[np.searchsorted(turn, turn)][rest], axis.speed[rest]
-        pair = fit.forecast[rest], held
-        shares.append([float(shares_told(item, seen)) for item in pair])
-    (v, held_v), (omega, held_omega) = shares
-    return Score((v, omega), (held_v, held_omega), cut)
+def seconds_begin(t: Floats) -> NDArray[np.int64]:
+    """Rows (N,) at which each row's stretch of `FREE_RUN` begins."""
+    turn = np.floor((t - t[0]) / FREE_RUN)
+    return np.searchsorted(turn, turn)

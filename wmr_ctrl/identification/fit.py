@@ -5,7 +5,7 @@ Intervals come from the Fisher information and from leaving out blocks of time.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -30,8 +30,6 @@ from .kalman import (
 from .logs.log import Floats, Mask, Pair
 from .logs.samples import LONGEST_DELAY, AxisLog, Samples, forces, speeds
 
-Tell = Callable[[], None]
-"""Called at each pass, to show progress."""
 SKIPPED_TIME = 0.3
 """Time at the start of each stretch that does not count [s]: commands before are not known."""
 RANGES: Mapping[str, Pair] = with_tuples(data(__package__, "fit.toml")["ranges"]) | {
@@ -52,24 +50,18 @@ FINEST = 3e-4
 
 @dataclass(frozen=True)
 class LogProblem:
-    """A log, the Kalman filter that reads it, known numbers, and factors of the force noise.
-
-    ``boost`` (N,): noise factor up to each sample, 1 for normal noise.
-    """
+    """A log, the Kalman filter that reads it, and known numbers."""
 
     log: Samples
     filter: CompiledFilter
     known: Floats
-    boost: Floats | float = 1.0
-    tell: Tell = lambda: None
 
     def read(self, theta: Floats, slopes: bool = True) -> PassResult:
         """One pass of the filter over the log."""
         kinds = np.where(self.counts, COUNTED, SKIPPED)
-        self.tell()
         return self.filter(
-            self.log, self._starts(), *self._given(theta), slopes=slopes, boost=self.boost,
-            kinds=kinds, blocks=blocks_of(self.log.t),
+            self.log, self._starts(), *self._given(theta), slopes=slopes, kinds=kinds,
+            blocks=blocks_of(self.log.t),
         )  # fmt: skip
 
     def foretold(self, log: Samples, theta: Floats, start: Floats) -> Floats:
@@ -114,14 +106,14 @@ def packed(diagonal: Floats) -> Floats:
 class Fit:
     """A maximum of the likelihood: searched parameters (n,), the mask of free ones, the last pass.
 
-    ``least``: lower limits of half-widths, by index.
+    ``least`` (n,): lower limits of half-widths.
     """
 
     problem: LogProblem
     theta: Floats
     free: Mask
     last: PassResult
-    least: Mapping[int, float] = field(default_factory=dict)
+    least: Floats | float = 0.0
 
     @property
     def nll(self) -> float:
@@ -242,14 +234,6 @@ WIDEST = 14.0
 """Largest half-width of a logarithm: from a millionth to a millionfold, all is undetermined."""
 
 
-def standard_errors(fit: Fit) -> Floats:
-    """Standard errors (n,): the larger of those from the information and from leaving out blocks.
-
-    Zero where a parameter is not free.
-    """
-    return np.maximum(*_two_errors(fit.last.gradient, fit.last.fisher, fit.inside))
-
-
 def _two_errors(gradient: Floats, fisher: Floats, free: Mask) -> tuple[Floats, Floats]:
     """Both standard errors, from gradient (B, n) and information (B, n, n) of blocks of time.
 
@@ -334,10 +318,7 @@ def changes(fit: Fitted, names: Sequence[str], log: Samples | AxisLog) -> dict[s
 
 def half_widths(fit: Fit) -> Floats:
     """Half-widths (n,) of 95 % intervals: the largest of both errors and of the lower limit."""
-    half = errors_of(fit.last.gradient, fit.last.fisher, fit.inside)
-    for place, least in fit.least.items():
-        half[place] = max(half[place], least)
-    return half
+    return np.maximum(errors_of(fit.last.gradient, fit.last.fisher, fit.inside), fit.least)
 
 
 def intervals_of(fit: Fit) -> dict[str, tuple[float, float, float]]:

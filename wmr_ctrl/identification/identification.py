@@ -32,13 +32,13 @@ from .estimate import (
     FREE_RUN,
     bare_scenario,
     coloured_if_likelier,
-    distrusting_low_speeds,
-    free_runs,
+    cut_of,
     score_of,
+    seconds_begin,
     surest,
     white_fit,
 )
-from .fit import PHYSICAL, Fit, LogProblem, Tell, intervals_of
+from .fit import PHYSICAL, Fit, LogProblem, intervals_of
 from .kalman import INDEX, CompiledFilter
 from .logs import lint
 from .logs.log import (
@@ -74,8 +74,8 @@ from .written import four_digits
 
 Progress = Callable[[float], None]
 OneLog = str | Path | Run | RecordedDrive | Mapping[str, list[float]]
-USUAL = {"torque": 60, "velocity": 18}
-"""Passes through a log that an identification usually takes, for the progress shown."""
+READ = 0.1
+"""Share of the work until a log is read, for the progress shown."""
 SHORTEST = {"torque": 10.0, "velocity": 2.0}
 """Least length of a log [s]."""
 ROBOT = ("robot.r", "robot.l")
@@ -95,17 +95,17 @@ class Identification(BaseIdentification):
     white: Fit
     trained: Fit
 
-    def traces(self) -> Traces:
-        """Measured and predicted speeds, and residuals; computed by several passes over the log."""
-        problem = self.white.problem
-        trained = self.trained.theta
-        mean = problem.read(trained, slopes=False).mean
-        foretold, _ = free_runs(problem, problem.log, trained, mean)
-        q = np.exp(self.white.theta[[INDEX["q1"], INDEX["q2"]]])
-        force = np.where(problem.counts[:, None], q * self.white.last.sizes, np.nan)
-        began = problem.log.t < problem.log.t[0] + FREE_RUN
-        foretold[began] = np.nan
-        return Traces(problem.log.t, mean[:, 2:4], foretold, force, self.score.held_out_from)
+
+def _curves(white: Fit, trained: Fit) -> Traces:
+    """Measured and predicted speeds, and residuals as forces; by two passes over the log."""
+    problem, log = white.problem, white.problem.log
+    mean = problem.read(trained.theta, slopes=False).mean
+    first = np.union1d(log.first, seconds_begin(log.t))
+    foretold = problem.foretold(replace(log, first=first), trained.theta, mean[first])[:, 2:4]
+    foretold[log.t < log.t[0] + FREE_RUN] = np.nan
+    q = np.exp(white.theta[[INDEX["q1"], INDEX["q2"]]])
+    force = np.where(problem.counts[:, None], q * white.last.sizes, np.nan)
+    return Traces(log.t, mean[:, 2:4], foretold, force, cut_of(log))
 
 
 @checks_arguments
@@ -154,16 +154,10 @@ def identify(
     period, own = float(f"{samples.period:.4g}"), scenario.clock.control
     if "clock.control" in sure and period != own:
         remarks.append(f"clock.control = {own:.4g} s becomes {period:.4g} s, the log's step.")
-    passes = 0
-
-    def tell() -> None:
-        nonlocal passes
-        passes += 1
-        if progress:
-            progress(min(0.95, passes / USUAL[base]))
-
+    if progress:
+        progress(READ)
     fit = _of_torques if base == "torque" else of_velocities
-    fitted = fit(raw.name, samples, scenario, remarks, tell)
+    fitted = fit(raw.name, samples, scenario, remarks)
     found = _finished(fitted, scenario, sure, rows, words)
     if progress:
         progress(1.0)
@@ -274,17 +268,14 @@ def _check_finite(name: str, *fits: Fit) -> None:
         )
 
 
-def _of_torques(
-    name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Tell
-) -> Identification:
+def _of_torques(name: str, log: Samples, scenario: Scenario, remarks: list[str]) -> Identification:
     robot = scenario.robot
     known = np.array([robot.r, robot.l, robot.g, robot.v_s, log.period])
-    problem = LogProblem(log, CompiledFilter(scenario), known, tell=tell)
+    problem = LogProblem(log, CompiledFilter(scenario), known)
     white = white_fit(problem)
-    fit, colour = coloured_if_likelier(white)
-    fit = distrusting_low_speeds(fit, remarks)
-    fit = surest(fit)
+    fit = coloured_if_likelier(white)
     _check_finite(name, white, fit)
+    fit = surest(fit)
     widths, estimates = intervals_of(fit), {}
     speed = np.sqrt(np.mean(white.last.mean[:, 2:4] ** 2, axis=0))
     values = {key: item[0] for key, item in widths.items()}
@@ -310,17 +301,20 @@ def _of_torques(
     unknown = all(estimates[key].verdict == UNDETERMINED for key in ("m", "I"))
     bare = bare_scenario(scenario, log, remarks)
     clocked = replace(bare, actuator=replace(bare.actuator, tau_max=scenario.actuator.tau_max))
-    bounds = guard_bounds(white, widths, clocked, colour)
-    trained, refuted = held_out(white, fit, clocked, colour)
+    bounds = guard_bounds(white, widths, clocked)
+    trained, refuted = held_out(white, fit, clocked)
     bounds = replace(explaining(white, bounds), refuted=refuted, wide=bounds.wide or unknown)
     far = beyond(clocked, log)
     identified = _scenario(name, clocked, values, bounds, far, remarks)
-    score = score_of(white, trained)
+    curves = _curves(white, trained)
+    score = score_of(curves)
     price = usable_speeds(override(identified, {"guard.enabled": True}))
     if price:
         score = replace(score, usable_speed=price[0], one_newton_more=price[1])
     said = tuple(remarks)
-    return Identification(name, estimates, bounds, said, score, identified, fit, white, trained)
+    return Identification(
+        name, estimates, bounds, said, score, identified, curves, fit, white, trained
+    )
 
 
 def _scenario(

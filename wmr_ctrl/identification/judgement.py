@@ -18,10 +18,9 @@ from wmr_ctrl.core.data import data
 
 from .fit import Fitted, changes
 from .kalman import BLOCKS, blocks_of
-from .logs.log import AXES, UNITS, Pair, quick, unit_of, usual_step
+from .logs.log import AXES, UNITS, Floats, Pair, quick, unit_of, usual_step
 from .logs.samples import AxisLog
-from .residual import told
-from .speed_loop import LINEAR, NEUTRAL, SIDED, LoopFit, foretold, whitener
+from .speed_loop import LINEAR, NEUTRAL, LoopFit, foretold, whitener
 
 LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explained"
 MORE_TOLD, MOST_TOLD = 0.04, 0.12
@@ -49,6 +48,12 @@ GROUP_KEYS = {
     "slow": "curve", "middling": "curve", "fast": "curve", "forward": "sides", "backward": "sides",
 }  # fmt: skip
 """Groups of rows, and the key of what a gain that differs there would be."""
+KNOTS = (0.0, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 1.0)
+LAGS = (0.0, 0.1, 0.25, 0.5)
+"""By how much later commands may act than by the model [s]."""
+PARTS = 10
+RIDGE = 3e-3
+CUTS = (0.2, 0.35, 0.5, 0.65, 0.8)
 Reach = Mapping[str, Pair]
 
 
@@ -171,27 +176,24 @@ def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
     }
     for member, (key, words, level) in STRUCTURES.items():
         if member in values:
-            shares = _shares(fit, member, top)
-            ends = gain * max(min(shares), 0.05), gain * max(shares)
+            shares = 1.0, *_shares(fit, member, top)
+            reach = {"gain": (gain * max(min(shares), 0.05), gain * max(shares))}
+            if member == "lag":
+                reach = {"delay": (said["delay"], said["delay"] + said["lag"])}
             text = words.format(name=AXES[axis], unit=UNITS[axis], **said)
-            reach = {"gain": ends} if shares[1:] else {}
             yield Finding(text, key, level, reach)
 
 
 def _shares(fit: LoopFit, member: str, top: float) -> list[float]:
-    """Shares of its gain that a base with a structure may have; 1 is among them."""
-    value = fit.values[member]
-    if member == "offset":
-        return [1.0, max(1 - value / top, 0.2)]
-    if member == "sat":
-        return [1.0, min(value / top, 1.0)]
-    if member not in SIDED:
-        return [1.0]
-    half = fit.half_widths()[member]
-    if member == "curve":
-        return [1.0, 1 + (value - half) * top, 1 + (value + half) * top]
+    """Further shares of its gain that a base with a structure may have."""
+    value, half = fit.values[member], fit.half_widths().get(member, 0.0)
     wide = math.exp(min(half, 3.0))
-    return [1.0, value / wide, value * wide]
+    shares = {
+        "offset": [max(1 - value / top, 0.2)], "sat": [min(value / top, 1.0)],
+        "curve": [1 + (value - half) * top, 1 + (value + half) * top],
+        "back": [value / wide, value * wide], "then": [value / wide, value * wide],
+    }  # fmt: skip
+    return shares.get(member, [])
 
 
 def _by_groups(fit: LoopFit, name: str) -> Iterator[Finding]:
@@ -314,3 +316,52 @@ def _single_delays(fit: LoopFit) -> tuple[list[float], list[float]]:
             delays.append(float(along[low:high] @ left[low:high]) / weight)
             variances.append(noise / weight)
     return delays, variances
+
+
+def explainable(fit: LoopFit) -> float:
+    """Upper estimate of the share of a residual's squares that command, speed and time explain."""
+    log, y = fit.log, fit.forecast
+    later = np.where(log.t[:, None] >= np.quantile(log.t[log.in_fit], CUTS), y[:, None], 0.0)
+    x = np.column_stack((_columns(fit, None), later, np.ones(len(y))))[log.in_fit]
+    left = fit.left[log.in_fit]
+    squares = x.T @ x
+    ridge = 1e-9 * np.diag(np.diag(squares) + 1e-12)
+    rest = left - x @ np.linalg.solve(squares + ridge, x.T @ left)
+    by_chance = 2 * x.shape[1] / len(left)
+    return 1 - float(rest @ rest) / max(float(left @ left), 1e-300) - by_chance
+
+
+def told(fit: LoopFit, other: Floats | None = None) -> float:
+    """Cross-validated rms of the residual that commands predict, relative to the speed's rms.
+
+    ``other`` (N,): the other axis' speed.
+    """
+    inside = fit.log.in_fit
+    x = _columns(fit, other)
+    x = x - x[inside].mean(axis=0)
+    x = (x / np.maximum(x[inside].std(axis=0), 1e-12))[inside]
+    left, count = fit.left[inside], int(inside.sum())
+    part = np.arange(count) * PARTS // count
+    whole, pull, guess = x.T @ x, x.T @ left, np.empty(count)
+    for k in range(PARTS):
+        own = part == k
+        kept = whole - x[own].T @ x[own] + RIDGE * count * np.eye(x.shape[1])
+        guess[own] = x[own] @ np.linalg.solve(kept, pull - x[own].T @ left[own])
+    gained = float(left @ left - np.sum((left - guess) ** 2))
+    return math.sqrt(max(gained, 0.0) / count) / max(float(np.std(fit.forecast[inside])), 1e-9)
+
+
+def _columns(fit: LoopFit, other: Floats | None) -> Floats:
+    """Functions (N, K) of command, speed, acceleration, and the other axis' speed."""
+    log, y = fit.log, fit.forecast
+    end = log.t[:, None] - fit.values["delay"] - np.array(LAGS)
+    w = log.mean_command(end - log.period, end)
+    rate = np.gradient(y, fit.log.t)
+    knots = np.unique(np.quantile(w[fit.log.in_fit, 0], KNOTS))
+    hats = [np.interp(w[:, 0], knots, row) for row in np.eye(len(knots))]
+    columns = [*hats, *w.T[1:], y, np.abs(y), y * np.abs(y)]
+    columns += [rate, np.abs(rate), rate * np.sign(y), np.abs(rate) * np.sign(y)]
+    if other is not None:
+        size = np.abs(other)
+        columns += [other, size, y * size, np.sign(y) * size]
+    return np.column_stack(columns)

@@ -32,9 +32,8 @@ from .logs.samples import Samples
 BLOCKS = 15
 DIRECTIONS = 2
 """Directions of derivatives that a kernel takes at once, which share what no direction changes."""
-PIECE = ("right", "left", "h0", "h1", "boost")
-"""Inputs of a piece in which a command acts: torques [N m], length h0 + h1 delay [s], and the
-factor by which the force noise is larger there."""
+PIECE = ("right", "left", "h0", "h1")
+"""Inputs of a piece in which a command acts: torques [N m], and its length h0 + h1 delay [s]."""
 SEEN = ("first", "second", "variance1", "variance2", "of_speed")
 """Inputs of a measurement: both axes' way and turn, or speeds (of_speed = 1), known variances."""
 
@@ -81,7 +80,7 @@ def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
     )
     keep = ca.exp(-h / a["time"])
     f = ca.blockcat([[by[1], by[2]], [ca.SX(2, 4), keep * ca.SX.eye(2)]])
-    white = ca.diag(ca.vertcat(a["q1"], a["q2"]) ** 2) * u[4] ** 2 * a["T"] / h
+    white = ca.diag(ca.vertcat(a["q1"], a["q2"]) ** 2) * a["T"] / h
     fresh = ca.vertcat(a["s1"], a["s2"]) ** 2 * (1 - keep**2)
     noise = ca.blockcat([[by[2] @ white @ by[2].T, ca.SX(4, 2)], [ca.SX(2, 4), ca.diag(fresh)]])
     # From the upper triangle, row after row.
@@ -240,7 +239,7 @@ class CompiledFilter:
             "PRIMAL": MEAN + PACKED,
             "OUTPUTS": OUTPUTS,
             "DIRECTIONS": DIRECTIONS,
-            "INPUTS": len(PIECE),
+            "INPUTS": len(SEEN),
             "DELAY": INDEX["delay"],
         }
         self._library = ct.CDLL(str(lanes_library("read_log.c", sizes, kernels(scenario))))
@@ -253,21 +252,20 @@ class CompiledFilter:
         covariance: Floats,
         *,
         slopes: bool = True,
-        boost: Floats | float = 1.0,
         kinds: NDArray[np.int_] | int = COUNTED,
         blocks: NDArray[np.int64] | int = 0,
     ) -> PassResult:
         """One pass with ``parameters`` (searched, then known).
 
         ``start`` (F, MEAN) and ``covariance`` (packed): at the beginning of each stretch.
-        ``boost`` (N,): factor of the noise up to each sample; ``kinds`` (N,) and ``blocks`` (N,) of
+        ``kinds`` (N,) and ``blocks`` (N,) of
         the measurements.
         """
         count, n = len(log.t), len(NAMES)
         nll, gradient = np.zeros(BLOCKS), np.zeros((BLOCKS, n))
         fisher, told = np.zeros((BLOCKS, n, n)), np.zeros((count, 2 * OUTPUTS + MEAN))
         read = (log.t, log.seen, log.variance, log.command_t, log.command, start)
-        numbers = (*read, np.full(count, boost), parameters, covariance)
+        numbers = (*read, parameters, covariance)
         marks = [np.full(count, item, np.int32) for item in (kinds, blocks)]
         rest: tuple[NDArray[Any], ...] = (log.first, *marks, nll, gradient, fisher, told)
         self._library.wmr_read_log(

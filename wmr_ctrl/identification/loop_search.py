@@ -4,22 +4,22 @@ Source: logs of real bases: ramps that differ up and down, dead bands, offsets, 
 that depends on direction, speed or time, a constant push.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
-from .fit import Tell
+from .fit import ACCEPTED
+from .judgement import explainable
 from .logs.log import Floats, Names
 from .logs.samples import AxisLog
-from .residual import explainable
 from .speed_loop import (
     LINEAR,
     LOOPS,
     MOST_VAGUE,
     RANGES,
-    SIDED,
+    WITHOUT,
     LoopFit,
     Values,
     fitted,
@@ -41,6 +41,10 @@ PASSES, PLAIN = 15, 3
 SPEEDS = (0.03, 0.1, 0.3)
 """Time constants that fits are started from [s]."""
 GAIN_OF_BIC = 4.0
+MORE: Sequence[Names] = ((), ("accel",), ("lag",))
+"""What may be beside a loop without further structures."""
+LAGS = 0.01 * 2 ** (np.arange(12) / 2)
+"""Lags of a sensor that a log may hide [s]."""
 Starts = Callable[[LoopFit], Sequence[Values]]
 
 
@@ -98,37 +102,47 @@ MENU: Mapping[str, Member] = {
 """Structures by the key of their diagnosis."""
 
 
-def axis_fit(log: AxisLog, tell: Tell, loops: Names = tuple(LOOPS)) -> LoopFit:
-    """The likeliest loop of one axis, with the structures that its log needs."""
-    fit = plain = best_loop(log, tell, loops)
+def axis_fit(log: AxisLog, loops: Names = tuple(LOOPS)) -> LoopFit:
+    """The likeliest loop of one axis with the structures that its log needs, and what it may be."""
+    fit = plain = best_loop(log, loops)
     for _ in range(MOST):
-        better = _one_more(fit, tell) if explainable(fit) > LEAST_EXPLAINABLE else None
+        better = _one_more(fit) if explainable(fit) > LEAST_EXPLAINABLE else None
         if better is None:
             break
         fit = better
     if fit is not plain:
-        again = best_loop(log, tell, loops, fit)
+        again = best_loop(log, loops, fit)
         fit = again if again.bic < fit.bic - GAIN_OF_BIC else fit
-    squared = _again(fit, fit.values, PASSES, PASSES)
-    return squared if squared.squares < SQUARES_WIN * fit.squares else fit
+    squared, others = _again(fit, fit.values, PASSES, PASSES), tuple(_as_likely(fit))
+    return replace(squared if squared.squares < SQUARES_WIN * fit.squares else fit, others=others)
 
 
-def best_loop(log: AxisLog, tell: Tell, loops: Names, beside: LoopFit | None = None) -> LoopFit:
+def _as_likely(fit: LoopFit) -> Iterator[LoopFit]:
+    """Fits of a loop that overshoots, behind sensors whose lag the log does not show."""
+    one = fit
+    for lag in LAGS if "zeta" in fit.names and "lag" not in fit.names else ():
+        fixed = {**fit.fixed, "lag": lag}
+        one = fitted(fit.log, fit.loop, fit.names, one.theta, PASSES, fixed=fixed)
+        if one.nll.sum() > fit.nll.sum() + ACCEPTED:
+            return
+        yield one
+
+
+def best_loop(log: AxisLog, loops: Names, beside: LoopFit | None = None) -> LoopFit:
     """The likeliest loop by Schwarz's criterion (BIC), with a ramp if that improves it.
 
     A simpler loop is replaced only if a richer one gains more than by chance and its numbers are
     determined.  ``beside``: a fit whose structures are kept.
     """
-    members = () if beside is None else beside.members
+    members = () if beside is None else tuple(n for n in beside.members if n != "lag")
     fixed = {} if beside is None else dict(beside.fixed)
     tried = []
-    for ramp, loop in product((False, True), loops):
-        if (ramp and members) or (loop == "pi" and {*members} & {*SIDED}):
+    for more, loop in product(MORE, loops):
+        if ("accel" in more and members) or {*more, *members} & {*WITHOUT[loop]}:
             continue
-        names = (*LOOPS[loop], *(("accel",) if ramp else ()), *members)
+        names = (*LOOPS[loop], *more, *members)
         start = _nearest(log, loop, [fixed | item for item in _starts(log, names, beside)])
         tried.append(fitted(log, loop, names, searched(start, names), 2 * PASSES, PASSES, fixed))
-        tell()
     best, *richer = sorted(tried, key=lambda item: len(item.theta))
     for fit in richer:
         if not fit.vague and fit.bic < best.bic - GAIN_OF_BIC:
@@ -144,7 +158,8 @@ def _starts(log: AxisLog, names: Names, beside: LoopFit | None) -> list[dict[str
     grid: dict[str, Sequence[float]] = {
         "gain": (gain, 1.25 * gain) if "accel" in names else (gain,),
         "tau": SPEEDS, "wn": [1 / x for x in SPEEDS], "zeta": (0.35, 1.0),
-        "delay": (0.01, 0.06, 0.15), "accel": (0.7 * steepest, 1.1 * steepest, 2 * steepest),
+        "delay": (0.01, 0.06, 0.15), "lag": SPEEDS,
+        "accel": (0.7 * steepest, 1.1 * steepest, 2 * steepest),
     }  # fmt: skip
     if beside is not None:
         grid |= {name: (beside.values[name],) for name in ("gain", *beside.members)
@@ -153,12 +168,12 @@ def _starts(log: AxisLog, names: Names, beside: LoopFit | None) -> list[dict[str
     return [dict(zip(names, values, strict=True)) for values in combinations]
 
 
-def _one_more(fit: LoopFit, tell: Tell) -> LoopFit | None:
+def _one_more(fit: LoopFit) -> LoopFit | None:
     """The likeliest fit with one further structure, if that improves the criterion; else None."""
     tried = []
     for key, member in MENU.items():
         ours = (*member.names, *member.fixed)
-        if {*ours} <= {*fit.names, *fit.fixed} or (fit.loop == "pi" and {*ours} & {*SIDED}):
+        if {*ours} <= {*fit.names, *fit.fixed} or {*ours} & {*WITHOUT[fit.loop]}:
             continue
         starts = [{**fit.values, **start} for start in member.starts(fit)]
         if not starts:
@@ -166,7 +181,6 @@ def _one_more(fit: LoopFit, tell: Tell) -> LoopFit | None:
         one = _again(fit, _nearest(fit.log, fit.loop, starts), PASSES, PLAIN, member)
         if member.fixed:
             one = _refined(one, member.fixed[0], [item[member.fixed[0]] for item in starts])
-        tell()
         most = 1.0 if key == "decel" else LESS_SQUARES
         half = one.half_widths()
         sizes = {name: abs(one.values[name]) if name in LINEAR else 1.0 for name in member.names}

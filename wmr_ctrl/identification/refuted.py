@@ -41,22 +41,17 @@ CREEP, CREEP_LAG = 0.01, 0.005
 for 30 kg on tyres of 1500 N s/m, and by how much fits of such logs miss the lag on average."""
 SIGMAS = 3.0
 NEWTON = 1.0
-WILKS_BLOCKS = 59
-"""Blocks of which the largest bounds 95 % of all, with 95 % confidence."""
-BLOCK_TIMES = 5.0
-"""Length of a block, in time constants of a coloured push: shorter ones are not independent."""
 
 
 def guard_bounds(
     white: Fit,
     intervals: Mapping[str, tuple[float, float, float]],
     scenario: Scenario,
-    colour: float | None,
 ) -> GuardBounds:
     """The guard's numbers from the intervals (value, low, high) and the white fit's residuals.
 
     dbar is q max(3, max |z|) per axis: q the rms force noise of the white fit, z the standardised
-    residuals.  ``colour``: time constant of the coloured push [s], if there is one.
+    residuals.
     """
     log = white.problem.log
     q = np.exp(white.theta[[INDEX["q1"], INDEX["q2"]]])
@@ -66,6 +61,7 @@ def guard_bounds(
     value, least, most = np.array([intervals["m"], intervals["I"]]).T
     low, high = value * (least / value) ** wider, value * (most / value) ** wider
     period, robot = scenario.clock.control, scenario.robot
+    v, w = np.abs(white.last.mean[:, 2:4]).max(axis=0)
     if log.of_speed:
         noise = np.exp(white.theta[[INDEX["n1"], INDEX["n2"]]])
         nbar = noise * np.maximum(SIGMAS, z.max(axis=0))
@@ -77,8 +73,8 @@ def guard_bounds(
     wide = latest - early > period
     late = (early, latest) if wide else (early, min(latest + CREEP, early + period))
     lightest, heaviest, pushes, noises = (
-        (four_digits(float(v), up), four_digits(float(w), up))
-        for (v, w), up in ((low, False), (high, True), (dbar, True), (nbar, True))
+        (four_digits(float(first), up), four_digits(float(second), up))
+        for (first, second), up in ((low, False), (high, True), (dbar, True), (nbar, True))
     )
     return GuardBounds(
         lightest,
@@ -88,27 +84,11 @@ def guard_bounds(
         late,
         outward(max(intervals["lag"][1], 0.0), intervals["lag"][2] + CREEP_LAG),
         (float(q[0]), float(q[1])),
-        tolerance_sentence(white, colour),
+        (
+            f"largest push that was seen in {log.t[-1] - log.t[0]:.3g} s, at speeds up to {v:.2g} "
+            f"m/s and {w:.2g} rad/s, on this floor, with this load: no bound that is proved"
+        ),
         wide,
-    )
-
-
-def tolerance_sentence(white: Fit, colour: float | None) -> str:
-    """Sentence on dbar: a tolerance bound for blocks of time, or only the largest value seen."""
-    log = white.problem.log
-    length = max(1.0, BLOCK_TIMES * (colour or 0.0))
-    count = int((log.t[-1] - log.t[0]) / length)
-    v, w = np.abs(white.last.mean[:, 2:4]).max(axis=0)
-    visited = f"at speeds up to {v:.2g} m/s and {w:.2g} rad/s, on this floor, with this load"
-    if count < WILKS_BLOCKS:
-        return (
-            f"largest seen in {count} blocks of {length:.2g} s, {visited}; {WILKS_BLOCKS} blocks "
-            "would also bound a share of later ones"
-        )
-    share = 0.05 ** (1 / count)
-    return (
-        f"with 95 % confidence at most {100 * (1 - share):.2g} % of later blocks of {length:.2g} s "
-        f"exceed it, if such blocks are independent, {visited}"
     )
 
 
@@ -126,7 +106,7 @@ def usable_speeds(scenario: Scenario) -> Pair | None:
     return now, now - then
 
 
-def held_out(white: Fit, fit: Fit, scenario: Scenario, colour: float | None) -> tuple[Fit, Texts]:
+def held_out(white: Fit, fit: Fit, scenario: Scenario) -> tuple[Fit, Texts]:
     """The white fit of the first two thirds, and sentences on contradictions: motion of the last
     third beyond these bounds, and numbers that changed.
 
@@ -134,9 +114,8 @@ def held_out(white: Fit, fit: Fit, scenario: Scenario, colour: float | None) -> 
     """
     cut = cut_of(white.problem.log)
     before = fitted_part(fit, cut)
-    same = fit.problem is white.problem and (fit.free == white.free).all()
-    trained = before if same else fitted_part(white, cut)
-    bounds = guard_bounds(trained, intervals_of(before), scenario, colour)
+    trained = before if (fit.free == white.free).all() else fitted_part(white, cut)
+    bounds = guard_bounds(trained, intervals_of(before), scenario)
     unexplained = [item.against(bounds) for item in contradictions(white, bounds, cut)]
     return trained, (*changed(fit), *unexplained)
 
@@ -226,38 +205,34 @@ def _pushes(
 ) -> Floats:
     """Ends, lengths [s] and least pushes (3, K) of windows in which an axis keeps its direction.
 
-    A window is two halves of ``span`` [s] each; measured speeds are means over half a window.  The
-    push is monotonic in the force that acted, so the least push is at an end of the forces' range.
+    A window is two halves of ``span`` [s] each; speeds are means over half a window.  The push is
+    monotonic in the force that acted, so the least push is at an end of the forces' range.
     """
-    n = max(1, round(span / usual_step(log.t)))
-    reach = n if log.of_speed else 2 * n
-    left = log.stretches[1] - np.arange(len(log.t))
-    i = np.flatnonzero(left >= reach)[:: max(1, n // 4)]
-    seen, middle, last = log.seen[:, axis], i + n, i + reach
-    before, after = log.t[middle] - log.t[i], log.t[last] - log.t[middle]
-    if log.of_speed:
-        period, nbar = before, np.full(len(i), bounds.nbar[axis])
-        ways = np.sign(seen) * (np.abs(seen) > bounds.nbar[axis])
-    else:
-        # Each wheel's reading is off by less than a count, so both sums are by less than `count`.
-        count = math.sqrt(24 * log.variance[axis])
-        period, nbar = (before + after) / 2, count * (1 / before + 1 / after) / 2
-        moved = np.diff(seen, prepend=seen[0])
-        ways = np.sign(moved) * (np.abs(moved) > count)
-    sums = np.concatenate(([0.0], np.cumsum(ways)))
-    first = i if log.of_speed else i + 1
-    one_way = np.abs(sums[last + 1] - sums[first]) == last + 1 - first
+    t, step = log.t, np.diff(log.t, prepend=log.t[0])
+    n = max(1, round(span / usual_step(t)))
+    i = np.flatnonzero(log.stretches[1] - np.arange(len(t)) >= 2 * n)[:: max(1, n // 4)]
+    middle, last = i + n, i + 2 * n
+    before, after = t[middle] - t[i], t[last] - t[middle]
+    period, speed_off = (before + after) / 2, bounds.nbar[axis]
+    # Each wheel's reading is off by less than a count, so both sums are by less than this.
+    off = speed_off * step if log.of_speed else math.sqrt(24 * log.variance[axis])
+    nbar = off * (1 / before + 1 / after) / 2 if not log.of_speed else speed_off + 0 * before
+
+    def way(x: Floats) -> Floats:
+        return np.cumsum(x * step) if log.of_speed else x
+
+    def velocities(x: Floats) -> tuple[Floats, Floats]:
+        return (x[middle] - x[i]) / before, (x[last] - x[middle]) / after
+
+    seen = way(log.seen[:, axis])
+    moved = np.diff(seen, prepend=seen[0])
+    sums = np.cumsum(np.sign(moved) * (np.abs(moved) > off))
+    one_way = np.abs(sums[last] - sums[i]) == 2 * n
     if not one_way.any():
         return np.zeros((3, 0))
-
-    def velocities(way: Floats, speed: Floats) -> Floats:
-        if log.of_speed:
-            return np.stack((speed[i], speed[last]))
-        return np.stack(((way[middle] - way[i]) / before, (way[last] - way[middle]) / after))
-
-    moves = [velocities(item[:, axis], item[:, 2 + axis]) for item in forced]
+    moves = [velocities(way(item[:, axis + 2 * log.of_speed])) for item in forced]
     forces = [(new - old) / period for old, new in moves]
-    old, new = velocities(seen, seen)
+    old, new = velocities(seen)
     pushes = [
         _monitor()(*np.stack((new, old, end, period, nbar))[:, None, one_way], *bounds.masses[axis])
         for end in (np.min(forces, axis=0), np.max(forces, axis=0))

@@ -7,8 +7,9 @@
 
 The ramp is that of `world.command_ramp`.  The shape of a command u is 0 below a dead band, else
 |u| less an offset, at most its saturation.  Behind the ramp, w = K u (1 + curve |u|) + bias; K is
-``back`` times as large backwards, and ``then`` times from a time ``when`` on.  What a fit leaves
-over is an autoregressive process, by whose inverse residuals and slopes are whitened.
+``back`` times as large backwards, and ``then`` times from a time ``when`` on.  The sensor shows the
+speed with a first-order lag.  What a fit leaves over is an autoregressive process, by whose inverse
+residuals and slopes are whitened.
 """
 
 from __future__ import annotations
@@ -41,12 +42,12 @@ NEUTRAL: dict[str, float] = _DATA["neutral"]
 """A set of parameters that changes nothing, by columns; decel is nan where it is as accel."""
 Values = Mapping[str, float]
 """Numbers of a loop by name, SI units."""
-NUMBERS = 11
+NUMBERS = 12
 """Columns that the compiled steps take."""
 PLACE = {name: place for place, name in enumerate(NEUTRAL)} | {"tau": 1, "wn": 1}
 """Columns of a set of parameters."""
-SIDED = ("back", "curve", "then")
-"""Parameters of a gain, which a PI loop does not have."""
+WITHOUT: Mapping[str, Names] = with_tuples(_DATA["without"])
+"""Parameters that a loop does not have."""
 LINEAR = ("delay", "curve", "bias")
 """Parameters that are searched as they are; all others as logarithms."""
 ORDER = 6
@@ -68,7 +69,7 @@ AT_ONCE = 16
 
 @cache
 def _follower(loop: str) -> ct._NamedFuncPointer:
-    """Compiled steps of (ramped command, v, second state) for many sets of parameters."""
+    """Compiled steps of (ramped command, v, second state, v as shown) for many sets of numbers."""
     w, v, inner, p = symbol("w"), symbol("v"), symbol("inner"), symbol("p", 2)
     first, second = p.sym[0], p.sym[1]
     a, b, error = 2 * second * first, first**2, w.sym - v.sym
@@ -78,9 +79,9 @@ def _follower(loop: str) -> ct._NamedFuncPointer:
         "second-order": ca.vertcat(inner.sym, b * error - a * inner.sym),
     }[loop]
     system = System("loop", loop, inputs=(w,), state=(v, inner), params=(p,), update=rates)
-    sizes = (("x", 3), ("h",), ("p", NUMBERS), ("sent",))
+    sizes = (("x", 4), ("h",), ("p", NUMBERS), ("sent",))
     x, h, numbers, sent = (ca.SX.sym(*item) for item in sizes)
-    gain, _, _, accel, decel, back, curve, bias, offset, dead, most = ca.vertsplit(numbers)
+    gain, _, _, accel, decel, back, curve, bias, offset, dead, most, lag = ca.vertsplit(numbers)
     size = ca.fmin(ca.fmax(ca.fabs(sent) - offset, 0), most)
     shaped = ca.if_else(ca.fabs(sent) < dead, 0, ca.sign(sent) * size)
     rate = ca.if_else(x[0] * (shaped - x[0]) < 0, decel, accel)
@@ -95,15 +96,17 @@ def _follower(loop: str) -> ct._NamedFuncPointer:
     after = ca.substitute(
         rk4_step(system, h),
         ca.vertcat(w.sym, system.x, system.p),
-        ca.vertcat(own * acting + bias, x[1:], numbers[1:3]),
+        ca.vertcat(own * acting + bias, x[1:3], numbers[1:3]),
     )
+    behind = lag * (after[0] - x[1]) / h
+    shown = after[0] - behind + ca.exp(-h / lag) * (x[3] - x[1] + behind)
     step = kernel(
         "step",
         "State after a step with one command.",
         {"x": x, "sent": sent, "h": h, "p": numbers},
-        {"next": ca.vertcat(ramped, after)},
+        {"next": ca.vertcat(ramped, after, shown)},
     )
-    places = {"STATE": 3, "NUMBERS": NUMBERS, "SPEED": 1}
+    places = {"STATE": 4, "NUMBERS": NUMBERS, "SPEED": 3}
     return ct.CDLL(str(lanes_library("follow_loop.c", places, [step]))).wmr_follow_loop
 
 
@@ -140,7 +143,8 @@ def foretold(log: AxisLog, loop: str, many: Sequence[Values]) -> Floats:
 class LoopFit(Pass):
     """A fit of one loop: its parameters as searched by ``names``, and its residuals.
 
-    ``left`` (N,): speed less the predicted speed; ``fixed``: numbers that were not searched.
+    ``left`` (N,): speed less the predicted speed; ``fixed``: numbers that were not searched;
+    ``others``: fits that the log does not tell from this one.
     """
 
     log: AxisLog
@@ -149,6 +153,7 @@ class LoopFit(Pass):
     theta: Floats
     left: Floats
     fixed: Values
+    others: tuple[LoopFit, ...] = ()
 
     @property
     def bic(self) -> float:

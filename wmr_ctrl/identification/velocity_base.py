@@ -13,26 +13,33 @@ from wmr_ctrl.world.encoder import Encoder
 from wmr_ctrl.world.scenario import Scenario, override
 
 from .bounds import (
+    DETERMINED,
+    ROUGHLY,
     UNDETERMINED,
     BaseIdentification,
+    Estimate,
     Estimates,
     FilterBounds,
     Traces,
+    informative_seconds,
     loop_remarks,
+    verdict,
 )
-from .estimate import bare_scenario, cut_of, loop_estimates, loop_score
-from .fit import Tell
-from .judgement import NOT_EXPLAINED, Judgements, bent, judged
+from .estimate import bare_scenario, cut_of, score_of
+from .fit import WIDEST, plant_step
+from .judgement import EXPLAINED, NOT_EXPLAINED, Judgement, Judgements, bent, judged
 from .logs.lint import check_following
 from .logs.log import COMMAND, Pair
 from .logs.samples import AxisLog, Samples, axis_log
 from .loop_search import axis_fit
-from .speed_loop import LOOPS, SMOOTHED, Fits, LoopFit, fitted
+from .speed_loop import LINEAR, LOOPS, RANGES, SMOOTHED, Fits, LoopFit, fitted
 from .stated import MOST_FAR, beyond, refusal, too_far
 from .written import four_digits, outward
 
 LOOP, LEAST_DRIVEN = "first-order", 1e-3
 TRAINED = 4
+UNSURE = 0.1
+"""Share by which numbers of a loop are widened that explains its log in part."""
 LEAST_BACK = 2.0
 """Largest ratio of commands in both directions of a log that shows both."""
 MOST_LATE, MOST_VAGUE = 0.3, 4.0
@@ -45,30 +52,13 @@ UNFOUNDED = ("filter.gain", "filter.d", "filter.kp", "filter.push")
 
 @dataclass(frozen=True)
 class VelocityIdentification(BaseIdentification):
-    """Results for a base that takes velocities.
-
-    ``fits``: those of v and omega, if driven; ``trained``: fits to the first two thirds only.
-    """
+    """Results for a base that takes velocities."""
 
     bounds: FilterBounds
-    axes: tuple[AxisLog, ...]
-    fits: Fits
-    trained: Fits
-
-    def traces(self) -> Traces:
-        """Measured and predicted speeds, and their deviations as in filter.d."""
-        log = self.axes[0]
-        seen = np.column_stack([axis.speed for axis in self.axes])
-        foretold, left = np.full((2, *seen.shape), np.nan)
-        for axis, (fit, trained) in enumerate(zip(self.fits, self.trained, strict=True)):
-            if fit is not None and trained is not None:
-                left[:, axis] = fit.deviation()
-                foretold[:, axis] = np.where(log.in_fit, trained.forecast, np.nan)
-        return Traces(log.t, seen, foretold, left, self.score.held_out_from)
 
 
 def of_velocities(
-    name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Tell
+    name: str, log: Samples, scenario: Scenario, remarks: list[str]
 ) -> VelocityIdentification:
     """Identify the base of a log; raises LogError if units, signs or clocks are wrong."""
     axes = [axis_log(log, axis) for axis in (0, 1)]
@@ -76,7 +66,7 @@ def of_velocities(
     for axis, drives, column in zip(axes, driven, COMMAND, strict=True):
         if drives:
             check_following(name, column, *axis.follows, log.period)
-    fits = same_loop(axes, driven, tell)
+    fits = same_loop(axes, driven)
     pairs = zip(fits, fits[::-1], strict=True)
     judgements = [judged(fit, other, place) for place, (fit, other) in enumerate(pairs) if fit]
     for item in judgements:
@@ -87,34 +77,111 @@ def of_velocities(
     remarks += loop_remarks(judgements, estimates)
     bare = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")
     bounds, identified = _scenario(bare, log, judgements, estimates, remarks)
-    cut = cut_of(log)
-    first, second = (fit and trained_on(fit, cut) for fit in fits)
-    trained, said = (first, second), tuple(remarks)
-    score = loop_score(axes, cut, trained)
+    curves, said = _curves(axes, fits, cut_of(log)), tuple(remarks)
     return VelocityIdentification(
-        name, estimates, bounds, said, score, identified, tuple(axes), fits, trained,
+        name, estimates, bounds, said, score_of(curves), identified, curves,
         judgements=tuple(judgements),
     )  # fmt: skip
 
 
-def trained_on(fit: LoopFit, cut: float) -> LoopFit:
-    """Refit the part of the log before a time [s]."""
-    log = replace(fit.log, in_fit=fit.log.in_fit & (fit.log.t < cut))
-    return fitted(log, fit.loop, fit.names, fit.theta, TRAINED, fixed=fit.fixed)
+def _curves(axes: list[AxisLog], fits: Fits, cut: float) -> Traces:
+    """Measured speeds, predictions by fits before ``cut`` [s], and deviations as in filter.d."""
+    seen = np.column_stack([axis.speed for axis in axes])
+    foretold, left = np.full((2, *seen.shape), np.nan)
+    for axis, fit in enumerate(fits):
+        if fit is not None:
+            inside = fit.log.in_fit
+            part = replace(fit.log, in_fit=inside & (fit.log.t < cut))
+            trained = fitted(part, fit.loop, fit.names, fit.theta, TRAINED, fixed=fit.fixed)
+            left[:, axis] = fit.deviation()
+            foretold[inside, axis] = trained.forecast[inside]
+    return Traces(axes[0].t, seen, foretold, left, cut)
 
 
-def same_loop(axes: list[AxisLog], driven: list[bool], tell: Tell) -> Fits:
+def same_loop(axes: list[AxisLog], driven: list[bool]) -> Fits:
     """Fits of both axes with one kind of loop: if their kinds differ, the likelier one for both."""
     first, second = (
-        axis_fit(axis, tell) if moves else None for axis, moves in zip(axes, driven, strict=True)
+        axis_fit(axis) if moves else None for axis, moves in zip(axes, driven, strict=True)
     )
     if first is None or second is None or first.loop == second.loop:
         return first, second
     others = (
-        (first, axis_fit(axes[1], tell, (first.loop,))),
-        (axis_fit(axes[0], tell, (second.loop,)), second),
+        (first, axis_fit(axes[1], (first.loop,))),
+        (axis_fit(axes[0], (second.loop,)), second),
     )
     return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
+
+
+def loop_estimates(judgements: Judgements, period: float) -> dict[str, Estimate]:
+    """Value, interval and verdict of each parameter, for the axes that were driven."""
+    if not judgements:
+        keys = [f"{name}{axis}" for axis in (1, 2) for name in LOOPS["first-order"]]
+        return dict.fromkeys(keys, Estimate(math.nan, 0.0, math.inf, UNDETERMINED, share=9.0))
+    estimates = {}
+    sure = all(item.explained == EXPLAINED for item in judgements)
+    for item in judgements:
+        fit, axis = item.fit, item.place + 1
+        for name in fit.values:
+            if name != "when":
+                estimates[f"{name}{axis}"] = _estimate(item, name, period, sure)
+        if "accel" not in fit.names:
+            # A command that is ramped drives no speed faster than its ramp, times the gain.
+            known = item.explained == EXPLAINED
+            least = fit.steepest / fit.gain if known else 0.0
+            estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, UNDETERMINED, share=9.0)
+    return estimates
+
+
+def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Estimate:
+    """A parameter's estimate; its interval is widened if the fit explains the log only in part.
+
+    ``sure``: the other axis is explained, too, so it cannot have caused the misfit.
+    """
+    fit = judgement.fit
+    value, in_part = fit.values[name], judgement.explained != EXPLAINED
+    pairs = [_interval(item, name, period) for item in (fit, *fit.others)]
+    low, high = min(low for low, _ in pairs), max(high for _, high in pairs)
+    more = min(judgement.share, 1.0) * (1 + in_part) + UNSURE * (
+        in_part and name in ("tau", "wn", "zeta")
+    )
+    if name == "delay":
+        low, high = low - period * in_part, high + period * in_part
+    elif name not in LINEAR:
+        low, high = low / (1 + more), high * (1 + more)
+    least, most = judgement.reached(name, value)
+    size, own = max(abs(value), period if name == "delay" else 1e-12), (high - low) / 2
+    # What is hardly determined reaches little beyond what is searched.
+    lowest, highest = RANGES.get(name, (0.0, math.inf))
+    low, high = max(min(low, least), lowest / 2), min(max(high, most), 2 * highest)
+    # A structure that is known makes a number another, not unknown.
+    share = ((high - low) / 2 if in_part else own) / size
+    word, seconds, several = verdict(share), (0.0, 0.0), (least, most) != (value, value)
+    if name in fit.names:
+        place = fit.names.index(name)
+        seconds = informative_seconds(fit.log.t, fit.fisher[:, place, place])
+        several |= bool(fit.alone[place]) or (name in fit.members and not sure)
+    if judgement.explained == NOT_EXPLAINED:
+        word = NOT_EXPLAINED
+    elif fit.at_end(name):
+        word = UNDETERMINED
+    elif word == DETERMINED and (in_part or several):
+        word = ROUGHLY
+    return Estimate(value, low, high, word, seconds, share)
+
+
+def _interval(fit: LoopFit, name: str, period: float) -> Pair:
+    """95 % interval from the fit alone; that of a dead band is between two commands of the log."""
+    value = fit.values[name]
+    if name not in fit.names:
+        sizes = np.unique(np.abs(fit.log.sent))
+        place = int(np.clip(np.searchsorted(sizes, value), 1, len(sizes) - 1))
+        return float(sizes[place - 1]), float(sizes[place])
+    half = fit.half_widths(plant_step(period) / 2)[name]
+    if name in LINEAR:
+        low, high = RANGES[name]
+        return max(value - half, low), min(value + half, high)
+    wide = math.exp(min(half, WIDEST / 3))
+    return value / wide, value * wide
 
 
 def _scenario(

@@ -16,10 +16,12 @@ from wmr_ctrl.results.obstacles import Shape
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.corridor import corridor_course, is_covered
 from wmr_ctrl.world.references import Waypoints
-from wmr_ctrl.world.scenario import override
+from wmr_ctrl.world.scenario import Scenario, override
 
 from .style import GRID, INK, LIMIT, MUTED
 
+WITHIN = 0.53
+"""Half track of a robot drawn within its body's circle, as a share of the circle's radius."""
 MOST_WAYPOINTS = 60
 """More would hide the path that they are on."""
 
@@ -59,16 +61,23 @@ def course_of(run: Run) -> Course:
     points = reference.points if isinstance(reference, Waypoints) else ()
     shown = points if len(points) <= MOST_WAYPOINTS else ()
     waypoints = tuple((float(x), float(y)) for x, y in shown)
-    return Course(waypoints, goal, tuple(reference.keep_out), scenario.robot.l)
+    return Course(waypoints, goal, scenario.obstacles, drawn_half_track(scenario))
+
+
+def drawn_half_track(scenario: Scenario) -> float:
+    """Half the track [m], or less where a body of body.radius has no room for the drawing."""
+    radius = scenario.body.radius
+    return scenario.robot.l if radius is None else min(scenario.robot.l, WITHIN * radius)
 
 
 def _obstacle(shape: Shape) -> Patch:
-    """An obstacle, a polygon or circle, hatched."""
+    """An obstacle: a hatched polygon or circle, or a wall."""
     if isinstance(shape[0], tuple):
         patch: Patch = Polygon(np.array(shape))
     else:
         patch = CirclePatch((shape[0], shape[1]), shape[2])
-    patch.set(facecolor=GRID, edgecolor=MUTED, hatch="////", linewidth=0.8, zorder=1.5)
+    width = 2.5 if len(shape) == 2 else 0.8
+    patch.set(facecolor=GRID, edgecolor=MUTED, hatch="////", linewidth=width, zorder=1.5)
     return patch
 
 

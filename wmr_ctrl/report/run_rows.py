@@ -10,6 +10,7 @@ from wmr_ctrl import results
 from wmr_ctrl.core.fields.units import limits_in_words, sized
 from wmr_ctrl.results import RigidMonitor, Run
 from wmr_ctrl.results.measures import heading_rms
+from wmr_ctrl.results.obstacles import nearest
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.checks.unknown_zero import FINE, finest
 
@@ -197,6 +198,10 @@ def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
             verdict += f", {spare} to spare"
         yield f"largest {name}", f"{_number(most[i], unit)}, limit {limits[i]}: {verdict}"
     yield from _rims(run)
+    if (near := nearest(run)) is not None:
+        gap, place, time = near
+        touched = ": TOUCHED" if gap < 0 else ""
+        yield "nearest obstacle", f"{_number(gap, 'm')}, obstacle {place} at {time:.4g} s{touched}"
     if figures["violations"]:
         steps = f"{figures['violations']} plant steps of {run.settings.plant:g} s"
         yield "beyond a limit", steps

@@ -19,6 +19,7 @@ from wmr_ctrl.core.fields.plugins import blamed, loaded
 
 from . import measures
 from .consistency import kept
+from .obstacles import nearest
 from .windows import WINDOWS, Span, named
 
 if TYPE_CHECKING:
@@ -86,6 +87,7 @@ READINGS: Mapping[str, Callable[[Run], object]] = {
     "saturated_share": measures.saturated_share,
     "max_abs_v": attrgetter("monitor.max_abs_v"),
     "least_margin": attrgetter("monitor.least_margin"),
+    "least_gap": lambda run: (nearest(run) or (None,))[0],
     "violations": attrgetter("monitor.violations"),
     "kept": kept,
     "rigid": _rigid,

@@ -1,7 +1,6 @@
 """Atomic writing of files: a reader finds the whole file or none."""
 
 import csv
-import errno
 import os
 import secrets
 from collections.abc import Iterable, Iterator, Mapping
@@ -11,16 +10,6 @@ from typing import IO
 
 from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.core.fields.files import AnyPath, note_output
-
-_REMEDIES = {
-    errno.EACCES: "Choose a folder that you may write to.",
-    errno.EPERM: "Choose a folder that you may write to.",
-    errno.EROFS: "Choose a folder that is not read-only.",
-    errno.ENOSPC: "Free some space or choose another disk; nothing of this file was left.",
-    errno.EDQUOT: "Free some space or choose another disk; nothing of this file was left.",
-    errno.EFBIG: "Choose a disk that takes files of this size; nothing of this file was left.",
-    errno.ENAMETOOLONG: "Choose a shorter name.",
-}
 
 
 @contextmanager
@@ -132,12 +121,13 @@ def _objection(target: Path) -> str:
     if not folder.is_dir():
         return f"its folder {str(folder)!r} does not exist. Create the folder first."
     if not os.access(folder, os.W_OK):
-        return f"its folder {str(folder)!r} may not be written to. {_REMEDIES[errno.EACCES]}"
+        return f"its folder {str(folder)!r} may not be written to. Choose another folder."
     return ""
 
 
 def _refusal(path: AnyPath, error: OSError | ValueError) -> ResultFileError:
     number = getattr(error, "errno", None)
     reason = os.strerror(number) if number else str(error)
-    remedy = _REMEDIES.get(number or 0, "Choose another path.")
-    return ResultFileError(f"cannot write {os.fspath(path)[:200]!r}: {reason}. {remedy}")
+    return ResultFileError(
+        f"cannot write {os.fspath(path)[:200]!r}: {reason}. Choose another path; nothing was left."
+    )

@@ -1,4 +1,4 @@
-"""Runs and their figures as plain values and pandas tables.
+"""Runs and their figures as plain values, pandas tables, and HTML.
 
 pandas is imported on first use.
 """
@@ -6,13 +6,15 @@ pandas is imported on first use.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from html import escape
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from wmr_ctrl.core.errors import library
+from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import TIME
 
 from .figures import FIGURES, READINGS, values_of
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 
     from .run import Run
 
+ABSENT = "–"
 PROVENANCE = ("version", "scenario_hash", "kernel_hash")
 """The keys of a run's provenance that the summary repeats."""
 FMUS = ("reference", "controller", "guard", "filter", "plant")
@@ -103,3 +106,28 @@ def labels(run: Run) -> dict[str, object]:
         "scenario": run.scenario, "law": run.law, "guard": int(run.guard), "seed": run.seed,
         "engine": run.engine, "outcome": run.outcome.value,
     }  # fmt: skip
+
+
+def run_html(run: Run) -> str:
+    """A run's labels, outcome, the figures that matter for its base, and remarks."""
+    guarded = ", guarded" if run.guard else ""
+    figures = cast("list[tuple[str, str]]", late_bound("rows_of")(run))
+    remarks = [(remark.key, remark.text) for remark in run.remarks]
+    title = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine"
+    return table_html(title, [("outcome", run.outcome.value), *figures, *remarks])
+
+
+def table_html(title: str, rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
+    """A titled table; every cell is escaped."""
+    head = f"<tr>{''.join(f'<th>{escape(cell)}</th>' for cell in header)}</tr>" if header else ""
+    style = "text-align:left;vertical-align:top"
+    cells = ("".join(f"<td style={style!r}>{escape(cell)}</td>" for cell in row) for row in rows)
+    body = "".join(f"<tr>{row}</tr>" for row in cells)
+    return f"<div><strong>{escape(title)}</strong><table>{head}{body}</table></div>"
+
+
+def figure(value: object) -> str:
+    """A number with four digits, a text unchanged, – for None."""
+    if value is None:
+        return ABSENT
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -3,40 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from functools import reduce
+from types import ModuleType
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    import casadi as ca
+
     from .run import Run
 
 Floats: TypeAlias = NDArray[np.float64]
+N = TypeVar("N", Floats, "ca.SX")
 Shape: TypeAlias = tuple[float, ...] | tuple[tuple[float, float], ...]
 """A circle (x, y, r) or the corners of a polygon [m]."""
 
 
-def distance(shape: Shape, points: Floats) -> Floats:
-    """Distance [m] of ``points`` (N, 2) from a circle or polygon; below 0 or 0 inside of it."""
+def distance(shape: Shape, x: N, y: N, of: ModuleType = np) -> N:
+    """Distance [m] of places (x, y) from a circle or polygon; below 0 or 0 inside of it.
+
+    ``of``: the module of their functions, numpy or, for expressions, casadi.
+    """
     if not isinstance(shape[0], tuple):
-        x, y, radius = shape
-        return np.hypot(points[:, 0] - x, points[:, 1] - y) - radius
-    corners = np.array(shape)
-    inside, nearest = np.zeros(len(points), dtype=bool), np.full(len(points), np.inf)
-    for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        side, to = b - a, points - a
-        along = np.clip(to @ side / max(side @ side, 1e-300), 0.0, 1.0)
-        nearest = np.minimum(nearest, np.hypot(*(to - np.outer(along, side)).T))
-        crossed = (a[1] > points[:, 1]) != (b[1] > points[:, 1])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = a[0] + (points[:, 1] - a[1]) * side[0] / side[1]
-        inside ^= crossed & (points[:, 0] < at)
-    return np.where(inside, -nearest, nearest)
+        return of.sqrt((x - shape[0]) ** 2 + (y - shape[1]) ** 2) - shape[2]
+    squares, side = [], 1
+    for (ax, ay), (bx, by) in zip(shape, (*shape[1:], shape[0]), strict=True):
+        dx, dy, to_x, to_y = bx - ax, by - ay, x - ax, y - ay
+        along = (to_x * dx + to_y * dy) / max(dx * dx + dy * dy, 1e-300)
+        share = of.fmax(0.0, of.fmin(1.0, along))
+        squares.append((to_x - share * dx) ** 2 + (to_y - share * dy) ** 2)
+        if dy:
+            crossed = ((ay > y) != (by > y)) * (to_x < to_y * (dx / dy))
+            side = side * (1 - 2 * crossed)
+    return side * of.sqrt(reduce(of.fmin, squares))
 
 
 def closest(shapes: Sequence[Shape], points: Floats) -> tuple[float, int, int]:
     """Smallest distance [m] of ``points`` (N, 2) from any shape; index of shape and point."""
-    away = np.array([distance(shape, points) for shape in shapes])
+    away = np.array([distance(shape, *points.T) for shape in shapes])
     place, k = np.unravel_index(away.argmin(), away.shape)
     return float(away[place, k]), int(place), int(k)
 

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wmr_ctrl.core.fields.units import length
+
 from . import measures
 from .consistency import CONTRADICTS, JUMP, contradictions
 from .obstacles import nearest
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 
 HELD_BACK = 0.25
 """Share of the drive's samples from which guard, filter or base hold a run back."""
+NEAR_BY = 8192
+"""Bit of filter_flags: something is too near for any command except one away from it."""
 SATURATED = 0.2
 """Share of the samples with a wheel at its torque limit from which drives are too weak."""
 CHATTER, OF_LIMIT, OF_PEAK = 1.0, 0.1, 1e-3
@@ -193,8 +197,9 @@ def _touched(run: Run) -> Iterator[str]:
     if near is not None and near[0] < 0:
         gap, place, time = near
         yield (
-            f"At t = {time:.4g} s the body reached {-gap:.3g} m into keep_out[{place}] of the "
-            "reference. Move the path away from it, or start closer to the path."
+            f"At t = {time:.4g} s the body reached {-gap:.3g} m into obstacle {place}. Move the "
+            "path away from it, start closer to the path, or let a filter stop the robot "
+            "(filter.free_error)."
         )
 
 
@@ -321,6 +326,13 @@ def _filtered(run: Run) -> Iterator[str]:
     if "filter_flags" not in run or np.mean(run["filter_flags"] % 2) < HELD_BACK:
         return  # bit 1: limited; filter.least changes commands, too, and holds nothing back
     if shares is not None and max(shares) >= HELD_BACK:
+        near, flags = nearest(run), run["filter_flags"][slice(*drive(run.settings))]
+        if near is not None and np.mean(flags // NEAR_BY % 2) >= HELD_BACK:
+            yield (
+                f"The filter stopped the robot {length(near[0])} before obstacle {near[1]}: "
+                "something is in the way. Move the path away from it."
+            )
+            return
         v, omega = map(percent, shares)
         yield (
             f"In the {driving(run)} the filter changed v in {v} and omega in {omega} of the "

@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.core.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.core.fields.files import AnyPath
+from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import REFERENCE, TIME, Signal, places
 
 from .consistency import contradictions
+from .obstacles import nearest
 from .outcomes import Monitor, Outcome, outcome_of
 from .settings import Settings
 
@@ -92,6 +94,11 @@ class Run:
             f"{self.rows} rows, {self.outcome}>"
         )
 
+    def _repr_html_(self) -> str:
+        from .frames import run_html
+
+        return run_html(self)
+
     @checks_arguments
     def save(self, path: AnyPath) -> None:
         """Write the run to a file, in the format of its suffix; `wmr_ctrl.load_run` reads it back.
@@ -156,7 +163,11 @@ class Run:
             return f"The run completed, but the plant contradicts itself.{also}"
         lost = self._lost_reference() if self.outcome is Outcome.NON_FINITE else None
         if lost is None:
-            return self.outcome.sentence(self.monitor, self.guard) + self._judged()
+            text = self.outcome.sentence(self.monitor, self.guard)
+            near = nearest(self)
+            if near is not None and near[0] >= 0:
+                text += f" It came within {length(near[0])} of obstacle {near[1]}."
+            return text + self._judged()
         return (
             "The run ended early because the desired motion was no longer finite at "
             f"t = {lost:.6g} s; law and robot only followed it. Change the reference's numbers, or "

@@ -14,7 +14,7 @@ from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 
 from .figures import FIGURES
-from .frames import table_frame
+from .frames import figure, table_frame, table_html
 from .outcomes import Outcome
 
 if TYPE_CHECKING:
@@ -31,6 +31,9 @@ BROKE = (Outcome.LIMIT_VIOLATED, Outcome.DIVERGED, Outcome.NON_FINITE)
 """Outcomes of runs that left a velocity limit; leaving the guard's bounds is not that."""
 STATISTICS = ("median", "min", "max", "q25", "q75", "mean", "std")
 """The statistics of a :class:`Spread`, in the order of the tables' rows."""
+HEADS = ("seed", "outcome", "tracked")
+SHOWN = (*HEADS, "position_rms", "ise_total", "max_abs_v1", "max_abs_v2")
+"""Columns that notebooks show."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,13 @@ class RunTable(Mapping[str, Column]):
 
     def __repr__(self) -> str:
         return f"<RunTable, {self.rows} runs, {len(self)} columns>"
+
+    def _repr_html_(self) -> str:
+        names = [name for name in SHOWN if name in self]
+        units = {f.name: f.unit for f in FIGURES if f.name not in HEADS}
+        heads = [f"{name} [{units[name]}]" if name in units else name for name in names]
+        cells = [[figure(self[name][k].item()) for name in names] for k in range(min(self.rows, 8))]
+        return table_html(f"{self.rows} runs", cells, heads)
 
     @property
     def rows(self) -> int:

@@ -124,6 +124,9 @@ def _from_findings(memory: Results, settings: Settings) -> Figures:
         "max_abs_v2": row("max_omega"),
         "least_margin1": row("margin_v1"),
         "least_margin2": row("margin_omega"),
+        "least_gap": np.where(
+            ran, row("gap") if "gap" in memory.layout.findings else np.nan, np.nan
+        ),
         "violations": row("violations"),
         "first_violation": np.where(violated, row("first_step") * step, np.nan),
         "first_axis": np.where(violated, row("first_axis"), np.nan),

@@ -16,6 +16,8 @@ from lxml import etree
 
 from wmr_ctrl.core.fields.named_units import per_second, unit_of
 from wmr_ctrl.export.cosim.mapping import MapRow
+from wmr_ctrl.export.fmi.blocks import plant_model
+from wmr_ctrl.export.fmi.extra import _seconds
 from wmr_ctrl.export.fmi.files import Sources, write_archive
 from wmr_ctrl.export.fmi.fmu_files import model_of
 from wmr_ctrl.export.fmi.model_description import Role, orders
@@ -218,6 +220,13 @@ def test_torques_act_on_the_wheel_that_they_are_commanded_for():
         "torque_right": "tau_right",
         "torque_left": "tau_left",
     }
+
+
+@pytest.mark.parametrize("duration, seconds", [(0.5, 0.5), (80.0, 2.0)])
+def test_a_reference_result_is_no_longer_than_the_run(duration, seconds):
+    short = load_scenario("paper-simulation-nominal", {"clock.duration": duration})
+
+    assert _seconds(plant_model(short)) == seconds
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 """What an FMU says of itself: schemas, validation, units, structure, content."""
 
 import math
+import posixpath
+import re
 import zipfile
 from pathlib import Path
 
@@ -44,6 +46,7 @@ def test_xml_follows_the_official_schemas(exported, what, version):
     files = {"modelDescription.xml": f"fmi{version}/fmi{version}ModelDescription.xsd"}
     if version == 3:
         files["sources/buildDescription.xml"] = "fmi3/fmi3BuildDescription.xsd"
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = "fmi3/fmi3TerminalsAndIcons.xsd"
     for name, schema in files.items():
         etree.XMLSchema(file=str(SCHEMA / schema)).assertValid(parsed(path, name))
 
@@ -202,6 +205,38 @@ def test_reference_result_is_reproduced(exported, what):
         output=names[1:],
     )
     assert np.array_equal(np.column_stack([found[n] for n in found.dtype.names]), wanted)
+
+
+@every_fmu
+def test_an_importer_can_check_itself_by_the_manifest(exported, what, version):
+    """FMI-LS-REF names a result and the start values it was made with; both are there and agree."""
+    path = exported(what, version)
+    place = "extra/org.fmi-standard.fmi-ls-ref/"
+    with zipfile.ZipFile(path) as archive:
+        manifest = etree.fromstring(archive.read(f"{place}fmi-ls-manifest.xml"))
+        named = {
+            item.get("role"): posixpath.normpath(place + item.get("source"))
+            for item in manifest.findall("Related")
+        }
+        assert set(named.values()) <= set(archive.namelist())
+        rows = archive.read(named["result"]).decode().splitlines()
+        starts = archive.read(named["parameter"]) if "parameter" in named else b"<none/>"
+    assert manifest.tag == "fmiReferences"
+    values = {
+        item.getparent().get("name"): float(item.get("value"))
+        for item in etree.fromstring(starts).iter("{*}Real")
+    }
+    assert bool(values) == (what == "plant")
+    names = [name.strip('"') for name in rows[0].split(",")]
+    found = simulate_fmu(
+        str(path), stop_time=0.1, step_size=0.01, output_interval=0.01, start_values=values,
+        output=names[1:], fmi_type="CoSimulation",
+    )  # fmt: skip
+    (told,) = (item.get("description") for item in manifest if item.get("role") == "result")
+    seconds, step = map(float, re.findall(r"([\d.]+) s of .* in steps of ([\d.]+) s", told)[0])
+    assert (float(rows[-1].split(",")[0]), float(rows[2].split(",")[0])) == (seconds, step)
+    for row, line in zip(found, rows[1:12], strict=True):
+        assert list(row) == [float(number) for number in line.split(",")]
 
 
 def test_export_depends_on_content_alone(tmp_path):

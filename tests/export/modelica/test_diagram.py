@@ -114,13 +114,14 @@ def test_what_a_law_shows_stands_beside_its_inputs_and_torques(text, law):
         assert np.abs(one.middle - other.middle).max() > 20
 
 
-def test_the_loop_is_a_diagram(text):
+@pytest.mark.parametrize("model", ["Loop", "Loop_imported"])
+def test_the_loop_is_a_diagram(text, model):
     """Parts stand apart, lines run from port to port, none through a part or another line."""
-    parts, interfaces = loop_parts(text, "Loop"), text.partition("end Interfaces;")[0]
+    parts, interfaces = loop_parts(text, model), text.partition("end Interfaces;")[0]
     assert tuple(parts) == PARTS
     for one, other in combinations(parts.values(), 2):
         assert np.abs(one.middle - other.middle).max() > one.half + other.half
-    body = classes(text, "model", "Loop")
+    body = classes(text, "model", model)
     drawn = lines(body)
     assert len(drawn) == body.count("connect(") == 7 + 2 + 4 + 5
     for ends, points in drawn.items():
@@ -142,6 +143,20 @@ def test_the_loop_is_a_diagram(text):
     )
     assert (everything > low).all()
     assert (everything < high).all()
+
+
+@pytest.mark.parametrize("part", PARTS[:3])
+def test_a_block_around_an_fmu_is_a_diagram(text, part):
+    body = classes(text, "block", f"{part.capitalize()}Fmu")
+    (fmu,) = placed(body, r"(Fmu) (fmu)").values()
+    outer = ports(text.partition("end Interfaces;")[0], part)
+    drawn = lines(body)
+    assert len(drawn) == body.count("connect(") == len(outer)
+    for ends, points in drawn.items():
+        for end, point in zip(ends, points, strict=True):
+            within, _, name = end.rpartition(".")
+            place = fmu.at(outer[name]) if within else outer[name].middle
+            assert np.allclose(place, point)
 
 
 def test_every_class_that_is_drawn_has_an_icon(text):

@@ -67,6 +67,18 @@ def test_every_reference_without_memory_is_there(simulated, kind):
 
 
 @pytest.mark.slow
+def test_parts_may_be_replaced_by_imports(text, simulated):
+    """Another block takes the place of an FMU's class: ports are all that is asked of it."""
+    part = "Imported.ControllerFmu controller"
+    assert text.count(part) == 1
+    own = text.replace(part, f"{part}(redeclare block Fmu = Laws.Smc)")
+    mine = simulated(own, loop("imported"), 0.5)
+    smc, first = (simulated(text, loop(law), 0.5) for law in ("smc", "imported"))
+    assert max(largest_differences(mine, smc).values()) < 1e-9
+    assert max(largest_differences(mine, first).values()) > 0.1
+
+
+@pytest.mark.slow
 def test_a_disturbance_may_be_given(text, simulated):
     """A constant thrust is the native push for as long as the robot does not turn back."""
     model = """
@@ -104,7 +116,7 @@ def test_a_name_cannot_end_a_string(text, name):
     ours, theirs = (re.sub(r'"(?:\\.|[^"\\])*"', '""', item) for item in (text, named))
     assert ours == theirs
     assert len(text.split("\n")) == len(named.split("\n"))
-    tail = named[named.index("  package Examples") :]
+    tail = named[named.index("  package Imported") :]
     assert parser.parse("package WheeledRobot\n" + tail) is not None
     with pytest.raises(SyntaxError):
         parser.parse("package WheeledRobot\n" + tail.replace("the scenario ", 'the scenario "'))
@@ -163,7 +175,7 @@ def test_nothing_that_a_tried_compiler_overlooks(text):
     _functions, rest = code.split("  end Functions;")
     assert not re.search(r"(?<![\w\]])\.\d", code)
     assert not re.search(r"==|<>", rest)
-    assert not re.search(r"\b(result|memory|t\d+)\b", rest.partition("package Examples")[2])
+    assert not re.search(r"\b(result|memory|t\d+)\b", rest.partition("package Imported")[2])
     assert re.search(r"when sample\(0\.0, clock_control\) then", rest)
     for block in re.findall(r"    block .*?    end \w+;", rest, flags=re.S):
         held = set(re.findall(r"discrete Real (\w+)", block))
@@ -180,7 +192,7 @@ def test_connected_ports_have_one_unit(text):
     for part, body in re.findall(r"partial block (\w+) .*?\n(.*?)    end \1;", text, flags=re.S):
         units[part.lower()] = dict(re.findall(r'(\w+)\(unit = "([^"]+)"\)', body))
     joined = re.findall(r"connect\((reference|controller|plant)\.(\w+), (\w+)\.(\w+)\)", text)
-    assert len(joined) == 14
+    assert len(joined) == 2 * 14
     for one, name, other, same in joined:
         assert units[one][name] == units[other][same]
 

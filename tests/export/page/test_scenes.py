@@ -1,5 +1,7 @@
 """Pages of bases that take velocities: the ways to limit commands, and their numbers."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,11 @@ import wmr_ctrl
 from tests.export.page.browser import browser
 from tests.export.page.test_module import assert_same_bits, from_page
 from tests.export.page.test_page_browser import READY
+from tests.export.page.walled import walled
+from wmr_ctrl.control.filter.stop_numbers import stopping
+from wmr_ctrl.export.page.content import content_of
 from wmr_ctrl.export.page.scenes import members_of, scenes
+from wmr_ctrl.results.obstacles import nearest
 from wmr_ctrl.world.scenario import load_scenario
 
 STRONG = {"base.gain": [1.04, 1.04]}
@@ -135,3 +141,62 @@ def test_its_page_says_what_a_filter_does_not_promise(burger, tmp_path):
         assert said(**{"filter.d[1]": 0.3}).count("sends 0") == 2
         assert "Refused" in said(**{"base.tau[1]": -1.0})
         assert one.said == []
+
+
+def test_before_a_wall_there_are_clipped_commands_the_approach_rule_and_the_filter():
+    shown = scenes(walled(), ("kanayama",))
+    told = content_of(shown, ("kanayama",), 0, lambda _: None)
+    (scene,), loops = told.data["scenes"], {item.name for item in told.loops}
+    ways = scene["stops"]["ways"]
+    burger = scenes(load_scenario("turtlebot3-burger"), ("pursuit",))
+    other = content_of(burger, ("pursuit",), 0, lambda _: None).data["scenes"][0]
+
+    assert scene["shown"] == ("kanayama-clipped", "kanayama-approach", "kanayama-governor")
+    assert len(loops) == 3
+    assert "nav2’s node was not run" in scene["text"]
+    assert scene["obstacles"] == (((3.0, -1.0), (3.0, 1.0)),)
+    assert ways[10] == pytest.approx(stopping(walled(), 0.5).distance)
+    assert "base.delay" in [item["name"] for item in scene["controls"]]
+    assert told.room.delay_steps * walled().clock.plant == pytest.approx(0.5)
+    assert "base.delay" not in [item["name"] for item in other["controls"]]
+    assert (other["obstacles"], "stops" in other) == ((), False)
+
+
+@pytest.fixture(scope="module")
+def wall(tmp_path_factory):
+    return wmr_ctrl.write_page(tmp_path_factory.mktemp("page") / "wall.html", walled())
+
+
+@pytest.mark.slow
+def test_before_a_wall_only_the_filter_stops_in_time(wall, tmp_path):
+    """With the page's brake, which a run has not; the base is late and pushed within its bounds."""
+
+    def driven(**numbers):
+        one.value(f"wmr.page.fleet.replace({json.dumps(numbers)}), wmr.page.restart()")
+        one.value("wmr.page.fleet.advance(9, 1e9), wmr.page.board()")
+        said = one.value("document.getElementById('notices').innerText")
+        found = "[...wmr.page.fleet.members.values()].map(m => [m.carried.gap, m.braked])"
+        return said, one.value(found)
+
+    law = "kanayama"
+    with browser(tmp_path) as one:
+        one.open(wall.as_uri(), READY)
+        one.value("wmr.page.play(false)")
+        _, alone = driven()
+        said, (clipped, approach, ours) = driven(**{"base.delay": 0.15, "disturbance.push[1]": 5.3})
+        hopeless, _ = driven(**{"base.delay": 0.3, "disturbance.push[1]": 20.0})
+        assert one.said == []
+
+    assert alone[2][0] == pytest.approx(nearest(wmr_ctrl.simulate(walled(), law))[0], abs=2e-3)
+    assert said == ""
+    assert max(clipped[0], approach[0]) <= 0
+    assert ours[0] > 0.05
+    assert ours[1]
+    assert hopeless.count("the filter promises nothing") == 2
+
+
+@pytest.mark.slow
+def test_the_filter_before_a_wall_has_the_numbers_of_a_run(wall, tmp_path):
+    (shown,) = from_page(wall, tmp_path, [("kanayama-governor", 6.0, {})])
+    member = members_of(walled(), ["kanayama"])[2]
+    assert_same_bits(shown, wmr_ctrl.simulate(member.settled(walled()).scenario, "kanayama"))

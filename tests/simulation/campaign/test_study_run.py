@@ -91,7 +91,7 @@ def test_a_full_disk_loses_nothing(tmp_path, monkeypatch):
         save(file, **rows)
 
     monkeypatch.setattr(np, "savez", full)
-    with pytest.raises(ResultFileError, match="Free some space"):
+    with pytest.raises(ResultFileError, match="No space left"):
         table_of(tmp_path / "a")
     assert len(list((tmp_path / "a" / "chunks").iterdir())) == 4
     monkeypatch.undo()

@@ -136,21 +136,13 @@ class Quantity:
             raise self.refuse(rows, path, "one for both axes, or two, of v and of omega")
         return tuple(self._vector(row, f"{path}[{i}]") for i, row in enumerate(rows, start=1))
 
-    def refuse(self, value: object, path: str, rule: str, asked: str = "") -> ScenarioError:
-        """Build the error: path and value, rule, meaning of the field, its default, a question."""
+    def refuse(self, value: object, path: str, rule: str) -> ScenarioError:
+        """Build the error: path and value, rule, meaning of the field, its default."""
         plain = isinstance(self.default, bool | float | int | str)
         has_default = plain and not isinstance(self.default, Unstated)
         remedy = f"; the default is {show(self.default)}" if has_default else ""
         unit = f" [{self.unit}]" if self.unit else ""
-        said = f"{path} = {show(value)} must be {rule}: {self.doc}{unit}{remedy}."
-        return ScenarioError(f"{said} {asked}".rstrip())
-
-    def _meant(self, number: float) -> str:
-        """Ask for a unit in which a number that is too large would be in the field's range."""
-        top = self.bounds.maximum if self.bounds.maximum is not None else self.bounds.below
-        if top is None or not top < number <= LARGEST:
-            return ""
-        return meant(number, self.unit, (0.0, top))
+        return ScenarioError(f"{path} = {show(value)} must be {rule}: {self.doc}{unit}{remedy}.")
 
     def questions(self, value: object, path: str) -> Iterator[str]:
         """Ask about the unit of every number of a clean value that is unusual in it."""
@@ -194,7 +186,7 @@ class Quantity:
             number = 1e300  # an integer too long for a double: refused as too large
         rule = self.bounds.broken(number)
         if rule:
-            raise self.refuse(value, path, rule, self._meant(number))
+            raise self.refuse(value, path, rule)
         return number
 
     def _as_number(self, value: object, index: int) -> str:

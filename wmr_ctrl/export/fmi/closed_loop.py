@@ -5,7 +5,7 @@ from contextlib import suppress
 
 from wmr_ctrl.codegen.build import delay_steps_of, numbers_of
 from wmr_ctrl.codegen.emit import kernel
-from wmr_ctrl.codegen.kernels import FINDINGS, loop_constants, loop_kernels
+from wmr_ctrl.codegen.kernels import findings_of, loop_constants, loop_kernels
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.numbers import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
@@ -182,5 +182,5 @@ def _tables(
         "START_ROWS": [[*(starts.get(name, 0) for name in state), *at_rest]],
         "COLUMN_ROWS": [[at.get(name, 0) for name in elements(loop.columns)]],
         "REACHED_ROWS": [[at[name] for name in elements(o.signal for o in reached)]],
-        "FOUND_ROWS": [[at.get(FOUND.get(name, ""), 0) for name in FINDINGS]],
+        "FOUND_ROWS": [[at.get(FOUND.get(name, ""), 0) for name in findings_of(loop)]],
     }

@@ -125,15 +125,18 @@ def write_fmu(
     level: int = LEVEL,
 ) -> Path:
     """Build and pack one file; ``result``: with a reference result, if this machine's library is
-    built; ``level`` of compression.
+    built, and for a law its plain C; ``level`` of compression.
 
     Warns if FMPy cannot run it for the reference result, and omits that.  Raises PartlyBuiltError,
     with the file written, if some of several platforms failed.
     """
     sources = sources_of(model, version, arrays=arrays)
-    text = xml.description(model, sources, version, TOOL, arrays=arrays)
-    files = {"modelDescription.xml": text}
+    code = extra.plain_code(model) if result else {}
+    note = extra.NOTE if code else ""
+    text = xml.description(model, sources, version, TOOL, arrays=arrays, note=note)
+    files = {"modelDescription.xml": text, **code}
     if version == 3:
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = xml.terminals(model)
         built_from = {"identifier": model.identifier, "units": sources.units}
         files["sources/buildDescription.xml"] = render("buildDescription.xml", m=built_from)
     files["documentation/index.html"] = xml.documentation(model, TOOL)
@@ -152,6 +155,8 @@ def write_fmu(
             said = str(error).rstrip(".")
             note = f"{path} has no reference result: FMPy could not run it here ({said})."
             warnings.warn(note, stacklevel=2)
+        else:
+            packed |= {name: text.encode() for name, text in extra.references(model, TOOL).items()}
     write_archive(path, packed, level=level)
     if failed:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in failed.items())

@@ -64,6 +64,8 @@ CONNECTED = (
 )
 """Parts that give and take; what the plant gives back runs around all parts."""
 LOOP_EXTENT = "{{-230,-140},{280,210}}"
+WITHIN = Site(0, 0)
+"""The one part of a block around an FMU."""
 
 
 @dataclass(frozen=True)
@@ -114,6 +116,18 @@ def wires_of_loop(parts: Mapping[str, Places]) -> list[Wire]:
             for name, drawn in zip(names, lines, strict=True)
         ]
     return wires
+
+
+def wires_within(ports: Places) -> list[Wire]:
+    """Connections between the ports of a block and the equal ports of the FMU in it."""
+    wires = [
+        Wire(name, f"fmu.{name}", _line((port.x, port.y), WITHIN.end(port)))
+        for name, port in ports.inputs.items()
+    ]
+    return wires + [
+        Wire(f"fmu.{name}", name, _line(WITHIN.end(port), (port.x, port.y)))
+        for name, port in ports.outputs.items()
+    ]
 
 
 def _side(names: Sequence[str], x: float) -> dict[str, Place]:

@@ -1,4 +1,4 @@
-"""The Modelica package WheeledRobot: plant, reference, every law, closed loops.
+"""The Modelica package WheeledRobot: plant, reference, every law, closed loops, imported FMUs.
 
 Everything in it comes from the Systems of a scenario: ports with their units, parameters with their
 values, and the graphs themselves. A law is a block that calls one function at each sample, and that
@@ -127,6 +127,7 @@ def modelica_package(scenario: Scenario) -> str:
     inputs, outputs = members(controllers[0].inputs), members(controllers[0].outputs)
     sides = (desired, inputs, outputs, members(robot.inputs), members(robot.outputs))
     ports = diagram.places_of_parts(*([member.name for member in side] for side in sides))
+    parts = ("reference", "controller", "plant")
     noisy = any(item.active(scenario) for item in setups[0].effects)
     engine = text_engine(_TEMPLATES)
     engine.filters["quoted"] = quoted
@@ -142,6 +143,7 @@ def modelica_package(scenario: Scenario) -> str:
         ports=ports,
         diagram=diagram,
         wires=diagram.wires_of_loop(ports),
+        imported={name: diagram.wires_within(ports[name]) for name in parts},
     )
 
 

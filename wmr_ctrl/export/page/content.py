@@ -6,18 +6,20 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from wmr_ctrl.codegen.build import numbers_of, phases_of
+from wmr_ctrl.control.filter.stop_numbers import stopping
 from wmr_ctrl.control.numbers import fields_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.core.signals import Signal, elements
+from wmr_ctrl.report.course import drawn_half_track
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
 from wmr_ctrl.report.style import after_dark, unit_text
 from wmr_ctrl.theory.corridor import corridor_course
 from wmr_ctrl.version import __version__
 from wmr_ctrl.world.scenario import Scenario
 
-from .controls import GROUPS, Control, controls_of
+from .controls import DELAY, GROUPS, SPANS, Control, controls_of
 from .module import PageLoop, PageLoops, Room
 from .scenes import (
     PageMember,
@@ -25,10 +27,13 @@ from .scenes import (
     SettledVariant,
     members_of,
     settled_variants,
+    stops,
 )
 
 Plain = dict[str, Any]
 Row = dict[str, float]
+STOPS = 20
+"""Speeds for which the way of a stop is computed."""
 EVERY = 0.1
 """Time [s] for which a corridor that varies has one width, its largest there."""
 
@@ -62,7 +67,8 @@ def content_of(
             loops.of(setup)
             progress((number + count / len(setups)) / len(scenes))
             actuator, base = setup.scenario.actuator, setup.scenario.base
-            late = actuator.delay + actuator.unmodelled_delay + base.delay
+            latest = SPANS[DELAY][1] if stops(setup.scenario) else 0.0
+            late = actuator.delay + actuator.unmodelled_delay + max(base.delay, latest)
             steps = max(steps, round(late / setup.scenario.clock.plant))
         scenery.append(_scene(scene, variants, loops, len(scenes) == 1))
         progress(len(scenery) / len(scenes))
@@ -76,7 +82,7 @@ def content_of(
         for name, unit in zip(signal.elements, signal.units, strict=True)
     }
     # Size of the drawn robot [m], as wide as its wheels are apart.
-    scale = scenes[0].scenario.robot.l / TRACK
+    scale = drawn_half_track(scenes[0].scenario) / TRACK
     size, wheel = ([scale * part for part in item] for item in (BODY, WHEEL))
     data = {
         "version": __version__,
@@ -123,6 +129,23 @@ def _scene(
         "tubes": {law: tube for law, setup in setups.items() if (tube := _tube(setup, whole))},
         "variants": [_variant(item, base, loops) for item in variants],
         "controls": [_control(item) for item in controls_of(scenario, ports, values)],
+        "obstacles": scenario.obstacles,
+        **(_stops(scenario) if stops(scenario) else {}),
+    }
+
+
+def _stops(scenario: Scenario) -> Plain:
+    """Distances [m] at which the filter stops, by speed; times after which a brake holds [s]."""
+    most = scenario.limits.sides[0][1]
+    speeds = [most * part / STOPS for part in range(STOPS + 1)]
+    ways = [stopping(scenario, speed).distance for speed in speeds]
+    return {
+        "stops": {
+            "most": most,
+            "ways": ways,
+            "rest": scenario.filter.rest,
+            "delay": scenario.filter.intervals("delay")[0],
+        }
     }
 
 
@@ -132,6 +155,8 @@ def _tube(setup: Setup, whole: bool) -> Plain | None:
     With ``whole`` also past the robot's changes: for a story of many runs that would take a minute.
     ``widths`` [m], each for ``every`` seconds, the last from there on; ``until`` [s].
     """
+    if stops(setup.scenario):
+        return None
     tube = corridor_course(setup.scenario, setup.name, whole=whole)
     if tube is None or tube.course is None:
         return None

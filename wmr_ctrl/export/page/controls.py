@@ -13,6 +13,8 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER
 
+from .scenes import stops
+
 Span = tuple[float, float]
 
 
@@ -31,6 +33,8 @@ GROUPS = [Group(**group) for group in _DATA["group"]]
 """In the order in which they are listed; a parameter belongs to the first that names it."""
 HIDDEN = tuple(_DATA["hidden"])
 """Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
+DELAY = "base.delay"
+"""Shown where a filter stops before obstacles; it needs a new run."""
 OF_FIRST_ORDER = ("filter.gain", "filter.d")
 """Parameters that filters of other loops ignore, or use only in what is computed beforehand."""
 SPANS: Mapping[str, Span] = {key: (low, high) for key, (low, high) in _DATA["spans"].items()}
@@ -67,6 +71,7 @@ def controls_of(
     unused = () if scenario.filter.loop == FIRST_ORDER else OF_FIRST_ORDER
     signals = {item.name: item for item in parameters if item.name not in unused}
     bounds = ranges_of(scenario, signals)
+    hidden = () if stops(scenario) else (DELAY,)
     moved = {name for names in ALONG.values() for name in names}
     controls = [
         _control(signal, i, group.key, bounds.get(signal.name, (-math.inf, math.inf)), values)
@@ -75,7 +80,7 @@ def controls_of(
         if _group(signal.name) == group.key
         for i in range(signal.size)
     ]
-    return [item for item in controls if item.name not in moved]
+    return [item for item in controls if item.name not in moved and item.name not in hidden]
 
 
 def _group(name: str) -> str | None:

@@ -24,23 +24,31 @@ from wmr_ctrl.core.fields.values import multiple
 from wmr_ctrl.report.style import DASHES, Look, look, look_of
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override, preset_titles, title_of
 
+from .approach import approaching
+
 
 @dataclass(frozen=True)
 class PageMember:
-    """A robot: its name, law, look, caption, and its overrides of the scenario."""
+    """A robot: its name, law, look, caption, and its overrides of the scenario.
+
+    ``approaches``: whether its law is behind the rule of `approach`.
+    """
 
     name: str
     law: str
     look: Look
     title: str
     overrides: Mapping[str, object] = field(default_factory=dict)
+    approaches: bool = False
 
     def settled(self, scenario: Scenario) -> Setup:
         """Setup of this robot; raises as `settle` does."""
         own = override(scenario, self.overrides) if self.overrides else scenario
-        return settle(own, self.law)
+        setup = settle(own, self.law)
+        return replace(setup, law=approaching(setup.control_law)) if self.approaches else setup
 
 
+APPROACH = "approach"
 UNLIMITED = 1e3
 """Rate of commands [m/s2, rad/s2] that nothing holds back."""
 SLOW = 0.25
@@ -49,6 +57,11 @@ SMOOTH = [2.5, 3.2]
 """Rates of Nav2's velocity smoother as it ships [m/s2, rad/s2]."""
 WAYS = data(__package__, "ways.toml")
 """Look and title of each way to limit commands; several laws dash as laws."""
+
+
+def stops(scenario: Scenario) -> bool:
+    """True if a scenario's filter stops before obstacles, which the page then compares."""
+    return bool(scenario.obstacles) and scenario.filter.free_error is not None
 
 
 def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...]:
@@ -63,7 +76,7 @@ def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...
             if several:
                 dash = DASHES[number % len(DASHES)]
                 own = replace(own, label=f"{law}, {own.label}", dash=dash)
-            members.append(PageMember(f"{law}-{way}", law, own, title, overrides))
+            members.append(PageMember(f"{law}-{way}", law, own, title, overrides, way == APPROACH))
     return tuple(members)
 
 
@@ -74,6 +87,10 @@ def _ways(scenario: Scenario, law: str) -> Iterator[tuple[str, Mapping[str, obje
         whole = {f"gains.{law}.share": 1.0, f"gains.{law}.a_max": [UNLIMITED, UNLIMITED]}
     bare = {**whole, "filter.kind": "none", "filter.slew": None}
     yield "clipped", bare
+    if stops(scenario):
+        yield APPROACH, bare
+        yield scenario.filter.kind, whole
+        return
     if whole:
         yield "smoothed", {**bare, f"gains.{law}.a_max": SMOOTH}
     for way, own in _filters(scenario):
@@ -146,7 +163,8 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
     if scenario != steps[0].scenario:
         most = MOST_WAYS if scenario.takes_velocity else MOST_SHOWN
         shown = tuple(member.name for member in members_of(scenario, laws))[:most]
-        return (PageScene("own", _own_title(scenario), "", scenario, shown),)
+        text = data(__package__, "story.toml")["stops"] if stops(scenario) else ""
+        return (PageScene("own", _own_title(scenario), text, scenario, shown),)
     return tuple(
         replace(step, shown=tuple(name for name in step.shown if name in laws) or laws[:2])
         for step in steps

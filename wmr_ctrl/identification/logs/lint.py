@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .log import POSES, Floats, Log, LogError, Pair, unit_of
-from .samples import Samples, differenced, interpolated, shifts_of, speeds, wheels
+from .samples import Samples, differenced, gains, interpolated, shifts_of, speeds, wheels
 
 LEAST_MOVING = 0.2
 SLOW = 0.01
@@ -36,32 +36,29 @@ def check_motion(name: str, log: Samples, half_track: float, shortest: float) ->
 
 def check_torques(name: str, log: Samples, half_track: float) -> None:
     """Check that wheels are not swapped, signs agree, and motion follows torque with one delay."""
-    moved, torque = _differenced(log, half_track)
+    moved, torque = differenced(log, half_track)
     if np.std(torque(0.0), axis=0).min() < 1e-9:
         return
     shifts = shifts_of(log.period)
-    gains_by_shift = [_gains(moved, torque(shift)) for shift in shifts]
-    explained = np.array([share for share, _ in gains_by_shift])
-    best = int(np.argmax(explained))
-    if explained[best] < 0.3:
+    shares = np.array([gains(moved, torque(shift))[0] for shift in shifts])
+    best = int(np.argmax(shares))
+    if shares[best] < 0.3:
         return
-    gains = gains_by_shift[best][1]
-    if (
-        np.linalg.det(gains) < 0
-        and np.abs(gains - np.diag(np.diag(gains))).sum() > np.abs(np.diag(gains)).sum()
-    ):
+    gain = gains(moved, torque(shifts[best]))[1]
+    own = np.diag(gain)
+    if np.linalg.det(gain) < 0 and np.abs(gain).sum() > 2 * np.abs(own).sum():
         raise LogError(
             f"{name}: the right wheel follows the left torque and the left wheel the right one: "
             "torques (or counters) of the two wheels are swapped. Swap them in one of the two."
         )
-    wrong = [side for side, gain in zip(("right", "left"), np.diag(gains), strict=True) if gain < 0]
+    wrong = [side for side, gain in zip(("right", "left"), own, strict=True) if gain < 0]
     if wrong:
         raise LogError(
             f"{name}: the {' and the '.join(wrong)} wheel turns against its torque: the sign of "
             "that torque or of that counter is reversed. Positive torque drives forward, and "
             "counts grow forward."
         )
-    _check_clocks(name, log, (moved, torque), shifts, explained)
+    _check_clocks(name, log, (moved, torque), shifts, shares)
 
 
 def _check_clocks(
@@ -75,7 +72,7 @@ def _check_clocks(
     best, late = int(np.argmax(explained)), []
     check_following(name, "its torque", 1.0, shifts[best], explained[best], log.period)
     for part in np.array_split(np.arange(len(moved)), 3):
-        shares = [_gains(moved[part], torque(shift)[part])[0] for shift in shifts]
+        shares = [gains(moved[part], torque(shift)[part])[0] for shift in shifts]
         # Without a sharp peak a third tells no time.
         if max(shares) < 0.5 or max(shares) - np.median(shares) < 0.25:
             return
@@ -87,30 +84,6 @@ def _check_clocks(
             f"{late[2]:.2f} s in the three thirds of the log: the clocks of commands and sensors "
             "drift apart, or the delay itself changed. Take both times from one clock."
         )
-
-
-def _differenced(log: Samples, half_track: float) -> tuple[Floats, Callable[[float], Floats]]:
-    """Accelerations of the wheels, less the part that their speed explains, and a function that
-    gives the torques for a shift [s]: both weighted by a triangle of 0.1 s, on an even grid (only
-    for this check).
-    """
-    _, rate, speed, pushed = differenced(log, 2)
-    rate, speed = wheels(rate, half_track), wheels(speed, half_track)
-    drag = np.column_stack((np.tanh(speed / 0.02), speed))
-    rate = rate - drag @ np.linalg.lstsq(drag, rate, rcond=None)[0]
-
-    def torque(shift: float) -> Floats:
-        smooth = pushed(shift)
-        return np.asarray(smooth - drag @ np.linalg.lstsq(drag, smooth, rcond=None)[0])
-
-    return rate, torque
-
-
-def _gains(moved: Floats, torque: Floats) -> tuple[float, Floats]:
-    """Share of the acceleration that both torques explain, and the gain matrix (2, 2)."""
-    solution = np.asarray(np.linalg.lstsq(torque, moved, rcond=None)[0], dtype=np.float64)
-    rest = np.sum((moved - torque @ solution) ** 2)
-    return float(1 - rest / max(np.sum(moved**2), 1e-300)), solution.T
 
 
 def check_poses(name: str, log: Log, seen: Samples) -> None:

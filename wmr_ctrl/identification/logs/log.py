@@ -163,10 +163,10 @@ def joined(logs: Sequence[Log]) -> Log:
         ends = [log.times[name][[0, -1]] for name in names]
         first, last = np.min(ends), np.max(ends)
         for name in names:
-            rest = np.full(int(name in (*COMMAND, *TORQUES)), begin - BETWEEN / 2)
-            clock = (times.get(name, rest[:0]), rest, log.times[name] - first + begin)
-            values = (columns.get(name, rest[:0]), 0 * rest, log.columns[name])
-            times[name], columns[name] = np.concatenate(clock), np.concatenate(values)
+            rest = [begin - BETWEEN / 2] if name in (*COMMAND, *TORQUES) else []
+            own, values = [*rest, *(log.times[name] - first + begin)], log.columns[name]
+            times[name] = np.append(times.get(name, []), own)
+            columns[name] = np.append(columns.get(name, []), [*np.zeros(len(rest)), *values])
         begin += float(last - first) + BETWEEN
     remarks = dict.fromkeys(text for log in logs for text in log.remarks)
     name = ", ".join(log.name for log in logs)
@@ -180,7 +180,7 @@ def _loaded(path: Path, topics: Mapping[str, str] | None) -> Run | drive.Recorde
         folder = "is a folder without metadata.yaml" if os.path.isdir(path) else ""
         raise LogError(
             f"{str(path)!r} {folder or f'has the suffix {path.suffix!r}'}; a log is a table "
-            f"({', '.join(TABLES)}), a ROS bag (its folder, .mcap or .db3), or a saved run "
+            f"({', '.join(TABLES)}), a ROS bag (its folder, .mcap, .db3 or .bag), or a saved run "
             f"({RUN_FILE})."
         )
     return load_source(path, topics)

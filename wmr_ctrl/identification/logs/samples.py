@@ -242,31 +242,38 @@ def interpolated(t: Floats, times: Floats, values: Floats) -> Floats:
     return np.column_stack([np.interp(t, times, column) for column in values.T])
 
 
-def differenced(
-    log: Samples, fewest: int
-) -> tuple[Floats, Floats, Floats, Callable[[float], Floats]]:
-    """Times of an even grid, accelerations and speeds there, and a function of a shift [s] for
-    commands.
-
-    Second differences of path length and rotation over 0.1 s, of at least ``fewest`` steps, weight
-    the acceleration by a triangle; commands get the same weights.
+def differenced(log: Samples, half_track: float) -> tuple[Floats, Callable[[float], Floats]]:
+    """Accelerations of the wheels, less the part that their speed explains, and a function that
+    gives the torques for a shift [s]: both weighted by a triangle of 0.1 s, on an even grid.
     """
     T = log.period
     t = np.arange(log.t[0], log.t[-1], T)
     way = interpolated(t, log.t, log.seen)
     if log.of_speed:
         way = np.cumsum(way, axis=0) * T
-    w = max(round(0.1 / T), fewest)
+    way, w = wheels(way, half_track), max(round(0.1 / T), 2)
     rate = (way[2 * w :] - 2 * way[w:-w] + way[: -2 * w]) / (w * T) ** 2
     speed = (way[2 * w :] - way[: -2 * w]) / (2 * w * T)
+    drag = np.column_stack((np.tanh(speed / 0.02), speed))
     triangle = np.convolve(np.ones(w), np.ones(w)) / w**2
+
+    def beside(x: Floats) -> Floats:
+        return np.asarray(x - drag @ np.linalg.lstsq(drag, x, rcond=None)[0])
 
     def pushed(shift: float) -> Floats:
         held = np.searchsorted(log.command_t, t - shift + 1e-9, "right") - 1
         command = log.command[np.maximum(held, 0)]
-        return np.column_stack([np.convolve(x, triangle, "same")[w:-w] for x in command.T])
+        smooth = [np.convolve(x, triangle, "same")[w:-w] for x in command.T]
+        return beside(np.column_stack(smooth))
 
-    return t[w:-w], rate, speed, pushed
+    return beside(rate), pushed
+
+
+def gains(moved: Floats, torque: Floats) -> tuple[float, Floats]:
+    """Share of the acceleration that both torques explain, and the gain matrix (2, 2)."""
+    solution = np.asarray(np.linalg.lstsq(torque, moved, rcond=None)[0], dtype=np.float64)
+    rest = np.sum((moved - torque @ solution) ** 2)
+    return float(1 - rest / max(np.sum(moved**2), 1e-300)), solution.T
 
 
 def shifts_of(period: float) -> Floats:

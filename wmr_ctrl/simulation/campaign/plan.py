@@ -220,12 +220,5 @@ class Study:
 
 
 def studies_in(package: str, file: str) -> tuple[Study, ...]:
-    """Studies of a package's TOML file; ``with`` names a study to inherit omitted fields from."""
-    known: dict[str, dict[str, Any]] = {}
-    for row in data(package, file)["study"]:
-        like = known.get(row.get("with", ""), {})
-        changes = {**like.get("overrides", {}), **row.get("overrides", {})}
-        whole = {**like, **row, "overrides": changes}
-        whole.pop("with", None)
-        known[whole.get("name", whole["scenario"])] = whole
-    return tuple(Study(**with_tuples(row)) for row in known.values())
+    """Studies of a package's TOML file."""
+    return tuple(Study(**with_tuples(row)) for row in data(package, file)["study"])

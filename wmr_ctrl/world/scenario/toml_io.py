@@ -22,6 +22,7 @@ from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import AnyPath, decode, parse_toml, read_text
 from wmr_ctrl.core.fields.orientation import PAPER, described, field_outward
 from wmr_ctrl.core.fields.section import Section, quantities
+from wmr_ctrl.core.fields.unstated import Unstated
 from wmr_ctrl.world.references import REFERENCES
 
 from .raw import (
@@ -246,6 +247,8 @@ def _stated(file: Path) -> set[str]:
 
 GainsDocs: TypeAlias = Mapping[str, Mapping[str, tuple[Any, str, str]]]
 """By law and gain: default value, unit, meaning."""
+MARK = "YOURS?"
+"""Begins the comment on a value that is of the scenario's robot, path or gains, and no default."""
 ORDER = ("robot", "model", "limits", "gains", "initial", "reference")
 
 
@@ -254,19 +257,27 @@ def to_toml(
     comments: bool = True,
     gains_docs: GainsDocs | None = None,
     only: Container[str] | None = None,
+    marked: bool = False,
 ) -> str:
     """Return TOML text that loads back to an equal scenario (the name is the file's).
 
     ``gains_docs`` has the laws' gains: those that the scenario does not name are then printed, too,
     with their defaults, so that the text holds every gain of a run. ``only``: keys that are
-    written, beside those whose values are not the defaults.
+    written, beside those whose values are not the defaults. ``marked``: comments on values that are
+    no defaults begin with `MARK`.
     """
+    mark = f"{MARK} " * marked
     raw: dict[str, Any] = scenario_dict(scenario)
     if only is not None:
         raw = _sparse(raw, scenario, only)
     document = tomlkit.document()
     document.add("title", tomlkit.item(scenario.title))
-    _add_or_tell(document, "law", scenario.law, "law that drives where none is named" * comments)
+    _add_or_tell(
+        document,
+        "law",
+        scenario.law,
+        f"{mark * bool(scenario.law)}law that drives where none is named" * comments,
+    )
     if comments or "frames" in raw:
         note = "how orientations are stated: paper (0 along +Y), rep103 (0 along +X)"
         _add(document, "frames", scenario.frames, note * comments)
@@ -276,18 +287,20 @@ def to_toml(
     rest = [key for key in raw if key not in (*ORDER, *OTHER_KEYS)]
     for key in (*(key for key in ORDER if key in raw), *rest):
         if key == "gains":
-            document.add(key, _gains(raw[key], gains_docs or {}, comments))
+            document.add(key, _gains(raw[key], gains_docs or {}, comments, mark))
             continue
         table = tomlkit.table()
         if key == "reference":
-            _add(table, "kind", raw[key]["kind"], f"one of {', '.join(REFERENCES)}" * comments)
+            _add(
+                table, "kind", raw[key]["kind"], f"{mark}one of {', '.join(REFERENCES)}" * comments
+            )
         part = scenario.model if key == "model" else scenario.table(key)
-        _fields(table, part, raw[key], comments, scenario.frames, only is None)
+        _fields(table, part, raw[key], comments, scenario.frames, only is None, mark)
         document.add(key, table)
     if raw["changes"]:
         array = tomlkit.aot()
         for change, values in zip(scenario.changes, raw["changes"], strict=True):
-            array.append(_fields(tomlkit.table(), change, values, comments))
+            array.append(_fields(tomlkit.table(), change, values, comments, mark=mark))
         document.add("changes", array)
     elif comments and only is None:
         head = "[[changes]]  # one such table for each sudden change; none here"
@@ -344,10 +357,13 @@ def _fields(
     comments: bool,
     frames: str = PAPER,
     tell: bool = True,
+    mark: str = "",
 ) -> Table:
     """Fields of a section that are in ``raw``; with ``tell``, the others as comments."""
     for name, what in quantities(type(part)):
-        note = _note(what.unit, described(what.doc, frames)) if comments else ""
+        usual = vars(part)[name] == what.default and not isinstance(what.default, Unstated)
+        own = mark * (name in raw and not usual)
+        note = own + _note(what.unit, described(what.doc, frames)) if comments else ""
         if tell or name in raw:
             _add_or_tell(table, name, raw.get(name), note)
     return table
@@ -374,7 +390,7 @@ def _add(table: Table | tomlkit.TOMLDocument, name: str, value: Any, note: str) 
     table.add(name, item)
 
 
-def _gains(raw: Mapping[str, Any], docs: GainsDocs, comments: bool) -> Table:
+def _gains(raw: Mapping[str, Any], docs: GainsDocs, comments: bool, mark: str) -> Table:
     gains = tomlkit.table(is_super_table=bool(docs or raw))
     for law in dict.fromkeys([*docs, *raw]):
         table = tomlkit.table()
@@ -384,7 +400,7 @@ def _gains(raw: Mapping[str, Any], docs: GainsDocs, comments: bool) -> Table:
             stated = raw.get(law, {})
             value = stated.get(name, default)
             listed = list(value) if isinstance(value, tuple) else value
-            note = _note(unit, doc)
+            note = mark * (name in stated) + _note(unit, doc)
             _add_or_tell(table, name, listed, note * comments)
         gains.add(law, table)
     if comments and not gains:

@@ -48,14 +48,18 @@ class Member {
     this.robot = null;
   }
 
-  begin(plan, seed, tube) {
+  begin(plan, seed, tube, obstacles = []) {
     this.free();
     this.tube = tube;
+    this.obstacles = obstacles;
+    this.radius = plan.rows[0]["body.radius"];
+    this.still = 0;
+    this.braked = false;
     this.robot = this.engine.robot(plan.loop).begin(plan, seed);
     this.void = plan.void;
     this.step0 = plan.rows[0]["clock.plant"];
     this.history = new History();
-    this.carried = { violations: 0, samples: 0, clipped: [0, 0], most: [0, 0], least: [0, 0], first: null, feasible: 1, flags: 0 };
+    this.carried = { violations: 0, samples: 0, clipped: [0, 0], most: [0, 0], least: [0, 0], first: null, feasible: 1, flags: 0, gap: Infinity, hit: null };
     this.jumped = 0;
     this.within = false;
     this.touched = false;
@@ -86,6 +90,7 @@ class Member {
     if (!robot.running) return;
     robot.sample();
     this.watch(robot);
+    if (this.obstacles.length && this.radius !== undefined) this.look(robot);
     const torque = Math.max(Math.abs(robot.column("tau_right")), Math.abs(robot.column("tau_left")));
     const off = Math.hypot(robot.column("x") - robot.column("x_d"), robot.column("y") - robot.column("y_d"));
     this.within = this.within || (this.tube !== undefined && off <= widthOf(this.tube, robot.column("t")));
@@ -106,6 +111,26 @@ class Member {
       kept.clipped[i] += robot.column(`clip_active[${i + 1}]`);
       kept.least[i] = Math.max(kept.least[i], robot.column(`d_least[${i + 1}]`));
     }
+  }
+
+  // The distance left to the nearest obstacle; a robot that touches one stays there.
+  look(robot) {
+    const kept = this.carried, at = robot.places.state, { state } = robot;
+    kept.gap = Math.min(kept.gap, ...this.obstacles.map((shape) => distanceOf(shape, state[at.x], state[at.y]) - this.radius));
+    if (kept.gap > 0) return;
+    kept.hit = { time: robot.sampled * robot.period, speed: Math.abs(state[at.v1]) };
+    for (const name of ["v1", "omega"]) robot.put(name, 0);
+    robot.running = false;
+  }
+
+  // A brake holds the base once its command was 0 for so long [s]; `pushes` act as long as it does not.
+  brake(rest, pushes) {
+    const { robot } = this, zero = robot.column("v_command") === 0 && robot.column("omega_command") === 0;
+    this.still = zero ? this.still + robot.period : 0;
+    const holds = this.still > rest;
+    if (holds) for (const name of ["v1", "omega"]) robot.put(name, 0);
+    if (holds !== this.braked) robot.set(Object.fromEntries(pushes.map((push, i) => [`disturbance.push[${i + 1}]`, holds ? 0 : push])));
+    this.braked = holds;
   }
 
   // Plant steps beyond a limit, time and axis of the first, largest |v1| and |omega|.
@@ -131,6 +156,25 @@ class Member {
     if (this.robot) this.robot.free();
     this.robot = null;
   }
+}
+
+// Distance [m] of a place from a circle or polygon; below 0 inside of it.
+function distanceOf(shape, x, y) {
+  if (!Array.isArray(shape[0])) return Math.hypot(x - shape[0], y - shape[1]) - shape[2];
+  let nearest = Infinity, side = 1;
+  shape.forEach(([ax, ay], k) => {
+    const [bx, by] = shape[(k + 1) % shape.length], [dx, dy, toX, toY] = [bx - ax, by - ay, x - ax, y - ay];
+    const share = clamp((toX * dx + toY * dy) / Math.max(dx * dx + dy * dy, 1e-300), 0, 1);
+    nearest = Math.min(nearest, Math.hypot(toX - share * dx, toY - share * dy));
+    if (ay > y !== by > y && toX < (toY * dx) / dy) side = -side;
+  });
+  return side * nearest;
+}
+
+// Way [m] that the filter counts for a stop from a speed [m/s].
+function wayToStop({ most, ways }, speed) {
+  const place = Math.min(Math.abs(speed) / most, 1) * (ways.length - 1), k = Math.min(Math.floor(place), ways.length - 2);
+  return ways[k] + (place - k) * (ways[k + 1] - ways[k]);
 }
 
 // Width [m] of a certified corridor at a time [s].
@@ -174,8 +218,13 @@ class Fleet {
     this.behind = 0;
     this.pushed = null;
     this.touched = Object.keys(this.overrides).length > 0;
-    for (const [law, member] of this.members) member.begin(this.plan(law), this.seed, this.scene.tubes[law]);
+    for (const [law, member] of this.members) this.begun(member, law);
     this.path = this.desiredPath();
+  }
+
+  begun(member, law) {
+    const { tubes, stops, obstacles } = this.scene;
+    return member.begin(this.plan(law), this.seed, tubes[law], stops ? obstacles : []);
   }
 
   // Shows these laws; one that is new catches up from the start, with the settings of now.
@@ -188,8 +237,8 @@ class Fleet {
   }
 
   arrived(law) {
-    const member = new Member(this.engine, law).begin(this.plan(law), this.seed, this.scene.tubes[law]);
-    for (let k = 0; k < this.sampled && !member.ended; ++k) member.sample();
+    const member = this.begun(new Member(this.engine, law), law);
+    for (let k = 0; k < this.sampled && !member.ended; ++k) this.drive(member);
     return member;
   }
 
@@ -209,7 +258,11 @@ class Fleet {
     const before = this.overrides;
     this.overrides = overrides;
     this.touched = true;
-    for (const [law, member] of this.members) member.robot.load(this.plan(law).rows);
+    for (const [law, member] of this.members) {
+      member.robot.load(this.plan(law).rows);
+      member.braked = false;
+    }
+    if (before["base.delay"] !== overrides["base.delay"]) this.restart(); // commands under way are counted at the start
     if ([before, overrides].some((set) => Object.keys(set).some((name) => name.startsWith("ref_")))) this.path = this.desiredPath();
   }
 
@@ -233,7 +286,7 @@ class Fleet {
   push(force) {
     this.pushed = { until: this.time + PUSH_SECONDS, force };
     this.touched = true;
-    for (const member of this.members.values()) member.robot.set({ "disturbance.push[1]": force });
+    for (const member of this.members.values()) if (!member.braked) member.robot.set({ "disturbance.push[1]": force });
   }
 
   sample() {
@@ -241,8 +294,16 @@ class Fleet {
       this.pushed = null;
       this.replace(this.overrides);
     }
-    for (const member of this.members.values()) member.sample();
+    for (const member of this.members.values()) this.drive(member);
     this.sampled += 1;
+  }
+
+  drive(member) {
+    member.sample();
+    const { stops } = this.scene;
+    if (!stops || member.ended) return;
+    const [forwards, turning] = [1, 2].map((axis) => this.value(`disturbance.push[${axis}]`));
+    member.brake(stops.rest, [this.pushed?.force ?? forwards, turning]);
   }
 
   // So much simulated time, unless it takes longer than `budget` ms; true if all of it was done.

@@ -327,14 +327,16 @@ class Page {
   board() {
     const { fleet } = this, rows = byId("rows"), limits = [1, 2].map((axis) => shownSides(...fleet.sides(axis)));
     rows.replaceChildren(...[...fleet.members.values()].map((member) => {
-      const { most, first } = member.found(), { samples, clipped } = member.carried;
+      const { most, first } = member.found(), { samples, clipped, gap, hit } = member.carried;
       const share = samples ? (100 * Math.max(...clipped)) / samples : 0;
-      const kept = first === null, axis = first && ["v₁", "ω", "a wheel's limit"][first.axis - 1];
-      const verdict = !samples ? "at the start" : kept ? "✓ keeps its limits" : `✗ left ${axis} at ${first.time.toFixed(2)} s`;
+      const kept = first === null && hit === null, axis = first && ["v₁", "ω", "a wheel's limit"][first.axis - 1];
+      const left = first && `left ${axis} at ${first.time.toFixed(2)} s`, near = Number.isFinite(gap) ? `, ${length(gap)} to the obstacle` : "";
+      const touched = hit && `drove into it at ${hit.time.toFixed(2)} s, with ${shownNumber(hit.speed, 2)} m/s`;
+      const verdict = !samples ? "at the start" : kept ? `✓ keeps its limits${near}` : `✗ ${[left, touched].filter(Boolean).join(", ")}`;
       const cell = (text, more = {}) => made("td", { textContent: text, ...more });
       return made("tr", {},
         made("th", { scope: "row" }, swatch(member.law), this.look.laws[member.law].label),
-        cell(`${verdict}${member.ended ? ", then gave up" : ""}`, { className: !samples ? "" : kept ? "kept" : "left" }),
+        cell(`${verdict}${member.ended && !hit ? ", then gave up" : ""}`, { className: !samples ? "" : kept ? "kept" : "left" }),
         cell(`${shownNumber(most[0])} of ${limits[0]} m/s`),
         cell(`${shownNumber(most[1])} of ${limits[1]} rad/s`),
         cell(length(member.history.last("distance"))),
@@ -360,6 +362,13 @@ class Page {
         const own = fleet.value(name), all = number === "gain" && own > high;
         if (own < low || own > high) found.add(`${name} = ${shownNumber(own)} is outside of filter.${number}, ${shownNumber(low)} to ${shownNumber(high)}: ${all ? "no filter" : "the governor does not"} promise${all ? "s" : ""} anything for such a base.`);
       }
+    }
+    const { stops } = fleet.scene;
+    if (stops) {
+      const own = fleet.value("base.delay"), [low, high] = stops.delay, pushed = fleet.pushed?.force ?? fleet.value("disturbance.push[1]");
+      const drift = (pushed * fleet.value("base.tau[1]")) / fleet.value("robot.m"), most = fleet.value("filter.d[1]");
+      if (own < low || own > high) found.add(`base.delay = ${shownNumber(own)} s is outside of filter.delay, ${shownNumber(low)} to ${shownNumber(high)} s: the filter promises nothing for such a base.`);
+      if (drift > most) found.add(`A push of ${shownNumber(pushed)} N alone leads to ${shownNumber(drift)} m/s, more than filter.d = ${shownNumber(most)} m/s: the filter promises nothing.`);
     }
     for (const member of fleet.members.values()) {
       const { feasible, least, flags } = member.carried;

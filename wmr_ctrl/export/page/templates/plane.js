@@ -48,11 +48,13 @@ class Plane extends Sheet {
     const { pen } = this;
     pen.clearRect(0, 0, this.width, this.height);
     this.grid(look);
+    this.obstacles(fleet.scene.obstacles, look);
     for (const member of fleet.members.values()) this.tube(fleet, member, look);
     this.desired(fleet, look);
     for (const member of fleet.members.values()) this.trail(member, look);
     const order = [...fleet.members.values()].reverse();
     for (const member of order) this.robot(member, fleet, look, held === member);
+    if (fleet.scene.stops) [...fleet.members.values()].forEach((member, k) => this.bar(fleet, member, look, k));
     this.labels(order, look);
   }
 
@@ -73,6 +75,40 @@ class Plane extends Sheet {
       this.stroke([[0, this.Y(y)], [this.width, this.Y(y)]]);
       if (this.Y(y) < this.height - 18 && this.Y(y) > 12) pen.fillText(`${shownNumber(Math.abs(y) < 1e-9 ? 0 : y)} m`, 4, this.Y(y) - 3);
     }
+  }
+
+  // Circles and polygons; a wall has two ends.
+  obstacles(shapes, look) {
+    const { pen } = this;
+    pen.strokeStyle = look.muted;
+    pen.fillStyle = look.grid;
+    for (const shape of shapes) {
+      pen.lineWidth = shape.length === 2 ? 5 : 1.5;
+      pen.beginPath();
+      if (Array.isArray(shape[0])) { for (const [x, y] of shape) pen.lineTo(this.X(x), this.Y(y)); pen.closePath(); }
+      else pen.arc(this.X(shape[0]), this.Y(shape[1]), shape[2] / this.view.scale, 0, 2 * Math.PI);
+      pen.fill();
+      pen.stroke();
+    }
+  }
+
+  // The body's disc, and ahead of it the way that the filter counts for a stop from this speed; bars
+  // of several robots are beside one another.
+  bar(fleet, member, look, k) {
+    const { pen } = this, { state } = member.robot, at = member.robot.places.state, wide = 0.5 * member.radius;
+    const [x, y, theta, v] = ["x", "y", "theta", "v1"].map((name) => state[at[name]]);
+    const long = wayToStop(fleet.scene.stops, v), way = v < 0 ? -1 : 1, middle = way * (member.radius + long / 2);
+    pen.strokeStyle = pen.fillStyle = look.laws[member.law].colour;
+    pen.lineWidth = 1;
+    pen.beginPath();
+    pen.arc(this.X(x), this.Y(y), member.radius / this.view.scale, 0, 2 * Math.PI);
+    pen.stroke();
+    if (Math.abs(v) < 1e-3) return;
+    this.box(x - middle * Math.sin(theta), y + middle * Math.cos(theta), theta, [long, wide], 1.25 * (k - 1) * wide);
+    pen.globalAlpha = 0.6;
+    pen.fill();
+    pen.globalAlpha = 1;
+    pen.stroke();
   }
 
   stroke(points) {
@@ -194,11 +230,12 @@ class Plane extends Sheet {
       const { label, colour } = look.laws[member.law], { seen } = member;
       const px = this.X(seen.x), py = this.Y(seen.y), edge = 16;
       const away = !(px > 0 && px < this.width && py > 0 && py < this.height);
-      let x = clamp(px + (away ? 0 : 24), edge, this.width - 60), y = clamp(py - (away ? 0 : 22), edge, this.height - edge);
-      const way = y > this.height / 2 ? -17 : 17;
+      const above = member.obstacles.length ? member.radius / this.view.scale + 30 : 0; // clear of the bars
+      let x = clamp(px + (away ? 0 : 24), edge, this.width - 60), y = clamp(py - (away ? 0 : above || 22), edge, this.height - edge);
+      const way = above || y > this.height / 2 ? -17 : 17;
       while (taken.some((other) => Math.abs(other.x - x) < 70 && Math.abs(other.y - y) < 17)) y += way;
       taken.push({ x, y });
-      const word = member.ended ? `${label} gave up` : seen.beyond ? `${label} too fast` : label;
+      const word = member.carried.hit ? `${label} drove into it` : member.ended ? `${label} gave up` : seen.beyond ? `${label} too fast` : label;
       const metres = Math.hypot(seen.x - this.view.x, seen.y - this.view.y);
       const text = away ? `${word}, ${shownNumber(metres, 2)} m away` : word;
       x = clamp(x, edge, this.width - pen.measureText(text).width - 8);
