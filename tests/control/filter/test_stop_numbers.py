@@ -10,6 +10,7 @@ from wmr_ctrl.control.filter.stop_numbers import (
     costs,
     leaving,
     smallest_window,
+    stop_of,
     stopping,
     time_inside,
     times_inside,
@@ -111,8 +112,26 @@ def test_how_a_base_leaves():
     assert leaving(override(SCENARIO, {"filter.d": [0, 0], "filter.rest": None})) is None
 
 
-def test_the_window_of_a_stop_is_the_way_of_a_push():
-    """d (delay + period + rest), and that of the hold besides."""
-    turned, held = smallest_window(SCENARIO)
-    assert turned == pytest.approx(0.05 * (0.03 + 0.05 + 1.0))
-    assert held == pytest.approx(turned + 0.05 * leaving(SCENARIO).hold)
+def test_the_window_of_a_stop_is_the_way_of_a_push_and_what_is_kept_for_releases():
+    """d (delay + period + rest), and that of a hold and of the distance's age besides."""
+    kept = override(SCENARIO, {"filter.leave": 0})
+    way = 0.05 * (0.03 + 0.05 + 1.0)
+    turned, held = smallest_window(kept)
+    assert turned == pytest.approx(way)
+    assert held >= turned + 0.05 * (leaving(kept).hold + SCENARIO.filter.free_age)
+    roll = stop_of(SCENARIO, 1)[0].roll
+    assert smallest_window(SCENARIO) == pytest.approx((turned + roll, held + roll))
+
+
+@pytest.mark.parametrize("leave", [0, 1])
+@pytest.mark.parametrize("more", [1e-5, -1e-5])
+def test_a_window_opens_a_turn_from_rest_if_it_is_no_smaller(leave, more):
+    scenario = override(SCENARIO, {"filter.leave": leave, "filter.odometry": [0.0, 0.0]})
+    turned, _ = smallest_window(scenario)
+    stopped = command_filter(scenario)
+    flags = [
+        stopped.step((0, 0.5), (0, 0), 0.0, 0.05, free=(9, 9), turn=(turned + more,) * 2).flags
+        for _ in range(60)
+    ]
+
+    assert any("near" not in item for item in flags) == (more > 0)
