@@ -119,22 +119,6 @@ def test_bad_files_are_explained_in_one_paragraph(wmr, empty_folder, name, comma
     assert all(c.isprintable() or c == "\n" for c in found.stderr)
 
 
-@pytest.mark.parametrize(
-    "points, words",
-    [
-        ("1,2\n", "at least 2"),
-        ("", "no column is named x or y"),
-        ("1,2\n1,x\n", "line 2"),
-        ("x [s],y [s]\n0,0\n1000,0\n", "mm, cm, m, km"),
-    ],
-)
-def test_bad_waypoints_are_explained(wmr, empty_folder, points, words):
-    (empty_folder / "points.csv").write_text(points)
-    (empty_folder / "path.toml").write_text('[reference]\nkind = "waypoints"\nfile = "points.csv"')
-
-    assert_one_paragraph(wmr("run path.toml"), words)
-
-
 def test_foreign_file_is_no_run(wmr, empty_folder):
     (empty_folder / "a.npz").write_bytes(random_bytes())
 
@@ -192,9 +176,3 @@ def test_debug_shows_the_traceback_too(wmr, place):
     assert found.exit_code == 2
     assert found.stderr.startswith("Traceback")
     assert "\nerror: no law is named 'nm'" in found.stderr
-
-
-def test_debug_does_not_outlive_its_command(wmr):
-    wmr("--debug laws")
-
-    assert "Traceback" not in wmr("check far-start --law nm").stderr

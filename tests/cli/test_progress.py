@@ -21,15 +21,6 @@ def clock(monkeypatch):
     return now
 
 
-def test_short_jobs_are_silent(capsys, clock):
-    with Progress("run") as progress:
-        for i in range(10):
-            clock[0] += 0.27
-            progress(i / 10)
-
-    assert capsys.readouterr() == ("", "")
-
-
 def test_long_jobs_say_now_and_then_how_long_they_still_take(capsys, clock):
     with Progress("run") as progress:
         for i in range(1, 41):

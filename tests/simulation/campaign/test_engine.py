@@ -40,16 +40,6 @@ def test_a_study_that_changes_fields_has_its_own_name_and_rows():
     ]
 
 
-@pytest.mark.usefixtures("fake")
-def test_only_the_first_seed_of_a_case_is_kept_whole():
-    runs = run_campaign(PLAN).runs
-
-    assert {case: run.seed for case, run in runs.items()} == {
-        ("paper-simulation", "mb"): 3,
-        ("paper-simulation", "nn"): 3,
-    }
-
-
 def test_every_case_is_compiled_once_before_the_first_run():
     calls = []
 
@@ -61,16 +51,6 @@ def test_every_case_is_compiled_once_before_the_first_run():
         run_campaign(PLAN)
 
     assert calls == [("paper-simulation", "mb"), ("paper-simulation", "nn"), *["run"] * 6]
-
-
-@pytest.mark.usefixtures("fake")
-def test_progress_counts_every_step_of_every_phase():
-    watch = Watch()
-    run_campaign(PLAN, progress=watch)
-
-    assert watch.totals == [2, 6]
-    assert watch.left == [0, 0]
-    assert watch.ended == 2
 
 
 @pytest.mark.parametrize("error", [RuntimeError("no"), KeyboardInterrupt()])

@@ -18,7 +18,7 @@ import wmr_ctrl
 from tests.simulation.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
 from tests.simulation.campaign.synthetic import Watch
 from wmr_ctrl import simulate
-from wmr_ctrl.core.errors import ArgumentError, ResultFileError, ScenarioError
+from wmr_ctrl.core.errors import ResultFileError, ScenarioError
 from wmr_ctrl.simulation.campaign.study_plan import plan_of
 from wmr_ctrl.simulation.campaign.study_run import run_study
 
@@ -45,12 +45,6 @@ def test_chunks_hold_every_run_once_and_are_nearly_as_long_as_each_other(tmp_pat
     assert sum(made) == plan_of(PLAN).runs
     assert len(made) == math.ceil(sum(made) / longest)
     assert max(made) - min(made) <= 1
-
-
-def test_an_impossible_number_of_jobs_is_refused_before_a_folder_is_made(tmp_path):
-    with pytest.raises(ArgumentError, match="jobs"):
-        wmr_ctrl.study(REAL, tmp_path / "s", jobs=0)
-    assert not (tmp_path / "s").exists()
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), RuntimeError("lost worker")])
@@ -190,13 +184,6 @@ def test_what_is_wrong_without_the_guard_too_is_no_refusal(tmp_path):
 
     assert told[0] == told[1]
     assert "clock.plant" in told[0]
-
-
-def test_nothing_is_drawn_of_a_folder_without_a_table(tmp_path):
-    from wmr_ctrl.report.study_figures import plot_study
-
-    with pytest.raises(ResultFileError, match="no finished study"):
-        plot_study(tmp_path)
 
 
 # -- Dask ----------------------------------------------------------------------------------

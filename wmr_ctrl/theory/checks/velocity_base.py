@@ -23,7 +23,6 @@ from wmr_ctrl.world.torque_noise import SIGMAS, unbounded
 from wmr_ctrl.world.velocity_mean import VelocityMean
 
 from .loop import Loop
-from .warning import is_taken
 
 STATEMENTS = {
     "clip": "memoryless clip, for every base that never overshoots",
@@ -253,13 +252,9 @@ def _cost(
 
 
 def filter_advice(setup: Setup) -> str:
-    """Advice on which filter to set, among those that are valid for the scenario."""
+    """Advice on how to set a filter."""
     if assumed := [key for key in setup.scenario.assumed if key.startswith("filter.")]:
         return f"Before you set filter.kind, state {', '.join(assumed)}: nobody did."
-    tried = (({"filter.kind": kind, "filter.trust": False}, kind) for kind in ("clip", "governor"))
-    kinds = [f'"{kind}"' for keys, kind in tried if is_taken(setup.scenario, keys, None)]
-    if kinds:
-        return f"Set filter.kind = {' or '.join(kinds)}."
     return 'Set filter.kind = "clip"; what [filter] has to state for it is then named.'
 
 
