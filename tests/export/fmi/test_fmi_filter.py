@@ -79,18 +79,6 @@ def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(tm
     instance.free()
 
 
-def test_terminals_gather_what_is_asked_and_what_is_sent():
-    from wmr_ctrl.export.fmi.blocks import filter_model
-    from wmr_ctrl.export.fmi.xml import terminals
-
-    text = terminals(filter_model(scenario()))
-    for name, member in (("asked", "v_asked[2]"), ("odometry", "v_odometry[1]"),
-                         ("command", "v_sent[1]")):  # fmt: skip
-        assert f'<Terminal name="{name}"' in text
-        assert f'variableName="{member}"' in text
-    assert text.count('matchingRule="bus"') == text.count("<Terminal ")
-
-
 def test_its_plain_code_is_named_and_it_claims_no_derivatives(tmp_path):
     description = read_model_description(str(exported(scenario("clip"), 2, tmp_path)))
     assert description.description.endswith("interface.xml")

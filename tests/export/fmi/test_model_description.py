@@ -46,7 +46,6 @@ def test_xml_follows_the_official_schemas(exported, what, version):
     files = {"modelDescription.xml": f"fmi{version}/fmi{version}ModelDescription.xsd"}
     if version == 3:
         files["sources/buildDescription.xml"] = "fmi3/fmi3BuildDescription.xsd"
-        files["terminalsAndIcons/terminalsAndIcons.xml"] = "fmi3/fmi3TerminalsAndIcons.xsd"
     for name, schema in files.items():
         etree.XMLSchema(file=str(SCHEMA / schema)).assertValid(parsed(path, name))
 

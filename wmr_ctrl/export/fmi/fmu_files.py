@@ -136,7 +136,6 @@ def write_fmu(
     text = xml.description(model, sources, version, TOOL, arrays=arrays, note=note)
     files = {"modelDescription.xml": text, **code}
     if version == 3:
-        files["terminalsAndIcons/terminalsAndIcons.xml"] = xml.terminals(model)
         built_from = {"identifier": model.identifier, "units": sources.units}
         files["sources/buildDescription.xml"] = render("buildDescription.xml", m=built_from)
     files["documentation/index.html"] = xml.documentation(model, TOOL)

@@ -4,27 +4,14 @@ import math
 from collections.abc import Iterable
 
 from wmr_ctrl.codegen.package import FILTER
-from wmr_ctrl.control.filter.channels import SENT
-from wmr_ctrl.control.filter.governor_step import ODOMETRY
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of, units_of
-from wmr_ctrl.core.signals import ASKED, POSE, REFERENCE, TORQUE, TORQUE_NOISE, VELOCITY, elements
 
 from .files import Sources, render, row_size
 from .model_description import FmuModel, Role, Variable
 
 Attributes = list[tuple[str, str]]
-TERMINALS = (
-    ("reference", "the desired trajectory", REFERENCE),
-    ("pose", "position and orientation", POSE),
-    ("velocity", "linear and angular velocity", VELOCITY),
-    ("torque", "wheel torques", TORQUE),
-    ("asked", "velocity asked for", (ASKED,)),
-    ("odometry", "velocity that odometry tells", (ODOMETRY,)),
-    ("command", "velocity command that is safe", (SENT,)),
-    ("disturbance", "disturbance torques on the wheels", TORQUE_NOISE),
-)
 SECTIONS = {
     2: ("Outputs", "Derivatives", "InitialUnknowns"),
     3: ("Output", "ContinuousStateDerivative", "InitialUnknown"),
@@ -50,13 +37,6 @@ def description(
         rows=[(i, v, row_size(v, arrays), arrays and v.array) for i, v in rows],
         structure=_structure(model, version, arrays),
     )  # fmt: skip
-
-
-def terminals(model: FmuModel) -> str:
-    """Text of terminalsAndIcons/terminalsAndIcons.xml, FMI 3."""
-    ports = {v.name for v in model.variables if v.output or v.role is Role.INPUT}
-    listed = [item for item in TERMINALS if ports.issuperset(elements(item[2]))]
-    return render("terminalsAndIcons.xml", terminals=listed)
 
 
 def documentation(model: FmuModel, tool: str) -> str:
