@@ -8,7 +8,6 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.theory.linear import closed_loop, start_off
 
 PUSHED = {"disturbance.push": [1e5, 1e4]}
-WAYS = ["ahead", "behind", "left", "right", "turned left", "turned right"]
 
 
 @pytest.fixture(scope="module")

@@ -78,10 +78,6 @@ def died(loop, seed):
     os._exit(3)
 
 
-def doubled(loop, seed):
-    return 2 * seed
-
-
 @pytest.mark.slow
 def test_a_process_that_ends_is_told():
     with pytest.raises(WmrError, match="ended before its result"):
