@@ -1,6 +1,10 @@
 """Relations between expressions, from which claims are built."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import casadi as ca
 
@@ -13,6 +17,17 @@ class Relation:
 
     expr: ca.SX
     kind: str
+
+
+Relations: TypeAlias = "Relation | Sequence[Relations]"
+"""One relation, or groups of relations within groups, in their order."""
+
+
+def listed(relations: Relations) -> tuple[Relation, ...]:
+    """Relations of all groups, in one list."""
+    if isinstance(relations, Relation):
+        return (relations,)
+    return tuple(item for part in relations for item in listed(part))
 
 
 def equal(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
