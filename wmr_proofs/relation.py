@@ -69,9 +69,10 @@ def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, ...]:
     return tuple(side for x, end in pairs for side in (at_least(end, x), at_least(x, -end)))
 
 
-def when(condition: ca.SX, relation: Relation) -> Relation:
-    """``condition`` implies the relation, which must be true for the expression 0."""
-    return Relation(ca.if_else(condition, relation.expr, 0), relation.kind)
+def when(condition: ca.SX, relations: Relations) -> tuple[Relation, ...]:
+    """``condition`` implies the relations, which must be true for the expression 0."""
+    found = listed(relations)
+    return tuple(Relation(ca.if_else(condition, item.expr, 0), item.kind) for item in found)
 
 
 def every(left: ca.SX, right: ca.SX) -> tuple[Relation, ...]:

@@ -111,6 +111,10 @@ class Statement:
     unit: float = UNIT
     parts: Mapping[str, "Statement"] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        for name in ("goals", "given"):
+            object.__setattr__(self, name, listed(vars(self)[name]))
+
     @cached_property
     def graph(self) -> ProvedGraph:
         """Outputs: the goals' expressions, those of ``given``, the bounds of all roundings."""
@@ -187,7 +191,7 @@ def instance(proved: Statement, values: Mapping[str, ca.SX]) -> tuple[Relation, 
     given, goals = (valued(part, proved.symbols, values) for part in (proved.given, proved.goals))
     truth = {EQUAL: "eq", AT_LEAST: "ge", ABOVE: "gt"}
     met = reduce(ca.logic_and, [getattr(ca, truth[item.kind])(item.expr, 0) for item in given])
-    return tuple(when(met, goal) for goal in goals)
+    return when(met, goals)
 
 
 def valued(

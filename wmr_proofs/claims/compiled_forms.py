@@ -107,7 +107,7 @@ def closed_slope(mutation: Mutation) -> Statement:
     """
     t = symbols("y")
     y = t.y
-    return Statement(t, (equal(ca.gradient(y * stable._chi(y, 1 - y), y), 1 / (1 - y) - mutation),))
+    return Statement(t, equal(ca.gradient(y * stable._chi(y, 1 - y), y), 1 / (1 - y) - mutation))
 
 
 @claim(
@@ -172,7 +172,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     t = symbols("y v u1 u2", "u1 u2")
     y, v, u1, u2 = t.values()
     line = smooth_f(v, u1, u2) + ca.gradient(smooth_f(v, u1, u2), v) * (y - v)
-    return Statement(t, (at_least(smooth_f(y, u1, u2), line + mutation(0, (y - v) ** 2)),))
+    return Statement(t, at_least(smooth_f(y, u1, u2), line + mutation(0, (y - v) ** 2)))
 
 
 @smooth_claim("smooth.v_c1", by=Ring(EVERY), premises=f"prox.optimal {COVERED}")

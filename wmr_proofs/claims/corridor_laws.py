@@ -69,7 +69,7 @@ def kanayama(mutation: Mutation) -> Statement:
     values, most = ca.vertcat(t.a, t.b), ca.vertcat(t.A, t.B)
     left = cut(values, most)
     inside = (at_least(mutation(1, 2) * most[i], ca.fabs(values[i])) for i in (0, 1))
-    return Statement(t, every(left, values), (*nonnegative(t.A, t.B), *inside))
+    return Statement(t, every(left, values), (nonnegative(t.A, t.B), *inside))
 
 
 @claim(
@@ -89,9 +89,9 @@ def guard(mutation: Mutation) -> Statement:
     near, far = (slope * (t.u1 - t[name]) - net for name in ("nbar", "f_speed"))
     sizes = ((t.force + slope * t.y, near), (slope * t.y, near), (t.force, far))
     held = guarded(ca.vertcat(t.force, 0), ca.vertcat(t.y, 0), bounds)
-    free = (at_least(most, mutation(1, 0.5) * ca.fabs(size)) for size, most in sizes)
-    signs = *positive(t.M_min, t.M_max, t.alpha, t.period, t.u1), *nonnegative(t.nbar, t.f_speed)
-    given = (*signs, *nonnegative(t.brake, net), *free)
+    free = [at_least(most, mutation(1, 0.5) * ca.fabs(size)) for size, most in sizes]
+    signs = positive(t.M_min, t.M_max, t.alpha, t.period, t.u1), nonnegative(t.nbar, t.f_speed)
+    given = (signs, nonnegative(t.brake, net), free)
     return Statement(t, (equal(held.force[0], t.force), equal(held.safe[0])), given)
 
 
@@ -111,7 +111,7 @@ def wheels(mutation: Mutation, key: str) -> Statement:
     phi = full_thrust(t.r, t.tau)
     mapped = MAPS[key](force, phi, t.half, ca.SX.zeros(2))
     weak = (at_least(mutation(1, 2) * t.tau, ca.fabs(torque[i])) for i in (0, 1))
-    return Statement(t, every(mapped, force), (*positive(t.r, t.half, t.tau), *weak))
+    return Statement(t, every(mapped, force), (positive(t.r, t.half, t.tau), *weak))
 
 
 @claim("corridor.product", given="ratio > 0")
@@ -125,4 +125,4 @@ def product(mutation: Mutation) -> Statement:
     given = (above(t.ratio), at_least(t.P, ca.fabs(sums[0])), at_least(t.Q, ca.fabs(sums[1])))
     largest = ca.fmax(t.P * t.P, t.Q * t.Q)
     size = mutation(4, 5) * t.ratio * ca.fabs(t.a * t.b)
-    return Statement(t, (at_least(largest, size),), given)
+    return Statement(t, at_least(largest, size), given)

@@ -14,7 +14,16 @@ from wmr_ctrl.control.barrier.proximal import LARGEST, resolvent, root, transpor
 from wmr_ctrl.control.laws.prox import mixture, prox_step
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import AT_LEAST, Relation, above, at_least, equal, nonnegative, when
+from wmr_proofs.relation import (
+    AT_LEAST,
+    Relation,
+    Relations,
+    above,
+    at_least,
+    equal,
+    nonnegative,
+    when,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -23,12 +32,12 @@ from .common import EITHER_BARRIER
 ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
 
 
-def _limits(t: Symbols) -> tuple[Relation, ...]:
+def _limits(t: Symbols) -> Relations:
     return above(t.u2), above(t.u1, t.u2)
 
 
-def _target(t: Symbols) -> tuple[Relation, ...]:
-    return (*_limits(t), above(t.k), above(ca.SX(1e100), t.c), above(t.c, -1e100))
+def _target(t: Symbols) -> Relations:
+    return (_limits(t), above(t.k), above(ca.SX(1e100), t.c), above(t.c, -1e100))
 
 
 def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
@@ -55,7 +64,7 @@ def optimal(mutation: Mutation, smooth: bool) -> Statement:
     at_kink = ca.fmin(jump - rest, 0)
     miss = ca.if_else(size > t.u2, beyond, ca.if_else(size < t.u2, rest, at_kink))
     inside = above(t.u1, size)
-    return Statement(t, (equal(miss), *nonnegative(rest, s * x), inside), _target(t))
+    return Statement(t, (equal(miss), nonnegative(rest, s * x), inside), _target(t))
 
 
 @map_claim(
@@ -76,7 +85,7 @@ def monotone(mutation: Mutation, smooth: bool) -> Statement:
     rises = mutation * (slopes[0] - slopes[1]) * (t.x1 - t.x2)
     sizes = [above(t.u1, way * t[x]) for way in (1, -1) for x in ("x1", "x2")]
     kinks = [part for k in (t.k1, t.k2) for part in (at_least(k), at_least(1, k * (t.u1 - t.u2)))]
-    return Statement(t, (at_least(rises),), (*_limits(t), *sizes, *kinks))
+    return Statement(t, at_least(rises), (_limits(t), sizes, kinks))
 
 
 @map_claim(
@@ -93,7 +102,7 @@ def not_expansive(mutation: Mutation) -> Statement:
     dx, da = t.x1 - t.x2, t.a1 - t.a2
     dc = dx + t.k * da
     goal = at_least(dc * dc, mutation(1, 1.01) * dx * dx)
-    return Statement(t, (goal,), (above(t.k), at_least(dx * da)))
+    return Statement(t, goal, (above(t.k), at_least(dx * da)))
 
 
 @map_claim("prox.root", given="k > 0, any t")
@@ -104,7 +113,7 @@ def prox_root(mutation: Mutation) -> Statement:
     """
     t = symbols("t k")
     d = root(t.t, t.k)
-    return Statement(t, (above(d), equal(d * (d + mutation * t.t), t.k)), (above(t.k),))
+    return Statement(t, (above(d), equal(d * (d + mutation * t.t), t.k)), above(t.k))
 
 
 @map_claim(
@@ -126,7 +135,7 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
     beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
     margin = at_least(mutation(k, 1.5 * k), m * (m + most - u1 + bent))
     sizes = at_least(most, ca.fabs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k)
-    given = (*_target(t), above(m), at_least(u1 - u2, m), margin, *sizes)
+    given = (_target(t), above(m), at_least(u1 - u2, m), margin, sizes)
     return Statement(t, (at_least(u1 - m, x), at_least(x, m - u1)), given, {"d": root(beyond, k)})
 
 
@@ -150,7 +159,7 @@ class Step:
         self.end = prox_step(t.v, way, self.shares, self.limits, smooth)
 
     def states(
-        self, goals: Goals, given: Goals, names: tuple[str, ...], more: Symbols = NONE
+        self, goals: Relations, given: Relations, names: tuple[str, ...], more: Symbols = NONE
     ) -> Statement:
         """Statement for 0 < u2 < u1 and 0 < E < 1 on the graph of `prox_step`, cut at ``names``."""
         t, one = self.inputs, ca.SX(1)
@@ -162,7 +171,7 @@ class Step:
         inner["carried"] = self.start
         cuts = {name: inner[name] for name in names}
         plain = above(t.u2), above(t.u1, t.u2), above(t.E), above(1, t.E)
-        return Statement(t | self.free | more, goals, (*plain, *given), cuts)
+        return Statement(t | self.free | more, goals, (plain, given), cuts)
 
 
 claim = Claims(by=Z3(), given="0 < v_u2 < v_u1, 0 < E < 1")
@@ -290,10 +299,10 @@ def rises(mutation: Mutation) -> Statement:
     t = symbols("before carried mid after S S_next way E S_mid S_carried")
     S, E, roots = t.S, t.E, (t.S, t.S_next, t.S_mid, t.S_carried)
     values = t.before, t.after, t.mid, t.carried
-    squares = (equal(root**2, 2 * value) for root, value in zip(roots, values, strict=True))
-    signs = *nonnegative(*roots), above(E), above(1, E), at_least(t.way)
+    squares = [equal(root**2, 2 * value) for root, value in zip(roots, values, strict=True)]
+    signs = nonnegative(*roots), above(E), above(1, E), at_least(t.way)
     moved = at_least(t.before, t.carried), at_least(t.S_carried + t.way, t.S_mid)
-    given = (*squares, *signs, *moved, at_least(E**2 * t.mid, t.after))
+    given = (squares, signs, moved, at_least(E**2 * t.mid, t.after))
     most = E * (S + mutation(1, 0.9) * t.way)
     level = Relation(ca.if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
     return Statement(t, (at_least(most, t.S_next), level), given)

@@ -147,8 +147,8 @@ def bounded_command(mutation: Mutation) -> Statement:
     t = names | symbols("quotient q w cdot friction")
     rho, mass = names["gains.mb.rho[1]"], names["model.m"]
     force = law.force[0] - t.friction
-    P5 = *between(0, t.quotient * t.w, t.w**2), at_least(t.w**2, t.quotient**2)
-    given = (*positive(rho, mass), *between(0, t.q, 1), *P5)
+    P5 = between(0, t.quotient * t.w, t.w**2), at_least(t.w**2, t.quotient**2)
+    given = (positive(rho, mass), between(0, t.q, 1), P5)
     bound = mutation * rho * ca.fabs(t.w) + ca.fabs(t.cdot)
     inner = law.parts(0, "quotient q cdot friction")
-    return Statement(t, (at_least(bound * mass, ca.fabs(force)),), given, inner)
+    return Statement(t, at_least(bound * mass, ca.fabs(force)), given, inner)
