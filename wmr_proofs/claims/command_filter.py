@@ -59,7 +59,7 @@ class FilterAxis(Named):
         """0 < e <= E <= 1 and kappa = e/(1 - e), e < 1."""
         e, E = self.e, self.E
         ratio = equal(self.kappa * (1 - e), e)
-        return above(e), above(ca.SX(1), e), between(e, E, 1), ratio
+        return above(e), above(1, e), between(e, E, 1), ratio
 
 
 @claim("filter.drive", given=ANY_SIDE)
@@ -177,7 +177,7 @@ def curvature(mutation: Mutation) -> Statement:
     t = symbols("r1 lo1 hi1 r2 lo2 hi2")
     r, lo, hi = ([t[f"{name}{i}"] for i in (1, 2)] for name in ("r", "lo", "hi"))
     eta = mutation(1, 1.01) * ca.fmin(*governor.admitted(r, lo, hi))
-    goals = [above(eta), at_least(ca.SX(1), eta)]
+    goals = [above(eta), at_least(1, eta)]
     goals += [at_least(hi[i], eta * r[i]) for i in (0, 1)]
     goals += [at_least(eta * r[i], lo[i]) for i in (0, 1)]
     return Statement(t, goals, positive(*hi, *(-item for item in lo)))

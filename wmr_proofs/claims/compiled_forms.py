@@ -128,7 +128,7 @@ def series_slope(mutation: Mutation) -> Statement:
     y = t.y
     chi = stable._chi(y, 1 - y)
     slope = (1 / (1 - y) - 1) - ca.gradient(y * chi, y)
-    bound = mutation(2.0**-51, 2.0**-56) * ca.fabs(y)
+    bound = mutation(2.0**-51, 2.0**-56) * abs(y)
     return Statement(t, (at_least(bound, slope), at_least(bound, -slope)))
 
 
@@ -221,6 +221,6 @@ def ratio(mutation: Mutation) -> Statement:
     """
     a, v, _, u1, _ = barrier_axis()
     found = _compiled(a)
-    m = ca.fmax(ca.fabs(v), ca.fabs(found.v_c1))
+    m = ca.fmax(abs(v), abs(found.v_c1))
     top = (1 + mutation(1, 0.9) / (u1 - m) ** 2) * found.q
     return a.states(at_least(1, found.q), at_least(top, 1))

@@ -146,8 +146,8 @@ def friction(mutation: Mutation) -> Statement:
     t = symbols("free taken")
     free, taken = t.free, t.taken
     after = slowed(free, taken)
-    slows = at_least(after * free), at_least(mutation * ca.fabs(free), ca.fabs(after))
-    less = ca.fmax(ca.fabs(free) - ca.fabs(taken), 0)
+    slows = at_least(after * free), at_least(mutation * abs(free), abs(after))
+    less = ca.fmax(abs(free) - abs(taken), 0)
     goals = (slows, equal(less * (after - free + taken)))
     return Statement(t, goals, at_least(taken * free))
 

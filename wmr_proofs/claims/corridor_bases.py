@@ -21,6 +21,7 @@ from wmr_proofs.relation import (
     Relations,
     above,
     at_least,
+    between,
     equal,
     every,
     nonnegative,
@@ -62,7 +63,7 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     sent = scaled(asked, channels, [-item for item in most], most, scale)
     given = [above(item, 1e-29) for item in (t.l, t.A, t.B, t.C)]
     for channel, size in zip(channels, most, strict=True):
-        given.append(at_least(mutation(1, 2) * size, ca.fabs(channel.of(asked))))
+        given.append(at_least(mutation(1, 2) * size, abs(channel.of(asked))))
     return Statement(t, every(sent, ca.vertcat(*asked)), given)
 
 
@@ -76,9 +77,9 @@ def dead_band(mutation: Mutation) -> Statement:
     goals, most = list[Relations](), g.bound("dropped")
     for i in (0, 1):
         size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
-        beyond = ca.fabs(g.system.u[i]) > size
-        goals.append(at_least(mutation(1, 0.9) * ca.fabs(most[i]), ca.fabs(off)))
-        goals.append(at_least(0, ca.if_else(beyond, ca.fabs(off), 0)))
+        beyond = abs(g.system.u[i]) > size
+        goals.append(at_least(mutation(1, 0.9) * abs(most[i]), abs(off)))
+        goals.append(at_least(0, ca.if_else(beyond, abs(off), 0)))
     return g.states(goals, given=nonnegative(*ca.vertsplit(g.column("base.deadband"))))
 
 
@@ -90,7 +91,7 @@ def wheel_speed(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, (("base.w_max", 10.0),))
     r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
-    speeds = (ca.fabs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
+    speeds = (abs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
     slow = [at_least(mutation(1, 2) * r * most, speed) for speed in speeds]
     given = (positive(r, l, most), slow)
     return g.states(every(g.system.y, g.system.u), given=given)
@@ -108,7 +109,7 @@ def pi_loop(mutation: Mutation) -> Statement:
     graph = plain.system.function("plain", [plain.system.update, plain.system.y])
     following, torque = graph(own.u, own.x, own.p)
     most = g["actuator.tau_max"]
-    weak = (above(mutation(1, 2) * most, ca.fabs(torque[i])) for i in (0, 1))
+    weak = (above(mutation(1, 2) * most, abs(torque[i])) for i in (0, 1))
     given = (g.above_zero("robot.r", "robot.l", "actuator.tau_max"), *weak)
     return g.states(every(own.update, following), every(own.y, torque), given=given)
 
@@ -153,7 +154,7 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     given = (
         positive(t.M_min, t.M_max, t.alpha, t.period, t.u1, t.delay, S),
         [at_least(c, 1)] * jitters, nonnegative(b.net, t.a_ahead, t.a_back),
-        at_least(t.largest, ca.fabs(t.force)), sizes,
+        at_least(t.largest, abs(t.force)), sizes,
     )  # fmt: skip
     goals = tuple(equal(clipped(asked, t.y, b, coming), asked) for asked in (t.force, ca.SX(0)))
     return Statement(t, goals, given, cuts)
@@ -176,8 +177,8 @@ def late_sums(mutation: Mutation) -> Statement:
         worst = ca.fmax(way * t.F1, way * t.F2)
         most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
         goals.append(at_least(scale * most, side))
-    largest = at_least(t.N, b.net), at_least(t.N, ca.fabs(t.F1)), at_least(t.N, ca.fabs(t.F2))
-    given = (positive(t.M_min, t.period), at_least(t.t1), at_least(t.t2), largest)
+    largest = at_least(t.N, b.net), at_least(t.N, abs(t.F1)), at_least(t.N, abs(t.F2))
+    given = (positive(t.M_min, t.period), nonnegative(t.t1, t.t2), largest)
     return Statement(t, goals, given)
 
 
@@ -200,7 +201,7 @@ def overtaken(mutation: Mutation) -> Statement:
     arrived = g["tau_right"]
     before = ca.if_else(t.phase <= 0, last, t.older)
     given = (
-        above(h), equal(width, t.most * h), at_least(t.drawn), at_least(t.most, t.drawn),
+        above(h), equal(width, t.most * h), between(0, t.drawn, t.most),
         at_least(t.phase), at_least(t.steps, 1), at_least(t.steps, t.phase + 1),
         at_least(t.steps, due), at_least(due), when(t.phase > 0, equal(last, arrived)),
         equal((acting - last) * (acting - mutation(t.older, t.older + 1))),
@@ -225,7 +226,7 @@ def ramped(mutation: Mutation) -> Statement:
         now, wanted = g[f"{command_ramp.RAMPED.name}[{i + 1}]"], g.system.u[i]
         after, rates = g.system.y[i], [g[f"base.{x}[{i + 1}]"] for x in ("accel", "decel")]
         given += [at_least(rate, a["a"]) for rate in rates]
-        left, was = ca.fabs(wanted - after), ca.fabs(wanted - now)
+        left, was = abs(wanted - after), abs(wanted - now)
         goals.append(at_least((after - now) * (wanted - after)))
         taken = at_least(ca.fmax(was - mutation(1, 1.1) * a["a"] * h, 0), left)
         goals.append(when(now * wanted >= 0, taken))

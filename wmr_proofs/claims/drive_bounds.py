@@ -8,7 +8,17 @@ from wmr_ctrl.world import delay, jitter, lag, motor
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import above, at_least, between, equal, every, positive, when, within
+from wmr_proofs.relation import (
+    above,
+    at_least,
+    between,
+    equal,
+    every,
+    nonnegative,
+    positive,
+    when,
+    within,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -37,7 +47,7 @@ def held(mutation: Mutation) -> Statement:
     adds = at_least(guarded + s * end, (mutation(1, 1.01) * h + s) * after)
     goals = adds, at_least(end, after)
     given = (
-        at_least(z), at_least(p), positive(h, growth), between(a, s, b),
+        nonnegative(z, p), positive(h, growth), between(a, s, b),
         equal(least * (1 + growth), 1), between(0, rises, least), between(least, e, falls),
         above(1, falls), at_least(b * (1 - falls), h * falls),
     )  # fmt: skip
@@ -160,7 +170,7 @@ def jitter_bound(mutation: Mutation) -> Statement:
     h, width, t = g["clock.plant"], g["actuator.jitter"], g.free
     now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
     widths = above(h), equal(width, t.most * h), at_least(width), between(0, t.drawn, t.most)
-    waits = at_least(t.most, g[jitter.DUE.name]), at_least(t.phase), at_least(t.steps)
+    waits = at_least(t.most, g[jitter.DUE.name]), nonnegative(t.phase, t.steps)
     given = (widths, waits)
     arrived = ca.vertcat(g["tau_right"], g["tau_left"])
     acts = t.phase >= mutation(t.most, t.most - 1)

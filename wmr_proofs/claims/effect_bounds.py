@@ -268,8 +268,7 @@ def command_loss_bound(mutation: Mutation) -> Statement:
     given = (
         above(h), equal(T, t.steps * h), at_least(g["base.losses"]), at_least(t.steps, 1),
         at_least(g["base.timeout"], longest * (1 - ROUNDING)), at_least(h, longest * ROUNDING),
-        between(0, missed, most), at_least((most - missed) * (most - missed - 1)),
-        at_least(t.before),
+        between(0, missed, most), nonnegative((most - missed) * (most - missed - 1), t.before),
         at_least(t.steps, t.before + 1), at_least(silent),
         equal(t.phase, ca.if_else(t.before + 1 >= t.steps, 0, t.before + 1)),
         at_least((t.steps - t.before - 1) * (t.steps - t.before - 2)),
@@ -310,5 +309,5 @@ def wheels_heard(mutation: Mutation) -> Statement:
     g = EffectGraph(wheel_commands.WHEEL_COMMANDS, (("base.wheel_deadband", 0.03),), "robot")
     error, dropped = mutation(1, 0.9) * g.bound("command"), g.bound("dropped")
     u, acts = g.system.u, g.system.y
-    goals = within(acts - u, error + dropped), within(acts, ca.fabs(u) + error)
+    goals = within(acts - u, error + dropped), within(acts, abs(u) + error)
     return g.states(goals, given=(g.above_zero("robot.l"), at_least(g["base.wheel_deadband"])))

@@ -72,7 +72,7 @@ def stays_on_target(_: Mutation) -> Statement:
     a, v, c, u1, u2 = barrier_axis()
     t = a.symbols | symbols("rho cdot")
     command = analysis.printed_command(t.rho, v, c, t.cdot, u1, u2)
-    given = (a.inside, equal(v, c), above(u2, ca.fabs(v)), above(t.rho))
+    given = (a.inside, equal(v, c), above(u2, abs(v)), above(t.rho))
     return Statement(t, equal(command, t.cdot), given)
 
 

@@ -93,7 +93,7 @@ class AssembledStep:
         up, down = (known.sym[axis] for known in graph.known)
         error = mutation(1, 1.01) * b.nbar
         there, elapsed = graph.age.sym >= -NEAR * graph.T, graph.elapsed.sym
-        timely = ca.logic_or(elapsed == 0, ca.fabs(elapsed - graph.T) <= NEAR * graph.T)
+        timely = ca.logic_or(elapsed == 0, abs(elapsed - graph.T) <= NEAR * graph.T)
         return (
             at_least(ahead, b.dbar), at_least(back, b.dbar), at_least(b.dbar), at_least(ahead, v),
             at_least(back, -v),
@@ -127,7 +127,7 @@ def limits(mutation: Mutation) -> Statement:
         kappa = 1 / growth
         cuts |= {f"kappa {name}": kappa, f"-most {name}": ca.expm1(-graph.T / low)}
         cuts[f"-least {name}"] = ca.expm1(-graph.T / high)
-        given += [positive(low, high, growth), above(kappa)]
+        given += [positive(low, high, growth, kappa)]
         for side, b in zip(graph.limits, channel.sides, strict=True):
             given.append(admits(b))
             goals.append(at_least(side[axis], mutation(0, b.V)))

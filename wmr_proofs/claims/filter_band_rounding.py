@@ -71,7 +71,7 @@ def tail(mutation: Mutation) -> Statement:
     after = a.forecast.changed(s.to, a.table).later(a.table)
     fades = at_least(s.fading, (1 + mutation(1, 0) * 2.0**-41) * s.f)
     given = (above(s.f), fades, nonnegative(s.left, s.tail))
-    stays = s.f * (s.tail + ca.fabs(s.to - s.u) * s.left)
+    stays = s.f * (s.tail + abs(s.to - s.u) * s.left)
     return Statement(s, at_least(s.made, stays), given, computed={"made": after.tail})
 
 
@@ -104,13 +104,13 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     change, product = s.to - u, inverse * slope
     text = u + room * inverse if up else u - room * inverse
     own = {item.name() for item in ca.symvar(ca.vertcat(text, left, s.to))}
-    known = listed((a.stated, _sizes(a), within(table.after[0], ca.SX(5))))
+    known = listed((a.stated, _sizes(a), within(table.after[0], 5)))
     given = (
         [part for part in known if {item.name() for item in ca.symvar(part.expr)} <= own],
-        at_least(way * change), above(s.c), at_least(16 * inverse, ca.SX(1)),
+        at_least(way * change), above(s.c), at_least(16 * inverse, 1),
         above(slope) if stops else at_least(slope),
-        at_least(product, ca.SX(1)) if stops and way < 0 else at_least(ca.SX(1), product),
-        at_least(ca.SX(10), slope), at_least(s.limit, s.to) if up else at_least(s.to, s.limit),
+        at_least(product, 1) if stops and way < 0 else at_least(1, product),
+        at_least(10, slope), at_least(s.limit, s.to) if up else at_least(s.to, s.limit),
         at_least(wider, a.most(not stops) * (1 + mutation(1, -1) * WIDER)),
     )  # fmt: skip
     goal = at_least(left, slope * change * (1 if up else -1))
@@ -200,7 +200,7 @@ def reached(mutation: Mutation) -> Statement:
     after = Fading(s.reach, none, none).changed(change, s.furthest)
     listed = at_least(s.furthest, s.reached * (1 + mutation(1, 0) * 2.0**-41))
     given = (nonnegative(s.r, s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)), listed)
-    goal = at_least(s.made, s.r + ca.fabs(change) * s.reached)
+    goal = at_least(s.made, s.r + abs(change) * s.reached)
     return Statement(s, goal, given, computed={"made": after.reach})
 
 

@@ -21,7 +21,7 @@ from wmr_ctrl.control.filter.clip import moved, ramp_shares
 from wmr_ctrl.control.filter.governor import FirstOrder, largest_command
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, between, nonnegative, within
+from wmr_proofs.relation import Relations, above, at_least, between, nonnegative, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -213,7 +213,7 @@ def slew_step(mutation: Mutation) -> Statement:
     most = s.slew * s.T
     (own,) = ramp_shares(s.last, s.wanted, most)
     quick = at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share)
-    given = (_slow(s), above(s.slew), above(s.T), at_least(s.share), quick)
+    given = (_slow(s), positive(s.slew, s.T), at_least(s.share), quick)
     goals = (within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))
     computed = {"own": own, "sent": moved(s.last, s.wanted, s.share)}
     return Statement(s, goals, given, computed=computed)

@@ -10,7 +10,7 @@ from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, equal, nonnegative, within
+from wmr_proofs.relation import Relations, above, at_least, equal, nonnegative, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -96,8 +96,8 @@ def least(mutation: Mutation) -> Statement:
     for axis, limit in enumerate(clip.limits):
         band, w = named[f"base.deadband.{axis + 1}"] * JUST_ABOVE, way[axis]
         cuts[f"limit {axis}"], u = limit, graph.y[axis]
-        idle = ca.if_else(band <= limit, u * (ca.fabs(u) < mutation(1, 1.1) * band), 0)
-        given += above(band), above(limit), within(rest[axis], band), equal(w * (w * w - 1))
+        idle = ca.if_else(band <= limit, u * (abs(u) < mutation(1, 1.1) * band), 0)
+        given += positive(band, limit), within(rest[axis], band), equal(w * (w * w - 1))
         goals += within(u, limit), within(graph.update[axis], band), equal(idle)
     return Statement(named, goals, given, cuts)
 

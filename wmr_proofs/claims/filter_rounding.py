@@ -70,7 +70,7 @@ def target(mutation: Mutation) -> Statement:
     """
     s, b = _numbers("u target")
     exact = drive(s.u, b)
-    most = mutation(4, 0.5) * UNIT * (ca.fabs(exact - b.dbar) + b.dbar)
+    most = mutation(4, 0.5) * UNIT * (abs(exact - b.dbar) + b.dbar)
     computed = {"target": exact}
     return Statement(s, within(s.target - exact, most), sound(b), computed=computed)
 
@@ -112,7 +112,7 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     following = relaxed(s.w, s.target, s.most_as, s.least_as)
     least = relaxed(s.w, s.target, s[goes], s[goes])
     given = (
-        above(V), between(0, s.least, most), at_least(ca.SX(1), most),
+        above(V), between(0, s.least, most), at_least(1, most),
         _computed(s.most_as, most, s.off), _computed(s.least_as, s.least, s.off),
         between(0, s.off, OFF), within(s.off * s.target, AIMED_OFF * V),
         between(s.least, share, most), at_least(e), at_least(s.w + e, s.v), within(s.w, 2 * V),
@@ -142,7 +142,7 @@ def takeover(mutation: Mutation) -> Statement:
     V, e, n = b.V, s.e, s.n
     known = s.w + mutation(1, 64) * (SLACK + 2 * n * PIECE) * V
     given = (
-        sound(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, ca.SX(1)),
+        sound(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, 1),
         _computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s.v), at_least(V, s.w),
         at_least(s.w, -2 * V), at_least(s.d), at_least(2.0**-45 * V, (1 - e) * s.d),
     )  # fmt: skip
@@ -163,7 +163,7 @@ def rim(mutation: Mutation) -> Statement:
     """
     s, b = _numbers("v omega l target", "l")
     exact = drive(Channel((1, 1), s.l, (b,), (1.0, 1.0)).of((s.v, s.omega)), b)
-    size = ca.fabs(s.v) + s.l * ca.fabs(s.omega)
+    size = abs(s.v) + s.l * abs(s.omega)
     most = mutation(8, 0.4) * UNIT * (b.K_max * size + b.dbar)
     goals = within(s.target - exact, most)
     return Statement(s, goals, (sound(b), above(s.l)), computed={"target": exact})

@@ -239,8 +239,7 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     kappa, most, least = cuts.values()
     seen, came = graph.age.sym >= -NEAR * T, _timely(graph)
     given: list[Relations] = [
-        positive(p["robot.l"], T, gain[0], f.kappa), nonnegative(*ca.vertsplit(push)),
-        nonnegative(*ca.vertsplit(error)), equal(f.kappa, kappa), equal(f.gone, most),
+        positive(p["robot.l"], T, gain[0], f.kappa), nonnegative(*ca.vertsplit(push), *ca.vertsplit(error)), equal(f.kappa, kappa), equal(f.gone, most),
         equal(-f.kappa * f.gone, 1 + f.gone), positive(-least, 1 + most), at_least(least, most),
         between(1 + most, f.E, 1),
     ]  # fmt: skip
@@ -262,7 +261,7 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
 def _timely(graph: Governor) -> ca.SX:
     """1 if a sample came when the filter expects one, within its jitter."""
     elapsed, T = graph.elapsed.sym, graph.T
-    near = ca.fabs(elapsed - T) <= (graph.plans[0].jitter + NEAR) * T
+    near = abs(elapsed - T) <= (graph.plans[0].jitter + NEAR) * T
     return ca.logic_or(elapsed == 0, near)
 
 
@@ -301,7 +300,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
         cuts[f"1/(exp(H/tau_min) - 1) {axis}"] = kappa
         given += [above(known_kappa), equal(known_kappa, kappa)]
         given += [equal(-known_kappa * gone, 1 + gone), above(1 + gone)]
-        given += [above(b.V, b.dbar), at_least(b.dbar), at_least(b.nbar), above(b.K_min)]
+        given += [above(b.V, b.dbar), nonnegative(b.dbar, b.nbar), above(b.K_min)]
         given += [at_least(b.K_max, b.K_min), within(v, b.V)]
         given += when(seen, within(graph.odometry.sym[axis] - v, b.nbar))
         for side, way in enumerate(WAYS):

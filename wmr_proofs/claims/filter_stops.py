@@ -13,7 +13,7 @@ from wmr_ctrl.control.guard.changing import largest_fall
 from wmr_ctrl.control.guard.guard import Bounds
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, between, equal, positive
+from wmr_proofs.relation import Relations, above, at_least, between, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, Symbols, symbols
 
@@ -32,8 +32,8 @@ class Lowered(Named):
         e1, e2, E = self.e1, self.e2, self.E
         ratios = equal(self.kappa * (1 - e1), e1), equal(self.kappa_2 * (1 - e2), e2)
         self.given: Relations = (
-            admits(self.bounds), above(e1), at_least(e2, e1), above(ca.SX(1), e2), ratios,
-            at_least(E, e1), at_least(mutation(1, 1.01) * e2, E), at_least(1, E),
+            admits(self.bounds), above(e1), at_least(e2, e1), above(1, e2), ratios,
+            between(e1, E, mutation(1, 1.01) * e2), at_least(1, E),
             at_least(self.v_bar, self.v), at_least(drive(self.u, self.bounds), self.mean),
         )  # fmt: skip
         self.hi = told_command(self.V, self.v_bar, self.bounds, self.kappa_2)
@@ -129,8 +129,8 @@ def way(mutation: Mutation) -> Statement:
     The way in a piece of time is bounded by one of both time constants.
     """
     t = symbols("t A A_least A_most v w m x")
-    ends = at_least(t.A_least), at_least(mutation(1, 1.01) * t.A, t.A_least)
-    rest = at_least(t.A_most, t.A), at_least(t.t, t.A_most), at_least(t.w, t.v)
+    ends = between(0, t.A_least, mutation(1, 1.01) * t.A)
+    rest = between(t.A, t.A_most, t.t), at_least(t.w, t.v)
     gone = at_least(t.m * t.t + (t.v - t.m) * t.A, t.x)
     goal = at_least(farthest(t.w, t.m, t.t, t.A_least, t.A_most), t.x)
     return Statement(t, goal, (ends, rest, gone))
@@ -151,11 +151,11 @@ class Plan(Named):
         self.shares = [fade / tau for fade, tau in zip(fades, (t.tau_1, t.tau_2), strict=True)]
         D, self.at = t.acts + t.last, Reached(ca.SX(0), t.way, t.w)
         self.given: Relations = (
-            above(t.tau_1), at_least(t.tau_2, t.tau_1), at_least(t.push), at_least(t.rest),
+            above(t.tau_1), at_least(t.tau_2, t.tau_1), nonnegative(t.push, t.rest),
             above(t.acts), at_least(t.last), at_least(t.w, t.push), above(fades[0]),
             at_least(fades[1], fades[0]), above(D, fades[1]), above(self.shares[1]),
-            at_least(self.shares[0], self.shares[1]), above(ca.SX(1), self.shares[0]),
-            at_least(self.fading), at_least(t.rest, self.fading),
+            at_least(self.shares[0], self.shares[1]), above(1, self.shares[0]),
+            between(0, self.fading, t.rest),
         )  # fmt: skip
 
     def needed(self, k: int, m: ca.SX) -> ca.SX:
@@ -204,8 +204,7 @@ def real(mutation: Mutation) -> Statement:
     ]
     given = (
         at_least(t.A_1), between(mutation(1, 0.9) * t.A_1, t.a, t.A_2), at_least(t.D, t.A_2),
-        at_least(t.q_2), between(t.q_2, t.q, t.q_1), at_least(1, t.q_1), at_least(t.d),
-        at_least(t.w, t.d), at_least(t.m, t.d), at_least(t.w, t.v), between(0, t.a_B, t.A_B),
+        at_least(t.q_2), between(t.q_2, t.q, t.q_1), at_least(1, t.q_1), between(0, t.d, t.w), at_least(t.m, t.d), at_least(t.w, t.v), between(0, t.a_B, t.A_B),
         at_least(t.B, t.A_B), at_least(t.m * t.D + (t.v - t.m) * t.a, t.x_2),
         at_least(t.v + t.q * (t.m - t.v), t.v_3),
         at_least(ca.fmax(t.v_3 - t.d, 0) * t.a_B + t.d * t.B, t.x_3), at_least(t.A_2, t.A_1),
@@ -237,7 +236,7 @@ def seen(mutation: Mutation) -> Statement:
     """
     t = symbols("told D D_now error age driven most nearing")
     given = (
-        at_least(t.D + t.error, t.told), at_least(t.age), at_least(t.nearing),
+        at_least(t.D + t.error, t.told), nonnegative(t.age, t.nearing),
         at_least(mutation(1, 1.01) * t.most * t.age, t.driven), at_least(t.most),
         at_least(t.D_now, t.D - t.driven - t.nearing * t.age),
     )  # fmt: skip
@@ -256,7 +255,7 @@ def approach(mutation: Mutation) -> Statement:
     """
     t = symbols("x_1 x_2 t_1 t_2 nearing free")
     given = (
-        between(0, t.x_1, t.x_2), at_least(t.t_1), at_least(mutation(1, 1.01) * t.t_2, t.t_1),
+        between(0, t.x_1, t.x_2), between(0, t.t_1, mutation(1, 1.01) * t.t_2),
         at_least(t.nearing), at_least(t.free, t.x_2 + t.nearing * t.t_2),
     )  # fmt: skip
     return Statement(t, at_least(t.free, t.x_1 + t.nearing * t.t_1), given)
@@ -268,7 +267,7 @@ def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[ca.SX], list[Relations]]
     stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, ca.SX(0), ca.SX(0), ca.SX(0))
     least = stop.quick
     given: list[Relations] = [
-        above(t.tau_1), at_least(t.rest), at_least(t.push), at_least(least),
+        above(t.tau_1), nonnegative(t.rest, t.push, least),
         at_least(mutation(1, 1.01) * t.a_B, least),
         at_least(t.rest, t.a_B), at_least(t.push * t.rest + (t.v_3 - t.push) * t.a_B, t.x_3),
     ]  # fmt: skip
@@ -359,7 +358,7 @@ def ramp(mutation: Mutation) -> Statement:
     t = symbols("A h room m")
     most = mutation(1, 1.01) * stopping_speed(t.room, t.h, t.A)
     goal = at_least(t.room, t.m * t.h + t.m * t.m / (2 * t.A))
-    return Statement(t, goal, (above(t.A), at_least(t.h), at_least(t.room), between(0, t.m, most)))
+    return Statement(t, goal, (above(t.A), nonnegative(t.h, t.room), between(0, t.m, most)))
 
 
 @claim(
@@ -381,7 +380,7 @@ def falling(mutation: Mutation) -> Statement:
     reached = ca.fmax(t.V_1, t.v - t.T * ca.fmax(braking - b.net, 0) / t.M)
     given = (
         positive(t.M_min, t.T, t.alpha), between(t.M_min, t.M, t.M_max), at_least(t.V_0, t.v),
-        at_least(b.net), at_least(b.brake, b.net), at_least(t.V_1, t.f_speed),
+        between(0, b.net, b.brake), at_least(t.V_1, t.f_speed),
         at_least(t.V_1, t.V_0 - mutation(1, 1.1) * fall), at_least(reached, t.v_1),
     )  # fmt: skip
     return Statement(t, (at_least(t.V_1, t.v_1), at_least(fall)), given)

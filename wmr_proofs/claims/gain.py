@@ -45,7 +45,7 @@ def reach(delta: Any, B: Any) -> Any:
 
 def level(c: ca.SX, u1: ca.SX, u2: ca.SX, k: ca.SX) -> ca.SX:
     """v* for k = rho M/D."""
-    delta, B = u1 - u2, u1 + ca.fabs(c)
+    delta, B = u1 - u2, u1 + abs(c)
     return u1 - delta / (3 + 2 * delta * B + k * reach(delta, B)) ** 2
 
 
@@ -200,7 +200,7 @@ def covered(mutation: Mutation) -> Statement:
     # The numbers e and i that give a point of [v*, v_u1) back.
     a, v, c, u1, u2 = barrier_axis()
     k = ca.SX.sym("k")
-    b, B = u1 - u2, u1 + ca.fabs(c)
+    b, B = u1 - u2, u1 + abs(c)
     root = ca.sqrt(b / (u1 - v))
     e = root - 3 - mutation(2, 5) * b * B
     goals = (above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v))

@@ -82,7 +82,7 @@ class GateStep:
         """|sent_i| <= max(|last_i| - fall_i t, 0) for both axes."""
         last = self[gate.LAST]
         step = [mutation(1, 1.1) * SETTINGS.fall[i] * self.gone for i in AXES]
-        tops = [ca.fmax(ca.fabs(last[i]) - step[i], 0) for i in AXES]
+        tops = [ca.fmax(abs(last[i]) - step[i], 0) for i in AXES]
         return self.timed, self.below(tops)
 
 
@@ -128,7 +128,7 @@ def latched(mutation: Mutation) -> Statement:
     g = GateStep()
     after = g.system.update[-3]
     given = (g.sound, above(g[gate.LATCHED]), at_least(-g[gate.RESET]))
-    return Statement(g.symbols, (g.falling(mutation), equal(after, ca.SX(1))), given)
+    return Statement(g.symbols, (g.falling(mutation), equal(after, 1)), given)
 
 
 @claim("gate.rise", given=f"{SOUND}; {GONE}; whatever command the ramp leads to")
@@ -139,7 +139,7 @@ def rise(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.gone for i in AXES]
-    most = [ca.fabs(g[gate.LAST][i]) + step[i] for i in AXES]
+    most = [abs(g[gate.LAST][i]) + step[i] for i in AXES]
     goals = g.timed, g.below(most)
     return Statement(g.symbols, goals, g.sound, {f"goal{i}": g.goal[i] for i in AXES})
 

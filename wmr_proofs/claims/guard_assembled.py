@@ -86,7 +86,7 @@ def simulated(mutation: Mutation) -> Statement:
     after = rk4_step(robot, t.step)[3:5]
     friction = mu * m * g
     driven = t.v1 + t.step * ca.fmax(push[0], 0) / m
-    slow = t.step * (ca.fabs(push[0]) + mutation(2, -1) * friction) / m
+    slow = t.step * (abs(push[0]) + mutation(2, -1) * friction) / m
     turned = equal(after[1], t.omega + t.step * push[1] / inertia)
     goals = at_least(ca.fmax(driven, slow), after[0]), turned
     given = (positive(m, inertia, r, half, g, v_s, t.step), at_least(mu))
@@ -219,7 +219,7 @@ class MappedWheels(Named):
     def reached(self, force: ca.SX) -> Relation:
         """``force`` is within the wheels' reach."""
         t = self.symbols
-        return at_least(t.phi, ca.fabs(force[0]) + ca.fabs(force[1]) / t.half)
+        return at_least(t.phi, abs(force[0]) + abs(force[1]) / t.half)
 
     @property
     def given(self) -> Relations:
@@ -245,8 +245,8 @@ def torques(mutation: Mutation) -> Statement:
     w = MappedWheels()
     t = w.symbols
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
-    largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
-    size = ca.fabs(t.force1) + mutation * ca.fabs(t.force2) / t.half
+    largest = ca.fmax(abs(torque[0]), abs(torque[1]))
+    size = abs(t.force1) + mutation * abs(t.force2) / t.half
     return Statement(t, equal(largest, t.r / 2 * size), positive(t.half, t.r))
 
 
@@ -261,7 +261,7 @@ def necessary(mutation: Mutation) -> Statement:
     w = MappedWheels()
     t = w.symbols | symbols("dbar1 dbar2")
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
-    largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
+    largest = ca.fmax(abs(torque[0]), abs(torque[1]))
     tight = above(t.dbar1 + t.dbar2 / t.half, mutation(1, 0.99) * t.phi)
     held = [at_least(-t[f"force{i}"], t[f"dbar{i}"]) for i in (1, 2)]
     signs = (nonnegative(t.dbar1, t.dbar2), positive(t.half, t.r))

@@ -11,7 +11,7 @@ import casadi as ca
 
 from wmr_ctrl.control.guard.delay import InFlight, Lagging, in_flight, largest_force
 from wmr_ctrl.control.guard.guard import Bounds, ceiling, clipped, floor, room
-from wmr_proofs.relation import Relation, Relations, above, at_least, between
+from wmr_proofs.relation import Relation, Relations, above, at_least, between, within
 from wmr_proofs.symbols import Named, symbols
 
 AT_ONCE, DELAYED, LATE, LAGGING = range(4)
@@ -214,7 +214,7 @@ class GuardAxis(Named):
     @property
     def inside(self) -> Relations:
         """|v| <= u1."""
-        return at_least(self.u1, self.v), at_least(self.v, -self.u1)
+        return within(self.v, self.u1)
 
     @property
     def moving(self) -> Relations:

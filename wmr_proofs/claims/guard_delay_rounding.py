@@ -85,14 +85,14 @@ class QueuedAxis(RoundedAxis):
         room = self.held_back * self.reach
         need = (1 + self.waits) * (2 * ca.fmax(self.net, 0) + 8 * room)
         have = self.slope * (self.u1 - self.f_speed)
-        brakes = at_least(self.brake, ca.fabs(self.net) + 5 * room)
+        brakes = at_least(self.brake, abs(self.net) + 5 * room)
         return (at_least(have, need), brakes, at_least(self.waits, 2.0**-6), self.counts)
 
     @property
     def bounded(self) -> Relations:
         """Bounds on the brakes and the largest command."""
         room, brakes, largest = 2 * self.held_back * self.reach, self.brakes, self["largest"]
-        least = at_least(brakes), at_least(brakes, ca.fabs(self.net) + room)
+        least = at_least(brakes), at_least(brakes, abs(self.net) + room)
         return (least, at_least(largest), at_least(largest, self.net + room))
 
     def arrives(self, way: int) -> Relations:
@@ -136,7 +136,7 @@ def brakes(mutation: Mutation) -> Statement:
     The computed braking force is right to within a few roundings.
     """
     a = QueuedAxis()
-    least = ca.fabs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
+    least = abs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
     share = (a.brakes + a.net) * (1 + a.waits)
     goals = (at_least(a.brakes, least), at_least(a.aim + a.over, share))
     computed = {"brakes": a.aimed.braking}
@@ -171,7 +171,7 @@ def caps(mutation: Mutation) -> Statement:
     """
     a = QueuedAxis()
     both, off = _sum(a)
-    braked = at_least(a.brakes, ca.fabs(a.net) + 5 * a.held_back * a.reach)
+    braked = at_least(a.brakes, abs(a.net) + 5 * a.held_back * a.reach)
     part = at_least(a.aim + a.over, (a.brakes + a.net) * (1 + a.waits))
     more = (a.over + off) * mutation(1, 0.1)
     goals = (a.bounded, at_least(more, a.waits * (a.brakes - a["largest"])))

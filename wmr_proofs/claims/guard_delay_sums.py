@@ -68,7 +68,7 @@ def read(mutation: Mutation) -> Statement:
     exact = wheel_to_force(t.r, t.half, ca.vertcat(t.right, t.left))
     goals = []
     for place, name in enumerate(("thrust", "moment")):
-        lost = mutation(5, 1) * UNIT * ca.fabs(exact[place])
+        lost = mutation(5, 1) * UNIT * abs(exact[place])
         goals += [at_least(lost, exact[place] - t[name]), at_least(lost, t[name] - exact[place])]
     computed = {"thrust": exact[0], "moment": exact[1]}
     return Statement(t, goals, positive(t.r, t.half), computed=computed)
@@ -91,7 +91,7 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     computed = {"ahead": whole.ahead if way > 0 else whole.back}
     force, time = q.last
     exact = q.exact + time * ca.fmax(way * force + q.lost + q.net, 0)
-    off = q.off + time * (q.lost + 2 * UNIT * ca.fabs(q.net))
+    off = q.off + time * (q.lost + 2 * UNIT * abs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
     before = at_least((1 + q.grown) * q[name] + q.off, q.exact)
     given = (q.known("front", "rear", "off", "lost"), before)
@@ -113,9 +113,9 @@ def both(mutation: Mutation, axis: int) -> Statement:
     q = Queue(axis)
     whole = q.sums(SENT)
     force, time = q.last
-    most = q.counted + time * (q.most + q.net + 3 * UNIT * ca.fabs(q.net))
+    most = q.counted + time * (q.most + q.net + 3 * UNIT * abs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
-    sizes = (at_least(q.most, size) for size in (ca.fabs(q.net), force, -force))
+    sizes = (at_least(q.most, size) for size in (abs(q.net), force, -force))
     before = at_least((1 + q.grown) * q.counted, q.front + q.rear)
     given = (q.known("front", "rear", "counted"), *sizes, before)
     computed = {"ahead": whole.ahead, "back": whole.back}

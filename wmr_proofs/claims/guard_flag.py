@@ -74,7 +74,7 @@ class Flag(Assembled):
 
 def size(b: Bounds) -> ca.SX:
     """S = M_min alpha u1 + |net|: the guard's forces are of this size at most."""
-    return b.M_min * b.alpha * b.u1 + ca.fabs(b.net)
+    return b.M_min * b.alpha * b.u1 + abs(b.net)
 
 
 @claim("guard.flag.conditions", premises="assumption.libm", each=DELAYS)
@@ -89,7 +89,7 @@ def conditions(mutation: Mutation, n: int) -> Statement:
     e, free, near = Flag(n), symbols("flag"), 1 + NEAR
     goals = list[Relations]()
     for b in e.both:
-        goals += e.authority(b, mutation(2, 2.01)), at_least(b.brake + NEAR * ca.fabs(b.net), b.net)
+        goals += e.authority(b, mutation(2, 2.01)), at_least(b.brake + NEAR * abs(b.net), b.net)
         goals += at_least(near, b.alpha * b.period), at_least(b.u1 * near, 2 * b.nbar)
         goals += above(b.u1 * near, b.f_speed), at_least(b.M_max, b.M_min)
     return e.computes({"flag": e.told["feasible"]}, free, goals, above(free.flag))
@@ -114,7 +114,7 @@ def braking(mutation: Mutation, n: int) -> Statement:
         computed[name] = b.braking
         goals += within(free[name] - b.braking, share * size(b)), within(b.braking, size(b))
         given += e.authority(b), above(b.u1 * (1 + NEAR), b.f_speed)
-    given += [at_least(b.brake + NEAR * ca.fabs(b.net), b.net) for b in e.both]
+    given += [at_least(b.brake + NEAR * abs(b.net), b.net) for b in e.both]
     return e.computes(computed, free, goals, given)
 
 

@@ -159,7 +159,7 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
         between(0, z, most), between(0, after, most), at_least(again),
         positive(most), at_least((lag + J) * most, lag * z + again + a.rise * (most - after)),
         at_least(lag * most, lag * z + a.rise_late * (most - z)), exponentials(a),
-        positive(b.M_min, b.alpha), positive(*([J] * a.varies)),
+        positive(b.M_min, b.alpha, *([J] * a.varies)),
     )  # fmt: skip
     return Statement(a.symbols, goal, given)
 

@@ -85,7 +85,7 @@ def sides(mutation: Mutation, a: GuardAxis) -> Statement:
     late = [a.delay] * (a.lateness > AT_ONCE) + [a.jitter, a.mixed] * (a.lateness == LATE)
     given = (
         positive(a.period, a.M_min, a.alpha, a.u1, t.behind, *late), at_least(a.M_max, a.M_min),
-        at_least(ca.SX(1), a.alpha * a.period),
+        at_least(1, a.alpha * a.period),
     )  # fmt: skip
     caps = {"brakes": b.braking, "largest": largest_force(b)} if a.lateness else {}
     return Statement(a.symbols | t, goals, given, caps)

@@ -83,7 +83,7 @@ class RoundedAxis(GuardAxis):
     @property
     def measured(self) -> Relations:
         """|y - v| <= nbar + unit |v|: the measured velocity is a rounded number, too."""
-        gap, most = self.y - self.v, self.nbar + self.precision.unit * ca.fabs(self.v)
+        gap, most = self.y - self.v, self.nbar + self.precision.unit * abs(self.v)
         return at_least(most, gap), at_least(most, -gap)
 
     @property
@@ -260,7 +260,7 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
     half, asked = t.half, ca.vertcat(t.force1, t.force2)
     torque = force_to_wheel(t.r, half, asked)
     reached = wheel_to_force(t.r, half, ca.vertcat(t.right, t.left))
-    lost = mutation(5, 2) * precision.unit * (ca.fabs(asked[0]) + ca.fabs(asked[1]) / half)
+    lost = mutation(5, 2) * precision.unit * (abs(asked[0]) + abs(asked[1]) / half)
     goals = (_within(lost, reached[0] - asked[0]), _within(lost * half, reached[1] - asked[1]))
     computed = {"right": torque[0], "left": torque[1]}
     return Statement(t, goals, positive(half, t.r), computed=computed, unit=precision.unit)

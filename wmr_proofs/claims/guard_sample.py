@@ -125,7 +125,7 @@ def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
     The smallest safe force is within the brake cap, so the wheel maps stay in the box.
     """
     most = mutation(1, 0.99) * a.bounds.braking
-    return Statement(a.symbols, at_least(most, ca.fabs(a.force(ca.SX(0)))), a.stated, a.rooms)
+    return Statement(a.symbols, at_least(most, abs(a.force(ca.SX(0)))), a.stated, a.rooms)
 
 
 @claim(

@@ -46,7 +46,7 @@ def x_rate(m: Moving) -> ca.SX:
 def at_target(m: Moving) -> ca.SX:
     """[sgn(v_c1) v_c1'/(v_u1 - |v_c1|) where |v_c1| > v_u2], of Eqs. (23), (24)."""
     _, _, u1, u2 = m.all
-    term = barrier.sign(m.x) * x_rate(m) / (u1 - ca.fabs(m.x))
+    term = barrier.sign(m.x) * x_rate(m) / (u1 - abs(m.x))
     return ca.if_else(barrier.h(m.x, u2), term, 0)
 
 
@@ -91,7 +91,7 @@ def barrier_rate(mutation: Mutation) -> Statement:
     """
     m = Moving()
     v, _, u1, u2 = m.all
-    near = mutation * barrier.sign(v) * m.rates.vdot / (u1 - ca.fabs(v))
+    near = mutation * barrier.sign(v) * m.rates.vdot / (u1 - abs(v))
     return m.states(equal(m.along(barrier.f(v, u1, u2)), ca.if_else(barrier.h(v, u2), near, 0)))
 
 
@@ -260,4 +260,4 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
     change = (later - m.V) / t.h
     given = (m.inside, equal(v, u2), above(t.h), at_least(1, 1000000 * t.h), above(t.rho))
     del t["vdot"]
-    return Statement(t, at_least(1, ca.fabs(change + t.rho * m.V)), given)
+    return Statement(t, at_least(1, abs(change + t.rho * m.V)), given)

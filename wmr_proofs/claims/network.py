@@ -106,8 +106,8 @@ def target_bounded(_: Mutation) -> Statement:
     middle region.
     """
     a, v, c, u1, _u2 = barrier_axis()
-    given = (a.inside, at_least(0.95 * u1, ca.fabs(v)), at_least(3, ca.fabs(c)))
-    return a.states(at_least(1e6, ca.fabs(a.A / a.w)), given=given)
+    given = (a.inside, at_least(0.95 * u1, abs(v)), at_least(3, abs(c)))
+    return a.states(at_least(1e6, abs(a.A / a.w)), given=given)
 
 
 @claim(

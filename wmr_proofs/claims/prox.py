@@ -6,8 +6,6 @@ free numbers with the properties that other entries prove; a statement without a
 a LEMMA.
 """
 
-from typing import TypeAlias
-
 import casadi as ca
 
 from wmr_ctrl.control.barrier.proximal import LARGEST, resolvent, root, transported
@@ -37,7 +35,7 @@ def _limits(t: Symbols) -> Relations:
 
 
 def _target(t: Symbols) -> Relations:
-    return (_limits(t), above(t.k), above(ca.SX(1e100), t.c), above(t.c, -1e100))
+    return (_limits(t), above(t.k), above(1e100, t.c), above(t.c, -1e100))
 
 
 def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
@@ -57,7 +55,7 @@ def optimal(mutation: Mutation, smooth: bool) -> Statement:
     """
     t = symbols("c k u1 u2", "k u1 u2")
     x = resolvent(t.c, t.k, t.u1, t.u2, smooth)
-    size, s = ca.fabs(x), ca.if_else(t.c >= 0, 1, -1)
+    size, s = abs(x), ca.if_else(t.c >= 0, 1, -1)
     rest = s * (t.c - mutation * x)
     beyond = (rest - t.k * _slope(size, t, smooth)) * (t.u1 - size)
     jump = ca.SX(0) if smooth else t.k / (t.u1 - t.u2)
@@ -78,7 +76,7 @@ def monotone(mutation: Mutation, smooth: bool) -> Statement:
     t = symbols("x1 x2 k1 k2 u1 u2", "u1 u2")
     slopes = []
     for x, kink in ((t.x1, t.k1), (t.x2, t.k2)):
-        size, s = ca.fabs(x), ca.if_else(x >= 0, 1, -1)
+        size, s = abs(x), ca.if_else(x >= 0, 1, -1)
         jump = ca.SX(0) if smooth else kink
         steep = ca.if_else(size > t.u2, _slope(size, t, smooth), ca.if_else(size < t.u2, 0, jump))
         slopes.append(s * steep)
@@ -134,12 +132,11 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
     bent = k / (u1 - u2) if smooth else 0
     beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
     margin = at_least(mutation(k, 1.5 * k), m * (m + most - u1 + bent))
-    sizes = at_least(most, ca.fabs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k)
+    sizes = at_least(most, abs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k)
     given = (_target(t), above(m), at_least(u1 - u2, m), margin, sizes)
     return Statement(t, (at_least(u1 - m, x), at_least(x, m - u1)), given, {"d": root(beyond, k)})
 
 
-Goals: TypeAlias = tuple[Relation, ...]
 NONE = Symbols()
 
 
@@ -206,12 +203,12 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
     x_target, x_followed, carried = (s.free[n] for n in ("x_target", "x_followed", "carried"))
     E, target, followed = (s.inputs[n] for n in ("E", "target", "followed"))
     pull, rest = s.argument - s.free.end, (1 - E) * (target - x_target)
-    way, monotone = ca.fabs(target - followed), at_least((s.free.end - x_target) * (pull - rest))
-    nearer = at_least(ca.fabs(t.w), ca.fabs(carried - x_followed))
-    given = (monotone, nearer, at_least(way, ca.fabs(x_target - x_followed)))
-    most = E * (ca.fabs(t.w) + mutation(way, 0.9 * way))
+    way, monotone = abs(target - followed), at_least((s.free.end - x_target) * (pull - rest))
+    nearer = at_least(abs(t.w), abs(carried - x_followed))
+    given = (monotone, nearer, at_least(way, abs(x_target - x_followed)))
+    most = E * (abs(t.w) + mutation(way, 0.9 * way))
     names = ("carried", "end", "x_followed", "x_target")
-    return s.states((at_least(most, ca.fabs(s.end - x_target)),), given, names, t)
+    return s.states((at_least(most, abs(s.end - x_target)),), given, names, t)
 
 
 @claim(
@@ -275,10 +272,10 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     s, t = Step(smooth), symbols("C m", "C m")
     u1, C = s.limits[0], t.C
     most = s.inputs.E * u1 + s.shares[1] * mutation(C, 0.9 * C)
-    reached = ca.fabs(s.argument) <= most
-    short = when(reached, at_least(u1 - t.m, ca.fabs(s.free.end)))
-    given = (at_least(u1, ca.fabs(s.free.carried)), at_least(C, ca.fabs(s.inputs.target)), short)
-    return s.states((at_least(u1 - t.m, ca.fabs(s.end)),), given, ("carried", "end"), t)
+    reached = abs(s.argument) <= most
+    short = when(reached, at_least(u1 - t.m, abs(s.free.end)))
+    given = (at_least(u1, abs(s.free.carried)), at_least(C, abs(s.inputs.target)), short)
+    return s.states((at_least(u1 - t.m, abs(s.end)),), given, ("carried", "end"), t)
 
 
 @claim(

@@ -118,12 +118,12 @@ def light_model(mutation: Mutation) -> Statement:
     `check` has its limits.
     """
     t = symbols("mu a L")
-    given = [part for name in ("a", "L") for part in (above(t[name]), above(ca.SX(1), t[name]))]
+    given = [part for name in ("a", "L") for part in (above(t[name]), above(1, t[name]))]
     share = mutation(4 / ca.SX(3), ca.SX(1.5))
     edge = 4 - t.mu * (2 * (t.a + t.L) - t.a * t.L)
     det = 1 - t.mu * (t.a + t.L) + t.mu * t.a * t.L
     light = above(t.mu), at_least(share, t.mu)
-    return Statement(t, (above(edge), above(ca.SX(1), det)), (given, light))
+    return Statement(t, (above(edge), above(1, det)), (given, light))
 
 
 @claim(

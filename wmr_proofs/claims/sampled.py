@@ -21,7 +21,7 @@ from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
-from wmr_proofs.relation import Relations, above, at_least, between, equal, positive
+from wmr_proofs.relation import Relations, above, at_least, between, equal, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -48,7 +48,7 @@ class Held:
         following = v + float(Fraction(self.period)) * (nominal + mutation(1, 8) * free.d)
         inner = law.inner(self.axis)
         del inner[self.velocity]  # the clip stays in the graph
-        goals = (at_least(level, following), at_least(following, -level))
+        goals = within(following, level)
         return Statement(law.symbols | free, goals, (), inner, numbers(law))
 
     @property
@@ -222,7 +222,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     # ``jump`` is 0 off the corner, and there up to the corner's jump of slope 1/(u1 - u2).
     t = symbols("y v c u1 u2 jump", "u1 u2")
     y, v, c, u1, u2, jump = t.values()
-    at_corner = ca.if_else(ca.eq(ca.fabs(v), u2), barrier.sign(v) * jump, 0)
+    at_corner = ca.if_else(ca.eq(abs(v), u2), barrier.sign(v) * jump, 0)
     slope = barrier.a_term(v, c, u1, u2) + at_corner
     bend = mutation(0.5, 0.6) * (y - v) ** 2
     line = barrier.lyapunov(v, c, u1, u2) + slope * (y - v) + bend

@@ -10,7 +10,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ball, Refute, Ring
 from wmr_proofs.regions import POSITIVE, Case, at
-from wmr_proofs.relation import Relations, above, at_least, equal, positive
+from wmr_proofs.relation import Relations, above, at_least, equal, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -126,7 +126,7 @@ def pull(mutation: Mutation) -> Statement:
     a, _, _, u1, u2 = barrier_axis()
     t = a.symbols | symbols("p y")
     moved = barrier.minimiser(t.p + t.y, u1, u2) - mutation * t.p
-    given = (a.inside, at_least(u2, t.p), at_least(t.p, -u2))
+    given = (a.inside, within(t.p, u2))
     return Statement(t, at_least(moved * t.y), given)
 
 
@@ -163,11 +163,11 @@ def level_set(mutation: Mutation) -> Statement:
     """
     t = Tracking("u21 u22 level")
     e, k2, v_d, level, p = t.e, t.k[1], t.v_d, t.level, _undisturbed(t)
-    room = t.u22 - ca.fabs(v_d[1])
+    room = t.u22 - abs(v_d[1])
     low = at_least(2, k2 * level), at_least(room**2, 2 * mutation * (k2 * v_d[0]) ** 2 * level)
     sizes = positive(k2, v_d[0]), at_least(t.u21, v_d[0]), above(room)
     given = (sizes, low, above(level, analysis.position_lyapunov(e, k2)))
-    kept = (at_least(t[f"u2{i + 1}"], ca.fabs(p[i])) for i in (0, 1))
+    kept = (at_least(t[f"u2{i + 1}"], abs(p[i])) for i in (0, 1))
     return t.states(*kept, above(ca.cos(e[2]), -1), given=given)
 
 

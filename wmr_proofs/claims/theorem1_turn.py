@@ -38,9 +38,9 @@ def angle_falls(mutation: Mutation) -> Statement:
     """e3' < -0.8 k2 v1d |e2(t0)| + k3 (|sin e3| + |e2(t0)|/l)."""
     t = Tracking("l E")
     l, E = t.l, t.E
-    stays = above(5 * t.e[1], 4 * E), above(t.k[2] * E, l * ca.fabs(t.z[1]))
+    stays = above(5 * t.e[1], 4 * E), above(t.k[2] * E, l * abs(t.z[1]))
     given = (positive(l, E, t.k[1], t.k[2], t.v_d[0]), stays)
-    bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * ca.fabs(ca.sin(t.e[2])), E)
+    bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * abs(ca.sin(t.e[2])), E)
     return Statement(t.symbols, above(bound, 5 * t.rate[2]), given)
 
 
@@ -133,12 +133,12 @@ def angle_end(mutation: Mutation) -> Statement:
     t = symbols("l k2 k3 v1dmin E e3 z2 root eps0 s")
     l, k2, k3, low, E, e3, z2, root, eps0, side = t.values()
     T, least = analysis.window(l, k2, low), 2 * l * (root + eps0 / (2 * k3))
-    sizes = at_least(root), equal(side**2, 1), at_least(eps0, ca.fabs(z2))
-    large = at_least(E, l * ca.fabs(e3)), above(E, least * mutation(1, 0.25))
+    sizes = at_least(root), equal(side**2, 1), at_least(eps0, abs(z2))
+    large = at_least(E, l * abs(e3)), above(E, least * mutation(1, 0.25))
     given = (positive(l, k2, k3, low, E, eps0), sizes, large)
     moved = side * e3 - 3 * T * k2 * low * E / 10
     end = analysis.angle_after(l, side * e3, E)
-    passed = above(-4 * (root + ca.fabs(z2) / (2 * k3)), end)
+    passed = above(-4 * (root + abs(z2) / (2 * k3)), end)
     return Statement(t, (equal(moved, end), at_least(-2 * E, l * end), passed), given)
 
 
@@ -158,11 +158,11 @@ def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
     root, eps1, x = t.root, t.eps1, t.x
     given: list[Relations] = [
         positive(t.k[0], k2, k3, eps1, root), equal(root**2 * k3, k2 * eps1),
-        equal(x, root + ca.fabs(z2) / (2 * k3)), above(-4 * x, mutation * e3), above(11, 14 * x),
+        equal(x, root + abs(z2) / (2 * k3)), above(-4 * x, mutation * e3), above(11, 14 * x),
         above(22, -7 * e3), above(22, 7 * e3),
     ]  # fmt: skip
     if repaired:
-        given += [at_least(11 * ca.fabs(ca.sin(e3)), 7 * ca.fabs(e3)), at_least(e3 * ca.sin(e3))]
+        given += [at_least(11 * abs(ca.sin(e3)), 7 * abs(e3)), at_least(e3 * ca.sin(e3))]
     bound = analysis.position_rate_bound(ca.vertcat(-t.z[0] / (2 * t.k[0]), 0, e3), t.z, t.k)
     return t.states(above(-mutation(3, 40) * eps1, bound + eps1), given=given)
 

@@ -42,8 +42,8 @@ class Carried:
         v, limits, form = t.v, (t.u1, t.u2), smooth_barrier if smooth else stable_barrier
         x, x_next = (resolvent(c, ca.SX(1), *limits, smooth) for c in (t.c, t.c_next))
         ahead = x_next + (v - x)
-        level = form(t.c, ca.if_else(ca.fabs(v) < t.u1, v, 0), *limits).V1
-        reached = ca.if_else(ca.fabs(ahead) < t.u1, ahead, 0)
+        level = form(t.c, ca.if_else(abs(v) < t.u1, v, 0), *limits).V1
+        reached = ca.if_else(abs(ahead) < t.u1, ahead, 0)
         excess = form(t.c_next, reached, *limits).D
         share = level_share(v - x, level, excess)
         self.cuts = {"x": x, "x_next": x_next, "level": level, "excess": excess, "share": share}
@@ -105,11 +105,11 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     def cost(y: ca.SX, target: ca.SX) -> ca.SX:
         return 0.5 * (y - target) ** 2 + pull(y, u1, u2)
 
-    inside = above(u2), above(u1, u2), *(above(u1, ca.fabs(y)) for y in (v, x, x_next))
+    inside = above(u2), above(u1, u2), *(above(u1, abs(y)) for y in (v, x, x_next))
     least = at_least(cost(x_next, c), cost(x, c) + 0.5 * shift**2)
     given = (inside, least, at_least(cost(x, c_next), cost(x_next, c_next) + 0.5 * shift**2))
     rise = form(v, c_next, u1, u2) - form(v, c, u1, u2)
-    nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
+    nearer = ca.logic_and(w * shift > 0, abs(shift) <= abs(w))
     most = -w * step + 0.5 * mutation(step**2, -(step**2))
     sides = between(-w * step + 0.5 * shift**2, rise, -w * step + step * shift - 0.5 * shift**2)
     goals = (sides, at_least(most, rise), when(nearer, at_least(0, rise)))
@@ -132,10 +132,10 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     t = g.inputs | g.free
     v, x, x_next, share, after = (t[n] for n in ("v", "x", "x_next", "share", "after"))
     w, shift, left = v - x, x_next - x, g.end - x_next
-    within = ca.fabs(v) < t.u1
-    reaches = ca.logic_and(within, ca.fabs(x_next + w) < t.u1)
+    within = abs(v) < t.u1
+    reaches = ca.logic_and(within, abs(x_next + w) < t.u1)
     on_chord = ca.logic_and(reaches, ca.eq(left, share * w))
-    nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
+    nearer = ca.logic_and(w * shift > 0, abs(shift) <= abs(w))
     stays = ca.logic_and(within, ca.eq(g.end, v))
     held = ca.eq(t.c, t.c_next)
     spent = 0.5 * (share * w) ** 2 + share * t.excess
@@ -159,10 +159,10 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     """
     g = Carried(smooth)
     t = g.inputs
-    u1, size = t.u1, ca.fabs(g.end)
-    less = above(ca.if_else(ca.fabs(t.v) < u1, u1, 1 + size), size)
+    u1, size = t.u1, abs(g.end)
+    less = above(ca.if_else(abs(t.v) < u1, u1, 1 + size), size)
     goals = at_least(mutation(u1, t.u2), size), less, when(ca.eq(t.c, t.c_next), equal(g.end, t.v))
-    return g.states(goals, (at_least(u1, ca.fabs(t.v)),))
+    return g.states(goals, (at_least(u1, abs(t.v)),))
 
 
 @claim(
@@ -181,7 +181,7 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
     free = Symbols({name: g.free[name] for name in ("x", "x_next", "level", "excess")})
     v, c, c_next, u1, u2 = t.values()
     ahead = v + c_next - c
-    inside = above(u2), above(u1, u2), *(at_least(u2, ca.fabs(y)) for y in (v, c, c_next, ahead))
+    inside = above(u2), above(u1, u2), *(at_least(u2, abs(y)) for y in (v, c, c_next, ahead))
     values = equal(free.level, 0.5 * (v - c) ** 2), equal(free.excess)
     given = (inside, equal(free.x, c), equal(free.x_next, c_next), values)
     cuts = {name: g.cuts[name] for name in free}
@@ -202,5 +202,5 @@ def root(mutation: Mutation) -> Statement:
     roots = equal(t.S**2, 2 * t.before), equal(t.S_next**2, 2 * t.after)
     moves = at_least(t.before - t.w * t.step + 0.5 * t.step**2, t.after)
     given = (nonnegative(t.S, t.S_next), roots, at_least(2 * t.before, t.w**2), moves)
-    most = t.S + mutation(1, 0.9) * ca.fabs(t.step)
+    most = t.S + mutation(1, 0.9) * abs(t.step)
     return Statement(t, at_least(most, t.S_next), given)
