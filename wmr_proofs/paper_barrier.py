@@ -16,23 +16,23 @@ def sign(value: ca.SX) -> ca.SX:
 
 def h(v: ca.SX, u2: ca.SX) -> ca.SX:
     """h of Eq. (11): 1 where |v| > u2, else 0."""
-    return ca.fabs(v) > u2
+    return abs(v) > u2
 
 
 def a_term(v: ca.SX, c: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
     """A of Eq. (10), dV1/dv off the kink: v - c + sgn(v) h(v)/(u1 - |v|)."""
-    return v - c + ca.if_else(h(v, u2), sign(v) / (u1 - ca.fabs(v)), 0)
+    return v - c + ca.if_else(h(v, u2), sign(v) / (u1 - abs(v)), 0)
 
 
 def f(v: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
     """f of Eqs. (14), (15): -ln((u1 - |v|)/(u1 - u2)) where |v| > u2, else 0."""
-    inside = ca.if_else(h(v, u2), (u1 - ca.fabs(v)) / (u1 - u2), 1)
+    inside = ca.if_else(h(v, u2), (u1 - abs(v)) / (u1 - u2), 1)
     return -ca.log(inside)
 
 
 def minimiser(c: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
     """v_c1 of Eqs. (17), (18): the unique minimiser of (v - c)^2/2 + f(v)."""
-    size, s = ca.fabs(c), sign(c)
+    size, s = abs(c), sign(c)
     far = (size + u1 - ca.sqrt((size - u1) ** 2 + 4)) / 2
     return ca.if_else(size <= u2, c, s * ca.if_else(size <= u2 + 1 / (u1 - u2), u2, far))
 

@@ -36,7 +36,7 @@ def total_barrier(v: ca.SX, c: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
 
 def smooth_f(v: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
     """f of the smooth barrier: that of Eq. (15) less its tangent at u2 (not in the paper)."""
-    return f(v, u1, u2) - ca.fmax(ca.fabs(v) - u2, 0) / (u1 - u2)
+    return f(v, u1, u2) - ca.fmax(abs(v) - u2, 0) / (u1 - u2)
 
 
 def smooth_lyapunov(v: ca.SX, c: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:

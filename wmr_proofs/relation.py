@@ -1,6 +1,10 @@
 """Relations between expressions, from which claims are built."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import casadi as ca
 
@@ -13,6 +17,17 @@ class Relation:
 
     expr: ca.SX
     kind: str
+
+
+Relations: TypeAlias = "Relation | Sequence[Relations]"
+"""One relation, or groups of relations within groups, in their order."""
+
+
+def listed(relations: Relations) -> tuple[Relation, ...]:
+    """Relations of all groups, in one list."""
+    if isinstance(relations, Relation):
+        return (relations,)
+    return tuple(item for part in relations for item in listed(part))
 
 
 def equal(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
@@ -54,9 +69,10 @@ def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, ...]:
     return tuple(side for x, end in pairs for side in (at_least(end, x), at_least(x, -end)))
 
 
-def when(condition: ca.SX, relation: Relation) -> Relation:
-    """``condition`` implies the relation, which must be true for the expression 0."""
-    return Relation(ca.if_else(condition, relation.expr, 0), relation.kind)
+def when(condition: ca.SX, relations: Relations) -> tuple[Relation, ...]:
+    """``condition`` implies the relations, which must be true for the expression 0."""
+    found = listed(relations)
+    return tuple(Relation(ca.if_else(condition, item.expr, 0), item.kind) for item in found)
 
 
 def every(left: ca.SX, right: ca.SX) -> tuple[Relation, ...]:

@@ -15,7 +15,7 @@ from math import frexp
 import casadi as ca
 
 from .graph import LOGICAL, ProvedGraph, ProvedNode, graph_of
-from .relation import ABOVE, AT_LEAST, EQUAL, Relation, when
+from .relation import ABOVE, AT_LEAST, EQUAL, Relation, Relations, listed, when
 
 UNIT = 2.0**-53
 """Largest relative error of one operation in double precision."""
@@ -103,20 +103,24 @@ class Statement:
     """
 
     symbols: Mapping[str, ca.SX]
-    goals: tuple[Relation, ...]
-    given: tuple[Relation, ...] = ()
+    goals: Relations
+    given: Relations = ()
     cuts: Mapping[str, ca.SX] = field(default_factory=dict)
     numbers: Mapping[str, float] = field(default_factory=dict)
     computed: Mapping[str, ca.SX] = field(default_factory=dict)
     unit: float = UNIT
     parts: Mapping[str, "Statement"] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        for name in ("goals", "given"):
+            object.__setattr__(self, name, listed(vars(self)[name]))
+
     @cached_property
     def graph(self) -> ProvedGraph:
         """Outputs: the goals' expressions, those of ``given``, the bounds of all roundings."""
         if self.parts:
             return _united(self.parts)
-        exprs = [r.expr for r in (*self.goals, *self.given)]
+        exprs = [r.expr for r in listed((self.goals, self.given))]
         exact = graph_of(self.symbols, exprs, self.cuts, self.numbers)
         if not self.computed:
             return exact
@@ -132,19 +136,20 @@ class Statement:
     @property
     def goal_kinds(self) -> tuple[str, ...]:
         """Relation of each goal to 0."""
-        return tuple(r.kind for r in self.goals)
+        return tuple(r.kind for r in listed(self.goals))
 
     @property
     def given_kinds(self) -> tuple[str, ...]:
         """Relation of each hypothesis to 0, the bounds of all roundings included."""
-        roundings = len(self.graph.outputs) - len(self.goals) - len(self.given)
-        return (*(r.kind for r in self.given), *[AT_LEAST] * roundings)
+        kinds = tuple(r.kind for r in listed(self.given))
+        roundings = len(self.graph.outputs) - len(self.goal_kinds) - len(kinds)
+        return kinds + (AT_LEAST,) * roundings
 
 
 def joined(parts: Mapping[str, Statement]) -> Statement:
     """All of these statements, by name, each about symbols of its own."""
-    goals = tuple(goal for part in parts.values() for goal in part.goals)
-    given = tuple(item for part in parts.values() for item in part.given)
+    goals = [part.goals for part in parts.values()]
+    given = [part.given for part in parts.values()]
     return Statement({}, goals, given, parts=parts)
 
 
@@ -169,7 +174,8 @@ def _united(parts: Mapping[str, Statement]) -> ProvedGraph:
             name = own_name(node.name, key) if node.name else ""
             nodes.append(ProvedNode(node.op, args, node.value, name))
         places = [start + k for k in graph.outputs]
-        first, second = len(part.goals), len(part.goals) + len(part.given)
+        first = len(part.goal_kinds)
+        second = first + len(listed(part.given))
         goals += places[:first]
         given += places[first:second]
         bounds += places[second:]
@@ -185,13 +191,13 @@ def instance(proved: Statement, values: Mapping[str, ca.SX]) -> tuple[Relation, 
     given, goals = (valued(part, proved.symbols, values) for part in (proved.given, proved.goals))
     truth = {EQUAL: "eq", AT_LEAST: "ge", ABOVE: "gt"}
     met = reduce(ca.logic_and, [getattr(ca, truth[item.kind])(item.expr, 0) for item in given])
-    return tuple(when(met, goal) for goal in goals)
+    return when(met, goals)
 
 
 def valued(
-    relations: Sequence[Relation], names: Mapping[str, ca.SX], values: Mapping[str, ca.SX]
+    relations: Relations, names: Mapping[str, ca.SX], values: Mapping[str, ca.SX]
 ) -> tuple[Relation, ...]:
     """The relations with the symbols of these names replaced by ``values``."""
-    old, exprs = [names[name] for name in values], [item.expr for item in relations]
-    put = ca.substitute(exprs, old, [*values.values()])
-    return tuple(Relation(e, item.kind) for e, item in zip(put, relations, strict=True))
+    old, stated = [names[name] for name in values], listed(relations)
+    put = ca.substitute([item.expr for item in stated], old, [*values.values()])
+    return tuple(Relation(e, item.kind) for e, item in zip(put, stated, strict=True))

@@ -1,10 +1,10 @@
 """Symbols of claims, by name."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import casadi as ca
 
-from .relation import Relation
+from .relation import Relations
 from .statement import Statement
 
 
@@ -31,7 +31,7 @@ class Named:
     """
 
     symbols: Symbols
-    always: tuple[Relation, ...] = ()
+    always: Relations = ()
 
     def __getitem__(self, name: str) -> ca.SX:
         return self.symbols[name]
@@ -43,14 +43,13 @@ class Named:
 
     def states(
         self,
-        *goals: Relation,
-        given: Iterable[Relation] = (),
+        *goals: Relations,
+        given: Relations = (),
         cuts: Mapping[str, ca.SX] | None = None,
         more: Mapping[str, ca.SX] | None = None,
     ) -> Statement:
         """The statement about these symbols, and ``more``."""
-        goals = (*goals, *self.always)
-        return Statement(self.symbols | (more or {}), goals, tuple(given), cuts or {})
+        return Statement(self.symbols | (more or {}), (goals, self.always), given, cuts or {})
 
 
 def symbols(names: str, fixed: str = "") -> Symbols:

@@ -52,7 +52,7 @@ class Traced(float):
         return Traced(-float(self), -self.expr, self.trace)
 
     def __abs__(self) -> Traced:
-        return Traced(abs(float(self)), ca.fabs(self.expr), self.trace)
+        return Traced(abs(float(self)), abs(self.expr), self.trace)
 
     def __bool__(self) -> bool:
         return bool(self != 0.0)

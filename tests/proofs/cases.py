@@ -84,7 +84,7 @@ def _case(statement, goal, kind, known, ask):
     terms = CaseTerms(ask, known)
     (value,) = Walk(ProvedGraph(nodes, (outputs[goal],)), terms, ask).outputs()
     undefined = [item for item in terms.outside if not z3.is_false(z3.simplify(item))]
-    others = Walk(ProvedGraph(nodes, outputs[len(statement.goals) :]), terms, ask).outputs()
+    others = Walk(ProvedGraph(nodes, outputs[len(statement.goal_kinds) :]), terms, ask).outputs()
     base = [relation(k, v) for k, v in zip(statement.given_kinds, others, strict=True)]
     base += [*terms.facts, *terms.taken]
     return [_text(terms, [*base, wrong]) for wrong in (z3.Not(relation(kind, value)), *undefined)]
@@ -98,7 +98,7 @@ def _text(terms, every):
 
 def _known(statement):
     """Symbols to which a hypothesis a x + b = 0 gives a value."""
-    outputs = statement.graph.outputs[len(statement.goals) :]
+    outputs = statement.graph.outputs[len(statement.goal_kinds) :]
     for kind, place in zip(statement.given_kinds, outputs, strict=True):
         name, slope, rest = _line(statement.graph, place) if kind == EQUAL else ("", 0, 0)
         if name and slope:

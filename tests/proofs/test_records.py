@@ -42,7 +42,7 @@ def claim_of(statement, method=PLAIN):
 def turned(mutation):
     """The same with the hypothesis among the goals."""
     statement = written(mutation)
-    return replace(statement, goals=(*statement.goals, *statement.given), given=())
+    return replace(statement, goals=(statement.goals, statement.given), given=())
 
 
 def strictly(mutation):

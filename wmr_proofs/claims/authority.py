@@ -90,7 +90,7 @@ def high(mutation: Mutation) -> Statement:
     t = a.symbols | symbols("b rho high", "rho")
     later = barrier.lyapunov(t.b, c, u1, u2)
     goals = at_least(mutation(t.high, 0.99 * t.high) * a.A, t.rho * later), above(a.A)
-    return Statement(t, goals, (*a.inside, above(t.b, v), above(u1, t.b)))
+    return Statement(t, goals, (a.inside, above(t.b, v), above(u1, t.b)))
 
 
 @claim("authority.links-{name}", (9,), by=of_axis(table.link_points), over=AXES)
@@ -136,7 +136,7 @@ def ratio(mutation: Mutation) -> Statement:
     The bound on the disturbance is known to two per cent for every |v_c0| <= 20.
     """
     t = symbols("low high")
-    return Statement(t, (at_least(100 * t.low, mutation(98, 99) * t.high),))
+    return Statement(t, at_least(100 * t.low, mutation(98, 99) * t.high))
 
 
 @claim(
@@ -175,7 +175,7 @@ def limit(mutation: Mutation) -> Statement:
     Far away, the barrier's authority fades like one over the distance.
     """
     t = symbols("s")
-    return Statement(t, (at_least(mutation(0.2163, 0.2161), authority_limit(t.s)),))
+    return Statement(t, at_least(mutation(0.2163, 0.2161), authority_limit(t.s)))
 
 
 @claim(
@@ -187,4 +187,4 @@ def limit_reached(mutation: Mutation) -> Statement:
     The bound is attained.
     """
     t = symbols("s")
-    return Statement(t, (at_least(authority_limit(t.s), mutation(0.2161, 0.2163)),))
+    return Statement(t, at_least(authority_limit(t.s), mutation(0.2161, 0.2163)))

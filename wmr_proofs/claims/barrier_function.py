@@ -100,8 +100,8 @@ def stationary(mutation: Mutation) -> Statement:
     The formula with the root is right.
     """
     a, _, c, u1, _ = barrier_axis()
-    size = ca.fabs(a.x)
-    return a.states(equal(size + mutation / (u1 - size), ca.fabs(c)))
+    size = abs(a.x)
+    return a.states(equal(size + mutation / (u1 - size), abs(c)))
 
 
 @claim("eq74", (10, 74), given=OFF_EDGES)
@@ -122,7 +122,7 @@ def curvature(mutation: Mutation) -> Statement:
     """
     a, v, _, u1, u2 = barrier_axis()
     second = ca.hessian(a.V, v)[0]
-    bend = ca.if_else(barrier.h(v, u2), mutation / (u1 - ca.fabs(v)) ** 2, 0)
+    bend = ca.if_else(barrier.h(v, u2), mutation / (u1 - abs(v)) ** 2, 0)
     return a.states(equal(second, 1 + bend), at_least(second, 1))
 
 

@@ -10,7 +10,7 @@ from wmr_ctrl.control.filter import governor
 from wmr_ctrl.control.filter.governor import FirstOrder, drive, drive_back, largest_command
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, between, equal, positive
+from wmr_proofs.relation import Relations, above, at_least, between, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, symbols
 
@@ -25,14 +25,18 @@ COMMANDS = (
 claim = Claims(by=Z3())
 
 
-def sound(b: FirstOrder) -> tuple[Relation, ...]:
+def sound(b: FirstOrder) -> Relations:
     """0 < K_min <= K_max, 0 <= dbar < V."""
-    return *admits(b)[:3], above(b.V, b.dbar)
+    return _signs(b), above(b.V, b.dbar)
 
 
-def admits(b: FirstOrder) -> tuple[Relation, ...]:
+def admits(b: FirstOrder) -> Relations:
     """0 < K_min <= K_max, 0 <= dbar <= V."""
-    return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar), at_least(b.V, b.dbar)
+    return _signs(b), at_least(b.V, b.dbar)
+
+
+def _signs(b: FirstOrder) -> Relations:
+    return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar)
 
 
 class FilterAxis(Named):
@@ -51,11 +55,11 @@ class FilterAxis(Named):
         return largest_command(self.v_bar, self.bounds)
 
     @property
-    def relaxing(self) -> tuple[Relation, ...]:
+    def relaxing(self) -> Relations:
         """0 < e <= E <= 1 and kappa = e/(1 - e), e < 1."""
         e, E = self.e, self.E
         ratio = equal(self.kappa * (1 - e), e)
-        return above(e), above(ca.SX(1), e), *between(e, E, 1), ratio
+        return above(e), above(1, e), between(e, E, 1), ratio
 
 
 @claim("filter.drive", given=ANY_SIDE)
@@ -67,12 +71,12 @@ def driven(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     inside = between(a.K_min, a.K, a.K_max)
-    given = (*admits(a.bounds), *inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
+    given = (admits(a.bounds), inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
     u, b, reached = a.u, a.bounds, a.K * a.u
     ahead, back = drive(u, b), drive_back(u, b)
     least = at_least(ahead, reached + a.d), at_least(back, a.d - reached)
     most = at_least(highest(u, b), ahead), at_least(highest(-u, b), back)
-    return Statement(a.symbols, (*least, *most), given)
+    return Statement(a.symbols, (least, most), given)
 
 
 def highest(u: ca.SX, b: FirstOrder) -> ca.SX:
@@ -96,7 +100,7 @@ def inside(mutation: Mutation) -> Statement:
     known = at_least(a.v_bar, a.v), at_least(b.V, mutation(1, 0.99) * a.v_bar)
     sent = at_least(a.hi, a.u), at_least(drive(a.u, b), a.mean)
     goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
-    return Statement(a.symbols, (goal,), (*admits(a.bounds), *a.relaxing, *known, *sent))
+    return Statement(a.symbols, goal, (admits(a.bounds), a.relaxing, known, sent))
 
 
 @claim(
@@ -109,10 +113,10 @@ def clip(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     b, E = a.bounds, a.E
-    share = *between(0, E, 1), equal(a.kappa), at_least(b.V, a.v)
+    share = between(0, E, 1), equal(a.kappa), at_least(b.V, a.v)
     sent = at_least(mutation(1, 1.01) * a.hi, a.u), at_least(drive(a.u, b), a.mean)
     goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
-    return Statement(a.symbols, (goal,), (*admits(a.bounds), *share, *sent))
+    return Statement(a.symbols, goal, (admits(a.bounds), share, sent))
 
 
 @claim("filter.contains-clip", given=f"{ANY_SIDE}; v_bar <= V, kappa >= 0")
@@ -124,7 +128,7 @@ def contains_clip(mutation: Mutation) -> Statement:
     a = FilterAxis()
     b = a.bounds
     smallest = (b.V - b.dbar) / b.K_max
-    given = (*admits(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
+    given = (admits(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
     goals = at_least(a.hi, smallest), at_least(smallest), equal(largest_command(b.V, b), smallest)
     return Statement(a.symbols, goals, given)
 
@@ -141,9 +145,9 @@ def necessary(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     b, e = a.bounds, a.e
-    given = (*admits(a.bounds), *a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u))
+    given = (admits(a.bounds), a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u))
     end = e * a.v_bar + (1 - e) * (b.K_max * a.u + b.dbar)
-    return Statement(a.symbols, (above(end, b.V),), given)
+    return Statement(a.symbols, above(end, b.V), given)
 
 
 @claim(
@@ -158,10 +162,10 @@ def estimate(mutation: Mutation) -> Statement:
     """
     t = symbols("v w mean target least share most")
     bounds = at_least(t.w, t.v), at_least(t.target, t.mean), at_least(t.least)
-    shares = *between(mutation(1, 0.9) * t.least, t.share, t.most), at_least(1, t.most)
+    shares = between(mutation(1, 0.9) * t.least, t.share, t.most), at_least(1, t.most)
     end = governor.relaxed(t.w, t.target, t.most, t.least)
     goal = at_least(end, t.v + t.share * (t.mean - t.v))
-    return Statement(t, (goal,), (*bounds, *shares))
+    return Statement(t, goal, (bounds, shares))
 
 
 @claim("filter.curvature", given="lo_i < 0 < hi_i; both axes' commands r_i of any size")
@@ -173,7 +177,7 @@ def curvature(mutation: Mutation) -> Statement:
     t = symbols("r1 lo1 hi1 r2 lo2 hi2")
     r, lo, hi = ([t[f"{name}{i}"] for i in (1, 2)] for name in ("r", "lo", "hi"))
     eta = mutation(1, 1.01) * ca.fmin(*governor.admitted(r, lo, hi))
-    goals = [above(eta), at_least(ca.SX(1), eta)]
+    goals = [above(eta), at_least(1, eta)]
     goals += [at_least(hi[i], eta * r[i]) for i in (0, 1)]
     goals += [at_least(eta * r[i], lo[i]) for i in (0, 1)]
-    return Statement(t, tuple(goals), positive(*hi, *(-item for item in lo)))
+    return Statement(t, goals, positive(*hi, *(-item for item in lo)))

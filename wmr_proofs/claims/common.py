@@ -14,7 +14,7 @@ from wmr_ctrl.world.model.system import Port
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import rows
-from wmr_proofs.relation import Relation, above
+from wmr_proofs.relation import Relations, above
 from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
 
 PRESET = "paper-simulation"
@@ -85,7 +85,7 @@ class BarrierAxis(Named):
         return stable_barrier(c, v, u1, u2)
 
     @property
-    def inside(self) -> tuple[Relation, ...]:
+    def inside(self) -> Relations:
         """0 < u2 < u1 and |v| < u1, as hypotheses."""
         v, _, u1, u2 = self.all
         return above(u2), above(u1, u2), above(u1, v), above(v, -u1)

@@ -107,7 +107,7 @@ def closed_slope(mutation: Mutation) -> Statement:
     """
     t = symbols("y")
     y = t.y
-    return Statement(t, (equal(ca.gradient(y * stable._chi(y, 1 - y), y), 1 / (1 - y) - mutation),))
+    return Statement(t, equal(ca.gradient(y * stable._chi(y, 1 - y), y), 1 / (1 - y) - mutation))
 
 
 @claim(
@@ -128,7 +128,7 @@ def series_slope(mutation: Mutation) -> Statement:
     y = t.y
     chi = stable._chi(y, 1 - y)
     slope = (1 / (1 - y) - 1) - ca.gradient(y * chi, y)
-    bound = mutation(2.0**-51, 2.0**-56) * ca.fabs(y)
+    bound = mutation(2.0**-51, 2.0**-56) * abs(y)
     return Statement(t, (at_least(bound, slope), at_least(bound, -slope)))
 
 
@@ -172,7 +172,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     t = symbols("y v u1 u2", "u1 u2")
     y, v, u1, u2 = t.values()
     line = smooth_f(v, u1, u2) + ca.gradient(smooth_f(v, u1, u2), v) * (y - v)
-    return Statement(t, (at_least(smooth_f(y, u1, u2), line + mutation(0, (y - v) ** 2)),))
+    return Statement(t, at_least(smooth_f(y, u1, u2), line + mutation(0, (y - v) ** 2)))
 
 
 @smooth_claim("smooth.v_c1", by=Ring(EVERY), premises=f"prox.optimal {COVERED}")
@@ -221,6 +221,6 @@ def ratio(mutation: Mutation) -> Statement:
     """
     a, v, _, u1, _ = barrier_axis()
     found = _compiled(a)
-    m = ca.fmax(ca.fabs(v), ca.fabs(found.v_c1))
+    m = ca.fmax(abs(v), abs(found.v_c1))
     top = (1 + mutation(1, 0.9) / (u1 - m) ** 2) * found.q
     return a.states(at_least(1, found.q), at_least(top, 1))

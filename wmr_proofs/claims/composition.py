@@ -20,7 +20,17 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ring
 from wmr_proofs.paper_functions import target_rate
 from wmr_proofs.regions import POSITIVE, Case, target_cases
-from wmr_proofs.relation import Relation, above, at_least, between, equal, every, when, within
+from wmr_proofs.relation import (
+    Relation,
+    Relations,
+    above,
+    at_least,
+    between,
+    equal,
+    every,
+    when,
+    within,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -55,7 +65,7 @@ def eq18_rate(mutation: Mutation) -> Statement:
     a, _, c, u1, u2 = barrier_axis()
     t = a.symbols | symbols("cdot")
     rate = target_rate(c, t.cdot, u1, u2)
-    return Statement(t, (equal(rate, mutation * ca.gradient(a.x, c) * t.cdot),))
+    return Statement(t, equal(rate, mutation * ca.gradient(a.x, c) * t.cdot))
 
 
 @claim("reference.{kind}", given="rates and radius > 0{more}", by=POSITIVE_RATES, over=MOTIONS)
@@ -73,10 +83,10 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     second = ca.jacobian(first, t.t)
     turned = first[0] * second[1] - first[1] * second[0]
     fast = equal(first[0] ** 2 + first[1] ** 2, mutation * y[3] ** 2 + (1 - mutation))
-    goals = (fast, equal(turned, y[3] ** 2 * y[4]), *every(first[2:5], y[4:7]))
+    goals: Relations = (fast, equal(turned, y[3] ** 2 * y[4]), every(first[2:5], y[4:7]))
     if kind == "line":
         ahead = (equal(first[0], -ca.sin(y[2]) * y[3]), equal(first[1], ca.cos(y[2]) * y[3]))
-        goals = (*goals, *ahead, equal(y[3], t.ref_speed))
+        goals = (goals, ahead, equal(y[3], t.ref_speed))
     return Statement(t, goals)
 
 
@@ -123,8 +133,8 @@ def oldest_first(mutation: Mutation) -> Statement:
     t = symbols("delay period")
     delay, period = t.delay, t.period
     times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
-    goals = (equal(older * (newer - mutation * period)) for newer, older in pairwise(times))
-    return Statement(t, tuple(goals), (at_least(delay), above(period)))
+    goals = [equal(older * (newer - mutation * period)) for newer, older in pairwise(times)]
+    return Statement(t, goals, (at_least(delay), above(period)))
 
 
 @prediction_claim("prediction.friction", given="F1(u) u >= 0")
@@ -136,10 +146,10 @@ def friction(mutation: Mutation) -> Statement:
     t = symbols("free taken")
     free, taken = t.free, t.taken
     after = slowed(free, taken)
-    slows = at_least(after * free), at_least(mutation * ca.fabs(free), ca.fabs(after))
-    less = ca.fmax(ca.fabs(free) - ca.fabs(taken), 0)
-    goals = (*slows, equal(less * (after - free + taken)))
-    return Statement(t, goals, (at_least(taken * free),))
+    slows = at_least(after * free), at_least(mutation * abs(free), abs(after))
+    less = ca.fmax(abs(free) - abs(taken), 0)
+    goals = (slows, equal(less * (after - free + taken)))
+    return Statement(t, goals, at_least(taken * free))
 
 
 piece_claim = Claims(by=Z3())
@@ -158,12 +168,12 @@ def lemma_piece(mutation: Mutation) -> Statement:
     a, t = GuardAxis(), symbols("end drag push")
     v, end, edge = a.v, t.end, a.f_speed
     above_edge = ca.logic_or(v > edge, end > edge)
-    sizes = at_least(a.mass, a.M_min), at_least(a.t), *within(t.push, a.dbar)
+    sizes = at_least(a.mass, a.M_min), at_least(a.t), within(t.push, a.dbar)
     sides = at_least((v - edge) * (end - edge)), when(above_edge, at_least(t.drag, a.f_min))
     moves = equal(a.mass * (end - v), a.t * (a.asked - t.drag + t.push))
-    given = (*a.sound(), *sizes, *sides, moves)
+    given = (a.sound(), sizes, sides, moves)
     most = ca.fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
-    return Statement(a.symbols | t, (at_least(most, ca.fmax(end, edge)),), given)
+    return Statement(a.symbols | t, at_least(most, ca.fmax(end, edge)), given)
 
 
 @piece_claim(
@@ -183,8 +193,8 @@ def delay_step(mutation: Mutation) -> Statement:
         gained = a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
         reached = ca.fmin(a.arrived, most) + gained
         goals.append(at_least(most + mutation(1, 0.9) * sum_of, reached))
-    given = (*a.sound(), at_least(a.mass, a.M_min), *between(0, a.since, a.periods * a.period))
-    return Statement(a.symbols, tuple(goals), given)
+    given = (a.sound(), at_least(a.mass, a.M_min), between(0, a.since, a.periods * a.period))
+    return Statement(a.symbols, goals, given)
 
 
 @piece_claim(
@@ -205,7 +215,7 @@ def mean_piece(mutation: Mutation) -> Statement:
     coming = delayed_push(sent, late, 0, b, Tails("tail", (late, late)))
     assert coming is not None
     mean = (v[0] + mutation(2, 1.5) * v[1] + v[2]) / 4
-    goals, given = [], [*a.sound(), *within(a.y - mean, b.nbar)]
+    goals, given = [], [a.sound(), within(a.y - mean, b.nbar)]
     for way, seen in ((1, coming), (-1, coming.mirrored)):
         speeds = [ca.fmax(way * item, b.f_speed) for item in v]
         for k, name in enumerate(("other", "sent")):
@@ -213,7 +223,7 @@ def mean_piece(mutation: Mutation) -> Statement:
             given.append(at_least(speeds[k] + gain, speeds[k + 1]))
         reached = seen.reached(ca.fmax(way * a.y + b.nbar, b.f_speed), b)
         goals.append(at_least(reached, speeds[2]))
-    return Statement(a.symbols | t, tuple(goals), tuple(given))
+    return Statement(a.symbols | t, goals, given)
 
 
 @piece_claim("guard.late.convex", given="0 <= w <= 1; any two forces, any dbar - f_min")
@@ -230,7 +240,7 @@ def convex(mutation: Mutation) -> Statement:
             push([force], a.bounds, way) for force in (w * forces[0] + (1 - w) * forces[1], *forces)
         )
         goals.append(at_least(w * first + mutation(1 - w, w) * second, mixed))
-    return Statement(a.symbols | {"w": w}, tuple(goals), between(0, w, 1))
+    return Statement(a.symbols | {"w": w}, goals, between(0, w, 1))
 
 
 def vanishes(value: ca.SX, t: ca.SX, where: float) -> Relation:
@@ -247,7 +257,7 @@ def logarithm(mutation: Mutation) -> Statement:
     t = ca.SX.sym("t")
     gap = t - 1 - mutation(1, 2) * ca.log(t)
     goals = vanishes(gap, t, 1), at_least(ca.gradient(gap, t) * (t - 1))
-    return Statement({"t": t}, goals, (above(t),))
+    return Statement({"t": t}, goals, above(t))
 
 
 @piece_claim(
@@ -268,7 +278,7 @@ def sine(mutation: Mutation) -> Statement:
     t = names.t
     gap, rise = t - ca.sin(t), t**2 / 2 - 1 + ca.cos(t)
     slope, share = t * ca.cos(t) - ca.sin(t), ca.sin(t) / t
-    at_0 = (vanishes(value, t, 0) for value in (gap, rise, slope))
+    at_0 = [vanishes(value, t, 0) for value in (gap, rise, slope)]
     rates = equal(ca.gradient(rise, t), gap), equal(t**2 * ca.gradient(share, t), mutation * slope)
-    goals = (*at_0, at_least(ca.gradient(gap, t)), *rates, at_least(-ca.gradient(slope, t)))
+    goals = (at_0, at_least(ca.gradient(gap, t)), rates, at_least(-ca.gradient(slope, t)))
     return Statement(names, goals, (above(t), at_least(ca.sin(t))))

@@ -17,7 +17,17 @@ from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loops,
 from wmr_ctrl.world.pose_sensor import reckoned
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when
+from wmr_proofs.relation import (
+    Relations,
+    above,
+    at_least,
+    between,
+    equal,
+    every,
+    nonnegative,
+    positive,
+    when,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -53,8 +63,8 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     sent = scaled(asked, channels, [-item for item in most], most, scale)
     given = [above(item, 1e-29) for item in (t.l, t.A, t.B, t.C)]
     for channel, size in zip(channels, most, strict=True):
-        given.append(at_least(mutation(1, 2) * size, ca.fabs(channel.of(asked))))
-    return Statement(t, every(sent, ca.vertcat(*asked)), tuple(given))
+        given.append(at_least(mutation(1, 2) * size, abs(channel.of(asked))))
+    return Statement(t, every(sent, ca.vertcat(*asked)), given)
 
 
 @claim("corridor.dead-band", given="any size >= 0")
@@ -64,13 +74,13 @@ def dead_band(mutation: Mutation) -> Statement:
     What the dead band does counts as an error of the command.
     """
     g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, (("base.deadband", [0.01, 0.01]),))
-    goals, most = list[Relation](), g.bound("dropped")
+    goals, most = list[Relations](), g.bound("dropped")
     for i in (0, 1):
         size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
-        beyond = ca.fabs(g.system.u[i]) > size
-        goals.append(at_least(mutation(1, 0.9) * ca.fabs(most[i]), ca.fabs(off)))
-        goals.append(at_least(0, ca.if_else(beyond, ca.fabs(off), 0)))
-    return g.states(*goals, given=map(at_least, ca.vertsplit(g.column("base.deadband"))))
+        beyond = abs(g.system.u[i]) > size
+        goals.append(at_least(mutation(1, 0.9) * abs(most[i]), abs(off)))
+        goals.append(at_least(0, ca.if_else(beyond, abs(off), 0)))
+    return g.states(goals, given=nonnegative(*ca.vertsplit(g.column("base.deadband"))))
 
 
 @claim("corridor.wheel-speed", given="r, l, w_max > 0")
@@ -81,10 +91,10 @@ def wheel_speed(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, (("base.w_max", 10.0),))
     r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
-    speeds = (ca.fabs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
-    slow = (at_least(mutation(1, 2) * r * most, speed) for speed in speeds)
-    given = (*positive(r, l, most), *slow)
-    return g.states(*every(g.system.y, g.system.u), given=given)
+    speeds = (abs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
+    slow = [at_least(mutation(1, 2) * r * most, speed) for speed in speeds]
+    given = (positive(r, l, most), slow)
+    return g.states(every(g.system.y, g.system.u), given=given)
 
 
 @claim("corridor.pi-loop", given="r, l, tau_max > 0; no wheel is at its torque limit")
@@ -99,9 +109,9 @@ def pi_loop(mutation: Mutation) -> Statement:
     graph = plain.system.function("plain", [plain.system.update, plain.system.y])
     following, torque = graph(own.u, own.x, own.p)
     most = g["actuator.tau_max"]
-    weak = (above(mutation(1, 2) * most, ca.fabs(torque[i])) for i in (0, 1))
-    given = (*g.above_zero("robot.r", "robot.l", "actuator.tau_max"), *weak)
-    return g.states(*every(own.update, following), *every(own.y, torque), given=given)
+    weak = (above(mutation(1, 2) * most, abs(torque[i])) for i in (0, 1))
+    given = (g.above_zero("robot.r", "robot.l", "actuator.tau_max"), *weak)
+    return g.states(every(own.update, following), every(own.y, torque), given=given)
 
 
 @claim(
@@ -130,7 +140,7 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     cuts = {"slope": b.M_min * b.alpha, "braking": b.braking, "largest": largest_force(b)}
     if jitters:
         cuts["stretch"] = 1 + b.alpha * t.J
-    sizes = list[Relation]()
+    sizes = list[Relations]()
     for way, side in ((1, "ahead"), (-1, "back")):
         for w in (way * t.y + t.nbar, t.f_speed):
             for F in (way * t.force, ca.SX(0)):
@@ -142,9 +152,9 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     if not jitters:
         sizes[0] = at_least(mutation(1, 2) * S * (t.u1 - t.y - t.nbar - t.ahead), t.force + b.net)
     given = (
-        *(above(t[name]) for name in ("M_min", "M_max", "alpha", "period", "u1", "delay")),
-        above(S), *([at_least(c, 1)] * jitters), at_least(b.net), at_least(t.a_ahead),
-        at_least(t.a_back), at_least(t.largest, ca.fabs(t.force)), *sizes,
+        positive(t.M_min, t.M_max, t.alpha, t.period, t.u1, t.delay, S),
+        [at_least(c, 1)] * jitters, nonnegative(b.net, t.a_ahead, t.a_back),
+        at_least(t.largest, abs(t.force)), sizes,
     )  # fmt: skip
     goals = tuple(equal(clipped(asked, t.y, b, coming), asked) for asked in (t.force, ca.SX(0)))
     return Statement(t, goals, given, cuts)
@@ -162,14 +172,14 @@ def late_sums(mutation: Mutation) -> Statement:
     first, second = (ca.vertcat(t[name], 0) for name in ("F1", "F2"))
     sums = in_flight([(first, t.t1), (ca.horzcat(second, first), t.t2)], 0, b)
     scale, size = t.period / t.M_min, mutation(1, 0.5) * t.N
-    goals = list[Relation]()
+    goals = list[Relations]()
     for way, side in ((1, sums.ahead), (-1, sums.back)):
         worst = ca.fmax(way * t.F1, way * t.F2)
         most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
         goals.append(at_least(scale * most, side))
-    largest = at_least(t.N, b.net), at_least(t.N, ca.fabs(t.F1)), at_least(t.N, ca.fabs(t.F2))
-    given = (*positive(t.M_min, t.period), at_least(t.t1), at_least(t.t2), *largest)
-    return Statement(t, tuple(goals), given)
+    largest = at_least(t.N, b.net), at_least(t.N, abs(t.F1)), at_least(t.N, abs(t.F2))
+    given = (positive(t.M_min, t.period), nonnegative(t.t1, t.t2), largest)
+    return Statement(t, goals, given)
 
 
 @claim(
@@ -191,7 +201,7 @@ def overtaken(mutation: Mutation) -> Statement:
     arrived = g["tau_right"]
     before = ca.if_else(t.phase <= 0, last, t.older)
     given = (
-        above(h), equal(width, t.most * h), at_least(t.drawn), at_least(t.most, t.drawn),
+        above(h), equal(width, t.most * h), between(0, t.drawn, t.most),
         at_least(t.phase), at_least(t.steps, 1), at_least(t.steps, t.phase + 1),
         at_least(t.steps, due), at_least(due), when(t.phase > 0, equal(last, arrived)),
         equal((acting - last) * (acting - mutation(t.older, t.older + 1))),
@@ -199,7 +209,7 @@ def overtaken(mutation: Mutation) -> Statement:
     )  # fmt: skip
     one_of = equal((now - arrived) * (now - before))
     goals = one_of, equal(waiting, arrived), when(t.phase >= wait, equal(now, arrived))
-    return g.states(*goals, given=given, cuts=g.cuts, more=t)
+    return g.states(goals, given=given, cuts=g.cuts, more=t)
 
 
 @claim("corridor.ramp", given="h, a > 0; a at most accel and decel")
@@ -210,19 +220,19 @@ def ramped(mutation: Mutation) -> Statement:
     On the way from one command to the next what acts lies between them, and is there in time.
     """
     g = EffectGraph(command_ramp.COMMAND_RAMP, (("base.accel", [1.0, 1.0]),))
-    a, goals = symbols("a", "a"), list[Relation]()
-    h, given = g["clock.plant"], list[Relation]()
+    a, goals = symbols("a", "a"), list[Relations]()
+    h, given = g["clock.plant"], list[Relations]()
     for i in (0, 1):
         now, wanted = g[f"{command_ramp.RAMPED.name}[{i + 1}]"], g.system.u[i]
         after, rates = g.system.y[i], [g[f"base.{x}[{i + 1}]"] for x in ("accel", "decel")]
         given += [at_least(rate, a["a"]) for rate in rates]
-        left, was = ca.fabs(wanted - after), ca.fabs(wanted - now)
+        left, was = abs(wanted - after), abs(wanted - now)
         goals.append(at_least((after - now) * (wanted - after)))
         taken = at_least(ca.fmax(was - mutation(1, 1.1) * a["a"] * h, 0), left)
         goals.append(when(now * wanted >= 0, taken))
         goals.append(when(ca.logic_and(now * wanted < 0, after != 0), taken))
     goals += every(g.system.update, g.system.y)
-    return g.states(*goals, given=(*positive(h, a["a"]), *given), more=a)
+    return g.states(goals, given=(positive(h, a["a"]), given), more=a)
 
 
 @claim("corridor.reckoning", given="two poses, the second off by (dx, dy, b); one velocity")

@@ -9,7 +9,7 @@ from wmr_proofs import paper_barrier as barrier
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, equal, positive
+from wmr_proofs.relation import Relations, above, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -67,13 +67,13 @@ def charted(mutation: Mutation) -> Statement:
     t = symbols("y u2 b")
     y, u2, b = t.values()
     n = y / (1 - y)
-    goals: list[Relation] = []
+    goals: list[Relations] = []
     for name in ("near", "middle", "in", "out"):
         value = regions.side_value if name in ("in", "out") else regions.target_value
         low, high = _bounds(u2, b)[name]
         assert high is not None
         goals.append(equal(value(f"{name}+", u2, b, n), low + mutation * y * (high - low)))
-    return Statement(t, tuple(goals), (above(y), above(1, y), *positive(u2, b)))
+    return Statement(t, goals, (above(y), above(1, y), positive(u2, b)))
 
 
 @claim("cover.numbers", (15, 18))
@@ -98,7 +98,7 @@ def far_reached(mutation: Mutation) -> Statement:
     b = u1 - u2
     d = u1 - barrier.minimiser(c, u1, u2)
     goals = (above(d), above(b, d), equal(u1 - d + mutation / d, c))
-    return a.states(*goals, given=(*a.inside, above((c - u2) * b, 1), above(c, u2 + 1 / b)))
+    return a.states(goals, given=(a.inside, above((c - u2) * b, 1), above(c, u2 + 1 / b)))
 
 
 @claim(
@@ -110,7 +110,7 @@ def beyond_reached(mutation: Mutation) -> Statement:
     a, v, c, u1, u2 = barrier_axis()
     b, d = u1 - u2, SmoothAxis(c, v, u1, u2).d
     goals = (above(d), above(b, d), equal(u1 - d + mutation / d - 1 / b, c))
-    return a.states(*goals, given=(*a.inside, above(c, u2), above(1e100, c)))
+    return a.states(goals, given=(a.inside, above(c, u2), above(1e100, c)))
 
 
 @claim("cover.order", (15, 18), given="i, j > 0")
@@ -121,7 +121,7 @@ def ordered(mutation: Mutation) -> Statement:
     t = symbols("i j")
     i, j = t.values()
     more, less = i - j, i / (j - i)
-    below = ca.if_else(i < j, ca.fabs(j * less / (1 + less) - mutation * i), 0)
-    rest = ca.if_else(i > j, ca.fabs(j + more - i), below)
+    below = ca.if_else(i < j, abs(j * less / (1 + less) - mutation * i), 0)
+    rest = ca.if_else(i > j, abs(j + more - i), below)
     sign = ca.if_else(i > j, more, ca.if_else(i < j, less, 1))
     return Statement(t, (equal(rest), above(sign)), positive(i, j))

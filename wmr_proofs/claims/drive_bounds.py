@@ -8,7 +8,17 @@ from wmr_ctrl.world import delay, jitter, lag, motor
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import above, at_least, between, equal, every, positive, when, within
+from wmr_proofs.relation import (
+    above,
+    at_least,
+    between,
+    equal,
+    every,
+    nonnegative,
+    positive,
+    when,
+    within,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -37,8 +47,8 @@ def held(mutation: Mutation) -> Statement:
     adds = at_least(guarded + s * end, (mutation(1, 1.01) * h + s) * after)
     goals = adds, at_least(end, after)
     given = (
-        at_least(z), at_least(p), *positive(h, growth), *between(a, s, b),
-        equal(least * (1 + growth), 1), *between(0, rises, least), *between(least, e, falls),
+        nonnegative(z, p), positive(h, growth), between(a, s, b),
+        equal(least * (1 + growth), 1), between(0, rises, least), between(least, e, falls),
         above(1, falls), at_least(b * (1 - falls), h * falls),
     )  # fmt: skip
     return Statement(t, goals, given)
@@ -86,16 +96,16 @@ def lag_bound(mutation: Mutation) -> Statement:
     x, spread = g[f"{lag.NUMBERS.name}[1]"], g["actuator.lag_spread"]
     fast, slow = ca.vertsplit(g.bound("lag"))
     tau = time * (1 + spread * x)
-    sizes = *g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread)
-    steps = (at_least(most * time * (1 - spread), h) for most in (t.most_growth, 500))
-    given = (*sizes, *steps, *within(x, 1), above(t.growth), at_least(t.most_growth, t.growth))
+    sizes = g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread)
+    steps = [at_least(most * time * (1 - spread), h) for most in (t.most_growth, 500)]
+    given = (sizes, steps, within(x, 1), above(t.growth), at_least(t.most_growth, t.growth))
     least = lag.equivalent_lag(h, t.growth)
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
     left = every(g.system.update, wanted + t.decay * (acting - wanted))
-    goals = at_least(mutation(1, 0.9) * slow, tau), at_least(least, fast), *left
+    goals = at_least(mutation(1, 0.9) * slow, tau), at_least(least, fast), left
     cuts = {"most_growth": ca.expm1(h / (time * (1 - spread))), "decay": ca.exp(-h / tau)}
-    return g.states(*goals, given=given, cuts=cuts, more=t)
+    return g.states(goals, given=given, cuts=cuts, more=t)
 
 
 @claim("world.lag.constant", given="lag > 0, spread = 0")
@@ -110,9 +120,9 @@ def constant_lag(mutation: Mutation) -> Statement:
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
     t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
-    both = (equal(told, mutation * time) for told in ca.vertsplit(g.bound("lag")))
-    goals = (*both, *every(g.system.update, wanted + t.decay * (acting - wanted)))
-    return g.states(*goals, given=(above(time), equal(g["actuator.lag_spread"])), cuts=cuts, more=t)
+    both = [equal(told, mutation * time) for told in ca.vertsplit(g.bound("lag"))]
+    goals = (both, every(g.system.update, wanted + t.decay * (acting - wanted)))
+    return g.states(goals, given=(above(time), equal(g["actuator.lag_spread"])), cuts=cuts, more=t)
 
 
 @claim("world.delay.bound", given="any delay and unmodelled delay")
@@ -159,14 +169,14 @@ def jitter_bound(mutation: Mutation) -> Statement:
     g = Jittering()
     h, width, t = g["clock.plant"], g["actuator.jitter"], g.free
     now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
-    widths = above(h), equal(width, t.most * h), at_least(width), *between(0, t.drawn, t.most)
-    waits = at_least(t.most, g[jitter.DUE.name]), at_least(t.phase), at_least(t.steps)
-    given = (*widths, *waits)
+    widths = above(h), equal(width, t.most * h), at_least(width), between(0, t.drawn, t.most)
+    waits = at_least(t.most, g[jitter.DUE.name]), nonnegative(t.phase, t.steps)
+    given = (widths, waits)
     arrived = ca.vertcat(g["tau_right"], g["tau_left"])
     acts = t.phase >= mutation(t.most, t.most - 1)
-    told = (equal(g.bound(name)[0], width) for name in ("delay", "jitter"))
-    goals = (*(when(acts, goal) for goal in every(now, arrived)), at_least(t.most, wait), *told)
-    return g.states(*goals, given=given, cuts=g.cuts, more=t)
+    told = [equal(g.bound(name)[0], width) for name in ("delay", "jitter")]
+    goals = (when(acts, every(now, arrived)), at_least(t.most, wait), told)
+    return g.states(goals, given=given, cuts=g.cuts, more=t)
 
 
 @claim("world.motor.step", given="step > 0")
@@ -182,7 +192,7 @@ def stepped(mutation: Mutation) -> Statement:
     given = (above(step), at_least(x, number), above(1, x - number))
     most = motor.rounded_by(step) * mutation(1, 0.8)
     lost = within(g.system.outputs[0].expr - told, most)
-    return g.states(*lost, given=given, cuts={"number": number})
+    return g.states(lost, given=given, cuts={"number": number})
 
 
 @claim("world.motor.dead-zone", given="zone > 0")
@@ -194,8 +204,8 @@ def world_motor_dead_zone(mutation: Mutation) -> Statement:
     g = EffectGraph(motor.MOTOR, (("motor.dead_zone", 0.1),))
     told, zone = g["tau_right"], g["motor.dead_zone"]
     lost = told - g.system.outputs[0].expr
-    goals = (*within(lost, mutation(zone, 0.9 * zone)), at_least(lost * told))
-    return g.states(*goals, given=(above(zone),))
+    goals = (within(lost, mutation(zone, 0.9 * zone)), at_least(lost * told))
+    return g.states(goals, given=above(zone))
 
 
 @claim("world.motor.line", given="stall > 0, 1/free >= 0, |torque| <= tau")
@@ -212,8 +222,8 @@ def line(mutation: Mutation) -> Statement:
     ahead, back = ca.fmin(ahead, t.most), ca.fmin(back, t.most)
     part = mutation(1, 0.9)
     sides = at_least(part * ahead, t.torque - made), at_least(part * back, made - t.torque)
-    goals = (*sides, at_least((t.torque - made) * t.torque))
-    given = (above(t.stall), at_least(t.slowing), *within(t.torque, t.most))
+    goals = (sides, at_least((t.torque - made) * t.torque))
+    given = (above(t.stall), at_least(t.slowing), within(t.torque, t.most))
     return Statement(t, goals, given)
 
 
@@ -234,10 +244,10 @@ def pair_ahead(mutation: Mutation, way: int) -> Statement:
         first, second = (motor.missing(t.most, t.stall, t.slowing * s) for s in speeds)
         return first + second
 
-    limited = *positive(t.u1, t.edge), *within(t.v, t.u1), *within(t.turn, t.edge)
-    given = (above(t.stall), at_least(t.slowing), *limited)
+    limited = positive(t.u1, t.edge), within(t.v, t.u1), within(t.turn, t.edge)
+    given = (above(t.stall), at_least(t.slowing), limited)
     end = both(mutation(t.u1, 0.9 * t.u1), t.edge)
-    return Statement(t, (at_least(end, both(t.v, t.turn)),), given)
+    return Statement(t, at_least(end, both(t.v, t.turn)), given)
 
 
 @claim(
@@ -266,7 +276,7 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
                 for side, way in zip(sides, (1, -1), strict=True)]  # fmt: skip
 
     signs = ("motor.dead_zone", "actuator.tau_max", "limits.v_u1[1]", "limits.v_u1[2]")
-    given = [*g.above_zero("robot.r", "robot.l", "motor.free", "motor.stall", "motor.step", *signs)]
+    given = [g.above_zero("robot.r", "robot.l", "motor.free", "motor.stall", "motor.step", *signs)]
     ends = (g["limits.v_u1[1]"], half * g["limits.v_u1[2]"])
     opposite = 1 if axis == 0 else -1
     for side in (1, -1):
@@ -277,4 +287,4 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
             lost = motor.rounded_by(step) + g["motor.dead_zone"] + ca.fmin(d, most)
             given.append(at_least(lost, way * t[name]))
     made = wheel_to_force(r, half, ca.vertcat(t.right, t.left))[axis]
-    return g.states(*within(made, bound * mutation(1, 0.9)), given=given, more=t)
+    return g.states(within(made, bound * mutation(1, 0.9)), given=given, more=t)

@@ -24,7 +24,16 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.regions import at
-from wmr_proofs.relation import Relation, above, at_least, between, equal, every, within
+from wmr_proofs.relation import (
+    Relations,
+    above,
+    at_least,
+    between,
+    equal,
+    every,
+    nonnegative,
+    within,
+)
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import symbols
 
@@ -53,9 +62,9 @@ def world_slope(mutation: Mutation) -> Statement:
     along, across, sine = ca.cos(a), ca.sin(a), ca.sin(g["slope.angle"])
     goals = within(g.system.y, mutation(1, 0.9) * g.bound("dbar"))
     heaviest = at_least(g["guard.M_max[1]"], g["robot.m"])
-    turns = at_least(sine), *within(ca.vertcat(along, across), 1)
-    given = (*g.above_zero("robot.m", "robot.g"), heaviest, *turns)
-    return g.states(*goals, given=given, cuts={"along": along, "across": across, "sine": sine})
+    turns = at_least(sine), within(ca.vertcat(along, across), 1)
+    given = (g.above_zero("robot.m", "robot.g"), heaviest, turns)
+    return g.states(goals, given=given, cuts={"along": along, "across": across, "sine": sine})
 
 
 @claim(
@@ -82,10 +91,10 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     more = g.bound("dbar")[axis]
     heaviest = at_least(g["guard.M_max[1]"], g["robot.m"])
     moves = right + left if axis == 0 else right - left
-    signs = map(at_least, (*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves))
-    sizes = *g.above_zero("robot.l", "robot.g", "robot.m"), heaviest
-    turns = at_least((v, omega)[axis]), *within(ca.vertcat(right, left), 1)
-    given = (*signs, *sizes, *turns)
+    signs = nonnegative(*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)
+    sizes = g.above_zero("robot.l", "robot.g", "robot.m"), heaviest
+    turns = at_least((v, omega)[axis]), within(ca.vertcat(right, left), 1)
+    given = (signs, sizes, turns)
     goal = at_least(more * mutation(1, 0.9), g.system.y[axis])
     return g.states(goal, given=given, cuts={"right": right, "left": left})
 
@@ -106,8 +115,8 @@ def noise_thrust(mutation: Mutation, axis: int) -> Statement:
     bound = g.bound("dbar")[axis]
     force = wheel_to_force(*believed, g.system.y)[axis]
     drawn = within(g.column("torque"), most)
-    given = (*g.above_zero("robot.r", "robot.l"), at_least(g["disturbance.std"]), *drawn)
-    return g.states(*within(force, bound * mutation(1, 0.9)), given=given)
+    given = (g.above_zero("robot.r", "robot.l"), at_least(g["disturbance.std"]), drawn)
+    return g.states(within(force, bound * mutation(1, 0.9)), given=given)
 
 
 @claim(
@@ -124,9 +133,9 @@ def world_gust(mutation: Mutation) -> Statement:
     size, part = g.bound("dbar"), mutation(1, 0.9)
     drawn = ca.vertcat(g.column(gust.SHARE.name), g.column(gust.NUMBERS.name))
     pairs = zip(*map(ca.vertsplit, (g.system.update, g.system.y, part * size)), strict=True)
-    goals = [item for x, y, most in pairs for item in (*within(x, part), *within(y, most))]
-    sides = (*between(0, keep, 1), *(at_least(size[i]) for i in (0, 1)))
-    return g.states(*goals, given=(*within(drawn, 1), *sides), cuts={"keep": keep})
+    goals = [(within(x, part), within(y, most)) for x, y, most in pairs]
+    sides = (between(0, keep, 1), nonnegative(size[0], size[1]))
+    return g.states(goals, given=(within(drawn, 1), sides), cuts={"keep": keep})
 
 
 @claim("world.gyro", given="noise >= 0; the random number within [-1, 1]")
@@ -137,8 +146,8 @@ def world_gyro(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(gyro.GYRO, (("gyro.enabled", True),))
     most = g.bound("nbar")[1] * mutation(1, 0.9)
-    given = (at_least(g["gyro.noise"]), *within(g[f"{gyro.NUMBERS.name}[1]"], 1))
-    return g.states(*within(g.system.y[0] - g["omega"], most), given=given)
+    given = (at_least(g["gyro.noise"]), within(g[f"{gyro.NUMBERS.name}[1]"], 1))
+    return g.states(within(g.system.y[0] - g["omega"], most), given=given)
 
 
 @claim("world.velocity-noise", given="half-widths >= 0; random numbers within [-1, 1]")
@@ -151,7 +160,7 @@ def world_velocity_noise(mutation: Mutation) -> Statement:
     half = g.bound("nbar")
     goals = within(g.system.y - g.system.u, mutation(1, 0.9) * half)
     drawn = within(g.column(velocity_noise.NUMBERS.name), 1)
-    return g.states(*goals, given=(*drawn, *map(at_least, ca.vertsplit(half))))
+    return g.states(goals, given=(drawn, *map(at_least, ca.vertsplit(half))))
 
 
 AGES = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.control": 0.01}
@@ -170,12 +179,12 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
     g = EffectGraph(velocity_mean.VELOCITY_MEAN, AGES.items(), "clock limits")
     T, name = g["clock.control"], velocity_mean.PLACE.name
     seen = [g.column(f"{name}_{k}") for k in (1, 2, 3)]
-    goals = [*every(g.system.update, ca.vertcat(g["path"], g["theta"], *seen[:2]))]
+    goals: list[Relations] = [every(g.system.update, ca.vertcat(g["path"], g["theta"], *seen[:2]))]
     for axis in (0, 1):
         window, age = (g.bound(told)[axis] for told in ("window", "age"))
         way = seen[0][axis] - mutation(seen[2], seen[1])[axis]
         goals += [equal(g.system.y[axis] * window, way), equal(age, T), equal(window, 2 * T)]
-    return g.states(*goals, given=g.above_zero("clock.control", "sample"))
+    return g.states(goals, given=g.above_zero("clock.control", "sample"))
 
 
 @claim(
@@ -197,12 +206,12 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
     h, lasts, u1 = g["clock.plant"], g["clock.duration"], g[f"limits.v_u1[{axis + 1}]"]
     window = 2 * g["clock.control"]
     missed = g[f"{name}_1[{axis + 1}]"] - g[f"{name}_3[{axis + 1}]"] - t.way
-    times = *between(2 * h, window, lasts), at_least(lasts, 8 * h)
-    ways = *within(t.way, u1 * window), *within(h * missed, UNIT * u1 * lasts * window)
-    given = (*g.above_zero("clock.plant", "sample"), above(u1), *times, *ways)
+    times = between(2 * h, window, lasts), at_least(lasts, 8 * h)
+    ways = within(t.way, u1 * window), within(h * missed, UNIT * u1 * lasts * window)
+    given = (g.above_zero("clock.plant", "sample"), above(u1), times, ways)
     most = mutation(1, 0.4) * g.bound("nbar")[axis]
     off = within(t.shown * window - t.way, most * window)
-    whole = g.states(*off, given=given, more=t)
+    whole = g.states(off, given=given, more=t)
     return replace(whole, computed={"shown": g.system.y[axis]})
 
 
@@ -215,8 +224,8 @@ def world_push(mutation: Mutation) -> Statement:
     g = EffectGraph(push.PUSH, (("disturbance.push", [1.0, 1.0]),))
     size = g.bound("dbar")
     force = wheel_to_force(g["robot.r"], g["robot.l"], g.system.y)
-    sides = (*g.above_zero("robot.r", "robot.l"), *(at_least(size[i]) for i in (0, 1)))
-    return g.states(*within(force, mutation(1, 0.9) * size), given=sides)
+    sides = (g.above_zero("robot.r", "robot.l"), nonnegative(size[0], size[1]))
+    return g.states(within(force, mutation(1, 0.9) * size), given=sides)
 
 
 command_claim = Claims(by=Z3())
@@ -232,7 +241,7 @@ def command_delay_bound(mutation: Mutation) -> Statement:
     g = EffectGraph(command_delay.COMMAND_DELAY, (("base.delay", 0.02),))
     assert g.system.transport is not None
     late = equal(g.bound("delay")[0], mutation * g.system.transport)
-    return g.states(late, *every(g.system.y, g.system.u))
+    return g.states(late, every(g.system.y, g.system.u))
 
 
 @command_claim(
@@ -259,8 +268,7 @@ def command_loss_bound(mutation: Mutation) -> Statement:
     given = (
         above(h), equal(T, t.steps * h), at_least(g["base.losses"]), at_least(t.steps, 1),
         at_least(g["base.timeout"], longest * (1 - ROUNDING)), at_least(h, longest * ROUNDING),
-        *between(0, missed, most), at_least((most - missed) * (most - missed - 1)),
-        at_least(t.before),
+        between(0, missed, most), nonnegative((most - missed) * (most - missed - 1), t.before),
         at_least(t.steps, t.before + 1), at_least(silent),
         equal(t.phase, ca.if_else(t.before + 1 >= t.steps, 0, t.before + 1)),
         at_least((t.steps - t.before - 1) * (t.steps - t.before - 2)),
@@ -268,8 +276,8 @@ def command_loss_bound(mutation: Mutation) -> Statement:
     )  # fmt: skip
     now, silence, missing = ca.vertsplit(g.system.update, [0, 2, 3, 4])
     few = at_least(mutation(1, 0.9) * most, missing)
-    goals = few, at_least(missing * t.steps + t.phase, silence), *every(g.system.y, now)
-    return g.states(*goals, given=given, cuts=cuts, more=t)
+    goals = few, at_least(missing * t.steps + t.phase, silence), every(g.system.y, now)
+    return g.states(goals, given=given, cuts=cuts, more=t)
 
 
 @command_claim(
@@ -281,14 +289,14 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
     What the governor counts as the error of a command.
     """
     g = EffectGraph(command_quantum.COMMAND_QUANTUM, (("base.quantum", [0.01, 0.01]),))
-    off, most, given = g.system.y - g.system.u, g.bound("command"), list[Relation]()
+    off, most, given = g.system.y - g.system.u, g.bound("command"), list[Relations]()
     cuts = dict[str, ca.SX]()
     for i in (0, 1):
         step = g[f"base.quantum[{i + 1}]"]
         x = g.system.u[i] / ca.if_else(step > 0, step, 1) + 0.5
         cuts[f"number{i + 1}"] = number = ca.floor(x)
         given += [above(step), at_least(x, number), above(1, x - number)]
-    return g.states(*within(off, mutation(1, 0.9) * most), given=given, cuts=cuts)
+    return g.states(within(off, mutation(1, 0.9) * most), given=given, cuts=cuts)
 
 
 @command_claim("world.wheel-commands", given="l > 0, size >= 0; no ramps")
@@ -301,5 +309,5 @@ def wheels_heard(mutation: Mutation) -> Statement:
     g = EffectGraph(wheel_commands.WHEEL_COMMANDS, (("base.wheel_deadband", 0.03),), "robot")
     error, dropped = mutation(1, 0.9) * g.bound("command"), g.bound("dropped")
     u, acts = g.system.u, g.system.y
-    goals = *within(acts - u, error + dropped), *within(acts, ca.fabs(u) + error)
-    return g.states(*goals, given=(*g.above_zero("robot.l"), at_least(g["base.wheel_deadband"])))
+    goals = within(acts - u, error + dropped), within(acts, abs(u) + error)
+    return g.states(goals, given=(g.above_zero("robot.l"), at_least(g["base.wheel_deadband"])))

@@ -45,7 +45,7 @@ def ball(_: Mutation) -> Statement:
     """
     t = Tracking("r")
     given = (at_least(0.5 * t.r**2, analysis.position_lyapunov(t.e, t.k[1])), above(t.r))
-    return Statement(t.symbols, (at_least(t.r**2, ca.sumsqr(t.e)),), given)
+    return Statement(t.symbols, at_least(t.r**2, ca.sumsqr(t.e)), given)
 
 
 @claim("eq61.omega", (61,), given="radius of Omega_1, l > 5", by=Refute(EDGE))
@@ -72,8 +72,8 @@ def stays_on_target(_: Mutation) -> Statement:
     a, v, c, u1, u2 = barrier_axis()
     t = a.symbols | symbols("rho cdot")
     command = analysis.printed_command(t.rho, v, c, t.cdot, u1, u2)
-    given = (*a.inside, equal(v, c), above(u2, ca.fabs(v)), above(t.rho))
-    return Statement(t, (equal(command, t.cdot),), given)
+    given = (a.inside, equal(v, c), above(u2, abs(v)), above(t.rho))
+    return Statement(t, equal(command, t.cdot), given)
 
 
 @claim(
@@ -90,8 +90,8 @@ def one_rate(_: Mutation) -> Statement:
     t = column("V", 2) | column("rho", 2) | symbols("rho")
     total = t.V1 + t.V2
     rate = -t.rho1 * t.V1 - t.rho2 * t.V2
-    given = (equal(t.rho1, 15), equal(5 * t.rho2, 288), *nonnegative(t.V1, t.V2))
-    return Statement(t, (equal(rate, -t.rho * total),), (*given, equal(t.rho, t.rho1)))
+    given = (equal(t.rho1, 15), equal(5 * t.rho2, 288), nonnegative(t.V1, t.V2))
+    return Statement(t, equal(rate, -t.rho * total), (given, equal(t.rho, t.rho1)))
 
 
 @claim(
@@ -110,7 +110,7 @@ def slower_rate(mutation: Mutation) -> Statement:
     least = mutation(ca.fmin(t.rho1, t.rho2), ca.fmax(t.rho1, t.rho2))
     rate = -t.rho1 * t.V1 - t.rho2 * t.V2
     given = tuple(at_least(t[name]) for name in t)
-    return Statement(t, (at_least(-least * (t.V1 + t.V2), rate),), given)
+    return Statement(t, at_least(-least * (t.V1 + t.V2), rate), given)
 
 
 @claim("eq86.forgetting", (86,), form=OURS, given="M1ii > 0")
@@ -124,4 +124,4 @@ def forgetting_binds(mutation: Mutation) -> Statement:
     t = column("rho", 2) | column("M", 2)
     sigma, gamma = ca.SX([1, 1]), ca.SX([2, 0.08])
     rate = analysis.decay_rate(stacked(t, "rho", 2), stacked(t, "M", 2), sigma, gamma)
-    return Statement(t, (at_least(mutation(0.081, 0.07), rate),), positive(t.M1, t.M2))
+    return Statement(t, at_least(mutation(0.081, 0.07), rate), positive(t.M1, t.M2))

@@ -15,7 +15,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
-    Relation,
+    Relations,
     above,
     at_least,
     between,
@@ -80,7 +80,7 @@ class AssembledStep:
         self.cuts = {"1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / low)}
         self.cuts |= {"-most": ca.expm1(-T / low), "-least": ca.expm1(-T / high)}
 
-    def given(self, mutation: Mutation, target: ca.SX) -> tuple[Relation, ...]:
+    def given(self, mutation: Mutation, target: ca.SX) -> Relations:
         """Hypotheses on base, speed, odometry and exponentials; the mean under a command.
 
         Odometry, if there is any, is as stated; so are the stored bounds, if the sample came in
@@ -93,16 +93,16 @@ class AssembledStep:
         up, down = (known.sym[axis] for known in graph.known)
         error = mutation(1, 1.01) * b.nbar
         there, elapsed = graph.age.sym >= -NEAR * graph.T, graph.elapsed.sym
-        timely = ca.logic_or(elapsed == 0, ca.fabs(elapsed - graph.T) <= NEAR * graph.T)
+        timely = ca.logic_or(elapsed == 0, abs(elapsed - graph.T) <= NEAR * graph.T)
         return (
             at_least(ahead, b.dbar), at_least(back, b.dbar), at_least(b.dbar), at_least(ahead, v),
             at_least(back, -v),
             at_least(b.nbar), above(b.K_min), at_least(b.K_max, b.K_min), equal(f.kappa, kappa),
             equal(f.gone, most), above(f.kappa), equal(-f.kappa * f.gone, 1 + f.gone),
-            above(-least), at_least(least, most), above(1 + most), when(timely, at_least(up, v)),
-            when(timely, at_least(down, -v)), when(there, at_least(error, y - v)),
-            when(there, at_least(error, v - y)), *between(1 + most, f.E, 1),
-            above(graph.T), at_least(target, f.mean),
+            above(-least), at_least(least, most), above(1 + most),
+            when(timely, (at_least(up, v), at_least(down, -v))),
+            when(there, (at_least(error, y - v), at_least(error, v - y))),
+            between(1 + most, f.E, 1), above(graph.T), at_least(target, f.mean),
         )  # fmt: skip
 
 
@@ -120,20 +120,20 @@ def limits(mutation: Mutation) -> Statement:
     """
     stated, cuts = load_scenario("paper-simulation", {**STATED, **BY_SIDE}), dict[str, ca.SX]()
     graph = Governor(stated)
-    goals, given = list[Relation](), list[Relation]()
+    goals, given = list[Relations](), list[Relations]()
     for axis, channel in enumerate(graph.channels):
         (low, high), name = graph.motions[0][axis].tau, ("linear", "angular")[axis]
         growth = ca.expm1(graph.T / low)
         kappa = 1 / growth
         cuts |= {f"kappa {name}": kappa, f"-most {name}": ca.expm1(-graph.T / low)}
         cuts[f"-least {name}"] = ca.expm1(-graph.T / high)
-        given += [*positive(low, high, growth), above(kappa)]
+        given += [positive(low, high, growth, kappa)]
         for side, b in zip(graph.limits, channel.sides, strict=True):
-            given += admits(b)
+            given.append(admits(b))
             goals.append(at_least(side[axis], mutation(0, b.V)))
             goals.append(above(ca.if_else(b.dbar < b.V, side[axis], 1)))
     table = elements_of(*graph.system.inputs, *graph.system.state, *graph.system.params)
-    return Statement(table, tuple(goals), tuple(given), cuts)
+    return Statement(table, goals, given, cuts)
 
 
 @claim(
@@ -171,9 +171,9 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
     """
     step = AssembledStep(side, axis)
     u, E = step.free.u, step.free.E
-    given = (*step.given(mutation, drive(u, step.bounds)), at_least(step.limit, u))
+    given = (step.given(mutation, drive(u, step.bounds)), at_least(step.limit, u))
     end = E * step.way * step.free.v + (1 - E) * step.free.mean
-    return Statement(step.symbols, (at_least(step.bounds.V, end),), given, step.cuts)
+    return Statement(step.symbols, at_least(step.bounds.V, end), given, step.cuts)
 
 
 def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
@@ -231,9 +231,9 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     v, share, (_, most, least) = step.way * step.free.v, step.free.share, step.cuts.values()
     sent, b = step.way * step.graph.safe[axis], step.bounds
     target = (drive, drive_back)[side](step.graph.safe[axis], b)
-    within = at_least(step.limit, sent), *between(-least, share, -most)
-    given = (*step.given(mutation, target), *within, *step.slow, at_least(highest(sent, b), target))
+    within = at_least(step.limit, sent), between(-least, share, -most)
+    given = (step.given(mutation, target), within, step.slow, at_least(highest(sent, b), target))
     end = v + share * (step.free.mean - v)
     commands = {"sent command": step.graph.safe[axis], "other command": step.graph.safe[1 - axis]}
     cuts = step.cuts | commands | {"driven towards": target}
-    return Statement(step.symbols, (at_least(step.graph.following[side][axis], end),), given, cuts)
+    return Statement(step.symbols, at_least(step.graph.following[side][axis], end), given, cuts)

@@ -17,7 +17,7 @@ from wmr_ctrl.control.filter.forecast import (
 )
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, between
+from wmr_proofs.relation import Relation, Relations, above, at_least, between
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, stacked, symbols
 
@@ -47,17 +47,17 @@ class BandAxis(Named):
         self.forecast = Forecast(over, under, s.tail, s.u, s.past_over, s.past_under)
 
     @property
-    def stated(self) -> tuple[Relation, ...]:
+    def stated(self) -> Relations:
         """0 <= low <= high, and `faded`."""
         low, high = self.table.low, self.table.high
         order = (part for i in range(self.size) for part in between(0, low[i], high[i]))
-        return (*order, *self.faded)
+        return (*order, self.faded)
 
     @property
-    def faded(self) -> tuple[Relation, ...]:
+    def faded(self) -> Relations:
         """Left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
-        shares = *between(0, self.left, 1), *between(0, self.fading, 1)
-        return (*shares, at_least(self.tail), above(self.c))
+        shares = between(0, self.left, 1), between(0, self.fading, 1)
+        return (shares, at_least(self.tail), above(self.c))
 
 
 def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
@@ -79,10 +79,10 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     """
     a = BandAxis()
     s, changed = a.symbols, a.forecast.changed(a.to, a.table)
-    given = [*a.stated, at_least(way * s.u + bound_of(a.forecast, way), way * s.v)]
-    given += [*between(mutation(1, 0.9) * a.table.low[0], s.S, a.table.high[0])]
+    given = [a.stated, at_least(way * s.u + bound_of(a.forecast, way), way * s.v)]
+    given += [between(mutation(1, 0.9) * a.table.low[0], s.S, a.table.high[0])]
     most = way * s.to + bound_of(changed, way)
-    return Statement(s, (at_least(most, way * (s.v + (s.to - s.u) * s.S)),), given=tuple(given))
+    return Statement(s, at_least(most, way * (s.v + (s.to - s.u) * s.S)), given=given)
 
 
 @claim("filter.band.mirrored", given=f"{TABLES}")
@@ -97,7 +97,7 @@ def mirrored(mutation: Mutation) -> Statement:
     here = a.forecast.changed(s.to, a.table).mirrored(ca.SX(-1))
     goals = [at_least(bound_of(x, way) - bound_of(y, way))
              for x, y in ((there, here), (here, there)) for way in (1, -1)]  # fmt: skip
-    return Statement(s, tuple(goals), a.stated)
+    return Statement(s, goals, a.stated)
 
 
 WITHIN = "u + over, -u + under <= c'', c'' = c (1 + 2^-30 + 2^-46)"
@@ -120,7 +120,7 @@ class BandStep(BandAxis):
         self.stopped = self.forecast.stopped(self.c, self.table, self.inverse[1:])
 
     @property
-    def stated(self) -> tuple[Relation, ...]:
+    def stated(self) -> Relations:
         """Hypotheses on forecasts; ``after`` bounds the next one, by height or by slope."""
         own, high = self.table.after, self.table.high
         over = [own[i] - high[PIECES + i] for i in range(own.numel())]
@@ -128,7 +128,7 @@ class BandStep(BandAxis):
         younger = [at_least(own[i], high[i]) for i in range(own.numel() - 1)]
         younger += [at_least(own[-1], item) for item in last]
         steep = [at_least(item * (item - FLATTEST)) for item in over]
-        return (*super().stated, *younger, *steep)
+        return (super().stated, younger, steep)
 
     def most(self, held: bool) -> ca.SX:
         """c'' for a constant command, c' if 0 follows."""
@@ -138,14 +138,14 @@ class BandStep(BandAxis):
         """The forecast keeps v (or -v) within `most` on one part: a piece, or -1 for the tail."""
         return at_least(self.most(held), way * forecast.u + bound_of(forecast, way, part))
 
-    def held(self, *parts: int) -> tuple[Relation, ...]:
+    def held(self, *parts: int) -> Relations:
         """Bounds of these parts before the step, for a constant command."""
         return tuple(self.within(self.forecast, part, way) for part in parts for way in (1, -1))
 
-    def inside(self, *parts: int) -> tuple[Relation, ...]:
+    def inside(self, *parts: int) -> Relations:
         """Goals for v, and for -v with 0 sent."""
         stop = self.forecast.changed(ca.SX(0), self.table)
-        return (*self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts))
+        return (self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts))
 
 
 @claim("filter.band.least", given="any tables, forecast and command")
@@ -183,7 +183,7 @@ def held(mutation: Mutation, rises: bool) -> Statement:
         turn = at_least(u, to), at_least(to, u - mutation(1, 1.2) * fall)
     after = a.forecast.changed(to, a.table)
     goals = tuple(a.within(after, part, way) for part in a.everywhere for way in (1, -1))
-    return Statement(s, goals, (*a.stated, *a.held(*a.everywhere), *turn))
+    return Statement(s, goals, (a.stated, a.held(*a.everywhere), turn))
 
 
 @claim(
@@ -207,7 +207,7 @@ def stopped(mutation: Mutation, way: int, part: str) -> Statement:
     after = after.changed(ca.SX(0), a.table)
     parts = (*range(1, a.size), -1) if part == "tail" else (0,)
     goals = tuple(a.within(after, k, way, held=way > 0) for k in parts)
-    return Statement(a.symbols, goals, (*a.stated, *a.inside(behind), at_least(to), *admitted))
+    return Statement(a.symbols, goals, (a.stated, a.inside(behind), at_least(to), admitted))
 
 
 @claim("filter.band.zero", given=f"{AFTER}; u >= 0; {INSIDE}")
@@ -221,7 +221,7 @@ def zero(mutation: Mutation) -> Statement:
     after = now.later(a.table).changed(mutation(0, 1) * a.c, a.table)
     every = product((now, after), a.everywhere, (1, -1))
     goals = (a.within(f, part, way, held=way > 0) for f, part, way in every)
-    return a.states(*goals, given=(*a.stated, at_least(a.u), *a.inside(*a.everywhere)))
+    return a.states(*goals, given=(a.stated, at_least(a.u), a.inside(*a.everywhere)))
 
 
 @claim(
@@ -237,4 +237,4 @@ def zero_held(mutation: Mutation) -> Statement:
     s, (rise, fall) = a.symbols, a.steps
     known = tuple(at_least(a.table.high[i], ca.SX(FLATTEST)) for i in range(a.size))
     goals = at_least(mutation(1, 0.9) * fall, s.u), at_least(s.u + rise)
-    return Statement(s, goals, (*a.stated, *known, at_least(s.u), *a.inside(*a.everywhere)))
+    return Statement(s, goals, (a.stated, known, at_least(s.u), a.inside(*a.everywhere)))

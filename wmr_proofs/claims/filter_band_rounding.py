@@ -8,7 +8,7 @@ import casadi as ca
 from wmr_ctrl.control.filter.forecast import PAST, PIECES, Fading, spread_of, stays_of
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, between, nonnegative, within
+from wmr_proofs.relation import Relations, above, at_least, between, listed, nonnegative, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -24,14 +24,14 @@ SIZES = f"{TABLES}, high <= 5; |u|, |to| <= 2 c, |over|, |under|, |past| <= 4 c"
 claim = Claims(by=Z3(), premises="assumption.libm")
 
 
-def _sizes(a: BandAxis) -> tuple[Relation, ...]:
+def _sizes(a: BandAxis) -> Relations:
     """Bounds of the known part and of both commands, in units of c."""
     s, c, numbers = a.symbols, a.c, range(a.size)
     columns = (s[f"{word}{i + 1}"] for word in ("over", "under") for i in numbers)
     sizes = (*columns, s.past_over, s.past_under)
     high = (at_least(5, a.table.high[i]) for i in numbers)
     known = (part for item in sizes for part in within(item, 4 * c))
-    return (*high, *within(s.u, 2 * c), *within(s.to, 2 * c), *known)
+    return (*high, within(s.u, 2 * c), within(s.to, 2 * c), *known)
 
 
 @claim(
@@ -50,11 +50,11 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     s, changed = a.symbols | symbols("e made"), a.forecast.changed(a.to, a.table)
     known = bound_of(a.forecast, way)
     bounded = at_least(way * s.u + known + s.e, way * s.v), at_least(a.table.high[0], s.S)
-    given = (*a.stated, *_sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]), *bounded)
+    given = (a.stated, _sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]), bounded)
     past, made = (s.past_over, changed.over) if way > 0 else (s.past_under, changed.under)
     most = way * s.to + past + s.made + s.e + mutation(1, 2.0**-9) * STEP * s.c
     goal = at_least(most, way * (s.v + (s.to - s.u) * s.S))
-    return Statement(s, (goal,), given, computed={"made": made})
+    return Statement(s, goal, given, computed={"made": made})
 
 
 @claim(
@@ -70,9 +70,9 @@ def tail(mutation: Mutation) -> Statement:
     s = a.symbols | symbols("f made")
     after = a.forecast.changed(s.to, a.table).later(a.table)
     fades = at_least(s.fading, (1 + mutation(1, 0) * 2.0**-41) * s.f)
-    given = (above(s.f), fades, *nonnegative(s.left, s.tail))
-    stays = s.f * (s.tail + ca.fabs(s.to - s.u) * s.left)
-    return Statement(s, (at_least(s.made, stays),), given, computed={"made": after.tail})
+    given = (above(s.f), fades, nonnegative(s.left, s.tail))
+    stays = s.f * (s.tail + abs(s.to - s.u) * s.left)
+    return Statement(s, at_least(s.made, stays), given, computed={"made": after.tail})
 
 
 @claim(
@@ -104,17 +104,17 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     change, product = s.to - u, inverse * slope
     text = u + room * inverse if up else u - room * inverse
     own = {item.name() for item in ca.symvar(ca.vertcat(text, left, s.to))}
-    known = (*a.stated, *_sizes(a), *within(table.after[0], ca.SX(5)))
+    known = listed((a.stated, _sizes(a), within(table.after[0], 5)))
     given = (
-        *(part for part in known if {item.name() for item in ca.symvar(part.expr)} <= own),
-        at_least(way * change), above(s.c), at_least(16 * inverse, ca.SX(1)),
+        [part for part in known if {item.name() for item in ca.symvar(part.expr)} <= own],
+        at_least(way * change), above(s.c), at_least(16 * inverse, 1),
         above(slope) if stops else at_least(slope),
-        at_least(product, ca.SX(1)) if stops and way < 0 else at_least(ca.SX(1), product),
-        at_least(ca.SX(10), slope), at_least(s.limit, s.to) if up else at_least(s.to, s.limit),
+        at_least(product, 1) if stops and way < 0 else at_least(1, product),
+        at_least(10, slope), at_least(s.limit, s.to) if up else at_least(s.to, s.limit),
         at_least(wider, a.most(not stops) * (1 + mutation(1, -1) * WIDER)),
     )  # fmt: skip
     goal = at_least(left, slope * change * (1 if up else -1))
-    return Statement(s, (goal,), given, computed={"limit": text})
+    return Statement(s, goal, given, computed={"limit": text})
 
 
 @claim(
@@ -134,8 +134,8 @@ def beat(mutation: Mutation) -> Statement:
     after = spread_of(ca.vertcat(s.before, s.behind), off)
     most, p = s.e + mutation(1, 2.0**-4) * 2.0**-51 * T, s.p - off
     given = (
-        above(T), *between(0, s.since, 2 * T), at_least(s.e), *between(0, s.before, T),
-        *between(0, s.behind, T), at_least(s.p + s.e, -s.before), at_least(s.behind + s.e, s.p),
+        above(T), between(0, s.since, 2 * T), at_least(s.e), between(0, s.before, T),
+        between(0, s.behind, T), at_least(s.p + s.e, -s.before), at_least(s.behind + s.e, s.p),
     )  # fmt: skip
     goals = at_least(p + most, -s.made_before), at_least(s.made_behind + most, p)
     computed = {"made_before": after[0], "made_behind": after[1]}
@@ -154,9 +154,9 @@ def stays(mutation: Mutation) -> Statement:
     """
     s = symbols("rate time g made")
     x = s.rate * s.time
-    given = (*nonnegative(s.rate, s.time, s.g), at_least(1, s.g * (1 + x + 0.5 * x * x)))
+    given = (nonnegative(s.rate, s.time, s.g), at_least(1, s.g * (1 + x + 0.5 * x * x)))
     goal = at_least(s.made, s.g * (1 + mutation(2.0**-41, 2.0**-39)))
-    return Statement(s, (goal,), given, computed={"made": stays_of(s.rate, s.time)})
+    return Statement(s, goal, given, computed={"made": stays_of(s.rate, s.time)})
 
 
 @claim(
@@ -177,7 +177,7 @@ def fading(mutation: Mutation) -> Statement:
     kept = s.g * (1 + mutation(2.0**-41, 0))
     signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.r, s.p)
     shares = at_least(s.soonest, came * kept), at_least(s.stays, (1 - came) * kept)
-    given = (*signs, at_least(s.reach, s.r), at_least(s.past, s.p), *shares)
+    given = (signs, at_least(s.reach, s.r), at_least(s.past, s.p), shares)
     left = came * s.p + (1 - came) * s.r
     goals = (at_least(s.made_reach, s.r * s.g * (1 + 2.0**-42)), at_least(s.made_past, left * s.g))
     computed = {"made_reach": after.reach, "made_past": after.past}
@@ -199,9 +199,9 @@ def reached(mutation: Mutation) -> Statement:
     none = ca.SX(0)
     after = Fading(s.reach, none, none).changed(change, s.furthest)
     listed = at_least(s.furthest, s.reached * (1 + mutation(1, 0) * 2.0**-41))
-    given = (*nonnegative(s.r, s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)), listed)
-    goal = at_least(s.made, s.r + ca.fabs(change) * s.reached)
-    return Statement(s, (goal,), given, computed={"made": after.reach})
+    given = (nonnegative(s.r, s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)), listed)
+    goal = at_least(s.made, s.r + abs(change) * s.reached)
+    return Statement(s, goal, given, computed={"made": after.reach})
 
 
 @claim(
@@ -218,6 +218,6 @@ def past(mutation: Mutation, way: int) -> Statement:
     s = symbols("c past held v made")
     bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c)
     v, most = way * (s.v - s.held), mutation(LEVEL, PAST + 2.0**-47) * s.c
-    given = (above(s.c), *within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v))
+    given = (above(s.c), within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v))
     goal = at_least(s.made, v)
-    return Statement(s, (goal,), given, computed={"made": bounds[0 if way > 0 else 1]})
+    return Statement(s, goal, given, computed={"made": bounds[0 if way > 0 else 1]})

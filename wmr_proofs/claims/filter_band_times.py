@@ -7,7 +7,7 @@ from wmr_ctrl.control.filter.forecast import PAST, Fading, spread_of, stays_of
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import at_least, between, equal, nonnegative, within
+from wmr_proofs.relation import Relations, at_least, between, equal, nonnegative, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -48,7 +48,7 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
     ordered = tuple(at_least(most, least) for least, most in graph.ends)
     stops = tuple(at_least(most) for most in graph.stopping)
-    given = (*ordered, *stops, equal(graph.sound, 1))
+    given = (ordered, stops, equal(graph.sound, 1))
     return Statement(named, (at_least(high, u), at_least(u, low)), given, cuts)
 
 
@@ -69,8 +69,8 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
     u = mutation(1, 1.1) * graph.sent[axis]
     around = tuple(part for low, high in graph.ends for part in nonnegative(high, -low))
     stops = tuple(at_least(most) for most in graph.stopping)
-    goals = (*within(u, graph.stopping[axis]), at_least(u * graph.command[axis]))
-    return Statement(named, goals, (*around, *stops), cuts)
+    goals = (within(u, graph.stopping[axis]), at_least(u * graph.command[axis]))
+    return Statement(named, goals, (around, stops), cuts)
 
 
 @claim(
@@ -86,12 +86,12 @@ def beat(mutation: Mutation) -> Statement:
     s = symbols("before behind off p q")
     after = spread_of(ca.vertcat(s.before, s.behind), s.off)
     p, q = (s[name] - mutation(1, 0.9) * s.off for name in ("p", "q"))
-    given = [*nonnegative(s.before, s.behind)]
-    goals = [*nonnegative(after[0], after[1]), at_least(ca.sum1(after), p - q)]
+    given: list[Relations] = [nonnegative(s.before, s.behind)]
+    goals: list[Relations] = [nonnegative(after[0], after[1]), at_least(ca.sum1(after), p - q)]
     for name, own in (("p", p), ("q", q)):
-        given += [*between(-s.before, s[name], s.behind)]
-        goals += [*between(-after[0], own, after[1])]
-    return Statement(s, tuple(goals), tuple(given))
+        given.append(between(-s.before, s[name], s.behind))
+        goals.append(between(-after[0], own, after[1]))
+    return Statement(s, goals, given)
 
 
 @claim(
@@ -110,7 +110,7 @@ def fading(mutation: Mutation) -> Statement:
     after = known.aged(came, s.u, stays_of(s.rate, s.time), s.soonest)
     stays = at_least(1, s.g * (1 + x + 0.5 * x * x)), at_least(s.soonest, came * s.g)
     signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.rate, s.time, s.r, s.p)
-    given = (*stays, *signs, at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p))
+    given = (stays, signs, at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p))
     left = came * s.p + (1 - came) * s.r
     goals = (at_least(after.reach, mutation(1, 1.1) * s.r * s.g), at_least(after.past, left * s.g))
     return Statement(s, goals, given)
@@ -131,4 +131,4 @@ def past(mutation: Mutation, way: int) -> Statement:
     bound = Fading(ca.SX(0), s.past, s.held).bounds(s.c)[0 if way > 0 else 1]
     v = way * (s.v - s.held)
     known = at_least(s.past, mutation(1, 0.9) * v), at_least(PAST * s.c, way * s.v)
-    return Statement(s, (at_least(bound, v),), (*known, *nonnegative(s.c, v)))
+    return Statement(s, at_least(bound, v), (known, nonnegative(s.c, v)))

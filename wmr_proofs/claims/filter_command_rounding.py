@@ -21,7 +21,7 @@ from wmr_ctrl.control.filter.clip import moved, ramp_shares
 from wmr_ctrl.control.filter.governor import FirstOrder, largest_command
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, between, nonnegative, within
+from wmr_proofs.relation import Relations, above, at_least, between, nonnegative, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -56,7 +56,7 @@ class Limited:
         self.asked, self.sent = [s.r0, s.r1], [s.v, s.omega]
 
     @property
-    def stated(self) -> tuple[Relation, ...]:
+    def stated(self) -> Relations:
         """Hypotheses: l > 0, each limit on its side of 0, wheel limits at most M in size."""
         given = [above(self.symbols.l)]
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
@@ -69,9 +69,9 @@ class Limited:
         """True for v and omega."""
         return not all(channel.ways)
 
-    def kept(self, command: list[ca.SX], spare: float, axes: bool) -> tuple[Relation, ...]:
+    def kept(self, command: list[ca.SX], spare: float, axes: bool) -> Relations:
         """v and omega (``axes``), or the wheels, within their limits, except for ``spare``."""
-        kept = list[Relation]()
+        kept = list[Relations]()
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             if self.is_axis(channel) == axes:
                 up, down = (high, -low) if axes else [self.symbols.M] * 2
@@ -113,7 +113,7 @@ def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
     else:
         sent = scaled(a.asked, a.channels, *a.ends, scale)
     axes = a.kept(a.sent, mutation(0, -BEYOND), axes=True)
-    goals = *axes, *a.kept(a.sent, mutation(1, 2.0**-6) * spare, axes=False)
+    goals = axes, a.kept(a.sent, mutation(1, 2.0**-6) * spare, axes=False)
     return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
 
 
@@ -130,7 +130,7 @@ def beside(mutation: Mutation) -> Statement:
     a = Limited("both")
     made = stretched(a.asked, a.channels, *a.ends, "curvature")
     spare = mutation(1, 2.0**-6)
-    goals = *a.kept(a.sent, spare * BEYOND, axes=True), *a.kept(a.sent, spare * RIM / 2, axes=False)
+    goals = a.kept(a.sent, spare * BEYOND, axes=True), a.kept(a.sent, spare * RIM / 2, axes=False)
     return Statement(a.symbols, goals, a.stated, computed=a.computed(made))
 
 
@@ -149,10 +149,10 @@ def beside_cut(mutation: Mutation) -> Statement:
     a = Limited("both")
     made = stretched(a.asked, a.channels, *a.ends, "curvature")
     sent = ca.vertsplit(scaled(a.asked, a.channels, *a.ends, "curvature"))
-    known = *a.kept(a.sent, BEYOND, axes=True), *a.kept(a.sent, RIM / 2, axes=False)
+    known = a.kept(a.sent, BEYOND, axes=True), a.kept(a.sent, RIM / 2, axes=False)
     spare = mutation(RIM, RIM / 2)
-    goals = *a.kept(sent, 0, axes=True), *a.kept(sent, spare, axes=False)
-    return Statement(a.symbols, goals, (*a.stated, *known), a.computed(made))
+    goals = a.kept(sent, 0, axes=True), a.kept(sent, spare, axes=False)
+    return Statement(a.symbols, goals, (a.stated, known), a.computed(made))
 
 
 @claim(
@@ -172,15 +172,15 @@ def slew_limit(mutation: Mutation) -> Statement:
     computed = {"direct": top, "inverse": (aimed - dbar) * (1 / K)}
     added = s.delta + s.slew * (1 + 2.0**-30) * s.reach
     goals = tuple(at_least(V, K * s[name] * (1 + OVER) + added) for name in computed)
-    signs = above(K), *nonnegative(s.delta, s.slew, s.reach)
-    return Statement(s, goals, (*signs, above(aimed, dbar)), computed=computed)
+    signs = above(K), nonnegative(s.delta, s.slew, s.reach)
+    return Statement(s, goals, (signs, above(aimed, dbar)), computed=computed)
 
 
-def _slow(s: Symbols) -> tuple[Relation, ...]:
+def _slow(s: Symbols) -> Relations:
     """Hypothesis: previous and wanted command are within the limit, except for rounding."""
     hi = s.hi
     wanted = within(s.wanted, hi * (1 + BEYOND))
-    return (above(hi), *within(s.last, hi * (1 + OVER)), *wanted)
+    return (above(hi), within(s.last, hi * (1 + OVER)), wanted)
 
 
 @claim(
@@ -197,7 +197,7 @@ def slew_kept(mutation: Mutation) -> Statement:
     shares = between(mutation(2.0**-22, 0.0), s.share, 1)
     goals = within(s.sent, s.hi * (1 + OVER))
     computed = {"sent": moved(s.last, s.wanted, s.share)}
-    return Statement(s, goals, (*_slow(s), *shares), computed=computed)
+    return Statement(s, goals, (_slow(s), shares), computed=computed)
 
 
 @claim(
@@ -213,7 +213,7 @@ def slew_step(mutation: Mutation) -> Statement:
     most = s.slew * s.T
     (own,) = ramp_shares(s.last, s.wanted, most)
     quick = at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share)
-    given = (*_slow(s), above(s.slew), above(s.T), at_least(s.share), *quick)
-    goals = (*within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))
+    given = (_slow(s), positive(s.slew, s.T), at_least(s.share), quick)
+    goals = (within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))
     computed = {"own": own, "sent": moved(s.last, s.wanted, s.share)}
     return Statement(s, goals, given, computed=computed)

@@ -16,7 +16,7 @@ from wmr_ctrl.world.speed_loops import SPEED_LOOP
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
-    Relation,
+    Relations,
     above,
     at_least,
     between,
@@ -72,8 +72,8 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
     asked = g.system.u[axis] - t[f"error{axis + 1}"]
     goes = h * (force[axis] + mutation * t[f"push{axis + 1}"]) / (m, inertia)[axis]
     way = -fades[axis] * (g[f"base.gain[{axis + 1}]"] * asked + d[axis] - v[axis])
-    weak = (above(most, side * g.system.y[i]) for i in (0, 1) for side in (1, -1))
-    given = (*positive(m, inertia, r, l, v_s, h, *tau, *(-left for left in fades)), *weak)
+    weak = [above(most, side * g.system.y[i]) for i in (0, 1) for side in (1, -1)]
+    given = (positive(m, inertia, r, l, v_s, h, *tau, *(-left for left in fades)), weak)
     cuts = {"left1": fades[0], "left2": fades[1]}
     return g.states(equal(goes, way), given=given, cuts=cuts, more=t)
 
@@ -98,7 +98,7 @@ class HeldStep:
         self.at |= {"after": self.after} if behind else {}
         self.t = t | symbols(" ".join(self.at))
         self.cuts = {name: ca.tanh(v / self.v_s) for name, v in self.at.items()} | {"force": force}
-        self.given = *positive(self.m, self.g, self.v_s, self.h), *nonnegative(self.mu, self.way)
+        self.given = positive(self.m, self.g, self.v_s, self.h), nonnegative(self.mu, self.way)
 
     def changes(self, pairs: Iterable[tuple[str, str]]) -> Iterator[tuple[ca.SX, ca.SX]]:
         """Change of friction's tanh from one speed to another, and that of its argument."""
@@ -147,8 +147,8 @@ def held_friction(mutation: Mutation) -> Statement:
     moved, least = s.after - s.v, mutation(1, 1.01) * (1 - s.x / 2) * s.way
     changes = s.changes(product(("start",), STAGES))
     alike = [at_least(rise * (change - rise)) for rise, change in changes]
-    goals = at_least(moved, least), *between(0, moved, s.way)
-    return Statement(s.t, goals, (*s.given, *alike, at_least(held_loop.STABLE, s.x)), s.cuts)
+    goals = at_least(moved, least), between(0, moved, s.way)
+    return Statement(s.t, goals, (s.given, alike, at_least(held_loop.STABLE, s.x)), s.cuts)
 
 
 @claim("filter.held-kick", given=TANH.format("2", "each of stages and v1 behind to each other"))
@@ -161,12 +161,12 @@ def held_kick(mutation: Mutation) -> Statement:
     """
     s = HeldStep(behind=True)
     most = mutation(1, 0.9) * s.h * (s.friction(s.after) - s.friction(s.v)) / s.m
-    alike = list[Relation]()
+    alike = list[Relations]()
     for rise, change in s.changes(combinations(s.at, 2)):
         for side, on in ((1, change >= 0), (-1, change < 0)):
-            alike += [when(on, item) for item in between(0, side * rise, side * change)]
+            alike += when(on, between(0, side * rise, side * change))
     missed = between(0, s.way - (s.after - s.v), most)
-    return Statement(s.t, missed, (*s.given, *alike, at_least(2, s.x)), s.cuts)
+    return Statement(s.t, missed, (s.given, alike, at_least(2, s.x)), s.cuts)
 
 
 class Command(Named):
@@ -184,11 +184,11 @@ class Command(Named):
         kappa = 1 / t.gone_most - 1
         unused, d = ca.SX(0), t.d + self.push
         limits = FirstOrder(t.V, d, unused, unused, t.K_max, kappa)
-        self.given: tuple[Relation, ...] = (
-            *positive(t.V, t.K_max, t.gone_least), *between(0, t.left, t.credit),
+        self.given: Relations = (
+            positive(t.V, t.K_max, t.gone_least), between(0, t.left, t.credit),
             at_least(t.kick, t.credit), at_least(t.d), above(t.V, d), at_least(1, t.gone_most),
-            at_least(t.gone_most, t.gone_least), *between(0, t.gone, t.gone_most),
-            at_least(largest_command(t.bound, limits), t.asked), *between(t.start, t.bound, t.V),
+            at_least(t.gone_most, t.gone_least), between(0, t.gone, t.gone_most),
+            at_least(largest_command(t.bound, limits), t.asked), between(t.start, t.bound, t.V),
             at_least(t.V, t.start + t.credit),
         )  # fmt: skip
 
@@ -226,7 +226,7 @@ def held_rim(mutation: Mutation) -> Statement:
         at_least(ca.if_else(enough, carried - (true + t.kick), 0)),
         at_least(seen, true + t.credit),
     )
-    return t.states(*goals, given=t.given)
+    return t.states(goals, given=t.given)
 
 
 @claim(
@@ -246,11 +246,11 @@ def held_share(mutation: Mutation) -> Statement:
     d = held_loop.push_of_share(2 * mutation(1, 0.9) * t.held, t.V)  # x/2 is held
     after = t.v + t.share * t.q * (t.to - t.v), t.omega + t.q * (t.turn_to - t.omega)
 
-    def inside(v: ca.SX, omega: ca.SX, less: ca.SX) -> tuple[Relation, ...]:
+    def inside(v: ca.SX, omega: ca.SX, less: ca.SX) -> Relations:
         rims = (v + way * t.l * omega for way in WAYS)
-        return (*within(v, t.V - less), *(r for rim in rims for r in within(rim, t.W - less)))
+        return (within(v, t.V - less), [within(rim, t.W - less) for rim in rims])
 
-    shares = *between(0, t.held, 1), *between(1 - t.held, t.share, 1), *between(0, t.q, 1)
-    given = (*positive(t.l, t.V, t.W), *shares)
-    given += inside(t.v, t.omega, ca.SX(0)) + inside(t.to, t.turn_to, d)
+    shares = between(0, t.held, 1), between(1 - t.held, t.share, 1), between(0, t.q, 1)
+    before = inside(t.v, t.omega, ca.SX(0)), inside(t.to, t.turn_to, d)
+    given = positive(t.l, t.V, t.W), shares, before
     return Statement(t, inside(*after, ca.SX(0)), given)

@@ -10,7 +10,7 @@ from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, equal, nonnegative, within
+from wmr_proofs.relation import Relations, above, at_least, equal, nonnegative, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -33,8 +33,8 @@ def wheel_box(mutation: Mutation) -> Statement:
     top = mutation(1, 1.01) * ca.fmin(t.V, t.l * t.Omega)
     rims = [t.v + way * t.l * t.omega for way in WAYS]
     given = [above(t.l), *(part for rim in rims for part in within(rim, top))]
-    goals = (*within(t.v, t.V), *within(t.omega, t.Omega))
-    return Statement(t, goals, tuple(given))
+    goals = (within(t.v, t.V), within(t.omega, t.Omega))
+    return Statement(t, goals, given)
 
 
 COUNTING: dict[str, object] = {
@@ -60,7 +60,7 @@ def in_time(mutation: Mutation) -> Statement:
     named = elements_of(graph.elapsed, count, *graph.p.ports) | symbols("since")
     since = named["since"]
     either = nonnegative(came * (came - 1), came * (1 - came))
-    given = (at_least(since), equal(count.sym, ca.fmin(since, most)), *either)
+    given = (at_least(since), equal(count.sym, ca.fmin(since, most)), either)
     then = mutation(1, 2) * came * (since + 1)
     goals = (equal(graph.in_time[0], ca.fmin(then, most)), equal(graph.punctual, then >= most))
     return Statement(named, goals, given, {"came": came})
@@ -91,15 +91,15 @@ def least(mutation: Mutation) -> Statement:
     clip = Clip(stated := load_scenario("paper-simulation", SMALL))
     graph = for_base(clip.system, stated)
     named = elements_of(*graph.inputs, *graph.state, *graph.params)
-    given, goals, cuts = list[Relation](), list[Relation](), {"sound": clip.sound}
+    given, goals, cuts = list[Relations](), list[Relations](), {"sound": clip.sound}
     rest, way = ca.vertsplit(graph.x, 2)
     for axis, limit in enumerate(clip.limits):
         band, w = named[f"base.deadband.{axis + 1}"] * JUST_ABOVE, way[axis]
         cuts[f"limit {axis}"], u = limit, graph.y[axis]
-        idle = ca.if_else(band <= limit, u * (ca.fabs(u) < mutation(1, 1.1) * band), 0)
-        given += above(band), above(limit), *within(rest[axis], band), equal(w * (w * w - 1))
-        goals += *within(u, limit), *within(graph.update[axis], band), equal(idle)
-    return Statement(named, tuple(goals), tuple(given), cuts)
+        idle = ca.if_else(band <= limit, u * (abs(u) < mutation(1, 1.1) * band), 0)
+        given += positive(band, limit), within(rest[axis], band), equal(w * (w * w - 1))
+        goals += within(u, limit), within(graph.update[axis], band), equal(idle)
+    return Statement(named, goals, given, cuts)
 
 
 @claim(
@@ -118,7 +118,7 @@ def ramp_rim(mutation: Mutation) -> Statement:
     v = moved(t.v, t.u, t.grow, t.shrink)
     omega = moved(t.omega, t.w, mutation(1, 1.5) * t.turn, t.turn_back)
     slower = at_least(l * t.turn_back, t.grow), at_least(t.shrink, l * t.turn)
-    given = [above(l), *nonnegative(t.grow, t.turn), *slower]
-    given += [r for x, y in pairs for way in WAYS for r in within(x + way * l * y, t.W)]
-    goals = tuple(r for way in WAYS for r in within(v + way * l * omega, t.W))
-    return Statement(t, goals, tuple(given))
+    kept = [within(x + way * l * y, t.W) for x, y in pairs for way in WAYS]
+    given = above(l), nonnegative(t.grow, t.turn), slower, kept
+    goals = [within(v + way * l * omega, t.W) for way in WAYS]
+    return Statement(t, goals, given)

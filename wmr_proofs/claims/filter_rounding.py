@@ -13,7 +13,7 @@ from wmr_ctrl.control.filter.governor import FirstOrder, drive, largest_command,
 from wmr_ctrl.control.filter.governor_step import contradiction
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, between, when, within
+from wmr_proofs.relation import Relations, above, at_least, between, when, within
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -39,7 +39,7 @@ def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:
     return s, FirstOrder(**{name: s[name] for name in NUMBERS.split()})
 
 
-def _computed(value: ca.SX, exact: ca.SX, off: ca.SX | float = 0.0) -> tuple[Relation, Relation]:
+def _computed(value: ca.SX, exact: ca.SX, off: ca.SX | float = 0.0) -> Relations:
     """A computed exponential of a time whose relative error is ``off``."""
     return between((1 - LIBM) * exact - off, value, (1 + LIBM) * exact + off)
 
@@ -59,7 +59,7 @@ def clip(mutation: Mutation) -> Statement:
     top = largest_command(aimed, FirstOrder(aimed, b.dbar, b.nbar, b.K_min, b.K_max, ca.SX(0)))
     computed = {"direct": top, "inverse": (aimed - b.dbar) * (1 / b.K_max)}
     goals = tuple(at_least(b.V, (b.K_max * s[name] + b.dbar) * (1 + 2.0**-46)) for name in computed)
-    return Statement(s, goals, (*sound(b), above(aimed, b.dbar)), computed=computed)
+    return Statement(s, goals, (sound(b), above(aimed, b.dbar)), computed=computed)
 
 
 @claim("filter.rounding.target", given=f"{INTERVALS}; operations rounded by at most 2^-53")
@@ -70,7 +70,7 @@ def target(mutation: Mutation) -> Statement:
     """
     s, b = _numbers("u target")
     exact = drive(s.u, b)
-    most = mutation(4, 0.5) * UNIT * (ca.fabs(exact - b.dbar) + b.dbar)
+    most = mutation(4, 0.5) * UNIT * (abs(exact - b.dbar) + b.dbar)
     computed = {"target": exact}
     return Statement(s, within(s.target - exact, most), sound(b), computed=computed)
 
@@ -88,7 +88,7 @@ def carried_on(mutation: Mutation) -> Statement:
     s = symbols("V w target share next", "V")
     V, way = s.V, s.share * (s.target - s.w)
     made = relaxed(s.w, s.target, s.share, s.share)
-    given = (above(V), *between(0, s.share, 2), *within(s.w, 2 * V), *within(way, 8 * V))
+    given = (above(V), between(0, s.share, 2), within(s.w, 2 * V), within(way, 8 * V))
     most = mutation(1, 2.0**-6) * MARGIN * V
     goals = within(s.next - (s.w + way), most)
     return Statement(s, goals, given, computed={"next": made})
@@ -112,11 +112,11 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     following = relaxed(s.w, s.target, s.most_as, s.least_as)
     least = relaxed(s.w, s.target, s[goes], s[goes])
     given = (
-        above(V), *between(0, s.least, most), at_least(ca.SX(1), most),
-        *_computed(s.most_as, most, s.off), *_computed(s.least_as, s.least, s.off),
-        *between(0, s.off, OFF), *within(s.off * s.target, AIMED_OFF * V),
-        *between(s.least, share, most), at_least(e), at_least(s.w + e, s.v), *within(s.w, 2 * V),
-        at_least(s.d), at_least(MARGIN * V, most * s.d), *within(most * s.target, 4 * V),
+        above(V), between(0, s.least, most), at_least(1, most),
+        _computed(s.most_as, most, s.off), _computed(s.least_as, s.least, s.off),
+        between(0, s.off, OFF), within(s.off * s.target, AIMED_OFF * V),
+        between(s.least, share, most), at_least(e), at_least(s.w + e, s.v), within(s.w, 2 * V),
+        at_least(s.d), at_least(MARGIN * V, most * s.d), within(most * s.target, 4 * V),
         at_least(s.target + s.d, s.mean), at_least(sign * (s.target - s.w)),
     )  # fmt: skip
     gained = (1 - s.least) * e + mutation(1, 2.0**-7) * PIECE * V
@@ -142,8 +142,8 @@ def takeover(mutation: Mutation) -> Statement:
     V, e, n = b.V, s.e, s.n
     known = s.w + mutation(1, 64) * (SLACK + 2 * n * PIECE) * V
     given = (
-        *sound(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, ca.SX(1)),
-        *_computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s.v), at_least(V, s.w),
+        sound(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, 1),
+        _computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s.v), at_least(V, s.w),
         at_least(s.w, -2 * V), at_least(s.d), at_least(2.0**-45 * V, (1 - e) * s.d),
     )  # fmt: skip
     each = 1 / b.K_max
@@ -163,10 +163,10 @@ def rim(mutation: Mutation) -> Statement:
     """
     s, b = _numbers("v omega l target", "l")
     exact = drive(Channel((1, 1), s.l, (b,), (1.0, 1.0)).of((s.v, s.omega)), b)
-    size = ca.fabs(s.v) + s.l * ca.fabs(s.omega)
+    size = abs(s.v) + s.l * abs(s.omega)
     most = mutation(8, 0.4) * UNIT * (b.K_max * size + b.dbar)
     goals = within(s.target - exact, most)
-    return Statement(s, goals, (*sound(b), above(s.l)), computed={"target": exact})
+    return Statement(s, goals, (sound(b), above(s.l)), computed={"target": exact})
 
 
 LOOKED_BACK = governor.Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)
@@ -191,18 +191,18 @@ def rest(mutation: Mutation) -> Statement:
     starts = {"start": pieces[0].start * T}
     s |= symbols(" ".join((*ends, *starts)))
     left = governor.SpeedBound(LOOKED_BACK, FirstOrder(*[ca.SX(1)] * 6), (ca.SX(1), ca.SX(1)), T)
-    spare, goals = mutation(1, 2.0**-3) * 2 * UNIT * age, list[Relation]()
+    spare, goals = mutation(1, 2.0**-3) * 2 * UNIT * age, list[Relations]()
     for k, piece in enumerate(pieces):
         start, end = s[f"end{k - 1}" if k else "start"], s[f"end{k}"]
         over, whole = -age >= end, -age <= start
         part = ca.logic_not(ca.logic_or(over, whole))
         off = within(s.rest - (piece.end * T + age), spare)
-        goals += [when(part, item) for item in off]
+        goals += when(part, off)
         goals.append(when(over, at_least(spare, piece.end * T + age)))
         goals.append(when(whole, at_least(piece.start * T + age, -spare)))
-    given = above(T), *between(0, age, LOOKED_BACK.age * T)
+    given = above(T), between(0, age, LOOKED_BACK.age * T)
     computed = ends | starts | {"rest": left.rest(age, pieces)}
-    return Statement(s, tuple(goals), given, computed=computed)
+    return Statement(s, goals, given, computed=computed)
 
 
 @claim(
@@ -216,10 +216,10 @@ def odometry(mutation: Mutation) -> Statement:
     """
     s, b = _numbers("v y sum")
     V, slack = b.V, SLACK * b.V
-    given = (above(V), at_least(b.nbar), *within(s.v, V + slack))
+    given = (above(V), at_least(b.nbar), within(s.v, V + slack))
     known = at_least(s.y + b.nbar, s.v)
     goal = at_least(ca.fmin(s.sum, V) + mutation(1, -1) * slack, s.v)
-    return Statement(s, (goal,), (*given, known), computed={"sum": s.y + b.nbar})
+    return Statement(s, goal, (given, known), computed={"sum": s.y + b.nbar})
 
 
 @claim(
@@ -237,6 +237,6 @@ def agrees(mutation: Mutation) -> Statement:
     V, off = s.V, (SLACK + s.n * PIECE) * s.V * mutation(1, 2**14)
     sizes = at_least(2.0**16, s.n), at_least(s.n), at_least(V, s.above), at_least(V, s.below)
     bounds = at_least(s.above + off, s.v), at_least(s.below + off, -s.v)
-    given = (above(V), *sizes, *bounds)
+    given = (above(V), sizes, bounds)
     computed = {"sum": s.above + s.below, "least": -contradiction(V)}
-    return Statement(s, (at_least(s.sum, s.least),), given, computed=computed)
+    return Statement(s, at_least(s.sum, s.least), given, computed=computed)

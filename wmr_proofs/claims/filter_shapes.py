@@ -17,7 +17,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
-    Relation,
+    Relations,
     above,
     at_least,
     between,
@@ -62,7 +62,7 @@ def named_for(table: Symbols, scale: str) -> Symbols:
     return Symbols({f"{name} {scale}": symbol for name, symbol in table.items()})
 
 
-def _arms(channels: list[Channel]) -> tuple[Relation, ...]:
+def _arms(channels: list[Channel]) -> Relations:
     """The half track of each wheel is positive."""
     return tuple(above(channel.arm) for channel in channels if channel.ways[1])
 
@@ -80,7 +80,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
     Nothing bypasses the filter, whichever speeds it limits and however it scales.
     """
     table, cuts = Symbols(), dict[str, ca.SX]()
-    goals, given = list[Relation](), list[Relation]()
+    goals, given = list[Relations](), list[Relations]()
     for scale in scales:
         graph = governor({**more, "filter.scale": scale})
         ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
@@ -91,13 +91,13 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
             for i, limit in enumerate(own)
         ]
         cuts |= {**dict(limits), f"numbers are sound {scale}": graph.sound}
-        given += [*(above(limit) for _, limit in limits), *_arms(graph.channels)]
+        given += [*(above(limit) for _, limit in limits), _arms(graph.channels)]
         for side, way in enumerate(WAYS):
             for channel, limit in zip(graph.channels, graph.limits[side], strict=True):
                 most = mutation(1, 0.99) * limit
                 commands = (graph.sent, graph.safe)
                 goals += [at_least(most, way * channel.of(command)) for command in commands]
-    return Statement(table, tuple(goals), tuple(given), cuts)
+    return Statement(table, goals, given, cuts)
 
 
 @claim(
@@ -113,7 +113,7 @@ def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str,
     Whatever is asked for, commands stay within what the loop's gain admits, at the wheels as well.
     """
     table, cuts = Symbols(), dict[str, ca.SX]()
-    goals, given = list[Relation](), list[Relation]()
+    goals, given = list[Relations](), list[Relations]()
     for loop, stated in (("first", STATED | {"filter.kind": "clip"}), ("linear", LINEAR)):
         for scale in scales if more else ("curvature", *scales):
             settings = {**stated, **more, "filter.scale": scale}
@@ -122,11 +122,11 @@ def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str,
             name = f"{scale} {loop}"
             table |= named_for(elements_of(clip.asked, *clip.p.ports), name)
             cuts[f"numbers are sound {name}"] = clip.sound
-            given += [*(above(limit) for limit in clip.limits), *_arms(clip.channels)]
+            given += [*(above(limit) for limit in clip.limits), _arms(clip.channels)]
             for i, (channel, limit) in enumerate(zip(clip.channels, clip.limits, strict=True)):
                 cuts[f"limit {i} {name}"] = limit
                 goals += within(channel.of(clip.sent), mutation(1, 0.99) * limit)
-    return Statement(table, tuple(goals), tuple(given), cuts)
+    return Statement(table, goals, given, cuts)
 
 
 @claim(
@@ -142,7 +142,7 @@ def slew_together(mutation: Mutation) -> Statement:
     Commands stay within their limit and change no faster than stated, whatever is asked for.
     """
     table, cuts = Symbols(), dict[str, ca.SX]()
-    goals, given = list[Relation](), list[Relation]()
+    goals, given = list[Relations](), list[Relations]()
     for scale in ("curvature", "axes", "turn", "drive"):
         clip = Clip(load_scenario("paper-simulation", SLOW | {"filter.scale": scale}))
         table |= named_for(elements_of(clip.asked, clip.elapsed, *clip.last, *clip.p.ports), scale)
@@ -155,8 +155,8 @@ def slew_together(mutation: Mutation) -> Statement:
         for i, limit in enumerate(clip.limits):
             u, was = clip.sent[i], before.sym[i]
             given += within(was, limit)
-            goals += [*within(u, limit), *within(u - was, mutation(1, 0.9) * slew[i] * clip.time)]
-    return Statement(table, tuple(goals), tuple(given), cuts)
+            goals += [within(u, limit), within(u - was, mutation(1, 0.9) * slew[i] * clip.time)]
+    return Statement(table, goals, given, cuts)
 
 
 BANDS = (
@@ -182,7 +182,7 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
     Nothing bypasses the filter: no command and no scaling of the other axis.
     """
     table, cuts = Symbols(), dict[str, ca.SX]()
-    goals, given = list[Relation](), list[Relation]()
+    goals, given = list[Relations](), list[Relations]()
     for number, stated in enumerate(shapes):
         graph = BandGovernor(load_scenario("paper-simulation", dict(stated)))
         system = graph.system
@@ -195,8 +195,8 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
             cuts[f"stop {number} {axis}"] = graph.stopping[axis]
             given += nonnegative(high, -low, graph.stopping[axis])
             u = mutation(1, 1.1) * graph.sent[axis]
-            goals += [*between(low, u, high), *within(u, graph.stopping[axis])]
-    return Statement(table, tuple(goals), tuple(given), cuts)
+            goals += [between(low, u, high), within(u, graph.stopping[axis])]
+    return Statement(table, goals, given, cuts)
 
 
 WHEELS = (
@@ -238,31 +238,30 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     cuts["-least"] = ca.expm1(-T / tau[1])
     kappa, most, least = cuts.values()
     seen, came = graph.age.sym >= -NEAR * T, _timely(graph)
-    given = [
-        *positive(p["robot.l"], T, gain[0], f.kappa), *nonnegative(*ca.vertsplit(push)),
-        *nonnegative(*ca.vertsplit(error)), equal(f.kappa, kappa), equal(f.gone, most),
-        equal(-f.kappa * f.gone, 1 + f.gone), *positive(-least, 1 + most), at_least(least, most),
-        *between(1 + most, f.E, 1),
+    given: list[Relations] = [
+        positive(p["robot.l"], T, gain[0], f.kappa), nonnegative(*ca.vertsplit(push), *ca.vertsplit(error)), equal(f.kappa, kappa), equal(f.gone, most),
+        equal(-f.kappa * f.gone, 1 + f.gone), positive(-least, 1 + most), at_least(least, most),
+        between(1 + most, f.E, 1),
     ]  # fmt: skip
     for i, v in enumerate((f.v1, f.v2)):
-        given += [when(seen, part) for part in within(graph.odometry.sym[i] - v, error[i])]
+        given += when(seen, within(graph.odometry.sym[i] - v, error[i]))
         given += within((f.d1, f.d2)[i], push[i])
     place = len(graph.channels) - 2 + wheel
     channel, b = graph.channels[place], graph.channels[place].bounds
     w, total = channel.of((f.v1, f.v2)), push[0] + p["robot.l"] * push[1]
-    given += [*between(gain[0], f.K, gain[1]), above(b.V, total), *within(w, b.V)]
+    given += [between(gain[0], f.K, gain[1]), above(b.V, total), within(w, b.V)]
     for known, sign in zip(graph.known, WAYS, strict=True):
         given.append(when(came, at_least(known.sym[place], sign * w)))
     given.append(at_least(graph.limits[side][place], f.u))
     mean = f.K * f.u + mutation(1, 1.1) * way * channel.of((f.d1, f.d2))
     goal = at_least(b.V, f.E * way * w + (1 - f.E) * mean)
-    return Statement(f | elements_of(*ports), (goal,), tuple(given), cuts)
+    return Statement(f | elements_of(*ports), goal, given, cuts)
 
 
 def _timely(graph: Governor) -> ca.SX:
     """1 if a sample came when the filter expects one, within its jitter."""
     elapsed, T = graph.elapsed.sym, graph.T
-    near = ca.fabs(elapsed - T) <= (graph.plans[0].jitter + NEAR) * T
+    near = abs(elapsed - T) <= (graph.plans[0].jitter + NEAR) * T
     return ca.logic_or(elapsed == 0, near)
 
 
@@ -291,7 +290,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     graph = governor(more)
     ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
     table, cuts = elements_of(*ports), dict[str, ca.SX]()
-    T, goals, given = graph.T, list[Relation](), [above(graph.T)]
+    T, goals, given = graph.T, list[Relations](), list[Relations]([above(graph.T)])
     seen = graph.age.sym >= -NEAR * T
     for axis, motion in enumerate(graph.motions[0]):
         b, (low, _) = motion.bounds, motion.tau
@@ -301,16 +300,16 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
         cuts[f"1/(exp(H/tau_min) - 1) {axis}"] = kappa
         given += [above(known_kappa), equal(known_kappa, kappa)]
         given += [equal(-known_kappa * gone, 1 + gone), above(1 + gone)]
-        given += [above(b.V, b.dbar), at_least(b.dbar), at_least(b.nbar), above(b.K_min)]
-        given += [at_least(b.K_max, b.K_min), *within(v, b.V)]
-        given += [when(seen, part) for part in within(graph.odometry.sym[axis] - v, b.nbar)]
+        given += [above(b.V, b.dbar), nonnegative(b.dbar, b.nbar), above(b.K_min)]
+        given += [at_least(b.K_max, b.K_min), within(v, b.V)]
+        given += when(seen, within(graph.odometry.sym[axis] - v, b.nbar))
         for side, way in enumerate(WAYS):
             own = symbols(f"u{axis}{side} mean{axis}{side} E{axis}{side}")
             u, mean, E = own.values()
             table |= own
             known = graph.known[side].sym[axis]
             given += [when(graph.punctual, at_least(known, way * v))]
-            given += [*between(1 + gone, E, 1), at_least(graph.limits[side][axis], u)]
+            given += [between(1 + gone, E, 1), at_least(graph.limits[side][axis], u)]
             given.append(at_least(ca.fmax(drive(u, b), mutation(1, 9) * b.dbar), mean))
             goals.append(at_least(b.V, E * way * v + (1 - E) * mean))
-    return Statement(table, tuple(goals), tuple(given), cuts)
+    return Statement(table, goals, given, cuts)

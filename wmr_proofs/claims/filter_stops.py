@@ -13,7 +13,7 @@ from wmr_ctrl.control.guard.changing import largest_fall
 from wmr_ctrl.control.guard.guard import Bounds
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, between, equal, positive
+from wmr_proofs.relation import Relations, above, at_least, between, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, Symbols, symbols
 
@@ -31,9 +31,9 @@ class Lowered(Named):
         self.bounds = FirstOrder(**{name: self[name] for name in NUMBERS.split()})
         e1, e2, E = self.e1, self.e2, self.E
         ratios = equal(self.kappa * (1 - e1), e1), equal(self.kappa_2 * (1 - e2), e2)
-        self.given: tuple[Relation, ...] = (
-            *admits(self.bounds), above(e1), at_least(e2, e1), above(ca.SX(1), e2), *ratios,
-            at_least(E, e1), at_least(mutation(1, 1.01) * e2, E), at_least(1, E),
+        self.given: Relations = (
+            admits(self.bounds), above(e1), at_least(e2, e1), above(1, e2), ratios,
+            between(e1, E, mutation(1, 1.01) * e2), at_least(1, E),
             at_least(self.v_bar, self.v), at_least(drive(self.u, self.bounds), self.mean),
         )  # fmt: skip
         self.hi = told_command(self.V, self.v_bar, self.bounds, self.kappa_2)
@@ -53,7 +53,7 @@ def enters(mutation: Mutation) -> Statement:
     """
     a = Lowered(mutation)
     goals = at_least(a.stopped(a.E), a.end), at_least(a.v_bar, a.end)
-    return a.states(*goals, given=(*a.given, above(a.v_bar, a.V), at_least(a.hi, a.u)))
+    return a.states(goals, given=(a.given, above(a.v_bar, a.V), at_least(a.hi, a.u)))
 
 
 @claim("filter.limits.inside", given=f"{LOWERED}; v_bar <= V, u <= hi, mean <= drive(u)")
@@ -65,7 +65,7 @@ def inside(mutation: Mutation) -> Statement:
     a = Lowered(Mutation(1))
     below = at_least(a.V, mutation(1, 0.99) * a.v_bar)
     goals = at_least(a.V, a.end), at_least(a.hi)
-    return a.states(*goals, given=(*a.given, below, at_least(a.hi, a.u)))
+    return a.states(goals, given=(a.given, below, at_least(a.hi, a.u)))
 
 
 @claim("filter.limits.no-larger", given=f"{LOWERED}; d < V <= v_bar, hi < u")
@@ -77,7 +77,7 @@ def no_larger(mutation: Mutation) -> Statement:
     a = Lowered(Mutation(1))
     sent = above(a.u, mutation(1, 0.99) * a.hi), above(a.V, a.dbar), at_least(a.v_bar, a.V)
     end = a.e2 * a.v_bar + (1 - a.e2) * (a.K_max * a.u + a.dbar)
-    return a.states(above(end, a.stopped(a.e2)), given=(*a.given, *sent))
+    return a.states(above(end, a.stopped(a.e2)), given=(a.given, sent))
 
 
 @claim("filter.limits.compose", given=f"{LOWERED}; v_bar <= v_other")
@@ -89,7 +89,7 @@ def compose(mutation: Mutation) -> Statement:
     a = Lowered(Mutation(1))
     larger = at_least(a.v_other + mutation(0, 1), a.v_bar)
     goal = at_least(a.stopped(a.E, a.v_other), a.stopped(a.E))
-    return a.states(goal, given=(*a.given, larger))
+    return a.states(goal, given=(a.given, larger))
 
 
 @claim(
@@ -103,12 +103,12 @@ def spacing(mutation: Mutation) -> Statement:
     Any i commands at once act for at least i periods less jitter and the delay's variation.
     """
     t = symbols("dl dh t_f t_g s_f s_g w")
-    ends = [
-        *between(t.t_f + t.dl, t.s_f, t.t_f + mutation(1, 1.01) * t.dh),
-        *between(t.t_g + t.dl, t.s_g, t.t_g + t.dh), *between(0, t.dl, t.dh),
+    ends = (
+        between(t.t_f + t.dl, t.s_f, t.t_f + mutation(1, 1.01) * t.dh),
+        between(t.t_g + t.dl, t.s_g, t.t_g + t.dh), between(0, t.dl, t.dh),
         at_least(t.t_g - t.t_f, t.w),
-    ]  # fmt: skip
-    return Statement(t, (at_least(t.s_g - t.s_f, t.w - (t.dh - t.dl)),), tuple(ends))
+    )  # fmt: skip
+    return Statement(t, at_least(t.s_g - t.s_f, t.w - (t.dh - t.dl)), ends)
 
 
 @claim("filter.free.brake", given="v <= v_bar; afterwards the speed is v, or 0")
@@ -119,7 +119,7 @@ def brake(mutation: Mutation) -> Statement:
     """
     t = symbols("v v_bar stands")
     after = ca.if_else(t.stands > 0, mutation(0, 1), t.v)
-    return Statement(t, (at_least(ca.fmax(t.v_bar, 0), after),), (at_least(t.v_bar, t.v),))
+    return Statement(t, at_least(ca.fmax(t.v_bar, 0), after), at_least(t.v_bar, t.v))
 
 
 @claim("filter.free.way", given="0 <= A_least <= A <= A_most <= t; v <= w, x <= m t + (v - m) A")
@@ -129,11 +129,11 @@ def way(mutation: Mutation) -> Statement:
     The way in a piece of time is bounded by one of both time constants.
     """
     t = symbols("t A A_least A_most v w m x")
-    ends = at_least(t.A_least), at_least(mutation(1, 1.01) * t.A, t.A_least)
-    rest = at_least(t.A_most, t.A), at_least(t.t, t.A_most), at_least(t.w, t.v)
+    ends = between(0, t.A_least, mutation(1, 1.01) * t.A)
+    rest = between(t.A, t.A_most, t.t), at_least(t.w, t.v)
     gone = at_least(t.m * t.t + (t.v - t.m) * t.A, t.x)
     goal = at_least(farthest(t.w, t.m, t.t, t.A_least, t.A_most), t.x)
-    return Statement(t, (goal,), (*ends, *rest, gone))
+    return Statement(t, goal, (ends, rest, gone))
 
 
 class Plan(Named):
@@ -150,12 +150,12 @@ class Plan(Named):
         self.A, self.fading = fades, self.stop.fading
         self.shares = [fade / tau for fade, tau in zip(fades, (t.tau_1, t.tau_2), strict=True)]
         D, self.at = t.acts + t.last, Reached(ca.SX(0), t.way, t.w)
-        self.given: tuple[Relation, ...] = (
-            above(t.tau_1), at_least(t.tau_2, t.tau_1), at_least(t.push), at_least(t.rest),
+        self.given: Relations = (
+            above(t.tau_1), at_least(t.tau_2, t.tau_1), nonnegative(t.push, t.rest),
             above(t.acts), at_least(t.last), at_least(t.w, t.push), above(fades[0]),
             at_least(fades[1], fades[0]), above(D, fades[1]), above(self.shares[1]),
-            at_least(self.shares[0], self.shares[1]), above(ca.SX(1), self.shares[0]),
-            at_least(self.fading), at_least(t.rest, self.fading),
+            at_least(self.shares[0], self.shares[1]), above(1, self.shares[0]),
+            between(0, self.fading, t.rest),
         )  # fmt: skip
 
     def needed(self, k: int, m: ca.SX) -> ca.SX:
@@ -183,7 +183,7 @@ def plan(mutation: Mutation) -> Statement:
     a = Plan()
     admitted = at_least(a.most(mutation), a.m)
     goals = [at_least(a.free, a.needed(k, a.m)) for k in (0, 1)]
-    return a.states(*goals, given=(*a.given, admitted))
+    return a.states(goals, given=(a.given, admitted))
 
 
 @claim(
@@ -203,14 +203,13 @@ def real(mutation: Mutation) -> Statement:
         for A, q in ends
     ]
     given = (
-        at_least(t.A_1), *between(mutation(1, 0.9) * t.A_1, t.a, t.A_2), at_least(t.D, t.A_2),
-        at_least(t.q_2), *between(t.q_2, t.q, t.q_1), at_least(1, t.q_1), at_least(t.d),
-        at_least(t.w, t.d), at_least(t.m, t.d), at_least(t.w, t.v), *between(0, t.a_B, t.A_B),
+        at_least(t.A_1), between(mutation(1, 0.9) * t.A_1, t.a, t.A_2), at_least(t.D, t.A_2),
+        at_least(t.q_2), between(t.q_2, t.q, t.q_1), at_least(1, t.q_1), between(0, t.d, t.w), at_least(t.m, t.d), at_least(t.w, t.v), between(0, t.a_B, t.A_B),
         at_least(t.B, t.A_B), at_least(t.m * t.D + (t.v - t.m) * t.a, t.x_2),
         at_least(t.v + t.q * (t.m - t.v), t.v_3),
         at_least(ca.fmax(t.v_3 - t.d, 0) * t.a_B + t.d * t.B, t.x_3), at_least(t.A_2, t.A_1),
     )  # fmt: skip
-    return Statement(t, (at_least(ca.fmax(*ways), t.x_2 + t.x_3),), given)
+    return Statement(t, at_least(ca.fmax(*ways), t.x_2 + t.x_3), given)
 
 
 @claim("filter.free.necessary", given="tau_min <= tau_max, 0 <= d <= w <= m; steady(free) < m")
@@ -222,7 +221,7 @@ def necessary(mutation: Mutation) -> Statement:
     a = Plan()
     beyond = above(a.m, mutation(1, 0.99) * a.most(Mutation(1)))
     goal = above(ca.fmax(a.needed(0, a.m), a.needed(1, a.m)), a.free)
-    return a.states(goal, given=(*a.given, beyond, at_least(a.m, a.push), above(a.free)))
+    return a.states(goal, given=(a.given, beyond, at_least(a.m, a.push), above(a.free)))
 
 
 @claim(
@@ -237,12 +236,12 @@ def seen(mutation: Mutation) -> Statement:
     """
     t = symbols("told D D_now error age driven most nearing")
     given = (
-        at_least(t.D + t.error, t.told), at_least(t.age), at_least(t.nearing),
+        at_least(t.D + t.error, t.told), nonnegative(t.age, t.nearing),
         at_least(mutation(1, 1.01) * t.most * t.age, t.driven), at_least(t.most),
         at_least(t.D_now, t.D - t.driven - t.nearing * t.age),
     )  # fmt: skip
     now = t.told - t.error - (t.most + t.nearing) * t.age
-    return Statement(t, (at_least(t.D_now, now),), given)
+    return Statement(t, at_least(t.D_now, now), given)
 
 
 @claim(
@@ -256,19 +255,19 @@ def approach(mutation: Mutation) -> Statement:
     """
     t = symbols("x_1 x_2 t_1 t_2 nearing free")
     given = (
-        *between(0, t.x_1, t.x_2), at_least(t.t_1), at_least(mutation(1, 1.01) * t.t_2, t.t_1),
+        between(0, t.x_1, t.x_2), between(0, t.t_1, mutation(1, 1.01) * t.t_2),
         at_least(t.nearing), at_least(t.free, t.x_2 + t.nearing * t.t_2),
     )  # fmt: skip
-    return Statement(t, (at_least(t.free, t.x_1 + t.nearing * t.t_1),), given)
+    return Statement(t, at_least(t.free, t.x_1 + t.nearing * t.t_1), given)
 
 
-def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[ca.SX], list[Relation]]:
+def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[ca.SX], list[Relations]]:
     """Symbols of a base that is let go: way, speed at its start, and what that fades to."""
     t = symbols("tau_1 tau_2 push rest x_1 x_2 x_3 v_3 w a_B free target pull h q a")
     stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, ca.SX(0), ca.SX(0), ca.SX(0))
     least = stop.quick
-    given = [
-        above(t.tau_1), at_least(t.rest), at_least(t.push), at_least(least),
+    given: list[Relations] = [
+        above(t.tau_1), nonnegative(t.rest, t.push, least),
         at_least(mutation(1, 1.01) * t.a_B, least),
         at_least(t.rest, t.a_B), at_least(t.push * t.rest + (t.v_3 - t.push) * t.a_B, t.x_3),
     ]  # fmt: skip
@@ -286,7 +285,7 @@ def roll(mutation: Mutation) -> Statement:
     """
     t, stop, given = _leaving(mutation)
     cuts = {"minus_A_least": -stop.quick}
-    return Statement(t, (at_least(stop.roll, t.x_3),), (*given, at_least(-t.v_3)), cuts)
+    return Statement(t, at_least(stop.roll, t.x_3), (given, at_least(-t.v_3)), cuts)
 
 
 @claim(
@@ -306,7 +305,7 @@ def retreat(mutation: Mutation) -> Statement:
         at_least(mutation(1, 1.01) * t.free, stop.retreat(t.x_1, t.w, t.target)), at_least(t.x_1),
     ]  # fmt: skip
     goals = at_least(t.free, t.x_1 + t.x_2 + t.x_3), at_least(t.free, t.x_1 + t.x_2)
-    return Statement(t, goals, tuple(given))
+    return Statement(t, goals, given)
 
 
 @claim(
@@ -322,11 +321,11 @@ def hold(mutation: Mutation) -> Statement:
     """
     t, stop, given = _leaving(Mutation(1))
     given += [
-        above(t.pull), at_least(t.tau_2, stop.quick), *between(0, t.q, 1),
-        at_least(t.h, mutation(1, 0.9) * stop.hold(t.pull)), *between(0, t.a, t.tau_2 * t.q),
+        above(t.pull), at_least(t.tau_2, stop.quick), between(0, t.q, 1),
+        at_least(t.h, mutation(1, 0.9) * stop.hold(t.pull)), between(0, t.a, t.tau_2 * t.q),
         at_least(-t.pull * (t.h - t.a), t.x_2), at_least(-t.pull * t.q, t.v_3),
     ]  # fmt: skip
-    return Statement(t, (at_least(-t.x_2, t.x_3),), tuple(given))
+    return Statement(t, at_least(-t.x_2, t.x_3), given)
 
 
 @claim(
@@ -342,8 +341,8 @@ def away(mutation: Mutation) -> Statement:
     target = t.K * t.u + t.push
     given = (
         above(t.K_min), at_least(mutation(1, 1.01) * t.K, t.K_min), at_least(t.d, t.push),
-        at_least(t.d), at_least(-t.d, t.K_min * t.u), at_least(-t.v), *between(0, t.E, 1),
-        *between(0, t.A, t.t),
+        at_least(t.d), at_least(-t.d, t.K_min * t.u), at_least(-t.v), between(0, t.E, 1),
+        between(0, t.A, t.t),
     )  # fmt: skip
     way = target * t.t + (t.v - target) * t.A
     goals = at_least(-target), at_least(-t.E * t.v, (1 - t.E) * target), at_least(-way)
@@ -359,9 +358,7 @@ def ramp(mutation: Mutation) -> Statement:
     t = symbols("A h room m")
     most = mutation(1, 1.01) * stopping_speed(t.room, t.h, t.A)
     goal = at_least(t.room, t.m * t.h + t.m * t.m / (2 * t.A))
-    return Statement(
-        t, (goal,), (above(t.A), at_least(t.h), at_least(t.room), *between(0, t.m, most))
-    )
+    return Statement(t, goal, (above(t.A), nonnegative(t.h, t.room), between(0, t.m, most)))
 
 
 @claim(
@@ -382,8 +379,8 @@ def falling(mutation: Mutation) -> Statement:
     braking = ca.fmin(b.brake, b.cap)
     reached = ca.fmax(t.V_1, t.v - t.T * ca.fmax(braking - b.net, 0) / t.M)
     given = (
-        *positive(t.M_min, t.T, t.alpha), *between(t.M_min, t.M, t.M_max), at_least(t.V_0, t.v),
-        at_least(b.net), at_least(b.brake, b.net), at_least(t.V_1, t.f_speed),
+        positive(t.M_min, t.T, t.alpha), between(t.M_min, t.M, t.M_max), at_least(t.V_0, t.v),
+        between(0, b.net, b.brake), at_least(t.V_1, t.f_speed),
         at_least(t.V_1, t.V_0 - mutation(1, 1.1) * fall), at_least(reached, t.v_1),
     )  # fmt: skip
     return Statement(t, (at_least(t.V_1, t.v_1), at_least(fall)), given)

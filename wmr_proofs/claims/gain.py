@@ -22,7 +22,7 @@ from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Point, Ring, Table
 from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.relation import Relation, above, at_least, equal, positive
+from wmr_proofs.relation import Relations, above, at_least, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -45,7 +45,7 @@ def reach(delta: Any, B: Any) -> Any:
 
 def level(c: ca.SX, u1: ca.SX, u2: ca.SX, k: ca.SX) -> ca.SX:
     """v* for k = rho M/D."""
-    delta, B = u1 - u2, u1 + ca.fabs(c)
+    delta, B = u1 - u2, u1 + abs(c)
     return u1 - delta / (3 + 2 * delta * B + k * reach(delta, B)) ** 2
 
 
@@ -168,7 +168,7 @@ def fades(mutation: Mutation) -> Statement:
     pull = mutation(a.cost(v), 0.5 * A**2)
     goals = above(A), at_least(0.5 * t.D * A, t.rho * t.M * pull)
     given = above(u1, v), at_least(v, level(c, u1, u2, t.rho * t.M / t.D))
-    return a.states(*goals, given=given, more=t)
+    return a.states(goals, given=given, more=t)
 
 
 @claim(
@@ -200,7 +200,7 @@ def covered(mutation: Mutation) -> Statement:
     # The numbers e and i that give a point of [v*, v_u1) back.
     a, v, c, u1, u2 = barrier_axis()
     k = ca.SX.sym("k")
-    b, B = u1 - u2, u1 + ca.fabs(c)
+    b, B = u1 - u2, u1 + abs(c)
     root = ca.sqrt(b / (u1 - v))
     e = root - 3 - mutation(2, 5) * b * B
     goals = (above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v))
@@ -229,7 +229,7 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
     law = LawGraph("mb", ("gains.mb.barrier", form))
     mass, friction = law.own(law.context.mass), law.own(law.context.friction)
     every, cuts = dict(law.symbols), dict[str, ca.SX]()
-    goals, given = list[Relation](), list[Relation]()
+    goals, given = list[Relations](), list[Relations]()
     for axis in (0, 1):
         t = symbols(" ".join(f"{name}{axis + 1}" for name in f"A J D {INNER}".split()))
         A, J, D, quotient, _, _, c_dot = t.values()
@@ -241,9 +241,9 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
         goals.append(at_least(rate + D / mass[axis], 0.5 * D / mass[axis]))
         # A (V1/A) = V1 <= J, and what gain.fades says of J; v_c0 held.
         given += [above(A), at_least(J, A * quotient), at_least(0.5 * D * A, rho * mass[axis] * J)]
-        given += [above(D), equal(c_dot), *positive(mass[axis], rho)]
+        given += [above(D), equal(c_dot), positive(mass[axis], rho)]
         every |= t
-    return Statement(every, tuple(goals), tuple(given), cuts)
+    return Statement(every, goals, given, cuts)
 
 
 @claim(
@@ -263,4 +263,4 @@ def levels(mutation: Mutation) -> Statement:
     # v* of a disturbance that is held back at v lies beyond v; low = D/M.
     t = symbols("v c u1 u2 rho low", "u1 u2 rho")
     star = level(t.c, t.u1, t.u2, t.rho / t.low)
-    return Statement(t, (above(mutation * (star - t.v)),))
+    return Statement(t, above(mutation * (star - t.v)))

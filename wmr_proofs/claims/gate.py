@@ -15,7 +15,7 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, equal, within
+from wmr_proofs.relation import Relations, above, at_least, equal, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, exchanged
 
@@ -67,23 +67,23 @@ class GateStep:
         return self.ports[signal]
 
     @property
-    def sound(self) -> tuple[Relation, ...]:
+    def sound(self) -> Relations:
         """Hypotheses: the parameters leave some safe command."""
-        given = list[Relation]()
+        given = list[Relations]()
         for V, dbar, low, high in self.bounds:
             given += [above(V, dbar), at_least(dbar), above(low), at_least(high, low)]
         return tuple(given)
 
-    def below(self, tops: list[ca.SX]) -> tuple[Relation, ...]:
+    def below(self, tops: list[ca.SX]) -> Relations:
         """|sent_i| <= top_i for both axes."""
         return tuple(at_least(tops[i], way * self.sent[i]) for i in AXES for way in WAYS)
 
-    def falling(self, mutation: Mutation) -> tuple[Relation, ...]:
+    def falling(self, mutation: Mutation) -> Relations:
         """|sent_i| <= max(|last_i| - fall_i t, 0) for both axes."""
         last = self[gate.LAST]
         step = [mutation(1, 1.1) * SETTINGS.fall[i] * self.gone for i in AXES]
-        tops = [ca.fmax(ca.fabs(last[i]) - step[i], 0) for i in AXES]
-        return self.timed, *self.below(tops)
+        tops = [ca.fmax(abs(last[i]) - step[i], 0) for i in AXES]
+        return self.timed, self.below(tops)
 
 
 @claim("gate.inside", given=SOUND)
@@ -105,7 +105,7 @@ def stop(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     goals = tuple(equal(g.sent[i], mutation(0, 1e-3) * g[gate.LAST][i]) for i in AXES)
-    return Statement(g.symbols, goals, (*g.sound, above(g[gate.STOP])))
+    return Statement(g.symbols, goals, (g.sound, above(g[gate.STOP])))
 
 
 @claim("gate.stale", given=f"{SOUND}; {GONE}; age of the command > timeout")
@@ -116,7 +116,7 @@ def stale(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     old = above(g[gate.COMMAND_AGE], ca.SX(SETTINGS.command_timeout))
-    return Statement(g.symbols, g.falling(mutation), (*g.sound, old))
+    return Statement(g.symbols, g.falling(mutation), (g.sound, old))
 
 
 @claim("gate.latched", given=f"{SOUND}; {GONE}; latched > 0, reset <= 0")
@@ -127,8 +127,8 @@ def latched(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     after = g.system.update[-3]
-    given = (*g.sound, above(g[gate.LATCHED]), at_least(-g[gate.RESET]))
-    return Statement(g.symbols, (*g.falling(mutation), equal(after, ca.SX(1))), given)
+    given = (g.sound, above(g[gate.LATCHED]), at_least(-g[gate.RESET]))
+    return Statement(g.symbols, (g.falling(mutation), equal(after, 1)), given)
 
 
 @claim("gate.rise", given=f"{SOUND}; {GONE}; whatever command the ramp leads to")
@@ -139,8 +139,8 @@ def rise(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.gone for i in AXES]
-    most = [ca.fabs(g[gate.LAST][i]) + step[i] for i in AXES]
-    goals = g.timed, *g.below(most)
+    most = [abs(g[gate.LAST][i]) + step[i] for i in AXES]
+    goals = g.timed, g.below(most)
     return Statement(g.symbols, goals, g.sound, {f"goal{i}": g.goal[i] for i in AXES})
 
 
@@ -158,7 +158,7 @@ def inside_shapes(
     The gate sends what the clip could have sent, whichever speeds that limits.
     """
     table, cuts = Symbols(), dict[str, ca.SX]()
-    goals, given = list[Relation](), list[Relation]()
+    goals, given = list[Relations](), list[Relations]()
     for scale in scales:
         scenario = load_scenario("paper-simulation", {**STATED, **more, "filter.scale": scale})
         (system, goal), clip = gate.gate_and_goal(scenario, SETTINGS), Clip(scenario)
@@ -176,7 +176,7 @@ def inside_shapes(
             goals += within(found[i], mutation(1, 0.99) * limit)
         cuts |= {f"goal{i} {scale}": goal[i] for i in AXES}
         given += [above(symbol) for name, symbol in own[1].items() if name == "robot.l"]
-    return Statement(table, tuple(goals), tuple(given), cuts)
+    return Statement(table, goals, given, cuts)
 
 
 class BehindGovernor:
@@ -207,12 +207,12 @@ def before_governor(mutation: Mutation) -> Statement:
     Before a governor, too, the gate sends only what the filter could have sent (filter.sent-*).
     """
     g = BehindGovernor()
-    goals, cuts = list[Relation](), {f"goal{i}": g.goal[i] for i in AXES}
-    given = list[Relation]()
+    goals, cuts = list[Relations](), {f"goal{i}": g.goal[i] for i in AXES}
+    given = list[Relations]()
     for side, way in enumerate(WAYS):
         for i in AXES:
             limit = g.limits[2 * side + i]
             cuts[f"limit {side} {i}"] = limit
             given.append(above(limit))
             goals.append(at_least(mutation(1, 0.99) * limit, way * g.sent[i]))
-    return Statement(elements_of(*g.ports), tuple(goals), tuple(given), cuts)
+    return Statement(elements_of(*g.ports), goals, given, cuts)

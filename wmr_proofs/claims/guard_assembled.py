@@ -9,7 +9,16 @@ from wmr_ctrl.world.model.dynamics import KEYS, force_to_wheel, plant, rk4_step,
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, between, equal, nonnegative, positive
+from wmr_proofs.relation import (
+    Relation,
+    Relations,
+    above,
+    at_least,
+    between,
+    equal,
+    nonnegative,
+    positive,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, symbols
 
@@ -31,11 +40,11 @@ def axes(mutation: Mutation) -> Statement:
     table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a.symbols}
     both = Bounds(**{name: ca.vertcat(one[name], two[name]) for name in NUMBERS.split()})
     result = guarded(ca.vertcat(one.asked, two.asked), ca.vertcat(one.y, two.y), both)
-    goals = list[Relation]()
+    goals = list[Relations]()
     for i, a in enumerate((one, two)):
         goals.append(equal(result.force[i], clipped(mutation * a.asked, a.y, a.bounds)))
         goals.append(equal(result.safe[i], clipped(ca.SX(0), a.y, a.bounds)))
-    return Statement(table, tuple(goals), positive(one.period, two.period))
+    return Statement(table, goals, positive(one.period, two.period))
 
 
 @claim(
@@ -56,7 +65,7 @@ def promise(mutation: Mutation, a: GuardAxis) -> Statement:
     room = at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), need)
     brakes = at_least(b.u1, 2 * b.nbar), at_least(b.brake, a.net), at_least(1, b.alpha * b.period)
     order = at_least(b.M_max, b.M_min), above(b.u1, b.f_speed)
-    return a.states(room, *spread, *brakes, *order, given=(above(feasible(b)),))
+    return a.states(room, spread, brakes, order, given=above(feasible(b)))
 
 
 @claim("guard.simulated", given="every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs")
@@ -77,10 +86,10 @@ def simulated(mutation: Mutation) -> Statement:
     after = rk4_step(robot, t.step)[3:5]
     friction = mu * m * g
     driven = t.v1 + t.step * ca.fmax(push[0], 0) / m
-    slow = t.step * (ca.fabs(push[0]) + mutation(2, -1) * friction) / m
+    slow = t.step * (abs(push[0]) + mutation(2, -1) * friction) / m
     turned = equal(after[1], t.omega + t.step * push[1] / inertia)
     goals = at_least(ca.fmax(driven, slow), after[0]), turned
-    given = (*positive(m, inertia, r, half, g, v_s, t.step), at_least(mu))
+    given = (positive(m, inertia, r, half, g, v_s, t.step), at_least(mu))
     return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
 
 
@@ -104,8 +113,8 @@ def not_blamed(mutation: Mutation) -> Statement:
     errors = [at_least(b.nbar, side * t[name]) for side in (1, -1) for name in ("e_new", "e_old")]
     ahead = (above(ca.fmin(way * y, way * before), b.nbar), at_least(t.drag))
     least = least_push(y, before, a.asked, b)
-    given = (*a.feasible(), *a.during(), *errors, *ahead)
-    return Statement(a.symbols | t, (at_least(ca.fmax(t.push, 0), least),), given)
+    given = (a.feasible(), a.during(), errors, ahead)
+    return Statement(a.symbols | t, at_least(ca.fmax(t.push, 0), least), given)
 
 
 @claim("guard.monitor-quiet", given="any bounds with T, M_min > 0, nbar >= 0")
@@ -118,8 +127,8 @@ def quiet(mutation: Mutation) -> Statement:
     b, old = a.bounds, ca.SX.sym("old")
     least = least_push(a.y, old, a.asked, b)
     same = ca.fmax(ca.fmin(a.y, old), -ca.fmax(a.y, old)) - mutation(0, 1)
-    given = (*positive(b.period, b.M_min), at_least(b.nbar), at_least(b.nbar, same))
-    return Statement(a.symbols | {"old": old}, (equal(least),), given)
+    given = (positive(b.period, b.M_min), at_least(b.nbar), at_least(b.nbar, same))
+    return Statement(a.symbols | {"old": old}, equal(least), given)
 
 
 @claim(
@@ -137,9 +146,9 @@ def sharp(mutation: Mutation) -> Statement:
     way = ca.if_else(t.way > 0, 1, -1)
     y = t.old + b.period * (a.asked + way * t.push) / b.M_min
     least = least_push(y, t.old, a.asked, b)
-    exact = (equal(b.nbar), equal(b.M_max, b.M_min), *positive(b.M_min, b.period))
+    exact = (equal(b.nbar), equal(b.M_max, b.M_min), positive(b.M_min, b.period))
     ahead = (above(ca.fmin(way * y, way * t.old)), at_least(t.push))
-    return Statement(a.symbols | t, (equal(least, mutation * t.push),), (*exact, *ahead))
+    return Statement(a.symbols | t, equal(least, mutation * t.push), (exact, ahead))
 
 
 SINCE = Since(
@@ -166,7 +175,8 @@ def late(mutation: Mutation) -> Statement:
     b, t = a.bounds, symbols("old D F1 F2 N1 N2")
     sent = [ca.vertcat(t[f"F{j}"], t[f"N{j}"]) for j in (1, 2)]
     motion, old, D = LateMotion((SINCE, SINCE), sent, sent[0]), t.old, t.D
-    goals, given = [], [*positive(b.M_min, b.period), *nonnegative(b.nbar, D)]
+    goals, given = list[Relations](), list[Relations]()
+    given += positive(b.M_min, b.period), nonnegative(b.nbar, D)
     for axis, name in enumerate("FN"):
         least = motion.least_push(axis, a.y, old, b)
         goals.append(at_least(D, mutation(1, 1.01) * least))
@@ -178,7 +188,7 @@ def late(mutation: Mutation) -> Statement:
             moved = b.M_min * (way * (a.y - old) - 2 * b.nbar) / b.period
             begun = b.M_min * (way * a.y - b.nbar) / b.period
             given.append(at_least(ca.fmax(mean - moved, rest - begun)))
-    return Statement(a.symbols | t, tuple(goals), tuple(given))
+    return Statement(a.symbols | t, goals, given)
 
 
 BOX = (
@@ -201,7 +211,7 @@ class MappedWheels(Named):
         """Both axes of one quantity."""
         return ca.vertcat(self.symbols[f"{name}1"], self.symbols[f"{name}2"])
 
-    def within(self, force: ca.SX) -> tuple[Relation, ...]:
+    def within(self, force: ca.SX) -> Relations:
         """``force`` is in the box."""
         lo, hi = self.pair("lo"), self.pair("hi")
         return tuple(part for i in (0, 1) for part in between(lo[i], force[i], hi[i]))
@@ -209,14 +219,14 @@ class MappedWheels(Named):
     def reached(self, force: ca.SX) -> Relation:
         """``force`` is within the wheels' reach."""
         t = self.symbols
-        return at_least(t.phi, ca.fabs(force[0]) + ca.fabs(force[1]) / t.half)
+        return at_least(t.phi, abs(force[0]) + abs(force[1]) / t.half)
 
     @property
-    def given(self) -> tuple[Relation, ...]:
+    def given(self) -> Relations:
         """The hypotheses."""
         t = self.symbols
         sides = positive(t.half, t.phi, t.r)
-        return (*sides, *self.within(self.pair("force")), self.reached(self.safe))
+        return (sides, self.within(self.pair("force")), self.reached(self.safe))
 
     def mapped(self, name: str, safe: ca.SX) -> ca.SX:
         """Output of a map for the force."""
@@ -235,9 +245,9 @@ def torques(mutation: Mutation) -> Statement:
     w = MappedWheels()
     t = w.symbols
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
-    largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
-    size = ca.fabs(t.force1) + mutation * ca.fabs(t.force2) / t.half
-    return Statement(t, (equal(largest, t.r / 2 * size),), positive(t.half, t.r))
+    largest = ca.fmax(abs(torque[0]), abs(torque[1]))
+    size = abs(t.force1) + mutation * abs(t.force2) / t.half
+    return Statement(t, equal(largest, t.r / 2 * size), positive(t.half, t.r))
 
 
 @map_claim("wheels.necessary", given="F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0")
@@ -251,11 +261,11 @@ def necessary(mutation: Mutation) -> Statement:
     w = MappedWheels()
     t = w.symbols | symbols("dbar1 dbar2")
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
-    largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
+    largest = ca.fmax(abs(torque[0]), abs(torque[1]))
     tight = above(t.dbar1 + t.dbar2 / t.half, mutation(1, 0.99) * t.phi)
     held = [at_least(-t[f"force{i}"], t[f"dbar{i}"]) for i in (1, 2)]
-    signs = (*nonnegative(t.dbar1, t.dbar2), *positive(t.half, t.r))
-    return Statement(t, (above(largest, t.phi * t.r / 2),), (*signs, *held, tight))
+    signs = (nonnegative(t.dbar1, t.dbar2), positive(t.half, t.r))
+    return Statement(t, above(largest, t.phi * t.r / 2), (signs, held, tight))
 
 
 @map_claim("wheels.{name}", given=BOX, over=tuple({"name": name} for name in MAPS))
@@ -266,7 +276,7 @@ def mapped(mutation: Mutation, name: str) -> Statement:
     """
     w = MappedWheels()
     found = w.mapped(name, mutation(w.safe, ca.SX.zeros(2)))
-    return Statement(w.symbols, (*w.within(found), w.reached(found)), w.given)
+    return Statement(w.symbols, (w.within(found), w.reached(found)), w.given)
 
 
 @map_claim("wheels.per-wheel", given=BOX)

@@ -11,7 +11,7 @@ import casadi as ca
 
 from wmr_ctrl.control.guard.delay import InFlight, Lagging, in_flight, largest_force
 from wmr_ctrl.control.guard.guard import Bounds, ceiling, clipped, floor, room
-from wmr_proofs.relation import Relation, above, at_least, between
+from wmr_proofs.relation import Relation, Relations, above, at_least, between, within
 from wmr_proofs.symbols import Named, symbols
 
 AT_ONCE, DELAYED, LATE, LAGGING = range(4)
@@ -130,27 +130,27 @@ class GuardAxis(Named):
         return way * self.force(self.asked) + self.net
 
     @property
-    def _signs(self) -> tuple[Relation, ...]:
+    def _signs(self) -> Relations:
         b, late = self.bounds, [self.delay] if self.lateness else []
         positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, *late)]
         not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
-        return (*positive, *not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed))
+        return (positive, not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed))
 
     @property
-    def _times(self) -> tuple[Relation, ...]:
+    def _times(self) -> Relations:
         if self.lateness < LATE:
             return ()
         late, J, mixed = at_least(self.delay, self.usual), self.J, self.both_act
         jitter = (above(J), at_least(self.period, J), at_least(mixed, J))
-        return (*jitter, at_least(self.usual, mixed), late) if self.varies else (late,)
+        return (jitter, at_least(self.usual, mixed), late) if self.varies else (late,)
 
-    def sound(self, faster: float = 1) -> tuple[Relation, ...]:
+    def sound(self, faster: float = 1) -> Relations:
         """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1, order of times; nothing on dbar."""
         b = self.bounds
         quick = at_least(ca.SX(faster), b.alpha * b.period)
-        return (*self._signs, quick, at_least(b.u1, 2 * b.nbar), *self._times)
+        return (self._signs, quick, at_least(b.u1, 2 * b.nbar), self._times)
 
-    def feasible(self, pushed: float = 1, faster: float = 1) -> tuple[Relation, ...]:
+    def feasible(self, pushed: float = 1, faster: float = 1) -> Relations:
         """The theorem's hypotheses; factors above 1 relax the first and alpha T <= 1."""
         b = self.bounds
         have = b.M_min * b.alpha * (b.u1 - b.f_speed)
@@ -158,7 +158,7 @@ class GuardAxis(Named):
         known = at_least(ca.SX(faster), b.alpha * b.period), at_least(pushed * have, need)
         brakes = at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net)
         spread = [] if self.both_act.is_zero() else [self.spread]
-        return (*self._signs, *known, *brakes, *self._times, *spread)
+        return (self._signs, known, brakes, self._times, spread)
 
     @property
     def spread(self) -> Relation:
@@ -167,10 +167,10 @@ class GuardAxis(Named):
         return at_least(b.M_min * (b.u1 - 2 * b.nbar), 2 * self.net * self.both_act)
 
     @property
-    def capped(self) -> tuple[Relation, ...]:
+    def capped(self) -> Relations:
         """Facts of guard.delay.caps on the caps, but for their sum."""
         brakes = self.bounds.braking
-        return at_least(brakes), *between(self.net, brakes, self.largest)
+        return at_least(brakes), between(self.net, brakes, self.largest)
 
     def shared(self, more: float = 1) -> Relation:
         """The caps' sum: both directions together keep what braking needs."""
@@ -184,9 +184,9 @@ class GuardAxis(Named):
         return at_least(more * b.M_min * (b.u1 - 2 * b.nbar), self.both_act * self.S)
 
     @property
-    def stated(self) -> tuple[Relation, ...]:
+    def stated(self) -> Relations:
         """Hypotheses on numbers and caps."""
-        return (*self.sound(), *self.capped) if self.lateness else self.feasible()
+        return (self.sound(), self.capped) if self.lateness else self.feasible()
 
     def enough(self, rooms: tuple[ca.SX, ca.SX], more: float = 1) -> Relation:
         """Room for braking beside the push in flight, ahead or behind or both together."""
@@ -198,38 +198,38 @@ class GuardAxis(Named):
         most = ca.fmax(ca.fmax(*rooms), rooms[0] + rooms[1])
         return at_least(more * b.M_min * b.alpha * most, need)
 
-    def can_brake(self, more: float = 1) -> tuple[Relation, ...]:
+    def can_brake(self, more: float = 1) -> Relations:
         """Condition for a safe force to exist; a factor above 1 relaxes it."""
         if not self.lateness:
             return self.feasible(more)
         sums = self.moving if self.lateness < LATE else ()
-        return (*self.stated, *sums, self.enough((self.room_ahead, self.room_back), more))
+        return (self.stated, sums, self.enough((self.room_ahead, self.room_back), more))
 
     @property
-    def measured(self) -> tuple[Relation, ...]:
+    def measured(self) -> Relations:
         """|y - v| <= nbar."""
         gap = self.y - self.v
         return at_least(self.nbar, gap), at_least(self.nbar, -gap)
 
     @property
-    def inside(self) -> tuple[Relation, ...]:
+    def inside(self) -> Relations:
         """|v| <= u1."""
-        return at_least(self.u1, self.v), at_least(self.v, -self.u1)
+        return within(self.v, self.u1)
 
     @property
-    def moving(self) -> tuple[Relation, ...]:
+    def moving(self) -> Relations:
         """No sum is negative."""
         names = ("ahead", "back", "rest_ahead", "rest_back")
         return tuple(at_least(self[name]) for name in names[: 2 if self.lateness < LATE else 4])
 
-    def during(self, longer: float = 1) -> tuple[Relation, ...]:
+    def during(self, longer: float = 1) -> Relations:
         """Hypotheses 0 <= t <= T, M_min <= M <= M_max, late 0 <= since <= J, t <= T + J - since."""
         b, mass, since, t = self.bounds, self.mass, self.since, self.t
         masses = between(b.M_min, mass, b.M_max)
         if self.lateness < LATE:
-            return *between(0, t, b.period), *masses
+            return between(0, t, b.period), masses
         end = at_least(longer * (b.period + self.J) - since, t)
-        return *between(0, since, self.J), at_least(t), end, *masses
+        return between(0, since, self.J), at_least(t), end, masses
 
     def reached(self, way: int) -> ca.SX:
         """v+ when the new command may first take over; ``v`` is measured, or its mean."""
@@ -237,13 +237,13 @@ class GuardAxis(Named):
         mean = ca.fmax(way * self.v, speed) + self("", way)
         return mean if self.lateness < LATE else ca.fmax(mean, speed + self("rest_", way))
 
-    def seen(self, way: int, more: ca.SX | float = 0, *during: Relation) -> tuple[Relation, ...]:
+    def seen(self, way: int, more: ca.SX | float = 0, during: Relations = ()) -> Relations:
         """Hypotheses on `start`; ``more``: the addition by a broken bound until then."""
         if not self.lateness:
-            return (*self.measured, *during)
+            return (self.measured, during)
         most, arrived = self.reached(way) + more, self.arrived
         arrives = (at_least(most, arrived), at_least(arrived, self.f_speed))
-        return (*self.measured, *during, *self.moving, *arrives)
+        return (self.measured, during, self.moving, arrives)
 
     def start(self, way: int, more: ca.SX | float = 0) -> ca.SX:
         """v+ where the new command takes over, ``since`` later; way v where nothing is late."""
@@ -258,35 +258,35 @@ class GuardAxis(Named):
         start = start if self.lateness else ca.fmax(start, self.f_speed)
         return start + self.t * push / self.mass
 
-    def kept(self, way: int, longer: float) -> tuple[Relation, ...]:
+    def kept(self, way: int, longer: float) -> Relations:
         """Goal: inside stays inside; a factor above 1 enlarges alpha T or the acting force."""
         if not self.lateness:
-            return (*self.feasible(1, longer), *self.measured, *self.inside, *self.during())
+            return (self.feasible(1, longer), self.measured, self.inside, self.during())
         u1, arrived, brakes = self.u1, self.arrived, at_least(self.bounds.braking, self.net)
         limits = (at_least(u1, self.start(way)), at_least(self.hi, self.lo))
         if self.lateness < LATE:
-            return (*self.sound(longer), brakes, *self.seen(way, 0, *self.during()), *limits)
+            return (self.sound(longer), brakes, self.seen(way, 0, self.during()), limits)
         lines = self.lines(way, self("room_", way), u1 - arrived)
-        known = (*self.during(longer), at_least(arrived, self.f_speed), *lines)
-        return (*self.sound(), brakes, *known, *limits)
+        known = (self.during(longer), at_least(arrived, self.f_speed), lines)
+        return (self.sound(), brakes, known, limits)
 
     def beyond(self, way: int) -> ca.SX:
         """Excess of v+ where the new command takes over."""
         return self["beyond"] if self.lateness == LAGGING else self.start(way) - self.u1
 
-    def outside(self, way: int, *during: Relation) -> tuple[Relation, ...]:
+    def outside(self, way: int, during: Relations = ()) -> Relations:
         """Hypotheses past u1."""
         beyond, ordered = self.beyond(way), self.ordered(way)
         if self.lateness < LATE:
-            return (*self.stated, *self.seen(way, 0, *during), above(beyond), *ordered)
+            return (self.stated, self.seen(way, 0, during), above(beyond), ordered)
         if self.lateness < LAGGING:
-            return (*self.stated, *self.seen(way), *self.during(), above(beyond), *ordered)
+            return (self.stated, self.seen(way), self.during(), above(beyond), ordered)
         u1, most, again = self.u1, self.arrived, self.lasts(way)[2] / self.M_min
         past = above(beyond), at_least(most + again - u1, beyond)
         left = at_least(u1 - most - again, self("room_", way)), at_least(self.hi, self.lo)
-        return (*self.stated, *past, *left)
+        return (self.stated, past, left)
 
-    def ordered(self, way: int) -> tuple[Relation, ...]:
+    def ordered(self, way: int) -> Relations:
         """lo <= hi; forwards nothing depends on it, since the clip to hi is the last."""
         return (at_least(self.hi, self.lo),) if self.lateness and way < 0 else ()
 
@@ -303,7 +303,7 @@ class GuardAxis(Named):
             return z, z, ca.SX(0)
         return z, self("after_", way), self("again_", way) * self.bounds.M_min
 
-    def lines(self, way: int, left: ca.SX, spare: ca.SX) -> list[Relation]:
+    def lines(self, way: int, left: ca.SX, spare: ca.SX) -> list[Relations]:
         """Each line of the room left; ``spare`` is u1 less what is reached."""
         b, J, rise, late = self.bounds, self.J, self.rise, self.rise_late
         whole = at_least(spare, (1 + b.alpha * J) * left)

@@ -11,7 +11,7 @@ from wmr_ctrl.control.guard.guard import Bounds
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, at_least, between, nonnegative, positive
+from wmr_proofs.relation import Relations, at_least, between, nonnegative, positive
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Named, column, symbols
 
@@ -47,11 +47,11 @@ class Queue(Named):
         sent = [(ca.vertcat(self[f"F{j}"], self[f"N{j}"]), self[f"time{j}"]) for j in listed]
         return in_flight(sent, self.axis, b)
 
-    def known(self, *names: str) -> tuple[Relation, ...]:
+    def known(self, *names: str) -> Relations:
         """Signs of the sums before, and how far they have grown."""
         _, time = self.last
         grown = between(3 * UNIT, self.grown, 2.0**-24)
-        return (at_least(time), *grown, *(at_least(self[name]) for name in names))
+        return (at_least(time), grown, *(at_least(self[name]) for name in names))
 
 
 claim = Claims(by=Z3(), premises="assumption.libm")
@@ -68,10 +68,10 @@ def read(mutation: Mutation) -> Statement:
     exact = wheel_to_force(t.r, t.half, ca.vertcat(t.right, t.left))
     goals = []
     for place, name in enumerate(("thrust", "moment")):
-        lost = mutation(5, 1) * UNIT * ca.fabs(exact[place])
+        lost = mutation(5, 1) * UNIT * abs(exact[place])
         goals += [at_least(lost, exact[place] - t[name]), at_least(lost, t[name] - exact[place])]
     computed = {"thrust": exact[0], "moment": exact[1]}
-    return Statement(t, tuple(goals), positive(t.r, t.half), computed=computed)
+    return Statement(t, goals, positive(t.r, t.half), computed=computed)
 
 
 @claim(
@@ -91,12 +91,12 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     computed = {"ahead": whole.ahead if way > 0 else whole.back}
     force, time = q.last
     exact = q.exact + time * ca.fmax(way * force + q.lost + q.net, 0)
-    off = q.off + time * (q.lost + 2 * UNIT * ca.fabs(q.net))
+    off = q.off + time * (q.lost + 2 * UNIT * abs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
     before = at_least((1 + q.grown) * q[name] + q.off, q.exact)
-    given = (*q.known("front", "rear", "off", "lost"), before)
+    given = (q.known("front", "rear", "off", "lost"), before)
     goal = at_least(grown * q.ahead + off, exact)
-    return Statement(q.symbols, (goal,), given, q.before, computed=computed)
+    return Statement(q.symbols, goal, given, q.before, computed=computed)
 
 
 @claim(
@@ -113,14 +113,14 @@ def both(mutation: Mutation, axis: int) -> Statement:
     q = Queue(axis)
     whole = q.sums(SENT)
     force, time = q.last
-    most = q.counted + time * (q.most + q.net + 3 * UNIT * ca.fabs(q.net))
+    most = q.counted + time * (q.most + q.net + 3 * UNIT * abs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
-    sizes = (at_least(q.most, size) for size in (ca.fabs(q.net), force, -force))
+    sizes = (at_least(q.most, size) for size in (abs(q.net), force, -force))
     before = at_least((1 + q.grown) * q.counted, q.front + q.rear)
-    given = (*q.known("front", "rear", "counted"), *sizes, before)
+    given = (q.known("front", "rear", "counted"), *sizes, before)
     computed = {"ahead": whole.ahead, "back": whole.back}
     goal = at_least(grown * most, q.ahead + q.back)
-    return Statement(q.symbols, (goal,), given, q.before, computed=computed)
+    return Statement(q.symbols, goal, given, q.before, computed=computed)
 
 
 @claim("guard.delay.rounding.scaled", given=f"sums >= 0, T, M_min > 0{ROUNDS}")
@@ -143,9 +143,9 @@ def scaled(mutation: Mutation) -> Statement:
         exact = t[before] * t.period / t.M_min
         lost = mutation(4, 1) * UNIT * exact
         goals += [at_least(lost, exact - t[after]), at_least(lost, t[after] - exact)]
-    signs = (*positive(t.period, t.M_min), *nonnegative(t.front, t.rear))
+    signs = (positive(t.period, t.M_min), nonnegative(t.front, t.rear))
     cuts, computed = (
         {names[0]: sums.ahead, names[1]: sums.back}
         for names, sums in ((("front", "rear"), raw), (("ahead", "back"), whole))
     )
-    return Statement(t, tuple(goals), signs, cuts, computed=computed)
+    return Statement(t, goals, signs, cuts, computed=computed)

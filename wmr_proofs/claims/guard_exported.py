@@ -17,7 +17,17 @@ from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when
+from wmr_proofs.relation import (
+    Relation,
+    Relations,
+    above,
+    at_least,
+    equal,
+    every,
+    nonnegative,
+    positive,
+    when,
+)
 from wmr_proofs.statement import Statement, instance, valued
 from wmr_proofs.symbols import symbols
 
@@ -128,7 +138,7 @@ class Assembled:
             yield ca.if_else(self.p["guard_started"] > 0, least, 0)
 
     @property
-    def signs(self) -> tuple[Relation, ...]:
+    def signs(self) -> Relations:
         """Signs of the divisors: all positive."""
         bounds = [b for _, b, _ in self.axes]
         masses = [mass for b in bounds for mass in (b.M_min, b.M_max)]
@@ -187,19 +197,19 @@ def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
     return ca.fmax(a.v, a.f_speed), ca.fmax(-a.v, a.f_speed)
 
 
-def physical(a: GuardAxis) -> tuple[Relation, ...]:
+def physical(a: GuardAxis) -> Relations:
     """Hypotheses: signs, and a sample that begins inside, at once or behind a delay."""
     b, late = a.bounds, [a.delay] if a.lateness else []
-    not_negative = map(at_least, (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed))
-    signs = (*positive(b.u1, b.period, b.M_min, b.alpha, *late), *not_negative)
-    known = (*signs, *a.measured, *a.during())
+    not_negative = nonnegative(b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)
+    signs = (positive(b.u1, b.period, b.M_min, b.alpha, *late), not_negative)
+    known = (signs, a.measured, a.during())
     if not a.lateness:
-        return (*known, *a.inside)
-    limits: list[Relation] = []
+        return (known, a.inside)
+    limits: list[Relations] = []
     for way, start in zip((1, -1), begun(a), strict=True):
         limits += at_least(a.u1, start), at_least(a.reached(way), start)
         limits.append(at_least(start, a.f_speed))
-    return (*known, *a.moving, *limits, *added(a))
+    return (known, a.moving, limits, added(a))
 
 
 def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relation]:
@@ -233,16 +243,18 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
     known = [not_empty(CLAIMED, a), anchor(CLAIMED, a)]
     if a.lateness:
         known += [caps(CLAIMED, a), room(CLAIMED, a)]
-    taken = [goal for item in known for goal in instance(item, {})]
+    taken = [instance(item, {}) for item in known]
     for way, start in zip((1, -1), ("arrived_ahead", "arrived_back"), strict=True):
-        taken += instance(stays_inside(CLAIMED, way, a), {"arrived": a[start], "asked": a.chosen})
+        taken.append(
+            instance(stays_inside(CLAIMED, way, a), {"arrived": a[start], "asked": a.chosen})
+        )
     safe, chosen = a.force(ca.SX(0)), a.chosen
     within = ca.logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
     braked = at_least(a.bounds.braking, safe), at_least(a.bounds.braking, -safe)
-    goals = (at_least(a.hi, a.lo), *braked, *(when(within, goal) for goal in stays(a, chosen)))
+    goals = (at_least(a.hi, a.lo), braked, when(within, [*stays(a, chosen)]))
     ahead, back = a.left
     cuts = {"hi": a.hi, "back": -a.lo, "room_ahead": ahead, "room_back": back} | a.cuts
-    given = (*physical(a), above(feasible(a.bounds)), *taken)
+    given = (physical(a), above(feasible(a.bounds)), taken)
     return Statement(a.symbols, goals, given, cuts)
 
 
@@ -264,9 +276,9 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
     e = Assembled(guard, setup(kind, delay))
     r, half = e.wheels
     force = wheel_to_force(r, half, e.torque)
-    goals: list[Relation] = []
-    given, cuts = [above(e.told["feasible"])], dict(e.cuts)
-    given += positive(r, half, e.p["actuator.tau_max"])
+    goals: list[Relations] = []
+    given, cuts = list[Relations]([above(e.told["feasible"])]), dict(e.cuts)
+    given.append(positive(r, half, e.p["actuator.tau_max"]))
     table = e.symbols | symbols("t")
     for axis, (y, b, coming) in enumerate(e.axes):
         a = GuardAxis(DELAYED) if coming else GuardAxis()
@@ -278,11 +290,11 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
         values |= {"y": y, "t": table["t"], "chosen": force[axis]}
         # The premise's own premises are no hypotheses of it.
         known = physical(a)
-        alone = replace(kept(CLAIMED, a), given=(*known, above(feasible(a.bounds))))
-        given += [*valued(known, a.symbols, values), *instance(alone, values)]
+        alone = replace(kept(CLAIMED, a), given=(known, above(feasible(a.bounds))))
+        given += [valued(known, a.symbols, values), instance(alone, values)]
         goals += valued([*stays(a, mutation * a.chosen)], a.symbols, values)
         back, hi = ceiling(-y, b, coming and coming.mirrored), ceiling(y, b, coming)
         parts = {"back": back, "hi": hi, "brakes": b.braking}
         parts |= {f"sum {name}": total for name, total in sums.items()}
         cuts |= {f"{name} {axis + 1}": part for name, part in parts.items()}
-    return Statement(table, tuple(goals), tuple(given), cuts)
+    return Statement(table, goals, given, cuts)

@@ -32,7 +32,7 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.system import System
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, every, positive
+from wmr_proofs.relation import Relation, Relations, above, every, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -155,12 +155,12 @@ class LateAssembled(Assembled):
         return met
 
     @property
-    def signs(self) -> tuple[Relation, ...]:
+    def signs(self) -> Relations:
         """Divisors are positive."""
         if not self.counted.lag:
             return super().signs
         lag, spread = self.p["actuator.lag"], self.p.get("actuator.lag_spread", ca.SX(0))
-        return (*super().signs, *positive(lag, 1 - spread))
+        return (super().signs, positive(lag, 1 - spread))
 
     def kept(self) -> Iterator[Relation]:
         """Memory of older commands, of the guard and of the monitor."""
@@ -328,5 +328,5 @@ def controller(
     free = symbols("e") if stated else Symbols()
     share = {name: ca.exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
     below = (item for e in free.values() for item in (above(e), above(1, e)))
-    given, cuts = (*whole.signs, *below), {**whole.cuts, **share}
+    given, cuts = (whole.signs, *below), {**whole.cuts, **share}
     return Statement(whole.symbols | free, every(mutation * theirs, ours), given, cuts)

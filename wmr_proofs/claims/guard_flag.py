@@ -14,7 +14,17 @@ from wmr_ctrl.world.model.dynamics import force_to_wheel
 from wmr_ctrl.world.model.system import Parameters
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, within
+from wmr_proofs.relation import (
+    Relation,
+    Relations,
+    above,
+    at_least,
+    equal,
+    every,
+    nonnegative,
+    positive,
+    within,
+)
 from wmr_proofs.statement import Statement, valued
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -40,13 +50,13 @@ class Flag(Assembled):
         self.both = [b for _, b, _ in self.axes]
 
     @property
-    def signs(self) -> tuple[Relation, ...]:
+    def signs(self) -> Relations:
         """Signs of the guard's numbers, and of the wheels'."""
         own = [item for b in self.both for item in (b.M_min, b.u1)]
         shared = ("clock.control", "guard.alpha", "actuator.tau_max")
         less = [n for b in self.both for n in (b.f_speed, b.dbar, b.f_min, b.brake)]
         numbers = (*self.wheels, *(self.p[name] for name in shared), *own)
-        return (*positive(*numbers), *map(at_least, less))
+        return (positive(*numbers), nonnegative(*less))
 
     def authority(self, b: Bounds, share: float = 2) -> Relation:
         """The theorem's first condition, to within the flag's rounding."""
@@ -55,16 +65,16 @@ class Flag(Assembled):
         return at_least(b.M_min * b.alpha * room, share * b.net * late)
 
     def computes(
-        self, texts: dict[str, ca.SX], free: Symbols, goals: list[Relation], given: list[Relation]
+        self, texts: dict[str, ca.SX], free: Symbols, goals: Relations, given: Relations
     ) -> Statement:
         """The statement about what doubles compute for ``texts``."""
-        whole = self.symbols | free, tuple(goals), (*given, *self.signs), self.cuts
+        whole = self.symbols | free, goals, (given, self.signs), self.cuts
         return Statement(*whole, computed=texts)
 
 
 def size(b: Bounds) -> ca.SX:
     """S = M_min alpha u1 + |net|: the guard's forces are of this size at most."""
-    return b.M_min * b.alpha * b.u1 + ca.fabs(b.net)
+    return b.M_min * b.alpha * b.u1 + abs(b.net)
 
 
 @claim("guard.flag.conditions", premises="assumption.libm", each=DELAYS)
@@ -77,12 +87,12 @@ def conditions(mutation: Mutation, n: int) -> Statement:
     of its own numbers.
     """
     e, free, near = Flag(n), symbols("flag"), 1 + NEAR
-    goals = list[Relation]()
+    goals = list[Relations]()
     for b in e.both:
-        goals += e.authority(b, mutation(2, 2.01)), at_least(b.brake + NEAR * ca.fabs(b.net), b.net)
+        goals += e.authority(b, mutation(2, 2.01)), at_least(b.brake + NEAR * abs(b.net), b.net)
         goals += at_least(near, b.alpha * b.period), at_least(b.u1 * near, 2 * b.nbar)
         goals += above(b.u1 * near, b.f_speed), at_least(b.M_max, b.M_min)
-    return e.computes({"flag": e.told["feasible"]}, free, goals, [above(free.flag)])
+    return e.computes({"flag": e.told["feasible"]}, free, goals, above(free.flag))
 
 
 @claim(
@@ -99,12 +109,12 @@ def braking(mutation: Mutation, n: int) -> Statement:
     """
     e, free = Flag(n), symbols("first second")
     share = mutation(4, 0.01) * (1 + n) * NEAR
-    goals, given, computed = list[Relation](), list[Relation](), dict[str, ca.SX]()
+    goals, given, computed = list[Relations](), list[Relations](), dict[str, ca.SX]()
     for name, b in zip(free, e.both, strict=True):
         computed[name] = b.braking
-        goals += *within(free[name] - b.braking, share * size(b)), *within(b.braking, size(b))
+        goals += within(free[name] - b.braking, share * size(b)), within(b.braking, size(b))
         given += e.authority(b), above(b.u1 * (1 + NEAR), b.f_speed)
-    given += [at_least(b.brake + NEAR * ca.fabs(b.net), b.net) for b in e.both]
+    given += [at_least(b.brake + NEAR * abs(b.net), b.net) for b in e.both]
     return e.computes(computed, free, goals, given)
 
 
@@ -122,16 +132,16 @@ def reach(mutation: Mutation, n: int) -> Statement:
     """
     e, free = Flag(n), symbols("flag first second exact1 exact2 size1 size2")
     share, half = 4 * (1 + n) * NEAR, e.wheels[1]
-    given = [above(free.flag)]
+    given: list[Relations] = [above(free.flag)]
     for k, (name, b) in enumerate(zip(("first", "second"), e.both, strict=True), 1):
         exact, most = free[f"exact{k}"], free[f"size{k}"]
-        given += [*within(free[name] - exact, share * most), *within(exact, most)]
+        given += [within(free[name] - exact, share * most), within(exact, most)]
         given += [equal(most, size(b)), equal(exact, b.braking)]
     off = 2 * share * (free.size1 + free.size2 / half)
     braked = free.exact1 + free.exact2 / half
     goal = at_least(e.phi * (1 + 8 * NEAR) + mutation * off, braked)
     computed = {"flag": e.told["feasible"], "first": e.both[0].braking, "second": e.both[1].braking}
-    return e.computes(computed, free, [goal], given)
+    return e.computes(computed, free, goal, given)
 
 
 watched_claim = Claims(by=Z3())
@@ -184,9 +194,9 @@ def applied(mutation: Mutation) -> Statement:
     share = ca.exp(-e.p["clock.plant"] / e.p["actuator.lag"])
     free = symbols("e")
     goals = (
-        *every(e.later["tau_applied"], mutation * total / steps),
-        *every(e.later["tau_acting"], acting),
-        *every(e.later["tau_sent1"], commands[0]), *every(e.later["tau_sent2"], commands[1]),
+        every(e.later["tau_applied"], mutation * total / steps),
+        every(e.later["tau_acting"], acting),
+        every(e.later["tau_sent1"], commands[0]), every(e.later["tau_sent2"], commands[1]),
     )  # fmt: skip
     cuts = {"e": share, "right": commands[0][0], "left": commands[0][1]}
     table = e.symbols | free | symbols("right left")
@@ -203,7 +213,7 @@ def kept(mutation: Mutation) -> Statement:
 
     The exported guard keeps back the margin that these entries assume.
     """
-    a, table, goals, given = QueuedAxis(), dict[str, ca.SX](), list[Relation](), list[Relation]()
+    a, table, goals, given = QueuedAxis(), dict[str, ca.SX](), list[Relations](), list[Relations]()
     for n in range(1, 6):
         guarded = setup("linear-first", n)
         p = Parameters(guarded)
@@ -215,7 +225,7 @@ def kept(mutation: Mutation) -> Statement:
             assert b.delay is not None
             goals.append(equal(b.u1, u1 * (1 - (1 + n) * 2.0**-44)))
             put = {"share": b.u1 / u1, "alpha": b.alpha, "delay": b.delay}
-            goals += valued([*a.sized, a.counts], a.symbols, put)
+            goals += valued([a.sized, a.counts], a.symbols, put)
             given += positive(b.period, b.alpha, u1)
             given.append(at_least(mutation(1 + DOUBLE.quicker, 2), b.alpha * b.period))
-    return Statement(table, tuple(goals), tuple(given))
+    return Statement(table, goals, given)

@@ -11,7 +11,7 @@ import casadi as ca
 from wmr_ctrl.control.guard.delay import integral, moved, push, waiting
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, at_least, between, equal, nonnegative, positive
+from wmr_proofs.relation import Relations, at_least, between, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -31,14 +31,14 @@ LAGS = on("varying.")
 claim = Claims(by=Z3())
 
 
-def exponentials(a: GuardAxis) -> tuple[Relation, ...]:
+def exponentials(a: GuardAxis) -> Relations:
     """Their relations; without jitter T and T + J are the same time."""
     fast, slow, rises, falls = a.fast, a.slow, a.rises_by, a.falls
     same = () if a.varies else (equal(a.rise_late, a.rise),)
     return (
-        *between(0, fast, slow), *positive(slow), *between(0, rises, falls), at_least(1, falls),
+        between(0, fast, slow), positive(slow), between(0, rises, falls), at_least(1, falls),
         at_least(a.J, slow * (1 - falls)), equal(a.rise_J, (slow - fast) * (1 - rises)),
-        *between(0, a.rise, a.rise_late), at_least(slow - fast, a.rise_late), *same,
+        between(0, a.rise, a.rise_late), at_least(slow - fast, a.rise_late), same,
     )  # fmt: skip
 
 
@@ -59,10 +59,10 @@ def varying_moved(mutation: Mutation) -> Statement:
     z, p, more_z, more_p, falls, rises, e = t.values()
     first, second = moved(z, p, (falls, rises)), moved(more_z, more_p, (falls, rises))
     rises_with = at_least(mutation(1, 0.99) * second, first)
-    lies = *between(p + e * (z - p), first, ca.fmax(z, p)), at_least(first, ca.fmin(z, p))
-    sizes = *nonnegative(z, p), at_least(more_z, z), at_least(more_p, p)
-    given = (*sizes, *between(0, rises, e), *between(e, falls, 1))
-    return Statement(t, (rises_with, *lies), given)
+    lies = between(p + e * (z - p), first, ca.fmax(z, p)), at_least(first, ca.fmin(z, p))
+    sizes = nonnegative(z, p), at_least(more_z, z), at_least(more_p, p)
+    given = (sizes, between(0, rises, e), between(e, falls, 1))
+    return Statement(t, (rises_with, lies), given)
 
 
 @claim("guard.varying.integral", given="where every age counts in full; exponentials free")
@@ -76,7 +76,7 @@ def varying_integral(mutation: Mutation) -> Statement:
     weights = (time, b * (1 - falls), a * (1 - rises))
     whole = b * moved(z, p, (falls, rises)) + integral(z, p, weights)
     goal = equal(whole, b * z + waiting(z, p, time, (b - mutation * a) * (1 - rises)))
-    return Statement(t, (goal,))
+    return Statement(t, goal)
 
 
 @claim(
@@ -94,7 +94,7 @@ def varying_piece(mutation: Mutation) -> Statement:
     given = [at_least(item) for item in (z, p, fall, rise)]
     given += [at_least(most, z), at_least(most, p), at_least(time, fall), at_least(time, rise)]
     goals = (at_least(mutation(1, 0.99) * time * most, counted), at_least(counted))
-    return Statement(t, goals, tuple(given))
+    return Statement(t, goals, given)
 
 
 @claim("guard.varying.more", given=f"0 <= Z, p_1 <= S, S, J > 0; {EXPONENTIALS}")
@@ -111,8 +111,8 @@ def varying_more(mutation: Mutation) -> Statement:
     b, more = a.slow, mutation(1, 0.99)
     last = at_least(more * (b + a.J) * most, b * z + again + a.rise * (most - after))
     goals = last, at_least(b * most, b * z + a.rise_late * (most - z)), at_least(again)
-    sizes = *positive(a.J), *between(0, z, most), at_least(most, p), *positive(most)
-    return a.states(*goals, given=(*exponentials(a), *sizes))
+    sizes = positive(a.J), between(0, z, most), at_least(most, p), positive(most)
+    return a.states(goals, given=(exponentials(a), sizes))
 
 
 @claim(
@@ -135,8 +135,8 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
             given.append(at_least((time - a.J - lag) * S + lag * a.lasts(way)[0], b.M_min * sums))
     cores = [_core(a, way, left, S) for way, left in zip((1, -1), spares(a), strict=True)]
     need = mutation(1, 1.01) * ca.fmax(b.braking + a.net, 0) / b.alpha
-    rules = (*a.stated, a.shared(), a.apart(), *given)
-    return Statement(a.symbols, (at_least(larger(*cores), need),), rules, a.cuts)
+    rules = (a.stated, a.shared(), a.apart(), given)
+    return Statement(a.symbols, at_least(larger(*cores), need), rules, a.cuts)
 
 
 @claim(
@@ -156,12 +156,12 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     least = mutation(1, 1.01) * ca.fmin(_core(a, 1, room, most), most / b.alpha)
     goal = at_least(b.M_min * a.sums.left(room, b), least)
     given = (
-        *between(0, z, most), *between(0, after, most), at_least(again),
-        *positive(most), at_least((lag + J) * most, lag * z + again + a.rise * (most - after)),
-        at_least(lag * most, lag * z + a.rise_late * (most - z)), *exponentials(a),
-        *positive(b.M_min, b.alpha), *positive(*([J] * a.varies)),
+        between(0, z, most), between(0, after, most), at_least(again),
+        positive(most), at_least((lag + J) * most, lag * z + again + a.rise * (most - after)),
+        at_least(lag * most, lag * z + a.rise_late * (most - z)), exponentials(a),
+        positive(b.M_min, b.alpha, *([J] * a.varies)),
     )  # fmt: skip
-    return Statement(a.symbols, (goal,), given)
+    return Statement(a.symbols, goal, given)
 
 
 @claim(
@@ -181,9 +181,9 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     pairs = zip(rooms, cores, strict=True)
     lines = [at_least(b.M_min * room, ca.fmin(core, a.most / b.alpha)) for room, core in pairs]
     needed = at_least(larger(*cores), need), at_least(a.most, need * b.alpha)
-    given = (*lines, *needed, *positive(b.M_min, b.alpha))
+    given = (lines, needed, positive(b.M_min, b.alpha))
     goal = at_least(b.M_min * larger(*rooms), mutation(1, 1.01) * need)
-    return Statement(a.symbols | t, (goal,), given)
+    return Statement(a.symbols | t, goal, given)
 
 
 @claim(
@@ -199,7 +199,7 @@ def counts(mutation: Mutation, a: GuardAxis) -> Statement:
     How the room is counted.
     """
     least = left(mutation, a)
-    return replace(least, given=(*least.given, *exponentials(a)))
+    return replace(least, given=(least.given, exponentials(a)))
 
 
 @claim(
@@ -223,10 +223,10 @@ def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     early = waiting(z, p, period + a.J, a.rise_late) / a.mass
     late = (waiting(after, p, period, a.rise) + again) / a.mass
     goals = [at_least(b.u1, a.arrived + ca.if_else(p > 0, more, spare)) for more in (early, late)]
-    limits = at_least(b.braking, a.net), at_least(a.hi, a.lo), *a.lines(way, a("room_", way), spare)
-    masses = *nonnegative(z, after, again), at_least(a.mass, b.M_min), *positive(b.M_min)
-    given = (*a.sound(), *exponentials(a), *limits, *masses)
-    return Statement(a.symbols, tuple(goals), given, a.rooms)
+    limits = at_least(b.braking, a.net), at_least(a.hi, a.lo), a.lines(way, a("room_", way), spare)
+    masses = nonnegative(z, after, again), at_least(a.mass, b.M_min), positive(b.M_min)
+    given = (a.sound(), exponentials(a), limits, masses)
+    return Statement(a.symbols, goals, given, a.rooms)
 
 
 @claim(
@@ -256,6 +256,6 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
         at_least(limit, ca.if_else(p > 0, start + more / b.M_min, b.u1)) for more in (early, late)
     ]
     lines = a.lines(way, a("room_", way), b.u1 - a.arrived)
-    known = *a.stated, *exponentials(a), at_least(D), a.withstands(D)
-    given = (*known, *lines, *nonnegative(z, after, again))
-    return Statement(a.symbols, tuple(goals), given, a.rooms)
+    known = a.stated, exponentials(a), at_least(D), a.withstands(D)
+    given = (known, lines, nonnegative(z, after, again))
+    return Statement(a.symbols, goals, given, a.rooms)

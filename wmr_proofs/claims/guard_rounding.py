@@ -17,7 +17,7 @@ from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, floor
 from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, at_least, nonnegative, positive
+from wmr_proofs.relation import Relation, Relations, at_least, nonnegative, positive
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -81,19 +81,19 @@ class RoundedAxis(GuardAxis):
         return {"hat": clipped(asked, self.y, b or self.aimed, self.coming)}
 
     @property
-    def measured(self) -> tuple[Relation, ...]:
+    def measured(self) -> Relations:
         """|y - v| <= nbar + unit |v|: the measured velocity is a rounded number, too."""
-        gap, most = self.y - self.v, self.nbar + self.precision.unit * ca.fabs(self.v)
+        gap, most = self.y - self.v, self.nbar + self.precision.unit * abs(self.v)
         return at_least(most, gap), at_least(most, -gap)
 
     @property
-    def stated(self) -> tuple[Relation, ...]:
+    def stated(self) -> Relations:
         """The theorem's hypotheses with room for the rounding."""
         b, spare = self.bounds, self.precision.spare * self.reach
         less = b.u1 * (1 - self.precision.spare)
         return (
-            *positive(b.u1, b.period, b.M_min, b.alpha),
-            *nonnegative(b.dbar, b.nbar, b.brake, b.f_min, b.f_speed), at_least(b.M_max, b.M_min),
+            positive(b.u1, b.period, b.M_min, b.alpha),
+            nonnegative(b.dbar, b.nbar, b.brake, b.f_min, b.f_speed), at_least(b.M_max, b.M_min),
             at_least(1 + self.precision.quicker, b.alpha * b.period),
             at_least(self.slope * (b.u1 - b.f_speed), 2 * self.net + spare),
             at_least(less, 2 * b.nbar), at_least(less, b.f_speed),
@@ -113,7 +113,7 @@ def _wheels() -> Symbols:
     return symbols(f"{names} thrust moment right left phi half r", "phi half r")
 
 
-def _within(most: ca.SX, value: ca.SX) -> tuple[Relation, Relation]:
+def _within(most: ca.SX, value: ca.SX) -> Relations:
     return at_least(most, value), at_least(most, -value)
 
 
@@ -181,10 +181,10 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     b = mutation(a.aimed, a.bounds)
     cuts = {"lo": floor(a.y, b)}
     known = () if way > 0 else (a.safe(way, a["lo"]),)
-    given = (*a.stated, *a.measured, *a.inside, *known)
+    given = (a.stated, a.measured, a.inside, known)
     goal = a.safe(way, a.hat)
     computed = a.text(a.asked, b)
-    return Statement(a.symbols, (goal,), given, cuts, computed=computed, unit=precision.unit)
+    return Statement(a.symbols, goal, given, cuts, computed=computed, unit=precision.unit)
 
 
 @claim("guard.{name}.size", given="{stated}{rounds}", over=PRECISIONS)
@@ -228,21 +228,21 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     The rounding of the torque limit does not undo the guard.
     """
     t = _wheels()
-    given = [*positive(t.half, t.phi)]
+    given: list[Relations] = [positive(t.half, t.phi)]
     for i in "12":
-        given += [*_within(t[f"cap{i}"], t[f"safe{i}"]), *_within(t[f"size{i}"], t[f"force{i}"])]
+        given += [_within(t[f"cap{i}"], t[f"safe{i}"]), _within(t[f"size{i}"], t[f"force{i}"])]
         given.append(at_least(t[f"size{i}"], t[f"cap{i}"]))
         for value in (t[f"force{i}"], t[f"safe{i}"]):
             given += at_least(t[f"hi{i}"], value), at_least(value, t[f"lo{i}"])
     given.append(at_least(t.phi * (1 + 4 * precision.unit), t.cap1 + t.cap2 / t.half))
     lost = mutation(12, 1) * precision.unit * (t.size1 + t.size2 / t.half)
-    goals = list[Relation]()
+    goals = list[Relations]()
     for i, value, error in (("1", t.thrust, lost), ("2", t.moment, lost * t.half)):
         goals += at_least(t[f"hi{i}"] + error, value), at_least(value, t[f"lo{i}"] - error)
     force, safe = (ca.vertcat(t[f"{part}1"], t[f"{part}2"]) for part in ("force", "safe"))
     both = MAPS[kind](force, t.phi, t.half, safe)
     computed = {"thrust": both[0], "moment": both[1]}
-    return Statement(t, tuple(goals), tuple(given), computed=computed, unit=precision.unit)
+    return Statement(t, goals, given, computed=computed, unit=precision.unit)
 
 
 @claim(
@@ -260,8 +260,8 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
     half, asked = t.half, ca.vertcat(t.force1, t.force2)
     torque = force_to_wheel(t.r, half, asked)
     reached = wheel_to_force(t.r, half, ca.vertcat(t.right, t.left))
-    lost = mutation(5, 2) * precision.unit * (ca.fabs(asked[0]) + ca.fabs(asked[1]) / half)
-    goals = (*_within(lost, reached[0] - asked[0]), *_within(lost * half, reached[1] - asked[1]))
+    lost = mutation(5, 2) * precision.unit * (abs(asked[0]) + abs(asked[1]) / half)
+    goals = (_within(lost, reached[0] - asked[0]), _within(lost * half, reached[1] - asked[1]))
     computed = {"right": torque[0], "left": torque[1]}
     return Statement(t, goals, positive(half, t.r), computed=computed, unit=precision.unit)
 
@@ -283,7 +283,7 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
     # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
     a = RoundedAxis(precision=precision)
     b, lost = a.bounds, mutation(1, 2) * a.on_wheels
-    goals, given = [], [*a.stated, *a.inside, *a.during()]
+    goals, given = [], [a.stated, a.inside, a.during()]
     for way in (1, -1):
         fastest = ca.fmax(way * a.v, b.f_speed)
         end = fastest + a.t * ca.fmax(way * a.hat + a.net, 0) / a.mass
@@ -291,4 +291,4 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
         asked, safe = way * a.asked, way * a.most
         given.append(at_least(ca.fmax(asked, safe) + lost, way * a.hat))
         given += [a.safe(way, a[name]) for name in ("asked", "most")]
-    return Statement(a.symbols, tuple(goals), tuple(given))
+    return Statement(a.symbols, goals, given)

@@ -11,7 +11,16 @@ from wmr_ctrl.control.guard.delay import InFlight, Tails, in_flight
 from wmr_ctrl.control.guard.lateness import AT_ONCE, Tail
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, at_least, between, equal, nonnegative, positive, when
+from wmr_proofs.relation import (
+    Relation,
+    Relations,
+    at_least,
+    between,
+    equal,
+    nonnegative,
+    positive,
+    when,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, symbols
 
@@ -60,7 +69,7 @@ def caps(mutation: Mutation, a: GuardAxis) -> Statement:
     The caps divide the room between rest and the limit among late commands, braking and jitter.
     """
     spread = [] if a.both_act.is_zero() else [a.apart(mutation(1, 0.99))]
-    goals = (*a.capped, a.shared(mutation(1, 1.01)), *spread)
+    goals = (a.capped, a.shared(mutation(1, 1.01)), spread)
     return Statement(a.symbols, goals, a.feasible())
 
 
@@ -86,8 +95,8 @@ def command(mutation: Mutation, place: int) -> Statement:
         reached = start + a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
         goals.append(at_least(seen + coming, reached))
     sent = (at_least(a.largest, a.sent), at_least(a.largest, -a.sent))
-    during = (*between(0, a.since, time), at_least(a.periods))
-    return Statement(a.symbols, tuple(goals), (*a.stated, *a.measured, *a.during(), *sent, *during))
+    during = (between(0, a.since, time), at_least(a.periods))
+    return Statement(a.symbols, goals, (a.stated, a.measured, a.during(), sent, during))
 
 
 @claim("guard.delay.queue", given="any forces and times")
@@ -107,7 +116,7 @@ def queue(mutation: Mutation) -> Statement:
             rest = in_flight(sent[: n - 1], axis, a.bounds)
             goals.append(equal(every.ahead, rest.ahead + mutation * last.ahead))
             goals.append(equal(every.back, rest.back + last.back))
-    return Statement(a.symbols | t, tuple(goals), positive(a.bounds.M_min))
+    return Statement(a.symbols | t, goals, positive(a.bounds.M_min))
 
 
 @claim(
@@ -134,8 +143,8 @@ def late_piece(mutation: Mutation) -> Statement:
     most = time * a.S / b.M_min
     goals += [at_least(most, piece.ahead), at_least(most, piece.back)]
     sent = [at_least(a.largest, way * force) for way in (1, -1) for force in (first, second)]
-    during = (*between(0, a.since, time), at_least(a.periods))
-    return Statement(a.symbols, tuple(goals), (*a.stated, *a.during(), *sent, *during))
+    during = (between(0, a.since, time), at_least(a.periods))
+    return Statement(a.symbols, goals, (a.stated, a.during(), sent, during))
 
 
 @claim(
@@ -159,7 +168,7 @@ def late_tail(mutation: Mutation) -> Statement:
     state = tails.state[0].sym
     following = tails.following(forces, b)
     table = a.symbols | t | {f"tail{i}": state[i] for i in range(4)}
-    goals = []
+    goals = list[Relations]()
     for axis in (0, 1):
         counted = tails.added(InFlight(ca.SX(0), ca.SX(0)), axis, b)
         steady = tail.steady * b.period * ca.fmax(b.net, 0)
@@ -172,10 +181,10 @@ def late_tail(mutation: Mutation) -> Statement:
             goals.append(equal((later + steady) / b.M_min, wanted))
             unmoved = ca.logic_and(ca.logic_and(old == 0, new == 0), kept == 0)
             goals += [when(unmoved, equal(later)), when(kept == 0, equal(now, steady / b.M_min))]
-    return Statement(table, tuple(goals), positive(b.M_min, b.period))
+    return Statement(table, goals, positive(b.M_min, b.period))
 
 
-def added(a: GuardAxis) -> tuple[Relation, ...]:
+def added(a: GuardAxis) -> Relations:
     """Bounds on sums of commands that keep to ``largest``."""
     b, most = a.bounds, a.S / a.bounds.M_min
     if a.lateness < LATE:
@@ -183,9 +192,9 @@ def added(a: GuardAxis) -> tuple[Relation, ...]:
     rest, again = (a.late - a.J) * most, a.again
     from_rest = at_least(rest, a.rest_ahead), at_least(rest, a.rest_back)
     mean = at_least((a.usual + a.both_act - 2 * a.J) * most, a.ahead + a.back)
-    last = at_least(a.J * most, again.ahead + again.back), *positive(b.M_min)
+    last = at_least(a.J * most, again.ahead + again.back), positive(b.M_min)
     longer = at_least(a.rest_ahead, a.ahead), at_least(a.rest_back, a.back)
-    return (*from_rest, mean, *last, *longer)
+    return (from_rest, mean, last, longer)
 
 
 def spares(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
@@ -212,8 +221,8 @@ def late_spare(mutation: Mutation) -> Statement:
     """
     a = GuardAxis(LATE)
     goal = _spared(a, *spares(a), mutation(1, 1.01))
-    given = (*a.stated, *a.moving, a.shared(), a.apart(), *added(a))
-    return Statement(a.symbols, (goal,), given, a.cuts)
+    given = (a.stated, a.moving, a.shared(), a.apart(), added(a))
+    return Statement(a.symbols, goal, given, a.cuts)
 
 
 @claim("guard.late.room", given="guard.late.spare", premises="guard.late.spare")
@@ -226,12 +235,12 @@ def late_room(mutation: Mutation) -> Statement:
     b, t = a.bounds, symbols("spare_ahead spare_back again_ahead again_back")
     spared = (*spares(a), a.again.ahead, a.again.back)
     again = at_least(a.J * a.S / b.M_min, t.again_ahead + t.again_back)
-    signs = *positive(b.M_min, b.alpha, b.period, a.J), *a.capped
-    sums = *nonnegative(t.again_ahead, t.again_back), again
-    given = (*signs, *sums, _spared(a, t.spare_ahead, t.spare_back))
+    signs = positive(b.M_min, b.alpha, b.period, a.J), a.capped
+    sums = nonnegative(t.again_ahead, t.again_back), again
+    given = (signs, sums, _spared(a, t.spare_ahead, t.spare_back))
     cuts = {**a.cuts, **dict(zip(t, spared, strict=True))}
     goal = a.enough(a.left, mutation(1, 0.99))
-    return Statement(a.symbols | t, (goal,), given, cuts)
+    return Statement(a.symbols | t, goal, given, cuts)
 
 
 @claim(
@@ -253,8 +262,8 @@ def room(mutation: Mutation, a: GuardAxis) -> Statement:
 
     Commands under way never take the room that braking needs.
     """
-    given = (*a.stated, *a.moving, a.shared(), *added(a))
-    return Statement(a.symbols, (a.enough(a.left, mutation(1, 0.99)),), given, a.cuts)
+    given = (a.stated, a.moving, a.shared(), added(a))
+    return Statement(a.symbols, a.enough(a.left, mutation(1, 0.99)), given, a.cuts)
 
 
 @claim("guard.late.{name}", given=f"one command in the window, v = -V before; {SIGNS}", over=(
@@ -278,5 +287,5 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     mean, whole = (in_flight([(pair, part * periods)], 0, b) for part in (0.5, 1.0))
     coming = InFlight(mean.ahead, mean.back, whole if rest else None)
     reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
-    given = (*a.sound(), *positive(window), *between(0, share, 1), *between(0, t.V, b.u1))
-    return Statement(a.symbols | t, (at_least(reached, mutation(1, 1.01) * v),), given)
+    given = (a.sound(), positive(window), between(0, share, 1), between(0, t.V, b.u1))
+    return Statement(a.symbols | t, at_least(reached, mutation(1, 1.01) * v), given)

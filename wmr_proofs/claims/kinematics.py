@@ -33,7 +33,7 @@ def no_sideways(mutation: Mutation) -> Statement:
     """
     t = symbols("theta v1 v2")
     rate = pose_rate(t.theta, ca.vertcat(t.v1, t.v2))
-    return Statement(t, (equal(constraint(t.theta).T @ (rate * ca.vertcat(mutation, 1, 1))),))
+    return Statement(t, equal(constraint(t.theta).T @ (rate * ca.vertcat(mutation, 1, 1))))
 
 
 @claim("eq04.null-space", (4, 5), given="any theta")
@@ -109,7 +109,7 @@ def eq04_reduced(mutation: Mutation) -> Statement:
     coriolis = h.T @ paper_functions.mass_matrix(t.m, t.I) @ h_dot
     masses = every(mass, ca.diag(dynamics.reduced_mass(mutation * t.m, t.I)))
     forces = every(push @ tau, dynamics.wheel_to_force(t.r, t.l, tau))
-    return Statement(t, (*masses, *forces, *every(coriolis, ca.SX(2, 2))))
+    return Statement(t, (masses, forces, every(coriolis, ca.SX(2, 2))))
 
 
 @claim(
@@ -133,7 +133,7 @@ def eq04_plant(mutation: Mutation) -> Statement:
     left = inertial + friction(mu, m, g, v_s, v)
     force = dynamics.wheel_to_force(r, l, tau) + ca.vertcat(t.thrust, t.moment)
     moves = every(system.update[0:3], velocity_map(t.theta) @ v)
-    return Statement(t, (*every(left, force), *moves))
+    return Statement(t, (every(left, force), moves))
 
 
 @claim("eq04.wheels", (4,), form=OURS, given="r, l > 0", by=Ring(DECLARED))

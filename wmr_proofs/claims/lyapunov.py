@@ -46,7 +46,7 @@ def x_rate(m: Moving) -> ca.SX:
 def at_target(m: Moving) -> ca.SX:
     """[sgn(v_c1) v_c1'/(v_u1 - |v_c1|) where |v_c1| > v_u2], of Eqs. (23), (24)."""
     _, _, u1, u2 = m.all
-    term = barrier.sign(m.x) * x_rate(m) / (u1 - ca.fabs(m.x))
+    term = barrier.sign(m.x) * x_rate(m) / (u1 - abs(m.x))
     return ca.if_else(barrier.h(m.x, u2), term, 0)
 
 
@@ -91,7 +91,7 @@ def barrier_rate(mutation: Mutation) -> Statement:
     """
     m = Moving()
     v, _, u1, u2 = m.all
-    near = mutation * barrier.sign(v) * m.rates.vdot / (u1 - ca.fabs(v))
+    near = mutation * barrier.sign(v) * m.rates.vdot / (u1 - abs(v))
     return m.states(equal(m.along(barrier.f(v, u1, u2)), ca.if_else(barrier.h(v, u2), near, 0)))
 
 
@@ -147,7 +147,7 @@ def both_axes(mutation: Mutation) -> Statement:
     """
     m, n, rate = two_axes()
     terms = [a.A * a.rates[f"vdot{a.suffix}"] - a.w * a.rates[f"cdot{a.suffix}"] for a in (m, n)]
-    return Statement(m.symbols | n.symbols, (equal(rate, terms[0] + mutation * terms[1]),))
+    return Statement(m.symbols | n.symbols, equal(rate, terms[0] + mutation * terms[1]))
 
 
 @claim("eq27", (27,), given=OFF_EDGES, by=PAIRS)
@@ -157,7 +157,7 @@ def split(mutation: Mutation) -> Statement:
     The axes do not interfere.
     """
     m, n, rate = two_axes()
-    return Statement(m.symbols | n.symbols, (equal(rate, m.along(m.V) + mutation * n.along(n.V)),))
+    return Statement(m.symbols | n.symbols, equal(rate, m.along(m.V) + mutation * n.along(n.V)))
 
 
 @claim("eq28", (28,), given=OFF_EDGES)
@@ -187,7 +187,7 @@ def command(mutation: Mutation, axis: int) -> Statement:
     a, value = barrier.a_term(v, c, u1, u2), barrier.lyapunov(v, c, u1, u2)
     bracket = -rho * value + mutation * (v - barrier.minimiser(c, u1, u2)) * free.cdot
     goal = equal(a * law.force[axis], mass * bracket + a * friction)
-    return Statement(t | free, (goal,), (), law.inner(axis))
+    return Statement(t | free, goal, (), law.inner(axis))
 
 
 @claim("eq29.printed", (29,), given=OFF_EDGES + "; A != 0", by=Ring(NONZERO))
@@ -212,7 +212,7 @@ def literal_decay(mutation: Mutation) -> Statement:
     rho, c_dot = ca.SX.sym("rho"), m.rates.cdot
     command = (-rho * m.V + m.w * c_dot) / m.A
     rate = ca.jtimes(m.V, ca.vertcat(v, c), ca.vertcat(command, c_dot))
-    return Statement(m.symbols | {"rho": rho}, (equal(rate, -mutation * rho * m.V),))
+    return Statement(m.symbols | {"rho": rho}, equal(rate, -mutation * rho * m.V))
 
 
 @claim(
@@ -234,7 +234,7 @@ def decay(mutation: Mutation, axis: int) -> Statement:
     v_dot = acceleration(mass, law.force, friction)[axis]
     value = barrier.lyapunov(v, free.c, u1, u2)
     rate = ca.jtimes(value, ca.vertcat(v, free.c), ca.vertcat(v_dot, free.cdot))
-    return Statement(t | free, (equal(rate, -mutation * rho * value),), (), law.inner(axis))
+    return Statement(t | free, equal(rate, -mutation * rho * value), (), law.inner(axis))
 
 
 @claim(
@@ -258,6 +258,6 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
     command = (-t.rho * m.V + mutation * m.w * t.cdot) / m.A
     later = barrier.lyapunov(v + t.h * command, c + t.h * t.cdot, u1, u2)
     change = (later - m.V) / t.h
-    given = (*m.inside, equal(v, u2), above(t.h), at_least(1, 1000000 * t.h), above(t.rho))
+    given = (m.inside, equal(v, u2), above(t.h), at_least(1, 1000000 * t.h), above(t.rho))
     del t["vdot"]
-    return Statement(t, (at_least(1, ca.fabs(change + t.rho * m.V)),), given)
+    return Statement(t, at_least(1, abs(change + t.rho * m.V)), given)

@@ -106,8 +106,8 @@ def target_bounded(_: Mutation) -> Statement:
     middle region.
     """
     a, v, c, u1, _u2 = barrier_axis()
-    given = (*a.inside, at_least(0.95 * u1, ca.fabs(v)), at_least(3, ca.fabs(c)))
-    return a.states(at_least(1e6, ca.fabs(a.A / a.w)), given=given)
+    given = (a.inside, at_least(0.95 * u1, abs(v)), at_least(3, abs(c)))
+    return a.states(at_least(1e6, abs(a.A / a.w)), given=given)
 
 
 @claim(
@@ -256,7 +256,7 @@ def decay(mutation: Mutation) -> Statement:
     total = analysis.network_lyapunov(f.V, f.mass, n.gain("Gamma"), n.error)
     names = n.symbols | symbols("rho2")
     least = mutation(names.rho2, 1e6 * names.rho2)
-    return Statement(names, (at_least(-least * total + leftover, n.rate),), (), n.inner)
+    return Statement(names, at_least(-least * total + leftover, n.rate), (), n.inner)
 
 
 @claim("eq86", (86,), given="all gains and masses positive, rho1 > 1", by=Z3())
@@ -273,7 +273,7 @@ def rate_is_least(mutation: Mutation) -> Statement:
     ones = tuple(above(t[f"rho{i}"], 1) for i in (1, 2))
     goals = [at_least((rho[i] - 1) / mass[i], least) for i in (0, 1)]
     goals += [at_least(sigma[i] * gamma[i], least) for i in (0, 1)]
-    return Statement(t, tuple(goals), given + ones)
+    return Statement(t, goals, given + ones)
 
 
 @claim(
@@ -293,4 +293,4 @@ def end_bound(mutation: Mutation) -> Statement:
     t = symbols("z1 z2 V C1 C2 rho2")
     square = t.z1**2 + t.z2**2
     given = (above(t.rho2), at_least(2 * (t.C1 + t.C2), t.V * t.rho2), at_least(2 * t.V, square))
-    return Statement(t, (at_least(4 * (t.C1 + t.C2) * mutation(1, 0.5), square * t.rho2),), given)
+    return Statement(t, at_least(4 * (t.C1 + t.C2) * mutation(1, 0.5), square * t.rho2), given)

@@ -6,15 +6,22 @@ free numbers with the properties that other entries prove; a statement without a
 a LEMMA.
 """
 
-from typing import TypeAlias
-
 import casadi as ca
 
 from wmr_ctrl.control.barrier.proximal import LARGEST, resolvent, root, transported
 from wmr_ctrl.control.laws.prox import mixture, prox_step
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import AT_LEAST, Relation, above, at_least, equal, nonnegative, when
+from wmr_proofs.relation import (
+    AT_LEAST,
+    Relation,
+    Relations,
+    above,
+    at_least,
+    equal,
+    nonnegative,
+    when,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -23,12 +30,12 @@ from .common import EITHER_BARRIER
 ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
 
 
-def _limits(t: Symbols) -> tuple[Relation, ...]:
+def _limits(t: Symbols) -> Relations:
     return above(t.u2), above(t.u1, t.u2)
 
 
-def _target(t: Symbols) -> tuple[Relation, ...]:
-    return (*_limits(t), above(t.k), above(ca.SX(1e100), t.c), above(t.c, -1e100))
+def _target(t: Symbols) -> Relations:
+    return (_limits(t), above(t.k), above(1e100, t.c), above(t.c, -1e100))
 
 
 def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
@@ -48,14 +55,14 @@ def optimal(mutation: Mutation, smooth: bool) -> Statement:
     """
     t = symbols("c k u1 u2", "k u1 u2")
     x = resolvent(t.c, t.k, t.u1, t.u2, smooth)
-    size, s = ca.fabs(x), ca.if_else(t.c >= 0, 1, -1)
+    size, s = abs(x), ca.if_else(t.c >= 0, 1, -1)
     rest = s * (t.c - mutation * x)
     beyond = (rest - t.k * _slope(size, t, smooth)) * (t.u1 - size)
     jump = ca.SX(0) if smooth else t.k / (t.u1 - t.u2)
     at_kink = ca.fmin(jump - rest, 0)
     miss = ca.if_else(size > t.u2, beyond, ca.if_else(size < t.u2, rest, at_kink))
     inside = above(t.u1, size)
-    return Statement(t, (equal(miss), *nonnegative(rest, s * x), inside), _target(t))
+    return Statement(t, (equal(miss), nonnegative(rest, s * x), inside), _target(t))
 
 
 @map_claim(
@@ -69,14 +76,14 @@ def monotone(mutation: Mutation, smooth: bool) -> Statement:
     t = symbols("x1 x2 k1 k2 u1 u2", "u1 u2")
     slopes = []
     for x, kink in ((t.x1, t.k1), (t.x2, t.k2)):
-        size, s = ca.fabs(x), ca.if_else(x >= 0, 1, -1)
+        size, s = abs(x), ca.if_else(x >= 0, 1, -1)
         jump = ca.SX(0) if smooth else kink
         steep = ca.if_else(size > t.u2, _slope(size, t, smooth), ca.if_else(size < t.u2, 0, jump))
         slopes.append(s * steep)
     rises = mutation * (slopes[0] - slopes[1]) * (t.x1 - t.x2)
     sizes = [above(t.u1, way * t[x]) for way in (1, -1) for x in ("x1", "x2")]
     kinks = [part for k in (t.k1, t.k2) for part in (at_least(k), at_least(1, k * (t.u1 - t.u2)))]
-    return Statement(t, (at_least(rises),), (*_limits(t), *sizes, *kinks))
+    return Statement(t, at_least(rises), (_limits(t), sizes, kinks))
 
 
 @map_claim(
@@ -93,7 +100,7 @@ def not_expansive(mutation: Mutation) -> Statement:
     dx, da = t.x1 - t.x2, t.a1 - t.a2
     dc = dx + t.k * da
     goal = at_least(dc * dc, mutation(1, 1.01) * dx * dx)
-    return Statement(t, (goal,), (above(t.k), at_least(dx * da)))
+    return Statement(t, goal, (above(t.k), at_least(dx * da)))
 
 
 @map_claim("prox.root", given="k > 0, any t")
@@ -104,7 +111,7 @@ def prox_root(mutation: Mutation) -> Statement:
     """
     t = symbols("t k")
     d = root(t.t, t.k)
-    return Statement(t, (above(d), equal(d * (d + mutation * t.t), t.k)), (above(t.k),))
+    return Statement(t, (above(d), equal(d * (d + mutation * t.t), t.k)), above(t.k))
 
 
 @map_claim(
@@ -125,12 +132,11 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
     bent = k / (u1 - u2) if smooth else 0
     beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
     margin = at_least(mutation(k, 1.5 * k), m * (m + most - u1 + bent))
-    sizes = at_least(most, ca.fabs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k)
-    given = (*_target(t), above(m), at_least(u1 - u2, m), margin, *sizes)
+    sizes = at_least(most, abs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k)
+    given = (_target(t), above(m), at_least(u1 - u2, m), margin, sizes)
     return Statement(t, (at_least(u1 - m, x), at_least(x, m - u1)), given, {"d": root(beyond, k)})
 
 
-Goals: TypeAlias = tuple[Relation, ...]
 NONE = Symbols()
 
 
@@ -150,7 +156,7 @@ class Step:
         self.end = prox_step(t.v, way, self.shares, self.limits, smooth)
 
     def states(
-        self, goals: Goals, given: Goals, names: tuple[str, ...], more: Symbols = NONE
+        self, goals: Relations, given: Relations, names: tuple[str, ...], more: Symbols = NONE
     ) -> Statement:
         """Statement for 0 < u2 < u1 and 0 < E < 1 on the graph of `prox_step`, cut at ``names``."""
         t, one = self.inputs, ca.SX(1)
@@ -162,7 +168,7 @@ class Step:
         inner["carried"] = self.start
         cuts = {name: inner[name] for name in names}
         plain = above(t.u2), above(t.u1, t.u2), above(t.E), above(1, t.E)
-        return Statement(t | self.free | more, goals, (*plain, *given), cuts)
+        return Statement(t | self.free | more, goals, (plain, given), cuts)
 
 
 claim = Claims(by=Z3(), given="0 < v_u2 < v_u1, 0 < E < 1")
@@ -197,12 +203,12 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
     x_target, x_followed, carried = (s.free[n] for n in ("x_target", "x_followed", "carried"))
     E, target, followed = (s.inputs[n] for n in ("E", "target", "followed"))
     pull, rest = s.argument - s.free.end, (1 - E) * (target - x_target)
-    way, monotone = ca.fabs(target - followed), at_least((s.free.end - x_target) * (pull - rest))
-    nearer = at_least(ca.fabs(t.w), ca.fabs(carried - x_followed))
-    given = (monotone, nearer, at_least(way, ca.fabs(x_target - x_followed)))
-    most = E * (ca.fabs(t.w) + mutation(way, 0.9 * way))
+    way, monotone = abs(target - followed), at_least((s.free.end - x_target) * (pull - rest))
+    nearer = at_least(abs(t.w), abs(carried - x_followed))
+    given = (monotone, nearer, at_least(way, abs(x_target - x_followed)))
+    most = E * (abs(t.w) + mutation(way, 0.9 * way))
     names = ("carried", "end", "x_followed", "x_target")
-    return s.states((at_least(most, ca.fabs(s.end - x_target)),), given, names, t)
+    return s.states((at_least(most, abs(s.end - x_target)),), given, names, t)
 
 
 @claim(
@@ -266,10 +272,10 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     s, t = Step(smooth), symbols("C m", "C m")
     u1, C = s.limits[0], t.C
     most = s.inputs.E * u1 + s.shares[1] * mutation(C, 0.9 * C)
-    reached = ca.fabs(s.argument) <= most
-    short = when(reached, at_least(u1 - t.m, ca.fabs(s.free.end)))
-    given = (at_least(u1, ca.fabs(s.free.carried)), at_least(C, ca.fabs(s.inputs.target)), short)
-    return s.states((at_least(u1 - t.m, ca.fabs(s.end)),), given, ("carried", "end"), t)
+    reached = abs(s.argument) <= most
+    short = when(reached, at_least(u1 - t.m, abs(s.free.end)))
+    given = (at_least(u1, abs(s.free.carried)), at_least(C, abs(s.inputs.target)), short)
+    return s.states((at_least(u1 - t.m, abs(s.end)),), given, ("carried", "end"), t)
 
 
 @claim(
@@ -290,10 +296,10 @@ def rises(mutation: Mutation) -> Statement:
     t = symbols("before carried mid after S S_next way E S_mid S_carried")
     S, E, roots = t.S, t.E, (t.S, t.S_next, t.S_mid, t.S_carried)
     values = t.before, t.after, t.mid, t.carried
-    squares = (equal(root**2, 2 * value) for root, value in zip(roots, values, strict=True))
-    signs = *nonnegative(*roots), above(E), above(1, E), at_least(t.way)
+    squares = [equal(root**2, 2 * value) for root, value in zip(roots, values, strict=True)]
+    signs = nonnegative(*roots), above(E), above(1, E), at_least(t.way)
     moved = at_least(t.before, t.carried), at_least(t.S_carried + t.way, t.S_mid)
-    given = (*squares, *signs, *moved, at_least(E**2 * t.mid, t.after))
+    given = (squares, signs, moved, at_least(E**2 * t.mid, t.after))
     most = E * (S + mutation(1, 0.9) * t.way)
     level = Relation(ca.if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
     return Statement(t, (at_least(most, t.S_next), level), given)

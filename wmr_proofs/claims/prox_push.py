@@ -11,7 +11,17 @@ from wmr_ctrl.control.laws.prox import next_velocity, prox_step
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when, within
+from wmr_proofs.relation import (
+    Relation,
+    Relations,
+    above,
+    at_least,
+    equal,
+    every,
+    positive,
+    when,
+    within,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, symbols
 
@@ -68,11 +78,11 @@ class Sampled(Named):
         }
 
     @property
-    def observed(self) -> tuple[Relation, ...]:
+    def observed(self) -> Relations:
         """T, M, r, l > 0, after the first sample, 0 < exp(-wo T) < 1."""
         t, fall = self.law.symbols, self.free.fall
         sizes = positive(t.started, t["robot.r"], t["robot.l"])
-        return (*self.numbers, *sizes, above(fall, -1), above(0, fall))
+        return (self.numbers, sizes, above(fall, -1), above(0, fall))
 
     def gained(self, d: ca.SX) -> Relation:
         """M (v - v_old) = T (F - F1 + d) since the previous sample."""
@@ -139,12 +149,12 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
     """
     s = Sampled(axis)
     t = symbols("d w way x_next x_real eps E")
-    nearest = at_least(t.E * (t.w + t.way), ca.fabs(s.free.next - t.x_next))
-    moved = at_least(ca.fabs(t.eps), ca.fabs(t.x_real - t.x_next))
-    push = s.period * ca.fabs(t.d + s.free.f) / s.mass
-    most = t.E * (t.w + t.way) + mutation(push, 0.9 * push) + ca.fabs(t.eps)
-    goal = at_least(most, ca.fabs(s.moved(t.d) - t.x_real))
-    return s.states(goal, given=(*s.numbers, nearest, moved), cuts=s.force_cuts, more=t)
+    nearest = at_least(t.E * (t.w + t.way), abs(s.free.next - t.x_next))
+    moved = at_least(abs(t.eps), abs(t.x_real - t.x_next))
+    push = s.period * abs(t.d + s.free.f) / s.mass
+    most = t.E * (t.w + t.way) + mutation(push, 0.9 * push) + abs(t.eps)
+    goal = at_least(most, abs(s.moved(t.d) - t.x_real))
+    return s.states(goal, given=(s.numbers, nearest, moved), cuts=s.force_cuts, more=t)
 
 
 @claim(
@@ -161,10 +171,10 @@ def limit(mutation: Mutation, axis: int) -> Statement:
     """
     s, t = Sampled(axis), symbols("d m")
     u1 = s.law.symbols[f"limits.v_u1[{axis + 1}]"]
-    room = at_least(u1 - t.m, ca.fabs(s.free.next))
-    push = at_least(t.m, ca.fabs(s.period * (s.free.f + t.d) / s.mass))
-    goal = at_least(mutation(1, 0.9) * u1, ca.fabs(s.moved(t.d)))
-    return s.states(goal, given=(*s.numbers, room, push), cuts=s.force_cuts, more=t)
+    room = at_least(u1 - t.m, abs(s.free.next))
+    push = at_least(t.m, abs(s.period * (s.free.f + t.d) / s.mass))
+    goal = at_least(mutation(1, 0.9) * u1, abs(s.moved(t.d)))
+    return s.states(goal, given=(s.numbers, room, push), cuts=s.force_cuts, more=t)
 
 
 def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relation:
@@ -186,11 +196,11 @@ def gain_step(mutation: Mutation, axis: int) -> Statement:
     """
     s, t = Sampled(axis), symbols("d w way x_next x_real eps E p W")
     whole = s.period * t.p / s.mass + t.eps + t.E * t.way
-    nearest = at_least(t.E * (t.w + t.way), ca.fabs(s.free.next - t.x_next))
-    off = *within(t.x_real - t.x_next, t.eps), *within(s.free.f + t.d, t.p)
+    nearest = at_least(t.E * (t.w + t.way), abs(s.free.next - t.x_next))
+    off = within(t.x_real - t.x_next, t.eps), within(s.free.f + t.d, t.p)
     sums_up = equal(t.W * (1 - t.E), mutation(1, 0.9) * whole)
-    given = (*s.numbers, above(t.E), above(1, t.E), at_least(t.w), nearest, *off, sums_up)
-    goal = falls(ca.fabs(s.moved(t.d) - t.x_real), t.w, t.W, t.E)
+    given = (s.numbers, above(t.E), above(1, t.E), at_least(t.w), nearest, off, sums_up)
+    goal = falls(abs(s.moved(t.d) - t.x_real), t.w, t.W, t.E)
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
 
@@ -204,8 +214,8 @@ def gain_observer(mutation: Mutation, axis: int) -> Statement:
     s, t = Sampled(axis), symbols("d d_old P")
     slow = within(t.d - t.d_old, mutation(1, 1.1) * -s.free.fall * t.P)
     new, old = s.law.system.update[axis] + t.d, s.f_old + t.d_old
-    goal = falls(ca.fabs(new), ca.fabs(old), t.P, 1 + s.free.fall)
-    given = (*s.observed, s.gained(t.d_old), *slow)
+    goal = falls(abs(new), abs(old), t.P, 1 + s.free.fall)
+    given = (s.observed, s.gained(t.d_old), slow)
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
@@ -237,7 +247,7 @@ def observer(mutation: Mutation, axis: int) -> Statement:
     s, t = Sampled(axis), symbols("d d_old")
     left = (1 + mutation * s.free.fall) * (s.f_old + t.d_old) + t.d - t.d_old
     goal = equal(s.law.system.update[axis] + t.d, left)
-    given = (*s.observed, s.gained(t.d_old))
+    given = (s.observed, s.gained(t.d_old))
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
@@ -253,9 +263,9 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     share, f = -s.free.fall, s.law.system.update[axis]
     old, new = s.f_old + t.d_old, f + t.d
     tight = mutation(1, 0.9)
-    sizes = ca.logic_and(ca.fabs(t.d_old) <= t.most, ca.fabs(s.f_old) <= t.most)
-    slow = ca.logic_and(ca.fabs(t.d - t.d_old) <= t.change, share * ca.fabs(old) <= t.change)
-    small = when(sizes, at_least(tight * t.most, ca.fabs(f)))
-    goals = small, when(slow, at_least(tight * t.change, share * ca.fabs(new)))
-    given = (*s.observed, s.gained(t.d_old))
-    return s.states(*goals, given=given, cuts=s.observer_cuts, more=t)
+    sizes = ca.logic_and(abs(t.d_old) <= t.most, abs(s.f_old) <= t.most)
+    slow = ca.logic_and(abs(t.d - t.d_old) <= t.change, share * abs(old) <= t.change)
+    small = when(sizes, at_least(tight * t.most, abs(f)))
+    goals = small, when(slow, at_least(tight * t.change, share * abs(new)))
+    given = (s.observed, s.gained(t.d_old))
+    return s.states(goals, given=given, cuts=s.observer_cuts, more=t)

@@ -44,7 +44,7 @@ def loop_force(mutation: Mutation, axis: int) -> Statement:
     w, q = s.v - t.x, s.period * s.free.f / s.mass
     moves = s.period * t.mu * (s.force - s.force_cuts["friction"]) / s.mass
     goal = equal(w + moves, (1 - t.mu * t.a) * w + mutation * t.mu * q)
-    given = (*positive(s.period, s.mass), equal(s.free.next, s.v - t.a * w))
+    given = (positive(s.period, s.mass), equal(s.free.next, s.v - t.a * w))
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
 
@@ -88,7 +88,7 @@ def loop_observer(mutation: Mutation, axis: int) -> Statement:
     given = equal(s.applied - s.observer_cuts["drag"], asked), moved
     left = (1 - share * t.mu) * q - mutation * share * t.a * (1 - t.mu) * t.w
     goal = equal(s.period * s.law.system.update[axis] / s.mass, left)
-    return s.states(goal, given=(*s.observed, *given), cuts=s.observer_cuts, more=t)
+    return s.states(goal, given=(s.observed, given), cuts=s.observer_cuts, more=t)
 
 
 @claim(
@@ -118,12 +118,12 @@ def light_model(mutation: Mutation) -> Statement:
     `check` has its limits.
     """
     t = symbols("mu a L")
-    given = [part for name in ("a", "L") for part in (above(t[name]), above(ca.SX(1), t[name]))]
+    given = [part for name in ("a", "L") for part in (above(t[name]), above(1, t[name]))]
     share = mutation(4 / ca.SX(3), ca.SX(1.5))
     edge = 4 - t.mu * (2 * (t.a + t.L) - t.a * t.L)
     det = 1 - t.mu * (t.a + t.L) + t.mu * t.a * t.L
     light = above(t.mu), at_least(share, t.mu)
-    return Statement(t, (above(edge), above(ca.SX(1), det)), (*given, *light))
+    return Statement(t, (above(edge), above(1, det)), (given, light))
 
 
 @claim(
@@ -158,4 +158,4 @@ def wrong_mass(mutation: Mutation, numbers: Mapping[str, str], corners: bool = T
     within = [equal(side) if corners else at_least(-side) for side in sides]
     goal = at_least(mutation(1, 0.9) * left, w**2 + 2 * p * w * q + s * q**2)
     positive = () if corners else (at_least(form, 0.5 * (t.w**2 + t.q**2)),)
-    return Statement(t, (goal, *positive), (*exact, *within))
+    return Statement(t, (goal, positive), (exact, within))

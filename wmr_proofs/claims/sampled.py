@@ -21,7 +21,7 @@ from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
-from wmr_proofs.relation import Relation, above, at_least, between, equal, positive
+from wmr_proofs.relation import Relations, above, at_least, between, equal, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -48,7 +48,7 @@ class Held:
         following = v + float(Fraction(self.period)) * (nominal + mutation(1, 8) * free.d)
         inner = law.inner(self.axis)
         del inner[self.velocity]  # the clip stays in the graph
-        goals = (at_least(level, following), at_least(following, -level))
+        goals = within(following, level)
         return Statement(law.symbols | free, goals, (), inner, numbers(law))
 
     @property
@@ -191,11 +191,11 @@ class NewtonStep:
         rate = acceleration(self.mass, law.force, law.own(law.context.friction))[self.axis]
         return law.symbols["clock.control"] * rate
 
-    def states(self, goals: tuple[Relation, ...], given: tuple[Relation, ...]) -> Statement:
+    def states(self, goals: Relations, given: Relations) -> Statement:
         """The statement on the law's graph: T > 0, M > 0, v_c0' = 0, 0 < exp(-rho T) < 1."""
         fall, period = self.free.fall, self.law.symbols["clock.control"]
-        held = *positive(period, self.mass[self.axis]), above(fall, -1), above(-fall)
-        known = (*held, equal(self.free.cdot), *given)
+        held = positive(period, self.mass[self.axis]), above(fall, -1), above(-fall)
+        known = (held, equal(self.free.cdot), given)
         return Statement(self.law.symbols | self.free, goals, known, self.cuts)
 
 
@@ -222,13 +222,13 @@ def above_tangent(mutation: Mutation) -> Statement:
     # ``jump`` is 0 off the corner, and there up to the corner's jump of slope 1/(u1 - u2).
     t = symbols("y v c u1 u2 jump", "u1 u2")
     y, v, c, u1, u2, jump = t.values()
-    at_corner = ca.if_else(ca.eq(ca.fabs(v), u2), barrier.sign(v) * jump, 0)
+    at_corner = ca.if_else(ca.eq(abs(v), u2), barrier.sign(v) * jump, 0)
     slope = barrier.a_term(v, c, u1, u2) + at_corner
     bend = mutation(0.5, 0.6) * (y - v) ** 2
     line = barrier.lyapunov(v, c, u1, u2) + slope * (y - v) + bend
     given = (at_least(jump), at_least(1, jump * (u1 - u2)))
     least = {"least": -barrier.g(c, u1, u2)}
-    return Statement(t, (at_least(barrier.lyapunov(y, c, u1, u2), line),), given, least)
+    return Statement(t, at_least(barrier.lyapunov(y, c, u1, u2), line), given, least)
 
 
 @newton_claim("prox.newton-side", by=Z3(), premises="P5", each=BOTH_AXES)

@@ -120,8 +120,8 @@ def target_slope(mutation: Mutation) -> Statement:
     a, _, c, u1, u2 = barrier_axis()
     slope = ca.gradient(a.x, c)
     edge = u2 + 1 / (u1 - u2)
-    far = 1 / (1 + mutation / (u1 - ca.fabs(a.x)) ** 2)
-    written = ca.if_else(ca.fabs(c) <= u2, 1, ca.if_else(ca.fabs(c) <= edge, 0, far))
+    far = 1 / (1 + mutation / (u1 - abs(a.x)) ** 2)
+    written = ca.if_else(abs(c) <= u2, 1, ca.if_else(abs(c) <= edge, 0, far))
     return a.states(equal(slope, written), at_least(slope), at_least(1, slope))
 
 
@@ -147,8 +147,8 @@ def bounded_command(mutation: Mutation) -> Statement:
     t = names | symbols("quotient q w cdot friction")
     rho, mass = names["gains.mb.rho[1]"], names["model.m"]
     force = law.force[0] - t.friction
-    P5 = *between(0, t.quotient * t.w, t.w**2), at_least(t.w**2, t.quotient**2)
-    given = (*positive(rho, mass), *between(0, t.q, 1), *P5)
-    bound = mutation * rho * ca.fabs(t.w) + ca.fabs(t.cdot)
+    P5 = between(0, t.quotient * t.w, t.w**2), at_least(t.w**2, t.quotient**2)
+    given = (positive(rho, mass), between(0, t.q, 1), P5)
+    bound = mutation * rho * abs(t.w) + abs(t.cdot)
     inner = law.parts(0, "quotient q cdot friction")
-    return Statement(t, (at_least(bound * mass, ca.fabs(force)),), given, inner)
+    return Statement(t, at_least(bound * mass, abs(force)), given, inner)

@@ -105,7 +105,7 @@ def bounded(mutation: Mutation) -> Statement:
     t = Tracking("eps0")
     rest = analysis.square_rest(t.eps0**2, t.eps0**2, t.k)
     written = analysis.position_rate_bound(t.e, t.z, t.k) + mutation * rest
-    return Statement(t.symbols, (at_least(written, t.fall),))
+    return Statement(t.symbols, at_least(written, t.fall))
 
 
 @claim(
@@ -123,10 +123,10 @@ def beyond(mutation: Mutation) -> Statement:
     e, z, k, eps0, root = t.e, t.z, t.k, t.eps0, t.root
     rest = analysis.square_rest(eps0**2, eps0**2, k)
     root_of = above(root), equal(root**2 * k[2], k[1] * rest)
-    turned = above(ca.fabs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * mutation)
-    sizes = *positive(eps0, *ca.vertsplit(k)), at_least(eps0, ca.fabs(z[1]))
+    turned = above(abs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * mutation)
+    sizes = positive(eps0, *ca.vertsplit(k)), at_least(eps0, abs(z[1]))
     only_angle = analysis.position_rate_bound(ca.vertcat(-z[0] / (2 * k[0]), e[1], e[2]), z, k)
-    return t.states(above(0, only_angle + rest), given=(*sizes, *root_of, turned))
+    return t.states(above(0, only_angle + rest), given=(sizes, root_of, turned))
 
 
 @claim(
@@ -143,8 +143,8 @@ def twice_threshold(_: Mutation) -> Statement:
     """
     t = Tracking("eps0")
     x = analysis.threshold(t.eps0, t.k)
-    turned = above(ca.fabs(t.e[2]), 2 * x), above(7, 9 * x), above(22, 7 * ca.fabs(t.e[2]))
-    return t.states(above(0, t.fall), given=(*turned, at_least(t.eps0**2, ca.sumsqr(t.z))))
+    turned = above(abs(t.e[2]), 2 * x), above(7, 9 * x), above(22, 7 * abs(t.e[2]))
+    return t.states(above(0, t.fall), given=(turned, at_least(t.eps0**2, ca.sumsqr(t.z))))
 
 
 @claim(
@@ -162,6 +162,6 @@ def quarter_turn(mutation: Mutation) -> Statement:
     """
     t = symbols("e3 share x")
     angle, share, x = t.values()
-    sine, size = ca.fabs(ca.sin(angle)), ca.fabs(angle)
+    sine, size = abs(ca.sin(angle)), abs(angle)
     given = (at_least(x), above(size, 2 * x), above(11 * share, 7), at_least(sine, share * size))
-    return Statement(t, (above(sine, mutation(1, 2) * x),), given)
+    return Statement(t, above(sine, mutation(1, 2) * x), given)

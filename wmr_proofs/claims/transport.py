@@ -12,7 +12,15 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.paper_barrier import f, lyapunov, minimiser
 from wmr_proofs.paper_functions import smooth_f, smooth_lyapunov
-from wmr_proofs.relation import Relation, above, at_least, between, equal, nonnegative, when
+from wmr_proofs.relation import (
+    Relations,
+    above,
+    at_least,
+    between,
+    equal,
+    nonnegative,
+    when,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -34,14 +42,14 @@ class Carried:
         v, limits, form = t.v, (t.u1, t.u2), smooth_barrier if smooth else stable_barrier
         x, x_next = (resolvent(c, ca.SX(1), *limits, smooth) for c in (t.c, t.c_next))
         ahead = x_next + (v - x)
-        level = form(t.c, ca.if_else(ca.fabs(v) < t.u1, v, 0), *limits).V1
-        reached = ca.if_else(ca.fabs(ahead) < t.u1, ahead, 0)
+        level = form(t.c, ca.if_else(abs(v) < t.u1, v, 0), *limits).V1
+        reached = ca.if_else(abs(ahead) < t.u1, ahead, 0)
         excess = form(t.c_next, reached, *limits).D
         share = level_share(v - x, level, excess)
         self.cuts = {"x": x, "x_next": x_next, "level": level, "excess": excess, "share": share}
         self.end = transported(v, t.c, t.c_next, limits, smooth)
 
-    def states(self, goals: tuple[Relation, ...], given: tuple[Relation, ...]) -> Statement:
+    def states(self, goals: Relations, given: Relations) -> Statement:
         """The statement on the graph of `transported`.
 
         0 < u2 < u1, |x| and |x+| < u1, x = x+ where the target is held, theta by its entry.
@@ -50,8 +58,8 @@ class Carried:
         u1, share = t.u1, t.share
         inside = [above(u1, way * t[x]) for way in (1, -1) for x in ("x", "x_next")]
         held = when(ca.eq(t.c, t.c_next), equal(t.x, t.x_next))
-        known = (above(t.u2), above(u1, t.u2), *inside, held, at_least(share))
-        return Statement(t, goals, (*known, at_least(1, share), *given), self.cuts)
+        known = (above(t.u2), above(u1, t.u2), inside, held, at_least(share))
+        return Statement(t, goals, (known, at_least(1, share), given), self.cuts)
 
 
 claim = Claims(by=Z3())
@@ -68,7 +76,7 @@ def transport_share(mutation: Mutation) -> Statement:
     spent = 0.5 * (theta * t.w) ** 2 + theta * t.excess
     room = mutation(t.level, 0.9 * t.level)
     given = (at_least(t.level, 0.5 * t.w**2), at_least(t.excess))
-    return Statement(t, (*between(0, theta, 1), at_least(room, spent)), given)
+    return Statement(t, (between(0, theta, 1), at_least(room, spent)), given)
 
 
 @claim(
@@ -97,14 +105,14 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     def cost(y: ca.SX, target: ca.SX) -> ca.SX:
         return 0.5 * (y - target) ** 2 + pull(y, u1, u2)
 
-    inside = above(u2), above(u1, u2), *(above(u1, ca.fabs(y)) for y in (v, x, x_next))
+    inside = above(u2), above(u1, u2), *(above(u1, abs(y)) for y in (v, x, x_next))
     least = at_least(cost(x_next, c), cost(x, c) + 0.5 * shift**2)
-    given = (*inside, least, at_least(cost(x, c_next), cost(x_next, c_next) + 0.5 * shift**2))
+    given = (inside, least, at_least(cost(x, c_next), cost(x_next, c_next) + 0.5 * shift**2))
     rise = form(v, c_next, u1, u2) - form(v, c, u1, u2)
-    nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
+    nearer = ca.logic_and(w * shift > 0, abs(shift) <= abs(w))
     most = -w * step + 0.5 * mutation(step**2, -(step**2))
     sides = between(-w * step + 0.5 * shift**2, rise, -w * step + step * shift - 0.5 * shift**2)
-    goals = (*sides, at_least(most, rise), when(nearer, at_least(0, rise)))
+    goals = (sides, at_least(most, rise), when(nearer, at_least(0, rise)))
     return Statement(t | symbols("x x_next"), goals, given, {"x": x, "x_next": x_next})
 
 
@@ -124,10 +132,10 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     t = g.inputs | g.free
     v, x, x_next, share, after = (t[n] for n in ("v", "x", "x_next", "share", "after"))
     w, shift, left = v - x, x_next - x, g.end - x_next
-    within = ca.fabs(v) < t.u1
-    reaches = ca.logic_and(within, ca.fabs(x_next + w) < t.u1)
+    within = abs(v) < t.u1
+    reaches = ca.logic_and(within, abs(x_next + w) < t.u1)
     on_chord = ca.logic_and(reaches, ca.eq(left, share * w))
-    nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
+    nearer = ca.logic_and(w * shift > 0, abs(shift) <= abs(w))
     stays = ca.logic_and(within, ca.eq(g.end, v))
     held = ca.eq(t.c, t.c_next)
     spent = 0.5 * (share * w) ** 2 + share * t.excess
@@ -151,10 +159,10 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     """
     g = Carried(smooth)
     t = g.inputs
-    u1, size = t.u1, ca.fabs(g.end)
-    less = above(ca.if_else(ca.fabs(t.v) < u1, u1, 1 + size), size)
+    u1, size = t.u1, abs(g.end)
+    less = above(ca.if_else(abs(t.v) < u1, u1, 1 + size), size)
     goals = at_least(mutation(u1, t.u2), size), less, when(ca.eq(t.c, t.c_next), equal(g.end, t.v))
-    return g.states(goals, (at_least(u1, ca.fabs(t.v)),))
+    return g.states(goals, (at_least(u1, abs(t.v)),))
 
 
 @claim(
@@ -173,11 +181,11 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
     free = Symbols({name: g.free[name] for name in ("x", "x_next", "level", "excess")})
     v, c, c_next, u1, u2 = t.values()
     ahead = v + c_next - c
-    inside = above(u2), above(u1, u2), *(at_least(u2, ca.fabs(y)) for y in (v, c, c_next, ahead))
+    inside = above(u2), above(u1, u2), *(at_least(u2, abs(y)) for y in (v, c, c_next, ahead))
     values = equal(free.level, 0.5 * (v - c) ** 2), equal(free.excess)
-    given = (*inside, equal(free.x, c), equal(free.x_next, c_next), *values)
+    given = (inside, equal(free.x, c), equal(free.x_next, c_next), values)
     cuts = {name: g.cuts[name] for name in free}
-    return Statement(t | free, (equal(g.end, mutation * ahead),), given, cuts)
+    return Statement(t | free, equal(g.end, mutation * ahead), given, cuts)
 
 
 @claim(
@@ -193,6 +201,6 @@ def root(mutation: Mutation) -> Statement:
     t = symbols("before after S S_next w step")
     roots = equal(t.S**2, 2 * t.before), equal(t.S_next**2, 2 * t.after)
     moves = at_least(t.before - t.w * t.step + 0.5 * t.step**2, t.after)
-    given = (*nonnegative(t.S, t.S_next), *roots, at_least(2 * t.before, t.w**2), moves)
-    most = t.S + mutation(1, 0.9) * ca.fabs(t.step)
-    return Statement(t, (at_least(most, t.S_next),), given)
+    given = (nonnegative(t.S, t.S_next), roots, at_least(2 * t.before, t.w**2), moves)
+    most = t.S + mutation(1, 0.9) * abs(t.step)
+    return Statement(t, at_least(most, t.S_next), given)

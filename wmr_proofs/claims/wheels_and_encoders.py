@@ -14,7 +14,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Both, Ring
 from wmr_proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.relation import Relation, above, at_least, equal, positive, within
+from wmr_proofs.relation import Relations, above, at_least, equal, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, exchanged, symbols
 from wmr_proofs.traced import Tracing, expression, functions_for_traced, traced
@@ -73,7 +73,7 @@ class EffectGraph(Named):
         self.always = tuple(at_least(item, 1) for item in parts[len(pair) :])
         return ca.vertcat(*parts[: len(pair)])
 
-    def above_zero(self, *names: str) -> tuple[Relation, ...]:
+    def above_zero(self, *names: str) -> Relations:
         """Each of these numbers is positive."""
         return tuple(above(self[name]) for name in names)
 
@@ -154,7 +154,7 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     turn = symbols("old_right old_left")
     old = ca.vertcat(turn.old_right, turn.old_left)
     whole = g.column("wheel_counts_1")
-    given = list[Relation]()
+    given = list[Relations]()
     for real, part in ((now, ca.floor(now)), (old, whole)):
         for i in (0, 1):
             given += at_least(real[i], part[i]), above(1, real[i] - part[i])
@@ -167,10 +167,10 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     cuts |= {"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}
     window = equal(g.bound("window")[axis], g["clock.control"])
     goals = above(most, off), above(off, -most), window
-    return g.states(*goals, given=(*sides, *given), cuts=cuts, more=turn)
+    return g.states(goals, given=(sides, given), cuts=cuts, more=turn)
 
 
-def _shares(g: EffectGraph) -> tuple[Relation, ...]:
+def _shares(g: EffectGraph) -> Relations:
     """1 + radius_i and 1 + track are positive."""
     return positive(*(1 + g[f"wheels.{name}"] for name in ("radius[1]", "radius[2]", "track")))
 
@@ -197,9 +197,9 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     most = g.bound("nbar")[axis] - counted
     off = shown - (t.v if axis == 0 else t.omega)
     sizes = g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control")
-    inside = *within(ca.vertcat(*t.values()), limits), *positive(limits[0], limits[1])
-    given = (*sizes, *_shares(g), *inside)
-    return g.states(*within(off, most * mutation(1, 0.9)), given=given, more=t)
+    inside = within(ca.vertcat(*t.values()), limits), positive(limits[0], limits[1])
+    given = (sizes, _shares(g), inside)
+    return g.states(within(off, most * mutation(1, 0.9)), given=given, more=t)
 
 
 @claim(
@@ -220,5 +220,5 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
     made, meant = (wheel_to_force(*believed, tau)[axis] for tau in (g.system.y, told))
     bound = g.bound("dbar")[axis]
     sizes = within(told, most + 0.5 * g["motor.step"])
-    given = (*g.above_zero("robot.r", "robot.l"), *_shares(g), *sizes)
-    return g.states(*within(made - meant, bound * mutation(1, 0.9)), given=given)
+    given = (g.above_zero("robot.r", "robot.l"), _shares(g), sizes)
+    return g.states(within(made - meant, bound * mutation(1, 0.9)), given=given)

@@ -46,12 +46,12 @@ class Form:
     @cached_property
     def radius(self) -> ca.SX:
         """Largest distance from c."""
-        return (ca.sum2(ca.fabs(self.L)) + self.r) * SUMS
+        return (ca.sum2(abs(self.L)) + self.r) * SUMS
 
     @cached_property
     def range(self) -> tuple[ca.SX, ca.SX]:
         """Interval that contains it, with rounding."""
-        radius = self.radius + ca.fabs(self.c) * ROUNDING
+        radius = self.radius + abs(self.c) * ROUNDING
         return self.c - radius, self.c + radius
 
 
@@ -109,7 +109,7 @@ class OverBoxes:
         for k in range(count):
             L = ca.SX(1, count)
             L[0, k] = radius[k]
-            given.append(Form(center[k], L, ca.SX(0), ca.fabs(center[k]) + radius[k]))
+            given.append(Form(center[k], L, ca.SX(0), abs(center[k]) + radius[k]))
         forms = rule(given)
         L = ca.vertcat(*(form.L for form in forms))
         rows, columns = (np.array(part, dtype=int) for part in L.sparsity().get_triplet())
@@ -177,19 +177,19 @@ def _neg(a: Form) -> Form:
 
 
 def _mul(a: Form, b: Form) -> Form:
-    r = ca.fabs(b.c) * a.r + ca.fabs(a.c) * b.r + a.radius * b.radius
+    r = abs(b.c) * a.r + abs(a.c) * b.r + a.radius * b.radius
     return _rounded(a.c * b.c, a.L * b.c + b.L * a.c, r, a.size * b.size)
 
 
 def _along(a: Form, slope: ca.SX, least: ca.SX, most: ca.SX) -> Form:
     """slope a plus an interval from ``least`` to ``most``."""
     middle, half = (least + most) / 2, (most - least) / 2
-    size = ca.fabs(slope) * a.size + ca.fabs(least) + ca.fabs(most)
-    return _rounded(slope * a.c + middle, a.L * slope, ca.fabs(slope) * a.r + half, size)
+    size = abs(slope) * a.size + abs(least) + abs(most)
+    return _rounded(slope * a.c + middle, a.L * slope, abs(slope) * a.r + half, size)
 
 
 def _secant(low: ca.SX, high: ca.SX, at_low: ca.SX, at_high: ca.SX) -> ca.SX:
-    apart = high - low > 1e-12 * (ca.fabs(low) + ca.fabs(high))
+    apart = high - low > 1e-12 * (abs(low) + abs(high))
     return ca.if_else(apart, (at_high - at_low) / (high - low), 0.0)
 
 
@@ -198,7 +198,7 @@ def _abs(a: Form) -> Form:
     low, high = a.range
     across = ca.logic_and(low < 0, high > 0)
     slope = ca.if_else(across, _secant(low, high, -low, high), ca.if_else(low >= 0, 1.0, -1.0))
-    ends = ca.fabs(low) - slope * low, ca.fabs(high) - slope * high
+    ends = abs(low) - slope * low, abs(high) - slope * high
     least = ca.if_else(across, ca.fmin(ca.fmin(*ends), 0.0), 0.0)
     return _along(a, slope, least, ca.if_else(across, ca.fmax(*ends), 0.0))
 
@@ -213,7 +213,7 @@ def _max(a: Form, b: Form) -> Form:
 def _hull(a: Form, b: Form) -> Form:
     (al, ah), (bl, bh) = a.range, b.range
     low, high = ca.fmin(al, bl), ca.fmax(ah, bh)
-    every = ca.fabs(a.c) + a.radius + ca.fabs(b.c) + b.radius  # no number where one of them is none
+    every = abs(a.c) + a.radius + abs(b.c) + b.radius  # no number where one of them is none
     half = (high - low) / 2 + every * ROUNDING
     return _rounded((low + high) / 2, ca.SX(*a.L.shape), half, a.size + b.size)
 
@@ -263,8 +263,8 @@ def _curve(
     def rule(a: Form) -> Form:
         k, value = slope(a.c), f(a.c)
         off = bend(*a.range) * a.radius**2 / 2
-        size = ca.fabs(value) + ca.fabs(k) * a.size + off
-        return _rounded(value, a.L * k, ca.fabs(k) * a.r + off, size)
+        size = abs(value) + abs(k) * a.size + off
+        return _rounded(value, a.L * k, abs(k) * a.r + off, size)
 
     return rule
 
@@ -272,7 +272,7 @@ def _curve(
 def _nearest(low: ca.SX, high: ca.SX) -> ca.SX:
     """Least absolute value on an interval; 0 if it contains 0."""
     holds = ca.logic_and(low <= 0, high >= 0)
-    return ca.if_else(holds, 0.0, ca.fmin(ca.fabs(low), ca.fabs(high)))
+    return ca.if_else(holds, 0.0, ca.fmin(abs(low), abs(high)))
 
 
 def _root_bend(low: ca.SX, high: ca.SX) -> ca.SX:
@@ -323,9 +323,7 @@ _RULES: dict[int, Callable[..., Form | Truth]] = {
     ca.OP_FMAX: _max,
     ca.OP_FMIN: lambda a, b: _neg(_max(_neg(a), _neg(b))),
     ca.OP_TANH: _tanh,
-    ca.OP_SIN: _curve(
-        ca.sin, ca.cos, lambda low, high: ca.fmin(ca.fmax(ca.fabs(low), ca.fabs(high)), 1.0)
-    ),
+    ca.OP_SIN: _curve(ca.sin, ca.cos, lambda low, high: ca.fmin(ca.fmax(abs(low), abs(high)), 1.0)),
     ca.OP_COS: _curve(ca.cos, lambda x: -ca.sin(x), lambda low, high: ca.SX(1)),
     ca.OP_SQRT: _curve(ca.sqrt, lambda x: 0.5 / ca.sqrt(x), _root_bend),
     ca.OP_LT: _below(True),

@@ -89,7 +89,7 @@ def monitor(setup: Setup, latch: Latch, *, measured: bool) -> System:
     numbers = _numbers(setup, latch, measured)
     level, box, samples, most = (port(signal, value) for signal, value in numbers)
     K, distance = samples.sym, ca.sqrt(ca.sumsqr(e[:2]))
-    inside = reduce(ca.logic_and, ca.vertsplit(ca.fabs(state - level.sym) <= box.sym))
+    inside = reduce(ca.logic_and, ca.vertsplit(abs(state - level.sym) <= box.sym))
     running = ca.if_else(inside, ca.fmin(streak.sym + 1, K), 0)
     stages = len(latch.position)
     held = age.sym > 0

@@ -202,7 +202,7 @@ def _holds_on(statement: Statement, box: Box, doubles: bool) -> bool:
             values = Walk(statement.graph, IntervalArithmetic(box, doubles), ask).outputs()
         except EmptyWayError:
             return True
-        given = zip(statement.given_kinds, values[len(statement.goals) :], strict=True)
+        given = zip(statement.given_kinds, values[len(statement.goal_kinds) :], strict=True)
         for kind, value in given:
             if value is None:
                 continue

@@ -134,8 +134,8 @@ def judged(statement: Statement, point: Mapping[str, Any]) -> tuple[bool, tuple[
     try:
         values = evaluate(statement, point)
     except (UndecidedError, ZeroDivisionError):
-        return False, (True,) * len(statement.goals)
-    goals = len(statement.goals)
+        return False, (True,) * len(statement.goal_kinds)
+    goals = len(statement.goal_kinds)
     given = zip(statement.given_kinds, values[goals:], strict=True)
     asked = zip(statement.goal_kinds, values[:goals], strict=True)
     met = all(_certain(kind, v, False) for kind, v in given)

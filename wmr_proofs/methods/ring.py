@@ -49,7 +49,7 @@ def _proved(statement: Statement, method: Ring, case: Case) -> bool:
         shared.ask = ask
         values = Walk(statement.graph, shared, ask).outputs()
         goals = zip(statement.goal_kinds, values, strict=False)
-        given = zip(statement.given_kinds, values[len(statement.goals) :], strict=True)
+        given = zip(statement.given_kinds, values[len(statement.goal_kinds) :], strict=True)
         return all(_holds(shared, kind, v, method.log_lemma) for kind, v in (*goals, *given))
 
     try:

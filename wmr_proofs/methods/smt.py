@@ -260,7 +260,7 @@ def posed(statement: Statement, but: Container[int] = (), simple: bool = False) 
     terms = TermArithmetic()
     walk = Walk(statement.graph, terms, lambda _: False)
     values = walk.outputs()
-    goals = len(statement.goals)
+    goals = len(statement.goal_kinds)
     given = [relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
     wrong = [z3.Not(relation(k, v)) for k, v in zip(statement.goal_kinds, values, strict=False)]
     undefined = list(violations(walk, goals, but, simple))
