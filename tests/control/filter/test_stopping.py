@@ -178,6 +178,7 @@ ODD = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:dt = inf")
 @pytest.mark.parametrize("name", ODD)
 def test_an_input_that_is_odd_or_missing_never_sends_more(name):
     told = Base(delay=(0.0, 0.06), v=(1.0, 1.0), free_age=0.2)
