@@ -82,6 +82,10 @@ def odom_at(stamps, receipt=None, name="/odom", **about):
     return [(name, ODOMETRY, r, odometry(t, **about)) for r, t in pairs]
 
 
+def sent_at(times):
+    return [("/cmd_vel", TWIST, t, twist(0.5, 0.0)) for t in times]
+
+
 def joints_at(stamps, *values, **names):
     """Messages whose values are functions of the time since the first."""
     return [
