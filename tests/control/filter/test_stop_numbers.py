@@ -9,6 +9,7 @@ from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter.stop_numbers import (
     costs,
     leaving,
+    rolls_back,
     smallest_window,
     stopping,
     time_inside,
@@ -109,6 +110,11 @@ def test_how_a_base_leaves():
     slow = leaving(override(SCENARIO, {"limits.v_min": [-0.1, -2], "limits.v_max": [1, 2]}))
     assert slow.least is None
     assert leaving(override(SCENARIO, {"filter.d": [0, 0], "filter.rest": None})) is None
+
+
+def test_what_a_push_rolls_back_during_a_stop():
+    assert rolls_back(SCENARIO) == pytest.approx(0.05 * (0.03 + 0.05 + 1.0))
+    assert rolls_back(override(SCENARIO, RAMPS)) == pytest.approx(0.05 * 1.08)
 
 
 def test_the_window_of_a_stop_is_the_way_of_a_push():
