@@ -88,8 +88,11 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
         )
     if not any(case.filter.d) or case.filter.nearing:
         return
-    for way, words in ((-1, "what is ahead"), (1, "what is behind")):
-        own = leaving(case, way)
+    ahead, behind = leaving(case, -1), leaving(case, 1)
+    both = ((ahead, "what is near"),)
+    for own, words in (
+        both if ahead == behind else ((ahead, "what is ahead"), (behind, "what is behind"))
+    ):
         if own is None:
             continue
         if own.least is None:
