@@ -434,7 +434,7 @@ static void count_waiting(drive *s, int k, int goes)
     double most = (s->stands_after < NEVER ? s->stands_after : 0) + hold_of(p, a, pull) + 2;
     if (!(pull > 1e-9 && s->walls[s->axis][behind] + place > 5 && p->nearing == 0)) return;
     if (s->left_at == NEVER) s->left_at = place;
-    if (last && pull > 0.02 && most * p->period < 6 && place > s->left_at - 0.05) s->out->waits = NEVER;
+    if (last && s->owed == 0 && pull > 0.02 && most * p->period < 6 && place > s->left_at - 0.05) s->out->waits = NEVER;
     if (s->waiting >= 0 && s->owed == 0) ++s->waiting;
     if (goes) s->waiting = -1;
     s->out->waits = larger(s->out->waits, s->waiting / most);
