@@ -435,6 +435,7 @@ static void count_waiting(drive *s, int k, int goes)
     if (!(pull > 1e-9 && s->walls[s->axis][behind] + place > 5 && p->nearing == 0)) return;
     if (s->owed > 0) s->left_at = NEVER; /* until then the driver keeps to an earlier request */
     else if (s->left_at == NEVER) { s->left_at = place; s->left_since = k; }
+    else s->left_at = larger(s->left_at, place); /* where it turned */
     int long_ago = s->owed == 0 && (k - s->left_since) * p->period > 9 && most * p->period < 6;
     if (last && long_ago && pull > 0.02 && place > s->left_at - 0.05) s->out->waits = NEVER;
     if (s->waiting >= 0 && s->owed == 0) ++s->waiting;
