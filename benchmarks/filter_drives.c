@@ -130,7 +130,7 @@ typedef struct {
     double tau[2], gain[2], push[2], nearing[2], zero_since, brakes_after;
     int touched[2][2], braked;
     double asked, across, away, leaves_late, stands_after, left_at; /* asked: away from the wall is below 0 */
-    int left, turns_at, waiting;
+    int left, turns_at, waiting, left_since;
     double ceiling[2][2];
     int phase, changed;
     deadline due[2][2];
@@ -433,8 +433,11 @@ static void count_waiting(drive *s, int k, int goes)
     double pull = pull_of(a, s->away, a->limits[behind]), place = s->side * s->x[s->axis];
     double most = (s->stands_after < NEVER ? s->stands_after : 0) + hold_of(p, a, pull) + 2;
     if (!(pull > 1e-9 && s->walls[s->axis][behind] + place > 5 && p->nearing == 0)) return;
-    if (s->left_at == NEVER) s->left_at = place;
-    if (last && pull > 0.02 && most * p->period < 6 && place > s->left_at - 0.05) s->out->waits = NEVER;
+    if (s->owed > 0) s->left_at = NEVER; /* until then the driver keeps to an earlier request */
+    else if (s->left_at == NEVER) { s->left_at = place; s->left_since = k; }
+    else s->left_at = larger(s->left_at, place); /* where it turned */
+    int long_ago = s->owed == 0 && (k - s->left_since) * p->period > 9 && most * p->period < 6;
+    if (last && long_ago && pull > 0.02 && place > s->left_at - 0.05) s->out->waits = NEVER;
     if (s->waiting >= 0 && s->owed == 0) ++s->waiting;
     if (goes) s->waiting = -1;
     s->out->waits = larger(s->out->waits, s->waiting / most);

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -23,6 +24,8 @@ from benchmarks.native import load_filter
 from wmr_ctrl.control.filter import CommandFilter
 from wmr_ctrl.control.filter.channels import FLAG_NAMES
 from wmr_ctrl.control.filter.filter import filter_system
+from wmr_ctrl.control.filter.governor import NEAR, Schedule
+from wmr_ctrl.control.filter.stopping import whole_steps
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -55,7 +58,7 @@ def test_drives_neither_touch_nor_stay(name):
 @pytest.mark.parametrize("name", TEETH)
 @pytest.mark.slow_but("brake", "a period less than the time for a lowered limit")
 def test_a_bound_that_does_not_hold_is_seen(name):
-    assert broken(bitten(name, 60, 5)) != {}
+    assert broken(bitten(name, 500 if "apart" in name else 60, 5)) != {}
 
 
 @pytest.mark.parametrize("name", ALTERED)
@@ -64,6 +67,14 @@ def test_a_wrong_formula_is_seen(name):
     altered = ALTERED[name]
 
     assert broken(altered.found(1200, 1)).get(altered.breaks, 0) > 0
+
+
+@pytest.mark.parametrize(("jitter", "time", "steps"), [(0.0, 1.0, 21), (0.2, 0.99, 25)])
+def test_rest_is_known_only_after_the_brake_has_closed(jitter, time, steps):
+    plan = Schedule((2.0, 2.0), jitter=jitter)
+    found = whole_steps(plan, ca.SX(0.05), ca.SX(time), NEAR)
+    assert float(ca.evalf(found)) == steps
+    assert float(ca.evalf(whole_steps(plan, ca.SX(0.05), ca.SX(1.0)))) <= steps
 
 
 class Driven:
