@@ -43,17 +43,6 @@ def in_row(log, row, name, value):
     return put(log, **{name: np.where(np.arange(len(log[T])) == row, value, log[globals()[name]])})
 
 
-def drifting(log):
-    slow = log[T] + 0.008 * (log[T] - log[T][0])
-    return put(
-        log,
-        **{
-            key: np.interp(log[T], slow, log[globals()[key]])
-            for key in ("RIGHT", "LEFT", "X", "Y", "THETA")
-        },
-    )
-
-
 def reset(log):
     at = len(log[T]) // 2
     return put(log, RIGHT=np.concatenate((log[RIGHT][:at], log[RIGHT][at:] - log[RIGHT][at])))
@@ -84,7 +73,6 @@ CORRUPTIONS = {
         lambda log: put(log, TAU=later(log[TAU], 12), TAU_LEFT=later(log[TAU_LEFT], 12)),
         "before its torque",
     ),
-    "clocks drift": (drifting, "drift apart"),
     "degrees": (lambda log: put(log, THETA=np.degrees(log[THETA])), "degrees"),
     "millimetres": (lambda log: put(log, X=1e3 * log[X], Y=1e3 * log[Y]), "millimetres"),
     "quarter counts": (
