@@ -160,6 +160,7 @@ def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Est
         place = fit.names.index(name)
         seconds = informative_seconds(fit.log.t, fit.fisher[:, place, place])
         several |= bool(fit.alone[place]) or (name in fit.members and not sure)
+        several |= "lag" in fit.names and name != "gain"
     if judgement.explained == NOT_EXPLAINED:
         word = NOT_EXPLAINED
     elif fit.at_end(name):
