@@ -69,10 +69,6 @@ def of_velocities(
     fits = same_loop(axes, driven)
     pairs = zip(fits, fits[::-1], strict=True)
     judgements = [judged(fit, other, place) for place, (fit, other) in enumerate(pairs) if fit]
-    for item in judgements:
-        if not item.fit.at_end("gain"):
-            column = COMMAND[item.place]
-            check_following(name, column, item.fit.gain, 0.0, item.r2, log.period)
     estimates = loop_estimates(judgements, log.period)
     remarks += loop_remarks(judgements, estimates)
     bare = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")

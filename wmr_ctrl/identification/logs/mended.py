@@ -235,8 +235,7 @@ def unwrapped(log: Log) -> Log:
         near = median_filter(step, NEIGHBOURS, mode="mirror")
         modulus = _modulus(counts, step, near)
         if modulus:
-            whole = step - modulus * np.round((step - near) / modulus)
-            columns[name] = np.concatenate((counts[:1], counts[0] + np.cumsum(whole)))
+            columns[name] = np.unwrap(counts, period=modulus)
             notes.append(Note("readings", "", f"{name} wraps at {modulus:g} counts, and goes on."))
     return replace(log, columns=columns, notes=tuple(notes))
 
