@@ -52,13 +52,7 @@ class Estimate(NamedTuple):
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
-        return {
-            "value": self.value,
-            "low": self.low,
-            "high": self.high,
-            "verdict": self.verdict,
-            "seconds": list(self.seconds),
-        }
+        return {key: value for key, value in self._asdict().items() if key != "share"}
 
 
 Estimates = Mapping[str, Estimate]

@@ -252,10 +252,9 @@ def _modulus(counts: Floats, step: Floats, near: Floats) -> float:
     ends = np.concatenate((counts[:-1][jumps], counts[1:][jumps]))
     from_rim = np.minimum(np.abs(ends - counts.min()), np.abs(ends - counts.max()))
     found = float(np.median(sizes))
-    if np.ptp(sizes) > 2 * rim or from_rim.max() > rim or found > span + 2 * rim:
+    if np.ptp(sizes) > 2 * rim or from_rim.max() > rim:
         return 0.0
     close = max(2 * usual, 2.0)
-    rounded = [2.0 ** round(math.log2(found)), *(x * round(found / x) for x in (1e3, 1e2, 1e1))]
-    tried = (*rounded, max(round(found), span + 1))
-    whole = next((x for x in tried if abs(x - found) <= close and x > span), 0.0)
-    return whole if whole in rounded[:2] or jumps.sum() >= SURE else 0.0
+    tried = [2.0 ** round(math.log2(found)), 1e3 * round(found / 1e3)]
+    tried += [max(round(found), span + 1)] if jumps.sum() >= SURE else []
+    return next((x for x in tried if abs(x - found) <= close and x > span), 0.0)
