@@ -79,10 +79,6 @@ class LeftOut(NamedTuple):
     end: float
     reason: str
 
-    def to_json(self) -> dict[str, object]:
-        """Plain data."""
-        return {"from": self.begin, "to": self.end, "reason": self.reason}
-
 
 @dataclass(frozen=True)
 class Log:
