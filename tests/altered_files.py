@@ -209,7 +209,6 @@ ALTERED_FILES = (
          "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
          "return self.asked[0] > self.usable[0], False"),
         ("control/guard/price.py", "max(ways, key=lambda way: way[0] - way[1])", "ways[0]"),
-        ("theory/checks/velocity_guard.py", "beyond <= 0 <", "beyond < 0 <"),
         ("theory/checks/preconditions.py", "if beyond[axis] > 0:", "if beyond[axis] >= 0:"),
     ),
     *_rows(

@@ -28,6 +28,7 @@ WORDS: Mapping[str, str] = _DATA["words"]
 UNITS: Mapping[str, str] = _DATA["units"]
 BECAUSE: Mapping[str, list[list[str]]] = _DATA["because"]
 """Pairs that cannot be separated, by what the log lacks then."""
+LEFT_OUT = ("from", "to", "reason")
 SMALL, PART = 0.03, 0.35
 
 
@@ -213,7 +214,7 @@ class BaseIdentification(ABC):
                 *(note._asdict() for note in self.notes),
                 *(row for item in self.judgements for row in item.diagnosis()),
             ],
-            "left_out": [item.to_json() for item in self.left_out],
+            "left_out": [dict(zip(LEFT_OUT, item, strict=True)) for item in self.left_out],
             "range": {axis: list(ends) for axis, ends in self.range.items()},
         }
 

@@ -227,7 +227,7 @@ def _group_gains(fit: LoopFit) -> Iterator[tuple[str, float, float]]:
 
 def bent(fit: LoopFit) -> float:
     """Upper 95 % bound of the gain's relative growth from the fastest motion to its double."""
-    gains = {name: (off, half) for name, off, half in _group_gains(fit)}
+    gains = {name: pair for name, *pair in _group_gains(fit)}
     if not {"slow", "fast"} <= {*gains}:
         return 1.0
     (slow, narrow), (fast, wide) = gains["slow"], gains["fast"]

@@ -14,7 +14,7 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from tests.export.fmi.cases import FMUS, OTHER_LAWS, SOME_FMUS
+from tests.export.fmi.cases import FMUS, SOME_FMUS
 from wmr_ctrl.control.controller import asking_controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import LARGEST, PLANT_STATE, TORQUE
@@ -118,48 +118,6 @@ def test_structure_of_laws_is_the_jacobians(exported, law):
         name: [inputs[j] for j in range(len(inputs)) if jacobian.has_nz(i, j)]
         for i, name in enumerate(rows)
     }
-
-
-def test_parameters_are_key_paths_and_tunable_where_they_change(exported):
-    variables = {
-        v.name: v for v in read_model_description(str(exported("plant", 2))).modelVariables
-    }
-    tunable = {name for name, v in variables.items() if v.variability == "tunable"}
-    assert tunable == {"robot.m", "robot.I", "robot.mu"}
-    assert variables["clock.plant"].variability == "fixed"
-    assert {variables[n].causality for n in ("x", "y", "theta", "v1", "omega", "psi")} == {"output"}
-    law = {v.name: v for v in read_model_description(str(exported("nn", 2))).modelVariables}
-    assert float(law["gains.nn.rho1[1]"].start) == 1350.0
-    assert law["clock.control"].variability == "fixed"
-
-
-@pytest.mark.parametrize(
-    "what, version", [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3), *OTHER_LAWS]
-)
-def test_every_controller_publishes_its_monitor_and_the_bound(exported, what, version):
-    """Unguarded as the preset is: distance to the limit, clip, least disturbance, feasibility."""
-    path = str(exported(what, version))
-    variables = {v.name: v for v in read_model_description(path).modelVariables}
-    published = (
-        "margin",
-        "clip_active[1]",
-        "clip_active[2]",
-        "d_least[1]",
-        "d_least[2]",
-        "feasible",
-    )
-    assert {variables[name].causality for name in published} == {"output"}
-    units = {"d_least": ("N", "N.m"), "guard.dbar": ("N", "N.m"), "guard.M_min": ("kg", "kg.m2")}
-    for name, pair in units.items():
-        assert tuple(variables[f"{name}[{i}]"].unit for i in (1, 2)) == pair
-    assert {variables[f"guard.dbar[{i}]"].causality for i in (1, 2)} == {"parameter"}
-    assert [float(variables[f"guard.dbar[{i}]"].start) for i in (1, 2)] == [60.0, 15.0]
-
-
-@pytest.mark.parametrize("what", ["plant", "reference"])
-def test_what_commands_nothing_publishes_no_monitor(exported, what):
-    names = {v.name for v in read_model_description(str(exported(what, 2))).modelVariables}
-    assert not {"margin", "clip_active[1]", "d_least[1]", "feasible"} & names
 
 
 @pytest.mark.slow

@@ -69,16 +69,13 @@ def usable(samples: Samples, timeout: float | None = None, base: str = "velocity
         if log.in_fit.sum() < 5 * NEIGHBOURS:
             continue
         odd = odd_readings(log.speed, quick_fit(log).left if base == "velocity" else log.speed)
-        share, first, kept = float(odd.mean()), t[np.argmax(odd)], ~odd
-        few = share <= MOST_ODD
-        if few:
+        share, kept = float(odd.mean()), ~odd
+        if 0 < share <= MOST_ODD:
             use[:, axis] = kept
             seen[odd, axis] = np.interp(t[odd], t[kept], seen[kept, axis])
-        if share:
-            fate = " and left out" if few else ": so many are no faults of single rows, and stay"
             text = (
                 f"{odd.sum()} readings of {AXES[axis]} are single rows far off ({100 * share:.2g} "
-                f"%, the first at {first:.4g} s){fate}."
+                f"%, the first at {t[np.argmax(odd)]:.4g} s) and left out."
             )
             notes.append(Note("readings", AXES[axis], text))
     left_out = [
