@@ -59,7 +59,6 @@ def test_a_page_holds_all_that_it_shows(run, tmp_path):
     assert len(data["rows"]) == len(data["robots"][0]) == 800
     assert (len(data["rows"][0]), len(data["robots"][0][0])) == (4, 5)
     assert data["scales"] == [1.0, 1.5]
-    assert data["limited"]
 
 
 def test_each_colour_of_a_page_has_another_in_the_dark(run, tmp_path):

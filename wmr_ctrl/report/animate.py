@@ -9,12 +9,12 @@ from PIL import Image
 
 from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.fields.units import length
-from wmr_ctrl.results import RecordedDrive, Run, atomic_path
+from wmr_ctrl.results import Run, atomic_path
 from wmr_ctrl.simulation.campaign import PhaseProgress, phase
 
 from . import style
 from .drawing import target_of, write_html
-from .scene import BODY, TRACK, WHEEL, Scene, scene_of, scene_of_drives, with_tubes
+from .scene import BODY, TRACK, WHEEL, Scene, scene_of, with_tubes
 from .stage import Picture, frames
 
 SUFFIXES = (".gif", ".html")
@@ -32,28 +32,10 @@ def animate_runs(runs: Sequence[Run], path: AnyPath, progress: PhaseProgress | N
     """
     target = target_of(path, SUFFIXES, "a run is animated as .gif, .html")
     scene = with_tubes(scene_of(runs, _FRAMES[target.suffix.lower()]), runs)
-    _animate(scene, [run.explanation for run in runs], target, progress)
-
-
-def animate_drives(
-    drives: Sequence[RecordedDrive],
-    path: AnyPath,
-    progress: PhaseProgress | None = None,
-) -> None:
-    """Animate drives, which have no desired pose and no limits; errors as `scene_of_drives`."""
-    target = target_of(path, SUFFIXES, "a drive is animated as .gif, .html")
-    scene = scene_of_drives(drives, _FRAMES[target.suffix.lower()])
-    _animate(scene, [f"{drive.duration:.4g} s." for drive in drives], target, progress)
-
-
-def _animate(
-    scene: Scene, said: Sequence[str], target: Path, progress: PhaseProgress | None
-) -> None:
-    """Write a scene; ``said`` is a sentence per robot, for the page."""
     count = len(scene.t)
     with phase(progress, count, "Drawing the animation") as advance, atomic_path(target) as scratch:
         if target.suffix.lower() == ".html":
-            write_page(scene, scratch, said)
+            write_page(scene, scratch, [run.explanation for run in runs])
             advance(count)
         else:
             _write_gif(frames(scene), scratch, advance)
@@ -84,14 +66,12 @@ def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
 def _json(scene: Scene) -> str:
     """Data that the page's script draws, rounded to visible precision; safe inside a script."""
     moving = (np.column_stack((one.pose, one.velocity)) for one in scene.actors)
-    rows = [scene.t] if scene.target is None else [scene.t, scene.target]
     content = {
         "names": [one.label for one in scene.actors],
-        "rows": np.round(np.column_stack(rows), 4).tolist(),
+        "rows": np.round(np.column_stack((scene.t, scene.target)), 4).tolist(),
         "robots": [np.round(table, 4).tolist() for table in moving],
         "view": [round(edge, 4) for edge in scene.view],
         "scales": [float(f"{scale:.4g}") for scale in scene.scales],
-        "limited": scene.limited,
         "bands": [np.round(scene.band(one).T, 4).tolist() for one in scene.actors],
         "body": [scene.size * part for part in BODY],
         "wheel": [scene.size * part for part in WHEEL],
