@@ -80,23 +80,13 @@ def test_a_page_cannot_be_broken_by_names(tmp_path):
 
 def test_a_gif_has_all_frames_and_tells_progress(run, tmp_path, monkeypatch):
     monkeypatch.setattr("wmr_ctrl.report.animate._FRAMES", {".gif": 12})
-    left = []
-
-    class Watch:
-        def start(self, total, text):
-            left.append(total)
-
-        def advance(self, count=1):
-            left[-1] -= count
-
-        def done(self):
-            left.append(0)
-
-    animate_runs([run], tmp_path / "run.gif", Watch())
+    shares = []
+    animate_runs([run], tmp_path / "run.gif", shares.append)
     with Image.open(tmp_path / "run.gif") as picture:
         assert picture.n_frames >= 12
         assert picture.info["duration"] == animate.GIF_MILLISECONDS
-    assert left == [0, 0]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
 
 
 def test_an_empty_run_is_refused(tmp_path):

@@ -1,7 +1,7 @@
 """Animations of a run: the robot and the desired pose on the path, as a page or a GIF."""
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +10,12 @@ from PIL import Image
 from wmr_ctrl.core.fields.files import AnyPath
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.results import Run, atomic_path
-from wmr_ctrl.simulation.campaign import PhaseProgress, phase
+from wmr_ctrl.simulation.batch import Progress
 
 from . import style
 from .drawing import target_of, write_html
 from .scene import BODY, TRACK, WHEEL, Scene, scene_of, with_tubes
-from .stage import Picture, frames
+from .stage import frames
 
 SUFFIXES = (".gif", ".html")
 _FRAMES = {".gif": 250, ".html": 2000}
@@ -25,20 +25,18 @@ GIF_MILLISECONDS = 80
 _GIF_COLOURS = 48
 
 
-def animate_runs(runs: Sequence[Run], path: AnyPath, progress: PhaseProgress | None = None) -> None:
+def animate_runs(runs: Sequence[Run], path: AnyPath, progress: Progress | None = None) -> None:
     """Animate one run or several at once: a .html (with play and slider) or .gif file.
 
     Raises as `Run.animate`, and ArgumentError for runs that one picture cannot show (`scene_of`).
     """
     target = target_of(path, SUFFIXES, "a run is animated as .gif, .html")
     scene = with_tubes(scene_of(runs, _FRAMES[target.suffix.lower()]), runs)
-    count = len(scene.t)
-    with phase(progress, count, "Drawing the animation") as advance, atomic_path(target) as scratch:
+    with atomic_path(target) as scratch:
         if target.suffix.lower() == ".html":
             write_page(scene, scratch, [run.explanation for run in runs])
-            advance(count)
         else:
-            _write_gif(frames(scene), scratch, advance)
+            _write_gif(scene, scratch, progress)
 
 
 # -- the page -----------------------------------------------------------------------------------
@@ -87,12 +85,13 @@ def _json(scene: Scene) -> str:
 # -- the GIF -----------------------------------------------------------------------------------
 
 
-def _write_gif(shown: Iterable[Picture], path: Path, advance: Callable[[int], None]) -> None:
+def _write_gif(scene: Scene, path: Path, progress: Progress | None) -> None:
     """Write frames, all with the palette of the last one, which contains all elements."""
     images = []
-    for picture in shown:
+    for picture in frames(scene):
         images.append(Image.fromarray(picture))
-        advance(1)
+        if progress:
+            progress(len(images) / len(scene.t))
     palette = images[-1].quantize(_GIF_COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     first, *others = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in images)
     first.save(
