@@ -125,7 +125,7 @@ def test_a_certified_corridor_is_a_band(tmp_path):
     page, data = shown_of(tmp_path / "run.html")
     above = [y for _, y in data["bands"][0][:100:2]]
     assert above == pytest.approx(most, abs=1e-4)
-    assert "the certified corridor from a start on it, up to" in page
+    assert "the certified corridor from a start on it, as long as it holds" in page
 
 
 def test_a_run_without_a_corridor_has_no_band(run):

@@ -8,7 +8,6 @@ import numpy as np
 from PIL import Image
 
 from wmr_ctrl.core.fields.files import AnyPath
-from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.results import Run, atomic_path
 from wmr_ctrl.simulation.batch import Progress
 
@@ -48,12 +47,10 @@ def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
     colours = {**laws, "muted": style.MUTED, "limit": style.LIMIT, "ink": style.INK,
                "paper": style.PAPER, "line": style.RULE_LINE}  # fmt: skip
     dark = {name: style.after_dark(colour) for name, colour in colours.items()}
-    environment = style.page_environment()
-    environment.filters["distance"] = length
     write_html(
         path,
         "animation.html.j2",
-        environment,
+        style.page_environment(),
         scene=scene,
         said=list(zip([one.label for one in scene.actors], said, strict=True)),
         data=_json(scene),

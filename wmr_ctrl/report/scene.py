@@ -30,8 +30,7 @@ class Actor:
     """A robot of an animation: its name, colour, and poses and velocities at the frames.
 
     ``pose`` (frames, 3): x, y [m], theta [rad]; ``velocity`` (frames, 2): v1 [m/s], omega [rad/s].
-    ``tube`` (frames,) [m]: width of its certified corridor, nan from ``certified`` [s] on; None
-    without. ``widest`` [m]: the largest width, also between frames.
+    ``tube`` (frames,) [m]: width of its certified corridor, nan where there is none; None without.
     """
 
     label: str
@@ -39,8 +38,6 @@ class Actor:
     pose: Floats
     velocity: Floats
     tube: Floats | None = None
-    certified: float = math.inf
-    widest: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -120,11 +117,8 @@ def with_tubes(scene: Scene, runs: Sequence[Run]) -> Scene:
     for one, run in zip(scene.actors, runs, strict=True):
         course = course_of_tube(run)
         if course is not None:
-            ends = np.flatnonzero(np.isnan(course[0]))
             tube = np.where(scene.t <= run.time[-1], course[0, _held(run, scene.t)], math.nan)
-            until = float(run.time[ends[0]]) if ends.size else math.inf
-            most = float(np.nanmax(course[0]))
-            one = replace(one, tube=tube, certified=until, widest=most)
+            one = replace(one, tube=tube)
         actors.append(one)
     return replace(scene, actors=tuple(actors))
 
