@@ -151,7 +151,7 @@ def test_messages_of_the_windows_library_are_the_same(tmp_path):
 @linux
 @pytest.mark.slow
 def test_windows_own_c_library_is_all_that_its_library_needs(tmp_path):
-    """It is linked without a compiler's C library, and still exports what the others do."""
+    """It exports what the others do."""
     (path,) = export_fmu("closed-loop", fmi=2, target="x86_64-windows", out=tmp_path)
     with zipfile.ZipFile(path) as archive:
         library = archive.extract("binaries/win64/wmr_closed_loop.dll", tmp_path)
@@ -162,7 +162,7 @@ def test_windows_own_c_library_is_all_that_its_library_needs(tmp_path):
         pytest.skip("NOT RUN: this objdump reads no library for Windows")
     needed = re.findall(r"DLL Name: (\S+)", said)
     assert needed
-    assert [name for name in needed if not name.startswith("api-ms-win-crt-")] == []
+    assert {name for name in needed if not name.startswith("api-ms-win-crt-")} <= {"KERNEL32.dll"}
     exported = said.partition("[Ordinal/Name Pointer] Table")[2]
     found = set(re.findall(r"^\s*\[ *\d+\].*?(\w+)$", exported, flags=re.M))
     assert found == wanted_functions(2) | {"wmr_closed_loop_scenario_hash"}
