@@ -48,7 +48,7 @@ def test_a_job_that_tells_nothing_is_not_silent(monkeypatch):
 def test_terminal_gets_a_bar_that_goes_away(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
-    with Progress("run", measured=False) as progress:
+    with Progress("run") as progress:
         progress(0.5)
 
     out, err = capsys.readouterr()

@@ -1,6 +1,5 @@
 """Each line of a run's text is its figure, with its unit and the verdict that follows from it."""
 
-import math
 from contextlib import nullcontext
 from dataclasses import replace
 
@@ -18,8 +17,6 @@ from wmr_ctrl.report.run_rows import MISSING, MOST_ROWS, _small, rows_of
 from wmr_ctrl.results import outcome_of
 from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.world.scenario import load_scenario, preset_names
-
-TURN = 2 * math.pi
 
 
 @pytest.fixture(scope="module")

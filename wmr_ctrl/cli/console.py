@@ -202,17 +202,13 @@ class Silence:
 
 
 class Progress:
-    """Context in which a job called ``text`` reports its progress; it is called with the share.
+    """Context in which a job called ``text`` reports its progress; it is called with the share."""
 
-    Without ``measured`` only activity is shown.
-    """
-
-    def __init__(self, text: str, *, measured: bool = True) -> None:
-        self._text, self._measured = text, measured
+    def __init__(self, text: str) -> None:
+        self._text = text
 
     def __enter__(self) -> Self:
-        terminal = sys.stderr.isatty()
-        self._display = Bar(self._text, self._measured) if terminal else Lines(self._text)
+        self._display = (Bar if sys.stderr.isatty() else Lines)(self._text)
         return self
 
     def __exit__(self, *_error: object) -> None:
@@ -224,9 +220,9 @@ class Progress:
 
 
 class Bar:
-    """Progress bar drawn by rich, removed at the end."""
+    """Progress bar drawn by rich, removed at the end; before the first share it shows activity."""
 
-    def __init__(self, text: str, measured: bool) -> None:
+    def __init__(self, text: str) -> None:
         from rich.console import Console
         from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
         from rich.progress import Progress as Rich
@@ -234,7 +230,7 @@ class Bar:
         name, share, left = "{task.description}", TaskProgressColumn(), TimeRemainingColumn()
         columns = (TextColumn(name), BarColumn(), share, left, TextColumn("left"))
         self._rich = Rich(*columns, console=Console(stderr=True), transient=True)
-        self._task = self._rich.add_task(text, total=1.0 if measured else None)
+        self._task = self._rich.add_task(text, total=None)
         self._rich.start()
 
     def share(self, share: float) -> None:

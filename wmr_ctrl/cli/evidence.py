@@ -113,7 +113,7 @@ def dossier(scenario: str, out: str, as_json: bool) -> None:
 
     case = opt.load(scenario)
     opt.check_output(out, (".html",), "--out")
-    with Progress("dossier", measured=False):
+    with Progress("dossier"):
         document = page.document(settle(case, opt.law_of(case, None)), scenario)
         page.write(document, scenario, out)
     say("wrote", out)
