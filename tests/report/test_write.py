@@ -10,7 +10,7 @@ import pytest
 from tests.export.page.browser import browser
 from tests.report.conftest import drawn_for_the_page
 from tests.report.test_drawings import EVIDENCE
-from tests.simulation.campaign.synthetic import Watch, made_up
+from tests.simulation.campaign.synthetic import made_up
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.report.paper_claims import Evidence, Verdict, judge_all
 from wmr_ctrl.report.paper_figures import PANELS
@@ -44,16 +44,16 @@ def reproduction(campaign, **more):
 
 
 @pytest.fixture(scope="module")
-def watch():
-    return Watch()
+def shares():
+    return []
 
 
 @pytest.fixture(scope="module")
-def written(campaign, watch, tmp_path_factory):
+def written(campaign, shares, tmp_path_factory):
     """Everything; of the figures those that are SHOWN."""
     out = tmp_path_factory.mktemp("made") / "new" / "folder"
     with drawn_for_the_page(SHOWN.__contains__):
-        return write_reproduction(out, reproduction(campaign), watch)
+        return write_reproduction(out, reproduction(campaign), shares.append)
 
 
 @pytest.fixture(scope="module")
@@ -69,10 +69,10 @@ def test_all_files_are_there_and_nothing_else(written):
     assert {path.stem for path in there if path.suffix == ".svg"} == set(FIGURES)
 
 
-def test_progress_goes_through_the_figures_to_their_end(written, watch):
-    assert watch.totals == [len(FIGURES)]
-    assert watch.left == [0]
-    assert watch.ended == 1
+@pytest.mark.usefixtures("written")
+def test_progress_goes_through_the_figures_to_their_end(shares):
+    assert len(shares) == len(FIGURES)
+    assert shares[-1] == 1.0
 
 
 # -- the page -----------------------------------------------------------------------------
