@@ -1,6 +1,6 @@
 """Symbols of claims, by name."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import casadi as ca
 
@@ -24,8 +24,8 @@ class Symbols(dict[str, ca.SX]):
         return Symbols({**more, **self})
 
 
-class Named:
-    """Base of a setting whose ``symbols`` are its items and attributes, too.
+class Named(Mapping[str, ca.SX]):
+    """Base of a setting that is the table of its ``symbols``, which are attributes, too.
 
     ``always`` are goals of each of its statements.
     """
@@ -35,6 +35,17 @@ class Named:
 
     def __getitem__(self, name: str) -> ca.SX:
         return self.symbols[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.symbols)
+
+    def __len__(self) -> int:
+        return len(self.symbols)
+
+    def __or__(self, more: Mapping[str, ca.SX]) -> Symbols:
+        return self.symbols | more
+
+    __hash__ = object.__hash__
 
     def __getattr__(self, name: str) -> ca.SX:
         if name == "symbols":

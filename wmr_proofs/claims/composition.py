@@ -63,7 +63,7 @@ def eq18_rate(mutation: Mutation) -> Statement:
     How fast the target of the velocity moves.
     """
     a, _, c, u1, u2 = barrier_axis()
-    t = a.symbols | symbols("cdot")
+    t = a | symbols("cdot")
     rate = target_rate(c, t.cdot, u1, u2)
     return Statement(t, equal(rate, mutation * ca.gradient(a.x, c) * t.cdot))
 
@@ -173,7 +173,7 @@ def lemma_piece(mutation: Mutation) -> Statement:
     moves = equal(a.mass * (end - v), a.t * (a.asked - t.drag + t.push))
     given = (a.sound(), sizes, sides, moves)
     most = ca.fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
-    return Statement(a.symbols | t, at_least(most, ca.fmax(end, edge)), given)
+    return Statement(a | t, at_least(most, ca.fmax(end, edge)), given)
 
 
 @piece_claim(
@@ -194,7 +194,7 @@ def delay_step(mutation: Mutation) -> Statement:
         reached = ca.fmin(a.arrived, most) + gained
         goals.append(at_least(most + mutation(1, 0.9) * sum_of, reached))
     given = (a.sound(), at_least(a.mass, a.M_min), between(0, a.since, a.periods * a.period))
-    return Statement(a.symbols, goals, given)
+    return Statement(a, goals, given)
 
 
 @piece_claim(
@@ -223,7 +223,7 @@ def mean_piece(mutation: Mutation) -> Statement:
             given.append(at_least(speeds[k] + gain, speeds[k + 1]))
         reached = seen.reached(ca.fmax(way * a.y + b.nbar, b.f_speed), b)
         goals.append(at_least(reached, speeds[2]))
-    return Statement(a.symbols | t, goals, given)
+    return Statement(a | t, goals, given)
 
 
 @piece_claim("guard.late.convex", given="0 <= w <= 1; any two forces, any dbar - f_min")
@@ -240,7 +240,7 @@ def convex(mutation: Mutation) -> Statement:
             push([force], a.bounds, way) for force in (w * forces[0] + (1 - w) * forces[1], *forces)
         )
         goals.append(at_least(w * first + mutation(1 - w, w) * second, mixed))
-    return Statement(a.symbols | {"w": w}, goals, between(0, w, 1))
+    return Statement(a | {"w": w}, goals, between(0, w, 1))
 
 
 def vanishes(value: ca.SX, t: ca.SX, where: float) -> Relation:

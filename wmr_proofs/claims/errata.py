@@ -45,7 +45,7 @@ def ball(_: Mutation) -> Statement:
     """
     t = Tracking("r")
     given = (at_least(0.5 * t.r**2, analysis.position_lyapunov(t.e, t.k[1])), above(t.r))
-    return Statement(t.symbols, at_least(t.r**2, ca.sumsqr(t.e)), given)
+    return Statement(t, at_least(t.r**2, ca.sumsqr(t.e)), given)
 
 
 @claim("eq61.omega", (61,), given="radius of Omega_1, l > 5", by=Refute(EDGE))
@@ -70,7 +70,7 @@ def stays_on_target(_: Mutation) -> Statement:
     with v = v_c0 falls behind at once; the code takes the limit v_c0' instead.
     """
     a, v, c, u1, u2 = barrier_axis()
-    t = a.symbols | symbols("rho cdot")
+    t = a | symbols("rho cdot")
     command = analysis.printed_command(t.rho, v, c, t.cdot, u1, u2)
     given = (a.inside, equal(v, c), above(u2, abs(v)), above(t.rho))
     return Statement(t, equal(command, t.cdot), given)

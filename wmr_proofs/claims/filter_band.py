@@ -207,7 +207,7 @@ def stopped(mutation: Mutation, way: int, part: str) -> Statement:
     after = after.changed(ca.SX(0), a.table)
     parts = (*range(1, a.size), -1) if part == "tail" else (0,)
     goals = tuple(a.within(after, k, way, held=way > 0) for k in parts)
-    return Statement(a.symbols, goals, (a.stated, a.inside(behind), at_least(to), admitted))
+    return Statement(a, goals, (a.stated, a.inside(behind), at_least(to), admitted))
 
 
 @claim("filter.band.zero", given=f"{AFTER}; u >= 0; {INSIDE}")

@@ -47,7 +47,7 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     A change of the command leaves a computed forecast too low by at most 2^-46 of c.
     """
     a = BandAxis()
-    s, changed = a.symbols | symbols("e made"), a.forecast.changed(a.to, a.table)
+    s, changed = a | symbols("e made"), a.forecast.changed(a.to, a.table)
     known = bound_of(a.forecast, way)
     bounded = at_least(way * s.u + known + s.e, way * s.v), at_least(a.table.high[0], s.S)
     given = (a.stated, _sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]), bounded)
@@ -67,7 +67,7 @@ def tail(mutation: Mutation) -> Statement:
     Behind the tables the computed forecast is never too low.
     """
     a = BandAxis()
-    s = a.symbols | symbols("f made")
+    s = a | symbols("f made")
     after = a.forecast.changed(s.to, a.table).later(a.table)
     fades = at_least(s.fading, (1 + mutation(1, 0) * 2.0**-41) * s.f)
     given = (above(s.f), fades, nonnegative(s.left, s.tail))
@@ -93,7 +93,7 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     A command that is admitted by roundings is admitted without them for a hardly larger limit.
     """
     a = BandStep()
-    s, table = a.symbols | symbols("limit wider inverse slope"), a.table
+    s, table = a | symbols("limit wider inverse slope"), a.table
     wider, u, slope, inverse = s.wider, s.u, s.slope, s.inverse
     up = way > 0 or stops  # a fall that is held is a change the other way
     rooms = (a.forecast.rooms(c) for c in (a.most(not stops), wider))

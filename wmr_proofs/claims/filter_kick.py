@@ -30,7 +30,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
 from wmr_proofs.traced import Traced, expression, functions_for_traced, traced
 
-from .common import BOTH_AXES, PRESET, scalars
+from .common import BOTH_AXES, PRESET, ports_of, scalars
 from .wheels_and_encoders import EffectGraph
 
 claim = Claims(by=Z3())
@@ -47,7 +47,7 @@ def pushed(g: EffectGraph) -> tuple[ca.SX, Symbols]:
     with functions_for_traced("wmr_ctrl.control.filter", but="wmr_ctrl.control.filter.hypotheses"):
         off = Bound(dbar=(push[0], push[1]), command=(error[0], error[1]))
         speeds = held_loop.push_speeds(scenario, off)
-    return exchanged(ca.vertcat(*map(expression, speeds)), trace.symbols, g.symbols), told
+    return exchanged(ca.vertcat(*map(expression, speeds)), trace.symbols, g), told
 
 
 @claim(
@@ -88,7 +88,7 @@ class HeldStep:
     def __init__(self, behind: bool) -> None:
         """Name the numbers; with ``behind`` the speed after the step is a symbol, too."""
         self.robot = robot = plant(load_scenario(PRESET))
-        t = scalars((*robot.inputs, *robot.state, *robot.params)) | symbols("step", "step")
+        t = scalars(ports_of(robot)) | symbols("step", "step")
         self.m, _, self.mu, r, l, self.g, self.v_s = (t[key] for key in KEYS)
         tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
         force, self.v, self.h = wheel_to_force(r, l, tau)[0] + t.thrust, t.v1, t.step

@@ -15,7 +15,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
 from .command_filter import COMMANDS
-from .common import elements_of
+from .common import elements_of, ports_of
 from .filter_assembled import STATED
 
 claim = Claims(by=Z3())
@@ -90,7 +90,7 @@ def least(mutation: Mutation) -> Statement:
     """
     clip = Clip(stated := load_scenario("paper-simulation", SMALL))
     graph = for_base(clip.system, stated)
-    named = elements_of(*graph.inputs, *graph.state, *graph.params)
+    named = elements_of(*ports_of(graph))
     given, goals, cuts = list[Relations](), list[Relations](), {"sound": clip.sound}
     rest, way = ca.vertsplit(graph.x, 2)
     for axis, limit in enumerate(clip.limits):

@@ -31,7 +31,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
 from .command_filter import COMMANDS, INTERVALS
-from .common import elements_of
+from .common import elements_of, ports_of
 from .filter_assembled import ALIKE, STATED
 from .filter_band_times import BANDED
 from .filter_loops import LINEAR, SLOW
@@ -83,7 +83,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
     goals, given = list[Relations](), list[Relations]()
     for scale in scales:
         graph = governor({**more, "filter.scale": scale})
-        ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
+        ports = ports_of(graph.system)
         table |= named_for(elements_of(*ports), scale)
         limits = [
             (f"limit {side} {i} {scale}", limit)
@@ -186,7 +186,7 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
     for number, stated in enumerate(shapes):
         graph = BandGovernor(load_scenario("paper-simulation", dict(stated)))
         system = graph.system
-        ports = elements_of(*system.inputs, *system.state, *system.params)
+        ports = elements_of(*ports_of(system))
         table |= named_for(ports, str(number))
         cuts[f"sound {number}"] = graph.sound
         given.append(equal(graph.sound, 1))
@@ -230,7 +230,7 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     """
     graph, way = governor(more), WAYS[side]
     f = symbols("v1 v2 u K d1 d2 E kappa gone")
-    ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
+    ports = ports_of(graph.system)
     p = {port.signal.name: port.sym for port in ports}
     push, error, gain = (p[f"filter.{name}"] for name in ("d", "odometry", "gain"))
     T, tau = graph.T, p["filter.tau"]
@@ -239,9 +239,10 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     kappa, most, least = cuts.values()
     seen, came = graph.age.sym >= -NEAR * T, _timely(graph)
     given: list[Relations] = [
-        positive(p["robot.l"], T, gain[0], f.kappa), nonnegative(*ca.vertsplit(push), *ca.vertsplit(error)), equal(f.kappa, kappa), equal(f.gone, most),
-        equal(-f.kappa * f.gone, 1 + f.gone), positive(-least, 1 + most), at_least(least, most),
-        between(1 + most, f.E, 1),
+        positive(p["robot.l"], T, gain[0], f.kappa),
+        nonnegative(*ca.vertsplit(push), *ca.vertsplit(error)), equal(f.kappa, kappa),
+        equal(f.gone, most), equal(-f.kappa * f.gone, 1 + f.gone), positive(-least, 1 + most),
+        at_least(least, most), between(1 + most, f.E, 1),
     ]  # fmt: skip
     for i, v in enumerate((f.v1, f.v2)):
         given += when(seen, within(graph.odometry.sym[i] - v, error[i]))
@@ -288,7 +289,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     A command may act for longer than a period, and the filter counts on that.
     """
     graph = governor(more)
-    ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
+    ports = ports_of(graph.system)
     table, cuts = elements_of(*ports), dict[str, ca.SX]()
     T, goals, given = graph.T, list[Relations](), list[Relations]([above(graph.T)])
     seen = graph.age.sym >= -NEAR * T

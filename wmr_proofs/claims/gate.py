@@ -19,7 +19,7 @@ from wmr_proofs.relation import Relations, above, at_least, equal, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, exchanged
 
-from .common import elements_of, named_ports
+from .common import elements_of, named_ports, ports_of
 from .filter_assembled import STATED as OF_GOVERNOR
 from .filter_shapes import SHAPES, named_for
 
@@ -49,7 +49,7 @@ class GateStep:
         """Read the graph."""
         scenario = load_scenario("paper-simulation", STATED)
         self.system, self.goal = gate.gate_and_goal(scenario, SETTINGS)
-        ports = (*self.system.inputs, *self.system.state, *self.system.params)
+        ports = ports_of(self.system)
         self.ports = {item.signal: item.sym for item in ports}
         self.symbols, self.sent = elements_of(*ports), self.system.outputs[0].expr
         T, elapsed = ca.SX(scenario.clock.control), self[gate.ELAPSED]
@@ -162,7 +162,7 @@ def inside_shapes(
     for scale in scales:
         scenario = load_scenario("paper-simulation", {**STATED, **more, "filter.scale": scale})
         (system, goal), clip = gate.gate_and_goal(scenario, SETTINGS), Clip(scenario)
-        ports = (*system.inputs, *system.state, *system.params)
+        ports = ports_of(system)
         table |= named_for(elements_of(*ports), scale)
         sent = ca.SX.sym("sent", 2)
         speeds = [channel.of(sent) for channel in clip.channels]
@@ -187,8 +187,8 @@ class BehindGovernor:
         scenario = load_scenario("paper-simulation", OF_GOVERNOR)
         system, self.goal = gate.gate_and_goal(scenario, SETTINGS)
         self.governor = own = Governor(scenario)
-        self.ports = (*system.inputs, *system.state, *system.params)
-        inner = (*own.system.inputs, *own.system.state, *own.system.params)
+        self.ports = ports_of(system)
+        inner = ports_of(own.system)
         both = named_ports(*inner), named_ports(*self.ports)
         limits = ca.vertcat(*(ca.vertcat(*side) for side in own.limits))
         self.limits, self.sent = exchanged(limits, *both), system.outputs[0].expr

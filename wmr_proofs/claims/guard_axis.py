@@ -56,7 +56,7 @@ class GuardAxis(Named):
 
     def __call__(self, name: str, way: int) -> ca.SX:
         """The symbol of one direction."""
-        return self.symbols[name + ("ahead" if way > 0 else "back")]
+        return self[name + ("ahead" if way > 0 else "back")]
 
     @property
     def again(self) -> InFlight:

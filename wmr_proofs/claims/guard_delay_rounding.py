@@ -140,7 +140,7 @@ def brakes(mutation: Mutation) -> Statement:
     share = (a.brakes + a.net) * (1 + a.waits)
     goals = (at_least(a.brakes, least), at_least(a.aim + a.over, share))
     computed = {"brakes": a.aimed.braking}
-    return Statement(a.symbols, goals, (a.stated, a.met), computed=computed)
+    return Statement(a, goals, (a.stated, a.met), computed=computed)
 
 
 @claim("guard.delay.rounding.largest", given=f"{RANGE}; {MET}{ROUNDS}", aim=AIM)
@@ -155,7 +155,7 @@ def largest(mutation: Mutation) -> Statement:
     off = mutation(1, 0.1) * off
     computed = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
     goals = (at_least(a.aim + off, both), at_least(both, a.aim - off))
-    return Statement(a.symbols, goals, (a.stated, a.met), computed=computed)
+    return Statement(a, goals, (a.stated, a.met), computed=computed)
 
 
 @claim(
@@ -176,7 +176,7 @@ def caps(mutation: Mutation) -> Statement:
     more = (a.over + off) * mutation(1, 0.1)
     goals = (a.bounded, at_least(more, a.waits * (a.brakes - a["largest"])))
     given = (a.stated, a.met, braked, part, at_least(both, a.aim - off))
-    return Statement(a.symbols, goals, given)
+    return Statement(a, goals, given)
 
 
 @claim(
@@ -197,7 +197,7 @@ def room(mutation: Mutation) -> Statement:
     more = at_least(a.more), at_least(extra * mutation(1, 100), a.waits * a.more)
     sums = at_least((1 + a.held_back / 64) * counted, a.M_min * (a.ahead + a.back))
     given = (a.stated, a.counts, a.bounded, at_least(a.aim + off, both), more, sums)
-    return Statement(a.symbols, a.leaves(a.brakes), given)
+    return Statement(a, a.leaves(a.brakes), given)
 
 
 @claim(
@@ -215,7 +215,7 @@ def size(mutation: Mutation) -> Statement:
     caps = ca.fmax(a["largest"], a.brakes)
     given = (a.stated, a.bounded, at_least(reach, a.brakes))
     goals = tuple(at_least(most, way * a.hat) for most in (reach, caps) for way in (1, -1))
-    return Statement(a.symbols, goals, given, a.caps, computed=a.text(a.asked))
+    return Statement(a, goals, given, a.caps, computed=a.text(a.asked))
 
 
 @claim(
@@ -232,7 +232,7 @@ def anchor(mutation: Mutation) -> Statement:
     most = mutation(1, 0.99) * a.brakes
     goals = (at_least(most, a.hat), at_least(most, -a.hat))
     given = (a.stated, a.bounded)
-    return Statement(a.symbols, goals, given, a.caps, computed=a.text(ca.SX(0)))
+    return Statement(a, goals, given, a.caps, computed=a.text(ca.SX(0)))
 
 
 @claim(
@@ -263,7 +263,7 @@ def force(mutation: Mutation, way: int) -> Statement:
         left = a.leaves(mutation * a.brakes)
         given += [a.bounded, a.arrives(way), a.safe(way, a["lo"]), left]
     goal, text = a.safe(way, a.hat), a.text(a.asked, b)
-    return Statement(a.symbols, goal, given, cuts, computed=text)
+    return Statement(a, goal, given, cuts, computed=text)
 
 
 PARTS = " ".join(part.id for part in (*sums.claim.listed, *claim.listed))
@@ -290,4 +290,4 @@ def together(mutation: Mutation) -> Statement:
     begins = at_least(a.u1, a.arrived), at_least(a.arrived, a.f_speed)
     lies = at_least(ca.fmax(a.asked, a.most) + lost, a.hat), a.safe(1, a.asked), a.safe(1, a.most)
     given = (a.stated, a.during(), begins, lies)
-    return Statement(a.symbols, at_least(a.u1, end), given)
+    return Statement(a, at_least(a.u1, end), given)

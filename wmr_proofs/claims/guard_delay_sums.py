@@ -96,7 +96,7 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     before = at_least((1 + q.grown) * q[name] + q.off, q.exact)
     given = (q.known("front", "rear", "off", "lost"), before)
     goal = at_least(grown * q.ahead + off, exact)
-    return Statement(q.symbols, goal, given, q.before, computed=computed)
+    return Statement(q, goal, given, q.before, computed=computed)
 
 
 @claim(
@@ -120,7 +120,7 @@ def both(mutation: Mutation, axis: int) -> Statement:
     given = (q.known("front", "rear", "counted"), *sizes, before)
     computed = {"ahead": whole.ahead, "back": whole.back}
     goal = at_least(grown * most, q.ahead + q.back)
-    return Statement(q.symbols, goal, given, q.before, computed=computed)
+    return Statement(q, goal, given, q.before, computed=computed)
 
 
 @claim("guard.delay.rounding.scaled", given=f"sums >= 0, T, M_min > 0{ROUNDS}")

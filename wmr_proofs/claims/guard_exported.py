@@ -29,9 +29,9 @@ from wmr_proofs.relation import (
     when,
 )
 from wmr_proofs.statement import Statement, instance, valued
-from wmr_proofs.symbols import symbols
+from wmr_proofs.symbols import Named, symbols
 
-from .common import PRESET, named_ports, scalars
+from .common import PRESET, named_ports, ports_of, scalars
 from .guard_axis import DELAYED, NUMBERS, GuardAxis
 from .guard_sample import anchor
 from .guard_sample import feasible as not_empty
@@ -57,7 +57,7 @@ def setup(kind: str, delay: int, guarded: bool = True, **more: float) -> Setup:
     return settle(load_scenario(PRESET, stated), "pid")
 
 
-class Assembled:
+class Assembled(Named):
     """A graph that is exported, and the numbers of its two axes as the claims' axes have them.
 
     ``p``: inputs, state and parameters by name; ``told``: published values besides the torques;
@@ -67,7 +67,7 @@ class Assembled:
 
     def __init__(self, assemble: Callable[[Setup], System], loop: Setup) -> None:
         self.setup, self.system = loop, assemble(loop)
-        ports = (*self.system.inputs, *self.system.state, *self.system.params)
+        ports = ports_of(self.system)
         self.symbols = scalars(ports)
         self.p = p = named_ports(*ports)
         self.told = {output.signal.name: output.expr for output in self.system.diagnostics}
@@ -104,7 +104,7 @@ class Assembled:
 
     def consists(self, torque: ca.SX) -> Statement:
         """It consists of these torques, both axes' flags, its memory and the monitor's figure."""
-        return Statement(self.symbols, tuple(self._parts(torque)), self.signs, self.cuts)
+        return Statement(self, tuple(self._parts(torque)), self.signs, self.cuts)
 
     def _parts(self, torque: ca.SX) -> Iterator[Relation]:
         bounds, half = [b for _, b, _ in self.axes], self.wheels[1]
@@ -255,7 +255,7 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
     ahead, back = a.left
     cuts = {"hi": a.hi, "back": -a.lo, "room_ahead": ahead, "room_back": back} | a.cuts
     given = (physical(a), above(feasible(a.bounds)), taken)
-    return Statement(a.symbols, goals, given, cuts)
+    return Statement(a, goals, given, cuts)
 
 
 @claim(
@@ -279,7 +279,7 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
     goals: list[Relations] = []
     given, cuts = list[Relations]([above(e.told["feasible"])]), dict(e.cuts)
     given.append(positive(r, half, e.p["actuator.tau_max"]))
-    table = e.symbols | symbols("t")
+    table = e | symbols("t")
     for axis, (y, b, coming) in enumerate(e.axes):
         a = GuardAxis(DELAYED) if coming else GuardAxis()
         own = symbols("v mass arrived_ahead arrived_back")
@@ -291,8 +291,8 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
         # The premise's own premises are no hypotheses of it.
         known = physical(a)
         alone = replace(kept(CLAIMED, a), given=(known, above(feasible(a.bounds))))
-        given += [valued(known, a.symbols, values), instance(alone, values)]
-        goals += valued([*stays(a, mutation * a.chosen)], a.symbols, values)
+        given += [valued(known, a, values), instance(alone, values)]
+        goals += valued([*stays(a, mutation * a.chosen)], a, values)
         back, hi = ceiling(-y, b, coming and coming.mirrored), ceiling(y, b, coming)
         parts = {"back": back, "hi": hi, "brakes": b.braking}
         parts |= {f"sum {name}": total for name, total in sums.items()}

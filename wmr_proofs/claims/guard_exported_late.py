@@ -329,4 +329,4 @@ def controller(
     share = {name: ca.exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
     below = (item for e in free.values() for item in (above(e), above(1, e)))
     given, cuts = (whole.signs, *below), {**whole.cuts, **share}
-    return Statement(whole.symbols | free, every(mutation * theirs, ours), given, cuts)
+    return Statement(whole | free, every(mutation * theirs, ours), given, cuts)

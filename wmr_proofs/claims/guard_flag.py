@@ -28,7 +28,7 @@ from wmr_proofs.relation import (
 from wmr_proofs.statement import Statement, valued
 from wmr_proofs.symbols import Symbols, symbols
 
-from .common import scalars
+from .common import ports_of, scalars
 from .guard_delay_rounding import QueuedAxis
 from .guard_exported import PERIOD, Assembled, setup
 from .guard_rounding import DOUBLE
@@ -183,7 +183,7 @@ def applied(mutation: Mutation) -> Statement:
     drives = setup("linear-first", 0, True, **late)
     e, lag = Assembled(guard, drives), LAG.build(drives.scenario)
     commands = [e.torque, e.p["tau_sent1"], e.p["tau_sent2"]]
-    held = {port.signal.name: port.sym for port in (*lag.inputs, *lag.state, *lag.params)}
+    held = {port.signal.name: port.sym for port in ports_of(lag)}
     acting, total = e.p["tau_acting"], ca.SX.zeros(2)
     for step in range(steps):
         told = commands[2 if step < part else 1]
@@ -199,7 +199,7 @@ def applied(mutation: Mutation) -> Statement:
         every(e.later["tau_sent1"], commands[0]), every(e.later["tau_sent2"], commands[1]),
     )  # fmt: skip
     cuts = {"e": share, "right": commands[0][0], "left": commands[0][1]}
-    table = e.symbols | free | symbols("right left")
+    table = e | free | symbols("right left")
     return Statement(table, goals, (above(free.e), above(1, free.e)), cuts)
 
 
@@ -225,7 +225,7 @@ def kept(mutation: Mutation) -> Statement:
             assert b.delay is not None
             goals.append(equal(b.u1, u1 * (1 - (1 + n) * 2.0**-44)))
             put = {"share": b.u1 / u1, "alpha": b.alpha, "delay": b.delay}
-            goals += valued([a.sized, a.counts], a.symbols, put)
+            goals += valued([a.sized, a.counts], a, put)
             given += positive(b.period, b.alpha, u1)
             given.append(at_least(mutation(1 + DOUBLE.quicker, 2), b.alpha * b.period))
     return Statement(table, goals, given)

@@ -136,7 +136,7 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
     cores = [_core(a, way, left, S) for way, left in zip((1, -1), spares(a), strict=True)]
     need = mutation(1, 1.01) * ca.fmax(b.braking + a.net, 0) / b.alpha
     rules = (a.stated, a.shared(), a.apart(), given)
-    return Statement(a.symbols, at_least(larger(*cores), need), rules, a.cuts)
+    return Statement(a, at_least(larger(*cores), need), rules, a.cuts)
 
 
 @claim(
@@ -161,7 +161,7 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
         at_least(lag * most, lag * z + a.rise_late * (most - z)), exponentials(a),
         positive(b.M_min, b.alpha, *([J] * a.varies)),
     )  # fmt: skip
-    return Statement(a.symbols, goal, given)
+    return Statement(a, goal, given)
 
 
 @claim(
@@ -183,7 +183,7 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     needed = at_least(larger(*cores), need), at_least(a.most, need * b.alpha)
     given = (lines, needed, positive(b.M_min, b.alpha))
     goal = at_least(b.M_min * larger(*rooms), mutation(1, 1.01) * need)
-    return Statement(a.symbols | t, goal, given)
+    return Statement(a | t, goal, given)
 
 
 @claim(
@@ -226,7 +226,7 @@ def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     limits = at_least(b.braking, a.net), at_least(a.hi, a.lo), a.lines(way, a("room_", way), spare)
     masses = nonnegative(z, after, again), at_least(a.mass, b.M_min), positive(b.M_min)
     given = (a.sound(), exponentials(a), limits, masses)
-    return Statement(a.symbols, goals, given, a.rooms)
+    return Statement(a, goals, given, a.rooms)
 
 
 @claim(
@@ -258,4 +258,4 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     lines = a.lines(way, a("room_", way), b.u1 - a.arrived)
     known = a.stated, exponentials(a), at_least(D), a.withstands(D)
     given = (known, lines, nonnegative(z, after, again))
-    return Statement(a.symbols, goals, given, a.rooms)
+    return Statement(a, goals, given, a.rooms)

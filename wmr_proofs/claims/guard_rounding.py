@@ -184,7 +184,7 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     given = (a.stated, a.measured, a.inside, known)
     goal = a.safe(way, a.hat)
     computed = a.text(a.asked, b)
-    return Statement(a.symbols, goal, given, cuts, computed=computed, unit=precision.unit)
+    return Statement(a, goal, given, cuts, computed=computed, unit=precision.unit)
 
 
 @claim("guard.{name}.size", given="{stated}{rounds}", over=PRECISIONS)
@@ -198,7 +198,7 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     most = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
     goals = (at_least(most, a.hat), at_least(most, -a.hat))
     computed = a.text(a.asked)
-    return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
+    return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
 
 @claim("guard.{name}.anchor", given="{stated}{rounds}", over=PRECISIONS)
@@ -211,7 +211,7 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
     most = mutation(1, 0.99) * a.most
     goals = (at_least(most, a.hat), at_least(most, -a.hat))
     computed = {**a.text(ca.SX(0)), "most": a.aimed.braking}
-    return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
+    return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
 
 @claim(
@@ -291,4 +291,4 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
         asked, safe = way * a.asked, way * a.most
         given.append(at_least(ca.fmax(asked, safe) + lost, way * a.hat))
         given += [a.safe(way, a[name]) for name in ("asked", "most")]
-    return Statement(a.symbols, goals, given)
+    return Statement(a, goals, given)

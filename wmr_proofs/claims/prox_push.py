@@ -170,7 +170,7 @@ def limit(mutation: Mutation, axis: int) -> Statement:
     The limits that the law keeps by itself; the guard keeps them under weaker conditions.
     """
     s, t = Sampled(axis), symbols("d m")
-    u1 = s.law.symbols[f"limits.v_u1[{axis + 1}]"]
+    u1 = s.law[f"limits.v_u1[{axis + 1}]"]
     room = at_least(u1 - t.m, abs(s.free.next))
     push = at_least(t.m, abs(s.period * (s.free.f + t.d) / s.mass))
     goal = at_least(mutation(1, 0.9) * u1, abs(s.moved(t.d)))
@@ -228,9 +228,9 @@ def observer_first(mutation: Mutation) -> Statement:
     """
     law = LawGraph("prox")
     later = ca.substitute(law.system.update, law.system.x, ca.DM(law.system.x0))
-    v = ca.vertcat(*(law.symbols[name] for name in VELOCITY_NAMES))
+    v = ca.vertcat(*(law[name] for name in VELOCITY_NAMES))
     goals = every(later[:5], ca.vertcat(0, 0, v, mutation(1, 0)))
-    return Statement(law.symbols, goals)
+    return Statement(law, goals)
 
 
 @claim(

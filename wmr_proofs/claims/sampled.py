@@ -43,13 +43,13 @@ class Held:
     def statement(self, mutation: Mutation) -> Statement:
         """|next v| <= L; the mutation has eight times the disturbance."""
         law, free = LawGraph("mb"), symbols("c cdot d")
-        v, level = law.symbols[self.velocity], float(Fraction(self.level))
+        v, level = law[self.velocity], float(Fraction(self.level))
         nominal = acceleration(law.own(law.context.mass), law.force, ca.SX(0))[self.axis]
         following = v + float(Fraction(self.period)) * (nominal + mutation(1, 8) * free.d)
         inner = law.inner(self.axis)
         del inner[self.velocity]  # the clip stays in the graph
         goals = within(following, level)
-        return Statement(law.symbols | free, goals, (), inner, numbers(law))
+        return Statement(law | free, goals, (), inner, numbers(law))
 
     @property
     def velocity(self) -> str:
@@ -181,7 +181,7 @@ class NewtonStep:
     def cuts(self) -> dict[str, ca.SX]:
         """Expressions of the first four, and the friction, which is compensated whatever it is."""
         law, k = self.law, self.axis
-        rate = law.symbols[f"gains.mb.rho[{k + 1}]"] * law.symbols["clock.control"]
+        rate = law[f"gains.mb.rho[{k + 1}]"] * law["clock.control"]
         return law.parts(k, "quotient q cdot friction") | {"fall": ca.expm1(-rate)}
 
     @property
@@ -189,14 +189,14 @@ class NewtonStep:
         """v+ - v with the model exact: F is held over the period, friction compensated."""
         law = self.law
         rate = acceleration(self.mass, law.force, law.own(law.context.friction))[self.axis]
-        return law.symbols["clock.control"] * rate
+        return law["clock.control"] * rate
 
     def states(self, goals: Relations, given: Relations) -> Statement:
         """The statement on the law's graph: T > 0, M > 0, v_c0' = 0, 0 < exp(-rho T) < 1."""
-        fall, period = self.free.fall, self.law.symbols["clock.control"]
+        fall, period = self.free.fall, self.law["clock.control"]
         held = positive(period, self.mass[self.axis]), above(fall, -1), above(-fall)
         known = (held, equal(self.free.cdot), given)
-        return Statement(self.law.symbols | self.free, goals, known, self.cuts)
+        return Statement(self.law | self.free, goals, known, self.cuts)
 
 
 HELD = (

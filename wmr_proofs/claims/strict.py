@@ -102,7 +102,7 @@ def exponential(mutation: Mutation) -> Statement:
     t = Strict()
     given = (at_least(-mutation(1000, 2000) * t.W_rate, t.size), at_least(t.size, t.W))
     goal = at_least(-t.W, 1000 * t.W_rate)
-    return Statement(t.symbols, goal, given, {"value": t.W, "rate": t.W_rate})
+    return Statement(t, goal, given, {"value": t.W, "rate": t.W_rate})
 
 
 @claim("strict.region", (31,), given="k2 = 5, eps = 1/50")
@@ -124,7 +124,7 @@ def pull(mutation: Mutation) -> Statement:
     The limit weakens a correction but never reverses it.
     """
     a, _, _, u1, u2 = barrier_axis()
-    t = a.symbols | symbols("p y")
+    t = a | symbols("p y")
     moved = barrier.minimiser(t.p + t.y, u1, u2) - mutation * t.p
     given = (a.inside, within(t.p, u2))
     return Statement(t, at_least(moved * t.y), given)

@@ -143,7 +143,7 @@ def bounded_command(mutation: Mutation) -> Statement:
     hard.
     """
     law = LawGraph("mb")
-    names = {n: law.symbols[n] for n in ("gains.mb.rho[1]", "model.m", "model.I")}
+    names = {n: law[n] for n in ("gains.mb.rho[1]", "model.m", "model.I")}
     t = names | symbols("quotient q w cdot friction")
     rho, mass = names["gains.mb.rho[1]"], names["model.m"]
     force = law.force[0] - t.friction

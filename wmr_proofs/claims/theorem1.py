@@ -46,7 +46,7 @@ def start(mutation: Mutation) -> Statement:
         sides = (above(l * abs(e[0]), abs(e[1])), sides[1])
     lemma = at_least(e[2] ** 2, 2 * (1 - ca.cos(e[2])))
     goal = above(analysis.start_bound(l, k2, e[1]), analysis.position_lyapunov(e, k2))
-    return Statement(t.symbols, goal, (above(l, 5), above(k2), sides, lemma))
+    return Statement(t, goal, (above(l, 5), above(k2), sides, lemma))
 
 
 @claim(
@@ -102,7 +102,7 @@ def side_bound(mutation: Mutation, side: int) -> Statement:
     value = analysis.position_lyapunov(t.e, t.k[1])
     given = (positive(t.k[1], t.E), above(594 * t.E**2, 1000 * value))
     limit = mutation(1.21, 1.0)
-    return Statement(t.symbols, above(121 * t.E**2 * limit, 121 * t.e[side - 1] ** 2), given)
+    return Statement(t, above(121 * t.E**2 * limit, 121 * t.e[side - 1] ** 2), given)
 
 
 @claim("eq45.printed", (45, 50), given="any", by=Ring(GAINS))

@@ -41,7 +41,7 @@ def angle_falls(mutation: Mutation) -> Statement:
     stays = above(5 * t.e[1], 4 * E), above(t.k[2] * E, l * abs(t.z[1]))
     given = (positive(l, E, t.k[1], t.k[2], t.v_d[0]), stays)
     bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * abs(ca.sin(t.e[2])), E)
-    return Statement(t.symbols, above(bound, 5 * t.rate[2]), given)
+    return Statement(t, above(bound, 5 * t.rate[2]), given)
 
 
 @claim(
@@ -115,7 +115,7 @@ def rise(mutation: Mutation) -> Statement:
     t = Tracking("eps1")
     given = positive(*(t.k[i] for i in range(3)))
     bound = analysis.position_rate_bound(t.e, t.z, mutation * t.k)
-    return Statement(t.symbols, at_least(t.eps1, bound + t.eps1), given)
+    return Statement(t, at_least(t.eps1, bound + t.eps1), given)
 
 
 @claim(

@@ -19,7 +19,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, exchanged, symbols
 from wmr_proofs.traced import Tracing, expression, functions_for_traced, traced
 
-from .common import scalars
+from .common import ports_of, scalars
 
 WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
 """Structure of the graphs alone: their numbers stay symbols."""
@@ -42,7 +42,7 @@ class EffectGraph(Named):
         self.tables = tuple(dict.fromkeys((effect.section.KEY, *tables.split())))
         self.told, self.trace = self._bounded(1.0)
         drawn = (item.port for item in self.system.draws)
-        ports = (*self.system.inputs, *self.system.state, *self.system.params, *drawn)
+        ports = (*ports_of(self.system), *drawn)
         self.symbols = self.trace.symbols | scalars(ports)
 
     def _bounded(self, share: float) -> tuple[Bound, Tracing]:
@@ -66,7 +66,7 @@ class EffectGraph(Named):
             value = vars(told)[name]
             pair = value if isinstance(value, tuple) else (value,)
             found = ca.vertcat(*map(expression, pair), *trace.met)
-            pairs.append(exchanged(found, trace.symbols, self.symbols))
+            pairs.append(exchanged(found, trace.symbols, self))
         if not ca.is_equal(pairs[0], pairs[1], 100):
             raise ValueError(f"the bound of {self.effect.name} holds a number that is no symbol")
         parts = ca.vertsplit(pairs[0])
