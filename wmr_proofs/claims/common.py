@@ -14,7 +14,7 @@ from wmr_ctrl.world.model.system import Port, System
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import rows
-from wmr_proofs.relation import Relations, above
+from wmr_proofs.relation import Cuts, Relations, above
 from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
 
 PRESET = "paper-simulation"
@@ -133,12 +133,12 @@ class LawGraph(Named):
         u1, clip = self[f"limits.v_u1[{axis + 1}]"], self["limits.clip"]
         return ca.fmax(clip - u1, ca.fmin(u1 - clip, self[VELOCITY_NAMES[axis]]))
 
-    def inner(self, axis: int) -> dict[str, ca.SX]:
+    def inner(self, axis: int) -> Cuts:
         """Cuts: v_c0 and its rate as c and cdot, the velocity behind the clip as the velocity."""
         target, rate = self.own(self.context.v_c0), self.own(self.context.v_c0_dot)
         return {"c": target[axis], "cdot": rate[axis], VELOCITY_NAMES[axis]: self.clipped(axis)}
 
-    def parts(self, axis: int, names: str) -> dict[str, ca.SX]:
+    def parts(self, axis: int, names: str) -> Cuts:
         """Cuts of these names: V1/A (quotient), q, w, v_c0' (cdot) and friction of one axis."""
         own, context = self.context.barrier[axis], self.context
         known = {

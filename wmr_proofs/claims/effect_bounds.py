@@ -25,6 +25,7 @@ from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.regions import at
 from wmr_proofs.relation import (
+    Cuts,
     Relations,
     above,
     at_least,
@@ -290,7 +291,7 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(command_quantum.COMMAND_QUANTUM, (("base.quantum", [0.01, 0.01]),))
     off, most, given = g.system.y - g.system.u, g.bound("command"), list[Relations]()
-    cuts = dict[str, ca.SX]()
+    cuts = Cuts()
     for i in (0, 1):
         step = g[f"base.quantum[{i + 1}]"]
         x = g.system.u[i] / ca.if_else(step > 0, step, 1) + 0.5

@@ -15,6 +15,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
+    Cuts,
     Relations,
     above,
     at_least,
@@ -118,7 +119,7 @@ def limits(mutation: Mutation) -> Statement:
 
     Stopping is always allowed, and so is driving where a push leaves room for it.
     """
-    stated, cuts = load_scenario("paper-simulation", {**STATED, **BY_SIDE}), dict[str, ca.SX]()
+    stated, cuts = load_scenario("paper-simulation", {**STATED, **BY_SIDE}), Cuts()
     graph = Governor(stated)
     goals, given = list[Relations](), list[Relations]()
     for axis, channel in enumerate(graph.channels):

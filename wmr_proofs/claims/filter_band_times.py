@@ -7,7 +7,7 @@ from wmr_ctrl.control.filter.forecast import PAST, Fading, spread_of, stays_of
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, at_least, between, equal, nonnegative, within
+from wmr_proofs.relation import Cuts, Relations, at_least, between, equal, nonnegative, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -24,7 +24,7 @@ BANDED = {
 """Settings for the structure of the band's graph; its numbers are symbols."""
 
 
-def _whole(axis: int) -> tuple[BandGovernor, Symbols, dict[str, ca.SX]]:
+def _whole(axis: int) -> tuple[BandGovernor, Symbols, Cuts]:
     """The band's graph, its inputs by name, and as cuts its ends and the remainder after a stop."""
     graph = BandGovernor(load_scenario("paper-simulation", BANDED))
     cuts = {f"end {i} {k}": end for i, pair in enumerate(graph.ends) for k, end in enumerate(pair)}

@@ -21,7 +21,16 @@ from wmr_ctrl.control.filter.clip import moved, ramp_shares
 from wmr_ctrl.control.filter.governor import FirstOrder, largest_command
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, between, nonnegative, positive, within
+from wmr_proofs.relation import (
+    Cuts,
+    Relations,
+    above,
+    at_least,
+    between,
+    nonnegative,
+    positive,
+    within,
+)
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, Symbols, symbols
 
@@ -79,7 +88,7 @@ class Limited(Named):
                 kept += [at_least(high + spare * up, speed), at_least(speed, low - spare * down)]
         return tuple(kept)
 
-    def computed(self, command: ca.SX) -> dict[str, ca.SX]:
+    def computed(self, command: ca.SX) -> Cuts:
         """Expressions of v and omega."""
         return {"v": command[0], "omega": command[1]}
 

@@ -13,7 +13,7 @@ from wmr_ctrl.control.filter.governor import FirstOrder, drive, largest_command,
 from wmr_ctrl.control.filter.governor_step import contradiction
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, between, when, within
+from wmr_proofs.relation import Number, Relations, above, at_least, between, when, within
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -39,7 +39,7 @@ def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:
     return s, FirstOrder(**{name: s[name] for name in NUMBERS.split()})
 
 
-def _computed(value: ca.SX, exact: ca.SX, off: ca.SX | float = 0.0) -> Relations:
+def _computed(value: ca.SX, exact: ca.SX, off: Number = 0.0) -> Relations:
     """A computed exponential of a time whose relative error is ``off``."""
     return between((1 - LIBM) * exact - off, value, (1 + LIBM) * exact + off)
 

@@ -17,6 +17,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
+    Cuts,
     Relations,
     above,
     at_least,
@@ -79,7 +80,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
 
     Nothing bypasses the filter, whichever speeds it limits and however it scales.
     """
-    table, cuts = Symbols(), dict[str, ca.SX]()
+    table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for scale in scales:
         graph = governor({**more, "filter.scale": scale})
@@ -112,7 +113,7 @@ def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str,
 
     Whatever is asked for, commands stay within what the loop's gain admits, at the wheels as well.
     """
-    table, cuts = Symbols(), dict[str, ca.SX]()
+    table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for loop, stated in (("first", STATED | {"filter.kind": "clip"}), ("linear", LINEAR)):
         for scale in scales if more else ("curvature", *scales):
@@ -141,7 +142,7 @@ def slew_together(mutation: Mutation) -> Statement:
 
     Commands stay within their limit and change no faster than stated, whatever is asked for.
     """
-    table, cuts = Symbols(), dict[str, ca.SX]()
+    table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for scale in ("curvature", "axes", "turn", "drive"):
         clip = Clip(load_scenario("paper-simulation", SLOW | {"filter.scale": scale}))
@@ -181,7 +182,7 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
 
     Nothing bypasses the filter: no command and no scaling of the other axis.
     """
-    table, cuts = Symbols(), dict[str, ca.SX]()
+    table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for number, stated in enumerate(shapes):
         graph = BandGovernor(load_scenario("paper-simulation", dict(stated)))
@@ -290,7 +291,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     """
     graph = governor(more)
     ports = ports_of(graph.system)
-    table, cuts = elements_of(*ports), dict[str, ca.SX]()
+    table, cuts = elements_of(*ports), Cuts()
     T, goals, given = graph.T, list[Relations](), list[Relations]([above(graph.T)])
     seen = graph.age.sym >= -NEAR * T
     for axis, motion in enumerate(graph.motions[0]):

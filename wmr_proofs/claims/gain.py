@@ -22,7 +22,7 @@ from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Point, Ring, Table
 from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.relation import Relations, above, at_least, equal, positive
+from wmr_proofs.relation import Cuts, Relations, above, at_least, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -228,7 +228,7 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
     """
     law = LawGraph("mb", ("gains.mb.barrier", form))
     mass, friction = law.own(law.context.mass), law.own(law.context.friction)
-    every, cuts = dict(law), dict[str, ca.SX]()
+    every, cuts = dict(law), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for axis in (0, 1):
         t = symbols(" ".join(f"{name}{axis + 1}" for name in f"A J D {INNER}".split()))

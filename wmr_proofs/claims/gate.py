@@ -15,7 +15,7 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, equal, within
+from wmr_proofs.relation import Cuts, Relations, above, at_least, equal, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, exchanged
 
@@ -157,7 +157,7 @@ def inside_shapes(
 
     The gate sends what the clip could have sent, whichever speeds that limits.
     """
-    table, cuts = Symbols(), dict[str, ca.SX]()
+    table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for scale in scales:
         scenario = load_scenario("paper-simulation", {**STATED, **more, "filter.scale": scale})

@@ -14,7 +14,7 @@ from wmr_ctrl.control.guard.delay import largest_force
 from wmr_ctrl.control.guard.guard import floor
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, Relations, at_least, between, nonnegative, positive
+from wmr_proofs.relation import Cuts, Relation, Relations, at_least, between, nonnegative, positive
 from wmr_proofs.statement import UNIT, Statement
 
 from . import guard_delay_sums as sums
@@ -52,7 +52,7 @@ class QueuedAxis(RoundedAxis):
         self.over = (16 + 8 * (1 + self.waits)) * UNIT * self.reach
 
     @property
-    def caps(self) -> dict[str, ca.SX]:
+    def caps(self) -> Cuts:
         """The computed caps, as free numbers that satisfy `bounded`."""
         return {"brakes": self.aimed.braking, "largest": largest_force(self.aimed)}
 

@@ -18,13 +18,13 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
+    Cuts,
     Relation,
     Relations,
     above,
     at_least,
     equal,
     every,
-    nonnegative,
     positive,
     when,
 )
@@ -96,7 +96,7 @@ class Assembled(Named):
         return tuple(found)
 
     @cached_property
-    def later(self) -> dict[str, ca.SX]:
+    def later(self) -> Cuts:
         """The state one sample later, by name."""
         ends = accumulate((port.sym.numel() for port in self.system.state), initial=0)
         names = [port.signal.name for port in self.system.state]
@@ -145,7 +145,7 @@ class Assembled(Named):
         return positive(*self.wheels, bounds[0].period, bounds[0].alpha, *masses)
 
     @property
-    def cuts(self) -> dict[str, ca.SX]:
+    def cuts(self) -> Cuts:
         """Symbols that stand for the law's force, which may be any."""
         asked = {} if "force" in self.p else {"asked thrust": 0, "asked moment": 1}
         return {name: self.asked[axis] for name, axis in asked.items()}
@@ -199,10 +199,7 @@ def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
 
 def physical(a: GuardAxis) -> Relations:
     """Hypotheses: signs, and a sample that begins inside, at once or behind a delay."""
-    b, late = a.bounds, [a.delay] if a.lateness else []
-    not_negative = nonnegative(b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)
-    signs = (positive(b.u1, b.period, b.M_min, b.alpha, *late), not_negative)
-    known = (signs, a.measured, a.during())
+    known = (a.signs, a.measured, a.during())
     if not a.lateness:
         return (known, a.inside)
     limits: list[Relations] = []

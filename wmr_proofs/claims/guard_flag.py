@@ -15,6 +15,7 @@ from wmr_ctrl.world.model.system import Parameters
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
+    Cuts,
     Relation,
     Relations,
     above,
@@ -64,9 +65,7 @@ class Flag(Assembled):
         room = b.u1 - b.f_speed + (1 + len(self.sent)) * NEAR * b.u1
         return at_least(b.M_min * b.alpha * room, share * b.net * late)
 
-    def computes(
-        self, texts: dict[str, ca.SX], free: Symbols, goals: Relations, given: Relations
-    ) -> Statement:
+    def computes(self, texts: Cuts, free: Symbols, goals: Relations, given: Relations) -> Statement:
         """The statement about what doubles compute for ``texts``."""
         whole = self.symbols | free, goals, (given, self.signs), self.cuts
         return Statement(*whole, computed=texts)
@@ -109,7 +108,7 @@ def braking(mutation: Mutation, n: int) -> Statement:
     """
     e, free = Flag(n), symbols("first second")
     share = mutation(4, 0.01) * (1 + n) * NEAR
-    goals, given, computed = list[Relations](), list[Relations](), dict[str, ca.SX]()
+    goals, given, computed = list[Relations](), list[Relations](), Cuts()
     for name, b in zip(free, e.both, strict=True):
         computed[name] = b.braking
         goals += within(free[name] - b.braking, share * size(b)), within(b.braking, size(b))
@@ -213,7 +212,7 @@ def kept(mutation: Mutation) -> Statement:
 
     The exported guard keeps back the margin that these entries assume.
     """
-    a, table, goals, given = QueuedAxis(), dict[str, ca.SX](), list[Relations](), list[Relations]()
+    a, table, goals, given = QueuedAxis(), Cuts(), list[Relations](), list[Relations]()
     for n in range(1, 6):
         guarded = setup("linear-first", n)
         p = Parameters(guarded)

@@ -17,7 +17,7 @@ from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, floor
 from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, Relations, at_least, nonnegative, positive
+from wmr_proofs.relation import Cuts, Number, Relation, Relations, at_least, positive
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -70,13 +70,13 @@ class RoundedAxis(GuardAxis):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.held_back: float | ca.SX = self.precision.kept
+        self.held_back: Number = self.precision.kept
         self.aimed = replace(self.bounds, u1=self.u1 * (1 - self.held_back))
         self.slope = self.M_min * self.alpha
         self.reach = self.slope * self.u1
         self.on_wheels = ON_WHEELS * self.widest * self.precision.unit * self.reach
 
-    def text(self, asked: ca.SX, b: Bounds | None = None) -> dict[str, ca.SX]:
+    def text(self, asked: ca.SX, b: Bounds | None = None) -> Cuts:
         """Clipped force, as computed."""
         return {"hat": clipped(asked, self.y, b or self.aimed, self.coming)}
 
@@ -92,8 +92,7 @@ class RoundedAxis(GuardAxis):
         b, spare = self.bounds, self.precision.spare * self.reach
         less = b.u1 * (1 - self.precision.spare)
         return (
-            positive(b.u1, b.period, b.M_min, b.alpha),
-            nonnegative(b.dbar, b.nbar, b.brake, b.f_min, b.f_speed), at_least(b.M_max, b.M_min),
+            self.signs, at_least(b.M_max, b.M_min),
             at_least(1 + self.precision.quicker, b.alpha * b.period),
             at_least(self.slope * (b.u1 - b.f_speed), 2 * self.net + spare),
             at_least(less, 2 * b.nbar), at_least(less, b.f_speed),

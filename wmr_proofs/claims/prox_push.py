@@ -12,6 +12,7 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
+    Cuts,
     Relation,
     Relations,
     above,
@@ -47,7 +48,7 @@ class Sampled(Named):
         self.force, self.numbers = self.law.force[axis], positive(self.period, self.mass)
 
     @cached_property
-    def force_cuts(self) -> dict[str, ca.SX]:
+    def force_cuts(self) -> Cuts:
         """v+, the friction there, and the observer's force."""
         law, step = self.law, next_velocity(self.law.context)
         both = law.own(ca.vertcat(step, law.context.friction_at(step)))
@@ -67,7 +68,7 @@ class Sampled(Named):
         return wheel_to_force(t["robot.r"], t["robot.l"], torque)[self.axis]
 
     @cached_property
-    def observer_cuts(self) -> dict[str, ca.SX]:
+    def observer_cuts(self) -> Cuts:
         """exp(-wo T) - 1, and the friction at the middle velocity."""
         law, t = self.law, self.law.symbols
         old = ca.vertcat(t["v_previous[1]"], t["v_previous[2]"])

@@ -21,7 +21,7 @@ from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
-from wmr_proofs.relation import Relations, above, at_least, between, equal, positive, within
+from wmr_proofs.relation import Cuts, Relations, above, at_least, between, equal, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -178,7 +178,7 @@ class NewtonStep:
         self.mass = self.law.own(self.law.context.mass)
 
     @property
-    def cuts(self) -> dict[str, ca.SX]:
+    def cuts(self) -> Cuts:
         """Expressions of the first four, and the friction, which is compensated whatever it is."""
         law, k = self.law, self.axis
         rate = law[f"gains.mb.rho[{k + 1}]"] * law["clock.control"]
