@@ -120,8 +120,8 @@ def prediction_times(mutation: Mutation) -> Statement:
     delay, period = t.delay, t.period
     times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
     total = reduce(ca.SX.__add__, times)
-    each = (part for time in times for part in between(0, time, period))
-    return Statement(t, (equal(total, mutation * delay), *each), between(0, delay, MOST * period))
+    each = [between(0, time, period) for time in times]
+    return Statement(t, (equal(total, mutation * delay), each), between(0, delay, MOST * period))
 
 
 @prediction_claim("prediction.order", given=f"delay >= 0, T > 0; j = 1 to {MOST - 1}")

@@ -73,7 +73,7 @@ def dead_band(mutation: Mutation) -> Statement:
 
     What the dead band does counts as an error of the command.
     """
-    g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, (("base.deadband", [0.01, 0.01]),))
+    g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, {"base.deadband": [0.01, 0.01]})
     goals, most = list[Relations](), g.bound("dropped")
     for i in (0, 1):
         size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
@@ -89,7 +89,7 @@ def wheel_speed(mutation: Mutation) -> Statement:
 
     On this condition no wheel's speed is clipped.
     """
-    g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, (("base.w_max", 10.0),))
+    g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, {"base.w_max": 10.0})
     r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
     speeds = (abs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
     slow = [at_least(mutation(1, 2) * r * most, speed) for speed in speeds]
@@ -103,7 +103,7 @@ def pi_loop(mutation: Mutation) -> Statement:
 
     Without a torque limit that acts, the certificate may take the loop for a linear one.
     """
-    loops = ((("base.loop", "pi"), ("base.antiwindup", resting)) for resting in (True, False))
+    loops = ({"base.loop": "pi", "base.antiwindup": resting} for resting in (True, False))
     g, plain = (EffectGraph(speed_loops.SPEED_LOOP, numbers) for numbers in loops)
     own = g.system
     graph = plain.system.function("plain", [plain.system.update, plain.system.y])
@@ -219,7 +219,7 @@ def ramped(mutation: Mutation) -> Statement:
 
     On the way from one command to the next what acts lies between them, and is there in time.
     """
-    g = EffectGraph(command_ramp.COMMAND_RAMP, (("base.accel", [1.0, 1.0]),))
+    g = EffectGraph(command_ramp.COMMAND_RAMP, {"base.accel": [1.0, 1.0]})
     a, goals = symbols("a", "a"), list[Relations]()
     h, given = g["clock.plant"], list[Relations]()
     for i in (0, 1):

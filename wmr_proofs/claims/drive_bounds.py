@@ -90,7 +90,7 @@ def lag_bound(mutation: Mutation) -> Statement:
 
     What drives of a lag that varies add to the guard's numbers (world.lag.stepped has the rest).
     """
-    numbers = (("actuator.lag", 0.02), ("actuator.lag_spread", 0.2))
+    numbers = {"actuator.lag": 0.02, "actuator.lag_spread": 0.2}
     g, t = EffectGraph(lag.LAG, numbers, "clock"), symbols("growth most_growth decay")
     h, time = g["clock.plant"], g["actuator.lag"]
     x, spread = g[f"{lag.NUMBERS.name}[1]"], g["actuator.lag_spread"]
@@ -115,7 +115,7 @@ def constant_lag(mutation: Mutation) -> Statement:
 
     What drives of one time constant add to the guard's numbers.
     """
-    g = EffectGraph(lag.LAG, (("actuator.lag", 0.02),), "clock")
+    g = EffectGraph(lag.LAG, {"actuator.lag": 0.02}, "clock")
     time = g["actuator.lag"]
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
@@ -132,7 +132,7 @@ def delay_bound(mutation: Mutation) -> Statement:
 
     What the guard counts as the latest takeover.
     """
-    g = EffectGraph(delay.DELAY, (("actuator.delay", 0.02), ("actuator.unmodelled_delay", 0.01)))
+    g = EffectGraph(delay.DELAY, {"actuator.delay": 0.02, "actuator.unmodelled_delay": 0.01})
     assert g.system.transport is not None
     return g.states(equal(g.bound("delay")[0], mutation * g.system.transport))
 
@@ -141,7 +141,7 @@ class Jittering(EffectGraph):
     """Drives with jitter: steps of a period, largest jitter, draws and phase are ``free``."""
 
     def __init__(self) -> None:
-        super().__init__(jitter.JITTER, (("actuator.jitter", 0.01),))
+        super().__init__(jitter.JITTER, {"actuator.jitter": 0.01})
         self.free, h = symbols("steps most drawn phase"), self["clock.plant"]
         times = self["clock.control"], self["actuator.jitter"]
         steps, most = (jitter.whole(time / h) for time in times)
@@ -185,7 +185,7 @@ def stepped(mutation: Mutation) -> Statement:
 
     What a motor's resolution adds to dbar.
     """
-    g = EffectGraph(motor.MOTOR, (("motor.step", 0.1),))
+    g = EffectGraph(motor.MOTOR, {"motor.step": 0.1})
     told, step = g["tau_right"], g["motor.step"]
     x = told / step + 0.5
     number = ca.floor(x)
@@ -201,7 +201,7 @@ def world_motor_dead_zone(mutation: Mutation) -> Statement:
 
     What it adds to dbar.
     """
-    g = EffectGraph(motor.MOTOR, (("motor.dead_zone", 0.1),))
+    g = EffectGraph(motor.MOTOR, {"motor.dead_zone": 0.1})
     told, zone = g["tau_right"], g["motor.dead_zone"]
     lost = told - g.system.outputs[0].expr
     goals = (within(lost, mutation(zone, 0.9 * zone)), at_least(lost * told))
@@ -264,8 +264,10 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
 
     The guard's bound for motors covers the sum of their parts.
     """
-    numbers = (("motor.step", 0.1), ("motor.dead_zone", 0.1), ("motor.stall", 3.0),
-               ("motor.free", 9.0), ("actuator.tau_max", 4.0))  # fmt: skip
+    numbers = {
+        "motor.step": 0.1, "motor.dead_zone": 0.1, "motor.stall": 3.0, "motor.free": 9.0,
+        "actuator.tau_max": 4.0,
+    }  # fmt: skip
     g = EffectGraph(motor.MOTOR, numbers, "robot limits actuator")
     t, bound = symbols("right left"), g.bound("dbar")[axis]
     r, half, stall, step = (g[n] for n in ("robot.r", "robot.l", "motor.stall", "motor.step"))

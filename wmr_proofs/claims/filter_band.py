@@ -50,8 +50,8 @@ class BandAxis(Named):
     def stated(self) -> Relations:
         """0 <= low <= high, and `faded`."""
         low, high = self.table.low, self.table.high
-        order = (part for i in range(self.size) for part in between(0, low[i], high[i]))
-        return (*order, self.faded)
+        order = [between(0, low[i], high[i]) for i in range(self.size)]
+        return order, self.faded
 
     @property
     def faded(self) -> Relations:

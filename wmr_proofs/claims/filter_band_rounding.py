@@ -29,9 +29,9 @@ def _sizes(a: BandAxis) -> Relations:
     s, c, numbers = a.symbols, a.c, range(a.size)
     columns = (s[f"{word}{i + 1}"] for word in ("over", "under") for i in numbers)
     sizes = (*columns, s.past_over, s.past_under)
-    high = (at_least(5, a.table.high[i]) for i in numbers)
-    known = (part for item in sizes for part in within(item, 4 * c))
-    return (*high, within(s.u, 2 * c), within(s.to, 2 * c), *known)
+    high = [at_least(5, a.table.high[i]) for i in numbers]
+    known = [within(item, 4 * c) for item in sizes]
+    return high, within(s.u, 2 * c), within(s.to, 2 * c), known
 
 
 @claim(

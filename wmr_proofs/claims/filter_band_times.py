@@ -47,7 +47,7 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     graph, named, cuts = _whole(axis)
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
     ordered = tuple(at_least(most, least) for least, most in graph.ends)
-    stops = tuple(at_least(most) for most in graph.stopping)
+    stops = nonnegative(*graph.stopping)
     given = (ordered, stops, equal(graph.sound, 1))
     return Statement(named, (at_least(high, u), at_least(u, low)), given, cuts)
 
@@ -67,8 +67,8 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
     """
     graph, named, cuts = _whole(axis)
     u = mutation(1, 1.1) * graph.sent[axis]
-    around = tuple(part for low, high in graph.ends for part in nonnegative(high, -low))
-    stops = tuple(at_least(most) for most in graph.stopping)
+    around = [nonnegative(high, -low) for low, high in graph.ends]
+    stops = nonnegative(*graph.stopping)
     goals = (within(u, graph.stopping[axis]), at_least(u * graph.command[axis]))
     return Statement(named, goals, (around, stops), cuts)
 

@@ -62,7 +62,7 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
 
     What filter.d has to cover: the speed at which pushes and errors of the command alone end.
     """
-    g = EffectGraph(SPEED_LOOP, BASE.items(), "robot clock")
+    g = EffectGraph(SPEED_LOOP, BASE, "robot clock")
     d, t = pushed(g)
     m, inertia, mu, r, l, gravity, v_s = (g[key] for key in KEYS)
     h, most, v = g["clock.plant"], g["actuator.tau_max"], ca.vertcat(g["v1"], g["omega"])

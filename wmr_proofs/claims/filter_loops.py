@@ -32,7 +32,7 @@ def wheel_box(mutation: Mutation) -> Statement:
     t = symbols("v omega V Omega l", "V Omega l")
     top = mutation(1, 1.01) * ca.fmin(t.V, t.l * t.Omega)
     rims = [t.v + way * t.l * t.omega for way in WAYS]
-    given = [above(t.l), *(part for rim in rims for part in within(rim, top))]
+    given = above(t.l), [within(rim, top) for rim in rims]
     goals = (within(t.v, t.V), within(t.omega, t.Omega))
     return Statement(t, goals, given)
 

@@ -214,19 +214,17 @@ class MappedWheels(Named):
     def within(self, force: ca.SX) -> Relations:
         """``force`` is in the box."""
         lo, hi = self.pair("lo"), self.pair("hi")
-        return tuple(part for i in (0, 1) for part in between(lo[i], force[i], hi[i]))
+        return [between(lo[i], force[i], hi[i]) for i in (0, 1)]
 
     def reached(self, force: ca.SX) -> Relation:
         """``force`` is within the wheels' reach."""
-        t = self.symbols
-        return at_least(t.phi, abs(force[0]) + abs(force[1]) / t.half)
+        return at_least(self.phi, abs(force[0]) + abs(force[1]) / self.half)
 
     @property
     def given(self) -> Relations:
         """The hypotheses."""
-        t = self.symbols
-        sides = positive(t.half, t.phi, t.r)
-        return (sides, self.within(self.pair("force")), self.reached(self.safe))
+        sides = positive(self.half, self.phi, self.r)
+        return sides, self.within(self.pair("force")), self.reached(self.safe)
 
     def mapped(self, name: str, safe: ca.SX) -> ca.SX:
         """Output of a map for the force."""

@@ -229,7 +229,7 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     t = _wheels()
     given: list[Relations] = [positive(t.half, t.phi)]
     for i in "12":
-        given += [_within(t[f"cap{i}"], t[f"safe{i}"]), _within(t[f"size{i}"], t[f"force{i}"])]
+        given += _within(t[f"cap{i}"], t[f"safe{i}"]), _within(t[f"size{i}"], t[f"force{i}"])
         given.append(at_least(t[f"size{i}"], t[f"cap{i}"]))
         for value in (t[f"force{i}"], t[f"safe{i}"]):
             given += at_least(t[f"hi{i}"], value), at_least(value, t[f"lo{i}"])
@@ -260,7 +260,7 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
     torque = force_to_wheel(t.r, half, asked)
     reached = wheel_to_force(t.r, half, ca.vertcat(t.right, t.left))
     lost = mutation(5, 2) * precision.unit * (abs(asked[0]) + abs(asked[1]) / half)
-    goals = (_within(lost, reached[0] - asked[0]), _within(lost * half, reached[1] - asked[1]))
+    goals = _within(lost, reached[0] - asked[0]), _within(lost * half, reached[1] - asked[1])
     computed = {"right": torque[0], "left": torque[1]}
     return Statement(t, goals, positive(half, t.r), computed=computed, unit=precision.unit)
 

@@ -1,6 +1,6 @@
 """Bounds that sensors, drives and ground add to the guard's assumptions, on their graphs."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from itertools import product
 from typing import Any
 
@@ -21,7 +21,7 @@ from wmr_proofs.traced import Tracing, expression, functions_for_traced, traced
 
 from .common import ports_of, scalars
 
-WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
+WHEELS = {"wheels.radius": [0.01, -0.01], "wheels.track": 0.01}
 """Structure of the graphs alone: their numbers stay symbols."""
 
 
@@ -32,11 +32,9 @@ class EffectGraph(Named):
     ``parameters``: the graph's own by their keys.
     """
 
-    def __init__(
-        self, effect: Effect, numbers: Iterable[tuple[str, object]], tables: str = ""
-    ) -> None:
+    def __init__(self, effect: Effect, numbers: Mapping[str, object], tables: str = "") -> None:
         """Take the bound's numbers of ``tables`` and of its own section as symbols."""
-        self.effect, self.scenario = effect, load_scenario("paper-simulation", dict(numbers))
+        self.effect, self.scenario = effect, load_scenario("paper-simulation", numbers)
         self.system = effect.build(self.scenario)
         self.parameters = Parameters(self.scenario, self.system.params)
         self.tables = tuple(dict.fromkeys((effect.section.KEY, *tables.split())))
@@ -70,12 +68,12 @@ class EffectGraph(Named):
         if not ca.is_equal(pairs[0], pairs[1], 100):
             raise ValueError(f"the bound of {self.effect.name} holds a number that is no symbol")
         parts = ca.vertsplit(pairs[0])
-        self.always = tuple(at_least(item, 1) for item in parts[len(pair) :])
+        self.always = [at_least(item, 1) for item in parts[len(pair) :]]
         return ca.vertcat(*parts[: len(pair)])
 
     def above_zero(self, *names: str) -> Relations:
         """Each of these numbers is positive."""
-        return tuple(above(self[name]) for name in names)
+        return [above(self[name]) for name in names]
 
 
 SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau = tau_max + motor.step/2"
@@ -148,7 +146,7 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
 
     What the guard counts as window, and what an encoder adds to nbar besides it.
     """
-    g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0),), "robot clock")
+    g = EffectGraph(encoder.ENCODER, {"encoder.counts": 64.0}, "robot clock")
     scenario, skidded = g.scenario, g["theta"] + g["skid"]
     now = encoder.turned(scenario, g.parameters, g["path"], skidded)
     turn = symbols("old_right old_left")
@@ -187,7 +185,7 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
 
     What wrong radii add to nbar of an encoder.
     """
-    numbers = (("encoder.counts", 64.0), *WHEELS)
+    numbers = {"encoder.counts": 64.0, **WHEELS}
     g, t = EffectGraph(encoder.ENCODER, numbers, "robot clock wheels limits"), symbols("v omega")
     turn = encoder.turned(g.scenario, g.parameters, t.v, t.omega)
     shown = encoder.velocity_of(turn, g.parameters)[axis]
@@ -213,7 +211,7 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
 
     What wrong radii, and for the moment a wrong track, add to dbar.
     """
-    limited = (*WHEELS, ("actuator.tau_max", 5.0))
+    limited = {**WHEELS, "actuator.tau_max": 5.0}
     g = EffectGraph(wheels.WHEELS, limited, "robot actuator motor")
     told, most = ca.vertcat(g["tau_right"], g["tau_left"]), g["actuator.tau_max"]
     believed = (g["robot.r"], g["robot.l"])
