@@ -23,7 +23,7 @@ def all_claims() -> tuple[Claim, ...]:
             claims = vars(import_module(f"wmr_proofs.claims.{file}"))[name or "claim"]
             found += [replace(claim, theme=title) for claim in claims.listed]
         found += [claim for claim in by_hand if claim.theme == title and claim not in found]
-    return (*found, *(claim for claim in by_hand if claim.theme == BY_HAND))
+    return *found, *(claim for claim in by_hand if claim.theme == BY_HAND)
 
 
 def forget() -> None:

@@ -71,7 +71,7 @@ def driven(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     inside = between(a.K_min, a.K, a.K_max)
-    given = (admits(a.bounds), inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
+    given = admits(a.bounds), inside, at_least(a.dbar, mutation(1, 0.9) * a.d)
     u, b, reached = a.u, a.bounds, a.K * a.u
     ahead, back = drive(u, b), drive_back(u, b)
     least = at_least(ahead, reached + a.d), at_least(back, a.d - reached)
@@ -128,7 +128,7 @@ def contains_clip(mutation: Mutation) -> Statement:
     a = FilterAxis()
     b = a.bounds
     smallest = (b.V - b.dbar) / b.K_max
-    given = (admits(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
+    given = admits(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa)
     goals = at_least(a.hi, smallest), at_least(smallest), equal(largest_command(b.V, b), smallest)
     return Statement(a, goals, given)
 
@@ -145,7 +145,7 @@ def necessary(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     b, e = a.bounds, a.e
-    given = (admits(a.bounds), a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u))
+    given = admits(a.bounds), a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u)
     end = e * a.v_bar + (1 - e) * (b.K_max * a.u + b.dbar)
     return Statement(a, above(end, b.V), given)
 

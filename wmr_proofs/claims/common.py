@@ -51,7 +51,7 @@ def named_ports(*ports: Port) -> Symbols:
 
 def ports_of(system: System) -> tuple[Port, ...]:
     """Inputs, state and parameters of a system."""
-    return (*system.inputs, *system.state, *system.params)
+    return *system.inputs, *system.state, *system.params
 
 
 class BarrierAxis(Named):

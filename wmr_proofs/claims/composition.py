@@ -86,7 +86,7 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     goals: Relations = (fast, equal(turned, y[3] ** 2 * y[4]), every(first[2:5], y[4:7]))
     if kind == "line":
         ahead = (equal(first[0], -ca.sin(y[2]) * y[3]), equal(first[1], ca.cos(y[2]) * y[3]))
-        goals = (goals, ahead, equal(y[3], t.ref_speed))
+        goals = goals, ahead, equal(y[3], t.ref_speed)
     return Statement(t, goals)
 
 
@@ -148,7 +148,7 @@ def friction(mutation: Mutation) -> Statement:
     after = slowed(free, taken)
     slows = at_least(after * free), at_least(mutation * abs(free), abs(after))
     less = ca.fmax(abs(free) - abs(taken), 0)
-    goals = (slows, equal(less * (after - free + taken)))
+    goals = slows, equal(less * (after - free + taken))
     return Statement(t, goals, at_least(taken * free))
 
 
@@ -171,7 +171,7 @@ def lemma_piece(mutation: Mutation) -> Statement:
     sizes = at_least(a.mass, a.M_min), at_least(a.t), within(t.push, a.dbar)
     sides = at_least((v - edge) * (end - edge)), when(above_edge, at_least(t.drag, a.f_min))
     moves = equal(a.mass * (end - v), a.t * (a.asked - t.drag + t.push))
-    given = (a.sound(), sizes, sides, moves)
+    given = a.sound(), sizes, sides, moves
     most = ca.fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
     return Statement(a | t, at_least(most, ca.fmax(end, edge)), given)
 
@@ -193,7 +193,7 @@ def delay_step(mutation: Mutation) -> Statement:
         gained = a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
         reached = ca.fmin(a.arrived, most) + gained
         goals.append(at_least(most + mutation(1, 0.9) * sum_of, reached))
-    given = (a.sound(), at_least(a.mass, a.M_min), between(0, a.since, a.periods * a.period))
+    given = a.sound(), at_least(a.mass, a.M_min), between(0, a.since, a.periods * a.period)
     return Statement(a, goals, given)
 
 
@@ -280,5 +280,5 @@ def sine(mutation: Mutation) -> Statement:
     slope, share = t * ca.cos(t) - ca.sin(t), ca.sin(t) / t
     at_0 = [vanishes(value, t, 0) for value in (gap, rise, slope)]
     rates = equal(ca.gradient(rise, t), gap), equal(t**2 * ca.gradient(share, t), mutation * slope)
-    goals = (at_0, at_least(ca.gradient(gap, t)), rates, at_least(-ca.gradient(slope, t)))
+    goals = at_0, at_least(ca.gradient(gap, t)), rates, at_least(-ca.gradient(slope, t))
     return Statement(names, goals, (above(t), at_least(ca.sin(t))))

@@ -93,7 +93,7 @@ def wheel_speed(mutation: Mutation) -> Statement:
     r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
     speeds = (abs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
     slow = [at_least(mutation(1, 2) * r * most, speed) for speed in speeds]
-    given = (positive(r, l, most), slow)
+    given = positive(r, l, most), slow
     return g.states(every(g.system.y, g.system.u), given=given)
 
 
@@ -109,8 +109,8 @@ def pi_loop(mutation: Mutation) -> Statement:
     graph = plain.system.function("plain", [plain.system.update, plain.system.y])
     following, torque = graph(own.u, own.x, own.p)
     most = g["actuator.tau_max"]
-    weak = (above(mutation(1, 2) * most, abs(torque[i])) for i in (0, 1))
-    given = (g.above_zero("robot.r", "robot.l", "actuator.tau_max"), *weak)
+    weak = [above(mutation(1, 2) * most, abs(torque[i])) for i in (0, 1)]
+    given = g.above_zero("robot.r", "robot.l", "actuator.tau_max"), weak
     return g.states(every(own.update, following), every(own.y, torque), given=given)
 
 
@@ -178,7 +178,7 @@ def late_sums(mutation: Mutation) -> Statement:
         most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
         goals.append(at_least(scale * most, side))
     largest = at_least(t.N, b.net), at_least(t.N, abs(t.F1)), at_least(t.N, abs(t.F2))
-    given = (positive(t.M_min, t.period), nonnegative(t.t1, t.t2), largest)
+    given = positive(t.M_min, t.period), nonnegative(t.t1, t.t2), largest
     return Statement(t, goals, given)
 
 

@@ -64,7 +64,7 @@ def world_slope(mutation: Mutation) -> Statement:
     goals = within(g.system.y, mutation(1, 0.9) * g.bound("dbar"))
     heaviest = at_least(g["guard.M_max[1]"], g["robot.m"])
     turns = at_least(sine), within(ca.vertcat(along, across), 1)
-    given = (g.above_zero("robot.m", "robot.g"), heaviest, turns)
+    given = g.above_zero("robot.m", "robot.g"), heaviest, turns
     return g.states(goals, given=given, cuts={"along": along, "across": across, "sine": sine})
 
 
@@ -95,7 +95,7 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     signs = nonnegative(*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)
     sizes = g.above_zero("robot.l", "robot.g", "robot.m"), heaviest
     turns = at_least((v, omega)[axis]), within(ca.vertcat(right, left), 1)
-    given = (signs, sizes, turns)
+    given = signs, sizes, turns
     goal = at_least(more * mutation(1, 0.9), g.system.y[axis])
     return g.states(goal, given=given, cuts={"right": right, "left": left})
 
@@ -116,7 +116,7 @@ def noise_thrust(mutation: Mutation, axis: int) -> Statement:
     bound = g.bound("dbar")[axis]
     force = wheel_to_force(*believed, g.system.y)[axis]
     drawn = within(g.column("torque"), most)
-    given = (g.above_zero("robot.r", "robot.l"), at_least(g["disturbance.std"]), drawn)
+    given = g.above_zero("robot.r", "robot.l"), at_least(g["disturbance.std"]), drawn
     return g.states(within(force, bound * mutation(1, 0.9)), given=given)
 
 
@@ -135,7 +135,7 @@ def world_gust(mutation: Mutation) -> Statement:
     drawn = ca.vertcat(g.column(gust.SHARE.name), g.column(gust.NUMBERS.name))
     pairs = zip(*map(ca.vertsplit, (g.system.update, g.system.y, part * size)), strict=True)
     goals = [(within(x, part), within(y, most)) for x, y, most in pairs]
-    sides = (between(0, keep, 1), nonnegative(size[0], size[1]))
+    sides = between(0, keep, 1), nonnegative(size[0], size[1])
     return g.states(goals, given=(within(drawn, 1), sides), cuts={"keep": keep})
 
 
@@ -147,7 +147,7 @@ def world_gyro(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(gyro.GYRO, {"gyro.enabled": True})
     most = g.bound("nbar")[1] * mutation(1, 0.9)
-    given = (at_least(g["gyro.noise"]), within(g[f"{gyro.NUMBERS.name}[1]"], 1))
+    given = at_least(g["gyro.noise"]), within(g[f"{gyro.NUMBERS.name}[1]"], 1)
     return g.states(within(g.system.y[0] - g["omega"], most), given=given)
 
 
@@ -209,7 +209,7 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
     missed = g[f"{name}_1[{axis + 1}]"] - g[f"{name}_3[{axis + 1}]"] - t.way
     times = between(2 * h, window, lasts), at_least(lasts, 8 * h)
     ways = within(t.way, u1 * window), within(h * missed, UNIT * u1 * lasts * window)
-    given = (g.above_zero("clock.plant", "sample"), above(u1), times, ways)
+    given = g.above_zero("clock.plant", "sample"), above(u1), times, ways
     most = mutation(1, 0.4) * g.bound("nbar")[axis]
     off = within(t.shown * window - t.way, most * window)
     whole = g.states(off, given=given, more=t)
@@ -225,7 +225,7 @@ def world_push(mutation: Mutation) -> Statement:
     g = EffectGraph(push.PUSH, {"disturbance.push": [1.0, 1.0]})
     size = g.bound("dbar")
     force = wheel_to_force(g["robot.r"], g["robot.l"], g.system.y)
-    sides = (g.above_zero("robot.r", "robot.l"), nonnegative(size[0], size[1]))
+    sides = g.above_zero("robot.r", "robot.l"), nonnegative(size[0], size[1])
     return g.states(within(force, mutation(1, 0.9) * size), given=sides)
 
 

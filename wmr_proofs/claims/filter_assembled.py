@@ -172,7 +172,7 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
     """
     step = AssembledStep(side, axis)
     u, E = step.free.u, step.free.E
-    given = (step.given(mutation, drive(u, step.bounds)), at_least(step.limit, u))
+    given = step.given(mutation, drive(u, step.bounds)), at_least(step.limit, u)
     end = E * step.way * step.free.v + (1 - E) * step.free.mean
     return Statement(step, at_least(step.bounds.V, end), given, step.cuts)
 
@@ -233,7 +233,7 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     sent, b = step.way * step.graph.safe[axis], step.bounds
     target = (drive, drive_back)[side](step.graph.safe[axis], b)
     within = at_least(step.limit, sent), between(-least, share, -most)
-    given = (step.given(mutation, target), within, step.slow, at_least(highest(sent, b), target))
+    given = step.given(mutation, target), within, step.slow, at_least(highest(sent, b), target)
     end = v + share * (step.free.mean - v)
     commands = {"sent command": step.graph.safe[axis], "other command": step.graph.safe[1 - axis]}
     cuts = step.cuts | commands | {"driven towards": target}

@@ -57,7 +57,7 @@ class BandAxis(Named):
     def faded(self) -> Relations:
         """Left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
         shares = between(0, self.left, 1), between(0, self.fading, 1)
-        return (shares, at_least(self.tail), above(self.c))
+        return shares, at_least(self.tail), above(self.c)
 
 
 def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
@@ -128,7 +128,7 @@ class BandStep(BandAxis):
         younger = [at_least(own[i], high[i]) for i in range(own.numel() - 1)]
         younger += [at_least(own[-1], item) for item in last]
         steep = [at_least(item * (item - FLATTEST)) for item in over]
-        return (super().stated, younger, steep)
+        return super().stated, younger, steep
 
     def most(self, held: bool) -> ca.SX:
         """c'' for a constant command, c' if 0 follows."""
@@ -145,7 +145,7 @@ class BandStep(BandAxis):
     def inside(self, *parts: int) -> Relations:
         """Goals for v, and for -v with 0 sent."""
         stop = self.forecast.changed(ca.SX(0), self.table)
-        return (self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts))
+        return self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts)
 
 
 @claim("filter.band.least", given="any tables, forecast and command")

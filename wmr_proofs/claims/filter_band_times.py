@@ -48,7 +48,7 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
     ordered = tuple(at_least(most, least) for least, most in graph.ends)
     stops = nonnegative(*graph.stopping)
-    given = (ordered, stops, equal(graph.sound, 1))
+    given = ordered, stops, equal(graph.sound, 1)
     return Statement(named, (at_least(high, u), at_least(u, low)), given, cuts)
 
 
@@ -69,7 +69,7 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
     u = mutation(1, 1.1) * graph.sent[axis]
     around = [nonnegative(high, -low) for low, high in graph.ends]
     stops = nonnegative(*graph.stopping)
-    goals = (within(u, graph.stopping[axis]), at_least(u * graph.command[axis]))
+    goals = within(u, graph.stopping[axis]), at_least(u * graph.command[axis])
     return Statement(named, goals, (around, stops), cuts)
 
 
@@ -110,9 +110,9 @@ def fading(mutation: Mutation) -> Statement:
     after = known.aged(came, s.u, stays_of(s.rate, s.time), s.soonest)
     stays = at_least(1, s.g * (1 + x + 0.5 * x * x)), at_least(s.soonest, came * s.g)
     signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.rate, s.time, s.r, s.p)
-    given = (stays, signs, at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p))
+    given = stays, signs, at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p)
     left = came * s.p + (1 - came) * s.r
-    goals = (at_least(after.reach, mutation(1, 1.1) * s.r * s.g), at_least(after.past, left * s.g))
+    goals = at_least(after.reach, mutation(1, 1.1) * s.r * s.g), at_least(after.past, left * s.g)
     return Statement(s, goals, given)
 
 

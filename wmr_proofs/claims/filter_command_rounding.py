@@ -189,7 +189,7 @@ def _slow(s: Symbols) -> Relations:
     """Hypothesis: previous and wanted command are within the limit, except for rounding."""
     hi = s.hi
     wanted = within(s.wanted, hi * (1 + BEYOND))
-    return (above(hi), within(s.last, hi * (1 + OVER)), wanted)
+    return above(hi), within(s.last, hi * (1 + OVER)), wanted
 
 
 @claim(
@@ -222,7 +222,7 @@ def slew_step(mutation: Mutation) -> Statement:
     most = s.slew * s.T
     (own,) = ramp_shares(s.last, s.wanted, most)
     quick = at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share)
-    given = (_slow(s), positive(s.slew, s.T), at_least(s.share), quick)
-    goals = (within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))
+    given = _slow(s), positive(s.slew, s.T), at_least(s.share), quick
+    goals = within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22)
     computed = {"own": own, "sent": moved(s.last, s.wanted, s.share)}
     return Statement(s, goals, given, computed=computed)

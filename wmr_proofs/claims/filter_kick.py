@@ -73,7 +73,7 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
     goes = h * (force[axis] + mutation * t[f"push{axis + 1}"]) / (m, inertia)[axis]
     way = -fades[axis] * (g[f"base.gain[{axis + 1}]"] * asked + d[axis] - v[axis])
     weak = [above(most, side * g.system.y[i]) for i in (0, 1) for side in (1, -1)]
-    given = (positive(m, inertia, r, l, v_s, h, *tau, *(-left for left in fades)), weak)
+    given = positive(m, inertia, r, l, v_s, h, *tau, *(-left for left in fades)), weak
     cuts = {"left1": fades[0], "left2": fades[1]}
     return g.states(equal(goes, way), given=given, cuts=cuts, more=t)
 
@@ -248,7 +248,7 @@ def held_share(mutation: Mutation) -> Statement:
 
     def inside(v: ca.SX, omega: ca.SX, less: ca.SX) -> Relations:
         rims = (v + way * t.l * omega for way in WAYS)
-        return (within(v, t.V - less), [within(rim, t.W - less) for rim in rims])
+        return within(v, t.V - less), [within(rim, t.W - less) for rim in rims]
 
     shares = between(0, t.held, 1), between(1 - t.held, t.share, 1), between(0, t.q, 1)
     before = inside(t.v, t.omega, ca.SX(0)), inside(t.to, t.turn_to, d)

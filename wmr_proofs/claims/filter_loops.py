@@ -33,7 +33,7 @@ def wheel_box(mutation: Mutation) -> Statement:
     top = mutation(1, 1.01) * ca.fmin(t.V, t.l * t.Omega)
     rims = [t.v + way * t.l * t.omega for way in WAYS]
     given = above(t.l), [within(rim, top) for rim in rims]
-    goals = (within(t.v, t.V), within(t.omega, t.Omega))
+    goals = within(t.v, t.V), within(t.omega, t.Omega)
     return Statement(t, goals, given)
 
 
@@ -60,9 +60,9 @@ def in_time(mutation: Mutation) -> Statement:
     named = elements_of(graph.elapsed, count, *graph.p.ports) | symbols("since")
     since = named["since"]
     either = nonnegative(came * (came - 1), came * (1 - came))
-    given = (at_least(since), equal(count.sym, ca.fmin(since, most)), either)
+    given = at_least(since), equal(count.sym, ca.fmin(since, most)), either
     then = mutation(1, 2) * came * (since + 1)
-    goals = (equal(graph.in_time[0], ca.fmin(then, most)), equal(graph.punctual, then >= most))
+    goals = equal(graph.in_time[0], ca.fmin(then, most)), equal(graph.punctual, then >= most)
     return Statement(named, goals, given, {"came": came})
 
 

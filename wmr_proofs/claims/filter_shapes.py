@@ -65,7 +65,7 @@ def named_for(table: Symbols, scale: str) -> Symbols:
 
 def _arms(channels: list[Channel]) -> Relations:
     """The half track of each wheel is positive."""
-    return tuple(above(channel.arm) for channel in channels if channel.ways[1])
+    return [above(channel.arm) for channel in channels if channel.ways[1]]
 
 
 @claim(
@@ -92,7 +92,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
             for i, limit in enumerate(own)
         ]
         cuts |= {**dict(limits), f"numbers are sound {scale}": graph.sound}
-        given += [*(above(limit) for _, limit in limits), _arms(graph.channels)]
+        given += positive(*(limit for _, limit in limits)), _arms(graph.channels)
         for side, way in enumerate(WAYS):
             for channel, limit in zip(graph.channels, graph.limits[side], strict=True):
                 most = mutation(1, 0.99) * limit
@@ -123,7 +123,7 @@ def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str,
             name = f"{scale} {loop}"
             table |= named_for(elements_of(clip.asked, *clip.p.ports), name)
             cuts[f"numbers are sound {name}"] = clip.sound
-            given += [*(above(limit) for limit in clip.limits), _arms(clip.channels)]
+            given += positive(*clip.limits), _arms(clip.channels)
             for i, (channel, limit) in enumerate(zip(clip.channels, clip.limits, strict=True)):
                 cuts[f"limit {i} {name}"] = limit
                 goals += within(channel.of(clip.sent), mutation(1, 0.99) * limit)
@@ -150,7 +150,7 @@ def slew_together(mutation: Mutation) -> Statement:
         (before,), slew = clip.last, clip.p.take("filter.slew")
         cuts |= {f"numbers are sound {scale}": clip.sound}
         cuts |= {f"limit {i} {scale}": limit for i, limit in enumerate(clip.limits)}
-        given += [*(above(item) for item in (*ca.vertsplit(slew), *clip.limits, clip.T))]
+        given += positive(*ca.vertsplit(slew), *clip.limits, clip.T)
         given.append(equal(clip.sound, 1))
         goals += between(0, clip.time, clip.T)
         for i, limit in enumerate(clip.limits):

@@ -203,8 +203,8 @@ def covered(mutation: Mutation) -> Statement:
     b, B = u1 - u2, u1 + abs(c)
     root = ca.sqrt(b / (u1 - v))
     e = root - 3 - mutation(2, 5) * b * B
-    goals = (above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v))
-    given = (above(u2), above(u1, u2), above(u1, v), above(k), at_least(v, level(c, u1, u2, k)))
+    goals = above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v)
+    given = above(u2), above(u1, u2), above(u1, v), above(k), at_least(v, level(c, u1, u2, k))
     return Statement(a | {"k": k}, goals, given)
 
 

@@ -127,7 +127,7 @@ def latched(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     after = g.system.update[-3]
-    given = (g.sound, above(g[gate.LATCHED]), at_least(-g[gate.RESET]))
+    given = g.sound, above(g[gate.LATCHED]), at_least(-g[gate.RESET])
     return Statement(g.symbols, (g.falling(mutation), equal(after, 1)), given)
 
 

@@ -89,7 +89,7 @@ def simulated(mutation: Mutation) -> Statement:
     slow = t.step * (abs(push[0]) + mutation(2, -1) * friction) / m
     turned = equal(after[1], t.omega + t.step * push[1] / inertia)
     goals = at_least(ca.fmax(driven, slow), after[0]), turned
-    given = (positive(m, inertia, r, half, g, v_s, t.step), at_least(mu))
+    given = positive(m, inertia, r, half, g, v_s, t.step), at_least(mu)
     return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
 
 
@@ -113,7 +113,7 @@ def not_blamed(mutation: Mutation) -> Statement:
     errors = [at_least(b.nbar, side * t[name]) for side in (1, -1) for name in ("e_new", "e_old")]
     ahead = (above(ca.fmin(way * y, way * before), b.nbar), at_least(t.drag))
     least = least_push(y, before, a.asked, b)
-    given = (a.feasible(), a.during(), errors, ahead)
+    given = a.feasible(), a.during(), errors, ahead
     return Statement(a | t, at_least(ca.fmax(t.push, 0), least), given)
 
 
@@ -127,7 +127,7 @@ def quiet(mutation: Mutation) -> Statement:
     b, old = a.bounds, ca.SX.sym("old")
     least = least_push(a.y, old, a.asked, b)
     same = ca.fmax(ca.fmin(a.y, old), -ca.fmax(a.y, old)) - mutation(0, 1)
-    given = (positive(b.period, b.M_min), at_least(b.nbar), at_least(b.nbar, same))
+    given = positive(b.period, b.M_min), at_least(b.nbar), at_least(b.nbar, same)
     return Statement(a | {"old": old}, equal(least), given)
 
 
@@ -262,7 +262,7 @@ def necessary(mutation: Mutation) -> Statement:
     largest = ca.fmax(abs(torque[0]), abs(torque[1]))
     tight = above(t.dbar1 + t.dbar2 / t.half, mutation(1, 0.99) * t.phi)
     held = [at_least(-t[f"force{i}"], t[f"dbar{i}"]) for i in (1, 2)]
-    signs = (nonnegative(t.dbar1, t.dbar2), positive(t.half, t.r))
+    signs = nonnegative(t.dbar1, t.dbar2), positive(t.half, t.r)
     return Statement(t, above(largest, t.phi * t.r / 2), (signs, held, tight))
 
 

@@ -21,7 +21,6 @@ from wmr_proofs.relation import (
     between,
     nonnegative,
     positive,
-    within,
 )
 from wmr_proofs.symbols import Named, symbols
 
@@ -164,7 +163,7 @@ class GuardAxis(Named):
         """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1, order of times; nothing on dbar."""
         b = self.bounds
         quick = at_least(ca.SX(faster), b.alpha * b.period)
-        return (self._ordered_signs, quick, at_least(b.u1, 2 * b.nbar), self._times)
+        return self._ordered_signs, quick, at_least(b.u1, 2 * b.nbar), self._times
 
     def feasible(self, pushed: float = 1, faster: float = 1) -> Relations:
         """The theorem's hypotheses; factors above 1 relax the first and alpha T <= 1."""
@@ -174,7 +173,7 @@ class GuardAxis(Named):
         known = at_least(ca.SX(faster), b.alpha * b.period), at_least(pushed * have, need)
         brakes = at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net)
         spread = [] if self.both_act.is_zero() else [self.spread]
-        return (self._ordered_signs, known, brakes, self._times, spread)
+        return self._ordered_signs, known, brakes, self._times, spread
 
     @property
     def spread(self) -> Relation:
@@ -219,7 +218,7 @@ class GuardAxis(Named):
         if not self.lateness:
             return self.feasible(more)
         sums = self.moving if self.lateness < LATE else ()
-        return (self.stated, sums, self.enough((self.room_ahead, self.room_back), more))
+        return self.stated, sums, self.enough((self.room_ahead, self.room_back), more)
 
     @property
     def measured(self) -> Relations:
@@ -230,7 +229,7 @@ class GuardAxis(Named):
     @property
     def inside(self) -> Relations:
         """|v| <= u1."""
-        return within(self.v, self.u1)
+        return at_least(self.u1, self.v), at_least(self.v, -self.u1)
 
     @property
     def moving(self) -> Relations:
@@ -256,10 +255,10 @@ class GuardAxis(Named):
     def seen(self, way: int, more: Number = 0, during: Relations = ()) -> Relations:
         """Hypotheses on `start`; ``more``: the addition by a broken bound until then."""
         if not self.lateness:
-            return (self.measured, during)
+            return self.measured, during
         most, arrived = self.reached(way) + more, self.arrived
         arrives = (at_least(most, arrived), at_least(arrived, self.f_speed))
-        return (self.measured, during, self.moving, arrives)
+        return self.measured, during, self.moving, arrives
 
     def start(self, way: int, more: Number = 0) -> ca.SX:
         """v+ where the new command takes over, ``since`` later; way v where nothing is late."""
@@ -277,14 +276,14 @@ class GuardAxis(Named):
     def kept(self, way: int, longer: float) -> Relations:
         """Goal: inside stays inside; a factor above 1 enlarges alpha T or the acting force."""
         if not self.lateness:
-            return (self.feasible(1, longer), self.measured, self.inside, self.during())
+            return self.feasible(1, longer), self.measured, self.inside, self.during()
         u1, arrived, brakes = self.u1, self.arrived, at_least(self.bounds.braking, self.net)
         limits = (at_least(u1, self.start(way)), at_least(self.hi, self.lo))
         if self.lateness < LATE:
-            return (self.sound(longer), brakes, self.seen(way, 0, self.during()), limits)
+            return self.sound(longer), brakes, self.seen(way, 0, self.during()), limits
         lines = self.lines(way, self("room_", way), u1 - arrived)
-        known = (self.during(longer), at_least(arrived, self.f_speed), lines)
-        return (self.sound(), brakes, known, limits)
+        known = self.during(longer), at_least(arrived, self.f_speed), lines
+        return self.sound(), brakes, known, limits
 
     def beyond(self, way: int) -> ca.SX:
         """Excess of v+ where the new command takes over."""
@@ -294,13 +293,13 @@ class GuardAxis(Named):
         """Hypotheses past u1."""
         beyond, ordered = self.beyond(way), self.ordered(way)
         if self.lateness < LATE:
-            return (self.stated, self.seen(way, 0, during), above(beyond), ordered)
+            return self.stated, self.seen(way, 0, during), above(beyond), ordered
         if self.lateness < LAGGING:
-            return (self.stated, self.seen(way), self.during(), above(beyond), ordered)
+            return self.stated, self.seen(way), self.during(), above(beyond), ordered
         u1, most, again = self.u1, self.arrived, self.lasts(way)[2] / self.M_min
         past = above(beyond), at_least(most + again - u1, beyond)
         left = at_least(u1 - most - again, self("room_", way)), at_least(self.hi, self.lo)
-        return (self.stated, past, left)
+        return self.stated, past, left
 
     def ordered(self, way: int) -> Relations:
         """lo <= hi; forwards nothing depends on it, since the clip to hi is the last."""

@@ -86,14 +86,14 @@ class QueuedAxis(RoundedAxis):
         need = (1 + self.waits) * (2 * ca.fmax(self.net, 0) + 8 * room)
         have = self.slope * (self.u1 - self.f_speed)
         brakes = at_least(self.brake, abs(self.net) + 5 * room)
-        return (at_least(have, need), brakes, at_least(self.waits, 2.0**-6), self.counts)
+        return at_least(have, need), brakes, at_least(self.waits, 2.0**-6), self.counts
 
     @property
     def bounded(self) -> Relations:
         """Bounds on the brakes and the largest command."""
         room, brakes, largest = 2 * self.held_back * self.reach, self.brakes, self["largest"]
         least = at_least(brakes), at_least(brakes, abs(self.net) + room)
-        return (least, at_least(largest), at_least(largest, self.net + room))
+        return least, at_least(largest), at_least(largest, self.net + room)
 
     def arrives(self, way: int) -> Relations:
         """arrived <= max(way v, f_speed) + the computed push under way, and <= u1."""
@@ -138,7 +138,7 @@ def brakes(mutation: Mutation) -> Statement:
     a = QueuedAxis()
     least = abs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
     share = (a.brakes + a.net) * (1 + a.waits)
-    goals = (at_least(a.brakes, least), at_least(a.aim + a.over, share))
+    goals = at_least(a.brakes, least), at_least(a.aim + a.over, share)
     computed = {"brakes": a.aimed.braking}
     return Statement(a, goals, (a.stated, a.met), computed=computed)
 
@@ -154,7 +154,7 @@ def largest(mutation: Mutation) -> Statement:
     both, off = _sum(a)
     off = mutation(1, 0.1) * off
     computed = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
-    goals = (at_least(a.aim + off, both), at_least(both, a.aim - off))
+    goals = at_least(a.aim + off, both), at_least(both, a.aim - off)
     return Statement(a, goals, (a.stated, a.met), computed=computed)
 
 
@@ -174,8 +174,8 @@ def caps(mutation: Mutation) -> Statement:
     braked = at_least(a.brakes, abs(a.net) + 5 * a.held_back * a.reach)
     part = at_least(a.aim + a.over, (a.brakes + a.net) * (1 + a.waits))
     more = (a.over + off) * mutation(1, 0.1)
-    goals = (a.bounded, at_least(more, a.waits * (a.brakes - a["largest"])))
-    given = (a.stated, a.met, braked, part, at_least(both, a.aim - off))
+    goals = a.bounded, at_least(more, a.waits * (a.brakes - a["largest"]))
+    given = a.stated, a.met, braked, part, at_least(both, a.aim - off)
     return Statement(a, goals, given)
 
 
@@ -196,7 +196,7 @@ def room(mutation: Mutation) -> Statement:
     counted = a.delay * (a["largest"] + a.net + a.more)
     more = at_least(a.more), at_least(extra * mutation(1, 100), a.waits * a.more)
     sums = at_least((1 + a.held_back / 64) * counted, a.M_min * (a.ahead + a.back))
-    given = (a.stated, a.counts, a.bounded, at_least(a.aim + off, both), more, sums)
+    given = a.stated, a.counts, a.bounded, at_least(a.aim + off, both), more, sums
     return Statement(a, a.leaves(a.brakes), given)
 
 
@@ -213,7 +213,7 @@ def size(mutation: Mutation) -> Statement:
     a = QueuedAxis()
     reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(DOUBLE.quicker, -0.01))
     caps = ca.fmax(a["largest"], a.brakes)
-    given = (a.stated, a.bounded, at_least(reach, a.brakes))
+    given = a.stated, a.bounded, at_least(reach, a.brakes)
     goals = tuple(at_least(most, way * a.hat) for most in (reach, caps) for way in (1, -1))
     return Statement(a, goals, given, a.caps, computed=a.text(a.asked))
 
@@ -230,8 +230,8 @@ def anchor(mutation: Mutation) -> Statement:
     """
     a = QueuedAxis()
     most = mutation(1, 0.99) * a.brakes
-    goals = (at_least(most, a.hat), at_least(most, -a.hat))
-    given = (a.stated, a.bounded)
+    goals = at_least(most, a.hat), at_least(most, -a.hat)
+    given = a.stated, a.bounded
     return Statement(a, goals, given, a.caps, computed=a.text(ca.SX(0)))
 
 
@@ -289,5 +289,5 @@ def together(mutation: Mutation) -> Statement:
     end = a.arrived + a.t * ca.fmax(a.hat + a.net, 0) / a.mass
     begins = at_least(a.u1, a.arrived), at_least(a.arrived, a.f_speed)
     lies = at_least(ca.fmax(a.asked, a.most) + lost, a.hat), a.safe(1, a.asked), a.safe(1, a.most)
-    given = (a.stated, a.during(), begins, lies)
+    given = a.stated, a.during(), begins, lies
     return Statement(a, at_least(a.u1, end), given)

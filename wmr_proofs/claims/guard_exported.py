@@ -199,14 +199,14 @@ def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
 
 def physical(a: GuardAxis) -> Relations:
     """Hypotheses: signs, and a sample that begins inside, at once or behind a delay."""
-    known = (a.signs, a.measured, a.during())
+    known = a.signs, a.measured, a.during()
     if not a.lateness:
-        return (known, a.inside)
+        return known, a.inside
     limits: list[Relations] = []
     for way, start in zip((1, -1), begun(a), strict=True):
         limits += at_least(a.u1, start), at_least(a.reached(way), start)
         limits.append(at_least(start, a.f_speed))
-    return (known, a.moving, limits, added(a))
+    return known, a.moving, limits, added(a)
 
 
 def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relation]:
@@ -248,10 +248,10 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
     safe, chosen = a.force(ca.SX(0)), a.chosen
     within = ca.logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
     braked = at_least(a.bounds.braking, safe), at_least(a.bounds.braking, -safe)
-    goals = (at_least(a.hi, a.lo), braked, when(within, [*stays(a, chosen)]))
+    goals = at_least(a.hi, a.lo), braked, when(within, [*stays(a, chosen)])
     ahead, back = a.left
     cuts = {"hi": a.hi, "back": -a.lo, "room_ahead": ahead, "room_back": back} | a.cuts
-    given = (physical(a), above(feasible(a.bounds)), taken)
+    given = physical(a), above(feasible(a.bounds)), taken
     return Statement(a, goals, given, cuts)
 
 

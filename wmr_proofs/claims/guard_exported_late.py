@@ -160,7 +160,7 @@ class LateAssembled(Assembled):
         if not self.counted.lag:
             return super().signs
         lag, spread = self.p["actuator.lag"], self.p.get("actuator.lag_spread", ca.SX(0))
-        return (super().signs, positive(lag, 1 - spread))
+        return super().signs, positive(lag, 1 - spread)
 
     def kept(self) -> Iterator[Relation]:
         """Memory of older commands, of the guard and of the monitor."""

@@ -57,7 +57,7 @@ class Flag(Assembled):
         shared = ("clock.control", "guard.alpha", "actuator.tau_max")
         less = [n for b in self.both for n in (b.f_speed, b.dbar, b.f_min, b.brake)]
         numbers = (*self.wheels, *(self.p[name] for name in shared), *own)
-        return (positive(*numbers), nonnegative(*less))
+        return positive(*numbers), nonnegative(*less)
 
     def authority(self, b: Bounds, share: float = 2) -> Relation:
         """The theorem's first condition, to within the flag's rounding."""

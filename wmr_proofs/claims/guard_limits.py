@@ -41,7 +41,7 @@ def maximal(mutation: Mutation) -> Statement:
     a = GuardAxis()
     b = a.bounds
     exact = map(equal, (b.nbar, b.f_min, b.f_speed, 1 - b.alpha * b.period))
-    given = (a.feasible(), *exact, at_least(a.v), a.inside)
+    given = a.feasible(), *exact, at_least(a.v), a.inside
     more = a.asked - ceiling(a.v, b)
     end = a.v + b.period * (a.asked + b.dbar) / mutation(b.M_min, b.M_max)
     return Statement(a, above(end, a.u1), (given, above(more)))
@@ -118,7 +118,7 @@ def ignored(_: Mutation) -> Statement:
     False: what is under way has to be counted.
     """
     a = GuardAxis(DELAYED)
-    given = (a.stated, a.seen(1, 0, a.during()), at_least(a.u1, a.arrived), above(a.ahead))
+    given = a.stated, a.seen(1, 0, a.during()), at_least(a.u1, a.arrived), above(a.ahead)
     force = clipped(a.asked, a.y, a.bounds)
     end = a.arrived + a.t * ca.fmax(force + a.net, 0) / a.mass
     return Statement(a, at_least(a.u1, end), given, a.cuts)
@@ -152,7 +152,7 @@ def unmixed(_: Mutation) -> Statement:
     end = over + a.t * ca.fmax(force + a.net, 0) / a.mass
     exact = (equal(a.bounds.nbar), equal(a.bounds.f_speed), equal(a.bounds.f_min))
     sums = (equal(a.rest_ahead, a.ahead), equal(a.rest_back, a.back))
-    given = (a.stated, a.seen(1), exact, sums, a.during(), at_least(a.u1, over))
+    given = a.stated, a.seen(1), exact, sums, a.during(), at_least(a.u1, over)
     return Statement(a, at_least(a.u1, end), given, a.cuts)
 
 
@@ -172,5 +172,5 @@ def unvaried(_: Mutation) -> Statement:
     sums = at_least(z), equal(a.rest_ahead, a.ahead), equal(a.rest_back, a.back)
     lags = above(t.fast), above(t.slow, t.fast), above(t.rise), at_least(t.slow - t.fast, t.rise)
     room = at_least(a.ahead * b.M_min, t.slow * z), at_least(b.u1, a.arrived)
-    given = (a.stated, a.seen(1), sums, lags, room)
+    given = a.stated, a.seen(1), sums, lags, room
     return Statement(a | t, at_least(b.u1, end), given, a.cuts)

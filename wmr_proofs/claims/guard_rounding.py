@@ -180,7 +180,7 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     b = mutation(a.aimed, a.bounds)
     cuts = {"lo": floor(a.y, b)}
     known = () if way > 0 else (a.safe(way, a["lo"]),)
-    given = (a.stated, a.measured, a.inside, known)
+    given = a.stated, a.measured, a.inside, known
     goal = a.safe(way, a.hat)
     computed = a.text(a.asked, b)
     return Statement(a, goal, given, cuts, computed=computed, unit=precision.unit)
@@ -195,7 +195,7 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     # Of what may be asked, and of the safe point.
     a = RoundedAxis(precision=precision)
     most = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
-    goals = (at_least(most, a.hat), at_least(most, -a.hat))
+    goals = at_least(most, a.hat), at_least(most, -a.hat)
     computed = a.text(a.asked)
     return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
@@ -208,7 +208,7 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
     """
     a = RoundedAxis(precision=precision)
     most = mutation(1, 0.99) * a.most
-    goals = (at_least(most, a.hat), at_least(most, -a.hat))
+    goals = at_least(most, a.hat), at_least(most, -a.hat)
     computed = {**a.text(ca.SX(0)), "most": a.aimed.braking}
     return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 

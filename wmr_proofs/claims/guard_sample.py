@@ -109,7 +109,7 @@ def largest(mutation: Mutation, a: GuardAxis) -> Statement:
     Commands stay as small as those before them were assumed to be.
     """
     most, force = mutation(1, 0.99) * a.largest, a.force(a.asked)
-    goals = (at_least(most, force), at_least(most, -force))
+    goals = at_least(most, force), at_least(most, -force)
     return Statement(a, goals, a.stated, a.rooms)
 
 
@@ -158,7 +158,7 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """
     b = a.bounds
     needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * a.beyond(way) / b.period)
-    goals = (at_least(-a.push(way)), at_least(-a.push(way), needed))
+    goals = at_least(-a.push(way)), at_least(-a.push(way), needed)
     cuts = a.rooms if a.lateness == LAGGING else a.cuts
     return Statement(a, goals, a.outside(way), cuts)
 
@@ -209,7 +209,7 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
     seen = a.seen(way, D * a.late / b.M_min, a.during())
     begins = at_least(D), a.withstands(D), at_least(limit, a.start(way))
-    given = (a.stated, seen, begins, a.ordered(way))
+    given = a.stated, seen, begins, a.ordered(way)
     return Statement(a, at_least(limit, a.then(way, D)), given, a.cuts)
 
 
@@ -234,7 +234,7 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     free = a.arrived - D * (a.late - a.J) / b.M_min - b.u1
     known = a.sound(), a.capped, a.during(), at_least(a.arrived, b.f_speed)
     begins = at_least(D), a.withstands(D), at_least(limit, over)
-    given = (known, a.lines(way, left, -free), begins)
+    given = known, a.lines(way, left, -free), begins
     cuts = {**a.cuts, "room": a.left[0 if way > 0 else 1]}
     return Statement(a, at_least(limit, end), given, cuts)
 

@@ -69,7 +69,7 @@ def caps(mutation: Mutation, a: GuardAxis) -> Statement:
     The caps divide the room between rest and the limit among late commands, braking and jitter.
     """
     spread = [] if a.both_act.is_zero() else [a.apart(mutation(1, 0.99))]
-    goals = (a.capped, a.shared(mutation(1, 1.01)), spread)
+    goals = a.capped, a.shared(mutation(1, 1.01)), spread
     return Statement(a, goals, a.feasible())
 
 
@@ -194,7 +194,7 @@ def added(a: GuardAxis) -> Relations:
     mean = at_least((a.usual + a.both_act - 2 * a.J) * most, a.ahead + a.back)
     last = at_least(a.J * most, again.ahead + again.back), positive(b.M_min)
     longer = at_least(a.rest_ahead, a.ahead), at_least(a.rest_back, a.back)
-    return (from_rest, mean, last, longer)
+    return from_rest, mean, last, longer
 
 
 def spares(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
@@ -221,7 +221,7 @@ def late_spare(mutation: Mutation) -> Statement:
     """
     a = GuardAxis(LATE)
     goal = _spared(a, *spares(a), mutation(1, 1.01))
-    given = (a.stated, a.moving, a.shared(), a.apart(), added(a))
+    given = a.stated, a.moving, a.shared(), a.apart(), added(a)
     return Statement(a, goal, given, a.cuts)
 
 
@@ -237,7 +237,7 @@ def late_room(mutation: Mutation) -> Statement:
     again = at_least(a.J * a.S / b.M_min, t.again_ahead + t.again_back)
     signs = positive(b.M_min, b.alpha, b.period, a.J), a.capped
     sums = nonnegative(t.again_ahead, t.again_back), again
-    given = (signs, sums, _spared(a, t.spare_ahead, t.spare_back))
+    given = signs, sums, _spared(a, t.spare_ahead, t.spare_back)
     cuts = {**a.cuts, **dict(zip(t, spared, strict=True))}
     goal = a.enough(a.left, mutation(1, 0.99))
     return Statement(a | t, goal, given, cuts)
@@ -262,7 +262,7 @@ def room(mutation: Mutation, a: GuardAxis) -> Statement:
 
     Commands under way never take the room that braking needs.
     """
-    given = (a.stated, a.moving, a.shared(), added(a))
+    given = a.stated, a.moving, a.shared(), added(a)
     return Statement(a, a.enough(a.left, mutation(1, 0.99)), given, a.cuts)
 
 
@@ -287,5 +287,5 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     mean, whole = (in_flight([(pair, part * periods)], 0, b) for part in (0.5, 1.0))
     coming = InFlight(mean.ahead, mean.back, whole if rest else None)
     reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
-    given = (a.sound(), positive(window), between(0, share, 1), between(0, t.V, b.u1))
+    given = a.sound(), positive(window), between(0, share, 1), between(0, t.V, b.u1)
     return Statement(a | t, at_least(reached, mutation(1, 1.01) * v), given)

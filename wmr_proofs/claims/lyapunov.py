@@ -258,6 +258,6 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
     command = (-t.rho * m.V + mutation * m.w * t.cdot) / m.A
     later = barrier.lyapunov(v + t.h * command, c + t.h * t.cdot, u1, u2)
     change = (later - m.V) / t.h
-    given = (m.inside, equal(v, u2), above(t.h), at_least(1, 1000000 * t.h), above(t.rho))
+    given = m.inside, equal(v, u2), above(t.h), at_least(1, 1000000 * t.h), above(t.rho)
     del t["vdot"]
     return Statement(t, at_least(1, abs(change + t.rho * m.V)), given)

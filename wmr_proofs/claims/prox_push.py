@@ -83,7 +83,7 @@ class Sampled(Named):
         """T, M, r, l > 0, after the first sample, 0 < exp(-wo T) < 1."""
         t, fall = self.law.symbols, self.free.fall
         sizes = positive(t.started, t["robot.r"], t["robot.l"])
-        return (self.numbers, sizes, above(fall, -1), above(0, fall))
+        return self.numbers, sizes, above(fall, -1), above(0, fall)
 
     def gained(self, d: ca.SX) -> Relation:
         """M (v - v_old) = T (F - F1 + d) since the previous sample."""
@@ -200,7 +200,7 @@ def gain_step(mutation: Mutation, axis: int) -> Statement:
     nearest = at_least(t.E * (t.w + t.way), abs(s.free.next - t.x_next))
     off = within(t.x_real - t.x_next, t.eps), within(s.free.f + t.d, t.p)
     sums_up = equal(t.W * (1 - t.E), mutation(1, 0.9) * whole)
-    given = (s.numbers, above(t.E), above(1, t.E), at_least(t.w), nearest, off, sums_up)
+    given = s.numbers, above(t.E), above(1, t.E), at_least(t.w), nearest, off, sums_up
     goal = falls(abs(s.moved(t.d) - t.x_real), t.w, t.W, t.E)
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
@@ -216,7 +216,7 @@ def gain_observer(mutation: Mutation, axis: int) -> Statement:
     slow = within(t.d - t.d_old, mutation(1, 1.1) * -s.free.fall * t.P)
     new, old = s.law.system.update[axis] + t.d, s.f_old + t.d_old
     goal = falls(abs(new), abs(old), t.P, 1 + s.free.fall)
-    given = (s.observed, s.gained(t.d_old), slow)
+    given = s.observed, s.gained(t.d_old), slow
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
@@ -248,7 +248,7 @@ def observer(mutation: Mutation, axis: int) -> Statement:
     s, t = Sampled(axis), symbols("d d_old")
     left = (1 + mutation * s.free.fall) * (s.f_old + t.d_old) + t.d - t.d_old
     goal = equal(s.law.system.update[axis] + t.d, left)
-    given = (s.observed, s.gained(t.d_old))
+    given = s.observed, s.gained(t.d_old)
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
@@ -268,5 +268,5 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     slow = ca.logic_and(abs(t.d - t.d_old) <= t.change, share * abs(old) <= t.change)
     small = when(sizes, at_least(tight * t.most, abs(f)))
     goals = small, when(slow, at_least(tight * t.change, share * abs(new)))
-    given = (s.observed, s.gained(t.d_old))
+    given = s.observed, s.gained(t.d_old)
     return s.states(goals, given=given, cuts=s.observer_cuts, more=t)

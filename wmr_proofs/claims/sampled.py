@@ -195,7 +195,7 @@ class NewtonStep:
         """The statement on the law's graph: T > 0, M > 0, v_c0' = 0, 0 < exp(-rho T) < 1."""
         fall, period = self.free.fall, self.law["clock.control"]
         held = positive(period, self.mass[self.axis]), above(fall, -1), above(-fall)
-        known = (held, equal(self.free.cdot), given)
+        known = held, equal(self.free.cdot), given
         return Statement(self.law | self.free, goals, known, self.cuts)
 
 
@@ -226,7 +226,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     slope = barrier.a_term(v, c, u1, u2) + at_corner
     bend = mutation(0.5, 0.6) * (y - v) ** 2
     line = barrier.lyapunov(v, c, u1, u2) + slope * (y - v) + bend
-    given = (at_least(jump), at_least(1, jump * (u1 - u2)))
+    given = at_least(jump), at_least(1, jump * (u1 - u2))
     least = {"least": -barrier.g(c, u1, u2)}
     return Statement(t, at_least(barrier.lyapunov(y, c, u1, u2), line), given, least)
 

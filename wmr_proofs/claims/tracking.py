@@ -163,5 +163,5 @@ def quarter_turn(mutation: Mutation) -> Statement:
     t = symbols("e3 share x")
     angle, share, x = t.values()
     sine, size = abs(ca.sin(angle)), abs(angle)
-    given = (at_least(x), above(size, 2 * x), above(11 * share, 7), at_least(sine, share * size))
+    given = at_least(x), above(size, 2 * x), above(11 * share, 7), at_least(sine, share * size)
     return Statement(t, above(sine, mutation(1, 2) * x), given)

@@ -102,10 +102,10 @@ def _wheel_case(axis: int, misread: bool, orders: Any, places: Any) -> Case:
     free = ("robot.r", "robot.l", "encoder.counts", "clock.control", "n1", "n2", "x1", "x2", "t")
     numbers = dict.fromkeys(free, POSITIVE)
     if misread:
-        sizes = ("limits.v_u1[1]", "limits.v_u1[2]")
+        sizes = "limits.v_u1[1]", "limits.v_u1[2]"
         numbers |= dict.fromkeys(sizes, POSITIVE)
     else:
-        sizes = ("size", "size")
+        sizes = "size", "size"
         numbers |= {"size": NONNEGATIVE, "motor.step": FREE}
 
     def values(n: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -196,7 +196,7 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     off = shown - (t.v if axis == 0 else t.omega)
     sizes = g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control")
     inside = within(ca.vertcat(*t.values()), limits), positive(limits[0], limits[1])
-    given = (sizes, _shares(g), inside)
+    given = sizes, _shares(g), inside
     return g.states(within(off, most * mutation(1, 0.9)), given=given, more=t)
 
 
@@ -218,5 +218,5 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
     made, meant = (wheel_to_force(*believed, tau)[axis] for tau in (g.system.y, told))
     bound = g.bound("dbar")[axis]
     sizes = within(told, most + 0.5 * g["motor.step"])
-    given = (g.above_zero("robot.r", "robot.l"), _shares(g), sizes)
+    given = g.above_zero("robot.r", "robot.l"), _shares(g), sizes
     return g.states(within(made - meant, bound * mutation(1, 0.9)), given=given)
