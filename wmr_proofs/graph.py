@@ -14,12 +14,16 @@ import operator
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import casadi as ca
 
 import wmr_ctrl.world.model.graph as compiled_graph
 
+from .relation import Expressions
+
+Ask: TypeAlias = Callable[[Hashable], bool]
+"""Decides a condition that an arithmetic cannot decide."""
 _NAMES = {
     **{getattr(ca, name): name[3:].lower() for name in dir(ca) if name.startswith("OP_")},
     compiled_graph.SELECT: "choose",
@@ -75,9 +79,9 @@ class ProvedGraph:
 
 
 def graph_of(
-    inputs: Mapping[str, ca.SX],
+    inputs: Expressions,
     outputs: Sequence[ca.SX],
-    cuts: Mapping[str, ca.SX] | None = None,
+    cuts: Expressions | None = None,
     numbers: Mapping[str, float] | None = None,
 ) -> ProvedGraph:
     """ProvedGraph of scalar expressions in named scalar symbols, as the compiler receives it.
@@ -111,9 +115,7 @@ def is_parameter(symbol: ca.SX) -> bool:
     return "." in symbol.name()
 
 
-def _compiled(
-    given: Mapping[str, ca.SX], exprs: Sequence[ca.SX]
-) -> tuple[compiled_graph.Graph, list[int]]:
+def _compiled(given: Expressions, exprs: Sequence[ca.SX]) -> tuple[compiled_graph.Graph, list[int]]:
     """Graph for the emitter, with the index of every symbol in ``given`` preserved."""
     groups = {False: ca.SX.zeros(len(given)), True: ca.SX.zeros(len(given))}
     for row, symbol in enumerate(given.values()):
@@ -171,7 +173,7 @@ class Arithmetic(Protocol):
     def apply(self, op: str, args: list[Any]) -> Any:
         """Value of an arithmetic operation."""
 
-    def compare(self, op: str, left: Any, right: Any, ask: Callable[[Hashable], bool]) -> Any:
+    def compare(self, op: str, left: Any, right: Any, ask: Ask) -> Any:
         """Truth of ``lt``, ``le``, ``eq`` or ``ne``; ``ask`` decides what the arithmetic cannot."""
 
     def logic(self, op: str, args: list[Any]) -> Any:
@@ -189,9 +191,7 @@ class Arithmetic(Protocol):
 class Walk:
     """One evaluation of a graph along decided conditions, of the needed nodes only."""
 
-    def __init__(
-        self, graph: ProvedGraph, arithmetic: Arithmetic, ask: Callable[[Hashable], bool]
-    ) -> None:
+    def __init__(self, graph: ProvedGraph, arithmetic: Arithmetic, ask: Ask) -> None:
         self.graph, self.arithmetic, self.ask = graph, arithmetic, ask
         self.values: dict[int, Any] = {}
         self.truths: dict[int, Any] = {}
@@ -259,9 +259,7 @@ class Walk:
         return [number(values[k]) if k in logical else values[k] for k in args]
 
 
-def paths(
-    run: Callable[[Callable[[Hashable], bool]], Any], limit: int = 64
-) -> Iterator[tuple[dict[Hashable, bool], Any]]:
+def paths(run: Callable[[Ask], Any], limit: int = 64) -> Iterator[tuple[dict[Hashable, bool], Any]]:
     """Results of ``run(ask)`` on every way through the undecided conditions.
 
     UndecidedError if there are more than ``limit`` ways.

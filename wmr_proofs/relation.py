@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import casadi as ca
 
 EQUAL, AT_LEAST, ABOVE = "=", ">=", ">"
+Number: TypeAlias = ca.SX | float
+Expressions: TypeAlias = Mapping[str, ca.SX]
+"""Expressions by name."""
+Cuts = dict[str, ca.SX]
+"""The same, to be added to: expressions that become free inputs of a statement."""
 
 
 @dataclass(frozen=True)
@@ -30,39 +35,37 @@ def listed(relations: Relations) -> tuple[Relation, ...]:
     return tuple(item for part in relations for item in listed(part))
 
 
-def equal(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
+def equal(left: Number, right: Number = 0) -> Relation:
     """left = right."""
     return Relation(ca.SX(left) - right, EQUAL)
 
 
-def at_least(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
+def at_least(left: Number, right: Number = 0) -> Relation:
     """left >= right."""
     return Relation(ca.SX(left) - right, AT_LEAST)
 
 
-def above(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
+def above(left: Number, right: Number = 0) -> Relation:
     """left > right."""
     return Relation(ca.SX(left) - right, ABOVE)
 
 
-def positive(*exprs: ca.SX | float) -> tuple[Relation, ...]:
+def positive(*exprs: Number) -> tuple[Relation, ...]:
     """Each of them > 0."""
     return tuple(map(above, exprs))
 
 
-def nonnegative(*exprs: ca.SX | float) -> tuple[Relation, ...]:
+def nonnegative(*exprs: Number) -> tuple[Relation, ...]:
     """Each of them >= 0."""
     return tuple(map(at_least, exprs))
 
 
-def between(
-    low: ca.SX | float, value: ca.SX | float, high: ca.SX | float
-) -> tuple[Relation, Relation]:
+def between(low: Number, value: Number, high: Number) -> tuple[Relation, Relation]:
     """low <= value <= high."""
     return at_least(value, low), at_least(high, value)
 
 
-def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, ...]:
+def within(value: ca.SX, bound: Number) -> tuple[Relation, ...]:
     """|value| <= bound, for each element of a column."""
     most = ca.SX(bound) * ca.SX.ones(value.shape)
     pairs = zip(ca.vertsplit(value), ca.vertsplit(most), strict=True)

@@ -15,7 +15,7 @@ from math import frexp
 import casadi as ca
 
 from .graph import LOGICAL, ProvedGraph, ProvedNode, graph_of
-from .relation import ABOVE, AT_LEAST, EQUAL, Relation, Relations, listed, when
+from .relation import ABOVE, AT_LEAST, EQUAL, Expressions, Relation, Relations, listed, when
 
 UNIT = 2.0**-53
 """Largest relative error of one operation in double precision."""
@@ -102,12 +102,12 @@ class Statement:
     relative error of at most ``unit``. ``parts``: see `joined`.
     """
 
-    symbols: Mapping[str, ca.SX]
+    symbols: Expressions
     goals: Relations
     given: Relations = ()
-    cuts: Mapping[str, ca.SX] = field(default_factory=dict)
+    cuts: Expressions = field(default_factory=dict)
     numbers: Mapping[str, float] = field(default_factory=dict)
-    computed: Mapping[str, ca.SX] = field(default_factory=dict)
+    computed: Expressions = field(default_factory=dict)
     unit: float = UNIT
     parts: Mapping[str, "Statement"] = field(default_factory=dict)
 
@@ -182,7 +182,7 @@ def _united(parts: Mapping[str, Statement]) -> ProvedGraph:
     return ProvedGraph(tuple(nodes), (*goals, *given, *bounds))
 
 
-def instance(proved: Statement, values: Mapping[str, ca.SX]) -> tuple[Relation, ...]:
+def instance(proved: Statement, values: Expressions) -> tuple[Relation, ...]:
     """Each goal of a proved statement, for these ``values`` of its symbols.
 
     It is true if all of the statement's hypotheses are true for them; nothing is cut or computed in
@@ -194,9 +194,7 @@ def instance(proved: Statement, values: Mapping[str, ca.SX]) -> tuple[Relation, 
     return when(met, goals)
 
 
-def valued(
-    relations: Relations, names: Mapping[str, ca.SX], values: Mapping[str, ca.SX]
-) -> tuple[Relation, ...]:
+def valued(relations: Relations, names: Expressions, values: Expressions) -> tuple[Relation, ...]:
     """The relations with the symbols of these names replaced by ``values``."""
     old, stated = [names[name] for name in values], listed(relations)
     put = ca.substitute([item.expr for item in stated], old, [*values.values()])

@@ -1,10 +1,10 @@
 """Symbols of claims, by name."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 
 import casadi as ca
 
-from .relation import Relations
+from .relation import Expressions, Relations
 from .statement import Statement
 
 
@@ -17,15 +17,15 @@ class Symbols(dict[str, ca.SX]):
         except KeyError:
             raise AttributeError(name) from None
 
-    def __or__(self, more: Mapping[str, ca.SX]) -> "Symbols":  # type: ignore[override]
+    def __or__(self, more: Expressions) -> "Symbols":  # type: ignore[override]
         return Symbols({**self, **more})
 
-    def __ror__(self, more: Mapping[str, ca.SX]) -> "Symbols":  # type: ignore[override]
+    def __ror__(self, more: Expressions) -> "Symbols":  # type: ignore[override]
         return Symbols({**more, **self})
 
 
-class Named:
-    """Base of a setting whose ``symbols`` are its items and attributes, too.
+class Named(Expressions):
+    """Base of a setting that is the table of its ``symbols``, which are attributes, too.
 
     ``always`` are goals of each of its statements.
     """
@@ -36,6 +36,17 @@ class Named:
     def __getitem__(self, name: str) -> ca.SX:
         return self.symbols[name]
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.symbols)
+
+    def __len__(self) -> int:
+        return len(self.symbols)
+
+    def __or__(self, more: Expressions) -> Symbols:
+        return self.symbols | more
+
+    __hash__ = object.__hash__
+
     def __getattr__(self, name: str) -> ca.SX:
         if name == "symbols":
             raise AttributeError(name)
@@ -45,8 +56,8 @@ class Named:
         self,
         *goals: Relations,
         given: Relations = (),
-        cuts: Mapping[str, ca.SX] | None = None,
-        more: Mapping[str, ca.SX] | None = None,
+        cuts: Expressions | None = None,
+        more: Expressions | None = None,
     ) -> Statement:
         """The statement about these symbols, and ``more``."""
         return Statement(self.symbols | (more or {}), (goals, self.always), given, cuts or {})
@@ -64,12 +75,12 @@ def column(name: str, size: int, fixed: bool = False) -> Symbols:
     return symbols(names, names if fixed else "")
 
 
-def exchanged(expr: ca.SX, old: Mapping[str, ca.SX], new: Mapping[str, ca.SX]) -> ca.SX:
+def exchanged(expr: ca.SX, old: Expressions, new: Expressions) -> ca.SX:
     """The expression with the symbols ``old`` replaced by those of equal name in ``new``."""
     both = [(old[name], new[name]) for name in old if name in new]
     return ca.substitute(expr, *(ca.vertcat(*side) for side in zip(*both, strict=True)))
 
 
-def stacked(table: Mapping[str, ca.SX], name: str, size: int) -> ca.SX:
+def stacked(table: Expressions, name: str, size: int) -> ca.SX:
     """Column of name1 to name<size> out of a table."""
     return ca.vertcat(*(table[f"{name}{i}"] for i in range(1, size + 1)))

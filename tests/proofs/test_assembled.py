@@ -138,7 +138,7 @@ def test_a_number_that_leaks_out_of_a_bound_is_found():
 
     leaking = replace(slope.SLOPE, bound=flat)
     with pytest.raises(ValueError, match="holds a number that is no symbol"):
-        EffectGraph(leaking, (("slope.angle", 0.1),)).bound("dbar")
+        EffectGraph(leaking, {"slope.angle": 0.1}).bound("dbar")
 
 
 def test_a_late_monitor_that_tells_ten_times_the_push_is_refuted():

@@ -66,7 +66,7 @@ def low(mutation: Mutation) -> Statement:
     A disturbance up to the bound [{unit}] is held back before the limit.
     """
     a = BarrierAxis()
-    t = a.symbols | symbols("rho low", "rho")
+    t = a | symbols("rho low", "rho")
     bound = mutation(t.low, 1.01 * t.low)
     return Statement(t, (at_least(t.rho * a.V, bound * a.A), above(a.A)), a.inside)
 
@@ -87,7 +87,7 @@ def high(mutation: Mutation) -> Statement:
     A larger constant disturbance pushes the robot over its limit, whatever the law does.
     """
     a, v, c, u1, u2 = barrier_axis()
-    t = a.symbols | symbols("b rho high", "rho")
+    t = a | symbols("b rho high", "rho")
     later = barrier.lyapunov(t.b, c, u1, u2)
     goals = at_least(mutation(t.high, 0.99 * t.high) * a.A, t.rho * later), above(a.A)
     return Statement(t, goals, (a.inside, above(t.b, v), above(u1, t.b)))
@@ -101,7 +101,7 @@ def links(mutation: Mutation) -> Statement:
     The table has no gap in v.
     """
     a, v, _, u1, _ = barrier_axis()
-    t = a.symbols | symbols("b before first last rho high", "rho high")
+    t = a | symbols("b before first last rho high", "rho high")
     begin = ca.if_else(t.first, a.x + t.high / t.rho, t.before)
     short = ca.if_else(t.last, u1 - 1.01 * table.CLIP - t.b, 0)
     longer = t.b - v - mutation(0, 1)

@@ -41,7 +41,7 @@ def two_axes(mutation: Mutation) -> Statement:
     one, two = BarrierAxis("1"), BarrierAxis("2")
     columns = [ca.vertcat(x, y) for x, y in zip(one.all, two.all, strict=True)]
     goal = equal(total_barrier(*columns), one.V + mutation * two.V)
-    return one.states(goal, more=two.symbols)
+    return one.states(goal, more=two)
 
 
 @claim("eq20", (20,), by=Ring(all_cases()))

@@ -71,12 +71,12 @@ def driven(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     inside = between(a.K_min, a.K, a.K_max)
-    given = (admits(a.bounds), inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
+    given = admits(a.bounds), inside, at_least(a.dbar, mutation(1, 0.9) * a.d)
     u, b, reached = a.u, a.bounds, a.K * a.u
     ahead, back = drive(u, b), drive_back(u, b)
     least = at_least(ahead, reached + a.d), at_least(back, a.d - reached)
     most = at_least(highest(u, b), ahead), at_least(highest(-u, b), back)
-    return Statement(a.symbols, (least, most), given)
+    return Statement(a, (least, most), given)
 
 
 def highest(u: ca.SX, b: FirstOrder) -> ca.SX:
@@ -100,7 +100,7 @@ def inside(mutation: Mutation) -> Statement:
     known = at_least(a.v_bar, a.v), at_least(b.V, mutation(1, 0.99) * a.v_bar)
     sent = at_least(a.hi, a.u), at_least(drive(a.u, b), a.mean)
     goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
-    return Statement(a.symbols, goal, (admits(a.bounds), a.relaxing, known, sent))
+    return Statement(a, goal, (admits(a.bounds), a.relaxing, known, sent))
 
 
 @claim(
@@ -116,7 +116,7 @@ def clip(mutation: Mutation) -> Statement:
     share = between(0, E, 1), equal(a.kappa), at_least(b.V, a.v)
     sent = at_least(mutation(1, 1.01) * a.hi, a.u), at_least(drive(a.u, b), a.mean)
     goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
-    return Statement(a.symbols, goal, (admits(a.bounds), share, sent))
+    return Statement(a, goal, (admits(a.bounds), share, sent))
 
 
 @claim("filter.contains-clip", given=f"{ANY_SIDE}; v_bar <= V, kappa >= 0")
@@ -128,9 +128,9 @@ def contains_clip(mutation: Mutation) -> Statement:
     a = FilterAxis()
     b = a.bounds
     smallest = (b.V - b.dbar) / b.K_max
-    given = (admits(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
+    given = admits(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa)
     goals = at_least(a.hi, smallest), at_least(smallest), equal(largest_command(b.V, b), smallest)
-    return Statement(a.symbols, goals, given)
+    return Statement(a, goals, given)
 
 
 @claim(
@@ -145,9 +145,9 @@ def necessary(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     b, e = a.bounds, a.e
-    given = (admits(a.bounds), a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u))
+    given = admits(a.bounds), a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u)
     end = e * a.v_bar + (1 - e) * (b.K_max * a.u + b.dbar)
-    return Statement(a.symbols, above(end, b.V), given)
+    return Statement(a, above(end, b.V), given)
 
 
 @claim(

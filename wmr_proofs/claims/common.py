@@ -10,11 +10,11 @@ from wmr_ctrl.control.barrier.stable import SERIES_BELOW, Barrier, stable_barrie
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.world.model.system import Port
+from wmr_ctrl.world.model.system import Port, System
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import rows
-from wmr_proofs.relation import Relations, above
+from wmr_proofs.relation import Cuts, Relations, above
 from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
 
 PRESET = "paper-simulation"
@@ -47,6 +47,11 @@ def elements_of(*ports: Port) -> Symbols:
 def named_ports(*ports: Port) -> Symbols:
     """Symbols of ports by their names, columns as they are."""
     return Symbols({item.signal.name: item.sym for item in ports})
+
+
+def ports_of(system: System) -> tuple[Port, ...]:
+    """Inputs, state and parameters of a system."""
+    return *system.inputs, *system.state, *system.params
 
 
 class BarrierAxis(Named):
@@ -103,7 +108,7 @@ def scalars(ports: Iterable[Port]) -> Symbols:
     return Symbols(named)
 
 
-class LawGraph:
+class LawGraph(Named):
     """A law's System and, in the same symbols, the inner quantities that all laws share.
 
     ``options`` are the law's own choices of form, such as ("gains.mb.decay", "exact"), in a preset
@@ -114,7 +119,7 @@ class LawGraph:
     def __init__(self, name: str, *options: tuple[str, str]) -> None:
         law = settle(load_scenario(PRESET, dict(options)), name)
         self.system, self.context = law_graph(law), LawContext(law)
-        self.symbols = scalars((*self.system.inputs, *self.system.state, *self.system.params))
+        self.symbols = scalars(ports_of(self.system))
         self.force = self.system.outputs[0].expr
 
     def own(self, expr: ca.SX) -> ca.SX:
@@ -125,15 +130,15 @@ class LawGraph:
 
     def clipped(self, axis: int) -> ca.SX:
         """The velocity that barrier quantities see: kept off the limit by limits.clip."""
-        u1, clip = self.symbols[f"limits.v_u1[{axis + 1}]"], self.symbols["limits.clip"]
-        return ca.fmax(clip - u1, ca.fmin(u1 - clip, self.symbols[VELOCITY_NAMES[axis]]))
+        u1, clip = self[f"limits.v_u1[{axis + 1}]"], self["limits.clip"]
+        return ca.fmax(clip - u1, ca.fmin(u1 - clip, self[VELOCITY_NAMES[axis]]))
 
-    def inner(self, axis: int) -> dict[str, ca.SX]:
+    def inner(self, axis: int) -> Cuts:
         """Cuts: v_c0 and its rate as c and cdot, the velocity behind the clip as the velocity."""
         target, rate = self.own(self.context.v_c0), self.own(self.context.v_c0_dot)
         return {"c": target[axis], "cdot": rate[axis], VELOCITY_NAMES[axis]: self.clipped(axis)}
 
-    def parts(self, axis: int, names: str) -> dict[str, ca.SX]:
+    def parts(self, axis: int, names: str) -> Cuts:
         """Cuts of these names: V1/A (quotient), q, w, v_c0' (cdot) and friction of one axis."""
         own, context = self.context.barrier[axis], self.context
         known = {

@@ -63,7 +63,7 @@ def eq18_rate(mutation: Mutation) -> Statement:
     How fast the target of the velocity moves.
     """
     a, _, c, u1, u2 = barrier_axis()
-    t = a.symbols | symbols("cdot")
+    t = a | symbols("cdot")
     rate = target_rate(c, t.cdot, u1, u2)
     return Statement(t, equal(rate, mutation * ca.gradient(a.x, c) * t.cdot))
 
@@ -86,7 +86,7 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     goals: Relations = (fast, equal(turned, y[3] ** 2 * y[4]), every(first[2:5], y[4:7]))
     if kind == "line":
         ahead = (equal(first[0], -ca.sin(y[2]) * y[3]), equal(first[1], ca.cos(y[2]) * y[3]))
-        goals = (goals, ahead, equal(y[3], t.ref_speed))
+        goals = goals, ahead, equal(y[3], t.ref_speed)
     return Statement(t, goals)
 
 
@@ -120,8 +120,8 @@ def prediction_times(mutation: Mutation) -> Statement:
     delay, period = t.delay, t.period
     times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
     total = reduce(ca.SX.__add__, times)
-    each = (part for time in times for part in between(0, time, period))
-    return Statement(t, (equal(total, mutation * delay), *each), between(0, delay, MOST * period))
+    each = [between(0, time, period) for time in times]
+    return Statement(t, (equal(total, mutation * delay), each), between(0, delay, MOST * period))
 
 
 @prediction_claim("prediction.order", given=f"delay >= 0, T > 0; j = 1 to {MOST - 1}")
@@ -148,7 +148,7 @@ def friction(mutation: Mutation) -> Statement:
     after = slowed(free, taken)
     slows = at_least(after * free), at_least(mutation * abs(free), abs(after))
     less = ca.fmax(abs(free) - abs(taken), 0)
-    goals = (slows, equal(less * (after - free + taken)))
+    goals = slows, equal(less * (after - free + taken))
     return Statement(t, goals, at_least(taken * free))
 
 
@@ -171,9 +171,9 @@ def lemma_piece(mutation: Mutation) -> Statement:
     sizes = at_least(a.mass, a.M_min), at_least(a.t), within(t.push, a.dbar)
     sides = at_least((v - edge) * (end - edge)), when(above_edge, at_least(t.drag, a.f_min))
     moves = equal(a.mass * (end - v), a.t * (a.asked - t.drag + t.push))
-    given = (a.sound(), sizes, sides, moves)
+    given = a.sound(), sizes, sides, moves
     most = ca.fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
-    return Statement(a.symbols | t, at_least(most, ca.fmax(end, edge)), given)
+    return Statement(a | t, at_least(most, ca.fmax(end, edge)), given)
 
 
 @piece_claim(
@@ -193,8 +193,8 @@ def delay_step(mutation: Mutation) -> Statement:
         gained = a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
         reached = ca.fmin(a.arrived, most) + gained
         goals.append(at_least(most + mutation(1, 0.9) * sum_of, reached))
-    given = (a.sound(), at_least(a.mass, a.M_min), between(0, a.since, a.periods * a.period))
-    return Statement(a.symbols, goals, given)
+    given = a.sound(), at_least(a.mass, a.M_min), between(0, a.since, a.periods * a.period)
+    return Statement(a, goals, given)
 
 
 @piece_claim(
@@ -223,7 +223,7 @@ def mean_piece(mutation: Mutation) -> Statement:
             given.append(at_least(speeds[k] + gain, speeds[k + 1]))
         reached = seen.reached(ca.fmax(way * a.y + b.nbar, b.f_speed), b)
         goals.append(at_least(reached, speeds[2]))
-    return Statement(a.symbols | t, goals, given)
+    return Statement(a | t, goals, given)
 
 
 @piece_claim("guard.late.convex", given="0 <= w <= 1; any two forces, any dbar - f_min")
@@ -240,7 +240,7 @@ def convex(mutation: Mutation) -> Statement:
             push([force], a.bounds, way) for force in (w * forces[0] + (1 - w) * forces[1], *forces)
         )
         goals.append(at_least(w * first + mutation(1 - w, w) * second, mixed))
-    return Statement(a.symbols | {"w": w}, goals, between(0, w, 1))
+    return Statement(a | {"w": w}, goals, between(0, w, 1))
 
 
 def vanishes(value: ca.SX, t: ca.SX, where: float) -> Relation:
@@ -280,5 +280,5 @@ def sine(mutation: Mutation) -> Statement:
     slope, share = t * ca.cos(t) - ca.sin(t), ca.sin(t) / t
     at_0 = [vanishes(value, t, 0) for value in (gap, rise, slope)]
     rates = equal(ca.gradient(rise, t), gap), equal(t**2 * ca.gradient(share, t), mutation * slope)
-    goals = (at_0, at_least(ca.gradient(gap, t)), rates, at_least(-ca.gradient(slope, t)))
+    goals = at_0, at_least(ca.gradient(gap, t)), rates, at_least(-ca.gradient(slope, t))
     return Statement(names, goals, (above(t), at_least(ca.sin(t))))

@@ -73,7 +73,7 @@ def dead_band(mutation: Mutation) -> Statement:
 
     What the dead band does counts as an error of the command.
     """
-    g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, (("base.deadband", [0.01, 0.01]),))
+    g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, {"base.deadband": [0.01, 0.01]})
     goals, most = list[Relations](), g.bound("dropped")
     for i in (0, 1):
         size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
@@ -89,11 +89,11 @@ def wheel_speed(mutation: Mutation) -> Statement:
 
     On this condition no wheel's speed is clipped.
     """
-    g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, (("base.w_max", 10.0),))
+    g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, {"base.w_max": 10.0})
     r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
     speeds = (abs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
     slow = [at_least(mutation(1, 2) * r * most, speed) for speed in speeds]
-    given = (positive(r, l, most), slow)
+    given = positive(r, l, most), slow
     return g.states(every(g.system.y, g.system.u), given=given)
 
 
@@ -103,14 +103,14 @@ def pi_loop(mutation: Mutation) -> Statement:
 
     Without a torque limit that acts, the certificate may take the loop for a linear one.
     """
-    loops = ((("base.loop", "pi"), ("base.antiwindup", resting)) for resting in (True, False))
+    loops = ({"base.loop": "pi", "base.antiwindup": resting} for resting in (True, False))
     g, plain = (EffectGraph(speed_loops.SPEED_LOOP, numbers) for numbers in loops)
     own = g.system
     graph = plain.system.function("plain", [plain.system.update, plain.system.y])
     following, torque = graph(own.u, own.x, own.p)
     most = g["actuator.tau_max"]
-    weak = (above(mutation(1, 2) * most, abs(torque[i])) for i in (0, 1))
-    given = (g.above_zero("robot.r", "robot.l", "actuator.tau_max"), *weak)
+    weak = [above(mutation(1, 2) * most, abs(torque[i])) for i in (0, 1)]
+    given = g.above_zero("robot.r", "robot.l", "actuator.tau_max"), weak
     return g.states(every(own.update, following), every(own.y, torque), given=given)
 
 
@@ -178,7 +178,7 @@ def late_sums(mutation: Mutation) -> Statement:
         most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
         goals.append(at_least(scale * most, side))
     largest = at_least(t.N, b.net), at_least(t.N, abs(t.F1)), at_least(t.N, abs(t.F2))
-    given = (positive(t.M_min, t.period), nonnegative(t.t1, t.t2), largest)
+    given = positive(t.M_min, t.period), nonnegative(t.t1, t.t2), largest
     return Statement(t, goals, given)
 
 
@@ -219,7 +219,7 @@ def ramped(mutation: Mutation) -> Statement:
 
     On the way from one command to the next what acts lies between them, and is there in time.
     """
-    g = EffectGraph(command_ramp.COMMAND_RAMP, (("base.accel", [1.0, 1.0]),))
+    g = EffectGraph(command_ramp.COMMAND_RAMP, {"base.accel": [1.0, 1.0]})
     a, goals = symbols("a", "a"), list[Relations]()
     h, given = g["clock.plant"], list[Relations]()
     for i in (0, 1):

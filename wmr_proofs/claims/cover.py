@@ -97,7 +97,7 @@ def far_reached(mutation: Mutation) -> Statement:
     a, _, c, u1, u2 = barrier_axis()
     b = u1 - u2
     d = u1 - barrier.minimiser(c, u1, u2)
-    goals = (above(d), above(b, d), equal(u1 - d + mutation / d, c))
+    goals = above(d), above(b, d), equal(u1 - d + mutation / d, c)
     return a.states(goals, given=(a.inside, above((c - u2) * b, 1), above(c, u2 + 1 / b)))
 
 
@@ -109,7 +109,7 @@ def beyond_reached(mutation: Mutation) -> Statement:
     # The same beyond v_u2 for the smooth barrier: target_value("beyond+") with d = b/(1 + j).
     a, v, c, u1, u2 = barrier_axis()
     b, d = u1 - u2, SmoothAxis(c, v, u1, u2).d
-    goals = (above(d), above(b, d), equal(u1 - d + mutation / d - 1 / b, c))
+    goals = above(d), above(b, d), equal(u1 - d + mutation / d - 1 / b, c)
     return a.states(goals, given=(a.inside, above(c, u2), above(1e100, c)))
 
 

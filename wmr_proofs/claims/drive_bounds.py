@@ -72,7 +72,7 @@ def applied(mutation: Mutation) -> Statement:
     for step in range(steps):
         acting = lag.followed(oldest if step < part else older, e, acting)
         total = total + acting
-    goals = (equal(told[0], mutation * total / steps), equal(told[1], acting))
+    goals = equal(told[0], mutation * total / steps), equal(told[1], acting)
     return Statement(t, goals, (above(e), above(1, e)))
 
 
@@ -90,7 +90,7 @@ def lag_bound(mutation: Mutation) -> Statement:
 
     What drives of a lag that varies add to the guard's numbers (world.lag.stepped has the rest).
     """
-    numbers = (("actuator.lag", 0.02), ("actuator.lag_spread", 0.2))
+    numbers = {"actuator.lag": 0.02, "actuator.lag_spread": 0.2}
     g, t = EffectGraph(lag.LAG, numbers, "clock"), symbols("growth most_growth decay")
     h, time = g["clock.plant"], g["actuator.lag"]
     x, spread = g[f"{lag.NUMBERS.name}[1]"], g["actuator.lag_spread"]
@@ -98,7 +98,7 @@ def lag_bound(mutation: Mutation) -> Statement:
     tau = time * (1 + spread * x)
     sizes = g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread)
     steps = [at_least(most * time * (1 - spread), h) for most in (t.most_growth, 500)]
-    given = (sizes, steps, within(x, 1), above(t.growth), at_least(t.most_growth, t.growth))
+    given = sizes, steps, within(x, 1), above(t.growth), at_least(t.most_growth, t.growth)
     least = lag.equivalent_lag(h, t.growth)
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
@@ -115,13 +115,13 @@ def constant_lag(mutation: Mutation) -> Statement:
 
     What drives of one time constant add to the guard's numbers.
     """
-    g = EffectGraph(lag.LAG, (("actuator.lag", 0.02),), "clock")
+    g = EffectGraph(lag.LAG, {"actuator.lag": 0.02}, "clock")
     time = g["actuator.lag"]
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
     t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
     both = [equal(told, mutation * time) for told in ca.vertsplit(g.bound("lag"))]
-    goals = (both, every(g.system.update, wanted + t.decay * (acting - wanted)))
+    goals = both, every(g.system.update, wanted + t.decay * (acting - wanted))
     return g.states(goals, given=(above(time), equal(g["actuator.lag_spread"])), cuts=cuts, more=t)
 
 
@@ -132,7 +132,7 @@ def delay_bound(mutation: Mutation) -> Statement:
 
     What the guard counts as the latest takeover.
     """
-    g = EffectGraph(delay.DELAY, (("actuator.delay", 0.02), ("actuator.unmodelled_delay", 0.01)))
+    g = EffectGraph(delay.DELAY, {"actuator.delay": 0.02, "actuator.unmodelled_delay": 0.01})
     assert g.system.transport is not None
     return g.states(equal(g.bound("delay")[0], mutation * g.system.transport))
 
@@ -141,7 +141,7 @@ class Jittering(EffectGraph):
     """Drives with jitter: steps of a period, largest jitter, draws and phase are ``free``."""
 
     def __init__(self) -> None:
-        super().__init__(jitter.JITTER, (("actuator.jitter", 0.01),))
+        super().__init__(jitter.JITTER, {"actuator.jitter": 0.01})
         self.free, h = symbols("steps most drawn phase"), self["clock.plant"]
         times = self["clock.control"], self["actuator.jitter"]
         steps, most = (jitter.whole(time / h) for time in times)
@@ -171,11 +171,11 @@ def jitter_bound(mutation: Mutation) -> Statement:
     now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
     widths = above(h), equal(width, t.most * h), at_least(width), between(0, t.drawn, t.most)
     waits = at_least(t.most, g[jitter.DUE.name]), nonnegative(t.phase, t.steps)
-    given = (widths, waits)
+    given = widths, waits
     arrived = ca.vertcat(g["tau_right"], g["tau_left"])
     acts = t.phase >= mutation(t.most, t.most - 1)
     told = [equal(g.bound(name)[0], width) for name in ("delay", "jitter")]
-    goals = (when(acts, every(now, arrived)), at_least(t.most, wait), told)
+    goals = when(acts, every(now, arrived)), at_least(t.most, wait), told
     return g.states(goals, given=given, cuts=g.cuts, more=t)
 
 
@@ -185,11 +185,11 @@ def stepped(mutation: Mutation) -> Statement:
 
     What a motor's resolution adds to dbar.
     """
-    g = EffectGraph(motor.MOTOR, (("motor.step", 0.1),))
+    g = EffectGraph(motor.MOTOR, {"motor.step": 0.1})
     told, step = g["tau_right"], g["motor.step"]
     x = told / step + 0.5
     number = ca.floor(x)
-    given = (above(step), at_least(x, number), above(1, x - number))
+    given = above(step), at_least(x, number), above(1, x - number)
     most = motor.rounded_by(step) * mutation(1, 0.8)
     lost = within(g.system.outputs[0].expr - told, most)
     return g.states(lost, given=given, cuts={"number": number})
@@ -201,10 +201,10 @@ def world_motor_dead_zone(mutation: Mutation) -> Statement:
 
     What it adds to dbar.
     """
-    g = EffectGraph(motor.MOTOR, (("motor.dead_zone", 0.1),))
+    g = EffectGraph(motor.MOTOR, {"motor.dead_zone": 0.1})
     told, zone = g["tau_right"], g["motor.dead_zone"]
     lost = told - g.system.outputs[0].expr
-    goals = (within(lost, mutation(zone, 0.9 * zone)), at_least(lost * told))
+    goals = within(lost, mutation(zone, 0.9 * zone)), at_least(lost * told)
     return g.states(goals, given=above(zone))
 
 
@@ -222,8 +222,8 @@ def line(mutation: Mutation) -> Statement:
     ahead, back = ca.fmin(ahead, t.most), ca.fmin(back, t.most)
     part = mutation(1, 0.9)
     sides = at_least(part * ahead, t.torque - made), at_least(part * back, made - t.torque)
-    goals = (sides, at_least((t.torque - made) * t.torque))
-    given = (above(t.stall), at_least(t.slowing), within(t.torque, t.most))
+    goals = sides, at_least((t.torque - made) * t.torque)
+    given = above(t.stall), at_least(t.slowing), within(t.torque, t.most)
     return Statement(t, goals, given)
 
 
@@ -245,7 +245,7 @@ def pair_ahead(mutation: Mutation, way: int) -> Statement:
         return first + second
 
     limited = positive(t.u1, t.edge), within(t.v, t.u1), within(t.turn, t.edge)
-    given = (above(t.stall), at_least(t.slowing), limited)
+    given = above(t.stall), at_least(t.slowing), limited
     end = both(mutation(t.u1, 0.9 * t.u1), t.edge)
     return Statement(t, at_least(end, both(t.v, t.turn)), given)
 
@@ -264,8 +264,10 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
 
     The guard's bound for motors covers the sum of their parts.
     """
-    numbers = (("motor.step", 0.1), ("motor.dead_zone", 0.1), ("motor.stall", 3.0),
-               ("motor.free", 9.0), ("actuator.tau_max", 4.0))  # fmt: skip
+    numbers = {
+        "motor.step": 0.1, "motor.dead_zone": 0.1, "motor.stall": 3.0, "motor.free": 9.0,
+        "actuator.tau_max": 4.0,
+    }  # fmt: skip
     g = EffectGraph(motor.MOTOR, numbers, "robot limits actuator")
     t, bound = symbols("right left"), g.bound("dbar")[axis]
     r, half, stall, step = (g[n] for n in ("robot.r", "robot.l", "motor.stall", "motor.step"))
@@ -275,7 +277,7 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
         return [motor.missing(most, stall, side * (v + way * turn) / r * slowing)
                 for side, way in zip(sides, (1, -1), strict=True)]  # fmt: skip
 
-    signs = ("motor.dead_zone", "actuator.tau_max", "limits.v_u1[1]", "limits.v_u1[2]")
+    signs = "motor.dead_zone", "actuator.tau_max", "limits.v_u1[1]", "limits.v_u1[2]"
     given = [g.above_zero("robot.r", "robot.l", "motor.free", "motor.stall", "motor.step", *signs)]
     ends = (g["limits.v_u1[1]"], half * g["limits.v_u1[2]"])
     opposite = 1 if axis == 0 else -1

@@ -25,6 +25,7 @@ from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.regions import at
 from wmr_proofs.relation import (
+    Cuts,
     Relations,
     above,
     at_least,
@@ -56,14 +57,14 @@ def world_slope(mutation: Mutation) -> Statement:
 
     What a slope adds to dbar.
     """
-    numbers = (("slope.angle", 0.1), ("guard.M_max", [60.0, 20.0]))
+    numbers = {"slope.angle": 0.1, "guard.M_max": [60.0, 20.0]}
     g = EffectGraph(slope.SLOPE, numbers, "robot guard")
     a = slope.turned(g["theta"], g["slope.direction"])
     along, across, sine = ca.cos(a), ca.sin(a), ca.sin(g["slope.angle"])
     goals = within(g.system.y, mutation(1, 0.9) * g.bound("dbar"))
     heaviest = at_least(g["guard.M_max[1]"], g["robot.m"])
     turns = at_least(sine), within(ca.vertcat(along, across), 1)
-    given = (g.above_zero("robot.m", "robot.g"), heaviest, turns)
+    given = g.above_zero("robot.m", "robot.g"), heaviest, turns
     return g.states(goals, given=given, cuts={"along": along, "across": across, "sine": sine})
 
 
@@ -82,7 +83,7 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
 
     Equal wheels only brake; what one has more may push. Backwards by symmetry.
     """
-    numbers = (("resistance.rolling", [0.01, 0.02]), ("guard.M_max", [60.0, 20.0]))
+    numbers = {"resistance.rolling": [0.01, 0.02], "guard.M_max": [60.0, 20.0]}
     g = EffectGraph(resistance.RESISTANCE, numbers, "robot guard")
     v, omega, half = g["v1"], g["omega"], g["robot.l"]
     right, left = resistance.smoothed(v, half * omega, g["robot.v_s"])
@@ -94,7 +95,7 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     signs = nonnegative(*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)
     sizes = g.above_zero("robot.l", "robot.g", "robot.m"), heaviest
     turns = at_least((v, omega)[axis]), within(ca.vertcat(right, left), 1)
-    given = (signs, sizes, turns)
+    given = signs, sizes, turns
     goal = at_least(more * mutation(1, 0.9), g.system.y[axis])
     return g.states(goal, given=given, cuts={"right": right, "left": left})
 
@@ -109,13 +110,13 @@ def noise_thrust(mutation: Mutation, axis: int) -> Statement:
 
     What torque noise adds to dbar.
     """
-    numbers = (("disturbance.truncate", 5.0),)
+    numbers = {"disturbance.truncate": 5.0}
     g = EffectGraph(torque_noise.TORQUE_NOISE_EFFECT, numbers, "robot")
     believed, most = (g["robot.r"], g["robot.l"]), g["disturbance.truncate"]
     bound = g.bound("dbar")[axis]
     force = wheel_to_force(*believed, g.system.y)[axis]
     drawn = within(g.column("torque"), most)
-    given = (g.above_zero("robot.r", "robot.l"), at_least(g["disturbance.std"]), drawn)
+    given = g.above_zero("robot.r", "robot.l"), at_least(g["disturbance.std"]), drawn
     return g.states(within(force, bound * mutation(1, 0.9)), given=given)
 
 
@@ -128,13 +129,13 @@ def world_gust(mutation: Mutation) -> Statement:
 
     What gusts add to dbar.
     """
-    g = EffectGraph(gust.GUST, (("gust.size", [1.0, 1.0]),))
+    g = EffectGraph(gust.GUST, {"gust.size": [1.0, 1.0]})
     keep = ca.exp(-g["clock.control"] / g["gust.time"])
     size, part = g.bound("dbar"), mutation(1, 0.9)
     drawn = ca.vertcat(g.column(gust.SHARE.name), g.column(gust.NUMBERS.name))
     pairs = zip(*map(ca.vertsplit, (g.system.update, g.system.y, part * size)), strict=True)
     goals = [(within(x, part), within(y, most)) for x, y, most in pairs]
-    sides = (between(0, keep, 1), nonnegative(size[0], size[1]))
+    sides = between(0, keep, 1), nonnegative(size[0], size[1])
     return g.states(goals, given=(within(drawn, 1), sides), cuts={"keep": keep})
 
 
@@ -144,9 +145,9 @@ def world_gyro(mutation: Mutation) -> Statement:
 
     What it adds to nbar.
     """
-    g = EffectGraph(gyro.GYRO, (("gyro.enabled", True),))
+    g = EffectGraph(gyro.GYRO, {"gyro.enabled": True})
     most = g.bound("nbar")[1] * mutation(1, 0.9)
-    given = (at_least(g["gyro.noise"]), within(g[f"{gyro.NUMBERS.name}[1]"], 1))
+    given = at_least(g["gyro.noise"]), within(g[f"{gyro.NUMBERS.name}[1]"], 1)
     return g.states(within(g.system.y[0] - g["omega"], most), given=given)
 
 
@@ -156,11 +157,11 @@ def world_velocity_noise(mutation: Mutation) -> Statement:
 
     What it adds to nbar.
     """
-    g = EffectGraph(velocity_noise.VELOCITY_NOISE, ())
+    g = EffectGraph(velocity_noise.VELOCITY_NOISE, {})
     half = g.bound("nbar")
     goals = within(g.system.y - g.system.u, mutation(1, 0.9) * half)
     drawn = within(g.column(velocity_noise.NUMBERS.name), 1)
-    return g.states(goals, given=(drawn, *map(at_least, ca.vertsplit(half))))
+    return g.states(goals, given=(drawn, nonnegative(*ca.vertsplit(half))))
 
 
 AGES = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.control": 0.01}
@@ -176,7 +177,7 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
 
     What the guard counts as age and window.
     """
-    g = EffectGraph(velocity_mean.VELOCITY_MEAN, AGES.items(), "clock limits")
+    g = EffectGraph(velocity_mean.VELOCITY_MEAN, AGES, "clock limits")
     T, name = g["clock.control"], velocity_mean.PLACE.name
     seen = [g.column(f"{name}_{k}") for k in (1, 2, 3)]
     goals: list[Relations] = [every(g.system.update, ca.vertcat(g["path"], g["theta"], *seen[:2]))]
@@ -201,14 +202,14 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
 
     What a mean adds to nbar: the rounding of ways.
     """
-    g = EffectGraph(velocity_mean.VELOCITY_MEAN, AGES.items(), "clock limits")
+    g = EffectGraph(velocity_mean.VELOCITY_MEAN, AGES, "clock limits")
     t, name = symbols("way shown"), velocity_mean.PLACE.name
     h, lasts, u1 = g["clock.plant"], g["clock.duration"], g[f"limits.v_u1[{axis + 1}]"]
     window = 2 * g["clock.control"]
     missed = g[f"{name}_1[{axis + 1}]"] - g[f"{name}_3[{axis + 1}]"] - t.way
     times = between(2 * h, window, lasts), at_least(lasts, 8 * h)
     ways = within(t.way, u1 * window), within(h * missed, UNIT * u1 * lasts * window)
-    given = (g.above_zero("clock.plant", "sample"), above(u1), times, ways)
+    given = g.above_zero("clock.plant", "sample"), above(u1), times, ways
     most = mutation(1, 0.4) * g.bound("nbar")[axis]
     off = within(t.shown * window - t.way, most * window)
     whole = g.states(off, given=given, more=t)
@@ -221,10 +222,10 @@ def world_push(mutation: Mutation) -> Statement:
 
     What it adds to dbar.
     """
-    g = EffectGraph(push.PUSH, (("disturbance.push", [1.0, 1.0]),))
+    g = EffectGraph(push.PUSH, {"disturbance.push": [1.0, 1.0]})
     size = g.bound("dbar")
     force = wheel_to_force(g["robot.r"], g["robot.l"], g.system.y)
-    sides = (g.above_zero("robot.r", "robot.l"), nonnegative(size[0], size[1]))
+    sides = g.above_zero("robot.r", "robot.l"), nonnegative(size[0], size[1])
     return g.states(within(force, mutation(1, 0.9) * size), given=sides)
 
 
@@ -238,7 +239,7 @@ def command_delay_bound(mutation: Mutation) -> Statement:
 
     What the governor counts as the delay of a command.
     """
-    g = EffectGraph(command_delay.COMMAND_DELAY, (("base.delay", 0.02),))
+    g = EffectGraph(command_delay.COMMAND_DELAY, {"base.delay": 0.02})
     assert g.system.transport is not None
     late = equal(g.bound("delay")[0], mutation * g.system.transport)
     return g.states(late, every(g.system.y, g.system.u))
@@ -256,7 +257,7 @@ def command_loss_bound(mutation: Mutation) -> Statement:
 
     What the governor counts as lost commands.
     """
-    numbers = (("base.losses", 2), ("base.timeout", 0.05), ("clock.control", 0.01))
+    numbers = {"base.losses": 2, "base.timeout": 0.05, "clock.control": 0.01}
     g = EffectGraph(command_loss.COMMAND_LOSS, numbers, "clock")
     t = symbols("steps phase before")
     h, T, most = g["clock.plant"], g["clock.control"], g.bound("losses")[0]
@@ -288,9 +289,9 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
 
     What the governor counts as the error of a command.
     """
-    g = EffectGraph(command_quantum.COMMAND_QUANTUM, (("base.quantum", [0.01, 0.01]),))
+    g = EffectGraph(command_quantum.COMMAND_QUANTUM, {"base.quantum": [0.01, 0.01]})
     off, most, given = g.system.y - g.system.u, g.bound("command"), list[Relations]()
-    cuts = dict[str, ca.SX]()
+    cuts = Cuts()
     for i in (0, 1):
         step = g[f"base.quantum[{i + 1}]"]
         x = g.system.u[i] / ca.if_else(step > 0, step, 1) + 0.5
@@ -306,7 +307,7 @@ def wheels_heard(mutation: Mutation) -> Statement:
 
     What a filter counts as the error of a command, and what a clip does.
     """
-    g = EffectGraph(wheel_commands.WHEEL_COMMANDS, (("base.wheel_deadband", 0.03),), "robot")
+    g = EffectGraph(wheel_commands.WHEEL_COMMANDS, {"base.wheel_deadband": 0.03}, "robot")
     error, dropped = mutation(1, 0.9) * g.bound("command"), g.bound("dropped")
     u, acts = g.system.u, g.system.y
     goals = within(acts - u, error + dropped), within(acts, abs(u) + error)

@@ -44,8 +44,8 @@ def ball(_: Mutation) -> Statement:
     ball: with r = 0.5 the angle may still be 1.1 rad.
     """
     t = Tracking("r")
-    given = (at_least(0.5 * t.r**2, analysis.position_lyapunov(t.e, t.k[1])), above(t.r))
-    return Statement(t.symbols, at_least(t.r**2, ca.sumsqr(t.e)), given)
+    given = at_least(0.5 * t.r**2, analysis.position_lyapunov(t.e, t.k[1])), above(t.r)
+    return Statement(t, at_least(t.r**2, ca.sumsqr(t.e)), given)
 
 
 @claim("eq61.omega", (61,), given="radius of Omega_1, l > 5", by=Refute(EDGE))
@@ -57,7 +57,7 @@ def omega(_: Mutation) -> Statement:
     """
     t = Tracking("eps0 l")
     radius = analysis.ball_radius(t.eps0, t.l, t.k)
-    given = (at_least(radius**2, ca.sumsqr(t.e)), above(t.l, 5), above(t.eps0))
+    given = at_least(radius**2, ca.sumsqr(t.e)), above(t.l, 5), above(t.eps0)
     edge = analysis.position_lyapunov(ca.vertcat(0, 0, radius), t.k[1])
     return t.states(at_least(edge, analysis.position_lyapunov(t.e, t.k[1])), given=given)
 
@@ -70,9 +70,9 @@ def stays_on_target(_: Mutation) -> Statement:
     with v = v_c0 falls behind at once; the code takes the limit v_c0' instead.
     """
     a, v, c, u1, u2 = barrier_axis()
-    t = a.symbols | symbols("rho cdot")
+    t = a | symbols("rho cdot")
     command = analysis.printed_command(t.rho, v, c, t.cdot, u1, u2)
-    given = (a.inside, equal(v, c), above(u2, abs(v)), above(t.rho))
+    given = a.inside, equal(v, c), above(u2, abs(v)), above(t.rho)
     return Statement(t, equal(command, t.cdot), given)
 
 
@@ -90,7 +90,7 @@ def one_rate(_: Mutation) -> Statement:
     t = column("V", 2) | column("rho", 2) | symbols("rho")
     total = t.V1 + t.V2
     rate = -t.rho1 * t.V1 - t.rho2 * t.V2
-    given = (equal(t.rho1, 15), equal(5 * t.rho2, 288), nonnegative(t.V1, t.V2))
+    given = equal(t.rho1, 15), equal(5 * t.rho2, 288), nonnegative(t.V1, t.V2)
     return Statement(t, equal(rate, -t.rho * total), (given, equal(t.rho, t.rho1)))
 
 

@@ -15,6 +15,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
+    Cuts,
     Relations,
     above,
     at_least,
@@ -25,10 +26,10 @@ from wmr_proofs.relation import (
     when,
 )
 from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.symbols import Named, symbols
 
 from .command_filter import ANY_SIDE, COMMANDS, admits, highest
-from .common import elements_of
+from .common import elements_of, ports_of
 
 claim = Claims(by=Z3())
 STATED = {
@@ -58,7 +59,7 @@ ASSEMBLED = (
 )
 
 
-class AssembledStep:
+class AssembledStep(Named):
     """One axis and direction of the filter's own graph, as it is compiled and exported.
 
     Its exponentials are free numbers between 0 and 1.  ``limit``: the largest command that it
@@ -71,7 +72,7 @@ class AssembledStep:
         self.side, self.axis, self.way = side, axis, WAYS[side]
         self.free = symbols("v u E mean share kappa gone")
         system = self.graph.system
-        ports = (*system.inputs, *system.state, *system.params)
+        ports = ports_of(system)
         self.symbols = self.free | elements_of(*ports)
         self.limit = self.graph.limits[side][axis]
         self.bounds = self.graph.channels[axis].sides[side]
@@ -118,7 +119,7 @@ def limits(mutation: Mutation) -> Statement:
 
     Stopping is always allowed, and so is driving where a push leaves room for it.
     """
-    stated, cuts = load_scenario("paper-simulation", {**STATED, **BY_SIDE}), dict[str, ca.SX]()
+    stated, cuts = load_scenario("paper-simulation", {**STATED, **BY_SIDE}), Cuts()
     graph = Governor(stated)
     goals, given = list[Relations](), list[Relations]()
     for axis, channel in enumerate(graph.channels):
@@ -132,7 +133,7 @@ def limits(mutation: Mutation) -> Statement:
             given.append(admits(b))
             goals.append(at_least(side[axis], mutation(0, b.V)))
             goals.append(above(ca.if_else(b.dbar < b.V, side[axis], 1)))
-    table = elements_of(*graph.system.inputs, *graph.system.state, *graph.system.params)
+    table = elements_of(*ports_of(graph.system))
     return Statement(table, goals, given, cuts)
 
 
@@ -154,7 +155,7 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     every["numbers are sound"] = step.graph.sound
     most, commands = mutation(1, 0.99) * step.limit, (step.graph.sent, step.graph.safe)
     goals = tuple(at_least(most, step.way * command[axis]) for command in commands)
-    return Statement(step.symbols, goals, given, every)
+    return Statement(step, goals, given, every)
 
 
 @claim(
@@ -171,9 +172,9 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
     """
     step = AssembledStep(side, axis)
     u, E = step.free.u, step.free.E
-    given = (step.given(mutation, drive(u, step.bounds)), at_least(step.limit, u))
+    given = step.given(mutation, drive(u, step.bounds)), at_least(step.limit, u)
     end = E * step.way * step.free.v + (1 - E) * step.free.mean
-    return Statement(step.symbols, at_least(step.bounds.V, end), given, step.cuts)
+    return Statement(step, at_least(step.bounds.V, end), given, step.cuts)
 
 
 def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
@@ -232,8 +233,8 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     sent, b = step.way * step.graph.safe[axis], step.bounds
     target = (drive, drive_back)[side](step.graph.safe[axis], b)
     within = at_least(step.limit, sent), between(-least, share, -most)
-    given = (step.given(mutation, target), within, step.slow, at_least(highest(sent, b), target))
+    given = step.given(mutation, target), within, step.slow, at_least(highest(sent, b), target)
     end = v + share * (step.free.mean - v)
     commands = {"sent command": step.graph.safe[axis], "other command": step.graph.safe[1 - axis]}
     cuts = step.cuts | commands | {"driven towards": target}
-    return Statement(step.symbols, at_least(step.graph.following[side][axis], end), given, cuts)
+    return Statement(step, at_least(step.graph.following[side][axis], end), given, cuts)

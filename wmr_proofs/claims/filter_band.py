@@ -50,14 +50,14 @@ class BandAxis(Named):
     def stated(self) -> Relations:
         """0 <= low <= high, and `faded`."""
         low, high = self.table.low, self.table.high
-        order = (part for i in range(self.size) for part in between(0, low[i], high[i]))
-        return (*order, self.faded)
+        order = [between(0, low[i], high[i]) for i in range(self.size)]
+        return order, self.faded
 
     @property
     def faded(self) -> Relations:
         """Left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
         shares = between(0, self.left, 1), between(0, self.fading, 1)
-        return (shares, at_least(self.tail), above(self.c))
+        return shares, at_least(self.tail), above(self.c)
 
 
 def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
@@ -128,7 +128,7 @@ class BandStep(BandAxis):
         younger = [at_least(own[i], high[i]) for i in range(own.numel() - 1)]
         younger += [at_least(own[-1], item) for item in last]
         steep = [at_least(item * (item - FLATTEST)) for item in over]
-        return (super().stated, younger, steep)
+        return super().stated, younger, steep
 
     def most(self, held: bool) -> ca.SX:
         """c'' for a constant command, c' if 0 follows."""
@@ -145,7 +145,7 @@ class BandStep(BandAxis):
     def inside(self, *parts: int) -> Relations:
         """Goals for v, and for -v with 0 sent."""
         stop = self.forecast.changed(ca.SX(0), self.table)
-        return (self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts))
+        return self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts)
 
 
 @claim("filter.band.least", given="any tables, forecast and command")
@@ -207,7 +207,7 @@ def stopped(mutation: Mutation, way: int, part: str) -> Statement:
     after = after.changed(ca.SX(0), a.table)
     parts = (*range(1, a.size), -1) if part == "tail" else (0,)
     goals = tuple(a.within(after, k, way, held=way > 0) for k in parts)
-    return Statement(a.symbols, goals, (a.stated, a.inside(behind), at_least(to), admitted))
+    return Statement(a, goals, (a.stated, a.inside(behind), at_least(to), admitted))
 
 
 @claim("filter.band.zero", given=f"{AFTER}; u >= 0; {INSIDE}")

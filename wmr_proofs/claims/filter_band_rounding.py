@@ -28,10 +28,10 @@ def _sizes(a: BandAxis) -> Relations:
     """Bounds of the known part and of both commands, in units of c."""
     s, c, numbers = a.symbols, a.c, range(a.size)
     columns = (s[f"{word}{i + 1}"] for word in ("over", "under") for i in numbers)
-    sizes = (*columns, s.past_over, s.past_under)
-    high = (at_least(5, a.table.high[i]) for i in numbers)
-    known = (part for item in sizes for part in within(item, 4 * c))
-    return (*high, within(s.u, 2 * c), within(s.to, 2 * c), *known)
+    sizes = *columns, s.past_over, s.past_under
+    high = [at_least(5, a.table.high[i]) for i in numbers]
+    known = [within(item, 4 * c) for item in sizes]
+    return high, within(s.u, 2 * c), within(s.to, 2 * c), known
 
 
 @claim(
@@ -47,10 +47,10 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     A change of the command leaves a computed forecast too low by at most 2^-46 of c.
     """
     a = BandAxis()
-    s, changed = a.symbols | symbols("e made"), a.forecast.changed(a.to, a.table)
+    s, changed = a | symbols("e made"), a.forecast.changed(a.to, a.table)
     known = bound_of(a.forecast, way)
     bounded = at_least(way * s.u + known + s.e, way * s.v), at_least(a.table.high[0], s.S)
-    given = (a.stated, _sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]), bounded)
+    given = a.stated, _sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]), bounded
     past, made = (s.past_over, changed.over) if way > 0 else (s.past_under, changed.under)
     most = way * s.to + past + s.made + s.e + mutation(1, 2.0**-9) * STEP * s.c
     goal = at_least(most, way * (s.v + (s.to - s.u) * s.S))
@@ -67,10 +67,10 @@ def tail(mutation: Mutation) -> Statement:
     Behind the tables the computed forecast is never too low.
     """
     a = BandAxis()
-    s = a.symbols | symbols("f made")
+    s = a | symbols("f made")
     after = a.forecast.changed(s.to, a.table).later(a.table)
     fades = at_least(s.fading, (1 + mutation(1, 0) * 2.0**-41) * s.f)
-    given = (above(s.f), fades, nonnegative(s.left, s.tail))
+    given = above(s.f), fades, nonnegative(s.left, s.tail)
     stays = s.f * (s.tail + abs(s.to - s.u) * s.left)
     return Statement(s, at_least(s.made, stays), given, computed={"made": after.tail})
 
@@ -93,7 +93,7 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     A command that is admitted by roundings is admitted without them for a hardly larger limit.
     """
     a = BandStep()
-    s, table = a.symbols | symbols("limit wider inverse slope"), a.table
+    s, table = a | symbols("limit wider inverse slope"), a.table
     wider, u, slope, inverse = s.wider, s.u, s.slope, s.inverse
     up = way > 0 or stops  # a fall that is held is a change the other way
     rooms = (a.forecast.rooms(c) for c in (a.most(not stops), wider))
@@ -154,7 +154,7 @@ def stays(mutation: Mutation) -> Statement:
     """
     s = symbols("rate time g made")
     x = s.rate * s.time
-    given = (nonnegative(s.rate, s.time, s.g), at_least(1, s.g * (1 + x + 0.5 * x * x)))
+    given = nonnegative(s.rate, s.time, s.g), at_least(1, s.g * (1 + x + 0.5 * x * x))
     goal = at_least(s.made, s.g * (1 + mutation(2.0**-41, 2.0**-39)))
     return Statement(s, goal, given, computed={"made": stays_of(s.rate, s.time)})
 
@@ -177,9 +177,9 @@ def fading(mutation: Mutation) -> Statement:
     kept = s.g * (1 + mutation(2.0**-41, 0))
     signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.r, s.p)
     shares = at_least(s.soonest, came * kept), at_least(s.stays, (1 - came) * kept)
-    given = (signs, at_least(s.reach, s.r), at_least(s.past, s.p), shares)
+    given = signs, at_least(s.reach, s.r), at_least(s.past, s.p), shares
     left = came * s.p + (1 - came) * s.r
-    goals = (at_least(s.made_reach, s.r * s.g * (1 + 2.0**-42)), at_least(s.made_past, left * s.g))
+    goals = at_least(s.made_reach, s.r * s.g * (1 + 2.0**-42)), at_least(s.made_past, left * s.g)
     computed = {"made_reach": after.reach, "made_past": after.past}
     return Statement(s, goals, given, computed=computed)
 
@@ -199,7 +199,7 @@ def reached(mutation: Mutation) -> Statement:
     none = ca.SX(0)
     after = Fading(s.reach, none, none).changed(change, s.furthest)
     listed = at_least(s.furthest, s.reached * (1 + mutation(1, 0) * 2.0**-41))
-    given = (nonnegative(s.r, s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)), listed)
+    given = nonnegative(s.r, s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)), listed
     goal = at_least(s.made, s.r + abs(change) * s.reached)
     return Statement(s, goal, given, computed={"made": after.reach})
 
@@ -218,6 +218,6 @@ def past(mutation: Mutation, way: int) -> Statement:
     s = symbols("c past held v made")
     bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c)
     v, most = way * (s.v - s.held), mutation(LEVEL, PAST + 2.0**-47) * s.c
-    given = (above(s.c), within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v))
+    given = above(s.c), within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v)
     goal = at_least(s.made, v)
     return Statement(s, goal, given, computed={"made": bounds[0 if way > 0 else 1]})

@@ -7,7 +7,7 @@ from wmr_ctrl.control.filter.forecast import PAST, Fading, spread_of, stays_of
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, at_least, between, equal, nonnegative, within
+from wmr_proofs.relation import Cuts, Relations, at_least, between, equal, nonnegative, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -24,7 +24,7 @@ BANDED = {
 """Settings for the structure of the band's graph; its numbers are symbols."""
 
 
-def _whole(axis: int) -> tuple[BandGovernor, Symbols, dict[str, ca.SX]]:
+def _whole(axis: int) -> tuple[BandGovernor, Symbols, Cuts]:
     """The band's graph, its inputs by name, and as cuts its ends and the remainder after a stop."""
     graph = BandGovernor(load_scenario("paper-simulation", BANDED))
     cuts = {f"end {i} {k}": end for i, pair in enumerate(graph.ends) for k, end in enumerate(pair)}
@@ -47,8 +47,8 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     graph, named, cuts = _whole(axis)
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
     ordered = tuple(at_least(most, least) for least, most in graph.ends)
-    stops = tuple(at_least(most) for most in graph.stopping)
-    given = (ordered, stops, equal(graph.sound, 1))
+    stops = nonnegative(*graph.stopping)
+    given = ordered, stops, equal(graph.sound, 1)
     return Statement(named, (at_least(high, u), at_least(u, low)), given, cuts)
 
 
@@ -67,9 +67,9 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
     """
     graph, named, cuts = _whole(axis)
     u = mutation(1, 1.1) * graph.sent[axis]
-    around = tuple(part for low, high in graph.ends for part in nonnegative(high, -low))
-    stops = tuple(at_least(most) for most in graph.stopping)
-    goals = (within(u, graph.stopping[axis]), at_least(u * graph.command[axis]))
+    around = [nonnegative(high, -low) for low, high in graph.ends]
+    stops = nonnegative(*graph.stopping)
+    goals = within(u, graph.stopping[axis]), at_least(u * graph.command[axis])
     return Statement(named, goals, (around, stops), cuts)
 
 
@@ -110,9 +110,9 @@ def fading(mutation: Mutation) -> Statement:
     after = known.aged(came, s.u, stays_of(s.rate, s.time), s.soonest)
     stays = at_least(1, s.g * (1 + x + 0.5 * x * x)), at_least(s.soonest, came * s.g)
     signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.rate, s.time, s.r, s.p)
-    given = (stays, signs, at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p))
+    given = stays, signs, at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p)
     left = came * s.p + (1 - came) * s.r
-    goals = (at_least(after.reach, mutation(1, 1.1) * s.r * s.g), at_least(after.past, left * s.g))
+    goals = at_least(after.reach, mutation(1, 1.1) * s.r * s.g), at_least(after.past, left * s.g)
     return Statement(s, goals, given)
 
 

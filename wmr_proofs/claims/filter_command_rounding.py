@@ -21,9 +21,18 @@ from wmr_ctrl.control.filter.clip import moved, ramp_shares
 from wmr_ctrl.control.filter.governor import FirstOrder, largest_command
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, between, nonnegative, positive, within
+from wmr_proofs.relation import (
+    Cuts,
+    Relations,
+    above,
+    at_least,
+    between,
+    nonnegative,
+    positive,
+    within,
+)
 from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Symbols, symbols
+from wmr_proofs.symbols import Named, Symbols, symbols
 
 BEYOND = 2.0**-50
 """Share of its limit by which roundings may carry v or omega beyond it."""
@@ -36,7 +45,7 @@ SLOWEST = 2.0**-20
 claim = Claims(by=Z3(), premises="assumption.libm")
 
 
-class Limited:
+class Limited(Named):
     """Symbols of v, omega and both wheels with their limits; ``on`` names those that are limited.
 
     ``body``: v and omega; ``wheels``; ``both``.  M is the largest limit of a wheel, in size;
@@ -58,11 +67,11 @@ class Limited:
     @property
     def stated(self) -> Relations:
         """Hypotheses: l > 0, each limit on its side of 0, wheel limits at most M in size."""
-        given = [above(self.symbols.l)]
+        given = [above(self.l)]
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             for size in (high, -low):
                 given.append(above(size))
-                given += [] if self.is_axis(channel) else [at_least(self.symbols.M, size)]
+                given += [] if self.is_axis(channel) else [at_least(self.M, size)]
         return tuple(given)
 
     def is_axis(self, channel: Channel) -> bool:
@@ -74,12 +83,12 @@ class Limited:
         kept = list[Relations]()
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             if self.is_axis(channel) == axes:
-                up, down = (high, -low) if axes else [self.symbols.M] * 2
+                up, down = (high, -low) if axes else [self.M] * 2
                 speed = channel.of(command)
                 kept += [at_least(high + spare * up, speed), at_least(speed, low - spare * down)]
         return tuple(kept)
 
-    def computed(self, command: ca.SX) -> dict[str, ca.SX]:
+    def computed(self, command: ca.SX) -> Cuts:
         """Expressions of v and omega."""
         return {"v": command[0], "omega": command[1]}
 
@@ -114,7 +123,7 @@ def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
         sent = scaled(a.asked, a.channels, *a.ends, scale)
     axes = a.kept(a.sent, mutation(0, -BEYOND), axes=True)
     goals = axes, a.kept(a.sent, mutation(1, 2.0**-6) * spare, axes=False)
-    return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
+    return Statement(a, goals, a.stated, computed=a.computed(sent))
 
 
 BESIDE = f"{GIVEN} of v, omega and the wheels, those of the wheels of at most M in size"
@@ -131,7 +140,7 @@ def beside(mutation: Mutation) -> Statement:
     made = stretched(a.asked, a.channels, *a.ends, "curvature")
     spare = mutation(1, 2.0**-6)
     goals = a.kept(a.sent, spare * BEYOND, axes=True), a.kept(a.sent, spare * RIM / 2, axes=False)
-    return Statement(a.symbols, goals, a.stated, computed=a.computed(made))
+    return Statement(a, goals, a.stated, computed=a.computed(made))
 
 
 @claim(
@@ -152,7 +161,7 @@ def beside_cut(mutation: Mutation) -> Statement:
     known = a.kept(a.sent, BEYOND, axes=True), a.kept(a.sent, RIM / 2, axes=False)
     spare = mutation(RIM, RIM / 2)
     goals = a.kept(sent, 0, axes=True), a.kept(sent, spare, axes=False)
-    return Statement(a.symbols, goals, (a.stated, known), a.computed(made))
+    return Statement(a, goals, (a.stated, known), a.computed(made))
 
 
 @claim(
@@ -180,7 +189,7 @@ def _slow(s: Symbols) -> Relations:
     """Hypothesis: previous and wanted command are within the limit, except for rounding."""
     hi = s.hi
     wanted = within(s.wanted, hi * (1 + BEYOND))
-    return (above(hi), within(s.last, hi * (1 + OVER)), wanted)
+    return above(hi), within(s.last, hi * (1 + OVER)), wanted
 
 
 @claim(
@@ -213,7 +222,7 @@ def slew_step(mutation: Mutation) -> Statement:
     most = s.slew * s.T
     (own,) = ramp_shares(s.last, s.wanted, most)
     quick = at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share)
-    given = (_slow(s), positive(s.slew, s.T), at_least(s.share), quick)
-    goals = (within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))
+    given = _slow(s), positive(s.slew, s.T), at_least(s.share), quick
+    goals = within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22)
     computed = {"own": own, "sent": moved(s.last, s.wanted, s.share)}
     return Statement(s, goals, given, computed=computed)

@@ -30,7 +30,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
 from wmr_proofs.traced import Traced, expression, functions_for_traced, traced
 
-from .common import BOTH_AXES, PRESET, scalars
+from .common import BOTH_AXES, PRESET, ports_of, scalars
 from .wheels_and_encoders import EffectGraph
 
 claim = Claims(by=Z3())
@@ -47,7 +47,7 @@ def pushed(g: EffectGraph) -> tuple[ca.SX, Symbols]:
     with functions_for_traced("wmr_ctrl.control.filter", but="wmr_ctrl.control.filter.hypotheses"):
         off = Bound(dbar=(push[0], push[1]), command=(error[0], error[1]))
         speeds = held_loop.push_speeds(scenario, off)
-    return exchanged(ca.vertcat(*map(expression, speeds)), trace.symbols, g.symbols), told
+    return exchanged(ca.vertcat(*map(expression, speeds)), trace.symbols, g), told
 
 
 @claim(
@@ -62,7 +62,7 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
 
     What filter.d has to cover: the speed at which pushes and errors of the command alone end.
     """
-    g = EffectGraph(SPEED_LOOP, BASE.items(), "robot clock")
+    g = EffectGraph(SPEED_LOOP, BASE, "robot clock")
     d, t = pushed(g)
     m, inertia, mu, r, l, gravity, v_s = (g[key] for key in KEYS)
     h, most, v = g["clock.plant"], g["actuator.tau_max"], ca.vertcat(g["v1"], g["omega"])
@@ -73,7 +73,7 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
     goes = h * (force[axis] + mutation * t[f"push{axis + 1}"]) / (m, inertia)[axis]
     way = -fades[axis] * (g[f"base.gain[{axis + 1}]"] * asked + d[axis] - v[axis])
     weak = [above(most, side * g.system.y[i]) for i in (0, 1) for side in (1, -1)]
-    given = (positive(m, inertia, r, l, v_s, h, *tau, *(-left for left in fades)), weak)
+    given = positive(m, inertia, r, l, v_s, h, *tau, *(-left for left in fades)), weak
     cuts = {"left1": fades[0], "left2": fades[1]}
     return g.states(equal(goes, way), given=given, cuts=cuts, more=t)
 
@@ -88,7 +88,7 @@ class HeldStep:
     def __init__(self, behind: bool) -> None:
         """Name the numbers; with ``behind`` the speed after the step is a symbol, too."""
         self.robot = robot = plant(load_scenario(PRESET))
-        t = scalars((*robot.inputs, *robot.state, *robot.params)) | symbols("step", "step")
+        t = scalars(ports_of(robot)) | symbols("step", "step")
         self.m, _, self.mu, r, l, self.g, self.v_s = (t[key] for key in KEYS)
         tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
         force, self.v, self.h = wheel_to_force(r, l, tau)[0] + t.thrust, t.v1, t.step
@@ -248,7 +248,7 @@ def held_share(mutation: Mutation) -> Statement:
 
     def inside(v: ca.SX, omega: ca.SX, less: ca.SX) -> Relations:
         rims = (v + way * t.l * omega for way in WAYS)
-        return (within(v, t.V - less), [within(rim, t.W - less) for rim in rims])
+        return within(v, t.V - less), [within(rim, t.W - less) for rim in rims]
 
     shares = between(0, t.held, 1), between(1 - t.held, t.share, 1), between(0, t.q, 1)
     before = inside(t.v, t.omega, ca.SX(0)), inside(t.to, t.turn_to, d)

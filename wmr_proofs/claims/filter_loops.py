@@ -15,7 +15,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
 from .command_filter import COMMANDS
-from .common import elements_of
+from .common import elements_of, ports_of
 from .filter_assembled import STATED
 
 claim = Claims(by=Z3())
@@ -32,8 +32,8 @@ def wheel_box(mutation: Mutation) -> Statement:
     t = symbols("v omega V Omega l", "V Omega l")
     top = mutation(1, 1.01) * ca.fmin(t.V, t.l * t.Omega)
     rims = [t.v + way * t.l * t.omega for way in WAYS]
-    given = [above(t.l), *(part for rim in rims for part in within(rim, top))]
-    goals = (within(t.v, t.V), within(t.omega, t.Omega))
+    given = above(t.l), [within(rim, top) for rim in rims]
+    goals = within(t.v, t.V), within(t.omega, t.Omega)
     return Statement(t, goals, given)
 
 
@@ -60,9 +60,9 @@ def in_time(mutation: Mutation) -> Statement:
     named = elements_of(graph.elapsed, count, *graph.p.ports) | symbols("since")
     since = named["since"]
     either = nonnegative(came * (came - 1), came * (1 - came))
-    given = (at_least(since), equal(count.sym, ca.fmin(since, most)), either)
+    given = at_least(since), equal(count.sym, ca.fmin(since, most)), either
     then = mutation(1, 2) * came * (since + 1)
-    goals = (equal(graph.in_time[0], ca.fmin(then, most)), equal(graph.punctual, then >= most))
+    goals = equal(graph.in_time[0], ca.fmin(then, most)), equal(graph.punctual, then >= most)
     return Statement(named, goals, given, {"came": came})
 
 
@@ -90,7 +90,7 @@ def least(mutation: Mutation) -> Statement:
     """
     clip = Clip(stated := load_scenario("paper-simulation", SMALL))
     graph = for_base(clip.system, stated)
-    named = elements_of(*graph.inputs, *graph.state, *graph.params)
+    named = elements_of(*ports_of(graph))
     given, goals, cuts = list[Relations](), list[Relations](), {"sound": clip.sound}
     rest, way = ca.vertsplit(graph.x, 2)
     for axis, limit in enumerate(clip.limits):

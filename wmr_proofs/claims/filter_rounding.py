@@ -13,7 +13,7 @@ from wmr_ctrl.control.filter.governor import FirstOrder, drive, largest_command,
 from wmr_ctrl.control.filter.governor_step import contradiction
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, between, when, within
+from wmr_proofs.relation import Number, Relations, above, at_least, between, when, within
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -39,7 +39,7 @@ def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:
     return s, FirstOrder(**{name: s[name] for name in NUMBERS.split()})
 
 
-def _computed(value: ca.SX, exact: ca.SX, off: ca.SX | float = 0.0) -> Relations:
+def _computed(value: ca.SX, exact: ca.SX, off: Number = 0.0) -> Relations:
     """A computed exponential of a time whose relative error is ``off``."""
     return between((1 - LIBM) * exact - off, value, (1 + LIBM) * exact + off)
 
@@ -88,7 +88,7 @@ def carried_on(mutation: Mutation) -> Statement:
     s = symbols("V w target share next", "V")
     V, way = s.V, s.share * (s.target - s.w)
     made = relaxed(s.w, s.target, s.share, s.share)
-    given = (above(V), between(0, s.share, 2), within(s.w, 2 * V), within(way, 8 * V))
+    given = above(V), between(0, s.share, 2), within(s.w, 2 * V), within(way, 8 * V)
     most = mutation(1, 2.0**-6) * MARGIN * V
     goals = within(s.next - (s.w + way), most)
     return Statement(s, goals, given, computed={"next": made})
@@ -216,7 +216,7 @@ def odometry(mutation: Mutation) -> Statement:
     """
     s, b = _numbers("v y sum")
     V, slack = b.V, SLACK * b.V
-    given = (above(V), at_least(b.nbar), within(s.v, V + slack))
+    given = above(V), at_least(b.nbar), within(s.v, V + slack)
     known = at_least(s.y + b.nbar, s.v)
     goal = at_least(ca.fmin(s.sum, V) + mutation(1, -1) * slack, s.v)
     return Statement(s, goal, (given, known), computed={"sum": s.y + b.nbar})
@@ -237,6 +237,6 @@ def agrees(mutation: Mutation) -> Statement:
     V, off = s.V, (SLACK + s.n * PIECE) * s.V * mutation(1, 2**14)
     sizes = at_least(2.0**16, s.n), at_least(s.n), at_least(V, s.above), at_least(V, s.below)
     bounds = at_least(s.above + off, s.v), at_least(s.below + off, -s.v)
-    given = (above(V), sizes, bounds)
+    given = above(V), sizes, bounds
     computed = {"sum": s.above + s.below, "least": -contradiction(V)}
     return Statement(s, at_least(s.sum, s.least), given, computed=computed)

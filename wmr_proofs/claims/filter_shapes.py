@@ -17,6 +17,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
+    Cuts,
     Relations,
     above,
     at_least,
@@ -31,7 +32,7 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
 from .command_filter import COMMANDS, INTERVALS
-from .common import elements_of
+from .common import elements_of, ports_of
 from .filter_assembled import ALIKE, STATED
 from .filter_band_times import BANDED
 from .filter_loops import LINEAR, SLOW
@@ -64,7 +65,7 @@ def named_for(table: Symbols, scale: str) -> Symbols:
 
 def _arms(channels: list[Channel]) -> Relations:
     """The half track of each wheel is positive."""
-    return tuple(above(channel.arm) for channel in channels if channel.ways[1])
+    return [above(channel.arm) for channel in channels if channel.ways[1]]
 
 
 @claim(
@@ -79,11 +80,11 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
 
     Nothing bypasses the filter, whichever speeds it limits and however it scales.
     """
-    table, cuts = Symbols(), dict[str, ca.SX]()
+    table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for scale in scales:
         graph = governor({**more, "filter.scale": scale})
-        ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
+        ports = ports_of(graph.system)
         table |= named_for(elements_of(*ports), scale)
         limits = [
             (f"limit {side} {i} {scale}", limit)
@@ -91,7 +92,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
             for i, limit in enumerate(own)
         ]
         cuts |= {**dict(limits), f"numbers are sound {scale}": graph.sound}
-        given += [*(above(limit) for _, limit in limits), _arms(graph.channels)]
+        given += positive(*(limit for _, limit in limits)), _arms(graph.channels)
         for side, way in enumerate(WAYS):
             for channel, limit in zip(graph.channels, graph.limits[side], strict=True):
                 most = mutation(1, 0.99) * limit
@@ -112,7 +113,7 @@ def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str,
 
     Whatever is asked for, commands stay within what the loop's gain admits, at the wheels as well.
     """
-    table, cuts = Symbols(), dict[str, ca.SX]()
+    table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for loop, stated in (("first", STATED | {"filter.kind": "clip"}), ("linear", LINEAR)):
         for scale in scales if more else ("curvature", *scales):
@@ -122,7 +123,7 @@ def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str,
             name = f"{scale} {loop}"
             table |= named_for(elements_of(clip.asked, *clip.p.ports), name)
             cuts[f"numbers are sound {name}"] = clip.sound
-            given += [*(above(limit) for limit in clip.limits), _arms(clip.channels)]
+            given += positive(*clip.limits), _arms(clip.channels)
             for i, (channel, limit) in enumerate(zip(clip.channels, clip.limits, strict=True)):
                 cuts[f"limit {i} {name}"] = limit
                 goals += within(channel.of(clip.sent), mutation(1, 0.99) * limit)
@@ -141,7 +142,7 @@ def slew_together(mutation: Mutation) -> Statement:
 
     Commands stay within their limit and change no faster than stated, whatever is asked for.
     """
-    table, cuts = Symbols(), dict[str, ca.SX]()
+    table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for scale in ("curvature", "axes", "turn", "drive"):
         clip = Clip(load_scenario("paper-simulation", SLOW | {"filter.scale": scale}))
@@ -149,7 +150,7 @@ def slew_together(mutation: Mutation) -> Statement:
         (before,), slew = clip.last, clip.p.take("filter.slew")
         cuts |= {f"numbers are sound {scale}": clip.sound}
         cuts |= {f"limit {i} {scale}": limit for i, limit in enumerate(clip.limits)}
-        given += [*(above(item) for item in (*ca.vertsplit(slew), *clip.limits, clip.T))]
+        given += positive(*ca.vertsplit(slew), *clip.limits, clip.T)
         given.append(equal(clip.sound, 1))
         goals += between(0, clip.time, clip.T)
         for i, limit in enumerate(clip.limits):
@@ -181,12 +182,12 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
 
     Nothing bypasses the filter: no command and no scaling of the other axis.
     """
-    table, cuts = Symbols(), dict[str, ca.SX]()
+    table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for number, stated in enumerate(shapes):
         graph = BandGovernor(load_scenario("paper-simulation", dict(stated)))
         system = graph.system
-        ports = elements_of(*system.inputs, *system.state, *system.params)
+        ports = elements_of(*ports_of(system))
         table |= named_for(ports, str(number))
         cuts[f"sound {number}"] = graph.sound
         given.append(equal(graph.sound, 1))
@@ -230,7 +231,7 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     """
     graph, way = governor(more), WAYS[side]
     f = symbols("v1 v2 u K d1 d2 E kappa gone")
-    ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
+    ports = ports_of(graph.system)
     p = {port.signal.name: port.sym for port in ports}
     push, error, gain = (p[f"filter.{name}"] for name in ("d", "odometry", "gain"))
     T, tau = graph.T, p["filter.tau"]
@@ -239,9 +240,10 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     kappa, most, least = cuts.values()
     seen, came = graph.age.sym >= -NEAR * T, _timely(graph)
     given: list[Relations] = [
-        positive(p["robot.l"], T, gain[0], f.kappa), nonnegative(*ca.vertsplit(push), *ca.vertsplit(error)), equal(f.kappa, kappa), equal(f.gone, most),
-        equal(-f.kappa * f.gone, 1 + f.gone), positive(-least, 1 + most), at_least(least, most),
-        between(1 + most, f.E, 1),
+        positive(p["robot.l"], T, gain[0], f.kappa),
+        nonnegative(*ca.vertsplit(push), *ca.vertsplit(error)), equal(f.kappa, kappa),
+        equal(f.gone, most), equal(-f.kappa * f.gone, 1 + f.gone), positive(-least, 1 + most),
+        at_least(least, most), between(1 + most, f.E, 1),
     ]  # fmt: skip
     for i, v in enumerate((f.v1, f.v2)):
         given += when(seen, within(graph.odometry.sym[i] - v, error[i]))
@@ -288,8 +290,8 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     A command may act for longer than a period, and the filter counts on that.
     """
     graph = governor(more)
-    ports = (*graph.system.inputs, *graph.system.state, *graph.system.params)
-    table, cuts = elements_of(*ports), dict[str, ca.SX]()
+    ports = ports_of(graph.system)
+    table, cuts = elements_of(*ports), Cuts()
     T, goals, given = graph.T, list[Relations](), list[Relations]([above(graph.T)])
     seen = graph.age.sym >= -NEAR * T
     for axis, motion in enumerate(graph.motions[0]):

@@ -204,8 +204,9 @@ def real(mutation: Mutation) -> Statement:
     ]
     given = (
         at_least(t.A_1), between(mutation(1, 0.9) * t.A_1, t.a, t.A_2), at_least(t.D, t.A_2),
-        at_least(t.q_2), between(t.q_2, t.q, t.q_1), at_least(1, t.q_1), between(0, t.d, t.w), at_least(t.m, t.d), at_least(t.w, t.v), between(0, t.a_B, t.A_B),
-        at_least(t.B, t.A_B), at_least(t.m * t.D + (t.v - t.m) * t.a, t.x_2),
+        at_least(t.q_2), between(t.q_2, t.q, t.q_1), at_least(1, t.q_1), between(0, t.d, t.w),
+        at_least(t.m, t.d), at_least(t.w, t.v), between(0, t.a_B, t.A_B), at_least(t.B, t.A_B),
+        at_least(t.m * t.D + (t.v - t.m) * t.a, t.x_2),
         at_least(t.v + t.q * (t.m - t.v), t.v_3),
         at_least(ca.fmax(t.v_3 - t.d, 0) * t.a_B + t.d * t.B, t.x_3), at_least(t.A_2, t.A_1),
     )  # fmt: skip

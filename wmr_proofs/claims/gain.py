@@ -22,7 +22,7 @@ from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Point, Ring, Table
 from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.relation import Relations, above, at_least, equal, positive
+from wmr_proofs.relation import Cuts, Relations, above, at_least, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -203,9 +203,9 @@ def covered(mutation: Mutation) -> Statement:
     b, B = u1 - u2, u1 + abs(c)
     root = ca.sqrt(b / (u1 - v))
     e = root - 3 - mutation(2, 5) * b * B
-    goals = (above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v))
-    given = (above(u2), above(u1, u2), above(u1, v), above(k), at_least(v, level(c, u1, u2, k)))
-    return Statement(a.symbols | {"k": k}, goals, given)
+    goals = above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v)
+    given = above(u2), above(u1, u2), above(u1, v), above(k), at_least(v, level(c, u1, u2, k))
+    return Statement(a | {"k": k}, goals, given)
 
 
 @claim(
@@ -228,12 +228,12 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
     """
     law = LawGraph("mb", ("gains.mb.barrier", form))
     mass, friction = law.own(law.context.mass), law.own(law.context.friction)
-    every, cuts = dict(law.symbols), dict[str, ca.SX]()
+    every, cuts = dict(law), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for axis in (0, 1):
         t = symbols(" ".join(f"{name}{axis + 1}" for name in f"A J D {INNER}".split()))
         A, J, D, quotient, _, _, c_dot = t.values()
-        rho = law.symbols[f"gains.mb.rho[{axis + 1}]"]
+        rho = law[f"gains.mb.rho[{axis + 1}]"]
         cuts |= {f"{name}{axis + 1}": part for name, part in law.parts(axis, INNER).items()}
         cuts[f"friction{axis + 1}"] = friction[axis]
         nominal = acceleration(mass[axis], law.force[axis], friction[axis])

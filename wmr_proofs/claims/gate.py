@@ -15,11 +15,11 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, equal, within
+from wmr_proofs.relation import Cuts, Relations, above, at_least, equal, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, exchanged
 
-from .common import elements_of, named_ports
+from .common import elements_of, named_ports, ports_of
 from .filter_assembled import STATED as OF_GOVERNOR
 from .filter_shapes import SHAPES, named_for
 
@@ -49,7 +49,7 @@ class GateStep:
         """Read the graph."""
         scenario = load_scenario("paper-simulation", STATED)
         self.system, self.goal = gate.gate_and_goal(scenario, SETTINGS)
-        ports = (*self.system.inputs, *self.system.state, *self.system.params)
+        ports = ports_of(self.system)
         self.ports = {item.signal: item.sym for item in ports}
         self.symbols, self.sent = elements_of(*ports), self.system.outputs[0].expr
         T, elapsed = ca.SX(scenario.clock.control), self[gate.ELAPSED]
@@ -127,7 +127,7 @@ def latched(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     after = g.system.update[-3]
-    given = (g.sound, above(g[gate.LATCHED]), at_least(-g[gate.RESET]))
+    given = g.sound, above(g[gate.LATCHED]), at_least(-g[gate.RESET])
     return Statement(g.symbols, (g.falling(mutation), equal(after, 1)), given)
 
 
@@ -157,12 +157,12 @@ def inside_shapes(
 
     The gate sends what the clip could have sent, whichever speeds that limits.
     """
-    table, cuts = Symbols(), dict[str, ca.SX]()
+    table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
     for scale in scales:
         scenario = load_scenario("paper-simulation", {**STATED, **more, "filter.scale": scale})
         (system, goal), clip = gate.gate_and_goal(scenario, SETTINGS), Clip(scenario)
-        ports = (*system.inputs, *system.state, *system.params)
+        ports = ports_of(system)
         table |= named_for(elements_of(*ports), scale)
         sent = ca.SX.sym("sent", 2)
         speeds = [channel.of(sent) for channel in clip.channels]
@@ -187,8 +187,8 @@ class BehindGovernor:
         scenario = load_scenario("paper-simulation", OF_GOVERNOR)
         system, self.goal = gate.gate_and_goal(scenario, SETTINGS)
         self.governor = own = Governor(scenario)
-        self.ports = (*system.inputs, *system.state, *system.params)
-        inner = (*own.system.inputs, *own.system.state, *own.system.params)
+        self.ports = ports_of(system)
+        inner = ports_of(own.system)
         both = named_ports(*inner), named_ports(*self.ports)
         limits = ca.vertcat(*(ca.vertcat(*side) for side in own.limits))
         self.limits, self.sent = exchanged(limits, *both), system.outputs[0].expr

@@ -22,7 +22,7 @@ from wmr_proofs.relation import (
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, symbols
 
-from .common import PRESET, scalars
+from .common import PRESET, ports_of, scalars
 from .guard_axis import EACH, LATE, NUMBERS, GuardAxis
 from .guard_sample import NUMBERS_FREE
 
@@ -37,7 +37,7 @@ def axes(mutation: Mutation) -> Statement:
     What is proved for one axis holds for both.
     """
     one, two = GuardAxis(), GuardAxis()
-    table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a.symbols}
+    table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a}
     both = Bounds(**{name: ca.vertcat(one[name], two[name]) for name in NUMBERS.split()})
     result = guarded(ca.vertcat(one.asked, two.asked), ca.vertcat(one.y, two.y), both)
     goals = list[Relations]()
@@ -79,7 +79,7 @@ def simulated(mutation: Mutation) -> Statement:
     u1 by that much.
     """
     robot = plant(load_scenario(PRESET))
-    t = scalars((*robot.inputs, *robot.state, *robot.params)) | symbols("step", "step")
+    t = scalars(ports_of(robot)) | symbols("step", "step")
     m, inertia, mu, r, half, g, v_s = (t[key] for key in KEYS)
     tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
     push = wheel_to_force(r, half, tau) + ca.vertcat(t.thrust, t.moment)
@@ -89,7 +89,7 @@ def simulated(mutation: Mutation) -> Statement:
     slow = t.step * (abs(push[0]) + mutation(2, -1) * friction) / m
     turned = equal(after[1], t.omega + t.step * push[1] / inertia)
     goals = at_least(ca.fmax(driven, slow), after[0]), turned
-    given = (positive(m, inertia, r, half, g, v_s, t.step), at_least(mu))
+    given = positive(m, inertia, r, half, g, v_s, t.step), at_least(mu)
     return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
 
 
@@ -113,8 +113,8 @@ def not_blamed(mutation: Mutation) -> Statement:
     errors = [at_least(b.nbar, side * t[name]) for side in (1, -1) for name in ("e_new", "e_old")]
     ahead = (above(ca.fmin(way * y, way * before), b.nbar), at_least(t.drag))
     least = least_push(y, before, a.asked, b)
-    given = (a.feasible(), a.during(), errors, ahead)
-    return Statement(a.symbols | t, at_least(ca.fmax(t.push, 0), least), given)
+    given = a.feasible(), a.during(), errors, ahead
+    return Statement(a | t, at_least(ca.fmax(t.push, 0), least), given)
 
 
 @claim("guard.monitor-quiet", given="any bounds with T, M_min > 0, nbar >= 0")
@@ -127,8 +127,8 @@ def quiet(mutation: Mutation) -> Statement:
     b, old = a.bounds, ca.SX.sym("old")
     least = least_push(a.y, old, a.asked, b)
     same = ca.fmax(ca.fmin(a.y, old), -ca.fmax(a.y, old)) - mutation(0, 1)
-    given = (positive(b.period, b.M_min), at_least(b.nbar), at_least(b.nbar, same))
-    return Statement(a.symbols | {"old": old}, equal(least), given)
+    given = positive(b.period, b.M_min), at_least(b.nbar), at_least(b.nbar, same)
+    return Statement(a | {"old": old}, equal(least), given)
 
 
 @claim(
@@ -148,7 +148,7 @@ def sharp(mutation: Mutation) -> Statement:
     least = least_push(y, t.old, a.asked, b)
     exact = (equal(b.nbar), equal(b.M_max, b.M_min), positive(b.M_min, b.period))
     ahead = (above(ca.fmin(way * y, way * t.old)), at_least(t.push))
-    return Statement(a.symbols | t, equal(least, mutation * t.push), (exact, ahead))
+    return Statement(a | t, equal(least, mutation * t.push), (exact, ahead))
 
 
 SINCE = Since(
@@ -188,7 +188,7 @@ def late(mutation: Mutation) -> Statement:
             moved = b.M_min * (way * (a.y - old) - 2 * b.nbar) / b.period
             begun = b.M_min * (way * a.y - b.nbar) / b.period
             given.append(at_least(ca.fmax(mean - moved, rest - begun)))
-    return Statement(a.symbols | t, goals, given)
+    return Statement(a | t, goals, given)
 
 
 BOX = (
@@ -209,28 +209,26 @@ class MappedWheels(Named):
 
     def pair(self, name: str) -> ca.SX:
         """Both axes of one quantity."""
-        return ca.vertcat(self.symbols[f"{name}1"], self.symbols[f"{name}2"])
+        return ca.vertcat(self[f"{name}1"], self[f"{name}2"])
 
     def within(self, force: ca.SX) -> Relations:
         """``force`` is in the box."""
         lo, hi = self.pair("lo"), self.pair("hi")
-        return tuple(part for i in (0, 1) for part in between(lo[i], force[i], hi[i]))
+        return [between(lo[i], force[i], hi[i]) for i in (0, 1)]
 
     def reached(self, force: ca.SX) -> Relation:
         """``force`` is within the wheels' reach."""
-        t = self.symbols
-        return at_least(t.phi, abs(force[0]) + abs(force[1]) / t.half)
+        return at_least(self.phi, abs(force[0]) + abs(force[1]) / self.half)
 
     @property
     def given(self) -> Relations:
         """The hypotheses."""
-        t = self.symbols
-        sides = positive(t.half, t.phi, t.r)
-        return (sides, self.within(self.pair("force")), self.reached(self.safe))
+        sides = positive(self.half, self.phi, self.r)
+        return sides, self.within(self.pair("force")), self.reached(self.safe)
 
     def mapped(self, name: str, safe: ca.SX) -> ca.SX:
         """Output of a map for the force."""
-        return MAPS[name](self.pair("force"), self.symbols.phi, self.symbols.half, safe)
+        return MAPS[name](self.pair("force"), self.phi, self.half, safe)
 
 
 map_claim = Claims(by=Z3())
@@ -259,12 +257,12 @@ def necessary(mutation: Mutation) -> Statement:
     """
     # At v = (u1, u1) a safe force has F + dbar1 <= 0 and N + dbar2 <= 0: some torque is larger.
     w = MappedWheels()
-    t = w.symbols | symbols("dbar1 dbar2")
+    t = w | symbols("dbar1 dbar2")
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
     largest = ca.fmax(abs(torque[0]), abs(torque[1]))
     tight = above(t.dbar1 + t.dbar2 / t.half, mutation(1, 0.99) * t.phi)
     held = [at_least(-t[f"force{i}"], t[f"dbar{i}"]) for i in (1, 2)]
-    signs = (nonnegative(t.dbar1, t.dbar2), positive(t.half, t.r))
+    signs = nonnegative(t.dbar1, t.dbar2), positive(t.half, t.r)
     return Statement(t, above(largest, t.phi * t.r / 2), (signs, held, tight))
 
 
@@ -276,7 +274,7 @@ def mapped(mutation: Mutation, name: str) -> Statement:
     """
     w = MappedWheels()
     found = w.mapped(name, mutation(w.safe, ca.SX.zeros(2)))
-    return Statement(w.symbols, (w.within(found), w.reached(found)), w.given)
+    return Statement(w, (w.within(found), w.reached(found)), w.given)
 
 
 @map_claim("wheels.per-wheel", given=BOX)

@@ -11,7 +11,17 @@ import casadi as ca
 
 from wmr_ctrl.control.guard.delay import InFlight, Lagging, in_flight, largest_force
 from wmr_ctrl.control.guard.guard import Bounds, ceiling, clipped, floor, room
-from wmr_proofs.relation import Relation, Relations, above, at_least, between, within
+from wmr_proofs.relation import (
+    Cuts,
+    Number,
+    Relation,
+    Relations,
+    above,
+    at_least,
+    between,
+    nonnegative,
+    positive,
+)
 from wmr_proofs.symbols import Named, symbols
 
 AT_ONCE, DELAYED, LATE, LAGGING = range(4)
@@ -56,7 +66,7 @@ class GuardAxis(Named):
 
     def __call__(self, name: str, way: int) -> ca.SX:
         """The symbol of one direction."""
-        return self.symbols[name + ("ahead" if way > 0 else "back")]
+        return self[name + ("ahead" if way > 0 else "back")]
 
     @property
     def again(self) -> InFlight:
@@ -101,12 +111,12 @@ class GuardAxis(Named):
         return room(self.y, b, coming), room(-self.y, b, coming and coming.mirrored)
 
     @property
-    def cuts(self) -> dict[str, ca.SX]:
+    def cuts(self) -> Cuts:
         """Caps as free numbers that satisfy `capped`."""
         return {"brakes": self.bounds.braking, "largest": self.largest} if self.lateness else {}
 
     @property
-    def rooms(self) -> dict[str, ca.SX]:
+    def rooms(self) -> Cuts:
         """Caps and, if the room has several lines, rooms as free numbers."""
         rooms = dict(zip(("room_ahead", "room_back"), self.left, strict=True))
         return self.cuts if self.lateness < LATE else self.cuts | rooms
@@ -130,11 +140,16 @@ class GuardAxis(Named):
         return way * self.force(self.asked) + self.net
 
     @property
-    def _signs(self) -> Relations:
+    def signs(self) -> Relations:
+        """Signs of the numbers."""
         b, late = self.bounds, [self.delay] if self.lateness else []
-        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, *late)]
-        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
-        return (positive, not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed))
+        others = nonnegative(b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)
+        return positive(b.u1, b.period, b.M_min, b.alpha, *late), others
+
+    @property
+    def _ordered_signs(self) -> Relations:
+        b = self.bounds
+        return self.signs, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed)
 
     @property
     def _times(self) -> Relations:
@@ -148,7 +163,7 @@ class GuardAxis(Named):
         """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1, order of times; nothing on dbar."""
         b = self.bounds
         quick = at_least(ca.SX(faster), b.alpha * b.period)
-        return (self._signs, quick, at_least(b.u1, 2 * b.nbar), self._times)
+        return self._ordered_signs, quick, at_least(b.u1, 2 * b.nbar), self._times
 
     def feasible(self, pushed: float = 1, faster: float = 1) -> Relations:
         """The theorem's hypotheses; factors above 1 relax the first and alpha T <= 1."""
@@ -158,7 +173,7 @@ class GuardAxis(Named):
         known = at_least(ca.SX(faster), b.alpha * b.period), at_least(pushed * have, need)
         brakes = at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net)
         spread = [] if self.both_act.is_zero() else [self.spread]
-        return (self._signs, known, brakes, self._times, spread)
+        return self._ordered_signs, known, brakes, self._times, spread
 
     @property
     def spread(self) -> Relation:
@@ -203,7 +218,7 @@ class GuardAxis(Named):
         if not self.lateness:
             return self.feasible(more)
         sums = self.moving if self.lateness < LATE else ()
-        return (self.stated, sums, self.enough((self.room_ahead, self.room_back), more))
+        return self.stated, sums, self.enough((self.room_ahead, self.room_back), more)
 
     @property
     def measured(self) -> Relations:
@@ -214,7 +229,7 @@ class GuardAxis(Named):
     @property
     def inside(self) -> Relations:
         """|v| <= u1."""
-        return within(self.v, self.u1)
+        return at_least(self.u1, self.v), at_least(self.v, -self.u1)
 
     @property
     def moving(self) -> Relations:
@@ -237,22 +252,22 @@ class GuardAxis(Named):
         mean = ca.fmax(way * self.v, speed) + self("", way)
         return mean if self.lateness < LATE else ca.fmax(mean, speed + self("rest_", way))
 
-    def seen(self, way: int, more: ca.SX | float = 0, during: Relations = ()) -> Relations:
+    def seen(self, way: int, more: Number = 0, during: Relations = ()) -> Relations:
         """Hypotheses on `start`; ``more``: the addition by a broken bound until then."""
         if not self.lateness:
-            return (self.measured, during)
+            return self.measured, during
         most, arrived = self.reached(way) + more, self.arrived
         arrives = (at_least(most, arrived), at_least(arrived, self.f_speed))
-        return (self.measured, during, self.moving, arrives)
+        return self.measured, during, self.moving, arrives
 
-    def start(self, way: int, more: ca.SX | float = 0) -> ca.SX:
+    def start(self, way: int, more: Number = 0) -> ca.SX:
         """v+ where the new command takes over, ``since`` later; way v where nothing is late."""
         if self.lateness < LATE:
             return self.arrived if self.lateness else way * self.v
         push = ca.fmax(way * self.sent + self.net + more, 0)
         return self.arrived + self.since * push / self.mass
 
-    def then(self, way: int, more: ca.SX | float = 0) -> ca.SX:
+    def then(self, way: int, more: Number = 0) -> ca.SX:
         """Comparison bound of v+ t after the new command has taken over."""
         start, push = self.start(way, more), ca.fmax(self.push(way) + more, 0)
         start = start if self.lateness else ca.fmax(start, self.f_speed)
@@ -261,14 +276,14 @@ class GuardAxis(Named):
     def kept(self, way: int, longer: float) -> Relations:
         """Goal: inside stays inside; a factor above 1 enlarges alpha T or the acting force."""
         if not self.lateness:
-            return (self.feasible(1, longer), self.measured, self.inside, self.during())
+            return self.feasible(1, longer), self.measured, self.inside, self.during()
         u1, arrived, brakes = self.u1, self.arrived, at_least(self.bounds.braking, self.net)
         limits = (at_least(u1, self.start(way)), at_least(self.hi, self.lo))
         if self.lateness < LATE:
-            return (self.sound(longer), brakes, self.seen(way, 0, self.during()), limits)
+            return self.sound(longer), brakes, self.seen(way, 0, self.during()), limits
         lines = self.lines(way, self("room_", way), u1 - arrived)
-        known = (self.during(longer), at_least(arrived, self.f_speed), lines)
-        return (self.sound(), brakes, known, limits)
+        known = self.during(longer), at_least(arrived, self.f_speed), lines
+        return self.sound(), brakes, known, limits
 
     def beyond(self, way: int) -> ca.SX:
         """Excess of v+ where the new command takes over."""
@@ -278,13 +293,13 @@ class GuardAxis(Named):
         """Hypotheses past u1."""
         beyond, ordered = self.beyond(way), self.ordered(way)
         if self.lateness < LATE:
-            return (self.stated, self.seen(way, 0, during), above(beyond), ordered)
+            return self.stated, self.seen(way, 0, during), above(beyond), ordered
         if self.lateness < LAGGING:
-            return (self.stated, self.seen(way), self.during(), above(beyond), ordered)
+            return self.stated, self.seen(way), self.during(), above(beyond), ordered
         u1, most, again = self.u1, self.arrived, self.lasts(way)[2] / self.M_min
         past = above(beyond), at_least(most + again - u1, beyond)
         left = at_least(u1 - most - again, self("room_", way)), at_least(self.hi, self.lo)
-        return (self.stated, past, left)
+        return self.stated, past, left
 
     def ordered(self, way: int) -> Relations:
         """lo <= hi; forwards nothing depends on it, since the clip to hi is the last."""

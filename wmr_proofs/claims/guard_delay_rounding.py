@@ -14,7 +14,7 @@ from wmr_ctrl.control.guard.delay import largest_force
 from wmr_ctrl.control.guard.guard import floor
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, Relations, at_least, between, nonnegative, positive
+from wmr_proofs.relation import Cuts, Relation, Relations, at_least, between, nonnegative, positive
 from wmr_proofs.statement import UNIT, Statement
 
 from . import guard_delay_sums as sums
@@ -52,7 +52,7 @@ class QueuedAxis(RoundedAxis):
         self.over = (16 + 8 * (1 + self.waits)) * UNIT * self.reach
 
     @property
-    def caps(self) -> dict[str, ca.SX]:
+    def caps(self) -> Cuts:
         """The computed caps, as free numbers that satisfy `bounded`."""
         return {"brakes": self.aimed.braking, "largest": largest_force(self.aimed)}
 
@@ -86,14 +86,14 @@ class QueuedAxis(RoundedAxis):
         need = (1 + self.waits) * (2 * ca.fmax(self.net, 0) + 8 * room)
         have = self.slope * (self.u1 - self.f_speed)
         brakes = at_least(self.brake, abs(self.net) + 5 * room)
-        return (at_least(have, need), brakes, at_least(self.waits, 2.0**-6), self.counts)
+        return at_least(have, need), brakes, at_least(self.waits, 2.0**-6), self.counts
 
     @property
     def bounded(self) -> Relations:
         """Bounds on the brakes and the largest command."""
         room, brakes, largest = 2 * self.held_back * self.reach, self.brakes, self["largest"]
         least = at_least(brakes), at_least(brakes, abs(self.net) + room)
-        return (least, at_least(largest), at_least(largest, self.net + room))
+        return least, at_least(largest), at_least(largest, self.net + room)
 
     def arrives(self, way: int) -> Relations:
         """arrived <= max(way v, f_speed) + the computed push under way, and <= u1."""
@@ -138,9 +138,9 @@ def brakes(mutation: Mutation) -> Statement:
     a = QueuedAxis()
     least = abs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
     share = (a.brakes + a.net) * (1 + a.waits)
-    goals = (at_least(a.brakes, least), at_least(a.aim + a.over, share))
+    goals = at_least(a.brakes, least), at_least(a.aim + a.over, share)
     computed = {"brakes": a.aimed.braking}
-    return Statement(a.symbols, goals, (a.stated, a.met), computed=computed)
+    return Statement(a, goals, (a.stated, a.met), computed=computed)
 
 
 @claim("guard.delay.rounding.largest", given=f"{RANGE}; {MET}{ROUNDS}", aim=AIM)
@@ -154,8 +154,8 @@ def largest(mutation: Mutation) -> Statement:
     both, off = _sum(a)
     off = mutation(1, 0.1) * off
     computed = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
-    goals = (at_least(a.aim + off, both), at_least(both, a.aim - off))
-    return Statement(a.symbols, goals, (a.stated, a.met), computed=computed)
+    goals = at_least(a.aim + off, both), at_least(both, a.aim - off)
+    return Statement(a, goals, (a.stated, a.met), computed=computed)
 
 
 @claim(
@@ -174,9 +174,9 @@ def caps(mutation: Mutation) -> Statement:
     braked = at_least(a.brakes, abs(a.net) + 5 * a.held_back * a.reach)
     part = at_least(a.aim + a.over, (a.brakes + a.net) * (1 + a.waits))
     more = (a.over + off) * mutation(1, 0.1)
-    goals = (a.bounded, at_least(more, a.waits * (a.brakes - a["largest"])))
-    given = (a.stated, a.met, braked, part, at_least(both, a.aim - off))
-    return Statement(a.symbols, goals, given)
+    goals = a.bounded, at_least(more, a.waits * (a.brakes - a["largest"]))
+    given = a.stated, a.met, braked, part, at_least(both, a.aim - off)
+    return Statement(a, goals, given)
 
 
 @claim(
@@ -196,8 +196,8 @@ def room(mutation: Mutation) -> Statement:
     counted = a.delay * (a["largest"] + a.net + a.more)
     more = at_least(a.more), at_least(extra * mutation(1, 100), a.waits * a.more)
     sums = at_least((1 + a.held_back / 64) * counted, a.M_min * (a.ahead + a.back))
-    given = (a.stated, a.counts, a.bounded, at_least(a.aim + off, both), more, sums)
-    return Statement(a.symbols, a.leaves(a.brakes), given)
+    given = a.stated, a.counts, a.bounded, at_least(a.aim + off, both), more, sums
+    return Statement(a, a.leaves(a.brakes), given)
 
 
 @claim(
@@ -213,9 +213,9 @@ def size(mutation: Mutation) -> Statement:
     a = QueuedAxis()
     reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(DOUBLE.quicker, -0.01))
     caps = ca.fmax(a["largest"], a.brakes)
-    given = (a.stated, a.bounded, at_least(reach, a.brakes))
+    given = a.stated, a.bounded, at_least(reach, a.brakes)
     goals = tuple(at_least(most, way * a.hat) for most in (reach, caps) for way in (1, -1))
-    return Statement(a.symbols, goals, given, a.caps, computed=a.text(a.asked))
+    return Statement(a, goals, given, a.caps, computed=a.text(a.asked))
 
 
 @claim(
@@ -230,9 +230,9 @@ def anchor(mutation: Mutation) -> Statement:
     """
     a = QueuedAxis()
     most = mutation(1, 0.99) * a.brakes
-    goals = (at_least(most, a.hat), at_least(most, -a.hat))
-    given = (a.stated, a.bounded)
-    return Statement(a.symbols, goals, given, a.caps, computed=a.text(ca.SX(0)))
+    goals = at_least(most, a.hat), at_least(most, -a.hat)
+    given = a.stated, a.bounded
+    return Statement(a, goals, given, a.caps, computed=a.text(ca.SX(0)))
 
 
 @claim(
@@ -263,7 +263,7 @@ def force(mutation: Mutation, way: int) -> Statement:
         left = a.leaves(mutation * a.brakes)
         given += [a.bounded, a.arrives(way), a.safe(way, a["lo"]), left]
     goal, text = a.safe(way, a.hat), a.text(a.asked, b)
-    return Statement(a.symbols, goal, given, cuts, computed=text)
+    return Statement(a, goal, given, cuts, computed=text)
 
 
 PARTS = " ".join(part.id for part in (*sums.claim.listed, *claim.listed))
@@ -289,5 +289,5 @@ def together(mutation: Mutation) -> Statement:
     end = a.arrived + a.t * ca.fmax(a.hat + a.net, 0) / a.mass
     begins = at_least(a.u1, a.arrived), at_least(a.arrived, a.f_speed)
     lies = at_least(ca.fmax(a.asked, a.most) + lost, a.hat), a.safe(1, a.asked), a.safe(1, a.most)
-    given = (a.stated, a.during(), begins, lies)
-    return Statement(a.symbols, at_least(a.u1, end), given)
+    given = a.stated, a.during(), begins, lies
+    return Statement(a, at_least(a.u1, end), given)

@@ -51,7 +51,7 @@ class Queue(Named):
         """Signs of the sums before, and how far they have grown."""
         _, time = self.last
         grown = between(3 * UNIT, self.grown, 2.0**-24)
-        return (at_least(time), grown, *(at_least(self[name]) for name in names))
+        return at_least(time), grown, nonnegative(*(self[name] for name in names))
 
 
 claim = Claims(by=Z3(), premises="assumption.libm")
@@ -94,9 +94,9 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     off = q.off + time * (q.lost + 2 * UNIT * abs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
     before = at_least((1 + q.grown) * q[name] + q.off, q.exact)
-    given = (q.known("front", "rear", "off", "lost"), before)
+    given = q.known("front", "rear", "off", "lost"), before
     goal = at_least(grown * q.ahead + off, exact)
-    return Statement(q.symbols, goal, given, q.before, computed=computed)
+    return Statement(q, goal, given, q.before, computed=computed)
 
 
 @claim(
@@ -115,12 +115,12 @@ def both(mutation: Mutation, axis: int) -> Statement:
     force, time = q.last
     most = q.counted + time * (q.most + q.net + 3 * UNIT * abs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
-    sizes = (at_least(q.most, size) for size in (abs(q.net), force, -force))
+    sizes = [at_least(q.most, size) for size in (abs(q.net), force, -force)]
     before = at_least((1 + q.grown) * q.counted, q.front + q.rear)
-    given = (q.known("front", "rear", "counted"), *sizes, before)
+    given = q.known("front", "rear", "counted"), sizes, before
     computed = {"ahead": whole.ahead, "back": whole.back}
     goal = at_least(grown * most, q.ahead + q.back)
-    return Statement(q.symbols, goal, given, q.before, computed=computed)
+    return Statement(q, goal, given, q.before, computed=computed)
 
 
 @claim("guard.delay.rounding.scaled", given=f"sums >= 0, T, M_min > 0{ROUNDS}")
@@ -143,7 +143,7 @@ def scaled(mutation: Mutation) -> Statement:
         exact = t[before] * t.period / t.M_min
         lost = mutation(4, 1) * UNIT * exact
         goals += [at_least(lost, exact - t[after]), at_least(lost, t[after] - exact)]
-    signs = (positive(t.period, t.M_min), nonnegative(t.front, t.rear))
+    signs = positive(t.period, t.M_min), nonnegative(t.front, t.rear)
     cuts, computed = (
         {names[0]: sums.ahead, names[1]: sums.back}
         for names, sums in ((("front", "rear"), raw), (("ahead", "back"), whole))

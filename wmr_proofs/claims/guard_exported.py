@@ -18,20 +18,20 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
+    Cuts,
     Relation,
     Relations,
     above,
     at_least,
     equal,
     every,
-    nonnegative,
     positive,
     when,
 )
 from wmr_proofs.statement import Statement, instance, valued
-from wmr_proofs.symbols import symbols
+from wmr_proofs.symbols import Named, symbols
 
-from .common import PRESET, named_ports, scalars
+from .common import PRESET, named_ports, ports_of, scalars
 from .guard_axis import DELAYED, NUMBERS, GuardAxis
 from .guard_sample import anchor
 from .guard_sample import feasible as not_empty
@@ -57,7 +57,7 @@ def setup(kind: str, delay: int, guarded: bool = True, **more: float) -> Setup:
     return settle(load_scenario(PRESET, stated), "pid")
 
 
-class Assembled:
+class Assembled(Named):
     """A graph that is exported, and the numbers of its two axes as the claims' axes have them.
 
     ``p``: inputs, state and parameters by name; ``told``: published values besides the torques;
@@ -67,7 +67,7 @@ class Assembled:
 
     def __init__(self, assemble: Callable[[Setup], System], loop: Setup) -> None:
         self.setup, self.system = loop, assemble(loop)
-        ports = (*self.system.inputs, *self.system.state, *self.system.params)
+        ports = ports_of(self.system)
         self.symbols = scalars(ports)
         self.p = p = named_ports(*ports)
         self.told = {output.signal.name: output.expr for output in self.system.diagnostics}
@@ -96,7 +96,7 @@ class Assembled:
         return tuple(found)
 
     @cached_property
-    def later(self) -> dict[str, ca.SX]:
+    def later(self) -> Cuts:
         """The state one sample later, by name."""
         ends = accumulate((port.sym.numel() for port in self.system.state), initial=0)
         names = [port.signal.name for port in self.system.state]
@@ -104,7 +104,7 @@ class Assembled:
 
     def consists(self, torque: ca.SX) -> Statement:
         """It consists of these torques, both axes' flags, its memory and the monitor's figure."""
-        return Statement(self.symbols, tuple(self._parts(torque)), self.signs, self.cuts)
+        return Statement(self, tuple(self._parts(torque)), self.signs, self.cuts)
 
     def _parts(self, torque: ca.SX) -> Iterator[Relation]:
         bounds, half = [b for _, b, _ in self.axes], self.wheels[1]
@@ -145,7 +145,7 @@ class Assembled:
         return positive(*self.wheels, bounds[0].period, bounds[0].alpha, *masses)
 
     @property
-    def cuts(self) -> dict[str, ca.SX]:
+    def cuts(self) -> Cuts:
         """Symbols that stand for the law's force, which may be any."""
         asked = {} if "force" in self.p else {"asked thrust": 0, "asked moment": 1}
         return {name: self.asked[axis] for name, axis in asked.items()}
@@ -199,17 +199,14 @@ def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
 
 def physical(a: GuardAxis) -> Relations:
     """Hypotheses: signs, and a sample that begins inside, at once or behind a delay."""
-    b, late = a.bounds, [a.delay] if a.lateness else []
-    not_negative = nonnegative(b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)
-    signs = (positive(b.u1, b.period, b.M_min, b.alpha, *late), not_negative)
-    known = (signs, a.measured, a.during())
+    known = a.signs, a.measured, a.during()
     if not a.lateness:
-        return (known, a.inside)
+        return known, a.inside
     limits: list[Relations] = []
     for way, start in zip((1, -1), begun(a), strict=True):
         limits += at_least(a.u1, start), at_least(a.reached(way), start)
         limits.append(at_least(start, a.f_speed))
-    return (known, a.moving, limits, added(a))
+    return known, a.moving, limits, added(a)
 
 
 def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relation]:
@@ -251,11 +248,11 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
     safe, chosen = a.force(ca.SX(0)), a.chosen
     within = ca.logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
     braked = at_least(a.bounds.braking, safe), at_least(a.bounds.braking, -safe)
-    goals = (at_least(a.hi, a.lo), braked, when(within, [*stays(a, chosen)]))
+    goals = at_least(a.hi, a.lo), braked, when(within, [*stays(a, chosen)])
     ahead, back = a.left
     cuts = {"hi": a.hi, "back": -a.lo, "room_ahead": ahead, "room_back": back} | a.cuts
-    given = (physical(a), above(feasible(a.bounds)), taken)
-    return Statement(a.symbols, goals, given, cuts)
+    given = physical(a), above(feasible(a.bounds)), taken
+    return Statement(a, goals, given, cuts)
 
 
 @claim(
@@ -279,7 +276,7 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
     goals: list[Relations] = []
     given, cuts = list[Relations]([above(e.told["feasible"])]), dict(e.cuts)
     given.append(positive(r, half, e.p["actuator.tau_max"]))
-    table = e.symbols | symbols("t")
+    table = e | symbols("t")
     for axis, (y, b, coming) in enumerate(e.axes):
         a = GuardAxis(DELAYED) if coming else GuardAxis()
         own = symbols("v mass arrived_ahead arrived_back")
@@ -291,8 +288,8 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
         # The premise's own premises are no hypotheses of it.
         known = physical(a)
         alone = replace(kept(CLAIMED, a), given=(known, above(feasible(a.bounds))))
-        given += [valued(known, a.symbols, values), instance(alone, values)]
-        goals += valued([*stays(a, mutation * a.chosen)], a.symbols, values)
+        given += [valued(known, a, values), instance(alone, values)]
+        goals += valued([*stays(a, mutation * a.chosen)], a, values)
         back, hi = ceiling(-y, b, coming and coming.mirrored), ceiling(y, b, coming)
         parts = {"back": back, "hi": hi, "brakes": b.braking}
         parts |= {f"sum {name}": total for name, total in sums.items()}

@@ -160,7 +160,7 @@ class LateAssembled(Assembled):
         if not self.counted.lag:
             return super().signs
         lag, spread = self.p["actuator.lag"], self.p.get("actuator.lag_spread", ca.SX(0))
-        return (super().signs, positive(lag, 1 - spread))
+        return super().signs, positive(lag, 1 - spread)
 
     def kept(self) -> Iterator[Relation]:
         """Memory of older commands, of the guard and of the monitor."""
@@ -329,4 +329,4 @@ def controller(
     share = {name: ca.exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
     below = (item for e in free.values() for item in (above(e), above(1, e)))
     given, cuts = (whole.signs, *below), {**whole.cuts, **share}
-    return Statement(whole.symbols | free, every(mutation * theirs, ours), given, cuts)
+    return Statement(whole | free, every(mutation * theirs, ours), given, cuts)

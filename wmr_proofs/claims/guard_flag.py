@@ -15,6 +15,7 @@ from wmr_ctrl.world.model.system import Parameters
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
+    Cuts,
     Relation,
     Relations,
     above,
@@ -28,7 +29,7 @@ from wmr_proofs.relation import (
 from wmr_proofs.statement import Statement, valued
 from wmr_proofs.symbols import Symbols, symbols
 
-from .common import scalars
+from .common import ports_of, scalars
 from .guard_delay_rounding import QueuedAxis
 from .guard_exported import PERIOD, Assembled, setup
 from .guard_rounding import DOUBLE
@@ -56,7 +57,7 @@ class Flag(Assembled):
         shared = ("clock.control", "guard.alpha", "actuator.tau_max")
         less = [n for b in self.both for n in (b.f_speed, b.dbar, b.f_min, b.brake)]
         numbers = (*self.wheels, *(self.p[name] for name in shared), *own)
-        return (positive(*numbers), nonnegative(*less))
+        return positive(*numbers), nonnegative(*less)
 
     def authority(self, b: Bounds, share: float = 2) -> Relation:
         """The theorem's first condition, to within the flag's rounding."""
@@ -64,9 +65,7 @@ class Flag(Assembled):
         room = b.u1 - b.f_speed + (1 + len(self.sent)) * NEAR * b.u1
         return at_least(b.M_min * b.alpha * room, share * b.net * late)
 
-    def computes(
-        self, texts: dict[str, ca.SX], free: Symbols, goals: Relations, given: Relations
-    ) -> Statement:
+    def computes(self, texts: Cuts, free: Symbols, goals: Relations, given: Relations) -> Statement:
         """The statement about what doubles compute for ``texts``."""
         whole = self.symbols | free, goals, (given, self.signs), self.cuts
         return Statement(*whole, computed=texts)
@@ -109,7 +108,7 @@ def braking(mutation: Mutation, n: int) -> Statement:
     """
     e, free = Flag(n), symbols("first second")
     share = mutation(4, 0.01) * (1 + n) * NEAR
-    goals, given, computed = list[Relations](), list[Relations](), dict[str, ca.SX]()
+    goals, given, computed = list[Relations](), list[Relations](), Cuts()
     for name, b in zip(free, e.both, strict=True):
         computed[name] = b.braking
         goals += within(free[name] - b.braking, share * size(b)), within(b.braking, size(b))
@@ -183,7 +182,7 @@ def applied(mutation: Mutation) -> Statement:
     drives = setup("linear-first", 0, True, **late)
     e, lag = Assembled(guard, drives), LAG.build(drives.scenario)
     commands = [e.torque, e.p["tau_sent1"], e.p["tau_sent2"]]
-    held = {port.signal.name: port.sym for port in (*lag.inputs, *lag.state, *lag.params)}
+    held = {port.signal.name: port.sym for port in ports_of(lag)}
     acting, total = e.p["tau_acting"], ca.SX.zeros(2)
     for step in range(steps):
         told = commands[2 if step < part else 1]
@@ -199,7 +198,7 @@ def applied(mutation: Mutation) -> Statement:
         every(e.later["tau_sent1"], commands[0]), every(e.later["tau_sent2"], commands[1]),
     )  # fmt: skip
     cuts = {"e": share, "right": commands[0][0], "left": commands[0][1]}
-    table = e.symbols | free | symbols("right left")
+    table = e | free | symbols("right left")
     return Statement(table, goals, (above(free.e), above(1, free.e)), cuts)
 
 
@@ -213,7 +212,7 @@ def kept(mutation: Mutation) -> Statement:
 
     The exported guard keeps back the margin that these entries assume.
     """
-    a, table, goals, given = QueuedAxis(), dict[str, ca.SX](), list[Relations](), list[Relations]()
+    a, table, goals, given = QueuedAxis(), Cuts(), list[Relations](), list[Relations]()
     for n in range(1, 6):
         guarded = setup("linear-first", n)
         p = Parameters(guarded)
@@ -225,7 +224,7 @@ def kept(mutation: Mutation) -> Statement:
             assert b.delay is not None
             goals.append(equal(b.u1, u1 * (1 - (1 + n) * 2.0**-44)))
             put = {"share": b.u1 / u1, "alpha": b.alpha, "delay": b.delay}
-            goals += valued([a.sized, a.counts], a.symbols, put)
+            goals += valued([a.sized, a.counts], a, put)
             given += positive(b.period, b.alpha, u1)
             given.append(at_least(mutation(1 + DOUBLE.quicker, 2), b.alpha * b.period))
     return Statement(table, goals, given)

@@ -61,7 +61,7 @@ def varying_moved(mutation: Mutation) -> Statement:
     rises_with = at_least(mutation(1, 0.99) * second, first)
     lies = between(p + e * (z - p), first, ca.fmax(z, p)), at_least(first, ca.fmin(z, p))
     sizes = nonnegative(z, p), at_least(more_z, z), at_least(more_p, p)
-    given = (sizes, between(0, rises, e), between(e, falls, 1))
+    given = sizes, between(0, rises, e), between(e, falls, 1)
     return Statement(t, (rises_with, lies), given)
 
 
@@ -93,7 +93,7 @@ def varying_piece(mutation: Mutation) -> Statement:
     counted = integral(z, p, (time, fall, rise))
     given = [at_least(item) for item in (z, p, fall, rise)]
     given += [at_least(most, z), at_least(most, p), at_least(time, fall), at_least(time, rise)]
-    goals = (at_least(mutation(1, 0.99) * time * most, counted), at_least(counted))
+    goals = at_least(mutation(1, 0.99) * time * most, counted), at_least(counted)
     return Statement(t, goals, given)
 
 
@@ -136,7 +136,7 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
     cores = [_core(a, way, left, S) for way, left in zip((1, -1), spares(a), strict=True)]
     need = mutation(1, 1.01) * ca.fmax(b.braking + a.net, 0) / b.alpha
     rules = (a.stated, a.shared(), a.apart(), given)
-    return Statement(a.symbols, at_least(larger(*cores), need), rules, a.cuts)
+    return Statement(a, at_least(larger(*cores), need), rules, a.cuts)
 
 
 @claim(
@@ -161,7 +161,7 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
         at_least(lag * most, lag * z + a.rise_late * (most - z)), exponentials(a),
         positive(b.M_min, b.alpha, *([J] * a.varies)),
     )  # fmt: skip
-    return Statement(a.symbols, goal, given)
+    return Statement(a, goal, given)
 
 
 @claim(
@@ -181,9 +181,9 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     pairs = zip(rooms, cores, strict=True)
     lines = [at_least(b.M_min * room, ca.fmin(core, a.most / b.alpha)) for room, core in pairs]
     needed = at_least(larger(*cores), need), at_least(a.most, need * b.alpha)
-    given = (lines, needed, positive(b.M_min, b.alpha))
+    given = lines, needed, positive(b.M_min, b.alpha)
     goal = at_least(b.M_min * larger(*rooms), mutation(1, 1.01) * need)
-    return Statement(a.symbols | t, goal, given)
+    return Statement(a | t, goal, given)
 
 
 @claim(
@@ -225,8 +225,8 @@ def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     goals = [at_least(b.u1, a.arrived + ca.if_else(p > 0, more, spare)) for more in (early, late)]
     limits = at_least(b.braking, a.net), at_least(a.hi, a.lo), a.lines(way, a("room_", way), spare)
     masses = nonnegative(z, after, again), at_least(a.mass, b.M_min), positive(b.M_min)
-    given = (a.sound(), exponentials(a), limits, masses)
-    return Statement(a.symbols, goals, given, a.rooms)
+    given = a.sound(), exponentials(a), limits, masses
+    return Statement(a, goals, given, a.rooms)
 
 
 @claim(
@@ -257,5 +257,5 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     ]
     lines = a.lines(way, a("room_", way), b.u1 - a.arrived)
     known = a.stated, exponentials(a), at_least(D), a.withstands(D)
-    given = (known, lines, nonnegative(z, after, again))
-    return Statement(a.symbols, goals, given, a.rooms)
+    given = known, lines, nonnegative(z, after, again)
+    return Statement(a, goals, given, a.rooms)

@@ -41,10 +41,10 @@ def maximal(mutation: Mutation) -> Statement:
     a = GuardAxis()
     b = a.bounds
     exact = map(equal, (b.nbar, b.f_min, b.f_speed, 1 - b.alpha * b.period))
-    given = (a.feasible(), *exact, at_least(a.v), a.inside)
+    given = a.feasible(), *exact, at_least(a.v), a.inside
     more = a.asked - ceiling(a.v, b)
     end = a.v + b.period * (a.asked + b.dbar) / mutation(b.M_min, b.M_max)
-    return Statement(a.symbols, above(end, a.u1), (given, above(more)))
+    return Statement(a, above(end, a.u1), (given, above(more)))
 
 
 @claim("guard.necessary", given="u1, T, M_min, dbar > 0, delay >= 0")
@@ -88,7 +88,7 @@ def sides(mutation: Mutation, a: GuardAxis) -> Statement:
         at_least(1, a.alpha * a.period),
     )  # fmt: skip
     caps = {"brakes": b.braking, "largest": largest_force(b)} if a.lateness else {}
-    return Statement(a.symbols | t, goals, given, caps)
+    return Statement(a | t, goals, given, caps)
 
 
 @claim("guard.delay.longer", given="one command under way")
@@ -108,7 +108,7 @@ def longer(_: Mutation) -> Statement:
         at_least(time, a.since), at_least(reached, a.arrived), at_least(a.u1, a.arrived),
         at_least(a.arrived, b.f_speed), at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a))),
     )  # fmt: skip
-    return Statement(a.symbols, at_least(a.u1, end), given, a.cuts)
+    return Statement(a, at_least(a.u1, end), given, a.cuts)
 
 
 @claim("guard.delay.ignored", given="ahead > 0")
@@ -118,10 +118,10 @@ def ignored(_: Mutation) -> Statement:
     False: what is under way has to be counted.
     """
     a = GuardAxis(DELAYED)
-    given = (a.stated, a.seen(1, 0, a.during()), at_least(a.u1, a.arrived), above(a.ahead))
+    given = a.stated, a.seen(1, 0, a.during()), at_least(a.u1, a.arrived), above(a.ahead)
     force = clipped(a.asked, a.y, a.bounds)
     end = a.arrived + a.t * ca.fmax(force + a.net, 0) / a.mass
-    return Statement(a.symbols, at_least(a.u1, end), given, a.cuts)
+    return Statement(a, at_least(a.u1, end), given, a.cuts)
 
 
 @claim("guard.delay.uncapped", given=FEASIBLE)
@@ -136,7 +136,7 @@ def uncapped(_: Mutation) -> Statement:
     sent = (at_least(most, a.sent), at_least(most, -a.sent))
     whole = at_least(a.delay, a.periods * a.period)
     goal = at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a)))
-    return Statement(a.symbols, goal, (a.feasible(), sent, whole, at_least(a.periods)))
+    return Statement(a, goal, (a.feasible(), sent, whole, at_least(a.periods)))
 
 
 @claim("guard.late.unmixed", given="0 < J <= T")
@@ -152,8 +152,8 @@ def unmixed(_: Mutation) -> Statement:
     end = over + a.t * ca.fmax(force + a.net, 0) / a.mass
     exact = (equal(a.bounds.nbar), equal(a.bounds.f_speed), equal(a.bounds.f_min))
     sums = (equal(a.rest_ahead, a.ahead), equal(a.rest_back, a.back))
-    given = (a.stated, a.seen(1), exact, sums, a.during(), at_least(a.u1, over))
-    return Statement(a.symbols, at_least(a.u1, end), given, a.cuts)
+    given = a.stated, a.seen(1), exact, sums, a.during(), at_least(a.u1, over)
+    return Statement(a, at_least(a.u1, end), given, a.cuts)
 
 
 @claim("guard.varying.unvaried", given="0 < a < b")
@@ -172,5 +172,5 @@ def unvaried(_: Mutation) -> Statement:
     sums = at_least(z), equal(a.rest_ahead, a.ahead), equal(a.rest_back, a.back)
     lags = above(t.fast), above(t.slow, t.fast), above(t.rise), at_least(t.slow - t.fast, t.rise)
     room = at_least(a.ahead * b.M_min, t.slow * z), at_least(b.u1, a.arrived)
-    given = (a.stated, a.seen(1), sums, lags, room)
-    return Statement(a.symbols | t, at_least(b.u1, end), given, a.cuts)
+    given = a.stated, a.seen(1), sums, lags, room
+    return Statement(a | t, at_least(b.u1, end), given, a.cuts)

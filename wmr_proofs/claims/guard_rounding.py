@@ -17,7 +17,7 @@ from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, floor
 from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, Relations, at_least, nonnegative, positive
+from wmr_proofs.relation import Cuts, Number, Relation, Relations, at_least, positive
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -70,13 +70,13 @@ class RoundedAxis(GuardAxis):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.held_back: float | ca.SX = self.precision.kept
+        self.held_back: Number = self.precision.kept
         self.aimed = replace(self.bounds, u1=self.u1 * (1 - self.held_back))
         self.slope = self.M_min * self.alpha
         self.reach = self.slope * self.u1
         self.on_wheels = ON_WHEELS * self.widest * self.precision.unit * self.reach
 
-    def text(self, asked: ca.SX, b: Bounds | None = None) -> dict[str, ca.SX]:
+    def text(self, asked: ca.SX, b: Bounds | None = None) -> Cuts:
         """Clipped force, as computed."""
         return {"hat": clipped(asked, self.y, b or self.aimed, self.coming)}
 
@@ -92,8 +92,7 @@ class RoundedAxis(GuardAxis):
         b, spare = self.bounds, self.precision.spare * self.reach
         less = b.u1 * (1 - self.precision.spare)
         return (
-            positive(b.u1, b.period, b.M_min, b.alpha),
-            nonnegative(b.dbar, b.nbar, b.brake, b.f_min, b.f_speed), at_least(b.M_max, b.M_min),
+            self.signs, at_least(b.M_max, b.M_min),
             at_least(1 + self.precision.quicker, b.alpha * b.period),
             at_least(self.slope * (b.u1 - b.f_speed), 2 * self.net + spare),
             at_least(less, 2 * b.nbar), at_least(less, b.f_speed),
@@ -181,10 +180,10 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     b = mutation(a.aimed, a.bounds)
     cuts = {"lo": floor(a.y, b)}
     known = () if way > 0 else (a.safe(way, a["lo"]),)
-    given = (a.stated, a.measured, a.inside, known)
+    given = a.stated, a.measured, a.inside, known
     goal = a.safe(way, a.hat)
     computed = a.text(a.asked, b)
-    return Statement(a.symbols, goal, given, cuts, computed=computed, unit=precision.unit)
+    return Statement(a, goal, given, cuts, computed=computed, unit=precision.unit)
 
 
 @claim("guard.{name}.size", given="{stated}{rounds}", over=PRECISIONS)
@@ -196,9 +195,9 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     # Of what may be asked, and of the safe point.
     a = RoundedAxis(precision=precision)
     most = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
-    goals = (at_least(most, a.hat), at_least(most, -a.hat))
+    goals = at_least(most, a.hat), at_least(most, -a.hat)
     computed = a.text(a.asked)
-    return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
+    return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
 
 @claim("guard.{name}.anchor", given="{stated}{rounds}", over=PRECISIONS)
@@ -209,9 +208,9 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
     """
     a = RoundedAxis(precision=precision)
     most = mutation(1, 0.99) * a.most
-    goals = (at_least(most, a.hat), at_least(most, -a.hat))
+    goals = at_least(most, a.hat), at_least(most, -a.hat)
     computed = {**a.text(ca.SX(0)), "most": a.aimed.braking}
-    return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
+    return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
 
 @claim(
@@ -230,7 +229,7 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     t = _wheels()
     given: list[Relations] = [positive(t.half, t.phi)]
     for i in "12":
-        given += [_within(t[f"cap{i}"], t[f"safe{i}"]), _within(t[f"size{i}"], t[f"force{i}"])]
+        given += _within(t[f"cap{i}"], t[f"safe{i}"]), _within(t[f"size{i}"], t[f"force{i}"])
         given.append(at_least(t[f"size{i}"], t[f"cap{i}"]))
         for value in (t[f"force{i}"], t[f"safe{i}"]):
             given += at_least(t[f"hi{i}"], value), at_least(value, t[f"lo{i}"])
@@ -261,7 +260,7 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
     torque = force_to_wheel(t.r, half, asked)
     reached = wheel_to_force(t.r, half, ca.vertcat(t.right, t.left))
     lost = mutation(5, 2) * precision.unit * (abs(asked[0]) + abs(asked[1]) / half)
-    goals = (_within(lost, reached[0] - asked[0]), _within(lost * half, reached[1] - asked[1]))
+    goals = _within(lost, reached[0] - asked[0]), _within(lost * half, reached[1] - asked[1])
     computed = {"right": torque[0], "left": torque[1]}
     return Statement(t, goals, positive(half, t.r), computed=computed, unit=precision.unit)
 
@@ -291,4 +290,4 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
         asked, safe = way * a.asked, way * a.most
         given.append(at_least(ca.fmax(asked, safe) + lost, way * a.hat))
         given += [a.safe(way, a[name]) for name in ("asked", "most")]
-    return Statement(a.symbols, goals, given)
+    return Statement(a, goals, given)

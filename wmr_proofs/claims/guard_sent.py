@@ -69,8 +69,8 @@ def caps(mutation: Mutation, a: GuardAxis) -> Statement:
     The caps divide the room between rest and the limit among late commands, braking and jitter.
     """
     spread = [] if a.both_act.is_zero() else [a.apart(mutation(1, 0.99))]
-    goals = (a.capped, a.shared(mutation(1, 1.01)), spread)
-    return Statement(a.symbols, goals, a.feasible())
+    goals = a.capped, a.shared(mutation(1, 1.01)), spread
+    return Statement(a, goals, a.feasible())
 
 
 @claim(
@@ -96,7 +96,7 @@ def command(mutation: Mutation, place: int) -> Statement:
         goals.append(at_least(seen + coming, reached))
     sent = (at_least(a.largest, a.sent), at_least(a.largest, -a.sent))
     during = (between(0, a.since, time), at_least(a.periods))
-    return Statement(a.symbols, goals, (a.stated, a.measured, a.during(), sent, during))
+    return Statement(a, goals, (a.stated, a.measured, a.during(), sent, during))
 
 
 @claim("guard.delay.queue", given="any forces and times")
@@ -116,7 +116,7 @@ def queue(mutation: Mutation) -> Statement:
             rest = in_flight(sent[: n - 1], axis, a.bounds)
             goals.append(equal(every.ahead, rest.ahead + mutation * last.ahead))
             goals.append(equal(every.back, rest.back + last.back))
-    return Statement(a.symbols | t, goals, positive(a.bounds.M_min))
+    return Statement(a | t, goals, positive(a.bounds.M_min))
 
 
 @claim(
@@ -144,7 +144,7 @@ def late_piece(mutation: Mutation) -> Statement:
     goals += [at_least(most, piece.ahead), at_least(most, piece.back)]
     sent = [at_least(a.largest, way * force) for way in (1, -1) for force in (first, second)]
     during = (between(0, a.since, time), at_least(a.periods))
-    return Statement(a.symbols, goals, (a.stated, a.during(), sent, during))
+    return Statement(a, goals, (a.stated, a.during(), sent, during))
 
 
 @claim(
@@ -167,7 +167,7 @@ def late_tail(mutation: Mutation) -> Statement:
     forces = [ca.vertcat(t[f"force{i}"], t[f"other{i}"]) for i in (1, 2)]
     state = tails.state[0].sym
     following = tails.following(forces, b)
-    table = a.symbols | t | {f"tail{i}": state[i] for i in range(4)}
+    table = a | t | {f"tail{i}": state[i] for i in range(4)}
     goals = list[Relations]()
     for axis in (0, 1):
         counted = tails.added(InFlight(ca.SX(0), ca.SX(0)), axis, b)
@@ -194,7 +194,7 @@ def added(a: GuardAxis) -> Relations:
     mean = at_least((a.usual + a.both_act - 2 * a.J) * most, a.ahead + a.back)
     last = at_least(a.J * most, again.ahead + again.back), positive(b.M_min)
     longer = at_least(a.rest_ahead, a.ahead), at_least(a.rest_back, a.back)
-    return (from_rest, mean, last, longer)
+    return from_rest, mean, last, longer
 
 
 def spares(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
@@ -221,8 +221,8 @@ def late_spare(mutation: Mutation) -> Statement:
     """
     a = GuardAxis(LATE)
     goal = _spared(a, *spares(a), mutation(1, 1.01))
-    given = (a.stated, a.moving, a.shared(), a.apart(), added(a))
-    return Statement(a.symbols, goal, given, a.cuts)
+    given = a.stated, a.moving, a.shared(), a.apart(), added(a)
+    return Statement(a, goal, given, a.cuts)
 
 
 @claim("guard.late.room", given="guard.late.spare", premises="guard.late.spare")
@@ -237,10 +237,10 @@ def late_room(mutation: Mutation) -> Statement:
     again = at_least(a.J * a.S / b.M_min, t.again_ahead + t.again_back)
     signs = positive(b.M_min, b.alpha, b.period, a.J), a.capped
     sums = nonnegative(t.again_ahead, t.again_back), again
-    given = (signs, sums, _spared(a, t.spare_ahead, t.spare_back))
+    given = signs, sums, _spared(a, t.spare_ahead, t.spare_back)
     cuts = {**a.cuts, **dict(zip(t, spared, strict=True))}
     goal = a.enough(a.left, mutation(1, 0.99))
-    return Statement(a.symbols | t, goal, given, cuts)
+    return Statement(a | t, goal, given, cuts)
 
 
 @claim(
@@ -262,8 +262,8 @@ def room(mutation: Mutation, a: GuardAxis) -> Statement:
 
     Commands under way never take the room that braking needs.
     """
-    given = (a.stated, a.moving, a.shared(), added(a))
-    return Statement(a.symbols, a.enough(a.left, mutation(1, 0.99)), given, a.cuts)
+    given = a.stated, a.moving, a.shared(), added(a)
+    return Statement(a, a.enough(a.left, mutation(1, 0.99)), given, a.cuts)
 
 
 @claim("guard.late.{name}", given=f"one command in the window, v = -V before; {SIGNS}", over=(
@@ -287,5 +287,5 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     mean, whole = (in_flight([(pair, part * periods)], 0, b) for part in (0.5, 1.0))
     coming = InFlight(mean.ahead, mean.back, whole if rest else None)
     reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
-    given = (a.sound(), positive(window), between(0, share, 1), between(0, t.V, b.u1))
-    return Statement(a.symbols | t, at_least(reached, mutation(1, 1.01) * v), given)
+    given = a.sound(), positive(window), between(0, share, 1), between(0, t.V, b.u1)
+    return Statement(a | t, at_least(reached, mutation(1, 1.01) * v), given)

@@ -16,7 +16,7 @@ from wmr_proofs.relation import equal, every
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, stacked, symbols
 
-from .common import PRESET, scalars
+from .common import PRESET, ports_of, scalars
 
 ANY = "any pose, velocity and parameters"
 MASSES = (Case("all", {"m": POSITIVE, "I": POSITIVE, "r": POSITIVE, "l": POSITIVE}, dict),)
@@ -125,7 +125,7 @@ def eq04_plant(mutation: Mutation) -> Statement:
     The simulated robot is the one that the theorems are about.
     """
     system = plant(load_scenario(PRESET))
-    t = scalars((*system.inputs, *system.state, *system.params))
+    t = scalars(ports_of(system))
     m, inertia, mu, r, l, g, v_s = (t[key] for key in KEYS)
     v = ca.vertcat(t.v1, t.omega)
     tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + mutation * t.noise_left)

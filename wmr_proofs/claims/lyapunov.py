@@ -147,7 +147,7 @@ def both_axes(mutation: Mutation) -> Statement:
     """
     m, n, rate = two_axes()
     terms = [a.A * a.rates[f"vdot{a.suffix}"] - a.w * a.rates[f"cdot{a.suffix}"] for a in (m, n)]
-    return Statement(m.symbols | n.symbols, equal(rate, terms[0] + mutation * terms[1]))
+    return Statement(m | n.symbols, equal(rate, terms[0] + mutation * terms[1]))
 
 
 @claim("eq27", (27,), given=OFF_EDGES, by=PAIRS)
@@ -157,7 +157,7 @@ def split(mutation: Mutation) -> Statement:
     The axes do not interfere.
     """
     m, n, rate = two_axes()
-    return Statement(m.symbols | n.symbols, equal(rate, m.along(m.V) + mutation * n.along(n.V)))
+    return Statement(m | n.symbols, equal(rate, m.along(m.V) + mutation * n.along(n.V)))
 
 
 @claim("eq28", (28,), given=OFF_EDGES)
@@ -212,7 +212,7 @@ def literal_decay(mutation: Mutation) -> Statement:
     rho, c_dot = ca.SX.sym("rho"), m.rates.cdot
     command = (-rho * m.V + m.w * c_dot) / m.A
     rate = ca.jtimes(m.V, ca.vertcat(v, c), ca.vertcat(command, c_dot))
-    return Statement(m.symbols | {"rho": rho}, equal(rate, -mutation * rho * m.V))
+    return Statement(m | {"rho": rho}, equal(rate, -mutation * rho * m.V))
 
 
 @claim(
@@ -254,10 +254,10 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
     # The change of V1i over a short time h from v = v_u2, with the command at the start held.
     m = Moving()
     v, c, u1, u2 = m.all
-    t = m.symbols | symbols("rho h")
+    t = m | symbols("rho h")
     command = (-t.rho * m.V + mutation * m.w * t.cdot) / m.A
     later = barrier.lyapunov(v + t.h * command, c + t.h * t.cdot, u1, u2)
     change = (later - m.V) / t.h
-    given = (m.inside, equal(v, u2), above(t.h), at_least(1, 1000000 * t.h), above(t.rho))
+    given = m.inside, equal(v, u2), above(t.h), at_least(1, 1000000 * t.h), above(t.rho)
     del t["vdot"]
     return Statement(t, at_least(1, abs(change + t.rho * m.V)), given)

@@ -106,7 +106,7 @@ def target_bounded(_: Mutation) -> Statement:
     middle region.
     """
     a, v, c, u1, _u2 = barrier_axis()
-    given = (a.inside, at_least(0.95 * u1, abs(v)), at_least(3, abs(c)))
+    given = a.inside, at_least(0.95 * u1, abs(v)), at_least(3, abs(c))
     return a.states(at_least(1e6, abs(a.A / a.w)), given=given)
 
 
@@ -292,5 +292,5 @@ def end_bound(mutation: Mutation) -> Statement:
     """
     t = symbols("z1 z2 V C1 C2 rho2")
     square = t.z1**2 + t.z2**2
-    given = (above(t.rho2), at_least(2 * (t.C1 + t.C2), t.V * t.rho2), at_least(2 * t.V, square))
+    given = above(t.rho2), at_least(2 * (t.C1 + t.C2), t.V * t.rho2), at_least(2 * t.V, square)
     return Statement(t, at_least(4 * (t.C1 + t.C2) * mutation(1, 0.5), square * t.rho2), given)

@@ -11,12 +11,12 @@ from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import paper_functions as analysis
 from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import column, stacked, symbols
+from wmr_proofs.symbols import Named, column, stacked, symbols
 
 from .common import LawGraph
 
 
-class NetworkAxis:
+class NetworkAxis(Named):
     """The network law's graph on one axis, with the barrier's quotients, w and S free.
 
     ``free``: V1/A, q, w, S, then A, V1, v_c0', F1, the true mass and the best weights W*, and
@@ -55,11 +55,11 @@ class NetworkAxis:
 
     def gain(self, name: str) -> ca.SX:
         """A gain of this axis."""
-        return self.law.symbols[f"gains.nn.{name}[{self.axis + 1}]"]
+        return self.law[f"gains.nn.{name}[{self.axis + 1}]"]
 
     def statement(self, *goals: Any) -> Statement:
         """Goals with the graph's inner quantities free."""
-        return Statement(self.symbols, goals, (), self.inner)
+        return Statement(self, goals, (), self.inner)
 
 
 @lru_cache(maxsize=2)

@@ -35,7 +35,7 @@ def _limits(t: Symbols) -> Relations:
 
 
 def _target(t: Symbols) -> Relations:
-    return (_limits(t), above(t.k), above(1e100, t.c), above(t.c, -1e100))
+    return _limits(t), above(t.k), above(1e100, t.c), above(t.c, -1e100)
 
 
 def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
@@ -133,7 +133,7 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
     beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
     margin = at_least(mutation(k, 1.5 * k), m * (m + most - u1 + bent))
     sizes = at_least(most, abs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k)
-    given = (_target(t), above(m), at_least(u1 - u2, m), margin, sizes)
+    given = _target(t), above(m), at_least(u1 - u2, m), margin, sizes
     return Statement(t, (at_least(u1 - m, x), at_least(x, m - u1)), given, {"d": root(beyond, k)})
 
 
@@ -205,7 +205,7 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
     pull, rest = s.argument - s.free.end, (1 - E) * (target - x_target)
     way, monotone = abs(target - followed), at_least((s.free.end - x_target) * (pull - rest))
     nearer = at_least(abs(t.w), abs(carried - x_followed))
-    given = (monotone, nearer, at_least(way, abs(x_target - x_followed)))
+    given = monotone, nearer, at_least(way, abs(x_target - x_followed))
     most = E * (abs(t.w) + mutation(way, 0.9 * way))
     names = ("carried", "end", "x_followed", "x_target")
     return s.states((at_least(most, abs(s.end - x_target)),), given, names, t)
@@ -232,8 +232,8 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
     optimal = equal((1 - E) * (t.A - end + target), s.argument - end)
     above_start = at_least(t.mid, t.after + t.A * (carried - end) + 0.5 * (carried - end) ** 2)
     above_target = at_least(0, t.after + t.A * back + 0.5 * back**2)
-    given = (optimal, above_start, above_target, at_least(t.after))
-    goals = (at_least(mutation(E**2, (0.9 * E) ** 2) * t.mid, t.after), equal(s.end, end))
+    given = optimal, above_start, above_target, at_least(t.after)
+    goals = at_least(mutation(E**2, (0.9 * E) ** 2) * t.mid, t.after), equal(s.end, end)
     return s.states(goals, given, ("carried", "end", "x_target"), t)
 
 
@@ -251,7 +251,7 @@ def linear(mutation: Mutation, smooth: bool) -> Statement:
     s = Step(smooth)
     E, u2, target = (s.inputs[name] for name in ("E", "u2", "target"))
     plain = E * s.free.carried + (1 - E) * target
-    given = (at_least(u2, plain), at_least(u2, -plain), above(1e100, u2))
+    given = at_least(u2, plain), at_least(u2, -plain), above(1e100, u2)
     return s.states((equal(s.end, mutation * plain),), given, ("carried",))
 
 
@@ -274,7 +274,7 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     most = s.inputs.E * u1 + s.shares[1] * mutation(C, 0.9 * C)
     reached = abs(s.argument) <= most
     short = when(reached, at_least(u1 - t.m, abs(s.free.end)))
-    given = (at_least(u1, abs(s.free.carried)), at_least(C, abs(s.inputs.target)), short)
+    given = at_least(u1, abs(s.free.carried)), at_least(C, abs(s.inputs.target)), short
     return s.states((at_least(u1 - t.m, abs(s.end)),), given, ("carried", "end"), t)
 
 
@@ -299,7 +299,7 @@ def rises(mutation: Mutation) -> Statement:
     squares = [equal(root**2, 2 * value) for root, value in zip(roots, values, strict=True)]
     signs = nonnegative(*roots), above(E), above(1, E), at_least(t.way)
     moved = at_least(t.before, t.carried), at_least(t.S_carried + t.way, t.S_mid)
-    given = (squares, signs, moved, at_least(E**2 * t.mid, t.after))
+    given = squares, signs, moved, at_least(E**2 * t.mid, t.after)
     most = E * (S + mutation(1, 0.9) * t.way)
     level = Relation(ca.if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
     return Statement(t, (at_least(most, t.S_next), level), given)

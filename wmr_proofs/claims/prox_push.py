@@ -12,6 +12,7 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
+    Cuts,
     Relation,
     Relations,
     above,
@@ -47,7 +48,7 @@ class Sampled(Named):
         self.force, self.numbers = self.law.force[axis], positive(self.period, self.mass)
 
     @cached_property
-    def force_cuts(self) -> dict[str, ca.SX]:
+    def force_cuts(self) -> Cuts:
         """v+, the friction there, and the observer's force."""
         law, step = self.law, next_velocity(self.law.context)
         both = law.own(ca.vertcat(step, law.context.friction_at(step)))
@@ -67,7 +68,7 @@ class Sampled(Named):
         return wheel_to_force(t["robot.r"], t["robot.l"], torque)[self.axis]
 
     @cached_property
-    def observer_cuts(self) -> dict[str, ca.SX]:
+    def observer_cuts(self) -> Cuts:
         """exp(-wo T) - 1, and the friction at the middle velocity."""
         law, t = self.law, self.law.symbols
         old = ca.vertcat(t["v_previous[1]"], t["v_previous[2]"])
@@ -82,7 +83,7 @@ class Sampled(Named):
         """T, M, r, l > 0, after the first sample, 0 < exp(-wo T) < 1."""
         t, fall = self.law.symbols, self.free.fall
         sizes = positive(t.started, t["robot.r"], t["robot.l"])
-        return (self.numbers, sizes, above(fall, -1), above(0, fall))
+        return self.numbers, sizes, above(fall, -1), above(0, fall)
 
     def gained(self, d: ca.SX) -> Relation:
         """M (v - v_old) = T (F - F1 + d) since the previous sample."""
@@ -170,7 +171,7 @@ def limit(mutation: Mutation, axis: int) -> Statement:
     The limits that the law keeps by itself; the guard keeps them under weaker conditions.
     """
     s, t = Sampled(axis), symbols("d m")
-    u1 = s.law.symbols[f"limits.v_u1[{axis + 1}]"]
+    u1 = s.law[f"limits.v_u1[{axis + 1}]"]
     room = at_least(u1 - t.m, abs(s.free.next))
     push = at_least(t.m, abs(s.period * (s.free.f + t.d) / s.mass))
     goal = at_least(mutation(1, 0.9) * u1, abs(s.moved(t.d)))
@@ -199,7 +200,7 @@ def gain_step(mutation: Mutation, axis: int) -> Statement:
     nearest = at_least(t.E * (t.w + t.way), abs(s.free.next - t.x_next))
     off = within(t.x_real - t.x_next, t.eps), within(s.free.f + t.d, t.p)
     sums_up = equal(t.W * (1 - t.E), mutation(1, 0.9) * whole)
-    given = (s.numbers, above(t.E), above(1, t.E), at_least(t.w), nearest, off, sums_up)
+    given = s.numbers, above(t.E), above(1, t.E), at_least(t.w), nearest, off, sums_up
     goal = falls(abs(s.moved(t.d) - t.x_real), t.w, t.W, t.E)
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
@@ -215,7 +216,7 @@ def gain_observer(mutation: Mutation, axis: int) -> Statement:
     slow = within(t.d - t.d_old, mutation(1, 1.1) * -s.free.fall * t.P)
     new, old = s.law.system.update[axis] + t.d, s.f_old + t.d_old
     goal = falls(abs(new), abs(old), t.P, 1 + s.free.fall)
-    given = (s.observed, s.gained(t.d_old), slow)
+    given = s.observed, s.gained(t.d_old), slow
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
@@ -228,9 +229,9 @@ def observer_first(mutation: Mutation) -> Statement:
     """
     law = LawGraph("prox")
     later = ca.substitute(law.system.update, law.system.x, ca.DM(law.system.x0))
-    v = ca.vertcat(*(law.symbols[name] for name in VELOCITY_NAMES))
+    v = ca.vertcat(*(law[name] for name in VELOCITY_NAMES))
     goals = every(later[:5], ca.vertcat(0, 0, v, mutation(1, 0)))
-    return Statement(law.symbols, goals)
+    return Statement(law, goals)
 
 
 @claim(
@@ -247,7 +248,7 @@ def observer(mutation: Mutation, axis: int) -> Statement:
     s, t = Sampled(axis), symbols("d d_old")
     left = (1 + mutation * s.free.fall) * (s.f_old + t.d_old) + t.d - t.d_old
     goal = equal(s.law.system.update[axis] + t.d, left)
-    given = (s.observed, s.gained(t.d_old))
+    given = s.observed, s.gained(t.d_old)
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
@@ -267,5 +268,5 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     slow = ca.logic_and(abs(t.d - t.d_old) <= t.change, share * abs(old) <= t.change)
     small = when(sizes, at_least(tight * t.most, abs(f)))
     goals = small, when(slow, at_least(tight * t.change, share * abs(new)))
-    given = (s.observed, s.gained(t.d_old))
+    given = s.observed, s.gained(t.d_old)
     return s.states(goals, given=given, cuts=s.observer_cuts, more=t)

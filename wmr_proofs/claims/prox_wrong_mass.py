@@ -44,7 +44,7 @@ def loop_force(mutation: Mutation, axis: int) -> Statement:
     w, q = s.v - t.x, s.period * s.free.f / s.mass
     moves = s.period * t.mu * (s.force - s.force_cuts["friction"]) / s.mass
     goal = equal(w + moves, (1 - t.mu * t.a) * w + mutation * t.mu * q)
-    given = (positive(s.period, s.mass), equal(s.free.next, s.v - t.a * w))
+    given = positive(s.period, s.mass), equal(s.free.next, s.v - t.a * w)
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
 

@@ -21,7 +21,7 @@ from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
-from wmr_proofs.relation import Relations, above, at_least, between, equal, positive, within
+from wmr_proofs.relation import Cuts, Relations, above, at_least, between, equal, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -43,13 +43,13 @@ class Held:
     def statement(self, mutation: Mutation) -> Statement:
         """|next v| <= L; the mutation has eight times the disturbance."""
         law, free = LawGraph("mb"), symbols("c cdot d")
-        v, level = law.symbols[self.velocity], float(Fraction(self.level))
+        v, level = law[self.velocity], float(Fraction(self.level))
         nominal = acceleration(law.own(law.context.mass), law.force, ca.SX(0))[self.axis]
         following = v + float(Fraction(self.period)) * (nominal + mutation(1, 8) * free.d)
         inner = law.inner(self.axis)
         del inner[self.velocity]  # the clip stays in the graph
         goals = within(following, level)
-        return Statement(law.symbols | free, goals, (), inner, numbers(law))
+        return Statement(law | free, goals, (), inner, numbers(law))
 
     @property
     def velocity(self) -> str:
@@ -178,10 +178,10 @@ class NewtonStep:
         self.mass = self.law.own(self.law.context.mass)
 
     @property
-    def cuts(self) -> dict[str, ca.SX]:
+    def cuts(self) -> Cuts:
         """Expressions of the first four, and the friction, which is compensated whatever it is."""
         law, k = self.law, self.axis
-        rate = law.symbols[f"gains.mb.rho[{k + 1}]"] * law.symbols["clock.control"]
+        rate = law[f"gains.mb.rho[{k + 1}]"] * law["clock.control"]
         return law.parts(k, "quotient q cdot friction") | {"fall": ca.expm1(-rate)}
 
     @property
@@ -189,14 +189,14 @@ class NewtonStep:
         """v+ - v with the model exact: F is held over the period, friction compensated."""
         law = self.law
         rate = acceleration(self.mass, law.force, law.own(law.context.friction))[self.axis]
-        return law.symbols["clock.control"] * rate
+        return law["clock.control"] * rate
 
     def states(self, goals: Relations, given: Relations) -> Statement:
         """The statement on the law's graph: T > 0, M > 0, v_c0' = 0, 0 < exp(-rho T) < 1."""
-        fall, period = self.free.fall, self.law.symbols["clock.control"]
+        fall, period = self.free.fall, self.law["clock.control"]
         held = positive(period, self.mass[self.axis]), above(fall, -1), above(-fall)
-        known = (held, equal(self.free.cdot), given)
-        return Statement(self.law.symbols | self.free, goals, known, self.cuts)
+        known = held, equal(self.free.cdot), given
+        return Statement(self.law | self.free, goals, known, self.cuts)
 
 
 HELD = (
@@ -226,7 +226,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     slope = barrier.a_term(v, c, u1, u2) + at_corner
     bend = mutation(0.5, 0.6) * (y - v) ** 2
     line = barrier.lyapunov(v, c, u1, u2) + slope * (y - v) + bend
-    given = (at_least(jump), at_least(1, jump * (u1 - u2)))
+    given = at_least(jump), at_least(1, jump * (u1 - u2))
     least = {"least": -barrier.g(c, u1, u2)}
     return Statement(t, at_least(barrier.lyapunov(y, c, u1, u2), line), given, least)
 

@@ -10,7 +10,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ball, Refute, Ring
 from wmr_proofs.regions import POSITIVE, Case, at
-from wmr_proofs.relation import Relations, above, at_least, equal, positive, within
+from wmr_proofs.relation import Relations, above, at_least, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -36,9 +36,9 @@ class Strict(Tracking):
     @property
     def near(self) -> Relations:
         """Paper gains, v1d = 0.2, v2d = 0.1, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4."""
-        inside = (at_least(1, self.e1**2), at_least(1, self.e2**2))
+        inside = at_least(1, self.e1**2), at_least(1, self.e2**2)
         nearly = at_least(4 * ca.cos(self.e3), 1)
-        return (*(equal(a * self[name], b) for name, a, b in PAPER), inside, nearly)
+        return [equal(a * self[name], b) for name, a, b in PAPER], inside, nearly
 
 
 def _undisturbed(t: Tracking) -> ca.SX:
@@ -100,9 +100,9 @@ def exponential(mutation: Mutation) -> Statement:
     """
     # W' <= -W/1000 from the two claims before it, W and W' being whatever they are.
     t = Strict()
-    given = (at_least(-mutation(1000, 2000) * t.W_rate, t.size), at_least(t.size, t.W))
+    given = at_least(-mutation(1000, 2000) * t.W_rate, t.size), at_least(t.size, t.W)
     goal = at_least(-t.W, 1000 * t.W_rate)
-    return Statement(t.symbols, goal, given, {"value": t.W, "rate": t.W_rate})
+    return Statement(t, goal, given, {"value": t.W, "rate": t.W_rate})
 
 
 @claim("strict.region", (31,), given="k2 = 5, eps = 1/50")
@@ -112,8 +112,8 @@ def stays(mutation: Mutation) -> Statement:
     From inside this set the robot never leaves the region where the rate holds.
     """
     t = Strict()
-    given = (equal(t.k2, 5), equal(50 * t.eps, 1), above(mutation, 20 * mutation * t.W))
-    goals = (above(1, t.e1**2), above(1, t.e2**2), above(4 * ca.cos(t.e3), 1))
+    given = equal(t.k2, 5), equal(50 * t.eps, 1), above(mutation, 20 * mutation * t.W)
+    goals = above(1, t.e1**2), above(1, t.e2**2), above(4 * ca.cos(t.e3), 1)
     return t.states(goals, given=given)
 
 
@@ -124,9 +124,9 @@ def pull(mutation: Mutation) -> Statement:
     The limit weakens a correction but never reverses it.
     """
     a, _, _, u1, u2 = barrier_axis()
-    t = a.symbols | symbols("p y")
+    t = a | symbols("p y")
     moved = barrier.minimiser(t.p + t.y, u1, u2) - mutation * t.p
-    given = (a.inside, within(t.p, u2))
+    given = a.inside, at_least(u2, t.p), at_least(t.p, -u2)
     return Statement(t, at_least(moved * t.y), given)
 
 
@@ -166,7 +166,7 @@ def level_set(mutation: Mutation) -> Statement:
     room = t.u22 - abs(v_d[1])
     low = at_least(2, k2 * level), at_least(room**2, 2 * mutation * (k2 * v_d[0]) ** 2 * level)
     sizes = positive(k2, v_d[0]), at_least(t.u21, v_d[0]), above(room)
-    given = (sizes, low, above(level, analysis.position_lyapunov(e, k2)))
+    given = sizes, low, above(level, analysis.position_lyapunov(e, k2))
     kept = (at_least(t[f"u2{i + 1}"], abs(p[i])) for i in (0, 1))
     return t.states(*kept, above(ca.cos(e[2]), -1), given=given)
 
@@ -191,7 +191,7 @@ def level_invariant(mutation: Mutation) -> Statement:
     e, k, x, p = t.e, t.k, ca.vertcat(t.x1, t.x2), _undisturbed(t)
     pulls = e[0], ca.sin(e[2])
     pulled = [at_least((x[i] - p[i]) * k[2 * i] * pulls[i]) for i in (0, 1)]
-    given = (positive(*ca.vertsplit(k)), pulled)
+    given = positive(*ca.vertsplit(k)), pulled
     behind = ca.if_else(ca.cos(e[2]) <= -1, analysis.position_lyapunov(e, k[1]) - 2 / k[1], 0)
     rate = analysis.position_rate(e, x, t.v_d, k[1])
     return t.states(at_least(0, mutation * rate), at_least(behind), given=given)
@@ -230,5 +230,5 @@ def stuck(_: Mutation) -> Statement:
     ever: the hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does not state).
     """
     t = Tracking("u11 u12 u21 u22")
-    given = (positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), above(t.u11, t.v_d[0]))
+    given = positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), above(t.u11, t.v_d[0])
     return t.states(above(ca.sumsqr(error_rate(t.e, _limited(t), t.v_d))), given=given)

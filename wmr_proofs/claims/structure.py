@@ -143,12 +143,12 @@ def bounded_command(mutation: Mutation) -> Statement:
     hard.
     """
     law = LawGraph("mb")
-    names = {n: law.symbols[n] for n in ("gains.mb.rho[1]", "model.m", "model.I")}
+    names = {n: law[n] for n in ("gains.mb.rho[1]", "model.m", "model.I")}
     t = names | symbols("quotient q w cdot friction")
     rho, mass = names["gains.mb.rho[1]"], names["model.m"]
     force = law.force[0] - t.friction
     P5 = between(0, t.quotient * t.w, t.w**2), at_least(t.w**2, t.quotient**2)
-    given = (positive(rho, mass), between(0, t.q, 1), P5)
+    given = positive(rho, mass), between(0, t.q, 1), P5
     bound = mutation * rho * abs(t.w) + abs(t.cdot)
     inner = law.parts(0, "quotient q cdot friction")
     return Statement(t, at_least(bound * mass, abs(force)), given, inner)

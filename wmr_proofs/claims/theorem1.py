@@ -41,12 +41,12 @@ def start(mutation: Mutation) -> Statement:
     """
     t = Tracking("l")
     e, k2, l = t.e, t.k[1], t.l
-    sides = (above(abs(e[1]), l * abs(e[0])), above(abs(e[1]), l * abs(e[2])))
+    sides = above(abs(e[1]), l * abs(e[0])), above(abs(e[1]), l * abs(e[2]))
     if mutation < 0:
-        sides = (above(l * abs(e[0]), abs(e[1])), sides[1])
+        sides = above(l * abs(e[0]), abs(e[1])), sides[1]
     lemma = at_least(e[2] ** 2, 2 * (1 - ca.cos(e[2])))
     goal = above(analysis.start_bound(l, k2, e[1]), analysis.position_lyapunov(e, k2))
-    return Statement(t.symbols, goal, (above(l, 5), above(k2), sides, lemma))
+    return Statement(t, goal, (above(l, 5), above(k2), sides, lemma))
 
 
 @claim(
@@ -72,7 +72,7 @@ def growth(mutation: Mutation) -> Statement:
     t = symbols("l k2 k3 E V0 eps1 root")
     l, k2, k3, E, V0, eps1, root = t.values()
     large = above(E, 2 * l * root), above(2 * V0, E**2)
-    given = (positive(l, k2, k3, E, root), equal(root**2 * k3, k2 * eps1), large)
+    given = positive(l, k2, k3, E, root), equal(root**2 * k3, k2 * eps1), large
     return Statement(t, above(k3 * V0, mutation(1, 4) * 2 * l**2 * k2 * eps1), given)
 
 
@@ -86,7 +86,7 @@ def window_value(mutation: Mutation) -> Statement:
     l, k2, k3, T, V0, E = t.values()
     grown = V0 * (1 + k3 * T / (2 * l**2 * k2))
     small = above(1, 5 * T), above(1, k3 / (k2 * l**2)), above(analysis.start_bound(l, k2, E), V0)
-    given = (above(l, 5), at_least(k2, 1), positive(k3, T, V0, E), small)
+    given = above(l, 5), at_least(k2, 1), positive(k3, T, V0, E), small
     limit = mutation(594, 500)
     return Statement(t, (above(11 * V0, 10 * grown), above(limit * 10 * E**2, 11000 * V0)), given)
 
@@ -100,9 +100,9 @@ def side_bound(mutation: Mutation, side: int) -> Statement:
     """|e{side}| < 1.1 |e2(t0)|."""
     t = Tracking("E")
     value = analysis.position_lyapunov(t.e, t.k[1])
-    given = (positive(t.k[1], t.E), above(594 * t.E**2, 1000 * value))
+    given = positive(t.k[1], t.E), above(594 * t.E**2, 1000 * value)
     limit = mutation(1.21, 1.0)
-    return Statement(t.symbols, above(121 * t.E**2 * limit, 121 * t.e[side - 1] ** 2), given)
+    return Statement(t, above(121 * t.E**2 * limit, 121 * t.e[side - 1] ** 2), given)
 
 
 @claim("eq45.printed", (45, 50), given="any", by=Ring(GAINS))
@@ -141,7 +141,7 @@ def angle_grows(mutation: Mutation) -> Statement:
     t = Tracking()
     k, e = t.k, t.e
     push = abs(-k[1] * t.v_d[0] * e[1] - mutation * t.z[1])
-    given = (above(k[2]), at_least(e[2] * ca.sin(e[2])))
+    given = above(k[2]), at_least(e[2] * ca.sin(e[2]))
     return t.states(at_least(push * abs(e[2]), e[2] * t.rate[2]), given=given)
 
 
@@ -159,7 +159,7 @@ def angle_bound(mutation: Mutation) -> Statement:
     T = analysis.window(l, k2, low)
     start = 10 * abs(e3) + (11 * k2 * high * E + 10 * abs(z2)) * T
     small = above(1, 5 * T), at_least(E, l * abs(e3)), at_least(k3 * E, l * abs(z2))
-    given = (above(l, 5), positive(k2, k3, low, E), at_least(high, low), small)
+    given = above(l, 5), positive(k2, k3, low, E), at_least(high, low), small
     bound = mutation(10, 5) * analysis.angle_bound(l, k3, low, high, E)
     return Statement(t, at_least(bound, start), given)
 
@@ -169,7 +169,7 @@ def side_rate(mutation: Mutation) -> Statement:
     """|e2'| <= |e1| |v2| + v1d |e3| at every instant."""
     t = Tracking()
     e, v2 = t.e, t.followed[1]
-    given = (above(t.v_d[0]), at_least(abs(e[2]), abs(ca.sin(e[2]))))
+    given = above(t.v_d[0]), at_least(abs(e[2]), abs(ca.sin(e[2])))
     bound = abs(e[0]) * abs(v2) + mutation * t.v_d[0] * abs(e[2])
     return t.states(at_least(bound, abs(t.rate[1])), given=given)
 

@@ -39,9 +39,9 @@ def angle_falls(mutation: Mutation) -> Statement:
     t = Tracking("l E")
     l, E = t.l, t.E
     stays = above(5 * t.e[1], 4 * E), above(t.k[2] * E, l * abs(t.z[1]))
-    given = (positive(l, E, t.k[1], t.k[2], t.v_d[0]), stays)
+    given = positive(l, E, t.k[1], t.k[2], t.v_d[0]), stays
     bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * abs(ca.sin(t.e[2])), E)
-    return Statement(t.symbols, above(bound, 5 * t.rate[2]), given)
+    return Statement(t, above(bound, 5 * t.rate[2]), given)
 
 
 @claim(
@@ -97,7 +97,7 @@ def angle_speed(mutation: Mutation) -> Statement:
     l, k2, k3, low, high, _, E, v1d, sine = t.values()
     six = conditions(t)
     turned = at_least(analysis.angle_bound(l, k3, low, high, E), sine), at_least(sine)
-    given = (positive(l, k2, k3, low, E, six[3], six[5]), between(low, v1d, high), turned)
+    given = positive(l, k2, k3, low, E, six[3], six[5]), between(low, v1d, high), turned
     gains = ca.vertcat(1, k2, k3)
     bound = analysis.angle_rate_bound(l, gains, v1d, sine, E)
     return Statement(t, above(-mutation(2.5, 3.5) * k2 * low * E, bound), given)
@@ -115,7 +115,7 @@ def rise(mutation: Mutation) -> Statement:
     t = Tracking("eps1")
     given = positive(*(t.k[i] for i in range(3)))
     bound = analysis.position_rate_bound(t.e, t.z, mutation * t.k)
-    return Statement(t.symbols, at_least(t.eps1, bound + t.eps1), given)
+    return Statement(t, at_least(t.eps1, bound + t.eps1), given)
 
 
 @claim(
@@ -135,7 +135,7 @@ def angle_end(mutation: Mutation) -> Statement:
     T, least = analysis.window(l, k2, low), 2 * l * (root + eps0 / (2 * k3))
     sizes = at_least(root), equal(side**2, 1), at_least(eps0, abs(z2))
     large = at_least(E, l * abs(e3)), above(E, least * mutation(1, 0.25))
-    given = (positive(l, k2, k3, low, E, eps0), sizes, large)
+    given = positive(l, k2, k3, low, E, eps0), sizes, large
     moved = side * e3 - 3 * T * k2 * low * E / 10
     end = analysis.angle_after(l, side * e3, E)
     passed = above(-4 * (root + abs(z2) / (2 * k3)), end)
@@ -214,7 +214,7 @@ def at_256(_: Mutation) -> Statement:
     Floating-point arithmetic hides this. A least real l, which the paper takes, does not exist.
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
-    given = (paper_gains(t), equal(t.l, 256))
+    given = paper_gains(t), equal(t.l, 256)
     return Statement(t, positive(*ca.vertsplit(conditions(t))), given)
 
 

@@ -22,8 +22,8 @@ class Tracking(Named):
     def __init__(self, more: str = "") -> None:
         free = column("e", 3) | column("z", 2) | symbols("v1d v2d")
         self.symbols = free | column("k", 3, fixed=True) | column("v", 2) | symbols(more)
-        self.e, self.k = (stacked(self.symbols, name, 3) for name in "ek")
-        self.z, self.v = (stacked(self.symbols, name, 2) for name in "zv")
+        self.e, self.k = (stacked(self, name, 3) for name in "ek")
+        self.z, self.v = (stacked(self, name, 2) for name in "zv")
         self.v_d = ca.vertcat(self.v1d, self.v2d)
         self.followed = auxiliary_velocity(self.e, self.v_d, self.k) + self.z
         self.rate = error_rate(self.e, self.followed, self.v_d)
@@ -105,7 +105,7 @@ def bounded(mutation: Mutation) -> Statement:
     t = Tracking("eps0")
     rest = analysis.square_rest(t.eps0**2, t.eps0**2, t.k)
     written = analysis.position_rate_bound(t.e, t.z, t.k) + mutation * rest
-    return Statement(t.symbols, at_least(written, t.fall))
+    return Statement(t, at_least(written, t.fall))
 
 
 @claim(
@@ -163,5 +163,5 @@ def quarter_turn(mutation: Mutation) -> Statement:
     t = symbols("e3 share x")
     angle, share, x = t.values()
     sine, size = abs(ca.sin(angle)), abs(angle)
-    given = (at_least(x), above(size, 2 * x), above(11 * share, 7), at_least(sine, share * size))
+    given = at_least(x), above(size, 2 * x), above(11 * share, 7), at_least(sine, share * size)
     return Statement(t, above(sine, mutation(1, 2) * x), given)

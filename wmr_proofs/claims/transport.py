@@ -58,7 +58,7 @@ class Carried:
         u1, share = t.u1, t.share
         inside = [above(u1, way * t[x]) for way in (1, -1) for x in ("x", "x_next")]
         held = when(ca.eq(t.c, t.c_next), equal(t.x, t.x_next))
-        known = (above(t.u2), above(u1, t.u2), inside, held, at_least(share))
+        known = above(t.u2), above(u1, t.u2), inside, held, at_least(share)
         return Statement(t, goals, (known, at_least(1, share), given), self.cuts)
 
 
@@ -75,7 +75,7 @@ def transport_share(mutation: Mutation) -> Statement:
     theta = level_share(t.w, t.level, t.excess)
     spent = 0.5 * (theta * t.w) ** 2 + theta * t.excess
     room = mutation(t.level, 0.9 * t.level)
-    given = (at_least(t.level, 0.5 * t.w**2), at_least(t.excess))
+    given = at_least(t.level, 0.5 * t.w**2), at_least(t.excess)
     return Statement(t, (between(0, theta, 1), at_least(room, spent)), given)
 
 
@@ -105,14 +105,14 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     def cost(y: ca.SX, target: ca.SX) -> ca.SX:
         return 0.5 * (y - target) ** 2 + pull(y, u1, u2)
 
-    inside = above(u2), above(u1, u2), *(above(u1, abs(y)) for y in (v, x, x_next))
+    inside = above(u2), above(u1, u2), [above(u1, abs(y)) for y in (v, x, x_next)]
     least = at_least(cost(x_next, c), cost(x, c) + 0.5 * shift**2)
-    given = (inside, least, at_least(cost(x, c_next), cost(x_next, c_next) + 0.5 * shift**2))
+    given = inside, least, at_least(cost(x, c_next), cost(x_next, c_next) + 0.5 * shift**2)
     rise = form(v, c_next, u1, u2) - form(v, c, u1, u2)
     nearer = ca.logic_and(w * shift > 0, abs(shift) <= abs(w))
     most = -w * step + 0.5 * mutation(step**2, -(step**2))
     sides = between(-w * step + 0.5 * shift**2, rise, -w * step + step * shift - 0.5 * shift**2)
-    goals = (sides, at_least(most, rise), when(nearer, at_least(0, rise)))
+    goals = sides, at_least(most, rise), when(nearer, at_least(0, rise))
     return Statement(t | symbols("x x_next"), goals, given, {"x": x, "x_next": x_next})
 
 
@@ -181,9 +181,9 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
     free = Symbols({name: g.free[name] for name in ("x", "x_next", "level", "excess")})
     v, c, c_next, u1, u2 = t.values()
     ahead = v + c_next - c
-    inside = above(u2), above(u1, u2), *(at_least(u2, abs(y)) for y in (v, c, c_next, ahead))
+    inside = above(u2), above(u1, u2), [at_least(u2, abs(y)) for y in (v, c, c_next, ahead)]
     values = equal(free.level, 0.5 * (v - c) ** 2), equal(free.excess)
-    given = (inside, equal(free.x, c), equal(free.x_next, c_next), values)
+    given = inside, equal(free.x, c), equal(free.x_next, c_next), values
     cuts = {name: g.cuts[name] for name in free}
     return Statement(t | free, equal(g.end, mutation * ahead), given, cuts)
 
@@ -201,6 +201,6 @@ def root(mutation: Mutation) -> Statement:
     t = symbols("before after S S_next w step")
     roots = equal(t.S**2, 2 * t.before), equal(t.S_next**2, 2 * t.after)
     moves = at_least(t.before - t.w * t.step + 0.5 * t.step**2, t.after)
-    given = (nonnegative(t.S, t.S_next), roots, at_least(2 * t.before, t.w**2), moves)
+    given = nonnegative(t.S, t.S_next), roots, at_least(2 * t.before, t.w**2), moves
     most = t.S + mutation(1, 0.9) * abs(t.step)
     return Statement(t, at_least(most, t.S_next), given)

@@ -1,6 +1,6 @@
 """Bounds that sensors, drives and ground add to the guard's assumptions, on their graphs."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from itertools import product
 from typing import Any
 
@@ -19,9 +19,9 @@ from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, exchanged, symbols
 from wmr_proofs.traced import Tracing, expression, functions_for_traced, traced
 
-from .common import scalars
+from .common import ports_of, scalars
 
-WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
+WHEELS = {"wheels.radius": [0.01, -0.01], "wheels.track": 0.01}
 """Structure of the graphs alone: their numbers stay symbols."""
 
 
@@ -32,17 +32,15 @@ class EffectGraph(Named):
     ``parameters``: the graph's own by their keys.
     """
 
-    def __init__(
-        self, effect: Effect, numbers: Iterable[tuple[str, object]], tables: str = ""
-    ) -> None:
+    def __init__(self, effect: Effect, numbers: Mapping[str, object], tables: str = "") -> None:
         """Take the bound's numbers of ``tables`` and of its own section as symbols."""
-        self.effect, self.scenario = effect, load_scenario("paper-simulation", dict(numbers))
+        self.effect, self.scenario = effect, load_scenario("paper-simulation", numbers)
         self.system = effect.build(self.scenario)
         self.parameters = Parameters(self.scenario, self.system.params)
         self.tables = tuple(dict.fromkeys((effect.section.KEY, *tables.split())))
         self.told, self.trace = self._bounded(1.0)
         drawn = (item.port for item in self.system.draws)
-        ports = (*self.system.inputs, *self.system.state, *self.system.params, *drawn)
+        ports = (*ports_of(self.system), *drawn)
         self.symbols = self.trace.symbols | scalars(ports)
 
     def _bounded(self, share: float) -> tuple[Bound, Tracing]:
@@ -66,16 +64,16 @@ class EffectGraph(Named):
             value = vars(told)[name]
             pair = value if isinstance(value, tuple) else (value,)
             found = ca.vertcat(*map(expression, pair), *trace.met)
-            pairs.append(exchanged(found, trace.symbols, self.symbols))
+            pairs.append(exchanged(found, trace.symbols, self))
         if not ca.is_equal(pairs[0], pairs[1], 100):
             raise ValueError(f"the bound of {self.effect.name} holds a number that is no symbol")
         parts = ca.vertsplit(pairs[0])
-        self.always = tuple(at_least(item, 1) for item in parts[len(pair) :])
+        self.always = [at_least(item, 1) for item in parts[len(pair) :]]
         return ca.vertcat(*parts[: len(pair)])
 
     def above_zero(self, *names: str) -> Relations:
         """Each of these numbers is positive."""
-        return tuple(above(self[name]) for name in names)
+        return [above(self[name]) for name in names]
 
 
 SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau = tau_max + motor.step/2"
@@ -104,10 +102,10 @@ def _wheel_case(axis: int, misread: bool, orders: Any, places: Any) -> Case:
     free = ("robot.r", "robot.l", "encoder.counts", "clock.control", "n1", "n2", "x1", "x2", "t")
     numbers = dict.fromkeys(free, POSITIVE)
     if misread:
-        sizes = ("limits.v_u1[1]", "limits.v_u1[2]")
+        sizes = "limits.v_u1[1]", "limits.v_u1[2]"
         numbers |= dict.fromkeys(sizes, POSITIVE)
     else:
-        sizes = ("size", "size")
+        sizes = "size", "size"
         numbers |= {"size": NONNEGATIVE, "motor.step": FREE}
 
     def values(n: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -148,7 +146,7 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
 
     What the guard counts as window, and what an encoder adds to nbar besides it.
     """
-    g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0),), "robot clock")
+    g = EffectGraph(encoder.ENCODER, {"encoder.counts": 64.0}, "robot clock")
     scenario, skidded = g.scenario, g["theta"] + g["skid"]
     now = encoder.turned(scenario, g.parameters, g["path"], skidded)
     turn = symbols("old_right old_left")
@@ -187,7 +185,7 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
 
     What wrong radii add to nbar of an encoder.
     """
-    numbers = (("encoder.counts", 64.0), *WHEELS)
+    numbers = {"encoder.counts": 64.0, **WHEELS}
     g, t = EffectGraph(encoder.ENCODER, numbers, "robot clock wheels limits"), symbols("v omega")
     turn = encoder.turned(g.scenario, g.parameters, t.v, t.omega)
     shown = encoder.velocity_of(turn, g.parameters)[axis]
@@ -198,7 +196,7 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     off = shown - (t.v if axis == 0 else t.omega)
     sizes = g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control")
     inside = within(ca.vertcat(*t.values()), limits), positive(limits[0], limits[1])
-    given = (sizes, _shares(g), inside)
+    given = sizes, _shares(g), inside
     return g.states(within(off, most * mutation(1, 0.9)), given=given, more=t)
 
 
@@ -213,12 +211,12 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
 
     What wrong radii, and for the moment a wrong track, add to dbar.
     """
-    limited = (*WHEELS, ("actuator.tau_max", 5.0))
+    limited = {**WHEELS, "actuator.tau_max": 5.0}
     g = EffectGraph(wheels.WHEELS, limited, "robot actuator motor")
     told, most = ca.vertcat(g["tau_right"], g["tau_left"]), g["actuator.tau_max"]
     believed = (g["robot.r"], g["robot.l"])
     made, meant = (wheel_to_force(*believed, tau)[axis] for tau in (g.system.y, told))
     bound = g.bound("dbar")[axis]
     sizes = within(told, most + 0.5 * g["motor.step"])
-    given = (g.above_zero("robot.r", "robot.l"), _shares(g), sizes)
+    given = g.above_zero("robot.r", "robot.l"), _shares(g), sizes
     return g.states(within(made - meant, bound * mutation(1, 0.9)), given=given)

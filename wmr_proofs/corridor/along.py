@@ -9,7 +9,7 @@ rounding.  Order reduction: generators that have become old are added to that bo
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
-from math import ceil, cos, pi, sin
+from math import ceil, cos, pi
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from wmr_ctrl.theory.checks.loop import IntArray
 from wmr_ctrl.world.scenario import Scenario
 
 from .enclosure import OpenBoxError
+from .gains import fast_rows
 from .inputs import NoCorridorError, check_size, conditions
 from .loop import UP
 from .midradius import ROUNDED, MidRadius, hull, widened
@@ -63,11 +64,7 @@ class Along:
         period, steps, nz = setup.scenario.clock.control, loop.steps, len(loop.names)
         count = max(1, min(steps, ceil(period / KNOT - 1e-9)))
         self.knots = [round(k * steps / count) for k in range(count)]
-        turns = [k * pi / DIRECTIONS for k in range(DIRECTIONS)]
-        rows = [*np.eye(nz), *(_row(nz, (0, cos(t)), (1, sin(t))) for t in turns)]
-        for (a, b), ratio in zip(self.pairs, self.ratios, strict=True):
-            rows += [_row(nz, (a, 1.0), (b, sign * ratio)) for sign in (1, -1)]
-        self.rows = np.array(rows)
+        self.rows = fast_rows(nz, DIRECTIONS, self.pairs, self.ratios)
         self._kept = list[tuple[int, int, MidRadius, MidRadius]]()
         sizes = loop.sizes(*(
             [MidRadius(np.array([x])) for x in part]
@@ -334,10 +331,3 @@ def _lap(scenario: Scenario) -> int:
     """Number of samples after which the reference approximately repeats; 0 if it never does."""
     samples = scenario.reference.cycle / scenario.clock.control
     return round(samples) if samples <= scenario.clock.samples else 0
-
-
-def _row(size: int, *entries: tuple[int, float]) -> Floats:
-    row = np.zeros(size)
-    for place, value in entries:
-        row[place] = value
-    return row

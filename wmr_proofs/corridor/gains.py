@@ -125,7 +125,7 @@ def _summed(
     if damping > FAINTEST:
         raise SlowLoopError(f"a share of {damping:.2g} is left after {samples} samples")
     ratios = np.array([scale[a] / scale[b] for a, b in PAIRS])
-    picked, blank = _fast_rows(nz, ratios), np.zeros((n, n))
+    picked, blank = fast_rows(nz, DIRECTIONS, PAIRS, ratios), np.zeros((n, n))
     powers_within = powers_of(sample.step, loop.steps)
     apart = sum(
         (np.abs(doubles(item - unit_matrix(nz))) for item in powers_within),
@@ -171,11 +171,11 @@ def _weighed(course: Floats, size: Floats, scale: Floats) -> Floats:
     return norms
 
 
-def _fast_rows(nz: int, ratios: Floats) -> Floats:
+def fast_rows(nz: int, directions: int, pairs: list[tuple[int, int]], ratios: Floats) -> Floats:
     """Elements of the fast state, directions of (e1, e2), sums and differences of pairs."""
-    turns = [k * pi / DIRECTIONS for k in range(DIRECTIONS)]
+    turns = [k * pi / directions for k in range(directions)]
     rows = [*np.eye(nz), *(_row(nz, (0, cos(t)), (1, sin(t))) for t in turns)]
-    for (a, b), ratio in zip(PAIRS, ratios, strict=True):
+    for (a, b), ratio in zip(pairs, ratios, strict=True):
         rows += [_row(nz, (a, 1.0), (b, sign * ratio)) for sign in (1, -1)]
     return np.array(rows)
 

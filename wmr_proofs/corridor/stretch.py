@@ -59,9 +59,8 @@ def stretch(loop: MovingLoop, law: MidRadius, step: MidRadius, knots: list[int])
     now, size, sums = course[:, loop.steps], step[:, :, :nz].most, np.zeros((count, nz, nz))
     for _ in range(loop.steps):
         sums = (size @ sums) * (1 + rounding(nz)) + np.eye(nz)
-    rows = MidRadius(*(np.zeros((count, n, n)) for _ in range(2)))
-    by_law = MidRadius(*(np.zeros((count, n, outputs.middle.shape[1])) for _ in range(2)))
-    push = MidRadius(*(np.zeros((count, n, COMMAND)) for _ in range(2)))
+    widths = n, outputs.middle.shape[1], COMMAND
+    rows, by_law, push = (MidRadius(*np.zeros((2, count, n, width))) for width in widths)
     for key in ("middle", "radius"):
         part = getattr(now, key)
         getattr(rows, key)[:, :nz] = part[:, :, :n]

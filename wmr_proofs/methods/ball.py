@@ -11,7 +11,7 @@ from typing import Any
 from flint import arb
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
-from wmr_proofs.graph import Arithmetic, UndecidedError, Walk, paths
+from wmr_proofs.graph import Arithmetic, Ask, UndecidedError, Walk, paths
 from wmr_proofs.relation import ABOVE, EQUAL
 from wmr_proofs.statement import Statement
 
@@ -63,7 +63,7 @@ class IntervalArithmetic(Arithmetic):
             found.key = self._name(op, given)
         return found
 
-    def compare(self, op: str, left: Any, right: Any, ask: Callable[[Hashable], bool]) -> bool:
+    def compare(self, op: str, left: Any, right: Any, ask: Ask) -> bool:
         """Truth of a comparison; if undecided, both ways are taken, each with narrowed values."""
         if left is None or right is None:
             raise UndecidedError("a comparison of what may be undefined")
@@ -197,7 +197,7 @@ def decide(statement: Statement, method: Ball) -> Finding:
 def _holds_on(statement: Statement, box: Box, doubles: bool) -> bool:
     """True if all goals hold on all ways; a hypothesis that cannot hold closes a way."""
 
-    def run(ask: Callable[[Hashable], bool]) -> bool:
+    def run(ask: Ask) -> bool:
         try:
             values = Walk(statement.graph, IntervalArithmetic(box, doubles), ask).outputs()
         except EmptyWayError:

@@ -3,7 +3,7 @@
 A counterexample must pass this test: hypotheses certainly true, a goal certainly violated.
 """
 
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from math import isqrt
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from flint import arb, ctx, fmpq
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
-from wmr_proofs.graph import ARITHMETIC, COMPARE, Arithmetic, UndecidedError, Walk
+from wmr_proofs.graph import ARITHMETIC, COMPARE, Arithmetic, Ask, UndecidedError, Walk
 from wmr_proofs.relation import ABOVE, EQUAL
 from wmr_proofs.statement import Statement
 
@@ -61,7 +61,7 @@ class PointArithmetic(Arithmetic):
             return Fraction((0, 1, 0, -1)[quarter % 4])
         return _of_balls(op, [_ball(a) for a in args])
 
-    def compare(self, op: str, left: Any, right: Any, _ask: Callable[[Hashable], bool]) -> bool:
+    def compare(self, op: str, left: Any, right: Any, _ask: Ask) -> bool:
         """Certain truth; UndecidedError otherwise."""
         return bool(COMPARE[op](sign_of(self.apply("sub", [left, right])), 0))
 

@@ -3,13 +3,13 @@
 About the logarithm only ln t >= 1 - 1/t (t > 0) is used.
 """
 
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
 from math import lcm
 from typing import Any
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
-from wmr_proofs.graph import UndecidedError, Walk, paths
+from wmr_proofs.graph import Ask, UndecidedError, Walk, paths
 from wmr_proofs.regions import Case
 from wmr_proofs.relation import ABOVE, EQUAL
 from wmr_proofs.statement import Statement
@@ -44,7 +44,7 @@ def _proved(statement: Statement, method: Ring, case: Case) -> bool:
     names = tuple(n for n in statement.graph.input_names if n not in assigned)
     shared = RingArithmetic(case, names, method.fixed, method.spare)
 
-    def run(ask: Callable[[Hashable], bool]) -> bool:
+    def run(ask: Ask) -> bool:
         """True if goals and hypotheses hold: a case lies inside the statement's assumptions."""
         shared.ask = ask
         values = Walk(statement.graph, shared, ask).outputs()

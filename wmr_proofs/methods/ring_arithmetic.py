@@ -1,13 +1,13 @@
 """Arithmetic of exact algebra: values are elements of a fraction field, or undefined (None)."""
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
 from flint import fmpq
 from flint.utils.flint_exceptions import DomainError
 
-from wmr_proofs.graph import ARITHMETIC, Arithmetic, UndecidedError
+from wmr_proofs.graph import ARITHMETIC, Arithmetic, Ask, UndecidedError
 from wmr_proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
 
 from .field import Algebra
@@ -27,7 +27,7 @@ class RingArithmetic(Arithmetic):
         chart = {name: self.algebra.by_name[name] for name in case.numbers}
         self.inputs = {**{n: self.algebra.by_name[n] for n in names}, **case.values(chart)}
         self.fixed = fixed
-        self.ask: Callable[[Hashable], bool] = lambda _: True
+        self.ask: Ask = lambda _: True
         self.nonzero: set[Any] = set()
 
     def constant(self, value: float) -> Any:
@@ -58,7 +58,7 @@ class RingArithmetic(Arithmetic):
             raise UndecidedError("a denominator that may be 0")
         return below
 
-    def compare(self, op: str, left: Any, right: Any, ask: Callable[[Hashable], bool]) -> bool:
+    def compare(self, op: str, left: Any, right: Any, ask: Ask) -> bool:
         """Truth by the sign of right - left."""
         if left is None or right is None:
             raise UndecidedError("a comparison of what may be undefined")
@@ -68,7 +68,7 @@ class RingArithmetic(Arithmetic):
             known = self._stated(op, left, right)
         return self._asked(op, gap, ask) if known is None else known
 
-    def _asked(self, op: str, gap: Any, ask: Callable[[Hashable], bool]) -> bool:
+    def _asked(self, op: str, gap: Any, ask: Ask) -> bool:
         """Ask one question per sign, so that related conditions are decided consistently."""
         if op in ("eq", "ne"):
             return ask(("zero", gap)) == (op == "eq")

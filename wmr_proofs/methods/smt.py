@@ -5,7 +5,7 @@ A goal is meaningful only if its operations are defined: a quotient needs a deno
 the branch of a choice that is not taken needs nothing.
 """
 
-from collections.abc import Callable, Container, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
@@ -17,7 +17,7 @@ from typing import Any
 import z3
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
-from wmr_proofs.graph import ARITHMETIC, COMPARE, Arithmetic, UndecidedError, Walk
+from wmr_proofs.graph import ARITHMETIC, COMPARE, Arithmetic, Ask, UndecidedError, Walk
 from wmr_proofs.relation import ABOVE, EQUAL
 from wmr_proofs.statement import Statement, behind, own_name
 
@@ -60,7 +60,7 @@ class TermArithmetic(Arithmetic):
             raise UndecidedError(f"no term for {op} is known")
         return call(*args)
 
-    def compare(self, op: str, left: Any, right: Any, _ask: Callable[[Hashable], bool]) -> Any:
+    def compare(self, op: str, left: Any, right: Any, _ask: Ask) -> Any:
         """Term of a comparison."""
         return COMPARE[op](left, right)
 
