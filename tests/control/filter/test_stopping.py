@@ -69,7 +69,7 @@ def test_a_wrong_formula_is_seen(name):
     assert broken(altered.found(1200, 1)).get(altered.breaks, 0) > 0
 
 
-@pytest.mark.parametrize(("jitter", "time", "steps"), [(0.0, 1.0, 21), (0.2, 0.99, 25)])
+@pytest.mark.parametrize("jitter, time, steps", [(0.0, 1.0, 21), (0.2, 0.99, 25)])
 def test_rest_is_known_only_after_the_brake_has_closed(jitter, time, steps):
     plan = Schedule((2.0, 2.0), jitter=jitter)
     found = whole_steps(plan, ca.SX(0.05), ca.SX(time), NEAR)
