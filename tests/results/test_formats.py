@@ -12,7 +12,8 @@ from hypothesis.extra.numpy import arrays
 
 from tests.equal_runs import runs_equal
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.results import load_run
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.results import Monitor, load_run
 from wmr_ctrl.results.formats import save_run
 
 SUFFIXES = [".npz", ".csv"]
@@ -23,6 +24,9 @@ reusing_folder = settings(
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
     max_examples=15,
 )
+
+
+LOST = Monitor((math.inf, math.nan), 2, (0.001, 2), (0.05, 1), "non-finite")
 
 
 def saved(run, folder, suffix):
@@ -62,6 +66,21 @@ def test_a_saved_run_loads_back_equal(make_run, tmp_path, suffix, x, e, words):
     assert dict(loaded.provenance) == words
     assert np.array_equal(loaded["e"], e, equal_nan=True)
     assert np.array_equal(np.signbit(loaded["x"][x == 0]), np.signbit(x[x == 0]))
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("rows", [0, 1, 5])
+def test_a_run_that_ended_early_loads_back_equal(make_run, tmp_path, suffix, rows):
+    labels = {"guard": True, "seed": 2**70, "law": "my, law", "scenario": 'a "b"\n# c é'}
+    extra = (Signal("m_hat", "kg", "mass, as estimated", 2), Signal("Größe", "m", "a, b"))
+    run = make_run(rows=rows, monitor=LOST, labels=labels, extra=extra)
+    loaded = load_run(saved(run, tmp_path, suffix))
+
+    assert runs_equal(loaded, run)
+    assert (loaded.seed, loaded.guard, loaded.outcome) == (2**70, True, "non-finite")
+    assert (loaded.monitor.stopped, loaded.monitor.first_violation) == ((0.05, 1), (0.001, 2))
+    assert loaded.monitor.max_abs_v[0] == math.inf
+    assert math.isnan(loaded.monitor.max_abs_v[1])
 
 
 @pytest.mark.parametrize("suffix", [*SUFFIXES, ".NPZ", ".Csv"])
