@@ -112,16 +112,6 @@ def test_a_comparison_judges_the_drive_and_names_every_limit(run):
     assert changed.endswith("RMS per sample, drive (0.05 to 0.1 s)")
 
 
-class Silent:
-    """Progress that nobody sees."""
-
-    def start(self, *_):
-        """A phase begins."""
-
-    def advance(self):
-        """A step of it is done."""
-
-
 def answers(law="pid", **changes):
     found = check.find_answers(paper(), (law,), (), "corridor")
     return replace(found, **changes)
@@ -183,7 +173,7 @@ def test_a_law_is_run_for_two_million_steps_at_most(monkeypatch):
     assert check._short(paper()) == paper()
     made = []
     monkeypatch.setattr(api, "simulate", lambda scenario, _: made.append(scenario))
-    check._runs(long, ("pid", "mb"), Silent())
+    check._runs(long, ("pid", "mb"))
     assert made == [short, short]
 
 
