@@ -13,7 +13,7 @@ from pathlib import Path
 
 from wmr_ctrl.report.write import write_runs
 from wmr_ctrl.results import atomic_text, make_folder
-from wmr_ctrl.simulation.campaign import PhaseProgress
+from wmr_ctrl.simulation.batch import Progress
 
 from . import guard_runs, tyre_runs
 from .guard_figures import comparison_figures
@@ -21,7 +21,7 @@ from .guard_figures import comparison_figures
 FILES = {"ours": ("ours.csv", "ours.txt"), "physics": ("rigid.csv", "rigid.txt")}
 
 
-def ours(out: Path, jobs: int | None, quick: bool, progress: PhaseProgress | None) -> str:
+def ours(out: Path, jobs: int | None, quick: bool, progress: Progress | None) -> str:
     """Every law with and without the guard, one factor at a time around two bases."""
     seeds = guard_runs.HELD_OUT[: 1 if quick else None]
     rows = guard_runs.run_comparison(guard_runs.comparison_plan(seeds=seeds), jobs, progress)
@@ -36,7 +36,7 @@ def ours(out: Path, jobs: int | None, quick: bool, progress: PhaseProgress | Non
     )
 
 
-def physics(out: Path, jobs: int | None, quick: bool, progress: PhaseProgress | None) -> str:
+def physics(out: Path, jobs: int | None, quick: bool, progress: Progress | None) -> str:
     """The same cases on the plane model and on the rigid body; what tyres ought to do."""
     seeds = tyre_runs.RIGID_SEEDS[: 1 if quick else None]
     rows = tyre_runs.run_rigid_comparison(seeds, jobs, progress).table
@@ -48,9 +48,7 @@ def physics(out: Path, jobs: int | None, quick: bool, progress: PhaseProgress | 
     )
 
 
-def run(
-    what: str, out: Path, jobs: int | None, quick: bool, progress: PhaseProgress | None
-) -> None:
+def run(what: str, out: Path, jobs: int | None, quick: bool, progress: Progress | None) -> None:
     """Make ``ours`` or ``physics`` and write its files into the folder ``out``."""
     text = {"ours": ours, "physics": physics}[what](out, jobs, quick, progress)
     with atomic_text(out / FILES[what][1]) as file:
@@ -59,7 +57,7 @@ def run(
 
 def main() -> None:
     """Run what the command line asks for."""
-    from wmr_ctrl.cli.console import Progress
+    from wmr_ctrl.cli import console
 
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("what", choices=FILES)
@@ -68,7 +66,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="one seed")
     asked = parser.parse_args()
     make_folder(asked.out)
-    with Progress(asked.what) as progress:
+    with console.Progress(asked.what) as progress:
         run(asked.what, asked.out, asked.jobs, asked.quick, progress)
     print((asked.out / FILES[asked.what][1]).read_text(encoding="utf-8"), end="")
 

@@ -23,7 +23,7 @@ typedef struct {
 
 typedef struct {
     double seconds, axis, side, base, driver, limits, near, less, missing, rule, speed, rate, kept, far[2];
-    double apart, pauses;
+    double apart, pauses, trusts;
 } choices; /* Choices there; -1: by chance */
 
 enum { PRESS, ANY, TO_AND_FRO, ON_AND_OFF, ODD, TURN_BACK, SMALL, BACK, TAPS, ALL_SORTS, SLOWLY, ONE_STEP, DRIVERS };
@@ -116,7 +116,7 @@ static double approach(double distance, double asked, double horizon)
 typedef struct { double limit, before, told, due; } deadline;
 
 /* Requests away from one side: commands sent in a row, their least pull, releases that came too early. */
-typedef struct { int sent, spent, refused; double weakest; } request;
+typedef struct { int sent, spent, refused, waited; double weakest; } request;
 
 typedef struct { double t, v[2], free[2][2], sent[2], take[2]; } sample;
 
@@ -130,7 +130,7 @@ typedef struct {
     double tau[2], gain[2], push[2], nearing[2], zero_since, brakes_after;
     int touched[2][2], braked;
     double asked, across, away, leaves_late, stands_after, left_at; /* asked: away from the wall is below 0 */
-    int left, turns_at, waiting;
+    int left, turns_at, waiting, left_since;
     double ceiling[2][2];
     int phase, changed;
     deadline due[2][2];
@@ -390,7 +390,7 @@ static double ruled(const drive *s, double distance)
 }
 
 /* What the driver owes after a step: releases that the hold opened do not come too early. */
-static void count_requests(drive *s, const wmr_filter_inputs *u, const double sent[2], int near_by)
+static void count_requests(drive *s, const wmr_filter_inputs *u, const double sent[2], int near_by, int stands)
 {
     const numbers *p = s->p;
     for (int i = 0; i < 2; ++i)
@@ -407,7 +407,7 @@ static void count_requests(drive *s, const wmr_filter_inputs *u, const double se
                 s->out->passed += e->refused;
                 int opened = e->refused && s->walls[i][m] < 1e9 && sent[1 - i] == 0 && a->push > 0;
                 if (opened && e->spent >= p->leave && hold < NEVER) {
-                    s->owed = (int)hold - 1;
+                    s->owed = (s->c->trusts > 0 ? e->waited : (int)hold) - 1; /* trusts: as long as it waited */
                     s->owing[0] = i;
                     s->owing[1] = m;
                     s->owed_command = fabs(u->v_asked[i]);
@@ -420,6 +420,7 @@ static void count_requests(drive *s, const wmr_filter_inputs *u, const double se
                 if (mine) s->owed = 0;
             }
             e->refused = near_by && way * u->v_asked[i] > 0 && sent[i] == 0;
+            e->waited = e->refused && stands ? e->waited + 1 : 0;
         }
 }
 
@@ -432,8 +433,11 @@ static void count_waiting(drive *s, int k, int goes)
     double pull = pull_of(a, s->away, a->limits[behind]), place = s->side * s->x[s->axis];
     double most = (s->stands_after < NEVER ? s->stands_after : 0) + hold_of(p, a, pull) + 2;
     if (!(pull > 1e-9 && s->walls[s->axis][behind] + place > 5 && p->nearing == 0)) return;
-    if (s->left_at == NEVER) s->left_at = place;
-    if (last && pull > 0.02 && most * p->period < 6 && place > s->left_at - 0.05) s->out->waits = NEVER;
+    if (s->owed > 0) s->left_at = NEVER; /* until then the driver keeps to an earlier request */
+    else if (s->left_at == NEVER) { s->left_at = place; s->left_since = k; }
+    else s->left_at = larger(s->left_at, place); /* where it turned */
+    int long_ago = s->owed == 0 && (k - s->left_since) * p->period > 9 && most * p->period < 6;
+    if (last && long_ago && pull > 0.02 && place > s->left_at - 0.05) s->out->waits = NEVER;
     if (s->waiting >= 0 && s->owed == 0) ++s->waiting;
     if (goes) s->waiting = -1;
     s->out->waits = larger(s->out->waits, s->waiting / most);
@@ -557,7 +561,8 @@ static void drive_one(const numbers *p, const numbers *real, const choices *c, u
             s.walls[s.axis][below(&s.seed, 2)] += uniform(&s.seed, 0, 2);
         tell_limits(&s, k, &u);
         tell_measured(&s, k, &u);
-        asks(&s, k, zeros > s.stands_after);
+        int stands = zeros > s.stands_after;
+        asks(&s, k, stands);
         u.v_asked[s.axis] = s.side * s.asked;
         u.v_asked[1 - s.axis] = s.across;
         if (s.owed > 0) { /* the driver goes on */
@@ -569,7 +574,7 @@ static void drive_one(const numbers *p, const numbers *real, const choices *c, u
             u.v_asked[below(&s.seed, 2)] = NAN;
         u.elapsed = s.elapsed;
         int near_by = commands(&s, k, &u, sent);
-        count_requests(&s, &u, sent, near_by);
+        count_requests(&s, &u, sent, near_by, stands);
         if (k * p->period >= s.leaves_late) count_waiting(&s, k, s.side * sent[s.axis] < 0);
         zeros = sent[0] == 0 && sent[1] == 0 ? zeros + 1 : 0;
         deliver(&s, k);

@@ -1,6 +1,6 @@
 """The front: prox and kanayama, both tuned alike, position RMS against torque change.
 
-``python -m benchmarks.front [--quick] [--out docs/tracking.md] [--work build/front]``.  Control
+``python -m benchmarks.front [--quick] [--out benchmarks/results.md] [--work FOLDER]``.  Control
 periods of 10, 50 and 100 ms, without delay and with half a period, which both laws predict over.
 Both start from the same poles (`wmr_ctrl.control.laws.prox.guide`), and `wmr_ctrl.tune` searches
 for both with the same objective, seeds and number of trials.  What is told is on seeds, and on two

@@ -10,7 +10,8 @@ from types import MappingProxyType
 from wmr_ctrl.core.data import data
 from wmr_ctrl.results import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
-from wmr_ctrl.simulation.campaign.engine import PhaseProgress, run_campaign
+from wmr_ctrl.simulation.batch import Progress
+from wmr_ctrl.simulation.campaign.engine import run_campaign
 from wmr_ctrl.simulation.campaign.plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
 
 SCENARIO = "paper-simulation"
@@ -78,9 +79,7 @@ COMPARED = ("violations", "limit_ratio1", "limit_ratio2", AWAY, FARTHEST, "ise_t
 
 
 def run_comparison(
-    plan: Sequence[PlannedRun], jobs: int | None = None, progress: PhaseProgress | None = None
+    plan: Sequence[PlannedRun], jobs: int | None = None, progress: Progress | None = None
 ) -> RunTable:
     """The rows of ``plan``; as `run_campaign`."""
-    what = "the laws with and without the guard"
-    texts = f"Compiling {what}", f"Running {what}"
-    return run_campaign(plan, jobs, progress, COMPARED, False, texts).table
+    return run_campaign(plan, jobs, progress, COMPARED, False).table

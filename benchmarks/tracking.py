@@ -1,6 +1,6 @@
 """How well the laws track with the gains that ship: position RMS and worst case.
 
-``python -m benchmarks.tracking [--quick] [--out docs/tracking.md]``.  The guarded circle of
+``python -m benchmarks.tracking [--quick] [--out benchmarks/results.md]``.  The guarded circle of
 ``safe-simulation`` at 10 and 20 ms, the guarded robot of ``safe-experiment`` at 50 and 100 ms, each
 with the preset's own gains; then other references, a noisy pose, a noisy velocity.  RMS and largest
 distance from the desired position over the last quarter: the median and the worst of all seeds.

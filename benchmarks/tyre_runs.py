@@ -14,7 +14,8 @@ import numpy as np
 from wmr_ctrl.core.data import data, with_tuples
 from wmr_ctrl.results import PLANTS, Floats, RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
-from wmr_ctrl.simulation.campaign.engine import Campaign, PhaseProgress, run_campaign
+from wmr_ctrl.simulation.batch import Progress
+from wmr_ctrl.simulation.campaign.engine import Campaign, run_campaign
 from wmr_ctrl.simulation.campaign.plan import Overrides, Study, studies_in
 
 RIGID_SEEDS = (2100, 2101, 2102, 2103, 2104)
@@ -46,9 +47,9 @@ COMPARED = ("ise_total", E1_BEFORE, E1, "limit_ratio", "slipped", "tipped")
 def run_rigid_comparison(
     seeds: Sequence[int] = RIGID_SEEDS,
     jobs: int | None = None,
-    progress: PhaseProgress | None = None,
+    progress: Progress | None = None,
 ) -> Campaign:
-    """Every case, law and seed on both plants, each two phases of ``progress``.
+    """Every case, law and seed on both plants; ``progress`` is told each plant's share.
 
     Whole runs are those on tyres.  Raises MissingExtraError without the extra physics.
     """
@@ -56,9 +57,7 @@ def run_rigid_comparison(
     for plant in PLANTS:
         laws = ("pid", "smc", "mb", "nn", "prox")
         plan = [run for study in RIGID_STUDIES[plant] for run in study.planned(laws, seeds, plant)]
-        name = "on tyres" if plant == "mujoco" else "on the plane model"
-        texts = f"Compiling the laws {name}", f"Running the laws {name}"
-        done.append(run_campaign(plan, jobs, progress, COMPARED, plant == "mujoco", texts))
+        done.append(run_campaign(plan, jobs, progress, COMPARED, plant == "mujoco"))
     plane, body = (one.table for one in done)
     both = {name: np.concatenate([plane[name], body[name]]) for name in plane}
     return Campaign(RunTable(both), done[-1].runs)

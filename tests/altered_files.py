@@ -145,6 +145,14 @@ ALTERED_FILES = (
          "wmr_mask(seen[WMR_SEEN_PEAK] > *peak)"),
     ),
     *_rows(
+        RUNTIME, "tests/results/test_obstacles.py::"
+        "test_runs_without_a_log_have_the_gap_of_the_log",
+        ("loop.c", "wmr_mask(seen[WMR_SEEN_GAP] < found[WMR_FOUND_GAP])",
+         "wmr_mask(seen[WMR_SEEN_GAP] > found[WMR_FOUND_GAP])"),
+        ("loop.c", "findings[WMR_FOUND_GAP] = wmr_all(WMR_NO_MARGIN)",
+         "findings[WMR_FOUND_GAP] = wmr_all(0.0)"),
+    ),
+    *_rows(
         RUNTIME, "tests/simulation/test_many.py::"
         "test_a_rate_of_turn_that_is_no_number_is_not_told_as_the_largest",
         ("loop.c", "both & wmr_mask(v[1] > most[1])", "first & wmr_mask(v[1] > most[1])"),
@@ -201,7 +209,6 @@ ALTERED_FILES = (
          "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
          "return self.asked[0] > self.usable[0], False"),
         ("control/guard/price.py", "max(ways, key=lambda way: way[0] - way[1])", "ways[0]"),
-        ("theory/checks/velocity_guard.py", "beyond <= 0 <", "beyond < 0 <"),
         ("theory/checks/preconditions.py", "if beyond[axis] > 0:", "if beyond[axis] >= 0:"),
     ),
     *_rows(

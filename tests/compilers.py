@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.codegen.cache import cache_dir
-from wmr_ctrl.codegen.compiler import WINDOWS, WITHOUT_MINGW, WITHOUT_RUNTIME
-from wmr_ctrl.codegen.resources import runtime_dir
+from wmr_ctrl.codegen.compiler import WITHOUT_RUNTIME
 from wmr_ctrl.export.page.module import LINKING
 
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
@@ -63,28 +62,18 @@ def compile_in(folder, command):
 
 
 def compile_program(folder, command, units, out):
-    """A program of units; where zig would compile a C library first, it is linked without one."""
-    further, linking = WITHOUT_LIBRARY.get(Path(out).suffix, ((), None))
-    if linking is None:
-        own = WITHOUT_RUNTIME if tuple(command[: len(ZIG)]) == ZIG else ("-lm",)
+    """A program of units; WebAssembly is linked as the page's module, without a C library."""
+    suffix = Path(out).suffix
+    if suffix != ".wasm":
+        zig = tuple(command[: len(ZIG)]) == ZIG and suffix != ".exe"
+        own = WITHOUT_RUNTIME if zig else ("-lm",)
         compile_in(folder, [*command, *units, *own, "-o", out])
         return
     objects = []
-    for unit in (*units, *further):
+    for unit in units:
         objects.append(f"{len(objects)}.o")
         compile_in(folder, [*command, "-c", unit, "-o", objects[-1]])
-    compile_in(folder, [*command, *linking, *objects, "-o", out])
-
-
-WITHOUT_LIBRARY = {
-    ".wasm": ((), (*LINKING, "-rtlib=compiler-rt")),
-    ".exe": (
-        (str(runtime_dir() / WINDOWS), str(Path(__file__).with_name("windows.c"))),
-        (*WITHOUT_MINGW, "-lkernel32", "-Wl,-e,mainCRTStartup"),
-    ),
-}
-"""By suffix what is compiled and how it is linked: WebAssembly as the page's module, programs for
-Windows as FMUs for it, with a start of their own."""
+    compile_in(folder, [*command, *LINKING, "-rtlib=compiler-rt", *objects, "-o", out])
 
 
 def processor():

@@ -23,7 +23,6 @@ from .core.errors import UnknownKeyError as UnknownKeyError
 from .core.errors import UnknownNameError as UnknownNameError
 from .core.errors import WmrError as WmrError
 from .export.cosim.fmu_file import FmuError as FmuError
-from .export.fmi.targets import PartlyBuiltError as PartlyBuiltError
 from .identification import identify as identify
 from .identification.bounds import BaseIdentification as BaseIdentification
 from .identification.bounds import Estimate as Estimate

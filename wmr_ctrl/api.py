@@ -23,7 +23,6 @@ from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.export import api_types as types
 from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
-from wmr_ctrl.simulation.campaign.engine import PhaseProgress
 from wmr_ctrl.simulation.campaign.study_run import study as study
 from wmr_ctrl.simulation.many import checked_seeds, checked_starts
 from wmr_ctrl.simulation.runnable import versions
@@ -182,7 +181,7 @@ def reproduce(
     seeds: int = 20,
     quick: bool = False,
     jobs: int | None = None,
-    progress: PhaseProgress | None = None,
+    progress: types.Progress | None = None,
     with_ours: bool = False,
     with_physics: bool = False,
 ) -> Verdicts:
@@ -202,6 +201,7 @@ def reproduce(
     from wmr_ctrl.simulation.campaign import PAPER_LAWS
     from wmr_ctrl.simulation.campaign.engine import run_campaign
     from wmr_ctrl.simulation.campaign.paper_runs import QUICK_SEEDS, paper_plan
+    from wmr_ctrl.simulation.many import part
     from wmr_ctrl.simulation.physics.rigid import mujoco
 
     plan = paper_plan(PAPER_LAWS, QUICK_SEEDS if quick else seeds)
@@ -214,11 +214,13 @@ def reproduce(
         for name in (*FILES, *more):
             check_writable(Path(out) / name)
         facts = _facts(PAPER_LAWS, quick)
-        campaign = run_campaign(plan, jobs, progress)
+        parts = 2 + len(wanted)
+        each = [part(progress, k / parts, (k + 1) / parts) for k in range(parts)]
+        campaign = run_campaign(plan, jobs, each[0])
         judged = judge_all(Evidence(campaign.table, facts.timings))
-        verdicts = write_reproduction(out, Reproduction(campaign, judged, facts), progress)
-        for what in wanted:
-            _benchmark("beyond").run(what, Path(out), jobs, quick, progress)
+        verdicts = write_reproduction(out, Reproduction(campaign, judged, facts), each[1])
+        for what, tell in zip(wanted, each[2:], strict=True):
+            _benchmark("beyond").run(what, Path(out), jobs, quick, tell)
     return verdicts
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from itertools import chain
 from typing import Any
@@ -117,6 +117,7 @@ class Choices:
     far: Pair = (0.0, 5.0)
     apart: float = 0.0
     pauses: float = 0.0
+    trusts: bool = False
 
     @property
     def numbers(self) -> Floats:
@@ -164,16 +165,24 @@ MIXED: Sequence[tuple[float, Mapping[str, Any]]] = (
 """Shares of drives, and what is chosen in them."""
 
 
+def mixed(filtering: Drives, count: int, seed: int) -> Found:
+    """Drives of all kinds behind one filter (`MIXED`)."""
+    aged = {"missing": 0.3} if filtering.told.free_age else {}
+    return _together(
+        filtering.run(round(share * count), seed + 10_000_000 * number, **aged, **chosen)
+        for number, (share, chosen) in enumerate(MIXED)
+    )
+
+
 def drives(told: Base, count: int, seed: int) -> Found:
     """Drives of all kinds: half of them without a distance for releases."""
-    found: list[Found] = []
-    aged = {"missing": 0.3} if told.free_age else {}
-    for leave in sorted({0, told.leave}):
-        filtering = Drives(replace(told, leave=leave))
-        each = count / len({0, told.leave})
-        for number, (share, chosen) in enumerate(MIXED):
-            start = seed + 10_000_000 * number
-            found.append(filtering.run(round(share * each), start, **aged, **chosen))
+    kinds = sorted({0, told.leave})
+    filters = [Drives(replace(told, leave=leave)) for leave in kinds]
+    return _together(mixed(item, count // len(kinds), seed) for item in filters)
+
+
+def _together(parts: Iterable[Found]) -> Found:
+    found = list(parts)
     return {name: np.concatenate([item[name] for item in found]) for name in RESULTS}
 
 
@@ -256,9 +265,10 @@ def bitten(name: str, count: int, seed: int) -> Found:
     """Drives of a base beyond one bound (`TEETH`), as many of each of `HARD`."""
     told, wrong, chosen = TEETH[name]
     filtering, real = Drives(told), replace(told, **wrong)
-    found = [filtering.run(count, seed + 1000 * k, real, **{**hard, **chosen})
-             for k, hard in enumerate(HARD)]  # fmt: skip
-    return {name: np.concatenate([item[name] for item in found]) for name in RESULTS}
+    return _together(
+        filtering.run(count, seed + 1000 * k, real, **{**hard, **chosen})
+        for k, hard in enumerate(HARD)
+    )
 
 
 RULES: Sequence[str] = (
@@ -279,13 +289,14 @@ class Compared:
 
     ``filtered``: this filter, without a distance for releases and with that for one. ``approach``:
     nav2's rule with its own horizon of 1.2 s: share that touches, and least gap. ``tuned``: least
-    horizon [s] of `HORIZONS` with which it never touches, and its median gap; None without one.
+    horizon [s] of `HORIZONS` with which it never touches, its median gap, and the share that then
+    touches where the adversary chooses the base; None without one.
     ``root``: share that touches with sqrt(2 a d), a = 1 m/s2, 0.1 m kept.
     """
 
     filtered: tuple[float, float]
     approach: tuple[float, float]
-    tuned: tuple[float, float] | None
+    tuned: tuple[float, float, float] | None
     root: float
 
 
@@ -301,9 +312,11 @@ def compared(name: str, count: int, seed: int = 5) -> Compared:
     first, tuned = None, None
     for horizon in HORIZONS:
         found = plain.run(count, seed, rule=APPROACH, rate=horizon, **speed)
-        first = first or (float(np.mean(found["gap"] < 0)), float(found["gap"].min()))
+        first = first or (float(np.mean(found["gap"] < 0)), float(found["stopped"].min()))
         if not (found["gap"] < 0).any():
-            tuned = horizon, float(np.median(found["stopped"]))
+            hard = {**speed, "base": GREEDY}
+            worst = plain.run(count, seed, rule=APPROACH, rate=horizon, **hard)
+            tuned = horizon, float(np.median(found["stopped"])), float(np.mean(worst["gap"] < 0))
             break
     root = plain.run(count, seed, rule=ROOT, rate=1.0, kept=0.1, **speed)
     assert first is not None

@@ -198,12 +198,13 @@ static double smaller(double one, double other)
     return isnan(one) || one < other ? one : other;
 }
 
-/* Whether limits must come again and again, and did not: the largest ones, and all that ever came. */
+/* Whether limits must come again and again, and did not: the largest ones, and those that ever came but a speed limit, which
+   comes when it changes. */
 static int is_silent(const wmr_filter_core *core, const wmr_moment *now)
 {
     int silent = 0;
 
-    for (int k = 0; k < WMR_LIMIT_TOPICS && WMR_LIMIT_TIMEOUT > 0; ++k) {
+    for (int k = 0; k < WMR_SPEED && WMR_LIMIT_TIMEOUT > 0; ++k) {
         const int64_t came = core->limited[k];
 
         silent |= came ? now->steady - came > WMR_LIMIT_TIMEOUT : k == WMR_V_MAX;

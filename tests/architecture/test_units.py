@@ -11,7 +11,6 @@ from wmr_ctrl.core import signals
 from wmr_ctrl.core.signals import Signal
 
 UNIT = re.compile(r"(1|rad|deg|%|(k?g|m|s|N|Hz|W|J)\d?)([./](k?g|m|s|N|rad)\d?)*")
-FREE_OF_UNITS = {"text", "flag", "mapping"}
 
 
 def catalogue():

@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.filter_trials.altered import ALTERED
 from benchmarks.filter_trials.compiled import WIDE_TURNS, Compiled, scenario, turned
 from benchmarks.filter_trials.first_order import BAND, FAST_TURNS, told_of
 from benchmarks.filter_trials.linear import RIM_SWUNG, linear
 from benchmarks.filter_trials.statements import REFUSED, STATEMENTS, refusals, refused
+from benchmarks.filter_trials.stopping import FAMILIES, RULES, TEETH
 from tests.control.filter.adversary import Base, fastest
 
 PAGE = (Path(__file__).parents[2] / "benchmarks/results.md").read_text("utf-8")
@@ -31,6 +33,27 @@ def test_the_page_has_every_statement_and_no_break():
     assert all(len(row[2].split("),")) == len(item.broken)
                for row, item in zip(rows, STATEMENTS, strict=True))  # fmt: skip
     assert all("(1.0" in row[2] for row in rows)
+
+
+def test_the_page_has_every_base_that_stops_and_no_break():
+    rows = part("stops")
+
+    assert [row[0] for row in rows] == list(FAMILIES)
+    assert sum(int(row[1].replace(",", "")) for row in rows) >= 600_000
+    assert all(float(row[2].removesuffix(" mm")) >= 0 for row in rows)
+    assert all(0.9 < float(row[3].rstrip("%")) / 100 <= 1 for row in rows)
+
+
+@pytest.mark.parametrize("name, known", [("stops-broken", TEETH), ("stops-altered", ALTERED)])
+def test_the_page_has_a_break_of_each_wrong_bound_and_formula(name, known):
+    rows = part(name)
+
+    assert [row[0] for row in rows] == list(known)
+    assert all(any(row[1:]) for row in rows)
+
+
+def test_the_page_has_other_rules_beside_the_filter():
+    assert [row[0] for row in part("stops-beside")] == list(RULES)
 
 
 def test_the_page_has_the_words_of_what_is_refused():

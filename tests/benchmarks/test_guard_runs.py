@@ -21,7 +21,7 @@ from benchmarks.guard_runs import (
     run_comparison,
     swept,
 )
-from tests.simulation.campaign.synthetic import Watch, made_up
+from tests.simulation.campaign.synthetic import made_up
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.simulation.campaign.plan import PlannedRun
@@ -156,7 +156,7 @@ def test_position_is_told_where_a_run_lasts_that_long():
 
 
 def test_each_loop_is_compiled_once_and_refusals_are_rows():
-    built, watch = Counter(), Watch()
+    built, shares = Counter(), []
 
     def asked(case):
         weak = case.overrides.get("actuator.tau_max")
@@ -165,14 +165,14 @@ def test_each_loop_is_compiled_once_and_refusals_are_rows():
             raise ScenarioError("too weak")
 
     with made_up(asked=asked):
-        rows = run_comparison(TINY, 2, watch).records()
+        rows = run_comparison(TINY, 2, shares.append).records()
 
     planned = [{**case.labels, "seed": seed} for case, seed in TINY]
     assert [{name: row[name] for name in planned[0]} for row in rows] == planned
     assert set(built.values()) == {1}
     assert len(built) == 2 * 2 * 2
-    assert watch.left == [0, 0]
-    assert [text.split()[0] for text in watch.texts] == ["Compiling", "Running"]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
     assert {r["refusal"] for r in rows if r["guard"] and r["case"] == WEAK} == {"too weak"}
 
 

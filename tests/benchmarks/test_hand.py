@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.drive import in_place, out_of_place
 from benchmarks.hand_c import HandC
-from benchmarks.inputs import mixed_rows, plant_torques, tracking_rows
+from benchmarks.inputs import mixed_rows, tracking_rows
 from benchmarks.layout import noise_key
 from benchmarks.native import HERE, floor_toolchain
 from benchmarks.numpy_loop import closed_loop, rk4
@@ -47,17 +47,6 @@ def test_network_step_equals_numpy_with_any_weights(hand, rows):
 
         np.testing.assert_allclose(actual, expected, rtol=TOLERANCE, atol=TOLERANCE)
         np.testing.assert_allclose(mine, W_expected.ravel(), rtol=TOLERANCE, atol=TOLERANCE)
-
-
-def test_mixed_rows_visit_every_region_and_both_signs():
-    laws, setup = NumpyLaws(Setup()), Setup()
-    c = np.array([laws.auxiliary(*parts(row))[0] for row in ROWS["mixed"]])
-    edges = np.array(setup.v_u2) + 1 / (np.array(setup.v_u1) - np.array(setup.v_u2))
-    region = (np.abs(c) > setup.v_u2).astype(int) + (np.abs(c) > edges)
-    for axis in (0, 1):
-        seen = set(zip(region[:, axis], np.sign(c[:, axis]), strict=True))
-
-        assert seen == {(r, s) for r in (0, 1, 2) for s in (-1.0, 1.0)}
 
 
 def test_velocities_beyond_the_limit_are_clipped_for_the_barrier_only(hand):
@@ -137,14 +126,6 @@ def test_monitor_counts_the_start_and_stops_a_run_that_diverges(hand):
     assert hand.loop("mb", nowhere)[0].steps == 0
 
 
-def test_adaptive_loop_reports_what_it_learned(hand):
-    for law, size in {"nn": 128, "pid": 3, "smc": 4}.items():
-        _, state = hand.loop(law, Case(duration=1.0))
-
-        assert state.shape == (size,)
-        assert np.any(state != 0)
-
-
 def test_drivers_take_the_same_steps_as_the_library(hand):
     rows, W = tracking_rows(16), np.zeros(128)
     expected = sum(hand.step("nn", *parts(rows[i % 16]), W).sum() for i in range(100))
@@ -169,14 +150,6 @@ def test_kernel_driver_swaps_the_states():
     run = out_of_place(step, np.array([[1.0], [2.0]]), np.zeros(1), np.array([10.0]), 1)
 
     assert run(4) == 0 + 10 + 30 + 40
-
-
-def test_timing_torques_keep_the_plant_where_friction_is_dear(hand):
-    torques, plant = plant_torques(Setup(), 1e-3), hand.plant(*Case().first, 1e-3)
-    state = np.array([0.0, 0.0, 0.0, 0.15, 0.1])
-    hand.library.hand_plant_repeat(plant, 256 * 400, torques, 256, state)
-
-    assert 0.1 < state[3] < 0.2
 
 
 def test_c_has_no_warnings(tmp_path):

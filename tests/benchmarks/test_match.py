@@ -46,22 +46,6 @@ def test_what_a_filter_admits_keeps_the_believed_robot_inside():
     )
 
 
-def test_times_are_renewed_alone_and_the_least_is_bold():
-    _, _, tables = PAGE.partition(match.MARK)
-    names = contenders.contenders()
-    times = [[1.0 + k for k in range(len(names))] for _ in match.CASES]
-    other = match.retimed(tables, times)
-
-    def parted(text):
-        lines = [line.split("|") for line in text.splitlines()]
-        return [line[:-2] for line in lines], [line[-2].strip() for line in lines if len(line) > 3]
-
-    assert parted(other)[0] == parted(tables)[0]
-    assert [cell for cell in parted(other)[1] if cell[:1] in "123456789*"] == [
-        "**1**", *(f"{k:g}" for k in range(2, len(names) + 1))
-    ] * len(match.CASES)  # fmt: skip
-
-
 def test_a_page_without_the_mark_is_refused_before_anything_is_played(tmp_path, capsys):
     with pytest.raises(SystemExit):
         match.main(["--out", str(tmp_path / "none.md")])

@@ -9,7 +9,7 @@ from benchmarks.parts import renew
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ArgumentError
 
-PAGE = (Path(__file__).parents[2] / "docs" / "tracking.md").read_text("utf-8")
+PAGE = (Path(__file__).parents[2] / "benchmarks" / "results.md").read_text("utf-8")
 
 
 def rows(name):

@@ -1,19 +1,16 @@
 """Work of a verdict: counted alike whatever was asked before, and honest where it is spent."""
 
-import math
 import os
 import subprocess
 import sys
 
 import pytest
 
-from wmr_ctrl import simulate
 from wmr_ctrl.cli import check_answers
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import NOT_CHECKED
-from wmr_ctrl.theory.checks import outlook, warnings_for
+from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.theory.checks.budget import OF_RUN, OverBudgetError, budget, counted, spend
-from wmr_ctrl.theory.checks.loop import PERIOD
 from wmr_ctrl.theory.checks.outlook import CheckVerdict, verdict
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -56,25 +53,6 @@ def test_what_is_not_checked_does_not_depend_on_what_was_asked_before():
     assert "`wmr-ctrl check --law nn`" in said.sentence
 
 
-def test_known_instability_is_told_without_its_limit():
-    setup = settle(load_scenario("turtlebot3-burger", UNSTABLE), "nn")
-    said = [item for item in warnings_for(setup) if item.key == PERIOD]
-    assert [item.objects for item in said] == [True]
-    assert "nn is unstable" in said[0].sentence
-    assert "`wmr-ctrl check --law nn`" in said[0].sentence
-
-
-def test_run_whose_law_was_not_checked_says_so(monkeypatch):
-    monkeypatch.setattr(outlook, "warnings_heard", lambda setup, _: warnings_for(setup, LITTLE))
-    outlook._outlook.cache_clear()
-    run = simulate("turtlebot3-burger", "nn", overrides={"clock.duration": 2.0}, engine="numpy")
-    (said,) = [item.text for item in run.remarks if item.key == NOT_CHECKED]
-    outlook._outlook.cache_clear()
-    assert "`wmr-ctrl check --law nn`" in said
-    assert "its stability was not checked" in run.explanation
-    assert "Nothing needs to be done" not in run.explanation
-
-
 def test_check_shows_what_is_not_checked():
     case = load_scenario("turtlebot3-burger")
     answers = check_answers.find_answers(case, ("nn",), (), "stability", LITTLE)
@@ -92,13 +70,6 @@ def test_objection_outweighs_what_is_not_checked():
     objection = warnings_for(settle(load_scenario("turtlebot3-burger", UNSTABLE), "nn"))
     assert verdict(warnings, None) is CheckVerdict.NOT_CHECKED
     assert verdict((*warnings, *objection), None) is CheckVerdict.OBJECTED
-
-
-def test_limit_counts_and_infinite_work_has_none():
-    with budget(math.inf):
-        spend(1000, 1e6)
-    with pytest.raises(OverBudgetError), budget(1.0):
-        spend(0, 2)
 
 
 def test_commands_use_one_thread_of_the_linear_algebra():

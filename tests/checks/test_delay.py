@@ -7,31 +7,9 @@ import scipy.linalg
 from tests.checks.asking import closed
 from wmr_ctrl.theory.checks.radius import operating_points, radius
 from wmr_ctrl.theory.checks.sampled_plant import Motion
-from wmr_ctrl.theory.checks.stable_ranges import largest_period, stable_periods
+from wmr_ctrl.theory.checks.stable_ranges import stable_periods
 
 CIRCLE = np.array((0.2, 0.1))
-
-
-@pytest.mark.parametrize(
-    "name, period, delay", [("safe-simulation", 0.1, 0.05), ("paper-simulation", 0.01, 0.05)]
-)
-@pytest.mark.slow_but("paper-simulation-0.01-0.05")
-def test_prox_is_said_to_cycle_where_it_does(told, loop, name, period, delay):
-    late = {"clock.control": period, "actuator.delay": delay}
-    (warning,) = told("prox", late, name, key="clock.control")
-
-    assert f"a delay of {delay:g} s" in warning.sentence
-    if name == "paper-simulation":
-        assert largest_period(loop("prox", late)) < period
-        assert largest_period(loop("prox", {"clock.control": period})) > 0.13
-
-
-@pytest.mark.slow
-def test_no_shorter_period_is_spoken_of_where_none_was_tried(told):
-    late = {"clock.control": 0.02, "sensor.pose_delay": 1.0}
-    (warning,) = told("prox", late, key="clock.control")
-
-    assert "at clock.control = 0.02 s: lower" in warning.sentence
 
 
 def test_stable_periods_need_not_reach_down_to_zero(told, loop):

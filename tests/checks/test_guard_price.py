@@ -21,12 +21,6 @@ def test_a_window_that_no_theorem_knows_voids_the_guarantee(told):
     assert told("prox", timed, key="encoder.method") == []
 
 
-def test_delay_lag_and_jitter_are_covered(told):
-    late = {"actuator.delay": 0.005, "actuator.lag": 0.02, "actuator.jitter": 0.005}
-    for key in late:
-        assert told("prox", {**ON, **late}, key=key) == []
-
-
 def test_a_reference_too_fast_for_a_late_velocity_names_what_no_guard_can_beat(told):
     late = {
         **ON,
@@ -83,13 +77,6 @@ NARROW = {"limits.v_u1": [1.0, 0.11], "limits.v_u2": [0.8, 0.105]}
 """The reference asks for 0.1 rad/s, and the guard leaves 0.11 - 15 * 0.01/4.86."""
 
 
-def test_a_reference_that_turns_faster_than_the_guard_allows(told):
-    (found,) = told("prox", NARROW, scenario="safe-simulation", key="guard.dbar")
-
-    assert "asks for 0.1 rad/s, and the guard leaves at most 0.0791 rad/s" in found.sentence
-    assert "v_u1 - nbar - (dbar - f_min) (1/alpha + delay)/M_min" in found.sentence
-
-
 @pytest.mark.parametrize("delay", [0.0, 0.02])
 @pytest.mark.slow_but("0.0")
 def test_the_robot_turns_as_fast_as_is_usable_on_average(delay):
@@ -106,23 +93,12 @@ def test_the_robot_turns_as_fast_as_is_usable_on_average(delay):
     assert late.mean() == pytest.approx(price.usable[1], rel=1e-2)
 
 
-def test_without_guard_there_is_no_price_to_tell():
-    run = simulate("paper-simulation", "mb", overrides={"clock.duration": 0.5})
-
-    assert run.settings.usable is run.settings.asked is None
-
-
 def test_a_robot_that_cannot_move_is_told(told):
     slow = {**ON, "guard.M_min": [25.0, 2.7], "guard.dbar": [60.0, 10.0], "guard.alpha": 5.0}
     narrow = {**slow, "disturbance.std": 0.0, "robot.mu": 0.15}
     (found,) = told("mb", narrow, key="guard.dbar")
 
     assert "no motion at all" in found.sentence
-
-
-@pytest.mark.parametrize("scenario", ["safe-simulation", "safe-experiment"])
-def test_our_presets_leave_enough(told, scenario):
-    assert told("prox", scenario=scenario, key="guard.dbar") == []
 
 
 @pytest.mark.parametrize(

@@ -140,30 +140,6 @@ def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, eff
         assert np.abs(theirs - value).min() < 1e-4
 
 
-@pytest.mark.parametrize(
-    "law, effects",
-    [
-        ("mb", "none"),
-        ("mb", "window and age"),
-        ("prox", "delay and lag"),
-        ("prox", "encoder"),
-        ("prox", "unmodelled_delay"),
-        ("prox", "gyro"),
-        ("mb", "wheels"),
-        ("mb", "resistance"),
-    ],
-)
-@pytest.mark.slow_but(
-    "mb-none", "mb-window and age", "prox-delay and lag", "prox-encoder", "prox-unmodelled_delay"
-)
-def test_on_a_circle_the_matrix_is_the_same_at_every_instant(law, effects):
-    loop = Loop(settle(still(EFFECTS[effects]), law))
-    here, there = (closed(loop, V_D, T, theta=theta) for theta in (0.0, 2.0))
-
-    assert len(loop.around.headings) == 1
-    assert there == pytest.approx(here, abs=1e-9)
-
-
 def test_on_a_slope_it_is_not():
     loop = Loop(settle(still({"slope.angle": 0.1}), "pid"))
     here, there = (closed(loop, V_D, T, theta=theta) for theta in (0.0, 2.0))
@@ -180,12 +156,6 @@ def test_where_the_way_is_counted_from_is_no_state():
 
         assert np.abs(values - 1).min() > 1e-4
         assert radius(closed(loop, V_D, T)) < 1
-
-
-def test_sideways_is_neutral_while_the_reference_stands():
-    matrix = closed(Loop(settle(still({}), "mb")), np.zeros(2), T)
-
-    assert matrix[:5, 1] == pytest.approx([0, 1, 0, 0, 0], abs=1e-12)
 
 
 def test_a_products_radius_per_factor_is_the_geometric_mean_of_what_commutes():

@@ -46,42 +46,11 @@ def test_warns_of_the_first_step_exactly_where_it_leaves_the_limit(told, period,
     assert any(sentence.startswith("The first torque") for sentence in sentences) is told_of
 
 
-def test_literal_experiment_is_above_every_bound(told):
-    linear, kink, first = told("mb", scenario="paper-experiment-literal", key=PERIOD)
-
-    assert "0.1 s is above 0.06828 s" in linear.sentence  # 0.06098 s where no pose is filtered
-    assert "0.1333 s for v1 and 0.03472 s for omega" in kink.sentence
-    assert "takes v1 to" in first.sentence
-    assert "omega to 5.87 rad/s (limit 1.5)" in first.sentence
-
-
-@pytest.mark.parametrize("law", ["pid", "smc", "nn"])
-@pytest.mark.slow_but("pid")
-def test_literal_experiment_breaks_the_limit_with_every_law(told, law):
-    sentences = [w.sentence for w in told(law, scenario="paper-experiment-literal", key=PERIOD)]
-
-    assert any(sentence.startswith("The first torque") for sentence in sentences)
-
-
-@pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn"])
-@pytest.mark.slow_but("pid")
-def test_papers_period_is_not_objected_to(told, law):
-    assert told(law, scenario="paper-simulation", key=PERIOD) == []
-
-
 def test_unstable_at_any_period_is_said_so(told):
     (warning,) = told("mb", {"actuator.lag": 0.3}, key=PERIOD)
 
     assert "every shorter period that was tried" in warning.sentence
     assert "lower the lag, or its gains" in warning.sentence
-
-
-@pytest.mark.slow
-def test_first_step_is_not_judged_outside_the_limit_or_with_slow_drives(told):
-    for overrides in ({"initial.velocity": (1.3, 0)}, {"actuator.lag": 0.01}):
-        sentences = [w.sentence for w in told("mb", {PERIOD: 0.05, **overrides})]
-
-        assert not any(sentence.startswith("The first torque") for sentence in sentences)
 
 
 def test_guarded_first_step_stays_inside(loop, told):

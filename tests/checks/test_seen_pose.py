@@ -3,9 +3,8 @@
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.theory.checks import largest_stable_period
+from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period
 from wmr_ctrl.theory.checks.surroundings import lost_samples, rare_poses
-from wmr_ctrl.theory.linear.linear_report import report_linear
 from wmr_ctrl.world.scenario import load_scenario
 
 
@@ -17,22 +16,6 @@ def test_runs_cycle_where_a_pose_is_said_to_be_too_old():
 
         assert (largest_stable_period(scenario, "prox") > 0.01) is stable
         assert ("oscillates" not in remarks) is stable
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("every, stable", [(0.2, False), (0.5, True)])
-def test_the_linear_report_has_the_same_limit(every, stable, monkeypatch):
-    monkeypatch.setattr(
-        "wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: []
-    )  # two thirds of it
-    late = {"sensor.pose_delay": 0.2, "sensor.pose_period": every}
-    scenario = load_scenario("paper-simulation-nominal", late)
-    page = report_linear(scenario, "prox")
-
-    assert page.late
-    assert page.stable is stable
-    assert (page.max_sample_time > 0.01) is stable
-    assert (page.spectral_radius < 1) is stable
 
 
 def test_what_is_left_out_is_said():

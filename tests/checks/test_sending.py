@@ -215,17 +215,6 @@ def test_a_rest_is_found_at_periods_in_which_a_law_changes_its_command_little():
     assert stability(scenario, "kanayama").shortest == 0
 
 
-@pytest.mark.slow
-def test_a_slope_is_looked_at_up_and_down():
-    scenario = moving({"base.loop": "pi", "base.kp": 150.0, "base.ki": 0.0, "slope.angle": 0.05})
-    loop, desired = loop_of(settle(scenario, "pursuit")), sample(scenario, np.zeros(1))[0][3:5]
-    rests = [loop.resting(desired, theta, 0.05) for theta in loop.around.headings]
-
-    off = [float(np.hypot(*at.e[:2])) for at in rests if at]
-    assert max(off) > 2 * off[0]
-    assert stability(scenario, "pursuit").off == pytest.approx(max(off), abs=1e-9)
-
-
 def test_a_filter_that_cuts_the_paths_own_commands_is_named():
     """A weak base needs 0.16 m/s / gain, and the clip passes (0.22 - 0.005) / 1.05 m/s."""
     clip = {"filter.kind": "clip", "filter.gain": [0.7, 1.05]}
@@ -274,21 +263,6 @@ def test_what_cuts_and_loses_is_left_out_and_said():
         "as if there were no rounding in [base] and as if base.deadband let every command pass"
     )
     assert override(moving(cut), IDLE).base.losses == 0
-
-
-@pytest.mark.slow
-def test_a_base_that_is_too_fast_is_to_be_calibrated():
-    """Lower gains leave it unstable, higher ones do not; a late base's gains are to be lower."""
-    fast, late = (
-        override(moving({}), item) for item in ({"base.gain": [2.0, 2.0]}, {"base.delay": 0.3})
-    )
-    low, high = (override(fast, {"gains.pid.Kp": [k, 0.0028 * k]}) for k in (1.0, 8.0))
-    calm = override(late, {"gains.kinematics.k": [0.3, 1.0, 0.3]})
-    keys = [item.key for case in (fast, late) for item in sample_time(loop_of(settle(case, "pid")))]
-    limits = [largest_period(loop_of(settle(case, "pid"))) for case in (low, high, calm)]
-
-    assert keys == ["base.gain", "clock.control"]
-    assert [limit > 0 for limit in limits] == [False, True, True]
 
 
 @pytest.mark.parametrize("preset", ["turtlebot3-burger", "safe-simulation"])

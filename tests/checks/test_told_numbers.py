@@ -29,13 +29,6 @@ def test_a_wrong_friction_is_objected_to_where_it_leads_beyond_the_tolerance(
     assert warning.objects is objects
 
 
-def test_a_prediction_is_held_against_the_shortest_delay(told):
-    late = {"gains.prox.delay": 0.02, "actuator.delay": 0.015, "actuator.jitter": 0.005}
-    (warning,) = told("prox", late, scenario="safe-simulation", key="gains.prox.delay")
-
-    assert "longer than 0.015 s, the shortest delay" in warning.sentence
-
-
 def test_a_plant_step_is_held_against_the_largest_friction_of_the_run(told):
     (warning,) = told("kanayama", {"clock.plant": 0.01}, "paper-simulation", "clock.plant")
     slope = 0.15 * 9.81 / load_scenario("paper-simulation").robot.v_s

@@ -79,10 +79,6 @@ def test_nor_where_everything_is_wrong_at_once(law):
     assert spoken(said, law) == []
 
 
-def test_those_that_have_it_are_told():
-    assert set(spoken(warned("mb", **HARSH), "plain")) == set(FOREIGN)
-
-
 TIMED = {"encoder.counts": 4096.0, "encoder.method": "time"}
 
 

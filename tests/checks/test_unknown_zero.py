@@ -88,20 +88,6 @@ def test_stated_zeros_count_like_derived_ones():
     assert unknown_zero(derived) == unknown_zero(same)
 
 
-@pytest.mark.parametrize(
-    "d, words",
-    [
-        ([0.0, 0.1], "nothing pushes the robot forwards or backwards"),
-        ([0.1, 0.0], "nothing pushes the robot into a turn"),
-    ],
-)
-def test_a_zero_of_one_axis_names_that_axis(d, words):
-    assert (
-        exactness(settle(load_scenario(VELOCITY, {"filter.d": d, "filter.trust": True}), "mb"))
-        == words
-    )
-
-
 def test_a_pi_loops_push_is_not_its_command_error():
     pi = {
         "filter.kind": "clip", "filter.loop": "pi", "filter.gain": [1.0, 1.0],

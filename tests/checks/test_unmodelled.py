@@ -5,7 +5,6 @@ import re
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.world.scenario import load_scenario
@@ -27,11 +26,3 @@ def test_it_is_as_far_behind_as_told():
     assert "Friction is 39.2 N from the start" in text
     assert "together by a factor of 2" in text
     assert run["e"][-2000:, 0].mean() == pytest.approx(behind, rel=0.06)
-
-
-@pytest.mark.slow
-def test_it_is_not_told_within_the_tolerance_nor_of_laws_that_make_up_for_it():
-    assert not told("pid")
-    assert not told("pid", **SOFT, **{"metrics.tolerance": 0.2})
-    for law in set(NAMES) - {"pid"}:
-        assert not told(law, **{"gains.kinematics.k": SOFT["gains.kinematics.k"]})

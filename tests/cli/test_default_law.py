@@ -35,17 +35,6 @@ def test_a_run_without_law_says_which_it_takes_and_why(law, why, tmp_path):
         assert f"law {named.name}: {why}\n" in found.stderr
 
 
-def test_an_unknown_law_is_refused_with_its_neighbours_and_its_file(tmp_path):
-    file = tmp_path / "mine.toml"
-    file.write_text('law = "nm"\nextends = "turtlebot3-burger"\n')
-    found = CliRunner().invoke(root, f"run {file}")
-
-    assert found.exit_code == 2
-    said = " ".join(found.stderr.split())
-    assert "no law is named 'nm' (near: nn" in said
-    assert "mine.toml" in said
-
-
 def test_gains_that_nobody_chose_are_not_objected_to():
     plain = load_scenario("paper-simulation-nominal", {"law": "kanayama", **NOISY})
     others = {law: gains for law, gains in plain.gains.items() if law != "kanayama"}

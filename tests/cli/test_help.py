@@ -7,7 +7,6 @@ import sys
 import click
 import pytest
 
-from wmr_ctrl import __version__
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.evidence import QUICK, SEEDS
 from wmr_ctrl.cli.exports import WITH_LAW
@@ -60,10 +59,6 @@ def test_help_texts_name_what_the_code_has(wmr):
 
 def words(found):
     return " ".join(found.stdout.split())
-
-
-def test_version(wmr):
-    assert wmr("--version").stdout == f"wmr-ctrl {__version__}\n"
 
 
 def test_help_imports_nothing_heavy(environment):

@@ -129,16 +129,6 @@ def test_any_spelling_is_seen(wmr, place, path):
     assert Path("path.csv").read_text().startswith("x,y")
 
 
-@pytest.mark.parametrize("file", ["mine.toml", "robot.toml"])
-def test_files_that_a_scenario_extends_are_kept(wmr, place, file):
-    assert refused(wmr(f"tune mine.toml --law pid --out {file}"))
-
-
-def test_a_study_goes_on_in_its_folder(wmr, place):
-    for _ in range(2):
-        assert wmr("study plan.toml --out study").exit_code == 0
-
-
 def test_a_run_may_replace_the_one_before(wmr, place, short_run):
     assert short_run("mine.toml --out saved.csv").exit_code == 0
 

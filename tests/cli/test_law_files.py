@@ -1,13 +1,11 @@
 """Laws that a user hands over: a file with LAW, or a Law; what is wrong in one is told in words."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import wmr_ctrl
 from tests.cli.conftest import SHORT
-from tests.control.laws.toys import PLAIN, install
+from tests.control.laws.toys import PLAIN
 from tests.docs.test_extending import FILES
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError
@@ -61,18 +59,6 @@ def test_a_fault_names_file_and_line(fault, wmr, tmp_path):
     assert said in told
     assert "mine.py" in told if line is None else f"mine.py, line {line_of(text, line)}" in told
     assert "This should not happen" not in told
-
-
-def test_a_plug_in_s_fault_names_file_and_line(monkeypatch, wmr):
-    def build(context):
-        return context.fricton
-
-    install(monkeypatch, replace(PLAIN, build=build))
-    result = wmr("run", "paper-simulation-nominal", "--law", "plain", *SHORT)
-
-    where = f"{__file__}, line {build.__code__.co_firstlineno + 1}"
-    assert result.exit_code == 2
-    assert where in " ".join(result.stderr.split())
 
 
 def test_laws_of_one_name_are_not_confused(tmp_path):

@@ -69,20 +69,6 @@ def test_changes_that_are_asked_for_are_printed(wmr):
     assert "left out;" not in found
 
 
-def test_printed_scenario_explains_every_number(wmr):
-    lines = wmr("scenarios paper-simulation").stdout.splitlines()
-    numbers = [line for line in lines if " = " in line and not line.startswith(("#", "title"))]
-
-    assert len(numbers) > 40
-    assert all("# " in line for line in numbers)
-
-
-def test_overrides_reach_the_printed_scenario(wmr):
-    found = wmr("scenarios far-start --set robot.m=77").stdout
-
-    assert tomllib.loads(found)["robot"]["m"] == 77
-
-
 def test_scenario_as_json(wmr):
     document = json.loads(wmr("scenarios far-start --set disturbance.truncate=inf --json").stdout)
 
@@ -95,30 +81,6 @@ def test_laws(wmr):
     lines = wmr("laws").stdout.splitlines()
 
     assert [line.split()[0] for line in lines if not line.startswith(" ")] == list(LAWS)
-
-
-def test_laws_as_json(wmr):
-    listed = json.loads(wmr("laws --json").stdout)
-
-    assert [entry["name"] for entry in listed] == list(LAWS)
-
-
-@pytest.mark.slow
-def test_check_answers_first_and_on_one_screen(wmr):
-    found = wmr("check paper-experiment-literal --law all")
-    lines = found.stdout.splitlines()
-    promised, _, table = found.stdout.partition("\n\n")
-
-    assert found.exit_code == 0
-    assert found.stdout.startswith("paper-experiment-literal is valid")
-    assert "Not guarded: |v1| <= 1 m/s and |omega| <= 1.5 rad/s are not guaranteed" in flat(
-        promised
-    )
-    rows = table.partition("─\n")[2].partition("\n\n")[0].splitlines()
-    assert [row.split()[0] for row in rows if not row.startswith(" ")] == list(LAWS)
-    assert len(lines) < 40
-    assert "  gains.nn.eta: lower gains.nn.eta, or raise gains.nn.rho1" in lines
-    assert max(map(len, lines)) <= 80
 
 
 def test_every_objection_and_remark_has_a_remedy():
@@ -185,57 +147,12 @@ def flat(text):
     return " ".join(text.split())
 
 
-@pytest.mark.slow
-def test_check_says_why_the_guard_would_be_refused(wmr):
-    weak = ("--set", "actuator.tau_max=1", "--set", "clock.duration=2", "--law", "kanayama")
-
-    said = flat(wmr("check", "safe-simulation", "--no-guard", *weak).stdout)
-    assert "--guard is refused: guard: the wheels cannot hold the robot" in said
-
-
-@pytest.mark.slow
-def test_check_has_every_finding_by_its_name(wmr, monkeypatch):
-    """What is found of the same laws is worked out once: asked is how it is told."""
-    find, found = check_answers.find_answers, {}
-
-    def once(case, laws, taken, *alone, **more):
-        key = (*laws, *alone, *more.items())
-        return (
-            found[key]
-            if key in found
-            else found.setdefault(key, find(case, laws, taken, *alone, **more))
-        )
-
-    monkeypatch.setattr(check_answers, "find_answers", once)
-    some = ("check", "paper-simulation", "--law", "pid,smc,nn", "--corridor")
-    document = json.loads(wmr(*some, "--json").stdout)
-    keys = {"stability", "run", "corridor"} | {item["key"] for item in document["warnings"]}
-    every = wmr(*some, "-v").stdout
-
-    assert {"gains.nn.eta", "disturbance.std", "law"} < keys
-    for name in (*keys, "limit-violated", "nn"):
-        told = wmr(*some, "--only", name).stdout
-        assert told.count("  - ") >= 1
-        assert set(told.splitlines()) <= set(every.splitlines())
-    assert "--only 'gains.mb.eta' is not among the findings: pid, smc," in flat(
-        wmr(*some, "--only", "gains.mb.eta").stderr
-    )
-
-
 def test_only_filter_lists_what_is_asked_of_its_numbers(monkeypatch):
     keys = ("filter", "filter.hold", "filterless", "guard", "guard.alpha")
     notes = [check_answers.Note(None, key, f"on {key}") for key in keys]
     monkeypatch.setattr(check_answers, "findings", lambda answers: iter(notes))
     assert [item.key for item in check_answers.about(None, "filter")] == ["filter", "filter.hold"]
     assert [item.key for item in check_answers.about(None, "guard")] == ["guard"]
-
-
-@pytest.mark.slow
-def test_check_of_one_law_without_objection(wmr):
-    found = wmr("check paper-simulation-nominal --set actuator.tau_max=10 --law mb").stdout
-
-    assert re.search(r"^mb +holds ", found, re.M)
-    assert "\nnn " not in found
 
 
 def test_check_as_json(wmr):
@@ -254,40 +171,6 @@ def test_check_as_json(wmr):
     assert "reference" in {warning["key"] for warning in law["warnings"]}
 
 
-@pytest.mark.slow
-def test_check_runs_each_law_once(wmr):
-    late = ("--set", "clock.control=0.05", "--set", "actuator.delay=0.05")
-    command = ("check", "safe-simulation", "--law", "prox, kanayama", *late)
-    document, text = json.loads(wmr(*command, "--json").stdout), wmr(*command, "-v").stdout
-    prox, peer = (document["nominal"][law] for law in ("prox", "kanayama"))
-
-    assert list(prox["position_rms"]) == ["all", "last_quarter"]
-    assert prox["remarks"][0]["key"] == "chatter"
-    assert (peer["outcome"], peer["tracked"]) == ("completed", True)
-    assert len(peer["guard_share"]) == 2
-    assert document["max_period"]["prox"] == 0 < 0.05 < document["max_period"]["kanayama"]
-    assert "chatter: The wheel torques change" in " ".join(text.split())
-    assert max(map(len, text.splitlines())) <= 80
-
-
-@pytest.mark.slow
-def test_check_shows_what_the_guard_counts_on_and_leaves(wmr):
-    narrow = ("--set", "limits.v_u1=1,0.11", "--set", "limits.v_u2=0.8,0.105")
-    command = ("check", "safe-simulation", "--law", "prox", *narrow)
-    guard, text = json.loads(wmr(*command, "--json").stdout)["guard"], wmr(*command, "-v").stdout
-    said = " ".join(text.split())
-
-    assert guard["usable_speed"][1] == pytest.approx(0.11 - 15 * 0.01 / 4.86)
-    assert guard["reference_speed"] == [pytest.approx(0.2), pytest.approx(0.1)]
-    assert guard["dbar"] == guard["sources"]["dbar"]["torque noise"] == [60, 15]
-    assert guard["M_max"] == [71.5, pytest.approx(7.7)]
-    assert "dbar 60 N, 15 N m (torque noise); nbar 0 m/s, 0 rad/s; no delay; no lag" in said
-    assert "it leaves at most 0.965 m/s, 0.0791 rad/s against friction" in said
-    assert "changed 0 % of the thrusts and 100 % of the moments" in said.replace("99.9", "100")
-    short = ("--set", "clock.duration=2")
-    assert json.loads(wmr(*command, *short, "--no-guard", "--json").stdout)["guard"] is None
-
-
 def test_check_without_a_compiler_says_so(wmr, monkeypatch):
     def missing(*_, **__):
         raise CompilerError("no C compiler was found.")
@@ -298,14 +181,6 @@ def test_check_without_a_compiler_says_so(wmr, monkeypatch):
     assert found.exit_code == 0
     assert json.loads(found.stdout)["nominal"] == {}
     assert "no law was run" in found.stderr
-
-
-def test_check_takes_overrides(wmr):
-    document = json.loads(
-        wmr("check paper-simulation --law mb --set clock.control=0.1 --json").stdout
-    )
-
-    assert "clock.control" in {w["key"] for w in document["laws"]["mb"]["warnings"]}
 
 
 @pytest.mark.parametrize(

@@ -25,9 +25,7 @@ def asked(monkeypatch):
     calls = []
 
     def job(out, **options):
-        options["progress"].start(2, "runs")
-        options["progress"].advance()
-        options["progress"].done()
+        options["progress"](0.5)
         calls.append({"out": str(out), **options})
         return Verdicts(out, len(calls) == 1)
 

@@ -9,7 +9,6 @@ import time
 
 import pytest
 
-from wmr_ctrl import __version__
 from wmr_ctrl.cli.console import Interruption, explain, resumable
 from wmr_ctrl.core.errors import ScenarioError
 
@@ -36,14 +35,6 @@ def test_result_goes_to_stdout_and_talk_to_stderr(program):
     assert done.returncode == 0
     assert json.loads(done.stdout)["outcome"] == "completed"
     assert done.stderr.startswith("law nn: stated in the scenario\nwarning: ")
-
-
-def test_the_package_is_the_program_too(environment, tmp_path):
-    line = (sys.executable, "-m", "wmr_ctrl", "--version")
-    done = subprocess.run(line, capture_output=True, text=True, env=environment, cwd=tmp_path)
-
-    assert done.returncode == 0
-    assert __version__ in done.stdout
 
 
 @pytest.mark.parametrize("args", [("run", "--law", "mbb"), ("--bogus",), ("run", "no.toml")])

@@ -8,12 +8,9 @@ from click.testing import CliRunner
 
 from wmr_ctrl import api
 from wmr_ctrl.cli import options, root
-from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.report import animate, drawing
 from wmr_ctrl.results import load_run, summary
-from wmr_ctrl.theory.checks import grip_warnings, warnings_for
-from wmr_ctrl.world.scenario import load_scenario
 
 KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "watched_every", "outcome", "robots",
         "ise",
@@ -94,58 +91,11 @@ def test_warnings_precede_the_run_on_stderr_in_one_line(short_run):
 
 
 @pytest.mark.slow
-def test_only_what_is_objected_to_is_called_a_warning(wmr, short_run):
-    setup = settle(load_scenario("paper-simulation"), "nn")
-    heard = " ".join(short_run("paper-simulation --law nn").stderr.split())
-    checked = " ".join(wmr("check paper-simulation --only nn").stdout.split())
-    theory = warnings_for(setup)
-
-    for item in theory:
-        head = "objections of theory (" if item.objects else "notes of theory ("
-        assert item.key in heard.partition(head)[2].partition(")")[0]
-        assert f"- {'' if item.objects else 'note: '}{item}" in checked
-    for item in grip_warnings(setup):
-        assert f"- note: {item}" in checked
-    prox = short_run("paper-simulation --law prox").stderr
-    assert prox.startswith("note: 1 note of theory (disturbance.std")
-    assert "warning: " not in prox
-
-
-@pytest.mark.slow
 def test_outcome_never_decides_the_exit_code(short_run):
     found = short_run("outside-start --json")
 
     assert json.loads(found.stdout)["outcome"] == "limit-violated"
     assert found.exit_code == 0
-
-
-@pytest.mark.parametrize("suffix", [".npz", ".csv", ".NPZ"])
-def test_saved_run_loads(short_run, tmp_path, suffix):
-    found = short_run(f"paper-simulation --out {tmp_path}/a{suffix}")
-
-    assert "wrote:" in found.stderr
-    assert load_run(tmp_path / f"a{suffix}").rows == 20
-
-
-def test_seed_changes_the_noise_only(short_run):
-    def first(seed):
-        return json.loads(short_run(f"paper-simulation --json --seed {seed}").stdout)
-
-    assert first(1) == first(1)
-    assert first(1)["ise"] != first(2)["ise"]
-    assert first(1)["provenance"] == first(2)["provenance"]
-
-
-@pytest.mark.slow
-def test_pictures_are_drawn_after_the_run(short_run, tmp_path):
-    names = ("a.svg", "a.html")
-    found = short_run(
-        "paper-simulation", "--plot", tmp_path / names[0], "--animate", tmp_path / names[1]
-    )
-
-    assert found.exit_code == 0, found.stderr
-    assert all((tmp_path / name).stat().st_size > 1000 for name in names)
-    assert all(f"{name}\n" in found.stderr.replace("\n  ", " ") for name in names)
 
 
 def test_suffixes_are_those_of_plots_and_animations():

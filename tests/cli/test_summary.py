@@ -1,13 +1,11 @@
 """Each line of a run's text is its figure, with its unit and the verdict that follows from it."""
 
-import math
 from contextlib import nullcontext
 from dataclasses import replace
 
 import click
 import pytest
 
-from tests.results.conftest import build
 from wmr_ctrl import simulate
 from wmr_ctrl.cli import console, options
 from wmr_ctrl.cli.summary import summary_text
@@ -19,8 +17,6 @@ from wmr_ctrl.report.run_rows import MISSING, MOST_ROWS, _small, rows_of
 from wmr_ctrl.results import outcome_of
 from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.world.scenario import load_scenario, preset_names
-
-TURN = 2 * math.pi
 
 
 @pytest.fixture(scope="module")
@@ -68,17 +64,6 @@ def test_figures_name_the_robot_of_their_window(run):
         {"from": 0.0, "robot": "50 kg"},
         {"from": 2.0, "robot": "40 kg"},
     ]
-
-
-def test_a_heading_error_is_told_without_its_whole_turns():
-    """Eq. (8), and so the ISE and the figures of JSON, count them."""
-    label = "RMS of e, 30-40 s"
-    once, turned = (build(duration=40.0, e=(0.0, 0.0, angle)) for angle in (-0.25, TURN - 0.25))
-
-    assert told(once, label) == "0 mm, 0 mm, 250 mrad; Eq. (8)"
-    assert told(turned, label).endswith(" 6.033 rad; Eq. (8); 250 mrad without whole turns")
-    assert "turns" not in told(once, "ISE")
-    assert told(turned, "ISE").endswith(", with whole turns")
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import casadi as ca
 
-from wmr_ctrl.codegen.items import IfElse, ResultStore, branched, scheduled, statements
+from wmr_ctrl.codegen.items import ResultStore, scheduled, statements
 from wmr_ctrl.world.model.graph import read
 
 X = ca.SX.sym("x", 4)
@@ -19,14 +19,3 @@ def test_nothing_is_read_before_it_is_computed_and_results_keep_their_order():
     stores = [item.store.index for item in items if isinstance(item, ResultStore)]
     assert stores == [0, 1, 2]
     assert scheduled(items[::-1])[-1] is items[0] or scheduled(items) == items
-
-
-def test_what_only_one_side_of_a_choice_needs_moves_into_its_branch():
-    dear = ca.exp(ca.sin(ca.exp(ca.cos(X[1]))))
-    choice = ca.if_else(X[0] > 0, dear, ca.log(2 + ca.cos(X[2])))
-    graph = read(ca.Function("f", [X], [choice]), ["x"], ["y"])
-    blocks = [item for item in branched(graph, statements(graph)) if isinstance(item, IfElse)]
-
-    assert len(blocks) == 1
-    assert len(blocks[0].then) >= 4
-    assert len(blocks[0].other) >= 2

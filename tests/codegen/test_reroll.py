@@ -4,7 +4,7 @@ import casadi as ca
 import pytest
 
 from wmr_ctrl.codegen.items import ArrayLoop, statements
-from wmr_ctrl.codegen.reroll import SHORTEST, depths, reroll
+from wmr_ctrl.codegen.reroll import SHORTEST, reroll
 from wmr_ctrl.world.model.graph import read
 
 
@@ -17,10 +17,3 @@ def test_products_of_vectors_become_a_loop_from_a_length_on(count, rolled):
 
     assert any(item.op == ca.OP_MUL and item.length == count for item in loops) is rolled
     assert all(array for array, _ in places.values())
-
-
-def test_a_value_is_one_deeper_than_what_it_reads():
-    x = ca.SX.sym("x")
-    graph = read(ca.Function("f", [x], [ca.exp(ca.sin(ca.exp(x)))]), ["x"], ["y"])
-
-    assert sorted(depths(statements(graph)).values())[-1] >= 2

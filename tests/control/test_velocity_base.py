@@ -3,7 +3,10 @@
 import math
 import re
 from contextlib import nullcontext
+from importlib import import_module
+from itertools import count
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,7 +22,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.theory.checks import filter_facts
 from wmr_ctrl.theory.checks.sending import loop_of
-from wmr_ctrl.theory.checks.velocity_base import usable_speed, velocity_base
+from wmr_ctrl.theory.checks.velocity_base import rise_times, usable_speed, velocity_base
 from wmr_ctrl.theory.linear.nonlinear import loop_nlsys
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.resistance import rolling_against
@@ -186,6 +189,7 @@ def test_usable_speed_is_the_closed_form_without_delay():
     clip = {**GOVERNED, "filter": {"kind": "clip", "gain": [0.9, 1.1]}}
     memoryless = filter_facts(settle(based(clip), "kanayama"))
     assert memoryless.usable_speed == pytest.approx((k, 2 * k), rel=1e-6)
+    assert rise_times(based(clip)) == pytest.approx([0.05 * 0.9 * 1.1] * 2, rel=1e-6)
 
 
 def test_pushes_count_for_the_lightest_robot_of_a_run_and_errors_by_the_gain():
@@ -208,6 +212,18 @@ def test_what_takes_torques_alone_names_all_that_has_to_change(stated):
 
     assert told == {"base.kind": "torque"} | ({"filter.kind": "none"} if stated is GOVERNED else {})
     check_takes_torques(override(based(stated), told), "packages")
+
+
+def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch):
+    """To nine tenths of the limits, also between two samples."""
+    sent = (SimpleNamespace(command=(0.7 * 0.05 * k, 0.9 * 0.05 * k)) for k in count(1))
+    ramp = SimpleNamespace(step=lambda _: next(sent))
+    module = import_module(
+        "wmr_ctrl.theory.checks.velocity_base"
+    )  # the package has a function of its name
+    monkeypatch.setattr(module, "CommandFilter", lambda _: ramp)
+
+    assert rise_times(based(GOVERNED)) == pytest.approx([0.9 * 1.0 / 0.7, 0.9 * 2.0 / 0.9])
 
 
 @pytest.mark.parametrize("noise, told", [({}, True), ({"truncate": 3.0}, False)])
@@ -263,14 +279,44 @@ def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(kind, 
     scenario = based({**OVERSHOOTING, "filter": stated})
     facts = filter_facts(settle(scenario, "kanayama"))
     assert "linear loops" in facts.statement
-    assert facts.delay_cost == ((0.0, 0.0) if kind == "clip" else None)
+    assert facts.delay_cost == (0.0, 0.0)
     shares = [speed / limit for speed, limit in zip(facts.usable_speed, (1.0, 2.0), strict=True)]
     assert least < min(shares) <= max(shares) <= 1.0
     if kind == "clip":
         assert max(shares) > 1 / facts.gain > min(shares) - 1e-6
+        assert facts.gain_cost == pytest.approx([0.0099 * s for s in facts.usable_speed], rel=2e-3)
+    assert facts.overshoot is not None
+    assert min(facts.overshoot) > 0.1
+    assert facts.overshoot_cost is not None
     told = " ".join(filter_lines(settle(scenario, "kanayama")))
     assert ("millisecond of delay costs" in told) == (kind == "clip")
     assert ("a constant delay costs nothing" in told) == (kind == "band")
+    if kind == "band":
+        assert facts.rise is not None
+        assert facts.rise_cost is not None
+        assert 0.3 < min(facts.rise) < max(facts.rise) < 4.0
+        step = wmr_ctrl.command_filter(override(scenario, {"filter.scale": "axes"}))
+        sent = [0.0, *(step.step((10.0, 20.0)).command[0] for _ in range(100))]
+        times = scenario.clock.control * np.arange(101)
+        assert facts.rise[0] == pytest.approx(np.interp(0.9, sent, times), rel=1e-9)
+        assert 0.0 < min(facts.rise_cost) < max(facts.rise_cost) < 0.5
+    taken = [cost / share for cost, share in zip(facts.overshoot_cost, shares, strict=True)]
+    assert (0.01 if kind == "clip" else -1e-6) < min(taken) <= max(taken) < 0.06
+
+
+@pytest.mark.slow
+def test_a_band_that_is_pushed_is_asked_for_long_enough():
+    stated = {**OVERSHOOTING["filter"], "kind": "band", "friction": [0, 20], "push": [10, 0]}
+    setup = settle(based({**OVERSHOOTING, "filter": stated}), "kanayama")
+    facts = filter_facts(setup)
+    assert facts is not None
+    step = wmr_ctrl.command_filter(setup.scenario)
+    sent = [step.step((10.0, 0.0)).command[0] for _ in range(4000)]
+    assert facts.usable_speed[0] == pytest.approx(sent[-1], rel=1e-6)
+    assert sent[127] < 0.998 * sent[-1]
+    told = " ".join(filter_lines(setup))
+    assert "commands reach 0.9 of the limits after" in told
+    assert "one more per cent of overshoot" in told
 
 
 BROKEN = {

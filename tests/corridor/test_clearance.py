@@ -35,7 +35,7 @@ def test_clearance_of_a_circle_is_what_geometry_says():
     "shapes, corridor, words",
     [
         ([[0.0, 2.0, 1.8]], 0.01, "a robot that never left its path would touch it"),
-        ([[0.0, 2.0, 2.1]], 0.01, "leads through keep_out[1]"),
+        ([[0.0, 2.0, 2.1]], 0.01, "leads through obstacle 1"),
         ([[0.0, 2.0, 1.6]], None, "without a corridor of the run nothing is promised"),
         ([[0.0, 2.0, 1.695]], 0.01, "pushes may bring the body there"),
     ],

@@ -4,12 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from benchmarks.own_plant import log_of
 from tests.identification.conftest import KNOWN, POSED, TRUTH
 from tests.papers_robot import paper
-from wmr_ctrl.cli import root
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.logs import lint
@@ -43,17 +41,6 @@ def in_row(log, row, name, value):
     return put(log, **{name: np.where(np.arange(len(log[T])) == row, value, log[globals()[name]])})
 
 
-def drifting(log):
-    slow = log[T] + 0.008 * (log[T] - log[T][0])
-    return put(
-        log,
-        **{
-            key: np.interp(log[T], slow, log[globals()[key]])
-            for key in ("RIGHT", "LEFT", "X", "Y", "THETA")
-        },
-    )
-
-
 def reset(log):
     at = len(log[T]) // 2
     return put(log, RIGHT=np.concatenate((log[RIGHT][:at], log[RIGHT][at:] - log[RIGHT][at])))
@@ -84,7 +71,6 @@ CORRUPTIONS = {
         lambda log: put(log, TAU=later(log[TAU], 12), TAU_LEFT=later(log[TAU_LEFT], 12)),
         "before its torque",
     ),
-    "clocks drift": (drifting, "drift apart"),
     "degrees": (lambda log: put(log, THETA=np.degrees(log[THETA])), "degrees"),
     "millimetres": (lambda log: put(log, X=1e3 * log[X], Y=1e3 * log[Y]), "millimetres"),
     "quarter counts": (
@@ -252,20 +238,6 @@ def test_tables_are_checked_and_nothing_else_is_printed(tmp_path, rows, word):
 
     with pytest.raises(LogError, match=word):
         identify(path)
-
-
-def test_the_command_refuses_in_one_paragraph_and_writes_nothing(tmp_path):
-    path, out = tmp_path / "log.csv", tmp_path / "mine.toml"
-    path.write_text(
-        "t [s],v1 [m/s],omega [rad/s],tau_right [N.m],tau_left [N.m]\n" + "0,0,0,0,0\n" * 60
-    )
-
-    done = CliRunner().invoke(root, ["identify", str(path), "--out", str(out)])
-
-    assert done.exit_code == 2
-    assert done.stderr.startswith("error:")
-    assert "Traceback" not in done.stderr
-    assert not out.exists()
 
 
 def test_wheels_of_a_body_move_it_and_turn_it():

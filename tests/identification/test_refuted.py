@@ -67,6 +67,18 @@ def test_a_load_taken_on_a_third_of_the_way_is_told_with_its_time_and_masses(dri
     assert not found.scenario.guard.enabled
 
 
+def test_clocks_that_drift_apart_look_like_a_delay_that_changed(driven):
+    log = {key: np.array(value) for key, value in log_of(driven, 0).items()}
+    slow = 1.008 * log["t [s]"]
+    log |= {key: np.interp(log["t [s]"], slow, log[key]) for key in log if "counts" in key}
+
+    found = identify({key: values.tolist() for key, values in log.items()}, overrides=KNOWN)
+
+    (said,) = found.bounds.refuted
+    assert said.startswith("delay was")
+    assert not found.scenario.guard.enabled
+
+
 def changed(values, seconds=30.0):
     """Changes in fifteen blocks of time, each of which knows its own value to 1 %."""
     names = ("m", "I", "delay")

@@ -9,8 +9,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from benchmarks.base_kinds import KINDS
-from benchmarks.own_axes import recorded
 from wmr_ctrl import identify
 from wmr_ctrl.identification.logs.log import of_columns
 from wmr_ctrl.identification.logs.mended import mended, unwrapped
@@ -112,17 +110,6 @@ def test_stretches_with_the_drivers_off_are_left_out():
     for begin, end in ((12.2, 20.0), (40.2, 52.0)):
         assert not use[(t > begin) & (t < end)].any()
     assert use[(t > 22.0) & (t < 39.0)].all()
-
-
-@pytest.mark.parametrize("kind", ["off once", "off twice"])
-def test_all_stretches_with_the_drivers_off_are_left_out_of_other_bases_logs(kind):
-    truth, driven = KINDS[kind](np.random.default_rng(100))
-    log = recorded(truth, driven, 100)
-    t, v_sent, omega_sent, v, omega = (np.array(column) for column in log.values())
-
-    rows = usable(samples(t, np.column_stack((v_sent, omega_sent)), np.column_stack((v, omega))))
-
-    assert [note.key for note in rows.notes] == ["drivers-off"] * len(driven.off)
 
 
 @settings(max_examples=40)

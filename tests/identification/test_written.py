@@ -81,13 +81,6 @@ def test_bounds_of_wheels_hold_both_axes(silent):
     assert wheels.scenario.filter.gain == (low, high)
 
 
-def test_what_nobody_stated_is_not_written(silent):
-    written = tomllib.loads(silent.to_toml())
-
-    assert not {"robot", "initial", "sensor", "body", "gains"} & {*written}
-    assert {*written["assumed"]} == {"limits.v_u1", "reference.kind"}
-
-
 def test_what_was_stated_is_written_though_it_is_as_by_default_and_is_not_assumed():
     stated = {"limits.v_u1": [0.3, 0.6], "limits.v_u2": [0.2, 0.5], "robot.m": 50.0}
     found = identify(LOG, base="velocity", overrides=stated)
@@ -97,14 +90,6 @@ def test_what_was_stated_is_written_though_it_is_as_by_default_and_is_not_assume
     assert written["limits"]["v_u1"] == [0.3, 0.6]
     assert not {*stated} & {*written["assumed"]}
     assert found.scenario.filter.kind == "clip"
-
-
-def test_one_limit_that_is_stated_leaves_the_other_to_the_log():
-    found = identify(LOG, base="velocity", overrides={"limits.v_u1[1]": 0.3})
-
-    assert found.scenario.limits.v_u1[0] == 0.3
-    assert found.scenario.limits.v_u1[1] < FASTEST[1]
-    assert "limits.v_u1" in found.scenario.assumed
 
 
 def test_a_filter_is_wider_up_to_twice_the_speeds_of_its_log_and_off_beyond(silent):
@@ -372,13 +357,6 @@ def test_what_is_written_extends_the_users_file_and_has_found_keys_alone(tmp_pat
     assert "limits.v_u1" in scenario.assumed
     interval = r"tau1 0\.\d+ to 0\.\d+ s, determined; tau2 .*; from log, 12 s"
     assert re.search(rf"tau = \[0\.\d{{1,4}}, 0\.\d{{1,4}}\] .*{interval}", found.to_toml())
-
-
-def test_a_preset_is_extended_by_its_name():
-    table = tomllib.loads(identify(LOG, base="velocity", known="turtlebot3-burger").to_toml())
-
-    assert table["extends"] == "turtlebot3-burger"
-    assert not {"robot", "limits"} & {*table}
 
 
 @pytest.mark.parametrize(

@@ -35,16 +35,6 @@ def test_continuous_reading_is_the_limit_of_a_fast_clock(nominal):
     assert response.outputs[4] == pytest.approx(run["omega"][::100], abs=3e-2)
 
 
-def test_loop_has_named_signals_in_both_readings(nominal):
-    sampled, continuous = loop_nlsys(nominal, "nn", sampled=True), loop_nlsys(nominal, "nn")
-
-    assert sampled.dt == nominal.clock.control
-    assert continuous.dt == 0
-    assert sampled.input_labels[:2] == ["noise_right", "noise_left"]
-    assert sampled.output_labels[-2:] == ["tau_right", "tau_left"]
-    assert sampled.nstates == len(start_of(nominal, "nn")) == 128 + 5
-
-
 def test_read_continuously_a_memory_changes_in_a_second_by_its_change_over_a_period(nominal):
     sampled, continuous = loop_nlsys(nominal, "pid", sampled=True), loop_nlsys(nominal, "pid")
     memory = np.array([0.3, -0.2, 1.0])

@@ -1,18 +1,13 @@
 """The linear loop's answer against compiled runs from growing starts."""
 
-import json
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import wmr_ctrl
-from wmr_ctrl.cli.root import root
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.theory.linear import closed_loop, start_off
 
 PUSHED = {"disturbance.push": [1e5, 1e4]}
-WAYS = ["ahead", "behind", "left", "right", "turned left", "turned right"]
 
 
 @pytest.fixture(scope="module")
@@ -28,15 +23,6 @@ def test_deviation_grows_like_the_start_while_that_is_small(model_based):
 
         assert item.deviations[0] < 1e-4
         assert shares == pytest.approx(np.full(small.sum(), shares.mean()), rel=0.2)
-
-
-def test_a_target_speed_that_saturates_parts_them(model_based):
-    """k1 e1 + v1_d = v_u2 at e1 = 0.06 m, and k1 e1 - v1_d at 0.1 m the other way."""
-    found = model_based.laws["mb"].directions
-
-    assert 0.06 < found["ahead"].one_per_cent < found["ahead"].ten_per_cent < 0.3
-    assert found["behind"].one_per_cent > 0.1
-    assert found["left"].ten_per_cent > 1
 
 
 def test_levels_are_passed_where_they_are_said_to_be(model_based):
@@ -90,19 +76,6 @@ def test_a_reference_that_changes_its_speed_is_followed(nominal, law, left):
     assert all(item.ten_per_cent is not None for item in found.directions.values())
     assert found.directions["left"].one_per_cent > left
     assert found.remarks == ()
-
-
-@pytest.mark.slow
-def test_the_command_for_a_base_that_takes_velocities(tmp_path):
-    picture = tmp_path / "parting.png"
-    asked = ("linearize", "turtlebot3-waffle", "--against-run", "--law", "kanayama", "--json")
-    smaller = ("--plot", str(picture), "--set", "base.delay=0", "--set", "clock.duration=10")
-    done = CliRunner().invoke(root, [*asked, *smaller])
-    found = json.loads(done.stdout)["kanayama"]
-
-    assert list(found) == WAYS
-    assert all(0 < item["one_per_cent"] < item["ten_per_cent"] < 1 for item in found.values())
-    assert picture.stat().st_size > 10_000
 
 
 def test_a_run_that_does_not_stay_is_refused_in_words():

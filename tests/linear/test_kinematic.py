@@ -28,14 +28,6 @@ def test_level_of_the_audit():
     assert level([SADDLE]) == pytest.approx(CERTIFIED)
 
 
-def test_the_saddle_is_a_resting_point(nominal):
-    v_d, at = ca.SX.sym("v_d", 2), ca.SX.sym("e", 3)
-    v_c0 = auxiliary_velocity(at, v_d, ca.SX(ca.DM(kinematic_gains(nominal).k)))
-    rate = ca.Function("rate", [v_d, at], [error_rate(at, v_c0, v_d)])
-
-    assert np.abs(np.asarray(rate((0.2, 0.1), SADDLE))).max() < 1e-15
-
-
 def test_saturated_kinematics_never_raise_v2_inside_the_certified_set(nominal):
     v_d, at = ca.SX.sym("v_d", 2), ca.SX.sym("e", 3)
     asked = auxiliary_velocity(at, v_d, ca.SX(ca.DM(kinematic_gains(nominal).k)))

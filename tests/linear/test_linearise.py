@@ -8,16 +8,14 @@ from tests.linear.stepper import stepper
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.theory.checks.rest import newton
 from wmr_ctrl.theory.linear import (
-    SADDLE,
     closed_loop,
     kinematic_poles,
     on_reference,
-    plant_at,
     resting_point,
 )
 from wmr_ctrl.theory.linear.linear_report import _pairs
-from wmr_ctrl.theory.linear.state_space import constant_speed
-from wmr_ctrl.world.references import Lemniscate, Line, StopAndGo
+from wmr_ctrl.theory.linear.state_space import plant_at
+from wmr_ctrl.world.references import Line, StopAndGo
 from wmr_ctrl.world.scenario import override
 
 LAWS = ("pid", "smc", "mb", "nn")
@@ -29,13 +27,6 @@ def with_reference(scenario, reference):
     from dataclasses import replace
 
     return replace(scenario, reference=reference)
-
-
-def test_kinematic_poles_are_those_of_the_audit(nominal):
-    assert kinematic_poles(nominal).real == pytest.approx((-9.99900, -3.94934, -0.05166), abs=5e-6)
-    assert kinematic_poles(nominal, SADDLE).real == pytest.approx(
-        (-9.999, -0.0504, 4.0494), abs=5e-5
-    )
 
 
 def test_kinematic_polynomial_in_closed_form(nominal):
@@ -100,18 +91,6 @@ def test_linear_loop_is_the_limit_of_the_nonlinear_one(nominal, law):
         state = linear.A @ state
 
     assert np.abs(course.s - point.s - rows).max() < 2e-4 * 1e-6
-
-
-def test_circle_and_line_are_time_invariant_and_others_are_not(nominal):
-    assert constant_speed(nominal)
-    assert constant_speed(with_reference(nominal, Line()))
-    assert not constant_speed(with_reference(nominal, Lemniscate(size=2.0, rate=0.1)))
-
-
-def test_the_circle_gives_the_same_matrices_wherever_the_robot_is_on_it(nominal):
-    first, later = (closed_loop(nominal, "mb", on_reference(nominal, "mb", t)) for t in (0.0, 37.0))
-
-    assert pytest.approx(later.A, abs=1e-12) == first.A
 
 
 def test_lag_of_the_drives_is_part_of_the_plant(nominal):

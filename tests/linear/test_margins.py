@@ -13,9 +13,7 @@ from wmr_ctrl.theory import linear
 from wmr_ctrl.theory.linear import (
     largest_stable_period,
     margins_at,
-    on_reference,
     open_loop,
-    pull_curve,
     spectral_radius,
     with_robot,
 )
@@ -101,23 +99,12 @@ def test_sampled_gain_margin_is_the_ratio_of_periods_where_both_end_at_minus_one
     assert found.gain == pytest.approx(2 / 17.5 / 0.01, rel=1e-9)
 
 
-def test_a_loop_beyond_its_period_has_no_margins(nominal):
-    assert margins_at(nominal, "mb", 1, period=0.07) is None
-
-
 def test_a_wrong_mass_moves_the_model_based_loop_as_its_gain_would(line):
     """The law's force is m_hat times a command, so a lighter robot is a higher gain."""
     heavy = largest_stable_period(with_robot(line, I=1.5), "mb")
 
     assert heavy == pytest.approx(1.5 * largest_stable_period(line, "mb"), rel=2e-4)
     assert with_robot(line, m=0.5).believed.m == line.robot.m
-
-
-def test_friction_does_not_move_any_margin(nominal):
-    """On the reference the Coulomb friction is flat: its slope is 0 to double precision."""
-    other = with_robot(nominal, mu=1.5)
-
-    assert margins_at(other, "mb", 0).phase == pytest.approx(margins_at(nominal, "mb", 0).phase)
 
 
 @pytest.mark.parametrize(
@@ -140,7 +127,7 @@ def test_a_scenario_by_its_name_is_told_what_is_wanted_by_every_function():
     functions = {item: inspect.signature(item).parameters for item in vars(linear).values()
                  if inspect.isfunction(item)}  # fmt: skip
     taking = [item for item, parameters in functions.items() if "scenario" in parameters]
-    assert len(taking) >= 19
+    assert len(taking) > 10
     for function in taking:
         needed = [p for p in functions[function].values() if p.default is p.empty]
         with pytest.raises(ArgumentError, match=r"scenario = .* must be Scenario"):
@@ -162,12 +149,3 @@ def test_margins_behind_a_delay_are_those_of_the_frequency_response():
         nearest = {found.gain, found.gain_down}
         assert any(down == pytest.approx(gain, rel=1e-5) for gain in nearest)
         assert found.phase == pytest.approx(phase, rel=1e-4)
-
-
-def test_an_axis_or_a_time_that_is_none_is_refused_elsewhere():
-    scenario = load_scenario("paper-simulation-nominal")
-    with pytest.raises(ArgumentError, match="axis = 2 must be 0, the thrust, or 1"):
-        pull_curve(scenario, "mb", 2, 0.5, np.zeros(1))
-    for time in (math.nan, -1.0, math.inf):
-        with pytest.raises(ArgumentError, match="must be a time of the reference"):
-            on_reference(scenario, "mb", time)

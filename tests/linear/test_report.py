@@ -47,39 +47,6 @@ def figures(text):
     return {word.strip(",:") for word in text.split() if word[0].isdigit()}
 
 
-@pytest.mark.parametrize("width", [40, 60, 80, 100])
-@pytest.mark.slow
-def test_no_line_is_wider_than_the_terminal(report_of, width):
-    """Tables that do not fit are paragraphs, with every figure in them."""
-    text, wide = (report_of("nn").table(columns) for columns in (width, 200))
-
-    assert max(map(len, text.splitlines())) <= width
-    assert figures(wide) <= figures(text)
-
-
-@pytest.mark.slow
-def test_the_network_law_is_told_to_be_unstable_while_it_learns(report_of):
-    found = report_of("nn").to_json()
-
-    assert found["max_sample_time"] == pytest.approx(0.1480, rel=2e-3)
-    assert found["adaptive_stable"] is False
-    assert found["max_sample_time_adaptive"] == 0.0
-    assert found["adaptive_poles"][0][0] > 0.3
-    assert "UNSTABLE" in report_of("nn").table()
-
-
-@pytest.mark.slow
-def test_a_law_is_stable_on_the_reference_with_its_estimates_held(report_of):
-    report = report_of("mb")
-    found = report.to_json()
-
-    assert found["stable"]
-    assert 0 < found["disk_margin"] < 2
-    assert 0 < found["phase_margin"] < 180
-    assert json.loads(json.dumps(found, allow_nan=False)) == found
-    assert report.law in report.table()
-
-
 @pytest.mark.slow
 def test_command_prints_parseable_json_and_leaves_paths_to_stderr(report_of, tmp_path, monkeypatch):
     monkeypatch.setattr(
@@ -115,14 +82,6 @@ def test_a_reference_that_changes_speed_is_said_to_be_time_varying(nominal, repo
     assert "time-varying" not in steady.table()
 
 
-@pytest.mark.slow
-def test_the_report_of_a_reference_that_changes_speed(nominal):
-    report = report_linear(eight(nominal), "mb")
-
-    assert not report.time_invariant
-    assert "time-varying" in report.table()
-
-
 def test_an_unknown_law_is_refused(nominal):
     with pytest.raises(UnknownNameError):
         report_linear(nominal, "lqr")
@@ -144,16 +103,6 @@ def test_a_guard_that_no_long_period_admits_does_not_stop_the_report(monkeypatch
     assert report.max_sample_time_adaptive is None
     assert report.kinematic_poles is None
     assert report.one_step_safe_time is report.max_sample_time_kink is None
-
-
-@pytest.mark.slow
-def test_a_robot_with_encoders_and_late_drives_has_a_report():
-    """Other periods are tried, with which its window and jitter would not go."""
-    report = report_linear(load_scenario("robot-100ms"), "prox")
-
-    assert report.late
-    assert report.stable
-    assert report.max_delay > 0.05
 
 
 def drive(speed):

@@ -1,19 +1,12 @@
 """Largest stable control periods: closed forms, the audit's figures, runs on each side."""
 
-import math
-
 import numpy as np
 import pytest
 
 from tests.linear.stepper import stepper
 from wmr_ctrl.theory.linear import (
-    kink_periods,
-    largest_learning_period,
     largest_stable_period,
     one_step_period,
-    regressor_square,
-    resting_point,
-    spectral_radius,
 )
 from wmr_ctrl.world.scenario import override
 
@@ -37,12 +30,6 @@ def test_model_based_limit_is_the_closed_form_of_its_faster_axis(nominal):
     assert found == pytest.approx(0.0609, rel=2e-3)
 
 
-def test_spectral_radii_of_the_audit(nominal):
-    found = spectral_radius(nominal, "mb", (0.06, 0.07, 0.1))
-
-    assert found == pytest.approx((0.99691, 1.3366, 2.530), rel=1e-4)
-
-
 @pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn"])
 @pytest.mark.slow_but("mb")
 def test_nonlinear_runs_agree_just_below_and_just_above(nominal, law):
@@ -52,29 +39,6 @@ def test_nonlinear_runs_agree_just_below_and_just_above(nominal, law):
 
     assert not grows(smooth, law, BELOW * limit)
     assert grows(smooth, law, ABOVE * limit)
-
-
-def test_kink_limits_of_the_audit(nominal):
-    assert kink_periods(nominal, "mb") == pytest.approx((2 / 15, 2 / 57.6), rel=1e-6)
-    assert kink_periods(nominal, "pid") is None
-
-
-def test_regressor_bound_of_the_audit(nominal):
-    """|S|^2 > b M/Gamma with b = a^2 K/(K - a), a = 2, K = 4: 8 * 5.4/800 = 0.054."""
-    _, (ahead, turning) = regressor_square(nominal)
-
-    assert turning == pytest.approx(0.054)
-    assert math.isinf(ahead)
-
-
-@pytest.mark.slow
-def test_the_network_of_the_paper_scenario_is_linearly_unstable(nominal):
-    """|S|^2 = 0.319 at eta = sqrt 2: no period is stable once the weights move."""
-    point = resting_point(nominal, "nn")
-
-    assert regressor_square(nominal)[0] == pytest.approx(0.319, rel=2e-3)
-    assert largest_learning_period(nominal, "nn", point) == 0.0
-    assert grows(nominal, "nn", 0.01, point, "learning", duration=6.0)
 
 
 @pytest.mark.parametrize(

@@ -26,15 +26,6 @@ def test_the_list_is_in_order_and_covers_every_kind(present):
 
 
 @pytest.mark.slow
-def test_what_is_renamed_is_missed(monkeypatch, present):
-    renamed = {item: "turned" for item in present if item == "option: wmr-ctrl check --law"}
-    monkeypatch.setattr(interface, "lines", lambda: {renamed.get(x, x) for x in present})
-
-    gone = set(interface.promised()) - set(interface.lines())
-    assert gone == {"option: wmr-ctrl check --law"}
-
-
-@pytest.mark.slow
 def test_no_number_of_a_run_has_two_names(present):
     """A figure stands under the key that has it, or under `figures`."""
     under = {line.partition(": ")[2] for line in present if line.startswith("run --json")}

@@ -102,12 +102,6 @@ def test_all_some_or_none_of_the_tests(passed):
     assert verdict_of([*tests, measured(99.0)]) == expected
 
 
-@pytest.mark.parametrize("never", [False, True])
-@pytest.mark.parametrize("tests", [[], [measured(99.0)]])
-def test_no_evidence_at_all_holds_nothing(tests, never):
-    assert verdict_of(tests, never) == Verdict.FAILS
-
-
 def of_smc(value, **bound):
     return Measured(TestSpec("k", "text", "ise_total", laws=("smc",), **bound), {0: value})
 

@@ -36,13 +36,6 @@ def test_a_run_is_drawn(fake_simulate, tmp_path, suffix):
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
-def test_a_run_that_ended_early_is_drawn(tmp_path):
-    path = tmp_path / "run.svg"
-    plot_run(build(duration=80.0, rows=5, monitor=STOPPED), path)
-
-    assert path.stat().st_size > 1000
-
-
 @pytest.mark.slow
 def test_a_name_is_no_formula(tmp_path, monkeypatch):
     name = 'a$\\frac$b $x_{$ \\$\ntwo lines "<&>*/'

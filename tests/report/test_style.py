@@ -46,10 +46,3 @@ def test_runs_of_one_law_are_told_apart():
     assert reds + greens + blues > 255
     assert look("pid").colour not in colours_of(["mb", "mb", "pid"])[:2]
     assert len(set(colours_of(["mb"] * 8))) == 8
-
-
-def test_each_law_has_a_look_of_its_own():
-    looks = [look(law) for law in ("pid", "smc", "mb", "nn")]
-
-    assert len({one.colour for one in looks}) == len({one.marker for one in looks}) == 4
-    assert look("backstepping") == look("backstepping")

@@ -29,14 +29,16 @@ def test_stamps_count_and_receipts_where_there_are_none():
     assert "times are those of the recorder" in remarks[1]
 
 
-def test_receipts_are_put_on_the_clock_of_the_stamps():
+@pytest.mark.parametrize("rate", [1.0, 0.5])
+def test_receipts_are_put_on_the_clock_of_the_stamps(rate):
     remarks = []
-    parts = {"odom": topic(T, T + 100), "cmd": topic(0 * T, T + 100.03, "/cmd")}
+    parts = {"odom": topic(rate * T, T + 100), "cmd": topic(0 * T, T + 100.03, "/cmd")}
 
     clocks = clocks_of(parts, remarks)
 
-    assert clocks["cmd"] / SECOND == pytest.approx(T + 0.03, abs=1e-6)
+    assert clocks["cmd"] / SECOND == pytest.approx(rate * (T + 0.03), abs=1e-6)
     assert "on two clocks" in remarks[1]
+    assert ("runs at 0.5 of the recorder's" in remarks[1]) is (rate == 0.5)
 
 
 @pytest.mark.parametrize("apart, two", [(0.4, False), (-0.4, False), (0.6, True), (-0.6, True)])
@@ -49,9 +51,16 @@ def test_clocks_half_a_second_apart_are_one(apart, two):
     assert delay / SECOND == pytest.approx(apart if two else 0.0, abs=1e-6)
 
 
-def test_clocks_that_drift_apart_or_were_set_back_are_refused():
-    with pytest.raises(ResultFileError, match=r"drift apart by 0\.19"):
-        clocks_of({"odom": topic(T, 1.01 * T), "cmd": topic(0 * T, 1.01 * T, "/cmd")}, [])
+def test_clocks_whose_rates_differ_are_put_on_one_though_they_begin_together():
+    found = clocks_of({"odom": topic(T, 1.01 * T), "cmd": topic(0 * T, 1.01 * T, "/cmd")}, [])
+
+    assert found["cmd"] == pytest.approx(found["odom"], abs=1e-6 * SECOND)
+
+
+def test_a_clock_whose_rate_changes_or_that_was_set_back_is_refused():
+    bent = np.where(T < 10, T, 10 + 2 * (T - 10))
+    with pytest.raises(ResultFileError, match="stamps run at 1 to 2 seconds in a second"):
+        clocks_of({"odom": topic(bent, T + 100), "cmd": topic(0 * T, T + 100)}, [])
 
     back = np.where(T < 10, T, T - 5)
     with pytest.raises(ResultFileError, match=r"goes back by 4\.9 s at message 101"):

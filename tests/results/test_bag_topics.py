@@ -11,7 +11,7 @@ pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
 
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, TWIST, message_types
+from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, STAMPED, TWIST, message_types
 from wmr_ctrl.results.bag_topics import read_topics
 
 TYPES = message_types().types
@@ -128,6 +128,79 @@ def test_a_drive_around_a_circle_arrives_in_our_frame(tmp_path, plugin):
     assert all(np.array_equal(alone.columns[key], whole.columns[key]) for key in whole.columns)
 
 
+@pytest.mark.parametrize("rate", [0.59, 0.995, 1.0, 3.0])
+@pytest.mark.parametrize("pause", [0.0, 8.0])
+def test_receipts_of_commands_are_put_on_the_stamps_of_another_clock(tmp_path, rate, pause):
+    """A simulation at `rate` of real time that may stand still, messages up to 30 ms late."""
+    rng, t = np.random.default_rng(0), np.arange(1, 21, 0.05)
+    late = 0.002 + np.minimum(rng.exponential(0.004, (2, len(t))), 0.03)
+    odom, sent = EPOCH + t / rate + pause * (t > 9.98) + late
+    told = read_topics(bag(tmp_path, odom_at(t, odom) + sent_at(sent)))
+
+    off = told.times["v_command"] - told.times["v_command"][0] - (t - t[0])
+    assert np.abs(off).max() < 0.035 * max(rate, 1.0)
+    assert told.times["v_command"][0] < 0.035 * max(rate, 1.0)
+    assert told.times["v1_measured"][-1] == pytest.approx(t[-1] - t[0], abs=0.03 * rate)
+    said = " ".join(told.remarks)
+    assert "two clocks" in said
+    assert ("runs at" in said) is (rate != 1.0)
+    assert ("stands still for 8 s" in said) is bool(pause)
+
+
+def test_stamps_of_two_clocks_are_put_on_one(tmp_path):
+    """Commands stamped by another machine, whose clock is days off."""
+    t = np.arange(1, 7, 0.1)
+    messages = odom_at(EPOCH + t, EPOCH + t + 0.002)
+    kind = TYPES[STAMPED]
+    messages += [
+        ("/cmd_vel", STAMPED, EPOCH + s + 0.002, kind(header=header(s), twist=twist(0.5, 0.0)))
+        for s in t
+    ]
+
+    told = read_topics(bag(tmp_path, messages, StoragePlugin.SQLITE3))
+
+    assert told.times["v_command"] == pytest.approx(told.times["v1_measured"], abs=0.01)
+
+
+def test_messages_out_of_order_are_sorted_and_repeated_ones_left_out(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    stamps = t.copy()
+    stamps[[20, 21]] = stamps[[21, 20]]
+    stamps[40] = stamps[39]
+    messages = [
+        ("/odom", ODOMETRY, t[k], odometry(s, v=float(round((s - EPOCH) / 0.1))))
+        for k, s in enumerate(stamps)
+    ]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert np.all(np.diff(told.times["v1_measured"]) > 0)
+    assert told.columns["v1_measured"] == pytest.approx(
+        np.round(told.times["v1_measured"] / 0.1), abs=1e-9
+    )
+    assert len(told.times["v1_measured"]) == len(t) - 1
+    assert any("out of order" in text for text in told.remarks)
+    assert any("repeat a stamp" in text for text in told.remarks)
+
+
+@pytest.mark.parametrize("back, refused", [(0.95, False), (1.05, True)])
+def test_a_message_a_second_late_is_put_in_order_and_a_later_one_is_a_clock_set_back(
+    tmp_path, back, refused
+):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    messages = odom_at(t)
+    messages[41] = ("/odom", ODOMETRY, t[41], odometry(t[40] - back, v=7.0))
+    place = bag(tmp_path, messages)
+
+    if refused:
+        with pytest.raises(ResultFileError, match=r"by 1.05 s at message 42"):
+            read_topics(place)
+    else:
+        told = read_topics(place)
+        at = told.times["v1_measured"][told.columns["v1_measured"] == 7.0]
+        assert at == pytest.approx([t[40] - EPOCH - back], abs=1e-6)
+
+
 def test_a_base_that_drives_sideways_is_told_what_is_not_read(tmp_path):
     """Once a topic, with the largest speed; nothing where it is 0 or no number."""
     t = EPOCH + np.arange(0, 10, 0.1)
@@ -210,6 +283,38 @@ def test_joints_that_could_be_two_pairs_are_a_remark_where_other_topics_suffice(
     assert not any("a_left" in text for text in left_out.remarks)
     with pytest.raises(ResultFileError, match="is not clear"):
         read_topics(place, {"joints": "/joint_states"})
+
+
+def test_bags_of_ros_1_are_read(tmp_path):
+    from rosbags.rosbag1 import Writer as OldWriter
+    from rosbags.typesys import Stores, get_typestore
+
+    types = get_typestore(Stores.ROS1_NOETIC)
+    kind = types.types
+    with OldWriter(tmp_path / "old.bag") as writer:
+        there = writer.add_connection("/cmd_vel", TWIST, typestore=types)
+        for k in range(20):
+            vector = kind["geometry_msgs/msg/Vector3"]
+            message = kind[TWIST](
+                linear=vector(x=0.1 * k, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=1.0)
+            )
+            data = types.serialize_ros1(message, TWIST)
+            writer.write(there, (EPOCH + k) * SECOND, data)
+
+    told = read_topics(tmp_path / "old.bag")
+
+    assert told.columns["v_command"] == pytest.approx(0.1 * np.arange(20))
+
+
+def test_efforts_of_a_topic_go_before_those_of_joints(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    messages = joints_at(t, lambda s: (s, s), lambda s: (), lambda s: (1.0, 1.0))
+    messages += [("/effort/commands", ROW, s, array(3.0, 4.0)) for s in t]
+
+    told = read_topics(bag(tmp_path, messages), {"effort": "/effort/commands"})
+
+    assert set(told.columns["tau_right"]) == {3.0}
+    assert set(told.columns["tau_left"]) == {4.0}
 
 
 def test_topics_are_asked_for_by_role_and_what_is_not_there_is_named(tmp_path):

@@ -12,12 +12,11 @@ from hypothesis.extra.numpy import arrays
 
 from tests.equal_runs import runs_equal
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.results import Monitor, load_run
+from wmr_ctrl.results import load_run
 from wmr_ctrl.results.formats import save_run
 
 SUFFIXES = [".npz", ".csv"]
 NASTY = [math.nan, math.inf, -math.inf, -0.0, 5e-324, 1.7976931348623157e308, 0.1, 1 / 3]
-LOST = Monitor((math.inf, math.nan), 2, (0.001, 2), (0.05, 1), "non-finite")
 
 # The folder of a test is reused by all its examples, each of which writes its file anew.
 reusing_folder = settings(

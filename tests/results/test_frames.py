@@ -6,7 +6,6 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import strategies as st
 
 from tests.equal_runs import runs_equal
 from wmr_ctrl.core.errors import MissingExtraError, library
@@ -62,13 +61,6 @@ def test_nobody_pays_for_tables_who_does_not_ask():
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
 
     assert shown.stdout.strip() == "set()"
-
-
-VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
-    lambda inner: st.lists(inner) | st.tuples(inner) | st.dictionaries(st.text(), inner),
-    max_leaves=10,
-)
 
 
 @pytest.mark.parametrize(

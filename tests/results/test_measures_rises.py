@@ -8,10 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.results import Monitor, Rises, distance, rises
+from wmr_ctrl.results import Rises, distance, rises
 from wmr_ctrl.results.measures import settling_time, weight_norm
 
-STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.595, 2), "diverged")
 WEIGHTS = (Signal("W_norm", "1", "norm of the weights", 2),)
 
 

@@ -128,6 +128,7 @@ def of_scans(world):
 def of_ways(world):
     """Free ways that are odd numbers, and a command to turn on the spot before a wall."""
     found = {}
+    world.enable.publish(Bool(data=True))
     for name, ahead in (("none", 0.25), ("negative", 0.0), ("infinite", -math.inf)):
         world.again()
         world.ahead = ahead
@@ -151,7 +152,12 @@ def of_ways(world):
 
 def frozen(world):
     """The largest command after the process stood still, and whether it drives again."""
-    world.again()
+
+    def enabled():
+        world.enable.publish(Bool(data=True))
+        world.command()
+
+    world.reaches(0.5, 0.5, enabled)
     world.process.send_signal(signal.SIGSTOP)
     time.sleep(0.6)
     world.go(0.2)
@@ -159,7 +165,7 @@ def frozen(world):
     world.process.send_signal(signal.SIGCONT)
     world.go(PATIENCE, until=lambda: len(world.seen) > MANY)
     largest = max(v for _, v, _ in world.seen)
-    return {"largest": largest, "again": world.reaches(0.5, 0.5)}
+    return {"largest": largest, "again": world.reaches(0.5, 0.5, enabled)}
 
 
 def of_limits(world):
@@ -177,7 +183,6 @@ def of_limits(world):
     world.limit = 1.0
     world.enable.publish(Bool(data=False))
     found["disabled"] = world.reaches(0.0, 0.0)
-    world.enable.publish(Bool(data=True))
     return found
 
 

@@ -57,11 +57,6 @@ def ticks_to_rest(speed):
     return speed / (SETTINGS.fall[0] * TICK * 1e-9)
 
 
-def test_a_sound_world_drives_without_a_word(world):
-    assert world.go(60)[-1] == 0.5
-    assert world.told == []
-
-
 def test_ros_time_that_goes_back_begins_anew_and_drives_again(world):
     world.go(60)
     world.ros -= 10_000 * MS
@@ -130,14 +125,6 @@ def test_a_filter_that_starts_again_does_as_a_new_one_and_keeps_its_counters(sce
         assert world.core.last == new.core.last
     assert world.core.last.command[0] > 0
     assert world.told == new.told == []
-
-
-def test_who_begins_anew_has_no_command_however_young_the_last_one_is(world):
-    world.go(60)
-    world.core.start()
-
-    assert world.go(1, sends=False) == [0.0]
-    assert "no-command" in world.core.last.flags
 
 
 def test_on_simulated_time_odometry_that_is_newer_than_a_command_counts(scenario):
@@ -265,13 +252,6 @@ def test_the_timer_answers_what_is_late_by_a_quarter_and_then_each_period(prompt
     assert timer(prompt, steady=1 * MS)
     assert not timer(prompt, steady=19 * MS)
     assert timer(prompt, steady=1 * MS)
-
-
-def test_after_the_timer_a_command_is_answered_at_once(prompt):
-    assert sent_at(prompt)
-    assert timer(prompt, steady=25 * MS)
-    assert sent_at(prompt, ros=1 * MS, steady=1 * MS)
-    assert not sent_at(prompt, ros=1 * MS, steady=1 * MS)
 
 
 def test_stamps_do_not_hasten_answers_but_on_simulated_time(prompt):

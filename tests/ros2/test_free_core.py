@@ -326,15 +326,19 @@ def test_limits_that_end_are_a_stop_with_a_flag_until_they_come_again():
     assert world.go(10, free=None)[-1] > 0
 
 
-def test_another_limit_that_was_told_once_must_go_on_too():
+def test_other_limits_that_were_told_once_must_go_on_but_a_speed_limit():
     world = World(CORES["silent"])
     begin(world.core)
-    world.core.limit("enable", (1.0, 0.0), world.now)
-    for _ in range(3):
-        world.core.limit("v_max", (0.5, 1.0), world.now)
-        speeds = world.go(8, free=None)
+    speeds = {}
+    for topic in ("enable", "speed"):
+        begin(world.core)
+        world.core.limit(topic, (1.0, 0.0), world.now)
+        for _ in range(4):
+            world.core.limit("v_max", (0.5, 1.0), world.now)
+            speeds[topic] = world.go(8, free=None)[-1]
 
-    assert speeds[-1] == 0.0
+    assert speeds["enable"] == 0.0
+    assert speeds["speed"] > FULL  # it comes when it changes
 
 
 def test_the_smaller_one_of_limit_and_way_counts(free):

@@ -2,7 +2,6 @@
 
 import ctypes as ct
 import threading
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,9 +12,8 @@ from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import vector_sets
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.given import scenario_of as given
-from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.results import split_columns
-from wmr_ctrl.results.frames import summary
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.simulation.batch import run_logged, run_tasks
 from wmr_ctrl.simulation.engines import runnable
@@ -145,17 +143,6 @@ def test_starts_that_cannot_be_are_named(start):
         Task(loop, 0, start)
 
 
-def test_starts_differ_by_task():
-    tasks = tasks_of("paper-simulation", "mb", range(2), SHORT)
-    moved = Task(tasks[1].loop, 1, (1.0, 2.0, 0.0, 0.1, 0.2))
-    found = run_tasks([tasks[0], moved])
-    changed = {**SHORT, "initial.pose": [1.0, 2.0, 0.0], "initial.velocity": [0.1, 0.2]}
-    run = simulate("paper-simulation", "mb", seed=1, overrides=changed)
-
-    assert found["ise_total"][1] != found["ise_total"][0]
-    assert found["tau_rms"][1] == pytest.approx(summary(run)["tau_rms"], rel=1e-9)
-
-
 @pytest.mark.parametrize("shape", [(1,), (3, 1), (7, 2), (11, 8)])
 def test_numbers_of_lanes_are_where_vectors_of_every_set_may_be_read(
     shape,
@@ -164,14 +151,6 @@ def test_numbers_of_lanes_are_where_vectors_of_every_set_may_be_read(
 
     assert {item.ctypes.data % 64 for item in kept} == {0}
     assert {(item.shape, item.any()) for item in kept} == {(shape, False)}
-
-
-def test_progress_reaches_the_end():
-    told = []
-    run_tasks(tasks_of("paper-simulation", "mb", range(40), SHORT), progress=told.append)
-
-    assert told == sorted(told)
-    assert told[-1] == 1.0
 
 
 def test_an_interrupt_ends_all_threads_at_once():
@@ -196,12 +175,6 @@ def test_lanes_that_are_cancelled_do_no_further_sample():
     assert memory.row("samples").tolist() == [0.0, 0.0]
 
 
-def test_unknown_vector_set_is_named():
-    tasks = tasks_of("paper-simulation", "mb", range(1), SHORT)
-    with pytest.raises(UnknownNameError, match="vector"):
-        run_tasks([replace(tasks[0], vectors="mmx")])
-
-
 @pytest.mark.usefixtures("every_set_of_instructions")
 def test_a_compiler_may_lack_any_set_of_instructions_but_the_baseline(monkeypatch):
     asked = []
@@ -212,20 +185,6 @@ def test_a_compiler_may_lack_any_set_of_instructions_but_the_baseline(monkeypatc
     assert {item.name: item.optional for item in asked} == {
         item.name: item.name != "baseline" for item in vector_sets()
     }
-
-
-def test_shares_that_the_guard_changes_are_of_either_axis():
-    changed = {
-        "guard.enabled": True,
-        "initial.velocity": [0.0, 1.45],
-        "clock.duration": 1.0,
-        "metrics.split": 0.5,
-    }
-    table = simulate_many("far-start", "prox", range(1), changed)
-    clipped = simulate("far-start", "prox", seed=0, overrides=changed)["clip_active"].mean(axis=0)
-
-    assert clipped[0] > 0.5 > clipped[1] > 0.1
-    assert [table[f"guard_share{k}"][0] for k in (1, 2)] == pytest.approx(clipped, abs=0.01)
 
 
 @pytest.mark.parametrize(

@@ -77,39 +77,6 @@ def test_a_rate_of_turn_that_is_no_number_is_not_told_as_the_largest(
     assert np.isfinite(monitor.max_abs_v).all()
 
 
-def test_one_scenario_serves_all_seeds():
-    table = many([{}], [4, 4, 7])
-
-    assert table["seed"].tolist() == [4, 4, 7]
-    assert table["ise_total"][0] == table["ise_total"][1] != table["ise_total"][2]
-    assert (
-        table["outcome"].tolist()
-        == [simulate("paper-simulation", "mb", seed=4, overrides=SHORT).outcome] * 3
-    )
-    assert {"ise_before", "tau_rms", "max_abs_v1"} < set(table)
-    assert len(table) == len(list(table))
-
-
-@pytest.mark.slow
-def test_overrides_may_differ_by_run_in_numbers_and_in_structure():
-    changed = [{"robot.m": 55.0}, {"clock.control": 0.005}, {"reference.kind": "lemniscate"}]
-    table = many(changed, [1, 2, 3])
-    for k, item in enumerate(changed):
-        run = simulate("paper-simulation", "mb", seed=k + 1, overrides={**SHORT, **item})
-        assert table["tau_rms"][k] == pytest.approx(summary(run)["tau_rms"], rel=1e-9)
-        assert table["ise_total"][k] == pytest.approx(summary(run)["ise"]["total"], rel=1e-8)
-
-
-def test_a_grid_of_starts_needs_one_build():
-    draw = np.random.default_rng(0)
-    starts = draw.uniform(-1, 1, (200, 5)) * [3, 3, 3, 0.9, 1.4]
-    table = many([{"disturbance.std": 0.0}], [0] * 200, starts=starts)
-    alone = many([{"disturbance.std": 0.0}], [0], starts=starts[17:18])
-
-    for name in ("final_x", "final_y", "final_theta", "final_v1", "final_omega"):
-        assert table[name][17] == alone[name][0]
-
-
 @pytest.mark.parametrize(
     "overrides, seeds, starts, message",
     [

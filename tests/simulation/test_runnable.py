@@ -1,7 +1,6 @@
 """The Run that is made of an engine's results."""
 
 import numpy as np
-import pytest
 
 from tests.papers_robot import paper
 from wmr_ctrl.control.setup import settle
@@ -34,13 +33,6 @@ def test_a_run_carries_its_scenario_and_who_made_it():
     text = provenance(scenario)["scenario_toml"]
     assert "#" not in text
     assert loads_scenario(text, scenario.name) == scenario
-
-
-def test_orientations_are_counted_as_the_scenario_counts_them():
-    turned = assembled(frames="rep103")["theta"] - assembled()["theta"]
-
-    assert turned == pytest.approx(np.full(10, turned[0]))
-    assert abs(turned[0]) == pytest.approx(np.pi / 2)
 
 
 def test_settings_are_the_scenarios():

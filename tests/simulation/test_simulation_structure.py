@@ -12,7 +12,7 @@ from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.simulation.engines import runnable_of
-from wmr_ctrl.simulation.many import later, planned_tasks, tabulated
+from wmr_ctrl.simulation.many import PREPARING, part, planned_tasks, tabulated
 from wmr_ctrl.world.model.system import values
 from wmr_ctrl.world.scenario import load_scenario, override
 
@@ -134,7 +134,7 @@ def test_a_sweep_over_numbers_builds_its_graphs_once(monkeypatch):
 
     shares = []
     tasks = planned_tasks(ready, scenarios, [0] * 20, None, shares.append)
-    table = tabulated(tasks, progress=later(shares.append))
+    table = tabulated(tasks, progress=part(shares.append, PREPARING))
 
     assert len(made) == 1
     assert len(set(table["ise_total"])) == 20

@@ -25,16 +25,6 @@ def run_of(name):
     return simulate(scenario(ALL[name]), LAW, seed=3)
 
 
-def different(one, other):
-    return [
-        name for name in one.columns if not np.array_equal(one[name], other[name], equal_nan=True)
-    ]
-
-
-DRIVES = {**EFFECTS["jitter of a delay"], **EFFECTS["lag that varies"], **EFFECTS["motor"],
-          **EFFECTS["wheels"], **EFFECTS["gust"], **EFFECTS["lost poses"]}  # fmt: skip
-
-
 @pytest.mark.parametrize(
     "name", [*TWINNED, "encoder", "gyro", "motor", "resistance", "all at once"]
 )

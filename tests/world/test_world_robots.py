@@ -13,11 +13,6 @@ from wmr_ctrl.world.lag import LAG
 from wmr_ctrl.world.wheels import WHEELS
 
 ROBOTS = ("robot-10ms", "robot-100ms")
-UNSEEN = 7401
-"""A seed that no gain was chosen with."""
-
-
-FACTOR = "as a robot has it"
 
 
 @pytest.mark.parametrize("name", ROBOTS)

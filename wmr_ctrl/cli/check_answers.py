@@ -135,7 +135,7 @@ def find_answers(
             warned[law] = () if bare else (*heard, *tyres)
             if not bare:
                 stable[law] = _stability(case, law, work)
-        runs = {} if only in UNRUN else _runs(case, laws, progress)
+    runs = {} if only in UNRUN else _runs(case, laws)
     return Answers(case, setups[laws[0]], taken, warned, stable, tubes, runs)
 
 
@@ -152,15 +152,15 @@ def _stability(scenario: Scenario, law: str, work: float) -> checks.Stability | 
         return None
 
 
-def _runs(scenario: Scenario, laws: Sequence[str], progress: Progress) -> dict[str, Run]:
+def _runs(scenario: Scenario, laws: Sequence[str]) -> dict[str, Run]:
     """One run per law; empty, with a warning on stderr, if no compiler works."""
     runs = {}
-    progress.start(len(laws), "one run of each law")
     try:
         short = _short(scenario)
-        for law in laws:
-            runs[law] = api.simulate(short, law)
-            progress.advance()
+        with Progress("one run of each law") as progress:
+            for law in laws:
+                runs[law] = api.simulate(short, law)
+                progress(len(runs) / len(laws))
         return runs
     except CompilerError as error:
         say("warning", f"no law was run: {error}")

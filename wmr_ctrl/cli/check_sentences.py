@@ -22,7 +22,7 @@ from wmr_ctrl.theory.checks.warning import joined
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import against
 from wmr_ctrl.world.scenario import Scenario, override, parse_assignments, title_of
-from wmr_ctrl.world.scenario.command_filter import Filter
+from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Filter
 from wmr_ctrl.world.scenario.sections import Guard
 from wmr_ctrl.world.scenario.toml_io import InheritedValue, stated_keys
 from wmr_ctrl.world.speed_loops import KINDS, loops_of
@@ -170,7 +170,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     facts = filter_facts(setup)
     if facts is None:
         return
-    limits = limits_in_words(setup.scenario.limits.sides)
+    limits, stated = limits_in_words(setup.scenario.limits.sides), setup.scenario.filter
     (back, v), (right, omega) = (
         [rounded(max(size, 0.0), 3, up=False) for size in (-low, high)]
         for low, high in facts.usable.values()
@@ -182,17 +182,35 @@ def filter_lines(setup: Setup) -> Iterator[str]:
         f"m/s, {omega} rad/s{ways} on any base inside the stated bounds"
         f"{', with odometry in every step' if hears(setup.scenario) else ''}{_slowed(setup)}"
     )
+    gain = "gain" if stated.loop == FIRST_ORDER else "peak gain"
     if facts.kind == "band":
         yield (
             "a constant delay costs nothing of that; delays that vary, even by a millisecond, are "
             "refused (filter.delay)"
         )
-    if facts.delay_cost:
-        linear, angular = (round(cost, 7) for cost in facts.delay_cost)
+    costs = {
+        "millisecond of delay": None if facts.kind == "band" else facts.delay_cost,
+        f"per cent of {gain}": facts.gain_cost,
+        "per cent of overshoot": None if facts.rise_cost else facts.overshoot_cost,
+    }  # fmt: skip
+    if facts.overshoot:
+        v, omega = (f"{100 * share:.3g} %" for share in facts.overshoot)
+        yield f"steps of such a base overshoot by up to {v} (linear), {omega} (angular)"
+    if facts.rise:
+        first, second = facts.rise
+        more = facts.rise_cost or (0.0, 0.0)
+        added = f"; one more per cent of overshoot adds {more[0]:.2g} s, {more[1]:.2g} s"
         yield (
-            f"one more millisecond of delay costs {sized(linear, 'm/s', 3)}, "
-            f"{sized(angular, 'rad/s', 3)}"
+            f"commands reach 0.9 of the limits after {first:.3g} s (linear), {second:.3g} s "
+            f"(angular){added if facts.rise_cost else ''}"
         )
+    prices = {name: (round(cost[0], 7), round(cost[1], 7)) for name, cost in costs.items() if cost}
+    texts = [
+        f"one more {name} costs {sized(cost[0], 'm/s', 3)}, {sized(cost[1], 'rad/s', 3)}"
+        for name, cost in prices.items()
+    ]
+    if texts:
+        yield "; ".join(texts)
 
 
 def _slowed(setup: Setup) -> str:

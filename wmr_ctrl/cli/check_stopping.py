@@ -7,6 +7,7 @@ from wmr_ctrl.control.filter.stop_numbers import (
     Stopping,
     costs,
     leaving,
+    rolls_back,
     smallest_window,
     stopping,
     times_inside,
@@ -74,6 +75,11 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
              "rest_second": "second of rest"}  # fmt: skip
     prices = (f"{names[key]} {length(price)}" for key, price in costs(case).items())
     yield f"one more costs: {', '.join(prices)}"
+    if rolled := rolls_back(case):
+        yield (
+            f"a push may roll it back by {length(rolled)} during a stop: add that to the radius of "
+            "the body where distances in the plane are worked out"
+        )
     turned, held = smallest_window(case)
     if turned > 0:
         yield (
@@ -82,8 +88,11 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
         )
     if not any(case.filter.d) or case.filter.nearing:
         return
-    for way, words in ((-1, "what is ahead"), (1, "what is behind")):
-        own = leaving(case, way)
+    ahead, behind = leaving(case, -1), leaving(case, 1)
+    both = ((ahead, "what is near"),)
+    for own, words in (
+        both if ahead == behind else ((ahead, "what is ahead"), (behind, "what is behind"))
+    ):
         if own is None:
             continue
         if own.least is None:

@@ -13,7 +13,7 @@ import traceback
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import click
 
@@ -181,7 +181,7 @@ FIRST = INTERVAL = 3.0 - TICK
 
 
 FORESEEN = 0.2
-"""Share of a phase before which its time left is not told: the beginning is not like the rest."""
+"""Share of a job before which its time left is not told: the beginning is not like the rest."""
 
 
 class Interruption:
@@ -202,63 +202,36 @@ class Silence:
 
 
 class Progress:
-    """Context in which a job reports its progress, in either of two ways.
+    """Context in which a job called ``text`` reports its progress; it is called with the share."""
 
-    Called with the share that is done; or by ``start(total, text)``, ``advance(count)`` and
-    ``done()`` for each phase.
-    """
-
-    def __init__(self, text: str, *, measured: bool = True) -> None:
-        """Begin with a phase called ``text``; without ``measured`` only activity is shown."""
-        self._text, self._measured = text, measured
-        self._total, self._count = 1, 0
+    def __init__(self, text: str) -> None:
+        self._text = text
 
     def __enter__(self) -> Self:
-        self._display = Bar() if sys.stderr.isatty() else Lines()
-        self._display.phase(self._text, self._measured)
+        self._display = (Bar if sys.stderr.isatty() else Lines)(self._text)
         return self
 
     def __exit__(self, *_error: object) -> None:
         self._display.close()
 
     def __call__(self, share: float) -> None:
-        """Report the ``share`` (0 to 1) of the present phase that is done."""
+        """Report the ``share`` (0 to 1) that is done."""
         self._display.share(share)
-
-    def start(self, total: int, text: str) -> None:
-        """Begin a phase of ``total`` steps."""
-        self._total, self._count = max(1, total), 0
-        self._display.phase(text, measured=True)
-
-    def advance(self, count: int = 1) -> None:
-        """Report that ``count`` further steps of the phase are done."""
-        self._count += count
-        self(self._count / self._total)
-
-    def done(self) -> None:
-        """End the phase."""
-        self(1.0)
 
 
 class Bar:
-    """Progress bar drawn by rich, removed at the end."""
+    """Progress bar drawn by rich, removed at the end; before the first share it shows activity."""
 
-    def __init__(self) -> None:
+    def __init__(self, text: str) -> None:
         from rich.console import Console
         from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
         from rich.progress import Progress as Rich
 
-        text, share, left = "{task.description}", TaskProgressColumn(), TimeRemainingColumn()
-        columns = (TextColumn(text), BarColumn(), share, left, TextColumn("left"))
+        name, share, left = "{task.description}", TaskProgressColumn(), TimeRemainingColumn()
+        columns = (TextColumn(name), BarColumn(), share, left, TextColumn("left"))
         self._rich = Rich(*columns, console=Console(stderr=True), transient=True)
-        self._task: Any = None
+        self._task = self._rich.add_task(text, total=None)
         self._rich.start()
-
-    def phase(self, text: str, measured: bool) -> None:
-        """Replace the bar."""
-        if self._task is not None:
-            self._rich.remove_task(self._task)
-        self._task = self._rich.add_task(text, total=1.0 if measured else None)
 
     def share(self, share: float) -> None:
         """Move the bar."""
@@ -272,15 +245,11 @@ class Bar:
 class Lines:
     """Progress lines, one every three seconds, also while the job reports nothing."""
 
-    def __init__(self) -> None:
-        self._next, self._text, self._begin, self._share = Silence.since + FIRST, "", 0.0, 0.0
+    def __init__(self, text: str) -> None:
+        self._text, self._begin, self._share = text, time.monotonic(), 0.0
+        self._next = Silence.since + FIRST
         self._turn, self._ended = threading.Lock(), threading.Event()
         threading.Thread(target=self._watch, daemon=True).start()
-
-    def phase(self, text: str, measured: bool) -> None:
-        """Store the phase's text and begin."""
-        with self._turn:
-            self._text, self._begin, self._share = text, time.monotonic(), 0.0
 
     def share(self, share: float) -> None:
         """Store the share, and print a line if the last one is long enough ago."""
@@ -301,7 +270,7 @@ class Lines:
 
     def _say(self) -> None:
         now = time.monotonic()
-        if now < self._next or not self._text:  # before the first phase there is nothing to name
+        if now < self._next:
             return
         Silence.broken()
         self._next = now + INTERVAL

@@ -113,7 +113,7 @@ def dossier(scenario: str, out: str, as_json: bool) -> None:
 
     case = opt.load(scenario)
     opt.check_output(out, (".html",), "--out")
-    with Progress("dossier", measured=False):
+    with Progress("dossier"):
         document = page.document(settle(case, opt.law_of(case, None)), scenario)
         page.write(document, scenario, out)
     say("wrote", out)
@@ -157,7 +157,7 @@ def linearize(
     opt.note_idle(case, scenario, assignments, [chosen])
     with Progress(f"{chosen}, linearised") as progress:
         report = report_linear(case, chosen, at, guard=guard, progress=progress)
-        progress.start(1, "pictures")
+    with Progress("pictures") as progress:
         paths = report.plots(plot, progress) if plot else ()
     if as_json:
         print_json(report.to_json())

@@ -53,7 +53,7 @@ def export(
         given["law"] = opt.law_of(case, cast("str | None", options["law"]))
     _note_idle(what, given.get("law"), case, scenario, assignments)
     given |= {"scenario": case, "out": out}
-    with Progress(f"export {what}", measured=False), catch_warnings(record=True) as lacking:
+    with Progress(f"export {what}"), catch_warnings(record=True) as lacking:
         paths = api.export_fmu(what, **cast("ExportOptions", given))
     for path in paths:
         say("wrote", str(path))

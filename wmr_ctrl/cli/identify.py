@@ -78,7 +78,7 @@ def identify(
     if plot or report:
         from wmr_ctrl.report.identified import write_identification
 
-        with Progress("report and picture", measured=False):
+        with Progress("report and picture"):
             write_identification(result, report, plot, drive)
         for path in filter(None, (plot, report)):
             say("wrote", path)

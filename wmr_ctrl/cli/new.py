@@ -36,10 +36,10 @@ def new(
     """Write OUT.toml, a scenario of your own robot: short, commented, ready for check and run.
 
     Without files every number is a cautious guess, and the file says how to measure it. With
-    --from, numbers come from files of ROS: mass, inertia, wheels and track of a URDF or xacro;
-    limits, ramps, time-out and period of a diff_drive_controller and of nav2. Where two disagree,
-    the controller's counts, and both are printed. The file's key `assumed` names what nobody
-    stated.
+    --from, numbers come from files of ROS and Gazebo: mass, inertia, wheels and track of a URDF
+    or xacro; limits, ramps, time-out and period of a diff_drive_controller, of nav2 and of
+    Gazebo. Where two disagree, the controller's counts, and both are printed. The file's key
+    `assumed` names what nobody stated.
     """
     from wmr_ctrl.results import atomic_text
     from wmr_ctrl.world.robot_files import read_robot_files

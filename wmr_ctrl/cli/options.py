@@ -23,11 +23,6 @@ if TYPE_CHECKING:
 
 SCENARIO = "paper-simulation"
 PLOTS, ANIMATIONS = (".png", ".svg", ".pdf"), (".gif", ".html")
-FILE_SUFFIXES = (
-    ".png", ".svg", ".pdf", ".jpg", ".gif", ".html", *RUNS,
-    ".json", ".toml", ".fmu", ".ssp", ".mo", ".zip", ".c",
-)  # fmt: skip
-"""Ends of names that are a file's: whoever asks for a folder of such a name means a file."""
 COMMANDS = data(__package__, "commands.toml")
 _PAIR = re.compile(r"[\w\[\]]+=.+")
 
@@ -228,7 +223,7 @@ def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None
 def check_folder(path: str, option: str) -> None:
     """Raise if a folder cannot be made or written to, or is a file; nothing is changed on disk."""
     folder = Path(path)
-    if folder.suffix.lower() in FILE_SUFFIXES and not folder.is_dir():
+    if folder.suffix.lower() in (*PLOTS, *ANIMATIONS) and not folder.is_dir():
         raise ArgumentError(
             f"{option} {path!r} is the name of a file, but several files are written, into a "
             f"folder. Name the folder, such as {folder.stem!r}."

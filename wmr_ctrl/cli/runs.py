@@ -102,8 +102,7 @@ def _simulated(
         if keys:
             count = f"{len(keys)} {noun}{'s' * (len(keys) > 1)} of theory ({', '.join(keys)})"
             say(label, f"{count}: {why} {f'--only {next(iter(keys))}' if len(keys) == 1 else '-v'}")
-    measured = engine != "native" or plant == "mujoco"
-    with Progress(f"{law} on {scenario.name}", measured=measured) as progress:
+    with Progress(f"{law} on {scenario.name}") as progress:
         return api.simulate(scenario, law, seed=seed, engine=engine, plant=plant, progress=progress)
 
 

@@ -39,7 +39,7 @@ def study(
             raise click.UsageError("--out and --report belong to a study that is run.")
         from wmr_ctrl.report.study_figures import plot_study
 
-        with Progress("drawing", measured=False):
+        with Progress("drawing"):
             paths = plot_study(words[1])
         if as_json:
             print_json([str(path) for path in paths])

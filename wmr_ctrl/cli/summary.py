@@ -70,14 +70,10 @@ NOTHING_JUDGED = f"A bag has no {NEVER}, so nothing is judged."
 
 
 def show_drive(drive: RecordedDrive, as_json: bool, **files: str | None) -> None:
-    """Save, draw and film a drive, as `write_run` does for a run, and print it."""
+    """Save and draw a drive, as `write_run` does for a run, and print it."""
     out = files["out"]
     check_output(out, (".csv",), "--out of a drive")
-    if files["report"]:
-        raise ArgumentError(
-            "--report is the page of a run, which a recorded drive is not. Use --plot."
-        )
-    draw_drives([drive], files["plot"], files["animate"])
+    draw_drives([drive], files["plot"], files["animate"], files["report"])
     if out:
         drive.save(out)
         say("wrote", out)
@@ -97,9 +93,12 @@ def drives_of(sources: Mapping[str, Run | RecordedDrive]) -> list[RecordedDrive]
     ]
 
 
-def draw_drives(drives: list[RecordedDrive], plot: str | None, animate: str | None) -> None:
-    """Draw and film drives into the files that are named."""
-    write_file(animate, "animate_drives", drives, "animation")  # it may have nothing to show
+def draw_drives(drives: list[RecordedDrive], plot: str | None, *others: str | None) -> None:
+    """Draw drives into the file that is named; refuse the ``others``."""
+    if any(others):
+        raise ArgumentError(
+            "--report and --animate are of a run, which a recorded drive is not. Use --plot."
+        )
     write_file(plot, "plot_drives", drives)
 
 

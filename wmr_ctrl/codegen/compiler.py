@@ -24,7 +24,6 @@ from pathlib import Path
 from wmr_ctrl.core.errors import CacheError, CompilerError, install
 
 from .cache import STORAGE_REMEDY, cache_part
-from .resources import runtime_dir
 
 _PATIENCE = 0.2
 """Longest time until a thread notices that it shall stop [s]."""
@@ -128,16 +127,9 @@ UNFUSED = "-fno-tree-slp-vectorize"
 """Keeps GCC from fusing: from 12 on it makes one vfmaddsub of two stores side by side, a product
 with a sum and a product with a difference, whatever -ffp-contract says.  Of loops it can make the
 same only where they take every other number, and generated loops take one after the other."""
-WINDOWS = "windows.c"
-_UCRT = ("convert", "heap", "math", "runtime", "stdio", "string", "utility")
-WITHOUT_MINGW = (
-    "-nostdlib",
-    "-rtlib=compiler-rt",
-    *(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in _UCRT),
-)
-"""Windows has a C library of its own; zig would compile MinGW's beside it, for over a minute."""
 WITHOUT_RUNTIME = ("-nostdlib", "-lc", "-lm")
-"""As loops need: zig would compile functions of its own first, six seconds for each target."""
+"""As loops need: zig would compile functions of its own first, six seconds for each target. For
+Windows it does, with MinGW's C library: a minute, once for a cache."""
 _TELLING_OF_A_PROCESSOR = ("model name", "flags", "Features", "CPU part")
 
 
@@ -165,15 +157,8 @@ class Toolchain:
         """Build-cache key: everything about the compiler that affects its output."""
         native = any(flag.endswith("=native") for flag in self.flags)
         processor = (_processor(),) if native else ()
-        zig = _windows_linking() if self.is_for_windows else WITHOUT_RUNTIME
-        linking = zig if is_zig(self.command) else ()
+        linking = WITHOUT_RUNTIME if is_zig(self.command) else ()
         return (*self.command, self.version, *self.flags, *processor, *linking)
-
-    @property
-    def is_for_windows(self) -> bool:
-        """True for zig with Windows as its target."""
-        named = any("windows" in flag for flag in self.flags)
-        return is_zig(self.command) and (named or os.name == "nt")
 
     def with_flags(self, *flags: str) -> "Toolchain":
         """Return the same compiler with further flags; of contradicting ones the last wins."""
@@ -229,24 +214,10 @@ def compile_library(
     (CacheError: of space); ``out`` does not exist then.
     """
     given = (*toolchain.flags, *flags)
-    if not (toolchain.is_for_windows and out.suffix == ".dll"):
-        tail: tuple[str, ...] = () if os.name == "nt" or "-nostdlib" in given else ("-lm",)
-        if is_zig(toolchain.command) and "-nostdlib" not in given:
-            tail = (*WITHOUT_RUNTIME, *("-Wl,-z,defs",) * (out.suffix == ".so"))
-        return _compiled(toolchain, given, sources, out, include, timeout, tail)
-    # each unit by itself, with headers of a C library, then all linked without it
-    parts: dict[Path, Path] = {}
-    for place, unit in enumerate([*sources, runtime_dir() / WINDOWS]):
-        parts[unit] = unit if unit.suffix == ".o" else out.parent / f"{place}-{unit.name}.o"
-    made = {unit: part for unit, part in parts.items() if part is not unit}
-    linking = (*given, *WITHOUT_MINGW, "-Wl,-e,DllMain")
-    try:
-        for unit, part in made.items():
-            compile_object(toolchain, unit, part, include=include, flags=flags, timeout=timeout)
-        return _compiled(toolchain, linking, list(parts.values()), out, (), timeout)
-    finally:
-        for part in made.values():
-            part.unlink(missing_ok=True)
+    tail: tuple[str, ...] = () if os.name == "nt" or "-nostdlib" in given else ("-lm",)
+    if is_zig(toolchain.command) and out.suffix != ".dll" and "-nostdlib" not in given:
+        tail = (*WITHOUT_RUNTIME, *("-Wl,-z,defs",) * (out.suffix == ".so"))
+    return _compiled(toolchain, given, sources, out, include, timeout, tail)
 
 
 def compile_object(
@@ -327,12 +298,6 @@ def _failure(
 
 def _shortened(text: str, length: int) -> str:
     return text if len(text) <= length else f"{text[: length - 4]} ..."
-
-
-@functools.cache
-def _windows_linking() -> tuple[str, ...]:
-    """Cache key of linking for Windows."""
-    return (*WITHOUT_MINGW, sha256((runtime_dir() / WINDOWS).read_bytes()).hexdigest())
 
 
 @functools.cache

@@ -88,13 +88,14 @@ def package_files(
     scenario: Scenario,
     *,
     float32: bool = False,
+    counting: bool = True,
     layout: str | None = None,
 ) -> dict[str, str]:
     """File name to text of the package of ``law`` with the numbers of ``scenario`` as defaults.
 
     The law "filter" is the command filter of a scenario that has one; a law of a base that takes
-    velocities has that filter inside.  Where the scenario has encoders, it is given counts, not
-    velocities.  ``layout``: one of LAYOUTS, None for a folder without tool.
+    velocities has that filter inside.  ``counting``: where the scenario has encoders, it is given
+    counts, not velocities.  ``layout``: one of LAYOUTS, None for a folder without tool.
 
     Raises ScenarioError or UnknownNameError as building the law does, ArgumentError for encoders
     whose velocity needs more than counts.
@@ -108,7 +109,7 @@ def package_files(
         )
     if float32 and filters and scenario.filter.kind == "governor":
         check_single_precision(scenario)
-    system = called_filter(scenario) if setup is None else packaged(setup)
+    system = called_filter(scenario) if setup is None else packaged(setup, counting=counting)
     if float32 and (scenario.guard.enabled or filters):
         system = single_precision.with_margin(system, _margin(scenario, filters))
     return files_of(law, system, scenario, float32=float32, layout=layout)
@@ -137,7 +138,7 @@ def files_of(
     return files if layout is None else arranged(files, layout, engine, context)
 
 
-def packaged(setup: Setup) -> System:
+def packaged(setup: Setup, *, counting: bool = True) -> System:
     """The controller; its last output says whether a guard or filter acted.
 
     With encoders its inputs are counts, not velocities: the last input is the change of the
@@ -148,7 +149,7 @@ def packaged(setup: Setup) -> System:
         (active,) = (i.expr for i in core.diagnostics if i.signal == GUARD_DIAGNOSTICS[0])
         acted = Output(GUARD_ACTED, ca.logic_or(active[0], active[1]))
         core = replace(core, outputs=(*core.outputs, acted))
-    if ENCODER not in setup.effects:
+    if ENCODER not in setup.effects or not counting:
         return core
     front = reader(setup.scenario)
     known = {item.signal.name: item for item in core.params}

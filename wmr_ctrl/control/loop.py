@@ -291,7 +291,8 @@ class LoopGraphs(Graphs):
         rate.measure(sensors)
         measured = zip((*POSE, *VELOCITY), MEASURED, strict=True)
         shown = known | {true.name: known[seen.name] for true, seen in measured}
-        shown |= self._told()
+        if {LIMITS, FREE} & {item.signal for item in self.controller.inputs}:
+            shown |= self._told()
         known |= rate.run(self.controller, shown)
         if self.setup.takes_velocity:
             self._know_exerted(drives)
@@ -323,7 +324,7 @@ class LoopGraphs(Graphs):
         turns = ca.fabs(self.sample.known[REFERENCE[4].name])
         look = ca.fmin(LOOK + LOOK_AHEAD * turns, WIDEST)
         disc, *_ = free_ways(shapes, pose, (ca.SX(ca.pi), ca.SX(ca.pi)), radius)
-        needs = [stopping(scenario, speed).distance for speed in scenario.limits.sides[0]]
+        needs = [stopping(scenario, abs(speed)).distance for speed in scenario.limits.sides[0]]
         window = ca.if_else(disc >= max(needs), LARGEST, look)
         least = ca.SX(smallest_window(scenario)[1])
         for name, headings in ((FREE.name, window), (FREE_NARROW.name, least)):

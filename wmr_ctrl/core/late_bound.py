@@ -18,7 +18,6 @@ HOMES = {
     "plot_runs": "wmr_ctrl.report.plot_runs",
     "plot_drives": "wmr_ctrl.report.plot_runs",
     "animate_runs": "wmr_ctrl.report.animate",
-    "animate_drives": "wmr_ctrl.report.animate",
     "rows_of": "wmr_ctrl.report.run_rows",
     "gains_by_law": "wmr_ctrl.control.setup",
     "outlook_of": "wmr_ctrl.theory.checks.outlook",

@@ -28,6 +28,7 @@ WORDS: Mapping[str, str] = _DATA["words"]
 UNITS: Mapping[str, str] = _DATA["units"]
 BECAUSE: Mapping[str, list[list[str]]] = _DATA["because"]
 """Pairs that cannot be separated, by what the log lacks then."""
+LEFT_OUT = ("from", "to", "reason")
 SMALL, PART = 0.03, 0.35
 
 
@@ -52,13 +53,7 @@ class Estimate(NamedTuple):
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
-        return {
-            "value": self.value,
-            "low": self.low,
-            "high": self.high,
-            "verdict": self.verdict,
-            "seconds": list(self.seconds),
-        }
+        return {key: value for key, value in self._asdict().items() if key != "share"}
 
 
 Estimates = Mapping[str, Estimate]
@@ -219,7 +214,7 @@ class BaseIdentification(ABC):
                 *(note._asdict() for note in self.notes),
                 *(row for item in self.judgements for row in item.diagnosis()),
             ],
-            "left_out": [item.to_json() for item in self.left_out],
+            "left_out": [dict(zip(LEFT_OUT, item, strict=True)) for item in self.left_out],
             "range": {axis: list(ends) for axis, ends in self.range.items()},
         }
 

@@ -40,8 +40,8 @@ NOISES = [INDEX[name] for name in ("q1", "q2", "n1", "n2")]
 PASSES = 40
 ENOUGH = 2e-3
 """Gain in log-likelihood below which scoring ends: 6 % of a standard error."""
-DAMPING = 1e-3
-"""Damping of the first step, and the least after a step that gained nothing."""
+DAMPING, LESS = 1e-3, 8.0
+"""Damping of the first step, and by what it grows, from this on, after one that gained nothing."""
 ACCEPTED = 1.92
 """Fall of the log-likelihood at the end of an interval by the likelihood."""
 FINEST = 3e-4
@@ -145,47 +145,36 @@ def climbed(
     """Fisher scoring from ``theta``, damped until each step lowers the negative log-likelihood.
 
     ``read`` gives a pass, with gradients if asked. No step is beyond ``reach`` or ``ends``. It ends
-    after ``passes`` steps, or when a step gains less than ``enough`` or promises a tenth of that.
-    Nielsen's rule sets the damping from the ratio of achieved to predicted gain.  Gradients take
-    most of a pass: after a step that lowered nothing, trials omit them until one succeeds at the
-    first attempt.
+    after ``passes`` steps and as many that failed, or when a step gains less than ``enough`` or
+    promises a tenth of that.  Gradients take most of a pass: after a step that lowered nothing,
+    trials omit them until one succeeds.
     """
     least, most = ends
     theta = np.clip(theta, least, most)
-    result, damping, growth = read(theta, True), DAMPING, 2.0
-    sloped = True
-    for _ in range(passes):
+    result, damping, sloped = read(theta, True), DAMPING, True
+    for _ in range(2 * passes):
         gradient = result.gradient.sum(axis=0)
         # What lies at an end and would go beyond stays there, so that the others move as they are.
         held = ((theta <= least) & (gradient > 0)) | ((theta >= most) & (gradient < 0))
         moving = free & ~held
         fisher = result.fisher.sum(axis=0)[np.ix_(moving, moving)]
-        scale = np.diag(fisher) + 1e-12
-        better = at_once = False
-        for k in range(12):
-            step = -np.linalg.solve(fisher + damping * np.diag(scale), gradient[moving])
-            step = np.clip(step, -1.5, 1.5) if np.abs(step).max(initial=0.0) > 50 else step
-            trial = theta.copy()
-            trial[moving] += step
-            trial = np.clip(
-                trial, np.maximum(least, theta - reach), np.minimum(most, theta + reach)
-            )
-            step = trial[moving] - theta[moving]
-            promised = -float(gradient[moving] @ step + step @ fisher @ step / 2)
-            if 0 <= promised < enough / 10:
-                break
-            after = read(trial, sloped)
-            gained = float(np.sum(result.nll) - np.sum(after.nll))
-            if gained >= 0:
-                better, at_once, share = True, k == 0, gained / max(promised, 1e-300)
-                damping = max(damping * max(1 / 3, 1 - (2 * min(share, 2.0) - 1) ** 3), 1e-9)
-                growth = 2.0
-                break
-            damping, growth, sloped = max(damping * growth, DAMPING), 2 * growth, False
-        if not better:
+        damped = fisher + damping * np.diag(np.diag(fisher) + 1e-12)
+        step = -np.linalg.solve(damped, gradient[moving])
+        step = np.clip(step, -1.5, 1.5) if np.abs(step).max(initial=0.0) > 50 else step
+        trial = theta.copy()
+        trial[moving] += step
+        trial = np.clip(trial, np.maximum(least, theta - reach), np.minimum(most, theta + reach))
+        step = trial[moving] - theta[moving]
+        promised = -float(gradient[moving] @ step + step @ fisher @ step / 2)
+        if 0 <= promised < enough / 10:
             break
+        after = read(trial, sloped)
+        gained = float(np.sum(result.nll) - np.sum(after.nll))
+        if not gained >= 0:
+            damping, sloped = LESS * max(damping, DAMPING), False
+            continue
         theta, result = trial, after if sloped else read(trial, True)
-        sloped = at_once
+        damping, sloped = damping / 3, True
         if gained < enough:
             break
     return theta, result

@@ -53,7 +53,6 @@ LAGS = (0.0, 0.1, 0.25, 0.5)
 """By how much later commands may act than by the model [s]."""
 PARTS = 10
 RIDGE = 3e-3
-CUTS = (0.2, 0.35, 0.5, 0.65, 0.8)
 Reach = Mapping[str, Pair]
 
 
@@ -228,7 +227,7 @@ def _group_gains(fit: LoopFit) -> Iterator[tuple[str, float, float]]:
 
 def bent(fit: LoopFit) -> float:
     """Upper 95 % bound of the gain's relative growth from the fastest motion to its double."""
-    gains = {name: (off, half) for name, off, half in _group_gains(fit)}
+    gains = {name: pair for name, *pair in _group_gains(fit)}
     if not {"slow", "fast"} <= {*gains}:
         return 1.0
     (slow, narrow), (fast, wide) = gains["slow"], gains["fast"]
@@ -316,19 +315,6 @@ def _single_delays(fit: LoopFit) -> tuple[list[float], list[float]]:
             delays.append(float(along[low:high] @ left[low:high]) / weight)
             variances.append(noise / weight)
     return delays, variances
-
-
-def explainable(fit: LoopFit) -> float:
-    """Upper estimate of the share of a residual's squares that command, speed and time explain."""
-    log, y = fit.log, fit.forecast
-    later = np.where(log.t[:, None] >= np.quantile(log.t[log.in_fit], CUTS), y[:, None], 0.0)
-    x = np.column_stack((_columns(fit, None), later, np.ones(len(y))))[log.in_fit]
-    left = fit.left[log.in_fit]
-    squares = x.T @ x
-    ridge = 1e-9 * np.diag(np.diag(squares) + 1e-12)
-    rest = left - x @ np.linalg.solve(squares + ridge, x.T @ left)
-    by_chance = 2 * x.shape[1] / len(left)
-    return 1 - float(rest @ rest) / max(float(left @ left), 1e-300) - by_chance
 
 
 def told(fit: LoopFit, other: Floats | None = None) -> float:

@@ -158,22 +158,11 @@ def _corrected(
     residual = seen - rows @ mean[:count]
     cross = p @ rows.T
     s = rows @ cross + noise
-    inverse = _inverse_root(s)
+    inverse = ca.inv(ca.chol(s).T)
     # p - cross s^-1 cross' = p - w w' with w = cross root^-T, and the gain is w root^-1.
     w = cross @ inverse.T
     after = ca.vertcat(mean[:count] + w @ (inverse @ residual), mean[count:])
     return ca.vertcat(after, _packed(p - w @ w.T)), (residual, s, inverse)
-
-
-def _inverse_root(s: ca.SX) -> ca.SX:
-    """R^-1 for s = R R', with R lower triangular (2, 2).
-
-    It uses roots of reciprocals: products with reciprocals of roots would become divisions.
-    """
-    first = ca.sqrt(1 / s[0, 0])
-    below = s[1, 0] * first
-    last = ca.sqrt(1 / (s[1, 1] - below**2))
-    return ca.blockcat([[first, ca.SX(1, 1)], [-below * first * last, last]])
 
 
 def _told(

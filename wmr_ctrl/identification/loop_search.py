@@ -11,7 +11,6 @@ from itertools import product
 import numpy as np
 
 from .fit import ACCEPTED
-from .judgement import explainable
 from .logs.log import Floats, Names
 from .logs.samples import AxisLog
 from .speed_loop import (
@@ -28,8 +27,6 @@ from .speed_loop import (
 )
 
 MOST = 3
-LEAST_EXPLAINABLE = 0.05
-"""Share of the residual's squares that must be explainable for members to be tried."""
 LESS_BIC, LESS_BIC_ROW, LESS_SQUARES = 10.0, 0.01, 0.9
 """By how much the criterion falls at least, per row too, and what may be left of the squares."""
 LEAST_GAIN = 0.05
@@ -106,7 +103,7 @@ def axis_fit(log: AxisLog, loops: Names = tuple(LOOPS)) -> LoopFit:
     """The likeliest loop of one axis with the structures that its log needs, and what it may be."""
     fit = plain = best_loop(log, loops)
     for _ in range(MOST):
-        better = _one_more(fit) if explainable(fit) > LEAST_EXPLAINABLE else None
+        better = _one_more(fit)
         if better is None:
             break
         fit = better

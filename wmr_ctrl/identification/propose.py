@@ -1,4 +1,4 @@
-"""Propose a drive that shows what a log did not, within limits and floor: tones, then random steps.
+"""Propose a drive that shows what a log did not, within limits and floor: random steps.
 
 Its size follows from kinematics alone, with reserve for a loop that tracks badly.
 """
@@ -13,8 +13,6 @@ from wmr_ctrl.core.errors import ArgumentError
 from .bounds import BaseIdentification
 from .logs.log import Floats, Pair
 
-TONES = (0.1, 0.25, 0.45, 0.7, 1.1, 1.6, 2.1)
-"""Frequencies [Hz]: from turning about slowly to what delay and lag show in."""
 SECONDS, FADE, HELD = 60.0, 2.0, 1.0
 """Length of a drive, of its rise and fall, and of a step [s]."""
 DRAWS = 40
@@ -89,11 +87,7 @@ def _shapes(period: float) -> tuple[Floats, Floats]:
     """Times (N,) and random drives (DRAWS, N, 2) with maximum 1, at rest at both ends."""
     rng = np.random.default_rng(0)
     t: Floats = period * np.arange(round(SECONDS / period), dtype=np.float64)
-    phase = rng.uniform(0, 2 * np.pi, (DRAWS, 1, 2, len(TONES)))
-    waves = np.sin(2 * np.pi * np.array(TONES) * t[None, :, None, None] + phase).sum(axis=-1)
     levels = rng.uniform(-1, 1, (DRAWS, math.ceil(SECONDS / HELD), 2))
     steps = levels[:, (t / HELD).astype(int)]
-    parts = [item / np.abs(item).max(axis=1, keepdims=True) for item in (waves, steps)]
-    drives = np.where((t < SECONDS / 2)[None, :, None], *parts)
-    fade = np.clip(np.minimum(t, t[-1] - t) / FADE, 0, 1)
-    return t, drives * (fade**2 * (3 - 2 * fade))[None, :, None]
+    fade = np.clip(np.minimum(t, t[-1] - t) / FADE, 0, 1)[:, None]
+    return t, steps / np.abs(steps).max(axis=1, keepdims=True) * fade

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
 import casadi as ca
 import numpy as np
@@ -193,11 +194,10 @@ def _unit_motions(white: Fit, bounds: GuardBounds, log: Samples) -> Iterator[Flo
     """
     free = dict.fromkeys(("m", "I", "Fc", "Fv", "c", "Mv"), 0.0)
     lags = max(bounds.lag[0], LAG_LEAST), max(bounds.lag[1], LAG_LEAST)
-    for delay in np.linspace(*bounds.delay, LATE_POINTS[0]).tolist():
-        for lag in np.linspace(*lags, LATE_POINTS[1]).tolist():
-            values = free | {"delay": delay, "lag": lag}
-            theta = np.array([values.get(n, x) for n, x in zip(NAMES, white.theta, strict=True)])
-            yield white.problem.foretold(log, theta, at_rest(log))[:, :4]
+    for pair in product(*map(np.linspace, *zip(bounds.delay, lags, strict=True), LATE_POINTS)):
+        values = free | dict(zip(("delay", "lag"), pair, strict=True))
+        theta = np.array([values.get(n, x) for n, x in zip(NAMES, white.theta, strict=True)])
+        yield white.problem.foretold(log, theta, at_rest(log))[:, :4]
 
 
 def _pushes(

@@ -269,11 +269,6 @@ def whitener(
     return whiten, whole
 
 
-def finest(log: AxisLog) -> float:
-    """Smallest noise assumed on an axis [m/s or rad/s], since no model is exact."""
-    return FINEST * max(float(np.std(log.speed)), 1e-9)
-
-
 def fitted(
     log: AxisLog, loop: str, names: Names, theta: Floats, passes: int, plain: int = 0,
     fixed: Values | None = None,
@@ -298,7 +293,8 @@ def fitted(
         slope = (seen[:, :1] - seen[:, 1:]) / (inside if slopes else 1.0)
         whiten, whole = whitener(left, log.in_fit, order)
         white, along = whiten(left)[whole], whiten(slope)[whole]
-        sigma = math.hypot(float(np.std(white)), finest(log))
+        # No model is exact.
+        sigma = math.hypot(float(np.std(white)), FINEST * spread)
         parts = [block[whole] == b for b in range(BLOCKS)]
         gradient = np.array([along[part].T @ white[part] for part in parts]) / sigma**2
         fisher = np.array([along[part].T @ along[part] for part in parts]) / sigma**2

@@ -46,9 +46,7 @@ def believed(
     Values of `STAND_IN` are assumed where nobody states them.
     """
     given, origin = known if known is not None else raw.base, Origin()
-    stated = set(overrides)
-    for key, value in overrides.items():
-        stated |= {f"{key}.{name}" for name in (value if isinstance(value, Mapping) else ())}
+    stated = {*overrides, *stated_in(overrides)}
     if isinstance(given, Scenario):
         scenario = scenario_of(given, overrides, guard=False)
         stated |= stated_in(scenario_dict(given))

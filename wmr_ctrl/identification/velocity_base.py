@@ -69,10 +69,6 @@ def of_velocities(
     fits = same_loop(axes, driven)
     pairs = zip(fits, fits[::-1], strict=True)
     judgements = [judged(fit, other, place) for place, (fit, other) in enumerate(pairs) if fit]
-    for item in judgements:
-        if not item.fit.at_end("gain"):
-            column = COMMAND[item.place]
-            check_following(name, column, item.fit.gain, 0.0, item.r2, log.period)
     estimates = loop_estimates(judgements, log.period)
     remarks += loop_remarks(judgements, estimates)
     bare = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")
@@ -160,6 +156,7 @@ def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Est
         place = fit.names.index(name)
         seconds = informative_seconds(fit.log.t, fit.fisher[:, place, place])
         several |= bool(fit.alone[place]) or (name in fit.members and not sure)
+        several |= "lag" in fit.names and name != "gain"
     if judgement.explained == NOT_EXPLAINED:
         word = NOT_EXPLAINED
     elif fit.at_end(name):

@@ -1,21 +1,20 @@
 """Animations of a run: the robot and the desired pose on the path, as a page or a GIF."""
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 from wmr_ctrl.core.fields.files import AnyPath
-from wmr_ctrl.core.fields.units import length
-from wmr_ctrl.results import RecordedDrive, Run, atomic_path
-from wmr_ctrl.simulation.campaign import PhaseProgress, phase
+from wmr_ctrl.results import Run, atomic_path
+from wmr_ctrl.simulation.batch import Progress
 
 from . import style
 from .drawing import target_of, write_html
-from .scene import BODY, TRACK, WHEEL, Scene, scene_of, scene_of_drives, with_tubes
-from .stage import Picture, frames
+from .scene import BODY, TRACK, WHEEL, Scene, scene_of, with_tubes
+from .stage import frames
 
 SUFFIXES = (".gif", ".html")
 _FRAMES = {".gif": 250, ".html": 2000}
@@ -25,38 +24,18 @@ GIF_MILLISECONDS = 80
 _GIF_COLOURS = 48
 
 
-def animate_runs(runs: Sequence[Run], path: AnyPath, progress: PhaseProgress | None = None) -> None:
+def animate_runs(runs: Sequence[Run], path: AnyPath, progress: Progress | None = None) -> None:
     """Animate one run or several at once: a .html (with play and slider) or .gif file.
 
     Raises as `Run.animate`, and ArgumentError for runs that one picture cannot show (`scene_of`).
     """
     target = target_of(path, SUFFIXES, "a run is animated as .gif, .html")
     scene = with_tubes(scene_of(runs, _FRAMES[target.suffix.lower()]), runs)
-    _animate(scene, [run.explanation for run in runs], target, progress)
-
-
-def animate_drives(
-    drives: Sequence[RecordedDrive],
-    path: AnyPath,
-    progress: PhaseProgress | None = None,
-) -> None:
-    """Animate drives, which have no desired pose and no limits; errors as `scene_of_drives`."""
-    target = target_of(path, SUFFIXES, "a drive is animated as .gif, .html")
-    scene = scene_of_drives(drives, _FRAMES[target.suffix.lower()])
-    _animate(scene, [f"{drive.duration:.4g} s." for drive in drives], target, progress)
-
-
-def _animate(
-    scene: Scene, said: Sequence[str], target: Path, progress: PhaseProgress | None
-) -> None:
-    """Write a scene; ``said`` is a sentence per robot, for the page."""
-    count = len(scene.t)
-    with phase(progress, count, "Drawing the animation") as advance, atomic_path(target) as scratch:
+    with atomic_path(target) as scratch:
         if target.suffix.lower() == ".html":
-            write_page(scene, scratch, said)
-            advance(count)
+            write_page(scene, scratch, [run.explanation for run in runs])
         else:
-            _write_gif(frames(scene), scratch, advance)
+            _write_gif(scene, scratch, progress)
 
 
 # -- the page -----------------------------------------------------------------------------------
@@ -68,12 +47,10 @@ def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
     colours = {**laws, "muted": style.MUTED, "limit": style.LIMIT, "ink": style.INK,
                "paper": style.PAPER, "line": style.RULE_LINE}  # fmt: skip
     dark = {name: style.after_dark(colour) for name, colour in colours.items()}
-    environment = style.page_environment()
-    environment.filters["distance"] = length
     write_html(
         path,
         "animation.html.j2",
-        environment,
+        style.page_environment(),
         scene=scene,
         said=list(zip([one.label for one in scene.actors], said, strict=True)),
         data=_json(scene),
@@ -84,14 +61,12 @@ def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
 def _json(scene: Scene) -> str:
     """Data that the page's script draws, rounded to visible precision; safe inside a script."""
     moving = (np.column_stack((one.pose, one.velocity)) for one in scene.actors)
-    rows = [scene.t] if scene.target is None else [scene.t, scene.target]
     content = {
         "names": [one.label for one in scene.actors],
-        "rows": np.round(np.column_stack(rows), 4).tolist(),
+        "rows": np.round(np.column_stack((scene.t, scene.target)), 4).tolist(),
         "robots": [np.round(table, 4).tolist() for table in moving],
         "view": [round(edge, 4) for edge in scene.view],
         "scales": [float(f"{scale:.4g}") for scale in scene.scales],
-        "limited": scene.limited,
         "bands": [np.round(scene.band(one).T, 4).tolist() for one in scene.actors],
         "body": [scene.size * part for part in BODY],
         "wheel": [scene.size * part for part in WHEEL],
@@ -107,12 +82,13 @@ def _json(scene: Scene) -> str:
 # -- the GIF -----------------------------------------------------------------------------------
 
 
-def _write_gif(shown: Iterable[Picture], path: Path, advance: Callable[[int], None]) -> None:
+def _write_gif(scene: Scene, path: Path, progress: Progress | None) -> None:
     """Write frames, all with the palette of the last one, which contains all elements."""
     images = []
-    for picture in shown:
+    for picture in frames(scene):
         images.append(Image.fromarray(picture))
-        advance(1)
+        if progress:
+            progress(len(images) / len(scene.t))
     palette = images[-1].quantize(_GIF_COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     first, *others = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in images)
     first.save(

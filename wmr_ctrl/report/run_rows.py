@@ -9,7 +9,6 @@ import numpy as np
 from wmr_ctrl import results
 from wmr_ctrl.core.fields.units import limits_in_words, sized
 from wmr_ctrl.results import RigidMonitor, Run
-from wmr_ctrl.results.measures import heading_rms
 from wmr_ctrl.results.obstacles import nearest
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.checks.unknown_zero import FINE, finest
@@ -147,9 +146,7 @@ def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     ise, split, least = figures["ise"], run.settings.split, finest(scenario_of_run(run))
-    _, turns = heading_rms(run, 0.0, run.settings.duration) or (0.0, False)
-    unit = f"m2 s + rad2 s{', with whole turns' if turns else ''}"
-    yield "ISE", f"{_digits(ise['total'])} {unit}"
+    yield "ISE", f"{_digits(ise['total'])} m2 s + rad2 s"
     windows = [(window, values) for window, values in figures["e_rms"].items() if values]
     changes = any(time == split for time, _ in run.settings.robots)
     if changes or scenario_of_run(run) is None:
@@ -163,20 +160,12 @@ def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     for window, values in windows:
         errors = (_small(value, unit, least) for value, unit in zip(values, UNITS, strict=True))
         robots = results.robots_over(run.settings, *map(float, window.split("-")))
-        text = _about(f"{', '.join(errors)}; Eq. (8)", robots)
-        yield f"RMS of e, {window} s", f"{text}{_without_turns(run, window)}"
+        yield f"RMS of e, {window} s", _about(f"{', '.join(errors)}; Eq. (8)", robots)
 
 
 def _about(text: str, robots: str) -> str:
     """A figure, with the robots that it belongs to, if they change."""
     return ", ".join(filter(None, (text, robots)))
-
-
-def _without_turns(run: Run, window: str) -> str:
-    """The heading error without whole turns, if it has some."""
-    begin, end = map(float, window.split("-"))
-    angle, turns = heading_rms(run, begin, end) or (0.0, False)
-    return f"; {_small(angle, 'rad')} without whole turns" if turns else ""
 
 
 def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.orientation import ORIENTATIONS, inward
 from wmr_ctrl.results import Floats, Run
-from wmr_ctrl.results.drive import POSES, SPEEDS, RecordedDrive
 
 from .course import Course, band, course_of, course_of_tube
 from .style import colours_of, driver
@@ -31,8 +30,7 @@ class Actor:
     """A robot of an animation: its name, colour, and poses and velocities at the frames.
 
     ``pose`` (frames, 3): x, y [m], theta [rad]; ``velocity`` (frames, 2): v1 [m/s], omega [rad/s].
-    ``tube`` (frames,) [m]: width of its certified corridor, nan from ``certified`` [s] on; None
-    without. ``widest`` [m]: the largest width, also between frames.
+    ``tube`` (frames,) [m]: width of its certified corridor, nan where there is none; None without.
     """
 
     label: str
@@ -40,34 +38,23 @@ class Actor:
     pose: Floats
     velocity: Floats
     tube: Floats | None = None
-    certified: float = math.inf
-    widest: float = 0.0
-
-
-@dataclass(frozen=True)
-class Gauge:
-    """A scale below the map: its text, and each robot's readings (frames, robots); 1 is an edge."""
-
-    words: str
-    shares: Floats
 
 
 @dataclass(frozen=True)
 class Scene:
     """Robots and desired pose at evenly spaced times ``t`` [s] of shape (frames,).
 
-    ``target`` has the shape (frames, 3) of a pose; None: unknown. ``scales`` of |v1| [m/s] and
-    |omega| [rad/s] are the limits of all where these are ``limited``, else the largest that occur.
-    ``view`` is x from, x to, y from, y to [m]. ``course``: further parts of the map.
+    ``target`` has the shape (frames, 3) of a pose. ``scales`` are the limits of |v1| [m/s] and
+    |omega| [rad/s]. ``view`` is x from, x to, y from, y to [m]. ``course``: further parts of the
+    map.
     """
 
     title: str
     actors: tuple[Actor, ...]
     t: Floats
-    target: Floats | None
+    target: Floats
     scales: tuple[float, float]
     view: tuple[float, float, float, float]
-    limited: bool = True
     course: Course = field(default_factory=Course)
 
     @property
@@ -76,25 +63,13 @@ class Scene:
         return (self.course.half_track or TRACK) / TRACK
 
     @property
-    def gauges(self) -> list[Gauge]:
-        """Gauges of the velocities."""
-        word = "limit" if self.limited else "largest"
-        gauges = []
-        for axis, (symbol, unit) in enumerate((("v₁", "m/s"), ("ω", "rad/s"))):
-            scale = self.scales[axis]
-            shares = np.column_stack([one.velocity[:, axis] for one in self.actors]) / scale
-            words = f"{symbol}, {word}\n±{scale:.4g} {unit}"
-            gauges.append(Gauge(words, shares))
-        return gauges
-
-    @property
     def tubes(self) -> bool:
         """True if a robot has a certified corridor."""
         return any(one.tube is not None for one in self.actors)
 
     def band(self, one: Actor) -> Floats:
         """Corners (2, m) of a robot's corridor about the path; none without one."""
-        if self.target is None or one.tube is None:
+        if one.tube is None:
             return np.empty((2, 0))
         return band(self.target[:, :2].T, one.tube)
 
@@ -142,40 +117,10 @@ def with_tubes(scene: Scene, runs: Sequence[Run]) -> Scene:
     for one, run in zip(scene.actors, runs, strict=True):
         course = course_of_tube(run)
         if course is not None:
-            ends = np.flatnonzero(np.isnan(course[0]))
             tube = np.where(scene.t <= run.time[-1], course[0, _held(run, scene.t)], math.nan)
-            until = float(run.time[ends[0]]) if ends.size else math.inf
-            most = float(np.nanmax(course[0]))
-            one = replace(one, tube=tube, certified=until, widest=most)
+            one = replace(one, tube=tube)
         actors.append(one)
     return replace(scene, actors=tuple(actors))
-
-
-def scene_of_drives(drives: Sequence[RecordedDrive], frames: int) -> Scene:
-    """Scene of drives, of up to ``frames`` frames, without a desired pose and limits.
-
-    Before its first and after its last message a robot rests; between two messages it moves evenly.
-    Raises ArgumentError, with names, for a drive without poses and velocities.
-    """
-    for drive in drives:
-        lacking = [name for name in (*POSES, *SPEEDS) if not drive.has([name])]
-        if lacking:
-            raise ArgumentError(
-                f"{drive.name} has no {', '.join(lacking)}, and a moving picture shows the pose "
-                "with its velocities: leave out --animate. `wmr-ctrl show` lists what it has."
-            )
-    t = np.linspace(0.0, max(drive.duration for drive in drives), frames)
-    actors = []
-    colours = colours_of([drive.name for drive in drives])
-    for drive, colour in zip(drives, colours, strict=True):
-        rows = [np.interp(t, drive.times[name], drive.columns[name]) for name in (*POSES, *SPEEDS)]
-        moving = np.column_stack(rows)
-        actors.append(Actor(drive.name, colour, moving[:, :3], moving[:, 3:]))
-    speeds = ([np.abs(drive.columns[name]).max() for drive in drives] for name in SPEEDS)
-    v, omega = (float(max(largest)) or 1.0 for largest in speeds)
-    view = _view([one.pose for one in actors], Course())
-    title = actors[0].label if len(actors) == 1 else "drives"
-    return Scene(title, tuple(actors), t, None, (v, omega), view, limited=False)
 
 
 def _view(poses: Sequence[Floats], course: Course) -> tuple[float, float, float, float]:

@@ -7,20 +7,22 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from .course import FAINT
 from .drawing import line_handle
 from .scene import BODY, TRACK, WHEEL, Actor, Scene, outline
-from .style import DASHES, DOTTED, INK, LIMIT, MUTED, Dash, house_style, verbatim
+from .style import DASHES, DOTTED, GRID, INK, LIMIT, MUTED, Dash, house_style, verbatim
 
 _DPI = 100
 _SIZE = (5.6, 6.2)
 """Width and height [inch]."""
-_STEP, _BEYOND = 0.055, 1.5
-"""Height of a gauge [of the picture], and how far it goes beyond its edges."""
+_GAUGES = (0.2, 0.03, 0.77, 0.1)
+_BEYOND = 1.5
+"""How far the gauges go beyond the limits."""
 Picture: TypeAlias = NDArray[np.uint8]
 """Rows, columns, colours."""
 
@@ -41,11 +43,10 @@ class _Stage:
         self._figure = Figure(figsize=_SIZE, dpi=_DPI)
         self._canvas = FigureCanvasAgg(self._figure)
         top = 0.935 if len(scene.actors) > 1 else 0.955
-        self._gauges = scene.gauges
-        low = 0.105 + _STEP * len(self._gauges)
-        plane = self._figure.add_axes((0.1, low, 0.87, top - low))
+        plane = self._figure.add_axes((0.1, 0.215, 0.87, top - 0.215))
         self._set_up_plane(plane)
-        self._bars = [self._bars_of(place) for place in range(len(self._gauges))]
+        gauges = self._figure.add_axes(_GAUGES)
+        self._bars = self._set_up_gauges(gauges)
         self._ghost = Polygon(_SQUARE, fill=False, ec=MUTED, ls="--", lw=1.0, animated=True)
         plane.add_patch(self._ghost)
         self._robots = [
@@ -55,9 +56,8 @@ class _Stage:
         self._clock = self._figure.text(0.97, 0.992, "", ha="right", va="top", size=10,
                                         animated=True)  # fmt: skip
         parts = [artist for robot in self._robots for artist in robot.artists]
-        ghost = [] if scene.target is None else [self._ghost]
         bars = [bar for each in self._bars for bar in each]
-        self._moving = [*ghost, *parts, self._clock, *bars]
+        self._moving = [self._ghost, *parts, self._clock, *bars]
         self._canvas.draw()
         self._background = self._canvas.copy_from_bbox(self._figure.bbox)
 
@@ -73,10 +73,9 @@ class _Stage:
         scene, left, right, low, high = self._scene, *self._scene.view
         axes.set(xlim=(left, right), ylim=(low, high), xlabel="x [m]", ylabel="y [m]")
         axes.set_aspect("equal", adjustable="box")
-        if scene.target is not None:
-            for one in scene.actors:
-                axes.fill(*scene.band(one), color=one.colour, alpha=FAINT, lw=0, zorder=1.4)
-            axes.plot(*scene.target[:, :2].T, color=MUTED, ls=DOTTED, lw=1.2)
+        for one in scene.actors:
+            axes.fill(*scene.band(one), color=one.colour, alpha=FAINT, lw=0, zorder=1.4)
+        axes.plot(*scene.target[:, :2].T, color=MUTED, ls=DOTTED, lw=1.2)
         scene.course.draw(axes)
         self._figure.text(0.1, 0.992, verbatim(scene.title), va="top", size=8.5, weight="bold")
         if len(scene.actors) > 1:
@@ -87,40 +86,32 @@ class _Stage:
             axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), ncols=7,
                         handlelength=2.6 if len(handles) < 5 else 1.5)  # fmt: skip
 
-    def _bars_of(self, place: int) -> list[Rectangle]:
-        """One bar per robot, from zero to a gauge's reading, with marked edges."""
-        gauge = self._gauges[place]
-        low = 0.03 + _STEP * (len(self._gauges) - 1 - place)
-        axes = self._figure.add_axes((0.2, low, 0.77, 0.035))
-        axes.set(xlim=(-_BEYOND, _BEYOND), ylim=(0, 1), yticks=(), xticks=())
+    def _set_up_gauges(self, axes: Axes) -> list[BarContainer]:
+        """Two bars for each robot, v1 above omega, in shares of the limits."""
+        v, omega = self._scene.scales
+        words = f"v₁, limit\n±{v:.4g} m/s", f"ω, limit\n±{omega:.4g} rad/s"
+        axes.set(xlim=(-_BEYOND, _BEYOND), ylim=(1.5, -0.5), xticks=())
+        axes.set_yticks((0, 1), words)
         axes.grid(visible=False)
         axes.spines[:].set_visible(False)
-        axes.axvspan(-1, 1, color="#eef1f4", lw=0)
-        axes.axvline(0, color=MUTED, lw=0.6)
-        for edge in (-1, 1):
-            axes.axvline(edge, color=LIMIT if self._scene.limited else MUTED, lw=1.4)
-        axes.set_ylabel(gauge.words, rotation=0, ha="right", va="center", size=7, labelpad=6)
-        actors = self._scene.actors
-        high = 0.7 / len(actors)
-        bars = [
-            Rectangle((0, 0.85 - high * (place + 1)), 0, high, color=one.colour, animated=True)
-            for place, one in enumerate(actors)
+        axes.axvspan(-1, 1, color=GRID)
+        axes.vlines((-1, 1), -0.5, 1.5, color=LIMIT)
+        high = 0.7 / len(self._scene.actors)
+        return [
+            axes.barh(np.arange(2) + high * place - 0.35, (0, 0), high, align="edge", animated=True)
+            for place in range(len(self._scene.actors))
         ]
-        for bar in bars:
-            axes.add_patch(bar)
-        return bars
 
     def _place(self, index: int) -> None:
         scene = self._scene
-        if scene.target is not None:
-            self._ghost.set_xy(outline(scene.target[index], *(scene.size * np.array(BODY))))
+        self._ghost.set_xy(outline(scene.target[index], *(scene.size * np.array(BODY))))
         self._clock.set_text(f"t = {scene.t[index]:.1f} s")
         for robot in self._robots:
             robot.place(index)
-        for gauge, bars in zip(self._gauges, self._bars, strict=True):
-            for bar, share, one in zip(bars, gauge.shares[index], scene.actors, strict=True):
-                bar.set_width(float(np.clip(share, -_BEYOND, _BEYOND)))
-                bar.set_color(LIMIT if scene.limited and abs(share) > 1 else one.colour)
+        for bars, one in zip(self._bars, scene.actors, strict=True):
+            for bar, share in zip(bars, one.velocity[index] / scene.scales, strict=True):
+                bar.set_width(share)
+                bar.set_color(LIMIT if abs(share) > 1 else one.colour)
 
 
 class _Robot:

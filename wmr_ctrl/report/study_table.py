@@ -5,14 +5,13 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from textwrap import shorten
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.simulation.campaign.study_store import counted_reasons, finished_study
+from wmr_ctrl.simulation.campaign.study_store import finished_study
 
 Floats = NDArray[np.float64]
 PlainPlan: TypeAlias = Mapping[str, Any]
@@ -20,8 +19,6 @@ PlainPlan: TypeAlias = Mapping[str, Any]
 PREFERRED = ("tracking_drive_rms", "position_rms", "ise_total")
 SMALL = 0.1
 """Lengths are drawn in mm where their median is below this [m]."""
-CAUSE = 160
-"""Characters of a guard's reason that a picture has room for."""
 
 
 @dataclass(frozen=True)
@@ -69,19 +66,12 @@ class StudyTable:
         return self.numbers["index"].astype(np.intp) // of_point
 
     def missing(self, mask: NDArray[np.bool_]) -> str:
-        """Reason and number of runs without the drawn figure; "" if all have one."""
+        """Number of runs without the drawn figure, and their outcomes; "" if all have one."""
         without = mask & ~np.isfinite(self.numbers[self.figure])
-        count, total = int(without.sum()), int(mask.sum())
-        if not count:
+        if not without.any():
             return ""
-        reasons = counted_reasons(self.refusal[without].tolist())
-        if not reasons:
-            listed = ", ".join(sorted(set(self.ended[without].tolist())))
-            return f"{count} of {total} runs have no value of {self.figure}: {listed}"
-        (reason, first), *others = reasons.items()
-        more = f", {count - first} for other reasons" if others or first < count else ""
-        cause = shorten(reason.removeprefix("guard: ").partition(", but ")[0], CAUSE)
-        return f"{count} of {total} runs have no value: the guard refused {first} ({cause}){more}"
+        listed = ", ".join(sorted(set(self.ended[without].tolist())))
+        return f"{without.sum()} of {mask.sum()} runs have no value of {self.figure}: {listed}"
 
 
 def _keys(plan: Mapping[str, Any]) -> list[str]:

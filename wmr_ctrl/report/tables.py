@@ -20,37 +20,23 @@ _KILO = {"m": "mm", "rad": "mrad"}
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table for readers: headings, and rows whose first cell is their name.
-
-    ``best``: for each row the indices of its best cells; empty for a row or a table without any.
-    """
+    """A table for readers: headings, and rows whose first cell is their name."""
 
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
-    best: tuple[frozenset[int], ...] = ()
 
 
 def table_by_law(
     rows: Mapping[str, T],
     laws: Sequence[str],
     cell: Callable[[T, str], str],
-    value: Callable[[T, str], float | None] | None = None,
     corner: str = "case",
 ) -> TextTable:
-    """One row per item of ``rows``, one column per law; the least ``value`` of a row is marked."""
+    """One row per item of ``rows``, one column per law."""
     return TextTable(
         (corner, *map(headed, laws)),
         tuple((name, *(cell(row, law) for law in laws)) for name, row in rows.items()),
-        tuple(least([value(row, law) for law in laws]) for row in rows.values()) if value else (),
     )
-
-
-def least(values: Sequence[float | None]) -> frozenset[int]:
-    """Indices, from 1, of the least value; empty if all are equal, or there is none."""
-    there = [value for value in values if value is not None]
-    if not there or (len(there) == len(values) and min(there) == max(there)):
-        return frozenset()
-    return frozenset(k + 1 for k, value in enumerate(values) if value == min(there))
 
 
 def headed(law: str) -> str:
@@ -69,14 +55,13 @@ def ranged(values: Spread, factor: float = 1.0, digits: int = 3) -> str:
 
 @dataclass(frozen=True)
 class _Line:
-    """A row of a scenario's table: figure, label, and whether less is better.
+    """A row of a scenario's table: figure and label.
 
     ``change``: only for scenarios with a change of the robot; ``short``: also in the short table.
     """
 
     figure: str
     label: str
-    better: bool = True
     change: bool = False
     short: bool = False
 
@@ -118,14 +103,9 @@ def scenario_table(campaign: Campaign, scenario: str, short: bool = False) -> Te
             return _broken(runs[law])
         return ranged(runs[law].spread(line.figure), line.factor)
 
-    def value(line: _Line, law: str) -> float | None:
-        given = runs[law].spread(line.figure)
-        middle = given.mean if line.figure == "violated" else given.median
-        return middle if line.better else None
-
     lines = [line for line in _LINES if (changes or not line.change) and (line.short or not short)]
     named = {line.name(run.settings): line for line in lines}
-    return table_by_law(named, table.laws, cell, value, "")
+    return table_by_law(named, table.laws, cell, "")
 
 
 def _broken(runs: RunTable) -> str:

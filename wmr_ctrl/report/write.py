@@ -11,7 +11,8 @@ from wmr_ctrl.core.paper import CITATION
 from wmr_ctrl.results import FIGURES, atomic_text, json_safe, make_folder
 from wmr_ctrl.results.files import write_csv
 from wmr_ctrl.results.table import STATISTICS, RunTable
-from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign, PhaseProgress, phase
+from wmr_ctrl.simulation.batch import Progress
+from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign
 from wmr_ctrl.simulation.campaign.paper_runs import REPORTED
 
 from .drawing import Drawing
@@ -74,7 +75,7 @@ class Verdicts:
 def write_reproduction(
     folder: str | os.PathLike[str],
     reproduction: Reproduction,
-    progress: PhaseProgress | None = None,
+    progress: Progress | None = None,
 ) -> Verdicts:
     """Write report.html, table.csv, runs.csv, claims.json and figures/ into ``folder``.
 
@@ -92,10 +93,10 @@ def write_reproduction(
     make_folder(figures)
     drawings = all_drawings(reproduction.campaign)
     pictures: list[Path] = []
-    with phase(progress, len(drawings), "Drawing the figures") as advance:
-        for drawing in drawings:
-            pictures += drawing.save(figures)
-            advance(1)
+    for count, drawing in enumerate(drawings, start=1):
+        pictures += drawing.save(figures)
+        if progress:
+            progress(count / len(drawings))
     write_table(home / "table.csv", table)
     write_runs(home / "runs.csv", table, (), REPORTED)
     write_claims(home / "claims.json", reproduction.judged, table)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -34,7 +34,7 @@ ROW = "std_msgs/msg/Float64MultiArray"
 ODOMETRY, JOINTS = "nav_msgs/msg/Odometry", "sensor_msgs/msg/JointState"
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 SECOND = 1_000_000_000
-SUFFIXES = (".mcap", ".db3")
+SUFFIXES = (".mcap", ".db3", ".bag")
 
 
 @cache
@@ -54,17 +54,30 @@ def is_bag(path: str | Path) -> bool:
 @contextmanager
 def _opened(path: Path) -> Iterator[Opened]:
     """Connections of a bag (folder or one of its files), and its messages in recorded order."""
+    ros1 = path.suffix.lower() == ".bag"
     if os.path.isdir(path):
         reader = library("rosbags.rosbag2", "logs").Reader(path)
+    elif ros1:
+        reader = library("rosbags.rosbag1", "logs").Reader(path)
     elif path.suffix.lower() == ".mcap":
         reader = library("rosbags.rosbag2.storage_mcap", "logs").McapReader(path)
     else:
         reader = library("rosbags.rosbag2.storage_sqlite3", "logs").Sqlite3Reader(path)
     reader.open()
     try:
-        yield list(reader.connections), reader.messages
+        yield list(reader.connections), _as_cdr(reader) if ros1 else reader.messages
     finally:
         reader.close()
+
+
+def _as_cdr(reader: Any) -> Messages:
+    """Messages of a ROS 1 bag, converted to ROS 2's serialisation."""
+
+    def messages(items: Sequence[Connection]) -> Iterator[tuple[Connection, int, bytes]]:
+        for item, received, raw in reader.messages(items):
+            yield item, received, bytes(message_types().ros1_to_cdr(raw, item.msgtype))
+
+    return messages
 
 
 @contextmanager
@@ -81,8 +94,8 @@ def opened_bag(path: str | Path) -> Iterator[Opened]:
         detail = " ".join(f"{type(error).__name__}: {error}".split())[:300]
         raise ResultFileError(
             f"{str(path)!r} cannot be read as a ROS bag ({detail}). Give the folder that was "
-            "recorded, with its metadata.yaml, or a .mcap or .db3 file of it; `ros2 bag reindex` "
-            "mends a recording that was cut off, `rosbags-convert` makes one of a ROS 1 bag."
+            "recorded, with its metadata.yaml, a .mcap or .db3 file of it, or a ROS 1 .bag; "
+            "`ros2 bag reindex` mends a recording that was cut off."
         ) from error
 
 

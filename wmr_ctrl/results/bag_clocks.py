@@ -20,6 +20,8 @@ LATE = 1.0
 """Messages at most so late [s] are put back in order; more is a clock that was set."""
 PARTS, BEND = 40, 0.02
 """Parts of a drive in which two clocks are compared, and how far they may be off a line [s]."""
+STEADY = 1e-3
+"""Difference of two clocks' rates that is reported."""
 
 
 class Topic(NamedTuple):
@@ -61,25 +63,52 @@ def clocks_of(parts: Mapping[str, Topic], remarks: list[str]) -> dict[str, Integ
 def _onto_stamps(topic: Topic, remarks: list[str]) -> Callable[[Integers], Integers] | None:
     """Map from the recorder's clock to the clock of ``topic``'s stamps; None if they are equal.
 
-    They differ by the median of the least delays in `PARTS` parts of the drive.  Raises
-    ResultFileError if these drift apart, as in a simulation that does not run in real time.
+    It is the straight line through the least delayed message in each of `PARTS` parts of the drive.
+    While the stamps do not advance, as in a paused simulation, the recorder's clock is stopped.
+    Raises ResultFileError if these messages are not on a line.
     """
-    late = (topic.receipt - topic.stamps) / SECOND
-    parts = np.array_split(late, max(min(PARTS, len(late) // 5), 2))
-    least = [part.min() for part in parts if part.size]
-    if np.ptp(least) > 2 * BEND:
-        raise ResultFileError(
-            f"{topic.name}: its stamps and the recorder's clock drift apart by {np.ptp(least):.3g} "
-            "s, and another topic has no stamps of that clock: their times cannot be compared. "
-            "Record stamped commands (TwistStamped), or let the simulation run in real time."
-        )
-    offset = float(np.median(least))
-    if abs(offset) <= APART:
+    order = np.argsort(topic.receipt, kind="stable")
+    r0, s0 = topic.receipt[order[0]], topic.stamps[order[0]]
+    r, s = (topic.receipt[order] - r0) / SECOND, (topic.stamps[order] - s0) / SECOND
+    if not s[-1] > 0:
         return None
-    remarks.append(
-        "stamps and the recorder are on two clocks: times of receipt are moved to the stamps'."
-    )
-    return lambda receipt: receipt - round(offset * SECOND)
+    running, stood = r, np.zeros_like(r)
+    for _ in range(2):
+        waited = np.diff(r) - running[-1] / s[-1] * np.diff(s)
+        stood = np.concatenate(([0.0], np.cumsum(np.where(waited > APART, waited, 0.0))))
+        running = r - stood
+    rate = running[-1] / s[-1]
+    parts = np.array_split(np.arange(len(r)), max(min(PARTS, len(r) // 5), 2))
+    for _ in range(3):
+        late = running - rate * s
+        least = np.array([part[np.argmin(late[part])] for part in parts if part.size])
+        rate += np.polyfit(s[least], late[least], 1)[0] if len(least) > 2 else 0.0
+    late = (running - rate * s)[least]
+    if np.abs(late - np.median(late)).max() > BEND:
+        ends = np.sort(np.diff(s[least]) / np.diff(r[least]))
+        raise ResultFileError(
+            f"{topic.name}: its stamps run at {ends[0]:.3g} to {ends[-1]:.3g} seconds in a second "
+            "of the recorder's clock, and another topic has no stamps of that clock: their times "
+            "cannot be compared. Record stamped commands (TwistStamped), or let the simulation run "
+            "at one rate."
+        )
+    offset = float(np.median(late))
+    apart = abs(float(r0 - s0) / SECOND + offset) > APART
+    if not (apart or stood[-1] > 0 or abs(rate - 1) * s[-1] > BEND):
+        return None
+    said = ["stamps and the recorder are on two clocks: times of receipt are moved to the stamps'"]
+    if abs(rate - 1) > STEADY:
+        said.append(f"that clock runs at {1 / rate:.4g} of the recorder's")
+    if stood[-1] > 0:
+        said.append(f"it stands still for {stood[-1]:.2g} s in all")
+    remarks.append(f"{'; '.join(said)}.")
+
+    def onto(receipt: Integers) -> Integers:
+        seconds = (receipt - r0) / SECOND
+        seconds = (seconds - np.interp(seconds, r, stood) - offset) / rate
+        return s0 + np.rint(seconds * SECOND).astype(np.int64)
+
+    return onto
 
 
 def _clock(topic: Topic, clock: Integers, stamped: bool, remarks: list[str]) -> Integers:

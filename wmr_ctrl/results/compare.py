@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from itertools import zip_longest
 from textwrap import fill
 from typing import Any, Literal, TypeAlias
 
@@ -199,8 +200,8 @@ def comparison_text(comparison: Comparison) -> str:
     ]
     equal = [column.name for column in comparison.columns if column.largest == 0]
     parts = (
-        _aligned(("differs", "first run", "second run"), facts),
-        _aligned(("column", "unit", "largest difference", "at t [s]", "of its range"), rows),
+        aligned(("differs", "first run", "second run"), facts),
+        aligned(("column", "unit", "largest difference", "at t [s]", "of its range"), rows),
         fill(f"No difference in {', '.join(equal)}.", _LINE) if equal else "",
         "\n".join(fill(note, _LINE) for note in comparison.notes),
         _closing(comparison),
@@ -226,11 +227,12 @@ def _short(value: str) -> str:
     return line if len(line) <= _WIDTH else f"{line[: _WIDTH - 3]}..."
 
 
-def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table with columns of one width; empty without rows."""
-    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table with columns of one width; empty without rows. A row may lack its last cells."""
+    columns = zip_longest(head, *rows, fillvalue="")
+    widths = [max(map(len, column)) for column in columns]
     lines = (
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)).rstrip()
         for row in (head, *rows)
     )
     return "\n".join(lines) if rows else ""

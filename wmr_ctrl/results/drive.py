@@ -66,7 +66,7 @@ class RecordedDrive:
     ``drive["v1_measured"]`` is a column and ``drive.times["v1_measured"]`` its times; ``missing``
     names the columns that it lacks. Theta is 0 along +Y; ``remarks`` are sentences on clocks, gaps
     and omitted data. A drive has no desired motion and no limits, so nothing is judged. ``save``,
-    ``plot``, ``animate``, ``summary()``, `wmr_ctrl.compare` and `wmr_ctrl.identify` use it. Raises
+    ``plot``, ``summary()``, `wmr_ctrl.compare` and `wmr_ctrl.identify` use it. Raises
     ArgumentError if columns and times do not match.
     """
 
@@ -157,14 +157,6 @@ class RecordedDrive:
         cannot be written.
         """
         return cast("Figure", late_bound("plot_drives")([self], path))
-
-    @checks_arguments
-    def animate(self, path: AnyPath) -> None:
-        """Film the robot on its path into a .gif or .html file.
-
-        Raises ArgumentError, with names, if poses or velocities are missing, ResultFileError.
-        """
-        late_bound("animate_drives")([self], path)
 
     @checks_arguments
     def save(self, path: AnyPath) -> None:

@@ -98,7 +98,7 @@ def mean_e1(run: Run, span: tuple[float, float]) -> float | None:
 def e_rms(run: Run, start: float, end: float) -> tuple[float, float, float] | None:
     """RMS over [start, end) of the tracking errors e1 [m], e2 [m], e3 [rad] of Eq. (8).
 
-    As in the paper, e3 counts whole turns; `heading_rms` leaves them out.
+    As in the paper, e3 counts whole turns.
     """
     rows = windows.window(run, start, end)
     if rows is None or rows.start == rows.stop:
@@ -111,15 +111,6 @@ def heading_error(run: Run) -> Floats:
     """e3 of Eq. (8) as the robot looks [rad], in (-pi, pi]: Eq. (8) itself counts whole turns."""
     e3: Floats = run["e"][:, 2]
     return np.where(np.abs(e3) > np.pi, np.arctan2(np.sin(e3), np.cos(e3)), e3)
-
-
-def heading_rms(run: Run, start: float, end: float) -> tuple[float, bool] | None:
-    """RMS of `heading_error` over [start, end) [rad]; whether Eq. (8) has whole turns there."""
-    rows = windows.window(run, start, end)
-    if rows is None or rows.start == rows.stop:
-        return None
-    turns = bool(np.any(np.abs(run["e"][rows, 2]) > np.pi))
-    return float(np.sqrt(np.mean(heading_error(run)[rows] ** 2))), turns
 
 
 def distances(run: Run, samples: windows.Span) -> dict[str, float | None]:

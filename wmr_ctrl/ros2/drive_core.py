@@ -14,6 +14,7 @@ from wmr_ctrl.control.filter.filter import STANDING
 from wmr_ctrl.control.filter.gate import Gated, GateSettings
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.errors import ScenarioError, WmrError
+from wmr_ctrl.core.fields.orientation import theta_of
 
 from .clocks import BACK, Clocks, Moment, longest_pause
 from .compiled_system import NONE, PAIR, Gate
@@ -207,9 +208,8 @@ class DriveCore:
         speed, turning = (max(abs(before[i]), abs(message[i])) for i in (6, 7))
         way = math.hypot(message[0] - before[0], message[1] - before[1])
         most, turned = self.settings.jump
-        (a, b, c, d), (x, y, z, w) = before[2:6], message[2:6]
-        norms = math.hypot(a, b, c, d) * math.hypot(x, y, z, w)
-        turn = 2 * math.acos(min(1.0, abs(a * x + b * y + c * z + d * w) / norms))
+        angles = [theta_of(item[2:6], math.atan2) for item in (before, message)]
+        turn = abs(math.remainder(angles[1] - angles[0], math.tau))
         return way > most + 2 * speed * passed or turn > turned + 2 * turning * passed
 
     def _place(self, stamp: int) -> tuple[int, float] | None:

@@ -14,7 +14,7 @@ from wmr_ctrl.world.scenario import Scenario
 from .batch import Progress
 from .gpu import processor
 from .interpreted import run_interpreted
-from .many import each_task, later, planned_tasks, run_each, tabulated
+from .many import PREPARING, each_task, part, planned_tasks, run_each, tabulated
 from .memory import Task
 from .physics.rigid import mujoco
 from .physics.run import rigid_table, run_rigid_each
@@ -85,7 +85,7 @@ def table_of(
         mujoco()
         tabulate = partial(rigid_table, build=build)
     tasks = planned_tasks(build, scenarios, seeds, starts, progress)
-    return tabulate(tasks, figures, jobs, later(progress))
+    return tabulate(tasks, figures, jobs, part(progress, PREPARING))
 
 
 def runnable_of(compiled: CompiledLoop, setup: Setup) -> RunnableLoop:

@@ -81,9 +81,9 @@ PREPARING = 0.1
 """Share of the progress shown while loops are compiled and filled with numbers."""
 
 
-def later(progress: Progress | None) -> Progress | None:
-    """Progress of the runs, after the part for preparing them."""
-    return progress and (lambda share: progress(PREPARING + (1.0 - PREPARING) * share))
+def part(progress: Progress | None, begin: float, end: float = 1.0) -> Progress | None:
+    """Progress of one part of a job, between two shares of the whole."""
+    return progress and (lambda share: progress(begin + (end - begin) * share))
 
 
 T = TypeVar("T")

@@ -56,7 +56,6 @@ T = TypeVar("T")
 ROUNDING = 1e-9
 """Share by which sums of times may miss each other."""
 PAIRS = ("dbar", "nbar", "mass", "lag", "age", "window", "command", "dropped")
-SENTENCES = ("hidden", "overshoots", "void")
 """Fields of a Bound that have a number for each axis, or a smallest and a largest."""
 
 
@@ -127,9 +126,6 @@ class Bound:
                 raise ValueError(f"{name} = {show(getattr(self, name))} must be a finite time.")
         if self.lag[0] > self.lag[1]:
             raise ValueError(f"lag = {self.lag!r} must be its smallest and its largest.")
-        for name in SENTENCES:
-            if not isinstance(getattr(self, name), str):
-                raise ValueError(f"{name} = {show(getattr(self, name))} must be a sentence.")
 
     @property
     def takeover(self) -> Pair:
@@ -194,24 +190,18 @@ class Effect:
     check: Callable[[Scenario], None] | None = None
 
     def __post_init__(self) -> None:
-        """Refuse an effect that would not be part of any loop."""
+        """Refuse a rate that no loop has for its role, and switches that are no fields."""
         late = (EffectRole.COMMAND, EffectRole.LOOP, EffectRole.DRIVE)
         rates = {EffectRole.SENSOR: (Rate.SAMPLE,), **dict.fromkeys(late, (Rate.STEP,))}
-        fields = isinstance(self.section, type) and issubclass(self.section, Section)
-        named = {name for name, _ in quantities(self.section)} if fields else set()
-        wrong = {
-            "name": not (isinstance(self.name, str) and self.name.strip()),
-            "role": not isinstance(self.role, EffectRole),
-            "section": not fields,
-            "rate": self.rate not in rates.get(self.role, tuple(Rate)),
-            "switches": fields and not named.issuperset(self.switches),
-        }
-        for field in (name for name, is_wrong in wrong.items() if is_wrong):
+        if self.rate not in rates.get(self.role, tuple(Rate)):
             raise ArgumentError(
-                f"the effect {show(self.name)} has {field} = {show(getattr(self, field))}: an "
-                "Effect has a name, an EffectRole, the class of its section and a Rate, which is "
-                "SAMPLE for a sensor and STEP for a drive; its switches are fields of the section."
+                f"the effect {self.title} has rate = {show(self.rate)}: it is SAMPLE for a sensor "
+                "and STEP for a drive, a command or a speed loop."
             )
+        fields = dict(quantities(self.section))
+        for name in self.switches:
+            if name not in fields:
+                raise ArgumentError(f"the effect {self.title}: switch {show(name)} is no field.")
 
     @property
     def title(self) -> str:

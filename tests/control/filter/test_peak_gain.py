@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from scipy.signal import lti, step
 
 from tests.control.filter.linear_base import pi_base, second_order_base
 from wmr_ctrl import command_filter, load_scenario
@@ -15,6 +16,8 @@ from wmr_ctrl.control.filter.peak_gain import (
     PiLoop,
     _gain_bound,
     _push_bound,
+    less_damped,
+    overshoot,
     peak_gains,
     second_order,
 )
@@ -107,6 +110,26 @@ def test_the_parameters_are_the_peak_gain_and_what_pushes_lead_to():
     peak = LOOP.peak(PUSH)
     assert found["filter.peak_gain"] == pytest.approx((peak.gain, peak.gain), rel=1e-5)
     assert found["filter.delta"] == pytest.approx((peak.push, 0.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("z", [0.2, 0.45, 0.8, 1.0, 1.6])
+@pytest.mark.slow_but("0.45", "1.0")
+def test_overshoot_is_that_of_a_step_and_its_price_that_of_less_damping(z):
+    def of(z):
+        stated = {"loop": "second-order", "damping": (z, 2.0), "frequency": (3.0, 4.0)}
+        return scenario(**stated, push=(0.0, 0.0))
+
+    share, _ = overshoot(of(z))
+    _, S = step(lti([1], [1, 2 * z, 1]), T=np.linspace(0, 40, 40001))
+    assert share == pytest.approx(max(S.max() - 1, 0), abs=1e-6)
+    less = z * less_damped(of(z), 0, 0.01)
+    assert overshoot(of(less))[0] == pytest.approx(share + 0.01, abs=1e-9)
+
+
+def test_overshoot_of_a_pi_loop_is_that_of_its_worst_corner():
+    share, _ = overshoot(scenario())
+    _, S = step(lti([135, 330], [65, 135, 330]), T=np.linspace(0, 20, 20001))
+    assert share == pytest.approx(S.max() - 1, abs=1e-6)
 
 
 @pytest.mark.parametrize(

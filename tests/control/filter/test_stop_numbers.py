@@ -9,6 +9,7 @@ from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter.stop_numbers import (
     costs,
     leaving,
+    rolls_back,
     smallest_window,
     stopping,
     time_inside,
@@ -111,8 +112,15 @@ def test_how_a_base_leaves():
     assert leaving(override(SCENARIO, {"filter.d": [0, 0], "filter.rest": None})) is None
 
 
+def test_what_a_push_rolls_back_during_a_stop():
+    assert rolls_back(SCENARIO) == pytest.approx(0.05 * (0.03 + 0.05 + 1.0))
+    assert rolls_back(override(SCENARIO, RAMPS)) == pytest.approx(0.05 * 1.08)
+
+
 def test_the_window_of_a_stop_is_the_way_of_a_push():
-    """d (delay + period + rest), and that of the hold besides."""
+    """d (delay + period + rest) and a release; a hold takes 19 commands, and an old distance."""
     turned, held = smallest_window(SCENARIO)
-    assert turned == pytest.approx(0.05 * (0.03 + 0.05 + 1.0))
-    assert held == pytest.approx(turned + 0.05 * leaving(SCENARIO).hold)
+    assert turned == pytest.approx(0.05 * (0.03 + 0.05 + 1.0) + leaving(SCENARIO).roll)
+    assert held == pytest.approx(turned + 0.05 * (19 * 0.05 + 0.2))
+    ramps = override(SCENARIO, {**RAMPS, "filter.leave": 0})
+    assert smallest_window(ramps)[0] == pytest.approx(0.05 * 1.08 + 0.05**2 / 4)

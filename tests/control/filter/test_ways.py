@@ -93,11 +93,9 @@ def test_a_lowered_limit_lets_pass_what_lands_on_it_after_the_least_time():
 
 def told_bound(still, most=(1.0, 1.0, 1.0)):
     """A bound of the speed with two commands that may act."""
-    plan = Schedule((0.0, 0.5))
+    told = {"most": list(map(ca.SX, most)), "still": list(map(ca.SX, still))}
     tau = ca.SX(0.15), ca.SX(0.3)
-    return ToldBound(
-        plan, bounds(), tau, ca.SX(0.1), list(map(ca.SX, most)), list(map(ca.SX, still))
-    )
+    return ToldBound(Schedule((0.0, 0.5)), bounds(), tau, ca.SX(0.1), punctual=ca.SX(1), **told)
 
 
 def test_a_brake_lifts_a_bound_below_zero_and_the_most_of_what_acts_cuts_it():

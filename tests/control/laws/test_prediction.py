@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from tests.checks.asking import closed
-from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.control.laws.prediction import ahead, slowed
@@ -37,10 +36,6 @@ def late(law, share, stated=None, **changed):
 def radius(scenario, law):
     matrix = closed(Loop(settle(scenario, law)), np.array((0.2, 0.1)), T)
     return float(np.abs(np.linalg.eigvals(matrix)).max())
-
-
-def run_of(scenario, law, **changed):
-    return simulate(scenario, law, seed=3, overrides=changed)
 
 
 def test_commands_that_a_law_predicts_with_are_remembered_where_drives_are_quicker():

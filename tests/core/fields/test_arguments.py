@@ -139,7 +139,7 @@ METHODS = [
 ] + [
     (RUN, method) for method in ("__getitem__", "signal", "save", "plot", "animate")
 ] + [
-    (DRIVE, method) for method in ("__getitem__", "save", "plot", "animate")
+    (DRIVE, method) for method in ("__getitem__", "save", "plot")
 ]  # fmt: skip
 
 

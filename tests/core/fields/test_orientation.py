@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
@@ -172,9 +173,11 @@ def test_starts_and_ends_of_many_runs_count_so_too():
     assert a["final_x"] == b["final_x"]
 
 
-def test_orientations_are_counted_from_x_in_a_file_alone():
+def test_a_notebook_shows_orientations_as_the_file_counts_them():
     yaw = paper_toml('frames = "rep103"\n[body]\nuphill = 0.25\n')
+    shown = re.findall(r">body.uphill</td><td[^>]*>([^<]*)</td>", yaw._repr_html_())
 
+    assert [float(text) for text in shown] == [pytest.approx(0.25)]
     assert yaw.body.uphill == pytest.approx(0.25 - math.pi / 2)
 
 

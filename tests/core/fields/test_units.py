@@ -2,7 +2,7 @@
 
 import pytest
 
-from wmr_ctrl.core.fields.units import is_usual, length, meant, plain, rounded, sized, written
+from wmr_ctrl.core.fields.units import is_usual, length, meant, plain, rounded, written
 
 
 def test_lengths_are_never_said_to_be_less_than_they_are_nor_what_is_free_more():
@@ -28,11 +28,3 @@ def test_a_size_is_usual_within_its_range_and_nothing_is_meant_then():
 )
 def test_numbers_are_plain_for_sizes_that_a_robot_may_have(value, text):
     assert plain(value) == text
-
-
-@pytest.mark.parametrize(
-    "value, text", [(0.1, "0.1 m"), (0.05, "50 mm"), (2e-6, "2 µm"), (0.0, "0 m")]
-)
-def test_short_lengths_are_in_thousandths(value, text):
-    assert sized(value, "m") == text
-    assert sized(0.05, "") == "0.05"

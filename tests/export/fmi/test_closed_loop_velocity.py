@@ -195,12 +195,6 @@ def test_maps_that_do_not_fit_the_base_are_refused(foreign, mapped, case, text, 
         cosimulate(case, LAW, plant=foreign("TheirBase", BASE), map_file=mapped(text))
 
 
-def test_a_map_of_torques_alone_gives_no_command(foreign, mapped):
-    text = '[controller]\nunits = "SI"\noutputs = { tau_right = "right", tau_left = "left" }\n'
-    with pytest.raises(ArgumentError, match="does not give omega_command, v_command"):
-        cosimulate(QUIET, controller=foreign("Pilot", PILOT), map_file=mapped(text))
-
-
 def test_the_plant_of_it_is_refused_by_name(tmp_path):
     with pytest.raises(ScenarioError, match=r"base\.kind"):
         export_fmu("plant", scenario=SCENARIO, fmi=3, out=tmp_path)

@@ -53,13 +53,6 @@ def test_closed_loop_fmu_is_the_native_loop_to_the_bit(exported, law, version):
     assert found["max_abs_v[1]"][-1] == run.monitor.max_abs_v[0]
 
 
-@pytest.mark.slow
-def test_sensors_and_actuators_of_the_master_are_those_of_the_loop():
-    late = {"actuator.lag": 0.02, "actuator.delay": 0.003, "actuator.tau_max": 8.0}
-    short = override(load_scenario("paper-experiment"), {"clock.duration": 3.0, **late})
-    assert_same(simulate(short, "nn", seed=2), cosimulate(short, "nn", seed=2), 1e-9)
-
-
 def test_change_inside_a_control_period():
     off = override(SHORT, {"changes": [{"t": 0.5034, "m": 80.0}]})
     assert_same(simulate(off, "mb", seed=2), cosimulate(off, "mb", seed=2), 1e-12)
@@ -124,14 +117,3 @@ def test_reference_is_that_of_the_time_that_was_reached(exported, version, step)
     wanted = sample(load_scenario("paper-simulation"), np.asarray(found["time"]))
     for k, signal in enumerate(REFERENCE):
         assert np.abs(found[signal.name] - wanted[:, k]).max() < 1e-12, signal.name
-
-
-def test_reference_follows_time_in_model_exchange(exported):
-    found = simulate_fmu(
-        str(exported("reference", 2)),
-        fmi_type="ModelExchange",
-        stop_time=2.0,
-        output_interval=0.1,
-        output=["x_d"],
-    )
-    assert np.abs(found["x_d"] - 2 * np.sin(0.1 * found["time"])).max() < 1e-12

@@ -79,8 +79,9 @@ def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(tm
     instance.free()
 
 
-def test_it_claims_no_derivatives(tmp_path):
+def test_its_plain_code_is_named_and_it_claims_no_derivatives(tmp_path):
     description = read_model_description(str(exported(scenario("clip"), 2, tmp_path)))
+    assert description.description.endswith("interface.xml")
     assert not description.coSimulation.providesDirectionalDerivative
 
 

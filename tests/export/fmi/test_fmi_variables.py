@@ -3,7 +3,6 @@
 After a change that is meant: `python -m tests.export.fmi.test_fmi_variables`.
 """
 
-import math
 import zipfile
 from dataclasses import replace
 from functools import cache
@@ -15,11 +14,9 @@ import pytest
 from lxml import etree
 
 from wmr_ctrl.core.fields.named_units import per_second, unit_of
-from wmr_ctrl.export.cosim.mapping import MapRow
 from wmr_ctrl.export.fmi.files import Sources, write_archive
 from wmr_ctrl.export.fmi.fmu_files import model_of
 from wmr_ctrl.export.fmi.model_description import Role, orders
-from wmr_ctrl.export.fmi.ssp import SAME_AS, _joined
 from wmr_ctrl.export.fmi.xml import _structure, _unknown, description
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -90,12 +87,6 @@ def test_the_plant_steps_inside_and_all_else_by_the_period(what, step):
     assert float(xml(what, 3).find("CoSimulation").get("fixedInternalStepSize")) == step
 
 
-def test_jitter_is_a_period_at_most():
-    jitter = next(v for v in model("closed-loop").variables if v.name == "actuator.jitter")
-
-    assert (jitter.low, jitter.start, jitter.high) == (0.0, 0.002, 0.01)
-
-
 def test_outputs_depend_on_what_moves_and_at_the_start_on_parameters_as_well():
     plant = model("plant")
     name_of = {str(i): v.name for i, v in enumerate(plant.variables)}
@@ -146,26 +137,6 @@ def test_initialisation_keeps_limits_apart_and_masses_in_order():
 
 
 @pytest.mark.parametrize(
-    "unit, factor",
-    [("mN", 1e-3), ("kN", 1e3), ("J", 1.0), ("W", 1.0), ("Hz", 1.0), ("deg", math.pi / 180),
-     ("rpm", math.pi / 30), ("g", 1e-3), ("mm", 1e-3), ("cm", 1e-2), ("km", 1e3), ("ms", 1e-3),
-     ("min", 60.0), ("h", 3600.0), ("km/h", 1 / 3.6), ("kg.cm2", 1e-4)],
-)  # fmt: skip
-def test_a_unit_is_so_many_of_the_base_units(unit, factor):
-    assert unit_of(unit).factor == pytest.approx(factor)
-
-
-@pytest.mark.parametrize(
-    "unit, same",
-    [("N", "kg.m/s2"), ("mN", "kg.m/s2"), ("kN", "N"), ("J", "N.m"), ("W", "J/s"), ("Hz", "1/s"),
-     ("rpm", "rad/s"), ("deg", "rad"), ("g", "kg"), ("mm", "m"), ("ms", "s"), ("h", "min"),
-     ("N.m.s/rad", "kg.m2/s/rad")],
-)  # fmt: skip
-def test_a_unit_measures_what_its_definition_does(unit, same):
-    assert unit_of(unit).exponents == unit_of(same).exponents
-
-
-@pytest.mark.parametrize(
     "unit, rate",
     [("m", "m/s"), ("m/s", "m/s2"), ("rad/s2", "rad/s3"), ("kg.m2/s", "kg.m2/s2"), ("N.m", "N.m/s"),
      ("N/m", "N/m/s"), ("1/s", "1/s2"), ("m/s/kg", "m/s/kg/s"), ("m/ms", "m/ms/s"), ("1", "1/s")],
@@ -183,13 +154,6 @@ def test_rate_of_a_state_without_unit_has_none():
     assert per_second("") == ""
 
 
-@pytest.mark.parametrize("name", ["rad", "rad/s"])
-def test_a_display_unit_is_so_many_of_its_unit(name):
-    shown, many = unit_of(name).display or ("", 0.0)
-
-    assert many * unit_of(shown).factor == pytest.approx(unit_of(name).factor)
-
-
 def test_an_archive_has_no_time_and_its_binaries_may_be_run(tmp_path):
     path = write_archive(tmp_path / "a.fmu", {"binaries/x.so": b"", "modelDescription.xml": b""})
     with zipfile.ZipFile(path) as archive:
@@ -199,24 +163,6 @@ def test_an_archive_has_no_time_and_its_binaries_may_be_run(tmp_path):
     assert found == {
         "binaries/x.so": (epoch, 0o755 << 16),
         "modelDescription.xml": (epoch, 0o644 << 16),
-    }
-
-
-def test_a_connection_converts_by_its_own_row_first_and_then_by_that_of_the_end():
-    """way = 2 theirs + 3, and the end is 5 way + 7."""
-    owner = {"way": ("plant", MapRow("way", (("theirs", 2.0),), 3.0))}
-    found = _joined(owner, "way", [("endConnector", "end")], 5.0, 7.0)
-
-    assert (found["factor"], found["offset"]) == (5 * 2.0, 5 * 3.0 + 7.0)
-    assert dict(found["ends"])["startConnector"] == "theirs"
-
-
-def test_torques_act_on_the_wheel_that_they_are_commanded_for():
-    assert SAME_AS == {
-        "tau_applied[1]": "tau_right",
-        "tau_applied[2]": "tau_left",
-        "torque_right": "tau_right",
-        "torque_left": "tau_left",
     }
 
 

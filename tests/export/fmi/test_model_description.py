@@ -1,6 +1,8 @@
 """What an FMU says of itself: schemas, validation, units, structure, content."""
 
 import math
+import posixpath
+import re
 import zipfile
 from pathlib import Path
 
@@ -12,7 +14,7 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from tests.export.fmi.cases import FMUS, OTHER_LAWS, SOME_FMUS
+from tests.export.fmi.cases import FMUS, SOME_FMUS
 from wmr_ctrl.control.controller import asking_controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import LARGEST, PLANT_STATE, TORQUE
@@ -118,48 +120,6 @@ def test_structure_of_laws_is_the_jacobians(exported, law):
     }
 
 
-def test_parameters_are_key_paths_and_tunable_where_they_change(exported):
-    variables = {
-        v.name: v for v in read_model_description(str(exported("plant", 2))).modelVariables
-    }
-    tunable = {name for name, v in variables.items() if v.variability == "tunable"}
-    assert tunable == {"robot.m", "robot.I", "robot.mu"}
-    assert variables["clock.plant"].variability == "fixed"
-    assert {variables[n].causality for n in ("x", "y", "theta", "v1", "omega", "psi")} == {"output"}
-    law = {v.name: v for v in read_model_description(str(exported("nn", 2))).modelVariables}
-    assert float(law["gains.nn.rho1[1]"].start) == 1350.0
-    assert law["clock.control"].variability == "fixed"
-
-
-@pytest.mark.parametrize(
-    "what, version", [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3), *OTHER_LAWS]
-)
-def test_every_controller_publishes_its_monitor_and_the_bound(exported, what, version):
-    """Unguarded as the preset is: distance to the limit, clip, least disturbance, feasibility."""
-    path = str(exported(what, version))
-    variables = {v.name: v for v in read_model_description(path).modelVariables}
-    published = (
-        "margin",
-        "clip_active[1]",
-        "clip_active[2]",
-        "d_least[1]",
-        "d_least[2]",
-        "feasible",
-    )
-    assert {variables[name].causality for name in published} == {"output"}
-    units = {"d_least": ("N", "N.m"), "guard.dbar": ("N", "N.m"), "guard.M_min": ("kg", "kg.m2")}
-    for name, pair in units.items():
-        assert tuple(variables[f"{name}[{i}]"].unit for i in (1, 2)) == pair
-    assert {variables[f"guard.dbar[{i}]"].causality for i in (1, 2)} == {"parameter"}
-    assert [float(variables[f"guard.dbar[{i}]"].start) for i in (1, 2)] == [60.0, 15.0]
-
-
-@pytest.mark.parametrize("what", ["plant", "reference"])
-def test_what_commands_nothing_publishes_no_monitor(exported, what):
-    names = {v.name for v in read_model_description(str(exported(what, 2))).modelVariables}
-    assert not {"margin", "clip_active[1]", "d_least[1]", "feasible"} & names
-
-
 @pytest.mark.slow
 def test_weights_are_arrays_in_fmi3_and_flat_where_asked(exported, tmp_path):
     arrays = {v.name: v for v in read_model_description(str(exported("nn", 3))).modelVariables}
@@ -202,6 +162,38 @@ def test_reference_result_is_reproduced(exported, what):
         output=names[1:],
     )
     assert np.array_equal(np.column_stack([found[n] for n in found.dtype.names]), wanted)
+
+
+@every_fmu
+def test_an_importer_can_check_itself_by_the_manifest(exported, what, version):
+    """FMI-LS-REF names a result and the start values it was made with; both are there and agree."""
+    path = exported(what, version)
+    place = "extra/org.fmi-standard.fmi-ls-ref/"
+    with zipfile.ZipFile(path) as archive:
+        manifest = etree.fromstring(archive.read(f"{place}fmi-ls-manifest.xml"))
+        named = {
+            item.get("role"): posixpath.normpath(place + item.get("source"))
+            for item in manifest.findall("Related")
+        }
+        assert set(named.values()) <= set(archive.namelist())
+        rows = archive.read(named["result"]).decode().splitlines()
+        starts = archive.read(named["parameter"]) if "parameter" in named else b"<none/>"
+    assert manifest.tag == "fmiReferences"
+    values = {
+        item.getparent().get("name"): float(item.get("value"))
+        for item in etree.fromstring(starts).iter("{*}Real")
+    }
+    assert bool(values) == (what == "plant")
+    names = [name.strip('"') for name in rows[0].split(",")]
+    found = simulate_fmu(
+        str(path), stop_time=0.1, step_size=0.01, output_interval=0.01, start_values=values,
+        output=names[1:], fmi_type="CoSimulation",
+    )  # fmt: skip
+    (told,) = (item.get("description") for item in manifest if item.get("role") == "result")
+    seconds, step = map(float, re.findall(r"([\d.]+) s of .* in steps of ([\d.]+) s", told)[0])
+    assert (float(rows[-1].split(",")[0]), float(rows[2].split(",")[0])) == (seconds, step)
+    for row, line in zip(found, rows[1:12], strict=True):
+        assert list(row) == [float(number) for number in line.split(",")]
 
 
 def test_export_depends_on_content_alone(tmp_path):

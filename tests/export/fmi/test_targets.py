@@ -19,7 +19,6 @@ from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import CompilerError, UnknownNameError
 from wmr_ctrl.export.fmi import targets
 from wmr_ctrl.export.fmi.fmu_files import export_fmu, joined
-from wmr_ctrl.export.fmi.targets import PartlyBuiltError
 
 WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)
 HEADERS = fmu_dir() / "fmi" / "headers"
@@ -152,7 +151,7 @@ def test_messages_of_the_windows_library_are_the_same(tmp_path):
 @linux
 @pytest.mark.slow
 def test_windows_own_c_library_is_all_that_its_library_needs(tmp_path):
-    """It is linked without a compiler's C library, and still exports what the others do."""
+    """It exports what the others do."""
     (path,) = export_fmu("closed-loop", fmi=2, target="x86_64-windows", out=tmp_path)
     with zipfile.ZipFile(path) as archive:
         library = archive.extract("binaries/win64/wmr_closed_loop.dll", tmp_path)
@@ -163,7 +162,7 @@ def test_windows_own_c_library_is_all_that_its_library_needs(tmp_path):
         pytest.skip("NOT RUN: this objdump reads no library for Windows")
     needed = re.findall(r"DLL Name: (\S+)", said)
     assert needed
-    assert [name for name in needed if not name.startswith("api-ms-win-crt-")] == []
+    assert {name for name in needed if not name.startswith("api-ms-win-crt-")} <= {"KERNEL32.dll"}
     exported = said.partition("[Ordinal/Name Pointer] Table")[2]
     found = set(re.findall(r"^\s*\[ *\d+\].*?(\w+)$", exported, flags=re.M))
     assert found == wanted_functions(2) | {"wmr_closed_loop_scenario_hash"}
@@ -227,17 +226,7 @@ def test_unknown_targets_list_the_known_ones(tmp_path):
         export_fmu("plant", fmi=1, out=tmp_path)
 
 
-def test_why_the_only_platform_was_not_built_is_told_as_it_is(monkeypatch):
-    def broken(target, sources, identifier):
-        raise CompilerError("zig found no memory. The command was `zig cc`.")
-
-    monkeypatch.setattr(targets, "compile_for", broken)
-    with pytest.raises(CompilerError, match=r"^zig found no memory\. The command was `zig cc`\.$"):
-        targets.build_for(targets.targets_of("host"), {}, "wmr_plant")
-
-
-def test_what_was_built_is_kept_where_another_platform_fails(tmp_path, monkeypatch):
-    """The file has the others; the message names what failed and why, and a target to name."""
+def test_nothing_is_written_where_a_platform_fails(tmp_path, monkeypatch):
     real = targets.compile_for
 
     def broken(target, sources, identifier):
@@ -246,19 +235,9 @@ def test_what_was_built_is_kept_where_another_platform_fails(tmp_path, monkeypat
         return real(target, sources, identifier)
 
     monkeypatch.setattr(targets, "compile_for", broken)
-    with pytest.raises(PartlyBuiltError, match="no memory") as told:
-        export_fmu("reference", target="all", fmi=2, out=tmp_path)
-    for target in targets.TARGETS:
-        assert target.name in str(told.value)
-    assert f"--target {targets.host()}" in str(told.value)
-    assert "The command was" not in str(told.value)
-    with zipfile.ZipFile(tmp_path / "wmr_reference.fmi2.fmu") as archive:
-        built = [name for name in archive.namelist() if name.startswith("binaries/")]
-    assert len(built) == 1
-    other = next(t.name for t in targets.TARGETS if t.name != targets.host())
     with pytest.raises(CompilerError, match="no memory"):
-        export_fmu("reference", target=other, fmi=2, out=tmp_path / "none")
-    assert not (tmp_path / "none").exists()
+        export_fmu("reference", target="all", fmi=2, out=tmp_path)
+    assert not list(tmp_path.iterdir())
 
 
 def test_universal_libraries_hold_each_slice_on_a_page():

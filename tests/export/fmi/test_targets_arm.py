@@ -111,5 +111,9 @@ def test_an_fmu_that_fmpy_cannot_run_lacks_a_reference_result_alone(
     assert (tmp_path / path).is_file()
     with zipfile.ZipFile(path) as bare, zipfile.ZipFile(complete) as whole:
         missing = set(whole.namelist()) - set(bare.namelist())
-        assert missing == {"extra/org.wmr-ctrl/reference.csv"}
+        assert missing == {
+            "extra/org.wmr-ctrl/reference.csv",
+            "extra/org.wmr-ctrl/reference.ssv",
+            "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml",
+        }
         assert all(bare.read(name) == whole.read(name) for name in bare.namelist())

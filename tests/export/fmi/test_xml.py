@@ -1,29 +1,10 @@
 """Model descriptions as XML."""
 
-import xml.etree.ElementTree as ET
-
-import pytest
-
 from tests.papers_robot import paper
 from wmr_ctrl.export.fmi.blocks import plant_model
-from wmr_ctrl.export.fmi.files import sources_of
-from wmr_ctrl.export.fmi.xml import description, documentation
+from wmr_ctrl.export.fmi.xml import documentation
 
 MODEL = plant_model(paper())
-
-
-@pytest.mark.parametrize("version", [2, 3])
-def test_every_variable_stands_in_it_once_and_outputs_in_its_structure(version):
-    text = description(MODEL, sources_of(MODEL, version), version, "toy tool")
-    root = ET.fromstring(text)
-    named = [item.get("name") for item in root.find("ModelVariables")]
-    outputs = [item for item in MODEL.variables if item.output]
-
-    assert sorted(named) == sorted(item.name for item in MODEL.variables)
-    assert root.get("generationTool") == "toy tool"
-    structure = root.find("ModelStructure")
-    found = structure.findall("Output") if version == 3 else list(structure.find("Outputs"))
-    assert len(found) == len(outputs)
 
 
 def test_the_page_of_a_model_has_its_title():

@@ -159,25 +159,6 @@ def test_a_block_around_an_fmu_is_a_diagram(text, part):
             assert np.allclose(place, point)
 
 
-def test_every_class_that_is_drawn_has_an_icon(text):
-    drawn = re.findall(r"^ *(?:partial )?(block|package) (\w+) ", text, flags=re.M)
-    assert ("package", "WheeledRobot") in drawn
-    for kind, name in drawn:
-        body = classes(text, kind, name)
-        inherits = re.search(r"extends Interfaces\.\w+", body)
-        assert "Icon(graphics={" in body or inherits, name
-    for name in ("RealInput", "RealOutput"):
-        assert re.search(rf"connector {name} = [^;]*?annotation\(Icon\(graphics=", text)
-
-
-def test_classes_are_capitalised(text):
-    names = re.findall(r"^ *(?:partial )?(?:block|package|model|connector) (\w+)", text, flags=re.M)
-    assert len(names) > 20
-    assert all(name[0].isupper() for name in names)
-    for law in LAWS:
-        assert f"extends Loop(redeclare Laws.{law.capitalize()} controller);" in text
-
-
 def test_ports_are_spread_over_an_edge_and_wires_join_equal_names():
     assert [place.x for place in edge(["a", "b", "c"], -100, 90).values()][1] == 0
     parts = places_of_parts(["d"], ["d", "v"], ["tau"], ["tau", "push"], ["v"])

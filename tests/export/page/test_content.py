@@ -2,10 +2,8 @@
 
 import pytest
 
-from tests.papers_robot import paper
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.export.page.content import content_of
-from wmr_ctrl.export.page.controls import controls_of
 from wmr_ctrl.export.page.scenes import WAYS, scenes
 from wmr_ctrl.report.style import after_dark, look
 from wmr_ctrl.world.scenario import load_scenario, override
@@ -59,32 +57,6 @@ def test_the_robot_is_drawn_as_wide_as_it_is(content):
     assert (body["track"], content.mass, content.data["seed"]) == (0.5, 50.0, 3)
     assert body["size"] == pytest.approx([1.6, 1.0])
     assert content.data["names"]["robot.I"][0] == "kg m²"
-
-
-def test_a_slider_spans_a_fifth_to_five_times_its_value_within_its_bounds():
-    scenario = override(paper(), {"guard.brake_share": 0.5, "robot.m": 40.0})
-    keys = ("robot.m", "robot.I", "robot.g", "limits.v_u1", "limits.v_u2", "guard.brake_share",
-            "guard.f_min", "disturbance.push", "gains.mb.rho", "sensor.pose_period")  # fmt: skip
-    signals, values = [], {}
-    for key in keys[:-2]:
-        signal, numbers = scenario.number(key)
-        signals.append(signal)
-        values |= dict(zip(signal.elements, numbers, strict=True))
-
-    found = {item.name: item for item in controls_of(scenario, signals, values)}
-
-    assert list(found) == [
-        "limits.v_u1[1]", "limits.v_u1[2]", "robot.m", "robot.I", "disturbance.push[1]",
-        "disturbance.push[2]", "guard.brake_share", "guard.f_min[1]", "guard.f_min[2]",
-    ]  # fmt: skip
-    assert found["robot.m"].span == (10.0, 150.0)
-    assert found["robot.I"].span == pytest.approx((5.4 / 5, 5.4 * 5))
-    assert found["guard.brake_share"].span == (pytest.approx(0.1), 1.0)
-    assert found["limits.v_u1[2]"].along == ["limits.v_u2[2]"]
-    assert found["limits.v_u1[2]"].meaning.endswith("(angular)")
-    assert {name for name, item in found.items() if item.log} == {
-        "limits.v_u1[1]", "limits.v_u1[2]", "robot.m", "robot.I", "guard.brake_share",
-    }  # fmt: skip
 
 
 COLOURS = [*(look(law).colour for law in NAMES), *(row["colour"] for row in WAYS.values())]

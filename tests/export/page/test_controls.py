@@ -3,28 +3,31 @@
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.export.page.controls import ALONG, controls_of
+from wmr_ctrl.export.page.controls import controls_of
+from wmr_ctrl.world.scenario import override
 
 
-def controls(*names, value=2.0):
-    signals = [Signal(name, "kg", "toy", 2 if "v_u" in name else 1) for name in names]
-    values = {element: value for item in signals for element in item.elements}
-    return controls_of(paper(), signals, values)
+def test_a_slider_spans_a_fifth_to_five_times_its_value_within_its_bounds():
+    scenario = override(paper(), {"guard.brake_share": 0.5, "robot.m": 40.0})
+    keys = ("robot.m", "robot.I", "robot.g", "limits.v_u1", "limits.v_u2", "guard.brake_share",
+            "guard.f_min", "disturbance.push", "gains.mb.rho", "sensor.pose_period")  # fmt: skip
+    signals, values = [], {}
+    for key in keys[:-2]:
+        signal, numbers = scenario.number(key)
+        signals.append(signal)
+        values |= dict(zip(signal.elements, numbers, strict=True))
 
+    found = {item.name: item for item in controls_of(scenario, signals, values)}
 
-def test_a_slider_goes_from_a_fifth_to_five_times_its_value():
-    (mass,) = controls("robot.m", value=50.0)
-
-    if mass.span == pytest.approx((10.0, 250.0)):
-        assert mass.log
-    assert mass.bounds[0] > 0
-    assert mass.span[0] < 50.0 < mass.span[1]
-
-
-def test_what_a_variant_decides_is_hidden_and_what_moves_along_has_no_slider():
-    assert controls("clock.control", "robot.g") == []
-    found = controls("limits.v_u1", "limits.v_u2")
-    assert [item.name for item in found] == ["limits.v_u1[1]", "limits.v_u1[2]"]
-    assert found[0].along == ALONG["limits.v_u1[1]"]
-    assert found[0].meaning.endswith("(linear)")
+    assert list(found) == [
+        "limits.v_u1[1]", "limits.v_u1[2]", "robot.m", "robot.I", "disturbance.push[1]",
+        "disturbance.push[2]", "guard.brake_share", "guard.f_min[1]", "guard.f_min[2]",
+    ]  # fmt: skip
+    assert found["robot.m"].span == (10.0, 150.0)
+    assert found["robot.I"].span == pytest.approx((5.4 / 5, 5.4 * 5))
+    assert found["guard.brake_share"].span == (pytest.approx(0.1), 1.0)
+    assert found["limits.v_u1[2]"].along == ["limits.v_u2[2]"]
+    assert found["limits.v_u1[2]"].meaning.endswith("(angular)")
+    assert {name for name, item in found.items() if item.log} == {
+        "limits.v_u1[1]", "limits.v_u1[2]", "robot.m", "robot.I", "guard.brake_share",
+    }  # fmt: skip

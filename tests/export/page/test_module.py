@@ -48,7 +48,6 @@ def of_run(run):
 
 def assert_same_bits(shown, run):
     wanted = of_run(run)
-    assert not isinstance(shown, str), shown
     assert list(shown) == list(wanted)
     for name, column in wanted.items():
         assert np.array_equal(shown[name].view("<u8"), column.copy().view("<u8")), name
@@ -84,7 +83,6 @@ def test_variants_and_numbers_are_those_of_a_scenario(page, tmp_path, law):
         derived = {"clock.duration": 80.0, **variant, **numbers, **steady}
         seed = derived.pop("seed")
         run = wmr_ctrl.simulate("paper-simulation", law, seed=int(str(seed)), overrides=derived)
-        assert not isinstance(columns, str), columns
         wanted = {name: column[: len(columns["t"])] for name, column in of_run(run).items()}
         different = [
             name for name in wanted
@@ -110,7 +108,6 @@ def test_refuses_what_it_has_no_loop_for(page, laws, tmp_path):
         (", ".join(laws[:3]), "robot.m", "0.02 s", "barrier", "seconds", "number"),
         strict=True,
     ):
-        assert isinstance(text, str)
         assert part in text
 
 
@@ -135,7 +132,6 @@ def test_refuses_what_the_fields_of_a_scenario_refuse(page, tmp_path):
     said = from_page(page, tmp_path, [("mb", 1.0, given) for given, _ in REFUSED])
 
     for text, (given, wanted) in zip(said, REFUSED, strict=True):
-        assert isinstance(text, str), given
         assert wanted in text, (given, text)
         assert "." in text.removeprefix(wanted)
 
@@ -146,9 +142,6 @@ def test_a_reference_is_moved_by_the_scenario_s_key(page, tmp_path):
         page, tmp_path, [("mb", 1.0, {key: 1.5}) for key in ("reference.radius", "ref_radius")]
         + [("mb", 1.0, {})],
     )  # fmt: skip
-    assert not isinstance(by_key, str)
-    assert not isinstance(by_name, str)
-    assert not isinstance(own, str)
     assert np.array_equal(by_key["x"], by_name["x"])
     assert not np.array_equal(by_key["x"], own["x"])
 

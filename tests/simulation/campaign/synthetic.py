@@ -9,28 +9,6 @@ from tests.results.conftest import build
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results import Monitor
 
-
-class Watch:
-    """Progress that remembers how many steps each phase had, and how many of them are left."""
-
-    def __init__(self):
-        self.texts = []
-        self.totals = []
-        self.left = []
-        self.ended = 0
-
-    def start(self, total, text):
-        self.texts.append(text)
-        self.totals.append(total)
-        self.left.append(total)
-
-    def advance(self, count=1):
-        self.left[-1] -= count
-
-    def done(self):
-        self.ended += 1
-
-
 W_NORM = Signal("W_norm", "1", "norm of the weights", 2)
 PACE = {"pid": 0.1, "smc": 0.3, "mb": 0.05, "nn": 0.2}
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.simulation.campaign.synthetic import Watch, made_up, simulate
+from tests.simulation.campaign.synthetic import made_up, simulate
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.simulation.campaign.engine import run_campaign
 from wmr_ctrl.simulation.campaign.paper_runs import paper_plan
@@ -40,16 +40,6 @@ def test_a_study_that_changes_fields_has_its_own_name_and_rows():
     ]
 
 
-@pytest.mark.usefixtures("fake")
-def test_only_the_first_seed_of_a_case_is_kept_whole():
-    runs = run_campaign(PLAN).runs
-
-    assert {case: run.seed for case, run in runs.items()} == {
-        ("paper-simulation", "mb"): 3,
-        ("paper-simulation", "nn"): 3,
-    }
-
-
 def test_every_case_is_compiled_once_before_the_first_run():
     calls = []
 
@@ -63,19 +53,9 @@ def test_every_case_is_compiled_once_before_the_first_run():
     assert calls == [("paper-simulation", "mb"), ("paper-simulation", "nn"), *["run"] * 6]
 
 
-@pytest.mark.usefixtures("fake")
-def test_progress_counts_every_step_of_every_phase():
-    watch = Watch()
-    run_campaign(PLAN, progress=watch)
-
-    assert watch.totals == [2, 6]
-    assert watch.left == [0, 0]
-    assert watch.ended == 2
-
-
 @pytest.mark.parametrize("error", [RuntimeError("no"), KeyboardInterrupt()])
-def test_a_failure_ends_the_campaign_and_its_progress(error):
-    begun, watch = [], Watch()
+def test_a_failure_ends_the_campaign(error):
+    begun = []
 
     def failing(scenario, law, seed):
         begun.append(seed)
@@ -84,9 +64,8 @@ def test_a_failure_ends_the_campaign_and_its_progress(error):
         return simulate(scenario, law, seed)
 
     with made_up(failing), pytest.raises(type(error)):
-        run_campaign(paper_plan(seeds=20), progress=watch)
+        run_campaign(paper_plan(seeds=20))
     assert len(begun) == 2
-    assert watch.ended == 2
 
 
 @pytest.mark.usefixtures("fake")

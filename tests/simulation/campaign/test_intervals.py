@@ -64,13 +64,6 @@ def test_a_rule_that_stops_early_still_covers_as_often_as_it_says():
     assert missed <= 0.05 * 200
 
 
-def test_a_missing_value_never_stops_a_study():
-    rule = StopRule(figure="ise_total", half_width=1e9)
-
-    assert rule.reached(np.ones(50), 3, 0)
-    assert not rule.reached(np.array([1.0, np.nan]), 3, 0)
-
-
 @pytest.mark.parametrize("wrong", [{"half_width": 0}, {"confidence": 1.0}, {"first": 1}])
 def test_a_rule_without_sense_is_refused(wrong):
     with pytest.raises(ScenarioError, match=r"stop\."):

@@ -56,12 +56,6 @@ def test_studies_take_all_seeds_or_as_many_as_they_need(seeds):
         assert taken == set(range(min(seeds, study.seeds)))
 
 
-def test_runs_without_noise_are_made_once():
-    plan = paper_plan(["mb"], seeds=20)
-
-    assert sum(task.case.name == "paper-simulation-nominal" for task in plan) == 1
-
-
 @pytest.mark.parametrize("wrong", [{"seeds": 0}, {"first_seed": -1}, {"laws": ["mb", "mb"]}])
 def test_impossible_plans_are_refused(wrong):
     with pytest.raises(ArgumentError):

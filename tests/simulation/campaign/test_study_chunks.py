@@ -12,7 +12,7 @@ import pytest
 
 import wmr_ctrl
 from tests.simulation.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.simulation.campaign.engine import PlannedCase
 from wmr_ctrl.simulation.campaign.study_chunks import StudyChunk
 from wmr_ctrl.simulation.campaign.study_plan import plan_of
@@ -78,12 +78,3 @@ def test_who_interrupts_a_local_cluster_sees_no_traceback(tmp_path):
     assert process.returncode == 130, told
     assert "the same command goes on from there" in told
     assert "Traceback" not in told
-
-
-@pytest.mark.slow
-def test_a_scheduler_that_does_not_answer_is_named(tmp_path, monkeypatch):
-    pytest.importorskip("distributed")
-    monkeypatch.setattr("wmr_ctrl.simulation.campaign.study_chunks.PATIENCE", 0.5)
-
-    with pytest.raises(ArgumentError, match=r"dask://127\.0\.0\.1:9.*does not answer"):
-        wmr_ctrl.study(REAL, tmp_path, executor="dask://127.0.0.1:9")

@@ -122,17 +122,3 @@ def test_a_bad_key_is_told_with_the_file_that_has_it(tmp_path, text, named):
         load_plan(tmp_path / "plan.toml")
 
     assert str(refused.value).endswith(f"(In {tmp_path / named}.toml.)")
-
-
-def test_the_guard_that_is_set_for_all_runs_is_what_they_have():
-    plan = plan_of({"scenario": "safe-simulation", "set": {"guard": {"enabled": False}}})
-
-    assert [plan.case(cell).guard for cell in range(plan.cells)] == [False]
-
-
-def test_a_file_may_nest_or_quote_its_keys(tmp_path):
-    quoted, nested = tmp_path / "a.toml", tmp_path / "b.toml"
-    quoted.write_text('seeds = 2\n[grid]\n"robot.m" = [40, 50]\n')
-    nested.write_text("seeds = 2\n[grid.robot]\nm = [40, 50]\n")
-
-    assert load_plan(quoted).identity == load_plan(nested).identity

@@ -5,11 +5,10 @@ import pytest
 from tests.simulation.physics.test_rigid import scenario
 from wmr_ctrl import simulate
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.simulation.physics.rigid import RigidBody, loads
-from wmr_ctrl.theory.checks import first_torques, grip_warnings, reference_torque
+from wmr_ctrl.simulation.physics.rigid import RigidBody
+from wmr_ctrl.theory.checks import first_torques, grip_warnings
 from wmr_ctrl.world.grip import grip
-from wmr_ctrl.world.phases import phases
-from wmr_ctrl.world.scenario import load_scenario, override, preset_names
+from wmr_ctrl.world.scenario import load_scenario, override
 
 ROBOTS = (
     {},
@@ -92,25 +91,7 @@ def test_first_torques_are_those_of_the_run():
         assert first_torques(settle(case, law)) == pytest.approx(logged, rel=1e-9)
 
 
-def test_torque_on_the_reference():
-    """On the circle it is that of the friction, 0.15 x 65 kg x g after the change."""
-    expected = 0.15 * 65.0 * 9.81 * 0.1 / 2
-    assert reference_torque(load_scenario("paper-simulation")) == pytest.approx(expected)
-
-
-def test_without_grip_in_the_turn_nothing_is_kept():
-    seen = grip(scenario(body__tyre=0.1, limits__v_u1=[2.0, 2.0], limits__v_u2=[1.0, 1.0]))
-    assert seen.keep == 0.0
-
-
 @pytest.mark.parametrize("wheel, named", [(0.5, ["body.wheel_mass"]), (0.49, [])])
 def test_wheels_as_heavy_as_the_robot_are_named(wheel, named):
     setup = settle(load_scenario("turtlebot3-burger", {"body.wheel_mass": wheel}), "prox")
     assert [item.key for item in grip_warnings(setup)] == named
-
-
-def test_robots_of_presets_have_wheels_that_are_a_part_of_them():
-    for name in preset_names():
-        case = load_scenario(name)
-        for item in phases(case):
-            assert loads(case, item.robot).mass > 0, name

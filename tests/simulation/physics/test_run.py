@@ -5,19 +5,14 @@ import importlib
 import numpy as np
 import pytest
 
-from tests.equal_runs import runs_equal
-from wmr_ctrl import simulate, simulate_runs
+from wmr_ctrl import simulate
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, UnknownNameError
 from wmr_ctrl.core.signals import PLANT_STATE, RIGID
-from wmr_ctrl.results import load_run, outcome_of, summary
-from wmr_ctrl.results.formats import save_run
+from wmr_ctrl.results import outcome_of
 from wmr_ctrl.simulation.coupled import Coupled
 from wmr_ctrl.simulation.engines import runnable
-from wmr_ctrl.simulation.memory import Task
 from wmr_ctrl.simulation.physics.run import figures_from_run, rigid_row, run_to_end
 from wmr_ctrl.world.scenario import load_scenario
-
-physics_run = importlib.import_module("wmr_ctrl.simulation.physics.run")
 
 SHORT = {"clock.duration": 4.0, "actuator.tau_max": 10.0}
 
@@ -69,25 +64,6 @@ def test_below_traction_it_is_the_plane_model(law):
     assert seen.least_tip_margin > 0.5
 
 
-@pytest.mark.slow
-def test_without_a_torque_limit_the_paper_s_law_spins_and_falls(tmp_path):
-    run = simulate("paper-simulation", "nn", plant="mujoco")
-    seen = run.monitor.rigid
-    assert run.outcome == "tipped"
-    assert seen.slipped < 0.05 < seen.tipped < 6.0
-    assert run.rows == pytest.approx(seen.tipped / 0.01, abs=1)
-    assert {"tipped", "slipped"} <= {item.key for item in run.remarks}
-    figures = summary(run)
-    assert figures["plant"] == "mujoco"
-    assert figures["rigid"]["tipped"] == seen.tipped
-    assert f"{seen.tipped:.6g}" in run.explanation
-    for suffix in (".npz", ".csv"):
-        save_run(run, tmp_path / f"run{suffix}")
-        again = load_run(tmp_path / f"run{suffix}")
-        assert runs_equal(again, run)
-        assert again.monitor == run.monitor
-
-
 def test_the_log_tells_wheels_slip_and_tilt():
     run = simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT)
     assert run.signals[-len(RIGID) :] == RIGID
@@ -117,17 +93,6 @@ def test_slip_and_fall_are_outcomes_in_their_order():
     assert run.outcome in ("slipped", "limit-violated")
 
 
-@pytest.mark.slow
-def test_many_runs_have_the_bits_of_single_ones():
-    seeds = range(3)
-    alone = [simulate("paper-simulation", "mb", seed=k, plant="mujoco", overrides=SHORT)
-             for k in seeds]  # fmt: skip
-    for jobs in (1, 2):
-        many = simulate_runs("paper-simulation", "mb", seeds, plant="mujoco", jobs=jobs,
-                             overrides=SHORT)  # fmt: skip
-        assert all(map(runs_equal, many, alone))
-
-
 def test_what_it_cannot_be_asked():
     with pytest.raises(UnknownNameError, match="mujoco"):
         simulate("paper-simulation", "mb", plant="bullet")
@@ -144,16 +109,6 @@ def test_without_the_package_one_sentence_tells_what_to_install(monkeypatch):
     monkeypatch.setattr("wmr_ctrl.simulation.physics.rigid.import_module", absent)
     with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
         simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT)
-
-
-def test_rows_of_a_table_have_the_seeds_of_their_tasks(monkeypatch):
-    """Made once for all figures, in the order that was asked for."""
-    made = []
-    monkeypatch.setattr(physics_run, "make_each", lambda _, pairs, *__: made.extend(pairs) or [])
-    monkeypatch.setattr(physics_run, "table_of_rows", list)
-    physics_run.rigid_table([Task("one", 5), Task("other", 7), Task("one", 2)])
-
-    assert made == [("one", 5), ("other", 7), ("one", 2)]
 
 
 def test_a_row_of_a_table_is_that_of_the_whole_run():

@@ -1,6 +1,5 @@
 """Many runs on the rigid body: one table, whoever makes it and however many at a time."""
 
-import csv
 import os
 import sys
 
@@ -79,33 +78,10 @@ def died(loop, seed):
     os._exit(3)
 
 
-def doubled(loop, seed):
-    return 2 * seed
-
-
-@pytest.mark.slow
-def test_processes_give_results_in_the_order_of_the_runs():
-    seeds = [5, 3, 8, 1]
-
-    assert make_each(doubled, [(None, seed) for seed in seeds], 2) == [10, 6, 16, 2]
-
-
 @pytest.mark.slow
 def test_a_process_that_ends_is_told():
     with pytest.raises(WmrError, match="ended before its result"):
         make_each(died, [(None, 0), (None, 1)], 2)
-
-
-@pytest.mark.slow
-def test_a_study_on_the_rigid_body(tmp_path):
-    done = wmr_ctrl.study(PLAN, tmp_path / "s", jobs=1)
-    rows = list(csv.DictReader(done.table.read_text().splitlines()))
-    assert [row["outcome"] for row in rows[:2]] == ["completed"] * 2
-    assert [row["slipped"] for row in rows[:2]] == ["", ""]
-    assert all(float(row["slipped"]) < 0.1 for row in rows[2:])
-    run = simulate("paper-simulation", "mb", seed=1, overrides=BRIEF, plant="mujoco")
-    assert float(rows[1]["position_rms"]) == summary(run)["position_rms"]["all"]
-    assert '"mujoco": "' in (tmp_path / "s" / "study.json").read_text()
 
 
 def test_plants_that_are_not_there_are_named():

@@ -82,15 +82,6 @@ def test_the_test_tells_medians_and_greatest_speeds_of_each_reference_and_robot(
         assert table[name].tolist() == ((place + 1.0) * of).tolist()
 
 
-def test_gains_that_are_no_better_leave_those_of_the_scenario(guarded, runs, tmp_path):
-    """Every later run costs more."""
-    told = {"seeds": [1], "test_seeds": [2], "trials": 2}
-    found = tune(guarded, "mb", tmp_path / "a.toml", **told)
-
-    assert found.gains["gains.mb.rho"] == (60.0, 20.0)
-    assert found.objective[0] == found.objective[1]
-
-
 def test_what_was_found_is_told_in_order(guarded, monkeypatch, tmp_path):
     """Of runs that cost less from call to call, with a corridor as wide as the gain is large."""
     calls = count()

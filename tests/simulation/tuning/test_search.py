@@ -40,10 +40,6 @@ def test_a_plan_takes_one_trial_and_no_weight_and_nothing_less(scenario, wrong):
         TuningPlan(scenario=scenario, law="mb", **(least | wrong))
 
 
-def test_a_cost_is_told_in_millimetres():
-    assert Cost(False, 0, 0.01234).sentence == "12.34 mm"
-
-
 def test_what_runs_without_rounded_gains_would_be_worse_is_not_taken(
     scenario, monkeypatch, tmp_path
 ):

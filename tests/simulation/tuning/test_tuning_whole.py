@@ -1,6 +1,5 @@
 """Gains found by search: better on training."""
 
-import json
 import sys
 from itertools import pairwise
 
@@ -9,12 +8,8 @@ from click.testing import CliRunner
 
 import wmr_ctrl
 from wmr_ctrl.cli import root
-from wmr_ctrl.control.laws import LAWS
-from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, UnknownNameError
-from wmr_ctrl.simulation.tuning import tunable
 from wmr_ctrl.simulation.tuning.search import Cost, Search
-from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.scenario import load_scenario
 
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
@@ -30,37 +25,6 @@ def short():
 def once(short, tmp_path_factory):
     out = tmp_path_factory.mktemp("tuned") / "prox.toml"
     return wmr_ctrl.tune(short, "prox", out, **FEW)
-
-
-@pytest.mark.slow
-def test_the_file_is_the_scenario_with_the_gains_that_were_found(short, once):
-    loaded = load_scenario(once.out)
-    run = wmr_ctrl.simulate(loaded, "prox", seed=7)
-
-    assert set(once.gains) == {"gains.prox.rho", "gains.prox.wo", "gains.kinematics.k"}
-    assert loaded.gains["prox"]["rho"] == once.gains["gains.prox.rho"]
-    assert loaded.reference == short.reference
-    assert once.objective[1].metres < 0.5 * once.objective[0].metres
-    assert not once.objective[1].lost
-    assert run.outcome.value == "completed"
-    assert [path.name for path in once.out.parent.iterdir()] == ["prox.toml"]
-
-
-@pytest.mark.slow
-def test_the_corridor_can_be_what_is_made_small(tmp_path):
-    pytest.importorskip("flint")
-    brief = {"changes": [], "clock.duration": 4.0, "clock.plant": 0.005}
-    guarded = load_scenario("safe-simulation", brief)
-    few = {**FEW, "trials": 6, "merit": "corridor", "hold": ["gains.kinematics.k"], "weight": 1e-4}
-    found = wmr_ctrl.tune(guarded, "prox", tmp_path / "a.toml", **few)
-    before, after = (find_corridor(item, "prox").position for item in (guarded, found.scenario))
-
-    assert before <= found.objective[0].metres < 1.1 * before
-    assert after <= found.objective[1].metres < found.objective[0].metres
-    assert found.to_json()["no_corridor"] == {"before": False, "after": False}
-    assert found.to_json()["corridor"] == {"before": before, "after": after}
-    assert found.to_json()["merit"] == "corridor"
-    assert "root of the mean of corridor^2" in found.out.read_text()
 
 
 def test_a_cost_keeps_the_order_of_certificates_of_lost_runs_and_of_distances():
@@ -88,12 +52,6 @@ def test_a_merit_that_nothing_is_known_of_is_refused(tmp_path):
         wmr_ctrl.tune(curved, "prox", tmp_path / "a.toml", merit="corridor")
     with pytest.raises(UnknownNameError, match="tracking"):
         wmr_ctrl.tune(curved, "prox", tmp_path / "a.toml", merit="speed")
-
-
-def test_every_law_of_ours_has_gains_to_be_tuned():
-    for law in NAMES:
-        assert tunable(LAWS[law])
-        assert ("gains.kinematics.k" in tunable(LAWS[law])) == LAWS[law].traits.auxiliary
 
 
 def test_without_the_extra_it_says_what_to_install(short, tmp_path, monkeypatch):
@@ -133,18 +91,3 @@ def test_bad_input_is_one_paragraph(given, told, tmp_path, monkeypatch):
     assert done.exit_code == 2
     assert told in " ".join(done.stderr.split())
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.slow
-def test_the_command_prints_figures_before_and_after(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    line = ["tune", "paper-simulation", "--law", "kanayama", "--out", "a.toml", "--trials", "2",
-            "--set", "clock.control=0.1", "--set", "clock.duration=5", "--seeds", "1:2",
-            "--test-seeds", "7:8", "--hold", "gains.kanayama.k", "--json"]  # fmt: skip
-    done = CliRunner().invoke(root, line)
-    found = json.loads(done.stdout)
-
-    assert done.exit_code == 0
-    assert "gains.kanayama.k" not in found["gains"]
-    assert set(found) >= {"gains", "before", "after", "objective", "test_seeds"}
-    assert len(found["before"]) == len(found["after"]) == 9

@@ -64,11 +64,16 @@ def test_usual_ways_to_write_points(tmp_path, text):
         "- pose: {position: {x: 1, y: 0.5}}\n- pose: {position: {x: 2, y: -1}}\n---\n",
         "goals:\n- pose: {position: {x: 0, y: 0}}\n- position: {x: 1, y: 0.5}\n- {x: 2, y: -1}\n",
         "waypoints:\n- [0, 0, 0.1]\n- [1, 0.5, 0]\n- [2, -1, 0]\n",
+        "waypoints:\n  a: [0, 0, 0.1]\n  b: [1, 0.5, 0]\n  c: [2, -1, 0]\n",
+        "node:\n  ros__parameters:\n    waypoints: [0, 0, 0.1, 1, 0.5, 0, 2, -1, 0.3]\n",
+        '{"type": "FeatureCollection", "features": [{"geometry": {"coordinates": [0, 0]}}, '
+        '{"geometry": {"coordinates": [1, 0.5]}}, {"geometry": {"coordinates": [2, -1]}}]}',
+        '{"features": [{"geometry": {"coordinates": [[0, 0], [1, 0.5], [2, -1]]}}]}',
     ],
 )
 def test_usual_ways_of_navigation_stacks(tmp_path, text):
     pytest.importorskip("yaml")
-    file = tmp_path / "way.yaml"
+    file = tmp_path / "way.geojson"
     file.write_text(text)
 
     assert read_points(file) == GOOD

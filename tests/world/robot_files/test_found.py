@@ -7,7 +7,7 @@ from wmr_ctrl.world.robot_files.found import Found, Rank, merged, shown
 
 def test_the_controller_counts_before_others_and_what_differs_is_told():
     mine = Found("robot.r", 0.1, "controller", Rank.CONTROLLER)
-    near = Found("robot.r", 0.1005, "nav2", Rank.SMOOTHER)
+    near = Found("robot.r", 0.1005, "gazebo", Rank.GAZEBO)
     far = Found("robot.r", 0.12, "urdf", Rank.DESCRIPTION)
 
     sheet = merged([far, near, mine])
@@ -17,7 +17,7 @@ def test_the_controller_counts_before_others_and_what_differs_is_told():
 
 
 def test_a_base_brakes_as_it_speeds_up_and_axes_become_a_pair():
-    one, two = (Found(f"base.accel[{k}]", float(k), f"file {k}", Rank.SMOOTHER) for k in (1, 2))
+    one, two = (Found(f"base.accel[{k}]", float(k), f"file {k}", Rank.GAZEBO) for k in (1, 2))
 
     found = merged([two, one]).found
 

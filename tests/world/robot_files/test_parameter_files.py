@@ -1,4 +1,4 @@
-"""Parameters of controllers and of nav2, and what counts where they disagree."""
+"""Parameters of controllers, of nav2 and of Gazebo, and what counts where they disagree."""
 
 import random
 
@@ -60,6 +60,18 @@ local_costmap:
   local_costmap:
     ros__parameters: {footprint: "[[0.3, 0.4], [-0.3, 0.4], [-0.3, -0.4]]", global_frame: map}
 """
+GAZEBO = """
+<gazebo><plugin filename="libgazebo_ros_diff_drive.so" name="drive">
+<ros><remapping>cmd_vel:=cmd</remapping></ros><leftJoint>l_joint</leftJoint>
+<rightJoint>r_joint</rightJoint><wheelSeparation>0.6</wheelSeparation><wheelDiameter>0.3</wheelDiameter>
+<update_rate>50</update_rate><odometry_frame>wheel_odom</odometry_frame></plugin></gazebo>
+"""
+GZ = """
+<sdf><model name="m"><plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">
+<wheel_separation>0.6</wheel_separation><wheel_radius>0.15</wheel_radius>
+<max_linear_velocity>0.7</max_linear_velocity><min_linear_velocity>-0.7</min_linear_velocity>
+<max_angular_acceleration>2</max_angular_acceleration></plugin></model></sdf>
+"""
 
 
 def values(tmp_path, *texts, name="file{}.yaml"):
@@ -92,6 +104,36 @@ def test_a_path_follower_that_never_reverses(tmp_path):
         found = values(tmp_path, text, name="{}.yaml")
         assert (found["limits.v_max[1]"], found["limits.v_min[1]"]) == (0.6, 0.0)
         assert "limits.v_u1" not in found
+
+
+def test_gazebo(tmp_path):
+    described = values(tmp_path, robot(PAIR, GAZEBO), name="{}.urdf")
+    assert (described["robot.l"], described["robot.r"], described["clock.control"]) == (
+        0.3,
+        0.15,
+        0.02,
+    )
+    assert (described["ros.cmd_vel"], described["ros.odometry_frame"]) == ("cmd", "wheel_odom")
+    assert values(tmp_path, GZ, name="{}.sdf") == {
+        "robot.l": 0.3, "robot.r": 0.15, "limits.v_u1[1]": 0.7, "base.accel[2]": 2.0,
+        "base.decel[2]": 2.0,
+    }  # fmt: skip
+
+
+def test_gz_limits_of_both_axes_count_where_they_are_smaller(tmp_path):
+    both = "<max_velocity>1</max_velocity><min_velocity>-0.5</min_velocity><max_acceleration>1.5<"
+    text = GZ.replace("<max_linear_velocity>", f"{both}/max_acceleration><max_linear_velocity>")
+    found = values(tmp_path, text, name="{}.sdf")
+    assert (found["limits.v_max"], found["limits.v_min"]) == ((0.7, 1.0), (-0.5, -0.5))
+    assert found["base.accel"] == (1.5, 1.5)
+
+
+def test_controller_counts_and_both_are_told(tmp_path):
+    sheet = read(tmp_path, NAV2, CONTROLLER, name="{}.yaml")
+
+    assert sheet.found["limits.v_min"].value == (-0.4, -1.5)
+    told = {(item.key, item.value) for item in sheet.overruled}
+    assert {("limits.v_min[1]", -0.3), ("limits.v_max[2]", 1.5), ("clock.control", 0.05)} <= told
 
 
 def test_half_of_a_pair_that_a_controller_names_is_refused(tmp_path):

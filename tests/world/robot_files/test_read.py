@@ -5,6 +5,7 @@ import pytest
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.robot_files.read import read_robot_files
 
+DRIVE = "<plugin name='diff_drive'><wheel_separation>1</wheel_separation></plugin>"
 CONTROLLER = "{}: {{ros__parameters: {{left_wheel_names: [l], wheel_radius: 0.1}}}}\n"
 
 
@@ -13,7 +14,8 @@ CONTROLLER = "{}: {{ros__parameters: {{left_wheel_names: [l], wheel_radius: 0.1}
     [
         ("a.yaml", "planner: {ros__parameters: {rate: 1}}", "no node of it is a diff_drive"),
         ("a.yaml", CONTROLLER.format("one") + CONTROLLER.format("two"), "drives, one and two"),
-        ("a.xml", "<sdf/>", "it has no <robot> with links"),
+        ("a.sdf", f"<sdf>{DRIVE}{DRIVE}</sdf>", "2 differential drives of Gazebo"),
+        ("a.sdf", "<sdf/>", "neither a <robot> with links nor"),
         ("a.txt", "", "must end in .urdf or .xacro"),
     ],
 )

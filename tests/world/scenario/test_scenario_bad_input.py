@@ -15,15 +15,9 @@ POINTS = "[reference]\nkind = 'waypoints'\npoints = "
 
 CASES = {
     "not a number": ("[robot]\nm = nan", "robot.m = nan must be a finite number"),
-    "infinite": ("[clock]\nduration = inf", "clock.duration = inf must be a finite number"),
-    "flag": ("[robot]\nm = true", "robot.m = true must be a number"),
     "text": ("[robot]\nm = 'heavy'", 'robot.m = "heavy" must be a number'),
-    "date": ("[robot]\nm = 2020-01-01", "robot.m = datetime.date(2020, 1, 1) must be a number"),
     "negative mass": ("[robot]\nm = -5.0", "robot.m = -5.0 must be above 0"),
-    "no mass": ("[robot]\nm = 0", "robot.m = 0 must be above 0"),
     "huge": ("[robot]\nm = 1e300", "robot.m = 1e+300 must be at most 1e+12"),
-    "huge integer": ("[robot]\nm = 1" + "0" * 400, "robot.m = an integer beyond 1e30 must be"),
-    "length": ("[limits]\nv_u1 = [1.0]", "limits.v_u1 = [1.0] must be an array of 2 numbers"),
     "element": ("[limits]\nv_u1 = [1.0, nan]", "limits.v_u1[2] = nan must be a finite number"),
     "limits 1": (
         "[limits]\nv_u2 = [1.6, 1.3]",
@@ -40,7 +34,6 @@ CASES = {
         "clock.duration = 80.005 s must be a whole multiple",
     ),
     "period": ("[clock]\nplant = 0.003", "clock.control = 0.01 s must be a whole multiple"),
-    "step longer": ("[clock]\nplant = 0.02", "clock.control = 0.01 s must be a whole multiple"),
     "step zero": ("[clock]\nplant = 0", "clock.plant = 0 must be at least 1e-09"),
     "too long": ("[clock]\nduration = 1e9", "clock.duration = 1000000000.0 s is 1e+11 times"),
     "correction": ("[sensor]\ncorrection = 0.0", "sensor.correction = 0.0 must be above 0"),

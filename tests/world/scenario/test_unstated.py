@@ -21,6 +21,7 @@ from wmr_ctrl.world.scenario import (
     override,
     sections,
 )
+from wmr_ctrl.world.scenario.toml_io import to_toml
 from wmr_ctrl.world.scenario.unstated import guessed_keys, missing_keys, missing_text, unknown_keys
 
 ROBOT = {"m": 12.0, "I": 0.6, "mu": 0.05, "r": 0.08, "l": 0.2}
@@ -40,15 +41,18 @@ def test_each_missing_key_is_named_with_its_unit_and_meaning(key):
         from_dict({**TORQUE, table: part})
 
 
-def test_all_missing_keys_stand_in_one_message():
+def test_all_missing_keys_stand_in_one_message_with_what_else_is_wrong():
     with pytest.raises(ScenarioError) as nothing:
         Scenario()
-    with pytest.raises(ScenarioError) as mass:
-        loads_scenario("[robot]\nm = 3\n")
+    with pytest.raises(ScenarioError) as wrong:
+        loads_scenario("[robot]\nm = -3\nweight = 4\n[limit]\nv = 1\n")
 
     assert all(key in str(nothing.value) for key in REQUIRED)
-    assert all(key in str(mass.value) for key in REQUIRED if key != "robot.m")
-    assert "robot.m [kg]" not in str(mass.value)
+    assert all(
+        part in str(wrong.value) for part in ("robot.m = -3", "robot.weight", "limit is not")
+    )
+    assert all(key in str(wrong.value) for key in REQUIRED if key != "robot.m")
+    assert "robot.m [kg]" not in str(wrong.value)
 
 
 def test_what_is_stated_is_not_missing_though_it_contradicts_another_key():
@@ -96,6 +100,16 @@ def test_no_motion_depends_on_a_placeholder(law):
     assert lacking(scenario, law) == ()
     for name in ("x", "y", "theta", "v1", "omega"):
         assert np.array_equal(first[name], second[name])
+
+
+def test_what_is_not_stated_is_not_shown_as_known():
+    scenario = from_dict(VELOCITY)
+    text = to_toml(scenario)
+
+    assert "\n# m = ..." in text
+    assert "\n# v_u2 = ..." in text
+    assert "not stated" in scenario._repr_html_()
+    assert loads_scenario(text, scenario.name) == scenario
 
 
 def test_a_file_that_lacks_keys_is_a_base_for_others(tmp_path):

@@ -402,6 +402,10 @@ class CommandFilter:
                 raise ArgumentError(
                     "limits are told, and this filter's do not change. Set filter.changing = true."
                 )
+            if len(limits) != 2:
+                raise ArgumentError(
+                    f"limits has {len(limits)} pairs and must have two: {MEANINGS['limits']}."
+                )
             linear, angular = (_pair(side, "limits") for side in limits)
             self._limits = (*linear, *angular)
         if free is not None and settings.free_error is None:

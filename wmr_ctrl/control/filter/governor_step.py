@@ -4,7 +4,6 @@ Its state is the bounds of every channel's speed and the commands that may still
 """
 
 from functools import cached_property, reduce
-from typing import TypeAlias
 
 import casadi as ca
 
@@ -41,9 +40,7 @@ from .governor import (
     largest_command,
 )
 from .heard import Heard
-
-Sides: TypeAlias = list[list[ca.SX]]
-"""A number of every channel, of its speed first, then of the speed's negative."""
+from .heard import Sides as Sides
 
 ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity that odometry tells", 2)
 IN_TIME = Signal("in_time", "1", "samples that came in time since one that did not")

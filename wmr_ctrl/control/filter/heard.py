@@ -1,15 +1,26 @@
 """What a filter hears, and whether it came in time: odometry, samples and free ways."""
 
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import cached_property, reduce
+from itertools import chain
+from typing import TypeAlias, TypeVar
 
 import casadi as ca
 
-from wmr_ctrl.core.signals import LARGEST
-from wmr_ctrl.world.model.system import Parameters, Port
+from wmr_ctrl.control.sides import is_number
+from wmr_ctrl.core.signals import LARGEST, Signal
+from wmr_ctrl.world.model.system import Parameters, Port, port
 from wmr_ctrl.world.scenario import Scenario
 
-from .channels import AXES, is_number, punctual, within
-from .governor import NEAR, Schedule
+from .channels import AXES, FREE, FREE_AGE, ROUNDING, Channel, is_nothing, punctual, within
+from .governor import NEAR, Schedule, largest
+
+Sides: TypeAlias = list[list[ca.SX]]
+"""A number of every channel, of its speed first, then of the speed's negative."""
+Made = TypeVar("Made")
+FREE_KNOWN = Signal("free_known", "m, m, rad, rad", "least free ways since they were told", 4)
+RESTED = Signal("rested", "1", "commands of (0, 0) in a row, in time")
 
 
 class Heard:
@@ -55,10 +66,53 @@ class Heard:
 
 
 class Watching(Heard):
-    """Of a filter that is told free ways, too."""
+    """Of a filter that is told free ways, too: it knows what its commands may have driven.
 
-    free: Port
-    free_age: Port
+    By age of the command, the last one first: ``most_before`` bounds the speeds while it acts,
+    ``held_before`` is 1 if the base stands by then.  ``rested``: commands of (0, 0) in a row.
+    ``rest``: time after which these make the base stand, None if nothing does.
+    """
+
+    channels: list[Channel]
+    rest: ca.SX | None
+
+    def watch(self, ages: int) -> None:
+        """Create the ports for so many commands."""
+        starts = [c.largest[place] for place in (0, -1) for c in self.channels]
+        numbers = range(1, ages + 1)
+        self.most_before = [port(_most(age), starts) for age in numbers]
+        self.held_before = [port(_held(age)) for age in numbers if self.rest is not None]
+        self.rested, self.free_known = port(RESTED), port(FREE_KNOWN, [-1.0] * 4)
+        self.free, self.free_age = port(FREE, [LARGEST] * 4), port(FREE_AGE, -1.0)
+
+    @property
+    def believed(self) -> ca.SX:
+        """1 where what the commands may have driven is known."""
+        return self.punctual
+
+    @cached_property
+    def safe(self) -> ca.SX:
+        """The command (2,) that is sent."""
+        raise NotImplementedError
+
+    @cached_property
+    def held(self) -> ca.SX:
+        """1 where the base stands by the time the command acts, and (0, 0) is sent."""
+        raise NotImplementedError
+
+    @cached_property
+    def most(self) -> Sides:
+        """Bound of the speed while the command just sent acts."""
+        raise NotImplementedError
+
+    @cached_property
+    def free_following(self) -> list[ca.SX]:
+        """Free ways at the next sample."""
+        raise NotImplementedError
+
+    def far(self, place: int, axis: int) -> ca.SX:
+        """Way from which on a free way limits no command."""
+        raise NotImplementedError
 
     @cached_property
     def is_fresh(self) -> ca.SX:
@@ -69,3 +123,71 @@ class Watching(Heard):
     def hears(self, number: int) -> ca.SX:
         """1 where this one of the free ways is fresh."""
         return ca.logic_and(self.is_fresh, is_number(self.free.sym[number]))
+
+    @cached_property
+    def free_now(self) -> Sides:
+        """Free way of each side: told, or what was told before less the way since then."""
+        return each_side(self._free)
+
+    def _free(self, place: int, axis: int) -> ca.SX:
+        number, far, V = place + 2 * axis, self.far(place, axis), self.channels[axis].sides[place].V
+        most = largest([ca.SX(0), *(item.sym[2 * place + axis] for item in self.most_before)])
+        speed, told = ca.if_else(self.believed, most, V), ca.fmin(self.free.sym[number], far)
+        if axis == 0:
+            speed += self.p.take("filter.nearing")
+            told -= self.p.take("filter.free_error")
+        told = told - speed * self.free_age.sym - ROUNDING * far
+        known = ca.if_else(self.came, self.free_known.sym[number], -1)
+        return ca.if_else(self.hears(number), told, known)
+
+    @property
+    def in_row(self) -> ca.SX:
+        """Commands of (0, 0) before this one, in a row and in time."""
+        return ca.if_else(self.came, self.rested.sym, 0)
+
+    @property
+    def watched(self) -> list[tuple[Sequence[Port], list[ca.SX], float]]:
+        """State, its next values, and one for parameters that are not sound."""
+        kept: list[tuple[Sequence[Port], list[ca.SX], float]] = [
+            (self.most_before, [*chain(*self.most), *shifted(self.most_before)], LARGEST)
+        ]
+        if self.rest is not None:
+            still = ca.if_else(is_nothing(self.safe), self.in_row + 1, 0)
+            kept.append((self.held_before, [self.held, *shifted(self.held_before)], 0))
+            kept.append(([self.rested], [still], 0))
+        if self.scenario.filter.free_error is not None:
+            kept.append(([self.free_known], self.free_following, -1))
+        return kept
+
+
+def each_side(make: Callable[[int, int], Made]) -> list[list[Made]]:
+    """What is made for each direction, forwards and backwards, of each axis."""
+    return [[make(place, axis) for axis in AXES] for place in AXES]
+
+
+def shifted(before: Sequence[Port]) -> list[ca.SX]:
+    """All but the oldest."""
+    return [item.sym for item in before[:-1]]
+
+
+def remembered(plans: Iterable[Schedule], scenario: Scenario) -> int:
+    """Number of commands that act while a free way was measured, or later."""
+    age = scenario.filter.free_age / scenario.clock.control
+    return max(replace(plan, age=max(plan.age, age)).oldest for plan in plans)
+
+
+def whole_steps(plan: Schedule, T: ca.SX, time: ca.SX, more: float = -NEAR) -> ca.SX:
+    """Number of commands that surely act for at least this time [s], and ``more`` of a period.
+
+    A brake ends a motion at once, so that rest needs more than the time after which it closes.
+    """
+    return ca.ceil((time + plan.spread * T) / ((1 - plan.jitter) * T) + more)
+
+
+def _most(age: int) -> Signal:
+    said = f"bound of v, omega and of their negatives while the command of {age} samples ago acts"
+    return Signal(f"v_most_{age}", "m/s, rad/s, m/s, rad/s", said, 4)
+
+
+def _held(age: int) -> Signal:
+    return Signal(f"held_{age}", "1", f"1: the base stands while the command of {age} ago acts")

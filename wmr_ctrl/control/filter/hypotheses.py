@@ -57,6 +57,11 @@ def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
         v, omega = (sum(pair) for pair in zip(bound.command, bound.dropped, strict=True))
         bound = replace(bound, command=(v, omega))
     sentences = [*_of_every_filter(scenario, bound)]
+    if scenario.filter.is_told and scenario.filter.rest is not None and any(bound.dbar):
+        sentences.append(
+            "filter.rest says that the base stands and holds, and the base of this run has no "
+            "brake: a push drives it on. Take out what pushes (disturbances, slopes)."
+        )
     if scenario.filter.kind == "governor":
         sentences += _of_the_governor(scenario, bound)
     if scenario.filter.kind == "clip" and scenario.filter.free_error is not None:

@@ -244,11 +244,62 @@ def second_order(damping: float, gain: float, d: float) -> PeakGain:
 
     ``d``: the steady speed due to the push alone.
     """
-    z = Span.of(1 - OFF_ONE if abs(damping - 1) < OFF_ONE else damping)
-    left = Span.of(0.0)  # share of a swing that the next one has
-    if z.lo < 1:
-        left = exp(-(PI * z / root(((1 - z) * (1 + z)).magnitude)))
+    _, _, left = _swing(_off_one(damping, -1))
     if not (1 - left).lo > 0:  # no swing is certainly smaller than the one before
         return PeakGain(inf, inf)
     most = (1 + left) / (1 - left)  # r = exp(-pi/sqrt(1/z^2 - 1)) falls with z
     return PeakGain(float((most * gain).hi), float((most * d).hi) if d else 0.0)
+
+
+def overshoot(scenario: Scenario) -> tuple[float, float]:
+    """Largest relative overshoot of a step of v and of omega, for the stated numbers.
+
+    Computed in doubles, at the corner with the largest N.
+    """
+    v, omega = (_overshoot(scenario, axis, _damping(scenario, axis)) for axis in (0, 1))
+    return v, omega
+
+
+def less_damped(scenario: Scenario, axis: int, more: float) -> float:
+    """Factor by which a base's damping must shrink to raise its overshoot by ``more``."""
+    z = _damping(scenario, axis)
+    wanted, low, high = _overshoot(scenario, axis, z) + more, 0.0, 1.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        less = _overshoot(scenario, axis, middle * z) < wanted
+        low, high = (low, middle) if less else (middle, high)
+    return low
+
+
+BISECTIONS = 40
+
+
+def _damping(scenario: Scenario, axis: int) -> float:
+    """Least damping of an axis: that of a PI loop without friction, or 1 for a first-order loop."""
+    settings = scenario.filter
+    if settings.loop[axis] == "first-order":
+        return 1.0
+    if settings.loop[axis] == "second-order":
+        return settings.intervals("damping")[axis][0]
+    loop = pi_loop(scenario, axis)
+    return float(loop.kp[0] / (2 * (loop.ki[1] * loop.M[1]) ** 0.5))
+
+
+def _overshoot(scenario: Scenario, axis: int, damping: float) -> float:
+    z, ratio, left = _swing(_off_one(damping, -1))
+    own = exp(-2 * z * ratio) if scenario.filter.loop[axis] == "pi" else left
+    return float(own.hi)
+
+
+def _off_one(z: float, way: int) -> float:
+    """The damping, moved away from 1 if it is near: below for ``way`` -1, above for 1."""
+    return 1 + way * OFF_ONE if abs(z - 1) < OFF_ONE else z
+
+
+def _swing(damping: float) -> tuple[Span, Span, Span]:
+    """z, acos(z)/w and r = exp(-pi z/w); beyond 1 acosh(z)/sqrt(z^2 - 1) and 0."""
+    z = Span.of(damping)
+    w = root(((1 - z) * (1 + z)).magnitude)
+    if damping >= 1:
+        return z, increasing(np.arccosh, z) / w, Span.of(0.0)
+    return z, increasing(np.arctan, w / z) / w, exp(-(PI * z / w))

@@ -10,25 +10,20 @@ passes where m <= A (sqrt(h^2 + 2 (free - d B)/A) - h) (`filter.free.ramp`).  Fr
 driven away where one release, which rolls d B, ends within the free way.
 """
 
-from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property, reduce
 
 import casadi as ca
 
-from wmr_ctrl.core.signals import LARGEST, ODOMETRY_AGE
+from wmr_ctrl.core.signals import ODOMETRY_AGE
 from wmr_ctrl.world.model.system import Output, Port, System, port
 from wmr_ctrl.world.scenario import Scenario
 
 from .channels import (
     AXES,
     FLAGS,
-    FREE,
-    FREE_AGE,
     LATE,
     NEAR_BY,
     NO_DISTANCE,
-    ROUNDING,
     SENT,
     UNSOUND,
     UNUSED,
@@ -43,9 +38,9 @@ from .channels import (
 )
 from .clip import Clip
 from .governor import drive, drive_back, largest
-from .governor_step import IN_TIME, ODOMETRY, Sides, schedules, sent_signal
-from .heard import Watching
-from .stopping import FREE_KNOWN, RESTED, TRACE, held_signal, most_signal, whole_steps
+from .governor_step import IN_TIME, ODOMETRY, schedules, sent_signal
+from .heard import Sides, Watching, each_side, remembered, shifted, whole_steps
+from .stopping import TRACE
 
 
 def stopping_speed(room: ca.SX, h: ca.SX, A: ca.SX) -> ca.SX:
@@ -60,118 +55,79 @@ class RampStopper(Clip, Watching):
         """Create the ports; ScenarioError if the times span too many samples."""
         super().__init__(scenario)
         settings, p = scenario.filter, self.p
-        self.channels = two_sided(self.channels)
-        self.plans = schedules(scenario)
-        young = settings.free_age / scenario.clock.control
-        aged = (replace(plan, age=max(plan.age, young)) for plan in self.plans)
-        self.oldest = max(plan.oldest for plan in aged)
-        ages = range(1, self.oldest + 1)
+        self.channels, self.plans = two_sided(self.channels), schedules(scenario)
+        self.oldest = remembered(self.plans, scenario)
         self.odometry, self.age = port(ODOMETRY), port(ODOMETRY_AGE, -1.0)
         self.counted = (port(IN_TIME, self.oldest),)
-        self.free, self.free_age = port(FREE, [LARGEST] * 4), port(FREE_AGE, -1.0)
-        self.before = [port(sent_signal(age)) for age in ages]
-        starts = [c.largest[place] for place in (0, -1) for c in self.channels]
-        self.most_before = [port(most_signal(age), starts) for age in ages]
-        self.held_before, self.rested = [port(held_signal(age)) for age in ages], port(RESTED)
-        self.free_known = port(FREE_KNOWN, [-1.0] * 4)
-        self.decel, self.error = p.take("filter.decel"), p.take("filter.free_error")
-        self.nearing = p.take("filter.nearing")
-        self.rest = ca.SX(0) if settings.rest is None else p.take("filter.rest")
+        self.brakes = ca.SX(0) if settings.rest is None else p.take("filter.rest")
+        self.rest = self.brakes
+        self.before = [port(sent_signal(age)) for age in range(1, self.oldest + 1)]
+        self.watch(self.oldest)
+        self.decel, self.nearing = p.take("filter.decel"), p.take("filter.nearing")
         lags = [most for _, most in ends_of(p, "tau")] if settings.tau else [ca.SX(0)] * 2
         self.reaction = [
             (plan.delay[1] + plan.acting) * self.T + lag
             for plan, lag in zip(self.plans, lags, strict=True)
         ]
-        numbers = (self.decel[0] > 0, self.decel[1] > 0, self.rest >= 0, self.nearing >= 0,
-                   self.error >= 0, self.T > 0)  # fmt: skip
+        numbers = (self.decel[0] > 0, self.decel[1] > 0, self.brakes >= 0, self.nearing >= 0,
+                   p.take("filter.free_error") >= 0, self.T > 0)  # fmt: skip
         self.sound = reduce(ca.logic_and, numbers, self.sound)
 
-    def _targets(self, place: int, axis: int, newest: ca.SX | None = None) -> list[ca.SX]:
-        """Steady speed to which each command may drive: [0] the newest, if it is given."""
-        b, most = self.channels[axis].sides[place], (drive, drive_back)[place]
-        held = [h.sym for h in self.held_before]
-        old = [most(item.sym[axis], b) for item in self.before]
-        targets = [ca.if_else(h, 0, target) for h, target in zip(held, old, strict=True)]
-        return targets if newest is None else [most(newest[axis], b), *targets]
+    def _targets(self, place: int, axis: int) -> list[ca.SX]:
+        """Steady speed to which each command that may act drives, the last one first."""
+        pairs = zip(self.held_before, self.before, strict=True)
+        return [ca.if_else(h.sym, 0, self._target(place, axis, u.sym)) for h, u in pairs]
+
+    def _target(self, place: int, axis: int, command: ca.SX) -> ca.SX:
+        return (drive, drive_back)[place](command[axis], self.channels[axis].sides[place])
 
     @cached_property
     def fastest(self) -> Sides:
         """v_bar: bound of the speed from now on while no new command acts."""
-        sides = []
-        for place, way in enumerate(WAYS):
-            speeds = []
-            for i, channel in enumerate(self.channels):
-                b = channel.sides[place]
-                seen = way * self.odometry.sym[i] + b.nbar
-                stands = self.held_before[0].sym
-                known = ca.if_else(stands, 0, ca.if_else(self.seen, seen, b.V))
-                bound = largest([known, *self._targets(place, i)])
-                speeds.append(ca.if_else(self.punctual, ca.fmin(bound, b.V), b.V))
-            sides.append(speeds)
-        return sides
+        return each_side(self._fastest)
 
-    @cached_property
-    def free_now(self) -> Sides:
-        """Free way of each side: told, or what was told before less the way since then."""
-        sides = []
-        for place in AXES:
-            ways = []
-            for i, channel in enumerate(self.channels):
-                before = [item.sym[2 * place + i] for item in self.most_before]
-                most = ca.if_else(self.punctual, largest(before), channel.sides[place].V)
-                error, nearing = (ca.SX(0), ca.SX(0)) if i else (self.error, self.nearing)
-                far = self._far(place, i)
-                told = ca.fmin(self.free.sym[place + 2 * i], far) - error - ROUNDING * far
-                told -= (ca.fmax(most, 0) + nearing) * self.free_age.sym
-                known = ca.if_else(self.came, self.free_known.sym[place + 2 * i], -1)
-                ways.append(ca.if_else(self.hears(place + 2 * i), told, known))
-            sides.append(ways)
-        return sides
+    def _fastest(self, place: int, axis: int) -> ca.SX:
+        b = self.channels[axis].sides[place]
+        seen = ca.if_else(self.seen, WAYS[place] * self.odometry.sym[axis] + b.nbar, b.V)
+        known = ca.if_else(self.held_before[0].sym, 0, seen)
+        bound = largest([known, *self._targets(place, axis)])
+        return ca.if_else(self.punctual, ca.fmin(bound, b.V), b.V)
 
-    def _far(self, place: int, axis: int) -> ca.SX:
+    def far(self, place: int, axis: int) -> ca.SX:
         """Way from which on a free way limits no command."""
-        V = self.channels[axis].sides[place].V
-        return (
-            2 * (self._stop(axis, V) + V * (self.p.take("filter.free_age") + self.T)) + self.error
-        )
+        V, age = self.channels[axis].sides[place].V, self.p.take("filter.free_age")
+        stop = V * self.reaction[axis] + V * V / (2 * self.decel[axis]) + self._kept(axis)
+        return 2 * (stop + V * (age + self.T)) + self.p.take("filter.free_error")
 
-    def _stop(self, axis: int, m: ca.SX) -> ca.SX:
-        """Way of a stop from the speed m."""
-        own = m * self.reaction[axis] + m * m / (2 * self.decel[axis])
-        return own + (1 + self.scenario.filter.leave) * self._roll(axis) + self._nears(axis)
+    def _kept(self, axis: int) -> ca.SX:
+        """Free way that any stop takes, releases and what comes nearer included."""
+        return (1 + self.scenario.filter.leave) * self._roll(axis) + self._nears(axis)
 
     def _roll(self, axis: int) -> ca.SX:
-        return self.channels[axis].bounds.dbar * self.rest
+        return self.channels[axis].bounds.dbar * self.brakes
 
     def _nears(self, axis: int) -> ca.SX:
         """Way that what is in the way comes nearer until the base stands."""
         if axis:
             return ca.SX(0)
         slowing = self.channels[0].bounds.V / self.decel[0]
-        return self.nearing * (self.reaction[0] + slowing + self.rest)
+        return self.nearing * (self.reaction[0] + slowing + self.brakes)
 
     @cached_property
     def stopping(self) -> Sides:
         """Largest commands by the free ways; below 0 where no stop ends in time."""
-        sides = []
-        for place in AXES:
-            limits = []
-            for i, channel in enumerate(self.channels):
-                b, h, A = channel.sides[place], self.reaction[i], self.decel[i]
-                least = self._stop(i, ca.SX(0))
-                room = self.free_now[place][i] - least
-                root = stopping_speed(room, h, A)
-                slow = ca.fmax(self.fastest[place][i], b.dbar) <= root
-                slow = ca.logic_and(room >= 0, slow)
-                limits.append(ca.if_else(slow, (root - b.dbar) / b.K_max, -1))
-            sides.append(limits)
-        return sides
+        return each_side(self._stopping)
+
+    def _stopping(self, place: int, axis: int) -> ca.SX:
+        b, room = self.channels[axis].sides[place], self.free_now[place][axis] - self._kept(axis)
+        most = stopping_speed(room, self.reaction[axis], self.decel[axis])
+        slow = ca.fmax(self.fastest[place][axis], b.dbar) <= most
+        return ca.if_else(ca.logic_and(room >= 0, slow), (most - b.dbar) / b.K_max, -1)
 
     @cached_property
     def offered(self) -> ca.SX:
         """The command (2,) before it is known whether the brake may open for it."""
-        clip = largest_commands(self.channels)
-        pairs = zip(clip, self.stopping, strict=True)
+        pairs = zip(largest_commands(self.channels), self.stopping, strict=True)
         upper, lower = ([ca.fmax(0, m) for m in map(ca.fmin, *pair)] for pair in pairs)
         back, scale = [-limit for limit in lower], self.scenario.filter.scale
         sent = scaled(self.command, self.channels, back, upper, scale)
@@ -180,20 +136,18 @@ class RampStopper(Clip, Watching):
     @cached_property
     def opens(self) -> ca.SX:
         """1 where no side forbids the command."""
-        opens = []
-        for place, way in enumerate(WAYS):
-            for i, channel in enumerate(self.channels):
-                b, u = channel.sides[place], way * self.offered[i]
-                away = ca.logic_and(u < 0, b.K_min * u + b.dbar <= 0)
-                enough = self.free_now[place][i] >= self._roll(i) + self._nears(i)
-                stands = ca.logic_and(self.held_before[0].sym, enough)
-                goes_on = ca.SX(0) if self.scenario.filter.nearing else self._goes_on(way, i)
-                leaves = reduce(ca.logic_or, (stands, goes_on, b.dbar == 0))
-                opens.append(ca.logic_or(self.stopping[place][i] >= 0, ca.logic_and(away, leaves)))
-        return reduce(ca.logic_and, opens)
+        return reduce(ca.logic_and, (item for side in each_side(self._is_open) for item in side))
 
-    def _goes_on(self, way: int, axis: int) -> ca.SX:
-        return way * self.before[0].sym[axis] < 0
+    def _is_open(self, place: int, axis: int) -> ca.SX:
+        b, way = self.channels[axis].sides[place], WAYS[place]
+        u, enough = way * self.offered[axis], self._roll(axis) + self._nears(axis)
+        away = ca.logic_and(u < 0, b.K_min * u + b.dbar <= 0)
+        stands = self.held_before[0].sym
+        leaves = [ca.logic_and(stands, self.free_now[place][axis] >= enough), b.dbar == 0]
+        if not self.scenario.filter.nearing:
+            leaves.append(way * self.before[0].sym[axis] < 0)
+        passes = ca.logic_and(away, reduce(ca.logic_or, leaves))
+        return ca.logic_or(self.stopping[place][axis] >= 0, passes)
 
     @cached_property
     def safe(self) -> ca.SX:
@@ -203,38 +157,31 @@ class RampStopper(Clip, Watching):
     @cached_property
     def held(self) -> ca.SX:
         """1 where the base stands by the time the command acts, and (0, 0) is sent."""
-        plan = self.plans[0]
         slowing = [
-            c.bounds.V / self.decel[i] + self.reaction[i] for i, c in enumerate(self.channels)
+            self.reaction[i] + c.bounds.V / self.decel[i] for i, c in enumerate(self.channels)
         ]
-        time = self.rest + largest(slowing)
-        return ca.logic_and(is_nothing(self.safe), self._in_row >= whole_steps(plan, self.T, time))
-
-    @property
-    def _in_row(self) -> ca.SX:
-        return ca.if_else(self.came, self.rested.sym, 0)
+        enough = whole_steps(self.plans[0], self.T, self.brakes + largest(slowing))
+        return ca.logic_and(is_nothing(self.safe), self.in_row >= enough)
 
     @cached_property
-    def most(self) -> list[ca.SX]:
-        """Bounds of v, omega and of their negatives while the command just sent acts."""
-        most = []
-        for place in AXES:
-            for i in AXES:
-                target, *_ = self._targets(place, i, self.safe)
-                bound = ca.fmax(0, ca.fmax(self.fastest[place][i], target))
-                most.append(ca.if_else(self.held, 0, bound))
-        return most
+    def most(self) -> Sides:
+        """Bound of the speed while the command just sent acts."""
+        return each_side(self._most)
+
+    def _most(self, place: int, axis: int) -> ca.SX:
+        target = self._target(place, axis, self.safe)
+        bound = ca.fmax(0, ca.fmax(self.fastest[place][axis], target))
+        return ca.if_else(self.held, 0, bound)
 
     @cached_property
     def free_following(self) -> list[ca.SX]:
         """Free ways at the next sample."""
-        free = []
-        for i in AXES:
-            latest = (1 + self.plans[i].jitter) * self.T
-            for place in AXES:
-                gone = self.most[2 * place + i] + (0 if i else self.nearing)
-                free.append(self.free_now[place][i] - gone * latest)
-        return free
+        return [self._free_following(place, i) for i in AXES for place in AXES]
+
+    def _free_following(self, place: int, axis: int) -> ca.SX:
+        latest = (1 + self.plans[axis].jitter) * self.T
+        speed = self.most[place][axis] + (0 if axis else self.nearing)
+        return self.free_now[place][axis] - speed * latest
 
     @property
     def system(self) -> System:
@@ -243,29 +190,17 @@ class RampStopper(Clip, Watching):
         flags += ca.if_else(self.seen, 0, UNUSED) + ca.if_else(self.punctual, 0, LATE)
         flags += ca.if_else(self.opens, 0, NEAR_BY) + ca.if_else(self.is_fresh, 0, NO_DISTANCE)
         flags += unusable_limits(self.told[0].sym) if self.told else 0
-        still = ca.if_else(is_nothing(self.safe), self._in_row + 1, 0)
-        own: list[tuple[Sequence[Port], Sequence[ca.SX]]] = [
-            (self.before, [self.safe]), (self.most_before, [ca.vertcat(*self.most)]),
-            (self.held_before, [self.held]), ([self.rested], [still]),
-            ([self.free_known], [ca.vertcat(*self.free_following)]),
-            (self.counted, self.in_time),
-        ]  # fmt: skip
-        ports = [item for items, _ in own for item in items]
-        update = [
-            value
-            for items, new in own
-            for value in [*new, *(item.sym for item in items[: len(items) - len(new)])]
-        ]
+        state: list[Port] = [*self.before, *self.counted]
+        update = [self.safe, *shifted(self.before), *self.in_time]
+        for ports, new, _ in self.watched:
+            state += ports
+            update += new
+        inputs = (self.asked, self.odometry, self.age, self.elapsed)
+        flagged = ca.if_else(self.sound, flags, UNSOUND)
         return System(
             "filter", "command filter (clip that stops)",
-            inputs=(
-                self.asked, self.odometry, self.age, self.elapsed, *self.told, self.free,
-                self.free_age,
-            ),
-            state=tuple(ports), params=self.p.ports, update=ca.vertcat(*update),
-            outputs=(
-                Output(SENT, self.safe),
-                Output(FLAGS, ca.if_else(self.sound, flags, UNSOUND)),
-            ),
+            inputs=(*inputs, *self.told, self.free, self.free_age), state=tuple(state),
+            params=self.p.ports, update=ca.vertcat(*update),
+            outputs=(Output(SENT, self.safe), Output(FLAGS, flagged)),
             period=self.scenario.clock.control,
         )  # fmt: skip

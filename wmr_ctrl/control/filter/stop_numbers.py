@@ -129,6 +129,15 @@ def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
     return Leaving(stop.roll, d / least_gain, steps * T if d else 0.0, rests * T)
 
 
+def rolls_back(scenario: Scenario) -> float:
+    """Way [m] that a push may lead the other way during a stop: the body's radius must hold it."""
+    settings = scenario.filter
+    if settings.kind == "clip":
+        return settings.d[0] * (_reaction(scenario, 0) + (settings.rest or 0.0))
+    stop, _ = stop_of(scenario, 0)
+    return stop.push * stop.time
+
+
 def smallest_window(scenario: Scenario) -> Pair:
     """Headings [rad] to either side that a stop, and a stop and a hold, may turn through.
 

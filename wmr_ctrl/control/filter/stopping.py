@@ -18,51 +18,48 @@ certifies that; or if the command before was away, too; or if it was asked for f
 that the way gained in that time exceeds what one release rolls.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from itertools import chain
 
 import casadi as ca
 
-from wmr_ctrl.control.sides import is_number, limits_port
+from wmr_ctrl.control.sides import limits_port
 from wmr_ctrl.core.signals import LARGEST, Signal
 from wmr_ctrl.world.model.system import Port, port
 from wmr_ctrl.world.scenario import Scenario
 
 from .channels import (
     AXES,
-    FREE,
-    FREE_AGE,
     NEAR_BY,
     NO_DISTANCE,
-    ROUNDING,
     SLOWING,
     WAYS,
     ends_of,
+    is_nothing,
     told_limits,
     two_sided,
     unusable_limits,
-    within,
 )
-from .governor import NEAR, FirstOrder, Schedule, SpeedBound, largest
-from .governor_step import Governor, Sides
+from .governor import NEAR, FirstOrder, SpeedBound
+from .governor_step import Governor
+from .heard import Sides, Watching, each_side, remembered, whole_steps
 from .ways import Reached, Stop, ToldBound, told_command
 
-FREE_KNOWN = Signal("free_known", "m, m, rad, rad", "least free ways since they were told", 4)
 WAITED = Signal(
     "waited", "m/s, m/s, rad/s, rad/s", "refused pull away from each side, summed over steps", 4
 )
-RESTED = Signal("rested", "1", "commands of (0, 0) in a row, in time")
 TRACE = 1e-20
 """Commands [m/s, rad/s] up to this are 0: what a limit of 0 leaves of a curve opens no brake."""
 LEAST_PULL = 1e-9
 """Least speed away [m/s, rad/s] that counts as one."""
+PENDING = 1e-12
+"""Sum of a request that was refused before the base stood."""
 LEAST_PERIOD = 1e-9
 """Least time for which a command is taken to act [s], so that k2 is finite."""
 
 
-class StoppingGovernor(Governor):
+class StoppingGovernor(Watching, Governor):
     """Graph of a governor that is told limits, free ways, or that its base brakes at rest."""
 
     def __init__(self, scenario: Scenario) -> None:
@@ -73,28 +70,15 @@ class StoppingGovernor(Governor):
         self.rest = None if settings.rest is None else p.take("filter.rest")
         tau = ends_of(p, "tau")
         self.channels = two_sided(self.channels)
-        starts = [c.largest[place] for place in (0, -1) for c in self.channels]
-        self.most_before = [port(most_signal(age), starts) for age in range(1, last + 1)]
-        self.held_before = (
-            [port(held_signal(age)) for age in range(1, last + 1)] if self.rest is not None else []
-        )
-        self.rested = [port(RESTED)] if self.held_before else []
+        self.watch(last)
         self.limits_told = limits_port(scenario)
-        self.free, self.free_age = port(FREE, [LARGEST] * 4), port(FREE_AGE, -1.0)
-        self.free_known, self.waited = port(FREE_KNOWN, [-1.0] * 4), port(WAITED)
-        still = [_nothing(item.sym) for item in self.before] if self.rest is not None else []
-        self.told = [
-            [
-                ToldBound(
-                    plan, c.sides[place], tau[i], self.T,
-                    most=[ca.SX(0), *(item.sym[2 * place + i] for item in self.most_before)],
-                    still=[ca.SX(0), *still] if still else (),
-                    punctual=self.punctual,
-                )
-                for i, (c, plan) in enumerate(zip(self.channels, self.plans, strict=True))
-            ]
-            for place in AXES
-        ]  # fmt: skip
+        self.waited = port(WAITED)
+        still = [is_nothing(item.sym) for item in self.before] if self.rest is not None else []
+        self.told = each_side(lambda place, i: ToldBound(
+            self.plans[i], self.channels[i].sides[place], tau[i], self.T,
+            most=[ca.SX(0), *(item.sym[2 * place + i] for item in self.most_before)],
+            still=[ca.SX(0), *still] if still else (), punctual=self.punctual,
+        ))  # fmt: skip
         self.motions = [list[SpeedBound](side) for side in self.told]
         self.stops = [self._stop(i, tau[i]) for i in AXES]
         numbers = [*([self.rest] if self.rest is not None else [])]
@@ -106,25 +90,22 @@ class StoppingGovernor(Governor):
     @property
     def remembered(self) -> int:
         """Number of commands that the state holds, those while a distance was measured included."""
-        least = super().remembered
-        settings, T = self.scenario.filter, self.scenario.clock.control
-        if settings.free_error is None:
-            return least
-        return max(least, *(replace(p, age=settings.free_age / T).oldest for p in self.plans))
+        if self.scenario.filter.free_error is None:
+            return super().remembered
+        return remembered(self.plans, self.scenario)
 
     def _stop(self, axis: int, tau: tuple[ca.SX, ca.SX]) -> Stop[ca.SX]:
         plan, d = self.plans[axis], self.channels[axis].bounds.dbar
-        spread = plan.delay[1] - plan.delay[0]
         nears = self.distances and axis == 0
         nearing = self.p.take("filter.nearing") if nears else ca.SX(0)
-        acts, last = (plan.longest - spread) * self.T, plan.delay[1] * self.T
+        acts, last = plan.acting * self.T, plan.delay[1] * self.T
         return Stop(tau, d, self.rest, acts, last, nearing)
 
     @cached_property
     def in_force(self) -> Sides:
         """Limit of each side: at least the push, at most the scenario's; the push if not told."""
         if not self.scenario.filter.changing:
-            return [[b.V for b in self._bounds(place)] for place in AXES]
+            return each_side(lambda place, i: self._bounds(place)[i].V)
         return told_limits(self.limits_told.sym, self.channels)
 
     def _bounds(self, place: int) -> list[FirstOrder]:
@@ -133,48 +114,25 @@ class StoppingGovernor(Governor):
     @cached_property
     def now(self) -> Sides:
         """Bounds of the present speed, by what acts now also."""
-        return [
-            [ca.fmin(v, m.cap_now) for v, m in zip(side, motions, strict=True)]
-            for side, motions in zip(super().now, self.told, strict=True)
-        ]
+        own = super().now
+        return each_side(lambda place, i: ca.fmin(own[place][i], self.told[place][i].cap_now))
 
     @cached_property
     def takeover(self) -> Sides:
         """v_bar: bounds of the speed at any time at which the next command may take effect."""
-        return [
-            [
-                ca.if_else(self.trusted, m.takeover(side[i], self._targets(way, i)), m.bounds.V)
-                for i, m in enumerate(motions)
-            ]
-            for way, side, motions in zip(WAYS, self.start, self.told, strict=True)
-        ]
+        return each_side(self._takeover)
 
-    @cached_property
-    def free_now(self) -> Sides:
-        """Free way of each side: told, or what was told before less the way since then."""
-        error, nearing = self.p.take("filter.free_error"), self.p.take("filter.nearing")
-        age, sides = self.free_age.sym, []
-        for place, motions in enumerate(self.told):
-            ways = []
-            for i, motion in enumerate(motions):
-                number, V = place + 2 * i, motion.bounds.V
-                most = largest([ca.SX(0), *motion.most[1:]])
-                gone = (ca.if_else(self.trusted, most, V) + (0 if i else nearing)) * age
-                far = self._far(place, i)
-                told = ca.fmin(self.free.sym[number], far) - (0 if i else error)
-                known = ca.if_else(self.came, self.free_known.sym[number], -1)
-                fresh = ca.logic_and(self.is_fresh, is_number(self.free.sym[number]))
-                ways.append(ca.if_else(fresh, told - gone - ROUNDING * far, known))
-            sides.append(ways)
-        return sides
+    def _takeover(self, place: int, axis: int) -> ca.SX:
+        motion, targets = self.told[place][axis], self._targets(WAYS[place], axis)
+        v_bar = motion.takeover(self.start[place][axis], targets)
+        return ca.if_else(self.trusted, v_bar, motion.bounds.V)
 
-    @cached_property
-    def is_fresh(self) -> ca.SX:
-        """1 where the free ways are told, and not too old."""
-        half = 0.5 * self.p.take("filter.free_age")
-        return within(self.free_age.sym - half, half + NEAR * self.T)
+    @property
+    def believed(self) -> ca.SX:
+        """1 where the bounds of the speed are valid."""
+        return self.trusted
 
-    def _far(self, place: int, axis: int) -> ca.SX:
+    def far(self, place: int, axis: int) -> ca.SX:
         """Way from which on a free way limits no command."""
         stop, b = self.stops[axis], self.channels[axis].sides[place]
         times = stop.time + stop.fading + self.p.take("filter.free_age")
@@ -183,13 +141,12 @@ class StoppingGovernor(Governor):
     @cached_property
     def reached(self) -> list[list[list[Reached[ca.SX]]]]:
         """Ways and speeds of each side where the next command may take over."""
-        sides = []
-        for way, side, motions in zip(WAYS, self.start, self.told, strict=True):
-            sides.append([
-                [self._sure(at, m) for at in m.takeovers(side[i], self._targets(way, i))]
-                for i, m in enumerate(motions)
-            ])  # fmt: skip
-        return sides
+        return each_side(self._reached)
+
+    def _reached(self, place: int, axis: int) -> list[Reached[ca.SX]]:
+        motion, targets = self.told[place][axis], self._targets(WAYS[place], axis)
+        takeovers = motion.takeovers(self.start[place][axis], targets)
+        return [self._sure(at, motion) for at in takeovers]
 
     def _sure(self, at: Reached[ca.SX], motion: ToldBound) -> Reached[ca.SX]:
         """What is reached, the most where the times of commands cannot be trusted."""
@@ -203,32 +160,25 @@ class StoppingGovernor(Governor):
     @cached_property
     def stopping(self) -> Sides:
         """Largest commands by the free ways; below 0 where no stop ends in time."""
-        sides = []
-        for place in AXES:
-            limits = []
-            for i, (stop, b) in enumerate(zip(self.stops, self._bounds(place), strict=True)):
-                free = self.free_now[place][i] - self.scenario.filter.leave * stop.roll
-                limits.append((stop.steady(free, self.reached[place][i]) - b.dbar) / b.K_max)
-            sides.append(limits)
-        return sides
+        return each_side(self._stopping)
+
+    def _stopping(self, place: int, axis: int) -> ca.SX:
+        stop, b = self.stops[axis], self._bounds(place)[axis]
+        free = self.free_now[place][axis] - self.scenario.filter.leave * stop.roll
+        return (stop.steady(free, self.reached[place][axis]) - b.dbar) / b.K_max
 
     @cached_property
     def limits(self) -> Sides:
         """Largest safe commands of all channels, forwards and backwards."""
-        sides = []
-        for place, motions in enumerate(self.told):
-            limits = []
-            for i, motion in enumerate(motions):
-                most = self._admitted(place, i, motion)
-                limits.append(ca.fmin(most, self.stopping[place][i]) if self.distances else most)
-            sides.append([ca.fmax(0, limit) for limit in limits])
-        return sides
+        return each_side(lambda place, i: ca.fmax(0, self._admitted(place, i)))
 
-    def _admitted(self, place: int, axis: int, motion: ToldBound) -> ca.SX:
-        """Largest command by the limit in force."""
-        b, plan = motion.bounds, motion.schedule
-        slowest = 1 / ca.expm1(ca.fmax(plan.shortest * self.T, LEAST_PERIOD) / motion.tau[1])
-        return told_command(self.in_force[place][axis], self.takeover[place][axis], b, slowest)
+    def _admitted(self, place: int, axis: int) -> ca.SX:
+        """Largest command by the limit in force and by the free way."""
+        motion = self.told[place][axis]
+        acts = ca.fmax(motion.schedule.shortest * self.T, LEAST_PERIOD)
+        slowest, V = 1 / ca.expm1(acts / motion.tau[1]), self.in_force[place][axis]
+        most = told_command(V, self.takeover[place][axis], motion.bounds, slowest)
+        return ca.fmin(most, self.stopping[place][axis]) if self.distances else most
 
     @cached_property
     def offered(self) -> ca.SX:
@@ -238,64 +188,80 @@ class StoppingGovernor(Governor):
 
     @cached_property
     def away(self) -> Sides:
-        """Steady speeds towards each side, at most; 1 if the command drives away from it."""
-        sides = []
-        for place, way in enumerate(WAYS):
-            bounds = self._bounds(place)
-            u = [way * self.offered[i] for i in AXES]
-            sides.append([b.K_min * u[i] + b.dbar for i, b in enumerate(bounds)])
-        return sides
+        """Steady speeds towards each side, at most."""
+        return each_side(self._away)
+
+    def _away(self, place: int, axis: int) -> ca.SX:
+        b = self._bounds(place)[axis]
+        return b.K_min * (WAYS[place] * self.offered[axis]) + b.dbar
 
     @cached_property
     def leaves(self) -> Sides:
         """1 for each side from which the command drives away, whatever pushes."""
-        return [
-            [ca.logic_and(way * self.offered[i] < 0, self.away[place][i] <= 0) for i in AXES]
-            for place, way in enumerate(WAYS)
-        ]
+        return each_side(lambda place, i: ca.logic_and(
+            WAYS[place] * self.offered[i] < 0, self.away[place][i] <= 0
+        ))  # fmt: skip
 
     @cached_property
     def pull(self) -> Sides:
         """Least speed away from each side that the command comes to in the long run."""
-        sides = []
-        for place in AXES:
-            pulls = []
-            for i, b in enumerate(self._bounds(place)):
-                steady = (self.in_force[1 - place][i] - b.dbar) / b.K_max
-                pulls.append(b.K_min * ca.fmin(ca.fabs(self.offered[i]), steady) - b.dbar)
-            sides.append(pulls)
-        return sides
+        return each_side(self._pull)
+
+    def _pull(self, place: int, axis: int) -> ca.SX:
+        b = self._bounds(place)[axis]
+        steady = (self.in_force[1 - place][axis] - b.dbar) / b.K_max
+        return b.K_min * ca.fmin(ca.fabs(self.offered[axis]), steady) - b.dbar
 
     @cached_property
     def open(self) -> Sides:
         """1 for each side that the command may use, or from which it may drive away."""
-        sides = []
-        for place, way in enumerate(WAYS):
-            opens = []
-            for i, stop in enumerate(self.stops):
-                v_bar, behind = self.takeover[place][i], self.reached[place][i][-1].way
-                need = stop.retreat(behind, v_bar, self.away[place][i])
-                enough = [self.free_now[place][i] >= need]
-                if not self.scenario.filter.nearing:
-                    enough += [way * self.before[0].sym[i] < 0, stop.push == 0]
-                    enough += [self._is_ripe(place, i)] if self.rest is not None else []
-                leaves = self.leaves[place][i]
-                if self.rest is not None:  # else zeros would lead no less far than it does
-                    leaves = ca.logic_and(leaves, v_bar <= 0)
-                passes = ca.logic_and(leaves, reduce(ca.logic_or, enough))
-                opens.append(ca.logic_or(self.stopping[place][i] >= 0, passes))
-            sides.append(opens)
-        return sides
+        return each_side(self._is_open)
+
+    def _is_open(self, place: int, axis: int) -> ca.SX:
+        stop, v_bar = self.stops[axis], self.takeover[place][axis]
+        behind = self.reached[place][axis][-1].way
+        enough = [self.free_now[place][axis] >= stop.retreat(behind, v_bar, self.away[place][axis])]
+        if not self.scenario.filter.nearing:
+            enough += [WAYS[place] * self.before[0].sym[axis] < 0, stop.push == 0]
+            enough += [self._is_ripe(place, axis)] if self.rest is not None else []
+        leaves = self.leaves[place][axis]
+        if self.rest is not None:  # else zeros would lead no less far than it does
+            leaves = ca.logic_and(leaves, v_bar <= 0)
+        passes = ca.logic_and(leaves, reduce(ca.logic_or, enough))
+        certain = self.stopping[place][axis] >= 0
+        if self.rest is not None and not self.scenario.filter.nearing:
+            certain = ca.logic_and(certain, self._lasts(place, axis))
+        return ca.logic_or(certain, passes)
+
+    def _lasts(self, place: int, axis: int) -> ca.SX:
+        """0 for a request away that was refused, and may be so again before it has led away.
+
+        Distances that are off now and then would let single commands pass, after each of which
+        rest is no longer known.
+        """
+        way, push = WAYS[place], self.channels[axis].bounds.dbar
+        request = [self.leaves[place][axis], self.waited.sym[place + 2 * axis] > 0]
+        fresh = reduce(ca.logic_and, (*request, way * self.before[0].sym[axis] >= 0))
+        free = self._stays_free(place, axis, push, self._lasting(place, axis))
+        return ca.logic_or(ca.logic_not(fresh), free)
+
+    def _holding(self, place: int, axis: int) -> ca.SX:
+        """n_hold: commands away after which a release ends no nearer than where it began."""
+        plan, pull = self.plans[axis], self.pull[place][axis]
+        return plan.losses + whole_steps(plan, self.T, self.stops[axis].hold(pull))
+
+    def _lasting(self, place: int, axis: int) -> ca.SX:
+        """Longest time [s] for which n_hold commands and the one before may act."""
+        plan = self.plans[axis]
+        return (self._holding(place, axis) * (1 + plan.jitter) + plan.longest) * self.T
 
     def _is_ripe(self, place: int, axis: int) -> ca.SX:
         """1 where a command straight away was asked for from rest long enough."""
-        stop, pull, plan = self.stops[axis], self.pull[place][axis], self.plans[axis]
-        steps = plan.losses + whole_steps(plan, self.T, stop.hold(pull))
-        time = (steps * (1 + plan.jitter) + plan.longest) * self.T
-        waited = self.waited.sym[place + 2 * axis] >= steps * pull
+        pull, time = self.pull[place][axis], self._lasting(place, axis)
+        waited = self.waited.sym[place + 2 * axis] >= self._holding(place, axis) * pull
         straight = self.offered[1 - axis] == 0
-        V = self.in_force[1 - place][axis]
-        goes_on = [self._stays_free(1 - place, axis, V, time + stop.fading)]
+        V, fading = self.in_force[1 - place][axis], self.stops[axis].fading
+        goes_on = [self._stays_free(1 - place, axis, V, time + fading)]
         across = 1 - axis
         push = self.channels[across].bounds.dbar
         goes_on += [self._stays_free(side, across, push, time) for side in AXES]
@@ -324,31 +290,25 @@ class StoppingGovernor(Governor):
     @cached_property
     def held(self) -> ca.SX:
         """1 where the base stands by the time the command acts, and (0, 0) is sent."""
-        plan = max(self.plans, key=lambda plan: plan.delay[1] - plan.delay[0])
+        plan = max(self.plans, key=lambda plan: plan.spread)
         rest = ca.SX(0) if self.rest is None else self.rest
         time = rest + plan.losses * (1 + plan.jitter) * self.T
-        enough = self._in_row >= whole_steps(plan, self.T, time, NEAR)
-        return ca.logic_and(_nothing(self.safe), enough)
-
-    @property
-    def _in_row(self) -> ca.SX:
-        return ca.if_else(self.came, self.rested[0].sym, 0)
+        enough = self.in_row >= whole_steps(plan, self.T, time, NEAR)
+        return ca.logic_and(is_nothing(self.safe), enough)
 
     @cached_property
     def most(self) -> Sides:
         """Bound of the speed while the command just sent acts."""
-        sides = []
-        for place, way in enumerate(WAYS):
-            most = []
-            for i, v_bar in enumerate(self.takeover[place]):
-                target = self._targets(way, i, self.safe)[0]
-                bound = ca.fmin(ca.fmax(self.in_force[place][i], v_bar), ca.fmax(v_bar, target))
-                if self.rest is not None:
-                    bound = ca.if_else(_nothing(self.safe), ca.fmax(bound, 0), bound)
-                    bound = ca.if_else(self.held, 0, bound)
-                most.append(bound)
-            sides.append(most)
-        return sides
+        return each_side(self._most)
+
+    def _most(self, place: int, axis: int) -> ca.SX:
+        v_bar, V = self.takeover[place][axis], self.in_force[place][axis]
+        target, *_ = self._targets(WAYS[place], axis, self.safe)
+        bound = ca.fmin(ca.fmax(V, v_bar), ca.fmax(v_bar, target))
+        if self.rest is None:
+            return bound
+        bound = ca.if_else(is_nothing(self.safe), ca.fmax(bound, 0), bound)
+        return ca.if_else(self.held, 0, bound)
 
     def _targets(self, way: int, number: int, newest: ca.SX | None = None) -> list[ca.SX]:
         """Steady speed to which each command may drive an axis: 0 while the base stands."""
@@ -361,58 +321,46 @@ class StoppingGovernor(Governor):
     @cached_property
     def onward(self) -> list[list[ToldBound]]:
         """`told` with the command just sent."""
-        still = _nothing(self.safe)
-        return [
-            [
-                replace(
-                    m,
-                    most=[self.most[place][i], *m.most[1:]],
-                    still=[still, *m.still[1:]] if m.still else (),
-                )
-                for i, m in enumerate(motions)
-            ]
-            for place, motions in enumerate(self.told)
-        ]
+        return each_side(self._onward)
+
+    def _onward(self, place: int, axis: int) -> ToldBound:
+        m = self.told[place][axis]
+        still = [is_nothing(self.safe), *m.still[1:]] if m.still else ()
+        return replace(m, most=[self.most[place][axis], *m.most[1:]], still=still)
 
     @cached_property
     def following(self) -> Sides:
         """Bounds of the speed at the next sample, after the safe command."""
-        return [
-            [m.following(side[i], self._targets(way, i, self.safe)) for i, m in enumerate(motions)]
-            for way, side, motions in zip(WAYS, self.start, self.onward, strict=True)
-        ]
+        return each_side(lambda place, i: self.onward[place][i].following(
+            self.start[place][i], self._targets(WAYS[place], i, self.safe)
+        ))  # fmt: skip
 
     @cached_property
     def free_following(self) -> list[ca.SX]:
         """Free ways at the next sample."""
-        free = []
-        for i in AXES:
-            for place, way in enumerate(WAYS):
-                motion, start = self.onward[place][i], self.start[place][i]
-                latest = (1 + motion.schedule.jitter) * self.T
-                gone = motion.until_next(start, self._targets(way, i, self.safe))
-                gone = ca.if_else(self.trusted, gone, motion.bounds.V * latest)
-                nearer = self.stops[i].nearing * latest
-                free.append(self.free_now[place][i] - gone - nearer)
-        return free
+        return [self._free_following(place, i) for i in AXES for place in AXES]
+
+    def _free_following(self, place: int, axis: int) -> ca.SX:
+        motion, targets = self.onward[place][axis], self._targets(WAYS[place], axis, self.safe)
+        latest = (1 + motion.schedule.jitter) * self.T
+        gone = motion.until_next(self.start[place][axis], targets)
+        gone = ca.if_else(self.trusted, gone, motion.bounds.V * latest)
+        return self.free_now[place][axis] - gone - self.stops[axis].nearing * latest
 
     @cached_property
     def waiting(self) -> list[ca.SX]:
         """Refused pull away from each side, summed: it ends with the request, or once it passes."""
-        sums = []
-        stands = self.held_before[0].sym
-        for i in AXES:
-            for place, way in enumerate(WAYS):
-                others = [
-                    item for k, side in enumerate(self.open) for j, item in enumerate(side)
-                    if (k, j) != (place, i)
-                ]  # fmt: skip
-                counts = reduce(ca.logic_and, (stands, self.leaves[place][i], *others))
-                before, pull = self.waited.sym[place + 2 * i], self.pull[place][i]
-                refused = ca.if_else(counts, before + ca.fmax(pull, 0), 0)
-                goes_on = ca.if_else(way * self.safe[i] < 0, before, 0)
-                sums.append(ca.if_else(self.opens, goes_on, refused))
-        return sums
+        return [self._waiting(place, i) for i in AXES for place in AXES]
+
+    def _waiting(self, place: int, axis: int) -> ca.SX:
+        others = [self.open[1 - place][axis], *(side[1 - axis] for side in self.open)]
+        stands, leaves = self.held_before[0].sym, self.leaves[place][axis]
+        before = self.waited.sym[place + 2 * axis]
+        more = before + ca.fmax(self.pull[place][axis], 0)
+        counts = reduce(ca.logic_and, (stands, leaves, *others))
+        refused = ca.if_else(counts, more, PENDING * leaves)
+        goes_on = ca.if_else(WAYS[place] * self.safe[axis] < 0, before, 0)
+        return ca.if_else(self.opens, goes_on, refused)
 
     @property
     def inputs(self) -> tuple[Port, ...]:
@@ -437,45 +385,9 @@ class StoppingGovernor(Governor):
     def memory(self) -> tuple[tuple[Port, ...], list[ca.SX]]:
         """State, the governor's first, and its next values."""
         state, update = super().memory
-        own: list[tuple[Sequence[Port], list[ca.SX], float]] = [
-            (self.most_before, [*chain(*self.most), *_shifted(self.most_before)], LARGEST)
-        ]
-        if self.rest is not None:
-            still = ca.if_else(_nothing(self.safe), self._in_row + 1, 0)
-            own.append((self.held_before, [self.held, *_shifted(self.held_before)], 0))
-            own.append((self.rested, [still], 0))
-        if self.distances:
-            own.append(([self.free_known], self.free_following, -1))
+        own = self.watched
         if self.distances and self.rest is not None:
             own.append(([self.waited], self.waiting, 0))
         ports = (item for items, _, _ in own for item in items)
         values = (ca.if_else(self.sound, ca.vertcat(*new), other) for _, new, other in own)
         return (*state, *ports), [*update, *values]
-
-
-def _shifted(before: Sequence[Port]) -> list[ca.SX]:
-    return [item.sym for item in before[:-1]]
-
-
-def whole_steps(plan: Schedule, T: ca.SX, time: ca.SX, more: float = -NEAR) -> ca.SX:
-    """Number of commands that surely act for at least this time [s], and ``more`` of a period.
-
-    A brake ends a motion at once, so that rest needs more than the time after which it closes.
-    """
-    spread = plan.delay[1] - plan.delay[0]
-    return ca.ceil((time + spread * T) / ((1 - plan.jitter) * T) + more)
-
-
-def _nothing(command: ca.SX) -> ca.SX:
-    return ca.logic_and(command[0] == 0, command[1] == 0)
-
-
-def most_signal(age: int) -> Signal:
-    """State: bounds of the speeds under a command sent some samples ago."""
-    said = f"bound of v, omega and of their negatives while the command of {age} samples ago acts"
-    return Signal(f"v_most_{age}", "m/s, rad/s, m/s, rad/s", said, 4)
-
-
-def held_signal(age: int) -> Signal:
-    """State: whether the base stands under a command sent some samples ago."""
-    return Signal(f"held_{age}", "1", f"1: the base stands while the command of {age} ago acts")

@@ -13,7 +13,7 @@ line for each time at which u may take over and each end of tau (`filter.free.pl
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, reduce
 from typing import Generic
 
@@ -144,9 +144,9 @@ class ToldBound(SpeedBound):
     may act were sent in time.
     """
 
+    punctual: ca.SX
     most: Sequence[ca.SX] = ()
     still: Sequence[ca.SX] = ()
-    punctual: ca.SX = field(default_factory=lambda: ca.SX(1))
 
     @property
     def stops_alone(self) -> bool:

@@ -1,10 +1,23 @@
-"""Extra files of an FMU: scenario, graph, and reference result."""
+"""Extra files of an FMU: scenario, graph, reference result, and a law in plain C.
+
+For production code that uses the law without FMI's calls, such as a block that wraps a C function,
+there is the package that `wmr-ctrl codegen` writes, and ``interface.xml`` with sources, header,
+structs, the expressions of its functions and the place of each of the FMU's variables in the
+structs.
+"""
 
 import tempfile
 from collections.abc import Mapping
 from contextlib import chdir
 from pathlib import Path
 
+from wmr_ctrl.codegen.package import FILTER, c_name, package_files
+from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.filter import filter_system
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.setup import settle
+
+from .files import render
 from .model_description import FmuModel, Role
 
 EXTRA = "extra/org.wmr-ctrl"
@@ -12,9 +25,39 @@ GRAPH = f"{EXTRA}/evaluate.casadi"
 """The function of a single block, for `casadi.Function.load`."""
 RESULT = f"{EXTRA}/reference.csv"
 """The reference result."""
+STARTS = f"{EXTRA}/reference.ssv"
+"""Start values of inputs that it was made with, as an SSP parameter set."""
+REFERENCES = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"
+"""Manifest of the files, by the layered standard FMI-LS-REF."""
 SECONDS = 2.0
 TORQUES = {"tau_right": 5.0, "tau_left": 4.5}
 """Constant torques [N m] that the plant's reference result is driven with."""
+FOLDER = f"{EXTRA}/code"
+INTERFACE = f"{FOLDER}/interface.xml"
+NOTE = f". Plain C of one sample, and how to call it: {INTERFACE}"
+"""Words on it in the model description, after the title."""
+
+
+def plain_code(model: FmuModel) -> dict[str, str]:
+    """The package of a law or the filter, with the FMU's ports, and its interface."""
+    if model.what not in (*LAWS, FILTER):
+        return {}
+    law, scenario = model.what, model.scenario
+    package = package_files(law, scenario, counting=False)
+    system = filter_system(scenario) if law == FILTER else controller(settle(scenario, law))
+    files = {f"{FOLDER}/{name}": text for name, text in package.items()}
+    return files | {INTERFACE: render("interface.xml", model=model, system=system, c_name=c_name)}
+
+
+def references(model: FmuModel, tool: str) -> dict[str, str]:
+    """The manifest of FMI-LS-REF, and its files besides result, scenario and graph."""
+    starts = _starts_of(model)
+    shown = {"model": model, "seconds": _seconds(model), "starts": starts}
+    files = {REFERENCES: render("fmi-ls-manifest.xml", **shown)}
+    if starts:
+        values = [{"name": key, "value": value} for key, value in starts.items()]
+        files[STARTS] = render("parameters.ssv", name="reference", tool=tool, values=values)
+    return files
 
 
 def _starts_of(model: FmuModel) -> dict[str, float]:

@@ -22,14 +22,7 @@ from . import blocks, extra, xml
 from .closed_loop import closed_loop_model
 from .files import LEVEL, render, sources_of, write_archive
 from .model_description import FmuModel
-from .targets import (
-    TARGETS,
-    PartlyBuiltError,
-    Target,
-    build_for,
-    host,
-    targets_of,
-)
+from .targets import TARGETS, Target, build_for, host, targets_of
 
 TOOL = f"wmr_ctrl {__version__}"
 VERSIONS = {"2": (2,), "3": (3,), "both": (2, 3)}
@@ -58,24 +51,18 @@ def export_fmu(
     vectors are arrays in FMI 3; False gives flat names there too.  ``progress`` is called with a
     line for each file.
 
-    Raises UnknownNameError, ScenarioError or CompilerError; if some of several platforms fail, the
-    files contain the others (PartlyBuiltError, at the end).
+    Raises UnknownNameError, ScenarioError, or CompilerError if a platform cannot be built.
     """
     case = scenario_given(scenario)
     if what in ("plant", "guard", "corridor"):
         check_takes_torques(case, f"the {what} is exported")
     model = model_of(what, law_of(case, law), case)
-    paths, lost = [], list[PartlyBuiltError]()
+    paths = []
     for version in versions_of(fmi):
         path = Path(out) / f"wmr_{what}.fmi{version}.fmu"
-        try:
-            paths.append(write_fmu(model, version, targets_of(target), path, arrays=arrays))
-        except PartlyBuiltError as error:
-            lost.append(error)
+        paths.append(write_fmu(model, version, targets_of(target), path, arrays=arrays))
         if progress:
             progress(f"{path}: {model.title}, FMI {version}.0, {target}")
-    if lost:
-        raise PartlyBuiltError(" ".join(map(str, lost)))
     return paths
 
 
@@ -125,14 +112,15 @@ def write_fmu(
     level: int = LEVEL,
 ) -> Path:
     """Build and pack one file; ``result``: with a reference result, if this machine's library is
-    built; ``level`` of compression.
+    built, and for a law its plain C; ``level`` of compression.
 
-    Warns if FMPy cannot run it for the reference result, and omits that.  Raises PartlyBuiltError,
-    with the file written, if some of several platforms failed.
+    Warns if FMPy cannot run it for the reference result, and omits that.
     """
     sources = sources_of(model, version, arrays=arrays)
-    text = xml.description(model, sources, version, TOOL, arrays=arrays)
-    files = {"modelDescription.xml": text}
+    code = extra.plain_code(model) if result else {}
+    note = extra.NOTE if code else ""
+    text = xml.description(model, sources, version, TOOL, arrays=arrays, note=note)
+    files = {"modelDescription.xml": text, **code}
     if version == 3:
         built_from = {"identifier": model.identifier, "units": sources.units}
         files["sources/buildDescription.xml"] = render("buildDescription.xml", m=built_from)
@@ -141,7 +129,7 @@ def write_fmu(
     files |= {extra.GRAPH: model.graph} if model.graph else {}
     files |= {f"sources/{name}": text for name, text in sources.files.items()}
     packed = {name: text.encode() for name, text in files.items()}
-    built, failed = build_for(targets, sources, model.identifier)
+    built = build_for(targets, sources, model.identifier)
     packed |= binaries(model, version, built)
     if result and host() in built:
         run = binaries(model, version, {host(): built[host()]})
@@ -152,14 +140,9 @@ def write_fmu(
             said = str(error).rstrip(".")
             note = f"{path} has no reference result: FMPy could not run it here ({said})."
             warnings.warn(note, stacklevel=2)
+        else:
+            packed |= {name: text.encode() for name, text in extra.references(model, TOOL).items()}
     write_archive(path, packed, level=level)
-    if failed:
-        reasons = "; ".join(f"{name}: {reason}" for name, reason in failed.items())
-        raise PartlyBuiltError(
-            f"{path} was written with {', '.join(built)}, but without {', '.join(failed)} "
-            f"({reasons}). Export again: what was built is kept and only the rest is compiled; or "
-            f"name one platform that is wanted (--target {next(iter(built))})."
-        )
     return path
 
 

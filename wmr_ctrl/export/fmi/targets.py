@@ -68,16 +68,10 @@ def targets_of(name: str) -> tuple[Target, ...]:
     return chosen
 
 
-class PartlyBuiltError(CompilerError):
-    """Some of several platforms could not be built; the file named here contains the others."""
+def build_for(targets: Sequence[Target], sources: Sources, identifier: str) -> dict[str, bytes]:
+    """Libraries by platform, built several at a time.
 
-
-def build_for(
-    targets: Sequence[Target], sources: Sources, identifier: str
-) -> tuple[dict[str, bytes], dict[str, str]]:
-    """Libraries by platform, built several at a time, and compiler messages of failed ones.
-
-    Raises CompilerError if none could be built.
+    Raises CompilerError if one cannot be built, when all others are in the cache.
     """
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as workers:
         jobs = {t.name: workers.submit(compile_for, t, sources, identifier) for t in targets}
@@ -86,21 +80,7 @@ def build_for(
         except BaseException:  # Ctrl-C: what has not begun need not
             workers.shutdown(cancel_futures=True)
             raise
-    errors = {name: job.exception() for name, job in jobs.items()}
-    failed: dict[str, str] = {}
-    for name, error in errors.items():
-        if error is not None and (len(jobs) == 1 or not isinstance(error, CompilerError)):
-            raise error
-        if error is not None:
-            failed[name] = str(error).partition(". The command was")[0].rstrip(".")
-    if len(failed) == len(jobs):
-        listed = "; ".join(f"{name}: {reason}" for name, reason in failed.items())
-        raise CompilerError(
-            f"no platform could be built ({listed}). Try --target host, which takes this machine's "
-            f"own compiler where zig does not work; {VARIABLE} may name it."
-        )
-    built = {name: job.result().read_bytes() for name, job in jobs.items() if name not in failed}
-    return built, failed
+    return {name: job.result().read_bytes() for name, job in jobs.items()}
 
 
 def compile_for(target: Target, sources: Sources, identifier: str) -> Path:

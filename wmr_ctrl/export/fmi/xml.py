@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterable
 
+from wmr_ctrl.codegen.package import FILTER
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of, units_of
 
@@ -24,12 +26,13 @@ def description(
     tool: str,
     *,
     arrays: bool = True,
+    note: str = "",
 ) -> str:
-    """Text of modelDescription.xml for FMI 2 or 3."""
+    """Text of modelDescription.xml for FMI 2 or 3; ``note``: text after the title."""
     arrays, rows = arrays and version == 3, enumerate(model.variables)
     return render(
         f"fmi{version}.xml", model=model, units=sources.units, token=sources.token,
-        title=model.title, tool=tool, unit_definitions=_units(model.variables),
+        title=model.title + note, tool=tool, unit_definitions=_units(model.variables),
         clock=model.scenario.clock, unit_of=unit_of, inf=math.inf,
         rows=[(i, v, row_size(v, arrays), arrays and v.array) for i, v in rows],
         structure=_structure(model, version, arrays),
@@ -38,7 +41,7 @@ def description(
 
 def documentation(model: FmuModel, tool: str) -> str:
     """Text of documentation/index.html."""
-    return render("index.html", model=model, tool=tool)
+    return render("index.html", model=model, tool=tool, packed=model.what in (*LAWS, FILTER))
 
 
 def _units(variables: Iterable[Variable]) -> list[NamedUnit]:

@@ -4,7 +4,6 @@ Each rule raises LogError with one paragraph: what was seen, where, and what to 
 """
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -35,7 +34,7 @@ def check_motion(name: str, log: Samples, half_track: float, shortest: float) ->
 
 
 def check_torques(name: str, log: Samples, half_track: float) -> None:
-    """Check that wheels are not swapped, signs agree, and motion follows torque with one delay."""
+    """Check that wheels are not swapped, that signs agree, and that motion follows torque."""
     moved, torque = differenced(log, half_track)
     if np.std(torque(0.0), axis=0).min() < 1e-9:
         return
@@ -58,32 +57,7 @@ def check_torques(name: str, log: Samples, half_track: float) -> None:
             "that torque or of that counter is reversed. Positive torque drives forward, and "
             "counts grow forward."
         )
-    _check_clocks(name, log, (moved, torque), shifts, shares)
-
-
-def _check_clocks(
-    name: str,
-    log: Samples,
-    data: tuple[Floats, Callable[[float], Floats]],
-    shifts: Floats,
-    explained: Floats,
-) -> None:
-    moved, torque = data
-    best, late = int(np.argmax(explained)), []
-    check_following(name, "its torque", 1.0, shifts[best], explained[best], log.period)
-    for part in np.array_split(np.arange(len(moved)), 3):
-        shares = [gains(moved[part], torque(shift)[part])[0] for shift in shifts]
-        # Without a sharp peak a third tells no time.
-        if max(shares) < 0.5 or max(shares) - np.median(shares) < 0.25:
-            return
-        late.append(shifts[np.argmax(shares)])
-    steps = np.diff(late)
-    if abs(steps.sum()) > 1.5 * max(2.5 * log.period, 0.03) and (steps * steps.sum() >= 0).all():
-        raise LogError(
-            f"{name}: from torque to motion it takes {late[0]:.2f}, {late[1]:.2f} and "
-            f"{late[2]:.2f} s in the three thirds of the log: the clocks of commands and sensors "
-            "drift apart, or the delay itself changed. Take both times from one clock."
-        )
+    check_following(name, "its torque", 1.0, shifts[best], shares[best], log.period)
 
 
 def check_poses(name: str, log: Log, seen: Samples) -> None:

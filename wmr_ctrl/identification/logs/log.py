@@ -1,7 +1,6 @@
 """A log: columns by the names of our runs, in SI units, each with the clock that it came with."""
 
 import math
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -78,10 +77,6 @@ class LeftOut(NamedTuple):
     begin: float
     end: float
     reason: str
-
-    def to_json(self) -> dict[str, object]:
-        """Plain data."""
-        return {"from": self.begin, "to": self.end, "reason": self.reason}
 
 
 @dataclass(frozen=True)
@@ -177,10 +172,9 @@ def _loaded(path: Path, topics: Mapping[str, str] | None) -> Run | drive.Recorde
     """A saved run or a bag."""
     note_input(path, "log")
     if not (is_bag(path) or topics or path.suffix.lower() in RUNS):
-        folder = "is a folder without metadata.yaml" if os.path.isdir(path) else ""
         raise LogError(
-            f"{str(path)!r} {folder or f'has the suffix {path.suffix!r}'}; a log is a table "
-            f"({', '.join(TABLES)}), a ROS bag (its folder, .mcap or .db3), or a saved run "
+            f"{str(path)!r} is no log by its name; a log is a table ({', '.join(TABLES)}), a ROS "
+            "bag (.mcap, .db3, .bag, or a folder that has a metadata.yaml), or a saved run "
             f"({RUN_FILE})."
         )
     return load_source(path, topics)

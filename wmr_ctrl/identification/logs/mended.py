@@ -108,18 +108,14 @@ def _check_counters(log: Log) -> None:
         return
     for name in COUNTS.elements:
         t, counts = log.times[name], log.columns[name]
-        step, near, limit, jumps = jumps_of(t, counts)
+        step, near, _, jumps = jumps_of(t, counts)
         if not jumps.size:
             continue
         at = int(jumps[0])
-        if abs(counts[at + 1]) <= 3 * max(float(np.abs(near[at])), limit) < abs(counts[at]):
-            kind = "a counter that was set back to zero: cut the log there"
-        else:
-            kind = "lost or added counts: cut the log there, or mend the counter"
         raise LogError(
             f"{log.name}: {name} jumps by {step[at]:g} from row {at + 1} to the next, at "
             f"{t[at]:.6g} s, while the steps beside it are {near[at]:g} ({jumps.size} such jumps). "
-            f"It looks like {kind}."
+            "The counter was set back, or counts are lost: cut the log there, or mend the counter."
         )
 
 
@@ -235,8 +231,7 @@ def unwrapped(log: Log) -> Log:
         near = median_filter(step, NEIGHBOURS, mode="mirror")
         modulus = _modulus(counts, step, near)
         if modulus:
-            whole = step - modulus * np.round((step - near) / modulus)
-            columns[name] = np.concatenate((counts[:1], counts[0] + np.cumsum(whole)))
+            columns[name] = np.unwrap(counts, period=modulus)
             notes.append(Note("readings", "", f"{name} wraps at {modulus:g} counts, and goes on."))
     return replace(log, columns=columns, notes=tuple(notes))
 
@@ -253,10 +248,9 @@ def _modulus(counts: Floats, step: Floats, near: Floats) -> float:
     ends = np.concatenate((counts[:-1][jumps], counts[1:][jumps]))
     from_rim = np.minimum(np.abs(ends - counts.min()), np.abs(ends - counts.max()))
     found = float(np.median(sizes))
-    if np.ptp(sizes) > 2 * rim or from_rim.max() > rim or found > span + 2 * rim:
+    if np.ptp(sizes) > 2 * rim or from_rim.max() > rim:
         return 0.0
     close = max(2 * usual, 2.0)
-    rounded = [2.0 ** round(math.log2(found)), *(x * round(found / x) for x in (1e3, 1e2, 1e1))]
-    tried = (*rounded, max(round(found), span + 1))
-    whole = next((x for x in tried if abs(x - found) <= close and x > span), 0.0)
-    return whole if whole in rounded[:2] or jumps.sum() >= SURE else 0.0
+    tried = [2.0 ** round(math.log2(found)), 1e3 * round(found / 1e3)]
+    tried += [max(round(found), span + 1)] if jumps.sum() >= SURE else []
+    return next((x for x in tried if abs(x - found) <= close and x > span), 0.0)

@@ -69,16 +69,13 @@ def usable(samples: Samples, timeout: float | None = None, base: str = "velocity
         if log.in_fit.sum() < 5 * NEIGHBOURS:
             continue
         odd = odd_readings(log.speed, quick_fit(log).left if base == "velocity" else log.speed)
-        share, first, kept = float(odd.mean()), t[np.argmax(odd)], ~odd
-        few = share <= MOST_ODD
-        if few:
+        share, kept = float(odd.mean()), ~odd
+        if 0 < share <= MOST_ODD:
             use[:, axis] = kept
             seen[odd, axis] = np.interp(t[odd], t[kept], seen[kept, axis])
-        if share:
-            fate = " and left out" if few else ": so many are no faults of single rows, and stay"
             text = (
                 f"{odd.sum()} readings of {AXES[axis]} are single rows far off ({100 * share:.2g} "
-                f"%, the first at {first:.4g} s){fate}."
+                f"%, the first at {t[np.argmax(odd)]:.4g} s) and left out."
             )
             notes.append(Note("readings", AXES[axis], text))
     left_out = [
@@ -113,31 +110,23 @@ def odd_readings(speed: Floats, left: Floats) -> Mask:
     fast, steps = quick(speed), np.abs(np.diff(speed))
     steps = steps[steps > 1e-9 * fast]
     quantum = STEPS_FAR * float(np.median(steps)) if len(steps) > 10 else 0.0
-    odd, rest, place = np.zeros(len(speed), bool), left.copy(), np.arange(len(speed))
     zero = (speed == 0) & (np.abs(speed - left) > max(ZERO_FAR * fast, quantum))
-    for _ in range(3):
-        off = rest - median_filter(rest, NEIGHBOURS, mode="nearest")
-        spread = 1.4826 * float(np.median(np.abs(off - np.median(off))))
-        far = np.abs(off) > max(FAR * spread, LEAST_FAR * fast, quantum)
-        far |= zero & (np.abs(off) > max(ZERO_DEVIATIONS * spread, ZERO_FAR * fast, quantum))
-        new = np.zeros(len(speed), bool)
-        for low, high in _runs(far | odd):
-            if low == 0 or high == len(speed):
-                continue
-            own, beside, run = slice(low, high), [low - 1, high], high - low
-            # A 0 between readings of both signs is on the way from one to the other.
-            one_way = abs(float(np.sign(speed[beside]).sum())) == len(beside)
-            lost = zero[own] & one_way & (np.abs(speed[beside]).min() > 0.8 * ZERO_FAR * fast)
-            # From both neighbours, of the reading itself and of what the fit leaves.
-            apart = np.array([x[own] - x[beside][:, None] for x in (speed, rest)])
-            back = np.abs(apart).min(axis=(0, 1)) >= BACK * np.abs(off[own])
-            back &= (apart.prod(axis=1) > 0).all(axis=0)
-            new[own] = (lost & (run <= ZERO_ROWS)) | (back & (run <= ODD_ROWS))
-        new &= ~odd
-        if not new.any():
-            break
-        odd |= new
-        rest[odd] = np.interp(place[odd], place[~odd], left[~odd])
+    off, odd = left - median_filter(left, NEIGHBOURS, mode="nearest"), np.zeros(len(speed), bool)
+    spread = 1.4826 * float(np.median(np.abs(off - np.median(off))))
+    far = np.abs(off) > max(FAR * spread, LEAST_FAR * fast, quantum)
+    far |= zero & (np.abs(off) > max(ZERO_DEVIATIONS * spread, ZERO_FAR * fast, quantum))
+    for low, high in _runs(far):
+        if low == 0 or high == len(speed):
+            continue
+        own, beside, run = slice(low, high), [low - 1, high], high - low
+        # A 0 between readings of both signs is on the way from one to the other.
+        one_way = abs(float(np.sign(speed[beside]).sum())) == len(beside)
+        lost = zero[own] & one_way & (np.abs(speed[beside]).min() > 0.8 * ZERO_FAR * fast)
+        # From both neighbours, of the reading itself and of what the fit leaves.
+        apart = np.array([x[own] - x[beside][:, None] for x in (speed, left)])
+        back = np.abs(apart).min(axis=(0, 1)) >= BACK * np.abs(off[own])
+        back &= (apart.prod(axis=1) > 0).all(axis=0)
+        odd[own] = (lost & (run <= ZERO_ROWS)) | (back & (run <= ODD_ROWS))
     return odd
 
 

@@ -6,6 +6,4 @@ What compiles is imported within functions, so that a worker that only runs star
 """
 
 from .engine import Campaign as Campaign
-from .engine import PhaseProgress as PhaseProgress
-from .engine import phase as phase
 from .paper_runs import PAPER_LAWS as PAPER_LAWS

@@ -1,15 +1,14 @@
 """The engine of many runs: each case is compiled once, then run for all its seeds."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import TypeVar
 
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, show
 from wmr_ctrl.results import FIGURES, REFUSED, Run, RunTable, table_of_rows, values_of
-from wmr_ctrl.simulation.batch import check_jobs
-from wmr_ctrl.simulation.many import run_each
+from wmr_ctrl.simulation.batch import Progress, check_jobs
+from wmr_ctrl.simulation.many import PREPARING, part, run_each
 from wmr_ctrl.simulation.runnable import RunnableLoop
 
 from .paper_runs import REPORTED
@@ -25,33 +24,6 @@ class Refusal:
     text: str
 
 
-@runtime_checkable
-class PhaseProgress(Protocol):
-    """Protocol of progress displays: each phase is one ``start``, many ``advance``, ``done``."""
-
-    def start(self, total: int, text: str) -> None:
-        """Begin a phase of ``total`` steps; ``text`` describes it."""
-
-    def advance(self, count: int = 1) -> None:
-        """Report that ``count`` further steps of the phase are done."""
-
-    def done(self) -> None:
-        """End the phase, finished or not."""
-
-
-@contextmanager
-def phase(progress: PhaseProgress | None, total: int, text: str) -> Iterator[Callable[[int], None]]:
-    """Context of a phase; yields a function to call with the number of further steps done."""
-    if progress is None:
-        yield lambda count: None
-        return
-    progress.start(total, text)
-    try:
-        yield progress.advance
-    finally:
-        progress.done()
-
-
 def build_loop(case: PlannedCase, device: str = "cpu") -> RunnableLoop:
     """The compiled loop of a case; for the rigid body without its plant.  Raises as `settle`."""
     from wmr_ctrl.simulation.engines import runnable
@@ -60,7 +32,7 @@ def build_loop(case: PlannedCase, device: str = "cpu") -> RunnableLoop:
 
 
 def built_loops(
-    cases: Iterable[PlannedCase], progress: PhaseProgress | None, text: str, device: str = "cpu"
+    cases: Iterable[PlannedCase], progress: Progress | None = None, device: str = "cpu"
 ) -> list[RunnableLoop | Refusal]:
     """The loop of each case for a device, in order; equal ones are compiled once.
 
@@ -85,10 +57,10 @@ def built_loops(
     apart = {id(case): case for case in listed}
     keys = {place: case_key(case) for place, case in apart.items()}
     different = {keys[place]: case for place, case in apart.items()}
-    with phase(progress, len(different), text) as advance:
-        for case in different.values():
-            built(case)
-            advance(1)
+    for count, case in enumerate(different.values(), start=1):
+        built(case)
+        if progress:
+            progress(count / len(different))
     return [known[keys[id(case)]] for case in listed]
 
 
@@ -121,30 +93,22 @@ def run_cases(
     runs: Sequence[tuple[PlannedCase, int]],
     then: Callable[[int, Run], T],
     jobs: int | None,
-    progress: PhaseProgress | None,
-    texts: tuple[str, str],
+    progress: Progress | None,
 ) -> list[T | Refusal]:
     """``then(place, run)`` of each (case, seed), in their order; or the Refusal.
 
-    All are on the same plant.  Two phases of ``progress``, compiling and running, called ``texts``.
-    Nothing depends on ``jobs``.
+    All are on the same plant.  Nothing depends on ``jobs``.
     """
-    loops = built_loops((case for case, _ in runs), progress, texts[0])
+    loops = built_loops((case for case, _ in runs), part(progress, 0.0, PREPARING))
     places, ready = accepted(loops, [seed for _, seed in runs])
-    run, done = run_each, 0
+    run = run_each
     if runs and runs[0][0].plant == "mujoco":
         from wmr_ctrl.simulation.physics.run import run_rigid_each
 
         run = run_rigid_each
 
-    def advance_to(share: float) -> None:
-        nonlocal done
-        count = round(share * len(ready)) - done
-        done += count
-        advance(count)
-
-    with phase(progress, len(ready), texts[1]) as advance:
-        results = iter(run(ready, lambda k, item: then(places[k], item), jobs, advance_to))
+    running = part(progress, PREPARING)
+    results = iter(run(ready, lambda k, item: then(places[k], item), jobs, running))
     return [loop if isinstance(loop, Refusal) else next(results) for loop in loops]
 
 
@@ -162,10 +126,9 @@ class Campaign:
 def run_campaign(
     plan: Sequence[PlannedRun],
     jobs: int | None = None,
-    progress: PhaseProgress | None = None,
+    progress: Progress | None = None,
     figures: Sequence[str] = REPORTED,
     whole: bool = True,
-    texts: tuple[str, str] = ("Compiling the laws", "Running the simulations"),
 ) -> Campaign:
     """Compile, then run all of ``plan`` on ``jobs`` threads (default: one per core).
 
@@ -194,7 +157,7 @@ def run_campaign(
         none = dict.fromkeys(figure.name for figure in taken)
         return {"outcome": REFUSED, "refusal": item.text, **none}
 
-    results = run_cases(plan, row, jobs, progress, texts)
+    results = run_cases(plan, row, jobs, progress)
     rows = [
         {**case.labels, "seed": seed, **(refused(item) if isinstance(item, Refusal) else item)}
         for (case, seed), item in zip(plan, results, strict=True)

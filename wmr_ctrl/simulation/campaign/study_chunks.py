@@ -51,7 +51,7 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
     Called by an executor's worker, on ``jobs`` threads, or processes for the rigid body.
     """
     cases = (case for case, _ in chunk.runs)
-    loops = built_loops(cases, None, "", chunk.device)
+    loops = built_loops(cases, None, chunk.device)
     places, ready = accepted(loops, [seed for _, seed in chunk.runs])
     rows: Columns = {name: np.full(len(loops), np.nan) for name in chunk.figures}
     outcome = np.array([REFUSED] * len(loops), dtype="<U16")

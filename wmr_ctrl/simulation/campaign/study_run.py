@@ -15,11 +15,11 @@ from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.core.errors import ArgumentError, WmrError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import one_command
-from wmr_ctrl.simulation.batch import check_jobs
+from wmr_ctrl.simulation.batch import Progress, check_jobs
 from wmr_ctrl.version import __version__
 from wmr_ctrl.world.scenario import Scenario
 
-from .engine import PhaseProgress, build_loop, phase
+from .engine import build_loop
 from .plan import PlannedCase, Study
 from .study_chunks import (
     THREADS,
@@ -73,7 +73,7 @@ def study(
     *,
     executor: str | Executor = "threads",
     jobs: int | None = None,
-    progress: PhaseProgress | None = None,
+    progress: Progress | None = None,
     device: str = "cpu",
 ) -> StudyOutcome:
     """Run a plan (a TOML file, its tables, or a Study) and write ``out``/table.csv.
@@ -142,7 +142,7 @@ def run_study(
     facts: Mapping[str, str],
     executor: Executor | None = None,
     jobs: int | None = None,
-    progress: PhaseProgress | None = None,
+    progress: Progress | None = None,
     device: str = "cpu",
 ) -> StudyOutcome:
     """Make the runs of ``plan`` that the folder ``out`` lacks, and write the table.
@@ -158,17 +158,22 @@ def run_study(
         values: dict[int, list[float]] = {}
         looks: list[list[Path]] = []
         done, begin = 0, 0
+
+        def advance(count: int) -> None:
+            nonlocal done
+            done += count
+            if progress:
+                progress(done / plan.runs)
+
         for look, end in enumerate(counts):
             chosen = (cell * plan.seeds + k for cell in cells for k in range(begin, end))
             runs = len(cells) * (end - begin)
-            which = f", look {look + 1} of {len(counts)}" if len(counts) > 1 else ""
             longest = max(plan.chunk, GPU_CHUNK) if device == "gpu" else plan.chunk
             blocks = _blocks(chosen, runs, longest)
             chunk = partial(_chunk, plan, device)
-            with phase(progress, runs, f"Running the study{which}") as advance:
-                paths = _finished(folder, look, blocks, chunk, make, executor, jobs, advance)
+            paths = _finished(folder, look, blocks, chunk, make, executor, jobs, advance)
             looks.append(paths)
-            done, begin = done + runs, end
+            begin = end
             if rule is not None and end < plan.seeds:
                 _collect(folder, paths, rule.figure, values)
                 enough = {c for c in cells if rule.reached(np.array(values[c]), len(counts), c)}

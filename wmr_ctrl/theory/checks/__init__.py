@@ -27,7 +27,6 @@ from .preconditions import (
 from .sample_time import sample_time
 from .sending import loop_of
 from .stable_ranges import Stability as Stability
-from .stable_ranges import largest_stable_period as largest_stable_period
 from .stable_ranges import stability as stability
 from .torques import first_torques as first_torques
 from .torques import grip_warnings as grip_warnings

@@ -15,6 +15,9 @@ from .loop import PERIOD, Loop
 from .radius import operating_points
 from .warning import SPEEDS
 
+NARROW = 1e-3
+"""Share of a network's width at which it hardly answers: |S|^2 grows with the width."""
+
 
 def network(loop: Loop) -> Iterator[Warning]:
     """Yield instabilities of learning, by the network's width and by the control period."""
@@ -29,12 +32,15 @@ def unstable_width(loop: Loop) -> Iterator[Warning]:
     Per axis the linear loop is s^3 + a s^2 + (b + a K) s + b K with a = rho1/(2 M1), K the gain of
     Eq. (7), b = Gamma |S|^2/M1: the feed-forward that Eq. (57) leaves out costs the phase.
     """
+    from scipy.optimize import brentq  # slow to import, and only for this law
+
     gains = loop.setup.own(NetworkGains)
     size = largest_square(loop, gains.eta)
     for axis in (1, 0):
         bound = square_bound(loop, axis)
         if size > bound:
-            widest = _widest(loop, bound, gains.eta)
+            ends = NARROW * gains.eta, gains.eta
+            widest = brentq(lambda eta: largest_square(loop, eta) - bound, *ends)  # noqa: B023
             learning = axis_learning(loop, axis)
             needed = 2 * learning.mass * learning.kinematic
             yield Warning(
@@ -119,12 +125,3 @@ def square_bound(loop: Loop, axis: int) -> float:
 def _square_of() -> ca.Function:
     z, eta, node = ca.SX.sym("z", 6), ca.SX.sym("eta"), ca.SX.sym("node")
     return ca.Function("square", [z, eta, node], [ca.sumsqr(corner_basis(z, eta, node))])
-
-
-def _widest(loop: Loop, bound: float, eta: float) -> float:
-    """Largest width for which |S|^2, which grows with the width, stays under ``bound``."""
-    below, above = 0.0, eta
-    for _ in range(40):
-        middle = (below + above) / 2
-        below, above = (middle, above) if largest_square(loop, middle) < bound else (below, middle)
-    return below

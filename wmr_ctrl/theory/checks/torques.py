@@ -16,7 +16,7 @@ from wmr_ctrl.core.signals import PLANT_STATE, REFERENCE
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust
-from wmr_ctrl.world.phases import largest_friction, needed_torque, phases
+from wmr_ctrl.world.phases import largest_friction, needed_torque
 from wmr_ctrl.world.pose_sensor import PoseSensor
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Robot, Scenario
@@ -112,21 +112,7 @@ def grip_warnings(setup: Setup) -> tuple[Warning, ...]:
             f"certain to transmit {f'only {tyres.keep:.3g} N m' if tyres.keep else 'nothing'} at "
             "limits.v_u1. Ask for a slower or smoother reference."
         )
-    gripping = (Warning(KEY, sentence, GRIP) for sentence in sentences)
-    return (*_heavy_wheels(setup.scenario), *gripping)
-
-
-def _heavy_wheels(scenario: Scenario) -> Iterator[Warning]:
-    """Yield wheels of [body] that are as heavy as the whole robot."""
-    wheel, least = scenario.body.wheel_mass, min(item.robot.m for item in phases(scenario))
-    if 2 * wheel >= least:
-        yield Warning(
-            "body.wheel_mass",
-            f"Two wheels of body.wheel_mass = {wheel:g} kg are as heavy as the robot of {least:g} "
-            "kg or heavier: no rigid body is, and statements on its tyres are wrong. State the "
-            "mass of its wheels.",
-            GRIP,
-        )
+    return tuple(Warning(KEY, sentence, GRIP) for sentence in sentences)
 
 
 def noise_gain(loop: Loop) -> Iterator[Warning]:

@@ -1,26 +1,28 @@
 """Bases that take velocities: the guarantee of the command filter, and its price."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
 
 from wmr_ctrl.control.filter import CommandFilter
 from wmr_ctrl.control.filter.band import MOST_COMMANDS
 from wmr_ctrl.control.filter.governor import NEAR
 from wmr_ctrl.control.filter.hypotheses import broken_hypotheses
-from wmr_ctrl.control.filter.peak_gain import peak_gains
+from wmr_ctrl.control.filter.peak_gain import less_damped, overshoot, peak_gains
 from wmr_ctrl.control.filter.rounding_ranges import unproved_roundings
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results.settings import Pair
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.world.scenario import Scenario, override
-from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER
+from wmr_ctrl.world.scenario.command_filter import FIRST_ORDER, Intervals
 from wmr_ctrl.world.torque_noise import SIGMAS, unbounded
 from wmr_ctrl.world.velocity_mean import VelocityMean
 
 from .loop import Loop
-from .warning import is_taken
 
 STATEMENTS = {
     "clip": "memoryless clip, for every base that never overshoots",
@@ -32,6 +34,8 @@ BEHIND_SLEW = (
     "clip of commands that change by at most {0:.4g} m/s2, {1:.4g} rad/s2, for linear loops"
 )
 MILLISECOND = 1e-3
+PER_CENT = 1e-2
+NEARLY = 0.9
 SETTLED = 40.0
 """Time constants after which a base is taken to have settled: e^-40 is below rounding."""
 MOST_STEPS = 5000
@@ -45,8 +49,12 @@ class FilterFacts:
     axis where it is larger; ``usable``: least and largest speed ("v" [m/s], "omega" [rad/s]) at
     rest on the weakest base that is stated, of a command far beyond the limit, and
     ``usable_speed``, the smaller of both ways; ``delay_cost``: what one more millisecond of delay
-    takes of it, None for a band, which refuses delays that vary; ``broken``: what of the theorem
-    does not hold.
+    takes of it (of a band of one that is constant: others it refuses); ``gain_cost``: what one more
+    per cent of that gain takes; ``broken``: what of the theorem does not hold.  Of linear loops
+    ``overshoot`` is the largest share by which a step overshoots, and ``overshoot_cost`` what one
+    more per cent of it takes.  Of a band ``rise`` [s] is how long commands far beyond the limit
+    take to come to NEARLY all of it, and ``rise_cost`` what one more per cent of overshoot adds:
+    its speed at rest is hardly less.
     """
 
     kind: str
@@ -55,7 +63,12 @@ class FilterFacts:
     usable_speed: Pair
     usable: Mapping[str, Pair]
     delay_cost: Pair | None
+    gain_cost: Pair | None
     broken: tuple[str, ...]
+    overshoot: Pair | None = None
+    overshoot_cost: Pair | None = None
+    rise: Pair | None = None
+    rise_cost: Pair | None = None
 
 
 def filter_facts(setup: Setup) -> FilterFacts | None:
@@ -65,17 +78,37 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
         return None
     named, broken = usable_sides(scenario), broken_hypotheses(scenario, setup.bound)
     usable, sided = _smaller(named), dict(zip(("v", "omega"), named, strict=True))
-    gain, statement = max(most for _, most in stated.intervals("gain")), STATEMENTS[stated.kind]
-    linear = stated.loop != FIRST_ORDER
-    if linear and stated.kind == "clip":
-        peaks = [peak.gain for peak in peak_gains(scenario)]
-        statement, gain = OF_LINEAR_LOOPS.format(*peaks), max(peaks)
-    if stated.slew is not None:
-        statement = BEHIND_SLEW.format(*stated.slew)
-    late: Pair | None = None if stated.kind == "band" else (0.0, 0.0)
-    if not linear or stated.slew is not None:  # else it is no matter where a command acts
-        late = _delay_cost(scenario, usable)
-    return FilterFacts(stated.kind, statement, gain, usable, sided, late, broken)
+    later = stated.each("delay", lambda ends: (ends[0], ends[1] + MILLISECOND))
+    high = max(most for _, most in stated.intervals("gain"))
+    statement = STATEMENTS[stated.kind]
+    if stated.loop != FIRST_ORDER:  # where a command acts is no matter to a clip, nor to a band
+        late: Pair | None = (0.0, 0.0)
+        strong = None
+        if stated.kind == "clip":
+            peaks = [peak.gain for peak in peak_gains(scenario)]
+            statement, high = OF_LINEAR_LOOPS.format(*peaks), max(peaks)
+            sent = [speed + d for speed, d in zip(usable, stated.d, strict=True)]
+            lost = [
+                (u + d * (loop == "pi")) / 101
+                for u, d, loop in zip(sent, stated.d, stated.loop, strict=True)
+            ]
+            strong = lost[0], lost[1]
+        if stated.slew is not None:  # what varies of a delay is what costs
+            statement, strong = BEHIND_SLEW.format(*stated.slew), None
+            late = _cost(scenario, usable, {"filter.delay": later})
+        swung, rise = _swung(scenario, usable, usable_speed), None
+        slower = None
+        if stated.kind == "band" and (rise := rise_times(scenario)) is not None:
+            more = _swung(scenario, rise, rise_times)
+            slower = None if more is None else (-more[0], -more[1])
+        return FilterFacts(
+            stated.kind, statement, high, usable, sided, late, strong, broken, overshoot(scenario),
+            swung, rise, slower,
+        )  # fmt: skip
+    delayed = _cost(scenario, usable, {"filter.delay": later})
+    larger = stated.each("gain", lambda ends: (ends[0], ends[1] * 1.01))
+    stronger = _cost(scenario, usable, {"filter.gain": larger})
+    return FilterFacts(stated.kind, statement, high, usable, sided, delayed, stronger, broken)
 
 
 ON_THE_SPOT = {"base.min_radius": 0.0, "filter.free_error": None, "filter.nearing": 0.0}
@@ -150,6 +183,47 @@ def _governed(
     return v
 
 
+def rise_times(scenario: Scenario) -> Pair | None:
+    """Times [s] after which a filter sends NEARLY all of its limits; None if it never does.
+
+    For commands far beyond them, from rest, one axis at a time; linear between samples.
+    """
+    scenario = override(scenario, {"filter.scale": "axes", **ON_THE_SPOT})
+    step, limits = CommandFilter(scenario).step, np.array(scenario.limits.v_max)
+    asked = (10 * limits).tolist()
+    sent = np.array([(0.0, 0.0), *(step(asked).command for _ in range(_steps(scenario)))])
+    times = []
+    for share in (sent / (NEARLY * limits)).T:
+        if share.max() < 1:
+            return None
+        k = int(np.argmax(share >= 1))
+        times.append(scenario.clock.control * (k - (share[k] - 1) / (share[k] - share[k - 1])))
+    return times[0], times[1]
+
+
+def _swung(
+    scenario: Scenario,
+    usable: Pair,
+    of: Callable[[Scenario], Pair | None],
+) -> Pair | None:
+    """Loss of ``of`` if steps of v, and of omega, overshoot by one per cent more."""
+    costs = [0.0, 0.0]
+    for axis, loop in enumerate(scenario.filter.loop):
+        if loop == "first-order":
+            continue
+        key = "damping" if loop == "second-order" else "kp"
+        share = less_damped(scenario, axis, PER_CENT)
+        harder = scenario.filter.each(key, partial(_weakened, share))
+        if (loss := _cost(scenario, usable, {f"filter.{key}": harder}, of)) is None:
+            return None
+        costs[axis] = loss[axis]
+    return costs[0], costs[1]
+
+
+def _weakened(share: float, ends: Pair) -> Pair:
+    return share * ends[0], ends[1]
+
+
 def _steps(scenario: Scenario) -> int:
     """Number of commands after which a filter's output is steady."""
     stated, T = scenario.filter, scenario.clock.control
@@ -163,24 +237,24 @@ def _steps(scenario: Scenario) -> int:
     return 8 * MOST_COMMANDS if stated.kind == "band" else 1  # pushes make it slow to get there
 
 
-def _delay_cost(scenario: Scenario, usable: Pair) -> Pair | None:
-    """Loss of usable speed for a millisecond of delay; None if the filter refuses it."""
-    later = scenario.filter.each("delay", lambda ends: (ends[0], ends[1] + MILLISECOND))
+def _cost(
+    scenario: Scenario,
+    usable: Pair,
+    overrides: Mapping[str, Intervals],
+    of: Callable[[Scenario], Pair | None] | None = None,
+) -> Pair | None:
+    """Loss of usable speed for a more demanding statement; None if the filter refuses it."""
     try:
-        less = usable_speed(override(scenario, {"filter.delay": later}))
+        less = (of or usable_speed)(override(scenario, overrides))
     except ScenarioError:
         return None
-    return usable[0] - less[0], usable[1] - less[1]
+    return None if less is None else (usable[0] - less[0], usable[1] - less[1])
 
 
 def filter_advice(setup: Setup) -> str:
-    """Advice on which filter to set, among those that are valid for the scenario."""
+    """Advice on how to set a filter."""
     if assumed := [key for key in setup.scenario.assumed if key.startswith("filter.")]:
         return f"Before you set filter.kind, state {', '.join(assumed)}: nobody did."
-    tried = (({"filter.kind": kind, "filter.trust": False}, kind) for kind in ("clip", "governor"))
-    kinds = [f'"{kind}"' for keys, kind in tried if is_taken(setup.scenario, keys, None)]
-    if kinds:
-        return f"Set filter.kind = {' or '.join(kinds)}."
     return 'Set filter.kind = "clip"; what [filter] has to state for it is then named.'
 
 

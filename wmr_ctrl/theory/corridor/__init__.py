@@ -9,7 +9,7 @@ from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.results import Run
-from wmr_ctrl.results.verdicts import CorridorLeft as CorridorLeft
+from wmr_ctrl.results.verdicts import CorridorLeft
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.door import LEFT_OUT, is_open, proofs
 from wmr_ctrl.world.model.system import System
@@ -17,7 +17,6 @@ from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import Scenario
 
 from .answer import Corridor as Corridor
-from .clearance import Clearance as Clearance
 from .clearance import find_clearance
 
 NOT_CHECKED = f"NOT_CHECKED: {LEFT_OUT}"

@@ -1,4 +1,4 @@
-"""Clearance between a path and the obstacles in `reference.keep_out`, less body and corridor.
+"""Clearance between a path and the obstacles, less body and corridor.
 
 The path is sampled on a grid of times; between two of them it moves no farther than its speed
 admits, and half of that is subtracted, so that no obstacle is missed in between.
@@ -35,7 +35,7 @@ class Clearance:
     @property
     def sentence(self) -> str:
         """One-sentence summary."""
-        place = f"keep_out[{self.obstacle}], at t = {self.time:.4g} s"
+        place = f"obstacle {self.obstacle}, at t = {self.time:.4g} s"
         if self.path < 0:
             return f"clearance: none, the path leads through {place}"
         near = (
@@ -57,7 +57,7 @@ def find_clearance(scenario: Scenario, corridor: float | None) -> Clearance | No
 
     None without obstacles.
     """
-    obstacles, radius = scenario.reference.keep_out, scenario.body.radius
+    obstacles, radius = scenario.obstacles, scenario.body.radius
     if not obstacles or radius is None:
         return None
     end = scenario.clock.duration

@@ -7,10 +7,8 @@ the nonlinear loop; docs/linear.md is the guide.
 from .answer import start_off as start_off
 from .linear_report import LinearReport as LinearReport
 from .linear_report import report_linear as report_linear
-from .linearise import Point as Point
 from .linearise import on_reference as on_reference
 from .linearise import resting_point as resting_point
-from .margins import Margins as Margins
 from .margins import margins_at as margins_at
 from .margins import open_loop as open_loop
 from .margins import with_robot as with_robot
@@ -27,5 +25,3 @@ from .sampled import spectral_radius as spectral_radius
 from .state_space import SADDLE as SADDLE
 from .state_space import closed_loop as closed_loop
 from .state_space import kinematic_poles as kinematic_poles
-from .state_space import law_at as law_at
-from .state_space import plant_at as plant_at

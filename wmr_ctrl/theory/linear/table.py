@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Sequence
-from itertools import chain, zip_longest
+from collections.abc import Iterator
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wmr_ctrl.results.compare import aligned
 from wmr_ctrl.theory.checks.stable_ranges import MASSES
 from wmr_ctrl.theory.checks.surroundings import lost_samples, rare_poses, rounded_effects
 
@@ -34,15 +35,6 @@ def lines_of(report: LinearReport, width: int) -> Iterator[str]:
 
 def _figure(name: str, value: str) -> str:
     return f"{name:<{_NAMES}} {value}"
-
-
-def _table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
-    """Columns to the right of the rows' names."""
-    cells = zip_longest(header, *rows, fillvalue="")
-    first, *others = (max(map(len, column)) + 2 for column in cells)
-    for name, *values in (header, *rows):
-        right = (f"{value:>{size}}" for value, size in zip(values, others, strict=False))
-        yield f"{name:<{first}}{''.join(right)}"
 
 
 def _head(report: LinearReport) -> Iterator[str]:
@@ -87,7 +79,7 @@ def _poles(report: LinearReport) -> Iterator[str]:
         (_one(pole), f"{frequency:.5g}", f"{ratio:.4f}")
         for pole, (frequency, ratio) in zip(report.poles, report.damping, strict=True)
     ]
-    yield from _table(("pole [1/s]", "frequency [rad/s]", "damping"), rows)
+    yield from aligned(("pole [1/s]", "frequency [rad/s]", "damping"), rows).splitlines()
     yield ""
 
 
@@ -118,7 +110,7 @@ def _margins(report: LinearReport) -> Iterator[str]:
             rows.append((f"{force}, {label}", *(map(_number, figures) if item else ("unstable",))))
     header = ("margins", "gain up", "gain down", "phase [deg]", "delay [s]", "disk")
     yield ""
-    yield from _table(header, rows)
+    yield from aligned(header, rows).splitlines()
     yield ""
 
 
@@ -130,7 +122,7 @@ def _model_errors(report: LinearReport) -> Iterator[str]:
         shown = figures if item.stable else ("unstable",)
         rows.append((f"{item.parameter} is {item.factor:g} times the believed", *shown))
     header = (f"margins, {kind}, if", "phase [deg]", "disk", "period [s]")
-    yield from _table(header, rows)
+    yield from aligned(header, rows).splitlines()
 
 
 def _number(value: float | None, none: str = "none") -> str:

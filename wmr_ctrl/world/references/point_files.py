@@ -1,9 +1,10 @@
 """Waypoints from a file: a table with one point per row, or YAML as navigation stacks print paths.
 
 For tables see `core.fields.tables`; without a header, the columns are x and y in m.  YAML: a list
-of poses, or a mapping with one below `LISTS`, or one pose per document.  A pose is a mapping with x
-and y in m, perhaps below ``position`` and that below ``pose``, or a list of x, y and more.
-Headers, z and orientations are ignored, since the path's direction follows from its points.
+of poses, or a mapping with one below `LISTS`, or poses by name, or one pose per document.  A pose
+is a mapping with x and y in m, perhaps below ``position`` and that below ``pose``, or a list of x,
+y and more; in GeoJSON, which is YAML, it is a point, or each point of a line.  Headers, z and
+orientations are ignored, since the path's direction follows from its points.
 """
 
 import math
@@ -18,14 +19,14 @@ from wmr_ctrl.core.fields.yaml_text import yaml_documents
 
 Point = tuple[float, float]
 KEY = "reference.file"
-YAML = (".yaml", ".yml", ".json")
+YAML = (".yaml", ".yml", ".json", ".geojson")
 SUFFIXES = (".csv", ".tsv", ".txt", *YAML)
 """Suffixes of a path's file."""
 LARGEST_PATH = 10_000_000
 """Bytes; a planner's path has some fifty a point."""
-LISTS = ("path", "poses", "waypoints", "goals")
-"""Keys below which navigation stacks have the points of a path."""
-INNER = ("pose", "pose", "position")
+LISTS = ("path", "poses", "waypoints", "goals", "features")
+"""Keys below which navigation stacks and GeoJSON have the points of a path."""
+INNER = ("pose", "pose", "geometry", "position", "coordinates")
 """Keys below which a pose has its position: one with covariance has a pose in another."""
 AXES = {"x": "m", "y": "m"}
 _ALIKE = re.compile(r"(?:.*(?:position|point)[./])?([xy])(?:_ref)?", re.IGNORECASE)
@@ -87,6 +88,8 @@ def _of_yaml(text: str, place: str) -> Iterator[tuple[str, tuple[object, ...]]]:
                 inner = inner[key]
         if isinstance(inner, Mapping) and {"x", "y"} <= {*inner}:
             yield where, (inner["x"], inner["y"])
+        elif isinstance(inner, list) and len(inner) > 1 and isinstance(inner[0], list):
+            yield from ((where, tuple(point[:2])) for point in inner)
         elif isinstance(inner, list) and len(inner) > 1:
             yield where, tuple(inner[:2])
         else:
@@ -97,5 +100,17 @@ def _poses(document: object) -> list[object] | None:
     """Poses of a path; None if the document is not a path."""
     inner = document
     while isinstance(inner, Mapping):
-        inner = next((inner[key] for key in LISTS if key in inner), None)
-    return inner if isinstance(inner, list) else None
+        below = [inner[key] for key in (*LISTS, "ros__parameters") if key in inner]
+        if not below and len(inner) == 1 and isinstance(next(iter(inner.values())), Mapping):
+            below = [*inner.values()]  # parameters of a node by its name
+        if not below:
+            points = [*inner.values()]
+            named = len(points) > 1 and all(isinstance(item, list) for item in points)
+            return points if named and inner is not document else None
+        inner = below[0]
+    if not isinstance(inner, list):
+        return None
+    numbers = all(isinstance(item, int | float) for item in inner)
+    if inner and numbers and len(inner) % 3 == 0:  # x, y and heading in turn, as parameters have it
+        return [inner[k : k + 3] for k in range(0, len(inner), 3)]
+    return inner

@@ -1,4 +1,4 @@
-"""Reader of robot descriptions from other tools: URDF, xacro, ros2_control and nav2."""
+"""Reader of robot descriptions from other tools: URDF, xacro, Gazebo, ros2_control and nav2."""
 
 from .found import NAMES as NAMES
 from .found import Found as Found

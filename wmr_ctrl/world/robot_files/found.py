@@ -37,9 +37,10 @@ class Rank(IntEnum):
     """Kinds of sources; if two disagree, the first one is used."""
 
     CONTROLLER = 0
-    SMOOTHER = 1
-    PLANNER = 2
-    DESCRIPTION = 3
+    GAZEBO = 1
+    SMOOTHER = 2
+    PLANNER = 3
+    DESCRIPTION = 4
 
 
 @dataclass(frozen=True)

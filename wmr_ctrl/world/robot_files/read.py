@@ -11,18 +11,19 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.files import read_text
 from wmr_ctrl.core.fields.yaml_text import yaml_document
 
-from . import controllers, nav2, urdf
+from . import controllers, gazebo, nav2, urdf
 from .found import Found, Sheet, merged
 from .parameter_files import nodes
 from .xml_text import expanded, has_macros, tree
 
-XML, YAML = (".urdf", ".xacro", ".xml"), (".yaml", ".yml")
+XML, YAML = (".urdf", ".xacro", ".sdf", ".xml", ".world"), (".yaml", ".yml")
 WHEELS = re.compile("(left|right)_wheel(_names)?")
 """Parameters that name a controller's wheel joints."""
 LARGEST = 5_000_000
 """Bytes of a file that is read at most."""
 KINDS = (
-    "URDF and xacro, controllers of ros2_control (diff_drive_controller), and parameters of nav2"
+    "URDF and xacro, controllers of ros2_control (diff_drive_controller), parameters of nav2, and "
+    "the differential drive of Gazebo"
 )
 
 
@@ -71,20 +72,30 @@ def _parameters(text: str, file: str, named: list[str]) -> Iterator[Found]:
 
 
 def _description(text: str, file: Path, named: Sequence[str]) -> Iterator[Found]:
-    """Values of a URDF or a xacro."""
+    """Values of a URDF, a xacro or an SDF file."""
     root = tree(text, file.name)
     if root.tag == "robot" and has_macros(root):
         root = tree(expanded(file, file.name), file.name)
-    if root.tag != "robot" or root.find("link") is None:
+    drives = gazebo.drives(root)
+    if len(drives) > 1:
         raise ScenarioError(
-            f"{file.name} is of no known kind: it has no <robot> with links. Known are {KINDS}."
+            f"{file.name} has {len(drives)} differential drives of Gazebo. Keep the robot's own."
         )
-    there = {item.get("name") for item in root.iterchildren("joint")}
-    known = [name for name in named if name in there]
-    if len(known) == 1:
-        lost = ", ".join(name for name in named if name not in there)
+    for drive in drives:
+        yield from gazebo.read(drive, file.name)
+    if root.tag == "robot" and root.find("link") is not None:
+        driven = [*named, *(name for drive in drives for name in gazebo.joints(drive))]
+        there = {item.get("name") for item in root.iterchildren("joint")}
+        known = [name for name in driven if name in there]
+        if len(known) == 1:
+            lost = ", ".join(name for name in driven if name not in there)
+            raise ScenarioError(
+                f"{file.name} has {known[0]}, but no joint {lost}, which the controller names. "
+                "Correct one of the files."
+            )
+        yield from urdf.read(root, file.name, known)
+    elif not drives:
         raise ScenarioError(
-            f"{file.name} has {known[0]}, but no joint {lost}, which the controller names. "
-            "Correct one of the files."
+            f"{file.name} is of no known kind: it has neither a <robot> with links nor a "
+            f"differential drive of Gazebo. Known are {KINDS}."
         )
-    yield from urdf.read(root, file.name, known)

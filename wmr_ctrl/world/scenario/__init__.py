@@ -8,13 +8,9 @@ from wmr_ctrl.core.fields.section import quantities as quantities
 from wmr_ctrl.world.references import Circle as Circle
 from wmr_ctrl.world.references import Lemniscate as Lemniscate
 from wmr_ctrl.world.references import Line as Line
-from wmr_ctrl.world.references import Reference as Reference
 from wmr_ctrl.world.references import RoundedSquare as RoundedSquare
 from wmr_ctrl.world.references import StopAndGo as StopAndGo
 from wmr_ctrl.world.references import Waypoints as Waypoints
-from wmr_ctrl.world.registry import Actuator as Actuator
-from wmr_ctrl.world.registry import Disturbance as Disturbance
-from wmr_ctrl.world.registry import Sensor as Sensor
 
 from .raw import from_dict as from_dict
 from .raw import override as override

@@ -21,12 +21,14 @@ from wmr_ctrl.core.fields.orientation import PAPER, checked_frames, field_inward
 from wmr_ctrl.core.fields.section import Section, build, default, quantities
 from wmr_ctrl.core.fields.unstated import Unknown, Unstated
 from wmr_ctrl.core.fields.values import as_list
-from wmr_ctrl.world.references import REFERENCES, Waypoints
+from wmr_ctrl.world.references import REFERENCES, Line, Reference, Waypoints
 
-from .scenario import OTHER_KEYS, SECTIONS, Scenario, sections
+from .scenario import OTHER_KEYS, SECTIONS, MissingKeysError, Scenario, sections
 from .sections import Change
 
 Raw = dict[str, object]
+STAND_IN = Line()
+"""In the place of a reference that is refused, to see what else is wrong."""
 Step = str | int
 
 
@@ -37,31 +39,37 @@ def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
     """
     if not isinstance(raw, Mapping):
         raise ScenarioError("A scenario must be a table of tables.")
-    known = sections()
+    known, errors = sections(), list[ScenarioError]()
     for key in raw:
         if key not in known and key not in OTHER_KEYS:
-            raise UnknownKeyError(str(key), [*known, *OTHER_KEYS])
+            errors.append(UnknownKeyError(str(key), [*known, *OTHER_KEYS]))
     frames, raw = frames_of(raw), in_frames(raw_with_units(raw), PAPER)
     values: Mapping[str, Any] = raw
     parts: dict[str, Any] = {}
     for key, section in known.items():
         if key in raw:
-            parts[key] = build(section, raw[key])
+            parts[key] = _built(section, raw[key], errors)
         elif key in SECTIONS:
             parts[key] = default(section)
     effects = {key: parts.pop(key) for key in list(parts) if key not in SECTIONS}
-    return Scenario(
-        name=name,
-        title=values.get("title", ""),
-        law=values.get("law"),
-        frames=frames,
-        assumed=values.get("assumed", ()),
-        gains=values.get("gains", {}),
-        reference=_reference(raw.get("reference", {})),
-        changes=_changes(raw.get("changes", [])),
-        effects=effects,
-        **parts,
-    )
+    try:
+        return _whole(
+            errors,
+            name=name,
+            title=values.get("title", ""),
+            law=values.get("law"),
+            frames=frames,
+            assumed=values.get("assumed", ()),
+            gains=values.get("gains", {}),
+            reference=_reference(raw.get("reference", {}), errors),
+            changes=_changes(raw.get("changes", [])),
+            effects=effects,
+            **parts,
+        )
+    except ScenarioError as error:
+        if not errors or error is errors[0]:
+            raise
+    raise errors[0]
 
 
 def raw_with_units(raw: Mapping[str, object]) -> Raw:
@@ -69,8 +77,58 @@ def raw_with_units(raw: Mapping[str, object]) -> Raw:
     return {k: value if isinstance(value, str) else with_units(value) for k, value in raw.items()}
 
 
-def _reference(raw: object) -> Any:
-    """The reference; None if no kind is stated."""
+def _whole(errors: list[ScenarioError], **parts: Any) -> Scenario:
+    """Build the scenario from its parts; else raise the first error, extended by the others."""
+    try:
+        scenario = Scenario(**parts)
+    except MissingKeysError as error:
+        errors.append(error)
+    if errors:
+        first, *others = dict.fromkeys(map(str, errors))
+        errors[0].args = (" ".join((first, *others)),)
+        raise errors[0]
+    return scenario
+
+
+def _built(section: type[Section], raw: object, errors: list[ScenarioError]) -> Section:
+    """Build a section from a raw table, or from its valid values, to find all errors."""
+    try:
+        return build(section, raw)
+    except ScenarioError as error:
+        whole = error
+    known, good, needed = dict(quantities(section)), {}, {}
+    alone = list[ScenarioError]()
+    for name, value in raw.items() if isinstance(raw, Mapping) else ():
+        path = f"{section.KEY}.{name}"
+        try:
+            if name not in known:
+                raise UnknownKeyError(path, known)
+            known[name].clean(value, path)
+            good[name] = value
+        except ScenarioError as error:
+            alone.append(error)
+        if name in known and isinstance(known[name].default, Unknown):
+            needed[name] = known[name].default * 1  # stated, if wrongly
+    of_one = str(whole) in map(str, alone)
+    errors += alone if of_one else [whole]
+    required = needed | {key: good[key] for key in needed.keys() & good.keys()}
+    for values in (needed | good, required):
+        with suppress(ScenarioError):
+            return build(section, values)
+    return build(section, needed)
+
+
+def _reference(raw: object, errors: list[ScenarioError]) -> Reference | None:
+    """The reference; None if no kind is stated, or if it is refused."""
+    try:
+        return _of_kind(raw)
+    except ScenarioError as error:
+        errors.append(error)
+        stated = isinstance(raw, Mapping) and "kind" in raw
+        return STAND_IN if stated else None
+
+
+def _of_kind(raw: object) -> Reference | None:
     if not isinstance(raw, Mapping):
         raise ScenarioError(f"reference = {show(raw)} must be a table, written as [reference].")
     if "kind" not in raw:

@@ -8,11 +8,13 @@ from typing import TypeAlias, TypeVar, cast
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError, show
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.named_units import Stated, with_units
-from wmr_ctrl.core.fields.orientation import PAPER, checked_frames
+from wmr_ctrl.core.fields.orientation import PAPER, checked_frames, described, field_outward
 from wmr_ctrl.core.fields.section import Section, number_of, numbers_in, quantities
+from wmr_ctrl.core.fields.unstated import Unknown, Unstated
 from wmr_ctrl.core.fields.values import Frozen, Quantity, Range, as_list, check_multiple
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.results.frames import table_html
 from wmr_ctrl.results.obstacles import Shape
 from wmr_ctrl.world.references import REFERENCES, Reference
 from wmr_ctrl.world.references.kind import ReferenceKind
@@ -153,6 +155,20 @@ class Scenario:
         kind, clock = self.reference_kind.name, self.clock
         return f"<Scenario {self.name}; {kind}, {clock.duration:g} s at {clock.control:g} s>"
 
+    def _repr_html_(self) -> str:
+        """Every field with its value and unit, and the gains that laws run with, for notebooks."""
+        parts = {key: self.table(key) for key in (*sections(), "reference")}
+        parts |= {f"gains.{law}": gains for law, gains in self.gains_by_law().items()}
+        rows = []
+        for key, part in parts.items():
+            for name, what in quantities(type(part)):
+                value = field_outward(getattr(part, name), what.orientation, self.frames)
+                text = "–" if value is None else str(value)
+                if isinstance(value, Unstated):
+                    text = "not stated" if isinstance(value, Unknown) else f"{text}, not stated"
+                rows.append((f"{key}.{name}", text, what.unit, described(what.doc, self.frames)))
+        return table_html(repr(self)[1:-1], rows, ("field", "value", "unit", "meaning"))
+
     def gains_by_law(self) -> Mapping[str, Section]:
         """The gains in effect, by law: those of the scenario, for the others the law's defaults.
 
@@ -257,6 +273,15 @@ def _check_types(scenario: Scenario) -> None:
     if scenario.law is not None and not isinstance(scenario.law, str):
         raise ScenarioError(f"law = {show(scenario.law)} must be a law's name in quotes.")
     checked_frames(scenario.frames)
+    if scenario.reference is not None and REFERENCES.of(scenario.reference) is None:
+        raise ScenarioError(f"reference must be one of the kinds {', '.join(REFERENCES)}.")
+    if not isinstance(scenario.effects, Mapping):
+        raise ScenarioError(f"effects = {show(scenario.effects)} must map tables to sections.")
+    for key, part in scenario.effects.items():
+        if type(part) is not EFFECTS.sections().get(key):
+            raise ScenarioError(f"{key} = {show(part)} is not the section of an effect.")
+    if as_list(scenario.changes) is None:
+        raise ScenarioError(f"changes = {show(scenario.changes)} must be an array of changes.")
     for key, cls in SECTIONS.items():
         if type(part := getattr(scenario, key)) is not cls:
             raise ScenarioError(f"{key} = {show(part)} must be a {cls.__name__}.")
