@@ -45,8 +45,6 @@ class Named(Expressions):
     def __or__(self, more: Expressions) -> Symbols:
         return self.symbols | more
 
-    __hash__ = object.__hash__
-
     def __getattr__(self, name: str) -> ca.SX:
         if name == "symbols":
             raise AttributeError(name)
