@@ -89,9 +89,3 @@ def test_first_torques_are_those_of_the_run():
         run = simulate(case, law)
         logged = run["tau_right"][0], run["tau_left"][0]
         assert first_torques(settle(case, law)) == pytest.approx(logged, rel=1e-9)
-
-
-@pytest.mark.parametrize("wheel, named", [(0.5, ["body.wheel_mass"]), (0.49, [])])
-def test_wheels_as_heavy_as_the_robot_are_named(wheel, named):
-    setup = settle(load_scenario("turtlebot3-burger", {"body.wheel_mass": wheel}), "prox")
-    assert [item.key for item in grip_warnings(setup)] == named
