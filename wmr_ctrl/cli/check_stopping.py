@@ -1,5 +1,6 @@
 """Sentences of ``wmr-ctrl check`` on limits that change and on stops before what is in the way."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import asdict
 
@@ -20,13 +21,9 @@ SPEEDS = (0.1, 0.25, 0.5, 0.75, 1.0)
 """Shares of the limit from which stops are told."""
 
 
-def _stops(case: Scenario) -> bool:
-    return case.takes_velocity and case.filter.is_told and case.filter.free_error is not None
-
-
 def stopping_table(case: Scenario) -> list[Stopping] | None:
     """Distances of stops from several speeds; None for a filter that is told no distance."""
-    if not _stops(case):
+    if not case.takes_velocity or not case.filter.is_told or case.filter.free_error is None:
         return None
     return [stopping(case, share * case.limits.v_max[0]) for share in SPEEDS]
 
@@ -41,16 +38,13 @@ def stopping_numbers(case: Scenario) -> dict[str, object]:
 
 
 def stop_promise(case: Scenario) -> str:
-    """What a filter promises of stops and of limits that change; empty if nothing."""
-    words = []
-    if table := stopping_table(case):
-        words.append(
-            f"It stops before what is in the way, from {table[-1].speed:g} m/s within "
-            f"{length(table[-1].distance)}."
-        )
-    if case.takes_velocity and case.filter.changing:
-        words.append("Limits may be lowered while it drives.")
-    return "".join(f" {text}" for text in words)
+    """What a filter promises of stops; empty if nothing."""
+    if not (table := stopping_table(case)):
+        return ""
+    return (
+        f" It stops before what is in the way, from {table[-1].speed:g} m/s within "
+        f"{length(table[-1].distance)}."
+    )
 
 
 def stop_lines(setup: Setup) -> Iterator[str]:
@@ -89,10 +83,8 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
     if not any(case.filter.d) or case.filter.nearing:
         return
     ahead, behind = leaving(case, -1), leaving(case, 1)
-    both = ((ahead, "what is near"),)
-    for own, words in (
-        both if ahead == behind else ((ahead, "what is ahead"), (behind, "what is behind"))
-    ):
+    apart = (ahead, "what is ahead"), (behind, "what is behind")
+    for own, words in ((ahead, "what is near"),) if ahead == behind else apart:
         if own is None:
             continue
         if own.least is None:
@@ -119,12 +111,10 @@ def _times(case: Scenario) -> Iterator[str]:
     for axis, unit in enumerate(("m/s", "rad/s")):
         rows = dict[float, list[str]]()
         for before, after, time in times_inside(case, axis):
-            shown = "no time promised" if time == float("inf") else f"{time:.3g}"
+            shown = f"{time:.3g}" if time < math.inf else "no time promised (filter.d)"
             rows.setdefault(before, []).append(f"{after:.3g}: {shown}")
         yield (
             f"a limit lowered from one [{unit}] to another is kept from so many seconds after the "
             "step that is told:"
         )
         yield from (f"from {before:.3g} to {', '.join(texts)}" for before, texts in rows.items())
-        if case.filter.d[axis] >= case.limits.v_max[axis] / 10:
-            yield f"no time is promised at or below filter.d = {case.filter.d[axis]:g} {unit}"

@@ -65,13 +65,43 @@ def test_a_command_between_its_ends_passes():
          r"State limits.v_min\[1\] = -0.05: then no command that way"),
         ({"limits.v_max": (0.8, 0.02)}, r"d\[2\] = 0.05 .* to 0.05, and limits.v_max\[2\] is"),
         ({**SWINGS, "filter.kind": "band"}, r'v_min\[1\] = -0.05, .* = 0.8: .*"band" keeps one'),
-        (SWINGS, r"v_min\[1\] = -0.05, .*= 0.8: both .* differ, and a loop that overshoots"),
+        ({**SWINGS, "filter.slew": (0.1, 0.1)},
+         r"v_min\[1\] = -0.05, .*= 0.8: both .* differ, and a loop that overshoots"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_kept_is_refused_by_name(more, said):
     with pytest.raises(ScenarioError, match=said) as refused:
         filter_system(stated("clip", **more))
     assert "\n" not in str(refused.value)
+
+
+def swings(gain, damping=0.4, frequency=3.0):
+    """Integrals of the positive and of the negative part of the impulse response."""
+    t = np.linspace(0, 12 / damping / frequency, 200_001)
+    held = frequency * np.sqrt(1 - damping**2)
+    response = gain * frequency**2 / held * np.exp(-damping * frequency * t) * np.sin(held * t)
+    return np.trapezoid(np.maximum(response, 0), t), np.trapezoid(np.maximum(-response, 0), t)
+
+
+OVERSHOOTS = {**SWINGS, "filter.damping": (0.4, 0.4), "filter.d": (0.0, 0.0)}
+
+
+@pytest.mark.parametrize("told", [False, True])
+@pytest.mark.parametrize("gain", [(1.0, 1.0), (0.9, 1.1)])
+@pytest.mark.parametrize("low", [-0.05, -0.2, -0.5, -0.9])
+def test_a_loop_that_overshoots_keeps_both_directions(told, gain, low):
+    """And, where its gain is known, uses one of both up."""
+    high = 0.5
+    wide = {"limits.v_min": (-1.0, -1.0), "limits.v_max": (1.0, 1.0), "filter.changing": True}
+    own = {"limits.v_min": (low, -1.0), "limits.v_max": (high, 1.0)}
+    scenario = stated("clip", **OVERSHOOTS, **{"filter.gain": gain, **(wide if told else own)})
+    step, limits = CommandFilter(scenario).step, [(low, high), (-1.0, 1.0)] if told else None
+    a, b = (abs(step((way, 0.0), limits=limits).command[0]) for way in (9, -9))
+    worst = np.max([(p * a + q * b, q * a + p * b) for p, q in map(swings, gain)], axis=0)
+
+    assert np.all(worst <= np.array([high, -low]) + 1e-6)
+    if gain == (1.0, 1.0):
+        assert np.max(worst / [high, -low]) > 0.999, "no larger commands are safe"
 
 
 @pytest.mark.slow

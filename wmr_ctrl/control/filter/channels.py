@@ -43,7 +43,7 @@ FLAGS = Signal("filter_flags", "1", "sum of the bits of what is told")
 
 LIMITED, UNUSED, BOUNDS_LEFT, LATE, REFUSED, UNSOUND, TURN_RADIUS = 1, 2, 4, 8, 16, 32, 2048
 SLOWING, NEAR_BY, NO_DISTANCE, LIMIT_REFUSED = 4096, 8192, 16384, 32768
-"""Bits of the flags, of which CommandFilter.step tells the meaning."""
+"""Bits of the flags, with what they say in FLAG_MEANINGS."""
 FLAG_NAMES = {
     LIMITED: "limited",
     UNUSED: "unused",

@@ -32,9 +32,11 @@ from .channels import (
     FLAGS,
     LATE,
     SENT,
+    TINY,
     UNSOUND,
     Channel,
     channels_of,
+    ends_of,
     largest_commands,
     limited,
     punctual,
@@ -87,13 +89,24 @@ class Clip:
             self.told = (limits_port(scenario),)
             self.channels = _changed(two_sided(self.channels), self.told[0].sym)
         self.T = self.p.take("clock.control")
-        self.limits, behind = largest_commands(self.channels)
+        self.limits, self.behind = largest_commands(self.channels)
+        if scenario.filter.loop != FIRST_ORDER and len(self.channels[0].sides) > 1:
+            self._swing(scenario.filter.loop)
         self.command, self.refused = usable_command(self.asked.sym)
         self.last: tuple[Port, ...] = () if scenario.filter.slew is None else (port(LAST),)
         self.sound = reduce(ca.logic_and, self._sound_ramp(), sound(self.channels))
-        backwards = [-limit for limit in behind]
+        backwards = [-limit for limit in self.behind]
         safe = scaled(self.command, self.channels, backwards, self.limits, scenario.filter.scale)
         self.sent = ca.if_else(self.sound, self._slowly(safe) if self.last else safe, 0)
+
+    def _swing(self, loops: tuple[str, str]) -> None:
+        """Commands within which a loop that overshoots keeps both directions' limits."""
+        for i, (least, most) in enumerate(ends_of(self.p, "gain")):
+            if loops[i] != "first-order":
+                N = self.channels[i].bounds.K_max
+                own, other = (b.V - b.dbar for b in self.channels[i].sides)
+                self.limits[i] = swung(N, least, most, own, other)
+                self.behind[i] = swung(N, least, most, other, own)
 
     def _sound_ramp(self) -> list[ca.SX]:
         """Conditions that the slew allows a change within a period; 0 for NaN."""
@@ -130,6 +143,19 @@ class Clip:
             outputs=(Output(SENT, self.sent), Output(FLAGS, flagged)),
             period=self.scenario.clock.control,
         )  # fmt: skip
+
+
+def swung(N: ca.SX, least: ca.SX, most: ca.SX, own: ca.SX, other: ca.SX) -> ca.SX:
+    """Largest command one way that keeps the room ``own`` this way and ``other`` the other way.
+
+    With commands in [-b, a] the speed is at most P a + Q b, and at least -(Q a + P b), for P and Q
+    the integrals of the impulse response's positive and negative part. Their sum is at most the
+    peak gain N, their difference the gain, in [least, most] (`filter.peak-sides`).
+    """
+    gain = ca.if_else(own >= other, least, most)
+    both = (other + (N + gain) * (own - other) / (least + most)) / N
+    alone = ca.fmin(2 * own / (N + most), 2 * other / ca.fmax(N - least, TINY))
+    return ca.fmax(0, ca.fmin(both, alone))
 
 
 def _changed(channels: list[Channel], told: ca.SX) -> list[Channel]:

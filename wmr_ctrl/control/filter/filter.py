@@ -6,7 +6,7 @@ both axes scaled by one factor, so that the path keeps its curvature, or each by
 
 import math
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -161,10 +161,10 @@ def _unequal(scenario: Scenario, reached: Sequence[float]) -> Iterator[str]:
         differ = f"{named} {limits.v_max[i]:g}: both directions differ, and"
         if settings.kind == "band":
             yield f'{differ} filter.kind = "band" keeps one for both. State one, or take the clip.'
-        elif settings.loop[i] != "first-order":
+        elif settings.loop[i] != "first-order" and (settings.slew or settings.channels == "wheels"):
             yield (
                 f"{differ} a loop that overshoots (filter.loop) swings through 0 when it stops. "
-                "State one limit for both."
+                "State one limit for both, or leave out filter.slew and filter.channels."
             )
         for way, size in ((1, limits.v_max[i]), (-1, -limits.v_min[i])):
             key, _ = limits.side(i, way)
@@ -211,20 +211,15 @@ STANDING = -1.0
 """Time since the last step by a clock that did not go on: 0 would say that nobody tells it."""
 TOLD = Signal("told", "1", "1: the time since the previous sample was told before")
 
-BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
-    "clip": Clip,
-    "governor": Governor,
-    "told": StoppingGovernor,
-    "ramps": RampStopper,
-    "band": BandGovernor,
-}
 
-
-def kind_of(settings: Filter) -> str:
-    """Key in `BUILDERS`: the filter's kind, or that of one which is told more."""
-    if settings.kind == "clip" and settings.free_error is not None:
-        return "ramps"
-    return "told" if settings.kind == "governor" and settings.is_told else settings.kind
+def graph_of(scenario: Scenario) -> Clip | Governor | BandGovernor:
+    """Graph of a scenario's filter: by its kind, and by what it is told."""
+    settings = scenario.filter
+    if settings.kind == "clip":
+        return Clip(scenario) if settings.free_error is None else RampStopper(scenario)
+    if settings.kind == "governor":
+        return StoppingGovernor(scenario) if settings.is_told else Governor(scenario)
+    return BandGovernor(scenario)
 
 
 def derived_numbers(scenario: Scenario) -> dict[str, tuple[Signal, tuple[float, ...]]]:
@@ -249,7 +244,7 @@ def filter_system(scenario: Scenario) -> System:
     Raises ScenarioError where the filter is not set, or cannot be met.
     """
     check_filter(scenario)
-    return for_base(BUILDERS[kind_of(scenario.filter)](scenario).system, scenario)
+    return for_base(graph_of(scenario).system, scenario)
 
 
 def filter_questions(scenario: Scenario) -> Iterator[str]:
@@ -299,7 +294,11 @@ def passing_commands(scenario: Scenario) -> list[tuple[str, Pair, Pair]]:
     check_filter(scenario)
     plain = override(scenario, {"filter.changing": False})
     built: Clip | Governor = Clip(plain) if plain.filter.kind == "clip" else Governor(plain)
-    ahead, back = (ca.vertcat(*way) for way in largest_commands(built.channels))
+    if isinstance(built, Clip):
+        ways = built.limits, built.behind
+    else:
+        ways = largest_commands(built.channels)
+    ahead, back = (ca.vertcat(*way) for way in ways)
     units = ((1, 0), (0, 1))
     rows = ca.vertcat(*(ca.horzcat(*map(item.of, units)) for item in built.channels))
     ports = built.p.ports
@@ -365,12 +364,11 @@ class CommandFilter:
         since the last step by a steady clock (`time.monotonic`), by default the clock's period, and
         a band's steps must then come on that beat; once a ``dt`` was given, a missing one counts as
         0. 0 or less means that the clock stopped or was set back; a ``dt`` longer than the time
-        that has passed breaks a band's limit. A command that is not a number counts as (0, 0), with
-        the flag "refused"; further flags are "limited", "unused" (odometry was not used),
-        "bounds-left" (it contradicts the stated bounds: one of them is wrong), "late" (the step
-        came outside its jitter), "turn-radius" (the base turns no tighter than base.min_radius) and
-        "unsound" (parameters that no filter can satisfy, such as a push beyond the limit: (0, 0) is
-        sent). Raises ArgumentError for wrong lengths.
+        that has passed breaks a band's limit. A command that is not a number counts as (0, 0). The
+        flags are `channels.FLAG_NAMES` (docs/filter.md). ``limits``: of v and of omega, each (least
+        [m/s, rad/s], largest); ``free``: free way ahead and behind [m], ``free_age`` [s] old;
+        ``turn``: free turning to the left and to the right [rad].  Raises ArgumentError for wrong
+        lengths.
         """
         if dt is not None and dt > 100 * self.period:
             self._ask(dt)

@@ -30,7 +30,6 @@ from .channels import (
     WAYS,
     ends_of,
     is_nothing,
-    largest_commands,
     limited,
     scaled,
     two_sided,
@@ -127,10 +126,10 @@ class RampStopper(Clip, Watching):
     @cached_property
     def offered(self) -> ca.SX:
         """The command (2,) before it is known whether the brake may open for it."""
-        pairs = zip(largest_commands(self.channels), self.stopping, strict=True)
+        pairs = zip((self.limits, self.behind), self.stopping, strict=True)
         upper, lower = ([ca.fmax(0, m) for m in map(ca.fmin, *pair)] for pair in pairs)
-        back, scale = [-limit for limit in lower], self.scenario.filter.scale
-        sent = scaled(self.command, self.channels, back, upper, scale)
+        back = [-limit for limit in lower]
+        sent = scaled(self.command, self.channels, back, upper, self.scenario.filter.scale)
         return ca.if_else(ca.fabs(sent) > TRACE, sent, 0)
 
     @cached_property

@@ -74,7 +74,7 @@ def costs(scenario: Scenario) -> dict[str, float]:
     settings, speed = scenario.filter, scenario.limits.v_max[0]
     whole = stopping(scenario, speed).distance
 
-    def more(key: str, value: Intervals | float) -> float:
+    def more(key: str, value: Intervals | Pair | float) -> float:
         changed = override(scenario, {f"filter.{key}": value})
         return stopping(changed, speed).distance - whole
 
@@ -82,13 +82,9 @@ def costs(scenario: Scenario) -> dict[str, float]:
     found = {"millisecond": more("delay", later)}
     if settings.kind == "clip" and settings.decel is not None:
         v, omega = settings.decel
-        found["per_cent"] = (
-            stopping(override(scenario, {"filter.decel": [v / 1.01, omega]}), speed).distance
-            - whole
-        )
+        found["per_cent"] = more("decel", (v / 1.01, omega))
     else:
-        slower = settings.each("tau", lambda ends: (ends[0], 1.01 * ends[1]))
-        found["per_cent"] = more("tau", slower)
+        found["per_cent"] = more("tau", settings.each("tau", lambda at: (at[0], 1.01 * at[1])))
     if settings.rest is not None:
         found["rest_second"] = more("rest", settings.rest + 1)
     return found
@@ -112,17 +108,14 @@ class Leaving:
 def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
     """How a base leaves what is before it (``way`` -1) or behind it (1); None without a rest."""
     settings, T = scenario.filter, scenario.clock.control
-    if settings.kind == "clip":
+    if settings.kind == "clip" or settings.rest is None:
         return None
     stop, plan = stop_of(scenario, 0)
-    if stop.rest is None:
-        return None
     (least_gain, most_gain), d = settings.intervals("gain")[0], stop.push
     V = scenario.limits.v_max[0] if way > 0 else -scenario.limits.v_min[0]
     pull = least_gain * (V - d) / most_gain - d
-    slowest = (1 - plan.jitter) * T
-    spread = plan.spread * T
-    rests = math.ceil((stop.rest + plan.losses * (1 + plan.jitter) * T + spread) / slowest + NEAR)
+    slowest, latest = (1 - plan.jitter) * T, (1 + plan.jitter) * T
+    rests = math.ceil((settings.rest + plan.losses * latest + plan.spread * T) / slowest + NEAR)
     if pull <= 0:
         return Leaving(stop.roll, None, math.inf, rests * T)
     steps = _commands(plan, T, stop.hold(pull))
@@ -146,8 +139,9 @@ def smallest_window(scenario: Scenario) -> Pair:
     settings, T = scenario.filter, scenario.clock.control
     if settings.kind == "clip" and settings.decel is not None:
         d, rest = settings.d[1], settings.rest or 0.0
-        turned = d * (_reaction(scenario, 1) + rest) + d * d / (2 * settings.decel[1])
-        return (1 + settings.leave) * turned, (1 + settings.leave) * turned
+        turned = d * (_reaction(scenario, 1) + rest + d / (2 * settings.decel[1]))
+        turned *= 1 + settings.leave
+        return turned, turned
     (straight, plan), (stop, _) = (stop_of(scenario, axis) for axis in (0, 1))
     turned = stop.push * stop.time + settings.leave * stop.roll
     if not straight.push:
@@ -167,16 +161,16 @@ def time_inside(scenario: Scenario, axis: int, before: float, after: float) -> f
     It was within ``before``, both of one side [m/s, rad/s]; inf if no time is promised.
     """
     stop, plan = stop_of(scenario, axis)
-    T, d, spread = scenario.clock.control, stop.push, plan.spread
-    lost = plan.losses * (1 + plan.jitter) * T
+    d, T = stop.push, scenario.clock.control
+    latest = (1 + plan.jitter) * T
+    surely = stop.last + plan.losses * latest
     if after >= before:
-        return stop.last + lost
+        return surely
     if after <= d:
         return math.inf
     fades = stop.tau[1] * math.log((before - d) / (after - d))
-    steps = math.ceil((fades / T + spread) / (1 - plan.jitter) - NEAR)
-    own, whole = fades + plan.shortest * T, (steps + plan.losses) * (1 + plan.jitter) * T
-    return stop.last + lost + min(own, whole)
+    steps = math.ceil((fades / T + plan.spread) / (1 - plan.jitter) - NEAR)
+    return surely + min(fades + plan.shortest * T, (steps + plan.losses) * latest)
 
 
 def times_inside(scenario: Scenario, axis: int) -> Iterator[tuple[float, float, float]]:
