@@ -102,7 +102,8 @@ def _steady(end: int) -> Callable[..., ca.SX]:
 def _limit(line: str) -> Callable[..., ca.SX]:
     """Largest command by one line of both: that of the longest time, or that of the least."""
 
-    def admitted(self: StoppingGovernor, place: int, axis: int, motion: ToldBound) -> ca.SX:
+    def admitted(self: StoppingGovernor, place: int, axis: int) -> ca.SX:
+        motion = self.told[place][axis]
         V, v_bar, b = self.in_force[place][axis], self.takeover[place][axis], motion.bounds
         acts = ca.fmax(motion.schedule.shortest * self.T, 1e-9)
         above = 1 / ca.expm1(acts / motion.tau[1])

@@ -80,7 +80,7 @@ def no_larger(mutation: Mutation) -> Statement:
     return a.states(above(end, a.stopped(a.e2)), given=(a.given, sent))
 
 
-@claim("filter.limits.compose", given=f"{LOWERED}; v_bar <= v_other")
+@claim("filter.limits.compose", given="0 <= E <= 1; v_bar <= v_other")
 def compose(mutation: Mutation) -> Statement:
     """max(V, d + E (v_bar - d)) <= max(V, d + E (v_other - d)).
 
@@ -89,7 +89,7 @@ def compose(mutation: Mutation) -> Statement:
     a = Lowered(Mutation(1))
     larger = at_least(a.v_other + mutation(0, 1), a.v_bar)
     goal = at_least(a.stopped(a.E, a.v_other), a.stopped(a.E))
-    return a.states(goal, given=(a.given, larger))
+    return a.states(goal, given=(between(0, a.E, 1), larger))
 
 
 @claim(
