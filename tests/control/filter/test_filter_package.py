@@ -19,7 +19,7 @@ from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.filter.channels import FLAG_NAMES
 from wmr_ctrl.control.filter.filter import filter_system
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.world.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario, override
 
 MEMORY = """#include <math.h>
 #include <stdio.h>
@@ -164,6 +164,21 @@ def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_pa
     assert "78 samples, largest error" in checked
     words = example.split()
     assert 0.5 < float(words[1]) <= float(words[3])
+
+
+@pytest.mark.parametrize("law", ["filter", "kanayama"])
+@pytest.mark.slow_but("filter")
+def test_an_example_tells_limits_of_each_direction(law, tmp_path):
+    sides = {"limits.v_min": (-0.2, -0.8), "limits.v_max": (0.5, 0.6), "filter.changing": True,
+             "base.kind": "velocity", "filter.trust": True}  # fmt: skip
+    for name, text in package_files(law, override(scenario("governor"), sides)).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    checked, _ = programs(law, tmp_path)
+
+    assert "in.limits[0] = (wmr_real)-0.2, in.limits[1] = (wmr_real)0.5;" in (
+        tmp_path / "example.c"
+    ).read_text("utf-8")
+    assert "78 samples, largest error" in checked
 
 
 CREEP = """#include <math.h>
