@@ -4,37 +4,9 @@ import json
 
 import pytest
 
-CART = """
-[base]
-kind = "velocity"
-tau = [0.28, 0.28]
-gain = [1.05, 0.95]
-delay = 0.1
-[body]
-radius = 0.25
-[limits]
-v_u1 = [1.0, 2.0]
-[clock]
-control = 0.05
-duration = 12.0
-[filter]
-kind = "governor"
-tau = [0.15, 0.3]
-gain = [0.9, 1.1]
-d = [0.05, 0.05]
-odometry = [0.02, 0.02]
-delay = [0.1, 0.15]
-changing = true
-free_error = 0.02
-rest = 1.0
-[world]
-wall = [[5.0, -2.0], [5.0, 2.0]]
-[reference]
-kind = "line"
-speed = 0.8
-[disturbance]
-std = 0.0
-"""
+from tests.results.test_obstacles import WALLED
+
+CART = WALLED.replace("[2.0, -2.0], [2.0, 2.0]", "[5.0, -2.0], [5.0, 2.0]")
 BAND = " ".join(f"--set filter.{key}" for key in (
     "kind=band", "loop=second-order", "damping=[0.5,1]", "frequency=[3,4]", "odometry=none",
     "delay=[0.1,0.1]",

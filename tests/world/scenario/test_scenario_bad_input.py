@@ -199,20 +199,6 @@ keys = st.sampled_from(
 )  # fmt: skip
 
 
-numbers = st.one_of(st.integers(), st.floats(), st.booleans(), st.text(max_size=5))
-
-
-values = st.recursive(numbers, lambda inner: st.lists(inner, max_size=4), max_leaves=6)
-
-
-keys = st.sampled_from(
-    ["robot.m", "robot", "limits.v_u1", "limits.v_u2[1]", "clock.plant", "clock.duration",
-     "sensor.pose_period", "actuator.delay", "changes", "changes[1].t", "changes[2].mu", "gains.mb",
-     "gains", "reference", "reference.kind", "reference.points", "reference.radius", "model.mu",
-     "metrics.split", "title", "initial.pose", "disturbance.truncate", "reference.file"]
-)  # fmt: skip
-
-
 @settings(max_examples=3 * settings.default.max_examples)
 @given(st.dictionaries(keys, values, max_size=3))
 @pytest.mark.slow
