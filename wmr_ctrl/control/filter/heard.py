@@ -10,7 +10,7 @@ import casadi as ca
 
 from wmr_ctrl.control.sides import is_number
 from wmr_ctrl.core.signals import LARGEST, Signal
-from wmr_ctrl.world.model.system import Parameters, Port, port
+from wmr_ctrl.world.model.system import Number, Parameters, Port, port
 from wmr_ctrl.world.scenario import Scenario
 
 from .channels import AXES, FREE, FREE_AGE, ROUNDING, Channel, is_nothing, punctual, within
@@ -176,7 +176,7 @@ def remembered(plans: Iterable[Schedule], scenario: Scenario) -> int:
     return max(replace(plan, age=max(plan.age, age)).oldest for plan in plans)
 
 
-def whole_steps(plan: Schedule, T: ca.SX, time: ca.SX, more: float = -NEAR) -> ca.SX:
+def whole_steps(plan: Schedule, T: Number, time: Number, more: float = -NEAR) -> Number:
     """Number of commands that surely act for at least this time [s], and ``more`` of a period.
 
     A brake ends a motion at once, so that rest needs more than the time after which it closes.

@@ -13,6 +13,7 @@ from wmr_ctrl.world.scenario.command_filter import Intervals
 
 from .governor import NEAR, Schedule
 from .governor_step import schedules
+from .heard import whole_steps
 from .ways import Stop
 
 
@@ -114,8 +115,7 @@ def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
     (least_gain, most_gain), d = settings.intervals("gain")[0], stop.push
     V = scenario.limits.v_max[0] if way > 0 else -scenario.limits.v_min[0]
     pull = least_gain * (V - d) / most_gain - d
-    slowest, latest = (1 - plan.jitter) * T, (1 + plan.jitter) * T
-    rests = math.ceil((settings.rest + plan.losses * latest + plan.spread * T) / slowest + NEAR)
+    rests = whole_steps(plan, T, settings.rest + plan.losses * (1 + plan.jitter) * T, NEAR)
     if pull <= 0:
         return Leaving(stop.roll, None, math.inf, rests * T)
     steps = _commands(plan, T, stop.hold(pull))
@@ -150,9 +150,9 @@ def smallest_window(scenario: Scenario) -> Pair:
     return turned, turned + stop.push * (longest + settings.free_age)
 
 
-def _commands(plan: Schedule, T: float, time: float) -> int:
+def _commands(plan: Schedule, T: float, time: float) -> float:
     """Number of commands that surely act for a time [s]."""
-    return plan.losses + math.ceil((time + plan.spread * T) / ((1 - plan.jitter) * T) - NEAR)
+    return plan.losses + whole_steps(plan, T, time)
 
 
 def time_inside(scenario: Scenario, axis: int, before: float, after: float) -> float:
@@ -169,8 +169,7 @@ def time_inside(scenario: Scenario, axis: int, before: float, after: float) -> f
     if after <= d:
         return math.inf
     fades = stop.tau[1] * math.log((before - d) / (after - d))
-    steps = math.ceil((fades / T + plan.spread) / (1 - plan.jitter) - NEAR)
-    return surely + min(fades + plan.shortest * T, (steps + plan.losses) * latest)
+    return surely + min(fades + plan.shortest * T, _commands(plan, T, fades) * latest)
 
 
 def times_inside(scenario: Scenario, axis: int) -> Iterator[tuple[float, float, float]]:
