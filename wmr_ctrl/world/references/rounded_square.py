@@ -77,9 +77,9 @@ def square_points(side: float, corner: float) -> Array:
     straight = side - 2 * corner
     step = float(np.hypot(*(turn[1] - turn[0])))
     half = straight / 2
-    along = half - _graded(half, step)
-    run_up = np.column_stack([along, np.zeros_like(along)])[:-1]
-    run_out = np.column_stack([np.full_like(along, side / 2), corner + along])[:-1]
+    graded = _graded(half, step)
+    run_up = np.column_stack([half - graded, np.zeros_like(graded)])[:-1]
+    run_out = np.column_stack([np.full_like(graded, side / 2), corner + graded[::-1]])[:-1]
     middle = turn + np.array([straight / 2, 0.0])
     first = np.vstack([run_up, middle[:-1], run_out]) if straight > 0 else middle[:-1]
     centre, right_angle = np.array([0.0, side / 2]), np.array([[0.0, -1.0], [1.0, 0.0]])
