@@ -23,6 +23,7 @@ from PIL import Image, ImageSequence
 
 import wmr_ctrl
 from analysis.chain import picture
+from benchmarks.paper_figures import all_drawings
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.barrier.stable import stable_minimiser
 from wmr_ctrl.control.guard.bounds import derived_guard
@@ -30,7 +31,6 @@ from wmr_ctrl.control.guard.price import usable_speed
 from wmr_ctrl.report.animate import animate_runs
 from wmr_ctrl.report.identified import drawing_of
 from wmr_ctrl.report.style import LIMIT, house_style, look
-from wmr_ctrl.report.write import all_drawings
 from wmr_ctrl.results import Run
 from wmr_ctrl.simulation.campaign import PAPER_LAWS
 from wmr_ctrl.simulation.campaign.engine import run_campaign

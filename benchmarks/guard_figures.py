@@ -15,6 +15,7 @@ from wmr_ctrl.report.style import LIMIT, MUTED, look
 from wmr_ctrl.results import REFUSED, RunTable
 from wmr_ctrl.results.windows import LATE, seconds
 
+from . import marks
 from .guard_runs import AWAY, BASE, BASES, swept
 
 
@@ -31,7 +32,7 @@ def comparison_figures(rows: RunTable) -> tuple[drawing.Drawing, ...]:
 
 
 def _kinds() -> list[Line2D]:
-    return [drawing.dot_handle("without the guard"), drawing.dot_handle("with it", face="white")]
+    return [marks.dot_handle("without the guard"), marks.dot_handle("with it", face="white")]
 
 
 def _name(axes: Axes, title: str) -> None:
@@ -44,7 +45,7 @@ def _draw_violations(figure: Figure, rows: RunTable) -> None:
     step = 0.84 / len(rows.laws)
     panels = drawing.row_of_axes(figure, padding, [1.0] * len(bases), 0.2)
     for place, (axes, base) in enumerate(zip(panels, bases, strict=True)):
-        drawing.rows_of(axes, factors if place == 0 else [""] * len(factors))
+        marks.rows_of(axes, factors if place == 0 else [""] * len(factors))
         for row, factor in enumerate(factors):
             if factor not in rows.where(base=base).different("case"):
                 axes.annotate("first base only", (0, row), xytext=(12, 0), va="center", size=6.5,
@@ -52,14 +53,14 @@ def _draw_violations(figure: Figure, rows: RunTable) -> None:
             for law, guard in product(rows.laws, (False, True)):
                 height = row - 0.42 + step * (rows.laws.index(law) + 0.5)
                 runs = rows.where(case=factor, law=law, base=base, guard=guard)
-                drawing.dots(axes, runs["violations"], height, law, step, filled=not guard)
+                marks.dots(axes, runs["violations"], height, law, step, filled=not guard)
         _name(axes, f"torque held for {base}")
         axes.set(xscale="symlog", xlabel="plant steps beyond a limit", xlim=(-0.6, 2e5))
         ticks = {0: "0", 1: "1", 10: "10", 100: "100", 1e3: "10³", 1e4: "10⁴", 1e5: "10⁵"}
         axes.set_xticks([*ticks], [*ticks.values()])
         axes.axvspan(0.5, 2e5, color=LIMIT, alpha=0.07, lw=0)
-    marks = [*drawing.law_marks(rows.laws), *_kinds()]
-    drawing.heading(figure, "Plant steps beyond a velocity limit", marks)
+    handles = [*marks.law_marks(rows.laws), *_kinds()]
+    drawing.heading(figure, "Plant steps beyond a velocity limit", handles)
 
 
 def _draw_position(figure: Figure, rows: RunTable) -> None:
@@ -67,11 +68,11 @@ def _draw_position(figure: Figure, rows: RunTable) -> None:
     bases = rows.different("base")
     panels = drawing.row_of_axes(figure, padding, [1.0] * len(bases), 0.55)
     for axes, base in zip(panels, bases, strict=True):
-        drawing.law_rows(axes, rows.laws)
+        marks.law_rows(axes, rows.laws)
         for place, law in enumerate(rows.laws):
             for guard, height in ((False, place - 0.2), (True, place + 0.2)):
                 runs = rows.where(case=BASE, law=law, base=base, guard=guard)
-                drawing.dots(axes, 1e3 * runs[AWAY], height, law, filled=not guard)
+                marks.dots(axes, 1e3 * runs[AWAY], height, law, filled=not guard)
         axes.set(xscale="log", xlabel="RMS distance [mm]", xlim=(0.1, 5000.0))
         drawing.plain_ticks(axes, (1,))
         _name(axes, f"torque held for {base}")
@@ -104,7 +105,7 @@ def limits(base: str) -> Points:
 def _draw_period(figure: Figure, rows: RunTable) -> None:
     places = {name: (periods(), guard) for name, guard in _GUARDS.items()}
     _draw_lines(figure, rows, places, 0.45, "control period T [ms]")
-    drawing.heading(figure, "ISE against the control period", drawing.law_handles(rows.laws))
+    drawing.heading(figure, "ISE against the control period", marks.law_handles(rows.laws))
 
 
 def _draw_torque(figure: Figure, rows: RunTable) -> None:
@@ -115,7 +116,7 @@ def _draw_torque(figure: Figure, rows: RunTable) -> None:
     }
     _draw_lines(figure, rows, places, 0.42, "torque limit [N m]")
     title = "ISE against the torque limit, without and with the guard"
-    drawing.heading(figure, title, drawing.law_handles(rows.laws))
+    drawing.heading(figure, title, marks.law_handles(rows.laws))
 
 
 def _draw_lines(figure: Figure, rows: RunTable, places: Places, gap: float, label: str) -> None:

@@ -218,7 +218,8 @@ def reproduce(
         each = [part(progress, k / parts, (k + 1) / parts) for k in range(parts)]
         campaign = run_campaign(plan, jobs, each[0])
         judged = judge_all(Evidence(campaign.table, facts.timings))
-        verdicts = write_reproduction(out, Reproduction(campaign, judged, facts), each[1])
+        drawings = _benchmark("paper_figures").all_drawings(campaign)
+        verdicts = write_reproduction(out, Reproduction(campaign, judged, facts), drawings, each[1])
         for what, tell in zip(wanted, each[2:], strict=True):
             _benchmark("beyond").run(what, Path(out), jobs, quick, tell)
     return verdicts

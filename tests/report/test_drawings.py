@@ -5,9 +5,8 @@ import string
 import matplotlib as mpl
 import pytest
 
-from wmr_ctrl.report.paper_figures import PANELS
+from benchmarks.paper_figures import PANELS, all_drawings
 from wmr_ctrl.report.style import house_style
-from wmr_ctrl.report.write import all_drawings
 
 EVIDENCE = ("measure", "limits_all_seeds", "stress_velocities")
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import pytest
 
+from benchmarks.paper_figures import PANELS, all_drawings
 from tests.export.page.browser import browser
 from tests.report.conftest import drawn_for_the_page
 from tests.report.test_drawings import EVIDENCE
 from tests.simulation.campaign.synthetic import made_up
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.report.paper_claims import Evidence, Verdict, judge_all
-from wmr_ctrl.report.paper_figures import PANELS
 from wmr_ctrl.report.report_page import Facts, Reproduction
 from wmr_ctrl.report.tables import scenario_table
 from wmr_ctrl.report.write import FILES, write_reproduction
@@ -53,7 +53,9 @@ def written(campaign, shares, tmp_path_factory):
     """Everything; of the figures those that are SHOWN."""
     out = tmp_path_factory.mktemp("made") / "new" / "folder"
     with drawn_for_the_page(SHOWN.__contains__):
-        return write_reproduction(out, reproduction(campaign), shares.append)
+        return write_reproduction(
+            out, reproduction(campaign), all_drawings(campaign), shares.append
+        )
 
 
 @pytest.fixture(scope="module")
@@ -221,7 +223,7 @@ def test_other_laws_stand_beside_the_papers(few_pictures, tmp_path):
     laws = ["pid", "smc", "mb", "nn", "ours"]
     with made_up():
         runs = run_campaign(paper_plan(laws, seeds=1))
-    verdicts = write_reproduction(tmp_path, reproduction(runs))
+    verdicts = write_reproduction(tmp_path, reproduction(runs), all_drawings(runs))
     page = verdicts.report.read_text("utf-8")
 
     assert verdicts.table.laws == tuple(laws)
@@ -236,5 +238,5 @@ def test_runs_without_a_law_of_the_paper_are_refused(tmp_path):
         few = run_campaign(paper_plan(["mb", "nn"], seeds=1)[:2])
 
     with pytest.raises(ArgumentError, match="pid, smc"):
-        write_reproduction(tmp_path / "new", Reproduction(few, ()))
+        write_reproduction(tmp_path / "new", Reproduction(few, ()), ())
     assert not (tmp_path / "new").exists()

@@ -12,13 +12,11 @@ from wmr_ctrl.results import FIGURES, atomic_text, json_safe, make_folder
 from wmr_ctrl.results.files import write_csv
 from wmr_ctrl.results.table import STATISTICS, RunTable
 from wmr_ctrl.simulation.batch import Progress
-from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign
+from wmr_ctrl.simulation.campaign import PAPER_LAWS
 from wmr_ctrl.simulation.campaign.paper_runs import REPORTED
 
 from .drawing import Drawing
-from .evidence_figures import evidence_figures
 from .paper_claims import RULE, Judged, Measured, Verdict, load_readings
-from .paper_figures import paper_figure
 from .report_page import Reproduction, write_page
 
 FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
@@ -75,6 +73,7 @@ class Verdicts:
 def write_reproduction(
     folder: str | os.PathLike[str],
     reproduction: Reproduction,
+    drawings: Sequence[Drawing],
     progress: Progress | None = None,
 ) -> Verdicts:
     """Write report.html, table.csv, runs.csv, claims.json and figures/ into ``folder``.
@@ -91,7 +90,6 @@ def write_reproduction(
         )
     figures = home / "figures"
     make_folder(figures)
-    drawings = all_drawings(reproduction.campaign)
     pictures: list[Path] = []
     for count, drawing in enumerate(drawings, start=1):
         pictures += drawing.save(figures)
@@ -103,18 +101,6 @@ def write_reproduction(
     write_page(home / "report.html", reproduction, drawings, figures)
     files = (*(home / name for name in FILES), *pictures)
     return Verdicts(reproduction.judged, table, home, files)
-
-
-def all_drawings(campaign: Campaign) -> tuple[Drawing, ...]:
-    """Every figure of the report, in its order."""
-    laws = campaign.table.laws
-    fig3 = {law: campaign.runs["paper-simulation", law] for law in laws}
-    fig5 = {law: campaign.runs["paper-experiment", law] for law in laws}
-    return (
-        *paper_figure(3, fig3),
-        *paper_figure(5, fig5),
-        *evidence_figures(campaign),
-    )
 
 
 # -- the data: cells are empty, and JSON null, where there is no number ---------------------

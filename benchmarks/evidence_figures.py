@@ -9,13 +9,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from wmr_ctrl.report import drawing
+from wmr_ctrl.report.style import INK, LIMIT, MUTED, look, shown
 from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.table import RunTable, median, ratios
 from wmr_ctrl.results.windows import LATE, named, seconds
 from wmr_ctrl.simulation.campaign import Campaign
 
-from . import drawing
-from .style import INK, LIMIT, MUTED, look, shown
+from . import marks
 
 Runs: TypeAlias = Mapping[tuple[str, str], Run]
 """First runs by scenario and law."""
@@ -47,20 +48,20 @@ def _draw_measure(figure: Figure, table: RunTable) -> None:
     _panel_measure(left, table, "ise_total", "whole-run ISE [m² s + rad² s]")
     _panel_measure(right, table, f"e1_rms_{named(LATE)}", late, 1e3)
     handles = [
-        drawing.dot_handle("parameters change at 40 s"),
-        drawing.dot_handle("the same seeds without the change", face="white"),
+        marks.dot_handle("parameters change at 40 s"),
+        marks.dot_handle("the same seeds without the change", face="white"),
     ]
     drawing.heading(figure, "What the change at 40 s does, in two measures", handles, 0.26)
 
 
 def _panel_measure(axes: Axes, table: RunTable, name: str, label: str, factor: float = 1.0) -> None:
-    drawing.law_rows(axes, table.laws)
+    marks.law_rows(axes, table.laws)
     axes.set(xscale="log", xlabel=label)
     drawing.plain_ticks(axes)
     for row, law in enumerate(table.laws):
         changed, same = (table.case(case, law) for case in (WITH, WITHOUT))
         for runs, shift, filled in ((changed, -0.2, True), (same, 0.2, False)):
-            drawing.dots(axes, factor * runs[name], row + shift, law, filled=filled)
+            marks.dots(axes, factor * runs[name], row + shift, law, filled=filled)
         grown = median(ratios(changed.by_seed(name), same.by_seed(name)).values())
         axes.annotate("" if grown is None else f"× {shown(grown)}", (1, row),
                       xycoords=("axes fraction", "data"), xytext=(6, 0),
@@ -76,18 +77,18 @@ def _panel_measure(axes: Axes, table: RunTable, name: str, label: str, factor: f
 def _draw_limits(figure: Figure, table: RunTable) -> None:
     axes = drawing.one_axes(figure, drawing.Padding(left=2.30, right=0.20, bottom=0.44, top=0.50))
     scenarios = table.different("case")
-    drawing.rows_of(axes, scenarios)
+    marks.rows_of(axes, scenarios)
     step = 0.84 / len(table.laws)
     for scenario, law in table.cases:
         row, place = scenarios.index(scenario), table.laws.index(law)
         height = row - 0.42 + step * (place + 0.5)
-        drawing.dots(axes, table.case(scenario, law)["limit_ratio"], height, law, step)
+        marks.dots(axes, table.case(scenario, law)["limit_ratio"], height, law, step)
     axes.set(xscale="log", xlabel="largest |v| / limit, worse axis")
     axes.set_xlim(0.5, max(10.0, 1.4 * axes.dataLim.x1))
     drawing.plain_ticks(axes)
-    drawing.shade_beyond(axes, 1.0)
+    marks.shade_beyond(axes, 1.0)
     title = "How near to the velocity limit, or how far beyond it"
-    drawing.heading(figure, title, drawing.law_marks(table.laws))
+    drawing.heading(figure, title, marks.law_marks(table.laws))
 
 
 # -- the worse axis' |v|/limit over time in the stress cases, MB and NN -----------------------
@@ -134,7 +135,7 @@ def _draw_stress(figure: Figure, runs: Runs) -> None:
         for axes, case in zip(row, cases, strict=True):
             _panel_stress(axes, case, {law: runs[case.scenario, law] for law in LAWS})
         row[0].set_ylabel("|v| / limit, worse axis")
-    drawing.heading(figure, "Where the guarantee ends", drawing.law_handles(LAWS))
+    drawing.heading(figure, "Where the guarantee ends", marks.law_handles(LAWS))
 
 
 def _panel_stress(axes: Axes, case: _StressCase, runs: Mapping[str, Run]) -> None:

@@ -1,4 +1,7 @@
-"""Fig. 3 and Fig. 5 of the paper: the twelve panels."""
+"""Pictures of the paper's runs for `wmr-ctrl reproduce`: the twelve panels of Fig. 3 and Fig. 5.
+
+And what these do not show (`evidence_figures`).
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,10 +14,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from wmr_ctrl.core.data import data, with_tuples
+from wmr_ctrl.report import drawing
+from wmr_ctrl.report.style import INK, MUTED, look
 from wmr_ctrl.results import Floats, Run, distance
+from wmr_ctrl.simulation.campaign import Campaign
 
-from . import drawing
-from .style import INK, MUTED, look
+from . import marks
+from .evidence_figures import evidence_figures
 
 Group: TypeAlias = Mapping[str, Run]
 """Runs of one scenario by law, in the order in which they are drawn and named."""
@@ -166,6 +172,18 @@ def _draw_panel(figure: Figure, panel: Panel, group: Group) -> None:
         more = drawing.switch_handles(next(iter(group.values())).settings)
     else:
         _draw_trajectory(figure, group)
-        more = [drawing.dot_handle("reference", "white", INK, size=3.2)]
-    handles = [*drawing.law_handles(group), *more]
+        more = [marks.dot_handle("reference", "white", INK, size=3.2)]
+    handles = [*marks.law_handles(group), *more]
     drawing.heading(figure, f"({panel.letter}) {panel.title}", handles)
+
+
+def all_drawings(campaign: Campaign) -> tuple[drawing.Drawing, ...]:
+    """Every figure of the report, in its order."""
+    laws = campaign.table.laws
+    fig3 = {law: campaign.runs["paper-simulation", law] for law in laws}
+    fig5 = {law: campaign.runs["paper-experiment", law] for law in laws}
+    return (
+        *paper_figure(3, fig3),
+        *paper_figure(5, fig5),
+        *evidence_figures(campaign),
+    )
