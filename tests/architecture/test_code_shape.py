@@ -46,35 +46,6 @@ def test_most_functions_take_a_few_lines():
     assert statistics.quantiles(lengths, n=10)[-1] <= 35
 
 
-def test_modules_and_public_names_have_docstrings():
-    def bare(module):
-        told = (node for node in public(module.tree) if not is_overload(node))
-        names = [node.name for node in told if not ast.get_docstring(node)]
-        return names if ast.get_docstring(module.tree) else ["the module itself", *names]
-
-    assert offenders(bare) == {}
-
-
-def is_overload(node):
-    return "overload" in map(ast.unparse, node.decorator_list)
-
-
-def test_functions_are_annotated():
-    def bare(module):
-        return [f"{f.name}: {', '.join(missing(f))}" for f in functions(module.tree) if missing(f)]
-
-    assert offenders(bare) == {}
-
-
-def missing(function):
-    """Arguments without annotation, self and cls aside, and ``return``."""
-    args = function.args
-    listed = [*args.posonlyargs, *args.args, *args.kwonlyargs]
-    named = [arg for arg in (*listed, args.vararg, args.kwarg) if arg is not None]
-    bare = [a.arg for a in named if a.annotation is None and a.arg not in ("self", "cls")]
-    return bare if function.returns is not None else [*bare, "return"]
-
-
 def test_what_users_call_is_typed_to_the_end():
     """No ``Any`` in public signatures and fields, but where a type follows from a value."""
 
@@ -113,18 +84,3 @@ def test_no_path_of_modules_is_changed():
         return [text for node in nodes if (text := ast.unparse(node)) == "sys.path"]
 
     assert offenders(changed) == {}
-
-
-def test_library_code_prints_nothing_and_holds_no_debugger():
-    def wrong(module):
-        unwanted = {"breakpoint", "set_trace", *(() if module.room == "cli" else ("print",))}
-        return calls(module) & unwanted
-
-    assert offenders(wrong) == {}
-
-
-def calls(module):
-    """Names of the functions and methods that a module calls."""
-    nodes = [node.func for node in nodes_of(module.tree) if isinstance(node, ast.Call)]
-    names = {node.id for node in nodes if isinstance(node, ast.Name)}
-    return names | {node.attr for node in nodes if isinstance(node, ast.Attribute)}

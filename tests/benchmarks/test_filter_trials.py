@@ -12,7 +12,7 @@ from benchmarks.filter_trials.compiled import WIDE_TURNS, Compiled, scenario, tu
 from benchmarks.filter_trials.first_order import BAND, FAST_TURNS, told_of
 from benchmarks.filter_trials.linear import RIM_SWUNG, linear
 from benchmarks.filter_trials.statements import REFUSED, STATEMENTS, refusals, refused
-from benchmarks.filter_trials.stopping import FAMILIES, RULES, TEETH
+from benchmarks.filter_trials.stopping import FAMILIES, TEETH
 from tests.control.filter.adversary import Base, fastest
 
 PAGE = (Path(__file__).parents[2] / "benchmarks/results.md").read_text("utf-8")
@@ -50,10 +50,6 @@ def test_the_page_has_a_break_of_each_wrong_bound_and_formula(name, known):
 
     assert [row[0] for row in rows] == list(known)
     assert all(any(row[1:]) for row in rows)
-
-
-def test_the_page_has_other_rules_beside_the_filter():
-    assert [row[0] for row in part("stops-beside")] == list(RULES)
 
 
 def test_the_page_has_the_words_of_what_is_refused():

@@ -1,9 +1,6 @@
 """The floor's barrier against its definition (10)-(20) at 50 digits."""
 
-from itertools import product
-
 import mpmath as mp
-import numpy as np
 import pytest
 
 from benchmarks.hand_c import HandC
@@ -32,10 +29,3 @@ def test_barrier_is_exact_in_every_region(hand, axis):
             quotient, q, target, _ = exact(c, v, u1, u2)
             found = hand.barrier(axis, v, c)
             assert all(map(close, found.tolist(), (v - target, quotient, q))), (c, v, found)
-
-
-def test_barrier_is_never_nan_for_v_c0_up_to_1e150(hand):
-    speeds = [0.0, -0.0, 5e-324, 0.8, 1.3, 1.0, 1.5, 1e308, float("inf")]
-    sizes = [0.0, -0.0, 5e-324, 0.8, 1.3, 5.8, 6.3, 1e3, 1e6, 1e100, 1e150]
-    for axis, v, c, s, z in product((0, 1), speeds, sizes, (1, -1), (1, -1)):
-        assert np.isfinite(hand.barrier(axis, s * v, z * c)).all(), (axis, v, c)

@@ -27,15 +27,6 @@ def test_the_worst_guarded_row_of_the_page_keeps_the_limit():
     assert all(line.split("|")[2].strip() == "none" for line in guarded)
 
 
-@pytest.mark.parametrize("ceiling", [contenders.nominal_ceiling, contenders.sampled_ceiling])
-def test_a_filter_admits_less_the_faster_it_goes(ceiling):
-    case = match.Case(0.01, 0.0)
-    least = [ceiling(case, share * contenders.LIMIT) for share in (-0.5, 0.0, 0.5, 1.0)]
-
-    assert (np.diff(least[1:], axis=0) < 0).all()
-    assert (least[-1] <= np.array((40.0, 0.0))).all()  # at the limit: friction's force at most
-
-
 def test_what_a_filter_admits_keeps_the_believed_robot_inside():
     case = match.Case(0.1, 0.0)
     v = 0.7 * contenders.LIMIT
@@ -44,13 +35,6 @@ def test_what_a_filter_admits_keeps_the_believed_robot_inside():
     assert v + case.period * force / np.array((50.0, 5.4)) == pytest.approx(
         contenders.LIMIT, rel=1e-4
     )
-
-
-def test_a_page_without_the_mark_is_refused_before_anything_is_played(tmp_path, capsys):
-    with pytest.raises(SystemExit):
-        match.main(["--out", str(tmp_path / "none.md")])
-
-    assert "is no page with the line" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -32,14 +32,6 @@ def test_closed_loop_equals_a_plain_python_loop(noise):
     assert np.any(weights != 0)
 
 
-@needs_numba
-def test_candidates_are_there_and_run():
-    case = Case(duration=0.1)
-    for item in (numba_peer.step(SETUP, 10), numba_peer.loop(SETUP, case)):
-        assert item.steps == 10
-        item.run()
-
-
 def test_without_numba_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
 

@@ -42,15 +42,6 @@ def test_ratios_are_taken_round_by_round():
     assert (other.ratio, other.low, other.high, other.ns) == (2.0, 2.0, 2.0, 40.0)
 
 
-def test_the_floor_is_one_and_more_work_costs_more():
-    seen = []
-    found = measure(two(), "floor", progress=lambda done, total: seen.append((done, total)))
-
-    assert found["floor"].ratio == 1.0
-    assert found["slow"].ratio > 2.0
-    assert seen[-1] == (9, 9)
-
-
 @pytest.mark.slow
 def test_processes_pool_their_rounds():
     found = measure_in_processes(two, "floor", processes=2)

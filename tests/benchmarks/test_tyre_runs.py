@@ -13,7 +13,6 @@ from benchmarks.tyre_runs import (
     run_rigid_comparison,
 )
 from tests.simulation.campaign.synthetic import made_up as made_up_runs
-from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.simulation.campaign.plan import PlannedCase
 
@@ -24,11 +23,6 @@ CASES = {
     for study in studies
     for run in study.planned(("pid", "smc", "mb", "nn", "prox"), [0], plant)
 }
-
-
-@pytest.mark.parametrize("key", CASES, ids=", ".join)
-def test_cases_are_what_a_scenario_and_a_guard_take(key):
-    settle(CASES[key].overridden(), CASES[key].law)
 
 
 def test_a_slope_is_as_steep_and_rises_the_same_way_on_both():
@@ -82,15 +76,6 @@ def test_a_run_without_the_number_is_no_evidence():
 
     assert not any(claim.holds for claim in found.values())
     assert {claim.numbers for claim in found.values()} == {"none in 1 runs"}
-
-
-def test_nor_is_one_run_of_two_that_has_it():
-    plane = [made_up("ode", seed) for seed in (0, 1)]
-    good, fell = made_up("mujoco", 0, ise_total=1.04), made_up("mujoco", 1, ise_total=None)
-    found = verdicts(*plane, good, fell)
-
-    same = next(claim for claim in found.values() if "within 5 %" in claim.text)
-    assert (same.holds, same.numbers) == (False, "4 % in 1 of 2 runs")
 
 
 @pytest.mark.parametrize("plant", RIGID_STUDIES)

@@ -4,7 +4,7 @@ from functools import cache
 
 import pytest
 
-from benchmarks.verdicts import REPORTED_ON, faults, judged, table, trial
+from benchmarks.verdicts import REPORTED_ON, faults, judged, table
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.given import scenario_of
 
@@ -13,10 +13,6 @@ def shares(rows):
     """Of the bad those without a remark, of the good those with one on how the run went."""
     bad, good = [row for row in rows if row.faults], [row for row in rows if not row.faults]
     return (sum(not row.keys for row in bad) / len(bad), sum(row.seen for row in good) / len(good))
-
-
-def test_a_number_is_a_run():
-    assert trial(5) == trial(5) != trial(6)
 
 
 def test_the_rule_finds_nothing_wrong_with_a_good_run():

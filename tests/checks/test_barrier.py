@@ -11,21 +11,6 @@ from wmr_ctrl.theory.checks.wrong_model import largest_pull, phases, velocity_er
 MODEL = "model"
 
 
-@pytest.mark.parametrize(
-    "law, v_c0, most",
-    [("mb", 0.2, (225, 171)), ("mb", 2, (51.31, 21.97)), ("mb", 100, (1.64, 0.68)),
-     ("nn", 0.2, (405, None)), ("nn", 1.3, (None, 11.9 / 7.5))],
-)  # fmt: skip
-@pytest.mark.slow_but("mb-2-most1")
-def test_largest_resisted_push(loop, law, v_c0, most):
-    speeds = np.linspace(0, 1, 40001)[1:-1] * np.array([[1.0], [1.5]])
-    force = loop(law, {"robot.mu": 0} if law == "mb" else {}).force_towards(
-        speeds, np.full(2, v_c0)
-    )
-    for found, wanted in zip(-force.min(axis=1), most, strict=True):
-        assert wanted is None or found == pytest.approx(wanted, rel=4e-3 if law == "mb" else 1e-2)
-
-
 def test_pull_at_the_papers_start_is_that_of_its_auxiliary_velocity(loop):
     at = loop("mb")
     pull = largest_pull(at, next(phases(at.scenario)))

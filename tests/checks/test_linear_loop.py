@@ -19,7 +19,6 @@ from wmr_ctrl.theory.checks.radius import (
     stretches_of,
 )
 from wmr_ctrl.theory.checks.sampled_plant import divided
-from wmr_ctrl.theory.checks.stable_ranges import largest_period
 from wmr_ctrl.theory.checks.surroundings import DriveTimes, _counts
 from wmr_ctrl.world.model.kinematics import error_rotation
 from wmr_ctrl.world.references import sample
@@ -218,24 +217,3 @@ def test_what_a_law_knows_of_its_drives_falls_with_their_lag():
     known = around.known_of_drives(T, DriveTimes(0.0, 0.0, lag), applied=True, commands=0)
 
     assert radius(known.moved) == pytest.approx(np.exp(-T / lag), rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    "law, late",
-    [
-        ("mb", {}),
-        ("prox", {"actuator.unmodelled_delay": 0.02}),
-        ("pid", {"actuator.delay": 0.005, "actuator.lag": 0.01}),
-    ],
-)
-@pytest.mark.slow_but("mb-late0")
-def test_runs_settle_at_nine_tenths_of_the_longest_period_and_grow_beyond(law, late):
-    on = {"initial.pose": [1e-4, 0.0, -np.pi / 2], "initial.velocity": V_D.tolist()}
-    limit = largest_period(Loop(settle(still(late), law)))
-    for share in (0.9, 1.1):
-        period = round(share * limit, 3)
-        clock = {"clock.control": period, "clock.duration": 600 * period}
-        torque = simulate(still(late | on | clock), law)["tau_right"]
-        grows = bool(np.abs(torque[-60:]).max() > np.abs(torque[:10]).max())
-
-        assert grows is (share > 1)

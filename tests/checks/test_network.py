@@ -6,7 +6,7 @@ import pytest
 from wmr_ctrl.theory.checks.network import largest_square, learning_limit, square_bound
 from wmr_ctrl.theory.checks.radius import radius
 
-ETA, PERIOD = "gains.nn.eta", "clock.control"
+ETA = "gains.nn.eta"
 
 
 @pytest.mark.parametrize("eta2, square", [(1, 0.0070), (2, 0.319), (4, 2.79), (10, 15.0)])

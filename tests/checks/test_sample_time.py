@@ -1,9 +1,8 @@
 """Warnings about the control period: linear limit, kink, first step."""
 
-import numpy as np
 import pytest
 
-from wmr_ctrl import load_scenario, simulate
+from wmr_ctrl import load_scenario
 from wmr_ctrl.theory.checks.sample_time import first_speeds, kink_limits
 from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period
 
@@ -73,21 +72,6 @@ def test_a_window_of_one_sample_goes_with_the_period(law, stated, periods):
 
     assert limits == pytest.approx([limits[0]] * len(limits), rel=1e-4)
     assert limits[0] < limit_at(law, {**base, PERIOD: 0.01, "encoder.counts": None})
-
-
-@pytest.mark.parametrize("share", [0.9, 1.1])
-@pytest.mark.slow_but("1.1")
-def test_a_run_with_encoders_cycles_beyond_the_limit_only(share):
-    base = {"encoder.counts": 100_000, "disturbance.std": 0.0, "guard.enabled": False}
-    limit = limit_at("prox", {**base, PERIOD: 0.01})
-    period = round(share * limit, 3)
-    run = simulate(
-        "safe-simulation", "prox",
-        overrides={**base, PERIOD: period, "clock.duration": round(600 * period, 3)},
-    )  # fmt: skip
-    torque = run["tau_right"][-100:]
-
-    assert (np.ptp(torque) > 1.0) == (share > 1)
 
 
 def limit_at(law, changes):

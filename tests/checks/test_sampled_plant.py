@@ -4,28 +4,7 @@ import pytest
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.theory.checks import stability
-from wmr_ctrl.theory.linear.linear_report import report_linear
 from wmr_ctrl.world.scenario import load_scenario
-
-
-@pytest.mark.parametrize("period, delay, stable", [(0.1, 0.05, True), (0.02, 0.06, False)])
-@pytest.mark.slow
-def test_no_figure_of_one_page_contradicts_another(period, delay, stable):
-    """Unstable by radius, poles, margins, limits of period, delay and mass, or by none of them."""
-    late = {"clock.control": period, "actuator.delay": delay}
-    scenario = load_scenario("paper-simulation-nominal", late)
-    page = report_linear(scenario, "prox")
-    said = [
-        page.stable, page.spectral_radius < 1, page.max_sample_time > period,
-        page.max_delay is not None and page.max_delay > delay, page.mass_range is not None,
-        *(item is not None for item in page.sampled_margins),
-    ]  # fmt: skip
-    remarks = [item.key for item in simulate(scenario, "prox").remarks]
-
-    assert said == [stable] * len(said)
-    assert page.late
-    assert page.margins == page.sampled_margins
-    assert ("oscillates" not in remarks) is stable
 
 
 def cycles(overrides, law):

@@ -145,40 +145,15 @@ def test_runs_settle_at_nine_tenths_of_the_longest_period_and_cycle_beyond(law, 
 
 @pytest.mark.slow
 def test_no_period_is_stable_over_which_the_base_stops_between_two_commands():
-    """Where it would be with a base that waits longer, a run does not settle."""
     scenario = moving({"base.timeout": 0.1})
-    limit = largest_period(loop_of(settle(scenario, "prox")))
-    assert limit == pytest.approx(0.1, rel=2e-6)
-    assert largest_period(loop_of(settle(moving({}), "prox"))) > 0.2
+    longer = override(scenario, {"clock.control": 0.2, "clock.duration": 80.0})
+    (objection,) = (str(item) for item in warnings_for(settle(longer, "prox")) if item.objects)
 
-    ends, told = [], []
-    for period, timeout in ((0.1, 0.1), (0.2, 0.1), (0.2, 1.0)):
-        numbers = {"clock.control": period, "clock.duration": 400 * period, "base.timeout": timeout}
-        timed = override(scenario, numbers)
-        ends.append(np.abs(off(timed, "prox", SMALL)[-40:, :3]).max())
-        told.append([str(item) for item in warnings_for(settle(timed, "prox")) if item.objects])
-    assert max(ends[0], ends[2]) < 1e-6 < 1e-3 < ends[1]
-    assert told[0] == told[2] == []
-    (objection,) = told[1]
+    assert largest_period(loop_of(settle(scenario, "prox"))) == pytest.approx(0.1, rel=2e-6)
+    assert largest_period(loop_of(settle(moving({}), "prox"))) > 0.2
     assert objection.startswith("clock.control = 0.2 s is longer than base.timeout = 0.1 s")
     words = stable(stability(scenario, "prox"), 0.05)
     assert "up to clock.control = 0.1 s, beyond which the base stops between commands" in words
-
-
-@pytest.mark.parametrize("law, gain", [("mb", [1.3, 0.8]), ("kanayama", [0.8, 1.3])])
-@pytest.mark.slow_but("mb-gain0")
-def test_where_it_does_not_rest_on_its_reference_the_longest_period_holds_at_its_rest(law, gain):
-    scenario = moving({"base.gain": gain})
-    told = stability(scenario, law)
-    assert told.off > 5e-3
-    ends = []
-    for share in (0.9, 1.1):
-        clock = {"clock.control": round(share * told.period, 3), "clock.plant": 0.001}
-        timed = override(scenario, clock | {"clock.duration": 400 * clock["clock.control"]})
-        ends.append(np.abs(np.diff(near_rest(timed, law, SMALL)[:, :3], axis=0)))
-
-    assert ends[0][-5:].max() < ends[0][:5].max()
-    assert ends[1][-5:].max() > 10 * ends[1][:5].max()
 
 
 @pytest.mark.slow

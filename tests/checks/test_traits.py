@@ -2,11 +2,9 @@
 
 import re
 
-import numpy as np
 import pytest
 
 from tests.control.laws.toys import PLAIN, install
-from wmr_ctrl.api import simulate
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import warnings_for
@@ -47,14 +45,6 @@ def warned(law, scenario="paper-simulation", **overrides):
     return "\n".join(map(str, warnings_for(setup))).replace("than the guard's theorem", "")
 
 
-def test_the_plain_law_tracks_and_states_nothing():
-    near = {"initial.pose": [0.0, -0.3, -1.5]}
-    run = simulate("paper-simulation-nominal", "plain", overrides=near)
-
-    assert PLAIN.traits == type(PLAIN.traits)()
-    assert np.hypot(run["x"] - run["x_d"], run["y"] - run["y_d"])[-1] < 0.2
-
-
 @pytest.mark.parametrize(
     "law, name, guard",
     [
@@ -77,13 +67,3 @@ def test_nor_where_everything_is_wrong_at_once(law):
 
     assert said.count("\n") >= 2
     assert spoken(said, law) == []
-
-
-TIMED = {"encoder.counts": 4096.0, "encoder.method": "time"}
-
-
-def test_what_voids_the_guard_is_told_by_its_key():
-    said = warned("plain", **{"guard.enabled": True, **TIMED})
-
-    assert "encoder.method = time" in said
-    assert "the guard relies on one fixed window" in said

@@ -14,26 +14,16 @@ from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.theory.checks.unknown_zero import (
     COARSE,
     KEY,
-    bounds,
     exactness,
     finest,
     is_guarded,
     promise_of_run,
     unknown_zero,
 )
-from wmr_ctrl.world.scenario import load_scenario, preset_names
+from wmr_ctrl.world.scenario import load_scenario
 
 PUSHED, MEASURED = "nothing pushes the robot", "measured exactly"
 TORQUE, VELOCITY = "paper-simulation-nominal", "turtlebot3-burger"
-
-
-def test_headlines_of_presets_name_the_bounds_that_are_zero():
-    for name in preset_names():
-        setup = settle(load_scenario(name), "kanayama")
-        assumed = bounds(setup)
-        if not is_guarded(setup):
-            assumed = {"dbar": setup.bound.dbar, "nbar": setup.bound.nbar}
-        assert_named(setup, *assumed.values())
 
 
 def draws(seed):

@@ -5,7 +5,6 @@ import re
 import pytest
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -36,11 +35,3 @@ def test_gravest_comes_first():
     found = warnings_for(settle(load_scenario("outside-start", {"clock.control": 0.1}), "mb"))
 
     assert [warning.key for warning in found][:3] == ["initial.velocity"] * 2 + ["clock.control"]
-
-
-def test_warnings_are_values():
-    warning = Warning("clock.control", "Too long.", "Eq. (9)")
-
-    assert warning == Warning("clock.control", "Too long.", "Eq. (9)")
-    with pytest.raises(AttributeError):
-        warning.key = "other"

@@ -5,10 +5,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.control.barrier.stable import stable_minimiser
-from wmr_ctrl.control.setup import kinematic_gains
 from wmr_ctrl.theory.linear import SADDLE, start_off
-from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.world.references import sample
 from wmr_proofs.paper_functions import position_lyapunov
 
@@ -26,23 +23,6 @@ def level(e):
 def test_level_of_the_audit():
     assert level([(0.70453, -0.06031, -0.87080)]) == pytest.approx(0.32116, abs=1e-5)
     assert level([SADDLE]) == pytest.approx(CERTIFIED)
-
-
-def test_saturated_kinematics_never_raise_v2_inside_the_certified_set(nominal):
-    v_d, at = ca.SX.sym("v_d", 2), ca.SX.sym("e", 3)
-    asked = auxiliary_velocity(at, v_d, ca.SX(ca.DM(kinematic_gains(nominal).k)))
-    limits = zip(nominal.limits.v_u1, nominal.limits.v_u2, strict=True)
-    v = [stable_minimiser(asked[i], ca.SX(u1), ca.SX(u2)) for i, (u1, u2) in enumerate(limits)]
-    rate = ca.Function("rate", [v_d, at], [error_rate(at, ca.vertcat(*v), v_d)])
-    rng = np.random.default_rng(0)
-    e = rng.uniform((-0.9, -0.9, -np.pi), (0.9, 0.9, np.pi), (4000, 3))
-    inside = e[level(e) < CERTIFIED]
-    velocity = np.tile(((0.2,), (0.1,)), len(inside))
-    moving = np.asarray(rate(velocity, inside.T)).T
-    slope = inside[:, 0] * moving[:, 0] + inside[:, 1] * moving[:, 1]
-
-    assert len(inside) > 500
-    assert (slope + np.sin(inside[:, 2]) * moving[:, 2] / 5.0).max() <= 1e-9
 
 
 def test_runs_from_the_certified_set_converge(nominal):

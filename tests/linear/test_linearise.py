@@ -4,7 +4,6 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.linear.stepper import stepper
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.theory.checks.rest import newton
 from wmr_ctrl.theory.linear import (
@@ -18,7 +17,6 @@ from wmr_ctrl.theory.linear.state_space import plant_at
 from wmr_ctrl.world.references import Line, StopAndGo
 from wmr_ctrl.world.scenario import override
 
-LAWS = ("pid", "smc", "mb", "nn")
 K1, K2, K3, V1D, V2D = 10.0, 5.0, 4.0, 0.2, 0.1
 RHO, RHO1, M, I = (15.0, 57.6), (1350.0, 21.6), 50.0, 5.4
 
@@ -74,23 +72,6 @@ def test_loop_is_named_and_interconnectable(nominal):
     assert loop.output_labels[5:] == ["force[1]", "force[2]"]
     assert loop.isctime()
     assert closed_loop(nominal, "mb", period=0.02).dt == 0.02
-
-
-@pytest.mark.parametrize("law", [*LAWS, "prox"])
-@pytest.mark.slow_but("pid", "mb", "prox")
-def test_linear_loop_is_the_limit_of_the_nonlinear_one(nominal, law):
-    """A displacement of a micrometre: quadratic terms are below 1e-9 of it."""
-    point = resting_point(nominal, law)
-    linear = closed_loop(nominal, law, point, nominal.clock.control, "learning")
-    small = 1e-6 * np.array((1.0, -0.5, 0.7, 0.3, -0.2))
-    course = stepper(nominal, law, point).run(point.s + small, 0.5)
-    state = np.concatenate((small, np.zeros(linear.nstates - 5)))
-    rows = []
-    for _ in course.t:
-        rows.append(state[:5])
-        state = linear.A @ state
-
-    assert np.abs(course.s - point.s - rows).max() < 2e-4 * 1e-6
 
 
 def test_lag_of_the_drives_is_part_of_the_plant(nominal):

@@ -14,7 +14,6 @@ from wmr_ctrl.theory.linear import (
     largest_stable_period,
     margins_at,
     open_loop,
-    spectral_radius,
     with_robot,
 )
 from wmr_ctrl.theory.linear.margins import crossings
@@ -28,19 +27,6 @@ LAWS = ("pid", "smc", "mb", "nn")
 def line(nominal):
     """On a straight line thrust and moment are decoupled."""
     return replace(nominal, reference=Line(speed=0.2))
-
-
-def thrust_loop():
-    """L = ((rho/2 + k1) s + rho/2 k1)/s^2 by hand, rho = 15, k1 = 10."""
-    return ct.tf([17.5, 75.0], [1, 0, 0])
-
-
-def test_thrust_loop_in_closed_form(line):
-    w = np.geomspace(0.1, 1e3, 50)
-
-    assert np.squeeze(open_loop(line, "mb", 0)(1j * w)) == pytest.approx(
-        np.squeeze(thrust_loop()(1j * w)), rel=1e-9
-    )
 
 
 def test_margins_of_the_thrust_loop_in_closed_form(line):
@@ -132,11 +118,6 @@ def test_a_scenario_by_its_name_is_told_what_is_wanted_by_every_function():
         needed = [p for p in functions[function].values() if p.default is p.empty]
         with pytest.raises(ArgumentError, match=r"scenario = .* must be Scenario"):
             function(*("paper-simulation" for _ in needed))
-
-
-def test_periods_of_the_spectral_radius_are_times():
-    with pytest.raises(ArgumentError, match=r"period = 0\.0 s must be .* above 0\. A loop is"):
-        spectral_radius(load_scenario("paper-simulation-nominal"), "pid", [0.01, 0.0])
 
 
 def test_margins_behind_a_delay_are_those_of_the_frequency_response():

@@ -3,23 +3,10 @@
 import numpy as np
 import pytest
 
-from tests.linear.stepper import stepper
 from wmr_ctrl.theory.linear import (
     largest_stable_period,
     one_step_period,
 )
-from wmr_ctrl.world.scenario import override
-
-BELOW, ABOVE = 0.99, 1.01
-
-
-def grows(scenario, law, period, point=None, memory="frozen", duration=None):
-    """Whether a millimetre's displacement is larger at the end of a nonlinear run than before."""
-    loop = stepper(scenario, law, point, period, memory)
-    s = loop.point.s + 1e-6 * np.array((1.0, 0.0, 1.0, 0.0, 0.0))
-    course = loop.run(s, duration or 600 * period)
-    apart = np.abs(course.v - loop.point.v).max(axis=1)
-    return bool(apart[-20:].max() > apart[:20].max())
 
 
 def test_model_based_limit_is_the_closed_form_of_its_faster_axis(nominal):
@@ -28,17 +15,6 @@ def test_model_based_limit_is_the_closed_form_of_its_faster_axis(nominal):
 
     assert found == pytest.approx(2 / (57.6 / 2 + 4), rel=2e-4)  # the circle couples a little
     assert found == pytest.approx(0.0609, rel=2e-3)
-
-
-@pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn"])
-@pytest.mark.slow_but("mb")
-def test_nonlinear_runs_agree_just_below_and_just_above(nominal, law):
-    """Without friction, so that every law rests on the reference with its estimates at zero."""
-    smooth = override(nominal, {"robot.mu": 0.0})
-    limit = largest_stable_period(smooth, law)
-
-    assert not grows(smooth, law, BELOW * limit)
-    assert grows(smooth, law, ABOVE * limit)
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,6 @@ GAINS = {
         "integrator": "explicit",
     },
 }
-LAWS = tuple(GAINS)
 
 
 def simulate(scenario, law, seed=0):

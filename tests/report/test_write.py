@@ -8,7 +8,6 @@ from dataclasses import replace
 import pytest
 
 from benchmarks.paper_figures import PANELS, all_drawings
-from tests.export.page.browser import browser
 from tests.report.conftest import drawn_for_the_page
 from tests.report.test_drawings import EVIDENCE
 from tests.simulation.campaign.synthetic import made_up
@@ -22,7 +21,6 @@ from wmr_ctrl.simulation.campaign.paper_runs import paper_plan
 from wmr_ctrl.world.phases import robots_in_words
 from wmr_ctrl.world.scenario import load_scenario
 
-PNG = b"\x89PNG"
 FIGURES = [
     *(f"fig{number}{p.letter}_{p.key}" for number in (3, 5) for p in PANELS),
     *EVIDENCE,
@@ -109,22 +107,6 @@ def test_on_a_phone_no_table_is_wider_than_the_page(page):
 
     assert len(kinds) == page.count("<table")
     assert all({"cards", "stack", "pairs"} & set(kind.split()) for kind in kinds)
-
-
-@pytest.mark.slow
-def test_what_is_long_is_folded_on_a_phone_and_nowhere_else(written, tmp_path):
-    table = "document.querySelector('#tables table').checkVisibility()"
-    with browser(tmp_path) as one:
-        for width, seen in ((390, False), (1300, True)):
-            one.show(width, 844)
-            one.open("about:blank")
-            one.open(written.report.as_uri())
-            assert one.value("document.documentElement.scrollWidth") == width
-            assert one.value(table) is seen
-        one.show(390, 844)
-        one.open("about:blank")
-        one.open(f"{written.report.as_uri()}#claim-V-time")
-        assert one.value("document.getElementById('claim-V-time').checkVisibility()")
 
 
 def test_pictures_are_turned_dark_with_the_page(page):

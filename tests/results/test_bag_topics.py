@@ -11,7 +11,7 @@ pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
 
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, STAMPED, TWIST, message_types
+from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, TWIST, message_types
 from wmr_ctrl.results.bag_topics import read_topics
 
 TYPES = message_types().types
@@ -82,10 +82,6 @@ def odom_at(stamps, receipt=None, name="/odom", **about):
     return [(name, ODOMETRY, r, odometry(t, **about)) for r, t in pairs]
 
 
-def sent_at(times):
-    return [("/cmd_vel", TWIST, t, twist(0.5, 0.0)) for t in times]
-
-
 def joints_at(stamps, *values, **names):
     """Messages whose values are functions of the time since the first."""
     return [
@@ -128,40 +124,6 @@ def test_a_drive_around_a_circle_arrives_in_our_frame(tmp_path, plugin):
     assert all(np.array_equal(alone.columns[key], whole.columns[key]) for key in whole.columns)
 
 
-@pytest.mark.parametrize("rate", [0.59, 0.995, 1.0, 3.0])
-@pytest.mark.parametrize("pause", [0.0, 8.0])
-def test_receipts_of_commands_are_put_on_the_stamps_of_another_clock(tmp_path, rate, pause):
-    """A simulation at `rate` of real time that may stand still, messages up to 30 ms late."""
-    rng, t = np.random.default_rng(0), np.arange(1, 21, 0.05)
-    late = 0.002 + np.minimum(rng.exponential(0.004, (2, len(t))), 0.03)
-    odom, sent = EPOCH + t / rate + pause * (t > 9.98) + late
-    told = read_topics(bag(tmp_path, odom_at(t, odom) + sent_at(sent)))
-
-    off = told.times["v_command"] - told.times["v_command"][0] - (t - t[0])
-    assert np.abs(off).max() < 0.035 * max(rate, 1.0)
-    assert told.times["v_command"][0] < 0.035 * max(rate, 1.0)
-    assert told.times["v1_measured"][-1] == pytest.approx(t[-1] - t[0], abs=0.03 * rate)
-    said = " ".join(told.remarks)
-    assert "two clocks" in said
-    assert ("runs at" in said) is (rate != 1.0)
-    assert ("stands still for 8 s" in said) is bool(pause)
-
-
-def test_stamps_of_two_clocks_are_put_on_one(tmp_path):
-    """Commands stamped by another machine, whose clock is days off."""
-    t = np.arange(1, 7, 0.1)
-    messages = odom_at(EPOCH + t, EPOCH + t + 0.002)
-    kind = TYPES[STAMPED]
-    messages += [
-        ("/cmd_vel", STAMPED, EPOCH + s + 0.002, kind(header=header(s), twist=twist(0.5, 0.0)))
-        for s in t
-    ]
-
-    told = read_topics(bag(tmp_path, messages, StoragePlugin.SQLITE3))
-
-    assert told.times["v_command"] == pytest.approx(told.times["v1_measured"], abs=0.01)
-
-
 def test_messages_out_of_order_are_sorted_and_repeated_ones_left_out(tmp_path):
     t = EPOCH + np.arange(0, 6, 0.1)
     stamps = t.copy()
@@ -181,24 +143,6 @@ def test_messages_out_of_order_are_sorted_and_repeated_ones_left_out(tmp_path):
     assert len(told.times["v1_measured"]) == len(t) - 1
     assert any("out of order" in text for text in told.remarks)
     assert any("repeat a stamp" in text for text in told.remarks)
-
-
-@pytest.mark.parametrize("back, refused", [(0.95, False), (1.05, True)])
-def test_a_message_a_second_late_is_put_in_order_and_a_later_one_is_a_clock_set_back(
-    tmp_path, back, refused
-):
-    t = EPOCH + np.arange(0, 6, 0.1)
-    messages = odom_at(t)
-    messages[41] = ("/odom", ODOMETRY, t[41], odometry(t[40] - back, v=7.0))
-    place = bag(tmp_path, messages)
-
-    if refused:
-        with pytest.raises(ResultFileError, match=r"by 1.05 s at message 42"):
-            read_topics(place)
-    else:
-        told = read_topics(place)
-        at = told.times["v1_measured"][told.columns["v1_measured"] == 7.0]
-        assert at == pytest.approx([t[40] - EPOCH - back], abs=1e-6)
 
 
 def test_a_base_that_drives_sideways_is_told_what_is_not_read(tmp_path):

@@ -17,10 +17,10 @@ from tests.results.test_bag_topics import (
     odometry,
     twist,
 )
-from wmr_ctrl import RecordedDrive, identify, load_drive, load_run
+from wmr_ctrl import RecordedDrive, load_drive, load_run
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import drive_text
-from wmr_ctrl.core.errors import ResultFileError, UnknownNameError, WmrError
+from wmr_ctrl.core.errors import ResultFileError, UnknownNameError
 from wmr_ctrl.identification.logs.log import log_of
 from wmr_ctrl.results.drive import UNITS
 
@@ -135,23 +135,6 @@ def test_the_longest_gap_of_a_column_is_told_in_milliseconds():
     assert row == ["v1_measured", "[m/s]", "4", "0.4", "250", "0", "0.3"]
 
 
-@pytest.mark.slow
-def test_python_takes_a_drive_as_the_commands_do(recorded, tmp_path):
-    """What the commands print and write, from the same bag without them."""
-    drive = load_drive(recorded)
-    files = [tmp_path / name for name in ("a.csv", "b.csv", "b.png")]
-    drive.save(files[0])
-    words = ("--out", files[1], "--plot", files[2], "--json")
-    told = json.loads(invoke("show", recorded, *words).stdout)
-
-    assert told == drive.summary()
-    assert told["missing"] == list(drive.missing) == ["tau_right", "tau_left"]
-    assert files[0].read_bytes() == files[1].read_bytes()
-    drive.plot(tmp_path / "a.png")
-    assert (tmp_path / "a.png").read_bytes() == files[2].read_bytes()
-    assert len(drive.plot().axes) == 5
-
-
 def test_a_column_by_its_name_and_one_that_is_not_there(recorded):
     drive = load_drive(recorded)
 
@@ -169,9 +152,3 @@ def test_a_bag_is_no_run_and_says_who_reads_it(recorded, commands_alone, tmp_pat
     for place in (recorded, next(commands_alone.glob("*.mcap"))):
         with pytest.raises(ResultFileError, match=r"no desired motion.*wmr_ctrl\.load_drive"):
             load_run(place)
-
-
-def refusal(log, **given):
-    with pytest.raises(WmrError) as caught:
-        identify(log, base="velocity", **given)
-    return str(caught.value)

@@ -45,14 +45,6 @@ def test_a_run_that_ended_early_has_the_figures_that_it_covers():
     assert math.isfinite(json.loads(json.dumps(values, allow_nan=False))["violations"])
 
 
-def test_an_empty_run_has_figures_of_the_monitor_only():
-    values = figures_of(build(duration=80.0, rows=0, monitor=STOPPED))
-
-    assert values["max_abs_v1"] == 1000.0
-    assert values["d_start"] is None
-    assert values["V1_start"] is None
-
-
 def test_distance_figures():
     gap = np.linspace(2.0, 0.0, 8000)
     run = build(duration=80.0, x=gap)

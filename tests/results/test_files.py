@@ -3,8 +3,6 @@
 import errno
 import os
 import stat
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -68,32 +66,6 @@ def test_a_failing_last_step_leaves_nothing(tmp_path, monkeypatch, make_run):
 
     assert contents(tmp_path) == {}
     assert not (tmp_path / "new").exists()
-
-
-FILL = """
-import resource, sys
-from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.results.files import atomic_write
-resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-try:
-    with atomic_write(sys.argv[1]) as file:
-        file.write(bytes(int(sys.argv[2])))
-except ResultFileError as error:
-    sys.exit(f"refused: {error}")
-"""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit on file sizes to set")
-@pytest.mark.parametrize("size, kept", [(500, True), (2000, False)])
-def test_a_file_that_the_system_cuts_short_is_not_left_behind(tmp_path, size, kept):
-    command = [sys.executable, "-B", "-c", FILL, str(tmp_path / "a.bin"), str(size)]
-    paths = {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-    done = subprocess.run(
-        command, env={**os.environ, **paths}, capture_output=True, text=True, check=False
-    )
-
-    assert ("refused: cannot write" in done.stderr) != kept, done.stderr
-    assert contents(tmp_path) == ({"a.bin": bytes(500)} if kept else {})
 
 
 def test_a_writer_that_wants_a_path_gets_one_of_the_same_suffix(tmp_path):

@@ -1,14 +1,11 @@
 """Runs in the types of other libraries: the same numbers under the same names, with units."""
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
 from tests.equal_runs import runs_equal
-from wmr_ctrl.core.errors import MissingExtraError, library
 from wmr_ctrl.results import json_safe, load_run
 from wmr_ctrl.results.frames import table_html
 
@@ -48,19 +45,6 @@ def test_cells_cannot_break_out_of_their_table():
 
     assert "<script>" not in text
     assert "&lt;script&gt;" in text
-
-
-def test_a_library_that_is_not_there_is_named_with_its_remedy():
-    with pytest.raises(MissingExtraError, match=r"no_such_library.*pip install"):
-        library("no_such_library")
-
-
-def test_nobody_pays_for_tables_who_does_not_ask():
-    unasked = "print({'pandas', 'pyarrow'} & {*sys.modules})"
-    code = f"import sys, wmr_ctrl; wmr_ctrl.Run; {unasked}"
-    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-
-    assert shown.stdout.strip() == "set()"
 
 
 @pytest.mark.parametrize(

@@ -5,15 +5,13 @@ import pytest
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
-from wmr_ctrl.results import Monitor, percent, position_rms, tracked
+from wmr_ctrl.results import Monitor, percent, position_rms
 from wmr_ctrl.results.measures import (
     guard_share,
     position_max,
-    torque_change_rms,
 )
 
 CLIP = next(signal for signal in GUARD_DIAGNOSTICS if signal.name == "clip_active")
-AT_100_MS = {"clock.control": 0.1}
 
 
 def keys(run):
@@ -31,14 +29,6 @@ def test_position_is_the_straight_distance(make_run):
 
     assert position_rms(run) == pytest.approx({"all": 0.025, "last_quarter": 0.05})
     assert position_max(run) == pytest.approx(0.05)
-
-
-def test_torque_change_is_counted_over_the_last_half(make_run):
-    """A saw of 2 N m from the middle on, on one wheel; the step into the half counts."""
-    swing = np.where(np.arange(100) < 50, 0.0, (-1.0) ** np.arange(100))
-    run = make_run(tau_right=swing)
-
-    assert torque_change_rms(run) == pytest.approx(np.sqrt((49 * 4 + 1) / 100))
 
 
 def test_guard_share_is_per_axis_and_zero_without_guard(make_run):
@@ -59,14 +49,6 @@ def test_nothing_needs_to_be_done_only_without_remarks():
     assert keys(slow) == ["not-tracked"]
     assert slow.explanation.endswith("But it did not track.")
     assert "metrics.tolerance is 1e-05 m" in remark(slow, "not-tracked")
-
-
-def test_a_guard_that_holds_back_is_told():
-    fast = {**AT_100_MS, "reference.kind": "line", "reference.speed": 0.9, "clock.duration": 40.0}
-    run = simulate("safe-simulation", "kanayama", overrides={**fast, "changes": []})
-
-    assert "guard-holds-back" in keys(run)
-    assert not tracked(run)
 
 
 def test_what_the_outcome_says_is_a_remark_too(make_run):

@@ -12,14 +12,6 @@ from wmr_ctrl.results.measures import tracking
 from wmr_ctrl.results.verdicts import CorridorLeft, Outlook, Warning
 from wmr_ctrl.theory.checks.outlook import CheckVerdict, outlook, verdict
 
-PATH = {
-    "reference.kind": "waypoints",
-    "reference.points": [[0.0, 0.0], [2.0, 0.0], [3.0, 1.0]],
-    "reference.tolerance": 0.2,
-    "initial.pose": [0.0, -0.1, -1.5708],
-    "changes": [],
-}
-
 
 def keys(run):
     return {item.key for item in run.remarks}

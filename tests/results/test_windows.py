@@ -3,14 +3,12 @@
 from dataclasses import replace
 from fractions import Fraction
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.results.conftest import build
 from wmr_ctrl.results import Monitor, Settings
-from wmr_ctrl.results.measures import ise_over
 from wmr_ctrl.results.windows import (
     at_rest,
     covered,
@@ -24,19 +22,7 @@ from wmr_ctrl.results.windows import (
     working,
 )
 
-CONTROLS = st.sampled_from([0.001, 0.01, 0.1, 0.3, 1 / 3])
 SETTINGS = Settings(0.1, 0.01, 8.0, (1.0, 1.5), 4.0)
-
-
-@given(k=st.integers(1, 299), control=CONTROLS)
-def test_windows_are_half_open(make_run, k, control):
-    spike = np.zeros(300)
-    spike[k] = 2.0
-    run = make_run(duration=300 * control, control=control, x=spike)
-
-    assert ise_over(run, 0.0, k * control) == 0.0
-    assert ise_over(run, k * control, (k + 1) * control) == pytest.approx(4.0 * control)
-    assert ise_over(run, (k + 1) * control, 300 * control) == 0.0
 
 
 @given(

@@ -11,13 +11,12 @@ from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import vector_sets
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.control.given import scenario_of as given
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.results import split_columns
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.simulation.batch import run_logged, run_tasks
 from wmr_ctrl.simulation.engines import runnable
-from wmr_ctrl.simulation.memory import Task, aligned, laid_out
+from wmr_ctrl.simulation.memory import Task, laid_out
 from wmr_ctrl.simulation.memory import vector_sets as usable
 
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
@@ -123,13 +122,6 @@ def test_a_batch_that_runs_again_begins_anew():
     assert all(same_bits(one, again) for one, again in zip(first, arrays, strict=True))
 
 
-def test_a_loop_is_compiled_with_the_guard_where_it_is_asked_for():
-    guards = (None, True, False)
-    loops = [runnable(given("paper-simulation", SHORT, guard), "mb") for guard in guards]
-
-    assert [loop.scenario.guard.enabled for loop in loops] == [False, True, False]
-
-
 @pytest.mark.parametrize("jobs", [0, -1, 1.5, True])
 def test_jobs_that_cannot_be_are_named(jobs):
     with pytest.raises(ArgumentError, match="jobs"):
@@ -141,16 +133,6 @@ def test_starts_that_cannot_be_are_named(start):
     loop = tasks_of("paper-simulation", "mb", range(1), SHORT)[0].loop
     with pytest.raises(ArgumentError, match="start"):
         Task(loop, 0, start)
-
-
-@pytest.mark.parametrize("shape", [(1,), (3, 1), (7, 2), (11, 8)])
-def test_numbers_of_lanes_are_where_vectors_of_every_set_may_be_read(
-    shape,
-):
-    kept = [aligned(*shape) for _ in range(8)]
-
-    assert {item.ctypes.data % 64 for item in kept} == {0}
-    assert {(item.shape, item.any()) for item in kept} == {(shape, False)}
 
 
 def test_an_interrupt_ends_all_threads_at_once():

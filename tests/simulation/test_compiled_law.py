@@ -26,19 +26,6 @@ def test_a_sample_moves_the_memory_until_it_is_reset(law):
     assert np.array_equal(law.step(), first)
 
 
-@pytest.mark.parametrize("wrong", [np.nan, 2e12])
-def test_a_sample_that_cannot_be_is_refused_and_forgotten(law, wrong):
-    law.u = START_SAMPLE
-    law.step()
-    before = law.x.copy()
-    law.u[10] = wrong
-
-    with pytest.raises(ArgumentError, match=r"the sample is refused: v1 = "):
-        law.step()
-    assert not law.torque.any()
-    assert np.array_equal(law.x, before)
-
-
 def test_arrays_are_written_into_and_keep_their_size(law):
     kept = law.u
     law.u = [0.5] * 12

@@ -18,7 +18,7 @@ from tests.simulation.graphics import COMPILER, Stand
 from wmr_ctrl import simulate_many, simulate_runs, study
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.core.errors import ArgumentError, DeviceError, MissingExtraError, UnknownNameError
+from wmr_ctrl.core.errors import DeviceError, MissingExtraError
 from wmr_ctrl.simulation import gpu
 from wmr_ctrl.simulation.batch import run_tasks
 from wmr_ctrl.simulation.campaign.plan import PlannedCase
@@ -169,13 +169,6 @@ def test_a_chunk_for_a_worker_without_a_device_is_told_there(
     case = PlannedCase(scenario_of("far-start"), "mb", False)
     answer = _told(chunk_rows, StudyChunk(((case, 0),), ("violated",), device="gpu"), 1)
     assert isinstance(answer, DeviceError)
-
-
-def test_other_devices_and_plants_are_refused():
-    with pytest.raises(UnknownNameError, match="device"):
-        simulate_many("far-start", "mb", [0], device="tpu")
-    with pytest.raises(ArgumentError, match="mujoco"):
-        simulate_many("far-start", "mb", [0], device="gpu", plant="mujoco")
 
 
 def test_cuda_has_the_same_bits():

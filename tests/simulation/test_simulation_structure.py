@@ -77,42 +77,32 @@ def test_numbers_are_no_part_of_the_structure(law, base):
     assert numbers_of(one, signals) != numbers_of(other, signals)
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"actuator.lag": 0.01},
-        {"actuator.delay": 0.02},
-        {"guard.enabled": True},
-        {"gains.nn.barrier": "smooth"},
-        {"reference.kind": "line"},
-    ],
-)
-def test_what_changes_the_graphs_changes_the_structure(change):
-    base = load_scenario("paper-simulation")
-    one, other = settle(base, "nn"), settle(override(base, change), "nn")
-
-    assert structure_of(one) != structure_of(other)
+COUNTED = {"encoder.counts": 512}
+SEEN = {"sensor.pose_period": 0.05}
+GUARDED = {"guard.enabled": True}
 
 
 @pytest.mark.parametrize(
-    "base, key, values",
+    "one, other",
     [
-        ({"encoder.counts": 512}, "encoder.window", (0.02, 0.03)),
-        ({"sensor.pose_period": 0.05}, "sensor.pose_delay", (0.02, 0.03)),
+        ({}, {"actuator.lag": 0.01}),
+        ({}, {"actuator.delay": 0.02}),
+        ({}, GUARDED),
+        ({}, {"gains.nn.barrier": "smooth"}),
+        ({}, {"reference.kind": "line"}),
+        ({**COUNTED, "encoder.window": 0.02}, {**COUNTED, "encoder.window": 0.03}),
+        ({**SEEN, "sensor.pose_delay": 0.02}, {**SEEN, "sensor.pose_delay": 0.03}),
+        (GUARDED, {**GUARDED, "guard.map": "rotation-first"}),
     ],
+    ids=str,
 )
-def test_how_many_samples_an_effect_remembers_is_part_of_the_structure(base, key, values):
-    one, other = (settle(load_scenario("paper-simulation", base | {key: x}), "mb") for x in values)
+def test_what_changes_the_graphs_changes_the_structure(one, other):
+    """Drives, guard and its map, kinds, and how many samples an effect remembers."""
+    first, second = (
+        settle(load_scenario("paper-simulation", given), "nn") for given in (one, other)
+    )
 
-    assert structure_of(one) != structure_of(other)
-
-
-def test_the_map_of_a_guard_is_part_of_the_structure():
-    maps = ("", "rotation-first")
-    guards = ({"guard.enabled": True, **({"guard.map": kind} if kind else {})} for kind in maps)
-    one, other = (settle(load_scenario("paper-simulation", item), "pid") for item in guards)
-
-    assert structure_of(one) != structure_of(other)
+    assert structure_of(first) != structure_of(second)
 
 
 def test_a_sweep_over_numbers_builds_its_graphs_once(monkeypatch):

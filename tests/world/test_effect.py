@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from tests import oracle
+from tests.papers_robot import paper
 from tests.world.motion import (
     ALL,
     EFFECTS,
@@ -17,6 +18,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.signals import TORQUE
 from wmr_ctrl.world.effect import Bound, total
+from wmr_ctrl.world.scenario import override
 
 TWINNED = ("lost poses", "untold delay", "lag that varies")
 
@@ -52,7 +54,7 @@ def test_laws_see_what_is_measured_alone():
         assert seen == {"x", "y", "theta", "path"}
 
 
-def test_effects_add_up_and_two_means_are_none():
+def test_delays_of_effects_add_up_and_a_lag_cannot_be_split():
     changes = {
         **EFFECTS["jitter of a delay"],
         "actuator.unmodelled_delay": 0.004,
@@ -62,14 +64,12 @@ def test_effects_add_up_and_two_means_are_none():
 
     assert (bound.delay, bound.jitter) == (pytest.approx(0.021), 0.01)
     assert bound.window == (0.01, 0.01)
-    assert "average" in total([bound, bound]).void
     assert "lag" in total([Bound(lag=(0.01, 0.02))] * 2).void
     assert "0.01 s cannot vary by 0.02" in total([Bound(delay=0.01, jitter=0.02)]).void
 
 
 @pytest.mark.parametrize("changes, message", [
     ({"encoder.counts": 0}, r"encoder\.counts = 0 must be above 0"),
-    ({"encoder.counts": -8}, r"encoder\.counts = -8 must be above 0"),
     ({"encoder.counts": 10.5}, r"encoder\.counts = 10\.5 must be a whole number"),
     ({"encoder.counts": float("nan")}, r"encoder\.counts = nan must be a finite number"),
     ({"encoder.counts": 64, "encoder.window": 0.015}, r"encoder\.window = 0\.015 s .*control"),
@@ -92,3 +92,20 @@ def test_effects_add_up_and_two_means_are_none():
 def test_bad_numbers_are_refused_with_key_and_remedy(changes, message):
     with pytest.raises(ScenarioError, match=message):
         scenario(changes)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_two_means_of_one_axis_are_none_and_of_two_axes_are_two(axis):
+    own, other = [0.0, 0.0], [0.0, 0.0]
+    own[axis] = other[1 - axis] = 0.02
+    one, two = Bound(window=tuple(own)), Bound(window=tuple(other))
+
+    assert "window: two sensors average" in total([one, one]).void
+    assert total([one, two]).void == ""
+    assert total([one, two]).window == (0.02, 0.02)
+
+
+@pytest.mark.parametrize("key", ["lag", "delay", "unmodelled_delay", "jitter"])
+def test_drives_are_ideal_only_where_nothing_of_them_is_late(key):
+    assert paper().actuator.ideal
+    assert not override(paper(), {f"actuator.{key}": 0.01}).actuator.ideal

@@ -15,18 +15,19 @@ from wmr_ctrl.world.scenario import override
 PLAIN = {"r": 0.1, "l": 0.25, "radius": (0.0, 0.0), "track": 0.0}
 
 
-def test_counts_of_one_period_are_the_twins():
-    twin = twins.EncoderTwin({**PLAIN, "counts": 512, "periods": 1, "T": 0.01})
+@pytest.mark.parametrize(
+    "changes, twin",
+    [
+        ({}, {**PLAIN, "periods": 1}),
+        ({"encoder.window": 0.04, **EFFECTS["wheels"]}, {**WHEELED, "periods": 4}),
+    ],
+    ids=["one period", "other wheels over a window"],
+)
+@pytest.mark.slow_but("one period")
+def test_counts_are_the_twins(changes, twin):
+    counting = twins.EncoderTwin({**twin, "counts": 512, "T": 0.01})
 
-    assert_is_twin(ENCODER, {"encoder.counts": 512}, twin)
-
-
-@pytest.mark.slow
-def test_counts_of_other_wheels_over_a_window_are_the_twins():
-    twin = twins.EncoderTwin({**WHEELED, "counts": 512, "periods": 4, "T": 0.01})
-
-    changes = {"encoder.counts": 512, "encoder.window": 0.04, **EFFECTS["wheels"]}
-    assert_is_twin(ENCODER, changes, twin)
+    assert_is_twin(ENCODER, {"encoder.counts": 512, **changes}, counting)
 
 
 def test_less_than_one_count_is_nearest_to_one():
@@ -60,6 +61,3 @@ def test_the_time_between_counts_forgets_a_speed_when_the_robot_stops():
     assert shown[99] == pytest.approx(0.5)
     assert (np.diff(shown[102:]) < 0).all()
     assert shown[-1] < count / 1.9
-
-
-# Why the time between counts has no bound.

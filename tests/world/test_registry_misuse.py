@@ -19,7 +19,7 @@ from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import BODY_FORCE, REFERENCE, TORQUE, TORQUE_NOISE, Signal
 from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
-from wmr_ctrl.world.model.system import NORMAL, Output, Parameters, System, draw, port, ports
+from wmr_ctrl.world.model.system import NORMAL, Output, Parameters, System, draw, port
 from wmr_ctrl.world.references.registry import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
 
@@ -120,27 +120,29 @@ def test_an_error_in_an_effect_names_it(registered, field):
 # -- what a role has a place for ----------------------------------------------------------
 
 
-def test_a_disturbance_writes_no_command(registered):
-    registered(replace(SHAKE, build=lambda scenario: shaken(scenario, TORQUE)))
-    with pytest.raises(ArgumentError, match=r"shake .*writes 'tau_right'.*thrust"):
-        runnable(shaking(), "mb")
+def reading(signal):
+    return lambda scenario: replace(shaken(scenario), inputs=(port(signal),))
 
 
-@pytest.mark.parametrize("signal", [TORQUE[0], REFERENCE[0], Signal("foo", "1", "nothing")])
-def test_an_effect_reads_what_its_role_is_told(registered, signal):
-    reads = lambda scenario: replace(shaken(scenario), inputs=(port(signal),))  # noqa: E731
-    registered(replace(SHAKE, build=reads))
-    with pytest.raises(ArgumentError, match=f"shake .*reads '{signal.name}'"):
-        runnable(shaking(), "mb")
+def drawing_poisson(scenario):
+    system = shaken(scenario)
+    return replace(system, draws=(replace(system.draws[0], kind="poisson"),))
 
 
-def test_random_numbers_are_of_a_kind_that_there_is(registered):
-    def build(scenario):
-        system = shaken(scenario)
-        return replace(system, draws=(replace(system.draws[0], kind="poisson"),))
+FOREIGN = (TORQUE[0], REFERENCE[0], Signal("foo", "1", "nothing"))
 
+
+@pytest.mark.parametrize(
+    "build, words",
+    [
+        (lambda scenario: shaken(scenario, TORQUE), r"writes 'tau_right'.*thrust"),
+        (drawing_poisson, "poisson"),
+        *((reading(signal), f"reads '{signal.name}'") for signal in FOREIGN),
+    ],
+)
+def test_an_effect_does_only_what_its_role_has_a_place_for(registered, build, words):
     registered(replace(SHAKE, build=build))
-    with pytest.raises(ArgumentError, match="poisson"):
+    with pytest.raises(ArgumentError, match=f"shake .*{words}"):
         runnable(shaking(), "mb")
 
 
@@ -171,20 +173,6 @@ def test_a_mean_force_is_not_lost_with_its_noise(registered, what, signals, tmp_
 
 
 # -- figures of stability -----------------------------------------------------------------
-
-
-def lagging(scenario):
-    """A first order, exact over a plant step."""
-    torque, p = ports(TORQUE), Parameters(scenario)
-    old = port(Signal("other_torque", "N.m", "torque of the previous plant step", 2))
-    wanted = ca.vertcat(*(item.sym for item in torque))
-    share = ca.exp(-p.take("clock.plant") / p.take("other_lag.time"))
-    following = wanted + share * (old.sym - wanted)
-    outputs = tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE))
-    return System(
-        "other_lag", "another lag", inputs=torque, state=(old,), params=p.ports,
-        update=following, outputs=outputs, period=scenario.clock.plant,
-    )  # fmt: skip
 
 
 # -- registries ---------------------------------------------------------------------------
@@ -229,14 +217,6 @@ def test_no_effect_takes_a_table_of_the_scenario(registered, key):
     registered(replace(SHAKE, section=table(key)))
     with pytest.raises(ArgumentError, match=f"table '{key}'"):
         scenario_of("paper-simulation", {"robot.m": 61.0})
-
-
-def test_no_reference_takes_the_name_of_another(monkeypatch):
-    monkeypatch.setattr(
-        plugins, "entry_points", lambda group: [Point("bad", replace(toys.CLOTHOID, name="circle"))]
-    )
-    with pytest.raises(ArgumentError, match="two references are called 'circle'"):
-        tuple(type(REFERENCES)())
 
 
 def reference(*changed, inputs=()):

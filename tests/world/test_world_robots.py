@@ -2,34 +2,10 @@
 
 import pytest
 
-from wmr_ctrl.api import simulate, simulate_runs
+from wmr_ctrl.api import simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import filter_facts, warnings_for
-from wmr_ctrl.world.encoder import ENCODER
-from wmr_ctrl.world.gyro import GYRO
-from wmr_ctrl.world.jitter import JITTER
-from wmr_ctrl.world.lag import LAG
-from wmr_ctrl.world.wheels import WHEELS
-
-ROBOTS = ("robot-10ms", "robot-100ms")
-
-
-@pytest.mark.parametrize("name", ROBOTS)
-def test_a_robot_is_complete_and_guarded(name):
-    setup = settle(scenario_of(name), "nn")
-
-    assert {ENCODER, GYRO, JITTER, LAG, WHEELS} <= set(setup.effects)
-    assert setup.guard.enabled
-    assert setup.bound.void == ""
-
-
-def remarks(name, law, seeds=10, **overrides):
-    """Keys of what runs and check say; no gain was chosen with these ten seeds."""
-    runs = simulate_runs(name, law, range(seeds), overrides=overrides)
-    warnings = warnings_for(settle(scenario_of(name, overrides), law))
-    return {item.key for run in runs for item in run.remarks} | {item.key for item in warnings}
-
 
 SKIDDING = ("clearpath-jackal", "clearpath-husky")
 BOUGHT = (

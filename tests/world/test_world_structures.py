@@ -75,12 +75,3 @@ def test_lanes_are_single_runs(number):
     for item in usable(lanes.compiled.library):
         shown = bits([Task(lanes, seed, vectors=item.name) for seed in range(item.lanes)])
         assert shown == wanted[: item.lanes], item.name
-
-
-def test_structures_have_every_kind_and_effect():
-    drawn = [structure(number) for number in range(COUNT)]
-    seen = {key for _, changes in drawn for key in changes}
-
-    assert {changes["reference.kind"] for _, changes in drawn} == set(KINDS)
-    assert {law for law, _ in drawn} == set(NAMES)
-    assert all(set(effect) <= seen for effect in EFFECTS)

@@ -14,10 +14,8 @@ from tests.papers_robot import paper_toml
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.orientation import ORIENTATIONS, inward, outward
 from wmr_ctrl.core.fields.section import quantities
-from wmr_ctrl.core.signals import POSE
 from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.results.compare import compare
-from wmr_ctrl.simulation.runnable import _stated
 from wmr_ctrl.world.scenario import (
     from_dict,
     load_scenario,
@@ -179,14 +177,3 @@ def test_a_notebook_shows_orientations_as_the_file_counts_them():
 
     assert [float(text) for text in shown] == [pytest.approx(0.25)]
     assert yaw.body.uphill == pytest.approx(0.25 - math.pi / 2)
-
-
-def test_signals_of_a_run_say_from_where_orientations_count():
-    columns = {item.name: np.zeros(3) for item in POSE}
-    signals, turned = _stated(POSE, columns, "rep103")
-
-    assert [item.name for item in signals] == ["x", "y", "theta"]
-    assert "+X" in signals[2].meaning
-    assert turned["theta"] == pytest.approx([math.pi / 2] * 3)
-    assert not turned["x"].any()
-    assert _stated(POSE, columns, "paper") == (POSE, columns)

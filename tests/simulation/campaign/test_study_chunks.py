@@ -1,11 +1,6 @@
 """Who makes a study's chunks: threads, processes, clusters of Dask; the table is the same."""
 
-import os
 import pickle
-import signal
-import subprocess
-import sys
-import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import pytest
@@ -51,30 +46,3 @@ def test_processes_of_a_local_cluster_give_the_same_bytes(tmp_path):
         named = wmr_ctrl.study(REAL, tmp_path / "c", executor=address)
 
     assert there.table.read_bytes() == named.table.read_bytes() == here
-
-
-def heeding_interrupts():
-    """Tests that run in a shell's background ignore Ctrl-C, and so would what they start."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(os.name == "nt", reason="no signal to a whole group on Windows")
-def test_who_interrupts_a_local_cluster_sees_no_traceback(tmp_path):
-    """A terminal's Ctrl-C goes to the workers too."""
-    pytest.importorskip("distributed")
-    (tmp_path / "plan.toml").write_text('laws = ["mb"]\nseeds = 100000\nchunk = 20\n')
-    command = [sys.executable, "-m", "wmr_ctrl", "study", "plan.toml", "--out", "s"]
-    process = subprocess.Popen(
-        [*command, "--executor", "dask", "--jobs", "2"], cwd=tmp_path, start_new_session=True,
-        preexec_fn=heeding_interrupts,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-    )  # fmt: skip
-    while process.poll() is None and not list((tmp_path / "s").glob("chunks/0*.npz")):
-        time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGINT)
-    told, _ = process.communicate(timeout=100)
-
-    assert process.returncode == 130, told
-    assert "the same command goes on from there" in told
-    assert "Traceback" not in told

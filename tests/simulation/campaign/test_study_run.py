@@ -4,12 +4,6 @@ import csv
 import errno
 import json
 import math
-import os
-import signal
-import subprocess
-import sys
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -89,34 +83,6 @@ def test_a_full_disk_loses_nothing(tmp_path, monkeypatch):
     assert len(list((tmp_path / "a" / "chunks").iterdir())) == 4
     monkeypatch.undo()
 
-    assert table_of(tmp_path / "a") == table_of(tmp_path / "b")
-
-
-KILLED = """
-import sys, time
-from pathlib import Path
-from tests.simulation.campaign.studies import FACTS, PLAN, figures, plan_of, run_study
-def slow(chunk, jobs=None):
-    time.sleep(0.2)
-    return figures(chunk)
-run_study(plan_of(PLAN), Path(sys.argv[1]), slow, FACTS)
-"""
-
-
-@pytest.mark.skipif(os.name == "nt", reason="SIGKILL is not on Windows")
-@pytest.mark.slow
-def test_a_killed_process_leaves_a_study_that_goes_on(tmp_path):
-    root = Path(wmr_ctrl.__file__).parents[1]
-    command = [sys.executable, "-c", KILLED, tmp_path / "a"]
-    process = subprocess.Popen(command, cwd=root, env={**os.environ, "PYTHONPATH": "."})
-    while process.poll() is None and len(list((tmp_path / "a").glob("chunks/0*.npz"))) < 3:
-        time.sleep(0.02)
-    with pytest.raises(ResultFileError, match="another process"):
-        table_of(tmp_path / "a")
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-
-    assert not (tmp_path / "a" / "table.csv").exists()
     assert table_of(tmp_path / "a") == table_of(tmp_path / "b")
 
 

@@ -6,7 +6,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.simulation.physics.states import state_of
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.simulation.physics.rigid import RigidBody, description
 from wmr_ctrl.world.scenario import Change, load_scenario
@@ -134,17 +133,6 @@ def test_parts_add_up_to_the_robot(mass):
     spin[5] = 1.0
     mujoco.mj_mulM(model, data, momentum, spin)
     assert momentum[5] == pytest.approx(7.0)
-
-
-def test_two_bodies_move_alike_to_the_bit():
-    torques = np.random.default_rng(7).normal(0.0, 40.0, (600, 2))
-    first, second = RigidBody(scenario()), RigidBody(scenario())
-    for k, (right, left) in enumerate(torques):
-        for body in (first, second):
-            body.step((right, left, 0.3, -0.2, 5.0 * (k % 3), 1.0))
-        assert np.array_equal(state_of(first), state_of(second)), k
-    assert first.pose == second.pose
-    assert max(map(abs, first.slip)) > 0.1, "the trial is to reach what is hard to repeat"
 
 
 def test_load_centre_follows_the_acceleration():

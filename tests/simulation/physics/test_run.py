@@ -1,14 +1,10 @@
 """Runs on the rigid body: the product's own loop on one side of the wheels."""
 
-import importlib
-
 import numpy as np
 import pytest
 
 from wmr_ctrl import simulate
-from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, UnknownNameError
 from wmr_ctrl.core.signals import PLANT_STATE, RIGID
-from wmr_ctrl.results import outcome_of
 from wmr_ctrl.simulation.coupled import Coupled
 from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.simulation.physics.run import figures_from_run, rigid_row, run_to_end
@@ -84,31 +80,6 @@ def test_encoders_read_the_wheels_and_not_the_body():
     assert np.abs(run["slip"]).max() > 1.0
     assert counted == pytest.approx(turned, rel=0.15)
     assert run.monitor.violations == 0
-
-
-def test_slip_and_fall_are_outcomes_in_their_order():
-    run = simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT | {"body.tyre": 0.05})
-    assert run.monitor.rigid.slipped is not None
-    assert run.outcome == outcome_of(run.monitor)
-    assert run.outcome in ("slipped", "limit-violated")
-
-
-def test_what_it_cannot_be_asked():
-    with pytest.raises(UnknownNameError, match="mujoco"):
-        simulate("paper-simulation", "mb", plant="bullet")
-    with pytest.raises(ArgumentError, match="engine native"):
-        simulate("paper-simulation", "mb", plant="mujoco", engine="numpy")
-
-
-def test_without_the_package_one_sentence_tells_what_to_install(monkeypatch):
-    def absent(name):
-        if name == "mujoco":
-            raise ImportError(name)
-        return importlib.import_module(name)
-
-    monkeypatch.setattr("wmr_ctrl.simulation.physics.rigid.import_module", absent)
-    with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
-        simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT)
 
 
 def test_a_row_of_a_table_is_that_of_the_whole_run():

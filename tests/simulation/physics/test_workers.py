@@ -13,11 +13,9 @@ from wmr_ctrl.core.errors import (
     ArgumentError,
     MissingExtraError,
     ScenarioError,
-    UnknownNameError,
     WmrError,
 )
 from wmr_ctrl.results import summary
-from wmr_ctrl.simulation.campaign.study_plan import plan_of
 from wmr_ctrl.simulation.physics.workers import make_each
 
 BRIEF = SHORT | {"clock.duration": 0.5}
@@ -30,22 +28,6 @@ PLAN = {
     "grid": {"actuator.tau_max": [10.0, 60.0]},
     "figures": ["violated", "position_rms", "slipped", "settling_time"],
 }
-
-
-@pytest.mark.slow
-def test_a_table_has_the_figures_of_single_runs():
-    table = simulate_many("paper-simulation", "mb", [3, 4], BRIEF, plant="mujoco", jobs=1)
-    for k, seed in enumerate((3, 4)):
-        run = simulate("paper-simulation", "mb", seed=seed, overrides=BRIEF, plant="mujoco")
-        figures, seen = summary(run), run.monitor.rigid
-        assert table["ise_total"][k] == figures["ise"]["total"]
-        assert [table["max_abs_v1"][k], table["max_abs_v2"][k]] == figures["max_abs_v"]
-        assert table["max_slip"][k] == seen.max_slip
-        assert table["least_tip_margin"][k] == seen.least_tip_margin
-        assert table["outcome"][k] == run.outcome
-        assert max(abs(table[f"final_{name}"][k] - run[name][-1]) for name in "xy") < 0.02
-    assert table["slipped"].shape == (2,)
-    assert {"tipped", "max_wheel_speed", "max_tilt"} < set(table)
 
 
 @pytest.mark.slow
@@ -82,15 +64,6 @@ def died(loop, seed):
 def test_a_process_that_ends_is_told():
     with pytest.raises(WmrError, match="ended before its result"):
         make_each(died, [(None, 0), (None, 1)], 2)
-
-
-def test_plants_that_are_not_there_are_named():
-    with pytest.raises(UnknownNameError, match="mujoco"):
-        simulate_many("paper-simulation", "mb", [0], plant="bullet")
-    with pytest.raises(ScenarioError, match="mujoco"):
-        plan_of({**PLAN, "plant": "bullet"})
-    with pytest.raises(UnknownNameError, match="slipped"):
-        plan_of({**PLAN, "plant": "ode"})
 
 
 def test_without_the_package_nothing_is_begun(monkeypatch, tmp_path):

@@ -13,18 +13,11 @@ from wmr_ctrl.simulation.tuning.search import Cost, Search
 from wmr_ctrl.world.scenario import load_scenario
 
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
-FEW = {"seeds": [1], "test_seeds": [7], "trials": 16}
 
 
 @pytest.fixture(scope="module")
 def short():
     return load_scenario("paper-simulation", SHORT)
-
-
-@pytest.fixture(scope="module")
-def once(short, tmp_path_factory):
-    out = tmp_path_factory.mktemp("tuned") / "prox.toml"
-    return wmr_ctrl.tune(short, "prox", out, **FEW)
 
 
 def test_a_cost_keeps_the_order_of_certificates_of_lost_runs_and_of_distances():

@@ -1,13 +1,8 @@
 """Kinematics against the mathematics that defines them."""
 
-import math
-import re
-
 import casadi as ca
 import numpy as np
-import pytest
 
-from wmr_ctrl.core.signals import PLANT_STATE, PSI
 from wmr_ctrl.world.model.kinematics import error_rate, error_rotation, pose_rate, tracking_error
 from wmr_proofs.paper_functions import velocity_map
 
@@ -54,17 +49,3 @@ def test_error_rate_follows_from_both_kinematics():
             ).max()
             < 1e-14
         )
-
-
-def test_orientation_and_heading_are_what_their_meanings_say():
-    """As a formula that a reader types: both name the way in which the graph drives."""
-    theta = 0.3
-    known = {"theta": theta, "pi": math.pi}
-    forward = PLANT_STATE[2].meaning.split("forward = ")[1]
-    sines = {"sin": math.sin, "cos": math.cos, **known}
-    named = eval(re.sub(r"(sin|cos) theta", r"\1(theta)", forward), sines)
-    psi = eval(PSI.meaning.split("psi = ")[1], known)
-    driven = np.asarray(ca.evalf(pose_rate(ca.SX(theta), ca.SX([1.0, 0.0])))).ravel()
-
-    assert named == pytest.approx(driven[:2])
-    assert (math.cos(psi), math.sin(psi)) == pytest.approx(driven[:2])

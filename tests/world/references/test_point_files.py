@@ -83,28 +83,14 @@ def test_usual_ways_of_navigation_stacks(tmp_path, text):
     "text, message",
     [
         ("0,0\n", "way.csv holds 1 different point(s), but a path needs at least 2"),
-        ("x,y\n0,0\n", "way.csv holds 1 different point(s), but a path needs at least 2"),
         ("", "way.csv: no column is named x or y. There are no names"),
         ("x,y\n", "way.csv holds 0 different point(s), but a path needs at least 2"),
         ("0,0\n1,nan\n", "way.csv, line 2: nan is not a finite number"),
-        ("0,0\ninf,1\n", "way.csv, line 2: inf is not a finite number"),
-        ("x,y\n0,0\n\n1,east\n", 'way.csv, line 4, column y: "east" is not a number'),
         ("0,north\n1,1\n", 'way.csv, line 1, column y: "north" is not a number'),
-        ("0,0\n1,\n", "way.csv, line 2: nan is not a finite number"),
         ("0,0\n1\n", "way.csv, line 2 is cut off"),
-        ("0,0\n1\n2,3\n", "way.csv, line 2: it has another number of cells than the 2"),
         ("0,0,0\n1,1,1\n", "way.csv: no column is named x or y. There are 1, 2, 3."),
-        ("0,5,1,5\n1,5,1,0\n", "way.csv: no column is named x or y. There are 1, 2, 3, 4."),
-        ("x,y,z\n0,0,0\n1,1\n", "way.csv, line 3 is cut off"),
-        ("y,x\n0,0\n1,nan\n", "way.csv, line 3: nan is not a finite number"),
-        ("x,x\n0,0\n1,1\n", "way.csv: two columns are named x"),
-        ("x,y [M]\n0,0\n1,1\n", 'way.csv: column y is in "M", which does not fit it'),
-        ("x,y [s]\n0,0\n1,1\n", 'way.csv: column y is in "s", which does not fit it'),
-        ("x,y [%]\n0,0\n1,1\n", "way.csv: column y is in per cent"),
-        ("x_mm [m],y\n0,0\n1,1\n", "way.csv: the name of column x_mm says mm, and its unit m"),
         ("x [m),y\n0,0\n1,1\n", "way.csv: no column is named x. There are x [m), y."),
         ("lat,lon\n0,0\n1,1\n", "way.csv: no column is named x or y. There are lat, lon."),
-        ('x,y\n0,0\n"1,1\n2,2\n', "way.csv, line 4: a quotation mark is not closed in its line"),
         ("0,0\n1,1e13\n", "reference.points[2][2] = 10000000000000.0 must be at most 1e+12"),
     ],
 )
@@ -116,6 +102,25 @@ def test_errors_name_row_and_column(tmp_path, text, message):
         load_scenario(tmp_path / "mine.toml")
     assert str(caught.value).removeprefix("reference.file: ").startswith(message)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("poses: 3", "pose 1"),
+        ("poses: [{x: 1}]", "pose 1"),
+        ("poses: [{x: 1, y: .nan}]", "pose 1: "),
+        ("poses: [{x: 1, y: true}]", "pose 1: "),
+        ("poses: [{x: 1, y: 2}, {x: 1, y: 2}]", "1 different point"),
+        ("", "0 different point"),
+    ],
+)
+def test_errors_name_the_pose(tmp_path, text, message):
+    pytest.importorskip("yaml")
+    (tmp_path / "way.yaml").write_text(text)
+
+    with pytest.raises(ScenarioError, match=rf"way\.yaml.*{message}"):
+        read_points(tmp_path / "way.yaml")
 
 
 @pytest.mark.parametrize(

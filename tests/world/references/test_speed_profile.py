@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references import Waypoints
 from wmr_ctrl.world.references import sample as sample_scenario
-from wmr_ctrl.world.references.point_files import read_points
 from wmr_ctrl.world.references.speed_profile import PathLimits, fastest
 from wmr_ctrl.world.references.waypoints import waypoint_path
 
@@ -64,43 +62,6 @@ def away(points, begin, end):
     begin, way = np.array(begin), np.subtract(end, begin)
     share = np.clip((points - begin) @ way / (way @ way), 0, 1)
     return np.hypot(*(points - begin - share[:, None] * way).T)
-
-
-PATH = """\
-header: {frame_id: map}
-poses:
-- header: {frame_id: map}
-  pose:
-    position: {x: 0.0, y: 0.0, z: 0.0}
-    orientation: {x: 0.0, y: 0.0, z: 0.0, w: 1.0}
-- pose: {position: {x: 0.0, y: 0.0}}
-- pose: {pose: {position: {x: 1.0, y: 0.5}}, covariance: [0.1]}
-- {x: 2, y: -1}
----
-"""
-
-
-@pytest.mark.parametrize(
-    "text, message",
-    [
-        ("poses: 3", "pose 1"),
-        ("a: [", "is not YAML"),
-        ("[" * 5000 + "]" * 5000, "is nested too deeply"),
-        ("poses: [{x: 1}]", "pose 1"),
-        ("poses: [{x: 1, y: .nan}]", "pose 1: "),
-        ("poses: [{x: 1, y: true}]", "pose 1: "),
-        ("poses: [{x: 1, y: 2}, {x: 1, y: 2}]", "1 different point"),
-        ("", "0 different point"),
-    ],
-)
-@pytest.mark.slow_but("a: [-is not YAML", "poses: [{x: 1}]-pose 1")
-def test_errors_name_the_pose(tmp_path, text, message):
-    pytest.importorskip("yaml")
-    (tmp_path / "way.yaml").write_text(text)
-
-    with pytest.raises(ScenarioError, match=r"way\.yaml") as caught:
-        read_points(tmp_path / "way.yaml")
-    assert message in str(caught.value)
 
 
 @pytest.mark.parametrize(

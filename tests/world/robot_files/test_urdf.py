@@ -5,6 +5,7 @@ import random
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.robot_files import urdf
@@ -15,20 +16,8 @@ DRAWS = 50
 
 
 def turn(rpy):
-    """Rotation about fixed x, then y, then z, by quaternions."""
-    total = np.array([1.0, 0, 0, 0])
-    for axis, angle in enumerate(rpy):
-        w, v = math.cos(angle / 2), np.eye(3)[axis] * math.sin(angle / 2)
-        a, b = total[0], total[1:]
-        total = np.array([w * a - v @ b, *(w * b + a * v + np.cross(v, b))])
-    w, (x, y, z) = total[0], total[1:]
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    """Rotation about fixed x, then y, then z."""
+    return Rotation.from_euler("xyz", rpy).as_matrix()
 
 
 def text(values):

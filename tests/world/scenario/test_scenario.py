@@ -6,7 +6,7 @@ from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.world.gust import Gust
 from wmr_ctrl.world.scenario import override
-from wmr_ctrl.world.scenario.scenario import SECTIONS, Scenario, clean_gains, sections
+from wmr_ctrl.world.scenario.scenario import SECTIONS, clean_gains, sections
 
 
 def test_the_middle_of_a_run_splits_it_unless_stated():
@@ -57,8 +57,3 @@ def test_gains_are_tables_of_numbers(raw, words):
     cleaned = clean_gains({"mb": {"k": [1, 2.5], "on": True, "c": 3}})
     assert cleaned == {"mb": {"k": (1.0, 2.5), "on": True, "c": 3.0}}
     assert hash(cleaned) == hash(clean_gains(cleaned))
-
-
-def test_it_is_made_of_what_nobody_may_leave_out():
-    with pytest.raises(ScenarioError, match=r"robot\.m"):
-        Scenario()

@@ -16,40 +16,28 @@ POINTS = "[reference]\nkind = 'waypoints'\npoints = "
 CASES = {
     "not a number": ("[robot]\nm = nan", "robot.m = nan must be a finite number"),
     "text": ("[robot]\nm = 'heavy'", 'robot.m = "heavy" must be a number'),
-    "negative mass": ("[robot]\nm = -5.0", "robot.m = -5.0 must be above 0"),
     "huge": ("[robot]\nm = 1e300", "robot.m = 1e+300 must be at most 1e+12"),
     "element": ("[limits]\nv_u1 = [1.0, nan]", "limits.v_u1[2] = nan must be a finite number"),
     "limits 1": (
         "[limits]\nv_u2 = [1.6, 1.3]",
         "limits.v_u2[1] = 1.6 must be below limits.v_u1[1] = 1.0 m/s",
     ),
-    "limits 2": (
-        "[limits]\nv_u2 = [0.8, 1.5]",
-        "limits.v_u2[2] = 1.5 must be below limits.v_u1[2] = 1.5 rad/s",
-    ),
     "clip": ("[limits]\nclip = 0.25", "limits.clip = 0.25 must be below v_u1[1] - v_u2[1]"),
-    "clip below 0": ("[limits]\nclip = -1.0", "limits.clip = -1.0 must be above 0"),
     "duration": (
         "[clock]\nduration = 80.005",
         "clock.duration = 80.005 s must be a whole multiple",
     ),
     "period": ("[clock]\nplant = 0.003", "clock.control = 0.01 s must be a whole multiple"),
-    "step zero": ("[clock]\nplant = 0", "clock.plant = 0 must be at least 1e-09"),
     "too long": ("[clock]\nduration = 1e9", "clock.duration = 1000000000.0 s is 1e+11 times"),
-    "correction": ("[sensor]\ncorrection = 0.0", "sensor.correction = 0.0 must be above 0"),
-    "correction 2": ("[sensor]\ncorrection = 1.5", "sensor.correction = 1.5 must be at most 1"),
     "pose period": (
         "[sensor]\npose_period = 0.025",
         "sensor.pose_period = 0.025 s must be a whole",
     ),
     "delay": ("[actuator]\ndelay = 0.0005", "actuator.delay = 0.0005 s must be a whole multiple"),
-    "truncate": ("[disturbance]\ntruncate = 0", "disturbance.truncate = 0 must be above 0"),
-    "std": ("[disturbance]\nstd = -1", "disturbance.std = -1 must be at least 0"),
     "kind": (
         "[reference]\nkind = 'cirle'",
         'reference.kind = "cirle" is not a kind of reference; near',
     ),
-    "kind type": ("[reference]\nkind = [1]", "reference.kind = [1] is not a kind of reference"),
     "key": ("[limits]\nv_u3 = 1", "limits.v_u3 is not a key in limits; near: v_u2, v_u1"),
     "key of another kind": ("[reference]\nspeed = 1", "reference.speed is not a key in reference"),
     "section": ("[limit]\nv_u2 = 1", "limit is not a key at the top of a scenario; near: limits"),
@@ -63,10 +51,6 @@ CASES = {
     "twins": (
         TWO_CHANGES + "t = 40.0\nm = 3",
         "changes[2].t = 40.0 s must be later than changes[1]",
-    ),
-    "order": (
-        TWO_CHANGES + "t = 30.0\nm = 3",
-        "changes[2].t = 30.0 s must be later than changes[1]",
     ),
     "nothing": (TWO_CHANGES + "t = 50.0", "changes[2] changes nothing"),
     "no time": ("[[changes]]\nm = 3", "changes[1].t is missing"),
@@ -112,23 +96,6 @@ def test_error_names_the_key(text, message):
     assert str(caught.value).startswith(message)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 700
-
-
-@pytest.mark.parametrize(
-    "content, message",
-    [
-        (b"\xff\xfe\x00", "is not UTF-8 text"),
-        (b"\x00\x01\x02", "is not text"),
-        (b"#" * 1_000_001, "larger than 1 MB"),
-    ],
-)
-def test_files_that_are_no_scenario(tmp_path, content, message):
-    file = tmp_path / "bad.toml"
-    file.write_bytes(content)
-
-    with pytest.raises(ScenarioError, match=message) as caught:
-        load_scenario(file)
-    assert "bad.toml" in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -187,23 +154,6 @@ def one_paragraph_or_none(load):
 @given(st.binary(max_size=200))
 def test_random_bytes_never_give_a_traceback(data):
     assert one_paragraph_or_none(lambda: paper_toml(data))
-
-
-numbers = st.one_of(st.integers(), st.floats(), st.booleans(), st.text(max_size=5))
-values = st.recursive(numbers, lambda inner: st.lists(inner, max_size=4), max_leaves=6)
-keys = st.sampled_from(
-    ["robot.m", "robot", "limits.v_u1", "limits.v_u2[1]", "clock.plant", "clock.duration",
-     "sensor.pose_period", "actuator.delay", "changes", "changes[1].t", "changes[2].mu", "gains.mb",
-     "gains", "reference", "reference.kind", "reference.points", "reference.radius", "model.mu",
-     "metrics.split", "title", "initial.pose", "disturbance.truncate", "reference.file"]
-)  # fmt: skip
-
-
-@settings(max_examples=3 * settings.default.max_examples)
-@given(st.dictionaries(keys, values, max_size=3))
-@pytest.mark.slow
-def test_random_values_load_or_are_refused(overrides):
-    assert one_paragraph_or_none(lambda: load_scenario("paper-simulation", overrides))
 
 
 @pytest.mark.parametrize("text", ["[robot]\nmm = 3\n", "[robot]\nr = -1\n"])

@@ -5,8 +5,6 @@ import pytest
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario.sections import Limits
 
-BASE = "paper-simulation"
-
 
 def limits(**stated):
     return Limits(**stated)

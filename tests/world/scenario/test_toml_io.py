@@ -1,6 +1,7 @@
 """Scenarios as TOML: files of users, ``extends``, and text that loads back equal."""
 
 import math
+import pickle
 
 import pytest
 from hypothesis import given
@@ -70,6 +71,18 @@ def test_every_kind_and_field_loads_back_equal(reference, comments):
 
     assert loads_scenario(to_toml(scenario, comments), scenario.name) == scenario
     assert from_dict(scenario_dict(scenario), scenario.name) == scenario
+
+
+@pytest.mark.parametrize("name", preset_titles())
+def test_a_preset_loads_back_equal_from_any_text_and_copy(name):
+    scenario = load_scenario(name)
+    whole, short = to_toml(scenario), to_toml(scenario, only={"robot.m"})
+
+    assert loads_scenario(whole, name) == loads_scenario(short, name) == scenario
+    assert len(short) < len(whole) / 2
+    copy = pickle.loads(pickle.dumps(scenario))
+    assert copy == scenario
+    assert hash(copy) == hash(scenario)
 
 
 finite = st.floats(-1e12, 1e12)

@@ -4,8 +4,7 @@ import pytest
 
 from tests.papers_robot import HEAD
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.world.scenario import inherited, load_scenario, loads_scenario, override, to_toml
-from wmr_ctrl.world.scenario.toml_io import preset_names
+from wmr_ctrl.world.scenario import inherited, load_scenario, loads_scenario, override
 from wmr_ctrl.world.scenario.unstated import KIND
 
 
@@ -40,13 +39,3 @@ def test_what_a_file_calls_assumed_is_listed_until_somebody_states_it(tmp_path):
 def test_what_is_assumed_is_a_list_of_keys(raw):
     with pytest.raises(ScenarioError, match="assumed"):
         loads_scenario(f"assumed = {raw}\n{HEAD}")
-
-
-@pytest.mark.parametrize("name", preset_names())
-def test_a_text_without_defaults_is_the_same_scenario(name):
-    scenario = load_scenario(name)
-
-    text = to_toml(scenario, only={"robot.m"})
-
-    assert loads_scenario(text, name) == scenario
-    assert len(text) < len(to_toml(scenario)) / 2
