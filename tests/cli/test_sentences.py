@@ -16,12 +16,13 @@ from wmr_ctrl.cli.options import _each_law
 from wmr_ctrl.control.guard.price import early_speed
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.results import outcome_of
 from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.theory import checks
 from wmr_ctrl.theory.checks import Stability
-from wmr_ctrl.world.scenario import load_scenario, override, quantities
+from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_ctrl.world.scenario.sections import Change
 
 check, compare, runs, summary = (

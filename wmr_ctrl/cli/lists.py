@@ -67,9 +67,9 @@ def _list(rows: list[dict[str, str]], as_json: bool) -> None:
 def reference_text(kind: str) -> str:
     """Description of a kind of reference, its fields with defaults, and a table to start from."""
     from wmr_ctrl.core.errors import UnknownNameError
+    from wmr_ctrl.core.fields.section import quantities
     from wmr_ctrl.core.fields.unstated import Unstated
     from wmr_ctrl.world.references import REFERENCES
-    from wmr_ctrl.world.scenario import quantities
 
     if kind not in REFERENCES:
         raise UnknownNameError("kind of reference", kind, REFERENCES)
@@ -126,7 +126,7 @@ def gains_docs(scenario: Scenario) -> Docs:
     The default of gains that follow from the robot is None.
     """
     from wmr_ctrl.control.setup import following_gains
-    from wmr_ctrl.world.scenario import quantities
+    from wmr_ctrl.core.fields.section import quantities
 
     return {
         law: {

@@ -10,10 +10,10 @@ import pytest
 
 from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ScenarioError, UnknownKeyError, UnknownNameError
-from wmr_ctrl.core.fields.section import build, quantity
+from wmr_ctrl.core.fields.section import Section, build, quantity
 from wmr_ctrl.core.fields.values import Frozen
 from wmr_ctrl.world.references import REFERENCES
-from wmr_ctrl.world.scenario import Change, Robot, Scenario, Section
+from wmr_ctrl.world.scenario import Change, Robot, Scenario
 from wmr_ctrl.world.scenario.scenario import SECTIONS
 from wmr_ctrl.world.scenario.sections import Limits
 

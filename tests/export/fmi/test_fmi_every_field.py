@@ -20,11 +20,12 @@ from tests.export.fmi.raw import OK, Fmu
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.export.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.export.fmi.files import sources_of
 from wmr_ctrl.export.fmi.fmu_files import export_fmu, model_of
-from wmr_ctrl.world.scenario import override, quantities
+from wmr_ctrl.world.scenario import override
 from wmr_ctrl.world.scenario.sections import Body
 
 LAW = "mb"

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from tests.papers_robot import HEAD, paper, paper_toml
 from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.world.references import (
     Circle,
     Lemniscate,
@@ -28,7 +29,6 @@ from wmr_ctrl.world.scenario import (
     loads_scenario,
     override,
     preset_titles,
-    quantities,
     scenario_dict,
     title_of,
     to_toml,

@@ -20,9 +20,9 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ResultFileError
+from wmr_ctrl.core.fields.section import Section, quantities
 from wmr_ctrl.results import FIGURES, atomic_text
 from wmr_ctrl.results.files import atomic_write, write_csv
-from wmr_ctrl.world.scenario import Section, quantities
 
 from .plan import Study
 

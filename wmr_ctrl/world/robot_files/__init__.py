@@ -1,7 +1,5 @@
 """Reader of robot descriptions from other tools: URDF, xacro, Gazebo, ros2_control and nav2."""
 
-from .found import NAMES as NAMES
-from .found import Found as Found
-from .found import Sheet as Sheet
-from .found import shown as shown
-from .read import read_robot_files as read_robot_files
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -3,8 +3,6 @@
 This layer does not depend on control laws or symbolic expressions; gains are kept as raw values.
 """
 
-from wmr_ctrl.core.fields.section import Section as Section
-from wmr_ctrl.core.fields.section import quantities as quantities
 from wmr_ctrl.world.references import Circle as Circle
 from wmr_ctrl.world.references import Lemniscate as Lemniscate
 from wmr_ctrl.world.references import Line as Line
