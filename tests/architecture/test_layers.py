@@ -207,12 +207,10 @@ def test_methods_of_proof_stand_alone():
 
 def test_the_oracle_shares_no_code_with_what_it_checks():
     """Its package alone, which makes a Run of what the oracle computed, uses more."""
-    path_data = ("spline", "rounded_square", "speed_profile", "waypoints")
     allowed = (
         "wmr_ctrl.core.fields",
         "wmr_ctrl.world.scenario",
         "wmr_ctrl.results",
-        *(f"wmr_ctrl.world.references.{name}" for name in path_data),
         *LIGHT,
     )
     folder = ROOT / "tests" / "oracle"

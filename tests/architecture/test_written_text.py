@@ -1,12 +1,10 @@
 """What is written in the tree speaks of the project only."""
 
 import re
-import shutil
-import subprocess
 
 import pytest
 
-from tests.architecture.tree import ROOT, project_files, text_files
+from tests.architecture.tree import ROOT, text_files
 
 MACHINE_PATH = re.compile(r"(?<![\w.$}/-])/(?:home|root|work|tmp|Users|mnt|scratch)/[\w.]")
 LONGEST_TEXT = 3_000_000
@@ -38,21 +36,6 @@ def test_text_has_no_tabs_at_line_starts_or_trailing_blanks(folder):
 
 def test_no_build_product_or_oversized_text_is_tracked():
     assert [path.name for path in text_files() if path.stat().st_size > LONGEST_TEXT] == []
-
-
-@pytest.mark.parametrize("tracked", [True, False])
-def test_what_users_commands_write_is_no_part_of_the_project(tmp_path, tracked):
-    if tracked and not shutil.which("git"):
-        pytest.skip("NOT RUN: git is not there")
-    ours, theirs = ("README.md", "docs/a.md"), ("reproduction/report.html", "mb.html", "nn_c/a.c")
-    for name in (*ours, *theirs):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text("text")
-    if tracked:
-        for command in (["init", "-q"], ["add", "README.md"]):
-            subprocess.run(["git", *command], cwd=tmp_path, check=True, timeout=60)
-
-    assert set(project_files(tmp_path)) == {tmp_path / name for name in ours}
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import subprocess
 import sys
 from functools import partial
 
@@ -11,7 +10,6 @@ import pytest
 
 from benchmarks import bench
 from benchmarks.timing import ROUNDS, Candidate, Timing, sample, summarize
-from tests.architecture.tree import ROOT
 from wmr_ctrl import api
 
 NAMED = {
@@ -67,24 +65,6 @@ def test_what_cannot_be_measured_is_a_line_with_its_reason(monkeypatch):
     assert lines["nn_step_vs_hand_c"].endswith("not measured: OSError: no disk")
     assert lines["nn_step_numpy_vs_native"].endswith("not measured: OSError: no disk")
     assert "not measured: BrokenProcessPool: " in lines["closed_loop_nn_vs_hand_c"]
-
-
-@pytest.mark.slow
-def test_without_compiler_and_packages_the_command_ends_well(tmp_path):
-    for name in ("fmpy", "numba"):
-        (tmp_path / f"{name}.py").write_text("raise RuntimeError('half installed')\n")
-    done = subprocess.run(
-        [sys.executable, "-m", "wmr_ctrl", "bench"],
-        cwd=ROOT, capture_output=True, text=True, check=False,
-        env={**os.environ, "WMR_CTRL_CC": "no-such-compiler", "PYTHONPATH": str(tmp_path)},
-    )  # fmt: skip
-
-    assert done.returncode == 0, done.stderr
-    lines = {line.split()[0]: line for line in done.stdout.splitlines() if line}
-    for item in bench.RATIOS:
-        assert " not measured: " in lines[item.key]
-    for name in ("nn_step_numba_vs_native", "fmu_plant_step_vs_empty_call"):
-        assert lines[name].endswith("not measured: RuntimeError: half installed")
 
 
 def test_the_interface_measures_with_this_folder_and_leaves_the_path_alone(monkeypatch):

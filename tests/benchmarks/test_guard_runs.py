@@ -11,11 +11,9 @@ import pytest
 from benchmarks.guard_runs import (
     AWAY,
     E1,
-    FACTORS,
     FARTHEST,
     HELD_OUT,
     OUR_LAWS,
-    PUSHED,
     comparison_plan,
     run_comparison,
 )
@@ -64,20 +62,6 @@ def shortened(plan):
 
 
 # -- the plan -----------------------------------------------------------------------------
-
-
-def test_what_no_noise_moves_is_run_once_and_a_period_of_its_own_is_in_one_base():
-    plan = comparison_plan()
-    seeds = Counter((c.name, c.base, c.law, c.guard) for c, _ in plan)
-    timed = {name for name, changed in FACTORS.items() if "clock.control" in changed}
-
-    assert {count for (name, *_), count in seeds.items() if name == PUSHED} == {1}
-    assert {count for (name, *_), count in seeds.items() if name != PUSHED} == {len(HELD_OUT)}
-    bases = {name: {c.base for c, _ in plan if c.name == name} for name in FACTORS}
-    assert {name for name, own in bases.items() if own == {"10 ms"}} == timed
-    assert {tuple(sorted(own)) for name, own in bases.items() if name not in timed} == {
-        ("10 ms", "100 ms")
-    }
 
 
 # -- real runs ----------------------------------------------------------------------------

@@ -21,11 +21,7 @@ def test_the_rule_finds_nothing_wrong_with_a_good_run():
     assert list(faults(simulate(case, "kanayama"), case)) == []
 
 
-@pytest.mark.parametrize("changed", [
-    {"clock.control": 0.1, "actuator.delay": 0.05}, {"actuator.tau_max": 1.0},
-    {"sensor.velocity_noise": [0.1, 0.1]}, {"metrics.tolerance": 1e-5},
-])  # fmt: skip
-@pytest.mark.slow_but("changed1", "changed3")
+@pytest.mark.parametrize("changed", [{"actuator.tau_max": 1.0}, {"metrics.tolerance": 1e-5}])
 def test_the_rule_finds_what_is_wrong(changed):
     case = scenario_of("paper-simulation-no-switch", changed)
 

@@ -14,12 +14,8 @@ from wmr_ctrl.world.scenario import load_scenario
     [
         ("paper-experiment", "nn"),
         ("paper-simulation", "pid"),
-        ("robot-100ms", "prox"),
-        ("outside-start", "smc"),
-        ("turtlebot3-burger", "pursuit"),
     ],
 )
-@pytest.mark.slow_but("paper-experiment-nn", "paper-simulation-pid")
 def test_every_preset_gets_a_handful_of_readable_sentences(name, law):
     found = warnings_for(settle(load_scenario(name), law))
 

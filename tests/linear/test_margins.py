@@ -20,8 +20,6 @@ from wmr_ctrl.theory.linear.margins import crossings
 from wmr_ctrl.world.references import Line
 from wmr_ctrl.world.scenario import load_scenario
 
-LAWS = ("pid", "smc", "mb", "nn")
-
 
 @pytest.fixture(scope="module")
 def line(nominal):
@@ -51,9 +49,7 @@ def test_a_crossing_behind_the_critical_point_allows_the_rest_of_the_turn():
     assert found.gains == pytest.approx([8.0 / 27.0], rel=1e-9)
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.slow_but("0-mb", "1-nn")
+@pytest.mark.parametrize("law, axis", [("mb", 0), ("nn", 1)])
 def test_continuous_margins_are_python_controls(nominal, law, axis):
     found = margins_at(nominal, law, axis)
     gain, phase, _, _ = ct.margin(open_loop(nominal, law, axis))

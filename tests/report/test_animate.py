@@ -59,16 +59,6 @@ def test_a_page_holds_all_that_it_shows(run, tmp_path):
     assert data["scales"] == [1.0, 1.5]
 
 
-def test_each_colour_of_a_page_has_another_in_the_dark(run, tmp_path):
-    path = tmp_path / "run.html"
-    animate_runs([run], path)
-    schemes = re.findall(r":root \{(.*?)\}", path.read_text("utf-8"))
-    light, dark = (dict(re.findall(r"--(\w+): (#\w{6});", scheme)) for scheme in schemes)
-
-    assert light.keys() == dark.keys() >= {"ink", "paper", "law0", "limit"}
-    assert all(light[name] != dark[name] for name in light)
-
-
 def test_a_page_cannot_be_broken_by_names(tmp_path):
     path = tmp_path / "run.html"
     animate_runs([build(labels={"scenario": "</title><script>alert(1)</script>"})], path)

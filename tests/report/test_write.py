@@ -101,22 +101,6 @@ def test_the_navigation_lists_all_sections_in_their_order(page):
     assert len(listed) > 10
 
 
-def test_on_a_phone_no_table_is_wider_than_the_page(page):
-    """Rows of every table become cards there, or it has two short columns."""
-    kinds = re.findall(r'<table class="([^"]+)"', page)
-
-    assert len(kinds) == page.count("<table")
-    assert all({"cards", "stack", "pairs"} & set(kind.split()) for kind in kinds)
-
-
-def test_pictures_are_turned_dark_with_the_page(page):
-    style, _, rest = page.partition("</style>")
-    dark = style.partition("prefers-color-scheme: dark")[2]
-
-    assert re.search(r"img \{ filter: invert", dark)
-    assert rest.count("data:image/svg+xml;base64,") == rest.count("<img")
-
-
 def test_nothing_is_told_of_before_and_after_where_nothing_changes(campaign):
     own = campaign.runs["paper-simulation", campaign.table.laws[0]]
     robots = robots_in_words(load_scenario("paper-simulation"))

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.results import Rises, distance, rises
+from wmr_ctrl.results import Rises, rises
 from wmr_ctrl.results.measures import settling_time, weight_norm
 
 WEIGHTS = (Signal("W_norm", "1", "norm of the weights", 2),)
@@ -40,13 +40,6 @@ def test_weight_norms_at_the_end_and_at_their_largest(make_run):
     assert found == {"end": [39.0, 99.0], "largest": [59.0, 99.0]}
     assert weight_norm(make_run()) is None
     assert weight_norm(make_run(extra=WEIGHTS, rows=0)) is None
-
-
-@given(angle=st.floats(0, 6.3), radius=st.floats(1e-6, 1e6))
-def test_the_distance_is_the_same_in_every_direction(make_run, angle, radius):
-    run = make_run(x=3 + radius * np.cos(angle), x_d=3.0, y=radius * np.sin(angle), theta=9.0)
-
-    assert distance(run) == pytest.approx(np.full(100, radius), rel=1e-9, abs=1e-9)
 
 
 def test_the_settling_time_is_the_start_of_the_last_stay(make_run):

@@ -25,7 +25,7 @@ def remark(run, key):
 
 def test_position_is_the_straight_distance(make_run):
     away = np.where(np.arange(100) < 75, 0.0, 0.05)
-    run = make_run(x=0.6 * away, y_d=0.8 * away, theta=3.0)
+    run = make_run(x=3 + 0.6 * away, x_d=3.0, y=1.0, y_d=1 + 0.8 * away, theta=3.0)
 
     assert position_rms(run) == pytest.approx({"all": 0.025, "last_quarter": 0.05})
     assert position_max(run) == pytest.approx(0.05)

@@ -19,9 +19,8 @@ STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.6, 2), "diverged")
 # -- integral squared error ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["x", "y", "theta", "x_d", "y_d", "theta_d"])
+@pytest.mark.parametrize("name", ["x", "y_d", "theta"])
 @given(c=ERRORS, rows=st.integers(1, 300), control=CONTROLS)
-@pytest.mark.slow_but("x")
 def test_a_constant_error_integrates_to_its_square_times_the_duration(
     make_run, name, c, rows, control
 ):
@@ -29,18 +28,11 @@ def test_a_constant_error_integrates_to_its_square_times_the_duration(
     expected = c**2 * rows * control
 
     assert ise(run)["total"] == pytest.approx(expected, rel=1e-12)
+    parts = sum(ise(run)[part] or 0.0 for part in ("before", "after"))
+    assert parts == pytest.approx(expected, rel=1e-12)
     assert ise(run)["position"] == pytest.approx(
         0.0 if name.startswith("theta") else expected, rel=1e-12
     )
-
-
-@given(split=st.floats(0, 1), seed=st.integers(0, 100))
-def test_before_and_after_add_up_to_the_total(make_run, split, seed):
-    x, y, theta = np.random.default_rng(seed).normal(size=(3, 100))
-    run = make_run(x=x, y=y, theta=theta, split=split)
-    parts = [ise(run)[part] or 0.0 for part in ("before", "after")]
-
-    assert sum(parts) == pytest.approx(ise(run)["total"], rel=1e-12)
 
 
 @pytest.mark.parametrize("start, end", [(-0.1, 0.5), (0.5, 0.4), (0.0, 1.01), (2.0, 3.0)])
@@ -85,13 +77,6 @@ def test_the_torque_peak_is_found_on_either_wheel(make_run, wheel, row, sign):
     torque[row] = 7.0 * sign
 
     assert tau_peak(make_run(**{wheel: torque})) == 7.0
-
-
-@given(right=ERRORS, left=ERRORS)
-def test_the_torque_rms_joins_both_wheels(make_run, right, left):
-    run = make_run(tau_right=right, tau_left=left, rms_from=0.0)
-
-    assert tau_rms(run) == pytest.approx(math.sqrt((right**2 + left**2) / 2), rel=1e-12)
 
 
 def test_the_torque_rms_starts_at_its_sample_and_not_before(make_run):

@@ -76,10 +76,8 @@ def test_without_friction_the_motion_needs_what_accelerates_it():
     assert abs(run["v2_d_dot"]).max() > 2 * abs(run["v1_d_dot"]).max() > 0
 
 
-@pytest.mark.parametrize("seed", [0, 7101])
-@pytest.mark.slow_but("0")
-def test_gains_for_another_period_are_objected_whatever_the_seed(seed):
-    run = simulate("safe-simulation", "prox", seed=seed, overrides={"clock.control": 0.1})
+def test_gains_for_another_period_are_objected():
+    run = simulate("safe-simulation", "prox", overrides={"clock.control": 0.1})
     text = next(item.text for item in run.remarks if item.key == "objected")
 
     assert "are lower, as `wmr-ctrl tune` finds them." in text

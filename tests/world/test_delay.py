@@ -3,7 +3,6 @@
 import pytest
 
 from tests.papers_robot import paper
-from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.delay import DELAY, commands_in_flight, delay_in_periods, in_periods
 from wmr_ctrl.world.scenario import override
 
@@ -17,9 +16,3 @@ def test_a_command_is_under_way_for_periods_and_steps(late, parts, count):
     assert delay_in_periods(scenario) == in_periods(late, scenario) == parts
     assert commands_in_flight(scenario) == count
     assert DELAY.bounded(scenario).delay == pytest.approx(late + 0.004)
-
-
-def test_an_observer_keeps_five_hundred_commands_and_no_more():
-    assert override(paper(), {"actuator.delay": 5.0}).actuator.delay == 5.0
-    with pytest.raises(ScenarioError, match=r"actuator\.delay = 5\.01 s is 501 times"):
-        override(paper(), {"actuator.delay": 5.01})

@@ -69,12 +69,9 @@ def test_delays_of_effects_add_up_and_a_lag_cannot_be_split():
 
 
 @pytest.mark.parametrize("changes, message", [
-    ({"encoder.counts": 0}, r"encoder\.counts = 0 must be above 0"),
     ({"encoder.counts": 10.5}, r"encoder\.counts = 10\.5 must be a whole number"),
-    ({"encoder.counts": float("nan")}, r"encoder\.counts = nan must be a finite number"),
     ({"encoder.counts": 64, "encoder.window": 0.015}, r"encoder\.window = 0\.015 s .*control"),
     ({"encoder.counts": 64, "sensor.velocity_window": 0.01}, r"encoder\.counts = 64 both"),
-    ({"actuator.jitter": -0.001}, r"actuator\.jitter = -0\.001 must be at least 0"),
     ({"actuator.jitter": 0.02}, r"actuator\.jitter = 0\.02 s must be at most clock\.control"),
     ({"guard.delay": [0.02, 0.01]}, r"guard\.delay = \[0\.02, 0\.01\].*wrong way.*\[0\.01, 0\.02"),
     ({"guard.lag": [0.02, 0.01]}, r"guard\.lag = \[0\.02, 0\.01\].*wrong way.*\[0\.01, 0\.02"),
@@ -83,11 +80,7 @@ def test_delays_of_effects_add_up_and_a_lag_cannot_be_split():
     ({"actuator.lag": [0.02, 0.03]}, r"actuator\.lag = "),
     ({"actuator.jitter": [0.0, 0.005]}, r"actuator\.jitter = "),
     ({"actuator.jitter": 0.0015}, r"actuator\.jitter = 0\.0015 s .*clock\.plant"),
-    ({"actuator.lag": 0.01, "actuator.lag_spread": 1.0}, r"lag_spread = 1.* must be below 1"),
     ({"motor.free": 20.0}, r"motor\.free = 20\.0 rad/s does nothing without motor\.stall"),
-    ({"sensor.pose_dropout": 1.0}, r"pose_dropout = 1.* must be below 1"),
-    ({"wheels.radius": [0.6, 0.0]}, r"wheels\.radius\[1\] = 0\.6 must be at most 0\.5"),
-    ({"gust.time": 0.0}, r"gust\.time = 0.* must be above 0"),
 ], ids=str)  # fmt: skip
 def test_bad_numbers_are_refused_with_key_and_remedy(changes, message):
     with pytest.raises(ScenarioError, match=message):

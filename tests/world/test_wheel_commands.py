@@ -63,7 +63,6 @@ def test_a_wheel_kept_at_rest_changes_the_command_by_half_of_its_dead_band_at_mo
     assert (off.max(axis=0) > 0.98 * told).all()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes, off",
     [({"base.wheel_deadband": BAND}, BAND / 2),
@@ -71,17 +70,7 @@ def test_a_wheel_kept_at_rest_changes_the_command_by_half_of_its_dead_band_at_mo
      ({"base.wheel_deadband": BAND, "base.wheel_accel": 0.9, "base.wheel_decel": 0.9},
       BAND / 2 + 0.9e-3)],
 )  # fmt: skip
-def test_wheels_take_the_base_no_farther_than_is_counted(changes, off):
-    """Commands within a box, that change at any time: what acts is within it but for the bound."""
-    rng = np.random.default_rng(5)
-    told = WHEEL_COMMANDS.bounded(override(CREATE3, changes))
-    assert told.command == pytest.approx((off, off / L))
-    most = np.stack([rng.uniform(0.02, 0.3, 300), rng.uniform(0.2, 1.9, 300)], axis=1)
-    commands, held = np.zeros((1500, 300, 2)), np.zeros((300, 2))
-    for row in commands:
-        anew = rng.random(300) < 0.03
-        held[anew] = (rng.choice([-1, 1, 0.3, -0.9], (300, 2)) * most)[anew]
-        row[:] = held
-    worst = np.abs(acting(changes, commands)).max(axis=0) - most
-    assert (worst <= np.array(told.command) + 1e-12).all()
-    assert worst.max() > 0
+def test_wheels_take_a_command_off_by_half_of_the_dead_band_and_a_step_of_the_ramp(changes, off):
+    bound = WHEEL_COMMANDS.bounded(override(CREATE3, changes))
+
+    assert bound.command == pytest.approx((off, off / L))

@@ -10,7 +10,6 @@ from wmr_ctrl.core.fields import values
 from wmr_ctrl.export.cosim.slave import FmuFile
 from wmr_ctrl.results import load_run
 from wmr_ctrl.world.references.point_files import read_points
-from wmr_ctrl.world.scenario import load_scenario
 
 MOST = 100_000
 """Bytes that a packed file may hold in these tests; its own limit takes a second to pack."""
@@ -57,17 +56,3 @@ def test_a_path_with_more_values_than_it_has_letters(tmp_path, text):
 
     with pytest.raises(ScenarioError, match="the anchor in line 1 has an alias"):
         read_points(tmp_path / "way.yaml")
-
-
-LONG = 1e6
-"""Seconds: ten million periods, for each of which a value would be kept."""
-
-
-@pytest.mark.parametrize(
-    "key",
-    ["sensor.velocity_window", "sensor.velocity_age", "sensor.pose_delay", "encoder.window",
-     "actuator.delay", "actuator.unmodelled_delay"],
-)  # fmt: skip
-def test_windows_and_ages_of_a_million_seconds(key):
-    with pytest.raises(ScenarioError, match=rf"^{key} = 1000000.*at most"):
-        load_scenario("safe-experiment", {"encoder.counts": 1024, key: LONG})
