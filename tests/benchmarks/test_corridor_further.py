@@ -1,13 +1,11 @@
 """The page's table of further adversaries is what its command makes today."""
 
-from pathlib import Path
-
 import pytest
 
 from benchmarks.corridor_further import FIFTH, FINE, HEAD, NAME, row
+from tests.benchmarks.pages import RESULTS, cells, table
 from tests.corridor.further import ROWS, Further
 
-PAGE = (Path(__file__).parents[2] / "benchmarks/results.md").read_text("utf-8")
 RUN_AGAIN = (
     "the same, acceleration limited to 0.5 m/s2 and 3 rad/s2",
     "kanayama, acceleration limited, poses off by 0.2 mm an axis",
@@ -18,13 +16,8 @@ LAST = 0.011
 """The last digit of a length [mm] or a ratio may be another one elsewhere."""
 
 
-def cells(line):
-    return [cell.strip() for cell in line.split("|")[1:-1]]
-
-
 def shown():
-    part = PAGE.partition(f"<!-- begin {NAME} -->")[2].partition(f"<!-- end {NAME} -->")[0]
-    head, _, *rows = [cells(line) for line in part.strip().splitlines()]
+    head, *rows = table(RESULTS, NAME)
     assert tuple(head) == HEAD
     return {words: others for words, *others in rows}
 

@@ -1,8 +1,6 @@
 """Trials of the command filter: the page has every statement, and bases that break one are seen."""
 
-import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,16 +11,13 @@ from benchmarks.filter_trials.first_order import BAND, FAST_TURNS, told_of
 from benchmarks.filter_trials.linear import RIM_SWUNG, linear
 from benchmarks.filter_trials.statements import REFUSED, STATEMENTS, refusals, refused
 from benchmarks.filter_trials.stopping import FAMILIES, TEETH
+from tests.benchmarks.pages import RESULTS, table
 from tests.control.filter.adversary import Base, fastest
-
-PAGE = (Path(__file__).parents[2] / "benchmarks/results.md").read_text("utf-8")
 
 
 def part(name):
-    """Cells of a table that the command writes."""
-    text = PAGE.partition(f"<!-- begin {name} -->")[2].partition(f"<!-- end {name} -->")[0]
-    rows = [line for line in text.splitlines() if line]
-    return [[cell.strip() for cell in re.split(r"(?<!\\)\|", row)[1:-1]] for row in rows[2:]]
+    """Rows of a table that the command writes."""
+    return table(RESULTS, name)[1:]
 
 
 def test_the_page_has_every_statement_and_no_break():
@@ -53,7 +48,7 @@ def test_the_page_has_a_break_of_each_wrong_bound_and_formula(name, known):
 
 
 def test_the_page_has_the_words_of_what_is_refused():
-    assert refusals() in PAGE
+    assert refusals() in RESULTS
     assert all(refused(number) for number in range(len(REFUSED)))
 
 

@@ -1,19 +1,17 @@
 """The match: its page names every contender, and its parts do what they are called."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from benchmarks import contenders, match, velocity_match
+from tests.benchmarks.pages import MATCH, cells, table
 
-PAGE = (Path(__file__).parents[2] / "docs" / "match.md").read_text("utf-8")
 SHORT = match.Case(0.1, 0.05, track=2.0, attack=2.0)
 
 
 def test_the_page_has_a_row_for_every_contender_in_every_case():
-    _, mark, tables = PAGE.partition(match.MARK)
-    rows = [line.split("|")[1].strip() for line in tables.splitlines() if line.startswith("| ")]
+    _, mark, tables = MATCH.partition(match.MARK)
+    rows = [cells(line)[0] for line in tables.splitlines() if line.startswith("| ")]
     names = [one.name for one in contenders.contenders()]
 
     assert mark
@@ -21,10 +19,10 @@ def test_the_page_has_a_row_for_every_contender_in_every_case():
 
 
 def test_the_worst_guarded_row_of_the_page_keeps_the_limit():
-    guarded = [line for line in PAGE.splitlines() if line.startswith("| ") and "+ guard |" in line]
+    guarded = [line for line in MATCH.splitlines() if line.startswith("| ") and "+ guard |" in line]
 
     assert len(guarded) == 4 * len(match.CASES)
-    assert all(line.split("|")[2].strip() == "none" for line in guarded)
+    assert all(cells(line)[1] == "none" for line in guarded)
 
 
 def test_what_a_filter_admits_keeps_the_believed_robot_inside():
@@ -61,9 +59,8 @@ def test_the_adversary_breaks_what_has_no_guard():
 
 
 def test_on_bases_that_take_velocities_every_filter_keeps_the_limit_and_no_law_alone_does():
-    part = PAGE.partition("<!-- begin velocity -->")[2].partition("<!-- end velocity -->")[0]
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in part.splitlines() if line]
-    found = [(row[0], row[1], row[2]) for row in rows if row and row[0] in velocity_match.PLAYERS]
+    rows = table(MATCH, "velocity")
+    found = [(row[0], row[1], row[2]) for row in rows if row[0] in velocity_match.PLAYERS]
 
     assert [row[:2] for row in found] == [
         (law, way)

@@ -1,39 +1,30 @@
 """The page of tracking: its parts are whole, and say what the sentences around them claim."""
 
-from pathlib import Path
-
 import pytest
 
 from benchmarks import front, tracking
 from benchmarks.parts import renew
+from tests.benchmarks.pages import RESULTS, table
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ArgumentError
 
-PAGE = (Path(__file__).parents[2] / "benchmarks" / "results.md").read_text("utf-8")
-
-
-def rows(name):
-    part = PAGE.partition(f"<!-- begin {name} -->")[2].partition(f"<!-- end {name} -->")[0]
-    lines = [line for line in part.splitlines() if line.startswith("| ")]
-    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
-
 
 def test_every_law_has_a_row_at_every_period():
-    named = [row[0] for row in rows(tracking.NAME) if row[0] != "law"]
+    named = [row[0] for row in table(RESULTS, tracking.NAME)[1:] if row[0] != "law"]
 
     assert named == list(NAMES) * len(tracking.PLACES)
 
 
 def test_both_laws_are_on_one_front():
     """The product of RMS and torque change, of prox to kanayama's: within 5 %, or less."""
-    found = [row[5] for row in rows(front.NAME)[1:] if row[1] == "prox"]
+    found = [row[5] for row in table(RESULTS, front.NAME)[1:] if row[1] == "prox"]
 
     assert len(found) == len(front.CASES)
     assert all(float(ratio) <= 1.05 for cell in found for ratio in cell.split(","))
 
 
 def test_both_are_stable_for_masses_of_0_6_to_1_6_times_the_believed_one():
-    for row in rows(front.NAME)[1:]:
+    for row in table(RESULTS, front.NAME)[1:]:
         low, high = map(float, row[6].split(" to "))
         assert low <= 0.6
         assert high >= 1.6

@@ -30,32 +30,12 @@ def test_the_pull_is_the_same_in_either_direction(loop, law):
         assert largest_pull(own, phase) == pytest.approx(pull, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    "scenario, when",
-    [("far-start-friction-overestimated", "at the start"), ("far-start-drop", "from 3 s on")],
-)
-def test_stress_cases_that_break_the_model_based_law_are_foreseen(told, scenario, when):
-    (warning,) = told("mb", scenario=scenario, key=MODEL)
-
-    assert f"cannot hold |v1| below 1 m/s {when}" in warning.sentence
-
-
 @pytest.mark.parametrize("start", [[1.3, 0.0], [-1.3, 0.0], [0.0, -2.0], [1.3, 2.0]])
 def test_what_starts_outside_on_an_axis_is_not_said_to_be_pushed_through(told, start):
     outside = {"initial.velocity": start}
     warnings = told("mb", outside, scenario="far-start-friction-overestimated", key=MODEL)
 
     assert not any("cannot hold" in item.sentence for item in warnings)
-
-
-@pytest.mark.parametrize("law", ["mb", "nn"])
-@pytest.mark.parametrize("scenario", ["far-start", "paper-experiment", "paper-simulation-nominal"])
-def test_exact_models_are_not_objected_to(told, law, scenario):
-    assert told(law, scenario=scenario, key=MODEL) == []
-
-
-def test_network_law_does_not_depend_on_the_model(told):
-    assert told("nn", scenario="far-start-drop", key=MODEL) == []
 
 
 def test_change_after_the_approach_cannot_push_through(told):
@@ -86,13 +66,6 @@ def test_switch_of_the_paper_leaves_the_model_based_law_behind(loop, told):
     assert velocity_error(at, heavy) == pytest.approx(-0.150, rel=4e-3)
     assert "95.6 N from 40 s on, but mb believes 39.2 N" in warning.sentence
     assert "0.015 m behind" in warning.sentence
-
-
-@pytest.mark.slow
-def test_believing_too_much_friction_runs_ahead(told):
-    (warning,) = told("mb", {"model.mu": 0.12}, key=MODEL)
-
-    assert "ahead of the reference" in warning.sentence
 
 
 def test_guard_holds_what_the_barrier_cannot(told):

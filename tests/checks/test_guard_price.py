@@ -1,6 +1,5 @@
 """What is told before a guarded run."""
 
-import math
 import re
 
 import pytest
@@ -11,45 +10,6 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.scenario import load_scenario
 
 ON = {"guard.enabled": True}
-
-
-def test_a_window_that_no_theorem_knows_voids_the_guarantee(told):
-    timed = {"encoder.counts": 4096.0, "encoder.method": "time"}
-    (void,) = told("prox", {**ON, **timed}, key="encoder.method")
-
-    assert "the guard relies on one fixed window" in void.sentence
-    assert told("prox", timed, key="encoder.method") == []
-
-
-def test_a_reference_too_fast_for_a_late_velocity_names_what_no_guard_can_beat(told):
-    late = {
-        **ON,
-        "guard.M_min": [45.0, 4.86],
-        "guard.dbar": [60.0, 15.0],
-        "clock.control": 0.1,
-        "disturbance.truncate": math.inf,
-    }
-    more = {"sensor.velocity_window": 0.1}
-    (warning,) = told("pid", {**late, **more}, scenario="fast-reference", key="guard.dbar")
-
-    assert "(1/alpha + age + window/2 + delay + lag)" in warning.sentence
-    assert "No guard at all could leave more than 0.779 m/s" in warning.sentence
-    assert "at most 0.669 m/s" in warning.sentence
-
-
-@pytest.mark.parametrize("period, warned", [(0.01, False), (0.1, True)])
-def test_a_reference_faster_than_the_guard_allows(told, period, warned):
-    wide = {
-        **ON,
-        "guard.M_min": [25.0, 2.7],
-        "guard.dbar": [60.0, 15.0],
-        "clock.control": period,
-        "disturbance.truncate": math.inf,
-    }
-    found = told("prox", wide, scenario="fast-reference", key="guard.dbar")
-
-    assert bool(found) is warned
-    assert all("at most 0.603 m/s" in item.sentence for item in found)
 
 
 def test_the_price_is_that_of_the_largest_friction_of_the_run(loop):
@@ -91,14 +51,6 @@ def test_the_robot_turns_as_fast_as_is_usable_on_average(delay):
     assert run.settings.asked == price.asked
     assert price.short == (False, True)
     assert late.mean() == pytest.approx(price.usable[1], rel=1e-2)
-
-
-def test_a_robot_that_cannot_move_is_told(told):
-    slow = {**ON, "guard.M_min": [25.0, 2.7], "guard.dbar": [60.0, 10.0], "guard.alpha": 5.0}
-    narrow = {**slow, "disturbance.std": 0.0, "robot.mu": 0.15}
-    (found,) = told("mb", narrow, key="guard.dbar")
-
-    assert "no motion at all" in found.sentence
 
 
 @pytest.mark.parametrize(

@@ -29,19 +29,6 @@ def test_warns_from_the_audited_width_on(told, eta2, node, warned):
     assert bool(told("nn", network, key=ETA)) is warned
 
 
-def test_paper_reading_is_told_of_with_both_remedies(told):
-    (warning,) = told("nn", scenario="paper-simulation", key=ETA)
-
-    assert "|S|^2 = 0.319" in warning.sentence
-    assert "above 0.054" in warning.sentence
-    assert "eta^2 below 1.373" in warning.sentence
-    assert "gains.nn.rho1[2] above 43.2" in warning.sentence
-
-
-def test_no_learning_no_warning(told):
-    assert told("nn", {"gains.nn.Gamma": (0, 0)}, key=ETA) == []
-
-
 @pytest.mark.parametrize(
     "size, linear, angular",
     [(1, 0.0362, 0.0140), (4, 0.0095, 0.0035), (16, 0.0024, 0.00087), (64, 0.00060, 0.00022)],
@@ -67,8 +54,3 @@ def test_that_period_is_where_the_law_s_own_graph_becomes_unstable(loop, axis):
         return radius(np.block([[speed, pull], [law.b[:, [column]], law.a]]))
 
     assert largest(0.97 * limit) < 1 < largest(1.03 * limit)
-
-
-@pytest.mark.parametrize("law", ["pid", "smc", "mb"])
-def test_other_laws_have_no_network(told, law):
-    assert told(law, key=ETA) == []

@@ -45,13 +45,6 @@ def test_warns_of_the_first_step_exactly_where_it_leaves_the_limit(told, period,
     assert any(sentence.startswith("The first torque") for sentence in sentences) is told_of
 
 
-def test_unstable_at_any_period_is_said_so(told):
-    (warning,) = told("mb", {"actuator.lag": 0.3}, key=PERIOD)
-
-    assert "every shorter period that was tried" in warning.sentence
-    assert "lower the lag, or its gains" in warning.sentence
-
-
 def test_guarded_first_step_stays_inside(loop, told):
     held = {PERIOD: 0.1, "guard.enabled": True}
 

@@ -29,14 +29,6 @@ def test_a_wrong_friction_is_objected_to_where_it_leads_beyond_the_tolerance(
     assert warning.objects is objects
 
 
-def test_a_plant_step_is_held_against_the_largest_friction_of_the_run(told):
-    (warning,) = told("kanayama", {"clock.plant": 0.01}, "paper-simulation", "clock.plant")
-    slope = 0.15 * 9.81 / load_scenario("paper-simulation").robot.v_s
-
-    assert f"up to {slope:.4g} 1/s" in warning.sentence
-    assert f"Choose {1 / slope:.2g} s or less" in warning.sentence
-
-
 def test_the_period_that_the_kink_admits_is_that_of_the_faster_axis(told):
     gains = {"gains.mb.rho": [40.0, 10.0], "clock.control": 0.1}
     kinks = [item.sentence for item in told("mb", gains, key="clock.control")]

@@ -76,18 +76,6 @@ def test_a_reference_that_changes_speed_is_said_to_be_time_varying(nominal, repo
     assert "time-varying" not in steady.table()
 
 
-@pytest.mark.slow
-def test_a_guard_that_no_long_period_admits_does_not_stop_the_report(monkeypatch):
-    """Periods up to the stable limit are tried, and no guard could be met at the longest."""
-    monkeypatch.setattr("wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: [])
-    report = report_linear(load_scenario("safe-simulation"), "kanayama")
-
-    assert report.max_sample_time > 0.243
-    assert report.max_sample_time_adaptive is None
-    assert report.kinematic_poles is None
-    assert report.one_step_safe_time is report.max_sample_time_kink is None
-
-
 def drive(speed):
     """A way that begins and ends at rest."""
     points = {"points": [[0.0, 0.0], [4.0, 1.0], [8.0, 0.0]], "v_max": speed}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.container import ErrorbarContainer
 
-from wmr_ctrl.report.study_figures import _bins, _by_group, _indices, _maps, drawings_of
+from wmr_ctrl.report.study_figures import _bins, _by_group, _indices, _maps
 from wmr_ctrl.report.study_table import StudyTable
 from wmr_ctrl.simulation.campaign.study_plan import plan_of
 
@@ -39,10 +39,6 @@ def table_of(value, refused=None, **changes):
         np.array([f"{row['law']}, guarded" for row in rows]),
         np.where(without, "refused", "completed"), np.array(told), {},
     )  # fmt: skip
-
-
-def drawn(table):
-    return dict(drawings_of(table))
 
 
 def heights(axes):
@@ -87,17 +83,6 @@ def test_what_has_no_indices_says_why():
     assert "the same in all runs" in constant.texts[0].get_text().replace("\n", " ")
     said = refused.texts[0].get_text().replace("\n", " ")
     assert re.search(r"runs have no value of \w+: refused", said)
-
-
-@pytest.mark.slow
-def test_a_study_without_any_value_is_one_picture_of_the_reason():
-    sample = {"method": "uniform", "n": 5, "robot.mu": [0.0, 1.0], "robot.m": [40, 60]}
-    figures = drawn(table_of(lambda r: 1.0, lambda r: True, sample=sample))
-    (axes,) = figures["spread"].axes
-
-    assert list(figures) == ["spread"]
-    said = axes.texts[0].get_text().replace("\n", " ")
-    assert re.match(r"40 of 40 runs have no value of \w+: refused", said)
 
 
 def simple(values, laws=("mb",), unit="m"):

@@ -184,21 +184,6 @@ def test_statistics_are_those_of_the_runs(written):
 # -- other campaigns ----------------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_other_laws_stand_beside_the_papers(few_pictures, tmp_path):
-    laws = ["pid", "smc", "mb", "nn", "ours"]
-    with made_up():
-        runs = run_campaign(paper_plan(laws, seeds=1))
-    verdicts = write_reproduction(tmp_path, reproduction(runs), all_drawings(runs))
-    page = verdicts.report.read_text("utf-8")
-
-    assert verdicts.table.laws == tuple(laws)
-    assert "<th>ours</th>" in page
-    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "figures"}
-    sizes = {path.stem: path.stat().st_size for path in verdicts.files if path.suffix == ".svg"}
-    assert {name for name, size in sizes.items() if size > 1000} == few_pictures
-
-
 def test_runs_without_a_law_of_the_paper_are_refused(tmp_path):
     with made_up():
         few = run_campaign(paper_plan(["mb", "nn"], seeds=1)[:2])

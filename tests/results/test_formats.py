@@ -109,16 +109,6 @@ def test_other_readers_find_names_units_and_numbers_in_the_csv(make_run, tmp_pat
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @reusing_folder
-@given(data=st.binary(max_size=200))
-def test_random_bytes_are_refused(tmp_path, suffix, data):
-    path = tmp_path / f"noise{suffix}"
-    path.write_bytes(data)
-
-    assert refused(path)
-
-
-@pytest.mark.parametrize("suffix", SUFFIXES)
-@reusing_folder
 @given(part=st.floats(0, 1))
 def test_a_file_cut_anywhere_is_refused(make_run, tmp_path, suffix, part):
     path = saved(make_run(duration=0.05, x=1 / 3), tmp_path, suffix)

@@ -82,18 +82,6 @@ def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods, rms):
 
 
 @pytest.mark.parametrize(
-    "law, duration",
-    [("pid", 2.0), ("mb", 3.0), ("nn", 2.0), ("prox", 5.0), ("smc", 10.0), ("kanayama", 20.0)],
-)
-@pytest.mark.slow_but("pid-2.0", "mb-3.0")
-def test_a_short_run_that_settles_is_no_oscillation(law, duration):
-    """One or two periods are what the start leaves behind, a few more what noise does."""
-    for seed in range(3):
-        late = {"clock.duration": duration}
-        assert oscillation(simulate("paper-simulation", law, seed=seed, overrides=late)) is None
-
-
-@pytest.mark.parametrize(
     "duration, period, delay", [(10.0, 0.02, 0.06), (6.0, 0.05, 0.05), (20.0, 0.01, 0.05)]
 )
 @pytest.mark.slow_but("10.0-0.02-0.06")

@@ -39,18 +39,6 @@ def test_guard_share_is_per_axis_and_zero_without_guard(make_run):
     assert guard_share(make_run(labels={"guard": True})) is None
 
 
-@pytest.mark.slow
-def test_nothing_needs_to_be_done_only_without_remarks():
-    fine = simulate("safe-simulation", "kanayama")
-    slow = simulate("safe-simulation", "kanayama", overrides={"metrics.tolerance": 1e-5})
-
-    assert fine.remarks == ()
-    assert fine.explanation.endswith("Nothing needs to be done.")
-    assert keys(slow) == ["not-tracked"]
-    assert slow.explanation.endswith("But it did not track.")
-    assert "metrics.tolerance is 1e-05 m" in remark(slow, "not-tracked")
-
-
 def test_what_the_outcome_says_is_a_remark_too(make_run):
     beyond = Monitor((1.7, 1.2), 12, (0.0125, 1), bounds_left=(0.5, 1))
 

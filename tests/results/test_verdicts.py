@@ -10,7 +10,6 @@ from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.results import tracked
 from wmr_ctrl.results.measures import tracking
 from wmr_ctrl.results.verdicts import CorridorLeft, Outlook, Warning
-from wmr_ctrl.theory.checks.outlook import CheckVerdict, outlook, verdict
 
 
 def keys(run):
@@ -84,24 +83,6 @@ def test_gains_for_another_period_are_objected():
     assert "Nothing needs to be done" not in run.explanation
 
 
-@pytest.mark.slow
-def test_a_barrier_close_to_the_desired_speed_is_named_beside_noise_and_gains():
-    """Without any noise: half of the gains calm nothing, and a barrier farther off does."""
-    case, close = "turtlebot3-burger", {"limits.v_u2": [0.17, 2.2]}
-    halved = {"gains.nn.rho1": [3.93, 0.011], "gains.kinematics.k": [1.8, 32.3, 1.3]}
-    tight, calmer, free = (
-        simulate(case, "nn", overrides=own) for own in (close, close | halved, {})
-    )
-    assert "chatter" in keys(calmer)
-    assert keys(free) == set()
-    (told,) = (item.text for item in tight.remarks if item.key == "chatter")
-    assert (
-        "noise, gains or the barrier move them, not the motion. Raise limits.v_u2[1] = 0.17 "
-        in told
-    )
-    assert "to which the desired 0.16 m/s is close, lower the law's gains" in told
-
-
 def test_a_run_of_an_unknown_law_is_not_said_to_be_checked(make_run):
     run = make_run(labels={"law": "theirs"})
 
@@ -126,18 +107,6 @@ def test_torques_of_somebody_elses_law_are_judged_by_what_the_motion_needs():
     assert "chatter" in keys(loud) - keys(calm)
     assert "saturated" in keys(full) - keys(calm)
     assert "exact-pose" in keys(calm)
-
-
-@pytest.mark.parametrize("preset, law, word", [
-    ("safe-simulation", "kanayama", CheckVerdict.HOLDS),
-    ("safe-simulation", "nn", CheckVerdict.OBJECTED),
-    ("safe-simulation", "mb", CheckVerdict.IN_PART),
-])  # fmt: skip
-@pytest.mark.slow_but("safe-simulation-kanayama-holds")
-def test_a_law_is_judged_in_a_word(preset, law, word):
-    seen = outlook(scenario_of(preset), law)
-
-    assert verdict(seen.warnings, simulate(preset, law)) is word
 
 
 def test_what_theory_says_is_a_sentence_with_its_place_and_only_some_of_it_objects():

@@ -4,7 +4,6 @@ import json
 import math
 import tomllib
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -71,23 +70,6 @@ def test_any_subset_of_findings_makes_a_scenario_that_keeps_its_limits_and_track
     run = simulate(scenario, scenario.law)
     assert tracked(run)
     assert list(run.remarks) == []
-
-
-@pytest.mark.parametrize("base", BASES)
-def test_file_is_checked_and_lists_what_is_assumed(base, wmr, tmp_path):  # noqa: F811
-    out = tmp_path / "mine.toml"
-
-    made = wmr("new", out, "--base", base)
-
-    assert made.exit_code == 0, made.stderr
-    assert made.stdout.splitlines()[-1] == f"wmr-ctrl check {out}"
-    assert out.read_text(encoding="utf-8").splitlines()[-1] == f"# Next: wmr-ctrl check {out}"
-    checked = wmr("check", out)
-    assert checked.exit_code == 0, checked.stderr
-    for key in tomllib.loads(out.read_text(encoding="utf-8"))["assumed"]:
-        assert key in checked.stdout
-    assert "kanayama   holds" in checked.stdout
-    assert "guaranteed" in checked.stdout
 
 
 def test_files_are_read_and_told(wmr, tmp_path):  # noqa: F811

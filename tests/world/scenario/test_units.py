@@ -1,13 +1,10 @@
 """Values that look like a slip of units are asked about, with the unit that may be meant."""
 
-import math
-
 import pytest
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.fields.named_units import unit_of
 from wmr_ctrl.core.fields.section import quantities
-from wmr_ctrl.core.fields.units import OTHERS, USUAL, is_usual
+from wmr_ctrl.core.fields.units import OTHERS, USUAL
 from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.scenario import load_scenario
@@ -67,10 +64,3 @@ def test_units_of_all_fields_are_known_where_a_range_is_stated():
     assert stated
     assert all(unit.strip() in OTHERS for what in stated for unit in what.unit.split(","))
     assert all(low < high for low, high in (*USUAL.values(), *(what.usual for what in stated)))
-
-
-@pytest.mark.parametrize("unit", OTHERS)
-def test_other_units_are_smaller_than_the_own(unit):
-    assert all(0 < unit_of(sign).factor < unit_of(unit).factor for _, sign in OTHERS[unit])
-    assert all(is_usual(x, (1, 2)) for x in (0.0, 1.0, -2.0, math.inf))
-    assert not any(is_usual(x, (1, 2)) for x in (0.5, -2.5))
