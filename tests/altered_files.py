@@ -26,7 +26,7 @@ EMITTED = (
     f"{EMITTER}repeated_division_by_a_parameter_is_multiplication"
 )
 NATIVE = "tests/simulation/test_simulation_native.py::test_"
-OPTIONS = f"{NATIVE}every_option_means_what_the_oracle_takes_it_for"
+OPTIONS = f"{NATIVE}every_option_equals_the_oracle"
 PIECES = "tests/codegen/test_resources_noise.py"
 BLOCK = "tests/codegen/test_kernels.py::test_noise_block_is_philox"
 COLUMNS = "tests/export/fmi/test_fmi_every_column.py::"
@@ -136,7 +136,7 @@ ALTERED_FILES = (
         ("loop.c", "(WMR_AT(number, 0) + 0.5)", "(WMR_AT(number, 0) - 0.5)"),
     ),
     *_rows(
-        RUNTIME, f"{NATIVE}truncated_noise_is_drawn_again_where_either_number_is_beyond",
+        RUNTIME, f"{NATIVE}truncated_noise_is_drawn_again_if_either_number_is_beyond",
         ("loop.c", " | wmr_mask(wmr_abs(out[1]) > most)", ""),
     ),
     *_rows(

@@ -38,7 +38,7 @@ def test_the_page_has_all_rows_and_none_contradicts_itself():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("words", RUN_AGAIN)
-def test_a_row_comes_out_as_it_stands_on_the_page(words):
+def test_a_row_is_reproduced(words):
     _, *made = cells(row(words))
     *numbers, left, times = shown()[words]
 

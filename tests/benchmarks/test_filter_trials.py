@@ -52,12 +52,12 @@ def test_the_page_has_the_words_of_what_is_refused():
     assert all(refused(number) for number in range(len(REFUSED)))
 
 
-def test_a_loop_of_omega_alone_that_is_pushed_more_than_stated_is_seen():
+def test_a_push_on_omega_beyond_its_bound_is_noticed():
     told = replace(RIM_SWUNG, told={**RIM_SWUNG.told, "d": (0.05, 0.05)})
     assert linear("clip", told, RIM_SWUNG, of="body", changes=WIDE_TURNS)(80, 1).max() > 1
 
 
-def test_a_command_that_does_not_keep_the_curvature_is_seen():
+def test_a_command_with_another_curvature_is_noticed():
     asked = np.array([[3.0, 3.0, -3.0, 0.0, 2.0], [1.0, 1.0, 1.0, 2.0, 1.0], [0.0] * 5])
     sent = np.array([[1.5, 1.5, 1.5, 0.0, -2.0], [0.5, 0.6, -0.5, 1.0, -1.0]])
     off = turned(asked, sent, 2.0**-52)
@@ -65,7 +65,7 @@ def test_a_command_that_does_not_keep_the_curvature_is_seen():
 
 
 @pytest.mark.parametrize("share, seen", [(1.0, False), (1.001, True)])
-def test_a_least_command_that_does_not_act_is_seen(share, seen):
+def test_a_least_command_that_does_not_act_is_noticed(share, seen):
     least = {**FAST_TURNS, "filter.least": True}
     stated = told_of("clip", Base(**BAND), least)
     tried = Compiled(stated)
@@ -76,7 +76,7 @@ def test_a_least_command_that_does_not_act_is_seen(share, seen):
 
 
 @pytest.mark.slow
-def test_the_package_is_tried_as_the_graph_is():
+def test_package_and_graph_give_the_same_trial():
     """Both engines of the filter, the same adversary: the same speeds but for rounding."""
     stated = scenario("governor", delay=(0.02, 0.06), losses=1)
     base = Base(delay=(0.02, 0.06), losses=1)

@@ -33,7 +33,7 @@ DECISIVE = (
 """Every law pushed over its limit, the refusal, the long hold, the start beyond the limits."""
 
 
-def test_the_adversary_is_half_as_heavy_as_believed_and_pushes_by_all_that_is_counted_on():
+def test_the_adversary_is_half_as_heavy_as_believed_and_pushes_by_the_whole_bound():
     """The least mass of the guard is the robot's own."""
     for item in comparison_plan(("mb",), ONE, ("10 ms",), ("adversary",)):
         case = load_scenario(item.case.scenario, dict(item.case.overrides))
@@ -123,7 +123,7 @@ def test_each_loop_is_compiled_once_and_refusals_are_rows():
 
 
 @pytest.mark.parametrize("guard", [False, True])
-def test_what_cannot_be_without_the_guard_either_is_raised(guard):
+def test_an_error_that_does_not_depend_on_the_guard_ends_the_comparison(guard):
     def refusing(_):
         raise ScenarioError("no")
 

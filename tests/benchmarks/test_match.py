@@ -45,7 +45,7 @@ def test_the_quick_mode_plays_a_law_against_a_predictive_controller(capsys):
     assert "| NMPC, nominal |" in told
 
 
-def test_the_adversary_breaks_what_has_no_guard():
+def test_the_adversary_breaks_the_limit_without_a_guard():
     start = np.array((-5.0, -5.0, -0.7, 0.0, 0.0))
     rows = match._rows(SHORT, SHORT.scenario)
     robot = match.Plant(SHORT, {"robot.m": 45.0, "robot.I": 4.86, "robot.mu": 0.0})
@@ -73,7 +73,7 @@ def test_on_bases_that_take_velocities_every_filter_keeps_the_limit_and_no_law_a
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", ["none", "clip"])
-def test_a_filter_is_what_keeps_it(way):
+def test_only_with_a_filter_is_the_limit_kept(way):
     result = velocity_match.play(velocity_match.OVERSHOOTING, "pursuit", way, budget=1)
 
     assert (result.excess > 0.1) == (way == "none")

@@ -70,7 +70,7 @@ def test_claims_are_judged_on_every_seed():
     assert (alike.holds, alike.numbers) == (False, "0 to 6 %")
 
 
-def test_a_run_without_the_number_is_no_evidence():
+def test_a_run_without_the_figure_is_no_evidence():
     fell = made_up("mujoco", 0, **{"ise_total": None, E1: None, E1_BEFORE: None}, tipped=4.0)
     found = verdicts(made_up("ode", 0), fell)
 

@@ -31,7 +31,7 @@ def test_the_pull_is_the_same_in_either_direction(loop, law):
 
 
 @pytest.mark.parametrize("start", [[1.3, 0.0], [-1.3, 0.0], [0.0, -2.0], [1.3, 2.0]])
-def test_what_starts_outside_on_an_axis_is_not_said_to_be_pushed_through(told, start):
+def test_a_start_outside_the_limit_is_not_reported_as_pushed_through(told, start):
     outside = {"initial.velocity": start}
     warnings = told("mb", outside, scenario="far-start-friction-overestimated", key=MODEL)
 

@@ -24,7 +24,7 @@ def test_the_price_is_that_of_the_largest_friction_of_the_run(loop):
     assert price.usable[1] == pytest.approx(1.5 - 10 / (2.7 * 100), rel=1e-9)
 
 
-def test_a_reference_that_drives_backwards_asks_for_as_much(loop):
+def test_a_reference_asks_for_as_much_backwards(loop):
     asked = []
     for speed in (0.7, -0.7):
         of = loop("prox", {**ON, "reference.kind": "line", "reference.speed": speed})
@@ -62,7 +62,7 @@ def test_the_robot_turns_as_fast_as_is_usable_on_average(delay):
         {"disturbance.truncate": "inf"},
     ],
 )
-def test_what_voids_the_guarantee_is_told_by_a_key_of_the_scenario(told, unbounded):
+def test_a_voided_guarantee_names_a_key_of_the_scenario(told, unbounded):
     """`check --only KEY` and the table take it."""
     (void,) = [
         item

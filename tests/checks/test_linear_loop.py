@@ -81,7 +81,7 @@ def by_matrices(scenario, start, every=1):
 
 @pytest.mark.parametrize("name", ["delay and lag", "window and age", "encoder", "resistance"])
 @pytest.mark.slow_but("delay and lag")
-def test_a_small_displacement_on_a_circle_goes_the_way_of_the_matrices(name):
+def test_a_small_displacement_on_a_circle_follows_the_matrices(name):
     """Differences of compiled runs, which know nothing of derivatives."""
     moving = {} if name == "delay and lag" else STANDS
     scenario = still(EFFECTS[name] | moving)
@@ -92,7 +92,9 @@ def test_a_small_displacement_on_a_circle_goes_the_way_of_the_matrices(name):
 
 @pytest.mark.parametrize("age, correction, every", POSES)
 @pytest.mark.slow_but("0.1-0.4-5")
-def test_so_it_does_where_poses_are_late_filtered_or_rare(age, correction, every):
+def test_a_small_displacement_follows_the_matrices_with_late_filtered_or_rare_poses(
+    age, correction, every
+):
     """On a line; the rest is where the robot settles: it is behind by what it drives meanwhile."""
     pose = {"sensor.pose_delay": age, "sensor.correction": correction, "reference.kind": "line",
             "reference.speed": 0.2, "sensor.pose_period": every * T}  # fmt: skip
@@ -139,7 +141,7 @@ def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, eff
         assert np.abs(theirs - value).min() < 1e-4
 
 
-def test_on_a_slope_it_is_not():
+def test_on_a_slope_the_matrix_depends_on_the_heading():
     loop = Loop(settle(still({"slope.angle": 0.1}), "pid"))
     here, there = (closed(loop, V_D, T, theta=theta) for theta in (0.0, 2.0))
 
@@ -147,7 +149,7 @@ def test_on_a_slope_it_is_not():
     assert np.abs(there - here).max() > 1e-4
 
 
-def test_where_the_way_is_counted_from_is_no_state():
+def test_the_origin_of_the_path_length_is_no_state():
     """Encoders and means know the way; as much more of it is neither stable nor unstable."""
     for effects in ("window and age", "encoder"):
         loop = Loop(settle(still(EFFECTS[effects]), "mb"))
@@ -202,7 +204,7 @@ def test_a_delay_is_as_many_periods_as_its_decimals_say(value, period, whole):
 
 
 @pytest.mark.parametrize("ratio", [1.25, 3.9, 5.0])
-def test_samples_that_stand_for_a_time_are_that_time_on_average(ratio):
+def test_sample_counts_of_a_window_average_to_its_length(ratio):
     ways = _counts("sensor.velocity_window", ratio, True)
 
     assert sum(weight for weight, _ in ways) == pytest.approx(1.0)
@@ -211,7 +213,7 @@ def test_samples_that_stand_for_a_time_are_that_time_on_average(ratio):
     assert _counts("sensor.velocity_window", 0.4, True) == [(1.0, 1)]
 
 
-def test_what_a_law_knows_of_its_drives_falls_with_their_lag():
+def test_a_law_s_knowledge_of_its_drives_decays_with_their_lag():
     lag = 0.03
     around = Loop(settle(still({"actuator.lag": lag}), "mb")).around
     known = around.known_of_drives(T, DriveTimes(0.0, 0.0, lag), applied=True, commands=0)

@@ -10,7 +10,7 @@ ETA = "gains.nn.eta"
 
 
 @pytest.mark.parametrize("eta2, square", [(1, 0.0070), (2, 0.319), (4, 2.79), (10, 15.0)])
-def test_size_of_the_regressor_by_width(loop, eta2, square):
+def test_regressor_size_by_width(loop, eta2, square):
     assert largest_square(loop("nn"), eta2**0.5) == pytest.approx(square, rel=1e-2)
 
 
@@ -40,7 +40,7 @@ def test_longest_period_for_the_steps_of_the_weights(loop, size, linear, angular
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_that_period_is_where_the_law_s_own_graph_becomes_unstable(loop, axis):
+def test_the_learning_limit_is_where_the_law_s_graph_becomes_unstable(loop, axis):
     """Velocity and weights of one axis, by the gradient of the law with its weights moving."""
     at, setup = loop("nn"), loop("nn").setup
     point = at.on_reference((0.2, 0.1))

@@ -59,7 +59,7 @@ def off(scenario, law, away):
 
 @pytest.mark.parametrize("base", ["first-order", "pi", "slower than believed"])
 @pytest.mark.parametrize("law", ["pid", "mb", "prox", "pursuit"])
-def test_a_small_displacement_goes_the_way_of_the_matrices(law, base):
+def test_a_small_displacement_follows_the_matrices(law, base):
     """Differences of compiled runs, which know nothing of derivatives."""
     scenario = moving(BASES[base])
     seen = (off(scenario, law, SMALL) - off(scenario, law, -SMALL)) / (2 * SMALL)
@@ -106,7 +106,7 @@ def near_rest(scenario, law, away):
 
 @pytest.mark.parametrize("periods", [0.3, 1.0, 1.7])
 @pytest.mark.parametrize("law", ["mb", "prox", "pid"])
-def test_the_queue_of_commands_is_the_one_that_runs(law, periods):
+def test_the_linear_queue_of_commands_equals_that_of_the_engine(law, periods):
     """Differences about where the loop rests, of the engine whose queue is a ring of plant steps.
 
     The gains are not 1, so it does not rest on its reference.
@@ -169,7 +169,7 @@ def test_a_base_so_weak_that_its_robot_stays_behind_has_no_number():
     assert "no rest near the reference" in stable(stability(weak, "pursuit"), 0.05)
 
 
-def test_an_integral_that_never_moves_is_not_moved_to_find_the_rest():
+def test_a_constant_integral_stays_zero_at_the_resting_point():
     """With base.ki = 0 friction leaves the robot behind, and the integral of the base at 0."""
     proportional = moving({"base.loop": "pi", "base.kp": 10.0, "base.ki": 0.0, "robot.mu": 0.02})
     run = simulate(proportional, "pid", overrides={"clock.duration": 40.0})
@@ -180,7 +180,7 @@ def test_an_integral_that_never_moves_is_not_moved_to_find_the_rest():
     assert run["e"][-1] == pytest.approx(at.e, abs=1e-6)
 
 
-def test_a_rest_is_found_at_periods_in_which_a_law_changes_its_command_little():
+def test_the_resting_point_does_not_depend_on_the_period():
     """At 2 m/s2 a command changes by 1 mm/s in half a millisecond."""
     scenario = moving({"base.gain": [0.75, 1.0]})
     loop, desired = loop_of(settle(scenario, "kanayama")), sample(scenario, np.zeros(1))[0][3:5]
@@ -190,7 +190,7 @@ def test_a_rest_is_found_at_periods_in_which_a_law_changes_its_command_little():
     assert stability(scenario, "kanayama").shortest == 0
 
 
-def test_a_filter_that_cuts_the_paths_own_commands_is_named():
+def test_a_filter_that_clips_the_reference_is_named():
     """A weak base needs 0.16 m/s / gain, and the clip passes (0.22 - 0.005) / 1.05 m/s."""
     clip = {"filter.kind": "clip", "filter.gain": [0.7, 1.05]}
     told = [stability(moving({**clip, "base.gain": [gain, 1.0]}), "pid") for gain in (0.77, 0.8)]
@@ -200,14 +200,14 @@ def test_a_filter_that_cuts_the_paths_own_commands_is_named():
 
 
 @pytest.mark.slow
-def test_a_firmware_that_cuts_the_paths_own_commands_is_named():
+def test_a_firmware_that_clips_the_reference_is_named():
     """The outer wheel of this circle turns at (0.16 + 0.08 * 0.2) / 0.033 = 5.33 rad/s."""
     told = [stability(moving({"base.w_max": w}), "kanayama").remarks for w in (5.3, 5.4)]
 
     assert ["base.w_max" in " ".join(remarks) for remarks in told] == [True, False]
 
 
-def test_a_loop_that_is_stable_only_with_its_delay_is_told_from_there_on():
+def test_the_least_stable_delay_is_reported():
     """A law that counts on the commands under way is made for its delay."""
     words = Stability(0.0, 0.3, 0.2, None, 1e-4, least_delay=0.1)
 
@@ -222,7 +222,7 @@ def test_a_loop_that_knows_its_mass_is_the_same_with_every_mass():
     assert stable_masses(loop_of(settle(moving({}), "mb"))) == (1 / 20, 20.0)
 
 
-def test_what_cuts_and_loses_is_left_out_and_said():
+def test_saturation_and_losses_are_left_out_and_reported():
     cut = {"base.accel": [1.0, 3.0], "base.w_max": 8.0, "actuator.tau_max": 1.0, "base.losses": 2,
            "sensor.velocity_losses": 1}  # fmt: skip
     radii = [largest_radius(loop_of(settle(moving(own), "mb")), 0.05) for own in ({}, cut)]
@@ -242,7 +242,7 @@ def test_what_cuts_and_loses_is_left_out_and_said():
 
 @pytest.mark.parametrize("preset", ["turtlebot3-burger", "safe-simulation"])
 @pytest.mark.parametrize("law", ["kanayama", "pursuit"])
-def test_laws_that_only_drive_forwards_are_told_so_not_to_have_lower_gains(law, preset):
+def test_laws_that_only_drive_forwards_get_no_advice_on_gains(law, preset):
     back = load_scenario(preset, {"reference.rate": -0.1})
     (told,) = sample_time(loop_of(settle(back, law)))
 

@@ -102,7 +102,7 @@ EXACT = [(law, name) for law in ("mb", "nn") for name in (FAR, "paper-experiment
          [f"up to {STEEP:.4g} 1/s", f"Choose {1 / STEEP:.2g} s or less"]),
     ],
 )  # fmt: skip
-def test_it_is_told_with_its_numbers(told, law, changes, scenario, key, said):
+def test_a_warning_has_its_numbers_and_remedy(told, law, changes, scenario, key, said):
     found = [item.sentence for item in told(law, changes, scenario=scenario, key=key)]
 
     assert len(found) == (said is not None)

@@ -56,13 +56,13 @@ def warned(law, scenario="paper-simulation", **overrides):
     ],
 )
 @pytest.mark.slow_but("plain-paper-experiment-True", "plain-paper-simulation-False")
-def test_no_warning_speaks_of_what_a_law_has_not(law, name, guard):
+def test_no_warning_mentions_a_trait_that_the_law_lacks(law, name, guard):
     assert spoken(warned(law, name, **{"guard.enabled": guard}), law) == []
 
 
 @pytest.mark.parametrize("law", [*LAWS, "plain"])
 @pytest.mark.slow_but("mb", "plain")
-def test_nor_where_everything_is_wrong_at_once(law):
+def test_no_warning_mentions_a_missing_trait_when_everything_is_wrong(law):
     said = warned(law, **HARSH)
 
     assert said.count("\n") >= 2

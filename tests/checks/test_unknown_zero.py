@@ -78,7 +78,7 @@ def test_stated_zeros_count_like_derived_ones():
     assert unknown_zero(derived) == unknown_zero(same)
 
 
-def test_a_pi_loops_push_is_not_its_command_error():
+def test_the_push_of_a_pi_loop_is_not_its_command_error():
     pi = {
         "filter.kind": "clip", "filter.loop": "pi", "filter.gain": [1.0, 1.0],
         "filter.mass": [0.9, 1.1], "filter.inertia": [0.003, 0.005], "filter.kp": [5.0, 20.0],
@@ -124,7 +124,7 @@ def test_json_has_the_bounds_and_one_warning_for_all_laws():
     assert told["verdict"] == silent["verdict"]
 
 
-def test_runs_tell_what_is_exact_and_remark_nothing():
+def test_runs_report_what_is_exact_without_a_remark():
     short = {"clock.duration": 0.2, "metrics.rms_from": 0.0, "disturbance.std": 0.0}
     plain, guarded = (
         simulate(load_scenario(TORQUE, short | {"guard.enabled": on}), "mb", engine="numpy")
@@ -136,7 +136,7 @@ def test_runs_tell_what_is_exact_and_remark_nothing():
     assert KEY not in [item.key for item in guarded.remarks]
 
 
-def test_digits_beyond_a_tape_measure_are_told_of_disturbed_loops_alone():
+def test_only_disturbed_loops_get_digits_finer_than_a_tape_measure():
     still = load_scenario(TORQUE, {"disturbance.std": 0.0})
 
     assert finest(still) == COARSE

@@ -100,12 +100,12 @@ def test_a_wrong_mass_moves_the_model_based_loop_as_its_gain_would(line):
         ({"axis": 0, "period": math.nan}, "must be finite and above 0"),
     ],
 )
-def test_an_axis_or_a_period_that_is_none_is_refused(given, match):
+def test_an_impossible_axis_or_period_is_refused(given, match):
     with pytest.raises(ArgumentError, match=match):
         open_loop(load_scenario("paper-simulation-nominal"), "pid", **given)
 
 
-def test_a_scenario_by_its_name_is_told_what_is_wanted_by_every_function():
+def test_every_function_refuses_a_scenario_given_by_name():
     functions = {item: inspect.signature(item).parameters for item in vars(linear).values()
                  if inspect.isfunction(item)}  # fmt: skip
     taking = [item for item, parameters in functions.items() if "scenario" in parameters]

@@ -112,7 +112,7 @@ def test_with_the_guard_the_figures_are_the_same_where_it_is_inactive(nominal, r
     assert page.to_json() | {"guard": None} == report_of("mb").to_json()
 
 
-def test_that_the_scenarios_guard_is_left_out_is_said(nominal):
+def test_a_scenario_s_guard_that_is_left_out_is_reported(nominal):
     page = report_linear(override(nominal, {"guard.enabled": True}), "mb")
 
     assert page.to_json()["guard"] == "left out"

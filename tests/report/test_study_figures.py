@@ -75,7 +75,7 @@ def test_the_same_study_has_the_same_intervals():
     assert np.array_equal(first, second)
 
 
-def test_what_has_no_indices_says_why():
+def test_a_missing_index_has_its_reason():
     pytest.importorskip("SALib")
     table = table_of(lambda r: 1.0, lambda r: r["law"] == "prox" and r["robot.m"] > 55)
     constant, refused, *_ = _indices(table).axes

@@ -145,7 +145,7 @@ def test_messages_out_of_order_are_sorted_and_repeated_ones_left_out(tmp_path):
     assert any("repeat a stamp" in text for text in told.remarks)
 
 
-def test_a_base_that_drives_sideways_is_told_what_is_not_read(tmp_path):
+def test_a_sideways_velocity_is_reported_as_not_read(tmp_path):
     """Once a topic, with the largest speed; nothing where it is 0 or no number."""
     t = EPOCH + np.arange(0, 10, 0.1)
     sent = [("/cmd_vel", TWIST, s, twist(0.5, 0.1, math.nan)) for s in t]
@@ -168,7 +168,7 @@ def test_a_base_that_drives_sideways_is_told_what_is_not_read(tmp_path):
         ({}, "never change"),
     ],
 )
-def test_poses_that_tell_no_motion_are_left_out(tmp_path, about, word):
+def test_unusable_poses_are_left_out(tmp_path, about, word):
     """Of quaternions one that is no rotation is enough."""
     s = np.arange(0, 6, 0.1)
     messages = [
@@ -183,7 +183,7 @@ def test_poses_that_tell_no_motion_are_left_out(tmp_path, about, word):
     assert any(word in text for text in told.remarks)
 
 
-def test_joints_are_found_by_their_side_and_by_their_names(tmp_path):
+def test_joints_are_found_by_side_and_by_name(tmp_path):
     names = ("caster", "base_left_wheel", "base_right_wheel")
     values = lambda s: (0.0, s, 2 * s), lambda s: (math.nan,) * 3, lambda s: (9.0, 1.0, 2.0)
     place = bag(tmp_path, joints_at(EPOCH + np.arange(0, 6, 0.1), *values, names=names))
@@ -250,7 +250,7 @@ def test_bags_of_ros_1_are_read(tmp_path):
     assert told.columns["v_command"] == pytest.approx(0.1 * np.arange(20))
 
 
-def test_efforts_of_a_topic_go_before_those_of_joints(tmp_path):
+def test_a_topic_of_efforts_overrides_efforts_of_joints(tmp_path):
     t = EPOCH + np.arange(0, 6, 0.1)
     messages = joints_at(t, lambda s: (s, s), lambda s: (), lambda s: (1.0, 1.0))
     messages += [("/effort/commands", ROW, s, array(3.0, 4.0)) for s in t]
@@ -275,7 +275,7 @@ def test_topics_are_asked_for_by_role_and_what_is_not_there_is_named(tmp_path):
         read_topics(place, {"speed": "/odom"})
 
 
-def test_what_is_no_bag_is_refused_in_one_paragraph(tmp_path):
+def test_a_file_that_is_no_bag_is_refused_in_one_paragraph(tmp_path):
     (tmp_path / "noise.mcap").write_bytes(b"no bag")
     (tmp_path / "noise.db3").write_bytes(b"no bag")
 

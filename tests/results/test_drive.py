@@ -92,7 +92,7 @@ def test_show_draws_and_saves_it(recorded, tmp_path):
     assert files[1].is_file()
 
 
-def test_what_is_saved_is_the_log_that_identify_reads(recorded, tmp_path):
+def test_a_saved_drive_is_the_log_that_identify_reads(recorded, tmp_path):
     """Columns of several rates, with empty cells: the bits of the bag."""
     load_drive(recorded).save(tmp_path / "log.csv")
     log, drive = log_of(tmp_path / "log.csv"), log_of(recorded)
@@ -113,7 +113,7 @@ def test_what_is_saved_is_the_log_that_identify_reads(recorded, tmp_path):
         (["--topics", "odom"], "must be ROLE=NAME"),
     ],
 )
-def test_what_cannot_be_is_a_sentence_and_no_file(commands_alone, tmp_path, words, word):
+def test_an_impossible_request_writes_no_file(commands_alone, tmp_path, words, word):
     given = [tmp_path / item if item.startswith("out.") else item for item in words]
     done = invoke("show", commands_alone, "--plot", tmp_path / "plot.png", *given)
 
@@ -148,7 +148,7 @@ def test_a_column_by_its_name_and_one_that_is_not_there(recorded):
             drive[name]
 
 
-def test_a_bag_is_no_run_and_says_who_reads_it(recorded, commands_alone, tmp_path):
+def test_a_bag_is_refused_as_a_run_with_the_remedy(recorded, commands_alone, tmp_path):
     for place in (recorded, next(commands_alone.glob("*.mcap"))):
         with pytest.raises(ResultFileError, match=r"no desired motion.*wmr_ctrl\.load_drive"):
             load_run(place)

@@ -23,7 +23,7 @@ def write_half(path, fault):
         raise fault
 
 
-def test_what_was_written_is_there_afterwards_and_nothing_else(tmp_path):
+def test_only_the_written_file_is_left(tmp_path):
     with atomic_write(tmp_path / "a.bin") as file:
         file.write(b"new")
     with atomic_text(str(tmp_path / "a.txt")) as file:
@@ -33,7 +33,7 @@ def test_what_was_written_is_there_afterwards_and_nothing_else(tmp_path):
 
 
 @pytest.mark.parametrize("fault", [ValueError("mine"), KeyboardInterrupt()])
-def test_a_fault_inside_leaves_the_old_file_and_passes_on(tmp_path, fault):
+def test_an_error_while_writing_keeps_the_old_file(tmp_path, fault):
     path = tmp_path / "a.bin"
     path.write_bytes(b"old")
     with pytest.raises(type(fault)):
@@ -91,7 +91,7 @@ def test_places_that_cannot_be_written_are_refused_beforehand(tmp_path, name):
     assert contents(tmp_path) == {"file": b""}
 
 
-def test_a_folder_is_called_a_folder(tmp_path):
+def test_a_folder_is_named_as_the_reason(tmp_path):
     with pytest.raises(ResultFileError, match="it is a folder"):
         check_writable(tmp_path)
 

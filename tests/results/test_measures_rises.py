@@ -51,5 +51,5 @@ def test_the_settling_time_is_the_start_of_the_last_stay(make_run):
     assert settling_time(make_run(x=away), 1.0) == 0.0
 
 
-def test_a_distance_that_is_no_number_is_not_near(make_run):
+def test_a_nan_distance_is_not_near(make_run):
     assert settling_time(make_run(x=np.nan), 1.0) is None

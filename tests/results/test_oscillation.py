@@ -12,7 +12,7 @@ CYCLES = {"gains.prox": {"rho": [42.9, 21.74], "wo": 10.0, "tau_max": 20.0}}
 
 
 @pytest.mark.parametrize("count", [100, 101])
-def test_the_fast_swing_is_what_a_slow_part_leaves_of_the_power(count):
+def test_fast_swing_excludes_the_power_of_slow_parts(count):
     """By Parseval: half of a sine's square, all of what alternates from sample to sample."""
     k, period = np.arange(count), 0.01
     whole = 2 * np.pi * k / count
@@ -33,7 +33,7 @@ def test_a_swing_of_a_thousandth_of_a_newton_metre_is_none():
 
 
 @pytest.mark.parametrize("periods, told", [(40, True), (10, False)])
-def test_of_few_periods_a_line_needs_more_of_the_power(periods, told):
+def test_with_few_periods_a_line_needs_more_of_the_power(periods, told):
     """Two waves in the last 8 s, the slower with a little more than half of the power."""
     t = 0.01 * np.arange(1600)
     waves = 1.05 * np.sin(2 * np.pi * periods / 8 * t) + np.sin(2 * np.pi * 200 / 8 * t)
@@ -44,7 +44,7 @@ def test_of_few_periods_a_line_needs_more_of_the_power(periods, told):
 @pytest.mark.parametrize("frequency, swing, told", [
     (0.2, 0.6, True), (0.2, 0.3, False), (0.05, 0.6, False), (2.0, 0.6, True),
 ])  # fmt: skip
-def test_a_velocity_that_cycles_is_told_by_its_swing(make_run, frequency, swing, told):
+def test_a_cycling_velocity_is_found_by_its_swing(make_run, frequency, swing, told):
     """Peak to peak about the desired one, of a limit of 1.5 rad/s; 40 s are looked at."""
     t = 0.01 * np.arange(8000)
     run = make_run(duration=80.0, omega=swing / 2 * np.sin(2 * np.pi * frequency * t))
@@ -65,7 +65,7 @@ def test_a_swing_that_falls_below_its_share_in_a_quarter_decays(make_run, share,
     assert (KEPT, oscillation(make_run(duration=16.0, tau_right=wave)) is not None) == (2 / 3, told)
 
 
-def test_what_is_faster_than_half_a_hertz_swings():
+def test_only_frequencies_above_the_slowest_count_as_swing():
     t = 0.01 * np.arange(4000)
     slow, fast = (np.sin(2 * np.pi * f * SLOWEST * t) for f in (0.5, 4.0))
     signal = np.stack((slow + 3 * fast, 3 * fast), axis=1)
@@ -74,7 +74,7 @@ def test_what_is_faster_than_half_a_hertz_swings():
 
 
 @pytest.mark.parametrize("periods, rms", [(1, 0.0), (3, 0.0), (5, 1 / np.sqrt(2))])
-def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods, rms):
+def test_fewer_than_four_periods_are_a_transient(periods, rms):
     """A window of half a second, however fast they are."""
     signal = np.sin(2 * np.pi * periods * np.arange(50) / 50)[:, None]
 
@@ -85,7 +85,7 @@ def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods, rms):
     "duration, period, delay", [(10.0, 0.02, 0.06), (6.0, 0.05, 0.05), (20.0, 0.01, 0.05)]
 )
 @pytest.mark.slow_but("10.0-0.02-0.06")
-def test_limit_cycles_are_told_on_short_runs_too(duration, period, delay):
+def test_limit_cycles_are_found_on_short_runs_too(duration, period, delay):
     late = {"clock.control": period, "actuator.delay": delay, "clock.duration": duration, **CYCLES}
     found = oscillation(simulate("safe-simulation", "prox", overrides=late))
 

@@ -39,7 +39,7 @@ def test_guard_share_is_per_axis_and_zero_without_guard(make_run):
     assert guard_share(make_run(labels={"guard": True})) is None
 
 
-def test_what_the_outcome_says_is_a_remark_too(make_run):
+def test_the_outcome_is_a_remark_too(make_run):
     beyond = Monitor((1.7, 1.2), 12, (0.0125, 1), bounds_left=(0.5, 1))
 
     assert keys(make_run(monitor=beyond)) == ["limit-violated"]

@@ -23,7 +23,7 @@ def arriving(make_run, duration, x):
 
 
 @pytest.mark.parametrize("duration", [4.0, 5.0, 8.0, 80.0, 800.0])
-def test_a_longer_rest_hides_no_error_of_the_drive(make_run, duration):
+def test_a_longer_rest_does_not_hide_an_error_of_the_drive(make_run, duration):
     t = 0.1 * np.arange(round(10 * duration))
     run = arriving(make_run, duration, np.where(t < 4.0, 0.06, 0.0))
 
@@ -45,7 +45,7 @@ def test_drive_and_end_are_judged_apart_and_the_start_fades(make_run):
     assert tracked(arriving(make_run, 8.0, near)) is True
 
 
-def test_the_motion_needs_friction_on_a_line_and_half_of_it_a_wheel():
+def test_on_a_line_the_motion_needs_friction_half_at_each_wheel():
     """mu m g r/2 at constant speed; 20 % more from the mass on that is added later."""
     line = {"reference.kind": "line", "changes": [{"t": 5.0, "m": 60.0}], "clock.duration": 10.0}
     run = simulate("paper-simulation", "kanayama", overrides=line)

@@ -56,7 +56,7 @@ def test_both_engines_equal_the_oracle_over_80_s():
     ],
 )
 @pytest.mark.slow_but("mb-changed0")
-def test_every_option_means_what_the_oracle_takes_it_for(law, changed):
+def test_every_option_equals_the_oracle(law, changed):
     given = {**SHORT, **changed}
     native, slow = (
         run("paper-simulation", law, seed=2, overrides=given) for run in (simulate, oracle.simulate)
@@ -83,7 +83,7 @@ def test_seed_gives_the_same_bits_for_any_number_of_workers():
     assert not runs_equal(alone[0], alone[1])
 
 
-def test_truncated_noise_is_drawn_again_where_either_number_is_beyond():
+def test_truncated_noise_is_drawn_again_if_either_number_is_beyond():
     run = simulate("paper-simulation", "mb", overrides={**SHORT, "disturbance.truncate": 1.5})
     drawn = noise.torque_noise(noise.key_of(0), run.rows, Disturbance(std=1.0, truncate=1.5))
 
@@ -91,7 +91,7 @@ def test_truncated_noise_is_drawn_again_where_either_number_is_beyond():
     assert np.abs(drawn - np.column_stack([run["noise_right"], run["noise_left"]])).max() < 1e-12
 
 
-def test_noise_that_is_never_within_its_bound_ends_there():
+def test_noise_that_is_never_within_its_bound_is_clipped():
     """On either side; a pair within a thousandth is drawn once in a million tries."""
     rare = {"clock.duration": 1.0, "disturbance.truncate": 1e-3}
     run = simulate("paper-simulation", "mb", overrides=rare)
@@ -155,7 +155,7 @@ def test_a_compiled_law_refuses_what_no_robot_has_and_goes_on_as_before(law):
         (ArgumentError, "'modelica' .* fmi", lambda: export_fmu("modelica", fmi=3)),
     ],
 )
-def test_what_is_of_another_kind_is_refused_by_its_name(error, message, call):
+def test_an_option_of_another_kind_is_refused_by_name(error, message, call):
     """Python allows any value anywhere; each is answered as a wrong one in a file is."""
     with pytest.raises(error, match=f"(?i){message}"):
         call()

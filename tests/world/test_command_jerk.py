@@ -22,7 +22,7 @@ def test_a_jerk_limit_bends_the_command_so_much_and_reaches_it_without_passing()
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_whatever_comes_it_stays_between_the_commands_so_far(seed):
+def test_the_command_stays_between_all_commands_so_far(seed):
     """The hypothesis of the clip, which asks nothing else of a stage of the base."""
     rng = np.random.default_rng(seed)
     held = np.repeat(rng.uniform(-1, 1, (60, 2)), rng.integers(1, 150, 60), axis=0)

@@ -39,7 +39,7 @@ def test_the_engine_without_a_compiler_and_the_twin_agree(name):
         assert max(np.abs(run[c] - slow[c]).max() for c in ("x", "theta", "v1", "omega")) < 1e-9
 
 
-def test_laws_see_what_is_measured_alone():
+def test_laws_see_only_measured_values():
     """With encoders, a gyro and late poses no torque depends on true velocity or pose by itself.
 
     What the graph of a sample reads of the plant is the way and the orientation that encoders

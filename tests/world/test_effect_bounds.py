@@ -36,7 +36,7 @@ ROLLS = 0.005 * 50.0 * 9.81 / 2
     (RESISTANCE, {"resistance.rolling": [0.01, 0.015], "resistance.viscous": [5.0, 0.2]},
      (ROLLS, 0.25 * ROLLS)),
 ])  # fmt: skip
-def test_forces_of_an_effect_are_off_by_so_much(effect, changes, dbar):
+def test_force_bounds_equal_numbers_by_hand(effect, changes, dbar):
     """Torques up to 10 N m at wheels of 0.1 m, 0.25 m from the middle, and 50 kg."""
     bound = bound_of(effect, {**LIMITED, **changes})
 
@@ -52,7 +52,7 @@ def test_forces_of_an_effect_are_off_by_so_much(effect, changes, dbar):
     (1e9, {"wheels.radius": [0.2, 0.1]}, (0.142992, 0.344697)),
     (1e9, {"wheels.track": 0.4}, (0.0, 0.6)),
 ])  # fmt: skip
-def test_an_encoder_is_off_by_so_much(counts, wheels, nbar):
+def test_encoder_bounds_equal_numbers_by_hand(counts, wheels, nbar):
     bound = bound_of(ENCODER, {"encoder.counts": counts, "encoder.window": 0.05, **wheels})
 
     assert bound.nbar == pytest.approx(nbar, rel=1e-5, abs=1e-6)
@@ -74,7 +74,7 @@ def test_a_delay_is_as_many_plant_steps_as_its_decimals_say(plant):
 
 
 @pytest.mark.parametrize("limit, step", [(1.05, 0.3), (10.0, 0.7), (2.0, 0.5)])
-def test_steps_of_a_motor_go_beyond_its_limit_by_no_more_than_is_counted(limit, step):
+def test_motor_steps_exceed_the_torque_limit_within_their_bound(limit, step):
     """By half a step, where the limit is half a step from a whole number of them."""
     chosen = load_scenario("far-start", {"actuator.tau_max": limit, "motor.step": step})
     given = float(stepped(ca.DM(limit), ca.DM(step)))

@@ -98,7 +98,7 @@ def test_the_guard_refuses_an_effect_without_a_bound(name, key):
         settle(scenario_of("paper-simulation", {**SHORT, **TOYS[name]}), None)
 
 
-def test_the_guard_counts_an_effect_by_its_bound():
+def test_the_guard_adds_the_bound_of_an_effect():
     plain, steep = (
         settle(scenario_of("paper-simulation", {**SHORT, **more}, guard=True), LAW).guard
         for more in ({}, {"toy_slope.angle": 0.03, "toy_gyro.walk": 1e-4})

@@ -78,7 +78,7 @@ def shaking(**more):
     "field, value",
     [("role", EffectRole.SENSOR), ("rate", "step"), ("switches", ("size",))],
 )
-def test_what_would_never_act_is_no_effect(field, value):
+def test_an_effect_that_could_never_act_is_refused(field, value):
     with pytest.raises(ArgumentError, match=r"shake .*(rate = |is no field)"):
         replace(SHAKE, **{field: value})
     with pytest.raises(ArgumentError, match="STEP for a drive"):
@@ -96,7 +96,7 @@ def test_what_would_never_act_is_no_effect(field, value):
         {"lag": (0.05, 0.01)}, {"age": (0.0, -1.0)},
     ],
 )  # fmt: skip
-def test_what_is_no_bound_names_its_effect(registered, bound):
+def test_an_impossible_bound_names_its_effect(registered, bound):
     registered(replace(SHAKE, bound=lambda scenario: Bound(**bound)))
     with pytest.raises(ArgumentError, match=rf"shake \(\[shake\]\).*{next(iter(bound))} = "):
         runnable(shaking(**{"guard.enabled": True}), "mb")
@@ -140,7 +140,7 @@ FOREIGN = (TORQUE[0], REFERENCE[0], Signal("foo", "1", "nothing"))
         *((reading(signal), f"reads '{signal.name}'") for signal in FOREIGN),
     ],
 )
-def test_an_effect_does_only_what_its_role_has_a_place_for(registered, build, words):
+def test_an_effect_is_limited_to_the_signals_of_its_role(registered, build, words):
     registered(replace(SHAKE, build=build))
     with pytest.raises(ArgumentError, match=f"shake .*{words}"):
         runnable(shaking(), "mb")
@@ -244,7 +244,7 @@ def test_a_reference_gives_the_seven_signals_in_order(monkeypatch, kind):
         runnable(scenario_of("paper-simulation", {"reference.kind": "toy-clothoid"}), "mb")
 
 
-def test_a_unit_that_is_none_is_told_with_its_field(registered, tmp_path):
+def test_an_unknown_unit_is_reported_with_its_field(registered, tmp_path):
     class Furlongs(Section, key="shake"):
         force: float = quantity(0.0, unit="furlong", doc="how far", minimum=0)
 

@@ -31,7 +31,7 @@ def at_the_ends(name):
 
 @pytest.mark.parametrize("name", BOUGHT)
 @pytest.mark.slow_but("turtlebot3-burger")
-def test_it_keeps_them_at_the_ends_of_what_is_stated(name):
+def test_presets_keep_their_limits_at_the_ends_of_the_stated_intervals(name):
     """And a robot that is told to keep to its command alone does not: the gain alone is enough."""
     far = {"initial.pose": [-5.0, -5.0, 2.0], "clock.duration": 20.0}
     runs = [simulate(name, "kanayama", overrides={**far, **own}) for own in at_the_ends(name)]

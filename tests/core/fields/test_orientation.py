@@ -45,7 +45,7 @@ def headed(yaw=0.1, heading=0.3):
 
 
 @given(angles)
-def test_what_came_in_goes_out_and_in_to_the_bit(yaw):
+def test_conversion_out_and_back_is_exact(yaw):
     inside = inward(yaw, "rep103")
 
     assert inward(outward(inside, "rep103"), "rep103") == inside
@@ -80,7 +80,7 @@ def test_every_orientation_of_a_scenario_is_declared_and_no_other_angle():
             assert ("0 along +Y" in what.doc) == (f"{key}.{name}" in turned), (key, name)
 
 
-def test_a_file_may_count_otherwise_than_what_it_extends(tmp_path):
+def test_a_file_may_use_other_frames_than_its_base(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text('extends = "paper-simulation"\nframes = "rep103"\n')
     over = tmp_path / "over.toml"
@@ -91,7 +91,7 @@ def test_a_file_may_count_otherwise_than_what_it_extends(tmp_path):
     assert load_scenario(over).frames == "rep103"
 
 
-def test_overrides_are_meant_in_the_frames_that_hold_then():
+def test_overrides_use_the_frames_that_result():
     paper = load_scenario("paper-simulation")
     turned = override(paper, {"frames": "rep103"})
 
@@ -101,7 +101,7 @@ def test_overrides_are_meant_in_the_frames_that_hold_then():
     assert both.initial.pose[2] == -math.pi / 2
 
 
-def test_the_text_says_from_where_it_counts():
+def test_the_text_states_its_frames():
     assert "theta is 0 along +X" in to_toml(headed())
     assert "+Y)" not in to_toml(headed()).partition("\n[")[2]
     assert "theta is 0 along +Y" in to_toml(load_scenario("paper-simulation"))
@@ -135,7 +135,7 @@ def test_a_run_is_the_same_motion_with_orientations_a_quarter_turn_on(both):
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
-def test_a_saved_run_counts_as_its_scenario_and_loads_the_same(both, tmp_path, suffix):
+def test_a_saved_run_uses_the_frames_of_its_scenario(both, tmp_path, suffix):
     turned, _ = both
     turned.save(tmp_path / f"run{suffix}")
 
@@ -150,7 +150,7 @@ def test_a_saved_run_counts_as_its_scenario_and_loads_the_same(both, tmp_path, s
         assert float(row[head.index("theta [rad]")]) == pytest.approx(0.1, abs=1e-15)
 
 
-def test_pictures_and_differences_do_not_depend_on_how_one_counts(both):
+def test_pictures_and_differences_do_not_depend_on_frames(both):
     scenes = [scene_of([run], 10) for run in both]
 
     for a, b in zip(scenes[0].actors[0].pose, scenes[1].actors[0].pose, strict=True):
@@ -159,7 +159,7 @@ def test_pictures_and_differences_do_not_depend_on_how_one_counts(both):
 
 
 @pytest.mark.slow
-def test_starts_and_ends_of_many_runs_count_so_too():
+def test_starts_and_ends_of_many_runs_use_the_scenario_s_frames():
     turned = headed()
     paper = override(turned, {"frames": "paper"})
     start = [0.2, 0.1, 0.4, 0.0, 0.0]
@@ -171,7 +171,7 @@ def test_starts_and_ends_of_many_runs_count_so_too():
     assert a["final_x"] == b["final_x"]
 
 
-def test_a_notebook_shows_orientations_as_the_file_counts_them():
+def test_a_notebook_shows_orientations_in_the_file_s_frames():
     yaw = paper_toml('frames = "rep103"\n[body]\nuphill = 0.25\n')
     shown = re.findall(r">body.uphill</td><td[^>]*>([^<]*)</td>", yaw._repr_html_())
 

@@ -33,7 +33,7 @@ def test_every_combination_has_one_row_in_the_order_of_the_index(tmp_path):
         {"sample": {**PLAN["sample"], "seed": 4}},
     ],
 )
-def test_a_study_goes_on_where_all_that_makes_its_results_is_the_same(changed):
+def test_a_study_is_identified_by_all_that_determines_its_results(changed):
     assert plan_of({**PLAN, "seeds": {"count": 5}, "chunk": 9}).identity == IDENTITY
     assert plan_of({**PLAN, "seeds": {"count": 5}, **changed}).identity != IDENTITY
 
@@ -102,7 +102,7 @@ def test_a_plan_without_a_key_is_refused(tmp_path):
         ('set = {"robot.mm" = 3}\n', "plan"), ('scenario = "own.toml"\n', "own"),
     ],
 )  # fmt: skip
-def test_a_bad_key_is_told_with_the_file_that_has_it(tmp_path, text, named):
+def test_an_error_names_the_file_of_its_key(tmp_path, text, named):
     (tmp_path / "own.toml").write_text("[robot]\nmm = 3\n")
     (tmp_path / "plan.toml").write_text(text)
 

@@ -50,7 +50,7 @@ def test_wheels_that_spin_lift_off_beyond_the_torque_that_is_named(overrides):
 
 
 @pytest.mark.parametrize("overrides", ROBOTS)
-def test_what_is_kept_anyhow_is_less_than_what_one_motion_takes(overrides):
+def test_grip_limits_are_ordered(overrides):
     seen = grip(scenario(**overrides))
     assert 0 < seen.keep < seen.brake < seen.spin < seen.lift
 

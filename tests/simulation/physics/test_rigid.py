@@ -62,15 +62,6 @@ def test_a_line_of_contact_scrubs_where_a_point_does_not():
     assert turned[1] < 0.8 * turned[0]
 
 
-def test_drag_holds_the_robot_until_the_torque_exceeds_it():
-    case = scenario()
-    robot = case.robot
-    drag = robot.mu * robot.m * robot.g * robot.r / 2
-    held, moves = (driven(RigidBody(case), k * drag, k * drag, 500) for k in (0.95, 1.3))
-    assert abs(held.velocity[0]) < 0.03, "it creeps, as mu m g tanh(v/v_s) does"
-    assert moves.velocity[0] > 0.1
-
-
 @pytest.mark.parametrize("tyre, torque", [(0.3, 15.0), (0.8, 35.0)])
 def test_spinning_wheels_push_with_what_the_tyres_give(tyre, torque):
     """The back caster takes the torques' reaction off the wheels, and the rest is mu N."""
@@ -152,7 +143,7 @@ def test_load_centre_follows_the_acceleration():
         ({"clock__plant": 0.01}, "clock.plant"),
     ],
 )
-def test_what_no_rigid_body_is(overrides, key):
+def test_an_impossible_body_is_refused(overrides, key):
     with pytest.raises(ScenarioError, match=key):
         RigidBody(scenario(**overrides))
 

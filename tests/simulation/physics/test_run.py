@@ -60,7 +60,7 @@ def test_below_traction_it_is_the_plane_model(law):
     assert seen.least_tip_margin > 0.5
 
 
-def test_the_log_tells_wheels_slip_and_tilt():
+def test_the_log_has_wheel_speeds_slip_and_tilt():
     run = simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT)
     assert run.signals[-len(RIGID) :] == RIGID
     r, half_track = 0.1, 0.25

@@ -44,7 +44,7 @@ def test_overrides_and_starts_may_differ_by_run():
     assert table["slipped"][1] < 0.2
 
 
-def test_what_a_run_raises_comes_through(monkeypatch):
+def test_an_error_of_a_run_is_raised(monkeypatch):
     refused = ScenarioError("body.x: no.")
 
     def refuse(loop, seed):
@@ -61,7 +61,7 @@ def died(loop, seed):
 
 
 @pytest.mark.slow
-def test_a_process_that_ends_is_told():
+def test_a_process_that_ends_is_reported():
     with pytest.raises(WmrError, match="ended before its result"):
         make_each(died, [(None, 0), (None, 1)], 2)
 

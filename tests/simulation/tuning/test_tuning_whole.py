@@ -37,7 +37,7 @@ def test_a_cost_keeps_the_order_of_certificates_of_lost_runs_and_of_distances():
     assert "without a corridor, 1 of the runs ended early" in order[-1].sentence
 
 
-def test_a_merit_that_nothing_is_known_of_is_refused(tmp_path):
+def test_an_unknown_merit_is_refused(tmp_path):
     pytest.importorskip("flint")
     curved = load_scenario("safe-simulation", {"reference.kind": "lemniscate"})
 

@@ -14,7 +14,7 @@ def test_the_middle_of_a_run_splits_it_unless_stated():
     assert override(paper(), {"metrics.split": 1.5}).split == 1.5
 
 
-def test_laws_believe_the_robot_but_for_what_the_model_states():
+def test_laws_believe_the_robot_except_what_the_model_states():
     scenario = override(paper(), {"model.m": 40.0, "robot.mu": 0.2})
 
     assert (scenario.believed.m, scenario.believed.mu) == (40.0, 0.2)

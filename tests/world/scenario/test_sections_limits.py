@@ -10,7 +10,7 @@ def limits(**stated):
     return Limits(**stated)
 
 
-def test_what_is_left_out_follows():
+def test_missing_values_are_derived():
     alone = limits(v_u1=(1.0, 1.5))
     assert (alone.v_min, alone.v_max, alone.apart) == ((-1.0, -1.5), (1.0, 1.5), False)
 

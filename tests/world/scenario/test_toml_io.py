@@ -115,7 +115,7 @@ def test_every_field_is_printed_with_unit_and_meaning():
     assert "#" not in to_toml(paper(), comments=False)
 
 
-def test_gains_of_the_laws_are_printed_where_they_are_told():
+def test_gains_are_printed_with_their_meaning():
     docs = {
         "mb": {"rho": ((15.0, 57.6), "1/s", "decay rates")},
         "nn": {"eta": (1.5, "1", "width"), "integrator": ("explicit", "", "update of the weights")},
@@ -172,7 +172,7 @@ def test_points_of_a_file_that_is_extended_take_the_place_of_the_other(tmp_path)
     assert len(read["base"].reference.points) == 3
 
 
-def test_a_preset_s_title_is_shown_of_its_own_numbers_alone(tmp_path):
+def test_a_preset_s_title_is_shown_only_for_its_own_numbers(tmp_path):
     file = tmp_path / "mine.toml"
     quiet = {"disturbance.std": 0.0}
     for name in ("paper-simulation", "far-start"):
@@ -195,7 +195,7 @@ def test_a_preset_wins_over_a_file_of_its_name(tmp_path, monkeypatch):
         load_scenario("./far-start")
 
 
-def test_a_plan_of_a_study_is_told_to_be_one(tmp_path):
+def test_a_study_plan_is_recognised(tmp_path):
     plan = tmp_path / "plan.toml"
     plan.write_text('scenario = "far-start"\nlaws = ["mb"]\nseeds = 4\n', encoding="utf-8")
 

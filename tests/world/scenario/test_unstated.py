@@ -54,7 +54,7 @@ def test_all_missing_keys_stand_in_one_message_with_what_else_is_wrong():
     assert "robot.m [kg]" not in str(wrong.value)
 
 
-def test_what_is_stated_is_not_missing_though_it_contradicts_another_key():
+def test_a_contradicting_key_is_not_called_missing():
     with pytest.raises(ScenarioError, match=r"v_u2\[1\] = 0.7 must be below") as error:
         from_dict({**TORQUE, "limits": {**LIMITS, "v_u2": [0.7, 1.0]}})
 
@@ -73,7 +73,7 @@ def test_what_is_stated_is_not_missing_though_it_contradicts_another_key():
         ({"actuator": {"tau_max": 2.0}}, tuple(ROBOT)),
     ],
 )
-def test_a_base_that_takes_velocities_needs_what_something_reads(more, needed):
+def test_a_velocity_base_needs_only_keys_that_are_read(more, needed):
     if not needed:
         assert isinstance(from_dict({**VELOCITY, **more}).robot.m, Unknown)
         return
@@ -101,7 +101,7 @@ def test_no_motion_depends_on_a_placeholder(law):
         assert np.array_equal(first[name], second[name])
 
 
-def test_what_is_not_stated_is_not_shown_as_known():
+def test_unknown_values_are_not_shown_as_known():
     scenario = from_dict(VELOCITY)
     text = to_toml(scenario)
 
@@ -140,7 +140,7 @@ def test_a_path_that_nobody_sizes_leaves_the_limits_room(kind, limits):
         assert all(getattr(made.reference, name) == value for name, value in more.items())
 
 
-def test_what_is_left_out_follows():
+def test_missing_values_are_derived():
     scenario = from_dict(TORQUE)
     path = {"kind": "waypoints", "points": [[0, 0], [1, 0], [2, 1]]}
     along = from_dict({**TORQUE, "reference": path})
@@ -159,7 +159,7 @@ def test_what_is_left_out_follows():
     assert isinstance(halved.limits.v_u2, Unstated)
 
 
-def test_what_is_missing_unknown_or_guessed_is_listed():
+def test_missing_unknown_and_guessed_keys_are_listed():
     base = from_dict(VELOCITY)
 
     assert missing_keys(paper()) == unknown_keys(paper()) == guessed_keys(paper()) == ()
