@@ -3,6 +3,7 @@
 import subprocess
 from dataclasses import replace
 
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -14,6 +15,7 @@ from benchmarks.native import HERE, floor_toolchain
 from benchmarks.numpy_loop import closed_loop
 from benchmarks.numpy_step import NumpyLaws
 from benchmarks.setup import Case, Setup
+from tests.control.barrier.test_stable import close, exact, points
 from wmr_ctrl.core.errors import CompilerError
 
 try:
@@ -123,3 +125,14 @@ def test_c_has_no_warnings(tmp_path):
         done = subprocess.run([*command, *out], capture_output=True, text=True, check=False)
 
         assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_barrier_is_exact_in_every_region(hand, axis):
+    """w, V1/A and q, and their limits where the velocity is its target."""
+    u1, u2 = Setup().v_u1[axis], Setup().v_u2[axis]
+    with mp.workdps(50):
+        for c, v in points(u1, u2, 1500, 1e-3):
+            quotient, q, target, _ = exact(c, v, u1, u2)
+            found = hand.barrier(axis, v, c)
+            assert all(map(close, found.tolist(), (v - target, quotient, q))), (c, v, found)

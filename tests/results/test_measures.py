@@ -1,19 +1,24 @@
-"""Figures at the very ends of what they count: half the distance, the tolerance, the last row."""
+"""Figures of a run at the ends of their windows, at the goal, and of rises and weights."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.results.conftest import build
-from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
-from wmr_ctrl.results import Monitor
+from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS, Signal
+from wmr_ctrl.results import Monitor, Rises, rises
 from wmr_ctrl.results.measures import (
     arrival,
     change_rms,
     halving_time,
     saturated_share,
+    settling_time,
     torque_change_rms,
+    weight_norm,
 )
 from wmr_ctrl.results.remarks import CHATTER, HELD_BACK, OF_LIMIT
 from wmr_ctrl.results.verdicts import Outlook
@@ -129,3 +134,84 @@ def test_a_guard_that_acts_on_either_axis_holds_back(axis, share, told):
     run = build(duration=8.0, extra=GUARD_DIAGNOSTICS, labels={"guard": True}, clip_active=clip)
 
     assert ("guard-holds-back" in keys(known(run, np.inf))) is told
+
+
+@pytest.fixture
+def arriving(make_run):
+    """A run of 10 s whose goal (1, 0) the desired motion reaches at 6 s, the robot as asked."""
+
+    def build(x, goal=6.0, tolerance=0.05):
+        run = make_run(duration=10.0, control=0.1, x=x, x_d=1.0)
+        return replace(run, settings=replace(run.settings, arrival=goal, tolerance=tolerance))
+
+    return build
+
+
+def test_a_run_without_goal_has_no_arrival(make_run):
+    assert arrival(make_run()) is None
+    assert make_run().summary()["arrival"] is None
+
+
+def test_the_robot_arrives_when_it_is_near_for_good(arriving):
+    x = np.where(np.arange(100) < 30, 1.0, 0.5)  # passes by, leaves, and returns at 7.2 s
+    x[72:] = 0.98
+    run = arriving(x)
+
+    assert arrival(run) == {"reference": 6.0, "robot": pytest.approx(7.2)}
+    assert "goal-not-reached" not in [remark.key for remark in run.remarks]
+
+
+@pytest.mark.parametrize(
+    "x, goal, words",
+    [(0.5, 6.0, "0.5 m"), (1.0, 20.0, "clock.duration"), (1.0, 10.0, "no sample from then on")],
+)
+def test_a_goal_that_is_not_reached_is_said(arriving, x, goal, words):
+    run = arriving(x, goal)
+
+    assert arrival(run)["robot"] is None
+    said = {remark.key: remark.text for remark in run.remarks}
+    assert words in said["goal-not-reached"]
+
+
+WEIGHTS = (Signal("W_norm", "1", "norm of the weights", 2),)
+
+
+@given(values=st.lists(st.integers(-1000, 1000), min_size=100, max_size=100))
+def test_rises_less_falls_are_the_change_over_the_run(make_run, values):
+    up, down = rises(make_run(V1=values)), rises(make_run(V1=-np.array(values)))
+
+    assert up.total - down.total == values[-1] - values[0]
+    assert up.count + down.count == sum(a != b for a, b in pairwise(values))
+    assert up.largest == max(0, *np.diff(values))
+
+
+def test_rises_are_those_between_the_samples_of_the_window(make_run):
+    stairs = np.where(np.arange(100) < 50, 0.0, 1.0)
+    run = make_run(V1=stairs)
+
+    assert rises(run, 0.49, 0.51) == Rises(1, 1.0, 1.0)
+    assert rises(run, 0.0, 0.5) == rises(run, 0.5) == Rises(0, 0.0, 0.0)
+    assert rises(run, 0.5, 1.2) is None
+
+
+def test_weight_norms_at_the_end_and_at_their_largest(make_run):
+    first = np.concatenate([np.arange(60.0), np.arange(40.0)])
+    norms = np.stack([first, np.arange(100.0)], axis=1)
+    found = weight_norm(make_run(extra=WEIGHTS, W_norm=norms))
+
+    assert found == {"end": [39.0, 99.0], "largest": [59.0, 99.0]}
+    assert weight_norm(make_run()) is None
+    assert weight_norm(make_run(extra=WEIGHTS, rows=0)) is None
+
+
+def test_the_settling_time_is_the_start_of_the_last_stay(make_run):
+    away = np.ones(100)
+    away[20:30] = away[70:] = 0.1
+
+    assert settling_time(make_run(x=away), 0.1) == pytest.approx(0.7)
+    assert settling_time(make_run(x=away), 0.09) is None
+    assert settling_time(make_run(x=away), 1.0) == 0.0
+
+
+def test_a_nan_distance_is_not_near(make_run):
+    assert settling_time(make_run(x=np.nan), 1.0) is None

@@ -86,7 +86,7 @@ ELSEWHERE = {
     "world.wall",
 }
 """Fields that a guard or a coupled plant refuses: tests/world/test_effect.py has them.  Traction
-limits weaker tyres than these: tests/simulation/physics/test_physics_traction.py has it.  Bounds of
+limits weaker tyres than these: tests/simulation/physics/test_physics_grip.py has it.  Bounds of
 delay and lag decide the form of a guard: tests/control/guard/test_lateness_runs.py; so do limits
 that change: tests/control/guard/test_changing.py.  Obstacles change no motion of a robot that takes
 torques: tests/corridor/test_clearance.py."""

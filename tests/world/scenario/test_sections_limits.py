@@ -6,21 +6,17 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario.sections import Limits
 
 
-def limits(**stated):
-    return Limits(**stated)
-
-
 def test_missing_values_are_derived():
-    alone = limits(v_u1=(1.0, 1.5))
+    alone = Limits(v_u1=(1.0, 1.5))
     assert (alone.v_min, alone.v_max, alone.apart) == ((-1.0, -1.5), (1.0, 1.5), False)
 
-    box = limits(v_min=(-0.2, -1.5), v_max=(0.5, 1.0))
+    box = Limits(v_min=(-0.2, -1.5), v_max=(0.5, 1.0))
     assert box.v_u1 == (0.5, 1.5), "the larger side of each axis"
     assert box.v_u2 == pytest.approx((0.425, 1.275))
     assert box.smaller == (0.2, 1.0)
     assert box.unequal == (0, 1)
 
-    forward = limits(v_u1=(1.0, 2.0), v_min=(0.0, -2.0))
+    forward = Limits(v_u1=(1.0, 2.0), v_min=(0.0, -2.0))
     assert forward.v_max == (1.0, 2.0)
     assert forward.unequal == (0,)
 
@@ -37,5 +33,5 @@ def test_missing_values_are_derived():
 )
 def test_impossible_limits_are_refused_with_their_numbers(stated, said):
     with pytest.raises(ScenarioError, match=said) as refused:
-        limits(v_u1=(1.0, 1.5), **stated)
+        Limits(v_u1=(1.0, 1.5), **stated)
     assert "\n" not in str(refused.value)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.papers_robot import paper
+from tests.papers_robot import HEAD, paper
 from wmr_ctrl import simulate
 from wmr_ctrl.control.controller import lacking
 from wmr_ctrl.core.errors import ScenarioError
@@ -15,13 +15,20 @@ from wmr_ctrl.world.references.kind import reference_bounds
 from wmr_ctrl.world.scenario import (
     Scenario,
     from_dict,
+    inherited,
     load_scenario,
     loads_scenario,
     override,
     sections,
 )
 from wmr_ctrl.world.scenario.toml_io import to_toml
-from wmr_ctrl.world.scenario.unstated import guessed_keys, missing_keys, missing_text, unknown_keys
+from wmr_ctrl.world.scenario.unstated import (
+    KIND,
+    guessed_keys,
+    missing_keys,
+    missing_text,
+    unknown_keys,
+)
 
 ROBOT = {"m": 12.0, "I": 0.6, "mu": 0.05, "r": 0.08, "l": 0.2}
 LIMITS = {"v_u1": [0.6, 1.2]}
@@ -168,3 +175,36 @@ def test_missing_unknown_and_guessed_keys_are_listed():
     one = missing_text(("robot.m",), sections())
     assert one.startswith("A key is missing: robot.m [kg]: ")
     assert "state them, or extend" in missing_text(("robot.m", "reference.kind"), sections())
+
+
+def keys(path, overrides=None):
+    return [item.key for item in inherited(load_scenario(path, overrides))]
+
+
+LIMITED = f"""assumed = ["limits.v_u1", "robot.mu"]
+{HEAD}[limits]
+v_u1 = [0.9, 1.4]
+[robot]
+mu = 0.0
+"""
+
+
+def test_what_a_file_calls_assumed_is_listed_until_somebody_states_it(tmp_path):
+    mine = tmp_path / "mine.toml"
+    mine.write_text(LIMITED)
+    child = tmp_path / "child.toml"
+
+    assert keys(mine) == ["limits.v_u1", "robot.mu"]
+    stated = load_scenario(mine, {"limits.v_u1[1]": 0.95})
+    assert stated.assumed == ("robot.mu",)
+    assert override(load_scenario(mine), {"robot": {"mu": 0.1}}).assumed == ("limits.v_u1",)
+    child.write_text('extends = "mine.toml"\n[limits]\nv_u1 = [1.0, 1.5]\n')
+    assert keys(child) == ["robot.mu"]
+    child.write_text(f'extends = "mine.toml"\nassumed = ["{KIND}"]\n[reference]\nkind = "line"\n')
+    assert keys(child) == ["limits.v_u1", "robot.mu", KIND]
+
+
+@pytest.mark.parametrize("raw", ['"robot.m"', '["robot.mass"]', '["robot"]', "[1]", "3"])
+def test_what_is_assumed_is_a_list_of_keys(raw):
+    with pytest.raises(ScenarioError, match="assumed"):
+        loads_scenario(f"assumed = {raw}\n{HEAD}")
