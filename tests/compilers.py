@@ -3,13 +3,13 @@
 import importlib.util
 import os
 import shutil
-import subprocess
 import sys
 from functools import lru_cache
 from pathlib import Path
 
 import pytest
 
+from tests.commands import finished
 from wmr_ctrl.codegen.cache import cache_dir
 from wmr_ctrl.codegen.compiler import WITHOUT_RUNTIME
 from wmr_ctrl.export.page.module import LINKING
@@ -50,15 +50,7 @@ def compile_in(folder, command):
     """Run a compiler's command in a folder, with zig's parts in the tests' cache."""
     zig = str(cache_dir() / "zig")
     own = {"ZIG_GLOBAL_CACHE_DIR": zig, "ZIG_LOCAL_CACHE_DIR": zig}
-    done = subprocess.run(
-        list(command),
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, **own},
-    )
-    assert done.returncode == 0, done.stderr
+    finished(command, cwd=folder, env={**os.environ, **own})
 
 
 def compile_program(folder, command, units, out):

@@ -23,8 +23,3 @@ WMR_EXPORT int32_t wmr_run(int32_t k, const void *settings, void *findings, void
     (void)k;
     return wmr_run_set_native(settings, findings, state);
 }
-
-WMR_EXPORT void wmr_noise_block(const uint64_t *counter, const uint64_t *key, uint64_t *out)
-{
-    wmr_philox(counter, key, out);
-}

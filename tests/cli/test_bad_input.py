@@ -5,6 +5,8 @@ import re
 
 import pytest
 
+from tests.commands import flat
+
 RUN = "run paper-simulation --engine numpy"
 
 CASES = {
@@ -63,9 +65,9 @@ def assert_one_paragraph(found, words, code=2):
     assert "Traceback" not in text
     lines = (line for line in text.splitlines() if len(line.split()) > 1 and " '/" not in line)
     assert max(map(len, lines)) <= 80
-    flat = " ".join(text.split())
-    assert words in flat
-    assert re.search(r"[.)]$", flat) or re.search(r"\n  \d+ \| .*\n +\^$", text)
+    said = flat(text)
+    assert words in said
+    assert re.search(r"[.)]$", said) or re.search(r"\n  \d+ \| .*\n +\^$", text)
 
 
 @pytest.fixture(autouse=True)

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from tests.commands import flat
 from tests.results.test_obstacles import WALLED
 
 CART = WALLED.replace("[2.0, -2.0], [2.0, 2.0]", "[5.0, -2.0], [5.0, 2.0]")
@@ -31,7 +32,7 @@ def test_check_tells_stops_and_what_they_cost(wmr, cart):
     assert "filter.nearing" in str(told["warnings"])
     lines = wmr(f"check {cart} --law kanayama --only filter").stdout
     assert "it stops within" in lines
-    assert "from 1 to 0.9:" in " ".join(lines.split())
+    assert "from 1 to 0.9:" in flat(lines)
 
 
 def test_a_filter_that_is_told_nothing_has_no_such_numbers(wmr):
@@ -62,4 +63,4 @@ def test_a_run_stands_before_the_wall_in_every_engine(wmr, cart):
 def test_what_cannot_be_is_refused(wmr, cart, command, words, tmp_path):
     done = wmr(command.format(cart).replace("OUT", str(tmp_path / "c")))
     assert done.exit_code == 2
-    assert words in " ".join(done.stderr.split())
+    assert words in flat(done.stderr)

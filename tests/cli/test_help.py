@@ -7,6 +7,7 @@ import sys
 import click
 import pytest
 
+from tests.commands import flat
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.evidence import QUICK, SEEDS
 from wmr_ctrl.cli.exports import WITH_LAW
@@ -58,7 +59,7 @@ def test_help_texts_name_what_the_code_has(wmr):
 
 
 def words(found):
-    return " ".join(found.stdout.split())
+    return flat(found.stdout)
 
 
 def test_help_imports_nothing_heavy(environment):

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 import pytest
 
+from tests.commands import flat
 from tests.papers_robot import HEAD
 from wmr_ctrl.cli import root
 from wmr_ctrl.core.errors import ResultFileError, WmrError
@@ -70,9 +71,7 @@ def place(tmp_path, monkeypatch, short_run):
 
 
 def refused(result):
-    return result.exit_code == 2 and "the same command reads this file" in " ".join(
-        result.stderr.split()
-    )
+    return result.exit_code == 2 and "the same command reads this file" in flat(result.stderr)
 
 
 def test_every_output_says_that_it_is_one():
@@ -125,7 +124,7 @@ def test_any_spelling_is_seen(wmr, place, path):
     result = wmr("run", "mine.toml", "--out", place / "path.csv" if path == "absolute" else path)
 
     assert refused(result)
-    assert "reference.file: path.csv" in " ".join(result.stderr.split())
+    assert "reference.file: path.csv" in flat(result.stderr)
     assert Path("path.csv").read_text().startswith("x,y")
 
 

@@ -5,6 +5,7 @@ import pytest
 
 import wmr_ctrl
 from tests.cli.conftest import SHORT
+from tests.commands import flat
 from tests.control.laws.toys import PLAIN
 from tests.docs.test_extending import FILES
 from wmr_ctrl.control.laws import LAWS
@@ -54,7 +55,7 @@ def test_a_fault_names_file_and_line(fault, wmr, tmp_path):
 
     result = wmr("run", "paper-simulation-nominal", "--law", "mine.py", *SHORT)
 
-    told = " ".join(result.stderr.split())
+    told = flat(result.stderr)
     assert result.exit_code == 2
     assert said in told
     assert "mine.py" in told if line is None else f"mine.py, line {line_of(text, line)}" in told
@@ -117,4 +118,4 @@ def test_a_scenario_names_a_file_beside_it(wmr, tmp_path):
 
     assert result.exit_code == 0, result.stderr
     assert "my_law on mine" in result.stdout
-    assert "--law robots/mine.py" in " ".join(result.stderr.split())
+    assert "--law robots/mine.py" in flat(result.stderr)

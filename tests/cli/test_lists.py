@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.commands import flat
 from wmr_ctrl.cli import check_answers
 from wmr_ctrl.cli.check_sentences import REMEDIES, idle_keys, remedies, remedy
 from wmr_ctrl.control.default_law import default_law
@@ -141,10 +142,6 @@ def test_check_computes_corridors_where_they_are_asked_for(wmr, asked, laws):
 
 
 SHORT_BURGER = ("turtlebot3-burger", "--set", "clock.duration=0.2")
-
-
-def flat(text):
-    return " ".join(text.split())
 
 
 def test_only_filter_lists_what_is_asked_of_its_numbers(monkeypatch):

@@ -9,6 +9,7 @@ import time
 
 import pytest
 
+from tests.commands import flat
 from wmr_ctrl.cli.console import Interruption, explain, resumable
 from wmr_ctrl.core.errors import ScenarioError
 
@@ -37,10 +38,8 @@ def test_result_goes_to_stdout_and_talk_to_stderr(program):
     assert done.stderr.startswith("law nn: stated in the scenario\nwarning: ")
 
 
-@pytest.mark.parametrize("args", [("run", "--law", "mbb"), ("--bogus",), ("run", "no.toml")])
-@pytest.mark.slow_but("args1")
-def test_errors_are_exit_code_2_without_traceback(program, args):
-    done = program(*args)
+def test_errors_are_exit_code_2_without_traceback(program):
+    done = program("--bogus")
 
     assert done.returncode == 2
     assert done.stdout == ""
@@ -117,7 +116,7 @@ def test_what_is_done_is_named_where_a_library_makes_an_error_of_an_interruption
     monkeypatch.setattr(Interruption, "heard", heard)
     with pytest.raises(ValueError, match="closed"), resumable(tmp_path):
         raise ValueError("seek of closed file")
-    assert ("the same command goes on" in " ".join(capsys.readouterr().err.split())) == heard
+    assert ("the same command goes on" in flat(capsys.readouterr().err)) == heard
 
 
 @posix

@@ -8,6 +8,7 @@ from math import inf
 import click
 import pytest
 
+from tests.commands import flat
 from tests.papers_robot import paper
 from wmr_ctrl import api, simulate
 from wmr_ctrl.cli import check_sentences
@@ -102,7 +103,7 @@ def test_a_row_has_millimetres_then_si_units(run):
 def test_a_comparison_judges_the_drive_and_names_every_limit(run):
     """A path that stops is at rest in its last quarter, where nothing tells laws apart."""
     stops = replace(run, settings=replace(run.settings, arrival=0.1, v_u1=(0.9, 1.4)))
-    text = " ".join(compare.comparison_text({"pid": run, "mb": stops}).split())
+    text = flat(compare.comparison_text({"pid": run, "mb": stops}))
 
     assert "over the last quarter or drive (0.05 to 0.1 s) [mm]" in text
     assert "limits 1 m/s and 1.5 rad/s or 0.9 m/s and 1.4 rad/s." in text
@@ -118,19 +119,14 @@ def answers(law="pid", **changes):
     return replace(found, **changes)
 
 
-def test_what_all_laws_have_in_common_is_said_once():
-    found = answers(warned={"pid": (BOTH, ONE), "mb": (OTHER, BOTH), "prox": (ONE, BOTH)})
+def test_what_all_of_several_laws_have_in_common_is_said_once():
+    several = {"pid": (BOTH, ONE), "mb": (OTHER, BOTH), "prox": (ONE, BOTH)}
 
-    assert list(check._merged(found)) == [
+    assert list(check._merged(answers(warned=several))) == [
         (None, BOTH), ("pid", ONE), ("mb", OTHER), ("prox", ONE),
     ]  # fmt: skip
-
-
-def test_of_one_law_nothing_is_in_common():
-    assert list(check._merged(answers(warned={"pid": (ONE, BOTH)}))) == [
-        ("pid", ONE),
-        ("pid", BOTH),
-    ]
+    (*of_one,) = check._merged(answers(warned={"pid": (ONE, BOTH)}))
+    assert of_one == [("pid", ONE), ("pid", BOTH)]
 
 
 def test_stable_periods_delays_and_masses_are_told_as_they_were_found():
@@ -192,7 +188,7 @@ def test_changes_are_announced_in_plain_words():
     assert [item.sentence for item in case.changes] == told
     assert " ".join(checked[1:3]).split() == " ".join(told).split()
     for text in (summary.summary_text(run).partition("\n")[2], compare.comparison_text({"a": run})):
-        assert " ".join(text.split()).startswith(" ".join(told))
+        assert flat(text).startswith(" ".join(told))
 
 
 def test_every_key_of_a_change_has_words():
@@ -207,7 +203,7 @@ def test_that_a_run_of_a_check_ends_early_is_said(run, share, said):
     lasts = replace(run.settings, duration=share * paper().clock.duration)
     head = "\n".join(check.head(answers(runs={"pid": replace(run, settings=lasts)})))
 
-    assert ("for 2000000 plant steps only" in " ".join(head.split())) is said
+    assert ("for 2000000 plant steps only" in flat(head)) is said
 
 
 @pytest.mark.parametrize("room, said", [(1e-3, False), (-1e-3, True)])

@@ -5,6 +5,8 @@ import json
 
 import pytest
 
+from tests.commands import flat
+
 PLAN = """\
 laws = ["mb"]
 seeds = 3
@@ -44,7 +46,7 @@ def test_who_interrupts_is_told_that_it_goes_on(wmr, plan, tmp_path, monkeypatch
     done = wmr(f"study {plan} --out {tmp_path}/s")
 
     assert done.exit_code == 130
-    assert ("the same command goes on from there" in " ".join(done.stderr.split())) is begun
+    assert ("the same command goes on from there" in flat(done.stderr)) is begun
 
 
 @pytest.mark.parametrize(
@@ -62,7 +64,7 @@ def test_bad_input_is_one_paragraph(wmr, tmp_path, text, options, words):
     result = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s", *options)
 
     assert result.exit_code == 2
-    assert words in " ".join(result.stderr.split())
+    assert words in flat(result.stderr)
     assert not (tmp_path / "s").exists()
 
 
@@ -87,7 +89,7 @@ def test_a_study_of_which_the_guard_refuses_all_is_no_success(wmr, tmp_path):
 
     assert (found.exit_code, told.exit_code) == (1, 1)
     assert (count, reason.startswith("guard: no force can keep limits.v_u1[1]")) == (6, True)
-    assert f"6 refused: {reason}" in " ".join(told.stdout.split())
+    assert f"6 refused: {reason}" in flat(told.stdout)
 
 
 def test_a_study_needs_a_folder(wmr, plan):
@@ -134,6 +136,6 @@ def test_what_cannot_be_drawn_is_one_paragraph(wmr, tmp_path, files, words):
     found = wmr(f"study plot {folder}")
 
     assert found.exit_code == 2
-    assert words in " ".join(found.stderr.split())
+    assert words in flat(found.stderr)
     assert "Errno" not in found.stderr
     assert "Error:" not in found.stderr

@@ -34,7 +34,7 @@ EXACT = {
 def compiled(kernels, *, native=False):
     """Callables of kernels with one output vector, from one library."""
     text = _HEAD + "\n".join(definition(item) for item in kernels)
-    header = (runtime_dir() / "arithmetic.h").read_text(encoding="utf-8")
+    header = (runtime_dir() / "arithmetic.h").read_text("utf-8")
     path = build_library({"one.c": text, "arithmetic.h": header}, find_toolchain(native=native))
     library = ct.CDLL(str(path))
     return [_callable(library[f"wmr_{item.name}"], item.function) for item in kernels]
@@ -58,7 +58,7 @@ def _callable(entry, function):
 def in_two(item):
     """A prepared kernel of u, p and y as one call: its preparation, then the rest."""
     text = _HEAD + definition(item)
-    header = (runtime_dir() / "arithmetic.h").read_text(encoding="utf-8")
+    header = (runtime_dir() / "arithmetic.h").read_text("utf-8")
     library = ct.CDLL(str(build_library({"two.c": text, "arithmetic.h": header})))
     prepare, rest = library[f"wmr_{item.name}_prepare"], library[f"wmr_{item.name}"]
 

@@ -94,11 +94,6 @@ def sizes(law, float32, preset, folder, changes=NOTHING):
     return Sizes(step_kernel(system).operations, int(text), int(data) + int(bss), stack)
 
 
-def filter_sizes(name, float32, folder):
-    """Those of one of FILTERS."""
-    return sizes(FILTER, float32, "paper-simulation", folder, FILTERS[name])
-
-
 def loop_scenario(guarded):
     """What the boards run: the paper's circle without noise or change."""
     return load_scenario(NOMINAL, {"guard.enabled": guarded})
@@ -112,9 +107,9 @@ def measure(law, float32, guarded, folder):
     return Footprint(*astuple(found), *board, _version(folder))
 
 
-def compiled(law, float32, preset, folder):
-    """Footprint of a preset's package that no board has run."""
-    found = sizes(law, float32, preset, folder)
+def compiled(law, float32, preset, folder, changes=NOTHING):
+    """Footprint of a package that no board has run."""
+    found = sizes(law, float32, preset, folder, changes)
     return Footprint(*astuple(found), None, None, None, _version(folder))
 
 
@@ -149,15 +144,11 @@ def write_footprints():
         by_form = {item.operations: asdict(item) for item in each}
         found[footprint_key(law, float32, guarded)] = list(by_form.values())
     for float32 in (False, True):
-        with tempfile.TemporaryDirectory() as root:
-            folder = Path(root)
+        with tempfile.TemporaryDirectory() as folder:
             each = [
-                Footprint(
-                    *astuple(filter_sizes(name, float32, folder / str(k))), None, None, None,
-                    _version(folder),
-                )
-                for k, name in enumerate(FILTERS)
-            ]  # fmt: skip
+                compiled(FILTER, float32, SCENARIOS[False], Path(folder) / str(k), changes)
+                for k, changes in enumerate(FILTERS.values())
+            ]
         found[footprint_key(FILTER, float32)] = [asdict(item) for item in each]
     RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 

@@ -1,10 +1,10 @@
 """Libraries of loops for Windows, which zig links without MinGW's C library: wine loads them."""
 
 import os
-import subprocess
 
 import pytest
 
+from tests.commands import finished
 from tests.compilers import WINE, ZIG, compile_program, needs_compiler, processor, where, wine
 from wmr_ctrl.codegen.build import LOOP, NATIVE, X86, flags_of, program_of, unity, vector_sets
 from wmr_ctrl.codegen.compiler import compile_library, compile_object
@@ -42,19 +42,17 @@ def chain():
 def sets_in(library):
     """What the library says that it can run, under wine."""
     emulator, program = where(*WINE), library.with_name("who.exe")
-    (library.parent / "who.c").write_text(WHO, encoding="utf-8")
+    (library.parent / "who.c").write_text(WHO, "utf-8")
     compile_program(library.parent, [*ZIG, *TARGET, "-O1"], ["who.c"], str(program))
-    done = subprocess.run(
-        [emulator, str(program), str(library)], capture_output=True, text=True, check=False,
-        timeout=300, env={**os.environ, **wine()},
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    done = finished(
+        [emulator, str(program), str(library)], timeout=300, env={**os.environ, **wine()}
+    )
     return done.stdout.split()
 
 
 def write(folder, files):
     for name, text in files.items():
-        (folder / name).write_text(str(text), encoding="utf-8")
+        (folder / name).write_text(str(text), "utf-8")
 
 
 def test_the_loop_of_one_robot(chain, tmp_path):

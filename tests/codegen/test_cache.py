@@ -8,12 +8,14 @@ import types
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
 from wmr_ctrl.codegen import cache
 from wmr_ctrl.codegen.cache import build_cached, cache_dir, content_key
 from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.core.errors import CacheError, CompilerError
 
+rights = pytest.mark.skipif(os.name == "nt", reason="rights and signals of POSIX")
 SOURCES = {"a.c": "int a;", "inner/b.h": b"int b;"}
 
 
@@ -182,17 +184,40 @@ def test_a_folder_that_another_process_makes_meanwhile_is_used(folder, monkeypat
     assert cache_dir() == folder
 
 
-def test_a_builder_that_dies_lets_the_next_one_build(tmp_path):
-    script = textwrap.dedent("""
-        import os
-        from wmr_ctrl.codegen.cache import build_cached
+KILLED = """
+import os, signal
+from wmr_ctrl.codegen.cache import build_cached
+build_cached({"b.c": "int b;"}, lambda folder: os.kill(os.getpid(), signal.SIGKILL))
+"""
 
-        build_cached({"a.c": "int a;", "inner/b.h": b"int b;"}, lambda folder: os._exit(3))
-    """)
-    died = subprocess.run([sys.executable, "-c", script], check=False, timeout=60)
 
-    assert died.returncode == 3
-    assert build_cached(SOURCES, Compiler()).read_bytes() == b"int a;int b;"
+@rights
+def test_the_next_build_removes_what_a_killed_process_left(folder):
+    died = subprocess.run([sys.executable, "-c", KILLED], check=False, timeout=60)
+    assert died.returncode == -9
+    assert len(leftovers(folder)) == 1
+
+    build_cached(SOURCES, Compiler())
+    assert leftovers(folder) == []
+
+
+def test_a_process_that_lives_keeps_its_folder(folder):
+    place, locks = folder / "kernels/building-key-x", folder / "locks"
+    place.mkdir(parents=True)
+    locks.mkdir()
+    with FileLock(locks / "key"):
+        build_cached(SOURCES, Compiler())
+        assert place.exists()
+
+    build_cached({**SOURCES, "a.c": "int c;"}, Compiler())
+    assert not place.exists()
+
+
+def test_a_cache_that_can_only_be_read_is_used(monkeypatch, tmp_path):
+    built = build_cached(SOURCES, Compiler())
+    monkeypatch.setattr(cache, "cache_part", lambda name: tmp_path / "elsewhere" / name)
+
+    assert build_cached(SOURCES, lambda _: pytest.fail("compiled again")) == built
 
 
 def test_other_process_that_was_first_wins(monkeypatch):
@@ -265,7 +290,6 @@ def test_read_only_folder_is_replaced(tmp_path, monkeypatch, folder):
 
 
 EVERYBODY = 0o002
-rights = pytest.mark.skipif(os.name == "nt", reason="rights of POSIX")
 
 
 @rights

@@ -1,18 +1,17 @@
 """The compiled kernels against CasADi's virtual machine, on the very graphs they came from."""
 
-import ctypes as ct
 import shutil
-import subprocess
 
 import numpy as np
 import pytest
 
+from tests.commands import finished
 from wmr_ctrl.codegen.build import LOOP, build_law, build_loop, program_of, unity
 from wmr_ctrl.codegen.kernels import loop_kernels
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import elements
-from wmr_ctrl.simulation.memory import REALS, load, opened
+from wmr_ctrl.simulation.memory import REALS, opened
 from wmr_ctrl.world.effect import Rate
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -99,43 +98,19 @@ def test_sources_compile_without_a_warning(compiler, lanes, tmp_path):
     program = program_of(settled("nn"))
     files = unity(program.generated_lanes, LOOP) if lanes else unity(program.generated)
     for name, text in files.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
+        (tmp_path / name).write_text(text, "utf-8")
     unit = ["library.c", "-DWMR_SET=four", "-DWMR_LANES=4", "-mavx2"] if lanes else ["native.c"]
     warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
     command = [compiler, "-std=c99", "-O1", *warnings, "-c", *unit]
 
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-
-    assert done.returncode == 0, done.stderr
+    finished(command, cwd=tmp_path)
 
 
 def test_only_marked_names_leave_the_library():
     if not shutil.which("nm"):
         pytest.skip("nm is not on this machine")
-    listed = subprocess.run(
-        ["nm", "-D", "--defined-only", build_loop(settled("mb")).library],
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
+    listed = finished(["nm", "-D", "--defined-only", build_loop(settled("mb")).library]).stdout
     names = {line.split()[-1] for line in listed.splitlines()}
 
     assert names
     assert all(name.startswith("wmr_") for name in names), names
-
-
-def test_noise_block_is_philox():
-    """Integers to the bit against NumPy, whose block of counter c is ours of c + 1."""
-    library = load(build_loop(settled("mb")).library)
-    for seed in (0, 1, 77):
-        key = np.random.SeedSequence(seed).generate_state(2, np.uint64)
-        for counter in ((1, 0, 0, 0), (8000, 1, 0, 0), (2**63, 2, 5, 0)):
-            given, out = np.array(counter, dtype=np.uint64), np.zeros(4, dtype=np.uint64)
-            library.wmr_noise_block(
-                *(item.ctypes.data_as(ct.POINTER(ct.c_uint64)) for item in (given, key, out))
-            )
-            before = [counter[0] - 1, *counter[1:]]
-            wanted = np.random.Philox(
-                key=key, counter=np.array(before, dtype=np.uint64)
-            ).random_raw(4)
-            assert (out == wanted).all()

@@ -17,6 +17,7 @@ from click.testing import CliRunner
 
 from tests.codegen.measured import FILTERS
 from tests.codegen.test_package import WARNINGS, needs, run
+from tests.commands import flat
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.layouts import VERSION
 from wmr_ctrl.codegen.package import CORRIDOR, FILTER, files_of, package_files
@@ -121,7 +122,7 @@ def two_packages(folder, layout=None):
 def with_main(folder, first="wmr_prox.h", second="wmr_filter.h"):
     real = 8 if first == "wmr_prox.h" else 4
     text = BOTH.replace("FIRST", first).replace("SECOND", second).replace("REAL", str(real))
-    (folder / "both.c").write_text(text, encoding="utf-8")
+    (folder / "both.c").write_text(text, "utf-8")
     return folder / "both.c"
 
 
@@ -145,7 +146,7 @@ def test_packages_are_in_one_cmake_project(tmp_path):
     needs("cmake", "cc")
     two_packages(tmp_path)
     with_main(tmp_path)
-    (tmp_path / "CMakeLists.txt").write_text(PROJECT, encoding="utf-8")
+    (tmp_path / "CMakeLists.txt").write_text(PROJECT, "utf-8")
     built(tmp_path)
     run(["build/both"], tmp_path)
     assert not list((tmp_path / "build").glob("wmr_*/check"))
@@ -174,7 +175,7 @@ def test_commands_of_the_readme_run_as_written(law, layout, tmp_path):
     needs("cc", "cmake", "ctest")
     folder = written(law, tmp_path, layout)
     (readme,) = folder.glob("*README*")
-    blocks = re.findall(r"```sh\n(.*?)```", readme.read_text(encoding="utf-8"), re.S)
+    blocks = re.findall(r"```sh\n(.*?)```", readme.read_text("utf-8"), re.S)
     lines = [line for block in blocks for line in block.splitlines()]
     assert len(lines) == 1 + (layout is None and law != "reference")
     for line in lines:
@@ -184,7 +185,7 @@ def test_commands_of_the_readme_run_as_written(law, layout, tmp_path):
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_readme_tells_refusal_cost_and_guard(layout):
     for law in [*PACKAGES, CORRIDOR]:
-        readme = " ".join(texts(law, layout)[f"wmr_{law}_README.md"].split()).lower()
+        readme = flat(texts(law, layout)[f"wmr_{law}_README.md"]).lower()
         assert "what to do" in readme
         assert re.search(r"at most \d+ operations", readme)
         acted = {FILTER: "`filter_flags` contains 1", "reference": "", CORRIDOR: ""}
@@ -199,11 +200,11 @@ def test_arduino_builds_the_sketch_with_two_libraries(tmp_path):
     libraries = tmp_path / "libraries"
     for law in ("prox", "nn", "kanayama", FILTER, "reference"):
         written(law, libraries, "arduino", float32=True)
-    properties = (libraries / "wmr_prox/library.properties").read_text(encoding="utf-8")
+    properties = (libraries / "wmr_prox/library.properties").read_text("utf-8")
     told = dict(line.split("=", 1) for line in properties.splitlines())
     assert told["name"] == "wmr_prox"
     assert re.fullmatch(r"\d+\.\d+\.\d+", told["version"])
-    ctags = (share / "arduino-builder/platform.txt").read_text(encoding="utf-8")
+    ctags = (share / "arduino-builder/platform.txt").read_text("utf-8")
     pattern = re.search(r"^tools.ctags.pattern=(.*)", ctags, re.M)
     preferences = [
         f"compiler.path={tools}/", "compiler.cpp.extra_flags=-DDECIMAL_DIG=17",
@@ -216,8 +217,8 @@ def test_arduino_builds_the_sketch_with_two_libraries(tmp_path):
     for law in ("prox", "nn", "kanayama", FILTER, "reference"):
         sketch = next((libraries / f"wmr_{law}").glob("examples/*/*.ino"))
         if law == "nn":
-            text = sketch.read_text(encoding="utf-8")
-            sketch.write_text(f"#include <wmr_filter.h>\n{text}", encoding="utf-8")
+            text = sketch.read_text("utf-8")
+            sketch.write_text(f"#include <wmr_filter.h>\n{text}", "utf-8")
         (tmp_path / law).mkdir()
         place = ["-build-path", str(tmp_path / law)]
         assert "Sketch uses" in run([*command, *prefs, *place, str(sketch)], tmp_path)
@@ -227,7 +228,7 @@ def test_platformio_packs_it_and_the_pack_compiles(tmp_path, monkeypatch):
     """Packed by PlatformIO where it is installed; the manifest and sources are tried anyway."""
     needs("cc")
     folder = written("nn", tmp_path, "platformio", float32=True)
-    manifest = json.loads((folder / "library.json").read_text(encoding="utf-8"))
+    manifest = json.loads((folder / "library.json").read_text("utf-8"))
     assert manifest["name"] == "wmr_nn"
     assert manifest["build"]["flags"] == ["-ffp-contract=off"]
     needs("pio")
@@ -260,7 +261,7 @@ def test_cmake_of_a_layout_builds_with_stubs_of_its_functions(layout, stub, tmp_
             lines.append(f"add_subdirectory(wmr_{law})")
         else:
             (option,) = re.findall(r"^config (\w+)$", (folder / "zephyr/Kconfig").read_text(), re.M)
-            module = (folder / "zephyr/module.yml").read_text(encoding="utf-8")
+            module = (folder / "zephyr/module.yml").read_text("utf-8")
             assert module == (
                 f"name: wmr_{law}\nbuild:\n  cmake: zephyr\n  kconfig: zephyr/Kconfig\n"
             )
@@ -269,7 +270,7 @@ def test_cmake_of_a_layout_builds_with_stubs_of_its_functions(layout, stub, tmp_
     prefix = "__idf_" if layout == "esp-idf" else ""
     linked = " ".join(f"{prefix}wmr_{law}" for law in ("prox", FILTER))
     lines += ["add_executable(both both.c)", f"target_link_libraries(both {linked} m)"]
-    (tmp_path / "CMakeLists.txt").write_text("\n".join(lines), encoding="utf-8")
+    (tmp_path / "CMakeLists.txt").write_text("\n".join(lines), "utf-8")
     built(tmp_path)
     run(["build/both"], tmp_path)
     flags = subprocess.run(["grep", "-r", "ffp-contract=off", "build", "--include=flags.make"],

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-import subprocess
 from dataclasses import replace
 from functools import cache
 
@@ -11,8 +10,9 @@ import pytest
 
 from tests.codegen import measured
 from tests.codegen.packages import write_package
+from tests.commands import finished
 from tests.languages import compile_all
-from wmr_ctrl.codegen.package import footprint_key, known_footprint, package_files
+from wmr_ctrl.codegen.package import FILTER, footprint_key, known_footprint, package_files
 from wmr_ctrl.codegen.single_precision import MARGIN
 from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.world.scenario import load_scenario
@@ -31,8 +31,7 @@ HASH = re.compile(r'(?<=scenario_hash\[17\] = ")[0-9a-f]{16}')
 
 
 def run(command, folder):
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = finished(command, cwd=folder)
     return done.stdout
 
 
@@ -49,7 +48,7 @@ def texts(law, float32, guarded):
 
 def written(law, folder, float32, guarded=False):
     for name, text in texts(law, float32, guarded).items():
-        (folder / name).write_text(text, encoding="utf-8")
+        (folder / name).write_text(text, "utf-8")
 
 
 def programs(law, folder, compiler="gcc"):
@@ -104,7 +103,7 @@ def test_a_microcontroller_takes_it(law, float32, guarded, tmp_path):
     kinds = {line.split()[-2] for line in symbols}
     wanted = {line.split()[-1] for line in symbols if line.split()[-2] == "U"}
     support = {name for name in wanted if name.startswith("__aeabi_")}
-    readme = (tmp_path / "README.md").read_text(encoding="utf-8")
+    readme = (tmp_path / "README.md").read_text("utf-8")
     told = re.search(r"from the C library: ([^.]*)\.", readme)
 
     assert not kinds & set("BbDdCS"), "writable data"
@@ -128,7 +127,7 @@ def test_documented_footprint_holds(law, float32, preset, tmp_path):
     needs(measured.COMPILER)
     found = measured.sizes(law, float32, preset, tmp_path)
     told = known_footprint(law, float32, preset != measured.SCENARIOS[False], found.operations)
-    readme = (tmp_path / "README.md").read_text(encoding="utf-8")
+    readme = (tmp_path / "README.md").read_text("utf-8")
 
     assert found.code <= 1.1 * told.code
     assert found.data == told.data == 0
@@ -146,8 +145,9 @@ def test_documented_footprint_holds(law, float32, preset, tmp_path):
 @pytest.mark.slow_but("clip", "governor, delay of 0 to 30 ms")
 def test_documented_footprint_of_a_filter_holds(name, tmp_path):
     needs(measured.COMPILER)
-    found = measured.filter_sizes(name, False, tmp_path)
-    told = known_footprint("filter", False, False, found.operations)
+    changes = measured.FILTERS[name]
+    found = measured.sizes(FILTER, False, measured.SCENARIOS[False], tmp_path, changes)
+    told = known_footprint(FILTER, False, False, found.operations)
     assert (told.code, told.data, told.stack) == (found.code, found.data, found.stack)
 
 
@@ -164,12 +164,12 @@ def test_committed_copy_is_what_is_generated(law, float32):
 
     A new key of scenarios changes the hash alone, for which nothing has to be renewed.
     """
-    version = (measured.GOLDEN / measured.VERSION).read_text(encoding="utf-8").strip()
+    version = (measured.GOLDEN / measured.VERSION).read_text("utf-8").strip()
     if version != ca.__version__:
         pytest.skip(f"NOT RUN: the copy was made with casadi {version}, whose order may differ")
     folder = measured.GOLDEN / footprint_key(law, float32)
     for name, text in package_files(law, SCENARIO, float32=float32).items():
-        copy = (folder / name).read_text(encoding="utf-8")
+        copy = (folder / name).read_text("utf-8")
         assert HASH.sub("", copy) == HASH.sub("", text), name
 
 

@@ -2,7 +2,6 @@
 
 import math
 import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ from tests.board.emulated import HostBuild
 from tests.codegen import measured
 from tests.codegen.packages import write_package
 from tests.codegen.test_package import WARNINGS, needs, run
+from tests.commands import finished
 from tests.languages import LANGUAGES, compile_all
 from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
@@ -51,12 +51,10 @@ def test_ten_hours_of_a_fine_encoder_refuse_no_sample(bits, tmp_path):
     write_package("kanayama", tmp_path, scenario, float32=True)
     shutil.copy(HOURS, tmp_path)
     command = ["cc", "-std=c99", "-O2", "-ffp-contract=off", HOURS.name, "-lm", "-o", "hours"]
-    subprocess.run(command, cwd=tmp_path, check=True)
+    finished(command, cwd=tmp_path)
     begin = 2**31 - 400_000_000
     arguments = [str(item) for item in (10, FINE["encoder.counts"], bits, begin)]
-    done = subprocess.run(
-        ["./hours", *arguments], cwd=tmp_path, check=True, capture_output=True, text=True
-    )
+    done = finished(["./hours", *arguments], cwd=tmp_path)
     refused, far, wrong, right, left, *lost = map(float, done.stdout.split())
 
     assert refused == 0
@@ -104,7 +102,7 @@ def test_half_of_the_range_is_refused_once_by_name(bits, tmp_path):
     host = HostBuild("mb", with_bits(bits, 0.0), tmp_path, float32=True)
     half = 2 ** (bits - 1)
     wanted = torques(host, np.array([(0, 0), (3, 2)]))[1]
-    header = (tmp_path / "wmr_mb.h").read_text(encoding="utf-8")
+    header = (tmp_path / "wmr_mb.h").read_text("utf-8")
     assert f"#define WMR_COUNTS_AMBIGUOUS {AMBIGUOUS}" in header
     for moved in ((half, 0), (0, half), (-half, 7)):
         host.reset()

@@ -8,16 +8,13 @@ import pytest
 
 from tests.board.emulated import HostBuild
 from tests.codegen.packages import write_package
-from tests.codegen.test_package import needs, programs, run
-from wmr_ctrl import simulate
+from tests.codegen.test_package import needs, programs
 from wmr_ctrl.codegen.package import packaged
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.filter.channels import ELAPSED
 from wmr_ctrl.control.filter.channels import REFUSED as NO_NUMBER
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import GUARD_ACTED, GUARD_DIAGNOSTICS, ODOMETRY_AGE, REFUSED, places
-from wmr_ctrl.export.fmi.files import sources_of
-from wmr_ctrl.export.fmi.fmu_files import model_of
 from wmr_ctrl.world.scenario import (
     load_scenario,
     loads_scenario,
@@ -175,16 +172,3 @@ def test_guard_acted_is_what_the_guard_did(tmp_path):
     assert 0 < sum(wanted) < len(wanted)
     unguarded = packaged(settle(load_scenario("paper-simulation"), "prox"))
     assert GUARD_ACTED not in [item.signal for item in unguarded.outputs]
-
-
-def test_package_and_fmu_carry_the_hash_of_a_saved_run(tmp_path):
-    needs("cc")
-    scenario = load_scenario("paper-simulation", {"clock.duration": 1.0})
-    told = simulate(scenario, "mb").provenance["scenario_hash"]
-    write_package("mb", tmp_path, scenario)
-    text = (tmp_path / "wmr_mb.c").read_text(encoding="utf-8")
-    assert f'wmr_mb_scenario_hash[17] = "{told}";' in text
-    made = sources_of(model_of("closed-loop", "mb", scenario), 3).files["model.c"]
-    assert f'_scenario_hash[17] = "{told}";' in made
-    run(["cc", "-std=c99", "-c", "wmr_mb.c", "-o", "mb.o"], tmp_path)
-    assert told.encode() in (tmp_path / "mb.o").read_bytes()

@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 import wmr_ctrl
+from tests.commands import finished
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.reference_package import reference_files
 from wmr_ctrl.core.signals import REFERENCE
@@ -40,7 +41,7 @@ def scenario_of(changes):
 
 
 def built(folder, *command):
-    subprocess.run([*STRICT, *command, "-lm"], cwd=folder, check=True)
+    finished([*STRICT, *command, "-lm"], cwd=folder)
 
 
 @pytest.mark.parametrize("float32", [False, True])
@@ -49,9 +50,7 @@ def test_its_vectors_hold(changes, float32, tmp_path):
     write_all(reference_files(scenario_of(changes), float32=float32), tmp_path)
     built(tmp_path, "reference_check.c", "wmr_reference.c", "-o", "check")
 
-    found = subprocess.run([tmp_path / "check"], capture_output=True, text=True, check=False)
-
-    assert found.returncode == 0, found.stdout
+    finished([tmp_path / "check"])
 
 
 @pytest.mark.parametrize("changes", [KINDS[0], ENDS[0], ENDS[2]], ids=str)

@@ -1,4 +1,4 @@
-"""The noise's product on compilers without 128-bit integers: the same bits."""
+"""The noise's bits, on compilers with and without 128-bit integers."""
 
 import ctypes as ct
 import shutil
@@ -13,15 +13,15 @@ from wmr_ctrl.codegen.toolchain import find_toolchain
 BLOCK = ct.c_uint64 * 4
 
 
-@pytest.mark.parametrize("seed", [0, 3])
-def test_noise_from_32_bit_pieces_is_philox(seed, tmp_path):
+@pytest.mark.parametrize("flag", ["-DNATIVE", "-U__SIZEOF_INT128__"], ids=["64 bit", "32 bit"])
+def test_noise_is_philox_with_integers_of(flag, tmp_path):
     """Counters and keys whose halves carry: NumPy's block of counter c is ours of c + 1."""
     for name in ("noise.c", "noise.h"):
         shutil.copy(runtime_dir() / name, tmp_path)
-    narrow = ["-U__SIZEOF_INT128__", "-shared", "-fPIC", "noise.c", "-o", "noise.so"]
-    compile_in(tmp_path, [*find_toolchain().command, "-std=c99", *narrow])
+    library = [flag, "-shared", "-fPIC", "noise.c", "-o", "noise.so"]
+    compile_in(tmp_path, [*find_toolchain().command, "-std=c99", *library])
     philox = ct.CDLL(str(tmp_path / "noise.so")).wmr_philox
-    draw = np.random.default_rng(seed)
+    draw = np.random.default_rng(3)
     for _ in range(200):
         counter = draw.integers(0, 2**64, 4, dtype=np.uint64)
         counter[0] = max(int(counter[0]), 1)

@@ -1,12 +1,12 @@
 """Kept C text is what the emitter writes, and no trouble with the folder is an error."""
 
 import os
-import subprocess
 import sys
 
 import casadi as ca
 import pytest
 
+from tests.commands import finished
 from wmr_ctrl.codegen import cache, source
 from wmr_ctrl.codegen.dialect import LANES
 from wmr_ctrl.codegen.emit import definition, kernel
@@ -33,14 +33,14 @@ def test_kept_text_is_the_emitters(folder):
 def test_half_a_text_is_written_anew(folder):
     source.cached_definition(example())
     (path,) = folder.rglob("*.c")
-    path.write_text(path.read_text(encoding="utf-8")[:40], encoding="utf-8")
+    path.write_text(path.read_text("utf-8")[:40], "utf-8")
 
     assert source.cached_definition(example()) == definition(example())
 
 
 def test_a_folder_that_cannot_be_written_does_not_matter(tmp_path, monkeypatch):
     blocked = tmp_path / "file"
-    blocked.write_text("", encoding="utf-8")
+    blocked.write_text("", "utf-8")
     monkeypatch.setattr(cache, "cache_part", lambda name: blocked / name)
 
     assert source.cached_definition(example()) == definition(example())
@@ -66,13 +66,7 @@ print([values[-1].tobytes().hex() for values in run.columns.values()])
 def test_a_second_process_writes_and_compiles_nothing(tmp_path):
     environment = {**os.environ, "WMR_CTRL_CACHE": str(tmp_path)}
     last = [
-        subprocess.run(
-            [sys.executable, "-c", SIMULATED.format(again=again)],
-            check=True,
-            env=environment,
-            capture_output=True,
-            text=True,
-        ).stdout
+        finished([sys.executable, "-c", SIMULATED.format(again=again)], env=environment).stdout
         for again in (False, True)
     ]
 

@@ -5,9 +5,7 @@ import numpy as np
 import pytest
 
 from tests.codegen.measured import SCENARIOS
-from tests.codegen.packages import write_package
-from tests.codegen.test_package import needs, run
-from wmr_ctrl.codegen.package import FILTER, packaged
+from wmr_ctrl.codegen.package import packaged
 from wmr_ctrl.codegen.vectors import SAMPLES, SITUATIONS, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
@@ -87,16 +85,3 @@ def test_runs_cover_both_sides_of_both_limits():
     assert (share > 1).any(axis=0).all()
     assert (share < -1).any(axis=0).all()
     assert np.isfinite(vectors.torques).all()
-
-
-@pytest.mark.parametrize(
-    "compiler, emulator",
-    [("aarch64-linux-gnu-gcc", "qemu-aarch64"), ("arm-linux-gnueabihf-gcc", "qemu-arm")],
-)
-@pytest.mark.parametrize("law, preset", [("nn", "safe-simulation"), (FILTER, "turtlebot3-burger")])
-def test_vectors_pass_on_arm(law, preset, compiler, emulator, tmp_path):
-    needs(compiler, emulator)
-    write_package(law, tmp_path, load_scenario(preset))
-    command = [compiler, "-std=c99", "-O2", "-ffp-contract=off", "-static", "check.c"]
-    run([*command, f"wmr_{law}.c", "-lm", "-o", "check"], tmp_path)
-    assert "largest error" in run([emulator, "./check"], tmp_path)

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from fmpy import extract
 
+from tests.export.cosim.foreign import CONTROLLER, CONTROLLER_MAP, PLANT, PLANT_MAP
 from tests.export.fmi.raw import Fmu
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
 
@@ -19,32 +20,27 @@ MADE = "WMR_TESTS_FMUS"
 @pytest.fixture(scope="session")
 def exported(tmp_path_factory):
     """A function (what, version, scenario, law) -> path of that FMU."""
-    made = {}
+    ready = Path(os.environ.get(MADE, "nowhere"))
 
-    def export(what, version, scenario="paper-simulation", law="nn"):
-        key = (what, str(version), scenario, law)
-        if key not in made:
-            ready = Path(os.environ.get(MADE, "")) / f"wmr_{what}.fmi{version}.fmu"
-            if MADE in os.environ and ready.is_file():
-                return ready
-            out = tmp_path_factory.mktemp("fmu")
-            (made[key],) = export_fmu(what, law=law, scenario=scenario, fmi=version, out=out)
-        return made[key]
+    @cache
+    def export(what, version, scenario="paper-simulation", law="nn", **options):
+        made = ready / f"wmr_{what}.fmi{version}.fmu"
+        if made.is_file():
+            return made
+        out = tmp_path_factory.mktemp("fmu")
+        return export_fmu(what, law=law, scenario=scenario, fmi=version, out=out, **options)[0]
 
     return export
 
 
 @pytest.fixture(scope="session")
 def raw(exported, tmp_path_factory):
-    """A function (what, version) -> the FMU's library, driven without FMPy's help."""
-    made = {}
+    """The same function -> the FMU's library, driven without FMPy's help."""
 
-    def load(what, version):
-        if (what, version) not in made:
-            path = exported(what, version)
-            folder = extract(str(path), str(tmp_path_factory.mktemp("unpacked")))
-            made[what, version] = Fmu(path, Path(folder), version)
-        return made[what, version]
+    @cache
+    def load(what, version, *given, **options):
+        path = exported(what, version, *given, **options)
+        return Fmu(path, extract(str(path), str(tmp_path_factory.mktemp("unpacked"))), version)
 
     return load
 
@@ -76,3 +72,18 @@ def mapped(tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture
+def their_plant(foreign, mapped):
+    """Somebody else's plant, and its map."""
+    return {"plant": foreign("TheirRobot", PLANT), "map_file": mapped(PLANT_MAP)}
+
+
+@pytest.fixture
+def their_controller(foreign, mapped):
+    """Somebody else's controller, and its map."""
+    return {
+        "controller": foreign("TheirController", CONTROLLER),
+        "map_file": mapped(CONTROLLER_MAP),
+    }

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.architecture.tree import ROOT
+from tests.commands import finished
 
 NOT_COPIED = shutil.ignore_patterns(
     ".git", ".venv", ".*_cache", ".hypothesis", "__pycache__", "dist", "build"
@@ -53,10 +54,7 @@ def built(tmp_path_factory):
     shutil.copytree(ROOT, base / "tree", ignore=NOT_COPIED)
     (base / "tree/fmu/runtime/left_over.o").write_bytes(b"a build product")
     command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(base / "dist")]
-    done = subprocess.run(
-        [*command, str(base / "tree")], capture_output=True, text=True, timeout=300, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    finished([*command, str(base / "tree")], timeout=300)
     shutil.rmtree(base / "tree")
     return base / "dist"
 
@@ -71,7 +69,7 @@ def installed(built, tmp_path_factory):
     python = next(target.programs.glob("python*"))
     pip = [sys.executable, "-m", "pip", "--python", str(python)]
     wheel = next(built.glob("*.whl"))
-    subprocess.run([*pip, "install", "--no-deps", "--no-index", "-q", str(wheel)], check=True)
+    finished([*pip, "install", "--no-deps", "--no-index", "-q", str(wheel)])
     packages = next(target.folder.rglob("site-packages"))
     (packages / "dependencies.pth").write_text("\n".join(site.getsitepackages()) + "\n")
     return target

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.architecture.tree import ROOT
+from tests.commands import flat
 
 pytestmark = pytest.mark.slow
 
@@ -90,7 +91,7 @@ def test_without_any_compiler_the_message_helps_and_numpy_runs(installed, tmp_pa
     numpy = installed.run("run", "paper-simulation", *short, "--engine", "numpy", **broken)
 
     assert native.returncode == 2
-    assert "pip install 'wmr_ctrl[compiler]'" in " ".join(native.stderr.split())
+    assert "pip install 'wmr_ctrl[compiler]'" in flat(native.stderr)
     assert "Traceback" not in native.stderr
     assert numpy.returncode == 0, numpy.stderr
     assert json.loads(numpy.stdout)["engine"] == "numpy"

@@ -5,7 +5,8 @@ import ctypes as ct
 import numpy as np
 import pytest
 
-from tests.export.cosim.foreign import CONTROLLER, CONTROLLER_MAP, LOST, PLANT, PLANT_MAP
+from tests.commands import flat
+from tests.export.cosim.foreign import CONTROLLER, LOST, PLANT, PLANT_MAP
 from tests.export.cosim.test_run import SHORT
 from tests.export.fmi.raw import OK, REFUSED
 from wmr_ctrl.api import simulate
@@ -47,10 +48,9 @@ def test_a_foreign_fmu_needs_a_map(foreign):
         cosimulate(SHORT, controller=foreign(*THEIRS))
 
 
-def test_a_law_beside_a_foreign_controller_is_refused(foreign, mapped):
-    given = {"controller": foreign(*THEIRS), "map_file": mapped(CONTROLLER_MAP)}
+def test_a_law_beside_a_foreign_controller_is_refused(their_controller):
     with pytest.raises(ArgumentError, match=r"'pid' has no effect: the controller .*Leave"):
-        cosimulate(SHORT, "pid", **given)
+        cosimulate(SHORT, "pid", **their_controller)
 
 
 def test_a_step_that_does_not_divide_the_period_is_refused(foreign, mapped):
@@ -61,9 +61,9 @@ def test_a_step_that_does_not_divide_the_period_is_refused(foreign, mapped):
         cosimulate(SHORT, "pid", **given)
 
 
-def test_drives_limit_a_foreign_controller(foreign, mapped):
+def test_drives_limit_a_foreign_controller(their_controller):
     limited = override(SHORT, {"actuator.tau_max": 4.5, "clock.duration": 0.5})
-    given = {"controller": foreign(*THEIRS), "map_file": mapped(CONTROLLER_MAP)}
+    given = their_controller
     run = cosimulate(limited, **given)
     free = cosimulate(override(limited, {"actuator.tau_max": float("inf")}), **given)
     assert np.abs(run["tau_right"]).max() == pytest.approx(4.5, rel=1e-12)
@@ -79,22 +79,21 @@ def test_a_disturbance_that_a_map_leaves_out_is_refused(foreign, mapped, changes
         cosimulate(override(SHORT, changes), "pid", plant=plant, map_file=mapped(deaf))
 
 
-def test_a_foreign_plant_starts_where_the_scenario_does(foreign, mapped):
+def test_a_foreign_plant_starts_where_the_scenario_does(their_plant):
     elsewhere = override(SHORT, {"initial.pose": [-0.5, 0.25, -0.7]})
-    plant = foreign("TheirRobot", PLANT)
     with pytest.raises(ArgumentError, match=r"y = -0\.5, not 0\.25"):
-        cosimulate(elsewhere, "pid", plant=plant, map_file=mapped(PLANT_MAP))
+        cosimulate(elsewhere, "pid", **their_plant)
 
 
-def test_a_foreign_plant_is_watched_at_its_own_steps(foreign, mapped):
+def test_a_foreign_plant_is_watched_at_its_own_steps(their_plant):
     """Twice in a control period at 5 ms, as the map says."""
     slow = override(SHORT, {"clock.duration": 0.5, "limits.v_u1": [1e-9, 1e-9],
                             "limits.v_u2": [1e-10, 1e-10], "limits.clip": 1e-11})  # fmt: skip
-    run = cosimulate(slow, "pid", plant=foreign("TheirRobot", PLANT), map_file=mapped(PLANT_MAP))
+    run = cosimulate(slow, "pid", **their_plant)
     assert run.monitor.violations == 2 * run.rows
     assert run.settings.plant == 0.005
     assert run.settings.plant_kind == "fmu"
-    text = " ".join(summary_text(run).split())
+    text = flat(summary_text(run))
     assert "watched every 0.005 s" in text
     assert "100 plant steps of 0.005 s" in text
     assert simulate(slow, "pid").monitor.violations == 10 * run.rows
@@ -123,7 +122,7 @@ def test_a_plant_that_gives_no_numbers_is_named(foreign, mapped):
     assert "TheirLoss.fmu (plant) failed at t = 0.495 s in its outputs, which give" in (
         run.explanation
     )
-    assert ": kept until it ended" in " ".join(summary_text(run).split())
+    assert ": kept until it ended" in flat(summary_text(run))
 
 
 def test_messages_of_fmi_2_have_their_values(exported, tmp_path):

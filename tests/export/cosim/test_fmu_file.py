@@ -2,7 +2,6 @@
 
 import json
 import re
-import subprocess
 import sys
 import zipfile
 from pathlib import Path
@@ -12,7 +11,9 @@ import pytest
 from click.testing import CliRunner
 from fmpy import platform_tuple
 
-from tests.export.fmi.test_targets import HEADERS, tool
+from tests.commands import finished, flat
+from tests.compilers import where
+from tests.export.fmi.test_targets import HEADERS
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import summary_text
@@ -62,7 +63,7 @@ def packed(tmp_path_factory):
     (folder / "rest.c").write_text("\n".join(['#include "fmi3Functions.h"', *rest]))
     library = folder / "foreign3.so"
     flags = ["-shared", "-fPIC", "-w", f"-I{HEADERS}", "-o", str(library)]
-    subprocess.run([tool("cc"), *flags, str(SOURCE), str(folder / "rest.c"), "-lm"], check=True)
+    finished([where("cc"), *flags, str(SOURCE), str(folder / "rest.c"), "-lm"])
     rows = []
     for i, (name, kind) in enumerate(KINDS.items()):
         more = 'initial="calculated"' if kind == "output" else 'start="0"'
@@ -105,15 +106,20 @@ def packed(tmp_path_factory):
     return pack
 
 
+@pytest.fixture
+def their_map(mapped):
+    """A function: mode of the plant, and the row of its mass -> the map."""
+    return lambda mode=0, mass='"grams"': mapped(MAP.format(mode=mode, mass=mass))
+
+
 @pytest.fixture(scope="module")
 def plant(packed):
     return packed()
 
 
-def test_a_change_is_set_in_the_plants_own_unit(plant, mapped):
+def test_a_change_is_set_in_the_plants_own_unit(plant, their_map):
     """A mass in g was set to 45 of them, in silence."""
-    text = MAP.format(mode=0, mass='"grams"')
-    run = cosimulate(LIGHTER, "pid", plant=plant, map_file=mapped(text), fmi=3)
+    run = cosimulate(LIGHTER, "pid", plant=plant, map_file=their_map(), fmi=3)
     ours, heavy = (simulate(case, "pid") for case in (LIGHTER, SHORT))
     assert run.outcome == ours.outcome
     assert np.abs(run["v1"] - ours["v1"]).max() < 2e-4 < np.abs(ours["v1"] - heavy["v1"]).max()
@@ -133,45 +139,42 @@ def test_a_change_is_set_in_the_plants_own_unit(plant, mapped):
         ('"grams"\n[controller.parameters]\n"gains" = "k"', ArgumentError, "has no effect"),
     ],
 )
-def test_a_change_that_cannot_be_made_is_refused_before_the_run(plant, mapped, mass, error, words):
-    given = {"plant": plant, "map_file": mapped(MAP.format(mode=0, mass=mass))}
+def test_a_change_that_cannot_be_made_is_refused_before_it_runs(
+    plant, their_map, mass, error, words
+):
+    given = {"plant": plant, "map_file": their_map(mass=mass)}
     if "controller" in mass:
         given["controller"] = plant
     with pytest.raises(error, match=words):
         cosimulate(LIGHTER, None if "controller" in mass else "pid", **given)
 
 
-def test_a_last_successful_time_that_lags_is_told_and_ends_no_run(plant, mapped):
+def test_a_last_successful_time_that_lags_is_told_and_ends_no_run(plant, their_map):
     """Its status is OK and no flag is set: others go on, too (fixedInternalStepSize)."""
-    run, same = (
-        cosimulate(SHORT, "pid", plant=plant, map_file=mapped(MAP.format(mode=m, mass='"grams"')))
-        for m in (1, 0)
-    )
+    run, same = (cosimulate(SHORT, "pid", plant=plant, map_file=their_map(m)) for m in (1, 0))
     assert np.array_equal(run["v1"], same["v1"])
     told = "50 steps, first at t = 0.5 s: 0.005 s behind the step's end"
     assert (run.provenance["lagged_plant"], "lagged_plant" in same.provenance) == (told, False)
-    assert f"plant lagged in {told}" in " ".join(summary_text(run).split())
+    assert f"plant lagged in {told}" in flat(summary_text(run))
 
 
-def test_a_plants_warnings_are_told(plant, mapped):
-    text = MAP.format(mode=2, mass='"grams"')
+def test_a_plants_warnings_are_told(plant, their_map):
     command = ["cosim", "paper-simulation-nominal", "--law", "pid", "--plant", str(plant)]
-    command += ["--map", str(mapped(text)), "--set", "clock.duration=1"]
+    command += ["--map", str(their_map(2)), "--set", "clock.duration=1"]
     said = "50 steps, first at t = 0.5 s: beyond the range of the tyres"
     done = CliRunner().invoke(root, command)
-    assert f"plant warned in {said}" in " ".join(done.stdout.split())
+    assert f"plant warned in {said}" in flat(done.stdout)
     told = json.loads(CliRunner().invoke(root, [*command, "--json"]).stdout)
     assert told["provenance"]["warned_plant"] == said
 
 
-def test_a_plant_that_takes_steps_of_one_size_is_not_stepped_by_others(plant, packed, mapped):
+def test_a_plant_that_takes_steps_of_one_size_is_not_stepped_by_others(plant, packed, their_map):
     """A change within a control period would cut one."""
     rigid = packed("rigid", described=[('StepSize="true"', 'StepSize="false"')])
-    text = mapped(MAP.format(mode=0, mass='"grams"'))
     within = override(SHORT, {"changes": [{"t": 0.404, "m": 45.0}], "clock.duration": 0.5})
     with pytest.raises(ArgumentError, match=r"rigid\.fmu, which takes steps of one size, 0\.01 s"):
-        cosimulate(within, "pid", plant=rigid, map_file=text)
-    assert cosimulate(within, "pid", plant=plant, map_file=text).outcome != "failed"
+        cosimulate(within, "pid", plant=rigid, map_file=their_map())
+    assert cosimulate(within, "pid", plant=plant, map_file=their_map()).outcome != "failed"
 
 
 TYPED = """
@@ -183,7 +186,7 @@ outputs = { x = "x", y = "y", psi = "yaw", v1 = "twist[1]", omega = "twist[2]" }
 """
 
 
-def test_rows_have_every_type_of_number_and_elements_of_arrays(plant, mapped):
+def test_rows_have_every_type_of_number_and_elements_of_arrays(plant, mapped, their_map):
     """An enable, a whole number, single precision, an element read and one written."""
     rows = {
         "": lambda run, same: abs(run["v1"] - same["v1"]).max() < 1e-4,
@@ -192,9 +195,7 @@ def test_rows_have_every_type_of_number_and_elements_of_arrays(plant, mapped):
         "push = [1.0, 90.0]": lambda run, same: (run["v1"] - same["v1"])[30] > 0.1,
         '"push[2]" = 90.0': lambda run, same: (run["v1"] - same["v1"])[30] > 0.1,
     }
-    base = cosimulate(
-        SHORT, "pid", plant=plant, map_file=mapped(MAP.format(mode=0, mass='"grams"'))
-    )
+    base = cosimulate(SHORT, "pid", plant=plant, map_file=their_map())
     for start, expected in rows.items():
         text = TYPED.replace(", enable = true", "" if "enable" in start else ", enable = true")
         run = cosimulate(SHORT, "pid", plant=plant, map_file=mapped(text + start))
@@ -226,9 +227,9 @@ def test_what_no_variable_can_take_is_told(plant, mapped, old, new, words):
     assert re.search(words, said), said
 
 
-def test_what_an_fmu_prints_never_reaches_standard_output(plant, mapped):
+def test_what_an_fmu_prints_never_reaches_standard_output(plant, their_map):
     """C's buffer, which is written when the process ends, does not either."""
-    text = str(mapped(MAP.format(mode=3, mass='"grams"')))
+    text = str(their_map(3))
     command = [
         sys.executable,
         "-m",
@@ -239,7 +240,7 @@ def test_what_an_fmu_prints_never_reaches_standard_output(plant, mapped):
         "pid",
     ]
     command += ["--plant", str(plant), "--map", text, "--set", "clock.duration=0.6", "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = finished(command)
     assert json.loads(done.stdout)["outcome"] != "failed"
     assert done.stderr.count("still driving") == 10
 
@@ -256,10 +257,9 @@ def test_what_an_fmu_prints_never_reaches_standard_output(plant, mapped):
         ({"library_name": "", "sources": True}, r"It has its sources: build them \(--compile\)"),
     ],
 )  # fmt: skip
-def test_a_file_that_cannot_be_used_is_told_why(packed, mapped, given, words):
-    text = mapped(MAP.format(mode=0, mass='"grams"'))
+def test_a_file_that_cannot_be_used_is_told_why(packed, their_map, given, words):
     with pytest.raises(FmuError, match=words):
-        cosimulate(SHORT, "pid", plant=packed("odd", **given), map_file=text)
+        cosimulate(SHORT, "pid", plant=packed("odd", **given), map_file=their_map())
 
 
 def test_a_description_that_breaks_the_rules_is_told_and_read(plant, packed, mapped):
@@ -270,18 +270,16 @@ def test_a_description_that_breaks_the_rules_is_told_and_read(plant, packed, map
     assert np.array_equal(run["v1"], same["v1"])
     told = run.provenance["invalid_plant"]
     assert re.search('"steps" .* is of type Int8 and must have variability', told)
-    assert f"plant invalid in {told}" in " ".join(summary_text(run).split())
+    assert f"plant invalid in {told}" in flat(summary_text(run))
 
 
 @pytest.mark.slow
-def test_sources_are_built_where_the_library_is_missing(plant, packed, mapped):
-    text = mapped(MAP.format(mode=0, mass='"grams"'))
+def test_sources_are_built_where_the_library_is_missing(plant, packed, their_map):
     bare, nothing = packed("bare", "", sources=True), packed("nothing", "")
-    given = {"map_file": text, "compile_sources": True}
+    given = {"map_file": their_map(), "compile_sources": True}
     built = cosimulate(SHORT, "pid", plant=bare, **given)
-    assert (
-        np.abs(built["x"] - cosimulate(SHORT, "pid", plant=plant, map_file=text)["x"]).max() < 1e-9
-    )
+    same = cosimulate(SHORT, "pid", plant=plant, map_file=their_map())
+    assert np.abs(built["x"] - same["x"]).max() < 1e-9
     with pytest.raises(ArgumentError, match="Name a plant or a controller"):
         cosimulate(SHORT, "pid", compile_sources=True)
     with pytest.raises(FmuError, match="names no sources"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes as ct
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from fmpy import platform, platform_tuple, read_model_description
@@ -40,12 +41,12 @@ class Fmu:
     """A library and its description."""
 
     def __init__(self, path, folder, version):
-        self.path, self.folder, self.version = path, folder, version
+        self.path, self.folder, self.version = path, Path(folder), version
         self.description = read_model_description(str(path))
         self.variables = {v.name: v for v in self.description.modelVariables}
         name = self.description.coSimulation.modelIdentifier
         where = platform if version == 2 else platform_tuple
-        self.library = folder / "binaries" / where / f"{name}.so"
+        self.library = self.folder / "binaries" / where / f"{name}.so"
         self.dll = ct.CDLL(str(self.library))
         self.prefix = f"fmi{version}"
         self.real, self.int64 = ("Real", "Integer") if version == 2 else ("Float64", "Int64")
@@ -155,10 +156,19 @@ class Instance:
         return values
 
     def integer(self, name):
-        call = getattr(self.fmu, f"Get{self.fmu.int64}")
-        value = ((ct.c_int32 if self.fmu.version == 2 else ct.c_int64) * 1)()
-        assert call(self.handle, refs(self.fmu.ref(name)), ONE, value, *self.fmu.length(1)) == OK
-        return value[0]
+        status, value = self._whole("Get", name, 0)
+        assert status == OK
+        return value
+
+    def put_integer(self, name, value):
+        return self._whole("Set", name, value)[0]
+
+    def _whole(self, verb, name, value):
+        """Status of a function of integers, and the number behind its pointer."""
+        call = getattr(self.fmu, f"{verb}{self.fmu.int64}")
+        place = ((ct.c_int32 if self.fmu.version == 2 else ct.c_int64) * 1)(value)
+        status = call(self.handle, refs(self.fmu.ref(name)), ONE, place, *self.fmu.length(1))
+        return status, place[0]
 
     def all(self):
         """Every real variable's elements."""
@@ -179,25 +189,28 @@ class Instance:
 
     def bytes_of_state(self):
         """The state now, serialised."""
-        f, kept, size = self.fmu, ct.c_void_p(), ct.c_size_t()
-        spelled = f.state
-        assert getattr(f, f"Get{spelled}")(self.handle, ct.byref(kept)) == OK
-        assert getattr(f, f"Serialized{spelled}Size")(self.handle, kept, ct.byref(size)) == OK
+        kept, size = ct.c_void_p(), ct.c_size_t()
+        assert self.of_state("Get", ct.byref(kept)) == OK
+        assert self.of_state("Serialized", kept, ct.byref(size), end="Size") == OK
         buffer = (ct.c_ubyte * size.value)()
         short = ct.c_size_t(size.value - 1)
-        assert getattr(f, f"Serialize{spelled}")(self.handle, kept, buffer, short) == ERROR
-        assert getattr(f, f"Serialize{spelled}")(self.handle, kept, buffer, size) == OK
-        assert getattr(f, f"Free{spelled}")(self.handle, ct.byref(kept)) == OK
+        assert self.of_state("Serialize", kept, buffer, short) == ERROR
+        assert self.of_state("Serialize", kept, buffer, size) == OK
+        assert self.of_state("Free", ct.byref(kept)) == OK
         assert not kept.value
         return bytes(buffer)
 
+    def of_state(self, verb, *given, end=""):
+        """Status of a function of states: its verb, arguments, and what its name ends in."""
+        return getattr(self.fmu, f"{verb}{self.fmu.state}{end}")(self.handle, *given)
+
     def restore(self, content):
         """Put a serialised state in place."""
-        f, kept = self.fmu, ct.c_void_p()
-        read = "DeSerializeFMUstate" if f.version == 2 else "DeserializeFMUState"
+        kept = ct.c_void_p()
+        read = "DeSerialize" if self.fmu.version == 2 else "Deserialize"
         buffer = (ct.c_ubyte * len(content)).from_buffer_copy(content)
-        status = getattr(f, read)(self.handle, buffer, ct.c_size_t(len(content)), ct.byref(kept))
+        status = self.of_state(read, buffer, ct.c_size_t(len(content)), ct.byref(kept))
         if status == OK:
-            status = getattr(f, f"Set{f.state}")(self.handle, kept)
-            getattr(f, f"Free{f.state}")(self.handle, ct.byref(kept))
+            status = self.of_state("Set", kept)
+            self.of_state("Free", ct.byref(kept))
         return status

@@ -1,14 +1,12 @@
 """The plain C in a law's FMU is the FMU's law, called as its description says and no other way."""
 
-import subprocess
 import xml.etree.ElementTree as ET
-import zipfile
-from pathlib import Path
 
 import pytest
 
-from tests.export.fmi.raw import OK, Fmu
-from tests.export.fmi.test_targets import tool
+from tests.commands import finished
+from tests.compilers import where
+from tests.export.fmi.raw import OK
 from wmr_ctrl.export.fmi.extra import FOLDER, INTERFACE
 
 STEPS = 20
@@ -56,18 +54,14 @@ def program(interface):
     "law, scenario", [("prox", "paper-simulation"), ("kanayama", "robot-10ms")]
 )
 @pytest.mark.slow
-def test_called_as_described_it_has_the_bits_of_the_fmu(exported, tmp_path, law, scenario):
-    path = exported(law, 2, scenario=scenario)
-    with zipfile.ZipFile(path) as archive:
-        archive.extractall(tmp_path)
-    folder, interface = tmp_path / FOLDER, ET.parse(tmp_path / INTERFACE).getroot()
+def test_called_as_described_it_has_the_bits_of_the_fmu(raw, law, scenario):
+    fmu = raw(law, 2, scenario)
+    folder, interface = fmu.folder / FOLDER, ET.parse(fmu.folder / INTERFACE).getroot()
     (folder / "main.c").write_text(program(interface), "utf-8")
     units = [item.attrib["name"] for item in interface.iter("SourceFile")]
-    command = [tool("gcc"), "-std=c99", "-O1", "-ffp-contract=off", "-o", "main", "main.c", *units]
-    subprocess.run([*command, "-lm"], cwd=folder, check=True)
-    printed = subprocess.run([folder / "main"], check=True, capture_output=True, text=True).stdout
-
-    fmu = Fmu(path, Path(tmp_path), 2)
+    command = [where("gcc"), "-std=c99", "-O1", "-ffp-contract=off", "-o", "main", "main.c", *units]
+    finished([*command, "-lm"], cwd=folder)
+    printed = finished([folder / "main"]).stdout
     inputs = list(expressions(interface, "Variable", causality="input"))
     one, found = fmu.new(), []
     assert one.put({"robot.r": 1.25 * float(fmu.variables["robot.r"].start)}) == OK
@@ -76,16 +70,14 @@ def test_called_as_described_it_has_the_bits_of_the_fmu(exported, tmp_path, law,
         assert one.put(given(k, inputs)) == OK
         assert one.step(k * PERIOD, PERIOD) == OK
         found.append([value.hex() for value in one.get("tau_right", "tau_left")])
-    one.free()
     wanted = [[float.fromhex(x).hex() for x in line.split()] for line in printed.splitlines()]
     assert found == wanted
 
 
 def test_its_variables_are_the_fmus_and_the_description_says_where(raw):
     fmu = raw("nn", 3)
-    with zipfile.ZipFile(fmu.path) as archive:
-        interface = ET.fromstring(archive.read(INTERFACE).decode())
-        files = {Path(name).name for name in archive.namelist() if name.startswith(FOLDER)}
+    interface = ET.parse(fmu.folder / INTERFACE).getroot()
+    files = {path.name for path in (fmu.folder / FOLDER).rglob("*")}
     needed = {
         item.attrib["name"]
         for kind in ("SourceFile", "HeaderFile")
@@ -96,15 +88,12 @@ def test_its_variables_are_the_fmus_and_the_description_says_where(raw):
     assert fmu.description.description.endswith(INTERFACE)
     for item in interface.iter("Variable"):
         variable = fmu.variables[item.attrib["name"]]
-        assert (variable.causality, variable.unit) == (
-            item.attrib["causality"],
-            item.attrib["unit"],
-        )
+        for told in ("causality", "unit"):
+            assert getattr(variable, told) == item.attrib[told]
 
 
 @pytest.mark.parametrize("what", ["plant", "guard", "closed-loop"])
 def test_what_is_no_law_says_nothing_of_it(raw, what):
     fmu = raw(what, 2)
-    with zipfile.ZipFile(fmu.path) as archive:
-        assert not [name for name in archive.namelist() if name.startswith(FOLDER)]
+    assert not (fmu.folder / FOLDER).exists()
     assert INTERFACE not in fmu.description.description

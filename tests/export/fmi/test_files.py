@@ -12,8 +12,10 @@ from pathlib import Path
 import pytest
 from fmpy import simulate_fmu
 
+from tests.commands import finished
+from tests.compilers import where
 from tests.export.conftest import MADE
-from tests.export.fmi.test_targets import HEADERS, WHAT, linux, tool
+from tests.export.fmi.test_targets import HEADERS, WHAT, linux
 from tests.languages import STRICT, compile_all
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.export.fmi.files import sources_of
@@ -64,11 +66,8 @@ def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
 def test_optimising_compilers_find_nothing_to_warn_of(tmp_path, compiler, what, version):
     units = unpacked(what, version, tmp_path)
     flags = ["-std=c99", *STRICT, "-O1", "-fPIC", "-shared", "-fvisibility=hidden"]
-    subprocess.run(
-        [tool(compiler), *flags, "-isystem", "standard", "-o", "x.so", *units, "-lm"],
-        cwd=tmp_path,
-        check=True,
-    )
+    command = [where(compiler), *flags, "-isystem", "standard", "-o", "x.so", *units, "-lm"]
+    finished(command, cwd=tmp_path)
 
 
 C98 = ("-x", "c++", "-std=c++98", "-O0", "-ffp-contract=off")
@@ -105,7 +104,7 @@ def test_rebuilt_from_its_own_sources(exported, tmp_path, what, version, compile
     objects = [unit.replace(".c", ".o") for unit in units]
     compiled = [*flags, "-fPIC", "-fvisibility=hidden", "-c", *units]
     for words in (compiled, ["-shared", "-o", str(library), *objects, "-lm"]):
-        subprocess.run([tool(compiler), *words], cwd=tmp_path / "sources", check=True)
+        finished([where(compiler), *words], cwd=tmp_path / "sources")
     assert library.read_bytes() != before
     options = {"stop_time": 3.0, "output_interval": 0.01, "step_size": 0.01}
     options |= {"fmi_type": "CoSimulation"}
@@ -134,11 +133,9 @@ def test_the_battery_runs_clean_under_sanitizers(tmp_path, monkeypatch):
     FMUs are written here, since all of a process that the sanitizer watches takes thrice as long.
     """
     shallow = tmp_path / "shallow.so"
-    command = [tool("gcc"), "-shared", "-fPIC", "-x", "c", "-o", shallow, "-", "-ldl"]
-    subprocess.run(command, input=SHALLOW, text=True, check=True)
-    runtime = subprocess.run(
-        [tool("gcc"), "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
-    ).stdout.strip()
+    command = [where("gcc"), "-shared", "-fPIC", "-x", "c", "-o", shallow, "-", "-ldl"]
+    finished(command, input=SHALLOW)
+    runtime = finished([where("gcc"), "-print-file-name=libasan.so"]).stdout.strip()
     flags = (
         "-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer -g1"
     )
@@ -157,25 +154,12 @@ def test_the_battery_runs_clean_under_sanitizers(tmp_path, monkeypatch):
         path = tmp_path / f"wmr_{what}.fmi{version}.fmu"
         write_fmu(model, version, targets_of("host"), path, result=False)
     files = [f"tests/export/fmi/test_fmi_{name}.py" for name in ("hostile", "state", "derivatives")]
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "-x",
-        "-n",
-        "0",
-        "--timeout",
-        "600",
-        "-p",
-        "no:cacheprovider",
-        "-k",
-        " or ".join(f"{what}-{version}" for what, version in WATCHED),
-        *files,
-    ]
+    chosen = " or ".join(f"{what}-{version}" for what, version in WATCHED)
+    command = f"{sys.executable} -m pytest -q -x -n 0 --timeout 600 -p no:cacheprovider -k".split()
     done = subprocess.run(
-        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
-    )
+        [*command, chosen, *files],
+        cwd=ROOT, env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
     found = "".join(path.read_text() for path in tmp_path.glob("found.*"))  # pytest keeps stderr
     assert (done.returncode, found) == (0, ""), done.stdout[-3000:] + done.stderr[-3000:]
 
@@ -184,28 +168,11 @@ def test_the_battery_runs_clean_under_sanitizers(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_the_example_importer_runs(raw, tmp_path):
     fmu = raw("plant", 2)
-    program = tmp_path / "step"
-    subprocess.run(
-        [
-            tool("cc"),
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            f"-I{HEADERS}",
-            str(fmu_dir() / "examples" / "fmi2_step.c"),
-            "-o",
-            str(program),
-            "-ldl",
-        ],
-        check=True,
-    )
-    numbers = [str(fmu.ref("tau_right")), str(fmu.ref("omega")), "50"]
-    done = subprocess.run(
-        [str(program), str(fmu.library), fmu.description.guid, *numbers],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    program, source = tmp_path / "step", fmu_dir() / "examples" / "fmi2_step.c"
+    flags = ["-Wall", "-Wextra", "-Werror", f"-I{HEADERS}", source, "-o", program, "-ldl"]
+    finished([where("cc"), *flags])
+    numbers = fmu.ref("tau_right"), fmu.ref("omega"), 50
+    done = finished([program, fmu.library, fmu.description.guid, *numbers])
     one = fmu.new()
     assert one.setup() == 0
     one.put({"tau_right": 6.0})

@@ -72,7 +72,6 @@ def test_first_instant_of_a_step_counts_for_the_law(raw):
     law.put({"v1": 0.1})
     assert law.step(0.014, 0.006) == 0
     assert law.get("tau_right")[0] == moved
-    law.free()
 
 
 def test_a_long_step_samples_at_each_period(raw):

@@ -7,18 +7,15 @@ column is chosen by hand.
 """
 
 from functools import cache
-from pathlib import Path
 
 import pytest
-from fmpy import extract
 
-from tests.export.fmi.raw import DISCARD, ERROR, OK, Fmu
+from tests.export.fmi.raw import DISCARD, ERROR, OK
 from tests.world.toys import CLOTHOID
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import DISTURBING, FORCE, PATH, PLANT_STATE, PSI, TIME, TORQUE, VELOCITY
 from wmr_ctrl.export.cosim.master import Outside
-from wmr_ctrl.export.fmi.fmu_files import export_fmu
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import OURS
 from wmr_ctrl.world.scenario import load_scenario, override
@@ -85,19 +82,6 @@ UNLOGGED = {*PATH.elements, *FORCE.elements}
 """Outputs that no run logs; what stands behind them is compared."""
 
 
-@pytest.fixture(scope="module")
-def load(tmp_path_factory):
-    """An FMU of a scenario, unpacked; each made once."""
-
-    @cache
-    def made(what, law, scenario, version):
-        out = tmp_path_factory.mktemp("columns")
-        (path,) = export_fmu(what, law=law, scenario=scenario, fmi=version, out=out, arrays=False)
-        return Fmu(path, Path(extract(str(path), str(out / "unpacked"))), version)
-
-    return made
-
-
 @cache
 def scenario_with(effect, guard=False):
     base = load_scenario("paper-simulation", {**BASE, **EFFECTS[effect]})
@@ -151,9 +135,9 @@ def test_every_effect_acts_alone():
     ],
 )
 @pytest.mark.slow
-def test_the_closed_loop(load, effect, version):
+def test_the_closed_loop(raw, effect, version):
     scenario = scenario_with(effect)
-    run, loop = native(scenario, LAW), load("closed-loop", LAW, scenario, version).new().begin()
+    run, loop = native(scenario, LAW), raw("closed-loop", version, scenario, LAW).new().begin()
     rows, period = [row(run, k) for k in range(run.rows)], scenario.clock.control
     start, watched = shown(loop), {"max_abs_v[1]", "max_abs_v[2]", "violations"}
 
@@ -169,14 +153,13 @@ def test_the_closed_loop(load, effect, version):
     most = run.monitor.max_abs_v
     assert (found["max_abs_v[1]"], found["max_abs_v[2]"]) == most
     assert found["violations"] == run.monitor.violations
-    loop.free()
 
 
 @pytest.mark.slow
-def test_the_closed_loop_ends_with_the_native_run(load):
+def test_the_closed_loop_ends_with_the_native_run(raw):
     gains = {"gains.pid.Kp": [1e6, 1e5], "actuator.tau_max": 1e9, "clock.duration": 2.0}
     wild = override(scenario_with("none"), gains)
-    run, loop = native(wild, "pid"), load("closed-loop", "pid", wild, 2).new().begin()
+    run, loop = native(wild, "pid"), raw("closed-loop", 2, wild, "pid").new().begin()
     period, last = wild.clock.control, run.rows - 1
 
     assert run.monitor.stop_reason == "diverged"
@@ -184,26 +167,23 @@ def test_the_closed_loop_ends_with_the_native_run(load):
     assert loop.step(last * period, period) == DISCARD
     assert different({n: v for n, v in shown(loop).items() if n in TORQUES}, row(run, last)) == []
     assert loop.step(run.rows * period, period) == ERROR
-    loop.free()
 
 
 class Parts:
     """Reference, law, guard and plant in the native order; all that they show is compared."""
 
-    def __init__(self, load, law, scenario, version):
+    def __init__(self, raw, law, scenario, version):
         self.run = native(scenario, law)
         self.outside = Outside(settle(scenario, law), SEED)
         self.clock, self.part = scenario.clock, {}
         for kind in (*KINDS, "guard") if scenario.guard.enabled else KINDS:
             what = law if kind == "law" else kind
-            self.part[kind] = load(what, law, scenario, version).new().begin()
+            self.part[kind] = raw(what, version, scenario, law).new().begin()
 
     def whole(self):
         """The whole run."""
         for k in range(self.run.rows):
             self.sample(k, row(self.run, k))
-        for part in self.part.values():
-            part.free()
 
     def sample(self, k, wanted):
         """One control period."""
@@ -241,8 +221,8 @@ class Parts:
 
 @pytest.mark.parametrize("effect, version, guard", [(COUNTED, 2, False), (AVERAGED, 3, True)])
 @pytest.mark.slow
-def test_the_parts(load, effect, version, guard):
-    Parts(load, LAW, scenario_with(effect, guard), version).whole()
+def test_the_parts(raw, effect, version, guard):
+    Parts(raw, LAW, scenario_with(effect, guard), version).whole()
 
 
 @pytest.mark.parametrize(
@@ -250,21 +230,20 @@ def test_the_parts(load, effect, version, guard):
     [("lemniscate", 2), ("stop-and-go", 2), ("waypoints", 3), ("line", 2), ("rounded-square", 3)],
 )
 @pytest.mark.slow
-def test_references(load, kind, version):
+def test_references(raw, kind, version):
     points = {"reference.points": POINTS} if kind == "waypoints" else {}
     changes = {"reference.kind": kind, **points}
-    Parts(load, LAW, override(scenario_with("none"), changes), version).whole()
+    Parts(raw, LAW, override(scenario_with("none"), changes), version).whole()
 
 
 @pytest.mark.slow
-def test_a_reference_with_memory_keeps_it_over_a_long_step(load, monkeypatch):
+def test_a_reference_with_memory_keeps_it_over_a_long_step(raw, monkeypatch):
     monkeypatch.setitem(REFERENCES.__dict__, "plugins", (CLOTHOID,))
     scenario = override(scenario_with("none"), {"reference.kind": CLOTHOID.name})
     run, period = native(scenario, LAW), scenario.clock.control
-    reference = load("reference", LAW, scenario, 2).new().begin()
+    reference = raw("reference", 2, scenario).new().begin()
 
     assert different(shown(reference), row(run, 0)) == []
     for k in range(0, 20, 10):
         assert reference.step(k * period, 10 * period) == OK
         assert different(shown(reference), row(run, k + 10)) == []
-    reference.free()

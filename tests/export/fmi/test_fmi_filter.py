@@ -1,45 +1,31 @@
 """The command filter as an FMU: the bits of a run's filter, its flags, what it refuses."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from fmpy import extract, read_model_description, simulate_fmu
+from fmpy import simulate_fmu
 from fmpy.validation import validate_fmu
 
 from tests.control.bases import GOVERNED
 from tests.control.filter.test_filter import scenario
-from tests.export.fmi.raw import ERROR, OK, Fmu
+from tests.export.fmi.raw import ERROR, OK
 from wmr_ctrl import simulate
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario
 
-DRIVEN = override(load_scenario("paper-simulation-noise-free"), {**GOVERNED, "changes": []})
-
-
-def exported(case, version, folder):
-    (path,) = export_fmu("filter", scenario=case, fmi=version, out=folder)
-    return path
-
-
-def opened(case, version, folder):
-    path = exported(case, version, folder)
-    return Fmu(path, Path(extract(str(path), str(folder / "unpacked"))), version)
+DRIVEN = load_scenario("paper-simulation-noise-free", {**GOVERNED, "changes": []})
 
 
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.slow_but("2")
-def test_it_sends_what_a_run_sent_to_the_bit(version, tmp_path):
+def test_it_sends_what_a_run_sent_to_the_bit(version, exported):
     run = simulate(DRIVEN, "kanayama")
-    path = exported(DRIVEN, version, tmp_path)
+    path = exported("filter", version, DRIVEN)
     T = DRIVEN.clock.control
-    names = ("t", *(f"v_asked[{i}]" for i in (1, 2)), *(f"v_odometry[{i}]" for i in (1, 2)))
-    columns = (run["t"], *(run[name] for name in (*names[1:3], "v1", "omega")))
-    given = np.array(
-        list(zip(*columns, strict=True)), dtype=[(name.replace("t", "time", name == "t"), float)
-        for name in names],
-    )  # fmt: skip
+    given = np.rec.fromarrays(
+        [run[name] for name in ("t", "v_asked[1]", "v_asked[2]", "v1", "omega")],
+        names=["time", "v_asked[1]", "v_asked[2]", "v_odometry[1]", "v_odometry[2]"],
+    )
     found = simulate_fmu(
         str(path), stop_time=run.rows * T, output_interval=T, step_size=T, input=given,
         start_values={"odometry_age": 0.0},
@@ -53,19 +39,18 @@ def test_it_sends_what_a_run_sent_to_the_bit(version, tmp_path):
     assert 0 < found["limited"].mean() < 1
 
 
-def test_a_repeated_step_is_noticed_once_the_time_was_told(tmp_path):
-    instance = opened(scenario(), 3, tmp_path).new().begin()
+def test_a_repeated_step_is_noticed_once_the_time_was_told(raw):
+    instance = raw("filter", 3, scenario()).new().begin()
     late = []
     for k, since in enumerate((0.0, 0.0, 0.05, 0.0, 0.05)):
         instance.put({"elapsed": since})
         assert instance.step(0.05 * k, 0.05) == OK
         late += instance.get("late")
     assert late == [0.0, 0.0, 0.0, 1.0, 0.0]
-    instance.free()
 
 
-def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(tmp_path):
-    fmu = opened(scenario(), 2, tmp_path)
+def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(raw):
+    fmu = raw("filter", 2, scenario())
     instance = fmu.new().begin()
     instance.put({"v_asked[1]": 0.2})
     for wrong in (float("nan"), float("inf"), 2e12):
@@ -76,11 +61,10 @@ def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(tm
     assert instance.step(0.0, 0.05) == OK
     assert instance.get("bounds_left", "unused", "share[1]", "refused") == [1.0, 0.0, 1.0, 0.0]
     assert fmu.variables["clock.control"].min == fmu.variables["clock.control"].max
-    instance.free()
 
 
-def test_its_plain_code_is_named_and_it_claims_no_derivatives(tmp_path):
-    description = read_model_description(str(exported(scenario("clip"), 2, tmp_path)))
+def test_its_plain_code_is_named_and_it_claims_no_derivatives(raw):
+    description = raw("filter", 2, scenario("clip")).description
     assert description.description.endswith("interface.xml")
     assert not description.coSimulation.providesDirectionalDerivative
 

@@ -167,4 +167,4 @@ def test_an_archive_has_no_time_and_its_binaries_may_be_run(tmp_path):
 
 
 if __name__ == "__main__":
-    LISTED.write_text("\n".join(listed()) + "\n", encoding="utf-8")
+    LISTED.write_text("\n".join(listed()) + "\n", "utf-8")

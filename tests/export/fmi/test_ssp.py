@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import json
-import subprocess
 import sys
 import xml.etree.ElementTree as ET
 import zipfile
@@ -18,9 +17,9 @@ from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
 
+from tests.commands import finished
 from tests.export.fmi.together import step_together
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.export.cosim.mapping import MapRow
 from wmr_ctrl.export.fmi.ssp import INNER, ORDER, SET, Component, _structure, export_ssp
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override
@@ -102,20 +101,18 @@ class Package:
         refs = self.references()
         return [(part, names, [refs[part][name] for name in names]) for part, names in SHOWN]
 
-    def by_fmpys_slaves(self, *, initial=True):
+    def by_fmpys_slaves(self):
         shown = [(part, refs) for part, _, refs in self.shown()]
         steps = (self.scenario.clock.samples, self.scenario.clock.control)
-        folder = self.folder / f"unpacked_{initial}"
-        return step_together(self.parts(), self.wires(), shown, steps, folder, initial=initial)
+        folder = self.folder / "unpacked"
+        return step_together(self.parts(), self.wires(), shown, steps, folder)
 
     def by(self, script):
         """Rows that a script prints, in a process of its own: these libraries write to stdout."""
         clock = self.scenario.clock
         plan = {"package": str(self.path), "steps": clock.samples, "h": clock.control, "set": SET,
                 "shown": self.shown()}  # fmt: skip
-        done = subprocess.run([sys.executable, "-c", COMMON + script], input=json.dumps(plan),
-                              capture_output=True, text=True, check=False)  # fmt: skip
-        assert done.returncode == 0, done.stderr[-2000:]
+        done = finished([sys.executable, "-c", COMMON + script], input=json.dumps(plan))
         rows = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("ROW")]
         return np.array([[float.fromhex(word) for word in row] for row in rows])
 
@@ -152,19 +149,6 @@ def test_a_flat_package_runs_in_parallel_masters(flat, law, module, script):
     assert found.shape == (SHORT.clock.samples, sum(len(names) for _, names in SHOWN))
     assert np.abs(np.diff(found, axis=0)).max() > 0
     assert np.array_equal(found, wanted)
-
-
-@pytest.mark.slow
-def test_what_these_masters_differ_by_is_the_torque_of_initialisation(flat):
-    """Without it they are our own master; with it, the robot starts a step earlier."""
-    package = flat("pid")
-    ours = cosimulate(SHORT, "pid", master="jacobi")
-    wanted = np.array([ours[name] for name in STATE]).T[1:]
-    first, late = (package.by_fmpys_slaves(initial=initial)[:, :5] for initial in (True, False))
-    assert np.array_equal(late[:-1], wanted)
-    assert np.array_equal(late[0, 3:], [0.0, 0.0])
-    assert np.abs(first[0, 3:]).max() > 0
-    assert 1e-6 < np.abs(first - late)[-1, :2].max() < 0.02  # metres, after 3 s
 
 
 @pytest.mark.slow

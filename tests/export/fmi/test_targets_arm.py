@@ -5,7 +5,6 @@ tests/export/fmi/test_targets.py runs that processor's own code.
 """
 
 import os
-import subprocess
 import sys
 import zipfile
 from types import SimpleNamespace
@@ -13,6 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.commands import finished
 from wmr_ctrl.api import simulate
 from wmr_ctrl.export.fmi.fmu_files import binaries, export_fmu
 from wmr_ctrl.results.formats import load_run
@@ -41,11 +41,7 @@ def on_arm(tmp_path):
     """A function (commands, FMUs) that runs both under that name, and returns what was said."""
 
     def run(commands, *fmus):
-        done = subprocess.run(
-            [sys.executable, "-c", ON_ARM, commands, *map(str, fmus)],
-            cwd=tmp_path, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
+        done = finished([sys.executable, "-c", ON_ARM, commands, *map(str, fmus)], cwd=tmp_path)
         return done.stdout + done.stderr
 
     return run

@@ -5,21 +5,18 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 
-def step_together(parts, wires, shown, steps, folder, *, initial=True):
+def step_together(parts, wires, shown, steps, folder):
     """What is ``shown`` after each of ``steps`` (their number, and size in s), a row each.
 
-    ``initial``: values of initialisation go along the wires before the first step, as in libcosim
-    and ecos; without, inputs keep their start values in it.
+    Values of initialisation go along the wires before the first step, as in libcosim and ecos.
     """
     slaves = {name: _begun(name, path, folder) for name, path in parts.items()}
-    if initial:
-        _pass(slaves, wires)
+    _pass(slaves, wires)
     for slave in slaves.values():
         slave.exitInitializationMode()
     rows, (count, h) = [], steps
     for step in range(count):
-        if step > 0 or initial:
-            _pass(slaves, wires)
+        _pass(slaves, wires)
         for slave in slaves.values():
             slave.doStep(step * h, h)
         rows.append([v for name, refs in shown for v in slaves[name].getReal(list(refs))])

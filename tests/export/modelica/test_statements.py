@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.commands import flat
 from tests.papers_robot import paper
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
@@ -76,4 +77,4 @@ def test_results_follow_the_memory_in_order():
 
 
 def test_an_experiment_shows_each_period(text):
-    assert "StopTime = 80.0, Interval = 0.01, Tolerance" in " ".join(text.split())
+    assert "StopTime = 80.0, Interval = 0.01, Tolerance" in flat(text)

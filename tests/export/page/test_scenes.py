@@ -17,6 +17,7 @@ from wmr_ctrl.results.obstacles import nearest
 from wmr_ctrl.world.scenario import load_scenario
 
 STRONG = {"base.gain": [1.04, 1.04]}
+NOMINAL = "paper-simulation-nominal"
 SWINGING = {
     "base.kind": "velocity", "base.loop": "pi", "base.kp": 140.0, "base.ki": 320.0,
     "robot.m": 60.0, "robot.I": 5.0, "robot.mu": 0.0, "disturbance.std": 0.0,
@@ -42,40 +43,27 @@ def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name, ways",
+    "name, stated, ways",
     [
-        ("turtlebot3-burger", ["clipped", "smoothed", "clip", "governor"]),
-        ("clearpath-jackal", ["clipped", "smoothed", "clip"]),
+        ("turtlebot3-burger", {}, ["clip", "governor"]),
+        ("clearpath-jackal", {}, ["clip"]),
+        (NOMINAL, {**SWINGING, "filter.kind": "band"}, ["clip", "slew", "band"]),
+        (NOMINAL, {**SWINGING, "filter.kind": "clip", "filter.jitter": 0.06}, ["clip"]),
     ],
 )
-def test_a_base_has_the_filters_that_hold_for_it(name, ways):
-    members = members_of(load_scenario(name), ["pursuit"])
+def test_a_base_has_the_filters_that_hold_for_it(name, stated, ways):
+    """One that overshoots has slow commands, too."""
+    members = members_of(load_scenario(name, stated), ["pursuit"])
 
-    assert [item.name for item in members] == [f"pursuit-{way}" for way in ways]
-    assert len({item.look.colour for item in members}) == len(members)
-
-
-@pytest.mark.parametrize(
-    "stated, ways",
-    [
-        ({"filter.kind": "band"}, ["clipped", "smoothed", "clip", "slew", "band"]),
-        ({"filter.kind": "clip", "filter.jitter": 0.06}, ["clipped", "smoothed", "clip"]),
-    ],
-)
-@pytest.mark.slow_but("stated1-ways1")
-def test_a_base_that_overshoots_has_slow_commands_too(stated, ways):
-    scenario = load_scenario("paper-simulation-nominal", {**SWINGING, **stated})
-    members = members_of(scenario, ["pursuit"])
-
-    assert [item.name for item in members] == [f"pursuit-{way}" for way in ways]
+    assert [item.name for item in members] == [
+        f"pursuit-{way}" for way in ("clipped", "smoothed", *ways)
+    ]
     assert len({item.look.colour for item in members}) == len(members)
 
 
 def test_the_slew_that_is_stated_is_the_one_that_is_shown():
     stated = {"filter.kind": "clip", "filter.slew": [0.1, 0.3]}
-    members = members_of(
-        load_scenario("paper-simulation-nominal", {**SWINGING, **stated}), ["pursuit"]
-    )
+    members = members_of(load_scenario(NOMINAL, {**SWINGING, **stated}), ["pursuit"])
     shown = {item.name: item.overrides["filter.slew"] for item in members}
 
     assert shown["pursuit-slew"] == (0.1, 0.3)

@@ -1,7 +1,6 @@
 """The Simulink kit, as far as it can be tried without Simulink: see the headers of the mocks."""
 
 import re
-import shutil
 import subprocess
 from dataclasses import replace
 from operator import ne
@@ -10,6 +9,8 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
+from tests.commands import finished
+from tests.compilers import where
 from wmr_ctrl.api import export_fmu
 from wmr_ctrl.codegen.package import c_name, package_files, packaged
 from wmr_ctrl.control.setup import settle
@@ -31,13 +32,6 @@ OTHER = {
 STRICT = ("-Wall", "-Wextra", "-Werror", "-O1", "-ffp-contract=off")
 
 
-def tool(name):
-    found = shutil.which(name)
-    if found is None:
-        pytest.skip(f"NOT RUN: {name} is not there")
-    return found
-
-
 def written(folder, law, scenario=SCENARIO, asked=None):
     """The kit, and vectors and a dialog of the scenario ``asked`` or of its own."""
     for name, text in kit_files(law, scenario).items():
@@ -52,7 +46,7 @@ def written(folder, law, scenario=SCENARIO, asked=None):
         f"#define MOCK_DIALOG {len(values)}\n"
         f"static const real_T mock_dialog[] = {{{numbers}}};\n"
         f"static const size_t mock_sizes[] = {{{sizes}}};\n",
-        encoding="utf-8",
+        "utf-8",
     )
 
 
@@ -66,11 +60,8 @@ def played(folder, law, language=("gcc", "-std=c99"), *options, ends=0):
     """What a play of the S-function prints, in lines, if it ends with that status."""
     sources = [f"sfun_wmr_{law}.c", f"wmr_{law}.c"]
     compiler, dialect = language
-    command = [tool(compiler), dialect, *STRICT, *options, f"-I{HERE / 'mock'}", "-I.", *sources]
-    made = subprocess.run(
-        [*command, "-o", "play", "-lm"], cwd=folder, capture_output=True, text=True, check=False
-    )
-    assert made.returncode == 0, made.stderr[-2000:]
+    command = [where(compiler), dialect, *STRICT, *options, f"-I{HERE / 'mock'}", "-I.", *sources]
+    finished([*command, "-o", "play", "-lm"], cwd=folder)
     done = subprocess.run([folder / "play"], capture_output=True, text=True, check=False)
     assert done.returncode == ends, (done.returncode, done.stdout)
     return done.stdout.splitlines()
@@ -145,11 +136,7 @@ def test_limits_in_the_wrong_order_are_refused(tmp_path):
 def test_the_script_wires_ports_of_one_name(tmp_path, controller):
     written(tmp_path, "nn")
     call = f"addpath('{HERE / 'stubs'}'); wmr_loop('m', '.', '{controller}')"
-    done = subprocess.run(
-        [tool("octave-cli"), "-qf", "--eval", call],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    done = finished([where("octave-cli"), "-qf", "--eval", call], cwd=tmp_path)
     shown = (*REFERENCE, *POSE, *VELOCITY)
     wanted = {f"reference/{k} controller/{k}" for k in range(1, len(REFERENCE) + 1)}
     wanted |= {f"plant/{k} controller/{k + 7}" for k in range(1, len(shown) - 6)}
@@ -173,11 +160,10 @@ def test_the_script_wires_ports_of_one_name(tmp_path, controller):
 def test_the_c_caller_has_the_structs_of_the_package(tmp_path, law):
     """Constants and memory have the header's fields and the law's numbers, wires its arguments."""
     written(tmp_path, law)
-    done = subprocess.run(
-        [tool("octave-cli"), "-qf", "--eval", f"addpath('{HERE / 'stubs'}'); wmr_ccaller('m')"],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    done = finished(
+        [where("octave-cli"), "-qf", "--eval", f"addpath('{HERE / 'stubs'}'); wmr_ccaller('m')"],
+        cwd=tmp_path,
+    )
     lines = done.stdout.split("\n")[:-1]
     header = (tmp_path / f"wmr_{law}.h").read_text("utf-8")
     system = packaged(settle(SCENARIO, law))

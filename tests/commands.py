@@ -1,0 +1,16 @@
+"""Commands that tests run, and the texts that they print; nothing else is imported here."""
+
+import subprocess
+
+
+def finished(command, *, code=0, **options):
+    """A program that ended with a code, and what it wrote."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, **options)
+    assert done.returncode == code, done.stdout[-3000:] + done.stderr[-3000:]
+    return done
+
+
+def flat(text):
+    """The words of a text on one line."""
+    return " ".join(text.split())

@@ -1,0 +1,93 @@
+"""No parameter is lost: a closed loop with other numbers is the native run of that scenario."""
+
+import numpy as np
+import pytest
+
+from tests.export.fmi.raw import OK
+from wmr_ctrl.api import simulate
+from wmr_ctrl.core.signals import PLANT_STATE, PSI
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.world.scenario import load_scenario, override
+
+REACHED = {item.name for item in (*PLANT_STATE, PSI)}
+"""What the closed loop shows at the instant that was reached; all else is of the last sample."""
+BASE = load_scenario("paper-simulation", {
+    "clock.duration": 0.3, "initial.velocity": [0.31, -0.95], "actuator.tau_max": 6.0,
+    "limits": {"v_u1": [0.4, 1.2], "v_u2": [0.15, 0.4], "clip": 0.02},
+    "disturbance": {"std": 1.0, "truncate": 0.8, "push": [3.0, 0.5]},
+    "sensor.pose_period": 0.04, "sensor.pose_noise": 0.01, "sensor.correction": 0.6,
+    "sensor.velocity_noise": [0.002, 0.004], "gains.kinematics.k": [8.0, 5.0, 4.0],
+    "changes": [{"t": 0.1, "m": 60.0, "I": 6.0, "mu": 0.12}],
+})  # fmt: skip
+"""Everything that is a number acts, within 0.3 s."""
+GUARDED = override(
+    BASE, {"guard": {"enabled": True, "trust": True, "f_min": [0.1, 0.0], "f_speed": [0.2, 0.3]}}
+)
+KEPT = ("clock", "sensor.pose_period", "seed")
+"""Parameters that others have to divide, or that are no number of the scenario."""
+
+
+def other_numbers(fmu):
+    """Each parameter that may vary, with another value: brakes up to 2 % less, all else more."""
+    draw = np.random.default_rng(0)
+    found = {}
+    for v in fmu.variables.values():
+        if v.causality == "parameter" and not v.name.startswith(KEPT) and v.max > v.min:
+            most = -0.02 if v.name.startswith("guard.brake") else 0.02
+            found[v.name] = float(v.start) * (1 + most * draw.uniform())
+    return found
+
+
+def stated(numbers):
+    """The same as keys of a scenario, arrays whole."""
+    found = {}
+    for name, value in numbers.items():
+        key = name.replace("ref_", "reference.")
+        if key.endswith("]"):
+            found.setdefault(key.partition("[")[0], []).append(value)
+        else:
+            found[key] = value
+    return found
+
+
+def assert_loop_is(run, fmu, numbers=()):
+    """A closed loop with other numbers has the columns and findings of a run, bit by bit."""
+    names = [name for signal in run.signals[1:] for name in signal.elements]
+    loop, period = fmu.new(), run.settings.control
+    assert loop.put(dict(numbers)) == OK, fmu.messages[-1:]
+    loop.begin()
+    rows = [loop.get(*names)]
+    for k in range(run.rows):
+        assert loop.step(k * period, period) == OK
+        rows.append(loop.get(*names))
+    for name, column in zip(names, np.transpose(rows), strict=True):
+        assert np.array_equal(column[:-1] if name in REACHED else column[1:], run[name]), name
+    assert tuple(loop.get("max_abs_v[1]", "max_abs_v[2]")) == run.monitor.max_abs_v
+
+
+@pytest.mark.parametrize(
+    "base, law, version",
+    [(GUARDED, "mb", 2), (BASE, "nn", 3), (BASE, "pid", 2), (BASE, "kanayama", 3)],
+)
+@pytest.mark.slow_but("base0-mb-2")
+def test_every_parameter_acts_as_in_the_native_run(raw, base, law, version):
+    fmu = raw("closed-loop", version, base, law, arrays=False)
+    numbers = other_numbers(fmu)
+    run = simulate(override(base, stated(numbers)), law)
+
+    assert len(numbers) > 25
+    assert_loop_is(run, fmu, numbers)
+    assert not np.array_equal(run["x"], simulate(base, law)["x"])
+
+
+@pytest.mark.slow
+def test_parts_of_another_scenario_take_its_numbers(raw):
+    loop = raw("closed-loop", 2, GUARDED, "mb", arrays=False)
+    scenario = override(GUARDED, stated(other_numbers(loop)))
+    parts = {"plant": raw("plant", 2, GUARDED).path, "controller": raw("mb", 3, GUARDED).path}
+    run, other = simulate(scenario, "mb"), cosimulate(scenario, "mb", **parts)
+
+    assert all(np.array_equal(run[n], other[n]) for n in run.columns if n != "e")
+    assert np.abs(run["e"] - other["e"]).max() < 1e-12  # NumPy's sine, not the kernel's
+    for found in ("monitor", "settings", "outcome"):
+        assert getattr(run, found) == getattr(other, found)
