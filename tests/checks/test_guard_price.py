@@ -38,7 +38,6 @@ NARROW = {"limits.v_u1": [1.0, 0.11], "limits.v_u2": [0.8, 0.105]}
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.02])
-@pytest.mark.slow_but("0.0")
 def test_the_robot_turns_as_fast_as_is_usable_on_average(delay):
     """It is asked for more, without a push: the guard lets it come to the usable rate, and stay."""
     changed = {**NARROW, "actuator.delay": delay, "disturbance.std": 0.0, "guard.dbar": [60.0, 8.0]}

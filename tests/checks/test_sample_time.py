@@ -37,7 +37,6 @@ def test_first_step_without_coulomb_friction(loop, law, v1):
 
 
 @pytest.mark.parametrize("period, told_of", [(0.03, True), (0.025, False)])
-@pytest.mark.slow_but("0.03-True")
 def test_warns_of_the_first_step_exactly_where_it_leaves_the_limit(told, period, told_of):
     held = {PERIOD: period, "clock.duration": 100 * period}
     sentences = [warning.sentence for warning in told("mb", held, key=PERIOD)]

@@ -10,7 +10,6 @@ from wmr_ctrl.world.scenario import override
 
 
 @pytest.mark.parametrize("law", ["mb", "pid"])
-@pytest.mark.slow_but("mb")
 def test_sampled_nonlinear_loop_is_the_native_run(nominal, law):
     short = override(nominal, {"clock.duration": 1.0})
     run = wmr_ctrl.simulate(short, law)

@@ -21,9 +21,7 @@ PLAIN = {"r": 0.1, "l": 0.25, "radius": (0.0, 0.0), "track": 0.0}
         ({}, {**PLAIN, "periods": 1}),
         ({"encoder.window": 0.04, **EFFECTS["wheels"]}, {**WHEELED, "periods": 4}),
     ],
-    ids=["one period", "other wheels over a window"],
 )
-@pytest.mark.slow_but("one period")
 def test_counts_are_the_twins(changes, twin):
     counting = twins.EncoderTwin({**twin, "counts": 512, "T": 0.01})
 

@@ -11,7 +11,6 @@ from wmr_ctrl.world.scenario import override
 
 
 @pytest.mark.parametrize("delay, most", [(0, 6), (13, 10)])
-@pytest.mark.slow_but("0-6")
 def test_it_acts_when_its_twin_does(delay, most):
     changes = {"actuator.jitter": most / 1000, "actuator.delay": delay / 1000}
     twin = twins.JitterTwin({"delay": delay, "steps": 10, "most": most})

@@ -26,22 +26,17 @@ EIGHT = ((0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (1.0, -1.0), (0.0, 0.0), (-1.0, 1.0
 LAPS = (
     Lemniscate(size=1.5, rate=0.3),
     RoundedSquare(side=3.0, corner=0.8, speed=0.2),
-    RoundedSquare(side=2.0, corner=1.0, speed=0.5),
     Waypoints(points=HOOK, at_end="loop", **SIZED | {"speed": 0.3}),
     Waypoints(points=(*EIGHT, (-1.0, -1.0)), at_end="loop", **SIZED | {"speed": 0.4}),
-    Waypoints(points=((0, 0), (2, 0), (1, 2)), at_end="loop", **SIZED),
 )
 ALL = (
     Circle(radius=2.0, rate=0.1),
     Circle(radius=0.5, rate=-0.7),
-    Line(),
     Line(speed=0.9, heading=2.3, origin=(1.0, -2.0)),
-    StopAndGo(),
     StopAndGo(radius=1.0, speed=1.2, period=3.0),
     Waypoints(points=HOOK, **SIZED),
     Waypoints(points=EIGHT, at_end="continue", **SIZED | {"speed": 0.5}),
     Waypoints(points=HOOK, tolerance=0.1, closed=True, **SIZED),
-    Waypoints(points=((1, 1), (2, 3)), **SIZED),
     *LAPS,
 )
 
@@ -74,9 +69,6 @@ def test_at_no_time_there_are_no_samples():
 
 
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
-@pytest.mark.slow_but(
-    "Circle0", "Line0", "StopAndGo0", "Waypoints0", "Waypoints3", "Lemniscate", "RoundedSquare1"
-)
 def test_robot_can_follow_it_without_slipping(reference):
     """q_d' = H(theta_d) v_d, Eqs. (4)-(5), and v_d' is the rate of v_d, by exact derivatives."""
     t, p, path, numbers = graph_of(reference)
@@ -88,9 +80,7 @@ def test_robot_can_follow_it_without_slipping(reference):
     assert worst < 1e-9
 
 
-@pytest.mark.parametrize(
-    "reference, turns", list(zip(LAPS, (0, 1, 1, 1, 0, 1), strict=True)), ids=str
-)
+@pytest.mark.parametrize("reference, turns", list(zip(LAPS, (0, 1, 1, 0), strict=True)), ids=str)
 def test_orientation_counts_the_turns_of_a_lap(reference, turns):
     start, end = sample(reference, np.array([0.0, reference.cycle]))
 
@@ -99,9 +89,6 @@ def test_orientation_counts_the_turns_of_a_lap(reference, turns):
 
 
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
-@pytest.mark.slow_but(
-    "Circle0", "Line0", "StopAndGo0", "Waypoints0", "Waypoints3", "Lemniscate", "RoundedSquare1"
-)
 def test_numbers_are_parameters_of_the_graph(reference):
     """The graph of another reference of the same structure is the same, so nothing recompiles."""
     faster = {"rate": 2.0, "speed": 2.0}

@@ -16,12 +16,9 @@ ZIGZAG = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.5), (4.0, 1.5), (4.5, -1.0))
 FAST = {"speed": 0.9, "omega_max": 0.7, "a_max": 0.4, "alpha_max": 0.6}
 PLAIN = {"speed": 0.2, "omega_max": 1.0, "a_max": 0.2, "alpha_max": 1.0}
 PATHS = (
-    Waypoints(points=ZIGZAG, **PLAIN),
-    Waypoints(points=ZIGZAG, **FAST),
     Waypoints(points=ZIGZAG, tolerance=0.15, **FAST),
     Waypoints(points=ZIGZAG, tolerance=0.15, at_end="loop", **FAST),
     Waypoints(points=ZIGZAG, at_end="continue", v_max=0.4, **FAST),
-    Waypoints(points=ZIGZAG, tolerance=2.0, closed=True, **PLAIN),
 )
 
 
@@ -34,8 +31,7 @@ def limits_of(reference):
     return np.array([speed, reference.omega_max, reference.a_max, reference.alpha_max])
 
 
-@pytest.mark.parametrize("reference", PATHS, ids=range(len(PATHS)))
-@pytest.mark.slow_but("4")
+@pytest.mark.parametrize("reference", PATHS, ids=["stop", "loop", "continue"])
 def test_limits_are_kept_everywhere_and_one_of_them_nearly_met(reference):
     found = np.abs(sample(reference, np.linspace(0, reference.cycle, 20_011))[:, 3:7])
 
