@@ -90,31 +90,29 @@ def keys(run):
 
 
 @pytest.mark.parametrize(
-    "tau, needed, limit, pushed, chatters",
+    "tau, limit, pushed, chatters",
     [  # ALTERNATING changes by twice its size, SWINGING swings by 0.71 of it
-        (0.6 * ALTERNATING, 1.0, np.inf, 0.0, True),
-        (0.49 * ALTERNATING, 1.0, np.inf, 0.0, False),
-        (1.5 * SWINGING, 1.0, np.inf, 0.0, True),
-        (1.3 * SWINGING, 1.0, np.inf, 0.0, False),
-        (0.6 * ALTERNATING, 1.0, 13.0, 0.0, False),
-        (0.6 * ALTERNATING, 1.0, 11.0, 0.0, True),
-        (0.6 * ALTERNATING, 1.0, np.inf, 1.3, False),
-        (0.6 * ALTERNATING, 1.0, np.inf, 1.1, True),
+        (0.6 * ALTERNATING, np.inf, 0.0, True),
+        (0.49 * ALTERNATING, np.inf, 0.0, False),
+        (1.5 * SWINGING, np.inf, 0.0, True),
+        (1.3 * SWINGING, np.inf, 0.0, False),
+        (0.6 * ALTERNATING, 13.0, 0.0, False),
+        (0.6 * ALTERNATING, 11.0, 0.0, True),
+        (0.6 * ALTERNATING, np.inf, 1.3, False),
+        (0.6 * ALTERNATING, np.inf, 1.1, True),
         # bursts of 40 of the 400 samples that are judged
-        (np.where(abs(np.arange(800) - 600) < 20, 0.85, 0) * ALTERNATING, 1.0, np.inf, 0.0, True),
-        (np.where(abs(np.arange(800) - 600) < 20, 0.7, 0) * ALTERNATING, 1.0, np.inf, 0.0, False),
-        (np.where(abs(np.arange(800) - 200) < 20, 2.0, 0) * ALTERNATING, 1.0, np.inf, 0.0, False),
+        (np.where(abs(np.arange(800) - 600) < 20, 0.85, 0) * ALTERNATING, np.inf, 0.0, True),
+        (np.where(abs(np.arange(800) - 600) < 20, 0.7, 0) * ALTERNATING, np.inf, 0.0, False),
+        (np.where(abs(np.arange(800) - 200) < 20, 2.0, 0) * ALTERNATING, np.inf, 0.0, False),
     ],
 )
-def test_torques_chatter_beyond_what_motion_pushes_and_limit_allow(
-    tau, needed, limit, pushed, chatters
-):
+def test_torques_chatter_beyond_what_motion_pushes_and_limit_allow(tau, limit, pushed, chatters):
     assert (CHATTER, OF_LIMIT) == (1.0, 0.1)
     noise = {"noise_right": pushed, "noise_left": -pushed}
-    torque = {"tau_right": needed + tau, "tau_left": needed + tau}
+    torque = {"tau_right": 1.0 + tau, "tau_left": 1.0 + tau}
     run = build(duration=8.0, **torque, **noise)
 
-    assert ("chatter" in keys(known(run, limit, needed))) is chatters
+    assert ("chatter" in keys(known(run, limit))) is chatters
 
 
 @pytest.mark.parametrize("peak, chatters", [(1.0, True), (10.0, False)])
