@@ -1,7 +1,6 @@
 """What ``wmr-ctrl bench`` reports: ratios by name, medians of rounds, a table; and the limits."""
 
 import json
-import math
 import os
 import sys
 from functools import partial
@@ -9,7 +8,7 @@ from functools import partial
 import pytest
 
 from benchmarks import bench
-from benchmarks.timing import ROUNDS, Candidate, Timing, sample, summarize
+from benchmarks.timing import Candidate, Timing
 from wmr_ctrl import api
 
 NAMED = {
@@ -75,29 +74,3 @@ def test_the_interface_measures_with_this_folder_and_leaves_the_path_alone(monke
 
     assert report == {**measured, "text": bench.table(measured)}
     assert sys.path == before
-
-
-@pytest.mark.slow
-def test_all_is_measured(monkeypatch):
-    """How fast is no test's business: docs/performance.md has the figures of an idle machine.
-
-    One round in this process; test_timing.py has rounds and processes.
-    """
-
-    def once(factory, floor, *, rounds, progress, failed):
-        assert rounds == ROUNDS
-        found = summarize(sample(factory(), 1, None, failed), floor)
-        progress(1, 1)
-        return found
-
-    monkeypatch.setattr(bench, "measure_in_processes", once)
-    shares = []
-    ratios = bench.run_bench(progress=shares.append)["ratios"]
-
-    assert shares[-1] == pytest.approx(1.0)
-    for name in (
-        "nn_step_vs_hand_c", "mb_step_vs_hand_c", "closed_loop_nn_vs_hand_c",
-        "nn_step_numpy_vs_native", "nn_step_vm_vs_native", "nn_call_from_python_vs_hand_c",
-        "batch_nn_per_core_vs_scalar_hand_c",
-    ):  # fmt: skip
-        assert 0 < ratios[name] < math.inf, name

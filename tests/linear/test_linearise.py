@@ -14,7 +14,7 @@ from wmr_ctrl.theory.linear import (
 )
 from wmr_ctrl.theory.linear.linear_report import _pairs
 from wmr_ctrl.theory.linear.state_space import plant_at
-from wmr_ctrl.world.references import Line, StopAndGo
+from wmr_ctrl.world.references import Line
 from wmr_ctrl.world.scenario import override
 
 K1, K2, K3, V1D, V2D = 10.0, 5.0, 4.0, 0.2, 0.1
@@ -104,13 +104,6 @@ def test_bad_names_are_answered_with_the_known_ones(nominal):
         closed_loop(nominal, "mbb")
     with pytest.raises(UnknownNameError, match="frozen"):
         closed_loop(nominal, "nn", memory="frosty")
-
-
-def test_a_reference_that_stops_is_linearised_where_it_moves(nominal):
-    stop = with_reference(nominal, StopAndGo(radius=2.0, speed=0.4, period=20.0))
-    moving = closed_loop(stop, "mb", on_reference(stop, "mb", 10.0))
-
-    assert (moving.poles().real < 0).all()
 
 
 def test_a_resting_point_is_found_to_the_last_digits():

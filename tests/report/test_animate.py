@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from tests.results.conftest import build
-from wmr_ctrl.core.errors import ArgumentError, ResultFileError
+from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.report import animate
 from wmr_ctrl.report.animate import animate_runs
 from wmr_ctrl.report.scene import scene_of, with_tubes
@@ -75,12 +75,6 @@ def test_a_gif_has_all_frames_and_tells_progress(run, tmp_path, monkeypatch):
         assert picture.info["duration"] == animate.GIF_MILLISECONDS
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
-
-
-def test_an_empty_run_is_refused(tmp_path):
-    with pytest.raises(ArgumentError):
-        animate_runs([build(rows=0, monitor=STOPPED)], tmp_path / "run.html")
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("name", ["run.avi", "run", "missing/run.gif"])

@@ -81,18 +81,6 @@ def test_a_campaign_that_fails_leaves_nothing(tmp_path):
     assert not (tmp_path / "new").exists()
 
 
-@pytest.mark.usefixtures("made_up", "few_pictures")
-@pytest.mark.slow
-def test_quick_takes_three_seeds_and_progress_goes_to_the_end(tmp_path):
-    shares = []
-    verdicts = api.reproduce(tmp_path, quick=True, progress=shares.append)
-
-    assert verdicts.table.seeds == (0, 1, 2)
-    assert verdicts.table.laws == ("pid", "smc", "mb", "nn")
-    assert shares == sorted(shares)
-    assert shares[-1] == 1.0
-
-
 def test_quick_does_not_compare_the_graphs_with_the_ledger(monkeypatch):
     monkeypatch.setattr("wmr_proofs.runner.stale_entries", lambda: ("an.entry",))
 

@@ -41,10 +41,10 @@ def scenario(changes):
     return scenario_of("paper-simulation", {**SHORT, **changes})
 
 
-def rows(count, rng, size=1.0):
+def rows(count, rng):
     """A motion that wanders with its way, torques of up to 10 N m, and random numbers."""
-    v = np.cumsum(rng.normal(0, 0.05 * size, count))
-    w = np.cumsum(rng.normal(0, 0.1 * size, count))
+    v = np.cumsum(rng.normal(0, 0.05, count))
+    w = np.cumsum(rng.normal(0, 0.1, count))
     columns = {
         "x": rng.normal(size=count), "y": rng.normal(size=count), "v1": v, "omega": w,
         "path": np.cumsum(v) * 0.01, "theta": np.cumsum(w) * 0.01, "skid": 0.0 * v,

@@ -40,10 +40,3 @@ def test_numbers_that_are_set_act_as_in_a_loop_of_their_own(fmu):
 
     wanted = np.column_stack([run[name] for name in ("x", "v1", "omega")])
     assert np.array_equal(np.array(shown), wanted)
-
-
-@pytest.mark.parametrize("key", ["clock.control", "actuator.delay"])
-def test_what_decides_the_form_cannot_be_set(fmu, key):
-    instance = fmu.new()
-
-    assert instance.put({key: 0.02}) != OK

@@ -78,16 +78,6 @@ def test_a_package_refuses_an_effect_by_its_name(name, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("name", TOYS)
-@pytest.mark.slow_but("delay of its own", "all at once")
-def test_the_engine_without_a_compiler_agrees(name):
-    native, numpy = (
-        simulate("paper-simulation", LAW, engine=engine, overrides={**SHORT, **TOYS[name]})
-        for engine in ("native", "numpy")
-    )
-    assert max(np.abs(native[s.name] - numpy[s.name]).max() for s in native.signals) < 1e-9
-
-
 @pytest.mark.parametrize(
     "name, key", [("sensor of the way", "toy_encoder"), ("drive with state", "toy_ramp")]
 )

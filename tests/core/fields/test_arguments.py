@@ -172,10 +172,3 @@ def test_every_field_of_a_scenario():
     for name in hints_of(wmr_ctrl.Scenario.__init__):
         for value in BAD.values():
             refused_in_a_sentence(partial(wmr_ctrl.Scenario, **{name: value}))
-
-
-@pytest.mark.slow
-def test_columns_of_a_table_of_runs():
-    table = wmr_ctrl.simulate_many(SCENARIO, LAW, [1], SHORT)
-
-    assert all(refused_in_a_sentence(partial(table.__getitem__, value)) for value in BAD.values())

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import tune
-from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.simulation.tuning import gains
-from wmr_ctrl.simulation.tuning.search import Cost, Search, TuningPlan
+from wmr_ctrl.simulation.tuning.search import Cost, Search
 from wmr_ctrl.world.scenario import load_scenario
 
 START = {"gains.mb.rho": (60.0, 20.0)}
@@ -29,15 +28,6 @@ def test_it_begins_with_the_start_and_goes_no_farther_than_thirty_times():
         most = max(most, np.abs(asked).max())
 
     assert 29.0 < math.exp(most) < 30.0
-
-
-@pytest.mark.parametrize("wrong", [{"trials": 0}, {"weight": -1e-9}, {"weight": math.inf}])
-def test_a_plan_takes_one_trial_and_no_weight_and_nothing_less(scenario, wrong):
-    least = {"trials": 1, "weight": 0.0}
-
-    assert TuningPlan(scenario=scenario, law="mb", **least).weight == 0.0
-    with pytest.raises(ArgumentError, match=next(iter(wrong))):
-        TuningPlan(scenario=scenario, law="mb", **(least | wrong))
 
 
 def test_what_runs_without_rounded_gains_would_be_worse_is_not_taken(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from wmr_ctrl.world.robot_files.found import Found, Rank, merged, shown
+from wmr_ctrl.world.robot_files.found import Found, Rank, merged
 
 
 def test_the_controller_counts_before_others_and_what_differs_is_told():
@@ -31,10 +31,3 @@ def test_a_multiplier_is_one_of_its_length():
     factor = Found("radius factor", 1.5, "b", Rank.CONTROLLER)
 
     assert merged([size, factor]).found["robot.r"].value == pytest.approx(0.15)
-
-
-@pytest.mark.parametrize(
-    "value, text", [(0.123456, "0.1235"), ((1.0, 2.5), "[1, 2.5]"), (True, "true"), ("a", "a")]
-)
-def test_values_are_shown_in_four_digits(value, text):
-    assert shown(value) == text
