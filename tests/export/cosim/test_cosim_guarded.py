@@ -12,7 +12,6 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.export.cosim.run import CosimSetup
-from wmr_ctrl.export.fmi.fmu_files import export_fmu
 from wmr_ctrl.results import summary
 from wmr_ctrl.world.scenario import load_scenario, override
 
@@ -56,51 +55,30 @@ FORCE = """
 """
 
 
-@pytest.fixture(scope="module")
-def bare(tmp_path_factory):
-    """A law's FMU without guard."""
-
-    def export(law, version=2):
-        out = tmp_path_factory.mktemp("bare")
-        return export_fmu(law, scenario=BARE, fmi=version, out=out)[0]
-
-    return export
-
-
-def same(one, other):
-    """Equal to the bit, but for what the master's own sine gives."""
-    assert_same(one, other)
-    assert (one.monitor, one.settings, one.outcome) == (
-        other.monitor,
-        other.settings,
-        other.outcome,
-    )
-
-
 @pytest.mark.parametrize("law, version", [("pid", 2), ("nn", 3)])
 @pytest.mark.slow
-def test_a_law_of_ours_guarded_from_outside_is_the_guarded_run(bare, law, version):
+def test_a_law_of_ours_guarded_from_outside_is_the_guarded_run(exported, law, version):
     guarded = simulate(SAFE, law, seed=4)
-    run = cosimulate(SAFE, controller=bare(law, version), seed=4, fmi=version)
+    run = cosimulate(SAFE, controller=exported(law, version, BARE), seed=4, fmi=version)
 
     assert guarded["clip_active"].any()
-    same(run, guarded)
+    assert_same(run, guarded)
     assert summary(run)["guard_share"] == summary(guarded)["guard_share"]
     assert run.provenance["fmu_guard"].startswith("wmr_guard (")
     assert "guard: wmr_guard (guard.fmu" in summary_text(run)
 
 
 @pytest.mark.slow
-def test_under_the_other_master_too(bare):
+def test_under_the_other_master_too(exported):
     """As a controller with the guard in it."""
-    outside = cosimulate(SAFE, controller=bare("mb"), master="jacobi")
-    same(outside, cosimulate(SAFE, "mb", master="jacobi"))
+    outside = cosimulate(SAFE, controller=exported("mb", 2, BARE), master="jacobi")
+    assert_same(outside, cosimulate(SAFE, "mb", master="jacobi"))
 
 
 @pytest.mark.slow
-def test_a_law_that_remembers_its_torque_needs_the_guard_in_it(bare):
+def test_a_law_that_remembers_its_torque_needs_the_guard_in_it(exported):
     with pytest.raises(ArgumentError, match=r"prox relies on the torque .* with the guard"):
-        cosimulate(SAFE, controller=bare("prox"))
+        cosimulate(SAFE, controller=exported("prox", 2, BARE))
 
 
 @pytest.mark.parametrize(

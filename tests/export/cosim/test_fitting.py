@@ -172,7 +172,7 @@ def test_a_package_that_would_lose_a_part_is_refused(tmp_path, changes):
     ],
 )
 def test_drives_that_the_controller_is_built_for_are_fixed(drives, fixed, free):
-    model = closed_loop_model(settle(override(load_scenario("paper-simulation"), drives), "mb"))
+    model = closed_loop_model(settle(load_scenario("paper-simulation", drives), "mb"))
     rows = {v.name: v for v in model.variables}
     assert not [k for k, value in fixed.items() if rows[k].low <= value <= rows[k].high]
     assert [k for k, value in free.items() if rows[k].low <= value <= rows[k].high] == [*free]

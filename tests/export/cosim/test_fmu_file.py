@@ -23,7 +23,7 @@ from wmr_ctrl.export.cosim.fmu_file import FmuError
 from wmr_ctrl.export.cosim.map_template import write_map_template
 from wmr_ctrl.world.scenario import load_scenario, override
 
-SHORT = override(load_scenario("paper-simulation-nominal"), {"clock.duration": 1.0})
+SHORT = load_scenario("paper-simulation-nominal", {"clock.duration": 1.0})
 LIGHTER = override(SHORT, {"changes": [{"t": 0.4, "m": 45.0}]})
 SOURCE = Path(__file__).with_name("foreign3.c")
 KINDS = {

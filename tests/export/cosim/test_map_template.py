@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.export.cosim.foreign import PLANT
-from wmr_ctrl.api import cosimulate, export_fmu
+from wmr_ctrl.api import cosimulate
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.export.cosim.map_template import write_map_template
 from wmr_ctrl.world.scenario import load_scenario
@@ -14,13 +14,9 @@ from wmr_ctrl.world.scenario import load_scenario
 NOMINAL = "paper-simulation-nominal"
 
 
-def exported(what, folder, fmi):
-    return export_fmu(what, scenario=NOMINAL, fmi=fmi, out=folder)[0]
-
-
-@pytest.mark.parametrize("fmi", ["2", "3"])
-def test_template_of_an_fmu_with_our_names_runs_as_it_is(tmp_path, fmi):
-    plant = exported("plant", tmp_path, fmi)
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_template_of_an_fmu_with_our_names_runs_as_it_is(exported, tmp_path, fmi):
+    plant = exported("plant", fmi, NOMINAL)
     path = write_map_template(tmp_path / "map.toml", plant, None)
     short = load_scenario(NOMINAL, {"clock.duration": 0.5})
 
@@ -31,8 +27,8 @@ def test_template_of_an_fmu_with_our_names_runs_as_it_is(tmp_path, fmi):
 
 
 @pytest.mark.parametrize("what", ["plant", "mb", "guard", "closed-loop", "reference"])
-def test_template_lists_every_real_input_and_is_toml(tmp_path, what):
-    fmu = exported(what, tmp_path, "2")
+def test_template_lists_every_real_input_and_is_toml(exported, tmp_path, what):
+    fmu = exported(what, 2, NOMINAL)
     text = write_map_template(tmp_path / "map.toml", None, fmu).read_text("utf-8")
     opened = "\n".join(line.removeprefix("# ") for line in text.splitlines()[2:])
 
@@ -43,14 +39,9 @@ def test_template_lists_every_real_input_and_is_toml(tmp_path, what):
         assert rows["outputs"]["tau_right"] == "tau_right"
 
 
-def test_nothing_is_guessed_of_an_fmu_without_units(tmp_path):
-    pytest.importorskip("pythonfmu")
-    from pythonfmu import FmuBuilder
-
-    source = tmp_path / "theirs.py"
-    source.write_text(PLANT, "utf-8")
-    FmuBuilder.build_FMU(source, dest=tmp_path)
-    path = write_map_template(tmp_path / "map.toml", tmp_path / "TheirRobot.fmu", None)
+def test_nothing_is_guessed_of_an_fmu_without_units(foreign, tmp_path):
+    plant = foreign("TheirRobot", PLANT)
+    path = write_map_template(tmp_path / "map.toml", plant, None)
     text = path.read_text("utf-8")
 
     assert not any(tomllib.loads(text)["plant"].values())
@@ -58,10 +49,10 @@ def test_nothing_is_guessed_of_an_fmu_without_units(tmp_path):
     assert "could be px, py, heading, wheelR, wheelL" in text
 
 
-def test_template_overwrites_nothing_and_needs_an_fmu(tmp_path):
+def test_template_overwrites_nothing_and_needs_an_fmu(exported, tmp_path):
     taken = tmp_path / "map.toml"
     taken.write_text("mine", "utf-8")
-    plant = exported("plant", tmp_path, "2")
+    plant = exported("plant", 2, NOMINAL)
 
     with pytest.raises(ArgumentError, match="exists"):
         write_map_template(taken, plant, None)

@@ -13,7 +13,7 @@ from wmr_ctrl.export.cosim.fmu_file import FmuFile
 from wmr_ctrl.export.cosim.mapping import PartMap, compiled, input_rows, load_map, output_rows
 from wmr_ctrl.world.scenario import load_scenario, override
 
-SHORT = override(load_scenario("paper-simulation-nominal"), {"clock.duration": 3.0})
+SHORT = load_scenario("paper-simulation-nominal", {"clock.duration": 3.0})
 
 
 @pytest.mark.parametrize(

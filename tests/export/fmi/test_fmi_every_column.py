@@ -1,9 +1,8 @@
 """Every output of every kind of FMU has the bits of the native run's column of that name.
 
 Whatever effects act: all of the registry together, and each other form that their graphs have; FMI
-2 and FMI 3.  The closed loop runs by itself.  Reference, law, guard and plant are stepped here in
-the native order, by their C functions; what lies between them is the native loop's own, and no
-column is chosen by hand.
+2 and FMI 3.  The closed loop runs by itself.  Reference, law, guard and plant are coupled in the
+native order; no column is chosen by hand.
 """
 
 from functools import cache
@@ -11,11 +10,11 @@ from functools import cache
 import pytest
 
 from tests.export.fmi.raw import DISCARD, ERROR, OK
+from tests.export.fmi.test_fmi_equality import assert_same
 from tests.world.toys import CLOTHOID
 from wmr_ctrl.api import simulate
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.signals import DISTURBING, FORCE, PATH, PLANT_STATE, PSI, TIME, TORQUE, VELOCITY
-from wmr_ctrl.export.cosim.master import Outside
+from wmr_ctrl.core.signals import FORCE, PATH, PLANT_STATE, PSI, TIME, TORQUE
+from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import OURS
 from wmr_ctrl.world.scenario import load_scenario, override
@@ -71,10 +70,7 @@ EFFECTS = {
     **ACTING, **FORMS, "none": {}, COUNTED: all_but("velocity mean"), AVERAGED: all_but("encoder")
 }  # fmt: skip
 LAW = "mb"
-KINDS = ("reference", "law", "plant")
 TORQUES = [item.name for item in TORQUE]
-STATE = (*(item.name for item in PLANT_STATE), PATH.name)
-ACTED = tuple(item.name for item in (*TORQUE, *DISTURBING))
 POINTS = [[0.0, 0.0], [1.0, 0.2], [2.0, 1.0], [2.5, 2.0]]
 REACHED = {item.name for item in (*PLANT_STATE, PSI)}
 """What the closed loop shows at the instant that was reached; all else is of the last sample."""
@@ -169,60 +165,11 @@ def test_the_closed_loop_ends_with_the_native_run(raw):
     assert loop.step(run.rows * period, period) == ERROR
 
 
-class Parts:
-    """Reference, law, guard and plant in the native order; all that they show is compared."""
-
-    def __init__(self, raw, law, scenario, version):
-        self.run = native(scenario, law)
-        self.outside = Outside(settle(scenario, law), SEED)
-        self.clock, self.part = scenario.clock, {}
-        for kind in (*KINDS, "guard") if scenario.guard.enabled else KINDS:
-            what = law if kind == "law" else kind
-            self.part[kind] = raw(what, version, scenario, law).new().begin()
-
-    def whole(self):
-        """The whole run."""
-        for k in range(self.run.rows):
-            self.sample(k, row(self.run, k))
-
-    def sample(self, k, wanted):
-        """One control period."""
-        desired, plant = shown(self.part["reference"]), shown(self.part["plant"])
-        assert different({**desired, **plant}, wanted) == [], k
-        now = self.outside.sample([plant[n] for n in STATE if n in plant])
-        measured = dict(zip(STATE, (*now.pose, *now.velocity), strict=False))
-        law = self.stepped("law", k, {**desired, **measured}, wanted)
-        if "guard" in self.part:
-            asked = {n: law[n] for n in FORCE.elements}
-            self.stepped(
-                "guard", k, {**asked, **{v.name: measured[v.name] for v in VELOCITY}}, wanted
-            )
-        self.drive(k, [law[name] for name in TORQUES], now)
-        assert self.part["reference"].step(k * self.clock.control, self.clock.control) == OK
-
-    def stepped(self, kind, k, given, wanted):
-        part = self.part[kind]
-        assert part.put(given) == OK
-        assert part.step(k * self.clock.control, self.clock.control) == OK
-        found = shown(part)
-        assert different(found, wanted) == [], (kind, k)
-        return found
-
-    def drive(self, k, torque, now):
-        """The plant over one control period, in steps of its own."""
-        part, h = self.part["plant"], self.clock.plant
-        for i in range(k * self.clock.substeps, (k + 1) * self.clock.substeps):
-            acting = self.outside.step(torque, now)
-            assert part.put(dict(zip(ACTED, acting, strict=True))) == OK
-            assert part.step(i * h, h) == OK
-            plant = shown(part)
-            self.outside.ends([plant[n] for n in STATE if n in plant], i + 1)
-
-
 @pytest.mark.parametrize("effect, version, guard", [(COUNTED, 2, False), (AVERAGED, 3, True)])
 @pytest.mark.slow
-def test_the_parts(raw, effect, version, guard):
-    Parts(raw, LAW, scenario_with(effect, guard), version).whole()
+def test_the_parts(effect, version, guard):
+    scenario = scenario_with(effect, guard)
+    assert_same(native(scenario, LAW), cosimulate(scenario, LAW, fmi=version))
 
 
 @pytest.mark.parametrize(
@@ -230,10 +177,10 @@ def test_the_parts(raw, effect, version, guard):
     [("lemniscate", 2), ("stop-and-go", 2), ("waypoints", 3), ("line", 2), ("rounded-square", 3)],
 )
 @pytest.mark.slow
-def test_references(raw, kind, version):
+def test_references(kind, version):
     points = {"reference.points": POINTS} if kind == "waypoints" else {}
-    changes = {"reference.kind": kind, **points}
-    Parts(raw, LAW, override(scenario_with("none"), changes), version).whole()
+    scenario = override(scenario_with("none"), {"reference.kind": kind, **points})
+    assert_same(native(scenario, LAW), cosimulate(scenario, LAW, fmi=version))
 
 
 @pytest.mark.slow

@@ -24,7 +24,7 @@ from wmr_ctrl.export.cosim.mapping import MapRow
 from wmr_ctrl.export.fmi.ssp import INNER, ORDER, SET, Component, _structure, export_ssp
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
-SHORT = override(load_scenario("paper-simulation-nominal"), {"clock.duration": 3.0})
+SHORT = load_scenario("paper-simulation-nominal", {"clock.duration": 3.0})
 SHOWN = (("plant", ("x", "y", "theta", "v1", "omega")), ("controller", ("tau_right", "margin")))
 STATE = SHOWN[0][1]
 NAMES = {

@@ -6,7 +6,7 @@ from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.export.page.content import content_of
 from wmr_ctrl.export.page.scenes import WAYS, scenes
 from wmr_ctrl.report.style import after_dark, look
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario
 
 T, H = 0.01, 0.001
 
@@ -15,7 +15,7 @@ T, H = 0.01, 0.001
 def content():
     """One law on the paper's scenario, of another length and with a wider track."""
     changed = {"clock.duration": 60.0, "robot.l": 0.5, "disturbance.truncate": 3.0}
-    scenario = override(load_scenario("paper-simulation"), changed)
+    scenario = load_scenario("paper-simulation", changed)
     return content_of(scenes(scenario, ("mb",)), ("mb",), 3, lambda share: None)
 
 

@@ -6,7 +6,7 @@ import wmr_ctrl
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.export.page.content import content_of
 from wmr_ctrl.export.page.scenes import PageScene, story
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor.asked import run_corridor
 
 STEPS = {step.key: step for step in story()}
@@ -58,7 +58,7 @@ def test_a_page_has_the_certified_corridors(monkeypatch):
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.PERIODS", ())
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.LATE", ())
     brief = {"clock.duration": 3.0, "changes": [{"t": 1.5, "m": 60.0}]}
-    scenario = override(load_scenario("safe-simulation"), brief)
+    scenario = load_scenario("safe-simulation", brief)
     scene = PageScene("near", "Near", "", scenario, ("prox",))
 
     tubes = content_of([scene], ("prox", "pid"), 0, lambda share: None).data["scenes"][0]["tubes"]
@@ -78,7 +78,7 @@ def test_a_robot_has_room_for_delay_that_no_law_is_told(monkeypatch):
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.PERIODS", ())
     monkeypatch.setattr("wmr_ctrl.export.page.scenes.LATE", ())
     known = {"actuator.delay": 0.01, "actuator.unmodelled_delay": 0.9, "clock.plant": 0.001}
-    scenario = override(load_scenario("paper-simulation-nominal"), known)
+    scenario = load_scenario("paper-simulation-nominal", known)
     scene = PageScene("late", "Late", "", scenario, ("pid",))
 
     room = content_of([scene], ("pid",), 0, lambda share: None).room
