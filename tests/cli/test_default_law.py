@@ -4,9 +4,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from click.testing import CliRunner
 
-from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.given import default_law
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import warnings_heard
@@ -23,12 +21,12 @@ def test_presets_of_the_paper_drive_with_its_law_and_others_have_one_without_a_n
 
 
 @pytest.mark.parametrize("law, why", [(None, "not stated"), ("mb", "stated in the scenario")])
-def test_a_run_without_law_says_which_it_takes_and_why(law, why, tmp_path):
+def test_a_run_without_law_says_which_it_takes_and_why(wmr, law, why, tmp_path):
     file = tmp_path / "mine.toml"
     text = 'extends = "turtlebot3-burger"\n'
     file.write_text((f'law = "{law}"\n' if law else "") + text)
     named = default_law(load_scenario(str(file)))
-    found = CliRunner().invoke(root, ["run", str(file), *SHORT, "--engine", "numpy", "--json"])
+    found = wmr("run", str(file), *SHORT, "--engine", "numpy", "--json")
 
     assert json.loads(found.stdout)["law"] == named.name == (law or "kanayama")
     if law or not named.stated:

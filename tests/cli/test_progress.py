@@ -4,12 +4,10 @@ import sys
 import threading
 
 import pytest
-from click.testing import CliRunner
 
 from wmr_ctrl import api
 from wmr_ctrl.cli import console as module
 from wmr_ctrl.cli.console import Progress
-from wmr_ctrl.cli.root import root
 
 
 @pytest.fixture
@@ -62,14 +60,14 @@ def test_error_passes_and_the_bar_is_closed(monkeypatch):
         raise ValueError("inside")
 
 
-def test_export_is_not_silent_while_it_compiles(monkeypatch, tmp_path):
+def test_export_is_not_silent_while_it_compiles(wmr, monkeypatch, tmp_path):
     said = threading.Event()
     monkeypatch.setattr(module, "FIRST", 0.0)
     monkeypatch.setattr(module, "TICK", 0.001)
     monkeypatch.setattr(module.click, "echo", lambda text, err: (lines.append(text), said.set()))
     monkeypatch.setattr(api, "export_fmu", lambda what, **_given: [said.wait(60) and what])
     lines = []
-    result = CliRunner().invoke(root, f"export nn --out {tmp_path}")
+    result = wmr(f"export nn --out {tmp_path}")
 
     assert result.exit_code == 0
     assert lines[0].startswith("export nn: ")

@@ -4,11 +4,10 @@ import json
 from unittest.mock import Mock
 
 import pytest
-from click.testing import CliRunner
 
 from tests.commands import flat
 from wmr_ctrl import api
-from wmr_ctrl.cli import options, root
+from wmr_ctrl.cli import options
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.report import animate, drawing
 from wmr_ctrl.results import load_run, summary
@@ -193,30 +192,30 @@ def test_keys_without_effect_are_named_if_the_user_states_them(short_run, tmp_pa
         (("filter",), ""),
     ],
 )  # fmt: skip
-def test_outputs_name_the_keys_that_they_do_not_read(command, idle, monkeypatch):
+def test_outputs_name_the_keys_that_they_do_not_read(wmr, command, idle, monkeypatch):
     monkeypatch.setattr(api, "export_fmu", lambda *_, **__: ())
     keys = ("gains.nn.eta=1", "gains.mb.rho=15,57", "gains.kinematics.k=8,5,4")
     stated = [part for key in keys for part in ("--set", key)]
-    found = CliRunner().invoke(root, ["export", *command, *stated])
+    found = wmr("export", *command, *stated)
     said = [line for line in found.stderr.splitlines() if "without effect" in line]
 
     assert said == ([f"note: without effect here: {idle}."] if idle else [])
 
 
 @pytest.mark.parametrize("what", ["plant", "nn"])
-def test_an_output_without_a_law_of_its_own_choice_refuses_one(what, monkeypatch):
+def test_an_output_without_a_law_of_its_own_choice_refuses_one(wmr, what, monkeypatch):
     monkeypatch.setattr(api, "export_fmu", lambda *_, **__: ())
-    found = CliRunner().invoke(root, f"export {what} --law mb")
+    found = wmr(f"export {what} --law mb")
 
     assert found.exit_code == 2
     assert f"{what} does not use it. Leave it out." in found.stderr
 
 
 @pytest.mark.parametrize("law, idle", [((), "mb.rho"), (("--law", "mb"), "nn.eta")])
-def test_a_co_simulation_names_gains_of_other_laws_than_its_own(law, idle, monkeypatch):
+def test_a_co_simulation_names_gains_of_other_laws_than_its_own(wmr, law, idle, monkeypatch):
     monkeypatch.setattr(api, "cosimulate", Mock(side_effect=ArgumentError("enough")))
     stated = ("--set", "gains.nn.eta=1", "--set", "gains.mb.rho=15,57")
-    found = CliRunner().invoke(root, ["cosim", *law, *stated])
+    found = wmr("cosim", *law, *stated)
 
     assert f"note: without effect here: gains.{idle}." in found.stderr
 

@@ -13,6 +13,13 @@ from wmr_ctrl.codegen.emit import definition, kernel
 INPUTS = 6
 
 
+def assert_same_bits(item, step, draws):
+    """A compiled kernel gives what its instructions give, for each draw of its inputs."""
+    wanted = machine(item)
+    for given in draws:
+        assert (step(*given) == wanted(*given)).all(), item.name
+
+
 def random_graph(name, seed):
     """A few hundred operations: arithmetic, calls, comparisons, choices inside choices."""
     draw = np.random.default_rng(seed)
@@ -57,10 +64,8 @@ def test_random_graphs_equal_their_instructions_to_the_bit(native):
     branches = 0
     for item, step in zip(kernels, compiled(kernels, native=native), strict=True):
         branches += definition(item).count("if (")
-        wanted = machine(item)
-        for _ in range(40):
-            x = draw.normal(size=INPUTS) * 10.0 ** draw.integers(-3, 3)
-            assert (step(x) == wanted(x)).all(), item.name
+        scales = 10.0 ** draw.integers(-3, 3, (40, 1))
+        assert_same_bits(item, step, ((x,) for x in draw.normal(size=(40, INPUTS)) * scales))
     assert branches > 2 * len(kernels)
 
 
@@ -86,11 +91,9 @@ def network(lanes=8):
 @pytest.mark.slow_but("8")
 def test_loops_equal_their_instructions_to_the_bit(lanes):
     item = network(lanes)
-    step, wanted = compiled([item])[0], machine(item)
     draw = np.random.default_rng(0)
-    for _ in range(50):
-        z, W = draw.normal(size=5), draw.normal(size=128)
-        assert (step(z, W) == wanted(z, W)).all()
+    draws = zip(draw.normal(size=(50, 5)), draw.normal(size=(50, 128)), strict=True)
+    assert_same_bits(item, compiled([item])[0], draws)
 
 
 def test_networks_become_short_loops():
@@ -119,10 +122,7 @@ def test_runs_of_any_shape_keep_their_values(seed):
             row.append((left + right, left * right, left - right)[seed % 3] / 2)
         rows.append(row if len(row) > 3 else before)
     item = kernel(f"runs{seed}", "Runs.", {"x": x}, {"y": ca.vertcat(*rows[-1], *rows[3])})
-    step, wanted = compiled([item])[0], machine(item)
-    for _ in range(20):
-        given = draw.normal(size=40)
-        assert (step(given) == wanted(given)).all()
+    assert_same_bits(item, compiled([item])[0], ((x,) for x in draw.normal(size=(20, 40))))
 
 
 def test_a_loop_read_once_needs_no_array():
@@ -152,11 +152,10 @@ def test_a_loop_keeps_its_array_where_something_else_reads_it(made, kept):
     x, k = ca.SX.sym("x", 16), ca.SX.sym("k")
     item = kernel("read", "A loop.", {"x": x, "k": k}, {"y": made(x, k)})
     draw = np.random.default_rng(4).normal(size=17)
-    step, wanted = compiled([item])[0], machine(item)
 
     assert ("sin(" in definition(item)) is kept
     assert ("double a" in definition(item)) is kept
-    assert (step(draw[:16], draw[16:]) == wanted(draw[:16], draw[16:])).all()
+    assert_same_bits(item, compiled([item])[0], [(draw[:16], draw[16:])])
 
 
 def test_expensive_sides_of_a_choice_are_evaluated_only_if_chosen():

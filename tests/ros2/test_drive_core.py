@@ -318,19 +318,28 @@ def test_how_a_path_is_driven_must_be_said():
 # -- efforts ---------------------------------------------------------------------------------
 
 
+GUARDED = {"guard.enabled": True, "disturbance.truncate": 3.0}
+
+
 @pytest.fixture(scope="module")
 def effort():
-    plain = load_scenario("paper-simulation", {"guard.enabled": True, "disturbance.truncate": 3.0})
-    return DriveCore(settle(plain, "mb"), DriveSettings(gate=GATE))
+    scenario = load_scenario("paper-simulation", GUARDED)
+    return DriveCore(settle(scenario, "mb"), DriveSettings(gate=GATE))
+
+
+def standing(core, **how):
+    """The world of a base that stands still, after a first sample."""
+    world = World(core, **how)
+    world.take = lambda gated: gated
+    world.pass_by(10 * MS)
+    assert world.message()[1].command != (0.0, 0.0)
+    return world
 
 
 @pytest.mark.parametrize("simulated", [True, False])
 def test_torques_without_fresh_odometry_are_zero(effort, simulated):
     effort.start()
-    world = World(effort, simulated=simulated)
-    world.take = lambda gated: gated  # this base stands still
-    world.pass_by(10 * MS)
-    assert world.message()[1].command != (0.0, 0.0)
+    world = standing(effort, simulated=simulated)
     silent = 0
     while not world.tick():
         world.pass_by(5 * MS)
@@ -341,13 +350,9 @@ def test_torques_without_fresh_odometry_are_zero(effort, simulated):
 
 
 def test_torques_under_way_are_waited_for():
-    late = {"guard.enabled": True, "disturbance.truncate": 3.0, "actuator.delay": 0.05}
-    scenario = load_scenario("paper-simulation", late)
-    core = DriveCore(settle(scenario, "mb"), DriveSettings(gate=GATE))
-    world = World(core)
-    world.take = lambda gated: gated
-    world.pass_by(10 * MS)
-    assert world.message()[1].command != (0.0, 0.0)
+    late = load_scenario("paper-simulation", {**GUARDED, "actuator.delay": 0.05})
+    core = DriveCore(settle(late, "mb"), DriveSettings(gate=GATE))
+    world = standing(core)
     core.halt(True, world.now())
     core.halt(False, world.now())
     core.reset()
@@ -360,10 +365,7 @@ def test_torques_under_way_are_waited_for():
 
 def test_a_stop_of_torques_is_zero_torque_and_latched(effort):
     effort.start()
-    world = World(effort)
-    world.take = lambda gated: gated
-    world.pass_by(10 * MS)
-    world.message()
+    world = standing(effort)
     assert effort.halt(True, world.now()).command == (0.0, 0.0)
     effort.halt(False, world.now())
     for _ in range(5):

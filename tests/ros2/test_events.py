@@ -109,18 +109,17 @@ def test_a_filter_sends_what_it_may_whatever_comes(scenario, at_once, odometry):
 def test_a_drive_sends_what_it_may_whatever_comes(scenario):
     smooth = override(scenario, {"robot.mu": 0.0, "changes": []})  # else it takes more of filter.d
     core = DriveCore(settle(smooth, "kanayama"), DriveSettings())
-    chaos, sent, stamp, pose = Chaos(4), 0, 0, np.zeros(2)
+    chaos, sent, pose = Chaos(4), 0, np.zeros(2)
     for _ in range(EVENTS // 4):
         now, draw, gated = chaos.now(), chaos.draws.random(), None
         core.see(now)
         if draw < 0.75:
-            sound = chaos.draws.random() < 0.9
-            stamp, pose = now.ros, pose + 0.001 * chaos.draws.normal(size=2)
-            speeds = (0.2, 0.1) if sound else (chaos.number(), chaos.number())
-            turn = (0.0, 0.0, 0.0, 1.0) if sound else chaos.turn()
+            pose = pose + 0.001 * chaos.draws.normal(size=2)
+            turn, speeds, stamp, child = (0.0, 0.0, 0.0, 1.0), (0.2, 0.1), now.ros, "base_link"
+            if chaos.draws.random() > 0.9:
+                speeds, turn = (chaos.number(), chaos.number()), chaos.turn()
+                stamp, child = chaos.stamp(), chaos.frame("base_link")
             message = (*map(float, pose), *turn, *speeds)
-            stamp = stamp if sound else chaos.stamp()
-            child = chaos.frame("base_link") if not sound else "base_link"
             _, gated = core.odometry(message, stamp, "odom", child, now)
         elif draw < 0.98:
             gated = core.tick(now)

@@ -208,16 +208,6 @@ def test_lost_odometry_stops_no_later():
     assert 0 < sent[False] <= sent[True]
 
 
-def test_a_stop_stays_a_stop_whatever_is_free(free):
-    free.go()
-    free.core.halt(True, free.now)
-    assert free.core.last.command == (0.0, 0.0)
-    free.core.halt(False, free.now)
-    assert free.go(3) == [0.0] * 3
-    free.core.reset()
-    assert free.go(30)[-1] > FULL
-
-
 # -- limits ------------------------------------------------------------------------------------
 
 
@@ -233,20 +223,20 @@ def test_a_lower_limit_brings_the_base_inside_and_a_higher_one_acts_at_once(limi
     assert limits.go(20, free=None)[-1] == limits.go(1, free=None)[0] > FULL
 
 
-@pytest.mark.parametrize("limit", [0.0, 0.01, -1.0, -math.inf])
-def test_a_limit_below_the_push_is_a_stop(limits, limit):
+@pytest.mark.parametrize(
+    "topic, said",
+    [
+        *(("v_max", (limit, 1.0)) for limit in (0.0, 0.01, -1.0, -math.inf, math.nan)),
+        *(("speed", said) for said in ((math.nan, 0.0), (-1.0, 0.0), (-10.0, 1.0))),
+    ],
+)
+def test_a_limit_below_the_push_or_without_sense_is_a_stop(limits, topic, said):
+    """With a flag where it is no number."""
     limits.go(free=None)
-    limits.core.limit("v_max", (limit, 1.0), limits.now)
+    limits.core.limit(topic, said, limits.now)
 
     assert limits.go(40, free=None)[-1] == 0.0
-
-
-def test_a_limit_that_is_no_number_is_a_stop_with_a_flag(limits):
-    limits.go(free=None)
-    limits.core.limit("v_max", (math.nan, 1.0), limits.now)
-
-    assert limits.go(20, free=None)[-1] == 0.0
-    assert "limit-refused" in limits.flags
+    assert ("limit-refused" in limits.flags) is math.isnan(said[0])
 
 
 def test_a_limit_backwards_leaves_the_way_ahead(limits):
@@ -288,14 +278,6 @@ def test_a_speed_limit_clamps_and_does_not_scale(limits):
     limits.core.limit("speed", (50.0, 1.0), limits.now)
 
     assert limits.go(40, v=0.15, free=None)[-1] == 0.15
-
-
-@pytest.mark.parametrize("said", [(math.nan, 0.0), (-1.0, 0.0), (-10.0, 1.0)])
-def test_a_speed_limit_that_makes_no_sense_is_a_stop(limits, said):
-    limits.go(free=None)
-    limits.core.limit("speed", said, limits.now)
-
-    assert limits.go(40, free=None)[-1] == 0.0
 
 
 def test_the_lowest_of_several_limits_counts(limits):

@@ -26,22 +26,14 @@ KINDS = {
 }
 """Topics of the nodes, by the page that says so."""
 STAMPS = {"receiveTime", "headerStamp"}
-NUMBERS = {
-    "float32",
-    "float64",
-    "bool",
-    *(f"{u}int{n}" for u in ("", "u") for n in (8, 16, 32, 64)),
-}
-STATES = NUMBERS - {"float32", "float64"} | {"string", "byte"}
+INTEGERS = {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
+NUMBERS = {"float32", "float64", "bool"} | INTEGERS
+STATES = {"bool", "string", "byte"} | INTEGERS
 """What is a state: whatever has no fraction; a byte of ROS 2 is an unsigned one."""
 
 
-def kind_of(panel):
-    return panel.partition("!")[0]
-
-
 def of_kind(kind):
-    return [settings for name, settings in PANELS.items() if kind_of(name) == kind]
+    return [panel for name, panel in PANELS.items() if name.startswith(f"{kind}!")]
 
 
 STEP = re.compile(r"\.(?P<field>\w+)|\[(?P<slice>:)\]|\{(?P<key>\w+)==\"(?P<value>[^\"]*)\"\}")
@@ -56,11 +48,10 @@ def inner(described):
 def read(path):
     """Type at the end of a message path, and whether it is one value a message."""
     topic = re.match(r"/\w+", path)[0]
-    kind, single, rest = KINDS[topic], True, path[len(topic) :]
-    while rest:
-        step = STEP.match(rest)
-        assert step, rest
-        rest = rest[step.end() :]
+    steps = [*STEP.finditer(path, len(topic))]
+    assert topic + "".join(step[0] for step in steps) == path
+    kind, single = KINDS[topic], True
+    for step in steps:
         if step["field"]:
             kind = inner(dict(FIELDS[kind][1])[step["field"]])
         elif step["slice"]:
@@ -95,9 +86,7 @@ def test_states_are_one_value_a_message_and_of_one_node():
         kind, single = read(path["value"])
         assert kind in STATES
         assert single
-    assert {
-        node for node in NODES if any(node in path["value"] for path in panel["paths"])
-    } == NODES
+    assert all(any(node in path["value"] for path in panel["paths"]) for node in NODES)
 
 
 def test_diagnostics_are_those_of_the_nodes():

@@ -27,21 +27,15 @@ def late(seed, largest, count=COUNT):
     return TICK * np.minimum(draws, largest)
 
 
-@pytest.mark.parametrize("rate", [0.5, 0.9, 0.997, 1.0, 1.003, 1.04])
-@pytest.mark.parametrize("first", [0.0, 0.45])
-def test_each_message_is_a_sample_at_about_the_laws_rate(rate, first):
-    stamps = grid(rate)
-    stamps[0] += first * TICK  # the first one's jitter is held against nobody
-
-    assert len(sampled(stamps)) == COUNT
-
-
 @pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("rate", [0.997, 1.0, 1.003])
-def test_no_message_is_lost_to_jitter(seed, rate):
-    jitter = np.random.default_rng(seed).uniform(-0.25, 0.25, COUNT) * TICK
-    assert len(sampled(grid(rate) + jitter)) == COUNT
-    assert len(sampled(grid(rate) + late(seed, 0.8))) == COUNT
+@pytest.mark.parametrize("rate", [0.5, 0.9, 0.997, 1.0, 1.003, 1.04])
+def test_each_message_is_a_sample_at_about_the_laws_rate(seed, rate):
+    """With the jitter of a busy machine where the rates are nearly the same."""
+    stamps, draw = grid(rate), np.random.default_rng(seed)
+    for jitter in (TICK * draw.uniform(-0.25, 0.25, COUNT), late(seed, 0.8)):
+        held_against_nobody = np.concatenate((jitter[:1], np.zeros(COUNT - 1)))
+        near = abs(rate - 1) < 0.01
+        assert len(sampled(stamps + (jitter if near else held_against_nobody))) == COUNT
 
 
 @pytest.mark.parametrize("rate", [1.0, 1.003, 1.06, 1.5, 2.0, 2.7, 4.0, 5.0, 10.0])

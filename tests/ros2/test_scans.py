@@ -166,21 +166,15 @@ def test_any_heading_is_free_where_nothing_is_nearer_than_a_stop_takes():
     assert far[0] == far[1] == pytest.approx(0.6 - RADIUS, abs=1e-3)
 
 
-def test_a_laser_of_270_degrees_never_lets_the_base_back():
-    core = core_of(WIDE)
+def test_a_laser_never_lets_the_base_where_it_does_not_see():
+    """Of a disc that turns, however little, an edge leaves what half a turn sees."""
+    core, half = core_of(WIDE), replace(RPLIDAR, first=-math.pi / 2, beams=181)
     ahead, behind, *_ = free_of(core, (WIDE, WIDE.scan(OPEN)))
 
     assert core.never == ("behind",)
     assert ahead == pytest.approx(WIDE.most - RADIUS, abs=1e-3)
     assert -0.001 < behind <= 0
-
-
-def test_half_a_turn_is_not_enough_for_any_side():
-    """Of a disc that turns, however little, an edge leaves what is seen."""
-    half = replace(RPLIDAR, first=-math.pi / 2, beams=181)
-    core = core_of(half)
-    free_of(core, (half, half.scan(OPEN)))
-
+    free_of(core_of(half), (half, half.scan(OPEN)))
     assert core.never == ("ahead", "behind")
 
 
@@ -194,14 +188,6 @@ def test_two_lasers_at_opposite_corners_see_all():
 
     assert core.never == ()
     assert min(free[:2]) > 20
-
-
-def test_two_lasers_that_look_the_same_way_do_not_see_behind():
-    left, right = replace(WIDE, pose=(0.1, 0.05, 0.0)), replace(WIDE, pose=(0.1, -0.05, 0.0))
-    core = core_of(left, right)
-    free_of(core, (left, left.scan(OPEN)), (right, right.scan(OPEN)))
-
-    assert core.never == ("behind",)
 
 
 def test_an_own_part_is_in_the_way_unless_its_angles_are_ignored():
@@ -357,8 +343,3 @@ def test_who_does_not_push_needs_no_hold(scenario):
 
     assert remedy(calm) == "near: back off"
     assert remedy(scenario).startswith("near: back off, hold it for 0.")
-
-
-def test_nothing_in_the_way_is_the_largest_number(scenario):
-    """As graphs spell infinity."""
-    assert nearest_way([(FAR, 50.0)], [0.1, 0.1], 1) == LARGEST
