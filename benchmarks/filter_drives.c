@@ -1,8 +1,9 @@
 /* Drives of a base behind the filter's package, which is told limits and free ways, against an adversary.
 
    The base has a model of its own: tau v' = K u + d - v on both axes, integrated by exact exponentials between all
-   instants at which something changes.  Once commands of (0, 0) have acted for ``rest``, at the latest, it stands and
-   holds.  Everything is drawn from the seed, unless a choice is given. */
+   instants at which something changes.  One with a ``decel`` follows K u + d at any rate, but slows down by at least
+   ``decel``, and tau is the lag behind that.  Once commands of (0, 0) have acted for ``rest``, at the latest, it
+   stands and holds.  Everything is drawn from the seed, unless a choice is given. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -15,7 +16,8 @@
 #define SAME 1e-12 /* s: times nearer than this are one */
 #define NEAR_BY 8192
 
-typedef struct { double tau[2], gain[2], push, odometry, limits[2]; } axis_numbers; /* limits: of v, of -v */
+/* limits: of v, of -v; decel: 0 of a base of first order. */
+typedef struct { double tau[2], gain[2], push, odometry, limits[2], decel; } axis_numbers;
 typedef struct {
     double period, jitter, delay[2], losses, age, rest, nearing, error, free_age, leave, heard, hold;
     axis_numbers axes[2];
@@ -81,7 +83,7 @@ static double inside_by(const numbers *p, const axis_numbers *a, double v_0, dou
 
 static double roll_of(const numbers *p, const axis_numbers *a)
 {
-    return a->push > 0 ? a->push * (p->rest - covered(p->rest, a->tau[0])) : 0;
+    return a->push > 0 ? a->push * (p->rest - (a->decel > 0 ? 0 : covered(p->rest, a->tau[0]))) : 0;
 }
 
 /* Least speed away to which a command comes in the long run; V: limit of that side. */
@@ -128,6 +130,7 @@ typedef struct {
     int axis, side, base, driver, limits, noise, delays, losing, jitter, other; /* how the adversary chooses */
     double t, x[2], v[2], walls[2][2]; /* walls: places ahead and behind of which the base touches */
     double tau[2], gain[2], push[2], nearing[2], zero_since, brakes_after;
+    double ramped[2], rates[2][2]; /* of a base that slows down: where its ramp is, how fast it falls and rises */
     int touched[2][2], braked;
     double asked, across, away, leaves_late, stands_after, left_at; /* asked: away from the wall is below 0 */
     int left, turns_at, waiting, left_since;
@@ -145,20 +148,48 @@ typedef struct {
     sample samples[MOST];
 } drive;
 
-/* One axis over a piece of time in which nothing changes. */
-static void carried(drive *s, int i, double h, double u)
+/* Speed and place of one axis after a time in which nothing changes, and its ramp rises by ``rate`` (0: it stands). */
+static void later(const drive *s, int i, double h, double rate, double *v, double *x)
 {
-    double m = s->gain[i] * u + s->push[i], tau = s->tau[i], v = s->v[i], x = s->x[i];
-    double fades = -expm1(-h / tau), after = v + (m - v) * fades, far = x + m * h + (v - m) * tau * fades;
+    double tau = s->tau[i], m = s->ramped[i];
+    if (tau <= 0) {
+        *v = m + rate * h;
+        *x = s->x[i] + (m + rate * h / 2) * h;
+        return;
+    }
+    double m_0 = m - rate * tau, fades = -expm1(-h / tau), away = s->v[i] - m_0;
+    *v = s->v[i] + (m_0 - s->v[i]) * fades + rate * h;
+    *x = s->x[i] + m_0 * h + away * tau * fades + rate * h * h / 2;
+}
+
+/* The time at which a speed of one axis passes one that it has not yet. */
+static double reaches(const drive *s, int i, double h, double rate, double speed)
+{
+    double tau = s->tau[i], m = s->ramped[i], v, x, low = 0, high = h;
+    if (rate == 0 && tau > 0) return tau * log((s->v[i] - m) / (speed - m));
+    for (int k = 0; k < 60; ++k) {
+        double middle = (low + high) / 2;
+        later(s, i, middle, rate, &v, &x);
+        if ((v < speed) == (s->v[i] < speed)) low = middle;
+        else high = middle;
+    }
+    return high;
+}
+
+/* One axis over a piece of time in which nothing changes. */
+static void carried_on(drive *s, int i, double h, double rate)
+{
+    double v = s->v[i], x = s->x[i], after, far, at, speed_there;
+    later(s, i, h, rate, &after, &far);
     if (s->braked) { after = v = 0; far = x; }
-    double turns = v * after < 0 ? tau * log((v - m) / -m) : h; /* until it stands for a moment */
+    double turns = v * after < 0 ? reaches(s, i, h, rate, 0) : h; /* until it stands for a moment */
     for (int k = 0; k < 2; ++k) {
         double way = k ? -1 : 1, before = way * v, then = way * after, most = larger(before, then);
         double speed = i == 0 ? s->nearing[k] : 0, wall = s->walls[i][k];
         s->out->over = larger(s->out->over, most / s->p->axes[i].limits[k]);
         if (!s->touched[i][k] && most > 0) {
             double until = before > 0 ? turns : h;
-            double at = x + m * until - (v - m) * tau * expm1(-until / tau);
+            later(s, i, until, rate, &speed_there, &at);
             s->out->gap = smaller(s->out->gap, wall - speed * until - way * (s->braked ? x : at));
         }
         s->walls[i][k] = wall - speed * h;
@@ -166,13 +197,30 @@ static void carried(drive *s, int i, double h, double u)
         deadline *d = &s->due[i][k];
         if (s->t + h >= d->due) s->out->late = larger(s->out->late, (s->t >= d->due ? most : then) - d->limit);
         if (d->due < NEVER && d->before > d->limit && before > d->limit) {
-            double until = then > d->limit ? h : tau * log((v - m) / (way * d->limit - m));
+            double until = then > d->limit ? h : reaches(s, i, h, rate, way * d->limit);
             double promised = d->due - d->told + s->c->less * s->p->period;
             s->out->used = larger(s->out->used, (s->t + until - d->told) / promised);
         }
     }
     s->x[i] = far;
     s->v[i] = after;
+    s->ramped[i] = s->braked ? 0 : s->ramped[i] + rate * h;
+}
+
+/* The same until commands change, or the ramp of a base that slows down comes to its end or to 0. */
+static void carried(drive *s, int i, double h, double u)
+{
+    double m = s->gain[i] * u + s->push[i], r = s->ramped[i], rate = s->rates[i][m > r];
+    if (s->real->axes[i].decel <= 0 || s->braked || rate >= NEVER || fabs(m - r) < SAME) r = s->ramped[i] = m;
+    carried_on(s, i, h, r == m ? 0 : m > r ? rate : -rate);
+}
+
+/* Time until the ramp of a base that slows down comes to its end or to 0. */
+static double ramp_lasts(const drive *s, int i, double u)
+{
+    double m = s->gain[i] * u + s->push[i], r = s->ramped[i], rate = s->rates[i][m > r];
+    if (s->real->axes[i].decel <= 0 || s->braked || rate >= NEVER || fabs(m - r) < SAME) return NEVER;
+    return fabs((r * m < 0 && fabs(r) > SAME ? 0 : m) - r) / rate;
 }
 
 static void base_chooses(drive *s, int i, double u)
@@ -191,6 +239,14 @@ static void base_chooses(drive *s, int i, double u)
         s->tau[i] = a->tau[below(&s->seed, 2)];
         s->gain[i] = a->gain[below(&s->seed, 2)];
         s->push[i] = either(&s->seed, a->push);
+    }
+    if (a->decel <= 0) return;
+    for (int up = 0; up < 2; ++up) {
+        int slows = (s->ramped[i] > 0) != up, towards = (way > 0) == up;
+        if (s->base == GREEDY) s->rates[i][up] = towards ? NEVER : a->decel;
+        else if (s->base != DRAWN || s->rates[i][up] == 0)
+            s->rates[i][up] = below(&s->seed, 2) ? a->decel : slows ? uniform(&s->seed, 1, 5) * a->decel : NEVER;
+        if (slows) s->rates[i][up] = larger(s->rates[i][up], a->decel);
     }
 }
 
@@ -282,6 +338,7 @@ static void begins(drive *s)
         s->gain[i] = uniform(r, a->gain[0], a->gain[1]);
         s->push[i] = uniform(r, -a->push, a->push);
         s->v[i] = s->braked || c->far[1] > 0 ? 0 : uniform(r, -b->limits[1], b->limits[0]);
+        s->ramped[i] = s->v[i];
         s->acting[i] = -1;
         s->last_take[i] = s->last_heard[i] = -NEVER;
         for (int k = 0; k < 2; ++k) {
@@ -406,7 +463,7 @@ static void count_requests(drive *s, const wmr_filter_inputs *u, const double se
                 ++e->sent;
                 s->out->passed += e->refused;
                 int opened = e->refused && s->walls[i][m] < 1e9 && sent[1 - i] == 0 && a->push > 0;
-                if (opened && e->spent >= p->leave && hold < NEVER) {
+                if (a->decel <= 0 && opened && e->spent >= p->leave && hold < NEVER) {
                     s->owed = (s->c->trusts > 0 ? e->waited : (int)hold) - 1; /* trusts: as long as it waited */
                     s->owing[0] = i;
                     s->owing[1] = m;
@@ -432,6 +489,7 @@ static void count_waiting(drive *s, int k, int goes)
     int behind = s->side > 0 ? 1 : 0, last = k + 1 == (int)(s->c->seconds / p->period);
     double pull = pull_of(a, s->away, a->limits[behind]), place = s->side * s->x[s->axis];
     double most = (s->stands_after < NEVER ? s->stands_after : 0) + hold_of(p, a, pull) + 2;
+    if (a->decel > 0) return; /* it promises none */
     if (!(pull > 1e-9 && s->walls[s->axis][behind] + place > 5 && p->nearing == 0)) return;
     if (s->owed > 0) s->left_at = NEVER; /* until then the driver keeps to an earlier request */
     else if (s->left_at == NEVER) { s->left_at = place; s->left_since = k; }
@@ -538,8 +596,9 @@ static void moves(drive *s, int k, double dt)
         if (!s->braked) stop = smaller(stop, closes);
         for (int i = 0; i < 2; ++i) {
             base_chooses(s, i, u[i]);
-            carried(s, i, stop - s->t, u[i]);
+            stop = smaller(stop, s->t + ramp_lasts(s, i, u[i]));
         }
+        for (int i = 0; i < 2; ++i) carried(s, i, stop - s->t, u[i]);
         s->out->mean += fabs(s->v[s->axis]) * (stop - s->t);
         s->t = stop;
     }

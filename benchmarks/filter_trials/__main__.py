@@ -8,8 +8,9 @@ does not keep the curvature counts as a break.  Then each hypothesis is broken b
 least that can be: one loss, a lag), and the runs that leave the limit are counted: a statement
 whose hypotheses may be broken unnoticed would say nothing.
 
-Bases that are told limits and free ways while they drive have four tables of their own: drives
-within all bounds, beyond one of them, behind formulas that are wrong, and beside other rules.
+Bases that are told limits and free ways while they drive have tables of their own: drives within
+all bounds and beyond one of them, of the bases of a governor and of a clip, drives behind formulas
+that are wrong, and beside other rules.
 """
 
 from __future__ import annotations
@@ -26,7 +27,19 @@ from benchmarks.parts import page_parser, renew
 from .altered import ALTERED
 from .compiled import Statement
 from .statements import STATEMENTS, refusals
-from .stopping import FAMILIES, RULES, TEETH, Found, bitten, breaks, compared, drives
+from .stopping import (
+    FAMILIES,
+    RAMP_TEETH,
+    RAMPS,
+    RULES,
+    TEETH,
+    Found,
+    bitten,
+    bitten_ramps,
+    breaks,
+    compared,
+    drives,
+)
 
 TRIALS, BROKEN_TRIALS = 100_000, 2_000
 DRIVES, BITTEN, WRONG, RULED = 20_000, 500, 2_000, 400
@@ -56,6 +69,24 @@ def stops(name: str, share: int) -> list[str]:
         f"{len(found['gap']):,}", f"{1e3 * found['gap'].min():.3f} mm",
         f"{found['used'].max():.1%}", f"{waits:.0%}" if waits else "",
     ]  # fmt: skip
+
+
+def ramps(name: str, share: int) -> list[str]:
+    """Cells of a base that slows down, within its bounds; SystemExit if a drive breaks them."""
+    found = drives(RAMPS[name], DRIVES // share, 1)
+    for what, broken in breaks(found).items():
+        if broken.any():
+            raise SystemExit(f"{name}: {broken.sum()} drives {what}")
+    return [
+        f"{len(found['gap']):,}", f"{1e3 * found['gap'].min():.3f} mm", f"{found['over'].max():.9f}"
+    ]  # fmt: skip
+
+
+def ramp_shares(name: str, share: int) -> list[str]:
+    """Shares of drives of a base beyond one of its bounds that touch, or are too fast."""
+    found = bitten_ramps(name, BITTEN // min(share, 5), 1)
+    broken = breaks(found)
+    return [f"{np.mean(broken[what]):.1%}" for what in ("touch", "fast")]
 
 
 def shares(found: Found) -> list[str]:
@@ -105,6 +136,13 @@ TABLES: Mapping[str, Table] = {
     "stops-broken": Table(
         ("10 % beyond its bound", *TOUCHES),
         _by(lambda name, share: shares(bitten(name, BITTEN // min(share, 10), 1)), list(TEETH)),
+    ),
+    "ramps": Table(
+        ("base that slows down", "drives", "least gap", "largest \\|v\\|/V"),
+        _by(ramps, list(RAMPS)),
+    ),
+    "ramps-broken": Table(
+        ("10 % beyond its bound", "touch", "beyond a limit"), _by(ramp_shares, list(RAMP_TEETH))
     ),
     "stops-altered": Table(
         ("wrong formula", *TOUCHES),

@@ -1,4 +1,7 @@
-"""Bases behind a governor that is told limits and free ways: they stop in time, and can leave."""
+"""Bases behind a filter that is told limits and free ways: they stop in time, and can leave.
+
+A governor's bases are of first order; those of a clip slow down by at least ``decel`` (`RAMPS`).
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,8 @@ class Base:
     """Numbers of a base, of its wires and of what is told: bounds for a filter, or what is true.
 
     ``v`` and ``omega``: largest speed forwards and backwards, or to the left and to the right.
-    ``rest`` may be `NO_BRAKE`.
+    ``rest`` may be `NO_BRAKE`.  With ``decel`` the base slows down by at least that [m/s2, rad/s2]
+    behind a lag of ``tau``, else it is of first order.
     """
 
     period: float = 0.05
@@ -67,6 +71,7 @@ class Base:
     odometry: Pair = (0.02, 0.02)
     v: Pair = (1.0, 0.3)
     omega: Pair = (1.0, 1.0)
+    decel: Pair | None = None
 
     def scenario(self) -> Scenario:
         """A scenario whose filter is told these bounds."""
@@ -85,6 +90,8 @@ class Base:
         }  # fmt: skip
         own |= {"rest": self.rest} if math.isfinite(self.rest) else {}
         own |= {"odometry": self.odometry} if self.heard else {}
+        if self.decel:
+            own |= {"kind": "clip", "decel": self.decel, "tau": self.tau if any(self.tau) else None}
         return load_scenario("paper-simulation", keys | {f"filter.{k}": v for k, v in own.items()})
 
     @property
@@ -92,8 +99,9 @@ class Base:
         """``numbers`` of benchmarks/filter_drives.c."""
         times = self.period, self.jitter, *self.delay, self.losses, self.age, self.rest
         told = self.nearing, self.error, self.free_age, self.leave, self.heard, self.hold
-        sides = zip(self.push, self.odometry, (self.v, self.omega), strict=True)
-        axes = [(*self.tau, *self.gain, push, n, *limits) for push, n, limits in sides]
+        slows = self.decel or (0.0, 0.0)
+        sides = zip(self.push, self.odometry, (self.v, self.omega), slows, strict=True)
+        axes = [(*self.tau, *self.gain, push, n, *limits, a) for push, n, limits, a in sides]
         return np.array([*times, *told, *axes[0], *axes[1]], float)
 
 
@@ -168,8 +176,9 @@ MIXED: Sequence[tuple[float, Mapping[str, Any]]] = (
 def mixed(filtering: Drives, count: int, seed: int) -> Found:
     """Drives of all kinds behind one filter (`MIXED`)."""
     aged = {"missing": 0.3} if filtering.told.free_age else {}
+    aged |= {"limits": CONSTANT} if filtering.told.decel else {}  # a clip promises no time
     return _together(
-        filtering.run(round(share * count), seed + 10_000_000 * number, **aged, **chosen)
+        filtering.run(round(share * count), seed + 10_000_000 * number, **{**chosen, **aged})
         for number, (share, chosen) in enumerate(MIXED)
     )
 
@@ -224,6 +233,29 @@ FAMILIES: Mapping[str, Base] = {
 }  # fmt: skip
 """Bases within their bounds."""
 
+_SLOWS = Base(tau=(0.0, 0.0), decel=(1.0, 2.0), rest=1.5)
+RAMPS: Mapping[str, Base] = {
+    "0 to 30 ms late": replace(_SLOWS, delay=(0.0, 0.03)),
+    "quick, no push, no brake": replace(
+        _SLOWS, decel=(2.5, 5.0), push=(0.0, 0.0), rest=NO_BRAKE, leave=0),
+    "slow": replace(_SLOWS, decel=(0.5, 1.0), rest=2.5, delay=(0.05, 0.05)),
+    "0.1 to 0.15 s late": replace(_SLOWS, delay=(0.1, 0.15), v=(1.0, 1.0)),
+    "a lag of 0.02 to 0.2 s": replace(_SLOWS, tau=(0.02, 0.2), delay=(0.0, 0.03)),
+    "0.35 to 0.4 s late, jitter 10 %, a loss": replace(
+        _SLOWS, delay=(0.35, 0.4), jitter=0.1, losses=1),
+    "a lag, 0 to 0.2 s late, jitter 30 %, two losses": replace(
+        _SLOWS, tau=(0.05, 0.1), delay=(0.0, 0.2), jitter=0.3, losses=2),
+    "odometry 0.1 s old, distances 0.2 s": replace(
+        _SLOWS, delay=(0.05, 0.05), age=0.1, free_age=0.2),
+    "things come nearer at 0.3 m/s": replace(_SLOWS, delay=(0.05, 0.05), nearing=0.3, leave=0),
+    "push of 0.2 m/s, brake 0.4 s": replace(
+        _SLOWS, push=(0.2, 0.2), rest=0.4, delay=(0.05, 0.05)),
+    "gain 0.7 to 1.4": replace(_SLOWS, gain=(0.7, 1.4), delay=(0.1, 0.1)),
+    "turning": replace(
+        _SLOWS, v=(1.5, 1.5), omega=(1.5, 0.5), decel=(1.0, 1.0), delay=(0.05, 0.1)),
+}  # fmt: skip
+"""Bases that slow down by at least ``decel``, within their bounds."""
+
 PLAIN = Base(delay=(0.1, 0.1), leave=0)
 LATE = Base(delay=(0.1, 0.2), jitter=0.1, losses=1, leave=0)
 COMING, OLD, AGED = (
@@ -252,6 +284,23 @@ TEETH: Mapping[str, tuple[Base, Mapping[str, Any], Mapping[str, Any]]] = {
     "a period less than the time for a lowered limit": (PLAIN, {}, {"less": 1.0}),
 }
 """What is 10 % beyond its bound, or as it says: what is told, what is true, what is chosen."""
+SLOWS = replace(_SLOWS, delay=(0.1, 0.1), leave=0)
+RAMP_TEETH: Mapping[str, tuple[Base, Mapping[str, Any], Mapping[str, Any]]] = {
+    "deceleration": (SLOWS, {"decel": (0.9, 1.8)}, {}),
+    "lag": (replace(SLOWS, tau=(0.02, 0.2)), {"tau": (0.02, 0.22)}, {}),
+    "largest gain": (SLOWS, {"gain": (0.9, 1.21)}, {}),
+    "push": (SLOWS, {"push": (0.055, 0.055)}, {}),
+    "odometry, five times its error": (SLOWS, {"odometry": (0.1, 0.1)}, {}),
+    "distances": (SLOWS, {"error": 0.022}, {}),
+    "brake": (SLOWS, {"rest": 1.65}, {}),
+    "delay, later": (SLOWS, {"delay": (0.1, 0.11)}, {}),
+    "spread of the delay": (replace(SLOWS, delay=(0.1, 0.2)), {"delay": (0.1, 0.21)}, {}),
+    "a loss": (SLOWS, {"losses": 1}, {}),
+    "jitter of 10 %": (SLOWS, {"jitter": 0.1}, {}),
+    "things come nearer twice as fast": (replace(SLOWS, nearing=0.2), {"nearing": 0.4}, {}),
+    "distances older by a period": (replace(SLOWS, free_age=0.2), {"free_age": 0.25}, {}),
+}
+"""The same of bases that slow down."""
 HARD: Sequence[Mapping[str, Any]] = (
     {"driver": PRESS, "base": GREEDY, "limits": CONSTANT, "far": (0.5, 4.0)},
     {"driver": PRESS, "base": GREEDY, "limits": KEPT, "far": (0.0, 0.0)},
@@ -259,15 +308,41 @@ HARD: Sequence[Mapping[str, Any]] = (
       for kind in (TAPS, ONE_STEP, BACK, SLOWLY)),
 )  # fmt: skip
 """Drives that are hard on a filter: to a wall, with limits that fall, and away from a wall."""
+HARD_RAMPS: Sequence[Mapping[str, Any]] = (
+    *(
+        {"driver": kind, "far": (0.3, 3.0), "axis": 0}
+        for kind in (PRESS, ON_AND_OFF, TURN_BACK, TO_AND_FRO)
+    ),
+    *({"driver": kind, "near": True} for kind in (TAPS, BACK)),
+)
+"""The same of bases that slow down: also with a stop from full speed."""
 
 
 def bitten(name: str, count: int, seed: int) -> Found:
     """Drives of a base beyond one bound (`TEETH`), as many of each of `HARD`."""
-    told, wrong, chosen = TEETH[name]
+    return _bitten(*TEETH[name], HARD, count, seed)
+
+
+def bitten_ramps(name: str, count: int, seed: int) -> Found:
+    """The same of a base that slows down (`RAMP_TEETH`)."""
+    told, wrong, chosen = RAMP_TEETH[name]
+    return _bitten(
+        told, wrong, {**chosen, "base": GREEDY, "limits": CONSTANT}, HARD_RAMPS, count, seed
+    )
+
+
+def _bitten(
+    told: Base,
+    wrong: Mapping[str, Any],
+    chosen: Mapping[str, Any],
+    kinds: Sequence[Mapping[str, Any]],
+    count: int,
+    seed: int,
+) -> Found:
     filtering, real = Drives(told), replace(told, **wrong)
     return _together(
         filtering.run(count, seed + 1000 * k, real, **{**hard, **chosen})
-        for k, hard in enumerate(HARD)
+        for k, hard in enumerate(kinds)
     )
 
 

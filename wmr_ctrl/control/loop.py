@@ -48,6 +48,7 @@ from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.scenario import unknown_keys
 from wmr_ctrl.world.sight import WIDEST, free_ways
 from wmr_ctrl.world.speed_loop import EXERTED
+from wmr_ctrl.world.standstill import BRAKED, STANDSTILL
 
 from .controller import watched_controller, wheel_limit
 from .filter.channels import FREE, FREE_AGE
@@ -143,6 +144,11 @@ class Graphs:
         """Create the plant and the wirings of both rates, with the sensors, which are returned."""
         self.parameters = Parameters(setup)
         sample = Wiring(setup, self.parameters, Rate.SAMPLE, {})
+        if external_plant and STANDSTILL in setup.effects:
+            raise ArgumentError(
+                f"base.rest = {setup.scenario.base.rest:g}: a plant outside of the loop has no "
+                "brake that could hold it. Leave it out, or run the plant ode."
+            )
         sensors = sample.effects(EffectRole.SENSOR)
         self.rolling = rolling_of(sensors)
         rolling = self.rolling if external_plant else self.rolling[:1]
@@ -178,7 +184,11 @@ class Graphs:
         old = ca.vertcat(self.plant.u, self.plant.p, h)
         own, step = self.step.of(self.plant), self.parameters.take("clock.plant")
         new = ca.vertcat(self.acting, own, step)
-        return ca.vertcat(ca.substitute(moved, old, new), *self.step.following)
+        after, before = ca.substitute(moved, old, new), self.plant.x
+        if (braked := self.step.known.get(BRAKED.name)) is not None:
+            still = ca.vertcat(before[:3], 0, 0, before[5:])
+            after = ca.if_else(braked, still, after)
+        return ca.vertcat(after, *self.step.following)
 
     def _know_exerted(self, drives: list[System]) -> None:
         """Make the torques that the speed loop exerted before known to a sample.

@@ -38,6 +38,7 @@ from .speed_loop_first_order import FirstOrderGains, LoopGain
 from .speed_loop_pi import PiLoopGains
 from .speed_loop_second_order import SecondOrderGains
 from .speed_loops import SPEED_LOOP
+from .standstill import STANDSTILL, Standstill
 from .torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
 from .velocity_loss import VELOCITY_LOSS, VelocityLoss
 from .velocity_mean import VELOCITY_MEAN, VelocityMean
@@ -52,8 +53,8 @@ if TYPE_CHECKING:
 OURS = (
     ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, VELOCITY_LOSS, POSE_DELAY, POSE_SENSOR,
     TORQUE_NOISE_EFFECT, PUSH, GUST, SLOPE, RESISTANCE,
-    COMMAND_DELAY, COMMAND_LOSS, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT,
-    WHEEL_COMMANDS, COMMAND_RAMP, COMMAND_JERK, SPEED_LOOP,
+    COMMAND_DELAY, COMMAND_LOSS, COMMAND_QUANTUM, COMMAND_DEAD_BAND, STANDSTILL,
+    WHEEL_SPEED_LIMIT, WHEEL_COMMANDS, COMMAND_RAMP, COMMAND_JERK, SPEED_LOOP,
     DELAY, JITTER, MOTOR, LAG, WHEELS,
 )  # fmt: skip
 GROUP = "wmr_ctrl.effects"
@@ -85,8 +86,9 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
 
 
 class Base(
-    CommandJerk, CommandRamp, WheelCommands, WheelSpeedLimit, CommandDeadBand, CommandQuantum,
-    CommandLoss, CommandDelay, PiLoopGains, SecondOrderGains, LoopGain, FirstOrderGains, BaseKind,
+    CommandJerk, CommandRamp, WheelCommands, WheelSpeedLimit, Standstill, CommandDeadBand,
+    CommandQuantum, CommandLoss, CommandDelay, PiLoopGains, SecondOrderGains, LoopGain,
+    FirstOrderGains, BaseKind,
     key="base",
 ):  # fmt: skip
     """Input of the base: wheel torques, or velocities that its own speed loop follows.

@@ -2,7 +2,8 @@
 
 A computed number is any result of rounding each operation by at most 2^-53 of it (`rounded`), an
 exponential by at most 2^-49. V is the limit that the text aims at, the stated one less 2^-26: the
-speed stays within V (1 + 2^-28).
+speed stays within V (1 + 2^-28).  F is the free way from which on one limits no command: 2^-26 F is
+kept back of it.
 """
 
 import casadi as ca
@@ -11,9 +12,19 @@ from wmr_ctrl.control.filter import governor
 from wmr_ctrl.control.filter.channels import ROUNDING, Channel
 from wmr_ctrl.control.filter.governor import FirstOrder, drive, largest_command, relaxed
 from wmr_ctrl.control.filter.governor_step import contradiction
+from wmr_ctrl.control.filter.ways import Reached, Stop, farthest
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Number, Relations, above, at_least, between, when, within
+from wmr_proofs.relation import (
+    Number,
+    Relations,
+    above,
+    at_least,
+    between,
+    nonnegative,
+    when,
+    within,
+)
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -240,3 +251,83 @@ def agrees(mutation: Mutation) -> Statement:
     given = above(V), sizes, bounds
     computed = {"sum": s.above + s.below, "least": -contradiction(V)}
     return Statement(s, at_least(s.sum, s.least), given, computed=computed)
+
+
+@claim(
+    "filter.rounding.free.way",
+    given="v <= w + 2^-27 V, |w| and |m| <= 4 V; 0 <= A_least <= A <= A_most <= t, both computed "
+    "to within 2^-49; x <= m t + (v - m) A; operations rounded by at most 2^-53",
+)
+def way(mutation: Mutation) -> Statement:
+    """x <= farthest(w, m, t) + 1.25 2^-27 V t.
+
+    In a piece of time the base goes hardly farther than computed.
+    """
+    s = symbols("t A least most least_as most_as V v w m x far")
+    t, slack = s.t, 2 * SLACK * s.V
+    given = (
+        above(s.V), between(0, s.least, s.A), between(s.A, s.most, t), at_least(s.w + slack, s.v),
+        within(s.w, 4 * s.V), within(s.m, 4 * s.V), _computed(s.least_as, s.least),
+        _computed(s.most_as, s.most), at_least(s.m * t + (s.v - s.m) * s.A, s.x),
+    )  # fmt: skip
+    goal = at_least(s.far + mutation(1.25, 0.5) * slack * t, s.x)
+    computed = {"far": farthest(s.w, s.m, t, s.least_as, s.most_as)}
+    return Statement(s, goal, given, computed=computed)
+
+
+class Line(Stop[ca.SX]):
+    """A stop whose room, and s and r of whose line, are symbols."""
+
+    def room(self, free: ca.SX) -> ca.SX:
+        """The room itself."""
+        return free
+
+    def line(self, instant: ca.SX, tau: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Both of them."""
+        return instant, tau
+
+
+@claim(
+    "filter.rounding.free.line",
+    given="0 <= q <= 1, 0 <= A = tau q <= D, 0 <= A_B; q computed to within 2^-49; operations "
+    "rounded by at most 2^-53",
+)
+def line(mutation: Mutation) -> Statement:
+    """the computed s and r miss D - A + A_B q and A + A_B (1 - q) by at most 2^-46 (D + A_B).
+
+    The line by which a distance limits a command is computed well enough.
+    """
+    t = symbols("tau acts last at q fading minus s r")
+    D, A, none = t.acts + (t.last - t.at), t.tau * t.q, ca.SX(0)
+    s, r = Stop((t.tau, t.fading), none, None, t.acts, t.last, none).line(t.at, t.tau)
+    most = mutation(1, 2.0**-8) * 2.0**-46 * (D + t.fading)
+    given = (
+        above(t.tau), above(t.acts), at_least(t.last, t.at), at_least(t.fading),
+        between(0, t.q, 1), at_least(D, A), _computed(-t.minus, t.q),
+    )  # fmt: skip
+    exact = D - A + t.fading * t.q, A + t.fading * (1 - t.q)
+    goals = within(t.s - exact[0], most), within(t.r - exact[1], most)
+    cuts = {"minus": ca.expm1(-D / t.tau)}
+    return Statement(t, goals, given, cuts, computed={"s": s, "r": r})
+
+
+@claim(
+    "filter.rounding.free.command",
+    given="0 < s; 0 <= r, d, speed; way, r max(speed, d) <= F; |room| <= 4 F, all as computed; "
+    "0 <= u <= hi; operations rounded by at most 2^-53",
+)
+def command(mutation: Mutation) -> Statement:
+    """way + r max(speed, d) + (K_max u + d) s <= room + 2^-46 F.
+
+    A computed command keeps its line but for roundings.
+    """
+    t, none = symbols("F K push room s r way speed u hi"), ca.SX(0)
+    stop = Line((t.r, t.r), t.push, None, none, none, none)
+    made = (stop.steady(t.room, [Reached(t.s, t.way, t.speed)]) - t.push) / t.K
+    led, most = t.r * ca.fmax(t.speed, t.push), mutation(1, 2.0**-10) * 2.0**-46 * t.F
+    given = (
+        above(t.K), above(t.s), nonnegative(t.r, t.push, t.way, t.speed), at_least(t.F, t.way),
+        at_least(t.F, led), within(t.room, 4 * t.F), between(0, t.u, t.hi),
+    )  # fmt: skip
+    need = t.way + led + (t.K * t.u + t.push) * t.s
+    return Statement(t, at_least(t.room + most, need), given, computed={"hi": made})

@@ -27,7 +27,7 @@ class Lowered(Named):
     """Symbols of a command that takes over at v <= v_bar while a limit V is in force."""
 
     def __init__(self, mutation: Mutation) -> None:
-        self.symbols = symbols(f"{NUMBERS} kappa_2 u v v_bar mean E e1 e2 v_other", NUMBERS)
+        self.symbols = symbols(f"{NUMBERS} kappa_2 u v v_bar mean E e1 e2", NUMBERS)
         self.bounds = FirstOrder(**{name: self[name] for name in NUMBERS.split()})
         e1, e2, E = self.e1, self.e2, self.E
         ratios = equal(self.kappa * (1 - e1), e1), equal(self.kappa_2 * (1 - e2), e2)
@@ -39,10 +39,9 @@ class Lowered(Named):
         self.hi = told_command(self.V, self.v_bar, self.bounds, self.kappa_2)
         self.end = E * self.v + (1 - E) * self.mean
 
-    def stopped(self, share: ca.SX, v: ca.SX | None = None) -> ca.SX:
-        """Largest of V and of what a stop leaves of a bound of the speed."""
-        start = self.v_bar if v is None else v
-        return ca.fmax(self.V, self.dbar + share * (start - self.dbar))
+    def stopped(self, share: ca.SX) -> ca.SX:
+        """Largest of V and of what a stop leaves of the bound of the speed."""
+        return ca.fmax(self.V, self.dbar + share * (self.v_bar - self.dbar))
 
 
 @claim("filter.limits.enters", given=f"{LOWERED}; V < v_bar, u <= hi, mean <= drive(u)")
@@ -78,37 +77,6 @@ def no_larger(mutation: Mutation) -> Statement:
     sent = above(a.u, mutation(1, 0.99) * a.hi), above(a.V, a.dbar), at_least(a.v_bar, a.V)
     end = a.e2 * a.v_bar + (1 - a.e2) * (a.K_max * a.u + a.dbar)
     return a.states(above(end, a.stopped(a.e2)), given=(a.given, sent))
-
-
-@claim("filter.limits.compose", given="0 <= E <= 1; v_bar <= v_other")
-def compose(mutation: Mutation) -> Statement:
-    """max(V, d + E (v_bar - d)) <= max(V, d + E (v_other - d)).
-
-    What a stop leaves rises with the bound, so that the steps of a stop may be put together.
-    """
-    a = Lowered(Mutation(1))
-    larger = at_least(a.v_other + mutation(0, 1), a.v_bar)
-    goal = at_least(a.stopped(a.E, a.v_other), a.stopped(a.E))
-    return a.states(goal, given=(between(0, a.E, 1), larger))
-
-
-@claim(
-    "filter.limits.spacing",
-    given="delays within [dl, dh]; t_f + dl <= s_f <= t_f + dh, t_g + dl <= s_g <= t_g + dh, "
-    "t_g - t_f >= w",
-)
-def spacing(mutation: Mutation) -> Statement:
-    """s_g - s_f >= w - (dh - dl).
-
-    Any i commands at once act for at least i periods less jitter and the delay's variation.
-    """
-    t = symbols("dl dh t_f t_g s_f s_g w")
-    ends = (
-        between(t.t_f + t.dl, t.s_f, t.t_f + mutation(1, 1.01) * t.dh),
-        between(t.t_g + t.dl, t.s_g, t.t_g + t.dh), between(0, t.dl, t.dh),
-        at_least(t.t_g - t.t_f, t.w),
-    )  # fmt: skip
-    return Statement(t, at_least(t.s_g - t.s_f, t.w - (t.dh - t.dl)), ends)
 
 
 @claim("filter.free.brake", given="v <= v_bar; afterwards the speed is v, or 0")
@@ -223,43 +191,6 @@ def necessary(mutation: Mutation) -> Statement:
     beyond = above(a.m, mutation(1, 0.99) * a.most(Mutation(1)))
     goal = above(ca.fmax(a.needed(0, a.m), a.needed(1, a.m)), a.free)
     return a.states(goal, given=(a.given, beyond, at_least(a.m, a.push), above(a.free)))
-
-
-@claim(
-    "filter.free.seen",
-    given="told <= D + error, 0 <= age; driven <= most age since then, D_now >= D - driven - "
-    "nearing age",
-)
-def seen(mutation: Mutation) -> Statement:
-    """told - error - (most + nearing) age <= D_now.
-
-    What was told some time ago, less the most that was driven since, is still free.
-    """
-    t = symbols("told D D_now error age driven most nearing")
-    given = (
-        at_least(t.D + t.error, t.told), nonnegative(t.age, t.nearing),
-        at_least(mutation(1, 1.01) * t.most * t.age, t.driven), at_least(t.most),
-        at_least(t.D_now, t.D - t.driven - t.nearing * t.age),
-    )  # fmt: skip
-    now = t.told - t.error - (t.most + t.nearing) * t.age
-    return Statement(t, at_least(t.D_now, now), given)
-
-
-@claim(
-    "filter.free.approach",
-    given="0 <= x_1 <= x_2, 0 <= t_1 <= t_2, 0 <= nearing; x_2 + nearing t_2 <= free",
-)
-def approach(mutation: Mutation) -> Statement:
-    """x_1 + nearing t_1 <= free.
-
-    If what comes nearer is not touched at rest, it is not touched before.
-    """
-    t = symbols("x_1 x_2 t_1 t_2 nearing free")
-    given = (
-        between(0, t.x_1, t.x_2), between(0, t.t_1, mutation(1, 1.01) * t.t_2),
-        at_least(t.nearing), at_least(t.free, t.x_2 + t.nearing * t.t_2),
-    )  # fmt: skip
-    return Statement(t, at_least(t.free, t.x_1 + t.nearing * t.t_1), given)
 
 
 def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[ca.SX], list[Relations]]:

@@ -123,4 +123,4 @@ def test_the_window_of_a_stop_is_the_way_of_a_push():
     assert turned == pytest.approx(0.05 * (0.03 + 0.05 + 1.0) + leaving(SCENARIO).roll)
     assert held == pytest.approx(turned + 0.05 * (19 * 0.05 + 0.2))
     ramps = override(SCENARIO, {**RAMPS, "filter.leave": 0})
-    assert smallest_window(ramps)[0] == pytest.approx(0.05 * 1.08 + 0.05**2 / 4)
+    assert smallest_window(ramps)[0] == pytest.approx(0.05 * 1.08)

@@ -57,10 +57,12 @@ def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
         v, omega = (sum(pair) for pair in zip(bound.command, bound.dropped, strict=True))
         bound = replace(bound, command=(v, omega))
     sentences = [*_of_every_filter(scenario, bound)]
-    if scenario.filter.is_told and scenario.filter.rest is not None and any(bound.dbar):
+    stated, own = scenario.filter.rest, scenario.base.rest
+    if stated is not None and any(bound.dbar) and own > stated * (1 + ROUNDING):
         sentences.append(
-            "filter.rest says that the base stands and holds, and the base of this run has no "
-            "brake: a push drives it on. Take out what pushes (disturbances, slopes)."
+            f"filter.rest = {stated:g} s says that the base stands and holds, and base.rest = "
+            f"{own:g} is longer: a push drives it on. State base.rest, of at most filter.rest, or "
+            "take out what pushes (disturbances, slopes)."
         )
     if scenario.filter.kind == "governor":
         sentences += _of_the_governor(scenario, bound)
@@ -187,6 +189,11 @@ def _of_swinging_loop(scenario: Scenario, axis: int) -> Iterator[str]:
             f"initial.velocity = [{start[0]:g}, {start[1]:g}]: a filter for loops that overshoot "
             "counts on a base at rest at the start, since it does not know what drove it before. "
             "Set it to [0, 0]."
+        )
+    if scenario.base.rest < math.inf:
+        yield (
+            f"base.rest = {scenario.base.rest:g}: a base that stands at once does not do what its "
+            "loop would, on which a filter for loops that overshoot counts. Leave it out."
         )
     yield from _of_weak_motors(scenario)
 
@@ -350,11 +357,12 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
 def _of_slow_stops(scenario: Scenario, bound: Bound) -> Iterator[str]:
     """Objections to a base that slows down later or less than a clip that stops relies on."""
     stated, base = scenario.filter, scenario.base
-    for axis, (least, own) in enumerate(zip(stated.decel or (), base.decel, strict=False), 1):
-        if own * (1 + ROUNDING) < least:
+    rates = zip(stated.decel or (), base.decel, base.gain, strict=False)
+    for axis, (least, rate, gain) in enumerate(rates, 1):
+        if (slows := rate * gain) * (1 + ROUNDING) < least:
             yield (
-                f"base.decel[{axis}] = {own:g} is less than filter.decel[{axis}] = {least:g}. "
-                "Lower the latter to it."
+                f"The base slows down by base.decel[{axis}] times base.gain[{axis}] = {slows:g}, "
+                f"less than filter.decel[{axis}] = {least:g}. Lower the latter to it."
             )
     for axis, lag in enumerate(base.tau):
         most = 0.0 if stated.tau is None else stated.intervals("tau")[axis][1]

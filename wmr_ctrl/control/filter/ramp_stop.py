@@ -1,13 +1,14 @@
 """Clip that stops before what is in the way, on a base that never passes its command.
 
-The base slows down by at least A (`filter.decel`) towards a smaller command, behind a delay and a
-lag of at most tau.  A command u that acts for at most H, then 0, takes it no farther than
+The base slows down by at least A (`filter.decel`) towards K u + d, behind a delay and a lag of at
+most tau, and stands B after 0 took effect.  A command u that acts for at most H, then 0, takes it
+no farther than
 
-    way = m h + m^2/(2 A) + d B,        m = max(v_bar, K_max u + d),  h = last delay + H + tau
+    way = (d + w) h + w^2/(2 A) + d B,  w = max(v_bar, K_max u + d) - d,  h = last delay + H + tau
 
 with v_bar the bound of its speed by odometry and by all commands under way, so that a command
-passes where m <= A (sqrt(h^2 + 2 (free - d B)/A) - h) (`filter.free.ramp`).  From standstill it is
-driven away where one release, which rolls d B, ends within the free way.
+passes where w <= A (sqrt(h^2 + 2 (free - d h - d B)/A) - h) (`filter.free.ramp`).  From standstill
+it is driven away where one release, which rolls d B, ends within the free way.
 """
 
 from functools import cached_property, reduce
@@ -43,7 +44,7 @@ from .stopping import TRACE
 
 
 def stopping_speed(room: ca.SX, h: ca.SX, A: ca.SX) -> ca.SX:
-    """Largest speed m for which m h + m^2/(2 A) is within ``room``."""
+    """Largest speed w for which w h + w^2/(2 A) is within ``room``."""
     return A * (ca.sqrt(h * h + 2 * ca.fmax(room, 0) / A) - h)
 
 
@@ -86,10 +87,9 @@ class RampStopper(Clip, Watching):
         return each_side(self._fastest)
 
     def _fastest(self, place: int, axis: int) -> ca.SX:
-        b = self.channels[axis].sides[place]
+        b, known = self.channels[axis].sides[place], self.most_before[0].sym[2 * place + axis]
         seen = ca.if_else(self.seen, WAYS[place] * self.odometry.sym[axis] + b.nbar, b.V)
-        known = ca.if_else(self.held_before[0].sym, 0, seen)
-        bound = largest([known, *self._targets(place, axis)])
+        bound = ca.fmin(known, largest([seen, *self._targets(place, axis)]))
         return ca.if_else(self.punctual, ca.fmin(bound, b.V), b.V)
 
     def far(self, place: int, axis: int) -> ca.SX:
@@ -118,10 +118,11 @@ class RampStopper(Clip, Watching):
         return each_side(self._stopping)
 
     def _stopping(self, place: int, axis: int) -> ca.SX:
-        b, room = self.channels[axis].sides[place], self.free_now[place][axis] - self._kept(axis)
-        most = stopping_speed(room, self.reaction[axis], self.decel[axis])
-        slow = ca.fmax(self.fastest[place][axis], b.dbar) <= most
-        return ca.if_else(ca.logic_and(room >= 0, slow), (most - b.dbar) / b.K_max, -1)
+        b, h = self.channels[axis].sides[place], self.reaction[axis]
+        room = self.free_now[place][axis] - self._kept(axis) - b.dbar * h
+        most = stopping_speed(room, h, self.decel[axis])
+        slow = self.fastest[place][axis] - b.dbar <= most
+        return ca.if_else(ca.logic_and(room >= 0, slow), most / b.K_max, -1)
 
     @cached_property
     def offered(self) -> ca.SX:
@@ -144,7 +145,8 @@ class RampStopper(Clip, Watching):
         stands = self.held_before[0].sym
         leaves = [ca.logic_and(stands, self.free_now[place][axis] >= enough), b.dbar == 0]
         if not self.scenario.filter.nearing:
-            leaves.append(way * self.before[0].sym[axis] < 0)
+            went = way * self.before[0].sym[axis] < 0
+            leaves.append(ca.logic_and(went, self.fastest[place][axis] <= 0))
         passes = ca.logic_and(away, reduce(ca.logic_or, leaves))
         return ca.logic_or(self.stopping[place][axis] >= 0, passes)
 

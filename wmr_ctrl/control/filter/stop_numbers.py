@@ -56,7 +56,8 @@ def stopping(scenario: Scenario, speed: float) -> Stopping:
     settings, error = scenario.filter, scenario.filter.free_error or 0.0
     if settings.decel is not None and settings.kind == "clip":
         reaction, rest = _reaction(scenario, 0), settings.rest or 0.0
-        delay, brake = speed * reaction, speed * speed / (2 * settings.decel[0])
+        delay, slowed = speed * reaction, max(speed - settings.d[0], 0.0)
+        brake = slowed * slowed / (2 * settings.decel[0])
         nears = reaction + scenario.limits.v_max[0] / settings.decel[0] + rest
         push = (1 + settings.leave) * settings.d[0] * rest + settings.nearing * nears
     else:
@@ -139,8 +140,7 @@ def smallest_window(scenario: Scenario) -> Pair:
     settings, T = scenario.filter, scenario.clock.control
     if settings.kind == "clip" and settings.decel is not None:
         d, rest = settings.d[1], settings.rest or 0.0
-        turned = d * (_reaction(scenario, 1) + rest + d / (2 * settings.decel[1]))
-        turned *= 1 + settings.leave
+        turned = d * (_reaction(scenario, 1) + rest) + settings.leave * d * rest
         return turned, turned
     (straight, plan), (stop, _) = (stop_of(scenario, axis) for axis in (0, 1))
     turned = stop.push * stop.time + settings.leave * stop.roll

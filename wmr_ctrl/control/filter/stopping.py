@@ -33,6 +33,7 @@ from .channels import (
     AXES,
     NEAR_BY,
     NO_DISTANCE,
+    ROUNDING,
     SLOWING,
     WAYS,
     ends_of,
@@ -344,8 +345,10 @@ class StoppingGovernor(Watching, Governor):
         motion, targets = self.onward[place][axis], self._targets(WAYS[place], axis, self.safe)
         latest = (1 + motion.schedule.jitter) * self.T
         gone = motion.until_next(self.start[place][axis], targets)
-        gone = ca.if_else(self.trusted, gone, motion.bounds.V * latest)
-        return self.free_now[place][axis] - gone - self.stops[axis].nearing * latest
+        V, nears = motion.bounds.V, self.stops[axis].nearing * latest
+        kept = ROUNDING * (V * latest + 4 * ROUNDING * self.far(place, axis))
+        gone = ca.if_else(self.trusted, gone, V * latest) + kept
+        return self.free_now[place][axis] - gone - nears
 
     @cached_property
     def waiting(self) -> list[ca.SX]:

@@ -224,7 +224,8 @@ def _still(scenario: Scenario, period: float, times: Mapping[str, float]) -> Sce
     """The scenario at a control period [s], with constant, punctual drives and guard off."""
     none = ("actuator.delay", "actuator.unmodelled_delay", "actuator.jitter", "actuator.lag_spread")
     changed: dict[str, object] = {**dict.fromkeys((*none, "sensor.pose_dropout"), 0.0), **times}
-    clock, changed["guard.enabled"] = scenario.clock, False
+    changed |= {"guard.enabled": False, "base.rest": math.inf}
+    clock = scenario.clock
     if period != clock.control:
         changed |= {"clock.control": period, "clock.plant": period / steps_in(period, clock.plant)}
         changed["clock.duration"] = period * math.ceil(clock.duration / period)

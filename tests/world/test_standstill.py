@@ -1,0 +1,92 @@
+"""Standstill control: a base without commands stands, whatever pushes, until another one comes."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from tests.world.motion import based
+from tests.world.test_world_structures import bits
+from wmr_ctrl import ArgumentError, ScenarioError, simulate
+from wmr_ctrl.codegen.build import build_batch, build_loop
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.simulation.engines import run_numpy, runnable, runnable_of
+from wmr_ctrl.simulation.memory import Task, vector_sets
+from wmr_ctrl.world.model.evaluate import evaluated
+from wmr_ctrl.world.scenario import override
+from wmr_ctrl.world.standstill import STANDSTILL
+
+PUSHED = {
+    "disturbance": {"push": [3.0, 0.0]}, "world.wall": [[1.0, -2.0], [1.0, 2.0]],
+    "body.radius": 0.2, "reference": {"kind": "line", "speed": 0.4}, "clock.duration": 6.0,
+    "initial.pose": [0.0, 0.0, -np.pi / 2], "robot.mu": 0.0,
+    "filter": {
+        "kind": "governor", "tau": [0.2, 0.2], "d": [0.05, 0.05], "rest": 0.5, "free_error": 0.0,
+    },
+}  # fmt: skip
+
+
+def pushed(**base):
+    return override(based(**base), PUSHED)
+
+
+def braked(scenario, commands):
+    """Whether the base is held, for a command in each plant step."""
+    system = STANDSTILL.system(scenario)
+    step = system.function("act", [ca.densify(system.update), ca.densify(system.d)])
+    state, found = np.array(system.x0), []
+    for command in commands:
+        state, held = evaluated(step, list(command), state, system.p0)
+        found.append(bool(held.item()))
+    return found
+
+
+def test_it_holds_after_its_time_without_commands_and_until_another_one():
+    commands = [(0.1, 0.0)] * 3 + [(0.0, 0.0)] * 30 + [(0.0, -1e-9)] * 2 + [(0.0, 0.0)] * 21
+
+    wanted = [False] * 23 + [True] * 10 + [False] * 22 + [True]
+    assert braked(based(rest=0.02), commands) == wanted
+    assert braked(based(rest=0.0), commands) == [c == (0.0, 0.0) for c in commands]
+
+
+def test_nothing_moves_a_base_that_stands():
+    held = simulate(pushed(rest=0.5), "kanayama")
+    rolls = simulate(override(pushed(), {"filter.trust": True}), "kanayama")
+
+    assert (held["v1"][-20:] == 0.0).all()
+    assert len(np.unique(held["x"][-20:])) == 1
+    assert np.abs(held["v1"]).max() > 0.3
+    assert 0 < 0.8 - held["x"][-1] < 0.1
+    assert rolls["x"][-1] > 0.8
+
+
+def test_every_engine_holds_it_alike():
+    setup = settle(override(pushed(rest=0.5), {"disturbance.std": 0.02}), "kanayama")
+    single, lanes = (
+        runnable_of(built, setup) for built in (build_loop(setup, watched=True), build_batch(setup))
+    )
+    alone = [bits([Task(single, seed)])[0] for seed in range(2)]
+
+    for item in vector_sets(lanes.compiled.library):
+        tasks = [Task(lanes, seed, vectors=item.name) for seed in range(item.lanes)]
+        assert bits(tasks)[:2] == alone
+    compiled = simulate(setup.scenario, "kanayama")
+    assert run_numpy(setup.scenario, "kanayama", 0)["x"] == pytest.approx(compiled["x"], abs=1e-9)
+
+
+def test_a_plant_outside_of_the_loop_is_refused():
+    with pytest.raises(ArgumentError, match=r"base\.rest = 0\.5: a plant outside"):
+        runnable(pushed(rest=0.5), "kanayama", "mujoco")
+
+
+@pytest.mark.parametrize("base, filtered, words", [
+    ({}, {}, "base.rest = inf is longer"), ({"rest": 0.6}, {}, "base.rest = 0.6 is longer"),
+    ({"rest": 0.5}, {"free_error": None, "rest": None}, "filter.rest does not say when"),
+    ({"rest": 0.5, "loop": "second-order"},
+     {"kind": "clip", "loop": "second-order", "damping": [0.9, 1.1], "rest": None,
+      "free_error": None}, "base.rest = 0.5: a base that stands at once"),
+])  # fmt: skip
+def test_a_filter_has_to_be_told(base, filtered, words):
+    scenario = pushed(**base)
+    settle(override(pushed(rest=0.5), {"disturbance.push": [0.0, 0.0]}), "kanayama")
+    with pytest.raises(ScenarioError, match=words):
+        settle(override(scenario, {f"filter.{k}": v for k, v in filtered.items()}), "kanayama")
