@@ -35,6 +35,20 @@ def test_check_tells_stops_and_what_they_cost(wmr, cart):
     assert "from 1 to 0.9:" in flat(lines)
 
 
+def test_check_tells_how_a_base_leaves(wmr, cart):
+    pushed = (
+        f"check {cart} --law kanayama --only filter --set filter.d=[0.05,0.05] --set filter.rest=1"
+    )
+
+    def lines(more):
+        return " ".join(wmr(f"{pushed} {more}").stdout.split())
+
+    assert "hold a command of at least 0.0556 m/s away" in lines("")
+    only = "only if that is farther away than 50 mm"
+    assert f"{only}, which it may roll" in lines("--set filter.nearing=0.2 --set filter.leave=0")
+    assert "a clip does not count" in lines("--set filter.kind=clip --set filter.decel=[1,2]")
+
+
 def test_a_filter_that_is_told_nothing_has_no_such_numbers(wmr):
     told = json.loads(wmr("check turtlebot3-burger --law kanayama --json").stdout)
     assert (told["stopping"], told["stopping_costs"]) == (None, None)

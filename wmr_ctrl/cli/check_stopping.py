@@ -80,7 +80,15 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
             f"a push turns it by up to {turned:.3g} rad during a stop: state at least as much free "
             f"turning (`look` of the ROS 2 node), {held:.3g} rad to leave"
         )
-    if not any(case.filter.d) or case.filter.nearing:
+    settings = case.filter
+    if settings.kind == "clip" or settings.nearing:
+        why = "filter.nearing uses up" if settings.nearing else "a clip does not count"
+        rolls = length(settings.d[0] * (settings.rest or 0.0))
+        yield (
+            f"it leaves what is near only if that is farther away than {rolls}, which it may roll "
+            f"when a command is let go: {why} what a held command gains"
+        )
+    if not any(settings.d) or settings.nearing:
         return
     ahead, behind = leaving(case, -1), leaving(case, 1)
     apart = (ahead, "what is ahead"), (behind, "what is behind")
@@ -90,7 +98,7 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
         if own.least is None:
             yield (
                 f"it can never leave {words} by commands: the limit away from it is too small for "
-                f"filter.d = {case.filter.d[0]:g} m/s and filter.gain"
+                f"filter.d = {settings.d[0]:g} m/s and filter.gain"
             )
         else:
             yield (
