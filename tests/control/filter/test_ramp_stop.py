@@ -4,9 +4,11 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from benchmarks.filter_trials.stopping import RAMP_TEETH, RAMPS, bitten_ramps, breaks, drives
 from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter import filter_system
 from wmr_ctrl.control.filter.ramp_stop import stopping_speed
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 
 BASE = {
@@ -97,6 +99,43 @@ def test_it_stops_without_distances_and_leaves_with_one():
         blind = clip.step((-0.3, 0.0), measured=(0.0, 0.0), dt=T)
     assert blind.command == (0.0, 0.0)
     assert "no-distance" in blind.flags
+
+
+@pytest.mark.parametrize("name", RAMPS)
+@pytest.mark.slow_but("0.1 to 0.15 s late")
+def test_drives_do_not_touch(name):
+    found = drives(RAMPS[name], 300, 4)
+    assert {what: int(item.sum()) for what, item in breaks(found).items() if item.any()} == {}
+    assert found["gap"].min() < 0.02
+
+
+@pytest.mark.parametrize("name", RAMP_TEETH)
+@pytest.mark.slow_but("deceleration")
+def test_a_bound_that_does_not_hold_is_seen(name):
+    assert (bitten_ramps(name, 300, 5)["gap"] < 0).any()
+
+
+def test_it_goes_on_leaving_only_from_standstill():
+    """A command away that follows a tiny one, sent while a push drives the base, is refused."""
+    told = {"measured": (-0.05, 0.0), "turn": (9.0, 9.0), "dt": T}
+    clip = command_filter(load_scenario("paper-simulation", {**BASE, "filter.rest": 1.5}))
+    for _ in range(12):
+        clip.step((1e-3, 0.0), free=(3.0, 0.12), **told)
+    moving = clip.step((1.0, 0.0), free=(3.0, 0.09), **told)
+    assert moving.command == (0.0, 0.0)
+
+    for _ in range(120):
+        clip.step((0.0, 0.0), free=(3.0, 0.12), **told)
+    resting = [clip.step((1.0, 0.0), free=(3.0, 0.099), **told).command[0] for _ in range(5)]
+    assert min(resting) > 0.3
+
+
+def test_a_base_of_a_run_that_slows_down_less_is_named():
+    run = {**BASE, "base.decel": [1.0, 2.0], "base.gain": [0.9, 1.0], "base.delay": 0.1,
+           "filter.tau": [0.1, 0.2], "disturbance.std": 0.0, "robot.mu": 0.0}  # fmt: skip
+    with pytest.raises(ScenarioError, match=r"base\.gain\[1\] = 0\.9, less than filter\.decel"):
+        settle(load_scenario("paper-simulation", run), "kanayama")
+    settle(load_scenario("paper-simulation", {**run, "filter.decel": [0.9, 2.0]}), "kanayama")
 
 
 @pytest.mark.parametrize("stated, key", [
