@@ -1,4 +1,4 @@
-"""The command line, called in this process and as a program of its own."""
+"""The command line, called in this process and as a separate program."""
 
 import math
 import os
@@ -36,7 +36,7 @@ def wmr(monkeypatch):
 
     It takes a command line, or words.
 
-    How long a job takes is not told on stderr, which would hang on what else the machine does.
+    How long a job takes is not told on stderr, since it depends on the machine's load.
     """
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.setattr(console, "FIRST", math.inf)
@@ -67,7 +67,7 @@ def environment():
 
 @pytest.fixture(scope="session")
 def program_line():
-    """Words that start `wmr-ctrl` as a process of its own."""
+    """Words that start `wmr-ctrl` as a separate process."""
     return PROGRAM
 
 

@@ -58,7 +58,7 @@ def outputs(metavar):
 
 @pytest.fixture
 def place(tmp_path, monkeypatch, short_run):
-    """An empty folder, now the working one, with a scenario on a path of its own, plan and log."""
+    """The working folder, with a scenario that reads a path, a plan and a log."""
     monkeypatch.chdir(tmp_path)
     Path("path.csv").write_text("x,y\n0,0\n1,0\n2,1\n")
     Path("robot.toml").write_text(HEAD + '[reference]\nkind = "waypoints"\nfile = "path.csv"\n')

@@ -17,7 +17,7 @@ BRIEF = {"clock.duration": 1.0, "changes": []}
 
 @pytest.fixture(autouse=True)
 def forgotten(monkeypatch, tmp_path):
-    """Laws that a test hands over are forgotten after it; it works in a folder of its own."""
+    """Forget laws that a test hands over; give each test an empty folder."""
     monkeypatch.setattr(LAWS, "given", {})
     monkeypatch.setattr(LAWS, "files", {})
     monkeypatch.chdir(tmp_path)

@@ -85,7 +85,7 @@ def test_laws(wmr):
 
 
 def test_every_objection_and_remark_has_a_remedy():
-    """But for those of a law's own gains, and for remarks that only narrow a promise."""
+    """Except those of a law's own gains, and remarks that only narrow a promise."""
     objections = Path(checks.__file__).parent.glob("*.py")
     literal = (
         re.findall(r"[ (]Warning\(\s*\"([a-z._A-Z]+)\"", file.read_text()) for file in objections

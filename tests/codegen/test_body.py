@@ -1,4 +1,4 @@
-"""Choices that hang on each other: branches compute what they need, in an order that has it."""
+"""Choices that depend on each other: branches compute what they need, in a valid order."""
 
 import casadi as ca
 import numpy as np

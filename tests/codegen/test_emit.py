@@ -1,4 +1,4 @@
-"""The emitter on graphs of its own: random ones, loops, branches; to the bit what they say."""
+"""The emitter on random graphs, loops and branches: the bits of their instructions."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The project as users get it: built once, installed into an environment of its own."""
+"""The project as users get it: built once, installed into a separate environment."""
 
 from __future__ import annotations
 

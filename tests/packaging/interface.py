@@ -137,7 +137,7 @@ def _headers():
 
 
 def _variables():
-    """Variables of FMUs, but for the elements that only a vector's size tells."""
+    """Variables of FMUs, except elements that follow from a vector's size."""
     case = load_scenario("safe-simulation")
     setup = settle(case, "nn")
     models = plant_model(case), reference_model(case), law_model(setup), guard_model(setup)

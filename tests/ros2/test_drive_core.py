@@ -57,7 +57,7 @@ def world(built):
 
 
 class World:
-    """A base that does at once what it is told, its odometry, and two clocks."""
+    """A base that follows its command at once, its odometry, and two clocks."""
 
     def __init__(self, core, pose=(0.0, 0.0, 0.0), simulated=False):
         self.core, self.pose, self.simulated = core, list(pose), simulated

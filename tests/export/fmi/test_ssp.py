@@ -108,7 +108,7 @@ class Package:
         return step_together(self.parts(), self.wires(), shown, steps, folder)
 
     def by(self, script):
-        """Rows that a script prints, in a process of its own: these libraries write to stdout."""
+        """Rows that a script prints in a separate process: these libraries write to stdout."""
         clock = self.scenario.clock
         plan = {"package": str(self.path), "steps": clock.samples, "h": clock.control, "set": SET,
                 "shown": self.shown()}  # fmt: skip

@@ -198,7 +198,7 @@ def test_connected_ports_have_one_unit(text):
 
 
 def test_a_law_is_computed_as_far_as_it_is_asked_for(text):
-    """Roots and logarithms of what a choice throws away are not taken: they stand in branches."""
+    """Roots and logarithms of the side that is not chosen are in branches, not evaluated."""
     body = re.search(r"function mb .*?end mb;", text, flags=re.S)[0]
     before = body.partition("\n      if ")[0]
     assert "log" in body

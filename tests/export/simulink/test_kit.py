@@ -33,7 +33,7 @@ STRICT = ("-Wall", "-Wextra", "-Werror", "-O1", "-ffp-contract=off")
 
 
 def written(folder, law, scenario=SCENARIO, asked=None):
-    """The kit, and vectors and a dialog of the scenario ``asked`` or of its own."""
+    """Write the kit, with vectors and a dialog of ``asked``, else of the same scenario."""
     for name, text in kit_files(law, scenario).items():
         (folder / name).write_text(text, "utf-8")
     asked = asked or scenario
@@ -51,7 +51,7 @@ def written(folder, law, scenario=SCENARIO, asked=None):
 
 
 def tuned(law, scenario):
-    """The law's parameters, but for its period."""
+    """The law's parameters except its period."""
     ports = packaged(settle(scenario, law)).params
     return [port for port in ports if port.signal.name != "clock.control"]
 
@@ -191,7 +191,7 @@ def test_the_c_caller_has_the_structs_of_the_package(tmp_path, law):
 @pytest.mark.parametrize("name", ["a 'quoted' one", "two\nend", "two\r*/ int x;", 'a "b" c'])
 @pytest.mark.slow_but("two\\r*/ int x;")
 def test_a_name_ends_neither_comment_nor_text(name):
-    """The scenario's name stands in comments alone, and on one line of each."""
+    """The scenario's name is in comments only, on one line of each."""
     plain, named = (kit_files("mb", replace(SCENARIO, name=each)) for each in ("wmr", name))
     for file in ("sfun_wmr_mb.c", "wmr_block.m", "wmr_loop.m", "wmr_ccaller.m", "README.md"):
         assert len(named[file].splitlines()) == len(plain[file].splitlines())
