@@ -104,6 +104,7 @@ GOOD_SMC, BAD_SMC = of_smc(1.0, at_most=2.0), of_smc(3.0, at_most=2.0)
 @pytest.mark.parametrize(
     "tests, verdict",
     [
+        ([], Verdict.FAILS),
         ([GOOD_SMC], Verdict.STAND_IN),
         ([GOOD_SMC, BAD_SMC], Verdict.STAND_IN_PART),
         ([BAD_SMC], Verdict.STAND_IN_FAILS),
