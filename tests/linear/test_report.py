@@ -76,27 +76,6 @@ def test_a_reference_that_changes_speed_is_said_to_be_time_varying(nominal, repo
     assert "time-varying" not in steady.table()
 
 
-def drive(speed):
-    """A way that begins and ends at rest."""
-    points = {"points": [[0.0, 0.0], [4.0, 1.0], [8.0, 0.0]], "v_max": speed}
-    reference = {"reference.kind": "waypoints"} | {f"reference.{k}": v for k, v in points.items()}
-    return load_scenario("paper-simulation-nominal", {**reference, "clock.duration": 80.0})
-
-
-@pytest.mark.slow
-def test_a_way_is_looked_at_where_it_drives_fastest_and_not_at_its_start(monkeypatch):
-    monkeypatch.setattr(
-        "wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: []
-    )  # two thirds of it
-    page = report_linear(drive(0.4), "mb").to_json()
-    start = report_linear(drive(0.4), "mb", at=0.0).to_json()
-
-    assert page["at"] > 1
-    assert page["spectral_radius"] <= 1 + 1e-9
-    assert start["at"] == 0.0
-    assert page["poles"] != start["poles"]
-
-
 def test_a_time_is_one_of_the_run(nominal):
     with pytest.raises(ArgumentError, match="from 0 to 80 s"):
         report_linear(nominal, "mb", at=90.0)

@@ -4,7 +4,6 @@ import re
 
 import numpy as np
 import pytest
-from matplotlib.container import ErrorbarContainer
 
 from wmr_ctrl.report.study_figures import _bins, _by_group, _indices, _maps
 from wmr_ctrl.report.study_table import StudyTable
@@ -56,23 +55,6 @@ def test_indices_are_those_of_each_point_of_the_grid():
     assert ["0.005" in title for title in titles] == [True, True, False, False]
     for ax, whole in zip(axes, [[1, 0, 1, 0]] * 2 + [[0, 1, 0, 1]] * 2, strict=True):
         assert heights(ax) == pytest.approx(whole, abs=0.1)
-
-
-def test_the_same_study_has_the_same_intervals():
-    pytest.importorskip("SALib")
-    table = table_of(lambda r: r["robot.mu"])
-    first, second = (
-        [
-            part[2][0].get_segments()
-            for axes in _indices(table).axes
-            for part in axes.containers
-            if isinstance(part, ErrorbarContainer)
-        ]
-        for _ in range(2)
-    )
-
-    assert first
-    assert np.array_equal(first, second)
 
 
 def test_a_missing_index_has_its_reason():

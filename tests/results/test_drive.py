@@ -17,9 +17,8 @@ from tests.results.test_bag_topics import (
     odometry,
     twist,
 )
-from wmr_ctrl import RecordedDrive, load_drive, load_run
+from wmr_ctrl import load_drive, load_run
 from wmr_ctrl.cli import root
-from wmr_ctrl.cli.summary import drive_text
 from wmr_ctrl.core.errors import ResultFileError, UnknownNameError
 from wmr_ctrl.identification.logs.log import log_of
 from wmr_ctrl.results.drive import UNITS
@@ -120,19 +119,6 @@ def test_an_impossible_request_writes_no_file(commands_alone, tmp_path, words, w
     assert done.exit_code == 2
     assert word in said(done)
     assert list(tmp_path.iterdir()) == []
-
-
-def drive(t, **columns):
-    """A drive whose columns all have the times ``t``."""
-    arrays = {name: np.broadcast_to(values, np.shape(t)).copy() for name, values in columns.items()}
-    return RecordedDrive("toy", dict.fromkeys(arrays, np.asarray(t, float)), arrays)
-
-
-def test_the_longest_gap_of_a_column_is_told_in_milliseconds():
-    text = drive_text(drive([0.0, 0.1, 0.35, 0.4], v1_measured=[0.0, 0.1, 0.3, 0.2]))
-    (row,) = [line.split() for line in text.splitlines() if line.startswith("v1_measured")]
-
-    assert row == ["v1_measured", "[m/s]", "4", "0.4", "250", "0", "0.3"]
 
 
 def test_a_column_by_its_name_and_one_that_is_not_there(recorded):
