@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tests.tables import changes
 from wmr_ctrl.codegen.build import build_loop, program_of
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.compiled import CompiledLoop
@@ -20,19 +21,19 @@ from wmr_ctrl.world.scenario import load_scenario
 SEED = 5
 WIDEST = 8
 """Robots of the widest vector."""
-EFFECTS = {
-    "disturbance": {"std": 1.0, "truncate": 2.0, "push": [3.0, 0.5]},
-    "sensor.pose_period": 0.05,
-    "sensor.pose_noise": 0.004,
-    "sensor.velocity_noise": [0.002, 0.004],
-    "sensor.correction": 0.6,
-    "actuator": {"lag": 0.02, "delay": 0.003},
-}
-GUARD = {
-    "guard.enabled": True,
-    "guard.alpha": 5.0,
-    "initial.velocity": [0.99, -1.45],
-}
+EFFECTS = changes("""
+    disturbance = {std = 1.0, truncate = 2.0, push = [3.0, 0.5]}
+    sensor.pose_period = 0.05
+    sensor.pose_noise = 0.004
+    sensor.velocity_noise = [0.002, 0.004]
+    sensor.correction = 0.6
+    actuator = {lag = 0.02, delay = 0.003}
+""")
+GUARD = changes("""
+    guard.enabled = true
+    guard.alpha = 5.0
+    initial.velocity = [0.99, -1.45]
+""")
 """So that it acts on every law."""
 CASES = {
     "plain": {}, "guarded": GUARD, "effects": EFFECTS, "everything": {**EFFECTS, **GUARD},

@@ -9,6 +9,7 @@ import pytest
 from tests.board.emulated import BOARDS, Emulated, HostBuild, built, missing
 from tests.codegen.measured import BOARD
 from tests.codegen.packages import write_package
+from tests.tables import changes
 from wmr_ctrl.api import simulate
 from wmr_ctrl.codegen.package import packaged
 from wmr_ctrl.control.given import scenario_of
@@ -16,8 +17,12 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import REFERENCE
 
-ENCODED = {"encoder.counts": 1024, "encoder.window": 0.02, "clock.duration": 1.5,
-           "wheels.radius": [0.02, 0.01]}  # fmt: skip
+ENCODED = changes("""
+    encoder.counts = 1024
+    encoder.window = 0.02
+    clock.duration = 1.5
+    wheels.radius = [0.02, 0.01]
+""")
 HOST = pytest.mark.skipif(shutil.which("cc") is None, reason="NOT RUN: no cc")
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from tests.board.emulated import HostBuild
 from tests.board.robot import Robot
+from tests.tables import changes
 from wmr_ctrl.codegen.single_precision import PERIODS
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -56,7 +57,11 @@ def test_the_limit_is_kept_from_the_stated_region(law, guarded, control, tmp_pat
 def test_the_guard_keeps_the_limit_against_the_worst_push(law, side, tmp_path):
     """No friction, the lightest robot, a disturbance of dbar all the time, a target ahead."""
     scenario = nominal(
-        1e-2, True, **{"robot.mu": 0.0, "guard.mass_margin": 0.0, "guard.dbar": [60.0, 15.0]}
+        1e-2, True, **changes("""
+            robot.mu = 0.0
+            guard.mass_margin = 0.0
+            guard.dbar = [60.0, 15.0]
+        """)
     )  # fmt: skip
     build = HostBuild(law, scenario, tmp_path, float32=True)
     robot = Robot(scenario, np.array([0.0, -side * 60.0, 0.0, 0.0, 0.0]))

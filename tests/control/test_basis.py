@@ -3,12 +3,13 @@
 import pytest
 
 from tests.papers_robot import paper
+from tests.tables import changes
 from wmr_ctrl.control.basis import REACHED, SLOWEST, basis_of
 from wmr_ctrl.world.scenario import override
 
 
 def test_it_is_the_believed_robot_on_its_path():
-    basis = basis_of(override(paper(), {"model.m": 40.0, "base.accel": [1.0, 1e3]}))
+    basis = basis_of(override(paper(), changes("model.m = 40.0; base.accel = [1.0, 1e3]")))
 
     assert basis.mass[0] == 40.0
     assert basis.weight == pytest.approx(40.0 * 9.81 * 0.1)

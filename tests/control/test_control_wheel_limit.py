@@ -7,6 +7,7 @@ import pytest
 
 import wmr_ctrl
 from tests.control.bases import VELOCITY, based
+from tests.tables import changes
 from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
@@ -18,7 +19,11 @@ from wmr_ctrl.world.scenario import load_scenario
 @pytest.mark.slow_but("numpy")
 def test_a_wheel_beyond_its_limit_is_an_outcome(engine):
     """By each engine; every step is logged, but the last. With a limit above it the run is well."""
-    stated = {**VELOCITY, "clock.control": 0.01, "clock.plant": 0.01, "clock.duration": 2.0}
+    stated = VELOCITY | changes("""
+        clock.control = 0.01
+        clock.plant = 0.01
+        clock.duration = 2.0
+    """)
     free = wmr_ctrl.simulate(based(stated), "kanayama", engine=engine)
     rims = np.abs(free["v1"]) + 0.25 * np.abs(free["omega"])
     assert based(stated).robot.l == 0.25

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl.api import compile_law
 from wmr_ctrl.control.controller import law_graph, watched_controller
 from wmr_ctrl.control.laws import LAWS
@@ -14,9 +15,12 @@ every_law = pytest.mark.parametrize("law", tuple(LAWS))
 DRIVES = {
     "ideal": {},
     "limited": {"actuator.tau_max": 6.5},
-    "slow": {"actuator.lag": 0.02, "actuator.delay": 0.004},
+    "slow": changes("actuator.lag = 0.02; actuator.delay = 0.004"),
 }
-SHORT = {"clock.duration": 3.0, "changes": [{"t": 1.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
+SHORT = changes("""
+    clock.duration = 3.0
+    changes = [{t = 1.0, m = 65.0, I = 7.0, mu = 0.15}]
+""")
 
 
 def scenario_of(drive="ideal", **changed):
@@ -47,7 +51,7 @@ def test_the_monitor_comes_last(law):
 
 @every_law
 def test_dbar_is_a_parameter_with_its_units(law):
-    given = {"guard.dbar": [12.0, 3.0]}
+    given = changes("guard.dbar = [12.0, 3.0]")
     listed = watched_controller(settle(scenario_of(**given), law)).params
     params = {item.signal.name: item for item in listed}
 

@@ -3,6 +3,7 @@
 import pytest
 
 from tests.papers_robot import paper
+from tests.tables import changes
 from wmr_ctrl.control.outside import check_plain_loop
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
@@ -13,7 +14,7 @@ def test_noise_at_the_wheels_comes_from_outside_and_nothing_else_does():
     noisy = override(paper(), {"disturbance.std": 0.5})
     check_plain_loop(settle(noisy, "mb"), "the kit")
 
-    windy = override(noisy, {"gust.size": [1.0, 0.0]})
+    windy = override(noisy, changes("gust.size = [1.0, 0.0]"))
     with pytest.raises(
         ArgumentError, match=r"the kit holds only .* also has: gust \(\[gust\]\)\. Export"
     ):

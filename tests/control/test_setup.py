@@ -3,6 +3,7 @@
 import pytest
 
 from tests.papers_robot import paper
+from tests.tables import changes
 from wmr_ctrl.control.laws.pid import PidGains
 from wmr_ctrl.control.setup import (
     KINEMATICS,
@@ -46,7 +47,7 @@ def test_gains_of_no_law_are_refused_and_those_that_follow_are_named():
 
 
 def test_own_gains_of_eq_7_take_the_place_of_the_shared_ones():
-    own = override(paper(), {"gains.pid.kinematics": [1.0, 2.0, 3.0]})
+    own = override(paper(), changes("gains.pid.kinematics = [1.0, 2.0, 3.0]"))
 
     assert settle(own, "pid").kinematic_key == "gains.pid.kinematics"
     assert settle(own, "mb").kinematic_key == "gains.kinematics.k"
@@ -61,7 +62,7 @@ def test_tyres_limit_the_torques_where_it_is_asked_for():
     assert with_traction_limit(asked).actuator.tau_max == pytest.approx(grip(asked).keep)
     assert with_traction_limit(paper()) is paper() or with_traction_limit(paper()) == paper()
     with pytest.raises(ScenarioError, match="that is nothing"):
-        with_traction_limit(override(asked, {"limits.v_u1": [30.0, 30.0]}))
+        with_traction_limit(override(asked, changes("limits.v_u1 = [30.0, 30.0]")))
 
 
 def test_drives_may_be_a_period_later():

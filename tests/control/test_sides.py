@@ -3,11 +3,12 @@
 import casadi as ca
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl.control.sides import sides
 from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import load_scenario
 
-APART = {"limits.v_min": (0.0, -0.4), "limits.v_max": (0.3, 0.9)}
+APART = changes("limits.v_min = [0.0, -0.4]; limits.v_max = [0.3, 0.9]")
 
 
 def numbers(scenario, kept=0.0):

@@ -2,7 +2,6 @@
 
 import math
 import re
-from contextlib import nullcontext
 from importlib import import_module
 from itertools import count
 from pathlib import Path
@@ -13,6 +12,7 @@ import pytest
 
 import wmr_ctrl
 from tests.control.bases import GOVERNED, VELOCITY, based
+from tests.tables import cases, changes
 from wmr_ctrl.cli.check_sentences import filter_lines, promise
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.filter.held_loop import push_speeds
@@ -43,8 +43,7 @@ def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for():
 @pytest.mark.slow
 def test_no_push_is_looked_for_and_none_is_told():
     """A least push of 0 would read as if one had been looked for."""
-    counted = {**GOVERNED["filter"], "d": [0.05, 0.05]}
-    pushed = based({**GOVERNED, "filter": counted, "disturbance.push": [3.0, 0.0]})
+    pushed = based(GOVERNED | changes("filter.d = [0.05, 0.05]; disturbance.push = [3, 0]"))
     run = wmr_ctrl.simulate(pushed, "kanayama")
     many = wmr_ctrl.simulate_many(pushed, "kanayama", range(2))
 
@@ -55,19 +54,21 @@ def test_no_push_is_looked_for_and_none_is_told():
 
 def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit_then():
     """The worst gain and the largest push that is stated, at the limit: to 1e-4 of it."""
-    base = {"kind": "velocity", "tau": [0.2, 0.2], "gain": [1.1, 1.1]}
     reach = -0.001 / math.expm1(-0.001 / 0.2)
     d = [reach * 10.0 / 50.0, reach * 1.0 / 5.4]
-    far = {**GOVERNED, "base": base, "initial.pose": [-4.0, -4.0, -0.7]}
-    far |= {"disturbance.push": [10.0, 1.0], "gains.kanayama.share": 1.0}
+    text = """
+        base = {kind = "velocity", tau = [0.2, 0.2], gain = [1.1, 1.1]}
+        initial.pose = [-4.0, -4.0, -0.7]
+        disturbance.push = [10, 1]
+        gains.kanayama.share = 1
+    """
+    far = {**GOVERNED, **changes(text), "filter.d": d}
     for kind in ("clip", "governor"):
-        held = {**GOVERNED["filter"], "kind": kind, "d": d}
-        run = wmr_ctrl.simulate(based({**far, "filter": held}), "kanayama")
+        run = wmr_ctrl.simulate(based({**far, "filter.kind": kind}), "kanayama")
         assert run.monitor.violations == 0
         assert run.monitor.max_abs_v[0] == pytest.approx(1.0, abs=1e-4)
-    less = {**GOVERNED["filter"], "d": [0.999 * d[0], d[1]]}
     with pytest.raises(ScenarioError, match=r"filter\.d\[1\]"):
-        settle(based({**far, "filter": less}), "kanayama")
+        settle(based({**far, "filter.d": [0.999 * d[0], d[1]]}), "kanayama")
 
 
 @pytest.mark.slow
@@ -86,50 +87,45 @@ def test_figures_tell_how_often_the_filter_acted_with_and_without_a_log():
     assert table["guard_share1"][0] == 0.0
 
 
-OVERSHOOTING = {
-    **VELOCITY,
-    "base": {"kind": "velocity", "loop": "pi"},
-    "robot.mu": 0.0,
-    "initial.pose": [-2.0, -2.0, -0.7],
-    "clock.duration": 12.0,
-    "filter": {
-        "kind": "clip",
-        "loop": "pi",
-        "mass": [45.0, 55.0],
-        "inertia": [5.0, 6.0],
-        "kp": [140.0, 160.0],
-        "ki": [280.0, 320.0],
-    },
-}
+OVERSHOOTING = VELOCITY | changes("""
+    base = {kind = "velocity", loop = "pi"}
+    robot.mu = 0
+    initial.pose = [-2.0, -2.0, -0.7]
+    clock.duration = 12
+    filter.kind = clip
+    filter.loop = pi
+    filter.mass = [45.0, 55.0]
+    filter.inertia = [5.0, 6.0]
+    filter.kp = [140.0, 160.0]
+    filter.ki = [280.0, 320.0]
+""")
 
 
 @pytest.mark.parametrize(
-    "key, value, words",
-    [
-        ("base.kp", 170.0, "outside filter.kp"),
-        ("robot.m", 60.0, "outside filter.mass"),
-        ("actuator.tau_max", 20.0, "Leave tau_max out if commands stay low enough"),
-        ("disturbance.push", [3.0, 0.0], "filter.push[1]"),
-        ("robot.mu", 0.1, "filter.push[1]"),
-        ("initial.velocity", [0.0, 0.3], "at rest at the start"),
-        ("resistance.rolling", [0.01, 0.01], "filter.push[1]"),
-        ("resistance.viscous", [30.0, 0.0], "outside filter.friction = [0, 0]"),
-        ("resistance.viscous", [0.0, 0.5], "outside filter.friction robot.l^2"),
-        ("filter.friction", [5.0, 20.0], "resistance.viscous[1] = 0 N.s/m is outside"),
-        ("base.loop", "first-order", "does not fit the base of this run"),
-        ("changes", [{"t": 3.0, "m": 54.0}], "`changes = []` takes out"),
-    ],
+    "changed, words",
+    cases("""
+        base.kp = 170                       | outside filter.kp
+        robot.m = 60                        | outside filter.mass
+        actuator.tau_max = 20               | Leave tau_max out if commands stay low enough
+        disturbance.push = [3, 0]           | filter.push[1]
+        robot.mu = 0.1                      | filter.push[1]
+        initial.velocity = [0, 0.3]         | at rest at the start
+        resistance.rolling = [0.01, 0.01]   | filter.push[1]
+        resistance.viscous = [30, 0]        | outside filter.friction = [0, 0]
+        resistance.viscous = [0, 0.5]       | outside filter.friction robot.l^2
+        filter.friction = [5, 20]           | resistance.viscous[1] = 0 N.s/m is outside
+        base.loop = first-order             | does not fit the base of this run
+        changes = [{t = 3.0, m = 54.0}]     | `changes = []` takes out
+    """),
 )
-def test_a_pi_base_outside_the_stated_family_is_refused(key, value, words):
-    with pytest.raises(ScenarioError) as error:
-        settle(based({**OVERSHOOTING, key: value}), "kanayama")
-    assert words in str(error.value)
+def test_a_pi_base_outside_the_stated_family_is_refused(changed, words):
+    with pytest.raises(ScenarioError, match=re.escape(words)):
+        settle(based(OVERSHOOTING | changes(changed)), "kanayama")
 
 
 def test_a_refusal_names_both_axes_at_once():
-    pushed = {"filter.d": [1.05, 2.05], "limits.v_u1": [1.0, 2.0], "limits.v_u2": [0.7, 1.4]}
     with pytest.raises(ScenarioError, match=r"filter\.d\[1\] = 1\.05.* filter\.d\[2\] = 2\.05"):
-        wmr_ctrl.command_filter(based({**GOVERNED, **pushed}))
+        wmr_ctrl.command_filter(based({**GOVERNED, "filter.d": [1.05, 2.05]}))
     with pytest.raises(ScenarioError, match=r"base\.tau\[1\] = 9 s.* base\.tau\[2\] = 9 s"):
         settle(based({**GOVERNED, "base.tau": [9.0, 9.0]}), "kanayama")
 
@@ -143,10 +139,10 @@ def broken(changes):
 @pytest.mark.parametrize("share, said", [(0.99, False), (1.01, True)])
 def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share, said):
     """Friction by its square; rolling adds to what unequal wheels push."""
-    filtered = {**OVERSHOOTING["filter"], "friction": [0.0, 20.0], "push": [100.0, 100.0]}
-    slowed = {**OVERSHOOTING, "filter": filtered, "resistance.viscous": [1.0, share * 20 * 0.25**2]}
+    own = OVERSHOOTING | changes("filter.friction = [0, 20]; filter.push = [100, 100]")
+    slowed = {**own, "resistance.viscous": [1.0, share * 20 * 0.25**2]}
     assert ("outside filter.friction robot.l^2" in broken(slowed)) is said
-    rolled = {**OVERSHOOTING, "filter": filtered, "resistance.rolling": [0.02, 0.01]}
+    rolled = {**own, "resistance.rolling": [0.02, 0.01]}
     setup = settle(based({**rolled, "filter.trust": True}), "kanayama")
     most = setup.bound.dbar[1] + rolling_against(setup.scenario)[1]
     less = {**rolled, "filter.push": [100.0, share * most]}
@@ -155,7 +151,7 @@ def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share, said):
 
 def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes():
     """Of a governor in one sentence an axis; of a clip pushes alone count."""
-    ground = {"resistance.rolling": [0.02, 0.01], "filter.d": [1e-6, 1e-6]}
+    ground = changes("resistance.rolling = [0.02, 0.01]; filter.d = [1e-6, 1e-6]")
     text, clipped = broken({**GOVERNED, **ground}), broken({**CLIPPED, **ground})
     pushed = [float(x) for x in re.findall(r"push the base on by (\S+) ", clipped)]
     slowed = [float(x) for x in re.findall(r"slow the base by up to (\S+) ", text)]
@@ -186,7 +182,7 @@ def test_usable_speed_is_the_closed_form_without_delay():
     left = [now - then for now, then in zip(facts.usable_speed, later.usable_speed, strict=True)]
     assert facts.delay_cost == pytest.approx(left, rel=1e-9)
     assert min(left) > 0
-    clip = {**GOVERNED, "filter": {"kind": "clip", "gain": [0.9, 1.1]}}
+    clip = VELOCITY | changes("filter.kind = clip; filter.gain = [0.9, 1.1]")
     memoryless = filter_facts(settle(based(clip), "kanayama"))
     assert memoryless.usable_speed == pytest.approx((k, 2 * k), rel=1e-6)
     assert rise_times(based(clip)) == pytest.approx([0.05 * 0.9 * 1.1] * 2, rel=1e-6)
@@ -218,19 +214,16 @@ def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch):
     """To nine tenths of the limits, also between two samples."""
     sent = (SimpleNamespace(command=(0.7 * 0.05 * k, 0.9 * 0.05 * k)) for k in count(1))
     ramp = SimpleNamespace(step=lambda _: next(sent))
-    module = import_module(
-        "wmr_ctrl.theory.checks.velocity_base"
-    )  # the package has a function of its name
+    module = import_module(rise_times.__module__)  # the package has a function of its name
     monkeypatch.setattr(module, "CommandFilter", lambda _: ramp)
 
     assert rise_times(based(GOVERNED)) == pytest.approx([0.9 * 1.0 / 0.7, 0.9 * 2.0 / 0.9])
 
 
-@pytest.mark.parametrize("noise, told", [({}, True), ({"truncate": 3.0}, False)])
+@pytest.mark.parametrize("noise, told", [("", True), ("disturbance.truncate = 3", False)])
 def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(noise, told):
-    clip = {"kind": "clip", "gain": [0.9, 1.1], "d": [0.3, 0.8]}
-    noisy = {"disturbance": {"std": 0.5, **noise}, "filter": clip}
-    warnings = velocity_base(loop_of(settle(based({**VELOCITY, **noisy}), "kanayama")))
+    noisy = CLIPPED | changes("filter.d = [0.3, 0.8]; disturbance.std = 0.5") | changes(noise)
+    warnings = velocity_base(loop_of(settle(based(noisy), "kanayama")))
     assert ("disturbance.truncate" in [item.key for item in warnings]) == told
 
 
@@ -244,8 +237,7 @@ def test_check_counts_on_no_odometry_that_is_too_old_to_be_used():
     """By a scenario that leaves it out; what is told of an age that is used is told as ever."""
     late = {**GOVERNED, "sensor.velocity_age": 0.1}
     deaf = settle(based({**late, "filter.age": 0.05}), "kanayama")
-    none = {name: value for name, value in GOVERNED["filter"].items() if name != "odometry"}
-    alone = settle(based({**GOVERNED, "filter": none}), "kanayama")
+    alone = settle(based({**GOVERNED, "filter.odometry": None}), "kanayama")
     assert usable_speed(deaf.scenario) == usable_speed(alone.scenario)
     assert "odometry" not in " ".join(filter_lines(deaf))
     (warning,) = (item for item in velocity_base(loop_of(deaf)) if item.key == "filter.age")
@@ -255,110 +247,112 @@ def test_check_counts_on_no_odometry_that_is_too_old_to_be_used():
     assert "with odometry in every step" in " ".join(filter_lines(hearing))
 
 
-@pytest.mark.parametrize("stated", [{"channels": "wheels"}, {"wheel_speed": 0.8}])
+@pytest.mark.parametrize("wheels", ["filter.channels = wheels", "filter.wheel_speed = 0.8"])
 @pytest.mark.parametrize("kind", ["clip", "governor"])
-def test_check_says_what_a_filter_of_wheels_leaves(kind, stated):
-    changes = {"kind": kind, "gain": [0.9, 1.1], "d": [0.05, 0.02], **stated}
-    alike = {"base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "robot.mu": 0.0}
-    scenario = based(
-        {**GOVERNED, **alike, **{f"filter.{key}": value for key, value in changes.items()}}
-    )
+def test_check_says_what_a_filter_of_wheels_leaves(kind, wheels):
+    text = f"""
+        filter.kind = {kind}
+        filter.d = [0.05, 0.02]
+        base.tau = [0.2, 0.2]
+        base.gain = [1.0, 1.0]
+        robot.mu = 0
+        {wheels}
+    """
+    scenario = based(GOVERNED | changes(text))
     facts = filter_facts(settle(scenario, "kanayama"))
-    assert facts is not None
     l = scenario.robot.l
-    rim = min(1.0, 2.0 * l) if "channels" in stated else 0.8
+    rim = min(1.0, 2.0 * l) if "channels" in wheels else 0.8
     ahead = 0.9 * min(1.0 - 0.05, rim - 0.05 - l * 0.02) / 1.1 - 0.05
     turning = 0.9 * min(2.0 - 0.02, (rim - 0.05 - l * 0.02) / l) / 1.1 - 0.02
     assert facts.usable_speed == pytest.approx((ahead, turning), rel=1e-6)
 
 
-@pytest.mark.parametrize("kind, least", [("clip", 0.5), ("band", 0.98)])
-@pytest.mark.slow_but("clip-0.5")
-def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(kind, least):
-    stated = {**OVERSHOOTING["filter"], "kind": kind}
-    scenario = based({**OVERSHOOTING, "filter": stated})
-    facts = filter_facts(settle(scenario, "kanayama"))
+def overshooting(kind, text=""):
+    """Setup and facts of a base whose loops overshoot."""
+    setup = settle(based({**OVERSHOOTING, "filter.kind": kind, **changes(text)}), "kanayama")
+    return setup, filter_facts(setup), " ".join(filter_lines(setup))
+
+
+def test_check_says_what_a_clip_of_loops_that_overshoot_leaves():
+    _, facts, told = overshooting("clip")
+    shares = np.array(facts.usable_speed) / (1.0, 2.0)
     assert "linear loops" in facts.statement
     assert facts.delay_cost == (0.0, 0.0)
-    shares = [speed / limit for speed, limit in zip(facts.usable_speed, (1.0, 2.0), strict=True)]
-    assert least < min(shares) <= max(shares) <= 1.0
-    if kind == "clip":
-        assert max(shares) > 1 / facts.gain > min(shares) - 1e-6
-        assert facts.gain_cost == pytest.approx([0.0099 * s for s in facts.usable_speed], rel=2e-3)
-    assert facts.overshoot is not None
+    assert 0.5 < shares.min() <= shares.max() <= 1.0
+    assert shares.max() > 1 / facts.gain > shares.min() - 1e-6
+    assert facts.gain_cost == pytest.approx([0.0099 * s for s in facts.usable_speed], rel=2e-3)
     assert min(facts.overshoot) > 0.1
-    assert facts.overshoot_cost is not None
-    told = " ".join(filter_lines(settle(scenario, "kanayama")))
-    assert ("millisecond of delay costs" in told) == (kind == "clip")
-    assert ("a constant delay costs nothing" in told) == (kind == "band")
-    if kind == "band":
-        assert facts.rise is not None
-        assert facts.rise_cost is not None
-        assert 0.3 < min(facts.rise) < max(facts.rise) < 4.0
-        step = wmr_ctrl.command_filter(override(scenario, {"filter.scale": "axes"}))
-        sent = [0.0, *(step.step((10.0, 20.0)).command[0] for _ in range(100))]
-        times = scenario.clock.control * np.arange(101)
-        assert facts.rise[0] == pytest.approx(np.interp(0.9, sent, times), rel=1e-9)
-        assert 0.0 < min(facts.rise_cost) < max(facts.rise_cost) < 0.5
-    taken = [cost / share for cost, share in zip(facts.overshoot_cost, shares, strict=True)]
-    assert (0.01 if kind == "clip" else -1e-6) < min(taken) <= max(taken) < 0.06
+    assert "millisecond of delay costs" in told
+    taken = facts.overshoot_cost / shares
+    assert 0.01 < taken.min() <= taken.max() < 0.06
+
+
+@pytest.mark.slow
+def test_check_says_what_a_band_leaves_and_how_soon():
+    setup, facts, told = overshooting("band")
+    shares = np.array(facts.usable_speed) / (1.0, 2.0)
+    assert 0.98 < shares.min() <= shares.max() <= 1.0
+    assert min(facts.overshoot) > 0.1
+    assert "a constant delay costs nothing" in told
+    assert 0.3 < min(facts.rise) < max(facts.rise) < 4.0
+    step = wmr_ctrl.command_filter(override(setup.scenario, {"filter.scale": "axes"}))
+    sent = [0.0, *(step.step((10.0, 20.0)).command[0] for _ in range(100))]
+    times = setup.scenario.clock.control * np.arange(101)
+    assert facts.rise[0] == pytest.approx(np.interp(0.9, sent, times), rel=1e-9)
+    assert 0.0 < min(facts.rise_cost) < max(facts.rise_cost) < 0.5
+    taken = facts.overshoot_cost / shares
+    assert -1e-6 < taken.min() <= taken.max() < 0.06
 
 
 @pytest.mark.slow
 def test_a_band_that_is_pushed_is_asked_for_long_enough():
-    stated = {**OVERSHOOTING["filter"], "kind": "band", "friction": [0, 20], "push": [10, 0]}
-    setup = settle(based({**OVERSHOOTING, "filter": stated}), "kanayama")
-    facts = filter_facts(setup)
-    assert facts is not None
+    setup, facts, told = overshooting("band", "filter.friction = [0, 20]; filter.push = [10, 0]")
     step = wmr_ctrl.command_filter(setup.scenario)
     sent = [step.step((10.0, 0.0)).command[0] for _ in range(4000)]
     assert facts.usable_speed[0] == pytest.approx(sent[-1], rel=1e-6)
     assert sent[127] < 0.998 * sent[-1]
-    told = " ".join(filter_lines(setup))
     assert "commands reach 0.9 of the limits after" in told
     assert "one more per cent of overshoot" in told
 
 
-BROKEN = {
-    "pi": ({"base.loop": "pi"}, "never exceed their command"),
-    "tau": ({"base.tau": [0.19, 0.2]}, "outside filter.tau"),
-    "gain": ({"base.gain": [1.11, 1.0]}, "outside filter.gain"),
-    "weak": ({"base.gain": [1.0, 0.89]}, "outside filter.gain"),
-    "delay": ({"base.delay": 0.01}, "outside filter.delay"),
-    "push": ({"disturbance.push": [5.0, 0.0]}, "filter.d[1]"),
-    "wheels": ({"filter.channels": "wheels"}, "the loops of v and omega differ"),
-    "wheel speed": ({"filter.wheel_speed": 0.8}, "the loops of v and omega differ"),
-    "rolling": ({"resistance.rolling": [0.1, 0.1]}, "slow the base by up to"),
-    "viscous": ({"resistance.viscous": [0.0, 2.0]}, "slow the base by up to"),
-    "torque": ({"actuator.tau_max": 20.0}, "slower than first order"),
-    "time-out": ({"base.timeout": 0.04}, "the base stops before the next command"),
-    "tyres": ({"actuator.traction": True}, "actuator.traction limits tau_max"),
-    "stop": ({"base.decel": [1.0, 1.0]}, "base.decel: the base ramps"),
-    "lag": ({"actuator.lag": 0.01}, "behind the speed loop"),
-    "noise": ({"sensor.velocity_noise": [0.02, 0.0]}, "filter.odometry[1]"),
-    "window": ({"sensor.velocity_window": 0.1}, "a mean over some time"),
-    "counts": ({"encoder.counts": 20.0, "encoder.method": "time"}, "a mean over some time"),
-}
-
-
-@pytest.mark.parametrize("name", BROKEN)
-@pytest.mark.slow_but("pi", "gain", "delay")
-def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name):
-    changes, words = BROKEN[name]
-    broken = based({**GOVERNED, **changes})
-    with pytest.raises(ScenarioError) as error:
+@pytest.mark.parametrize(
+    "changed, words",
+    cases("""
+        base.loop = pi                              | never exceed their command
+        base.tau = [0.19, 0.2]                      | outside filter.tau               | slow
+        base.gain = [1.11, 1]                       | outside filter.gain
+        base.gain = [1, 0.89]                       | outside filter.gain              | slow
+        base.delay = 0.01                           | outside filter.delay
+        disturbance.push = [5, 0]                   | filter.d[1]                      | slow
+        filter.channels = wheels                    | the loops of v and omega differ  | slow
+        filter.wheel_speed = 0.8                    | the loops of v and omega differ  | slow
+        resistance.rolling = [0.1, 0.1]             | slow the base by up to           | slow
+        resistance.viscous = [0, 2]                 | slow the base by up to           | slow
+        actuator.tau_max = 20                       | slower than first order          | slow
+        base.timeout = 0.04                         | the base stops before the next command
+        actuator.traction = true                    | actuator.traction limits tau_max | slow
+        base.decel = [1, 1]                         | base.decel: the base ramps       | slow
+        actuator.lag = 0.01                         | behind the speed loop            | slow
+        sensor.velocity_noise = [0.02, 0]           | filter.odometry[1]               | slow
+        sensor.velocity_window = 0.1                | a mean over some time            | slow
+        encoder.counts = 20; encoder.method = time  | a mean over some time            | slow
+    """),
+)
+def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(changed, words):
+    broken = based(GOVERNED | changes(changed))
+    with pytest.raises(ScenarioError, match=re.escape(words)):
         settle(broken, "kanayama")
-    assert words in str(error.value)
     trusted = override(broken, {"filter.trust": True})
     facts = filter_facts(settle(trusted, "kanayama"))
     assert any(words in sentence for sentence in facts.broken)
 
 
-CLIPPED = {
-    **VELOCITY,
-    "clock.duration": 2.0,
-    "filter": {"kind": "clip", "gain": [0.9, 1.1], "d": [0.1, 0.1]},
-}
+CLIPPED = VELOCITY | changes("""
+    clock.duration = 2
+    filter.kind = clip
+    filter.gain = [0.9, 1.1]
+    filter.d = [0.1, 0.1]
+""")
 
 
 @pytest.mark.parametrize("pushed", [[20.0, 0.0], [0.0, 1.9]])
@@ -392,8 +386,8 @@ def resisted(v, goal, rho, time):
 @pytest.mark.parametrize("stated, broken", [(0.0, True), (0.3, False)])
 def test_a_governor_counts_on_what_slows_the_base(stated, broken):
     """Full ahead from full astern: against rolling the base is back at rest before a bound."""
-    governor = {"kind": "governor", "tau": [0.2, 0.3], "gain": [0.9, 1.1], "d": [stated, 0.0]}
-    limit, v, top = wmr_ctrl.command_filter(based({**VELOCITY, "filter": governor})), 0.0, 0.0
+    own = {**GOVERNED, "filter.d": [stated, 0.0], "filter.odometry": None}
+    limit, v, top = wmr_ctrl.command_filter(based(own)), 0.0, 0.0
     for k in range(104):
         (u, _) = limit.step((-9.0 if k % 52 < 40 else 9.0, 0.0)).command
         v, reached = resisted(v, 1.1 * u, 0.3, 0.05)
@@ -403,44 +397,40 @@ def test_a_governor_counts_on_what_slows_the_base(stated, broken):
 
 
 @pytest.mark.parametrize(
-    "changes, key",
-    [
-        ({"base.accel": [1.0, 9.0]}, ""),
-        ({"base.decel": [1.0, 9.0]}, "base.decel"),
-        ({"base.accel": [2.0, 8.0], "base.decel": [1.0, 4.0]}, "base.accel"),
-        ({"base.accel": [1.0, 6.0], "base.decel": [1.0, 6.0]}, "base.accel"),
-        ({"base.accel": [1.0, 4.0], "base.jerk": [9.0, 9.0]}, "base.jerk"),
-        ({"actuator.tau_max": 0.5}, "actuator.tau_max"),
-        ({"base.accel": [1.0, 4.0]}, ""),
-        ({"base.accel": [1.0, 4.0], "base.decel": [1.0, 9.0]}, ""),
-        ({"base.accel": [1.0, 2.0], "base.decel": [0.5, 4.0]}, ""),
-    ],
+    "changed, key",
+    cases("""
+        base.accel = [1, 9]                       | none
+        base.decel = [1, 9]                       | base.decel
+        base.accel = [2, 8]; base.decel = [1, 4]  | base.accel
+        base.accel = [1, 6]; base.decel = [1, 6]  | base.accel
+        base.accel = [1, 4]; base.jerk = [9, 9]   | base.jerk
+        actuator.tau_max = 0.5                    | actuator.tau_max
+        base.accel = [1, 4]                       | none
+        base.accel = [1, 4]; base.decel = [1, 9]  | none
+        base.accel = [1, 2]; base.decel = [0.5, 4] | none
+    """),
 )
-def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(changes, key):
+def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(changed, key):
     """On ramps whose axes each stop no slower than the other starts, 0.25 m out, it holds."""
-    clip = {**CLIPPED["filter"], "wheel_speed": 0.8}
-    own = {**CLIPPED, "base.tau": [0.2, 0.2], "robot.mu": 0.0}
-    stated = based({**own, **changes, "filter": clip})
-    said = pytest.raises(ScenarioError, match=f"{key} may hold back one of v and omega")
-    with said if key else nullcontext() as refused:
+    alike = changes("filter.wheel_speed = 0.8; base.tau = [0.2, 0.2]; robot.mu = 0")
+    stated = based(CLIPPED | alike | changes(changed))
+    if key == "none":
         settle(stated, "kanayama")
-    if soon := refused and re.search(
-        r"or state base\.decel = \[(.*), (.*)\] or more", str(refused.value)
-    ):
-        settle(override(stated, {"base.decel": [*map(float, soon.groups())]}), "kanayama")
-    assert bool(soon) is (key in ("base.accel", "base.decel") and "base.accel" in changes)
+        return
+    with pytest.raises(ScenarioError, match=f"{key} may hold back one of v and omega") as refused:
+        settle(stated, "kanayama")
+    soon = re.search(r"or state base\.decel = (\[.*\]) or more", str(refused.value))
+    if soon:
+        settle(override(stated, {"base.decel": soon[1]}), "kanayama")
+    assert bool(soon) is (key in ("base.accel", "base.decel") and "base.accel" in changed)
 
 
-REFUSED = {
-    "guard.enabled": {"guard.enabled": True},
-    "gains.kanayama.delay": {"gains.kanayama.delay": 0.05, "base.delay": 0.05},
-}
-
-
-@pytest.mark.parametrize("key", REFUSED)
-def test_what_a_velocity_base_cannot_have_is_refused_by_name(key):
+@pytest.mark.parametrize(
+    "changed", ["guard.enabled = true", "gains.kanayama.delay = 0.05; base.delay = 0.05"]
+)
+def test_what_a_velocity_base_cannot_have_is_refused_by_name(changed):
     with pytest.raises(ScenarioError, match=r"base\.kind"):
-        settle(based({**VELOCITY, **REFUSED[key]}), "kanayama")
+        settle(based(VELOCITY | changes(changed)), "kanayama")
 
 
 @pytest.mark.parametrize("name", ["delay", "jitter"])
@@ -454,43 +444,35 @@ def test_nonlinear_loops_refuse_a_velocity_base_by_name():
         loop_nlsys(based(VELOCITY), "kanayama")
 
 
-BANDED = {
-    **OVERSHOOTING, "filter": {**OVERSHOOTING["filter"], "kind": "band"}, "base.loop": "pi",
-}  # fmt: skip
-SLOW = {
-    **OVERSHOOTING, "filter": {**OVERSHOOTING["filter"], "slew": [0.05, 0.05]}, "base.loop": "pi",
-}  # fmt: skip
-LEFT_OPEN = {
-    "losses": {"base.losses": 1},
-    "a time-out": {"base.losses": 1, "base.timeout": 0.06},
-    "a stop in every period": {"base.timeout": 0.04},
-    "dead band": {"base.deadband": [0.02, 0.02]},
-    "quantum": {"base.quantum": [0.01, 0.01]},
-    "ramps": {"base.accel": [1.0, 2.0]},
-    "jerk": {"base.jerk": [5.0, 5.0]},
-    "wheels' limit": {"base.w_max": 12.0},
-    "torque limit": {"actuator.tau_max": 20.0},
-    "mass that changes": {"changes": [{"t": 2.0, "m": 52.0}]},
-    "drives behind the loop": {"actuator.lag": 0.02},
-}
-"""What neither the band's theorem nor that of slow commands covers."""
-
-
-@pytest.mark.parametrize("name", LEFT_OPEN)
-def test_what_the_band_leaves_open_is_refused_by_name(name):
+@pytest.mark.parametrize(
+    "changed",
+    [
+        "base.losses = 1",
+        "base.losses = 1; base.timeout = 0.06",
+        "base.timeout = 0.04",
+        "base.deadband = [0.02, 0.02]",
+        "base.quantum = [0.01, 0.01]",
+        "base.accel = [1.0, 2.0]",
+        "base.jerk = [5.0, 5.0]",
+        "base.w_max = 12",
+        "actuator.tau_max = 20",
+        "changes = [{t = 2.0, m = 52.0}]",
+        "actuator.lag = 0.02",
+    ],
+)
+def test_what_the_band_leaves_open_is_refused_by_name(changed):
     with pytest.raises(ScenarioError, match="nothing here"):
-        settle(based({**BANDED, **LEFT_OPEN[name]}), "kanayama")
+        settle(based({**OVERSHOOTING, "filter.kind": "band", **changes(changed)}), "kanayama")
 
 
 @pytest.mark.slow
 def test_slow_commands_count_on_losses_and_delays_that_are_stated():
-    late = {**SLOW, "base.losses": 1, "base.delay": 0.02}
+    late = OVERSHOOTING | changes("filter.slew = [0.05, 0.05]; base.losses = 1; base.delay = 0.02")
     with pytest.raises(ScenarioError, match=r"outside filter.delay"):
         settle(based(late), "kanayama")
-    stated = {**SLOW["filter"], "delay": [0.0, 0.02]}
+    stated = {**late, "filter.delay": [0.0, 0.02]}
     with pytest.raises(ScenarioError, match=r"filter.losses = 0 is less"):
-        settle(based({**late, "filter": stated}), "kanayama")
-    run = wmr_ctrl.simulate(based({**late, "filter": {**stated, "losses": 1}}), "kanayama",
-                            engine="numpy")  # fmt: skip
+        settle(based(stated), "kanayama")
+    run = wmr_ctrl.simulate(based({**stated, "filter.losses": 1}), "kanayama", engine="numpy")
     assert run.monitor.violations == 0
     assert run["clip_active"].any()

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
+from tests.tables import changes
 from wmr_ctrl.cli.check_sentences import idle_keys
 from wmr_ctrl.control.filter.held_loop import push_speeds
 from wmr_ctrl.control.setup import settle
@@ -17,11 +18,18 @@ from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
 from wmr_ctrl.world.speed_loops import SPEED_LOOP
 
-SECOND = {
-    "base.kind": "velocity", "base.loop": "second-order", "base.frequency": [6.0, 9.0],
-    "base.damping": [0.4, 1.3], "base.gain": [1.1, 0.9], "guard.enabled": False,
-    "robot.mu": 0.0, "clock.control": 0.05, "clock.duration": 6.0, "changes": [],
-}  # fmt: skip
+SECOND = changes("""
+    base.kind = velocity
+    base.loop = second-order
+    base.frequency = [6.0, 9.0]
+    base.damping = [0.4, 1.3]
+    base.gain = [1.1, 0.9]
+    guard.enabled = false
+    robot.mu = 0.0
+    clock.control = 0.05
+    clock.duration = 6.0
+    changes = []
+""")
 DRIVEN = ("x", "y", "v1", "omega")
 
 
@@ -63,8 +71,8 @@ def test_pushes_on_a_second_order_loop_lead_no_farther_than_is_counted(damping):
 
 
 MIXED = {
-    "pi and second": (["pi", "second-order"], {"base.kp": 150.0, "base.ki": 300.0}),
-    "first and pi": (["first-order", "pi"], {"base.kp": 150.0, "base.ki": 300.0}),
+    "pi and second": (["pi", "second-order"], changes("base.kp = 150.0; base.ki = 300.0")),
+    "first and pi": (["first-order", "pi"], changes("base.kp = 150.0; base.ki = 300.0")),
     "second": ("second-order", {}),
 }
 
@@ -105,8 +113,11 @@ def test_a_value_for_both_axes_or_one_for_each():
 WRONG = {
     "third": ({"base.loop": "third"}, r'base\.loop = "third" is not known'),
     "two loops": ({"base.loop": ["pi"]}, r"base\.loop .* must be one for both, or an array of 2"),
-    "other": ({"base.loop": ["pi", "third"]}, r'base\.loop\[2\] = "third" is not known'),
-    "tau": ({"base.tau": [0.1, 0.2, 0.3]}, r"base\.tau .* one for both, or an array of 2 numbers"),
+    "other": (changes('base.loop = ["pi", "third"]'), r'base\.loop\[2\] = "third" is not known'),
+    "tau": (
+        changes("base.tau = [0.1, 0.2, 0.3]"),
+        r"base\.tau .* one for both, or an array of 2 numbers",
+    ),
     "frequency": ({"base.frequency": 0.0}, r"base\.frequency = 0\.0 must be above 0"),
 }
 
@@ -128,21 +139,27 @@ def test_keys_of_another_loop_do_nothing():
     assert "base.kp" in idle_keys(mixed)
 
 
-FILTERED = {
-    "filter.kind": "clip", "filter.loop": "second-order", "filter.gain": [0.8, 1.2],
-    "filter.damping": [0.35, 1.4], "filter.frequency": [5.0, 10.0],
-}  # fmt: skip
+FILTERED = changes("""
+    filter.kind = clip
+    filter.loop = second-order
+    filter.gain = [0.8, 1.2]
+    filter.damping = [0.35, 1.4]
+    filter.frequency = [5.0, 10.0]
+""")
 
 
 REFUSED = {
     "frequency": ({"base.frequency": 4.0}, r"base\.frequency\[1\] = 4 rad/s is outside"),
-    "damping": ({"base.damping": [0.3, 1.0]}, r"base\.damping\[1\] = 0\.3 is outside"),
+    "damping": (changes("base.damping = [0.3, 1.0]"), r"base\.damping\[1\] = 0\.3 is outside"),
     "gain": ({"base.gain": 1.3}, r"base\.gain\[1\] = 1\.3 is outside"),
-    "push": ({"disturbance.push": [2.0, 0.0]}, r"filter\.d\[1\] = 0 m/s is less"),
+    "push": (changes("disturbance.push = [2.0, 0.0]"), r"filter\.d\[1\] = 0 m/s is less"),
     "friction": ({"robot.mu": 0.01}, r"filter\.d\[1\] = 0 m/s is less"),
-    "start": ({"initial.velocity": [0.2, 0.0]}, "at rest at the start"),
+    "start": (changes("initial.velocity = [0.2, 0.0]"), "at rest at the start"),
     "motors": ({"actuator.tau_max": 20.0}, "Leave tau_max out"),
-    "loop": ({"base.loop": ["second-order", "pi"]}, r'base\.loop = \["second-order", "pi"\]'),
+    "loop": (
+        changes('base.loop = ["second-order", "pi"]'),
+        r'base\.loop = \["second-order", "pi"\]',
+    ),
 }
 
 

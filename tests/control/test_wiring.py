@@ -4,6 +4,7 @@ import casadi as ca
 import pytest
 
 from tests.papers_robot import paper
+from tests.tables import changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.control.wiring import FIRST_STREAM, Stream, Wiring
 from wmr_ctrl.core.signals import PLANT_STATE, TORQUE_NOISE, Signal
@@ -19,7 +20,7 @@ def wiring(**changed):
 
 
 def test_a_system_adds_its_state_and_draws_and_shows_its_outputs():
-    joined = wiring(**{"disturbance.std": 0.5, "gust.size": [1.0, 0.5]})
+    joined = wiring(**changes("disturbance.std = 0.5; gust.size = [1.0, 0.5]"))
     shown = [joined.run(system) for system in joined.effects(EffectRole.DISTURBANCE)]
 
     names = {name for item in shown for name in item}

@@ -13,18 +13,36 @@ import numpy as np
 
 from tests.corridor import late, sending
 from tests.corridor.adversary import Attacked, worst_pushes
+from tests.tables import changes
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
-EXACT = {"disturbance.std": 0.0, "sensor.pose_noise": 0.0, "sensor.velocity_noise": [0.0, 0.0]}
-QUICK = {"gains.kanayama.k": [3.57, 64.6, 16.1]}
+EXACT = changes("""
+    disturbance.std = 0.0
+    sensor.pose_noise = 0.0
+    sensor.velocity_noise = [0.0, 0.0]
+""")
+QUICK = changes("gains.kanayama.k = [3.57, 64.6, 16.1]")
 """Of the preset without its noise, and gains with which kanayama keeps close then."""
-PUSHED = {"disturbance.std": 1e-4, "disturbance.truncate": 3.0, "clock.plant": 0.005}
+PUSHED = changes("""
+    disturbance.std = 1e-4
+    disturbance.truncate = 3.0
+    clock.plant = 0.005
+""")
 QUIET = {"clock.plant": 0.005}
-PI = {"base.loop": "pi", "base.kp": 10.0, "base.ki": 20.0, "filter.kind": "none"}
-WIDE = {"limits.v_u2": [0.21, 2.6], "filter.kind": "none"}
+PI = changes("""
+    base.loop = pi
+    base.kp = 10.0
+    base.ki = 20.0
+    filter.kind = none
+""")
+WIDE = changes("limits.v_u2 = [0.21, 2.6]; filter.kind = none")
 POSES = {**QUIET, "sensor.pose_noise": 5e-4}
-RAMP = {"filter.kind": "clip", "base.accel": [0.5, 3.0], "base.decel": [0.5, 3.0],
-        "filter.d": [0.01, 0.1]}  # fmt: skip
+RAMP = changes("""
+    filter.kind = clip
+    base.accel = [0.5, 3.0]
+    base.decel = [0.5, 3.0]
+    filter.d = [0.01, 0.1]
+""")
 BASES = {
     "turtlebot3-burger, kanayama, 0.3 mN m": ("kanayama", "push", PUSHED, 90),
     "the same, gains of 1.02 and 0.98":
@@ -66,7 +84,7 @@ def burger(*changes):
 
 def simulated(*changes):
     """safe-simulation, pushed by 0.3 N m, without guard and change, with some changes."""
-    alone = {"disturbance.std": 0.1, "guard.enabled": False, "changes": []}
+    alone = changes("disturbance.std = 0.1; guard.enabled = false; changes = []")
     return _changed("safe-simulation", alone, *changes)
 
 
@@ -121,11 +139,14 @@ def with_losses(times):
     return Further(scenario, "prox", reach)
 
 
-LINE = {
-    "reference.kind": "line", "reference.speed": 0.2, "disturbance.std": 0.0,
-    "sensor.velocity_noise": [1e-4, 0.0], "gains.kinematics.k": [4.0, 60.0, 6.0],
-    "gains.mb.rho": [180.0, 180.0],
-}  # fmt: skip
+LINE = changes("""
+    reference.kind = line
+    reference.speed = 0.2
+    disturbance.std = 0.0
+    sensor.velocity_noise = [1e-4, 0.0]
+    gains.kinematics.k = [4.0, 60.0, 6.0]
+    gains.mb.rho = [180.0, 180.0]
+""")
 
 
 def reckoned_for_long(times):
@@ -162,7 +183,7 @@ def with_delay(steps, size, *changes):
     return Further(scenario, "prox", reach)
 
 
-GUARDED = {"guard.enabled": True, "disturbance.truncate": 3.0}
+GUARDED = changes("guard.enabled = true; disturbance.truncate = 3.0")
 ROWS = {
     **{name: partial(on_base, name) for name in BASES},
     "safe-simulation, prox, 0.3 N m, one pose in a row lost": partial(with_losses, 1),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.control.bases import VELOCITY, based
+from tests.tables import changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor.answer import Corridor
 from wmr_ctrl.world.scenario import load_scenario
@@ -43,11 +44,18 @@ def peaks_of(certifier, e):
 
 def test_inputs_are_as_large_as_the_scenario_says():
     """A position is off by both of its errors; a command by half a step to either side."""
-    noisy = {"sensor.pose_noise": 0.03, "sensor.velocity_noise": [0.01, 0.02]}
+    noisy = changes("""
+        sensor.pose_noise = 0.03
+        sensor.velocity_noise = [0.01, 0.02]
+    """)
     inputs = bounded_inputs(settle(load_scenario("safe-simulation", noisy), "prox"))
     assert inputs.pose == pytest.approx(np.hypot(0.03, 0.03))
     assert inputs.velocity.tolist() == [0.01, 0.02]
-    based = {"base.quantum": [0.002, 0.01], "base.deadband": [0.02, 0.03], "filter.kind": "clip"}
+    based = changes("""
+        base.quantum = [0.002, 0.01]
+        base.deadband = [0.02, 0.03]
+        filter.kind = clip
+    """)
     inputs = bounded_inputs(settle(load_scenario("turtlebot3-burger", based), "prox"))
     assert inputs.command == pytest.approx([0.001, 0.005])
     assert inputs.dead.tolist() == [0.02, 0.03]
@@ -177,7 +185,9 @@ def test_within_a_sample_what_every_plant_step_adds_counts_besides(certifier):
 def test_what_dead_reckoning_misses_is_kept_but_for_the_share_that_is_corrected(certifier):
     """Gaps of all samples so far: a geometric sum, of both elements of a position."""
     stub = SimpleNamespace(law_rest=np.zeros(len(certifier.law_rest)))
-    scenario = load_scenario("safe-simulation", {"sensor.correction": 0.25, "sensor.pose_noise": 1})
+    scenario = load_scenario(
+        "safe-simulation", changes("sensor.correction = 0.25; sensor.pose_noise = 1")
+    )
     stub.loop = SimpleNamespace(
         filter=3, memory=3, setup=SimpleNamespace(scenario=scenario),
         step=SimpleNamespace(at=np.array([0, 0, 0, 3.0, 2.0])),

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl import load_run, simulate
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results.obstacles import nearest
@@ -49,7 +50,9 @@ def test_without_obstacles_nothing_is_said():
 
 
 def test_obstacles_survive_toml_and_a_run_that_touches_one_says_so(tmp_path):
-    scenario = placed([CIRCLE, WALL], **{"initial.pose": [2.4, 0.5, 0.0], "clock.duration": 2.0})
+    scenario = placed(
+        [CIRCLE, WALL], **changes("initial.pose = [2.4, 0.5, 0.0]; clock.duration = 2.0")
+    )
     run = simulate(scenario, "prox")
     run.save(tmp_path / "run.npz")
 

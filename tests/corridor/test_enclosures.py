@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx
 
+from tests.tables import changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor import gains as room
@@ -136,8 +137,12 @@ def test_gains_are_sums_of_the_answers_to_single_inputs(loop):
 
 def test_estimates_and_what_an_observer_remembers_are_where_the_loop_keeps_them(monkeypatch):
     """Behind commands under way; before what acts in lagging drives."""
-    late = {"actuator.delay": 0.02, "actuator.lag": 0.02, "guard.enabled": False}
-    filtered = {"sensor.correction": 0.5, "sensor.pose_noise": 1e-3}
+    late = changes("""
+        actuator.delay = 0.02
+        actuator.lag = 0.02
+        guard.enabled = false
+    """)
+    filtered = changes("sensor.correction = 0.5; sensor.pose_noise = 1e-3")
     setup = settle(load_scenario("safe-simulation", late | filtered), "kanayama")
     loop = SampledLoop(setup, V_D, partial(conditions, setup))
     given, n = {}, len(loop.names) + 2 * loop.queue + loop.memory + loop.acting

@@ -11,6 +11,7 @@ import pytest
 
 from tests.corridor.further import burger
 from tests.corridor.one_by_one import HEADING, ROUND, SIDES, of_base, of_torques
+from tests.tables import changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
 from wmr_ctrl.world.scenario import load_scenario, override
@@ -34,7 +35,10 @@ def heavier(time):
     return {"changes": [{"t": time, "m": 62.0, "I": 6.6, "mu": 0.12}]}
 
 
-GAINS = {"guard.enabled": False, "gains.prox": {"rho": [42.9, 21.74], "wo": 10.0}}
+GAINS = changes("""
+    guard.enabled = false
+    gains.prox = {rho = [42.9, 21.74], wo = 10.0}
+""")
 """With k1 = 16.8, quick enough for these bounds to have much to count at 50 ms."""
 
 
@@ -43,20 +47,49 @@ def simulated(*changes):
     return override(load_scenario("safe-simulation"), {**GAINS, **told})
 
 
-EIGHT = {"reference.kind": "lemniscate", "reference.size": 1.0, "reference.rate": 0.1}
-LITTLE = {"disturbance.std": 0.02, "sensor.pose_noise": 1e-5, "actuator.tau_max": 10.0,
-          "sensor.velocity_noise": [2e-5, 2e-4]}  # fmt: skip
-LATE = {"actuator.delay": 0.01, "actuator.lag": 0.01, "sensor.correction": 0.6,
-        "sensor.pose_noise": 1e-4, "corridor.start": [0.0, 0.0, 5e-3]}  # fmt: skip
-STOPS = {"reference.kind": "stop-and-go", "reference.radius": 2.0,
-         "reference.period": 4.0, "reference.speed": 0.2,
-         "robot.mu": 0.02, "disturbance.std": 0.003, "sensor.pose_noise": 0.0,
-         "sensor.velocity_noise": [0.0, 0.0], "actuator.tau_max": 10.0}  # fmt: skip
-FAST = {**EIGHT, "reference.rate": 0.5, "disturbance.std": 0.0, "actuator.tau_max": 20.0,
-        "sensor.correction": 0.6}  # fmt: skip
-BASE = {"base.delay": 0.03, "disturbance.std": 1e-6, "disturbance.truncate": 3.0,
-        "sensor.pose_noise": 1e-6, "sensor.velocity_noise": [1e-6, 1e-5]}  # fmt: skip
-OFF = {"corridor.start": [3e-4, 3e-4, 2e-3]}
+EIGHT = changes("""
+    reference.kind = lemniscate
+    reference.size = 1.0
+    reference.rate = 0.1
+""")
+LITTLE = changes("""
+    disturbance.std = 0.02
+    sensor.pose_noise = 1e-5
+    actuator.tau_max = 10.0
+    sensor.velocity_noise = [2e-5, 2e-4]
+""")
+LATE = changes("""
+    actuator.delay = 0.01
+    actuator.lag = 0.01
+    sensor.correction = 0.6
+    sensor.pose_noise = 1e-4
+    corridor.start = [0.0, 0.0, 5e-3]
+""")
+STOPS = changes("""
+    reference.kind = stop-and-go
+    reference.radius = 2.0
+    reference.period = 4.0
+    reference.speed = 0.2
+    robot.mu = 0.02
+    disturbance.std = 0.003
+    sensor.pose_noise = 0.0
+    sensor.velocity_noise = [0.0, 0.0]
+    actuator.tau_max = 10.0
+""")
+FAST = EIGHT | changes("""
+    reference.rate = 0.5
+    disturbance.std = 0.0
+    actuator.tau_max = 20.0
+    sensor.correction = 0.6
+""")
+BASE = changes("""
+    base.delay = 0.03
+    disturbance.std = 1e-6
+    disturbance.truncate = 3.0
+    sensor.pose_noise = 1e-6
+    sensor.velocity_noise = [1e-6, 1e-5]
+""")
+OFF = changes("corridor.start = [3e-4, 3e-4, 2e-3]")
 HEAVIER = (EIGHT, timed(PERIOD, 16), LITTLE, heavier(0.225))
 CASES = {
     "a robot that becomes heavier": ("prox", simulated(*HEAVIER), (1.0317, 1.0717, 1.0069)),
@@ -98,7 +131,7 @@ def test_a_bound_is_what_all_that_disturbs_leads_to_and_hardly_more(case):
         sizes["heard"] = np.array([1e-6, 1e-5])
     kinds = [kind for kind, size in sizes.items() if np.any(size)]
     own = (of_base if base else of_torques)(scenario, law, kinds)
-    rounded = {"base.quantum": [2e-6, 2e-5]} if base else {}
+    rounded = changes("base.quantum = [2e-6, 2e-5]") if base else {}
     tube = run_corridor(override(scenario, rounded), law)
     reached = [own.of_samples(ways, sizes, start) for ways in (ROUND, HEADING)]
     far, turned = (one / other for one, other in zip(tube.course, reached, strict=True))
@@ -114,15 +147,29 @@ def test_a_bound_is_what_all_that_disturbs_leads_to_and_hardly_more(case):
     assert heading is None or turned.mean() == pytest.approx(heading, rel=0.01)
 
 
-NOISY = {"sensor.pose_noise": 2e-4, "sensor.velocity_noise": [5e-4, 5e-3]}
-SENT = {"base.delay": 0.03, "base.quantum": [2e-3, 1e-2], "disturbance.std": 1e-4,
-        "disturbance.truncate": 3.0, "sensor.pose_noise": 1e-4}  # fmt: skip
-LOUD = {"disturbance.std": 0.02, "sensor.pose_noise": 1e-3, "sensor.velocity_noise": [2e-3, 2e-2]}
+NOISY = changes("""
+    sensor.pose_noise = 2e-4
+    sensor.velocity_noise = [5e-4, 5e-3]
+""")
+SENT = changes("""
+    base.delay = 0.03
+    base.quantum = [2e-3, 1e-2]
+    disturbance.std = 1e-4
+    disturbance.truncate = 3.0
+    sensor.pose_noise = 1e-4
+""")
+LOUD = changes("""
+    disturbance.std = 0.02
+    sensor.pose_noise = 1e-3
+    sensor.velocity_noise = [2e-3, 2e-2]
+""")
 CIRCLES = {
     "prox": ("prox", simulated(timed(PERIOD, 160), LOUD), (0.9994, 0.9784, 1.0257, 0.9647)),
     "kanayama, poses in part": (
         "kanayama",
-        simulated(timed(PERIOD, 60), NOISY, {"disturbance.std": 0.2, "sensor.correction": 0.6}),
+        simulated(
+            timed(PERIOD, 60), NOISY, changes("disturbance.std = 0.2; sensor.correction = 0.6")
+        ),
         (0.8900, 0.8636, 0.9894, 0.987),
     ),
     "a base": ("kanayama", burger(timed(0.06, 50), SENT), (0.9124, 0.9231, 1.0553, 0.887)),
@@ -165,7 +212,7 @@ def test_boxes_of_secants_that_are_left_certify_nothing(monkeypatch):
 
 @pytest.mark.slow
 def test_a_run_that_a_limit_stops_is_refused_with_its_time_and_what_would_do():
-    told = {"actuator.tau_max": 4.9, "disturbance.std": 0.1}
+    told = changes("actuator.tau_max = 4.9; disturbance.std = 0.1")
     weak = override(CASES["a robot that becomes heavier"][1], told)
     tube, own = find_corridor(weak, "prox", whole=True), of_torques(weak, "prox", ("push",))
     words = re.search(r"wheel may reach (\S+) of 4.9 at t = (\S+) s,", tube.refused)
@@ -183,9 +230,18 @@ def test_a_run_that_a_limit_stops_is_refused_with_its_time_and_what_would_do():
 
 
 def test_all_masses_of_a_cell_stay_within_its_bounds():
-    told = {"guard.enabled": True, "guard.M_min": [49.0, 5.3], "guard.M_max": [51.0, 5.5],
-            "corridor.cells": 1, "robot.m": 50.0, "robot.I": 5.4, "model.m": 50.0, "model.I": 5.4,
-            "disturbance.std": 0.0, "reference.rate": 0.3}  # fmt: skip
+    told = changes("""
+        guard.enabled = true
+        guard.M_min = [49.0, 5.3]
+        guard.M_max = [51.0, 5.5]
+        corridor.cells = 1
+        robot.m = 50.0
+        robot.I = 5.4
+        model.m = 50.0
+        model.I = 5.4
+        disturbance.std = 0.0
+        reference.rate = 0.3
+    """)
     scenario = simulated(EIGHT, timed(0.02, 16), told)
     tube, found = run_corridor(scenario, "mb"), []
     for m, inertia in product((49.0, 51.0), (5.3, 5.5)):
@@ -221,11 +277,17 @@ def test_infinite_guess_does_not_hold():
 
 def test_reason_of_refusal_has_a_number():
     """Friction that the law believes in and the robot has not: deviations grow without end."""
-    given = {
-        "reference.kind": "stop-and-go", "robot.m": 37.0, "robot.I": 7.4, "robot.mu": 0.0,
-        "model.mu": 0.083, "disturbance.std": 0.0872, "clock.control": 0.02,
-        "clock.duration": 0.2, "changes": [],
-    }  # fmt: skip
+    given = changes("""
+        reference.kind = stop-and-go
+        robot.m = 37.0
+        robot.I = 7.4
+        robot.mu = 0.0
+        model.mu = 0.083
+        disturbance.std = 0.0872
+        clock.control = 0.02
+        clock.duration = 0.2
+        changes = []
+    """)
     refused = run_corridor(load_scenario("safe-simulation", given), "prox").refused
     assert "may grow as large as what the loop corrects" in refused
     assert "nan" not in refused

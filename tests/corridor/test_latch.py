@@ -5,6 +5,7 @@ import pytest
 
 from tests.corridor.adversary import attack
 from tests.simulation.physics.shove import SHOVE
+from tests.tables import changes
 from wmr_ctrl import load_run, simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor
@@ -13,7 +14,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor.certificate import Certifier
 from wmr_proofs.corridor.latch import STAGES, latch_of
 
-SHORT = {"changes": [], "clock.duration": 32.0}
+SHORT = changes("changes = []; clock.duration = 32.0")
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +52,7 @@ def test_no_sample_from_the_box_goes_farther_than_it_says(certifier):
 def test_a_push_that_nobody_told_of_is_proved_to_have_been(monkeypatch, tmp_path):
     """An effect whose bound says that it does nothing; the run says that this was false."""
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", (SHOVE,))
-    shoved = {**SHORT, "shove.force": 300.0, "shove.start": 30.0, "shove.time": 0.5}
+    shoved = SHORT | changes("shove.force = 300.0; shove.start = 30.0; shove.time = 0.5")
     run = simulate("safe-simulation", "prox", seed=3, overrides=shoved)
     calm = simulate("safe-simulation", "prox", seed=3, overrides={**shoved, "shove.force": 20.0})
     run.save(tmp_path / "run.npz")

@@ -7,12 +7,13 @@ import pytest
 
 from tests.corridor.adversary import worst_errors, worst_pushes
 from tests.corridor.further import farthest_lost, lossy, simulated
+from tests.tables import changes
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor
 from wmr_proofs.corridor import asked, reckoning
 
 SAMPLES = 200
-NOISY = {"disturbance.std": 0.0, "sensor.velocity_noise": [1e-3, 4e-3]}
+NOISY = changes("disturbance.std = 0.0; sensor.velocity_noise = [1e-3, 4e-3]")
 
 
 @pytest.mark.slow
@@ -85,8 +86,8 @@ def test_where_hardly_any_pose_comes_it_is_refused_and_told_how_often_one_has_to
     "changes, why",
     [
         ({"sensor.pose_dropout": 0.1}, "state corridor.losses"),
-        ({"sensor.pose_period": 0.05, "sensor.correction": 0.5}, "corrected in part"),
-        ({"sensor.pose_period": 0.05, "reference.kind": "lemniscate"}, "over a whole run"),
+        (changes("sensor.pose_period = 0.05; sensor.correction = 0.5"), "corrected in part"),
+        (changes("sensor.pose_period = 0.05; reference.kind = lemniscate"), "over a whole run"),
     ],
 )
 def test_what_is_not_covered_is_refused_by_name(changes, why):

@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from tests.simulation.physics.shove import SHOVE
+from tests.tables import changes
 from wmr_ctrl import simulate
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import CORRIDOR, files_of
@@ -23,8 +24,8 @@ from wmr_proofs.corridor.latch import latch_of
 from wmr_proofs.corridor.monitor import OUTPUTS
 from wmr_proofs.corridor.monitor import monitor as watching
 
-CASE = override(load_scenario("safe-simulation"), {"changes": [], "clock.duration": 32.0})
-SHOVED = {"shove.force": 300.0, "shove.start": 30.0, "shove.time": 0.5}
+CASE = override(load_scenario("safe-simulation"), changes("changes = []; clock.duration = 32.0"))
+SHOVED = changes("shove.force = 300.0; shove.start = 30.0; shove.time = 0.5")
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +74,10 @@ def test_it_tells_when_the_corridor_begins_to_hold_and_that_it_was_left(monitor,
 
 
 def test_what_is_measured_amiss_leaves_less_of_the_box_and_more_of_the_distance():
-    noise = {"sensor.velocity_noise": [1e-4, 2e-4], "sensor.pose_noise": 1e-4}
+    noise = changes("""
+        sensor.velocity_noise = [1e-4, 2e-4]
+        sensor.pose_noise = 1e-4
+    """)
     off = {**noise, "guard.enabled": False, "disturbance.std": 0.5}
     setup = settle(override(CASE, off), "prox")
     certifier = Certifier(setup)
@@ -148,7 +152,11 @@ def test_as_an_fmu_it_tells_the_same(monitor, shoved, tmp_path):
 @pytest.mark.parametrize(
     "case, law, words",
     [
-        ({"clock.control": 0.1, "guard.enabled": False}, "prox", "has no corridor to be watched"),
+        (
+            changes("clock.control = 0.1; guard.enabled = false"),
+            "prox",
+            "has no corridor to be watched",
+        ),
         ({}, "kanayama", "that a monitor cannot see"),
     ],
 )

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
+from tests.tables import changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.scenario import load_scenario, override
@@ -171,7 +172,7 @@ def test_products_of_long_rows_count_the_rounding_of_all_their_terms():
 
 
 def test_a_loop_with_more_numbers_than_rounding_is_counted_for_is_refused():
-    told = {"actuator.delay": 0.5, "guard.enabled": False}
+    told = changes("actuator.delay = 0.5; guard.enabled = false")
     for kind in ("circle", "lemniscate"):
         scenario = override(load_scenario("safe-simulation"), {**told, "reference.kind": kind})
         assert (
@@ -264,7 +265,11 @@ def test_columns_of_some_samples_stand_for_those_between():
 def test_a_loop_that_forgets_before_a_block_ends_is_followed(monkeypatch):
     """Its columns are fewer than a block's samples where a change cut a block short."""
     monkeypatch.setattr("wmr_proofs.corridor.along.forgets", lambda *_: 12)
-    told = {"clock.duration": 1.5, "changes": [{"t": 0.533, "m": 31.0}], "disturbance.std": 2e-4}
+    told = changes("""
+        clock.duration = 1.5
+        changes = [{t = 0.533, m = 31.0}]
+        disturbance.std = 2e-4
+    """)
     along = Along(settle(override(load_scenario("safe-simulation"), told), "prox"))
     assert along.memory < along.batch
 

@@ -7,6 +7,7 @@ import pytest
 
 from tests.corridor.adversary import Attacked
 from tests.corridor.test_every_sample import LITTLE, PERIOD, heavier, simulated, timed
+from tests.tables import changes
 from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor
 from wmr_ctrl.world.scenario import override
 from wmr_proofs.corridor.latch import left_by
@@ -106,7 +107,10 @@ def test_a_run_is_held_against_it_until_the_robot_changes(numbers, frames):
 
 
 def test_what_is_measured_amiss_widens_what_a_monitor_certifies():
-    noise = {"sensor.pose_noise": 1e-5, "sensor.velocity_noise": [1e-6, 1e-5]}
+    noise = changes("""
+        sensor.pose_noise = 1e-5
+        sensor.velocity_noise = [1e-6, 1e-5]
+    """)
     loud = override(CASE, noise)
     numbers = {p.signal.name: np.array(p.value) for p in corridor_monitor(loud, "prox").params}
 
@@ -117,7 +121,7 @@ def test_what_is_measured_amiss_widens_what_a_monitor_certifies():
 
 def test_what_stays_free_of_a_whole_run_is_what_its_corridor_leaves():
     """Not the one that holds until the robot becomes heavier."""
-    near = {"reference.keep_out": [[0.0, 2.0, 1.0]], "body.radius": 0.3}
+    near = changes("reference.keep_out = [[0.0, 2.0, 1.0]]; body.radius = 0.3")
     tube = find_corridor(
         simulated(timed(PERIOD, 16), LITTLE, heavier(0.225), near), "prox", whole=True
     )

@@ -5,6 +5,7 @@ from time import sleep
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from tests.world.toys import GUST
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor
@@ -45,9 +46,13 @@ def test_a_set_that_stands_serves_for_many_samples_and_is_as_large(monkeypatch):
     assert (first.heading >= second.heading - 1e-9).all()
 
 
-SMOOTH = {"reference.kind": "stop-and-go", "reference.radius": 2.0,
-          "reference.period": 4.0, "reference.speed": 0.2,
-          "changes": []}  # fmt: skip
+SMOOTH = changes("""
+    reference.kind = stop-and-go
+    reference.radius = 2.0
+    reference.period = 4.0
+    reference.speed = 0.2
+    changes = []
+""")
 
 
 @pytest.mark.slow
@@ -108,7 +113,9 @@ def test_what_a_lap_does_not_end_in_is_followed_sample_by_sample(monkeypatch):
 
 def test_a_start_that_alone_stops_it_is_named_and_no_push_is_blamed():
     told = {"clock.control": PERIOD, "clock.duration": 1.0, "changes": []}
-    far = override(load_scenario("safe-simulation"), {**told, "corridor.start": [0.02, 0.02, 0.1]})
+    far = override(
+        load_scenario("safe-simulation"), told | changes("corridor.start = [0.02, 0.02, 0.1]")
+    )
     refused = run_corridor(far, "prox").refused
 
     assert refused.endswith(
@@ -119,9 +126,17 @@ def test_a_start_that_alone_stops_it_is_named_and_no_push_is_blamed():
 
 @pytest.mark.slow
 def test_what_closes_with_one_cell_is_not_said_of_all():
-    told = {"reference.kind": "lemniscate", "reference.size": 2.0, "reference.rate": 0.1,
-            "changes": [], "disturbance.std": 0.5, "clock.control": PERIOD, "clock.duration": 3.0,
-            "corridor.cells": 2, "guard.trust": True, "actuator.tau_max": 8.0}  # fmt: skip
+    told = changes("""
+        reference.kind = lemniscate
+        reference.size = 2.0
+        reference.rate = 0.1
+        changes = []
+        disturbance.std = 0.5
+        clock.duration = 3.0
+        corridor.cells = 2
+        guard.trust = true
+        actuator.tau_max = 8.0
+    """) | {"clock.control": PERIOD}  # fmt: skip
     tube = certified_run(settle(override(load_scenario("safe-simulation"), told), "prox"))
 
     assert tube.position is None
@@ -129,11 +144,17 @@ def test_what_closes_with_one_cell_is_not_said_of_all():
     assert "around that mass alone (others were not tried) it closes" in tube.sentence
 
 
-LOADED = {
-    "guard.M_min": [58.0, 6.2], "guard.M_max": [64.0, 6.9], "robot.m": 61.0, "robot.I": 6.5,
-    "model.m": 50.0, "model.I": 5.4, "guard.trust": True, "clock.control": PERIOD,
-    "disturbance.std": 0.02, "changes": [{"t": 3.0, "m": 62.0, "I": 6.6}],
-}  # fmt: skip
+LOADED = changes("""
+    guard.M_min = [58.0, 6.2]
+    guard.M_max = [64.0, 6.9]
+    robot.m = 61.0
+    robot.I = 6.5
+    model.m = 50.0
+    model.I = 5.4
+    guard.trust = true
+    disturbance.std = 0.02
+    changes = [{t = 3.0, m = 62.0, I = 6.6}]
+""") | {"clock.control": PERIOD}  # fmt: skip
 
 
 @pytest.mark.parametrize("named", [{"m": 62.0}, {"I": 6.6}], ids=str)
@@ -155,7 +176,7 @@ def test_with_cells_a_change_of_mass_or_inertia_is_one_of_both(named):
 
 @pytest.mark.parametrize(
     "told",
-    [{"robot.m": 120.0}, {"changes": [{"t": 3.0, "m": 62.0, "I": 12.6}]}],
+    [{"robot.m": 120.0}, changes("changes = [{t = 3.0, m = 62.0, I = 12.6}]")],
     ids=["robot", "change"],
 )
 @pytest.mark.parametrize("whole", [False, True])
@@ -180,8 +201,11 @@ def test_too_many_mass_histories_are_refused():
 @pytest.mark.slow
 def test_what_stays_free_counts_on_the_corridor_that_there_is():
     """The whole run has none, with a friction that wheels cannot bear; until then there is one."""
-    told = {"reference.keep_out": [[0.0, 2.0, 1.0]], "body.radius": 0.3,
-            "changes": [{"t": 0.5, "mu": 0.9}]}  # fmt: skip
+    told = changes("""
+        reference.keep_out = [[0.0, 2.0, 1.0]]
+        body.radius = 0.3
+        changes = [{t = 0.5, mu = 0.9}]
+    """)
     tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=True)
 
     assert tube.whole.position is None
@@ -191,7 +215,11 @@ def test_what_stays_free_counts_on_the_corridor_that_there_is():
 @pytest.mark.parametrize("whole", [False, True])
 @pytest.mark.slow_but("True")
 def test_a_law_that_predicts_is_refused_by_a_sentence(whole):
-    told = {"guard.enabled": False, "actuator.delay": 0.02, "gains.prox.delay": 0.02}
+    told = changes("""
+        guard.enabled = false
+        actuator.delay = 0.02
+        gains.prox.delay = 0.02
+    """)
     tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=whole)
 
     assert tube.refused == "a law that predicts (its gain delay) is not covered"
@@ -199,8 +227,14 @@ def test_a_law_that_predicts_is_refused_by_a_sentence(whole):
 
 def test_the_first_estimate_of_a_pose_is_off_by_what_the_heading_makes_of_a_period():
     """Of poses that are corrected in part, turned back by a heading that is off, too."""
-    told = {"sensor.correction": 0.4, "clock.control": 0.1, "reference.rate": 0.6,
-            "reference.radius": 0.4, "clock.duration": 2.0, "changes": []}  # fmt: skip
+    told = changes("""
+        sensor.correction = 0.4
+        clock.control = 0.1
+        reference.rate = 0.6
+        reference.radius = 0.4
+        clock.duration = 2.0
+        changes = []
+    """)
     along = Along(setup := settle(override(load_scenario("safe-simulation"), told), "prox"))
     passing = Passing(along, bounded_inputs(setup), np.zeros(3))
     place = len(passing.pending) - along.loop.acting - along.loop.filter

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
+from tests.tables import changes
 from wmr_ctrl.control.filter import asked as able
 from wmr_ctrl.control.filter.gate import GateSettings, gate_system
 from wmr_ctrl.control.setup import settle
@@ -27,12 +28,16 @@ REFUSED = {
         r"may push the base on by 0\.01597.* filter\.d\[1\] = 0\.005",
     ),
     "dead band of a governed base": (
-        {"filter.kind": "governor", "filter.tau": [0.05, 0.2], "base.deadband": [0.01, 0.02],
-         "base.accel": [math.inf] * 2, "base.decel": [math.inf] * 2, "filter.delay": [0.0, 0.05]},
+        changes("""
+            filter.kind = governor
+            filter.tau = [0.05, 0.2]
+            base.deadband = [0.01, 0.02]
+            filter.delay = [0.0, 0.05]
+        """) | {"base.accel": [math.inf] * 2, "base.decel": [math.inf] * 2},
         r"may push the base on by 0\.01.* filter\.d\[1\] = 0\.005",
     ),
     "scale": (
-        {"base.min_radius": 0.4, "filter.scale": "axes"},
+        changes("base.min_radius = 0.4; filter.scale = axes"),
         r'filter\.scale = "axes" .* base\.min_radius = 0\.4 m',
     ),
     "negative radius": ({"base.min_radius": -0.4}, r"base\.min_radius = -0\.4 must be at least 0"),
@@ -94,7 +99,7 @@ def test_a_turn_is_no_tighter_than_the_least_radius(given, sent):
     assert found == pytest.approx([given[0], sent])
 
 
-LEAST = {"base.deadband": [0.03, 0.26], "filter.least": True}
+LEAST = changes("base.deadband = [0.03, 0.26]; filter.least = true")
 DOCK = {
     "initial.pose": [0.0, 0.0, -math.pi / 2], "clock.duration": 30.0, "metrics.tolerance": 0.02,
     "reference": {"kind": "waypoints", "points": [[0.0, 0.0], [0.6, 0.0], [1.0, 0.1]],
@@ -121,7 +126,7 @@ def test_a_goal_within_the_dead_band_is_reached(law):
 
 @pytest.mark.parametrize("wheels", [False, True])
 def test_what_is_sent_acts_and_is_in_the_mean_what_was_asked(wheels):
-    band = {"base.wheel_deadband": 0.03, "filter.d": [0.02, 0.2]} if wheels else LEAST
+    band = changes("base.wheel_deadband = 0.03; filter.d = [0.02, 0.2]") if wheels else LEAST
     step = wmr_ctrl.command_filter(override(CREATE3, {**band, "filter.least": True})).step
     l, rng = CREATE3.robot.l, np.random.default_rng(6)
     parts = np.array([[1.0, l], [1.0, -l]]) if wheels else np.eye(2)
@@ -141,7 +146,9 @@ def test_what_is_sent_acts_and_is_in_the_mean_what_was_asked(wheels):
 
 
 def test_the_least_command_is_sent_only_where_the_filter_admits_it():
-    weak = override(CREATE3, {**LEAST, "limits.v_u1": [0.306, 0.2], "limits.v_u2": [0.2, 0.15]})
+    weak = override(
+        CREATE3, LEAST | changes("limits.v_u1 = [0.306, 0.2]; limits.v_u2 = [0.2, 0.15]")
+    )
     step = wmr_ctrl.command_filter(weak).step
     sent = np.array([step((0.0, 0.1)).command[1] for _ in range(50)])
     assert 0 < sent.max() <= (0.2 - 0.05) / 1.05

@@ -9,10 +9,12 @@ from scipy.signal import lti, step
 
 from tests.control.filter.linear_base import held, pi_base, second_order_base
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
+from tests.tables import cases, changes
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.band import MOST_COMMANDS, PIECES
 from wmr_ctrl.control.filter.step_response import band, pi_cells, second_order_cells
 from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import override
 
 T = 0.05
 PARTS = 5
@@ -132,29 +134,20 @@ def test_tables_hold_every_step_response_and_little_more(cells, members):
 
 @pytest.mark.parametrize(
     "stated, words",
-    [
-        ({"loop": "first-order"}, "for loops that overshoot"),
-        ({"losses": 1}, "filter.losses: .*a constant delay after"),
-        ({"jitter": 0.013}, "at most a quarter of"),
-        ({"hold": 0.5}, "filter.hold"),
-        ({"delay": (0.0, 0.02)}, "filter.delay"),
-        ({"odometry": (0.1, 0.1)}, "from its own commands"),
-        ({"loop": "second-order", "damping": (0.5, 1.0)}, "filter.frequency is missing"),
-        ({"kp": (135.0, 3000.0), "friction": (0.0, 0.0)}, "may still be"),
-    ],
-)
-@pytest.mark.slow_but(
-    "stated0-for loops that overshoot",
-    "stated1-filter.losses: .*a constant delay after",
-    "stated2-at most a quarter of",
-    "stated3-filter.hold",
-    "stated4-filter.delay",
-    "stated5-from its own commands",
-    "stated6-filter.frequency is missing",
+    cases("""
+        filter.loop = first-order       | for loops that overshoot
+        filter.losses = 1               | filter.losses: .*a constant delay after
+        filter.jitter = 0.013           | at most a quarter of
+        filter.hold = 0.5               | filter.hold
+        filter.delay = [0, 0.02]        | filter.delay
+        filter.odometry = [0.1, 0.1]    | from its own commands
+        filter.loop = second-order; filter.damping = [0.5, 1]  | filter.frequency is missing
+        filter.kp = [135, 3000]; filter.friction = [0, 0]      | may still be  | slow
+    """),
 )
 def test_what_it_does_not_count_with_is_refused_by_name(stated, words):
     with pytest.raises(ScenarioError, match=words):
-        command_filter(scenario(**({"kind": "band"} | stated)))
+        command_filter(override(scenario(kind="band"), changes(stated)))
 
 
 @pytest.mark.slow

@@ -4,16 +4,21 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl.control.filter.channels import channels_of
 from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import load_scenario
 
 
 def test_a_rim_has_the_pushes_of_both_axes_and_the_widest_of_their_gains():
-    stated = {
-        "robot.l": 0.2, "limits.v_u1": [1.0, 2.0], "filter.kind": "clip",
-        "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05], "filter.channels": "wheels",
-    }  # fmt: skip
+    stated = changes("""
+        robot.l = 0.2
+        limits.v_u1 = [1.0, 2.0]
+        filter.kind = clip
+        filter.gain = [0.9, 1.1]
+        filter.d = [0.05, 0.05]
+        filter.channels = wheels
+    """)
     scenario = load_scenario("paper-simulation", stated)
     p = Parameters(scenario)
     numbers = ca.SX([0.9, 0.8]), ca.SX([1.1, 1.3]), ca.SX([0.05, 0.1])

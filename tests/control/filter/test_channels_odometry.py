@@ -5,17 +5,20 @@ import pytest
 
 import wmr_ctrl
 from tests.control.bases import GOVERNED, based
+from tests.tables import changes
 from wmr_ctrl.control.filter.channels import UNUSED
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.registry import EFFECTS
 
-AGED = {
-    "lost": {"sensor.velocity_losses": 3},
-    "late": {"sensor.velocity_age": 0.1},
-    "late and lost": {"sensor.velocity_age": 0.1, "sensor.velocity_losses": 2},
-}
+AGED = [(0, 3), (2, 0), (2, 2)]
+"""Samples by which odometry is late, and how many in a row may be lost."""
+
+
+def aged(late, lost, **more):
+    stated = {"sensor.velocity_age": 0.05 * late, "sensor.velocity_losses": lost}
+    return based({**GOVERNED, **stated, **more})
 
 
 def ages_shown(scenario, count):
@@ -38,29 +41,25 @@ def ages_shown(scenario, count):
     return np.array(rows).T[0], np.array(rows).T[1]
 
 
-@pytest.mark.parametrize("case", AGED)
-@pytest.mark.slow_but("late and lost")
-def test_the_age_that_is_told_is_that_of_the_velocity_that_is_shown(case):
-    scenario = based(GOVERNED, **{key.replace(".", "__"): v for key, v in AGED[case].items()})
-    shown, age = ages_shown(scenario, 200)
+@pytest.mark.parametrize("late, lost", AGED)
+@pytest.mark.slow_but("2-2")
+def test_the_age_that_is_told_is_that_of_the_velocity_that_is_shown(late, lost):
+    shown, age = ages_shown(aged(late, lost), 200)
     told = age >= 0
     number = np.arange(200) - np.round(age / 0.05)
     assert shown[told] == pytest.approx(number[told])
-    late = round(AGED[case].get("sensor.velocity_age", 0) / 0.05)
-    lost = AGED[case].get("sensor.velocity_losses", 0)
     assert age.max() == pytest.approx(0.05 * (late + lost))  # and no more in a row
     assert not told[:late].any()
     assert told[late + lost :].all()
 
 
-@pytest.mark.parametrize("case", AGED)
-@pytest.mark.slow_but("late and lost")
-def test_odometry_that_is_late_or_lost_leaves_the_limit_kept(case):
-    strong = {"kind": "velocity", "tau": [0.2, 0.25], "gain": [1.1, 1.1]}
-    far = {**GOVERNED, **AGED[case], "base": strong, "initial.pose": [-2.0, -2.0, -0.7]}
+@pytest.mark.parametrize("late, lost", AGED)
+@pytest.mark.slow_but("2-2")
+def test_odometry_that_is_late_or_lost_leaves_the_limit_kept(late, lost):
+    far = changes("initial.pose = [-2, -2, -0.7]; base.tau = [0.2, 0.25]; base.gain = [1.1, 1.1]")
     for age in (0.0, 0.2):
-        heard = {**far, "filter": {**GOVERNED["filter"], "age": age}}
-        run = wmr_ctrl.simulate(based(heard), "kanayama", engine="numpy")
+        heard = aged(late, lost, **far, **{"filter.age": age})
+        run = wmr_ctrl.simulate(heard, "kanayama", engine="numpy")
         unused = has(run["filter_flags"], UNUSED)
         assert run.monitor.violations == 0
         assert unused.any() if age == 0 else unused.mean() < 0.1  # the start, where late

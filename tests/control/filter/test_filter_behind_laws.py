@@ -4,25 +4,27 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
+from tests.tables import changes
 from wmr_ctrl.control.controller import unfiltered_controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.scenario import load_scenario, override
 
-LATE = {
-    "changes": [],
-    "clock.control": 0.02,
-    "clock.duration": 25.0,
-    "base": {"kind": "velocity", "tau": [0.2, 0.25], "delay": 0.02},
-    "limits": {"v_u1": [1.0, 2.0], "v_u2": [0.9, 1.8]},
-    "filter": {
-        "kind": "governor", "tau": [0.2, 0.3], "gain": [0.9, 1.1], "delay": [0.0, 0.03],
-    },
-    "reference.rate": 0.35,
-    "gains.kinematics.k": [3.0, 20.0, 4.0],
-    "gains.prox": {"rho": [8.0, 8.0], "wo": 3.0},
-    "gains.kanayama": {"k": [2.0, 8.0, 5.0], "share": 1.0},
-    "gains.pursuit.share": 1.0,
-}  # fmt: skip
+LATE = changes("""
+    changes = []
+    clock.control = 0.02
+    clock.duration = 25
+    base = {kind = "velocity", tau = [0.2, 0.25], delay = 0.02}
+    limits = {v_u1 = [1.0, 2.0], v_u2 = [0.9, 1.8]}
+    filter.kind = governor
+    filter.tau = [0.2, 0.3]
+    filter.gain = [0.9, 1.1]
+    filter.delay = [0.0, 0.03]
+    reference.rate = 0.35
+    gains.kinematics.k = [3.0, 20.0, 4.0]
+    gains.prox = {rho = [8.0, 8.0], wo = 3.0}
+    gains.kanayama = {k = [2.0, 8.0, 5.0], share = 1.0}
+    gains.pursuit.share = 1
+""")
 """A base that is 20 ms late, at 20 ms, and laws that ask for all of the limit."""
 LAWS = ("kanayama", "pursuit", "prox")
 HELD = 500

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from tests.control.filter.adversary import Base, fastest
-from tests.control.filter.test_filter import scenario
+from tests.control.filter.test_filter import STATED, scenario
+from tests.tables import cases, changes
 from wmr_ctrl import simulate
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.theory.checks.velocity_base import filter_facts, usable_speed
-from wmr_ctrl.world.scenario import override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 APART = {"tau": ((0.1, 0.15), (0.4, 0.6)), "gain": ((0.95, 1.05), (0.8, 1.5))}
 LATE = {"delay": ((0.02, 0.02), (0.02, 0.2)), "losses": 1, "jitter": 0.004, "age": 0.08}
@@ -79,6 +80,7 @@ def test_the_bounds_of_one_axis_cost_the_other_nothing():
         assert narrow[1] >= wide[1]
 
 
+CLIP = STATED | {"filter.kind": "clip"}
 WORLD = Base(**APART, **LATE)
 
 
@@ -96,30 +98,34 @@ def test_wheels_take_none_that_differ(name, wheels):
         scenario("clip", **{"damping": (0.5, 0.6), name: value}, **wheels)
 
 
+MIXED = 'filter.loop = ["first-order", "second-order"]'
+
+
 @pytest.mark.parametrize(
     "stated, words",
-    [
-        ({"gain": [[0.9, 1.1]]}, "one for both axes, or two"),
-        ({"gain": [[0.9, 1.1], [1.1, 0.9]]}, r"Write \[0\.9, 1\.1\]"),
-        ({"gain": [[0.9, 1.1], 1.1]}, r"filter\.gain\[2\] = 1\.1 must be an array of 2 numbers"),
-        ({"gain": [0.9, 1.1, 1.2]}, "or two such, of v and of omega"),
-        ({"loop": ["pi", "linear"]}, r'filter\.loop\[2\] = "linear" is not known'),
-        ({"tau": [[0.1, 0.2], [1e-7, 0.2]]}, r"filter\.tau = \[1e-07, 0\.2\] spans"),
-        ({"loop": ["first-order", "second-order"]}, r"filter\.damping is missing"),
-        ({"kind": "band", "loop": ["first-order", "second-order"], "damping": [0.4, 0.5]}, "band"),
-        ({"loop": ["first-order", "second-order"], "damping": [[0.4, 0.5], [1e-3, 1.0]]},
-         r"omega to .* State filter\.damping\[2\]\[1\] of at least"),
-    ],
-)  # fmt: skip
+    cases(rf"""
+        filter.gain = [[0.9, 1.1]]              | one for both axes, or two
+        filter.gain = [[0.9, 1.1], [1.1, 0.9]]  | Write \[0\.9, 1\.1\]
+        filter.gain = [[0.9, 1.1], 1.1]         | filter\.gain\[2\] = 1\.1 must be an array of 2
+        filter.gain = [0.9, 1.1, 1.2]           | or two such, of v and of omega
+        filter.loop = ["pi", "linear"]          | filter\.loop\[2\] = "linear" is not known
+        filter.tau = [[0.1, 0.2], [1e-7, 0.2]]  | filter\.tau = \[1e-07, 0\.2\] spans
+        {MIXED}                                 | filter\.damping is missing
+        {MIXED}; filter.kind = band; filter.damping = [0.4, 0.5]      | band
+        {MIXED}; filter.damping = [[0.4, 0.5], [1e-3, 1]] | omega to .* State filter\.damping\[2\]
+    """),
+)
 def test_what_does_not_fit_is_refused_with_its_place(stated, words):
     with pytest.raises(ScenarioError, match=words):
-        command_filter(scenario(**{"kind": "clip", **stated}))
+        command_filter(load_scenario("paper-simulation", CLIP | changes(stated)))
 
 
-BASE = {
-    "base.kind": "velocity", "base.tau": (0.14, 0.5), "base.gain": (1.0, 1.2), "robot.mu": 0.0,
-    "disturbance.std": 0.0, "changes": [],
-}  # fmt: skip
+BASE = changes("""
+    base = {kind = "velocity", tau = [0.14, 0.5], gain = [1.0, 1.2]}
+    robot.mu = 0
+    disturbance.std = 0
+    changes = []
+""")
 
 
 @pytest.mark.parametrize(
@@ -141,29 +147,45 @@ def test_check_counts_each_axis_by_its_own():
     assert facts.delay_cost == (0.0, 0.0)
 
 
-CUTTER = {
-    "robot.l": 0.2, "robot.mu": 0.0, "disturbance.std": 0.0, "changes": [], "clock.duration": 8.0,
-    "initial.velocity": (0.2, 0.0), "initial.pose": (-2.0, -2.0, -0.7),
-    "base.kind": "velocity", "base.loop": ("first-order", "second-order"),
-    "base.damping": (1.0, 0.45), "base.frequency": (9.0, 3.5), "base.gain": (1.0, 1.0),
-}  # fmt: skip
+CUTTER = changes("""
+    robot.l = 0.2
+    robot.mu = 0
+    disturbance.std = 0
+    changes = []
+    clock.duration = 8
+    initial.velocity = [0.2, 0]
+    initial.pose = [-2.0, -2.0, -0.7]
+    base.kind = velocity
+    base.loop = ["first-order", "second-order"]
+    base.damping = [1.0, 0.45]
+    base.frequency = [9.0, 3.5]
+    base.gain = [1.0, 1.0]
+""")
+
+
+def assert_refused(scenario, table):
+    """Assert that each change of a scenario is refused in such words."""
+    for text, words in (case.values for case in cases(table)):
+        with pytest.raises(ScenarioError, match=words):
+            settle(override(scenario, changes(text)), "kanayama")
 
 
 def test_one_axis_may_swing_while_the_other_does_not():
     run = simulate(override(scenario("clip", **MOWER), CUTTER), "kanayama")
     assert run.monitor.violations == 0
     assert run["clip_active"].any()
-    for changes, words in (
-        ({"initial.velocity": (0.2, 0.1)}, "at rest at the start"),
-        ({"base.damping": (1.0, 0.39)}, r"base\.damping\[2\] = 0\.39 is outside"),
-        ({"base.loop": ("second-order", "second-order")}, "for speeds that never exceed"),
-        ({"base.loop": "first-order"}, r'filter\.loop = "second-order" does not fit'),
-    ):
-        with pytest.raises(ScenarioError, match=words):
-            settle(override(scenario("clip", **MOWER), CUTTER | changes), "kanayama")
+    assert_refused(
+        override(scenario("clip", **MOWER), CUTTER),
+        r"""
+            initial.velocity = [0.2, 0.1]                 | at rest at the start
+            base.damping = [1.0, 0.39]                    | base\.damping\[2\] = 0\.39 is outside
+            base.loop = ["second-order", "second-order"]  | for speeds that never exceed
+            base.loop = first-order                       | filter\.loop = "second-order" does not
+        """,
+    )
 
 
-ROBOT = CUTTER | {"robot.m": 60.0, "robot.I": 3.5, "base.kp": 150.0, "base.ki": 300.0}
+ROBOT = CUTTER | changes("robot.m = 60; robot.I = 3.5; base.kp = 150; base.ki = 300")
 
 
 @pytest.mark.parametrize(
@@ -179,15 +201,17 @@ def test_a_pi_loop_may_drive_one_axis_beside_another_loop(stated, loop):
     assert run["clip_active"].any()
     axis = loop.index("pi")
     mass, unit = (("m", "mass"), ("I", "inertia"))[axis]
-    for changes, words in (
-        ({f"robot.{mass}": 70.0}, rf"robot\.{mass} = 70 .* outside filter\.{unit}"),
-        ({"base.kp": 100.0}, r"base\.kp = 100 N\.s/m is outside"),
-        ({"base.loop": loop[::-1]}, "does not fit"),
-        ({"initial.velocity": 0.1 * AXES[axis]}, "at rest at the start"),
-        ({"disturbance.push": 20 * AXES[axis]}, rf"filter\.push\[{axis + 1}\] = .* is less"),
-        ({"disturbance.push": 20 * AXES[1 - axis]}, rf"filter\.d\[{2 - axis}\] = .* is less"),
-        ({"base.quantum": 0.2}, r"base\.quantum"),
-        ({"actuator.tau_max": 50.0}, "may wind up"),
-    ):
-        with pytest.raises(ScenarioError, match=words):
-            settle(override(made, changes), "kanayama")
+    own, other = (20 * AXES[axis]).tolist(), (20 * AXES[1 - axis]).tolist()
+    assert_refused(
+        made,
+        rf"""
+            robot.{mass} = 70                       | robot\.{mass} = 70 .* outside filter\.{unit}
+            base.kp = 100                           | base\.kp = 100 N\.s/m is outside
+            base.loop = ["{loop[1]}", "{loop[0]}"]  | does not fit
+            initial.velocity = {own}                | at rest at the start
+            disturbance.push = {own}                | filter\.push\[{axis + 1}\] = .* is less
+            disturbance.push = {other}              | filter\.d\[{2 - axis}\] = .* is less
+            base.quantum = 0.2                      | base\.quantum
+            actuator.tau_max = 50                   | may wind up
+        """,
+    )

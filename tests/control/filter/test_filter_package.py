@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from tests.codegen.measured import FILTERS
 from tests.codegen.test_package import WARNINGS, needs, programs, run
 from tests.control.filter.test_filter import scenario
+from tests.tables import changes
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import known_footprint, package_files
 from wmr_ctrl.codegen.single_precision import with_margin
@@ -169,8 +170,13 @@ def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_pa
 @pytest.mark.parametrize("law", ["filter", "kanayama"])
 @pytest.mark.slow_but("filter")
 def test_an_example_tells_limits_of_each_direction(law, tmp_path):
-    sides = {"limits.v_min": (-0.2, -0.8), "limits.v_max": (0.5, 0.6), "filter.changing": True,
-             "base.kind": "velocity", "filter.trust": True}  # fmt: skip
+    sides = changes("""
+        limits.v_min = [-0.2, -0.8]
+        limits.v_max = [0.5, 0.6]
+        filter.changing = true
+        base.kind = velocity
+        filter.trust = true
+    """)
     for name, text in package_files(law, override(scenario("governor"), sides)).items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     checked, _ = programs(law, tmp_path)
@@ -326,10 +332,13 @@ def test_untimely_calls_are_what_the_graph_says(name, float32, tmp_path):
 
 WHEELS = {
     "wheels alone": {**FILTERS["governor"], "filter.channels": "wheels"},
-    "wheels beside": {
-        **FILTERS["governor"], "filter.wheel_speed": 1.2, "filter.scale": "turn",
-        "filter.delay": (0.02, 0.06), "filter.losses": 1, "filter.age": 0.12,
-    },
+    "wheels beside": FILTERS["governor"] | changes("""
+        filter.wheel_speed = 1.2
+        filter.scale = turn
+        filter.delay = [0.02, 0.06]
+        filter.losses = 1
+        filter.age = 0.12
+    """),
     "clip of wheels": {**FILTERS["clip"], "filter.wheel_speed": 1.2},
 }  # fmt: skip
 
@@ -350,7 +359,7 @@ def test_every_limit_is_lowered_in_single_precision(name):
 
 WITHOUT_EFFECT = {
     "clip": {"clock.control": 8}, "clip of wheels": {"clock.control": 8},
-    "clip of slow commands": {"filter.d[1]": 0, "filter.d[2]": 0},
+    "clip of slow commands": changes("filter.d[1] = 0; filter.d[2] = 0"),
 }  # fmt: skip
 """Parameters that no limit hangs on, and the flag of a step in which they are no number."""
 

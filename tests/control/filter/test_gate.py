@@ -6,13 +6,19 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl.control.filter.gate import GateSettings, gate_system
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.ros2.compiled_system import Gate
 from wmr_ctrl.world.scenario import load_scenario
 
-STATED = {"limits.v_u1": [1.0, 2.0], "clock.control": 0.02, "filter.gain": [0.9, 1.1],
-          "filter.d": [0.05, 0.05], "filter.tau": [0.2, 0.3]}  # fmt: skip
+STATED = changes("""
+    limits.v_u1 = [1.0, 2.0]
+    clock.control = 0.02
+    filter.gain = [0.9, 1.1]
+    filter.d = [0.05, 0.05]
+    filter.tau = [0.2, 0.3]
+""")
 SETTINGS = GateSettings(odometry="required")
 T = 0.02
 TOP = ((1.0 - 0.05) / 1.1, (2.0 - 0.05) / 1.1)

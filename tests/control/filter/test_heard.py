@@ -4,18 +4,28 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.control.filter.heard import Heard, Watching
 from wmr_ctrl.control.filter.ramp_stop import RampStopper
 from wmr_ctrl.world.scenario import load_scenario
 
-STATED = {
-    "clock.control": 0.05, "filter.kind": "governor", "filter.tau": [0.2, 0.3],
-    "filter.odometry": [0.02, 0.02], "filter.age": 0.05, "filter.jitter": 0.005,
-    "filter.delay": [0.0, 0.12],
-}  # fmt: skip
-STOPS = {"filter.kind": "clip", "filter.decel": [1.0, 2.0], "filter.free_error": 0.02,
-         "filter.free_age": 0.1, "filter.rest": 1.0}  # fmt: skip
+STATED = changes("""
+    clock.control = 0.05
+    filter.kind = governor
+    filter.tau = [0.2, 0.3]
+    filter.odometry = [0.02, 0.02]
+    filter.age = 0.05
+    filter.jitter = 0.005
+    filter.delay = [0.0, 0.12]
+""")
+STOPS = changes("""
+    filter.kind = clip
+    filter.decel = [1.0, 2.0]
+    filter.free_error = 0.02
+    filter.free_age = 0.1
+    filter.rest = 1.0
+""")
 
 
 def value(graph, expr, **known):

@@ -8,6 +8,7 @@ import pytest
 import wmr_ctrl
 from tests.control.bases import VELOCITY, based
 from tests.control.test_velocity_base import OVERSHOOTING, ROOT
+from tests.tables import cases, changes
 from wmr_ctrl.control.filter.band import enclosed
 from wmr_ctrl.control.filter.clip import slew_reach
 from wmr_ctrl.control.filter.filter import command_filter
@@ -18,7 +19,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import override
 
-WORST = {"robot.m": 55.0, "base.kp": 140.0, "base.ki": 320.0}
+WORST = changes("robot.m = 55.0; base.kp = 140.0; base.ki = 320.0")
 """The member of the stated family that swings most."""
 ALONE = {"base.kind": "torque"}
 """What takes a run's own base out of a scenario: the family alone is left."""
@@ -60,7 +61,7 @@ def test_the_peak_gain_of_a_run_is_that_of_its_held_loop_where_it_is_the_larger(
     assert N <= own.gain < N * (1 + 1e-4)
     assert said in (ROOT / "docs" / "explanation" / "filter.md").read_text(encoding="utf-8")
     assert pushed * 10 <= own.push
-    inside = override(run, {"robot.m": 50.0, "base.kp": 150.0, "base.ki": 300.0})
+    inside = override(run, changes("robot.m = 50.0; base.kp = 150.0; base.ki = 300.0"))
     assert peak_gains(inside)[0] == alone
 
 
@@ -126,8 +127,11 @@ def test_slow_commands_reach_what_the_sum_over_steps_tells():
 def test_a_run_takes_the_steps_that_are_counted_on():
     """Viscous friction is held over a step, too."""
     run = worst(0.01, friction=[0.0, 30.0])
-    run = override(run, {"clock.control": 0.01, "resistance.viscous": [20.0, 1.0],
-                         "clock.duration": 3.0})  # fmt: skip
+    run = override(run, changes("""
+        clock.control = 0.01
+        resistance.viscous = [20.0, 1.0]
+        clock.duration = 3.0
+    """))  # fmt: skip
     log = wmr_ctrl.simulate(run, "kanayama", engine="numpy")
     v, u, f = log["v1"], log["v_command"], 0.0
     for k in range(len(v) - 1):
@@ -139,7 +143,10 @@ def test_a_run_takes_the_steps_that_are_counted_on():
 
 @pytest.mark.parametrize(
     "change",
-    [{"base.kp": 1e4, "filter.kp": [1e4, 1e4]}, {"clock.plant": 0.5, "clock.control": 1.0}],
+    [
+        changes("base.kp = 1e4; filter.kp = [1e4, 1e4]"),
+        changes("clock.plant = 0.5; clock.control = 1.0"),
+    ],
 )
 def test_a_loop_too_quick_for_its_steps_is_refused(change):
     with pytest.raises(ScenarioError, match=r"clock\.plant = .* is held for as long"):
@@ -179,8 +186,13 @@ def rim(limit, mu, h, asked):
 def test_a_governor_counts_on_friction_that_changes_within_a_plant_step():
     """Held back near rest, the base is faster than the governor knows when it turns round."""
     told = {"kind": "governor", "tau": [0.2, 0.2]}
-    stated = based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": told,
-                    "robot.mu": 0.1, "clock.plant": 0.01, "limits.v_u1": [1.0, 2.0]})  # fmt: skip
+    stated = based(VELOCITY | changes("""
+        base.tau = [0.2, 0.2]
+        base.gain = [1.0, 1.0]
+        robot.mu = 0.1
+        clock.plant = 0.01
+        limits.v_u1 = [1.0, 2.0]
+    """) | {"filter": told})  # fmt: skip
     (said,) = held_friction(stated)
     slowest = float(said.split("Raise it to ")[1].split(" s")[0])
     enough = override(stated, {"filter.tau": [0.2, slowest]})
@@ -202,8 +214,11 @@ SWAYED = [*((0.2, 9.0),) * 2, *((-0.1, 9.0),) * 2] * 20
 
 def limited(stated, mu, h):
     """A base of loops of 0.2 s behind a filter that limits its wheels."""
-    return based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": stated,
-                  "robot.mu": mu, "clock.plant": h, "limits.v_u1": [1.0, 4.0]})  # fmt: skip
+    return based(VELOCITY | changes("""
+        base.tau = [0.2, 0.2]
+        base.gain = [1.0, 1.0]
+        limits.v_u1 = [1.0, 4.0]
+    """) | {"filter": stated, "robot.mu": mu, "clock.plant": h})  # fmt: skip
 
 
 def told(stated):
@@ -226,24 +241,24 @@ def test_what_counts_for_friction_at_a_rim_is_enough(stated, asked, mu, h):
 
 
 @pytest.mark.parametrize(
-    "changes, words",
-    [
-        ({"filter.odometry": [0.0, 0.0]}, "with friction within plant steps, and filter.odometry"),
-        ({"initial.velocity": [0.3, 2.0]}, "a wheel starts at 0.8 m/s, above 0.798 m/s"),
-        ({"robot.mu": 0.3, "clock.plant": 0.01}, "Shorten clock.plant to at most 0.00679 s"),
-    ],
+    "changed, words",
+    cases("""
+        filter.odometry = [0, 0]             | with friction within plant steps, and filter.odometry
+        initial.velocity = [0.3, 2]          | a wheel starts at 0.8 m/s, above 0.798 m/s
+        robot.mu = 0.3; clock.plant = 0.01   | Shorten clock.plant to at most 0.00679 s
+    """),
 )
-def test_what_a_governor_of_rims_counts_on_with_friction_is_refused_where_it_fails(changes, words):
-    run = limited({**GOVERNOR, "d": [0.3, 0.0]}, 0.1, 0.001)
+def test_what_a_governor_of_rims_counts_on_with_friction_is_refused_where_it_fails(changed, words):
+    run = override(limited(GOVERNOR, 0.1, 0.001), {"filter.d": [0.3, 0.0]})
     settle(run, "kanayama")
     with pytest.raises(ScenarioError, match=words):
-        settle(override(run, changes), "kanayama")
+        settle(override(run, changes(changed)), "kanayama")
 
 
 def test_friction_that_is_too_steep_for_a_plant_step_is_refused_behind_every_filter():
     """With steps of 10 ms and mu = 0.6 a clip's base came to 1.27 of a limit of 1 cm/s."""
-    stated = based({**VELOCITY, "base.gain": [1.0, 1.0], "filter": {"kind": "clip"},
-                    "robot.mu": 0.6, "clock.plant": 0.01})  # fmt: skip
+    steep = changes("filter.kind = clip; robot.mu = 0.6; clock.plant = 0.01")
+    stated = based({**VELOCITY, **steep, "base.gain": [1.0, 1.0]})
     with pytest.raises(ScenarioError, match="throw v beyond its command near rest") as refused:
         settle(stated, "kanayama")
     enough = float(str(refused.value).split("to at most ")[1].split(" s")[0])

@@ -1,22 +1,34 @@
 """A clip that stops on a base that slows down by a least deceleration, against an adversary."""
 
+import re
+
 import casadi as ca
 import numpy as np
 import pytest
 
 from benchmarks.filter_trials.stopping import RAMP_TEETH, RAMPS, bitten_ramps, breaks, drives
+from tests.tables import changes
 from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter import filter_system
 from wmr_ctrl.control.filter.ramp_stop import stopping_speed
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 
-BASE = {
-    "base.kind": "velocity", "limits.v_u1": [1.0, 2.0], "limits.v_u2": [0.8, 1.6],
-    "clock.control": 0.05, "filter.kind": "clip", "filter.gain": [0.9, 1.1],
-    "filter.d": [0.05, 0.05], "filter.odometry": [0.02, 0.02], "filter.delay": [0.1, 0.15],
-    "filter.free_error": 0.02, "filter.rest": 1.0, "filter.decel": [1.0, 2.0], "filter.leave": 0,
-}  # fmt: skip
+BASE = changes("""
+    base.kind = velocity
+    limits.v_u1 = [1.0, 2.0]
+    limits.v_u2 = [0.8, 1.6]
+    clock.control = 0.05
+    filter.kind = clip
+    filter.gain = [0.9, 1.1]
+    filter.d = [0.05, 0.05]
+    filter.odometry = [0.02, 0.02]
+    filter.delay = [0.1, 0.15]
+    filter.free_error = 0.02
+    filter.rest = 1.0
+    filter.decel = [1.0, 2.0]
+    filter.leave = 0
+""")
 AHEAD, ANY, TO_AND_FRO, TAPS = range(4)
 T, PARTS = 0.05, 20
 
@@ -65,11 +77,11 @@ def gaps(stated, real=None, trials=120, steps=300, seed=1):
     return gap
 
 
-@pytest.mark.parametrize("stated", [
-    {}, {"filter.delay": [0.0, 0.2]}, {"filter.decel": [0.5, 1.0], "filter.rest": 0.3},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "stated", ["", "filter.delay = [0, 0.2]", "filter.decel = [0.5, 1]; filter.rest = 0.3"]
+)
 def test_no_base_within_the_bounds_touches(stated):
-    least = gaps(stated).min()
+    least = gaps(changes(stated)).min()
     assert -1e-9 < least < 0.01
 
 
@@ -131,19 +143,30 @@ def test_it_goes_on_leaving_only_from_standstill():
 
 
 def test_a_base_of_a_run_that_slows_down_less_is_named():
-    run = {**BASE, "base.decel": [1.0, 2.0], "base.gain": [0.9, 1.0], "base.delay": 0.1,
-           "filter.tau": [0.1, 0.2], "disturbance.std": 0.0, "robot.mu": 0.0}  # fmt: skip
+    run = BASE | changes("""
+        base.decel = [1.0, 2.0]
+        base.gain = [0.9, 1.0]
+        base.delay = 0.1
+        filter.tau = [0.1, 0.2]
+        disturbance.std = 0
+        robot.mu = 0
+    """)
     with pytest.raises(ScenarioError, match=r"base\.gain\[1\] = 0\.9, less than filter\.decel"):
         settle(load_scenario("paper-simulation", run), "kanayama")
     settle(load_scenario("paper-simulation", {**run, "filter.decel": [0.9, 2.0]}), "kanayama")
 
 
-@pytest.mark.parametrize("stated, key", [
-    ({"filter.decel": None}, r"filter\.decel"), ({"filter.odometry": None}, r"filter\.odometry"),
-    ({"filter.rest": None}, r"filter\.rest"), ({"filter.slew": [1.0, 1.0]}, r"filter\.slew"),
-    ({"filter.delay": [[0, 0.1], [0, 0.2]]}, r"filter\.delay"),
-    ({"filter.nearing": 0.1, "filter.leave": 1}, r"filter\.leave"),
-])  # fmt: skip
-def test_what_it_cannot_keep_is_refused(stated, key):
-    with pytest.raises(ScenarioError, match=key):
-        load_scenario("paper-simulation", {**BASE, **stated})
+@pytest.mark.parametrize(
+    "stated",
+    ["filter.slew = [1, 1]", "filter.delay = [[0, 0.1], [0, 0.2]]",
+     "filter.leave = 1; filter.nearing = 0.1"],
+)  # fmt: skip
+def test_what_it_cannot_keep_is_refused(stated):
+    with pytest.raises(ScenarioError, match=re.escape(stated.split(" ")[0])):
+        load_scenario("paper-simulation", BASE | changes(stated))
+
+
+@pytest.mark.parametrize("key", ["filter.decel", "filter.odometry", "filter.rest"])
+def test_what_it_needs_is_asked_for(key):
+    with pytest.raises(ScenarioError, match=re.escape(key)):
+        load_scenario("paper-simulation", {**BASE, key: None})

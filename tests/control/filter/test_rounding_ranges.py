@@ -3,6 +3,7 @@
 import pytest
 
 from tests.control.filter.test_filter import scenario
+from tests.tables import changes
 from wmr_ctrl.control.filter.rounding_ranges import unproved_roundings
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import warnings_for
@@ -32,7 +33,11 @@ def test_a_governor_names_the_number_and_its_bound(name):
 def test_check_says_it():
     stated = override(
         scenario(jitter=0.03),
-        {"base.kind": "velocity", "base.gain": (1.0, 1.0), "filter.trust": True},
+        changes("""
+            base.kind = velocity
+            base.gain = [1.0, 1.0]
+            filter.trust = true
+        """),
     )
     texts = [str(item) for item in warnings_for(settle(stated, "kanayama"))]
     assert sum("proved for exact arithmetic only" in text for text in texts) == 1

@@ -10,10 +10,12 @@ from scipy.sparse import diags, vstack
 
 from tests.control.filter.linear_base import held, pi_base
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
+from tests.tables import cases, changes
 from wmr_ctrl import command_filter
 from wmr_ctrl.control.filter.peak_gain import PiLoop
 from wmr_ctrl.control.filter.step_response import band, pi_cells, swing
 from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import override
 
 
 def fastest_slow_command(base, c, a, T):
@@ -69,19 +71,16 @@ def test_no_member_swings_longer_than_its_family_and_the_slowest_nearly_as_long(
 
 @pytest.mark.parametrize(
     "stated, words",
-    [
-        ({"slew": (1.2, 0.1)}, "brings no gain: from 0.9"),
-        ({"slew": (0.1, 0.1), "hold": 0.5}, "stops on its own"),
-        ({"slew": (0.1, 0.1), "kind": "band"}, "filter.slew is for"),
-        ({"slew": (0.1, 0.1), "jitter": 0.05}, "less than the period"),
-    ],
-)
-@pytest.mark.slow_but(
-    "stated1-stops on its own", "stated2-filter.slew is for", "stated3-less than the period"
+    cases("""
+        filter.slew = [1.2, 0.1]                        | brings no gain: from 0.9 | slow
+        filter.slew = [0.1, 0.1]; filter.hold = 0.5     | stops on its own
+        filter.slew = [0.1, 0.1]; filter.kind = band    | filter.slew is for
+        filter.slew = [0.1, 0.1]; filter.jitter = 0.05  | less than the period
+    """),
 )
 def test_a_slew_that_cannot_be_counted_on_is_refused(stated, words):
     with pytest.raises(ScenarioError, match=words):
-        command_filter(scenario(**stated))
+        command_filter(override(scenario(), changes(stated)))
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter.stop_numbers import (
     costs,
@@ -17,15 +18,23 @@ from wmr_ctrl.control.filter.stop_numbers import (
 )
 from wmr_ctrl.world.scenario import override
 
-BASE = {
-    "base.kind": "velocity", "limits.v_u1": [1.0, 2.0], "limits.v_u2": [0.8, 1.6],
-    "clock.control": 0.05, "filter.kind": "governor", "filter.gain": [0.9, 1.1],
-    "filter.tau": [0.2, 0.3], "filter.d": [0.05, 0.05], "filter.odometry": [0.02, 0.02],
-    "filter.delay": [0.0, 0.03], "filter.free_error": 0.02, "filter.rest": 1.0,
-    "filter.changing": True,
-}  # fmt: skip
+BASE = changes("""
+    base.kind = velocity
+    limits.v_u1 = [1.0, 2.0]
+    limits.v_u2 = [0.8, 1.6]
+    clock.control = 0.05
+    filter.kind = governor
+    filter.gain = [0.9, 1.1]
+    filter.tau = [0.2, 0.3]
+    filter.d = [0.05, 0.05]
+    filter.odometry = [0.02, 0.02]
+    filter.delay = [0.0, 0.03]
+    filter.free_error = 0.02
+    filter.rest = 1.0
+    filter.changing = true
+""")
 SCENARIO = load_scenario("paper-simulation", BASE)
-RAMPS = {"filter.kind": "clip", "filter.tau": None, "filter.decel": [1.0, 2.0]}
+RAMPS = {**changes("filter.kind = clip; filter.decel = [1.0, 2.0]"), "filter.tau": None}
 
 
 def test_a_stop_is_made_of_its_parts():
@@ -107,7 +116,7 @@ def test_how_a_base_leaves():
     own = leaving(SCENARIO)
     assert own.roll == pytest.approx(0.05 * (1 - 0.2 * (1 - math.exp(-5))))
     assert own.least == pytest.approx(0.05 / 0.9)
-    slow = leaving(override(SCENARIO, {"limits.v_min": [-0.1, -2], "limits.v_max": [1, 2]}))
+    slow = leaving(override(SCENARIO, changes("limits.v_min = [-0.1, -2]; limits.v_max = [1, 2]")))
     assert slow.least is None
     assert leaving(override(SCENARIO, {"filter.d": [0, 0], "filter.rest": None})) is None
 

@@ -21,6 +21,7 @@ from benchmarks.filter_trials.stopping import (
     mixed,
 )
 from benchmarks.native import load_filter
+from tests.tables import changes
 from wmr_ctrl.control.filter import CommandFilter
 from wmr_ctrl.control.filter.channels import FLAG_NAMES
 from wmr_ctrl.control.filter.filter import filter_system
@@ -30,11 +31,15 @@ from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.world.scenario import load_scenario
 
 LATE = Base(delay=(0.0, 0.06), v=(1.0, 1.0))
-PLAIN = {
-    "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
-    "filter.d": (0.05, 0.05), "limits.v_u1": (1.0, 1.0), "limits.v_u2": (0.7, 0.7),
-    "clock.control": 0.05,
-}  # fmt: skip
+PLAIN = changes("""
+    filter.kind = governor
+    filter.tau = [0.2, 0.3]
+    filter.gain = [0.9, 1.1]
+    filter.d = [0.05, 0.05]
+    limits.v_u1 = [1.0, 1.0]
+    limits.v_u2 = [0.7, 0.7]
+    clock.control = 0.05
+""")
 
 
 def broken(found):
@@ -265,12 +270,12 @@ TOLD = {**PLAIN, "filter.free_error": 0.02, "filter.rest": 1.0}
     [
         ({"filter.rest": None}, "filter.rest is missing"),
         (
-            {"filter.rest": None, "filter.d": (0, 0), "filter.nearing": 0.3},
+            {**changes("filter.d = [0, 0]; filter.nearing = 0.3"), "filter.rest": None},
             "filter.rest is missing",
         ),
         ({"filter.nearing": 0.3}, "filter.leave keeps a distance"),
         ({"filter.free_error": None, "filter.nearing": 0.3}, "no distance is told"),
-        ({"filter.delay": ((0.0, 0.1), (0.0, 0.2))}, "filter.delay differs"),
+        (changes("filter.delay = [[0.0, 0.1], [0.0, 0.2]]"), "filter.delay differs"),
         ({"filter.channels": "wheels"}, "filter.channels"),
         ({"filter.wheel_speed": 1.0}, "filter.wheel_speed"),
         ({"filter.kind": "clip"}, 'filter.kind = "clip"'),

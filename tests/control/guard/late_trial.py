@@ -11,6 +11,7 @@ import numpy as np
 from tests.control.guard.exact_axis import PARTS, Robots
 from tests.control.guard.late_formula import LateGuard
 from tests.control.guard.varying_formula import VaryingGuard
+from tests.tables import changes
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.guard.refusals import feasible_guard
 from wmr_ctrl.control.setup import settle
@@ -72,15 +73,16 @@ class Case:
 def settled(case):
     """The guard by itself, settled with the numbers of a case."""
     both = lambda x: [x, 0.2 * x]  # noqa: E731
-    changed = {
-        "guard.enabled": True,
-        "guard.trust": True,
+    changed = changes("""
+        guard.enabled = true
+        guard.trust = true
+        clock.duration = 80.0
+        disturbance.std = 0.0
+        guard.M_max = [70.0, 14.0]
+    """) | {
         "clock.control": case.T,
         "clock.plant": case.T / PARTS,
-        "clock.duration": 80.0,
-        "disturbance.std": 0.0,
         "guard.M_min": [case.M_min, 0.2 * case.M_min],
-        "guard.M_max": [70.0, 14.0],
         "guard.dbar": both(case.dbar),
         "guard.nbar": [case.nbar, case.nbar],
         "guard.f_min": both(case.f_min),

@@ -6,6 +6,7 @@ from dataclasses import replace
 import casadi as ca
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl.control.guard.bounds import MODEL, assumption_sources, derived_guard, reach
 from wmr_ctrl.control.guard.delay import Tails, delayed_push
 from wmr_ctrl.control.guard.guard import bounds_of, ceiling, feasible
@@ -24,18 +25,22 @@ def derived(**changed):
 
 def test_a_slope_pulls_at_the_heaviest_robot_that_is_counted_on():
     slope, pull = {"slope.angle": 0.05}, 9.81 * math.sin(0.05)
-    light, heavy = derived(**slope), derived(**slope, **{"guard.M_max": [70.0, 9.0]})
+    light, heavy = derived(**slope), derived(**slope, **changes("guard.M_max = [70.0, 9.0]"))
 
     assert light.dbar[0] - derived().dbar[0] == pytest.approx(1.1 * 50.0 * pull, rel=1e-9)
     assert heavy.dbar[0] - light.dbar[0] == pytest.approx((70.0 - 55.0) * pull, rel=1e-9)
 
 
 TRUE = [
-    {"robot.m": 90.0, "robot.I": 9.0, "robot.mu": 0.3},
-    {"robot.m": 20.0, "robot.I": 2.0, "robot.mu": 0.0},
-    {"changes": [{"t": 1.0, "m": 90.0, "I": 9.0, "mu": 0.3}]},
+    changes("robot.m = 90.0; robot.I = 9.0; robot.mu = 0.3"),
+    changes("robot.m = 20.0; robot.I = 2.0; robot.mu = 0.0"),
+    changes("changes = [{t = 1.0, m = 90.0, I = 9.0, mu = 0.3}]"),
 ]
-EFFECTS = {"slope.angle": 0.05, "slope.offset": 0.02, "resistance.rolling": [0.02, 0.01]}
+EFFECTS = changes("""
+    slope.angle = 0.05
+    slope.offset = 0.02
+    resistance.rolling = [0.02, 0.01]
+""")
 
 
 @pytest.mark.parametrize("true", TRUE)
@@ -63,7 +68,7 @@ def test_what_effects_add_to_a_mass_widens_what_is_counted(i):
     """By as much on both sides, and nothing where a mass is stated."""
     scenario, guard = late()
     alone = derived_guard(scenario, replace(LATE, mass=(0.0, 0.0)), math.inf)
-    _, stated = late(**{"guard.M_min": [40.0, 4.0], "guard.M_max": [60.0, 6.5]})
+    _, stated = late(**changes("guard.M_min = [40.0, 4.0]; guard.M_max = [60.0, 6.5]"))
 
     assert guard.M_min[i] == pytest.approx(alone.M_min[i] - LATE.mass[i])
     assert guard.M_max[i] == pytest.approx(alone.M_max[i] + LATE.mass[i])
@@ -104,9 +109,14 @@ def test_where_drives_vary_the_mixed_time_caps_what_brakes():
 
 def test_what_is_counted_adds_up_to_the_guard_s_numbers():
     """Where effects add to a number, they and guard.d_model are the whole of it."""
-    effects = {"encoder.counts": 4096.0, "actuator.delay": 0.02, "actuator.jitter": 0.01,
-               "disturbance.push": [5.0, 1.0], "guard.d_model": [7.0, 3.0],
-               "disturbance.truncate": 3.0}  # fmt: skip
+    effects = changes("""
+        encoder.counts = 4096.0
+        actuator.delay = 0.02
+        actuator.jitter = 0.01
+        disturbance.push = [5.0, 1.0]
+        guard.d_model = [7.0, 3.0]
+        disturbance.truncate = 3.0
+    """)
     setup = settle(load_scenario("far-start", {**ON, **effects}), None)
     known = assumption_sources(setup.scenario, setup.guard, setup.effects)
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.guard.changing import BEHIND, IN_FORCE
 from wmr_ctrl.control.setup import settle
@@ -11,10 +12,12 @@ from wmr_ctrl.core.signals import places
 from wmr_ctrl.world.scenario import load_scenario, override
 
 PUSH, ERROR = (20.0, 5.0), (0.01, 0.01)
-STATED = {
-    "guard.enabled": True, "guard.changing": True, "guard.dbar": PUSH, "guard.nbar": ERROR,
-    "disturbance.std": 0.0, "changes": [],
-}  # fmt: skip
+STATED = changes("""
+    guard.enabled = true
+    guard.changing = true
+    disturbance.std = 0.0
+    changes = []
+""") | {"guard.dbar": PUSH, "guard.nbar": ERROR}  # fmt: skip
 SCENARIO = load_scenario("paper-simulation", STATED)
 
 
@@ -53,7 +56,10 @@ def driven(scenario, trials, falls=1.0, seed=0):
 def test_limits_in_force_are_kept_while_they_fall():
     assert driven(SCENARIO, 200) <= 1e-12
     assert (
-        driven(override(SCENARIO, {"limits.v_min": [-0.5, -1.0], "limits.v_max": [0.9, 1.4]}), 200)
+        driven(
+            override(SCENARIO, changes("limits.v_min = [-0.5, -1.0]; limits.v_max = [0.9, 1.4]")),
+            200,
+        )
         <= 1e-12
     )
 
@@ -83,7 +89,7 @@ def test_a_limit_rises_at_once_and_falls_slowly():
     assert behind
     low, behind = told([-0.5, 0.5, -0.5, 0.5], steps=200)
     assert low == pytest.approx([-0.5, 0.5, -0.5, 0.5], rel=1e-6)
-    own, _ = told([-0.5, 0.5, -0.5, 0.5], **{"guard.falling": [0.1, 0.1]})
+    own, _ = told([-0.5, 0.5, -0.5, 0.5], **changes("guard.falling = [0.1, 0.1]"))
     assert own[1] == pytest.approx(1 - 0.1 * 0.01)
 
 

@@ -3,24 +3,24 @@
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl.api import simulate
 
 LIGHT = np.array([25.0, 2.7])
 LIMITS = np.array([1.0, 1.5])
-LIGHTEST = {
-    "guard.enabled": True,
-    "guard.M_min": LIGHT.tolist(),
-    "guard.M_max": [70.0, 7.5],
-    "guard.dbar": [60.0, 15.0],
-    "disturbance.std": 0.0,
-    "robot.m": 25.0,
-    "robot.I": 2.7,
-    "robot.mu": 0.0,
-    "model.m": 50.0,
-    "model.I": 5.4,
-    "model.mu": 0.08,
-    "disturbance.push": [60.0, 15.0],
-}
+LIGHTEST = changes("""
+    guard.enabled = true
+    guard.M_max = [70.0, 7.5]
+    guard.dbar = [60.0, 15.0]
+    disturbance.std = 0.0
+    robot.m = 25.0
+    robot.I = 2.7
+    robot.mu = 0.0
+    model.m = 50.0
+    model.I = 5.4
+    model.mu = 0.08
+    disturbance.push = [60.0, 15.0]
+""") | {"guard.M_min": LIGHT.tolist()}
 PUSHED_OUT = {"pid", "smc", "mb", "nn"}
 """Laws that an unguarded adversary drives through a limit at every period."""
 

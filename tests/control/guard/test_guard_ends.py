@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.control.guard.test_contradictions import BROKEN, MET
+from tests.tables import changes
 from wmr_ctrl.control.guard.bounds import derived_guard
 from wmr_ctrl.control.guard.contradictions import beyond_belief, contradictions
 from wmr_ctrl.control.guard.price import usable_speed
@@ -24,10 +25,11 @@ def guarded(**changed):
 
 def test_each_bound_that_is_broken_is_named_and_none_that_is_met():
     base = override(load_scenario("safe-simulation"), {"guard.enabled": False})
-    for changed, key in [*((c, k) for c, k, _ in BROKEN), *((c, None) for c in MET)]:
-        scenario = override(base, changed)
-        named = {item.key for item in contradictions(scenario, settle(scenario, "prox").bound)}
-        assert named == ({key} if key else set()), changed
+    for case in (*BROKEN, *MET):
+        stated = changes(case.values[0])
+        scenario = override(base, stated)
+        named = [item.key for item in contradictions(scenario, settle(scenario, "prox").bound)]
+        assert named == [*stated][: case in BROKEN], stated
 
 
 @pytest.mark.parametrize("spread, key", [
@@ -80,41 +82,35 @@ def test_where_the_robot_would_not_start_no_speed_is_usable():
         )
 
 
-PROPOSALS = {
-    "noise and jitter": {
-        "guard.dbar": [1000.0, 10.0], "guard.nbar": [0.4, 0.0], "actuator.jitter": 0.01,
-        "sensor.velocity_noise": [0.4, 0.0],
-    },
-    "a push, an age and a delay": {
-        "guard.dbar": [900.0, 10.0], "sensor.velocity_age": 0.01, "actuator.delay": 0.02,
-    },
-    "a push alone": {"guard.dbar": [2500.0, 1.0]},
-    "a window": {"guard.dbar": [900.0, 10.0], "sensor.velocity_window": 0.03},
-}  # fmt: skip
-ONE = re.compile(r"(guard\.nbar|guard\.dbar)\[1\] <= ([\d.e+-]+)|(actuator\.delay) <= ([\d.e+-]+)")
+PROPOSED = re.compile(r"(guard\.nbar|guard\.dbar|actuator\.delay)(?:\[1\])? <= ([\d.e+-]+)")
 
 
-@pytest.mark.parametrize("case", PROPOSALS)
-def test_each_number_that_is_proposed_alone_is_enough_and_hardly_more_than_that(case):
-    changed = PROPOSALS[case]
-    with pytest.raises(ScenarioError) as refused:
-        settle(guarded(**changed), None)
-    proposed = [(a or c, float(b or d)) for a, b, c, d in ONE.findall(str(refused.value))]
-    who = "the guard cannot" if "age" in case or "window" in case else "no force can"
-    assert ("can keep" not in str(refused.value) and "noise" in case) or who in str(refused.value)
+@pytest.mark.parametrize(
+    "changed, who",
+    [
+        ("guard.dbar = [1000, 10]; guard.nbar = [0.4, 0]; actuator.jitter = 0.01"
+         "; sensor.velocity_noise = [0.4, 0]", "jitter of"),
+        ("guard.dbar = [900, 10]; sensor.velocity_age = 0.01; actuator.delay = 0.02",
+         "the guard cannot"),
+        ("guard.dbar = [2500, 1]", "no force can"),
+        ("guard.dbar = [900, 10]; sensor.velocity_window = 0.03", "the guard cannot"),
+    ],
+)  # fmt: skip
+def test_each_number_that_is_proposed_alone_is_enough_and_hardly_more_than_that(changed, who):
+    given = changes(changed)
+    with pytest.raises(ScenarioError, match=who) as refused:
+        settle(guarded(**given), None)
+    proposed = PROPOSED.findall(str(refused.value))
 
     assert proposed
     for key, number in proposed:
-        for share, enough in ((1.0, True), (1.02, False)):
-            value = share * number
-            if key == "actuator.delay":
-                value = round(value, 3) if enough else round(value + 1e-3, 3)
-                if enough and value > number:
-                    value = round(value - 1e-3, 3)
-            told = value if key == "actuator.delay" else [value, changed[key][1]]
-            again = {**changed, key: told, "guard.trust": True}
-            if enough:
-                settle(guarded(**again), None)
-            else:
-                with pytest.raises(ScenarioError):
-                    settle(guarded(**again), None)
+        if key == "actuator.delay":
+            steps = int(float(number) * 1e3 + 1e-6)
+            enough, beyond = f"{steps * 1e-3:.3f}", f"{steps * 1e-3 + 1e-3:.3f}"
+        else:
+            other = given[key].split(",")[1]
+            enough, beyond = (f"[{share * float(number)!r}, {other}" for share in (1.0, 1.02))
+        told = {**given, "guard.trust": True}
+        settle(guarded(**{**told, key: enough}), None)
+        with pytest.raises(ScenarioError):
+            settle(guarded(**{**told, key: beyond}), None)

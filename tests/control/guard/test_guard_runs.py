@@ -4,13 +4,17 @@ import pytest
 
 from tests import oracle
 from tests.equal_runs import runs_equal
+from tests.tables import changes
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.results import load_run
 from wmr_ctrl.results.formats import save_run
 
 every_law = pytest.mark.parametrize("law", NAMES)
-SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
+SHORT = changes("""
+    clock.duration = 6.0
+    changes = [{t = 3.0, m = 65.0, I = 7.0, mu = 0.15}]
+""")
 
 
 def gap(first, second):
@@ -18,10 +22,18 @@ def gap(first, second):
 
 
 @pytest.mark.parametrize("changed", [
-    {"actuator.tau_max": 10.0, "guard.map": "rotation-first", "guard.alpha": 20.0},
-    {"guard.f_min": [5.0, 1.0], "guard.f_speed": [0.05, 0.05], "guard.trust": True},
-    {"actuator.lag": 0.02, "actuator.delay": 0.013},
-    {"initial.velocity": [1.3, 2.0]},
+    changes("""
+        actuator.tau_max = 10.0
+        guard.map = rotation-first
+        guard.alpha = 20.0
+    """),
+    changes("""
+        guard.f_min = [5.0, 1.0]
+        guard.f_speed = [0.05, 0.05]
+        guard.trust = true
+    """),
+    changes("actuator.lag = 0.02; actuator.delay = 0.013"),
+    changes("initial.velocity = [1.3, 2.0]"),
 ])  # fmt: skip
 @pytest.mark.slow_but("changed0")
 def test_every_option_means_what_the_oracle_takes_it_for(changed):
@@ -52,13 +64,17 @@ def test_switch(law):
 
 
 def test_monitor_notices_a_disturbance_beyond_dbar(tmp_path):
-    pushed = {"disturbance.push": [60.0, 15.0], "robot.mu": 0.0, "model.mu": 0.08}
-    too_small = {
-        "guard.dbar": [20.0, 5.0],
-        "guard.trust": True,
-        "disturbance.std": 0.0,
-        "clock.duration": 5.0,
-    }
+    pushed = changes("""
+        disturbance.push = [60.0, 15.0]
+        robot.mu = 0.0
+        model.mu = 0.08
+    """)
+    too_small = changes("""
+        guard.dbar = [20.0, 5.0]
+        guard.trust = true
+        disturbance.std = 0.0
+        clock.duration = 5.0
+    """)
     run = simulate("safe-simulation", "prox", overrides={**pushed, **too_small, "changes": []})
 
     assert run.outcome == "bounds-left"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.control.guard.test_guard_adversary import LIGHT
+from tests.tables import changes
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.guard.delay import InFlight, largest_force
 from wmr_ctrl.control.guard.guard import Bounds, ceiling, feasible, floor
@@ -14,14 +15,21 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import load_scenario
 
-PUSHED = {
-    "guard.M_min": LIGHT.tolist(), "guard.M_max": [70.0, 7.5], "guard.dbar": [60.0, 15.0],
-    "robot.m": 25.0, "robot.I": 2.7, "robot.mu": 0.0, "model.m": 50.0, "model.I": 5.4,
-    "model.mu": 0.08, "disturbance.std": 0.0, "disturbance.push": [60.0, 15.0],
-    "clock.duration": 10.0,
-}  # fmt: skip
-SIDES = {"limits.v_min": [-0.3, -1.4], "limits.v_max": [0.7, 0.6]}
-BACKWARDS = {"initial.pose": [6.0, 0.0, -np.pi / 2], "initial.velocity": [-0.1, -0.1]}
+PUSHED = changes("""
+    guard.M_max = [70.0, 7.5]
+    guard.dbar = [60.0, 15.0]
+    robot.m = 25.0
+    robot.I = 2.7
+    robot.mu = 0.0
+    model.m = 50.0
+    model.I = 5.4
+    model.mu = 0.08
+    disturbance.std = 0.0
+    disturbance.push = [60.0, 15.0]
+    clock.duration = 10.0
+""") | {"guard.M_min": LIGHT.tolist()}  # fmt: skip
+SIDES = changes("limits.v_min = [-0.3, -1.4]; limits.v_max = [0.7, 0.6]")
+BACKWARDS = {**changes("initial.velocity = [-0.1, -0.1]"), "initial.pose": [6.0, 0.0, -np.pi / 2]}
 """A start far ahead of the desired motion: the law wants back, and pushes drive that way."""
 
 
@@ -91,7 +99,11 @@ def test_an_adversary_reaches_the_limit_of_its_direction_and_never_passes_it(law
 @pytest.mark.slow
 @pytest.mark.parametrize("broken", ["v_max", "v_min"])
 def test_a_bound_that_is_ten_per_cent_too_small_breaks(broken):
-    weak = {"guard.dbar": [54.0, 13.5], "guard.trust": True, "clock.control": 0.05}
+    weak = changes("""
+        guard.dbar = [54.0, 13.5]
+        guard.trust = true
+        clock.control = 0.05
+    """)
     stated = PUSHED | SIDES | weak | (BACKWARDS if broken == "v_min" else {})
     run = simulate("paper-simulation-nominal", "pid", guard=True, overrides=stated)
 
@@ -100,7 +112,7 @@ def test_a_bound_that_is_ten_per_cent_too_small_breaks(broken):
 
 
 def test_a_guard_cannot_promise_never_to_reverse():
-    stated = {**PUSHED, "limits.v_min": [0.0, -1.0], "guard.enabled": True}
+    stated = PUSHED | changes("limits.v_min = [0.0, -1.0]; guard.enabled = true")
     with pytest.raises(
         ScenarioError, match=r"v_min\[1\] = 0 cannot be kept. .v_min. must be"
     ) as refused:

@@ -9,6 +9,7 @@ import pytest
 
 from tests.control.guard.late_trial import Case, composed, trial
 from tests.control.guard.test_delay import ON
+from tests.tables import changes
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.guard.lateness import Counting, Times, lateness, since_last
 from wmr_ctrl.control.guard.refusals import feasible_guard
@@ -201,7 +202,7 @@ def test_what_cannot_be_met_is_refused_with_numbers_and_a_remedy(case, said):
 
 def test_the_age_of_an_axis_is_told_where_that_axis_cannot_be_held():
     """With the least inertia that would do, which does, and hardly any less does not."""
-    pushed = {**ON, "guard.dbar": [60.0, 15.0], "guard.trust": True}
+    pushed = ON | changes("guard.dbar = [60.0, 15.0]; guard.trust = true")
     words = r"late = age 0\.3 s, is needed on axis 2"
 
     def asked(**more):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.equal_runs import runs_equal
+from tests.tables import changes
 from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.control.guard.monitor import least_push
 from wmr_ctrl.control.laws import LAWS
@@ -15,9 +16,15 @@ from wmr_ctrl.results.formats import save_run
 from wmr_ctrl.world.scenario import load_scenario
 
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
-OFF = {"guard.enabled": False, "clock.duration": 5.0, "changes": []}
-PUSHED = {"disturbance.push": [150.0, 40.0], "disturbance.std": 0.0, "robot.mu": 0.0,
-          "guard.dbar": [60.0, 15.0], "guard.mass_margin": 0.0, "guard.trust": True}  # fmt: skip
+OFF = changes("guard.enabled = false; clock.duration = 5.0; changes = []")
+PUSHED = changes("""
+    disturbance.push = [150.0, 40.0]
+    disturbance.std = 0.0
+    robot.mu = 0.0
+    guard.dbar = [60.0, 15.0]
+    guard.mass_margin = 0.0
+    guard.trust = true
+""")
 
 
 def disturbance(run):

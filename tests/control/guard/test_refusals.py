@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from tests.tables import cases, changes
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.guard.refusals import feasible_guard
@@ -16,35 +17,35 @@ from wmr_ctrl.world.scenario import load_scenario
 ON = {"guard.enabled": True}
 
 
-@pytest.mark.parametrize("changed, said", [
-    ({"guard.dbar": [2500.0, 1.0]}, r"2 \(dbar - f_min\) <= M_min alpha.*axis 1.*5000 > 45 \* 100"),
-    ({"guard.dbar": [60.0, 400.0]}, r"axis 2.*clock\.control <= .*guard\.dbar\[2\] <= "),
-    ({"clock.control": 0.5, "guard.M_min": [25.0, 2.7]}, r"clock\.control <= 0\.208 s"),
-    ({"guard.alpha": 1.0}, r"axis 1.*guard\.alpha >= 2\.667 1/s"),
-    ({"guard.alpha": 101.0}, r"alpha T <= 1.*Lower it to 100"),
-    ({"guard.nbar": [0.6, 0.0]}, r"2 nbar <= v_u1.*it is 1\.2, and"),
-    ({"actuator.tau_max": 5.0}, r"dbar\[1\] \+ dbar\[2\]/l.*120 > 100 N.*tau_max >= 6 N m"),
-    ({"guard.brake": [50.0, 20.0]}, r"guard\.brake\[1\] = 50.*at least.*60"),
-    ({"guard.brake": [90.0, 30.0], "actuator.tau_max": 10.0}, r"brake\[1\] \+ brake\[2\]/l.*210"),
-    ({"guard.M_min": [80.0, 8.0]}, r"guard\.M_min\[1\] = 80\.0 must be at most"),
-    ({"guard.M_min": [80.0, 8.0], "guard.M_max": [70.0, 9.0]}, r"M_min\[1\].*at most"),
-    ({"guard.f_speed": [1.0, 0.0]}, r"f_speed\[1\].*below limits"),
-    ({"guard.map": "clip"}, r"guard\.map.*linear-first, rotation-first"),
-    ({"guard.dbar": [1.0]}, r"guard\.dbar.*array of 2"),
-    ({"guard.dbar": [600.0, 1.0], "actuator.delay": 0.04},
-     r"alpha delay\), delay = 0\.04 s, is needed on axis 1.*1200 > 45 \* 100 \* 1/5 = 900 N.*"
-     r"actuator\.delay <= 0\.027 s.*dbar\[1\] <= 449\.9 N.*of at least 60\.\d+ kg"),
-    ({"guard.dbar": [60.0, 260.0], "actuator.delay": 0.01},
-     r"axis 2.*actuator\.delay <= 0\.004 s, or with clock\.control <= 0\.004 s"),
-    ({"guard.dbar": [2500.0, 1.0], "actuator.delay": 0.02}, r"It holds with guard\.dbar\[1\] <= "),
-    ({"guard.alpha": 4.0, "actuator.delay": 0.2},
-     r"axis 1.*delay <= 0\.124 s, or from guard\.alpha >= 5\.715"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "changed, said",
+    cases(r"""
+        guard.dbar = [2500, 1]  | 2 \(dbar - f_min\) <= M_min alpha.*axis 1.*5000 > 45 \* 100
+        guard.dbar = [60, 400]  | axis 2.*clock\.control <= .*guard\.dbar\[2\] <=
+        clock.control = 0.5; guard.M_min = [25, 2.7]   | clock\.control <= 0\.208 s
+        guard.alpha = 1         | axis 1.*guard\.alpha >= 2\.667 1/s
+        guard.alpha = 101       | alpha T <= 1.*Lower it to 100
+        guard.nbar = [0.6, 0]   | 2 nbar <= v_u1.*it is 1\.2, and
+        actuator.tau_max = 5    | dbar\[1\] \+ dbar\[2\]/l.*120 > 100 N.*tau_max >= 6 N m
+        guard.brake = [50, 20]  | guard\.brake\[1\] = 50.*at least.*60
+        guard.brake = [90, 30]; actuator.tau_max = 10  | brake\[1\] \+ brake\[2\]/l.*210
+        guard.M_min = [80, 8]   | guard\.M_min\[1\] = 80.* must be at most
+        guard.M_min = [80, 8]; guard.M_max = [70, 9]   | M_min\[1\].*at most
+        guard.f_speed = [1, 0]  | f_speed\[1\].*below limits
+        guard.map = clip        | guard\.map.*linear-first, rotation-first
+        guard.dbar = [1.0]      | guard\.dbar.*array of 2
+        guard.dbar = [600, 1]; actuator.delay = 0.04   | alpha delay\), delay = 0\.04 s, is needed
+        guard.dbar = [600, 1]; actuator.delay = 0.04   | axis 1.*1200 > 45 \* 100 \* 1/5 = 900 N
+        guard.dbar = [600, 1]; actuator.delay = 0.04   | actuator\.delay <= 0\.027 s.* 449\.9 N
+        guard.dbar = [600, 1]; actuator.delay = 0.04   | of at least 60\.\d+ kg
+        guard.dbar = [60, 260]; actuator.delay = 0.01  | axis 2.*\.delay <= 0\.004 s, .* <= 0\.004 s
+        guard.dbar = [2500, 1]; actuator.delay = 0.02  | It holds with guard\.dbar\[1\] <=
+        guard.alpha = 4; actuator.delay = 0.2          | axis 1.*<= 0\.124 s, .*alpha >= 5\.715
+    """),
+)
 def test_what_cannot_be_met_is_refused(changed, said):
-    with pytest.raises(ScenarioError) as refused:
-        guard(settle(scenario_of("paper-simulation", {**ON, **changed}), None))
-
-    assert re.search(said, str(refused.value)), str(refused.value)
+    with pytest.raises(ScenarioError, match=said):
+        guard(settle(scenario_of("paper-simulation", ON | changes(changed)), None))
 
 
 @pytest.mark.parametrize("beyond", [1.0, 1.1])
@@ -122,23 +123,24 @@ def test_defaults_follow_from_the_scenario():
     assert settle(given, None).guard.M_min == (30.0, 3.0)
 
 
-@pytest.mark.parametrize("changed", [
-    {"disturbance.std": 6.0},
-    {"guard.dbar": [300.0, 100.0]},
-    {"guard.dbar": [2500.0, 1.0]},
-    {"actuator.lag": 0.3},
-    {"actuator.delay": 0.3},
-    {"guard.alpha": 1.0, "clock.control": 0.05},
-    {"guard.alpha": 1.7, "clock.control": 0.05, "guard.dbar": [130.0, 15.0]},
-])  # fmt: skip
-def test_every_number_that_is_proposed_is_enough_as_it_is_printed(
-    changed,
-):
+@pytest.mark.parametrize(
+    "changed",
+    [
+        "disturbance.std = 6",
+        "guard.dbar = [300, 100]",
+        "guard.dbar = [2500, 1]",
+        "actuator.lag = 0.3",
+        "actuator.delay = 0.3",
+        "guard.alpha = 1; clock.control = 0.05",
+        "guard.alpha = 1.7; clock.control = 0.05; guard.dbar = [130, 15]",
+    ],
+)
+def test_every_number_that_is_proposed_is_enough_as_it_is_printed(changed):
     """By whichever key; what bounds must be true of the scenario is said of the scenario."""
 
     def told(more):
         try:
-            settle(scenario_of("safe-experiment", {**ON, **changed, **more}), "prox")
+            settle(scenario_of("safe-experiment", ON | changes(changed) | more), "prox")
         except ScenarioError as error:
             return str(error)
         return ""
@@ -148,7 +150,8 @@ def test_every_number_that_is_proposed_is_enough_as_it_is_printed(
     number = r"([\d.e+-]+\d)"
     keys = re.findall(rf"(guard\.dbar\[\d\]|guard\.alpha) [<>]= {number}", text)
     remedies = [{key: float(value)} for key, value in keys]
-    derived = settle(scenario_of("safe-experiment", {**changed, "guard.enabled": False}), "prox")
+    off = changes(f"{changed}; guard.enabled = false")
+    derived = settle(scenario_of("safe-experiment", off), "prox")
     for name, value in [
         *(("dbar", value) for value in re.findall(rf"add up to at most {number}", text)),
         *(("M_min", value) for value in re.findall(rf"robot of at least {number}", text)),
@@ -156,7 +159,7 @@ def test_every_number_that_is_proposed_is_enough_as_it_is_printed(
         whole = list(derived.guard.dbar if name == "dbar" else derived.guard.M_min)
         whole[axis - 1] = float(value)
         remedies.append({f"guard.{name}": whole, "guard.trust": True})
-        remedies[-1] |= {"guard.M_max": [1e3, 1e3]} if name == "M_min" else {}
+        remedies[-1] |= changes("guard.M_max = [1e3, 1e3]") if name == "M_min" else {}
     for row in re.findall(r"with guard\.M_min = (\[.*?\]) or more", text):
         remedies.append({"guard.M_min": row})
     left, right = re.search(r"but (\S+) > (?:.* = )?(\S+) N", text).groups()
@@ -169,28 +172,23 @@ def test_every_number_that_is_proposed_is_enough_as_it_is_printed(
 
 
 @pytest.mark.parametrize(
-    "late, said",
-    [
-        ({"actuator.delay": 0.1, "actuator.jitter": 0.0}, "actuator.delay"),
-        ({"actuator.delay": 0.095, "actuator.jitter": 0.005}, "actuator.delay + jitter"),
-        ({"guard.delay": [0.1, 0.1], "actuator.jitter": 0.0}, "guard.delay[2]"),
-    ],
+    "late, said, spared",
+    cases("""
+        actuator.delay = {}; actuator.jitter = 0          | actuator.delay          | 0
+        actuator.delay = {}; actuator.jitter = 0.005      | actuator.delay + jitter | 0.005
+        guard.delay = [{0}, {0}]; actuator.jitter = 0     | guard.delay[2]          | 0
+    """),
 )
-def test_the_delay_that_is_said_to_be_short_enough_is(late, said):
+def test_the_delay_that_is_said_to_be_short_enough_is(late, said, spared):
     """All that delays a command counts, in whole plant steps; what the guard is told, first."""
 
-    def settled(changed):
-        guard(settle(scenario_of("robot-10ms", changed), None))
+    def settled(delay):
+        given = changes(late.format(round(delay - float(spared), 9)))
+        guard(settle(scenario_of("robot-10ms", given), None))
 
     with pytest.raises(ScenarioError) as refused:
-        settled(late)
+        settled(0.1)
     name, most = re.search(r"It holds with (\S.*?) <= (\S+) s", str(refused.value)).groups()
-    short = float(most)
-    enough = {
-        "actuator.delay": {"actuator.delay": short},
-        "actuator.delay + jitter": {"actuator.delay": round(short - 0.005, 9)},
-        "guard.delay[2]": {"guard.delay": [short, short]},
-    }
 
     assert name == said
-    settled({**late, **enough[said]})
+    settled(float(most))

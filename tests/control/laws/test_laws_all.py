@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl.control.controller import controller, law_graph
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import gains_of, settle
@@ -135,7 +136,7 @@ def test_feedforward_is_not_dropped_at_the_target():
 
 def test_the_semi_implicit_step_leaks_at_its_end():
     """(W+ - W)/T = -Gamma (S w + sigma W+): the explicit step but for its leak."""
-    leaking = {"gains.nn.sigma": [20.0, 30.0], "gains.nn.Gamma": [2.0, 3.0]}
+    leaking = changes("gains.nn.sigma = [20.0, 30.0]; gains.nn.Gamma = [2.0, 3.0]")
     explicit, implicit = (
         law_graph(settle(load_scenario("paper-simulation", {**leaking, **more}), "nn"))
         for more in ({}, {"gains.nn.integrator": "semi-implicit"})

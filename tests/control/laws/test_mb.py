@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.control.laws.points import DRIVING, T, at, graph
+from tests.tables import changes
 from wmr_ctrl.control.basis import ANY_BASIS
 from wmr_ctrl.control.laws.mb import LAW, inside, rule
 
@@ -11,12 +12,9 @@ from wmr_ctrl.control.laws.mb import LAW, inside, rule
 def test_the_exact_decay_is_that_of_a_whole_period():
     """The force is linear in the rate: two rates tell which one the option stands for."""
 
-    def force(**gains):
-        return at(graph(LAW.name, **{f"gains.mb.{name}": value for name, value in gains.items()}),
-                  DRIVING)[0]  # fmt: skip
-
     rho = np.array([15.0, 57.6])
-    one, double, exact = force(), force(rho=(2 * rho).tolist()), force(decay="exact")
+    texts = "", f"gains.mb.rho = {(2 * rho).tolist()}", "gains.mb.decay = exact"
+    one, double, exact = (at(graph(LAW.name, **changes(text)), DRIVING)[0] for text in texts)
     rate = rho * (1 + (exact - one) / (double - one))
 
     assert rate == pytest.approx((1 - np.exp(-rho * T)) / T, rel=1e-9)

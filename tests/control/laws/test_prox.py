@@ -8,6 +8,7 @@ import pytest
 
 from tests.checks.asking import closed
 from tests.control.laws.points import DRIVING, M, T, at, graph
+from tests.tables import changes
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.barrier.proximal import resolvent
 from wmr_ctrl.control.laws.prox import guide, prox_step
@@ -84,7 +85,12 @@ def noise_free(law, period, **changed):
 @pytest.mark.parametrize("transport, falls", [("level", True), ("two-part", False)])
 def test_level_transport_keeps_the_decay_of_v1_in_a_run(transport, falls):
     """S(v; c+) at the next sample, c+ as the law expected it: exp(-rho T/2) S, or less."""
-    plain = {"gains.prox.wo": 0.0, "gains.prox.tau_max": 1e6, "robot.mu": 0.0, "model.mu": 0.0}
+    plain = changes("""
+        gains.prox.wo = 0.0
+        gains.prox.tau_max = 1e6
+        robot.mu = 0.0
+        model.mu = 0.0
+    """)
     run = noise_free("prox", 0.05, **plain, **{"gains.prox.transport": transport})
     (_, e2, e3), speed, here = run["e"].T, run["v1"], run["v_c0"][:, 0]
     turning = run["omega"]
@@ -106,12 +112,19 @@ def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(period, share):
     delay = share * period
     start = guide(period, delay, 0.2)
     for ratio in np.linspace(0.6, 1.6, 6):
-        changed = {
-            "clock.control": period, "actuator.delay": delay, "model.m": 50.0, "model.I": 5.4,
-            "robot.m": 50.0 * ratio, "robot.I": 5.4 * ratio, "changes": [],
-            "gains.kinematics.k": list(start.k), "gains.prox.rho": list(start.rho),
-            "gains.prox.wo": start.wo,
-        }  # fmt: skip
+        text = f"""
+            clock.control = {period}
+            actuator.delay = {delay}
+            changes = []
+            model.m = 50
+            model.I = 5.4
+            robot.m = {50.0 * ratio}
+            robot.I = {5.4 * ratio}
+            gains.kinematics.k = {[*start.k]}
+            gains.prox.rho = {[*start.rho]}
+            gains.prox.wo = {start.wo}
+        """
+        changed = changes(text)
         loop = Loop(settle(load_scenario("paper-simulation", changed), "prox"))
         matrix = closed(loop, np.array((0.2, 0.1)), period)
         assert np.abs(np.linalg.eigvals(matrix)).max() < 1, ratio

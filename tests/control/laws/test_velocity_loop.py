@@ -5,12 +5,17 @@ import numpy as np
 import pytest
 
 from tests.control.laws.points import DRIVING, T, at, graph
+from tests.tables import changes
 from wmr_ctrl.control.basis import ANY_BASIS
 from wmr_ctrl.control.laws.velocity_loop import cut, loop_rule
 
 
 def test_a_first_command_is_counted_from_the_measured_velocity_and_later_ones_from_the_last():
-    base = {"base.kind": "velocity", "base.tau": [0.1, 0.1], "actuator.tau_max": 20.0}
+    base = changes("""
+        base.kind = velocity
+        base.tau = [0.1, 0.1]
+        actuator.tau_max = 20.0
+    """)
     system = graph("kanayama", **base)
     given = {**DRIVING, "v1": -0.3, "omega": 0.9, "v_sent_before[1]": 0.1, "v_sent_before[2]": 0.0}
 
