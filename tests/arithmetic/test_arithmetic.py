@@ -2,6 +2,8 @@
 
 import itertools
 import math
+import re
+import tomllib
 
 import mpmath
 import numpy as np
@@ -9,41 +11,54 @@ import pytest
 
 from tests.arithmetic.functions import EVERY, PAIRS, called, hashes, library
 from wmr_ctrl.codegen.build import flags_of, vector_sets
+from wmr_ctrl.codegen.dialect import HEADER
+from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import find_toolchain
 
 DRAWS = 300
+STATED = (runtime_dir() / HEADER).read_text("utf-8").split("in the last place: ")[1]
 LIMITS = {
-    "exp": 1.0, "log": 1.0, "log1p": 1.0, "asin": 1.0, "acos": 1.0, "atan": 1.0, "sqrt": 0.501,
-    "expm1": 2.0, "sin": 2.0, "cos": 2.0, "tanh": 2.0, "cosh": 2.0, "sinh": 3.0, "tan": 3.0,
-    "atan2": 2.0, "hypot": 2.0, "pow": 2.0,
-}  # fmt: skip
-"""Units in the last place, as the header states them."""
-
-UNIFORM = {
-    "exp": [(-745.0, 709.7), (-701.0, -699.0), (699.0, 701.0), (-1.0, 1.0)],
-    "expm1": [(-60.0, 60.0), (-1.5, 1.5), (-0.36, 0.36), (55.0, 57.0), (600.0, 709.7)],
-    "log": [(0.5, 2.0), (0.999, 1.001)],
-    "log1p": [(-0.99, 3.0), (-0.5, 0.5)],
-    "sin": [(-10.0, 10.0), (-1000.0, 1000.0), (999.0, 1001.0)],
-    "cos": [(-10.0, 10.0), (-1000.0, 1000.0), (999.0, 1001.0)],
-    "tan": [(-10.0, 10.0), (-1000.0, 1000.0), (999.0, 1001.0)],
-    "tanh": [(-3.0, 3.0), (0.6, 0.65), (18.0, 20.0)],
-    "sinh": [(-3.0, 3.0), (-710.4, 710.4), (0.99, 1.01), (699.0, 701.0)],
-    "cosh": [(-3.0, 3.0), (-710.4, 710.4), (699.0, 701.0)],
-    "asin": [(-1.0, 1.0), (0.49, 0.51), (0.97, 1.0)],
-    "acos": [(-1.0, 1.0), (0.49, 0.51), (-0.51, -0.49), (0.97, 1.0)],
-    "atan": [(-5.0, 5.0), (0.43, 0.44), (0.68, 0.69), (1.18, 1.19), (2.43, 2.44)],
-    "sqrt": [(0.0, 4.0)],
+    name: float(units) if units.isdigit() else 0.501
+    for names, units in re.findall(
+        r"([a-z]\w*(?:,\s+\w+)*) (\d|none but rounding)", STATED.split("Coefficients")[0]
+    )
+    for name in re.split(r",\s+", names)
 }
-POWERS = {
-    "exp": [(-20.0, 0.0)], "expm1": [(-20.0, 0.0)], "log": [(-323.0, -308.0), (-307.0, 308.0)],
-    "log1p": [(-20.0, 300.0)], "sin": [(-20.0, 0.0), (3.0, 308.0)],
-    "cos": [(-20.0, 0.0), (3.0, 308.0)], "tan": [(-20.0, 0.0), (3.0, 308.0)],
-    "tanh": [(-20.0, 1.3)], "sinh": [(-20.0, 0.0)], "cosh": [(-20.0, 0.0)],
-    "asin": [(-20.0, -0.01)], "acos": [(-20.0, -0.01)], "atan": [(-20.0, 20.0)],
-    "sqrt": [(-323.0, 308.0)],
-}  # fmt: skip
-"""Of ten: both signs where the function takes them."""
+"""Units in the last place, as the header states them."""
+RANGES = tomllib.loads("""
+    [uniform]
+    exp = [[-745.0, 709.7], [-701.0, -699.0], [699.0, 701.0], [-1.0, 1.0]]
+    expm1 = [[-60.0, 60.0], [-1.5, 1.5], [-0.36, 0.36], [55.0, 57.0], [600.0, 709.7]]
+    log = [[0.5, 2.0], [0.999, 1.001]]
+    log1p = [[-0.99, 3.0], [-0.5, 0.5]]
+    sin = [[-10.0, 10.0], [-1000.0, 1000.0], [999.0, 1001.0]]
+    cos = [[-10.0, 10.0], [-1000.0, 1000.0], [999.0, 1001.0]]
+    tan = [[-10.0, 10.0], [-1000.0, 1000.0], [999.0, 1001.0]]
+    tanh = [[-3.0, 3.0], [0.6, 0.65], [18.0, 20.0]]
+    sinh = [[-3.0, 3.0], [-710.4, 710.4], [0.99, 1.01], [699.0, 701.0]]
+    cosh = [[-3.0, 3.0], [-710.4, 710.4], [699.0, 701.0]]
+    asin = [[-1.0, 1.0], [0.49, 0.51], [0.97, 1.0]]
+    acos = [[-1.0, 1.0], [0.49, 0.51], [-0.51, -0.49], [0.97, 1.0]]
+    atan = [[-5.0, 5.0], [0.43, 0.44], [0.68, 0.69], [1.18, 1.19], [2.43, 2.44]]
+    sqrt = [[0.0, 4.0]]
+
+    [powers_of_ten]  # both signs where the function takes them
+    exp = [[-20.0, 0.0]]
+    expm1 = [[-20.0, 0.0]]
+    log = [[-323.0, -308.0], [-307.0, 308.0]]
+    log1p = [[-20.0, 300.0]]
+    sin = [[-20.0, 0.0], [3.0, 308.0]]
+    cos = [[-20.0, 0.0], [3.0, 308.0]]
+    tan = [[-20.0, 0.0], [3.0, 308.0]]
+    tanh = [[-20.0, 1.3]]
+    sinh = [[-20.0, 0.0]]
+    cosh = [[-20.0, 0.0]]
+    asin = [[-20.0, -0.01]]
+    acos = [[-20.0, -0.01]]
+    atan = [[-20.0, 20.0]]
+    sqrt = [[-323.0, 308.0]]
+""")
+UNIFORM, POWERS = RANGES["uniform"], RANGES["powers_of_ten"]
 SPECIAL = np.array(
     [sign * size for sign in (1.0, -1.0) for size in (
         0.0, 5e-324, 1e-310, 2.2250738585072014e-308, 1e-20, 0.5, 0.5 + 2**-52, 0.625, 1.0, 1.5,

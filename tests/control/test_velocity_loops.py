@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from tests.tables import changes
+from tests.tables import cases, changes
 from wmr_ctrl.cli.check_sentences import idle_keys
 from wmr_ctrl.control.filter.held_loop import push_speeds
 from wmr_ctrl.control.setup import settle
@@ -110,23 +110,19 @@ def test_a_value_for_both_axes_or_one_for_each():
     assert mixed.base.tau == (0.3, 0.3)
 
 
-WRONG = {
-    "third": ({"base.loop": "third"}, r'base\.loop = "third" is not known'),
-    "two loops": ({"base.loop": ["pi"]}, r"base\.loop .* must be one for both, or an array of 2"),
-    "other": (changes('base.loop = ["pi", "third"]'), r'base\.loop\[2\] = "third" is not known'),
-    "tau": (
-        changes("base.tau = [0.1, 0.2, 0.3]"),
-        r"base\.tau .* one for both, or an array of 2 numbers",
-    ),
-    "frequency": ({"base.frequency": 0.0}, r"base\.frequency = 0\.0 must be above 0"),
-}
-
-
-@pytest.mark.parametrize("name", WRONG)
-def test_bad_loops_are_refused_by_name(name):
-    changes, words = WRONG[name]
+@pytest.mark.parametrize(
+    "wrong, words",
+    cases(r"""
+        base.loop = third              | base\.loop = "third" is not known
+        base.loop = ["pi"]             | base\.loop .* must be one for both, or an array of 2
+        base.loop = ["pi", "third"]    | base\.loop\[2\] = "third" is not known
+        base.tau = [0.1, 0.2, 0.3]     | base\.tau .* one for both, or an array of 2 numbers
+        base.frequency = 0.0           | base\.frequency = 0\.0 must be above 0
+    """),
+)
+def test_bad_loops_are_refused_by_name(wrong, words):
     with pytest.raises(ScenarioError, match=words):
-        override(base(), changes)
+        override(base(), changes(wrong))
 
 
 def test_keys_of_another_loop_do_nothing():
@@ -148,23 +144,20 @@ FILTERED = changes("""
 """)
 
 
-REFUSED = {
-    "frequency": ({"base.frequency": 4.0}, r"base\.frequency\[1\] = 4 rad/s is outside"),
-    "damping": (changes("base.damping = [0.3, 1.0]"), r"base\.damping\[1\] = 0\.3 is outside"),
-    "gain": ({"base.gain": 1.3}, r"base\.gain\[1\] = 1\.3 is outside"),
-    "push": (changes("disturbance.push = [2.0, 0.0]"), r"filter\.d\[1\] = 0 m/s is less"),
-    "friction": ({"robot.mu": 0.01}, r"filter\.d\[1\] = 0 m/s is less"),
-    "start": (changes("initial.velocity = [0.2, 0.0]"), "at rest at the start"),
-    "motors": ({"actuator.tau_max": 20.0}, "Leave tau_max out"),
-    "loop": (
-        changes('base.loop = ["second-order", "pi"]'),
-        r'base\.loop = \["second-order", "pi"\]',
-    ),
-}
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_a_second_order_base_outside_the_stated_family_is_refused(name):
-    changes, words = REFUSED[name]
+@pytest.mark.parametrize(
+    "changed, words",
+    cases(r"""
+        base.frequency = 4                    | base\.frequency\[1\] = 4 rad/s is outside
+        base.damping = [0.3, 1]               | base\.damping\[1\] = 0\.3 is outside
+        base.gain = 1.3                       | base\.gain\[1\] = 1\.3 is outside
+        disturbance.push = [2, 0]             | filter\.d\[1\] = 0 m/s is less
+        robot.mu = 0.01                       | filter\.d\[1\] = 0 m/s is less
+        initial.velocity = [0.2, 0]           | at rest at the start
+        actuator.tau_max = 20                 | Leave tau_max out
+        base.loop = ["second-order", "pi"]    | base\.loop = \["second-order", "pi"\]
+    """),
+)
+def test_a_second_order_base_outside_the_stated_family_is_refused(changed, words):
+    own = {"initial.velocity": [0, 0], **FILTERED, **changes(changed)}
     with pytest.raises(ScenarioError, match=words):
-        settle(override(base(), {"initial.velocity": [0, 0], **FILTERED, **changes}), "kanayama")
+        settle(override(base(), own), "kanayama")

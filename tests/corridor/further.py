@@ -13,8 +13,9 @@ import numpy as np
 
 from tests.corridor import late, sending
 from tests.corridor.adversary import Attacked, worst_pushes
+from tests.papers_robot import preset, safe
 from tests.tables import changes
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import Scenario
 
 EXACT = changes("""
     disturbance.std = 0.0
@@ -77,20 +78,14 @@ class Further:
     reach: Callable[[float], float]
 
 
-def burger(*changes):
+def burger(*parts):
     """An exact TurtleBot3 with some changes."""
-    return _changed("turtlebot3-burger", EXACT, QUICK, *changes)
+    return preset("turtlebot3-burger", EXACT, QUICK, *parts)
 
 
-def simulated(*changes):
+def simulated(*parts):
     """safe-simulation, pushed by 0.3 N m, without guard and change, with some changes."""
-    alone = changes("disturbance.std = 0.1; guard.enabled = false; changes = []")
-    return _changed("safe-simulation", alone, *changes)
-
-
-def _changed(preset, *changes):
-    told = {key: value for part in changes for key, value in part.items()}
-    return override(load_scenario(preset), told)
+    return safe("disturbance.std = 0.1; guard.enabled = false; changes = []", *parts)
 
 
 def on_base(case):
@@ -162,9 +157,9 @@ def reckoned_for_long(times):
     return Further(scenario, "mb", reach)
 
 
-def with_jitter(steps, size, *changes):
+def with_jitter(steps, size, *parts):
     """safe-simulation under pushes of ``size`` [N m], with jitter of so many milliseconds."""
-    scenario = simulated({"actuator.jitter": 1e-3 * steps, "disturbance.std": size / 3}, *changes)
+    scenario = simulated({"actuator.jitter": 1e-3 * steps, "disturbance.std": size / 3}, *parts)
 
     def reach(more):
         return late.farthest_jittered(scenario, "prox", 250, size, steps, more).position
@@ -172,10 +167,10 @@ def with_jitter(steps, size, *changes):
     return Further(scenario, "prox", reach)
 
 
-def with_delay(steps, size, *changes):
+def with_delay(steps, size, *parts):
     """The same with a delay of so many milliseconds that the law is not told."""
     told = {"actuator.unmodelled_delay": 1e-3 * steps, "disturbance.std": size / 3}
-    scenario = simulated(told, *changes)
+    scenario = simulated(told, *parts)
 
     def reach(more):
         return late.farthest_held(scenario, "prox", 250, more * size, steps).position

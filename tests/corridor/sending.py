@@ -16,6 +16,8 @@ import numpy as np
 
 from tests.corridor.adversary import DIRECTIONS, TRIED, farthest_first
 from tests.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
+from tests.oracle.kanayama import Kanayama
+from tests.oracle.law import Sight
 from tests.oracle.plant import Plant, wheel_torques
 from tests.oracle.references import reference_of
 from wmr_ctrl.control.controller import controller
@@ -102,18 +104,10 @@ class _Wish:
         return self._mb(target, e, v) if self.law == "mb" else self._kanayama(target, e, v)
 
     def _kanayama(self, target, e, v):
-        kx, ky, kt = self.gains.k
-        wanted = (
-            target.v1 * math.cos(e[2]) + kx * e[0],
-            target.v2 + target.v1 * (ky * e[1] + kt * math.sin(e[2])),
-        )
-        last, T = self.last or v, self.scenario.clock.control
-        result = []
-        for i, wish in enumerate(wanted):
-            top, most = self.gains.share * self.scenario.limits.v_u1[i], self.gains.a_max[i] * T
-            cut = min(max(wish, -top), top)
-            result.append(last[i] + min(max(cut - last[i], -most), most))
-        return tuple(result)
+        twin = Kanayama(vars(self.gains), self.scenario)
+        twin.command = self.last
+        twin.act(Sight(v, (0, 0), (0, 0), (), target, e, (0, 0, 0), self.k))
+        return twin.command
 
     def _mb(self, target, e, v):
         T, tau = self.scenario.clock.control, self.scenario.base.tau

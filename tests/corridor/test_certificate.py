@@ -9,6 +9,7 @@ import wmr_ctrl.theory.corridor as room
 from tests.corridor.adversary import (
     farthest,
 )
+from tests.papers_robot import safe
 from tests.tables import cases, changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
@@ -56,7 +57,7 @@ def test_no_adversary_leaves_the_corridor_and_some_come_near(case):
 
 @pytest.mark.slow
 def test_what_a_start_adds_is_gone_in_the_end_and_the_words_name_it():
-    plain = load_scenario("safe-simulation")
+    plain = safe()
     tube = find_corridor(override(plain, changes("corridor.start = [0.002, 0.002, 0.02]")), "prox")
 
     assert "on it, or moved there by up to 2 mm ahead" in tube.sentence
@@ -67,7 +68,7 @@ def test_what_a_start_adds_is_gone_in_the_end_and_the_words_name_it():
 @pytest.mark.parametrize("changes", [{}, {"sensor.pose_noise": 1e-5}])
 def test_a_start_too_far_off_is_refused_with_the_largest_share_that_closes(changes):
     start = np.array([0.05, 0.05, 0.15])
-    scenario = override(load_scenario("safe-simulation"), {**changes, "corridor.start": start})
+    scenario = safe({**changes, "corridor.start": start})
     tube = find_corridor(scenario, "prox")
 
     assert tube.position is None
@@ -87,8 +88,8 @@ def test_of_masses_in_an_interval_each_keeps_within_one_corridor():
         corridor.cells = 2
     """)
     told |= {"changes": []}
-    scenario = override(load_scenario("safe-simulation"), told)
-    alone = find_corridor(load_scenario("safe-simulation"), "prox")
+    scenario = safe(told)
+    alone = find_corridor(safe(), "prox")
     tube = find_corridor(scenario, "prox")
     believed = changes("model.m = 50.0; model.I = 5.4; model.mu = 0.08")
     corners = [{**believed, "robot.m": m, "robot.I": i} for m in (48.0, 52.0) for i in (5.2, 5.6)]
@@ -124,7 +125,7 @@ def test_what_is_not_covered_is_refused_by_name(preset, changed, words):
 
 
 def test_a_law_that_adapts_is_refused():
-    refused = find_corridor(load_scenario("safe-simulation"), "smc").refused
+    refused = find_corridor(safe(), "smc").refused
     assert "away from their limits" in refused
 
 
@@ -159,7 +160,7 @@ def test_where_none_closes_it_says_for_which_share_one_would():
 def test_a_refusal_has_numbers_and_says_what_to_change(less, words, monkeypatch):
     monkeypatch.setattr(masses, "MOST_CELLS", 0)
     told = {"guard.enabled": "corridor.cells" in less, **changes(less)}
-    tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox")
+    tube = find_corridor(safe(told), "prox")
 
     assert tube.position is None
     assert words in tube.refused
@@ -168,7 +169,7 @@ def test_a_refusal_has_numbers_and_says_what_to_change(less, words, monkeypatch)
 @pytest.mark.slow
 def test_what_a_refusal_of_cells_says_closes_with_every_mass():
     told = changes("corridor.cells = 1; changes = []")
-    scenario = override(load_scenario("safe-simulation"), told)
+    scenario = safe(told)
     refused = find_corridor(scenario, "prox").refused
     count = int(re.search(r"; it closes with corridor.cells = (\d+)", refused)[1])
     assert find_corridor(override(scenario, {"corridor.cells": count}), "prox").position is not None
@@ -208,7 +209,7 @@ LOST = changes("sensor.pose_dropout = 0.1; corridor.losses = 40")
 )
 @pytest.mark.slow
 def test_what_a_refusal_says_to_set_for_rare_poses_has_a_corridor(rare, names):
-    scenario = override(load_scenario("safe-simulation"), rare)
+    scenario = safe(rare)
     refused = find_corridor(scenario, "prox").refused
     less = {
         key: float(x) for key, x in re.findall(r"((?:sensor|corridor)\.\S+) = ([\d.]+)", refused)
@@ -221,7 +222,7 @@ def test_what_a_refusal_says_to_set_for_rare_poses_has_a_corridor(rare, names):
 def test_without_ball_arithmetic_it_is_not_checked(monkeypatch):
     monkeypatch.setattr(room, "is_open", lambda: False)
 
-    assert "NOT_CHECKED" in find_corridor(load_scenario("safe-simulation"), "prox").sentence
+    assert "NOT_CHECKED" in find_corridor(safe(), "prox").sentence
 
 
 def test_a_name_instead_of_a_scenario_is_refused():

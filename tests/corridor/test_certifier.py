@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.control.bases import VELOCITY, based
+from tests.papers_robot import safe
 from tests.tables import changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor.answer import Corridor
@@ -26,7 +27,7 @@ NOISY = {"sensor.velocity_noise": NOISE.tolist(), "guard.enabled": False}
 @pytest.fixture(scope="module")
 def certifier():
     """Of a law with an observer, whose velocities are measured amiss."""
-    return Certifier(settle(load_scenario("safe-simulation", NOISY), "kanayama"))
+    return Certifier(settle(safe(NOISY), "kanayama"))
 
 
 def peaks_of(certifier, e):
@@ -48,7 +49,7 @@ def test_inputs_are_as_large_as_the_scenario_says():
         sensor.pose_noise = 0.03
         sensor.velocity_noise = [0.01, 0.02]
     """)
-    inputs = bounded_inputs(settle(load_scenario("safe-simulation", noisy), "prox"))
+    inputs = bounded_inputs(settle(safe(noisy), "prox"))
     assert inputs.pose == pytest.approx(np.hypot(0.03, 0.03))
     assert inputs.velocity.tolist() == [0.01, 0.02]
     based = changes("""
@@ -112,7 +113,7 @@ def test_a_condition_has_less_room_where_what_it_limits_is_measured_amiss(certif
     least, axis = min((most, x.measured) for most, x in limits if x.measured is not None)
     loud = {**NOISY, "sensor.velocity_noise": [1.001 * least * (k == axis) for k in range(2)]}
     with pytest.raises(NoCorridorError, match="and the measured velocity is off by"):
-        Certifier(settle(load_scenario("safe-simulation", loud), "kanayama"))
+        Certifier(settle(safe(loud), "kanayama"))
 
 
 @pytest.mark.parametrize("share, broken", [(0.99, False), (1.01, True)])
@@ -200,7 +201,7 @@ def test_what_dead_reckoning_misses_is_kept_but_for_the_share_that_is_corrected(
 
 def test_an_error_that_is_reckoned_on_is_as_large_as_its_own_remainders_make_it():
     """By a round of the test's own after the other, of a remainder that is the error's square."""
-    scenario = load_scenario("safe-simulation")
+    scenario = safe()
     curve = SimpleNamespace(
         remainders=lambda products: products[:3, None, :] * np.array([0.3, 0.2, 0, 0.5, 0]),
         value=lambda: [], at=np.array([0.0, 0.0, 0.0, 3.0, 2.0]),
@@ -236,7 +237,7 @@ def test_an_error_that_is_reckoned_on_is_as_large_as_its_own_remainders_make_it(
     ],
 )
 def test_what_drives_hold_at_first_is_nothing_in_a_run_and_what_rolls_on_for_good(case, run, good):
-    setup = settle(load_scenario("safe-simulation", case), "kanayama")
+    setup = settle(safe(case), "kanayama")
 
     assert at_first(setup, run=True) == run
     assert at_first(setup, run=False).startswith(good)
@@ -255,7 +256,7 @@ def test_what_a_base_that_takes_velocities_holds_at_first_is_told_part_by_part()
 
 def test_another_robot_has_its_masses_at_all_times_and_is_believed_to_be_what_it_was():
     changes = [{"t": 20.0, "m": 60.0, "I": 7.0}, {"t": 30.0, "m": 45.0, "I": 6.0}]
-    setup = settle(load_scenario("safe-simulation", {"changes": changes}), "mb")
+    setup = settle(safe({"changes": changes}), "mb")
     believed = setup.scenario.believed
     other = _with_robots(setup, [(40.0, 5.0), (61.0, 7.1), (46.0, 6.1)]).scenario
 

@@ -4,12 +4,13 @@ import math
 
 import pytest
 
+from tests.papers_robot import safe
 from tests.tables import changes
 from wmr_ctrl import load_run, simulate
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results.obstacles import nearest
 from wmr_ctrl.theory.corridor.clearance import find_clearance
-from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override
+from wmr_ctrl.world.scenario import loads_scenario
 from wmr_ctrl.world.scenario.toml_io import to_toml
 
 CIRCLE, WALL = [0.0, 2.0, 0.5], [[2.6, -1.0], [2.8, -1.0], [2.8, 5.0], [2.6, 5.0]]
@@ -18,7 +19,7 @@ CIRCLE, WALL = [0.0, 2.0, 0.5], [[2.6, -1.0], [2.8, -1.0], [2.8, 5.0], [2.6, 5.0
 def placed(shapes, **others):
     """The guarded circle, of 2 m about (0, 2), with obstacles and a body of 0.3 m."""
     told = {"reference.keep_out": shapes, "body.radius": 0.3, **others}
-    return override(load_scenario("safe-simulation"), told)
+    return safe(told)
 
 
 def test_clearance_of_a_circle_is_what_geometry_says():
@@ -46,7 +47,7 @@ def test_what_is_not_free_is_said(shapes, corridor, words):
 
 
 def test_without_obstacles_nothing_is_said():
-    assert find_clearance(load_scenario("safe-simulation"), 0.01) is None
+    assert find_clearance(safe(), 0.01) is None
 
 
 def test_obstacles_survive_toml_and_a_run_that_touches_one_says_so(tmp_path):
@@ -82,4 +83,4 @@ def test_what_is_no_obstacle_is_refused(shapes, words):
 
 def test_obstacles_without_a_body_are_refused():
     with pytest.raises(ScenarioError, match=r"body\.radius is not stated"):
-        override(load_scenario("safe-simulation"), {"reference.keep_out": [CIRCLE]})
+        safe({"reference.keep_out": [CIRCLE]})

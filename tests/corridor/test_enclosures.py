@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx
 
+from tests.papers_robot import safe
 from tests.tables import changes
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor import gains as room
 from wmr_proofs.corridor.enclosure import OFTEN, Enclosure, OpenBoxError
 from wmr_proofs.corridor.gains import loop_gains
@@ -25,7 +25,7 @@ V_D = np.array([0.2, 0.1])
 
 @pytest.fixture(scope="module", params=["prox", "kanayama"])
 def loop(request):
-    setup = settle(load_scenario("safe-simulation"), request.param)
+    setup = settle(safe(), request.param)
     return SampledLoop(setup, V_D, partial(conditions, setup))
 
 
@@ -143,7 +143,7 @@ def test_estimates_and_what_an_observer_remembers_are_where_the_loop_keeps_them(
         guard.enabled = false
     """)
     filtered = changes("sensor.correction = 0.5; sensor.pose_noise = 1e-3")
-    setup = settle(load_scenario("safe-simulation", late | filtered), "kanayama")
+    setup = settle(safe(late | filtered), "kanayama")
     loop = SampledLoop(setup, V_D, partial(conditions, setup))
     given, n = {}, len(loop.names) + 2 * loop.queue + loop.memory + loop.acting
     rest = np.ones((1, n, n)), np.ones((1, n, n)), np.zeros((n, n))

@@ -11,10 +11,11 @@ import pytest
 
 from tests.corridor.further import burger
 from tests.corridor.one_by_one import HEADING, ROUND, SIDES, of_base, of_torques
+from tests.papers_robot import safe
 from tests.tables import changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import override
 from wmr_proofs.corridor import passage, remainders
 from wmr_proofs.corridor.along import Along
 from wmr_proofs.corridor.asked import run_corridor
@@ -42,9 +43,8 @@ GAINS = changes("""
 """With k1 = 16.8, quick enough for these bounds to have much to count at 50 ms."""
 
 
-def simulated(*changes):
-    told = {key: value for part in changes for key, value in part.items()}
-    return override(load_scenario("safe-simulation"), {**GAINS, **told})
+def simulated(*parts):
+    return safe(GAINS, *parts)
 
 
 EIGHT = changes("""
@@ -288,6 +288,6 @@ def test_reason_of_refusal_has_a_number():
         clock.duration = 0.2
         changes = []
     """)
-    refused = run_corridor(load_scenario("safe-simulation", given), "prox").refused
+    refused = run_corridor(safe(given), "prox").refused
     assert "may grow as large as what the loop corrects" in refused
     assert "nan" not in refused

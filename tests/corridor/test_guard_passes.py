@@ -4,15 +4,15 @@ import casadi as ca
 import numpy as np
 
 from tests.oracle.guard import VelocityGuard
+from tests.papers_robot import safe
 from tests.tables import changes
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor.inputs import conditions
 
 
 def test_within_the_conditions_a_guard_passes_every_force_and_hardly_any_beyond():
     told = changes("disturbance.std = 0.3; sensor.velocity_noise = [0.01, 0.02]")
-    scenario = load_scenario("safe-simulation", told)
+    scenario = safe(told)
     setup, asked, v = settle(scenario, "prox"), ca.SX.sym("F", 2), ca.SX.sym("v", 2)
     shares = ca.Function("shares", [asked, v], [ca.vertcat(*(
         ca.fabs(item.value) / item.most for item in conditions(setup, asked, v)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from tests.corridor.adversary import attack
+from tests.papers_robot import safe
 from tests.simulation.physics.shove import SHOVE
 from tests.tables import changes
 from wmr_ctrl import load_run, simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor.certificate import Certifier
 from wmr_proofs.corridor.latch import STAGES, latch_of
 
@@ -19,7 +19,7 @@ SHORT = changes("changes = []; clock.duration = 32.0")
 
 @pytest.fixture(scope="module")
 def certifier():
-    return Certifier(settle(load_scenario("safe-simulation"), "prox"))
+    return Certifier(settle(safe(), "prox"))
 
 
 @pytest.mark.slow
@@ -35,7 +35,7 @@ def test_what_holds_after_the_latch_comes_down_to_the_corridor(certifier):
 
 def test_no_sample_from_the_box_goes_farther_than_it_says(certifier):
     """Against the tests' own loop: moved within the box, pushed at random."""
-    scenario, rng = load_scenario("safe-simulation"), np.random.default_rng(5)
+    scenario, rng = safe(), np.random.default_rng(5)
     held = certifier.tube(certifier.inputs).peaks.times(1.2)
     box = 0.3 * held.state
     most = certifier.next_sample(certifier.inputs, box, held).fast[:3]
@@ -62,7 +62,7 @@ def test_a_push_that_nobody_told_of_is_proved_to_have_been(monkeypatch, tmp_path
     assert 30.0 < left.time < 30.5
     assert left.since < 15.0
     assert left.distance > left.most
-    assert left.most >= find_corridor(load_scenario("safe-simulation", SHORT), "prox").position
+    assert left.most >= find_corridor(safe(SHORT), "prox").position
     assert "3 N m and M = 50 kg: one of these was not so" in left.sentence
     assert load_run(tmp_path / "run.npz").corridor_left == left
     assert calm.corridor_left is None

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from tests.papers_robot import safe
 from tests.simulation.physics.shove import SHOVE
 from tests.tables import changes
 from wmr_ctrl import simulate
@@ -18,13 +19,13 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
 from wmr_ctrl.theory.corridor import corridor_monitor
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import override
 from wmr_proofs.corridor.certificate import Certifier
 from wmr_proofs.corridor.latch import latch_of
 from wmr_proofs.corridor.monitor import OUTPUTS
 from wmr_proofs.corridor.monitor import monitor as watching
 
-CASE = override(load_scenario("safe-simulation"), changes("changes = []; clock.duration = 32.0"))
+CASE = safe("changes = []; clock.duration = 32.0")
 SHOVED = changes("shove.force = 300.0; shove.start = 30.0; shove.time = 0.5")
 
 
@@ -163,7 +164,7 @@ def test_as_an_fmu_it_tells_the_same(monitor, shoved, tmp_path):
 @pytest.mark.slow
 def test_what_cannot_be_watched_is_refused(case, law, words):
     with pytest.raises(ScenarioError, match=words):
-        corridor_monitor(override(load_scenario("safe-simulation"), case), law)
+        corridor_monitor(safe(case), law)
 
 
 @pytest.mark.parametrize(

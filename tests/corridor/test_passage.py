@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
+from tests.papers_robot import safe
 from tests.tables import changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor
-from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_proofs.corridor import elementary
 from wmr_proofs.corridor.along import Along
 from wmr_proofs.corridor.carried import CarriedColumns
@@ -67,7 +67,7 @@ def test_a_condition_that_a_span_leaves_open_is_not_guessed():
 def eight():
     changes = [{"t": 0.505, "m": 60.0}]
     told = {"reference.kind": "lemniscate", "clock.duration": 1.0, "changes": changes}
-    return Along(settle(override(load_scenario("safe-simulation"), told), "prox"))
+    return Along(settle(safe(told), "prox"))
 
 
 def test_the_undisturbed_run_is_off_the_graphs_by_no_more_than_is_counted(eight):
@@ -174,7 +174,7 @@ def test_products_of_long_rows_count_the_rounding_of_all_their_terms():
 def test_a_loop_with_more_numbers_than_rounding_is_counted_for_is_refused():
     told = changes("actuator.delay = 0.5; guard.enabled = false")
     for kind in ("circle", "lemniscate"):
-        scenario = override(load_scenario("safe-simulation"), {**told, "reference.kind": kind})
+        scenario = safe({**told, "reference.kind": kind})
         assert (
             "rounding is counted for 100 at most"
             in find_corridor(scenario, "prox", whole=True).refused
@@ -270,7 +270,7 @@ def test_a_loop_that_forgets_before_a_block_ends_is_followed(monkeypatch):
         changes = [{t = 0.533, m = 31.0}]
         disturbance.std = 2e-4
     """)
-    along = Along(settle(override(load_scenario("safe-simulation"), told), "prox"))
+    along = Along(settle(safe(told), "prox"))
     assert along.memory < along.batch
 
     bounds = Passing(along, bounded_inputs(along.setup), np.zeros(3)).run()

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 from flint import ctx
 
+from tests.papers_robot import safe
 from wmr_ctrl.theory import corridor
-from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor import asked, latch, masses, whole
 
 MADE_BY = ((masses, "certified"), (whole, "certified_run"), (latch, "monitor_of"),
@@ -40,7 +40,7 @@ def together(monkeypatch):
 
 def test_one_thread_certifies_at_a_time(together, monkeypatch):
     """They share python-flint's precision, which one would change under another's sums."""
-    scenario = load_scenario("safe-simulation")
+    scenario = safe()
     monkeypatch.setattr(corridor, "scenario_of_run", lambda run: scenario)
     run = SimpleNamespace(law="prox", settings=SimpleNamespace(plant_kind="mujoco"))
     tasks = [
@@ -60,7 +60,7 @@ def test_one_thread_certifies_at_a_time(together, monkeypatch):
 
 
 def test_a_precision_that_others_left_changes_no_figure():
-    scenario, found = load_scenario("safe-simulation"), []
+    scenario, found = safe(), []
     for bits in (53, 30, 300):
         asked._found.cache_clear()
         with ctx.workprec(bits):

@@ -9,6 +9,7 @@ import pytest
 from tests.control.bases import VELOCITY, based
 from tests.corridor.further import EXACT, PUSHED, QUIET, WIDE, burger
 from tests.corridor.sending import course
+from tests.tables import cases, changes
 from wmr_ctrl import simulate
 from wmr_ctrl.control.filter.filter import CommandFilter, passing_commands
 from wmr_ctrl.control.setup import settle
@@ -34,19 +35,18 @@ def test_it_starts_with_commands_under_way_and_an_observer_that_knows_of_them():
 
 
 @pytest.mark.parametrize(
-    "changes, why",
-    [
-        ({"actuator.tau_max": 1.0, "filter.kind": "clip"}, "actuator.tau_max"),
-        ({"base.losses": 1, "filter.kind": "clip"}, "command loss"),
-        ({"base.jerk": [1.0, 1.0], "filter.kind": "clip"}, "command jerk"),
-        ({"corridor.start": [0.1, 0.1, 0.1]}, "the command's change (angular) may reach"),
-        ({"base.w_max": 4.95, "filter.kind": "clip"}, "the firmware's limit of the right wheel"),
-        ({"limits.v_u1": [0.174, 2.84], "limits.v_u2": [0.165, 2.2]}, "the filter's limit (v)"),
-    ],
-)  # fmt: skip
-@pytest.mark.slow_but("changes0-actuator.tau_max", "changes1-command loss", "changes2-command jerk")
-def test_what_is_not_covered_is_refused_by_name(changes, why):
-    tube = find_corridor(burger(PUSHED, changes), "kanayama")
+    "changed, why",
+    cases("""
+        actuator.tau_max = 1; filter.kind = clip   | actuator.tau_max
+        base.losses = 1; filter.kind = clip        | command loss
+        base.jerk = [1, 1]; filter.kind = clip     | command jerk
+        corridor.start = [0.1, 0.1, 0.1]           | the command's change (angular) may reach | slow
+        base.w_max = 4.95; filter.kind = clip      | the firmware's limit of the right wheel  | slow
+        limits.v_u1 = [0.174, 2.84]; limits.v_u2 = [0.165, 2.2] | the filter's limit (v)      | slow
+    """),
+)
+def test_what_is_not_covered_is_refused_by_name(changed, why):
+    tube = find_corridor(burger(PUSHED, changes(changed)), "kanayama")
 
     assert tube.position is None
     assert why in tube.refused
@@ -54,16 +54,19 @@ def test_what_is_not_covered_is_refused_by_name(changes, why):
 
 @pytest.mark.parametrize(
     "told, why",
-    [
-        ({"kind": "band", "frequency": [4.0, 6.0]}, 'filter.kind = "band"'),
-        ({"kind": "clip", "frequency": [4.0, 6.0], "slew": [0.1, 0.3]}, "filter.slew"),
-    ],
+    cases("""
+        filter.kind = band                            | filter.kind = "band"
+        filter.kind = clip; filter.slew = [0.1, 0.3]  | filter.slew
+    """),
 )
 def test_filters_that_remember_what_was_sent_are_refused(told, why):
-    second = {"loop": "second-order", "damping": [0.8, 1.0], "trust": True, **told}
-    tube = find_corridor(based(VELOCITY, filter=second), "kanayama")
-
-    assert why in tube.refused
+    second = changes("""
+        filter.loop = second-order
+        filter.frequency = [4.0, 6.0]
+        filter.damping = [0.8, 1.0]
+        filter.trust = true
+    """)
+    assert why in find_corridor(based(VELOCITY | second | changes(told)), "kanayama").refused
 
 
 @pytest.mark.parametrize("channels", ["body", "wheels"])
@@ -110,9 +113,14 @@ def test_a_run_that_begins_without_commands_under_way_has_the_band_of_the_whole_
 
 @pytest.mark.slow
 def test_nothing_is_promised_of_obstacles_where_only_the_corridor_for_good_is_known():
-    told = {"reference.keep_out": [[0.0, -0.3, 0.1]], "body.radius": 0.1,
-            "base.accel": [2.0, 12.0], "disturbance.std": 2e-6, "disturbance.truncate": 3.0,
-            "filter.kind": "clip"}  # fmt: skip
+    told = changes("""
+        reference.keep_out = [[0.0, -0.3, 0.1]]
+        body.radius = 0.1
+        base.accel = [2.0, 12.0]
+        disturbance.std = 2e-6
+        disturbance.truncate = 3.0
+        filter.kind = clip
+    """)
     scenario = burger(told)
     tube = find_corridor(scenario, "kanayama", whole=True)
 
@@ -125,8 +133,13 @@ def test_nothing_is_promised_of_obstacles_where_only_the_corridor_for_good_is_kn
 @pytest.mark.slow
 def test_a_ramp_behind_a_small_dead_band_has_a_corridor():
     """The change that a ramp may leave has room for what the dead band adds to it."""
-    told = {"base.accel": [2.0, 12.0], "base.deadband": [0.005, 0.01], "filter.kind": "clip",
-            "disturbance.std": 3e-5, "disturbance.truncate": 3.0}  # fmt: skip
+    told = changes("""
+        base.accel = [2.0, 12.0]
+        base.deadband = [0.005, 0.01]
+        filter.kind = clip
+        disturbance.std = 3e-5
+        disturbance.truncate = 3.0
+    """)
     scenario = burger(told)
 
     assert find_corridor(scenario, "kanayama").position is not None
@@ -141,13 +154,21 @@ def test_a_ramp_that_nothing_disturbs_has_a_corridor_of_nearly_nothing():
 
 @pytest.mark.slow
 def test_a_dead_band_that_is_too_wide_is_named_with_what_would_do():
-    told = {"filter.kind": "clip", "base.deadband": [0.05, 0.4], "clock.duration": 3.0}
-    path = {"reference.kind": "lemniscate", "reference.size": 1.0, "reference.rate": 0.1}
-    for changes in ({}, path):
-        tube = find_corridor(burger(QUIET, told, changes), "kanayama", whole=True)
+    told = changes("""
+        filter.kind = clip
+        base.deadband = [0.05, 0.4]
+        clock.duration = 3.0
+    """)
+    path = changes("""
+        reference.kind = lemniscate
+        reference.size = 1.0
+        reference.rate = 0.1
+    """)
+    for further in ({}, path):
+        tube = find_corridor(burger(QUIET, told, further), "kanayama", whole=True)
         found = re.search(r"it closes with (\S+) (times|of) base.deadband and", tube.refused)
         share = float(Fraction(found[1]))
         less = {"base.deadband": [share * 0.05, share * 0.4]}
 
         assert 0.001 < share < 1
-        assert find_corridor(burger(QUIET, told, changes, less), "kanayama", whole=True).position
+        assert find_corridor(burger(QUIET, told, further, less), "kanayama", whole=True).position

@@ -5,12 +5,12 @@ from time import sleep
 import numpy as np
 import pytest
 
+from tests.papers_robot import safe
 from tests.tables import changes
 from tests.world.toys import GUST
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_proofs.corridor import following
 from wmr_proofs.corridor.along import Along
 from wmr_proofs.corridor.asked import run_corridor
@@ -27,7 +27,7 @@ HEAVIER = [{"t": 4.0, "m": 65.0, "I": 7.0, "mu": 0.15}]
 def test_a_set_that_stands_serves_for_many_samples_and_is_as_large(monkeypatch):
     told = {"clock.control": PERIOD, "clock.duration": 20.0, "changes": HEAVIER,
             "disturbance.std": 1.0}  # fmt: skip
-    setup = settle(override(load_scenario("safe-simulation"), told), "prox")
+    setup = settle(safe(told), "prox")
     along = Along(setup)
     samples, exact = [], Passing._follow
     monkeypatch.setattr(
@@ -59,7 +59,7 @@ SMOOTH = changes("""
 def test_a_lap_stands_for_those_that_follow_and_is_as_large(monkeypatch):
     told = {"clock.control": PERIOD, "clock.duration": 29.0, **SMOOTH, "robot.mu": 0.02,
             "disturbance.std": 0.2}  # fmt: skip
-    setup = settle(override(load_scenario("safe-simulation"), told), "prox")
+    setup = settle(safe(told), "prox")
     along, lap = Along(setup), 200
     assert along.laps.lap == lap
     assert 0 < along.laps.spread[lap : 2 * lap].max() < 1e-12
@@ -81,7 +81,7 @@ def test_no_more_laps_than_there_are_need_one_that_stands_for_others(monkeypatch
     told = {"clock.control": PERIOD, "clock.duration": 17.0, **SMOOTH, "robot.mu": 0.0,
             "disturbance.std": 0.2, "corridor.start": [1e-3, 1e-3, 5e-3],
             "gains.prox": {"rho": [42.9, 21.74], "wo": 10.0}}  # fmt: skip
-    setup = settle(override(load_scenario("safe-simulation"), told), "prox")
+    setup = settle(safe(told), "prox")
     along, start = Along(setup), np.array(setup.scenario.corridor.start)
     shown, lap = Passing._apart, 200
     monkeypatch.setattr(Passing, "_apart", lambda item, held: (shown(item, held)[0], False))
@@ -100,7 +100,7 @@ def test_no_more_laps_than_there_are_need_one_that_stands_for_others(monkeypatch
 def test_what_a_lap_does_not_end_in_is_followed_sample_by_sample(monkeypatch):
     """Where a set at the begin of a lap is not shown to hold that at its end."""
     told = {"clock.control": PERIOD, "clock.duration": 13.0, **SMOOTH, "disturbance.std": 0.2}
-    setup = settle(override(load_scenario("safe-simulation"), told), "mb")
+    setup = settle(safe(told), "mb")
     along, inputs = Along(setup), bounded_inputs(setup)
     jump, sent = along.jump(401, 201)
     monkeypatch.setattr(along, "jump", lambda k, other: (jump + 0.01, sent))
@@ -113,9 +113,7 @@ def test_what_a_lap_does_not_end_in_is_followed_sample_by_sample(monkeypatch):
 
 def test_a_start_that_alone_stops_it_is_named_and_no_push_is_blamed():
     told = {"clock.control": PERIOD, "clock.duration": 1.0, "changes": []}
-    far = override(
-        load_scenario("safe-simulation"), told | changes("corridor.start = [0.02, 0.02, 0.1]")
-    )
+    far = safe(told | changes("corridor.start = [0.02, 0.02, 0.1]"))
     refused = run_corridor(far, "prox").refused
 
     assert refused.endswith(
@@ -137,7 +135,7 @@ def test_what_closes_with_one_cell_is_not_said_of_all():
         guard.trust = true
         actuator.tau_max = 8.0
     """) | {"clock.control": PERIOD}  # fmt: skip
-    tube = certified_run(settle(override(load_scenario("safe-simulation"), told), "prox"))
+    tube = certified_run(settle(safe(told), "prox"))
 
     assert tube.position is None
     assert tube.closes is not None
@@ -161,7 +159,7 @@ LOADED = changes("""
 def test_with_cells_a_change_of_mass_or_inertia_is_one_of_both(named):
     """A body whose inertia changes has another mass, too, within what the guard counts on."""
     told = {"corridor.cells": 2, "changes": [{"t": 1.0, "mu": 0.03}, {"t": 3.0, **named}]}
-    setup = settle(override(load_scenario("safe-simulation"), {**LOADED, **told}), "prox")
+    setup = settle(safe({**LOADED, **told}), "prox")
     courses = [
         [(robot.m, robot.I) for robot in (cell.scenario.robot, *cell.scenario.changes)]
         for cell, _ in mass_courses(setup)
@@ -182,7 +180,7 @@ def test_with_cells_a_change_of_mass_or_inertia_is_one_of_both(named):
 @pytest.mark.parametrize("whole", [False, True])
 def test_a_robot_outside_the_masses_that_are_counted_has_no_corridor(told, whole):
     given = {**LOADED, "corridor.cells": 1, "guard.trust": False, **told}
-    scenario = override(load_scenario("safe-simulation"), given)
+    scenario = safe(given)
     refused = (certified_run if whole else certified)(settle(scenario, "prox")).refused
 
     assert "which is not within" in refused
@@ -190,10 +188,14 @@ def test_a_robot_outside_the_masses_that_are_counted_has_no_corridor(told, whole
 
 
 def test_too_many_mass_histories_are_refused():
-    told = {**LOADED, "corridor.cells": 3, "changes": [*LOADED["changes"], {"t": 6.0, "m": 60.0}]}
-    refused = certified_run(
-        settle(override(load_scenario("safe-simulation"), told), "prox")
-    ).refused
+    scenario = safe(
+        LOADED,
+        """
+            corridor.cells = 3
+            changes = [{t = 3.0, m = 62.0, I = 6.6}, {t = 6.0, m = 60.0}]
+        """,
+    )
+    refused = certified_run(settle(scenario, "prox")).refused
 
     assert "corridor.cells = 3 with changes needs 729 mass/inertia histories" in refused
 
@@ -206,7 +208,7 @@ def test_what_stays_free_counts_on_the_corridor_that_there_is():
         body.radius = 0.3
         changes = [{t = 0.5, mu = 0.9}]
     """)
-    tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=True)
+    tube = find_corridor(safe(told), "prox", whole=True)
 
     assert tube.whole.position is None
     assert tube.clearance.free == pytest.approx(1.0 - 0.3 - tube.position, abs=1e-3)
@@ -220,7 +222,7 @@ def test_a_law_that_predicts_is_refused_by_a_sentence(whole):
         actuator.delay = 0.02
         gains.prox.delay = 0.02
     """)
-    tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=whole)
+    tube = find_corridor(safe(told), "prox", whole=whole)
 
     assert tube.refused == "a law that predicts (its gain delay) is not covered"
 
@@ -235,7 +237,7 @@ def test_the_first_estimate_of_a_pose_is_off_by_what_the_heading_makes_of_a_peri
         clock.duration = 2.0
         changes = []
     """)
-    along = Along(setup := settle(override(load_scenario("safe-simulation"), told), "prox"))
+    along = Along(setup := settle(safe(told), "prox"))
     passing = Passing(along, bounded_inputs(setup), np.zeros(3))
     place = len(passing.pending) - along.loop.acting - along.loop.filter
     *off, turned = passing.pending[place : place + 3]
@@ -250,7 +252,7 @@ def test_what_pushes_at_each_plant_step_by_chance_is_refused_by_name(monkeypatch
     """The plant step's graph is read with random numbers 0."""
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", (GUST,))
     told = {"toy_gust.torque": 1.0, "guard.enabled": False, "reference.kind": kind}
-    tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=True)
+    tube = find_corridor(safe(told), "prox", whole=True)
 
     assert tube.refused == (
         "the loop with the effect toy gust ([toy_gust]) is not covered: leave out "
@@ -260,7 +262,7 @@ def test_what_pushes_at_each_plant_step_by_chance_is_refused_by_name(monkeypatch
 
 def test_a_whole_run_beyond_its_work_is_not_checked_on_a_machine_of_any_speed(monkeypatch):
     told = {"clock.control": PERIOD, "clock.duration": 6.0, "changes": HEAVIER}
-    scenario, spent = override(load_scenario("safe-simulation"), told), []
+    scenario, spent = safe(told), []
     with monkeypatch.context() as patch:
         patch.setattr(following, "spend", lambda _, work: spent.append(work))
         certified_run(settle(scenario, "prox"))

@@ -28,20 +28,31 @@ class LinearBase:
             x = step @ x
         return np.array(found)
 
+    def signs(self, column, times):
+        """Signs of the impulse response backwards from the end: inputs that lead farthest."""
+        return np.sign(self.impulse(column, times))[::-1]
+
+    def speeds(self, send, times, pushes=0.0, parts=8):
+        """Speeds (len(times) parts,) while ``send(k)`` acts in each period ``times[k]`` [s].
+
+        ``pushes``: one, or one for each part of each period.
+        """
+        pushes = np.broadcast_to(pushes, len(times) * parts)
+        x, found, B = np.zeros(len(self.b)), [], np.c_[self.b, self.e]
+        for k, time in enumerate(times):
+            u, step = send(k), held(self.A, B, time / parts)
+            for push in pushes[k * parts : (k + 1) * parts]:
+                x = step[0] @ x + step[1] @ np.array([u, push])
+                found.append(x[0])
+        return np.array(found)
+
     def fastest(self, send, d, T, samples, parts=8):
         """Largest |v| under commands that ``send`` lets through, and pushes of at most d."""
-        times = np.arange(samples * parts) * (T / parts)
-        ahead = np.sign(self.impulse(self.b, times[::parts] + 0.5 * T / parts))[::-1]
-        pushed = np.sign(self.impulse(self.e, times + 0.5 * T / parts))[::-1]
-        step = held(self.A, np.c_[self.b, self.e], T / parts)
-        x, worst = np.zeros(len(self.b)), 0.0
-        for k in range(samples):
-            u = send(10.0 * ahead[k])
-            for part in range(parts):
-                given = np.array([u, d * pushed[k * parts + part]])
-                x = step[0] @ x + step[1] @ given
-                worst = max(worst, abs(x[0]))
-        return worst
+        h, every = T / parts, np.arange(samples * parts)
+        ahead = self.signs(self.b, (every[::parts] + 0.5) * h)
+        pushes = d * self.signs(self.e, (every + 0.5) * h)
+        asked = self.speeds(lambda k: send(10.0 * ahead[k]), [T] * samples, pushes, parts)
+        return float(np.abs(asked).max())
 
 
 def held(A, B, h):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from tests.tables import changes
+from tests.tables import cases, changes
 from wmr_ctrl.control.filter import asked as able
 from wmr_ctrl.control.filter.gate import GateSettings, gate_system
 from wmr_ctrl.control.setup import settle
@@ -18,39 +18,27 @@ from wmr_ctrl.world.scenario import load_scenario, override
 CREATE3 = load_scenario("irobot-create3", {"clock.duration": 10.0})
 
 
-REFUSED = {
-    "two rates": (
-        {"base.wheel_accel": 0.5},
-        r"base\.wheel_accel = 0\.5 m/s2, wheel_decel = inf m/s2: with two rates one wheel may stop",
-    ),
-    "dead band of wheels": (
-        {"base.wheel_deadband": 0.03},
-        r"may push the base on by 0\.01597.* filter\.d\[1\] = 0\.005",
-    ),
-    "dead band of a governed base": (
-        changes("""
-            filter.kind = governor
-            filter.tau = [0.05, 0.2]
-            base.deadband = [0.01, 0.02]
-            filter.delay = [0.0, 0.05]
-        """) | {"base.accel": [math.inf] * 2, "base.decel": [math.inf] * 2},
-        r"may push the base on by 0\.01.* filter\.d\[1\] = 0\.005",
-    ),
-    "scale": (
-        changes("base.min_radius = 0.4; filter.scale = axes"),
-        r'filter\.scale = "axes" .* base\.min_radius = 0\.4 m',
-    ),
-    "negative radius": ({"base.min_radius": -0.4}, r"base\.min_radius = -0\.4 must be at least 0"),
-    "negative band": ({"base.wheel_deadband": -1}, r"base\.wheel_deadband = -1 must be at least 0"),
-    "no rate": ({"base.wheel_decel": 0}, r"base\.wheel_decel = 0 must be above 0"),
-}  # fmt: skip
+BANDED = (
+    "filter.kind = governor; filter.tau = [0.05, 0.2]; filter.delay = [0, 0.05]; "
+    "base.deadband = [0.01, 0.02]; base.accel = [inf, inf]; base.decel = [inf, inf]"
+)
 
 
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_no_filter_covers_is_refused_with_numbers(name):
-    changes, words = REFUSED[name]
+@pytest.mark.parametrize(
+    "changed, words",
+    cases(rf"""
+        base.wheel_accel = 0.5       | wheel_accel = 0\.5 m/s2, wheel_decel = inf m/s2: with two
+        base.wheel_deadband = 0.03   | may push the base on by 0\.01597.* filter\.d\[1\] = 0\.005
+        base.min_radius = 0.4; filter.scale = axes | scale = "axes" .* base\.min_radius = 0\.4 m
+        base.min_radius = -0.4       | base\.min_radius = -0\.4 must be at least 0
+        base.wheel_deadband = -1     | base\.wheel_deadband = -1 must be at least 0
+        base.wheel_decel = 0         | base\.wheel_decel = 0 must be above 0
+        {BANDED}                     | may push the base on by 0\.01.* filter\.d\[1\] = 0\.005
+    """),
+)
+def test_what_no_filter_covers_is_refused_with_numbers(changed, words):
     with pytest.raises(ScenarioError, match=words):
-        wmr_ctrl.simulate(override(CREATE3, changes), "kanayama")
+        wmr_ctrl.simulate(override(CREATE3, changes(changed)), "kanayama")
 
 
 def turning(radius, **changes):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lti, step
 
-from tests.control.filter.linear_base import held, pi_base, second_order_base
+from tests.control.filter.linear_base import pi_base, second_order_base
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
 from tests.tables import cases, changes
 from wmr_ctrl import command_filter
@@ -32,20 +32,15 @@ def banded(loop="pi", push=0.0):
 def speeds(base, limit, asked, d):
     """Speeds at PARTS instants a period; the push changes its way with the asked command."""
     limit.start()
-    A, B = held(base.A, np.c_[base.b, base.e], T / PARTS)
-    x, found = np.zeros(2), []
-    for r in asked:
-        u = limit.step((r, 0.0)).command[0]
-        for _ in range(PARTS):
-            x = A @ x + B @ np.array([u, d * np.sign(r)])
-            found.append(x[0])
-    return np.array(found)
+    pushes = np.repeat(d * np.sign(asked), PARTS)
+    send = lambda k: limit.step((asked[k], 0.0)).command[0]  # noqa: E731
+    return base.speeds(send, [T] * len(asked), pushes, PARTS)
 
 
 def demands(base, seed):
     """Commands that press on, swing, act at random, and are the worst for the base itself."""
     rng = np.random.default_rng(seed)
-    worst = np.sign(base.impulse(base.b, (np.arange(120) + 0.5) * T))[::-1]
+    worst = base.signs(base.b, (np.arange(120) + 0.5) * T)
     swings = np.repeat(rng.choice([-9.0, 0.0, 9.0], 12), rng.integers(3, 25, 12))[:120]
     return [np.full(120, 9.0), 9 * worst, np.r_[np.full(60, 9.0), 9 * worst[60:]], swings,
             rng.uniform(-3, 3, 120)]  # fmt: skip

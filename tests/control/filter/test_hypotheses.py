@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.control.filter.linear_base import held, pi_base
+from tests.control.filter.linear_base import pi_base
 from tests.control.filter.test_band import CORNERS
 from tests.control.filter.test_peak_gain import scenario
 from tests.tables import changes
@@ -20,16 +20,15 @@ def fastest(kind, error, quantum=0.0):
     """Largest |v| of some corners, behind a filter that is told of ERROR."""
     limit, worst = command_filter(scenario(kind=kind, d=(ERROR, 0.0), push=(0.0, 0.0))), 0.0
     for base in (*CORNERS[::5], pi_base(65, 135, 330, 0)):
-        ahead = np.sign(base.impulse(base.b, (np.arange(COUNT) + 0.5) * T))[::-1]
+        ahead = base.signs(base.b, (np.arange(COUNT) + 0.5) * T)
         for wish in (ahead, np.ones(COUNT)):
             limit.start()
-            A, B = held(base.A, base.b[:, None], T)
-            x = np.zeros(2)
-            for k in range(COUNT):
+
+            def acts(k, wish=wish, ahead=ahead):
                 u = limit.step((9.0 * wish[k], 0.0)).command[0]
-                acts = quantum * np.round(u / quantum) if quantum else u + error * ahead[k]
-                x = A @ x + B[:, 0] * acts
-                worst = max(worst, abs(x[0]))
+                return quantum * np.round(u / quantum) if quantum else u + error * ahead[k]
+
+            worst = max(worst, np.abs(base.speeds(acts, [T] * COUNT, parts=1)).max())
     return worst
 
 

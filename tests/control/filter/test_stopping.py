@@ -21,7 +21,7 @@ from benchmarks.filter_trials.stopping import (
     mixed,
 )
 from benchmarks.native import load_filter
-from tests.tables import changes
+from tests.tables import cases, changes
 from wmr_ctrl.control.filter import CommandFilter
 from wmr_ctrl.control.filter.channels import FLAG_NAMES
 from wmr_ctrl.control.filter.filter import filter_system
@@ -46,17 +46,13 @@ def broken(found):
     return {name: int(item.sum()) for name, item in breaks(found).items() if item.any()}
 
 
-@pytest.mark.parametrize("name", ["0.1 to 0.15 s late", "two losses", "turning"])
-def test_some_drives_neither_touch_nor_stay(name):
+@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.slow_but("0.1 to 0.15 s late", "two losses", "turning")
+def test_drives_neither_touch_nor_stay(name):
     found = mixed(Drives(FAMILIES[name]), 100, 3)
 
     assert broken(found) == {}
     assert found["passed"].sum() > 10
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", FAMILIES)
-def test_drives_neither_touch_nor_stay(name):
     assert broken(drives(FAMILIES[name], 200, 4)) == {}
 
 
@@ -236,6 +232,12 @@ def test_the_package_sends_what_the_graph_sends_where_a_hold_lets_it_go():
     assert passed > 100
 
 
+def step(given, stated=None):
+    """Step a filter that is told limits and ways, or one of a scenario, with arguments."""
+    scenario = LATE.scenario() if stated is None else load_scenario("paper-simulation", stated)
+    return CommandFilter(scenario).step((0, 0), **given)
+
+
 @pytest.mark.parametrize(
     "given, words",
     [
@@ -245,7 +247,7 @@ def test_the_package_sends_what_the_graph_sends_where_a_hold_lets_it_go():
 )
 def test_what_a_filter_does_not_ask_for_is_refused(given, words):
     with pytest.raises(ArgumentError, match=words):
-        CommandFilter(load_scenario("paper-simulation", PLAIN)).step((0, 0), **given)
+        step(given, PLAIN)
 
 
 @pytest.mark.parametrize(
@@ -259,28 +261,35 @@ def test_what_a_filter_does_not_ask_for_is_refused(given, words):
 )
 def test_arguments_of_a_wrong_length_are_refused(given, words):
     with pytest.raises(ArgumentError, match=words):
-        CommandFilter(LATE.scenario()).step((0, 0), **given)
+        step(given)
 
 
 TOLD = {**PLAIN, "filter.free_error": 0.02, "filter.rest": 1.0}
 
 
 @pytest.mark.parametrize(
-    "changes, words",
-    [
-        ({"filter.rest": None}, "filter.rest is missing"),
-        (
-            {**changes("filter.d = [0, 0]; filter.nearing = 0.3"), "filter.rest": None},
-            "filter.rest is missing",
-        ),
-        ({"filter.nearing": 0.3}, "filter.leave keeps a distance"),
-        ({"filter.free_error": None, "filter.nearing": 0.3}, "no distance is told"),
-        (changes("filter.delay = [[0.0, 0.1], [0.0, 0.2]]"), "filter.delay differs"),
-        ({"filter.channels": "wheels"}, "filter.channels"),
-        ({"filter.wheel_speed": 1.0}, "filter.wheel_speed"),
-        ({"filter.kind": "clip"}, 'filter.kind = "clip"'),
-    ],
+    "changed, words",
+    cases("""
+        filter.nearing = 0.3                   | filter.leave keeps a distance
+        filter.delay = [[0, 0.1], [0, 0.2]]    | filter.delay differs
+        filter.channels = wheels               | filter.channels
+        filter.wheel_speed = 1                 | filter.wheel_speed
+        filter.kind = clip                     | filter.kind = "clip"
+    """),
 )
-def test_what_is_not_certified_is_refused(changes, words):
+def test_what_is_not_certified_is_refused(changed, words):
     with pytest.raises(ScenarioError, match=words):
-        load_scenario("paper-simulation", {**TOLD, **changes})
+        load_scenario("paper-simulation", TOLD | changes(changed))
+
+
+@pytest.mark.parametrize(
+    "key, changed, words",
+    cases("""
+        filter.rest        | filter.nearing = 0                         | filter.rest is missing
+        filter.rest        | filter.d = [0, 0]; filter.nearing = 0.3    | filter.rest is missing
+        filter.free_error  | filter.nearing = 0.3                       | no distance is told
+    """),
+)
+def test_what_a_stop_counts_on_is_asked_for(key, changed, words):
+    with pytest.raises(ScenarioError, match=words):
+        load_scenario("paper-simulation", TOLD | {key: None} | changes(changed))

@@ -1,5 +1,7 @@
 """What every control law must satisfy, whichever it is."""
 
+import tomllib
+
 import numpy as np
 import pytest
 
@@ -103,6 +105,21 @@ def test_torque_limit_is_never_exceeded(law):
     system, draw = controller(settle(limited, law)), np.random.default_rng(3)
     for _ in range(200):
         assert abs(sample(system, inputs(draw))[1]).max() <= 6.5 * (1 + 1e-15)
+
+
+STATED = tomllib.loads("""
+    pid = {Kp = [210.0, 1.1], Kd = [0.64, 0.08]}
+    smc = {K = [200.0, 20.0], eta = [5.0, 0.5], boundary = 0.1, v_s = 0.01, g_m = 0.5, g_F = 50.0}
+    kanayama = {k = [4.0, 64.0, 16.0], rate = [20.0, 10.0], wo = 5.0, share = 0.95, a_max = [2, 6]}
+    pursuit = {lookahead = 1.5, distance = [0.3, 0.9], radius = 0.9, slowest = 0.25, turn = 1.8}
+""")
+
+
+@pytest.mark.parametrize("law", STATED)
+def test_gains_of_laws_that_are_compared_are_the_stated_ones(law):
+    gains = gains_of(load_scenario("paper-simulation-no-switch"), LAWS[law])
+    for name, value in STATED[law].items():
+        assert np.array_equal(getattr(gains, name), value), name
 
 
 @every_law
