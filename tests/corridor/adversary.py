@@ -103,6 +103,20 @@ def farthest_first(led, size=1.0):
     return [np.sign(answers) * size for answers in order]
 
 
+def led_by(answers, turn=0.0):
+    """For each of DIRECTIONS: how far (N, 2) inputs of both axes lead that way at last.
+
+    ``answers``: errors e (N, 3) after a single input of each axis, in axes of the robot at that
+    sample or, where it turns by ``turn`` [rad] a sample, of the plane.
+    """
+    turned, led = turn * np.arange(len(answers[0])), []
+    c, s = np.cos(turned), np.sin(turned)
+    for ahead, left in DIRECTIONS:
+        x, y = (ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers)
+        led.append(np.stack([c * x - s * y, s * x + c * y], axis=1))
+    return led
+
+
 @lru_cache(maxsize=16)
 def worst_pushes(scenario, law, samples, size):
     """For each of DIRECTIONS: pushes (N, 2) of ``size`` that lead furthest that way, those first
@@ -114,9 +128,7 @@ def worst_pushes(scenario, law, samples, size):
         push = np.zeros((samples, 2))
         push[0, wheel] = TINY
         answers.append(attack(scenario, law, push).e[steps - 1 :: steps] - rest)
-    led = [np.stack([ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers], axis=1)
-           for ahead, left in DIRECTIONS]  # fmt: skip
-    return farthest_first(led, size)
+    return farthest_first(led_by(answers), size)
 
 
 @lru_cache(maxsize=4)
@@ -177,12 +189,7 @@ def worst_errors(scenario, law, samples, kind, size):
         ]
         answers.append(e - rest)
     rate = sample(scenario, [0.0])[0, 4] if kind == "pose" else 0.0
-    turned = rate * scenario.clock.control * np.arange(samples)
-    c, s, led = np.cos(turned), np.sin(turned), []
-    for ahead, left in DIRECTIONS:
-        x, y = (ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers)
-        led.append(np.stack([c * x - s * y, s * x + c * y], axis=1))
-    return farthest_first(led, size)[:TRIED]
+    return farthest_first(led_by(answers, rate * scenario.clock.control), size)[:TRIED]
 
 
 def farthest(scenario, law, samples, size, times=1.0):

@@ -6,7 +6,7 @@ before it does.  The law is told of the torque that it sent, as the product tell
 
 import numpy as np
 
-from tests.corridor.adversary import DIRECTIONS, TINY, TRIED, Attacked, Excursion
+from tests.corridor.adversary import TINY, TRIED, Attacked, Excursion, led_by
 from tests.oracle.plant import wheel_torques
 
 ROUNDS = 4
@@ -75,10 +75,8 @@ def _farthest(scenario, law, samples, size, ends):
         push = blank.copy()
         push[0, wheel] = TINY
         answers.append(jittered(scenario, law, push, held)[0].e[steps - 1 :: steps] - rest)
-    each = [np.stack([ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers], axis=1)
-            for ahead, left in DIRECTIONS]  # fmt: skip
     found = []
-    for led in sorted(each, key=lambda led: -np.abs(led).sum())[:TRIED]:
+    for led in sorted(led_by(answers), key=lambda led: -np.abs(led).sum())[:TRIED]:
         push, waits = size * np.sign(led), held
         for _ in range(ROUNDS):
             course, sent = jittered(scenario, law, push, waits)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from tests.corridor.adversary import DIRECTIONS, TRIED, farthest_first
+from tests.corridor.adversary import TRIED, farthest_first, led_by
 from tests.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
 from tests.oracle.kanayama import Kanayama
 from tests.oracle.law import Sight
@@ -195,12 +195,7 @@ def worst(scenario, law, samples, kind, size):
         e = course(scenario, law, samples + FIRST, **{kind: error}).e
         answers.append(e[(FIRST + 1) * steps - 1 :: steps] - rest)
     rate = reference_of(scenario.reference)(0.0).v2 if kind == "pose" else 0.0
-    turned = rate * scenario.clock.control * np.arange(samples)
-    c, s, led = np.cos(turned), np.sin(turned), []
-    for ahead, left in DIRECTIONS:
-        x, y = (ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers)
-        led.append(np.stack([c * x - s * y, s * x + c * y], axis=1))
-    return farthest_first(led, size)[:TRIED]
+    return farthest_first(led_by(answers, rate * scenario.clock.control), size)[:TRIED]
 
 
 def farthest(scenario, law, samples, kind, size, times=1.0):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.control.laws.points import DRIVING, T, at, graph
+from tests.control.laws.points import DRIVING, T, assert_twin, at, graph
 from tests.tables import changes
 from wmr_ctrl.control.basis import ANY_BASIS
 from wmr_ctrl.control.laws.mb import LAW, inside, rule
@@ -23,3 +23,7 @@ def test_the_exact_decay_is_that_of_a_whole_period():
 def test_its_rate_follows_from_the_basis():
     assert rule(ANY_BASIS) == {"rho": ANY_BASIS.rho}
     assert LAW.inside is inside
+
+
+def test_its_force_is_that_of_its_formulas():
+    assert_twin(LAW.name)

@@ -4,6 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.control.laws.points import assert_twin
 from wmr_ctrl.control.laws.nn import corner_basis, dot
 from wmr_proofs.paper_functions import corner_centres, gaussian_basis
 
@@ -37,6 +38,10 @@ def test_far_away_the_network_is_off_not_broken(far):
     assert np.isfinite(basis).all()
     assert (basis >= 0).all()
     assert basis.max() == 0.0
+
+
+def test_its_force_and_weights_are_those_of_its_formulas():
+    assert_twin("nn", 40)
 
 
 def test_lanes_do_not_change_the_inner_product():
