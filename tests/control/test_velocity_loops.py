@@ -33,9 +33,8 @@ SECOND = changes("""
 DRIVEN = ("x", "y", "v1", "omega")
 
 
-def base(**changes):
-    numbers = {key.replace("__", "."): value for key, value in changes.items()}
-    return load_scenario("paper-simulation-noise-free", {**SECOND, **numbers})
+def base(text=""):
+    return load_scenario("paper-simulation-noise-free", SECOND | changes(text))
 
 
 def driven(scenario, commands, push=(0.0, 0.0)):
@@ -57,7 +56,7 @@ def driven(scenario, commands, push=(0.0, 0.0)):
 @pytest.mark.parametrize("damping", [0.3, 0.6, 1.5])
 def test_pushes_on_a_second_order_loop_lead_no_farther_than_is_counted(damping):
     """The worst push is one that turns with the sign of its own effect; it reaches nearly all."""
-    scenario, h, w = base(base__damping=damping), 0.001, 6.0
+    scenario, h, w = base(f"base.damping = {damping}"), 0.001, 6.0
     mass = scenario.robot.m
     shares = driven(scenario, np.zeros((4000, 2)), (1.0, 0.0))[:, 0] * mass  # of a steady push
     effect = np.diff(shares, prepend=0.0)  # of the push in one step
@@ -71,28 +70,27 @@ def test_pushes_on_a_second_order_loop_lead_no_farther_than_is_counted(damping):
 
 
 MIXED = {
-    "pi and second": (["pi", "second-order"], changes("base.kp = 150.0; base.ki = 300.0")),
-    "first and pi": (["first-order", "pi"], changes("base.kp = 150.0; base.ki = 300.0")),
-    "second": ("second-order", {}),
+    "pi and second": 'base.loop = ["pi", "second-order"]; base.kp = 150; base.ki = 300',
+    "first and pi": 'base.loop = ["first-order", "pi"]; base.kp = 150; base.ki = 300',
+    "second": "base.loop = second-order",
 }
 
 
 @pytest.mark.parametrize("name", MIXED)
 def test_each_axis_follows_by_its_own_loop(name):
     """Each as where both axes have its loop, as long as no wheel is at its torque limit."""
-    loop, numbers = MIXED[name]
+    mixed = base(MIXED[name])
     commands = np.repeat(np.random.default_rng(4).uniform(-1, 1, (10, 2)), 40, axis=0)
-    speeds = driven(override(base(), {"base.loop": loop, **numbers}), commands)
-    for axis, own in enumerate(loop if isinstance(loop, list) else [loop] * 2):
-        alike = driven(override(base(), {"base.loop": own, **numbers}), commands)
+    speeds = driven(mixed, commands)
+    for axis, own in enumerate(mixed.base.loop):
+        alike = driven(override(mixed, {"base.loop": own}), commands)
         assert speeds[:, axis] == pytest.approx(alike[:, axis], abs=1e-9), own
 
 
 @pytest.mark.slow_but("pi and second")
 @pytest.mark.parametrize("name", MIXED)
 def test_engines_and_lanes_agree(name):
-    loop, numbers = MIXED[name]
-    scenario = override(base(), {"base.loop": loop, "actuator.tau_max": 20.0, **numbers})
+    scenario = override(base(MIXED[name]), {"actuator.tau_max": 20.0})
     native, numpy = (wmr_ctrl.simulate(scenario, "prox", engine=e) for e in ("native", "numpy"))
     for column in DRIVEN:
         assert native[column] == pytest.approx(numpy[column], abs=1e-9), column
@@ -102,10 +100,10 @@ def test_engines_and_lanes_agree(name):
 
 
 def test_a_value_for_both_axes_or_one_for_each():
-    alike = base(base__frequency=7.0, base__damping="0.5", base__loop="second-order")
-    assert alike == base(base__frequency=[7.0, 7.0], base__damping=[0.5, 0.5])
+    alike = base("base.frequency = 7.0; base.damping = 0.5; base.loop = second-order")
+    assert alike == base("base.frequency = [7.0, 7.0]; base.damping = [0.5, 0.5]")
     assert alike.base.loop == ("second-order", "second-order")
-    mixed = base(base__loop=["first-order", "pi"], base__tau="0.3 s")
+    mixed = base('base.loop = ["first-order", "pi"]; base.tau = 0.3 s')
     assert loads_scenario(to_toml(mixed), mixed.name) == mixed
     assert mixed.base.tau == (0.3, 0.3)
 
@@ -127,10 +125,10 @@ def test_bad_loops_are_refused_by_name(wrong, words):
 
 def test_keys_of_another_loop_do_nothing():
     """They are named as idle, so that a file that extends another may leave them."""
-    extended = base(base__tau=0.7, base__kp=9.0)
+    extended = base("base.tau = 0.7; base.kp = 9.0")
     assert {"base.tau", "base.kp"} <= {*idle_keys(extended)}
     assert not {"base.gain", "base.frequency", "base.damping"} & {*idle_keys(extended)}
-    mixed = base(base__tau=0.7, base__kp=9.0, base__loop=["first-order", "second-order"])
+    mixed = base('base.tau = 0.7; base.kp = 9; base.loop = ["first-order", "second-order"]')
     assert "base.tau" not in idle_keys(mixed)
     assert "base.kp" in idle_keys(mixed)
 

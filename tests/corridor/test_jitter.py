@@ -3,18 +3,14 @@
 import numpy as np
 import pytest
 
-from tests.corridor.further import simulated as safe
+from tests.corridor.further import GUARDED, simulated
 from tests.corridor.late import farthest_held, farthest_jittered
 from wmr_ctrl.theory.corridor import find_corridor
 
 
-def simulated(**told):
-    return safe({key.replace("__", "."): value for key, value in told.items()})
-
-
 @pytest.mark.slow
 def test_no_adversary_leaves_it_whenever_commands_act():
-    tube = find_corridor(simulated(actuator__jitter=0.002), "prox")
+    tube = find_corridor(simulated("actuator.jitter = 0.002"), "prox")
     within, beyond = (
         farthest_jittered(simulated(), "prox", 250, 0.3, 2, times) for times in (1.0, 1.2)
     )
@@ -23,12 +19,16 @@ def test_no_adversary_leaves_it_whenever_commands_act():
     assert np.abs(within.e[:, 2]).max() <= tube.heading
 
 
-SWINGING = {
-    "clock__control": 0.05, "clock__plant": 0.0025,
-    "reference__kind": "line", "reference__speed": 0.5,
-    "gains__kanayama__k": [21.2, 32.0, 10.0], "gains__kanayama__rate": [13.4, 14.0],
-    "gains__kanayama__wo": 0.2, "disturbance__std": 1e-4 / 3,
-}  # fmt: skip
+SWINGING = """
+    clock.control = 0.05
+    clock.plant = 0.0025
+    reference.kind = line
+    reference.speed = 0.5
+    gains.kanayama.k = [21.2, 32.0, 10.0]
+    gains.kanayama.rate = [13.4, 14.0]
+    gains.kanayama.wo = 0.2
+    disturbance.std = 3.33333e-5
+"""
 """A velocity that swings for long after each push."""
 
 
@@ -36,21 +36,20 @@ SWINGING = {
 def test_close_to_where_its_changes_feed_themselves_there_is_a_corridor_and_beyond_it_none():
     """The largest change of a command is 30 times what it is without jitter."""
     plain, tube, over = (
-        find_corridor(simulated(**SWINGING, actuator__jitter=2.5e-3 * steps), "kanayama")
+        find_corridor(simulated(SWINGING, {"actuator.jitter": 2.5e-3 * steps}), "kanayama")
         for steps in (0, 5, 6)
     )
     assert 10 * plain.position < tube.position < 50 * plain.position
     assert "may grow as large as what the loop corrects" in over.refused
 
 
-GUARDED = {"guard__enabled": True, "disturbance__truncate": 3.0}
-LATE = {"jitter": {"actuator__jitter": 0.004}, "delay": {"actuator__unmodelled_delay": 0.004}}
+LATE = {"jitter": "actuator.jitter = 0.004", "delay": "actuator.unmodelled_delay = 0.004"}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("late, worst", [("jitter", farthest_jittered), ("delay", farthest_held)])
 def test_behind_a_guard_that_counts_late_commands_it_changes_none(late, worst):
-    scenario = simulated(**GUARDED, **LATE[late], disturbance__std=0.1)
+    scenario = simulated(GUARDED, LATE[late], "disturbance.std = 0.1")
     tube = find_corridor(scenario, "prox")
     found = worst(scenario, "prox", 150, 0.3, 4)
 
@@ -61,9 +60,9 @@ def test_behind_a_guard_that_counts_late_commands_it_changes_none(late, worst):
 
 @pytest.mark.slow
 def test_a_guard_that_would_act_on_late_commands_is_named_and_acts():
-    close = {"limits__v_u1": [0.5, 1.0], "limits__v_u2": [0.45, 0.9], "disturbance__std": 0.5}
+    close = "limits.v_u1 = [0.5, 1]; limits.v_u2 = [0.45, 0.9]; disturbance.std = 0.5"
     wide, near = (
-        simulated(**GUARDED, **LATE["delay"], **close, guard__alpha=alpha) for alpha in (20.0, 5.0)
+        simulated(GUARDED, LATE["delay"], close, {"guard.alpha": alpha}) for alpha in (20.0, 5.0)
     )
     tube = find_corridor(near, "prox")
 
@@ -73,10 +72,12 @@ def test_a_guard_that_would_act_on_late_commands_is_named_and_acts():
 
 
 def test_what_is_not_covered_of_late_commands_is_refused_by_name():
-    lagging = find_corridor(simulated(**GUARDED, actuator__lag=0.005), "prox")
-    path = {"reference__kind": "lemniscate"}
+    lagging = find_corridor(simulated(GUARDED, "actuator.lag = 0.005"), "prox")
     jitters, late = (
-        find_corridor(simulated(**path, **GUARDED, **LATE[key]), "prox", whole=True) for key in LATE
+        find_corridor(
+            simulated("reference.kind = lemniscate", GUARDED, LATE[key]), "prox", whole=True
+        )
+        for key in LATE
     )
 
     assert "the guard counts a lag or late velocities" in lagging.refused

@@ -98,20 +98,10 @@ def test_steps_within_their_jitter_are_in_time_wherever_the_first_was():
 
 
 @pytest.mark.slow
-def test_a_limit_of_a_band_that_is_no_number_stops_the_base_and_is_told():
-    """And the least that stays counts two samples off their beat towards each other."""
+def test_what_a_band_keeps_for_the_soonest_sample_counts_two_that_are_off_towards_each_other():
     J = T / 4
     system = BandGovernor(scenario(kind="band", jitter=J, push=(0.0, 0.0))).system
-    step = system.function("step", [system.update, system.y])
-    x, _ = step([0.5, 0.1, T], system.x0, system.p0)
-    place, numbers = 0, {}
-    for item in system.params:
-        numbers[item.signal.name] = item.value[0]
-        p = np.array(system.p0)
-        p[place] = math.nan
-        if item.signal.name in ("limits.v_u1", "filter.gain", "filter.delta"):
-            assert step([0.5, 0.1, T], x, p)[1].full().ravel().tolist() == [0.0, 0.0, 32.0]
-        place += item.signal.size
+    numbers = {item.signal.name: item.value[0] for item in system.params}
     for name in NAMES:
         stays = math.exp(-numbers[f"filter.rate_{name}"] * (T - 2 * J))
         assert numbers[f"filter.soonest_{name}"] == pytest.approx(stays, rel=1e-3)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 
 import casadi as ca
@@ -20,11 +19,8 @@ from benchmarks.filter_trials.stopping import (
     drives,
     mixed,
 )
-from benchmarks.native import load_filter
 from tests.tables import cases, changes
 from wmr_ctrl.control.filter import CommandFilter
-from wmr_ctrl.control.filter.channels import FLAG_NAMES
-from wmr_ctrl.control.filter.filter import filter_system
 from wmr_ctrl.control.filter.governor import NEAR, Schedule
 from wmr_ctrl.control.filter.stopping import whole_steps
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
@@ -204,32 +200,6 @@ def test_an_input_that_is_odd_or_missing_never_sends_more(name):
             assert not_larger(again(other, memory, command, odd), sent), change
             compared += 1
     assert compared > 200
-
-
-def test_the_package_sends_what_the_graph_sends_where_a_hold_lets_it_go():
-    told = Base(delay=(0.0, 0.06), v=(1.0, 1.0), leave=0)
-    base = Driven(told, ahead=0.03)
-    library, system = load_filter(told.scenario(), "filter_trials"), filter_system(told.scenario())
-    size = library.wmr_filter_begin(ctypes.c_long(0), None)
-    memory, y = np.zeros((1, size)), np.zeros((1, system.y.numel()))
-    library.wmr_filter_begin(ctypes.c_long(1), memory.ctypes.data_as(ctypes.c_void_p))
-    bits, near, passed = {name: bit for bit, name in FLAG_NAMES.items()}, 0, 0
-    for k in range(2000):
-        asked = (-0.4 if k % 500 > 250 else 3.0 if k % 500 < 200 else 0.0, 0.0)
-        given = base.inputs()
-        made = base.filter.step(asked, **given)
-        u = [*asked, *given["measured"], 0.0, told.period, -1.0, 1.0, -1.0, 1.0, *given["free"]]
-        u = np.array([*u, math.inf, math.inf, 0.0])
-        assert len(u) == system.u.numel()
-        pointers = (item.ctypes.data_as(ctypes.c_void_p) for item in (memory, u, y))
-        sizes = map(ctypes.c_long, (1, len(u), y.shape[1]))
-        library.wmr_filter_many(*sizes, *pointers)
-        assert y[0, :2].tolist() == pytest.approx(list(made.command), rel=1e-12, abs=1e-15)
-        assert int(y[0, 2]) == sum(bits[flag] for flag in made.flags)
-        near, passed = near + ("near" in made.flags), passed + (asked[0] < 0 > made.command[0])
-        base.moves(made.command)
-    assert near > 100
-    assert passed > 100
 
 
 def step(given, stated=None):

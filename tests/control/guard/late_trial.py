@@ -72,25 +72,23 @@ class Case:
 @lru_cache(maxsize=512)
 def settled(case):
     """The guard by itself, settled with the numbers of a case."""
-    both = lambda x: [x, 0.2 * x]  # noqa: E731
-    changed = changes("""
+    changed = changes(f"""
         guard.enabled = true
         guard.trust = true
         clock.duration = 80.0
+        clock.control = {case.T}
+        clock.plant = {case.T / PARTS}
         disturbance.std = 0.0
+        guard.M_min = [{case.M_min}, {0.2 * case.M_min}]
         guard.M_max = [70.0, 14.0]
-    """) | {
-        "clock.control": case.T,
-        "clock.plant": case.T / PARTS,
-        "guard.M_min": [case.M_min, 0.2 * case.M_min],
-        "guard.dbar": both(case.dbar),
-        "guard.nbar": [case.nbar, case.nbar],
-        "guard.f_min": both(case.f_min),
-        "guard.f_speed": [case.f_speed, case.f_speed],
-        "guard.alpha": case.alpha / case.T,
-    }
+        guard.dbar = [{case.dbar}, {0.2 * case.dbar}]
+        guard.nbar = [{case.nbar}, {case.nbar}]
+        guard.f_min = [{case.f_min}, {0.2 * case.f_min}]
+        guard.f_speed = [{case.f_speed}, {case.f_speed}]
+        guard.alpha = {case.alpha / case.T}
+    """)
     if case.brake is not None:
-        changed["guard.brake"] = both(case.brake)
+        changed["guard.brake"] = [case.brake, 0.2 * case.brake]
     if case.tau_max is not None:
         changed["actuator.tau_max"] = case.tau_max
     scenario = load_scenario("paper-simulation-nominal", changed)
