@@ -55,7 +55,7 @@ def test_no_corner_of_the_family_passes_the_limit(number):
 
 
 @pytest.mark.slow
-def test_nor_with_the_push_that_is_stated():
+def test_no_base_under_the_stated_push_passes_the_limit():
     base = pi_base(50, 135, 270, 0)
     worst = [abs(speeds(base, banded(push=10.0), r, 10.0)).max() for r in demands(base, 1)]
     assert 0.85 < max(worst) <= 1.0
@@ -66,7 +66,7 @@ SWINGING = list(itertools.product((3.0, 5.0), (0.4, 1.4), (0.8, 1.1)))
 
 @pytest.mark.parametrize("w0, z, K", [(3.0, 0.4, 1.1), (5.0, 1.4, 0.8)])
 @pytest.mark.slow
-def test_nor_second_order_loops_of_any_gain(w0, z, K):
+def test_no_second_order_loop_passes_the_limit(w0, z, K):
     base = second_order_base(w0, z, K)
     worst = [abs(speeds(base, banded("second-order"), r, 0.0)).max() for r in demands(base, 2)]
     assert max(worst) <= 1.0
@@ -93,7 +93,7 @@ def test_a_stop_is_never_held_back():
     assert limit.step((0.0, 0.0)).command == (0.0, 0.0)
 
 
-def test_it_is_odd():
+def test_opposite_commands_are_sent_opposite():
     asked = np.random.default_rng(6).uniform(-4, 4, (60, 2))
     sent = []
     for way in (1, -1):
@@ -140,7 +140,7 @@ def test_tables_hold_every_step_response_and_little_more(cells, members):
         filter.kp = [135, 3000]; filter.friction = [0, 0]      | may still be  | slow
     """),
 )
-def test_what_it_does_not_count_with_is_refused_by_name(stated, words):
+def test_what_a_band_does_not_cover_is_refused_by_name(stated, words):
     with pytest.raises(ScenarioError, match=words):
         command_filter(override(scenario(kind="band"), changes(stated)))
 

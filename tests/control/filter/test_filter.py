@@ -379,7 +379,7 @@ def test_a_time_in_milliseconds_is_asked_about_once():
             governor.step((0.5, 0.1), dt=usual)
 
 
-def test_usual_numbers_are_not():
+def test_usual_numbers_are_not_asked_about():
     assert not [*filter_questions(scenario())]
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -84,7 +84,7 @@ CLIP = STATED | {"filter.kind": "clip"}
 WORLD = Base(**APART, **LATE)
 
 
-def test_no_adversary_within_them_passes_a_limit():
+def test_no_adversary_within_bounds_of_each_axis_passes_a_limit():
     worst = fastest(scenario("governor", **APART, **LATE), WORLD, trials=60, samples=120)
     assert 0.999 < worst.max() <= 1.0
 
@@ -138,7 +138,7 @@ def test_a_run_is_held_against_the_bounds_of_its_axis(key, value):
         settle(override(fits, {f"base.{key}": value}), "kanayama")
 
 
-def test_check_counts_each_axis_by_its_own():
+def test_check_tells_each_axis_by_its_own_bounds():
     facts = filter_facts(settle(override(scenario("clip", **APART), BASE), "kanayama"))
     sent = [0.95 * gain for gain in (0.95 / 1.05, 0.8 / 1.5)]
     assert facts.gain == 1.5

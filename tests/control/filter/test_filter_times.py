@@ -70,7 +70,7 @@ def test_a_band_that_is_told_the_time_keeps_its_limit_whenever_it_is_called(fami
 
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.slow
-def test_one_that_is_not_told_breaks_it(family):
+def test_a_band_that_is_not_told_the_time_breaks_its_limit(family):
     stated, bases = FAMILIES[family]
     limit = command_filter(scenario(kind="band", **stated))
     assert max(fastest(b, limit, *standing_still(b), told=False) for b in bases) > 1.0
@@ -84,7 +84,7 @@ def sent_at(limit, since):
 
 
 @pytest.mark.slow
-def test_steps_within_their_jitter_are_in_time_wherever_the_first_was():
+def test_steps_within_their_jitter_are_in_time_whenever_the_first_came():
     J, rng = T / 4, np.random.default_rng(1)
     limit = command_filter(scenario(kind="band", jitter=J, push=(0.0, 0.0)))
     off = rng.uniform(-J, J, COUNT + 1)

@@ -42,7 +42,7 @@ def test_a_share_is_that_of_the_limit_on_its_side():
     assert [number(item) for item in shares] == pytest.approx([0.25, 0.5, 1.0])
 
 
-def test_times_of_commands():
+def test_a_schedule_knows_how_long_commands_act():
     plain = Schedule()
     late = Schedule(delay=(0.2, 1.5), losses=2, jitter=0.1, age=0.5, hold=4.0)
 

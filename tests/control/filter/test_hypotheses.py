@@ -34,14 +34,14 @@ def fastest(kind, error, quantum=0.0):
 
 @pytest.mark.parametrize("kind", ["clip", "band"])
 @pytest.mark.slow_but("clip")
-def test_an_error_that_is_stated_breaks_nothing(kind):
+def test_an_error_that_is_stated_keeps_the_limit(kind):
     assert 0.94 < fastest(kind, ERROR) <= 1.0
     assert fastest(kind, 0.0, quantum=2 * ERROR) <= 1.0
 
 
 @pytest.mark.parametrize("kind", ["clip", "band"])
 @pytest.mark.slow_but("clip")
-def test_one_that_is_not_does(kind):
+def test_an_error_that_is_not_stated_breaks_the_limit(kind):
     assert fastest(kind, 2 * ERROR) > 1.0
 
 

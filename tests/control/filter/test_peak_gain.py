@@ -56,7 +56,7 @@ shares = st.floats(0, 1)
 
 @pytest.mark.parametrize("z", [0.1, 0.7, 0.999, 1.0, 1.3, 4.0])
 @pytest.mark.slow_but("0.7", "1.3")
-def test_peak_gain_of_second_order_loops_is_the_quadrature_s(z):
+def test_peak_gain_of_second_order_loops_is_that_of_quadrature(z):
     base, peak = second_order_base(3.0, z, 1.1), second_order(z, 1.1, 0.2)
     assert variation(base, base.b) == pytest.approx(peak.gain, rel=2e-4)
     assert 0.2 * variation(base, base.e) == pytest.approx(peak.push, rel=2e-4)

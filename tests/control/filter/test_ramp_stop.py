@@ -97,7 +97,7 @@ def test_the_speed_from_which_a_stop_takes_the_room_that_there_is():
     assert float(ca.evalf(stopping_speed(ca.SX(-1.0), ca.SX(0.1), ca.SX(1.0)))) == 0
 
 
-def test_it_stops_without_distances_and_leaves_with_one():
+def test_a_clip_stops_without_distances_and_leaves_with_one():
     clip = command_filter(load_scenario("paper-simulation", BASE))
     for _ in range(80):
         near = clip.step((1.0, 0.0), measured=(0.0, 0.0), free=(0.01, 2.0), turn=(9.0, 9.0), dt=T)

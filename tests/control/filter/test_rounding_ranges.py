@@ -28,7 +28,7 @@ def test_a_governor_names_the_number_and_its_bound(key, most, beyond, stated, bo
     assert bound in sentence
 
 
-def test_check_says_it():
+def test_check_warns_that_roundings_are_not_proved():
     stated = override(
         scenario(jitter=0.03),
         changes("""
