@@ -22,11 +22,13 @@ def driven(
     telling: bool = True,
     loops: np.ndarray = SINGLE,
     limited: np.ndarray = SINGLE,
+    signed: bool = False,
 ) -> np.ndarray:
     """Largest speed of many robots for what each asks for, sample by sample.
 
     ``loops`` (loops, axes): the parts of the command that each loop follows; ``limited`` (speeds,
-    loops): speeds that count, as parts of what the loops reach.  ``bases``: A, b, e of the first
+    loops): speeds that count, as parts of what the loops reach, or where ``signed`` in that
+    direction alone.  ``bases``: A, b, e of the first
     loop of all robots, of the second ..., and so are ``pushes`` (loops robots, samples, parts of a
     period).  ``asked`` (robots, axes, samples); ``send`` as the adversary's Sender, for all of a
     period or for each of its parts.  ``times`` (robots, samples): from each sample to the next, of
@@ -52,7 +54,8 @@ def driven(
             x[:, 2] = (loops @ acting[part, :axes]).ravel()
             x[:, 3] = pushes[:, k, part]
             x[:, :2] = np.einsum("nij,nj->ni", both, x)
-            worst = np.maximum(worst, np.abs(limited @ x[:, 0].reshape(-1, robots)).max(axis=0))
+            speeds = limited @ x[:, 0].reshape(-1, robots)
+            worst = np.maximum(worst, (speeds if signed else np.abs(speeds)).max(axis=0))
     return worst
 
 

@@ -56,7 +56,8 @@ SWUNG = Family(SWUNG_NUMBERS, 0.05, {
     "loop": "second-order", "frequency": SWUNG_NUMBERS["w0"], "damping": SWUNG_NUMBERS["z"],
     "gain": SWUNG_NUMBERS["K"], "d": (0.05, 0.0), "tau": None, "odometry": None,
 }, second_order=True)  # fmt: skip
-
+SWUNG_SIDES: Mapping[str, Any] = {"limits.v_min": (-0.6, -1.0), "limits.v_max": (1.0, 1.0)}
+"""Limits of which the clip uses those of both directions: what swings back counts."""
 
 AXES, WHEELS_OF = np.array([(1, 0), (0, 1)]), np.array([(1, 1), (1, -1)])
 ALL_FOUR = np.concatenate([AXES, WHEELS_OF])
@@ -157,7 +158,14 @@ class _Batch:
         own, rows = SPEEDS[of]
         axes = 1 if of == "v" else 2
         rim = stated.filter.wheel_speed or min(V[0], l * V[1])
-        tops = np.where(rows.all(axis=1), rim, np.abs(rows) @ (V * (1, l)))
+        self.signed = bool(stated.limits.unequal)
+        if self.signed:
+            rows = np.concatenate([rows, -rows])
+        ahead, back = (
+            np.abs(limit) * (1, l) for limit in (stated.limits.v_max, stated.limits.v_min)
+        )
+        each = np.maximum(rows, 0) @ ahead + np.maximum(-rows, 0) @ back
+        tops = np.where(rows.all(axis=1), rim, each)
         self.loops = (own * (1, l))[:, :axes]
         self.limited = (rows / tops[:, None])[:, :axes] @ np.linalg.inv(own[:, :axes])
         one = true.bases(rng, count)
@@ -212,7 +220,7 @@ class _Batch:
         sender = _wired(self.filtering.sender(len(asked)), self.calls, self.true.error, wish)
         return driven(
             (A, b, e), sender, asked, pushed.reshape(-1, *pushes.shape[1:]), T, times,
-            telling=self.calls.telling, loops=self.loops, limited=self.limited,
+            telling=self.calls.telling, loops=self.loops, limited=self.limited, signed=self.signed,
         )  # fmt: skip
 
     def climbed(self, rng: np.random.Generator) -> Iterator[Floats]:

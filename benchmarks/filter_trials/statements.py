@@ -60,6 +60,7 @@ from .linear import (
     SWAYED_SWUNG,
     SWAYING,
     SWUNG,
+    SWUNG_SIDES,
     Calls,
     Family,
     beyond,
@@ -96,6 +97,12 @@ STATEMENTS = (
     Statement("clip, second-order loops", linear("clip", SWUNG, SWUNG), {
         "damping": beyond("clip", SWUNG, ("z", -1)), "gain": beyond("clip", SWUNG, ("K", 1)),
         "push": pushed("clip", SWUNG),
+    }),
+    Statement("clip, second-order loops, a limit of each direction", linear(
+        "clip", SWUNG, SWUNG, changes=SWUNG_SIDES), {
+        "damping": beyond("clip", SWUNG, ("z", -1), changes=SWUNG_SIDES),
+        "gain": beyond("clip", SWUNG, ("K", 1), changes=SWUNG_SIDES),
+        "push": pushed("clip", SWUNG, changes=SWUNG_SIDES),
     }),
     Statement("clip, second-order loops, `wheel_speed`", linear(
         "clip", RIM_SWUNG, RIM_SWUNG, of="rims", changes=RIMS, scales=WHEEL_SCALES), {
@@ -143,6 +150,10 @@ STATEMENTS = (
     *(Statement(f"{kind}, a limit of each direction", first_order(kind, worlds, BY_SIDE, SCALES),
                 sides_broken(kind, BY_SIDE))
       for kind, worlds in (("clip", EXACT_CHAINS), ("governor", EXACT_WORLDS))),
+    *(Statement(f"{kind} in single precision, a limit of each direction", first_order(
+        kind, worlds, BY_SIDE, SCALES, float32=True), {
+        "push": wrong(kind, {}, BY_SIDE, d=0.0525),
+    }) for kind, worlds in (("clip", EXACT_CHAINS), ("governor", EXACT_WORLDS))),
     *(Statement(f"{kind}, wheels, a limit of each direction", first_order(
         kind, alike(worlds, "wheels"), WHEEL_SIDES, WHEEL_SCALES),
         sides_broken(kind, WHEEL_SIDES, "wheels"))

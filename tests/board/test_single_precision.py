@@ -70,6 +70,28 @@ def test_the_guard_keeps_the_limit_against_the_worst_push(law, side, tmp_path):
     assert 0.999 < share < 1.0
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.slow_but("1.0")
+def test_the_guard_keeps_a_limit_of_each_direction_against_the_worst_push(side, tmp_path):
+    """As above, with limits backwards and to the right that are smaller."""
+    sides = {"limits.v_min": [-0.6, -1.0], "limits.v_max": [1.0, 1.5]}
+    worst = {"robot.mu": 0.0, "guard.mass_margin": 0.0, "guard.dbar": [60.0, 15.0]}
+    scenario = nominal(1e-2, True, **worst, **sides)
+    build = HostBuild("mb", scenario, tmp_path, float32=True)
+    robot = Robot(scenario, np.array([0.0, -side * 60.0, 0.0, 0.0, 0.0]))
+    build.reset()
+    seen = []
+    for k in range(800):
+        status, torque = build.step(robot.inputs(k))
+        assert status == 0
+        robot.advance(torque + 3.0 * side)
+        seen.append(robot.state[3:])
+    least, most = np.min(seen, axis=0), np.max(seen, axis=0)
+
+    shares = np.concatenate([most / sides["limits.v_max"], least / sides["limits.v_min"]])
+    assert 0.999 < shares.max() < 1.0
+
+
 def fastest(build, robot, control, push=0.0, seconds=2.0):
     """Largest velocity as a share of its limit, under a constant push [N m] on the wheels."""
     build.reset()

@@ -3,8 +3,11 @@
 import math
 
 import casadi as ca
+import numpy as np
 import pytest
 
+from benchmarks.filter_trials.compiled import scenario
+from benchmarks.filter_trials.first_order import BY_SIDE, first_order
 from tests.papers_robot import paper
 from wmr_ctrl.codegen.single_precision import (
     LARGEST_CONSTANT,
@@ -14,6 +17,7 @@ from wmr_ctrl.codegen.single_precision import (
     with_margin,
 )
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.filter import filter_system
 from wmr_ctrl.control.setup import settle
 
 
@@ -27,6 +31,28 @@ def test_only_limits_are_lowered():
     assert lowered.value == pytest.approx(
         [x * (1 - MARGIN) for x in paper().limits.v_u1], rel=1e-15
     )
+
+
+def test_limits_of_each_direction_keep_a_share_of_the_larger():
+    """Of v backwards no command is admitted, since a push alone leads there: that limit stays."""
+    sides = {"limits.v_min": (-0.05, -0.4), "limits.v_max": (0.8, 0.06)}
+    law = filter_system(scenario("governor", sides))
+    values = {item.signal.name: item.value for item in with_margin(law).params}
+
+    less = MARGIN * np.array([0.8, 0.4])
+    assert values["limits.v_max"] == pytest.approx(np.array([0.8, 0.06]) - less, rel=1e-15)
+    assert values["limits.v_min"] == pytest.approx([-0.05, -0.4 + less[1]], rel=1e-15)
+
+
+@pytest.mark.parametrize("kind", ["clip", "governor"])
+@pytest.mark.parametrize("margin, kept", [(MARGIN, True), (0.0, False)])
+def test_single_precision_keeps_limits_of_each_direction_by_its_margin(
+    kind, margin, kept, monkeypatch
+):
+    monkeypatch.setattr("wmr_ctrl.codegen.package._margin", lambda *_: margin)
+    most = first_order(kind, [{}], BY_SIDE, ("axes",), float32=True)(400, 1)
+
+    assert (most.max() <= 1) == kept
 
 
 def test_literals_and_functions_are_those_of_float():

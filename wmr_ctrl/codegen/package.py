@@ -17,7 +17,7 @@ from wmr_ctrl.control.filter.channels import ELAPSED, FLAGS
 from wmr_ctrl.control.filter.filter import called_filter, derived_numbers
 from wmr_ctrl.control.filter.rounding_ranges import check_single_precision
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.core.errors import ScenarioError, printable
+from wmr_ctrl.core.errors import printable
 from wmr_ctrl.core.signals import (
     COMMAND,
     GUARD_ACTED,
@@ -102,11 +102,6 @@ def package_files(
     """
     setup = None if law == FILTER else settle(scenario, law)
     filters = scenario.filter.kind != "none" and (setup is None or setup.takes_velocity)
-    if float32 and scenario.limits.apart:
-        raise ScenarioError(
-            "limits.v_min and limits.v_max: packages in single precision keep one limit both ways. "
-            "State limits.v_u1 alone, or take double precision."
-        )
     if float32 and filters and scenario.filter.kind == "governor":
         check_single_precision(scenario)
     system = called_filter(scenario) if setup is None else packaged(setup, counting=counting)

@@ -8,6 +8,8 @@ import re
 from dataclasses import replace
 from types import MappingProxyType
 
+import numpy as np
+
 from wmr_ctrl.world.model.system import System
 
 from .dialect import SCALAR, Dialect
@@ -20,7 +22,8 @@ LARGEST_SINGLE = 1e6
 """Largest size of an input; in double precision it is `signals.LARGEST`."""
 
 LIMITS = ("limits.v_u1", "filter.wheel_speed")
-"""Parameters that are lowered."""
+SIDES = {"limits.v_max": 1.0, "limits.v_min": -1.0}
+"""Parameters that are lowered; the signs of limits of one direction."""
 
 PERIODS = {
     ("mb", False): (1e-3,),
@@ -39,10 +42,21 @@ adds three roundings of at most four times the limit, and its tables are rounded
 
 
 def with_margin(system: System, margin: float = MARGIN) -> System:
-    """The law with its limits' values lowered by ``margin``."""
-    shares = ((item, 1 - margin if item.signal.name in LIMITS else 1.0) for item in system.params)
-    lowered = (replace(item, value=tuple(share * x for x in item.value)) for item, share in shares)
-    return replace(system, params=tuple(lowered))
+    """The law with its limits' values lowered by ``margin``, apart ones by that of the larger.
+
+    One that leaves no room beyond a push stays: only 0 is sent then, whatever is rounded.
+    """
+    known = {item.signal.name: np.array(item.value) for item in system.params}
+    lowered = {name: (1 - margin) * known[name] for name in LIMITS if name in known}
+    if "limits.v_max" in known:
+        push = known.get("filter.d", known.get("filter.delta", 0.0))
+        sides = {name: way * known[name] for name, way in SIDES.items()}
+        less = margin * np.maximum(*sides.values())
+        for name, side in sides.items():
+            lowered[name] = SIDES[name] * np.maximum(side - less, np.minimum(side, push))
+    values = {name: tuple(pair.tolist()) for name, pair in {**known, **lowered}.items()}
+    params = (replace(item, value=values[item.signal.name]) for item in system.params)
+    return replace(system, params=tuple(params))
 
 
 LARGEST_CONSTANT = 1e18

@@ -167,6 +167,19 @@ def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_pa
     assert 0.5 < float(words[1]) <= float(words[3])
 
 
+@pytest.mark.parametrize("kind", ["clip", "governor"])
+@pytest.mark.slow_but("governor")
+def test_vectors_of_limits_of_each_direction_pass_in_single_precision(kind, tmp_path):
+    sides = {"limits.v_min": (-0.05, -0.8), "limits.v_max": (0.5, 0.6)}
+    stated = override(scenario(kind), sides)
+    for name, text in package_files("filter", stated, float32=True).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    checked, _ = programs("filter", tmp_path)
+
+    assert "78 samples, largest error" in checked
+    assert "`limits_v_min`, `limits_v_max`" in (tmp_path / "README.md").read_text("utf-8")
+
+
 @pytest.mark.parametrize("law", ["filter", "kanayama"])
 @pytest.mark.slow_but("filter")
 def test_an_example_tells_limits_of_each_direction(law, tmp_path):

@@ -162,9 +162,10 @@ def _unequal(scenario: Scenario, reached: Sequence[float]) -> Iterator[str]:
         if settings.kind == "band":
             yield f'{differ} filter.kind = "band" keeps one for both. State one, or take the clip.'
         elif settings.loop[i] != "first-order" and (settings.slew or settings.channels == "wheels"):
+            key = "filter.slew" if settings.slew else "filter.channels"
             yield (
-                f"{differ} a loop that overshoots (filter.loop) swings through 0 when it stops. "
-                "State one limit for both, or leave out filter.slew and filter.channels."
+                f"{differ} with {key} the swing of a loop that overshoots (filter.loop) is bounded "
+                f"for one limit both ways alone. State one, or leave out {key}."
             )
         for way, size in ((1, limits.v_max[i]), (-1, -limits.v_min[i])):
             key, _ = limits.side(i, way)

@@ -177,7 +177,7 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
             other = f", shorten clock.plant or leave out filter.{which}"
         yield (
             f"{said} {rounded(speed, 4)} {UNITS[axis]}, and filter.d[{axis + 1}] = {d:g} "
-            f"{UNITS[axis]} is less{why}. Raise it to that, if that is below limits.v_u1{other}."
+            f"{UNITS[axis]} is less{why}. Raise it to that, if that is below the limit{other}."
         )
 
 

@@ -96,11 +96,20 @@ def _done(scenario: Scenario, u: Floats) -> Iterator[tuple[str, str, Bools]]:
     yield "quantum", "less than half of base.quantum", rounded
     rates = np.maximum(base.accel, base.decel), max(base.wheel_accel, base.wheel_decel)
     for asked, rate, names in zip((u, w), rates, ("accel", "wheel_accel"), strict=True):
-        yield "ramps", f"faster changes than base.{names}", changed(asked) > T * rate
+        yield "ramps", f"faster changes than base.{names}", _ramping(asked, T * rate)
     if base.losses:
         most = SHARE * np.array(scenario.limits.v_u1)
         said = f"changes by a tenth of the limits within base.losses = {base.losses} commands"
         yield "losses", said, changed(u, base.losses) > most
+
+
+def _ramping(asked: Floats, most: Floats | float) -> Bools:
+    """Where a base that changes by at most ``most`` a sample, from rest on, lags behind (n, 2)."""
+    acting, off = np.zeros(2), np.empty_like(asked)
+    for row, command in enumerate(asked):
+        off[row] = command - acting
+        acting += np.clip(off[row], -most, most)
+    return np.abs(off) > most * (1 + SAME)
 
 
 def causes(scenario: Scenario, run: Run) -> dict[str, str]:
@@ -108,9 +117,10 @@ def causes(scenario: Scenario, run: Run) -> dict[str, str]:
     if not scenario.takes_velocity or "v_command" not in run:
         return {}
     count = min(run.rows, round(LAST / scenario.clock.control))
-    u = np.stack([run[name][run.rows - count :] for name in ("v_command", "omega_command")], axis=1)
+    u = np.stack([run[name] for name in ("v_command", "omega_command")], axis=1)
+    ends = ((key, what, rows[-count:]) for key, what, rows in _done(scenario, u))
     shares = ((key, what, float(np.mean(rows.reshape(len(rows), -1).any(axis=1))))
-              for key, what, rows in _done(scenario, u) if len(rows))  # fmt: skip
+              for key, what, rows in ends if len(rows))  # fmt: skip
     return {
         key: f"For {percent(share)} of the last {count * scenario.clock.control:g} s the law asked "
         f"for {what}: {REMEDIES[key]}."
