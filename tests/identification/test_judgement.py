@@ -130,10 +130,13 @@ def test_delays_that_differ_from_change_to_change_are_told():
 
 @pytest.mark.parametrize(
     "kind, commands, motion", [("steps", 1, 1), ("steps", 2, 1), ("smooth", 2, 1),
-                                     ("steps", 2, 2)],
+                                     ("steps", 2, 2), ("smooth", 1, 1), ("smooth", 3, 3)],
 )  # fmt: skip
 def test_delays_of_commands_that_are_logged_in_part_are_not_determined(kind, commands, motion):
-    """With every second command logged, the one between may have caused what is seen."""
+    """With every second command logged, the one between may have caused what is seen.
+
+    Nothing in a log of commands that change from row to row says that all of them are in it.
+    """
     truth = own_axes.Truth((own_axes.Axis(), own_axes.Axis()), (0.077, 0.077))
     log = own_axes.recorded(truth, own_axes.Drive(period=PERIOD, kind=kind), seed=1)
     part = {True: slice(None, None, commands), False: slice(None, None, motion)}
@@ -149,8 +152,20 @@ def test_delays_of_commands_that_are_logged_in_part_are_not_determined(kind, com
     for name in ("delay1", "delay2"):
         delay = found.parameters[name]
         assert delay.low - 1e-3 < 0.077 < delay.high + 1e-3
-        assert (delay.verdict == "determined") == (commands == 1)
+        assert (delay.verdict == "determined") == (commands == 1 and kind == "steps")
     assert found.parameters["gain1"].value == pytest.approx(1.0, abs=0.01)
+
+
+def test_a_loop_whose_sensor_would_hide_an_overshoot_is_told():
+    """A PI loop behind readings that lag by 2 zeta/wn has the speed of a second-order loop."""
+    axis = own_axes.Axis("pi", first=8.0, zeta=0.7)
+    truth = own_axes.Truth((axis, axis), sensor=2 * axis.zeta / axis.first)
+
+    found = identify(own_axes.recorded(truth, own_axes.Drive(period=PERIOD), 1), base="velocity")
+
+    assert found.scenario.base.loop == ("second-order", "second-order")
+    for judgement in found.judgements:
+        assert "a PI loop whose readings lag by 0.18 s looks alike" in judgement.sentence
 
 
 def columns(log, other):

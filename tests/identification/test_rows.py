@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter
 
 from wmr_ctrl import identify
-from wmr_ctrl.identification.logs.log import of_columns
+from wmr_ctrl.identification.logs.log import LogError, of_columns
 from wmr_ctrl.identification.logs.mended import mended, unwrapped
 from wmr_ctrl.identification.logs.rows import usable
 from wmr_ctrl.identification.logs.samples import Samples
@@ -100,6 +100,15 @@ def test_a_silence_shows_when_the_base_stops(timeout):
     assert other.timeout is None
     assert "goes on" in other.notes[0].text
     assert [note.key for note in (*rows.notes, *other.notes)] == ["timeout"] * 2
+
+
+def test_a_log_of_which_hardly_a_row_is_left_is_too_short():
+    t, sent, v = drive(4, seconds=6.0)
+    v[np.random.default_rng(4).random(v.shape) < 0.5] *= 1e5
+    log = dict(zip(("t [s]", *NAMES), np.column_stack((t, sent, v)).T.tolist(), strict=True))
+
+    with pytest.raises(LogError, match=r"s is too short; drive for 2 s"):
+        identify(log, base="velocity")
 
 
 def test_stretches_with_the_drivers_off_are_left_out():

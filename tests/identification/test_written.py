@@ -16,6 +16,7 @@ from tests.identification.conftest import KNOWN, TRUTH
 from tests.identification.test_velocity_base import FIRST, steps
 from tests.papers_robot import paper
 from wmr_ctrl import identify
+from wmr_ctrl.cli import root
 from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.setup import settle
@@ -436,6 +437,18 @@ def test_constant_torques_determine_nothing_and_are_no_error(driven):
     assert {item.verdict for item in found.parameters.values()} == {"undetermined"}
     assert not found.scenario.guard.enabled
     assert any("determines nothing" in text for text in found.remarks)
+
+
+def test_a_result_that_one_file_cannot_hold_writes_none(silent, tmp_path, monkeypatch, capsys):
+    torques = replace(silent, bounds=SimpleNamespace(section="guard", sentence="seen"))
+    monkeypatch.setattr("wmr_ctrl.identification.identify", lambda *_, **__: torques)
+
+    with pytest.raises(SystemExit, match="2"):
+        root.main(["identify", "log.csv", "--out", str(tmp_path / "mine.toml"),
+                   "--nav2", str(tmp_path / "nav2.yaml")])  # fmt: skip
+
+    assert "this base takes torques" in capsys.readouterr().err.replace("\n  ", " ")
+    assert not [*tmp_path.iterdir()]
 
 
 def test_parameters_of_nav2_are_numbers_of_one_type(silent):

@@ -26,6 +26,13 @@ def test_columns_have_times_of_their_own_where_cells_are_empty(tmp_path):
     assert "line 6 is cut off" in remarks[1]
 
 
+@pytest.mark.parametrize("first, begin", [(1.7e9, 0.0), (12.0, 12.0)])
+def test_times_of_a_clock_of_years_count_from_the_first_row(tmp_path, first, begin):
+    times, _, _ = read(tmp_path, f"t,v1\n{first},1\n{first + 0.5},2\n")
+
+    assert times["v1"].tolist() == [begin, begin + 0.5]
+
+
 def test_a_column_without_a_number_is_none(tmp_path):
     times, columns, _ = read(tmp_path, "stamp_ms,a,omega\n500,1,\n", {"t": "stamp_ms", "v1": "a"})
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
@@ -65,16 +64,18 @@ def identify(
             resistance=resistance,
             progress=progress,
         )
-    drive = None
+    # A result that one of the files cannot hold writes none of them.
+    drive, texts = None, dict[str, str]()
     if out:
-        _write(out, lambda: result.to_toml(Path(out).resolve().parent))
+        texts[out] = result.to_toml(Path(out).resolve().parent)
     if nav2:
-        _write(nav2, lambda: nav2_of(result))
+        texts[nav2] = nav2_of(result)
     if propose:
         from wmr_ctrl.identification.propose import propose as propose_drive
 
         drive = propose_drive(result, floor)
-        _write(propose, drive.to_csv)
+        texts[propose] = drive.to_csv()
+    _write(texts)
     if plot or report:
         from wmr_ctrl.report.identified import write_identification
 
@@ -88,12 +89,13 @@ def identify(
         click.echo(_text(result))
 
 
-def _write(path: str, text: Callable[[], str]) -> None:
+def _write(texts: dict[str, str]) -> None:
     from wmr_ctrl.results import atomic_text
 
-    with atomic_text(path) as file:
-        file.write(text())
-    say("wrote", path)
+    for path, text in texts.items():
+        with atomic_text(path) as file:
+            file.write(text)
+        say("wrote", path)
 
 
 def _text(result: BaseIdentification) -> str:

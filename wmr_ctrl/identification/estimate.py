@@ -13,11 +13,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.world.scenario import Scenario, from_dict, scenario_dict
 from wmr_ctrl.world.scenario.scenario import multiples
 
-from .bounds import (
-    SHARES,
-    Score,
-    Traces,
-)
+from .bounds import SHARES, Score, Traces
 from .fit import (
     ACCEPTED,
     LAG_LEAST,

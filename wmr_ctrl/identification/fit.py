@@ -223,11 +223,11 @@ WIDEST = 14.0
 """Largest half-width of a logarithm: from a millionth to a millionfold, all is undetermined."""
 
 
-def _two_errors(gradient: Floats, fisher: Floats, free: Mask) -> tuple[Floats, Floats]:
-    """Both standard errors, from gradient (B, n) and information (B, n, n) of blocks of time.
+def errors_of(gradient: Floats, fisher: Floats, free: Mask) -> Floats:
+    """Half-widths (n,) of 95 % intervals, from the larger of both standard errors.
 
-    The second is by one Newton step for each block b that is left out, theta_b = theta + (H -
-    H_b)^-1 g_b.
+    ``gradient`` (B, n) and ``fisher`` (B, n, n) are of blocks of time.  The second error is by one
+    Newton step for each block b that is left out, theta_b = theta + (H - H_b)^-1 g_b.
     """
     by_fisher, left = np.zeros((2, len(free)))
     own, whole = fisher[:, free][:, :, free], _whole(fisher, free)
@@ -236,7 +236,7 @@ def _two_errors(gradient: Floats, fisher: Floats, free: Mask) -> tuple[Floats, F
         ridge = 1e-9 * np.diag(np.maximum(np.diag(whole), LEAST_TOLD))
         moved = np.linalg.solve(whole + ridge - own[told], gradient[told][:, free, None])
         left[free] = np.sqrt((told.sum() - 1) * moved.var(axis=0)[:, 0])
-    return by_fisher, left
+    return np.maximum(stdtrit(len(fisher) - 1, 0.975) * left, 1.96 * by_fisher)
 
 
 def _whole(fisher: Floats, free: Mask) -> Floats:
@@ -247,12 +247,6 @@ def _whole(fisher: Floats, free: Mask) -> Floats:
     """
     whole = fisher.sum(axis=0)[np.ix_(free, free)]
     return np.asarray(whole + 1e-10 * np.diag(np.maximum(np.diag(whole), LEAST_TOLD)))
-
-
-def errors_of(gradient: Floats, fisher: Floats, free: Mask) -> Floats:
-    """Half-widths (n,) of 95 % intervals, from the larger of both standard errors."""
-    by_fisher, left = _two_errors(gradient, fisher, free)
-    return np.maximum(stdtrit(len(fisher) - 1, 0.975) * left, 1.96 * by_fisher)
 
 
 class Fitted(NamedTuple):

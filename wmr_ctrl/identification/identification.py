@@ -225,7 +225,8 @@ def _samples(
         hint = "velocity" if commands == TORQUES else "torque"
         raise LogError(
             f"{raw.name}: it has no commands. Add the columns {names}, as they were sent to the "
-            "base."
+            "base; of a bag name their topic, as in --topics "
+            f"{'cmd' if hint == 'torque' else 'effort'}=NAME."
             + (f" Its {' and '.join(other)} can be used with --base {hint}." * raw.has(other))
         )
     source = seen_by(raw)
@@ -249,8 +250,9 @@ def _samples(
                 "--robot known.toml."
             )
         r, half_track = poses[0], poses[0] / poses[1]
-        text = f"r = {r:.4g} m and l = {half_track:.4g} m by poses against the wheels' turn."
-        remarks.append(text)
+        remarks.append(
+            f"r = {r:.4g} m and l = {half_track:.4g} m by poses against the wheels' turn."
+        )
         scenario = override(scenario, {"robot.r": r, "robot.l": half_track})
     samples = motion_of(raw, scenario, source, commands)
     if not of_wheels:
@@ -311,9 +313,8 @@ def _of_torques(name: str, log: Samples, scenario: Scenario, remarks: list[str])
     price = usable_speeds(override(identified, {"guard.enabled": True}))
     if price:
         score = replace(score, usable_speed=price[0], one_newton_more=price[1])
-    said = tuple(remarks)
     return Identification(
-        name, estimates, bounds, said, score, identified, curves, fit, white, trained
+        name, estimates, bounds, tuple(remarks), score, identified, curves, fit, white, trained
     )
 
 

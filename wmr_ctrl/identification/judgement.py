@@ -38,9 +38,10 @@ MOST_STAYS, LEAST_VARIANCE = 0.4, 0.5
 BETWEEN, WINDOW, FEWEST_CHANGES = 0.25, 0.35, 8
 """Time between changes of a command that are looked at, and after one [s]."""
 LEAST_SCATTER, LATER, BY_NOISE = 0.003, 2e-4, 2.0
-RARE, ALIKE, MOST_HELD = 1.5, 0.3, 4
+RARE, ALIKE, MOST_HELD, SMOOTH = 1.5, 0.3, 4, 0.5
 """Rows of motion a command beyond which commands are rare; largest range of single delays, in
-periods of the commands, by which they came when logged; rows that are held by a slower recorder.
+periods of the commands, by which they came when logged; rows that are held by a slower recorder;
+correlation of steps of a command from which on it changes between rows, too.
 """
 GAINS, ANY_GAIN = (1 / 3, 3.0), 0.4
 """Gains that units can be right for, and how far a base's own gain may be from 1 else."""
@@ -48,6 +49,8 @@ GROUP_KEYS = {
     "slow": "curve", "middling": "curve", "fast": "curve", "forward": "sides", "backward": "sides",
 }  # fmt: skip
 """Groups of rows, and the key of what a gain that differs there would be."""
+LIKE_PI = 0.01
+"""Distance of its gain from 1 within which a second-order loop may be a PI loop behind a lag."""
 KNOTS = (0.0, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 1.0)
 LAGS = (0.0, 0.1, 0.25, 0.5)
 """By how much later commands may act than by the model [s]."""
@@ -145,10 +148,7 @@ def judged(fit: LoopFit, other: LoopFit | None, axis: int) -> Judgement:
     variance = max(float(np.var(fit.log.speed[inside])), 1e-300)
     r2 = 1 - float(np.mean(fit.left[inside] ** 2)) / variance
     findings = [*_structures(fit, axis)]
-    share, most = (
-        told(fit, None if other is None else other.forecast),
-        float(np.abs(fit.deviation()).max()),
-    )
+    share, most = told(fit, other), float(np.abs(fit.deviation()).max())
     if not GAINS[0] < fit.gain < GAINS[1]:
         sense = unit_of(fit.gain, ANY_GAIN)
         hint = f"perhaps {sense}" if sense else "check both units"
@@ -181,6 +181,11 @@ def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
                 reach = {"delay": (said["delay"], said["delay"] + said["lag"])}
             text = words.format(name=AXES[axis], unit=UNITS[axis], **said)
             yield Finding(text, key, level, reach)
+    if fit.loop == "second-order" and abs(gain - 1) < LIKE_PI:
+        yield Finding(
+            f"a PI loop whose readings lag by {2 * values['zeta'] / values['wn']:.2g} s looks "
+            "alike, and overshoots more"
+        )
 
 
 def _shares(fit: LoopFit, member: str, top: float) -> list[float]:
@@ -252,7 +257,7 @@ def _over_time(fit: LoopFit, axis: int) -> Iterator[Finding]:
 
 def _late(fit: LoopFit, name: str) -> Iterator[Finding]:
     """Findings on delays: those that differ from one command change to the next by more than noise,
-    and those of commands that are logged less often than motion, which may have changed in between.
+    and those of commands that may have changed between the rows that show them.
     """
     log, late = fit.log, fit.values["delay"]
     period = _held(log)
@@ -275,12 +280,14 @@ def _late(fit: LoopFit, name: str) -> Iterator[Finding]:
             yield Finding(text, "delay", 1, {"delay": reach})
             return
         rare &= bool(np.ptp(ends) > ALIKE * period)
-    if rare:
+    steps = np.diff(log.sent)
+    if rare or steps[1:] @ steps[:-1] > SMOOTH * (steps @ steps):
+        more = period if rare else period / 2
         text = (
-            f"{name}: commands are logged every {1e3 * period:.3g} ms, less often than motion: "
-            "each may have acted that much sooner. Log all of them when they are sent"
+            f"{name}: commands are logged every {1e3 * period:.3g} ms, and may change in between: "
+            f"each may have acted {1e3 * more:.3g} ms sooner. Log all of them when they are sent"
         )
-        yield Finding(text, "delay", reach={"delay": (late, late + period)})
+        yield Finding(text, "delay", reach={"delay": (late, late + more)})
 
 
 def _held(log: AxisLog) -> float:
@@ -305,11 +312,10 @@ def _single_delays(fit: LoopFit) -> tuple[list[float], list[float]]:
     later = foretold(log, fit.loop, [fit.values | {"delay": late + LATER}])[:, 0]
     along, left = whiten((later - fit.forecast) / LATER), whiten(fit.left)
     first, last = (np.searchsorted(log.t, times + more) for more in (0.0, late + WINDOW))
-    spans = list(zip(first.tolist(), last.tolist(), strict=True))
     least = max(0.2 * log.period, LEAST_SCATTER)
     noise = max(2.2 * float(np.median(np.abs(left[whole]))) ** 2, 1e-12)
     delays, variances = [], []
-    for low, high in spans:
+    for low, high in zip(first.tolist(), last.tolist(), strict=True):
         weight = float(np.sum(along[low:high] ** 2))
         if high - low > 2 and whole[low:high].all() and noise < weight * least**2:
             delays.append(float(along[low:high] @ left[low:high]) / weight)
@@ -317,10 +323,10 @@ def _single_delays(fit: LoopFit) -> tuple[list[float], list[float]]:
     return delays, variances
 
 
-def told(fit: LoopFit, other: Floats | None = None) -> float:
+def told(fit: LoopFit, other: LoopFit | None = None) -> float:
     """Cross-validated rms of the residual that commands predict, relative to the speed's rms.
 
-    ``other`` (N,): the other axis' speed.
+    ``other``: the fit of the other axis, whose speed counts, too.
     """
     inside = fit.log.in_fit
     x = _columns(fit, other)
@@ -337,7 +343,7 @@ def told(fit: LoopFit, other: Floats | None = None) -> float:
     return math.sqrt(max(gained, 0.0) / count) / max(float(np.std(fit.forecast[inside])), 1e-9)
 
 
-def _columns(fit: LoopFit, other: Floats | None) -> Floats:
+def _columns(fit: LoopFit, other: LoopFit | None) -> Floats:
     """Functions (N, K) of command, speed, acceleration, and the other axis' speed."""
     log, y = fit.log, fit.forecast
     end = log.t[:, None] - fit.values["delay"] - np.array(LAGS)
@@ -348,6 +354,6 @@ def _columns(fit: LoopFit, other: Floats | None) -> Floats:
     columns = [*hats, *w.T[1:], y, np.abs(y), y * np.abs(y)]
     columns += [rate, np.abs(rate), rate * np.sign(y), np.abs(rate) * np.sign(y)]
     if other is not None:
-        size = np.abs(other)
-        columns += [other, size, y * size, np.sign(y) * size]
+        size = np.abs(other.forecast)
+        columns += [other.forecast, size, y * size, np.sign(y) * size]
     return np.column_stack(columns)

@@ -28,8 +28,8 @@ from .written import values_in
 LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
 STAND_IN: Mapping[str, object] = data(__package__, "stand_in.toml")
 """What a log is read with until it says better; what nobody stated is not written."""
-LEAST_SEEN = 1e-3
-"""Least speed that counts as motion [m/s, rad/s]."""
+LEAST_SEEN = 0.01
+"""Least speed that counts as motion [m/s, rad/s]: what sensors show at rest is less."""
 MOST_FAR = 2.0
 """Largest ratio of a limit to a speed, or of two commands, over which a log is extrapolated."""
 DROPPED = ("gust", "wheels", "slope", "motor", "push", "changes")

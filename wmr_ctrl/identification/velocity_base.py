@@ -73,9 +73,9 @@ def of_velocities(
     remarks += loop_remarks(judgements, estimates)
     bare = replace(bare_scenario(scenario, log, remarks), title=f"identified from {name}")
     bounds, identified = _scenario(bare, log, judgements, estimates, remarks)
-    curves, said = _curves(axes, fits, cut_of(log)), tuple(remarks)
+    curves = _curves(axes, fits, cut_of(log))
     return VelocityIdentification(
-        name, estimates, bounds, said, score_of(curves), identified, curves,
+        name, estimates, bounds, tuple(remarks), score_of(curves), identified, curves,
         judgements=tuple(judgements),
     )  # fmt: skip
 
@@ -122,8 +122,7 @@ def loop_estimates(judgements: Judgements, period: float) -> dict[str, Estimate]
                 estimates[f"{name}{axis}"] = _estimate(item, name, period, sure)
         if "accel" not in fit.names:
             # A command that is ramped drives no speed faster than its ramp, times the gain.
-            known = item.explained == EXPLAINED
-            least = fit.steepest / fit.gain if known else 0.0
+            least = fit.steepest / fit.gain if item.explained == EXPLAINED else 0.0
             estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, UNDETERMINED, share=9.0)
     return estimates
 

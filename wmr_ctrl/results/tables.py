@@ -16,6 +16,8 @@ from .run import Floats
 
 SUFFIXES = (".csv", ".tsv", ".txt")
 MOST_BYTES = 2**31
+LATEST_START = 1e5
+"""Time of a first row from which on times count from that row [s]: a clock of days or years."""
 REMEDY = (
     'Say which is which, with its unit, as in --columns "t=time_ms [ms]" v_command=cmd_v, or name '
     "them so."
@@ -62,6 +64,8 @@ def timed(table: Table, reader: TableReader, together: Sequence[Sequence[str]]) 
     """Columns without their empty cells, nor rows in which one ``together`` with them is empty."""
     values = {name: np.frombuffer(column) for name, column in table.columns.items()}
     t = values.pop(TIME.name)
+    if t.size and t[0] > LATEST_START:
+        t = t - t[0]
     values = {name: column for name, column in values.items() if not np.isnan(column + t).all()}
     there = {}
     for name, column in values.items():

@@ -20,8 +20,9 @@ TOGETHER = 0.7
 
 
 def check_motion(name: str, log: Samples, half_track: float, shortest: float) -> None:
-    """Check that the log is at least ``shortest`` [s] long and contains motion."""
-    span = log.t[-1] - log.t[0]
+    """Check that ``shortest`` [s] of the log can be used, and that it contains motion."""
+    used = 1.0 if log.use is None else log.use.all(axis=1).mean()
+    span = used * (log.t[-1] - log.t[0])
     if span < shortest:
         raise LogError(f"{name}: {span:.3g} s is too short; drive for {shortest:g} s or more.")
     speed = np.abs(wheels(speeds(log), half_track)).max(axis=1)
@@ -169,7 +170,7 @@ def check_following(
         )
     if sense := unit_of(gain):
         raise LogError(
-            f"{name}: the speed is {gain:.3g} times {column}: it looks like {sense}. Name the unit "
+            f"{name}: the speed is {gain:.4g} times {column}: it looks like {sense}. Name the unit "
             "in the header, or set encoder.counts."
         )
     if share > 0.5 and shift < -max(2.5 * period, 0.03):

@@ -84,14 +84,13 @@ def usable(samples: Samples, timeout: float | None = None, base: str = "velocity
         for low, high in _runs(~kept)
     ]
     rows = replace(samples, seen=seen, use=use)
-    if base == "torque":
-        return Rows(rows, None, tuple(left_out), tuple(notes))
-    rows, timeout = _with_silences(rows, driven, timeout, notes)
-    for begin, end in off_stretches(rows):
-        use[(t >= begin) & (t <= end)] = False
-        left_out.append(LeftOut(begin, end, "commanded but at rest"))
-        text = f"commanded but at rest from {begin + BEFORE_OFF:.3g} to {end - BEHIND_OFF:.3g} s"
-        notes.append(Note("drivers-off", "", f"{text}: drivers off? Left out."))
+    if base == "velocity":
+        rows, timeout = _with_silences(rows, driven, timeout, notes)
+        for begin, end in off_stretches(rows):
+            use[(t >= begin) & (t <= end)] = False
+            left_out.append(LeftOut(begin, end, "commanded but at rest"))
+            off = f"{begin + BEFORE_OFF:.3g} to {end - BEHIND_OFF:.3g} s: drivers off?"
+            notes.append(Note("drivers-off", "", f"commanded but at rest from {off} Left out."))
     return Rows(rows, timeout, tuple(left_out), tuple(notes))
 
 
@@ -180,13 +179,12 @@ def _with_silences(
     longest = min(LONGEST_TIMEOUT, float(np.median(silent[silent > 0])))
     best = min((*np.arange(COARSE, longest, COARSE).tolist(), math.inf), key=score)
     if not score(best) < score(math.inf) - LIKELIER:
-        text = f"{count}, and the base goes on with the last one."
-        notes.append(Note("timeout", "", text))
+        notes.append(Note("timeout", "", f"{count}, and the base goes on with the last one."))
         return rows, None
     near = np.arange(max(best - COARSE, FINE), best + COARSE + FINE / 2, FINE)
     best = min(near.tolist(), key=score)
-    text = f"{count}; the base stops {best:.2f} s after the last one: base.timeout"
-    notes.append(Note("timeout", "", f"{text}."))
+    stop = f"the base stops {best:.2f} s after the last one: base.timeout."
+    notes.append(Note("timeout", "", f"{count}; {stop}"))
     return _stopped(rows, silent, best), best
 
 
