@@ -1,7 +1,7 @@
 """Bases that take velocities, with a speed loop of the first order, and one behind a governor."""
 
+from tests.papers_robot import preset
 from tests.tables import changes
-from wmr_ctrl.world.scenario import load_scenario, override
 
 VELOCITY = changes("""
     base = {kind = "velocity", tau = [0.2, 0.25], gain = [1.05, 0.95]}
@@ -17,6 +17,6 @@ GOVERNED = VELOCITY | changes("""
 """)
 
 
-def based(overrides, **further):
-    given = {**overrides, **{key.replace("__", "."): value for key, value in further.items()}}
-    return override(load_scenario("paper-simulation-noise-free"), {"changes": [], **given})
+def based(*parts):
+    """An ideal world with a base, each part a mapping or text of `tests.tables`."""
+    return preset("paper-simulation-noise-free", {"changes": []}, *parts)

@@ -245,7 +245,7 @@ def test_what_drives_hold_at_first_is_nothing_in_a_run_and_what_rolls_on_for_goo
 
 
 def test_what_a_base_that_takes_velocities_holds_at_first_is_told_part_by_part():
-    late = based(VELOCITY, base__delay=0.02, base__accel=[1.0, 2.0], base__decel=[1.0, 2.0])
+    late = based(VELOCITY, "base.delay = 0.02; base.accel = [1, 2]; base.decel = [1, 2]")
     setup = settle(late, "kanayama")
 
     assert at_first(setup, run=True) == "no command under way and its ramp at that speed"

@@ -70,6 +70,6 @@ def has(flags, bit):
 
 
 def test_odometry_that_is_late_on_one_axis_alone_is_refused():
-    one = based(GOVERNED, sensor__velocity_age=0.1, gyro__enabled=True)
+    one = based(GOVERNED, "sensor.velocity_age = 0.1; gyro.enabled = true")
     with pytest.raises(ScenarioError, match=r"sensor.velocity_age: one axis.*gyro"):
         settle(one, "kanayama")
