@@ -19,4 +19,4 @@ GOVERNED = VELOCITY | changes("""
 
 def based(*parts):
     """An ideal world with a base, each part a mapping or text of `tests.tables`."""
-    return preset("paper-simulation-noise-free", {"changes": []}, *parts)
+    return preset("paper-simulation-noise-free", "changes = []", *parts)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
+from tests.papers_robot import preset
 from tests.tables import cases, changes
 from wmr_ctrl.cli.check_sentences import idle_keys
 from wmr_ctrl.control.filter.held_loop import push_speeds
@@ -14,7 +15,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.model.dynamics import plant, rk4_step
-from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override
+from wmr_ctrl.world.scenario import loads_scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
 from wmr_ctrl.world.speed_loops import SPEED_LOOP
 
@@ -34,7 +35,7 @@ DRIVEN = ("x", "y", "v1", "omega")
 
 
 def base(text=""):
-    return load_scenario("paper-simulation-noise-free", SECOND | changes(text))
+    return preset("paper-simulation-noise-free", SECOND, text)
 
 
 def driven(scenario, commands, push=(0.0, 0.0)):

@@ -167,9 +167,7 @@ CIRCLES = {
     "prox": ("prox", simulated(timed(PERIOD, 160), LOUD), (0.9994, 0.9784, 1.0257, 0.9647)),
     "kanayama, poses in part": (
         "kanayama",
-        simulated(
-            timed(PERIOD, 60), NOISY, changes("disturbance.std = 0.2; sensor.correction = 0.6")
-        ),
+        simulated(timed(PERIOD, 60), NOISY, "disturbance.std = 0.2; sensor.correction = 0.6"),
         (0.8900, 0.8636, 0.9894, 0.987),
     ),
     "a base": ("kanayama", burger(timed(0.06, 50), SENT), (0.9124, 0.9231, 1.0553, 0.887)),

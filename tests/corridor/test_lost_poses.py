@@ -67,7 +67,7 @@ def test_errors_of_velocities_add_up_while_poses_are_lost_and_beyond_the_bound_t
 
 @pytest.mark.slow
 def test_a_pose_every_few_samples_is_as_many_that_are_lost():
-    rare, lost = simulated({"sensor.pose_period": 0.03}), simulated(lossy(2))
+    rare, lost = simulated("sensor.pose_period = 0.03"), simulated(lossy(2))
     tube = find_corridor(rare, "prox")
     reached = farthest_lost(rare, worst_pushes(simulated(), "prox", SAMPLES, 0.3)[::3], [1])
 
@@ -77,7 +77,7 @@ def test_a_pose_every_few_samples_is_as_many_that_are_lost():
 
 @pytest.mark.slow
 def test_where_hardly_any_pose_comes_it_is_refused_and_told_how_often_one_has_to():
-    refused = find_corridor(simulated(NOISY, {"sensor.pose_period": 1000.0}), "prox").refused
+    refused = find_corridor(simulated(NOISY, "sensor.pose_period = 1000.0"), "prox").refused
 
     assert re.search(r"for 99999 samples may grow.* it closes with .*_period = \d", refused)
 

@@ -46,7 +46,7 @@ def test_it_starts_with_commands_under_way_and_an_observer_that_knows_of_them():
     """),
 )
 def test_what_is_not_covered_is_refused_by_name(changed, why):
-    tube = find_corridor(burger(PUSHED, changes(changed)), "kanayama")
+    tube = find_corridor(burger(PUSHED, changed), "kanayama")
 
     assert tube.position is None
     assert why in tube.refused
@@ -66,7 +66,7 @@ def test_filters_that_remember_what_was_sent_are_refused(told, why):
         filter.damping = [0.8, 1.0]
         filter.trust = true
     """)
-    assert why in find_corridor(based(VELOCITY | second | changes(told)), "kanayama").refused
+    assert why in find_corridor(based(VELOCITY | second, told), "kanayama").refused
 
 
 @pytest.mark.parametrize("channels", ["body", "wheels"])
@@ -98,7 +98,7 @@ def test_a_base_that_takes_velocities_has_no_monitor():
 @pytest.mark.slow
 def test_a_run_that_begins_without_commands_under_way_has_the_band_of_the_whole_run():
     """The corridor for good begins with commands of the reference's speed, which no run has."""
-    scenario = burger({"clock.duration": 4.0})
+    scenario = burger("clock.duration = 4.0")
     run = simulate(scenario, "kanayama")
     known = find_corridor(scenario, "kanayama", whole=True)
 

@@ -12,7 +12,7 @@ from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor
 from wmr_ctrl.world.scenario import override
 from wmr_proofs.corridor.latch import left_by
 
-CASE = simulated(timed(PERIOD, 200), {"disturbance.std": 0.1})
+CASE = simulated(timed(PERIOD, 200), "disturbance.std = 0.1")
 
 
 @pytest.fixture(scope="module")

@@ -113,7 +113,7 @@ def test_what_a_lap_does_not_end_in_is_followed_sample_by_sample(monkeypatch):
 
 def test_a_start_that_alone_stops_it_is_named_and_no_push_is_blamed():
     told = {"clock.control": PERIOD, "clock.duration": 1.0, "changes": []}
-    far = safe(told | changes("corridor.start = [0.02, 0.02, 0.1]"))
+    far = safe(told, "corridor.start = [0.02, 0.02, 0.1]")
     refused = run_corridor(far, "prox").refused
 
     assert refused.endswith(

@@ -5,13 +5,14 @@ import pytest
 
 from tests.control.filter.adversary import Base, fastest
 from tests.control.filter.test_filter import STATED, scenario
+from tests.papers_robot import preset
 from tests.tables import cases, changes
 from wmr_ctrl import simulate
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.theory.checks.velocity_base import filter_facts, usable_speed
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import override
 
 APART = {"tau": ((0.1, 0.15), (0.4, 0.6)), "gain": ((0.95, 1.05), (0.8, 1.5))}
 LATE = {"delay": ((0.02, 0.02), (0.02, 0.2)), "losses": 1, "jitter": 0.004, "age": 0.08}
@@ -117,7 +118,7 @@ MIXED = 'filter.loop = ["first-order", "second-order"]'
 )
 def test_what_does_not_fit_is_refused_with_its_place(stated, words):
     with pytest.raises(ScenarioError, match=words):
-        command_filter(load_scenario("paper-simulation", CLIP | changes(stated)))
+        command_filter(preset("paper-simulation", CLIP, stated))
 
 
 BASE = changes("""

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.filter_trials.stopping import RAMP_TEETH, RAMPS, bitten_ramps, breaks, drives
+from tests.papers_robot import preset
 from tests.tables import changes
 from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter import filter_system
@@ -163,7 +164,7 @@ def test_a_base_of_a_run_that_slows_down_less_is_named():
 )  # fmt: skip
 def test_what_it_cannot_keep_is_refused(stated):
     with pytest.raises(ScenarioError, match=re.escape(stated.split(" ")[0])):
-        load_scenario("paper-simulation", BASE | changes(stated))
+        preset("paper-simulation", BASE, stated)
 
 
 @pytest.mark.parametrize("key", ["filter.decel", "filter.odometry", "filter.rest"])

@@ -19,6 +19,7 @@ from benchmarks.filter_trials.stopping import (
     drives,
     mixed,
 )
+from tests.papers_robot import preset
 from tests.tables import cases, changes
 from wmr_ctrl.control.filter import CommandFilter
 from wmr_ctrl.control.filter.governor import NEAR, Schedule
@@ -249,7 +250,7 @@ TOLD = {**PLAIN, "filter.free_error": 0.02, "filter.rest": 1.0}
 )
 def test_what_is_not_certified_is_refused(changed, words):
     with pytest.raises(ScenarioError, match=words):
-        load_scenario("paper-simulation", TOLD | changes(changed))
+        preset("paper-simulation", TOLD, changed)
 
 
 @pytest.mark.parametrize(
