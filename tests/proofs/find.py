@@ -1,4 +1,4 @@
-"""Finds certificates for `wmr_proofs.check`: ``python -m tests.proofs.find ID``; needs z3.
+"""Finds certificates for `wmr_proofs.check`: ``python -m tests.proofs.find ID``; by z3 and flint.
 
 Nothing here is trusted.  A model of z3 says which choice is violated: that one is split.  Where z3
 says that the facts of a case contradict each other, a few of them that do so are looked for, and
@@ -14,6 +14,7 @@ from math import prod
 from time import process_time
 
 import z3
+from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
 from tests.proofs.kept_certificates import forget_others, save, words_hash
 from tests.proofs.record import merged, record
@@ -36,9 +37,11 @@ from wmr_proofs.check import (
     check,
     const,
     digest,
+    exact,
     key,
     mul,
     names,
+    negated,
     unpacked,
     var,
 )
@@ -48,8 +51,8 @@ from wmr_proofs.runner import selected
 
 ROOT = "~"
 """Begins the name of a square in a search."""
-DEGREE, DEPTH = 5, 40
-"""Factors of a product, and cases within cases, at most."""
+DEGREE, DEPTH, CUTS = 5, 40, 3
+"""Factors of a product, cases within cases, and those of signs among them, at most."""
 EVERY, MOST = 8000, 600
 """Products that are tried, and those of them that share monomials, at most."""
 SECONDS = 10.0
@@ -129,13 +132,14 @@ class Search:
                 return found
         return self._split(case, facts, model, depth)
 
-    def _closed(self, facts):
+    def _closed(self, facts, degrees=range(2, 4)):
         """A sum of facts that z3 finds to contradict each other."""
         few = self._core(facts)
         unknowns = set[str]().union(*(names(fact.poly) for fact in few.values()))
+        few |= {name: fact for name, fact in facts.items() if name.startswith("c")}
         near = {name: fact for name, fact in facts.items()
-                if len(fact.poly) == 1 and names(fact.poly) <= unknowns}  # fmt: skip
-        for degree in range(2, DEGREE + 1):
+                if len(names(fact.poly)) == 1 and names(fact.poly) <= unknowns}  # fmt: skip
+        for degree in degrees:
             signed = {**near, **few}
             for chosen in (few, signed, {**signed, **_squares(few)})[: 2 + (degree < 4)]:
                 found = self._sum(chosen, degree)
@@ -215,11 +219,39 @@ class Search:
             cases = [case.having(f"{name}:{k}", part) for k, part in enumerate(parts)]
             return self._cases(["or", name], case, cases, depth)
         if not choices:
-            raise NotFound("no case is left to be split")
+            return self._by_sign(case, facts, depth)
         number = ready[-1] if ready else choices[0][0]
         return self._cases(
             ["ite", number], case, [case.taking(number, yes) for yes in (True, False)], depth
         )
+
+    def _by_sign(self, case, facts, depth):
+        """The cases of a sign, of a factor of facts that contradict each other or of an unknown.
+
+        Where all have one, a sum of products of more facts.
+        """
+        core = self._core(facts).values()
+        chosen = [fact for name, fact in facts.items() if name[-1] in "+-"]
+        read = [factor for fact in (*core, *chosen) for factor in _factors(fact.poly)]
+        read += [var(name) for fact in core for name in sorted(names(fact.poly))]
+        cuts = sum(1 for name in facts if name.startswith("c"))
+        free = None if cuts >= CUTS else self._of_either_sign(read, facts)
+        if free is None:
+            found = self._closed(facts, range(4, DEGREE + 1))
+            if found is None:
+                raise NotFound("no case is left to be split")
+            return found
+        name, cut = f"c{cuts}", Fact(free, ">=")
+        cases = [case.having(name, cut), case.having(name, negated(cut))]
+        return self._cases(["cut", name, _told(cut.poly)], case, cases, depth)
+
+    def _of_either_sign(self, polys, facts):
+        """The first of these whose sign no sum of facts shows; None if there is none."""
+        for p in polys:
+            sides = (Fact(add({}, p, sign), ">") for sign in (1, -1))
+            if all(self._sum({**facts, "*": side}, 1) is None for side in sides):
+                return p
+        return None
 
     def _cases(self, head, case, cases, depth):
         for part in cases:
@@ -344,6 +376,21 @@ def _derivative(p, name):
         if rest is not None:
             total[rest] = c * dict(m)[name]
     return total
+
+
+def _factors(p):
+    """Factors of a polynomial that has several, with coefficients of their own."""
+    unknowns = sorted(names(p))
+    ring = fmpq_mpoly_ctx.get(unknowns or ["x"], Ordering.lex)
+    terms = {tuple(dict(m).get(name, 0) for name in unknowns): fmpq(str(c)) for m, c in p.items()}
+    _, found = ring.from_dict(terms).factor()
+    if len(found) < 2:
+        return []
+    return [
+        {tuple((n, int(e)) for n, e in zip(unknowns, powers, strict=True) if e): exact(str(c))
+         for powers, c in factor.to_dict().items()}
+        for factor, _ in found
+    ]  # fmt: skip
 
 
 def _item(share, used):

@@ -1,6 +1,7 @@
 """Claims and the committed ledger belong together."""
 
 import gc
+import re
 import subprocess
 import sys
 import time
@@ -30,6 +31,22 @@ EACH = 24
 def test_ids_are_unique_and_those_of_the_committed_ledger():
     assert len(IDS) == len(set(IDS))
     assert [entry.id for entry in load().entries] == IDS
+
+
+def test_each_argument_by_hand_names_its_theorem_and_what_would_break_it():
+    page = (Path(__file__).parents[2] / "docs" / "lemmas.md").read_text("utf-8")
+    rows = re.findall(r"^\| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", page, re.MULTILINE)[1:]
+    named = [key for _, keys, _ in rows for key in keys.split(", ")]
+
+    assert sorted(named) == sorted(claim.id for claim in all_claims() if claim.verdict == "HAND")
+    assert {f"## {key}" for key in named} <= set(page.splitlines())
+
+
+def test_no_entry_by_machine_speaks_of_all_time():
+    forever = re.compile(r"for ever\b|at all times|at every instant from|ever again|all samples")
+    others = (claim for claim in all_claims() if claim.verdict != "HAND")
+
+    assert [c.id for c in others if forever.search(f"{c.claim} {c.meaning}")] == ["guard.late.tail"]
 
 
 def test_no_committed_verdict_is_about_another_graph():

@@ -20,7 +20,8 @@ def test_least_commands_act_and_are_as_safe_as_others():
     assert_proved("filter.least")
 
 
-def test_clip_of_a_first_order_base_stays_inside():
+def test_clip_of_first_order_bases_keeps_the_limit_from_sample_to_sample():
+    """The whole clip: every limited speed, and each way to scale."""
     assert_proved("filter.clip")
 
 
@@ -36,6 +37,11 @@ def test_base_stays_inside_behind_what_the_governor_admits():
 @pytest.mark.slow
 def test_bound_that_the_governor_keeps_is_a_bound_a_step_later():
     assert_proved("filter.carried")
+
+
+def test_governor_keeps_speed_and_bound_from_sample_to_sample():
+    """What is sent, what the speed does and what is remembered, in one."""
+    assert_proved("filter.step")
 
 
 def test_governor_that_forgets_the_push_is_refuted():

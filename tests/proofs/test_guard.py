@@ -37,6 +37,11 @@ def test_controller_that_is_exported_keeps_the_limit():
     assert_proved("guard.assembled.controller")
 
 
+def test_commands_under_way_stay_as_small_as_the_guard_counts():
+    """Behind a constant delay: what is remembered is within `largest` again a sample later."""
+    assert_proved("guard.assembled.carried")
+
+
 def test_guard_that_forgets_the_push_is_refuted():
     with altered(guard.ceiling, "slope * left - b.net", "slope * left"):
         assert verdict(claim_of("guard.inside")) == "REFUTED"

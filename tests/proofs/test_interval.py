@@ -64,3 +64,30 @@ def test_the_c_library_is_as_accurate_as_assumed(name, low, high):
         exact = getattr(arb(x), name)()
 
         assert abs(arb(getattr(math, name)(x)) - exact) <= abs(exact) * arb(iv.LIBM)
+
+
+def test_elementary_functions_hold_what_a_library_within_its_error_may_say():
+    rng = random.Random("elementary")
+    for call in (arb.exp, arb.tanh, lambda x: -x.exp()):
+        for _ in range(300):
+            low, high = sorted(rng.uniform(-3, 3) for _ in range(2))
+            found = iv.elementary(call, Interval(low, high))
+            for x in (low, high, rng.uniform(low, high)):
+                exact = call(arb(x))
+                error = abs(exact) * arb(iv.LIBM)
+                assert arb(found.lo) <= exact - error
+                assert exact + error <= arb(found.hi)
+
+
+def test_quotients_of_forms_hold_what_they_are_of_one_number():
+    rng = random.Random("forms")
+    for _ in range(300):
+        x = Interval(1e-9, rng.uniform(0.1, 2), 1)
+        above, below = (Interval(*sorted(rng.uniform(0.5, 4) for _ in range(2))) for _ in range(2))
+        found = iv.divide(iv.multiply(x, above), iv.multiply(x, below))
+        ends = [Fraction(n) / Fraction(d) for n in (above.lo, above.hi)
+                for d in (below.lo, below.hi)]  # fmt: skip
+
+        assert Fraction(found.lo) <= min(ends)
+        assert max(ends) <= Fraction(found.hi)
+        assert found.hi < 1.001 * float(max(ends))

@@ -49,6 +49,7 @@ UNIT = {"x": (Fraction(0), Fraction(1))}
         (Z3(), SQUARE, "PROVED"),
         (Z3(), WRONG_SQUARE, "REFUTED"),
         (Z3(), BRANCH, "PROVED"),
+        (Z3(), about("x", lambda x: ([at_least(ca.sqrt(x), 1)], [at_least(x, 1)])), "PROVED"),
         (Z3(), EXP, "OPEN"),
         (Z3(), ANGLE, "OPEN"),
         (Ball(box=UNIT), BRANCH, "PROVED"),

@@ -194,7 +194,7 @@ def _governed(rng, more):
     return found
 
 
-@about("filter.limits", "filter.sent", "filter.assembled", "filter.carried")
+@about("filter.limits", "filter.sent", "filter.assembled", "filter.carried", "filter.step")
 def governed(rng):
     return _governed(rng, {})
 

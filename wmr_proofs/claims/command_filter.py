@@ -103,22 +103,6 @@ def inside(mutation: Mutation) -> Statement:
     return Statement(a, goal, (admits(a.bounds), a.relaxing, known, sent))
 
 
-@claim(
-    "filter.clip", given=f"{ANY_SIDE}; v <= V; kappa = 0, u <= hi; mean <= drive(u), 0 <= E <= 1"
-)
-def clip(mutation: Mutation) -> Statement:
-    """E v + (1 - E) mean <= V, whatever share E of the way is left.
-
-    The memoryless clip (V - dbar)/K_max keeps the limit without odometry and time constants.
-    """
-    a = FilterAxis()
-    b, E = a.bounds, a.E
-    share = between(0, E, 1), equal(a.kappa), at_least(b.V, a.v)
-    sent = at_least(mutation(1, 1.01) * a.hi, a.u), at_least(drive(a.u, b), a.mean)
-    goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
-    return Statement(a, goal, (admits(a.bounds), share, sent))
-
-
 @claim("filter.contains-clip", given=f"{ANY_SIDE}; v_bar <= V, kappa >= 0")
 def contains_clip(mutation: Mutation) -> Statement:
     """hi(v_bar) >= (V - dbar)/K_max >= 0, and hi(V) is that.

@@ -26,9 +26,8 @@ def only_rest(_: Mutation) -> Statement:
     """(Theorem 1) e converges to 0 from everywhere: e = 0 is the only equilibrium of the error
     under v = v_c0.
 
-    A robot exactly on the path but facing backwards, e = (0, 0, pi), stays like that for ever: it
-    drives backwards along the path, and no term of the law turns it. Convergence is almost global
-    at best.
+    A robot exactly on the path but facing backwards, e = (0, 0, pi), has e' = 0: it drives
+    backwards along the path, and no term of the law turns it. Convergence is almost global at best.
     """
     t = Tracking()
     rate = error_rate(t.e, auxiliary_velocity(t.e, t.v_d, t.k), t.v_d)

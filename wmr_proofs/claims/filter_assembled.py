@@ -12,7 +12,7 @@ from wmr_ctrl.control.filter.channels import WAYS
 from wmr_ctrl.control.filter.governor import NEAR, drive, drive_back
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.scenario import load_scenario
-from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
     Cuts,
@@ -25,7 +25,7 @@ from wmr_proofs.relation import (
     positive,
     when,
 )
-from wmr_proofs.statement import Statement
+from wmr_proofs.statement import Statement, instance
 from wmr_proofs.symbols import Named, symbols
 
 from .command_filter import ANY_SIDE, COMMANDS, admits, highest
@@ -238,3 +238,40 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     commands = {"sent command": step.graph.safe[axis], "other command": step.graph.safe[1 - axis]}
     cuts = step.cuts | commands | {"driven towards": target}
     return Statement(step, at_least(step.graph.following[side][axis], end), given, cuts)
+
+
+@claim(
+    "filter.step",
+    given=f"I: {ASSEMBLED}; mean <= drive(u), u what is sent; exp(-T/tau_min) <= E <= 1, and E <= "
+    "exp(-T/tau_max) at the next sample",
+    premises="filter.drive filter.limits filter.sent filter.assembled filter.carried",
+    each=SIDES,
+)
+def induced(mutation: Mutation, side: int, axis: int) -> Statement:
+    """I at a sample implies I at the next one, whatever the whole filter is asked for: on each
+    axis, forwards and backwards, E v + (1 - E) mean <= V up to then, and, then, it is at most what
+    the filter keeps as next bound.
+
+    A step of the induction over samples (filter.mean): what is sent, what the speed does and what
+    is remembered, in one.
+    """
+    step = AssembledStep(side, axis)
+    free, graph, share, least = step.free, step.graph, 1 - step.free.E, step.cuts["-least"]
+    safe, kept = graph.safe[axis], graph.following[side][axis]
+    values = {"u": step.way * safe, "share": share}
+    taken = []
+    for part in (
+        limits(CLAIMED),
+        *(item(CLAIMED, side, axis) for item in (sent, assembled, carried)),
+    ):
+        own = {name: step.symbols[name] for name in part.symbols if name in step.symbols}
+        taken.append(instance(part, own | values if "u" in own else own))
+    cuts = step.cuts | {"sent command": safe, "other command": graph.safe[1 - axis], "kept": kept}
+    cuts |= {f"limit {s} {i}": graph.limits[s][i] for s, i in product(range(2), repeat=2)}
+    end = free.E * step.way * free.v + share * free.mean
+    given = step.given(CLAIMED, (drive, drive_back)[side](safe, step.bounds)), step.slow, taken
+    goals = (
+        at_least(mutation(1, 0.99) * step.bounds.V, end),
+        when(share >= -least, at_least(kept, end)),
+    )
+    return Statement(step, goals, given, cuts)

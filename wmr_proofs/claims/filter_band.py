@@ -172,7 +172,7 @@ def least(mutation: Mutation) -> Statement:
 def held(mutation: Mutation, rises: bool) -> Statement:
     """to + over, -to + under of the changed forecast <= c'', on every piece and behind.
 
-    A command that is admitted and held keeps the forecast within the limit, for ever.
+    A command that is admitted keeps the forecast of its being held within the limit.
     """
     a = BandStep()
     s, (rise, fall) = a.symbols, a.steps

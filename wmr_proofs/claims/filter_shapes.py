@@ -11,7 +11,7 @@ import casadi as ca
 from wmr_ctrl.control.filter.band import BandGovernor
 from wmr_ctrl.control.filter.channels import WAYS, Channel
 from wmr_ctrl.control.filter.clip import Clip
-from wmr_ctrl.control.filter.governor import NEAR, drive
+from wmr_ctrl.control.filter.governor import NEAR, drive, drive_back
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
@@ -31,20 +31,23 @@ from wmr_proofs.relation import (
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
-from .command_filter import COMMANDS, INTERVALS
+from .command_filter import COMMANDS, INTERVALS, sound
 from .common import elements_of, ports_of
 from .filter_assembled import ALIKE, STATED
 from .filter_band_times import BANDED
 from .filter_loops import LINEAR, SLOW
 
 claim = Claims(by=Z3())
+CLIPPED = STATED | {"filter.kind": "clip"}
+WHEELED: dict[str, object] = {"filter.channels": "wheels", **ALIKE}
+BESIDE: dict[str, object] = {"filter.wheel_speed": 1.0, **ALIKE}
 SHAPES: tuple[dict[str, object], ...] = (
     {"key": "axes", "more": {}, "limited": "v and omega, whose bounds differ, each by its own "
      "factor or one first",
      "scales": ("axes", "turn", "drive")},
     {"key": "wheels", "limited": "both wheels' speeds, by one factor or one axis first",
-     "more": {"filter.channels": "wheels", **ALIKE}, "scales": ("curvature", "turn", "drive")},
-    {"key": "beside", "more": {"filter.wheel_speed": 1.0, **ALIKE}, "scales": ("turn", "drive"),
+     "more": WHEELED, "scales": ("curvature", "turn", "drive")},
+    {"key": "beside", "more": BESIDE, "scales": ("turn", "drive"),
      "limited": "v, omega and both wheels' speeds, one axis first"},
 )  # fmt: skip
 """Speeds that are limited, and the ways to scale a command that no other entry is about.
@@ -61,6 +64,11 @@ def governor(more: Mapping[str, object]) -> Governor:
 def named_for(table: Symbols, scale: str) -> Symbols:
     """Symbols of one scale's graph, under names of their own."""
     return Symbols({f"{name} {scale}": symbol for name, symbol in table.items()})
+
+
+def _clip(stated: Mapping[str, object], scale: str) -> Clip:
+    told = {key: value for key, value in stated.items() if key != "filter.odometry"}
+    return Clip(load_scenario("paper-simulation", told | {"filter.scale": scale}))
 
 
 def _arms(channels: list[Channel]) -> Relations:
@@ -107,7 +115,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
     "delta in the places of K_max and dbar where loops are linear",
     over=SHAPES,
 )
-def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]) -> Statement:
+def sent_clip(mutation: Mutation, more: dict[str, object], scales: tuple[str, ...]) -> Statement:
     """|w| <= (V - dbar)/K_max, w each limited speed of the command that the whole clip sends to
     first-order loops or linear ones: {limited}; where no wheel is limited, by one factor as well.
 
@@ -115,11 +123,9 @@ def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str,
     """
     table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
-    for loop, stated in (("first", STATED | {"filter.kind": "clip"}), ("linear", LINEAR)):
+    for loop, stated in (("first", CLIPPED), ("linear", LINEAR)):
         for scale in scales if more else ("curvature", *scales):
-            settings = {**stated, **more, "filter.scale": scale}
-            settings.pop("filter.odometry", None)
-            clip = Clip(load_scenario("paper-simulation", settings))
+            clip = _clip(stated | more, scale)
             name = f"{scale} {loop}"
             table |= named_for(elements_of(clip.asked, *clip.p.ports), name)
             cuts[f"numbers are sound {name}"] = clip.sound
@@ -128,6 +134,41 @@ def sent_clip(mutation: Mutation, more: Mapping[str, object], scales: tuple[str,
                 cuts[f"limit {i} {name}"] = limit
                 goals += within(channel.of(clip.sent), mutation(1, 0.99) * limit)
     return Statement(table, goals, given, cuts)
+
+
+@claim(
+    "filter.clip",
+    given=f"{COMMANDS}; l > 0, 0 < K_min <= K_max, 0 <= dbar < V of each speed, V less 2^-26 of "
+    "it; -drive_back(u) <= mean <= drive(u), u the speed that is sent (filter.drive); 0 <= E <= 1",
+    premises="filter.drive",
+    each={
+        f"{key} {scale}": {"more": more, "scale": scale}
+        for key, more, scales in (
+            ("axes", {}, ("curvature", "axes", "turn", "drive")),
+            ("wheels", WHEELED, ("curvature", "turn", "drive")),
+            ("beside", BESIDE, ("turn", "drive")),
+        )
+        for scale in scales
+    },
+)
+def clip_step(mutation: Mutation, more: dict[str, object], scale: str) -> Statement:
+    """|w| <= V at a sample implies |E w + (1 - E) mean| <= V up to the next one, which is |w| <= V
+    again, w each limited speed, whatever the whole clip is asked for: v and omega, both wheels, or
+    all of these, in each way to scale but one factor beside wheels.
+
+    A step of the induction over samples (filter.mean). The memoryless clip (V - dbar)/K_max keeps
+    the limit without odometry and time constants.
+    """
+    clip = _clip(CLIPPED | more, scale)
+    table, goals = elements_of(clip.asked, *clip.p.ports), list[Relations]()
+    given = [_arms(clip.channels)]
+    for i, channel in enumerate(clip.channels):
+        f, b, u = symbols("w mean E"), channel.bounds, channel.of(clip.sent)
+        table |= named_for(f, str(i))
+        most, least = drive(u, b), -drive_back(u, b)
+        given += [sound(b), within(f.w, b.V), between(least, f.mean, most), between(0, f.E, 1)]
+        goals += within(f.E * f.w + (1 - f.E) * f.mean, mutation(1, 0.99) * b.V)
+    return Statement(table, goals, given, {"numbers are sound": clip.sound})
 
 
 @claim(
@@ -201,9 +242,9 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
 
 
 WHEELS = (
-    {"key": "wheels", "more": {"filter.channels": "wheels", **ALIKE}, "which": "min(V, l Omega)",
+    {"key": "wheels", "more": WHEELED, "which": "min(V, l Omega)",
      "what": "wheels are limited instead of v and omega"},
-    {"key": "beside", "more": {"filter.wheel_speed": 1.0, **ALIKE}, "which": "filter.wheel_speed",
+    {"key": "beside", "more": BESIDE, "which": "filter.wheel_speed",
      "what": "wheels are limited beside v and omega"},
 )  # fmt: skip
 

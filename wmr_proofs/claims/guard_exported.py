@@ -8,7 +8,7 @@ from itertools import accumulate
 import casadi as ca
 
 from wmr_ctrl.control.controller import guard
-from wmr_ctrl.control.guard.delay import InFlight, in_flight
+from wmr_ctrl.control.guard.delay import InFlight, in_flight, largest_force
 from wmr_ctrl.control.guard.guard import MAPS, Bounds, ceiling, clipped, feasible
 from wmr_ctrl.control.guard.monitor import least_push
 from wmr_ctrl.control.setup import Setup, settle
@@ -27,13 +27,14 @@ from wmr_proofs.relation import (
     every,
     positive,
     when,
+    within,
 )
 from wmr_proofs.statement import Statement, instance, valued
 from wmr_proofs.symbols import Named, symbols
 
 from .common import PRESET, named_ports, ports_of, scalars
 from .guard_axis import DELAYED, NUMBERS, GuardAxis
-from .guard_sample import anchor
+from .guard_sample import anchor, largest
 from .guard_sample import feasible as not_empty
 from .guard_sample import inside as stays_inside
 from .guard_sent import added, caps, room
@@ -43,7 +44,7 @@ INSIDE = "|v| <= u1"
 UNDER_WAY = (
     "v+ and -v+, where the new command takes over, are at most u1 and what the guard counts, v + "
     "ahead or -v + back, where ahead + back <= delay (largest + net)/M_min is what is under way "
-    "(guard.delay.command, guard.delay.queue, guard.delay.lemma)"
+    "(guard.assembled.carried, guard.delay.lemma)"
 )
 claim = Claims(by=Z3())
 
@@ -265,10 +266,11 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
 )
 def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
     """both axes, both ways: v + t max(F + net, 0)/M <= u1 for t in [0, T], F the exact force of the
-    torques of the whole guard, with either map, v the speed or f_speed where that is more.
+    torques of the whole guard, with either map, v the speed or f_speed where that is more; for t =
+    T that is |v| <= u1 again, where the next command takes over.
 
-    From the published flag to the motion in one step, on the graph that is exported: nothing but
-    feasible = 1 is asked of the guard's numbers.
+    From the published flag to the motion in one step, on the graph that is exported: a step of the
+    induction over samples (guard.lemma). Nothing but feasible = 1 is asked of the guard's numbers.
     """
     e = Assembled(guard, setup(kind, delay))
     r, half = e.wheels
@@ -295,3 +297,42 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
         parts |= {f"sum {name}": total for name, total in sums.items()}
         cuts |= {f"{name} {axis + 1}": part for name, part in parts.items()}
     return Statement(table, goals, given, cuts)
+
+
+@claim(
+    "guard.assembled.carried",
+    given="feasible = 1; r, l, tau_max, T, delay, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, "
+    "f_speed >= 0; any velocities and any force asked for; behind one of two periods, |F_j| <= "
+    "largest of both torques that are remembered and of both axes",
+    premises="guard.delay.caps guard.delay.largest guard.delay.anchor",
+    each={kind: {"kind": kind} for kind in MAPS},
+)
+def carried(mutation: Mutation, kind: str) -> Statement:
+    """ahead + back <= delay (largest + net)/M_min, and |F| <= largest, F the exact force of the
+    torques of the whole guard, with either map; both axes.
+
+    What guard.assembled.keeps assumes of the commands under way is handed on from sample to sample.
+    """
+    e = Assembled(guard, setup(kind, 2))
+    free, force = symbols("linear angular"), wheel_to_force(*e.wheels, e.torque)
+    given = list[Relations]([above(e.told["feasible"])])
+    given.append(positive(*e.wheels, e.p["actuator.tau_max"]))
+    goals, cuts, a = list[Relations](), dict(e.cuts), GuardAxis(DELAYED)
+    for axis, (y, b, coming) in enumerate(e.axes):
+        assert coming is not None
+        assert b.delay is not None
+        name, most = (*free.items(),)[axis]
+        values = {number: getattr(b, number) for number in (*NUMBERS.split(), "delay")}
+        values |= {"y": y, "asked": e.asked[axis], "ahead": coming.ahead, "back": coming.back}
+        given += valued(a.signs, a, values), equal(most, largest_force(b))
+        given += [instance(item(CLAIMED, a), values) for item in (caps, largest, anchor)]
+        for age, tau in enumerate(e.sent):
+            before = wheel_to_force(*e.wheels, tau)[axis]
+            given += within(before, most)
+            cuts[f"sent {name} {age}"] = before
+        sums = b.delay * (most + b.dbar - b.f_min) / b.M_min
+        goals.append(at_least(sums, coming.ahead + coming.back))
+        goals += within(force[axis], mutation(1, 0.99) * most)
+        wish = {"wish": e.asked[axis], "safe": ca.SX(0)}
+        cuts |= {f"{key} {name}": clipped(part, y, b, coming) for key, part in wish.items()}
+    return Statement(e | free, goals, given, cuts)

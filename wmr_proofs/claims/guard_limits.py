@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from wmr_ctrl.control.guard.delay import InFlight, largest_force, waiting
+from wmr_ctrl.control.guard.delay import largest_force
 from wmr_ctrl.control.guard.guard import ceiling, clipped, floor
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
@@ -111,19 +111,6 @@ def longer(_: Mutation) -> Statement:
     return Statement(a, at_least(a.u1, end), given, a.cuts)
 
 
-@claim("guard.delay.ignored", given="ahead > 0")
-def ignored(_: Mutation) -> Statement:
-    """guard.delay.inside, for the guard that knows of no delay.
-
-    False: what is under way has to be counted.
-    """
-    a = GuardAxis(DELAYED)
-    given = a.stated, a.seen(1, 0, a.during()), at_least(a.u1, a.arrived), above(a.ahead)
-    force = clipped(a.asked, a.y, a.bounds)
-    end = a.arrived + a.t * ca.fmax(force + a.net, 0) / a.mass
-    return Statement(a, at_least(a.u1, end), given, a.cuts)
-
-
 @claim("guard.delay.uncapped", given=FEASIBLE)
 def uncapped(_: Mutation) -> Statement:
     """guard.delay.feasible, with |F_j| <= M_min alpha (u1 - f_speed) - net.
@@ -137,40 +124,3 @@ def uncapped(_: Mutation) -> Statement:
     whole = at_least(a.delay, a.periods * a.period)
     goal = at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a)))
     return Statement(a, goal, (a.feasible(), sent, whole, at_least(a.periods)))
-
-
-@claim("guard.late.unmixed", given="0 < J <= T")
-def unmixed(_: Mutation) -> Statement:
-    """guard.late.inside, for the guard of a constant delay of the largest lateness.
-
-    False: a command that takes over early and is replaced late acts for more than T.
-    """
-    a = GuardAxis(LATE)
-    over, again = a.start(1), a.again
-    coming = InFlight(a.ahead + again.ahead, a.back + again.back)
-    force = clipped(a.asked, a.y, replace(a.bounds, jitter=None, mixed=None), coming)
-    end = over + a.t * ca.fmax(force + a.net, 0) / a.mass
-    exact = (equal(a.bounds.nbar), equal(a.bounds.f_speed), equal(a.bounds.f_min))
-    sums = (equal(a.rest_ahead, a.ahead), equal(a.rest_back, a.back))
-    given = a.stated, a.seen(1), exact, sums, a.during(), at_least(a.u1, over)
-    return Statement(a, at_least(a.u1, end), given, a.cuts)
-
-
-@claim("guard.varying.unvaried", given="0 < a < b")
-def unvaried(_: Mutation) -> Statement:
-    """guard.varying.inside, for a guard that takes the lag for constant.
-
-    False: a time constant that falls brings the new command sooner while what was sent is still
-    felt.
-    """
-    a = GuardAxis(LATE, varies=False)
-    t = symbols("z rise fast slow")
-    b, z = a.bounds, t.z
-    force = clipped(a.asked, a.y, b, InFlight(a.ahead, a.back))
-    p = ca.fmax(force + a.net, 0)
-    end = a.arrived + waiting(z, p, b.period, t.rise) / b.M_min
-    sums = at_least(z), equal(a.rest_ahead, a.ahead), equal(a.rest_back, a.back)
-    lags = above(t.fast), above(t.slow, t.fast), above(t.rise), at_least(t.slow - t.fast, t.rise)
-    room = at_least(a.ahead * b.M_min, t.slow * z), at_least(b.u1, a.arrived)
-    given = a.stated, a.seen(1), sums, lags, room
-    return Statement(a | t, at_least(b.u1, end), given, a.cuts)

@@ -143,8 +143,8 @@ PRECISIONS = (
     _words(
         DOUBLE,
         "rounding",
-        "The limit itself is kept by the exact robot behind the double-precision guard, to the "
-        "last bit and for ever: torque conversion, box, clip and braking branch are in it. "
+        "The limit itself is kept for a sample by the exact robot behind the double-precision "
+        "guard, to the last bit: torque conversion, box, clip and braking branch are in it. "
         "With f_min <= dbar and T and alpha of both axes alike, l M_min1 u1_1/(M_min2 u1_2) in "
         "[1/22, 22] is enough: I/(m l^2) from 1/22 to 22 times u1_1/(l u1_2).",
         "",

@@ -196,8 +196,8 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
     """|w+| <= E (|w| + |c+ - c_m|), w = v - v_c1 before (at c) and after (at c+), with either
     barrier.
 
-    The distance to a target that moves shrinks by E in every sample, however long the sample is,
-    but for the part of the target's way that is not carried along.
+    The distance to a target that moves shrinks by E in a sample, however long that
+    is, except for the part of the target's way that is not carried along.
     """
     s, t = Step(smooth), symbols("w")
     x_target, x_followed, carried = (s.free[n] for n in ("x_target", "x_followed", "carried"))

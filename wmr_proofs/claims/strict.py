@@ -109,7 +109,7 @@ def exponential(mutation: Mutation) -> Statement:
 def stays(mutation: Mutation) -> Statement:
     """W < 1/20 implies |e1|, |e2| < 1 and cos e3 > 1/4.
 
-    From inside this set the robot never leaves the region where the rate holds.
+    Inside this set the rate holds.
     """
     t = Strict()
     given = equal(t.k2, 5), equal(50 * t.eps, 1), above(mutation, 20 * mutation * t.W)
@@ -180,10 +180,11 @@ def level_set(mutation: Mutation) -> Statement:
     premises="level.pull level.rate level.argument level.inside lemma.integration",
 )
 def level_invariant(mutation: Mutation) -> Statement:
-    """with v = v_c1 (velocities at their limited targets) the set {V2 < min(2/k2, ((v_u22 -
-    |v2d|)/(k2 v1d))^2/2), |e3| < pi} is never left: V2' <= 0 on it, and V2 >= 2/k2 where |e3| = pi.
+    """with v = v_c1 (velocities at their limited targets) V2' <= 0 on the set {V2 < min(2/k2,
+    ((v_u22 - |v2d|)/(k2 v1d))^2/2), |e3| < pi}, and V2 >= 2/k2 where |e3| = pi.
 
-    The paper proves tracking only while no limit is touched, and never shows that the robot gets
+    No motion leaves the set (lemma.integration). The paper proves tracking only while no limit is
+    touched, and never shows that the robot gets
     there. This set, V2 < 0.4 with the paper's numbers, holds the paper's own start, which is
     saturated.
     """
@@ -226,8 +227,9 @@ def saturated_growth(_: Mutation) -> Statement:
 def stuck(_: Mutation) -> Statement:
     """v1d < v_u11 suffices: e = 0 is the only equilibrium.
 
-    With v1d = 0.9 m/s between v_u21 = 0.8 and v_u11 = 1 the robot follows exactly 1 m behind for
-    ever: the hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does not state).
+    With v1d = 0.9 m/s between v_u21 = 0.8 and v_u11 = 1 a robot exactly 1 m behind stays
+    there (e' = 0): the hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does
+    not state).
     """
     t = Tracking("u11 u12 u21 u22")
     given = positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), above(t.u11, t.v_d[0])

@@ -112,17 +112,22 @@ def test_a_goal_within_the_dead_band_is_reached(law):
     assert docked(LEAST, law, "numpy")[0] == pytest.approx(away, abs=1e-9)
 
 
-@pytest.mark.parametrize("wheels", [False, True])
-def test_what_is_sent_acts_and_is_in_the_mean_what_was_asked(wheels):
-    band = changes("base.wheel_deadband = 0.03; filter.d = [0.02, 0.2]") if wheels else LEAST
+BANDS = [
+    (LEAST, (0.03, 0.26)),
+    (changes("base.deadband = [0.0, 0.26]"), (0.0, 0.26)),
+    (changes("base.wheel_deadband = 0.03; filter.d = [0.02, 0.2]"), (0.03, 0.03)),
+]
+
+
+@pytest.mark.parametrize("band, size", BANDS)
+def test_what_is_sent_acts_and_is_in_the_mean_what_was_asked(band, size):
     step = wmr_ctrl.command_filter(override(CREATE3, {**band, "filter.least": True})).step
     l, rng = CREATE3.robot.l, np.random.default_rng(6)
-    parts = np.array([[1.0, l], [1.0, -l]]) if wheels else np.eye(2)
-    size = np.array([0.03, 0.03]) if wheels else np.array([0.03, 0.26])
+    parts = np.array([[1.0, l], [1.0, -l]]) if "base.wheel_deadband" in band else np.eye(2)
     asked = np.repeat(rng.uniform(-1, 1, (40, 2)) * (0.06, 0.3), rng.integers(1, 60, 40), axis=0)
     sent = np.array([step(tuple(u)).command for u in asked])
     asked, sent = asked @ parts.T, sent @ parts.T
-    assert ((np.abs(sent) >= size * (1 - 1e-12)) | (np.abs(sent) < 1e-12)).all()
+    assert ((np.abs(sent) >= np.multiply(size, 1 - 1e-12)) | (np.abs(sent) < 1e-12)).all()
     small = np.abs(asked) < size
     assert sent[~small] == pytest.approx(asked[~small], abs=1e-12)
     for axis in (0, 1):

@@ -3,6 +3,7 @@
 import itertools
 from functools import cache
 
+import casadi as ca
 import numpy as np
 import pytest
 from scipy.signal import lti, step
@@ -11,7 +12,7 @@ from tests.control.filter.linear_base import pi_base, second_order_base
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
 from tests.tables import cases, changes
 from wmr_ctrl import command_filter
-from wmr_ctrl.control.filter.band import MOST_COMMANDS, PIECES
+from wmr_ctrl.control.filter.band import MOST_COMMANDS, PIECES, response_table
 from wmr_ctrl.control.filter.step_response import band, pi_cells, second_order_cells
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import override
@@ -125,6 +126,15 @@ def test_tables_hold_every_step_response_and_little_more(cells, members):
     behind = np.array([step(lti(*m), T=fine)[1] for m in members])[:, len(t) - 1 :]
     later = fine[len(t) - 1 :] - t[-1]
     assert (abs(behind - 1) <= known.left * np.exp(-known.rate * later) + 1e-9).all()
+
+
+def test_the_graph_s_table_is_that_of_the_family_rounded_outward():
+    known = band(second_order_cells((4.0, 5.0), (0.9, 1.0)), T, PIECES, MOST_COMMANDS)
+    table = response_table(known)
+    for bound, exact in ((table.above, known.high - 1), (table.below, 1 - known.low)):
+        found = ca.evalf(bound).full().ravel()
+        assert (found >= exact).all()
+        assert found == pytest.approx(exact, abs=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -217,6 +217,7 @@ def exact_push(k, s):
     ((50.0, 50.0), (150.0, 150.0), (300.0, 300.0), (0.0, 0.0)),
     ((0.9, 1.1), (1.79, 2.2), (0.9, 1.1), (0.0, 0.3)),
     ((1.0, 1.2), (4.0, 5.0), (1.0, 1.1), (1.0, 10.0)),
+    ((50.0, 60.0), (150.0, 165.0), (300.0, 320.0), (20.0, 40.0)),
 ])  # fmt: skip
 def test_the_search_ends_where_the_corner_is_that_is_known_to_be_the_worst(family):
     """Friction that is surely there counts, and sides of no length are no trouble."""

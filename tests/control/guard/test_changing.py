@@ -93,11 +93,16 @@ def test_a_limit_rises_at_once_and_falls_slowly():
     assert own[1] == pytest.approx(1 - 0.1 * 0.01)
 
 
-def test_no_limit_is_lower_than_the_guard_can_keep():
-    low, behind = told([np.nan, 0.0, 0.0, np.nan], steps=3000)
-    numbers = settle(SCENARIO, "pid").guard
+BRAKED = {"guard.f_min": [30.0, 8.0], "guard.f_speed": [0.1, 0.1], "guard.trust": True}
+
+
+@pytest.mark.parametrize("brakes", [{}, BRAKED])
+def test_no_limit_is_lower_than_the_guard_can_keep(brakes):
+    """Also where friction surely brakes more than pushes drive."""
+    low, behind = told([np.nan, 0.0, 0.0, np.nan], steps=3000, **brakes)
+    numbers = settle(override(SCENARIO, brakes), "pid").guard
     least = [
-        max(f + 2 * (d - g) / (M * numbers.alpha), 2 * n)
+        max(f + 2 * max(d - g, 0) / (M * numbers.alpha), 2 * n)
         for f, d, g, M, n in zip(
             numbers.f_speed, numbers.dbar, numbers.f_min, numbers.M_min, ERROR, strict=True
         )

@@ -1,5 +1,6 @@
 """The monitor of unguarded runs: what it reveals, and that it never accuses what holds."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import casadi as ca
@@ -9,7 +10,8 @@ import pytest
 from tests.equal_runs import runs_equal
 from tests.tables import changes
 from wmr_ctrl.api import simulate, simulate_many
-from wmr_ctrl.control.guard.monitor import least_push
+from wmr_ctrl.control.guard.lateness import AT_ONCE, Since
+from wmr_ctrl.control.guard.monitor import LateMotion, least_push
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.results import load_run
 from wmr_ctrl.results.formats import save_run
@@ -145,3 +147,13 @@ def test_the_least_push_is_what_the_lightest_or_heaviest_robot_leaves_open(old, 
     bounds = SimpleNamespace(nbar=0.01, period=0.1, M_min=40.0, M_max=60.0)
 
     assert float(ca.evalf(least_push(*map(ca.SX, (v, old, force)), bounds))) == pytest.approx(least)
+
+
+def test_it_waits_until_all_that_acted_before_is_known_on_both_axes():
+    late = [
+        Since(mean=(), rest=(), mean_time=1.0, rest_time=1.0, older=replace(AT_ONCE, most=periods))
+        for periods in (0.5, 2.5)
+    ]
+
+    assert LateMotion((late[0], late[1]), [], ca.SX(2, 1)).begins == 4
+    assert LateMotion((late[0], None), [], ca.SX(2, 1)).begins == 2

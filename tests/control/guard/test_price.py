@@ -1,5 +1,7 @@
 """What the guard costs: steady speeds that it leaves."""
 
+from dataclasses import replace
+
 from tests.papers_robot import paper
 from wmr_ctrl.control.guard.price import early_speed, speed_price, torque_swing, usable_formula
 from wmr_ctrl.control.setup import settle
@@ -24,5 +26,8 @@ def test_without_delay_or_noise_nothing_is_early_and_nothing_swings():
     scenario, guard = priced()
 
     assert early_speed(guard) == (0.0, 0.0)
+    assert (
+        early_speed(replace(guard, delay=(0.1, 0.1), dbar=(1.0, 1.0), f_min=(2.0, 0.5)))[0] == 0.0
+    )
     assert usable_formula(guard, 0).endswith("(1/alpha + delay)/M_min")
     assert torque_swing(scenario.robot, guard, 0) == 0.0 or any(map(float, guard.nbar))
