@@ -12,7 +12,7 @@ import time
 import rclpy
 from drive_live import Base
 from geometry_msgs.msg import TwistStamped
-from outside import AT_ONCE, KEPT, ON_THE_WAY, PATIENCE, SURE, quiet, tell
+from outside import KEPT, ON_THE_WAY, PATIENCE, SOON, SURE, quiet, tell
 from rcl_interfaces.msg import Log
 from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import Bool
@@ -101,8 +101,7 @@ class Beside(Base):
 
 def main(scenario, name):
     own = {"drive": "law:=kanayama", "filter": "odometry:=required"}
-    given = ["-p", f"scenario:={scenario}", "-p", own[name]]
-    given += AT_ONCE
+    given = [part for item in (f"scenario:={scenario}", own[name], SOON) for part in ("-p", item)]
     rclpy.init(args=["--ros-args", *given])
     node = (DriveNode if name == "drive" else FilterNode)()
     node.trigger_configure()

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.commands import finished
 from wmr_ctrl.ros2.c_node import LINKED, NAME, node_settings, write_node
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -43,7 +44,7 @@ def ros(request):
         pytest.skip(f"NOT RUN: the wheels of ROS 2 cannot be installed: {problem}")
     (site,) = folder.glob("lib/python*/site-packages")
     paths = [path for path in sys.path if path.endswith("site-packages")]
-    (site / "zz_here.pth").write_text("\n".join([*paths, str(ROOT)]), encoding="utf-8")
+    (site / "zz_here.pth").write_text("\n".join([*paths, str(ROOT)]), "utf-8")
     return folder / "bin" / "python"
 
 
@@ -146,7 +147,7 @@ def built_node(scenario, settings, ros, folder):
     links = [*with_python(), f"-L{prefix}/lib", *LINKED, "-lm"]
     flags = ["-std=gnu11", "-O0", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror"]
     command = ["cc", *flags, *places, *units, "-o", str(out), *links]
-    subprocess.run(command, cwd=folder, check=True)
+    finished(command, cwd=folder)
     return out
 
 

@@ -6,14 +6,25 @@ it was zero [s after the fault], what diagnostics said, and whether it drove aga
 on simulated time that stops, goes back and leaps ahead.
 """
 
-import subprocess
 import sys
 import time
 from itertools import pairwise
 
 import rclpy
 from drive_live import KEPT, SURE, Base
-from outside import AT_ONCE, ATTEMPTS, LASTS, MANY, PATIENCE, PUNCTUAL, after, silence, tell
+from outside import (
+    ATTEMPTS,
+    LASTS,
+    MANY,
+    PATIENCE,
+    PUNCTUAL,
+    SOON,
+    after,
+    call,
+    launch,
+    silence,
+    tell,
+)
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
@@ -22,7 +33,7 @@ CRUISE = 0.25
 """Speed [m/s] of a base that follows its circle, nearly."""
 
 
-SOON = 10.0
+AWAITED = 10.0
 """Time [s] in which what follows a leap is there, else it is made again."""
 
 
@@ -60,9 +71,6 @@ class Broken(Base):
         """Whether the base drives again after it braked, and a word was told."""
         return lambda: self.told(word) and self.fell() and self.drives()
 
-    def told(self, word):
-        return any(word in text for text in self.said)
-
     def drive(self):
         """A sound world until the base has driven for a while, and still does."""
         for _ in range(ATTEMPTS):
@@ -84,7 +92,7 @@ class Broken(Base):
             if first:
                 first()
             self.spoil = spoil or self.spoil
-            there = self.go(SOON if again else PATIENCE, until) if until else self.go(LASTS)
+            there = self.go(AWAITED if again else PATIENCE, until) if until else self.go(LASTS)
             self.spoil = Base.spoil
             if self.pause < self.period + PUNCTUAL and (there or not again):
                 break
@@ -117,7 +125,7 @@ class Broken(Base):
         return int(self.values.get(word, 0))
 
     def reset(self):
-        return bool(self.call(Trigger, "reset", Trigger.Request()).success)
+        return bool(call(self.node, Trigger, "wmr_drive/reset", Trigger.Request()).success)
 
     def spoilt(self):
         """Apply each fault of odometry in turn; return what the node did, by fault."""
@@ -165,8 +173,7 @@ class Broken(Base):
 
 
 def start(scenario, *more):
-    given = ["-p", f"scenario:={scenario}", "-p", "law:=kanayama", *AT_ONCE, *more]
-    return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given])
+    return launch("drive", f"scenario:={scenario}", "law:=kanayama", SOON, *more)
 
 
 def in_map(message):
@@ -239,7 +246,7 @@ def in_real_time(scenario):
 
 def simulated(kind, scenario):
     """Run a base of this kind on simulated time that leaps; return what was seen."""
-    process, base = start(scenario, "-p", "use_sim_time:=true"), kind(simulated=True)
+    process, base = start(scenario, "use_sim_time:=true"), kind(simulated=True)
     try:
         found = base.times()
     finally:

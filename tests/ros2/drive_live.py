@@ -15,11 +15,19 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from lifecycle_msgs.msg import Transition
-from lifecycle_msgs.srv import ChangeState
 from nav_msgs.msg import Odometry, Path
-from outside import KEPT, PATIENCE, RATE, SURE, quiet, tell
-from rcl_interfaces.srv import SetParameters
-from rclpy.parameter import Parameter
+from outside import (
+    KEPT,
+    PATIENCE,
+    RATE,
+    SURE,
+    Kept,
+    has_changed,
+    has_set,
+    launch,
+    spin_for,
+    tell,
+)
 
 TWIN = """
 import time, rclpy
@@ -34,7 +42,7 @@ time.sleep(600)
 PATH = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.1), (1.5, 0.1)]
 
 
-class Base:
+class Base(Kept):
     """Odometry each ``period`` [s], of a base that moves as it is told."""
 
     period = RATE
@@ -101,18 +109,8 @@ class Base:
             message.twist.twist.linear.x, message.twist.twist.angular.z = self.speed
             if self.spoil(message):
                 self.odometry.publish(message)
-            until_next = time.monotonic() + self.period
-            while time.monotonic() < until_next:
-                rclpy.spin_once(self.node, timeout_sec=max(0.0, until_next - time.monotonic()))
+            spin_for(self.node, self.period)
         return until()
-
-    def count_after_quiet(self, seconds):
-        """Commands that come in a time [s] after those that were on their way have come."""
-        self.seen.clear()
-        self.go(PATIENCE, quiet(self.seen))
-        self.seen.clear()
-        self.go(seconds)
-        return len(self.seen)
 
     def ended(self, process):
         """The last command and the exit code of a node that was interrupted."""
@@ -135,32 +133,10 @@ class Base:
             message.poses.append(pose)
         self.path.publish(message)
 
-    def call(self, kind, service, request):
-        """Answer of a service of the node."""
-        client = self.node.create_client(kind, f"/wmr_drive/{service}")
-        assert client.wait_for_service(PATIENCE), service
-        future = client.call_async(request)
-        rclpy.spin_until_future_complete(self.node, future, timeout_sec=PATIENCE)
-        return future.result()
-
-    def change(self, transition):
-        """Whether a transition of the lifecycle succeeded."""
-        request = ChangeState.Request(transition=Transition(id=transition))
-        return bool(self.call(ChangeState, "change_state", request).success)
-
-    def set(self, name, value):
-        """Whether a parameter could be set."""
-        request = SetParameters.Request(
-            parameters=[Parameter(name, value=value).to_parameter_msg()]
-        )
-        return bool(self.call(SetParameters, "set_parameters", request).results[0].successful)
-
 
 def start(scenario, *more, looks=0.0):
-    settings = [f"scenario:={scenario}", "law:=kanayama", "reference:=path", *more]
-    settings += [f"discovery_time:={looks}"]
-    given = [part for item in settings for part in ("-p", item)]
-    return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given])
+    given = [f"scenario:={scenario}", "law:=kanayama", "reference:=path", *more]
+    return launch("drive", *given, f"discovery_time:={looks}")
 
 
 def main(scenario):
@@ -174,8 +150,11 @@ def main(scenario):
             Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_CLEANUP,
             Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE,
         ]  # fmt: skip
-        found["transitions"] = [base.change(step) for step in steps]
-        found["set"] = {"law": base.set("law", "pid"), "rise": base.set("rise", [9.0, 9.0])}
+        found["transitions"] = [has_changed(base.node, "wmr_drive", step) for step in steps]
+        found["set"] = {
+            name: has_set(base.node, "wmr_drive", name, value)
+            for name, value in (("law", "pid"), ("rise", [9.0, 9.0]))
+        }
         base.go(PATIENCE, lambda: bool(base.said) and base.said[-1] == "no-path")
         found["before a path"] = base.said[-1]
         base.follow(PATH, "map")

@@ -7,7 +7,6 @@ the answer to the one before, and prints the answers as JSON.
 
 import json
 import signal
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -15,7 +14,7 @@ from pathlib import Path
 import rclpy
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from outside import PATIENCE, SURE, tell
+from outside import PATIENCE, SOON, SURE, launch, tell
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64MultiArray
 
@@ -96,13 +95,11 @@ class Base:
 
 def main(scenario, law, messages, kind):
     names = ["cmd_vel:=/base/cmd_vel", "odom:=/base/odom", "effort_commands:=/base/efforts"]
-    settings = [f"scenario:={scenario}", f"law:={law}", "rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]",
-                "odometry_timeout:=60.0", "excess:=[1.0, 1.0]", "use_sim_time:=true",
-                "wheels:=[right, left]", "discovery_time:=0.0"]  # fmt: skip
-    remaps = [part for name in (*names, f"__ns:={SPACE}") for part in ("-r", name)]
-    given = [part for item in settings for part in ("-p", item)]
-    command = [sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given, *remaps]
-    process = subprocess.Popen(command)
+    process = launch(
+        "drive", f"scenario:={scenario}", f"law:={law}", "rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]",
+        "odometry_timeout:=60.0", "excess:=[1.0, 1.0]", "use_sim_time:=true",
+        "wheels:=[right, left]", SOON, remaps=(*names, f"__ns:={SPACE}"),
+    )  # fmt: skip
     rclpy.init()
     base, rows = Base(kind == "efforts"), json.loads(Path(messages).read_text("utf-8"))
     try:

@@ -7,14 +7,11 @@ was seen is printed as JSON.
 """
 
 import signal
-import subprocess
 import sys
 
 import rclpy
 from geometry_msgs.msg import TwistStamped
-from outside import AT_ONCE, KEPT, PATIENCE, SURE, World, silence, tell
-from rcl_interfaces.srv import SetParameters
-from rclpy.parameter import Parameter
+from outside import KEPT, PATIENCE, SURE, World, has_set, silence, start, tell
 from rosgraph_msgs.msg import Clock
 
 SPACE = ["-r", "__ns:=/robot1", "-r", "cmd_vel:=/base/cmd_vel", "-r", "odom:=/base/odom"]
@@ -38,23 +35,6 @@ class Simulated(World):
         super().command(v, omega, ago, frame)
 
 
-def start(scenario, node, *more):
-    if node:
-        return subprocess.Popen([node, "--ros-args", *more])
-    given = ["-p", f"scenario:={scenario}", "-p", "odometry:=none", *AT_ONCE, *more]
-    return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *given])
-
-
-def set_scale(world, value):
-    """Whether speed_scale could be set."""
-    client = world.node.create_client(SetParameters, "wmr_filter/set_parameters")
-    assert client.wait_for_service(PATIENCE)
-    wanted = Parameter("speed_scale", value=value).to_parameter_msg()
-    future = client.call_async(SetParameters.Request(parameters=[wanted]))
-    rclpy.spin_until_future_complete(world.node, future, timeout_sec=PATIENCE)
-    return bool(future.result().results[0].successful)
-
-
 def to_rest(world, **go):
     """Speeds until the base is at rest, and the longest silence."""
     world.seen.clear()
@@ -65,15 +45,18 @@ def to_rest(world, **go):
 
 def scaled(world):
     """A parameter that is set while it drives."""
-    found = {"scale 7": set_scale(world, 7.0), "scale .25": set_scale(world, 0.25)}
+    found = {
+        f"scale {value:g}": has_set(world.node, "wmr_filter", "speed_scale", value)
+        for value in (7.0, 0.25)
+    }
     world.go(PATIENCE, until=lambda: world.speed[0] == 0.125)
     found["scaled"] = world.speed[0]
-    set_scale(world, 1.0)
+    has_set(world.node, "wmr_filter", "speed_scale", 1.0)
     return found
 
 
 def in_a_namespace(scenario, node):
-    world, found = World(start(scenario, node, *SPACE)), {}
+    world, found = World(start(scenario, node, *SPACE, odometry="none")), {}
     try:
         world.drive()
         rival = world.node.create_publisher(TwistStamped, "/base/cmd_vel", SURE)
@@ -97,7 +80,7 @@ def in_a_namespace(scenario, node):
         world.process.wait()
         found["after the kill"] = world.count_after_quiet(0.5)
         world.seen.clear()
-        world.process = start(scenario, node, *SPACE)
+        world.process = start(scenario, node, *SPACE, odometry="none")
         world.go(PATIENCE, command=False, until=lambda: len(world.seen) > 10)
         found["next life"] = max(abs(v) for _, v, _ in world.seen)
         world.drive()
@@ -108,7 +91,8 @@ def in_a_namespace(scenario, node):
 
 
 def on_simulated_time(scenario, node):
-    world, found = Simulated(start(scenario, node, "-p", "use_sim_time:=true", *SPACE)), {}
+    simulated = ["-p", "use_sim_time:=true", *SPACE]
+    world, found = Simulated(start(scenario, node, *simulated, odometry="none")), {}
     try:
         world.drive()
         world.rate = 0.0

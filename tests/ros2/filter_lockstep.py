@@ -10,7 +10,6 @@ is sent after the answer to the one before; the answers are printed as JSON.
 
 import json
 import signal
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -20,7 +19,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from drive_outside import SPACE, Base
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from outside import PATIENCE, SURE, tell
+from outside import PATIENCE, SOON, SURE, launch, tell
 
 WIDE = ["rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]", "excess:=[1.0, 1.0]"]
 BEFORE = 400_000_000
@@ -97,24 +96,15 @@ class Sender(Base):
 
 def start(scenario, law, node, *more):
     """The filter with ``more`` parameters, and the drive before it where a law is named."""
-
-    def run(command, settings, names):
-        given = [part for item in settings for part in ("-p", item)]
-        remaps = [part for name in (*names, f"__ns:={SPACE}") for part in ("-r", name)]
-        return subprocess.Popen([*command, "--ros-args", *given, *remaps])
-
-    python = [sys.executable, "-m", "wmr_ctrl.ros2"]
-    ours = [f"scenario:={scenario}", "odometry:=watched", "trigger:=command", *WIDE]
-    ours += ["command_timeout:=60.0", "odometry_timeout:=60.0", "discovery_time:=0.0"]
-    ours += more
-    command, settings = ([node], []) if node else ([*python, "filter"], ours)
-    names = ["cmd_vel_in:=/base/raw", "cmd_vel:=/base/cmd_vel", "odom:=/base/seen"]
-    nodes = [run(command, [*settings, "use_sim_time:=true"], names)]
+    given = [f"scenario:={scenario}", *WIDE, "odometry_timeout:=60.0", SOON]
+    ours = ["odometry:=watched", "trigger:=command", "command_timeout:=60.0", *more]
+    remaps = ["cmd_vel_in:=/base/raw", "cmd_vel:=/base/cmd_vel", "odom:=/base/seen"]
+    space, simulated = f"__ns:={SPACE}", "use_sim_time:=true"
+    settings = [] if node else [*given, *ours]
+    nodes = [launch("filter", *settings, simulated, remaps=[*remaps, space], node=node)]
     if law:
-        settings = [f"scenario:={scenario}", f"law:={law}", "odometry_timeout:=60.0", *WIDE,
-                    "discovery_time:=0.0"]  # fmt: skip
-        names = ["cmd_vel:=/base/raw", "odom:=/base/odom"]
-        nodes.append(run([*python, "drive"], [*settings, "use_sim_time:=true"], names))
+        remaps = ["cmd_vel:=/base/raw", "odom:=/base/odom", space]
+        nodes.append(launch("drive", *given, f"law:={law}", simulated, remaps=remaps))
     return nodes
 
 

@@ -18,7 +18,11 @@ from itertools import pairwise
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from nav_msgs.msg import Odometry
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
@@ -29,7 +33,7 @@ KEPT = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
 RATE = 0.02
-AT_ONCE = ["-p", "discovery_time:=0.0"]
+SOON = "discovery_time:=0.0"
 """For nodes that need not look for others before they start."""
 PUNCTUAL = 0.04
 """Delay of a message of this process [s] that is no fault of its own."""
@@ -49,7 +53,23 @@ PATIENCE = 120.0
 """Time [s] in which what must come is there, also on a machine that is very busy."""
 
 
-class World:
+class Kept:
+    """What came from a node: ``seen``, rows that begin with a time, and ``said``."""
+
+    def told(self, word):
+        """Whether diagnostics have a word."""
+        return any(word in text for text in self.said)
+
+    def count_after_quiet(self, seconds, **how):
+        """Commands that come in a time [s] after those that were on their way have come."""
+        self.seen.clear()
+        self.go(PATIENCE, until=quiet(self.seen), **how)
+        self.seen.clear()
+        self.go(seconds, **how)
+        return len(self.seen)
+
+
+class World(Kept):
     """Planner and base of the node: what they send can be changed, what comes back is kept."""
 
     def __init__(self, process):
@@ -58,7 +78,6 @@ class World:
         self.commands = self.node.create_publisher(TwistStamped, "cmd_vel_in", SURE)
         self.odometry = self.node.create_publisher(Odometry, "odom", SURE)
         self.stop = self.node.create_publisher(Bool, "wmr_filter/stop", KEPT)
-        self.reset = self.node.create_client(Trigger, "wmr_filter/reset")
         self.node.create_subscription(TwistStamped, "cmd_vel", self._sent, SURE)
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
         self.seen = []
@@ -114,23 +133,13 @@ class World:
                 (command or self.command)()
             if measure is not False:
                 (measure or self.measure)()
-            following = time.monotonic() + RATE
-            while time.monotonic() < following:
-                rclpy.spin_once(self.node, timeout_sec=max(0.0, following - time.monotonic()))
+            spin_for(self.node, RATE)
 
     def drive(self):
         """A sound world until the base drives."""
         self.go(PATIENCE, until=lambda: abs(self.speed[0] - 0.5) < 1e-6)
         if abs(self.speed[0] - 0.5) > 1e-6:
             raise SystemExit(f"the base never drove: {self.speed}, {self.said[-1:]}")
-
-    def count_after_quiet(self, seconds, command=None):
-        """Commands that come in a time [s] after those that were on their way have come."""
-        self.seen.clear()
-        self.go(PATIENCE, command, until=quiet(self.seen))
-        self.seen.clear()
-        self.go(seconds, command)
-        return len(self.seen)
 
     def ended(self):
         """The last command and the exit code of a node that was interrupted."""
@@ -147,10 +156,6 @@ class World:
         self.said.clear()
         self.go(PATIENCE, until=lambda: self.told(word))
         return sorted(set(self.said))
-
-    def told(self, word):
-        """Whether diagnostics have a word."""
-        return any(word in text for text in self.said)
 
     def fault(self, command=None, measure=None, first=None, rests=True, word=""):
         """What follows a fault: other messages, or what ``first`` does (once).
@@ -185,13 +190,44 @@ class World:
         }
 
     def call_reset(self):
-        if not self.reset.wait_for_service(PATIENCE):
-            raise SystemExit("there is no service to reset the node")
-        future = self.reset.call_async(Trigger.Request())
-        rclpy.spin_until_future_complete(self.node, future, timeout_sec=PATIENCE)
-        if not future.done():
-            raise SystemExit("no answer to a reset")
-        return bool(future.result().success)
+        return bool(call(self.node, Trigger, "wmr_filter/reset", Trigger.Request()).success)
+
+
+def launch(kind, *settings, remaps=(), node="", more=(), **how):
+    """Start a node of ours with its parameters, or the program ``node``, which has none."""
+    program = [node] if node else [sys.executable, "-m", "wmr_ctrl.ros2", kind]
+    words = [part for item in settings for part in ("-p", item)]
+    words += [part for item in remaps for part in ("-r", item)]
+    return subprocess.Popen([*program, "--ros-args", *words, *more], **how)
+
+
+def spin_for(node, seconds):
+    """Let a node of this process hear for a time [s]."""
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0:
+        rclpy.spin_once(node, timeout_sec=left)
+
+
+def call(node, kind, service, request):
+    """Answer of a service."""
+    client = node.create_client(kind, service)
+    assert client.wait_for_service(PATIENCE), service
+    future = client.call_async(request)
+    rclpy.spin_until_future_complete(node, future, timeout_sec=PATIENCE)
+    assert future.done(), service
+    return future.result()
+
+
+def has_set(node, of, name, value):
+    """Whether a parameter of a node could be set."""
+    wanted = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+    return bool(call(node, SetParameters, f"{of}/set_parameters", wanted).results[0].successful)
+
+
+def has_changed(node, of, transition):
+    """Whether a transition of a node's lifecycle succeeded."""
+    wanted = ChangeState.Request(transition=Transition(id=transition))
+    return bool(call(node, ChangeState, f"{of}/change_state", wanted).success)
 
 
 def tell(found):
@@ -230,13 +266,10 @@ def since_first_call():
     return passed
 
 
-def start(scenario, node="", *more, **how):
-    """The node in Python, or the program ``node``, whose settings are compiled in."""
-    if node:
-        return subprocess.Popen([node, "--ros-args", *more], **how)
-    settings = ["-p", f"scenario:={scenario}", "-p", "odometry:=required", *AT_ONCE]
-    arguments = [sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *settings]
-    return subprocess.Popen([*arguments, *more], **how)
+def start(scenario, node="", *more, odometry="required", **how):
+    """The filter in Python, or the program ``node``, whose settings are compiled in."""
+    settings = [] if node else [f"scenario:={scenario}", f"odometry:={odometry}", SOON]
+    return launch("filter", *settings, node=node, more=more, **how)
 
 
 def of_commands(world):

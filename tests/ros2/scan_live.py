@@ -10,7 +10,6 @@ import json
 import math
 import os
 import signal
-import subprocess
 import sys
 import tempfile
 import time
@@ -18,7 +17,7 @@ from pathlib import Path
 
 import rclpy
 from geometry_msgs.msg import Twist
-from outside import AT_ONCE, KEPT, LATEST, MANY, PATIENCE, World, tell
+from outside import KEPT, LATEST, MANY, PATIENCE, SOON, World, launch, tell
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64, Float64MultiArray
 
@@ -215,11 +214,8 @@ def main(scenario, kind, node=""):
     (folder / "__init__.py").touch()
     (folder / "msg.py").write_text(STUB, "utf-8")
     paths = {"PYTHONPATH": os.pathsep.join([str(folder.parent), os.environ.get("PYTHONPATH", "")])}
-    words = [part for word in SETTINGS[kind] for part in ("-p", word)]
-    command = [sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *AT_ONCE, *words]
-    command += ["-p", f"scenario:={scenario}", "-p", "odometry:=none"]
-    command = [node, "--ros-args"] if node else command
-    process = subprocess.Popen(command, env={**os.environ, **paths})
+    settings = [] if node else [f"scenario:={scenario}", "odometry:=none", SOON, *SETTINGS[kind]]
+    process = launch("filter", *settings, node=node, env={**os.environ, **paths})
     rclpy.init()
     world = Seeing(process, kind)
     try:

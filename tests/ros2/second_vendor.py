@@ -71,7 +71,7 @@ def main(scenario, node=""):
     sure = Qos(Policy.Reliability.Reliable(duration(seconds=1)))
     writer = DataWriter(participant, Topic(participant, "rt/cmd_vel_in", TwistStamped), qos=sure)
     reader = DataReader(participant, Topic(participant, "rt/cmd_vel", TwistStamped), qos=sure)
-    process = start(scenario, node, *([] if node else ["-p", "odometry:=none"]))
+    process = start(scenario, node, odometry="none")
     last = []
 
     def read():

@@ -5,16 +5,14 @@ parameters and remappings, plays controller, smoother, monitor, lifecycle manage
 prints what the base was sent as JSON.
 """
 
-import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ElementTree
 
 import rclpy
 from geometry_msgs.msg import TwistStamped
-from lifecycle_msgs.srv import ChangeState
 from nav_msgs.msg import Odometry
-from outside import AT_ONCE, LATEST, PATIENCE, RATE, SURE, tell
+from outside import LATEST, PATIENCE, RATE, SOON, SURE, has_changed, launch, spin_for, tell
 
 WISH = 5.0
 """Speed that the controller asks for [m/s]."""
@@ -27,8 +25,8 @@ def filled(text, arguments):
     return text
 
 
-def main(scenario, launch, params):
-    root = ElementTree.parse(launch).getroot()
+def main(scenario, file, params):
+    root = ElementTree.parse(file).getroot()
     arguments = {item.get("name"): item.get("default", "") for item in root.iter("arg")}
     arguments |= {
         "scenario": scenario,
@@ -48,12 +46,9 @@ def main(scenario, launch, params):
     }  # fmt: skip
 
     own = [f"{key}:={value or chr(39) * 2}" for key, value in values["wmr_filter"].items()]
-    words = [part for word in own for part in ("-p", word)]
-    words += [part for pair in remaps["wmr_filter"].items() for part in ("-r", ":=".join(pair))]
-    process = subprocess.Popen([
-        sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", "--params-file", params,
-        *words, *AT_ONCE,
-    ])  # fmt: skip
+    ours = [":=".join(pair) for pair in remaps["wmr_filter"].items()]
+    words = [part for item in (*own, SOON) for part in ("-p", item)]
+    process = launch("filter", remaps=ours, more=["--params-file", params, *words])
 
     rclpy.init()
     node, sent = rclpy.create_node("stand_ins"), []
@@ -67,16 +62,10 @@ def main(scenario, launch, params):
     node.create_subscription(
         TwistStamped, arguments["cmd_vel"], lambda m: sent.append(m.twist.linear.x), SURE
     )
-    manager = node.create_client(ChangeState, "wmr_filter/change_state")
     managed = "wmr_filter" in values["lifecycle_manager_navigation"]["node_names"]
     try:
-        assert manager.wait_for_service(PATIENCE)
         for transition in (1, 3) if managed else ():
-            request = ChangeState.Request()
-            request.transition.id = transition
-            future = manager.call_async(request)
-            rclpy.spin_until_future_complete(node, future, timeout_sec=PATIENCE)
-            assert future.result().success, transition
+            assert has_changed(node, "wmr_filter", transition), transition
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end and len([v for v in sent if v > 0.8]) < 20:
             wish, seen = TwistStamped(), Odometry(child_frame_id="base_footprint")
@@ -85,9 +74,7 @@ def main(scenario, launch, params):
             seen.twist.twist.linear.x = sent[-1] if sent else 0.0
             wishes.publish(wish)
             odometry.publish(seen)
-            following = time.monotonic() + RATE
-            while time.monotonic() < following:
-                rclpy.spin_once(node, timeout_sec=max(0.0, following - time.monotonic()))
+            spin_for(node, RATE)
     finally:
         process.kill()
     tell({"nodes": sorted(nodes), "largest": max(sent, default=0.0), "commands": len(sent)})

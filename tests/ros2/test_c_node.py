@@ -3,11 +3,11 @@
 import json
 import os
 import re
-import subprocess
 
 import pytest
 from click.testing import CliRunner
 
+from tests.commands import finished, flat
 from tests.ros2.conftest import OVER_DDS
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.core.errors import ArgumentError
@@ -93,7 +93,7 @@ def test_options_that_do_not_go_together_are_refused(tmp_path, words, said):
     done = CliRunner().invoke(root, ["codegen", *words, "--out", str(tmp_path / "out")])
 
     assert done.exit_code == 2
-    assert said in " ".join(done.output.split())
+    assert said in flat(done.output)
     assert not (tmp_path / "out").exists()
 
 
@@ -120,12 +120,8 @@ def test_a_node_that_hears_nav2_compiles_with_its_message(ros, tmp_path):
     header.write_text(SPEED_LIMIT, "utf-8")
     places = [f"-I{path}" for path in (tmp_path, *(ros.parent.parent / "include").iterdir())]
     flags = ["-std=gnu11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"]
-    done = subprocess.run(
-        ["cc", *flags, *places, *(path.name for path in tmp_path.glob("*.c"))],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    finished(["cc", *flags, *places, *(path.name for path in tmp_path.glob("*.c"))], cwd=tmp_path)
 
-    assert done.returncode == 0, done.stderr
     assert "find_package(nav2_msgs REQUIRED)" in (tmp_path / "CMakeLists.txt").read_text("utf-8")
 
 
@@ -136,9 +132,5 @@ def test_command_of_the_readme_links_as_written(ros, tmp_path):
     readme = (tmp_path / "README.md").read_text("utf-8")
     (command,) = re.findall(r"```sh\n(.*?)```", readme, re.S)
     environment = {**os.environ, "PREFIX": str(ros.parent.parent)}
-    done = subprocess.run(
-        ["bash", "-e", "-c", command],
-        cwd=tmp_path, env=environment, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    finished(["bash", "-e", "-c", command], cwd=tmp_path, env=environment)
     assert (tmp_path / NAME).is_file()

@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 import yaml
 
+from tests.commands import finished
 from tests.ros2.conftest import OVER_DDS, ROOT, with_python
 from tests.ros2.test_node import SCENARIO
 from wmr_ctrl.control.filter.gate import ODOMETRY_USES
@@ -49,12 +50,12 @@ def installed(ros, tmp_path_factory):
     space = tmp_path_factory.mktemp("space")
     shutil.copytree(PACKAGE, space / "src" / PACKAGE.name)
     paths = f"{ros.parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
+    finished(
         [ros, "-m", "colcon", "build"],
-        cwd=space, env={**os.environ, "PATH": paths, "COLCON_LOG_PATH": str(space / "log")},
-        capture_output=True, text=True, timeout=900, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
+        cwd=space,
+        env={**os.environ, "PATH": paths, "COLCON_LOG_PATH": str(space / "log")},
+        timeout=900,
+    )
     return space / "install" / PACKAGE.name
 
 
@@ -62,10 +63,9 @@ def installed(ros, tmp_path_factory):
 @OVER_DDS
 def test_the_ament_index_finds_the_package(ros, installed):
     asked = "from ament_index_python import get_package_share_directory as d; print(d('{}'))"
-    done = subprocess.run(
-        [ros, "-c", asked.format(PACKAGE.name)], env={**os.environ, "AMENT_PREFIX_PATH": installed},
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
+    done = finished(
+        [ros, "-c", asked.format(PACKAGE.name)], env={**os.environ, "AMENT_PREFIX_PATH": installed}
+    )
     share = installed / "share" / PACKAGE.name
     assert done.stdout.strip() == str(share)
     assert {path.name for path in share.glob("*/*")} >= {
@@ -129,12 +129,19 @@ def test_the_node_in_c_is_a_package_of_ament_cmake(ros, environment, tmp_path):
         "AMENT_PREFIX_PATH": prefix,
         "COLCON_LOG_PATH": str(tmp_path / "log"),
     }
-    done = subprocess.run(
-        [ros, "-m", "colcon", "build", "--cmake-args",
-         f"-DCMAKE_EXE_LINKER_FLAGS={' '.join(with_python())}"],
-        cwd=tmp_path, env=found, capture_output=True, text=True, timeout=900, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
+    finished(
+        [
+            ros,
+            "-m",
+            "colcon",
+            "build",
+            "--cmake-args",
+            f"-DCMAKE_EXE_LINKER_FLAGS={' '.join(with_python())}",
+        ],
+        cwd=tmp_path,
+        env=found,
+        timeout=900,
+    )
     program = tmp_path / "install" / NAME / "lib" / NAME / NAME
     started = subprocess.run(
         [ros, "-c", "import os, sys; os.execv(sys.argv[1], sys.argv[1:])", program,

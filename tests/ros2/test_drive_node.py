@@ -5,7 +5,6 @@ import pytest
 
 from tests.ros2.conftest import OVER_DDS, SLACK, TICK, Job, bar
 from tests.ros2.lockstep import BASES, COMMON, carried_run, messages, sent_by
-from tests.ros2.test_node import words_of
 from wmr_ctrl.world.scenario import load_scenario, to_toml
 
 pytestmark = [pytest.mark.slow, OVER_DDS]
@@ -47,18 +46,6 @@ std = 0.0
 )
 
 
-REFUSED = [
-    (["scenario:={}"], "the parameter law is not set"),
-    (["scenario:={}", "law:=fastest"], "fastest"),
-    (["scenario:={}", "law:=pid", "reference:=path"], "waypoints"),
-    (["scenario:={}", "law:=pid", "reference:=goal"], "must be one of scenario, path"),
-    (["scenario:={}", "law:=pid", "wheels:=[left, left]"], "left and right"),
-    (["scenario:={}", "law:=pid", "jump:=[0.1]"], "must have two"),
-    (["scenario:={}", "law:=mb", "odometry_timeout:=0.01"], "too short for clock.control"),
-    (["scenario:={}", "law:=pid", "-r", "odom:=1/odom"], "ROS 2 refuses the arguments"),
-]
-
-
 def loop():
     """The run that messages come from, and the job that sends them."""
     law, changes = BASES["efforts, guard"]
@@ -70,10 +57,7 @@ def loop():
 
 
 def JOBS():
-    given = [["drive", words_of(settings)] for settings, _ in REFUSED]
-    refused = Job("refusals.py", 'extends = "paper-simulation"\n', ("{rows}",), None, given)
     return {
-        "refusals of the drive": refused,
         "life of the drive": Job("drive_live.py", WAY),
         "faults of the drive": Job("drive_faults.py", CIRCLE),
         "faults with efforts": Job("effort_faults.py", EFFORTS),
@@ -110,15 +94,6 @@ def test_every_command_on_the_wire_is_that_of_the_run(report):
     assert np.array(found["answers"]).tobytes() == sent_by(run).tobytes()
     assert found["last"] == [0.0, 0.0]
     assert found["code"] == 0
-
-
-@pytest.mark.parametrize("place", range(len(REFUSED)), ids=[said for _, said in REFUSED])
-def test_what_cannot_be_configured_is_a_sentence(report, place):
-    code, cried = report("refusals of the drive")[place]
-
-    assert code == 2
-    assert REFUSED[place][1] in cried
-    assert "Traceback" not in cried
 
 
 def test_it_is_a_lifecycle_node_that_can_be_configured_twice(life):
@@ -206,18 +181,6 @@ def test_what_latches_waits_for_a_reset(faults):
     assert real["too fast"]["falls"] <= bar(real["too fast"], 0.0)
     assert real["too fast"]["steps"] <= STEP
     assert real["latched"] == [0.0, True]
-    assert real["stop"]["zero"] <= bar(real["stop"], 0.0)
-    assert real["reset while stopped"] is False
-    assert real["stopped"] == [0.0, True]
-    assert real["drives again"]
-    assert faults["simulated"]["drives again"]
-
-
-def test_odometry_out_of_order_is_ignored(faults):
-    found = faults["real"]["out of order"]
-    assert found["refused"] > 5
-    assert found["last"] > 0.2
-    assert not any("pose-jump" in text for text in found["said"])
 
 
 @pytest.fixture
@@ -232,6 +195,28 @@ PERIOD = 0.05
 def in_time(found, seconds):
     """The bar for torques: a node's ticks are periods."""
     return seconds + 2 * max(PERIOD, found["silence"]) + SLACK
+
+
+BARS = {"faults of the drive": bar, "faults with efforts": in_time}
+each_base = pytest.mark.parametrize("base", BARS)
+
+
+@each_base
+def test_odometry_out_of_order_is_ignored(report, base):
+    found = report(base)["real"]["out of order"]
+    assert found["refused"] > 5
+    assert found["drives"] > 0.0
+    assert not any("pose-jump" in text for text in found["said"])
+
+
+@each_base
+def test_a_stop_is_zero_at_once_until_a_reset(report, base):
+    real = report(base)["real"]
+    assert real["stop"]["zero"] <= BARS[base](real["stop"], 0.0)
+    assert real["reset while stopped"] is False
+    assert real["stopped"] == [0.0, True]
+    assert real["drives again"]
+    assert report(base)["simulated"]["drives again"]
 
 
 @pytest.mark.parametrize("fault", [*LASTING, "stopped"])
@@ -251,22 +236,6 @@ def test_after_a_leap_torques_are_zero_at_once_and_the_law_begins_anew(efforts, 
     assert found["zero"] <= in_time(found, 0.0)
     assert found["drives"] > 0.0
     assert any(flag in text for text in found["said"])
-
-
-def test_with_efforts_a_stop_is_no_torque_until_a_reset(efforts):
-    real = efforts["real"]
-    assert real["stop"]["zero"] <= in_time(real["stop"], 0.0)
-    assert real["reset while stopped"] is False
-    assert real["stopped"] == [0.0, True]
-    assert real["drives again"]
-    assert efforts["simulated"]["drives again"]
-
-
-def test_with_efforts_odometry_out_of_order_is_ignored(efforts):
-    found = efforts["real"]["out of order"]
-    assert found["refused"] > 5
-    assert found["drives"] > 0.0
-    assert not any("pose-jump" in text for text in found["said"])
 
 
 def test_with_efforts_a_rival_is_told(efforts):

@@ -2,8 +2,7 @@
 
 import pytest
 
-from tests.ros2.conftest import OVER_DDS, Job, in_both
-from tests.ros2.test_node import words_of
+from tests.ros2.conftest import OVER_DDS, in_both
 
 SCENARIO = """
 extends = "paper-simulation"
@@ -29,16 +28,6 @@ COMPILED = {
     "scan": ("odometry=none", 'scans=["scan"]', "radius=0.25", "limit_timeout=1.0"),
     "free": ("odometry=none",),
 }
-SEES = ["scenario:={}", "scans:=[scan]", "radius:=0.25"]
-REFUSED = [
-    ("filter", [*SEES, "look:=0.001"], "through which a push turns the base"),
-    ("filter", [*SEES[:2], "radius:=0.0"], "the disc must hold the robot"),
-    ("filter", [*SEES, "scan_pose:=[0.3, 0.0, 0.0]"], "one is at [0.3, 0.0]"),
-    ("filter", [*SEES, "no_return:=far"], "must be one of blind, range_max"),
-    ("filter", [*SEES, "speed_limit:=speed_limit"], "has no nav2_msgs"),
-    ("drive", ["scenario:={}", "law:=kanayama"], "this node hears no distances"),
-]
-"""Parameters of a node that cannot be, and what is said of them."""
 pytestmark = [pytest.mark.slow, OVER_DDS]
 
 
@@ -47,18 +36,7 @@ def JOBS():
     for kind, settings in COMPILED.items():
         both = in_both("scan_live.py", SCENARIO, (kind,), settings)
         jobs |= {f"{kind} live, {node}": job for node, job in both.items()}
-    given = [[name, words_of(settings)] for name, settings, _ in REFUSED]
-    jobs["refusals of lasers"] = Job("refusals.py", SCENARIO, ("{rows}",), None, given)
     return jobs
-
-
-@pytest.mark.parametrize("place", range(len(REFUSED)), ids=[said for *_, said in REFUSED])
-def test_what_cannot_be_configured_is_a_sentence(report, place):
-    code, cried = report("refusals of lasers")[place]
-
-    assert code == 2
-    assert REFUSED[place][2] in cried
-    assert "Traceback" not in cried
 
 
 @pytest.fixture(params=["Python", "C"])
