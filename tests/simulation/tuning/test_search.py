@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import tune
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.simulation.tuning import gains
 from wmr_ctrl.simulation.tuning.search import Cost, Search
 from wmr_ctrl.world.scenario import load_scenario
@@ -30,9 +31,16 @@ def test_it_begins_with_the_start_and_goes_no_farther_than_thirty_times():
     assert 29.0 < math.exp(most) < 30.0
 
 
-def test_what_runs_without_rounded_gains_would_be_worse_is_not_taken(
-    scenario, monkeypatch, tmp_path
-):
+@pytest.mark.parametrize("wrong", [{"trials": 0}, {"weight": -1e-9}, {"weight": math.inf}])
+def test_a_plan_has_a_trial_and_a_finite_weight_of_zero_or_more(scenario, wrong):
+    least = {"trials": 1, "weight": 0.0}
+
+    assert TuningPlan(scenario=scenario, law="mb", **least).weight == 0.0
+    with pytest.raises(ArgumentError, match=next(iter(wrong))):
+        TuningPlan(scenario=scenario, law="mb", **(least | wrong))
+
+
+def test_gains_that_are_worse_at_last_are_not_taken(scenario, monkeypatch, tmp_path):
     """The search finds a set that costs less, and which costs more when both are run at last."""
     calls = []
 
