@@ -8,7 +8,7 @@ import pytest
 from wmr_ctrl import tune
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.simulation.tuning import gains
-from wmr_ctrl.simulation.tuning.search import Cost, Search
+from wmr_ctrl.simulation.tuning.search import Cost, Search, TuningPlan
 from wmr_ctrl.world.scenario import load_scenario
 
 START = {"gains.mb.rho": (60.0, 20.0)}
