@@ -16,7 +16,6 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.theory.corridor.answer import Corridor, bounds
 from wmr_ctrl.world.scenario import load_scenario, override
-from wmr_proofs.corridor import masses
 from wmr_proofs.corridor.masses import certified
 
 EXACT_POSE = changes("""
@@ -144,35 +143,19 @@ def test_where_none_closes_it_says_for_which_share_one_would():
     "less, words",
     [
         pytest.param(
-            "corridor.cells = 1", "with M = 58.2 kg e1 (w - w_d) may grow", marks=pytest.mark.slow
-        ),
-        pytest.param(
-            """
-                corridor.cells = 1
-                gains.prox = {kinematics = [16.8, 196.0, 5.6], rho = [42.9, 21.74], wo = 10.0}
-            """,
-            "(others were not tried) it closes with cells as narrow as those of corridor.cells = 3",
+            "corridor.cells = 1",
+            "with M = 58.2 kg products of deviations may grow",
             marks=pytest.mark.slow,
         ),
         ("sensor.velocity_window = 0.02", "leave out sensor.velocity_window = 0.02"),
     ],
 )
-def test_a_refusal_has_numbers_and_says_what_to_change(less, words, monkeypatch):
-    monkeypatch.setattr(masses, "MOST_CELLS", 0)
+def test_a_refusal_has_numbers_and_says_what_to_change(less, words):
     told = {"guard.enabled": "corridor.cells" in less, **changes(less)}
     tube = find_corridor(safe(told), "prox")
 
     assert tube.position is None
     assert words in tube.refused
-
-
-@pytest.mark.slow
-def test_what_a_refusal_of_cells_says_closes_with_every_mass():
-    told = changes("corridor.cells = 1; changes = []")
-    scenario = safe(told)
-    refused = find_corridor(scenario, "prox").refused
-    count = int(re.search(r"; it closes with corridor.cells = (\d+)", refused)[1])
-    assert find_corridor(override(scenario, {"corridor.cells": count}), "prox").position is not None
 
 
 def test_figures_and_words_are_rounded_to_the_safe_side():
@@ -194,29 +177,6 @@ def test_what_a_refusal_closes_with_is_the_share_of_all_that_disturbs():
         "no corridor: no; it closes while each wheel is pushed by at most 1 N m, positions are "
         "measured to within 10 mm, velocities to within 0.002 m/s and 0.1 rad/s"
     )
-
-
-LOST = changes("sensor.pose_dropout = 0.1; corridor.losses = 40")
-
-
-@pytest.mark.parametrize(
-    "rare, names",
-    [
-        ({**LOST, "corridor.losses": 1000}, {"corridor.losses"}),
-        ({**LOST, "sensor.pose_period": 0.05}, {"sensor.pose_dropout"}),
-        ({"sensor.pose_period": 5.0}, {"sensor.pose_period"}),
-    ],
-)
-@pytest.mark.slow
-def test_what_a_refusal_says_to_set_for_rare_poses_has_a_corridor(rare, names):
-    scenario = safe(rare)
-    refused = find_corridor(scenario, "prox").refused
-    less = {
-        key: float(x) for key, x in re.findall(r"((?:sensor|corridor)\.\S+) = ([\d.]+)", refused)
-    }
-
-    assert names <= set(less)
-    assert find_corridor(override(scenario, less), "prox").position is not None
 
 
 def test_without_ball_arithmetic_it_is_not_checked(monkeypatch):

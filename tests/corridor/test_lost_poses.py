@@ -76,10 +76,10 @@ def test_a_pose_every_few_samples_is_as_many_that_are_lost():
 
 
 @pytest.mark.slow
-def test_where_hardly_any_pose_comes_it_is_refused_and_told_how_often_one_has_to():
+def test_where_hardly_any_pose_comes_it_is_refused():
     refused = find_corridor(simulated(NOISY, "sensor.pose_period = 1000.0"), "prox").refused
 
-    assert re.search(r"for 99999 samples may grow.* it closes with .*_period = \d", refused)
+    assert re.search("for 99999 samples may grow by itself", refused)
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,5 @@
 """The corridor of bases that take velocities, against an adversary of the tests' own."""
 
-import re
-from fractions import Fraction
-
 import numpy as np
 import pytest
 
@@ -150,25 +147,3 @@ def test_a_ramp_that_nothing_disturbs_has_a_corridor_of_nearly_nothing():
     tube = find_corridor(load_scenario("clearpath-jackal", EXACT), "kanayama")
 
     assert tube.position < 1e-9
-
-
-@pytest.mark.slow
-def test_a_dead_band_that_is_too_wide_is_named_with_what_would_do():
-    told = changes("""
-        filter.kind = clip
-        base.deadband = [0.05, 0.4]
-        clock.duration = 3.0
-    """)
-    path = changes("""
-        reference.kind = lemniscate
-        reference.size = 1.0
-        reference.rate = 0.1
-    """)
-    for further in ({}, path):
-        tube = find_corridor(burger(QUIET, told, further), "kanayama", whole=True)
-        found = re.search(r"it closes with (\S+) (times|of) base.deadband and", tube.refused)
-        share = float(Fraction(found[1]))
-        less = {"base.deadband": [share * 0.05, share * 0.4]}
-
-        assert 0.001 < share < 1
-        assert find_corridor(burger(QUIET, told, further, less), "kanayama", whole=True).position

@@ -77,6 +77,12 @@ class Along:
         time, (v, w) = k * self.setup.scenario.clock.control, self.motion.v_d[k]
         return f"at t = {time:.4g} s, where v_d = {v:.3g} m/s and w_d = {w:.3g} rad/s"
 
+    def grown(self, reach: Floats, k: int) -> str:
+        """Text on products of deviations that grow too large in a sample, beyond a ``reach``."""
+        far = f" beyond {d:.3g} mm" if np.isfinite(d := 1e3 * np.hypot(*reach[:2])) else ""
+        text = "products of deviations may grow as large as what the loop corrects"
+        return f"{text}{far} {self.place(k)}"
+
     def chunks(self) -> list[tuple[int, int]]:
         """First and last samples of the chunks that share one bound of the second derivatives.
 

@@ -14,7 +14,6 @@ from wmr_ctrl.theory.checks.budget import spend
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
 
 from .along import Along
-from .blame import blamed
 from .blocks import DOT, each
 from .carried import CarriedColumns
 from .inputs import Inputs, NoCorridorError
@@ -148,10 +147,10 @@ class Following(Remainders):
             lost = (most[:, :ROBOT] > FAR * ahead[:, :ROBOT] + near).any(axis=1)
             if lost.any() and tried > 1:
                 k = int(lost.argmax())
-                raise NoCorridorError(blamed(along, most[k], now.k + k))
+                raise NoCorridorError(self.along.grown(most[k], now.k + k))
             guess = guess.and_more(answer.grown(GROWN)) if tried else answer.grown(GUESSED)
         else:
-            raise NoCorridorError(blamed(along, most[0], now.k))
+            raise NoCorridorError(self.along.grown(most[0], now.k))
         if first and self._too_wide(now):
             raise OtherBoxError
         if self._leaves(now):

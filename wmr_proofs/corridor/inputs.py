@@ -47,8 +47,6 @@ OF_BASE = (
     COMMAND_DELAY, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT, COMMAND_RAMP, SPEED_LOOP,
 )  # fmt: skip
 """Effects of a base that takes velocities which are counted."""
-WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
-"""Deviations of error and velocity."""
 
 
 class NoCorridorError(ArithmeticError):
@@ -85,10 +83,6 @@ class Inputs:
         return replace(
             self, push=share * self.push, pose=share * self.pose, velocity=share * self.velocity
         )
-
-    def hearing(self, share: float) -> Inputs:
-        """The inputs with command errors scaled."""
-        return replace(self, command=share * self.command, dead=share * self.dead)
 
     def misheard(self, least: Floats) -> Floats:
         """Error (2) of an acting command whose size is at least ``least`` (2)."""
@@ -331,9 +325,3 @@ def _within_guard(setup: Setup, force: ca.SX, v: ca.SX) -> Iterator[Condition]:
         }
         for name, (value, room) in sizes.items():
             yield Condition(name, value, ca.SX(steep * room - left))
-
-
-def product(a: int, b: int) -> str:
-    """Text on the product of two deviations of error and velocity."""
-    first, second = (WORDS[place] for place in sorted((a, b)))
-    return f"{first}^2" if a == b else f"{first} {second}"

@@ -232,7 +232,8 @@ class SampledLoop:
             self.step.at[: len(self.names)], np.tile(rest, self.queue), self.remains[COMMAND:],
         ))  # fmt: skip
         self.law = Curve("the law", by, output, at)
-        self.most = Curve("the limits", by, sizes, at).value()
+        self.limits = Curve("the limits", by, sizes, at)
+        self.most = self.limits.value()
 
     def _law_graph(
         self, loop: Loop, v_d: ca.SX, rate: ca.SX, came: ca.SX

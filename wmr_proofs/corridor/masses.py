@@ -3,12 +3,10 @@
 If no corridor exists, the share of pushes and errors for which one exists is searched.
 """
 
-import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import replace
-from functools import partial
 from itertools import product
 from typing import TypeAlias
 
@@ -16,15 +14,13 @@ import numpy as np
 
 from wmr_ctrl.control.guard.bounds import mass_range
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, Floats
-from wmr_ctrl.theory.corridor.answer import ALONE, Corridor
-from wmr_ctrl.world.pose_sensor import PoseSensor
+from wmr_ctrl.theory.corridor.answer import Corridor
 from wmr_ctrl.world.scenario import Change, override
 
 from .certificate import Certifier
 from .enclosure import OpenBoxError
-from .inputs import Inputs, NoCorridorError, at_first, without_pose
+from .inputs import Inputs, NoCorridorError, at_first
 from .loop import BODY
 from .peaks import Tube
 
@@ -32,8 +28,6 @@ Body: TypeAlias = "tuple[float | None, float | None]"
 """Mass and inertia."""
 MOST_COURSES = 64
 """Most histories of mass and inertia of a whole run with changes."""
-MOST_CELLS = 16
-"""Cells of masses up to which what closes with less is tried in each."""
 SHARES = 12
 """Halvings in the search for the inputs with which a corridor closes."""
 
@@ -64,10 +58,10 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
             known = replace(known, linear=linear)
             tubes.append(_certified_tube(certifier, inputs, closing))
     except NoCorridorError as error:
-        closes, alone, none = _of_all_cells(cells, error) if here else (error.closes, False, "")
         return replace(
-            known, refused=f"{here}{error}{none}", closes=closes, near=error.near, alone=alone,
-            start=setup.scenario.corridor.start, masses=mass_ranges(setup) if here else None,
+            known, refused=f"{here}{error}", closes=error.closes, near=error.near,
+            alone=len(cells) > 1, start=setup.scenario.corridor.start,
+            masses=mass_ranges(setup) if here else None,
         )  # fmt: skip
     worst = max(tubes, key=lambda tube: tube.share)
     return replace(
@@ -80,38 +74,6 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
         share=worst.share,
         masses=mass_ranges(setup) if cells[0][1].any() else None,
     )
-
-
-def _of_all_cells(
-    cells: Sequence[tuple[Setup, Floats]], error: NoCorridorError
-) -> tuple[float | None, bool, str]:
-    """Share of the inputs for which each cell closes, at most that of the refused one.
-
-    That of the refused cell alone, and True, if others were not tried; None, False and a clause if
-    a cell has none.
-    """
-    share = error.closes
-    if share is None or error.near != 1 or len(cells) > MOST_CELLS:
-        return share, share is not None, ""
-    for cell, widths in cells:
-        certifier = Certifier(cell)
-        inputs = replace(certifier.inputs, body=widths)
-        least = _least_closed(certifier, inputs, share)
-        if least is None:
-            mass = f"{cell.scenario.robot.m:.3g}"
-            return None, False, f"; with M = {mass} kg there is none even with less of pushes"
-        share = least
-    return share, False, ""
-
-
-def _least_closed(certifier: Certifier, inputs: Inputs, share: float) -> float | None:
-    """``share`` if the box closes with this share of the inputs, else the largest smaller one."""
-    try:
-        certifier.tube(inputs.scaled(share))
-    except NoCorridorError:
-        less = _largest(lambda x: certifier.tube(inputs.scaled(x * share)))
-        return None if less is None else less * share
-    return share
 
 
 def mass_ranges(setup: Setup) -> tuple[tuple[float, float], ...]:
@@ -226,10 +188,9 @@ def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube
         return certifier.tube(inputs)
     except NoCorridorError as error:
         closes, near = _closing(certifier, inputs) if closing else (None, 1.0)
-        others = _others(certifier, inputs) if closing and closes is None else ""
-        if closing and closes is not None and (oftener := _oftener(certifier, inputs)):
-            others = f"; it closes with {oftener}"
-        raise NoCorridorError(f"{error}{others}", closes, near) from error
+        none = f"; nor is there one with 1/{2**SHARES} of pushes and errors"
+        tried = closing and closes is None and inputs.any
+        raise NoCorridorError(f"{error}{none * tried}", closes, near) from error
 
 
 def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]:
@@ -244,71 +205,6 @@ def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]
         return 1.0, near
     alone = _nearer(certifier, 0.0)
     return _largest(lambda share: alone.tube(inputs.scaled(share))), 0.0
-
-
-def _others(certifier: Certifier, inputs: Inputs) -> str:
-    """Clause on smaller numbers of other kinds with which there is one, if no share of inputs has
-    one.
-
-    Of many cells only the refused one is tried, around its own centre.
-    """
-    which = "it"
-    result, tried = list[str](), ["pushes and errors"] * inputs.any
-    if inputs.body.any():
-        tried.append("the cells' widths")
-        share = _largest(lambda x: certifier.tube(replace(inputs, body=x * inputs.body)))
-        if share is not None:
-            count = math.ceil(certifier.loop.setup.scenario.corridor.cells / share)
-            enough = _enough_cells(certifier.loop.setup, count)
-            which = ALONE if enough is None else "it"
-            narrow = f"cells as narrow as those of corridor.cells = {count}"
-            result.append(narrow if enough is None else f"corridor.cells = {enough}")
-    tried += ["the samples without a pose"] * bool(inputs.missing)
-    result += [fewer for fewer in [_oftener(certifier, inputs)] if fewer]
-    if inputs.dead.any() or inputs.command.any():
-        tried.append("base.deadband and base.quantum")
-        share = _largest(lambda x: certifier.tube(inputs.hearing(x)))
-        if share is not None:
-            result.append(f"{rounded(share, 2, up=False)} times base.deadband and base.quantum")
-    if result:
-        return f"; {which} closes with {', or with '.join(result)}"
-    return f"; nor is there one with 1/{2**SHARES} of {', or of '.join(tried)}" if tried else ""
-
-
-def _enough_cells(setup: Setup, count: int) -> int | None:
-    """Fewest parts per axis, at least ``count``, with which all cells close; None if unknown."""
-    for parts in range(count, math.isqrt(MOST_CELLS) + 1):
-        finer = settle(override(setup.scenario, {"corridor.cells": parts}), setup.name)
-        with suppress(NoCorridorError):
-            for cell, widths in mass_cells(finer):
-                certifier = Certifier(cell)
-                certifier.tube(replace(certifier.inputs, body=widths))
-            return parts
-    return None
-
-
-def _oftener(certifier: Certifier, inputs: Inputs) -> str:
-    """Settings with fewer samples without a pose for which it closes; empty if none does."""
-    if not inputs.missing:
-        return ""
-
-    def most(without: Callable[[int], int], largest: int) -> int | None:
-        share = _largest(
-            lambda x: certifier.tube(replace(inputs, missing=without(int(x * largest))))
-        )
-        return None if share is None else int(share * largest)
-
-    scenario = certifier.loop.setup.scenario
-    lossless = ["sensor.pose_dropout = 0"] * (scenario.section(PoseSensor).pose_dropout > 0)
-    if lossless:
-        few = most(partial(without_pose, scenario), scenario.corridor.losses)
-        if few is not None:
-            return f"corridor.losses = {few}" if few else lossless[0]
-    few = most(int, without_pose(scenario, 0))
-    if few is None:
-        return ""
-    period = f"sensor.pose_period = {(1 + few) * scenario.clock.control:g}"
-    return " and ".join([*lossless, period])
 
 
 def _nearer(certifier: Certifier, share: float) -> Certifier:

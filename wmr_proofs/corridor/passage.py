@@ -11,7 +11,6 @@ import numpy as np
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, Floats
 
 from .along import Along
-from .blame import blamed
 from .blocks import FollowedBlock, blocks_of
 from .carried import CarriedColumns, sizes_of
 from .following import TRIES, Following, OtherBoxError
@@ -123,7 +122,7 @@ class Passing(Following):
                 now = self._slow_blocks(k, k + now.count, now.count, (law, step))[0]
                 tries, guess = tries + 1, error.guess
                 if tries > TRIES:
-                    raise NoCorridorError(blamed(self.along, reach[1], k)) from error
+                    raise NoCorridorError(self.along.grown(reach[1], k)) from error
             except NoCorridorError:
                 if now.count == 1:
                     raise

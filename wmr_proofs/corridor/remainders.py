@@ -5,7 +5,6 @@ import numpy as np
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
 
 from .along import Along
-from .blame import blamed
 from .enclosure import OpenBoxError
 from .inputs import Inputs, NoCorridorError
 from .instant import Instant
@@ -112,7 +111,7 @@ class Remainders:
         try:
             bend = grown, self.curves[place].bend_within(by, grown, numbers, fine=now.held)
         except OpenBoxError as error:
-            text = blamed(self.along, sizes, now.k)
+            text = self.along.grown(sizes, now.k)
             raise NoCorridorError(text) from error
         self.bends[place] = bend
         return bend

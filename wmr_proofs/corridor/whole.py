@@ -1,7 +1,6 @@
 """Corridor of a law over a whole run: along any path, with changes of the robot."""
 
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -118,8 +117,9 @@ def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBoun
         if early and not _passes(along, inputs.scaled(0.0), start, passing.tried):
             raise NoCorridorError(f"{error}{BY_START}") from error
         closes = _closing(passing, start) if closing else None
-        less = _hearing(passing, start) if closing and closes is None else ""
-        raise NoCorridorError(f"{error}{less}", closes) from error
+        none = f"; nor is there one with 1/{2**LEAST} of pushes and errors"
+        tried = closing and closes is None and inputs.any
+        raise NoCorridorError(f"{error}{none * tried}", closes) from error
 
 
 def _followed(passing: Passing, until: int | None = None) -> RunBounds:
@@ -166,19 +166,6 @@ def _least(refused: Passing, start: Floats, places: list[int], halved: int) -> i
                 halved = trial + 1
             trial = (halved + most) // 2
     return halved if inputs.any and halved <= LEAST else None
-
-
-def _hearing(refused: Passing, start: Floats) -> str:
-    """Clause on the share of dead band and quantum that has a corridor, if no inputs have one."""
-    along, inputs = refused.along, refused.inputs
-    tried = [f"1/{2**LEAST} of pushes and errors"] * inputs.any
-    if inputs.dead.any() or inputs.command.any():
-        for halved in range(1, LEAST + 1):
-            with suppress(NoCorridorError):
-                _followed(Passing(along, inputs.hearing(0.5**halved), start))
-                return f"; it closes with 1/{2**halved} of base.deadband and base.quantum"
-        tried.append(f"1/{2**LEAST} of base.deadband and base.quantum")
-    return f"; nor is there one with {' or with '.join(tried)}" if tried else ""
 
 
 def _passes(along: Along, inputs: Inputs, start: Floats, k: int) -> bool:
