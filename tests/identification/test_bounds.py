@@ -1,15 +1,11 @@
 """Verdicts, mixtures and seconds: what a log tells of its parameters, from information alone."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from wmr_ctrl.identification.bounds import informative_seconds, mixtures, sizes, verdict
 from wmr_ctrl.identification.fit import errors_of
-from wmr_ctrl.identification.identification import _check_finite
 from wmr_ctrl.identification.kalman import BLOCKS
-from wmr_ctrl.identification.logs.log import LogError
 
 STUDENT = 2.1448
 """97.5 % of Student's distribution with 14 degrees of freedom, by tables."""
@@ -84,14 +80,3 @@ def test_intervals_of_a_mean_are_those_of_student_where_blocks_scatter_and_fishe
     assert errors_of(10 * gradient, fisher, free) == pytest.approx(
         [10 * STUDENT * jackknife], rel=1e-3
     )
-
-
-@pytest.mark.parametrize("nll, information", [(np.nan, 1.0), (1.0, np.nan), (1.0, np.inf)])
-def test_fit_that_is_not_finite_is_refused_in_words(nll, information):
-    good, bad = (
-        SimpleNamespace(nll=first, information=lambda size=second: np.full((2, 2), size))
-        for first, second in ((1.0, 1.0), (nll, information))
-    )
-    _check_finite("a log", good)
-    with pytest.raises(LogError, match=r"a log: no model of the robot explains .* time stamps"):
-        _check_finite("a log", good, bad)

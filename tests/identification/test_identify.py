@@ -1,6 +1,7 @@
 """What is identified holds the truth, and follows the symmetries of the robot."""
 
 from dataclasses import fields, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -187,6 +188,16 @@ def test_the_scenario_loads_and_its_numbers_are_the_estimates(found):
     assert scenario.guard.M_min[0] <= found.parameters["m"].low * (1 + 1e-9)
     assert "determined" in text
     assert scenario.guard.enabled, found.remarks
+
+
+@pytest.mark.parametrize("nll, information", [(np.nan, 1.0), (1.0, np.nan), (1.0, np.inf)])
+def test_fit_that_is_not_finite_is_refused_in_words(nll, information, driven, monkeypatch):
+    bad = SimpleNamespace(nll=nll, information=lambda: np.full((2, 2), information))
+    monkeypatch.setattr(identifying, "white_fit", lambda problem: bad)
+    monkeypatch.setattr(identifying, "coloured_if_likelier", lambda white: white)
+
+    with pytest.raises(LogError, match=r"no model of the robot explains .* time stamps"):
+        identify(log_of(driven, 0), overrides=KNOWN)
 
 
 def test_gradient_and_likelihood_agree():

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from scipy.signal import lsim
 
 from tests.corridor.further import EXACT
 from wmr_ctrl import RecordedDrive, identify, simulate
@@ -219,3 +220,21 @@ def test_a_pi_loop_of_a_run_gives_its_peak_gain_back(tmp_path):
         assert found.parameters[f"zeta{axis}"].value == pytest.approx(zeta, rel=0.03)
     assert found.scenario.filter.loop == ("pi", "pi")
     assert found.scenario.filter.kind == "clip", found.remarks
+
+
+def test_an_axis_with_a_loop_of_the_other_kind_determines_only_what_both_kinds_say():
+    """The speed v follows a first order, omega a second order: one scenario has one of both."""
+    log = steps(FIRST, 24.0)
+    fine = np.arange(24_000) * 1e-3
+    late = np.repeat(log["omega_command [rad/s]"], 20)[np.arange(-50, len(fine) - 50)]
+    late[:50] = 0.0
+    omega = lsim(([100.0], [1.0, 14.0, 100.0]), late, fine, interp=False)[1][::20]
+    noise = np.random.default_rng(1).normal(size=len(omega)) * 6e-3
+
+    found = identify(log | {"omega_measured [rad/s]": (omega + noise).tolist()}, base="velocity")
+
+    delay = found.parameters["delay1"]
+    assert found.scenario.base.loop == ("second-order", "second-order")
+    assert delay.low < FIRST["delay"] < delay.high
+    assert all(found.parameters[name].verdict != "determined" for name in ("wn1", "zeta1"))
+    assert found.parameters["wn2"].value == pytest.approx(10.0, rel=0.01)

@@ -260,23 +260,18 @@ def _samples(
     return samples, scenario
 
 
-def _check_finite(name: str, *fits: Fit) -> None:
-    """Raise LogError where the likelihood or the information of a fit is not finite."""
-    if not all(np.isfinite(fit.nll) and np.isfinite(fit.information()).all() for fit in fits):
-        raise LogError(
-            f"{name}: no model of the robot explains the log: what it says about the parameters is "
-            "not finite where they are likeliest. Check its time stamps, which may be off by some "
-            "milliseconds, its units, and the robot's known numbers."
-        )
-
-
 def _of_torques(name: str, log: Samples, scenario: Scenario, remarks: list[str]) -> Identification:
     robot = scenario.robot
     known = np.array([robot.r, robot.l, robot.g, robot.v_s, log.period])
     problem = LogProblem(log, CompiledFilter(scenario), known)
     white = white_fit(problem)
     fit = coloured_if_likelier(white)
-    _check_finite(name, white, fit)
+    if not all(np.isfinite(x.nll) and np.isfinite(x.information()).all() for x in (white, fit)):
+        raise LogError(
+            f"{name}: no model of the robot explains the log: what it says about the parameters is "
+            "not finite where they are likeliest. Check its time stamps, which may be off by some "
+            "milliseconds, its units, and the robot's known numbers."
+        )
     fit = surest(fit)
     widths, estimates = intervals_of(fit), {}
     speed = np.sqrt(np.mean(white.last.mean[:, 2:4] ** 2, axis=0))

@@ -95,17 +95,24 @@ def _curves(axes: list[AxisLog], fits: Fits, cut: float) -> Traces:
 
 
 def same_loop(axes: list[AxisLog], driven: list[bool]) -> Fits:
-    """Fits of both axes with one kind of loop: if their kinds differ, the likelier one for both."""
+    """Fits of both axes with one kind of loop: if their kinds differ, the likelier one for both.
+
+    The axis that it was forced on keeps its own fit among the `others`, so that its numbers are
+    as wide as both say.
+    """
     first, second = (
         axis_fit(axis) if moves else None for axis, moves in zip(axes, driven, strict=True)
     )
     if first is None or second is None or first.loop == second.loop:
         return first, second
-    others = (
-        (first, axis_fit(axes[1], (first.loop,))),
-        (axis_fit(axes[0], (second.loop,)), second),
-    )
-    return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
+    pairs = (first, _forced(second, first.loop)), (_forced(first, second.loop), second)
+    return min(pairs, key=lambda pair: pair[0].bic + pair[1].bic)
+
+
+def _forced(own: LoopFit, loop: str) -> LoopFit:
+    """Fit of a loop to an axis whose own is another; ``own`` is among its `others`."""
+    fit = axis_fit(own.log, (loop,))
+    return replace(fit, others=(*fit.others, own))
 
 
 def loop_estimates(judgements: Judgements, period: float) -> dict[str, Estimate]:
@@ -134,8 +141,8 @@ def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Est
     """
     fit = judgement.fit
     value, in_part = fit.values[name], judgement.explained != EXPLAINED
-    pairs = [_interval(item, name, period) for item in (fit, *fit.others)]
-    low, high = min(low for low, _ in pairs), max(high for _, high in pairs)
+    alike = [item for item in (fit, *fit.others) if name in item.values]
+    low, high = _hull([_interval(item, name, period) for item in alike])
     more = min(judgement.share, 1.0) * (1 + in_part) + UNSURE * (
         in_part and name in ("tau", "wn", "zeta")
     )
@@ -150,12 +157,13 @@ def _estimate(judgement: Judgement, name: str, period: float, sure: bool) -> Est
     low, high = max(min(low, least), lowest / 2), min(max(high, most), 2 * highest)
     # A structure that is known makes a number another, not unknown.
     share = ((high - low) / 2 if in_part else own) / size
-    word, seconds, several = verdict(share), (0.0, 0.0), (least, most) != (value, value)
+    word, seconds, several = verdict(share), (0.0, 0.0), least < most
     if name in fit.names:
         place = fit.names.index(name)
         seconds = informative_seconds(fit.log.t, fit.fisher[:, place, place])
         several |= bool(fit.alone[place]) or (name in fit.members and not sure)
         several |= "lag" in fit.names and name != "gain"
+        several |= len(alike) <= len(fit.others)
     if judgement.explained == NOT_EXPLAINED:
         word = NOT_EXPLAINED
     elif fit.at_end(name):
@@ -200,7 +208,10 @@ def _scenario(
         return bounds, replace(override(base, numbers), assumed=(*base.assumed, *own))
     fits = {item.place: item.fit for item in judgements}
     far = beyond(base, log)
-    d = [outward(0.0, _deviation(fits[k]) * far[k])[1] if k in fits else 0.0 for k in (0, 1)]
+    d = [0.0, 0.0]
+    for place, fit in fits.items():
+        seen = float(np.abs(fit.deviation()).max()) + abs(fit.values.get("bias", 0.0))
+        d[place] = outward(0.0, seen * far[place])[1]
     both = [fits.get(place, judgements[0].fit) for place in (0, 1)]
     values = [{name: four_digits(x) for name, x in fit.values.items()} for fit in both]
     loop, late, ends = both[0].loop, *_ends(base, both, estimates, far)
@@ -259,11 +270,6 @@ def _filtered(
     remarks += lacking
     founded = not lacking and max(far) == 1
     return stated if founded else replace(stated, assumed=unfounded.assumed)
-
-
-def _deviation(fit: LoopFit) -> float:
-    """Largest difference between the speed and what its command explains [m/s, rad/s]."""
-    return float(np.abs(fit.deviation()).max()) + abs(fit.values.get("bias", 0.0))
 
 
 def _against(

@@ -104,9 +104,7 @@ def _forward(where: str, name: str, t: Floats) -> None:
 
 def _check_counters(log: Log) -> None:
     """Check that counters neither wrap nor are reset."""
-    if not log.has(COUNTS.elements):
-        return
-    for name in COUNTS.elements:
+    for name in COUNTS.elements if log.has(COUNTS.elements) else ():
         t, counts = log.times[name], log.columns[name]
         step, near, _, jumps = jumps_of(t, counts)
         if not jumps.size:
