@@ -178,14 +178,14 @@ def is_running(pid):
 
 def test_exported_obligations_are_smt_lib(tmp_path):
     z3 = pytest.importorskip("z3")
-    runner.run_export(tmp_path, ["guard.inside", "conditions.256", "guard.too-fast"])
+    runner.run_export(tmp_path, ["guard.inside", "conditions.256", "wheels.per-wheel"])
 
     assert "`sat`" in (tmp_path / "README.md").read_text("utf-8")
     names = {path.name for path in (tmp_path / "guard.inside").iterdir()}
     assert {"goal-1-forwards.smt2", "domain-1-backwards.smt2", "hypotheses-forwards.smt2"} <= names
     files = list(tmp_path.rglob("*.smt2"))
     assert {path.parent.name for path in files if path.name.startswith("goal")} == {
-        "guard.inside", "conditions.256", "guard.too-fast"
+        "guard.inside", "conditions.256", "wheels.per-wheel"
     }  # fmt: skip
     for path in files:
         solver = z3.Solver()

@@ -275,3 +275,17 @@ def mapped(mutation: Mutation, name: str) -> Statement:
     w = MappedWheels()
     found = w.mapped(name, mutation(w.safe, ca.SX.zeros(2)))
     return Statement(w, (w.within(found), w.reached(found)), w.given)
+
+
+@map_claim("wheels.per-wheel", given=BOX)
+def clip_per_wheel(mutation: Mutation) -> Statement:
+    """a clip of each wheel's torque ends in the guard's box.
+
+    False: clipping one wheel changes thrust and moment at once, and can turn braking into driving.
+    """
+    w = MappedWheels()
+    t = w.symbols
+    most = t.phi * t.r / 2
+    torque = force_to_wheel(t.r, t.half, w.pair("force"))
+    found = wheel_to_force(t.r, t.half, ca.fmax(-most, ca.fmin(most, torque)))
+    return Statement(t, w.within(mutation * found), w.given)

@@ -18,7 +18,7 @@ from wmr_proofs.symbols import symbols
 
 from .guard_axis import AT_ONCE, DELAYED, EACH, LATE, GuardAxis
 from .guard_sample import FREE, NUMBERS_FREE, inside
-from .guard_sent import only
+from .guard_sent import FEASIBLE, only
 
 claim = Claims(by=Z3())
 
@@ -109,3 +109,18 @@ def longer(_: Mutation) -> Statement:
         at_least(a.arrived, b.f_speed), at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a))),
     )  # fmt: skip
     return Statement(a, at_least(a.u1, end), given, a.cuts)
+
+
+@claim("guard.delay.uncapped", given=FEASIBLE)
+def uncapped(_: Mutation) -> Statement:
+    """guard.delay.feasible, with |F_j| <= M_min alpha (u1 - f_speed) - net.
+
+    False: without the smaller cap a state can be reached that has no safe force.
+    """
+    a = GuardAxis(DELAYED)
+    b = a.bounds
+    most = b.M_min * b.alpha * (b.u1 - b.f_speed) - a.net
+    sent = (at_least(most, a.sent), at_least(most, -a.sent))
+    whole = at_least(a.delay, a.periods * a.period)
+    goal = at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a)))
+    return Statement(a, goal, (a.feasible(), sent, whole, at_least(a.periods)))
