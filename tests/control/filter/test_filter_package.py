@@ -372,7 +372,7 @@ def test_every_limit_is_lowered_in_single_precision(name):
 
 WITHOUT_EFFECT = {
     "clip": {"clock.control": 8}, "clip of wheels": {"clock.control": 8},
-    "clip of slow commands": changes("filter.d[1] = 0; filter.d[2] = 0"),
+    "clip of slow commands": {"filter.d[1]": 0, "filter.d[2]": 0},
 }  # fmt: skip
 """Parameters that no limit hangs on, and the flag of a step in which they are no number."""
 
