@@ -89,6 +89,7 @@ def test_readings_that_no_acceleration_explains_are_left_out_with_their_times(se
     assert all(any(a <= t[k] <= b for a, b in left) for k in far[~rows.samples.use[far, 0]])
 
 
+@pytest.mark.slow_but("0.5")
 @pytest.mark.parametrize("timeout", [0.3, 0.5, 1.2])
 def test_a_silence_shows_when_the_base_stops(timeout):
     silent = [(6.0, 10.0), (14.0, 18.0), (25.0, 30.0), (37.0, 40.0)]

@@ -181,6 +181,7 @@ def moved(v, command):
     return acts + (v - acts) * np.exp(-0.02 / np.array((0.15, 0.1)))
 
 
+@pytest.mark.slow_but("1.5")
 @pytest.mark.parametrize("stated", [None, 1.0, 1.5])
 def test_the_base_of_a_log_that_no_loop_explains_keeps_the_limits_of_its_filter(stated):
     log = offset_log()
@@ -292,6 +293,7 @@ def test_a_guard_keeps_to_the_speeds_and_torques_of_the_log(driven, found):
     assert {*written["robot"]} == {"m", "I", "mu", "r", "l"}
 
 
+@pytest.mark.slow
 def test_what_neither_log_nor_user_tells_is_left_out_of_the_file(tmp_path):
     """A drive straight ahead says nothing about the inertia and the limit of turning."""
     rng, v, rows = np.random.default_rng(0), 0.0, []
