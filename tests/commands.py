@@ -4,7 +4,7 @@ import subprocess
 
 
 def finished(command, *, code=0, **options):
-    """A program that ended with a code, and what it wrote."""
+    """Run a program and return its result; its exit code must be ``code``."""
     words = [str(word) for word in command]
     done = subprocess.run(words, capture_output=True, text=True, check=False, **options)
     assert done.returncode == code, done.stdout[-3000:] + done.stderr[-3000:]

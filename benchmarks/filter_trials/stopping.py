@@ -324,7 +324,7 @@ def bitten(name: str, count: int, seed: int) -> Found:
 
 
 def bitten_ramps(name: str, count: int, seed: int) -> Found:
-    """The same of a base that slows down (`RAMP_TEETH`)."""
+    """Drives beyond one bound (`RAMP_TEETH`) of bases that a clip with `filter.decel` stops."""
     told, wrong, chosen = RAMP_TEETH[name]
     return _bitten(
         told, wrong, {**chosen, "base": GREEDY, "limits": CONSTANT}, HARD_RAMPS, count, seed

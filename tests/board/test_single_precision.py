@@ -73,7 +73,7 @@ def test_the_guard_keeps_the_limit_against_the_worst_push(law, side, tmp_path):
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.slow_but("1.0")
 def test_the_guard_keeps_a_limit_of_each_direction_against_the_worst_push(side, tmp_path):
-    """As above, with limits backwards and to the right that are smaller."""
+    """The limits backwards and to the right are smaller than the others."""
     sides = {"limits.v_min": [-0.6, -1.0], "limits.v_max": [1.0, 1.5]}
     worst = {"robot.mu": 0.0, "guard.mass_margin": 0.0, "guard.dbar": [60.0, 15.0]}
     scenario = nominal(1e-2, True, **worst, **sides)

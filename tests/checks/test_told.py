@@ -1,4 +1,4 @@
-"""What is told of a scenario and a law, by its key: the numbers and the remedy, or nothing."""
+"""Checks of a scenario and a law: each warning has its numbers and remedy, or does not appear."""
 
 from math import inf
 

@@ -34,7 +34,7 @@ def test_only_limits_are_lowered():
 
 
 def test_limits_of_each_direction_keep_a_share_of_the_larger():
-    """Of v backwards no command is admitted, since a push alone leads there: that limit stays."""
+    """The limit of v backwards stays: a push alone reaches it, so no command is sent that way."""
     sides = {"limits.v_min": (-0.05, -0.4), "limits.v_max": (0.8, 0.06)}
     law = filter_system(scenario("governor", sides))
     values = {item.signal.name: item.value for item in with_margin(law).params}

@@ -34,7 +34,7 @@ class RefusedError(ArithmeticError):
 
 @dataclass(frozen=True)
 class Certificate:
-    """What a corridor states, as plain data.
+    """A corridor's statement as plain data.
 
     ``law`` and ``step``: graphs of one column each, near ``law_at`` and ``step_at``; ``sizes``: the
     graph of the conditions' limits.  A state has the fast state, ``queue`` commands sent,
@@ -352,7 +352,7 @@ def _summed(
     weights[unit] += rest
 
     def reach(rows: Floats, direct: Floats, beside: Floats, constant: Floats) -> Floats:
-        """Largest values of rows of the state, with what acts on them directly."""
+        """Largest values of rows of the state; ``direct`` inputs act on the rows without delay."""
         seen = rows @ ways
         size, disc = np.abs(seen), m - ROBOT
         position = np.hypot(seen[..., disc], seen[..., disc + 1]).sum(axis=0) * c.pose

@@ -1,4 +1,4 @@
-"""What the computation of a corridor states, as plain data for `tests.corridor.fixed_point`."""
+"""Certificates for `tests.corridor.fixed_point`, made from the computation of a corridor."""
 
 import casadi as ca
 import numpy as np

@@ -35,7 +35,7 @@ def exported(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def raw(exported, tmp_path_factory):
-    """The same function -> the FMU's library, driven without FMPy's help."""
+    """Export an FMU and load its library, which is driven without FMPy's help."""
 
     @cache
     def load(what, version, *given, **options):

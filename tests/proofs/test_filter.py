@@ -40,7 +40,7 @@ def test_bound_that_the_governor_keeps_is_a_bound_a_step_later():
 
 
 def test_governor_keeps_speed_and_bound_from_sample_to_sample():
-    """What is sent, what the speed does and what is remembered, in one."""
+    """One entry covers the command, the speed and the memory."""
     assert_proved("filter.step")
 
 

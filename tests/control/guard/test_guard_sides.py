@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.control.guard.test_guard_adversary import LIGHT
+from tests.control.guard.test_guard_adversary import LIGHTEST
 from tests.tables import changes
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.guard.delay import InFlight, largest_force
@@ -15,19 +15,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import load_scenario
 
-PUSHED = changes("""
-    guard.M_max = [70.0, 7.5]
-    guard.dbar = [60.0, 15.0]
-    robot.m = 25.0
-    robot.I = 2.7
-    robot.mu = 0.0
-    model.m = 50.0
-    model.I = 5.4
-    model.mu = 0.08
-    disturbance.std = 0.0
-    disturbance.push = [60.0, 15.0]
-    clock.duration = 10.0
-""") | {"guard.M_min": LIGHT.tolist()}  # fmt: skip
+PUSHED = LIGHTEST | changes("clock.duration = 10.0")
 SIDES = changes("limits.v_min = [-0.3, -1.4]; limits.v_max = [0.7, 0.6]")
 BACKWARDS = {**changes("initial.velocity = [-0.1, -0.1]"), "initial.pose": [6.0, 0.0, -np.pi / 2]}
 """A start far ahead of the desired motion: the law wants back, and pushes drive that way."""

@@ -65,7 +65,7 @@ def call(instance, name, unknowns, knowns, seed, count):
 
 
 def seeds(names):
-    """Each direction by itself, and a random one."""
+    """One unit vector for each of the names, and a random vector."""
     return (*np.eye(len(names)), np.random.default_rng(1).normal(size=len(names)))
 
 

@@ -40,7 +40,7 @@ def other_numbers(fmu):
 
 
 def stated(numbers):
-    """The same as keys of a scenario, arrays whole."""
+    """Parameters of an FMU as keys of a scenario; elements of an array are joined."""
     found = {}
     for name, value in numbers.items():
         key = name.replace("ref_", "reference.")
