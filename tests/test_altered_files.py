@@ -5,7 +5,7 @@ from wmr_ctrl.results.ledger import load
 
 
 def test_every_altered_place_is_in_its_file():
-    rows = (*ALTERED_FILES, *(row for row, _ in NOT_NOTICED))
+    rows = (*ALTERED_FILES, *NOT_NOTICED)
     texts = {row.path: (ROOT / row.path).read_text(encoding="utf-8") for row in rows}
 
     assert [(row.path, row.old) for row in rows if row.old not in texts[row.path]] == []
@@ -22,4 +22,3 @@ def test_every_altered_place_has_a_test_or_an_entry():
             path, _, name = test.partition("::")
             text = (ROOT / path).read_text(encoding="utf-8")
             assert not name or f"def {name.split('[')[0]}(" in text, test
-    assert all(reason for _, reason in NOT_NOTICED)
