@@ -2,16 +2,18 @@
 
 Four laws drive at once, for a few seconds at 1 and at 10 times the clock's speed.  Told are frames
 a second, and how long the script takes of a frame: simulation, picture and charts, without what the
-browser does to show them.  In a checkout only: the browser is driven by
-`tests/export/page/browser.py`.
+browser does to show them.
 """
 
 from __future__ import annotations
 
+import shutil
 import sys
 import tempfile
 from pathlib import Path
 from typing import Any
+
+from .browser import CHROMIUM, browser
 
 SECONDS = 5.0
 LAWS = ("pid", "mb", "nn", "prox")
@@ -36,9 +38,10 @@ MEASURE = """(async () => {
 
 def measured(page: Path, link: str) -> dict[str, Any]:
     """Frames a second, and median and 95 % quantile of the script's time in a frame [ms]."""
-    from tests.export.page.browser import browser
-
-    with tempfile.TemporaryDirectory() as folder, browser(Path(folder)) as one:
+    program = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if program is None:
+        raise SystemExit(f"None of these is installed: {', '.join(CHROMIUM)}")
+    with tempfile.TemporaryDirectory() as folder, browser(program, Path(folder)) as one:
         one.show(1300, 900)
         one.open(f"{page.as_uri()}#{link}", READY)
         found: dict[str, Any] = one.value(MEASURE % (1000 * SECONDS))

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.native import load_filter
-from tests.control.filter.adversary import Sender
 from wmr_ctrl.control.filter import filter_system
 from wmr_ctrl.control.filter.channels import LIMITED
 from wmr_ctrl.world.scenario import Scenario, load_scenario
+
+from .adversary import Sender
 
 BATCH = 2_000
 SAMPLES, T = 120, 0.05

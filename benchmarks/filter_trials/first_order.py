@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from tests.control.filter.adversary import Base, fastest
 from wmr_ctrl.world.scenario import Scenario
 
+from .adversary import Base, fastest
 from .compiled import BATCH, SAMPLES, WIDE_TURNS, Compiled, Floats, scenario
 
 HALF_TRACK = 0.25

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.linear_loops import driven, impulses
-from tests.control.filter.adversary import Sender
-from tests.control.filter.linear_base import pi_base, second_order_base
 
+from .adversary import Sender
 from .compiled import BATCH, SAMPLES, Compiled, Floats, T, scenario
+from .linear_base import pi_base, second_order_base
 
 PARTS = 4
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.filter_trials.adversary import Base, fastest
 from benchmarks.filter_trials.altered import ALTERED
 from benchmarks.filter_trials.compiled import WIDE_TURNS, Compiled, scenario, turned
 from benchmarks.filter_trials.first_order import BAND, FAST_TURNS, told_of
@@ -12,7 +13,6 @@ from benchmarks.filter_trials.linear import RIM_SWUNG, linear
 from benchmarks.filter_trials.statements import REFUSED, STATEMENTS, refusals, refused
 from benchmarks.filter_trials.stopping import FAMILIES, TEETH
 from tests.benchmarks.pages import RESULTS, table
-from tests.control.filter.adversary import Base, fastest
 
 
 def part(name):

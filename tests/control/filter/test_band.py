@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lti, step
 
-from tests.control.filter.linear_base import pi_base, second_order_base
+from benchmarks.filter_trials.linear_base import pi_base, second_order_base
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
 from tests.tables import cases, changes
 from wmr_ctrl import command_filter

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from tests.control.filter.adversary import Base, fastest
+from benchmarks.filter_trials.adversary import Base, fastest
 from tests.tables import cases, changes
 from wmr_ctrl import load_scenario
 from wmr_ctrl.control.filter.channels import ROUNDING

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.control.filter.adversary import Base, fastest
+from benchmarks.filter_trials.adversary import Base, fastest
 from tests.control.filter.test_filter import STATED, scenario
 from tests.papers_robot import preset
 from tests.tables import cases, changes

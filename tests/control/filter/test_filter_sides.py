@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.control.filter.adversary import Base, fastest
+from benchmarks.filter_trials.adversary import Base, fastest
 from tests.tables import cases, changes
 from wmr_ctrl.control.filter import CommandFilter
 from wmr_ctrl.control.filter.filter import filter_system, passing_commands

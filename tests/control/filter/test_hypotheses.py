@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.control.filter.linear_base import pi_base
+from benchmarks.filter_trials.linear_base import pi_base
 from tests.control.filter.test_band import CORNERS
 from tests.control.filter.test_peak_gain import scenario
 from tests.tables import changes

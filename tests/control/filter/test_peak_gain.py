@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.signal import lti, step
 
-from tests.control.filter.linear_base import pi_base, second_order_base
+from benchmarks.filter_trials.linear_base import pi_base, second_order_base
 from tests.tables import cases, changes
 from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter.enclosure import Span

@@ -8,7 +8,7 @@ from scipy.optimize import linprog
 from scipy.signal import lti, step
 from scipy.sparse import diags, vstack
 
-from tests.control.filter.linear_base import held, pi_base
+from benchmarks.filter_trials.linear_base import held, pi_base
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
 from tests.tables import cases, changes
 from wmr_ctrl import command_filter

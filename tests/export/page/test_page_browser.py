@@ -2,7 +2,8 @@
 
 import pytest
 
-from tests.export.page.browser import browser
+from benchmarks.browser import CHROMIUM, browser
+from tests.compilers import where
 
 READY = "window.wmr && window.wmr.page && window.wmr.page.frames > 1"
 EVEN = "(() => { let now = 0; performance.now = () => (now += 10); return now; })()"
@@ -12,7 +13,7 @@ PHONE, SCREEN = (390, 844), (1300, 900)
 
 @pytest.fixture(scope="module")
 def opened(page, tmp_path_factory):
-    with browser(tmp_path_factory.mktemp("browser")) as one:
+    with browser(where(*CHROMIUM), tmp_path_factory.mktemp("browser")) as one:
         yield one, page.as_uri()
 
 

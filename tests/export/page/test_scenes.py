@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from tests.export.page.browser import browser
+from benchmarks.browser import CHROMIUM, browser
+from tests.compilers import where
 from tests.export.page.test_module import assert_same_bits, from_page
 from tests.export.page.test_page_browser import READY
 from tests.export.page.walled import walled
@@ -119,7 +120,7 @@ def test_its_page_says_what_a_filter_does_not_promise(burger, tmp_path):
         assert one.value("document.getElementById('notices').innerText") == ""
         return notices
 
-    with browser(tmp_path) as one:
+    with browser(where(*CHROMIUM), tmp_path) as one:
         one.open(burger.as_uri(), READY)
         one.value("wmr.page.play(false)")
         assert said() == ""
@@ -167,7 +168,7 @@ def test_before_a_wall_only_the_filter_stops_in_time(wall, tmp_path):
         return said, one.value(found)
 
     law = "kanayama"
-    with browser(tmp_path) as one:
+    with browser(where(*CHROMIUM), tmp_path) as one:
         one.open(wall.as_uri(), READY)
         one.value("wmr.page.play(false)")
         _, alone = driven()

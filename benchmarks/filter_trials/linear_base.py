@@ -6,21 +6,25 @@ commands switch where its own impulse response changes sign, seen backwards from
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class LinearBase:
     """x' = A x + b u + e d, v = x[0]."""
 
-    A: np.ndarray
-    b: np.ndarray
-    e: np.ndarray
+    A: Floats
+    b: Floats
+    e: Floats
 
-    def impulse(self, column, times):
+    def impulse(self, column: Floats, times: Floats) -> Floats:
         """Impulse response of v at evenly spaced times from 0."""
         step, x, found = expm(self.A * (times[1] - times[0])), column, []
         for _ in times:
@@ -28,11 +32,17 @@ class LinearBase:
             x = step @ x
         return np.array(found)
 
-    def signs(self, column, times):
+    def signs(self, column: Floats, times: Floats) -> Floats:
         """Signs of the impulse response backwards from the end: inputs that lead farthest."""
         return np.sign(self.impulse(column, times))[::-1]
 
-    def speeds(self, send, times, pushes=0.0, parts=8):
+    def speeds(
+        self,
+        send: Callable[[int], float],
+        times: Sequence[float],
+        pushes: ArrayLike = 0.0,
+        parts: int = 8,
+    ) -> Floats:
         """Speeds (len(times) parts,) while ``send(k)`` acts in each period ``times[k]`` [s].
 
         ``pushes``: one, or one for each part of each period.
@@ -46,7 +56,9 @@ class LinearBase:
                 found.append(x[0])
         return np.array(found)
 
-    def fastest(self, send, d, T, samples, parts=8):
+    def fastest(
+        self, send: Callable[[float], float], d: float, T: float, samples: int, parts: int = 8
+    ) -> float:
         """Largest |v| under commands that ``send`` lets through, and pushes of at most d."""
         h, every = T / parts, np.arange(samples * parts)
         ahead = self.signs(self.b, (every[::parts] + 0.5) * h)
@@ -55,20 +67,20 @@ class LinearBase:
         return float(np.abs(asked).max())
 
 
-def held(A, B, h):
+def held(A: Floats, B: Floats, h: float) -> tuple[Floats, Floats]:
     """State and input matrices over a period of held input."""
     n, m = B.shape
     both = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * h)
     return both[:n, :n], both[:n, n:]
 
 
-def pi_base(M, kp, ki, c):
+def pi_base(M: float, kp: float, ki: float, c: float) -> LinearBase:
     """M v' = kp (u - v) + f - c v + d, f' = ki (u - v)."""
     A = np.array([[-(kp + c) / M, 1 / M], [-ki, 0.0]])
     return LinearBase(A, np.array([kp / M, ki]), np.array([1 / M, 0.0]))
 
 
-def second_order_base(w0, z, K):
+def second_order_base(w0: float, z: float, K: float) -> LinearBase:
     """v'' + 2 z w0 v' + w0^2 v = w0^2 (K u + d)."""
     A = np.array([[0.0, 1.0], [-(w0**2), -2 * z * w0]])
     return LinearBase(A, np.array([0.0, K * w0**2]), np.array([0.0, w0**2]))

@@ -1,5 +1,7 @@
 """A headless Chromium that is told by its DevTools protocol, over a pair of pipes."""
 
+from __future__ import annotations
+
 import base64
 import fcntl
 import json
@@ -7,9 +9,10 @@ import os
 import select
 import subprocess
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager
-
-from tests.compilers import where
+from pathlib import Path
+from typing import Any
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = (
@@ -21,17 +24,17 @@ FLAGS = (
 class Browser:
     """One page; ``said`` are errors of its console and its script."""
 
-    def __init__(self, process, to, back):
+    def __init__(self, process: subprocess.Popen[bytes], to: int, back: int) -> None:
         self._process, self._to, self._back = process, to, back
         self._waiting, self._count, self._session = b"", 0, ""
-        self.said = []
+        self.said = list[str]()
         target = self._call("Target.createTarget", {"url": "about:blank"})["targetId"]
         attached = self._call("Target.attachToTarget", {"targetId": target, "flatten": True})
         self._session = attached["sessionId"]
         for domain in ("Page", "Runtime", "Log"):
             self._call(f"{domain}.enable")
 
-    def show(self, width, height, *, dark=False, touch=False):
+    def show(self, width: int, height: int, *, dark: bool = False, touch: bool = False) -> None:
         """The window's size in pixels, and what its user prefers."""
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": touch}
         self._call("Emulation.setDeviceMetricsOverride", size)
@@ -39,42 +42,42 @@ class Browser:
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self._call("Emulation.setEmulatedMedia", {"features": [scheme]})
 
-    def open(self, url, ready="document.readyState === 'complete'"):
+    def open(self, url: str, ready: str = "document.readyState === 'complete'") -> None:
         """Load a page and wait until an expression is true in it."""
         self._call("Page.navigate", {"url": url})
         self.wait(ready)
 
-    def wait(self, ready, seconds=60.0):
+    def wait(self, ready: str, seconds: float = 60.0) -> None:
         """Wait until an expression is true."""
         end = time.monotonic() + seconds
         while not self.value(f"Boolean({ready})"):
             assert time.monotonic() < end, f"{ready}: not within {seconds} s; {self.said}"
             time.sleep(0.05)
 
-    def value(self, expression):
+    def value(self, expression: str) -> Any:
         """Value of an expression, awaited if it is a promise."""
         wanted = {"expression": expression, "awaitPromise": True, "returnByValue": True}
         found = self._call("Runtime.evaluate", wanted)
         assert "exceptionDetails" not in found, found["exceptionDetails"]
         return found["result"].get("value")
 
-    def press(self, key, code=""):
+    def press(self, key: str, code: str = "") -> None:
         """A key goes down and up."""
         named = {"key": key, "code": code or key, "text": key if len(key) == 1 else ""}
         self._call("Input.dispatchKeyEvent", {"type": "keyDown", **named})
         self._call("Input.dispatchKeyEvent", {"type": "keyUp", **named})
 
-    def mouse(self, kind, x, y):
+    def mouse(self, kind: str, x: float, y: float) -> None:
         """The mouse is pressed, moved or released at a place of the window."""
         left = {"button": "left", "buttons": 1, "clickCount": 1}
         self._call("Input.dispatchMouseEvent", {"type": f"mouse{kind}", "x": x, "y": y, **left})
 
-    def picture(self, path, *, whole=False):
+    def picture(self, path: Path, *, whole: bool = False) -> None:
         """A screenshot as PNG."""
         shot = self._call("Page.captureScreenshot", {"captureBeyondViewport": whole})
         path.write_bytes(base64.b64decode(shot["data"]))
 
-    def _call(self, method, params=None):
+    def _call(self, method: str, params: dict[str, Any] | None = None) -> dict[str, Any]:
         self._count += 1
         message = {"id": self._count, "method": method, "params": params or {}}
         if self._session:
@@ -84,21 +87,21 @@ class Browser:
             answer = self._read()
             if answer.get("id") == self._count:
                 assert "error" not in answer, f"{method}: {answer['error']}"
-                result = answer["result"]
+                result: dict[str, Any] = answer["result"]
                 return result
             self._hear(answer)
 
-    def _read(self):
+    def _read(self) -> dict[str, Any]:
         while b"\0" not in self._waiting:
             readable, _, _ = select.select([self._back], [], [], 120.0)
             part = os.read(self._back, 1 << 20) if readable else b""
             assert part, f"the browser is gone ({self._process.poll()})"
             self._waiting += part
         text, _, self._waiting = self._waiting.partition(b"\0")
-        message = json.loads(text)
+        message: dict[str, Any] = json.loads(text)
         return message
 
-    def _hear(self, event):
+    def _hear(self, event: dict[str, Any]) -> None:
         params = event.get("params", {})
         if event.get("method") == "Runtime.exceptionThrown":
             self.said.append(str(params["exceptionDetails"]))
@@ -109,13 +112,12 @@ class Browser:
 
 
 @contextmanager
-def browser(folder):
-    """A browser with its files in a folder; skips where there is none."""
-    program = where(*CHROMIUM)
+def browser(program: str, folder: Path) -> Iterator[Browser]:
+    """A browser, by the path of its program, with its files in a folder."""
     there, to = os.pipe()
     back, here = os.pipe()
 
-    def place():
+    def place() -> None:
         os.dup2(there, 3)
         os.dup2(here, 4)
 

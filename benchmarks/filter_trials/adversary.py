@@ -9,12 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from wmr_ctrl.control.filter import filter_system
+from wmr_ctrl.world.scenario import Scenario
 
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 NONE, LONG_AGO = (np.inf, np.inf), -1e9
 RAMPED = 6
 """Parts of a sample over which ramped commands are held."""
@@ -53,28 +58,28 @@ class Base:
     deadband: tuple[float, float] = (0.0, 0.0)
     wheel_deadband: float = 0.0
 
-    def wrong(self, **changes):
+    def wrong(self, **changes: Any) -> Base:
         """The base with some numbers beyond what is stated."""
         return replace(self, **changes)
 
-    def bands(self, l):
+    def bands(self, l: float) -> tuple[Floats, Floats] | None:
         """Speeds that have a dead band, as parts of v and omega, and its size; None without one."""
         if self.wheel_deadband:
             return np.array([[1.0, l], [1.0, -l]]), np.full(2, self.wheel_deadband)
         return (np.eye(2), np.array(self.deadband)) if any(self.deadband) else None
 
 
-Sender = Callable[[np.ndarray], np.ndarray]
+Sender = Callable[[Floats], Floats]
 """Sends for inputs (inputs, trials) the commands (2, trials), with a memory of its own."""
 
 
-def graphs(scenario, trials):
+def graphs(scenario: Scenario, trials: int) -> Sender:
     """The filter's graph for so many bases."""
     system = filter_system(scenario)
     step = system.function("filter", [system.update, system.y]).map(trials)
     x, p = (ca.repmat(ca.DM(item), 1, trials) for item in (system.x0, system.p0))
 
-    def send(u):
+    def send(u: Floats) -> Floats:
         nonlocal x
         x, out = step(ca.DM(u), x, p)
         x = ca.DM(x)
@@ -83,7 +88,7 @@ def graphs(scenario, trials):
     return send
 
 
-def limited_speeds(scenario):
+def limited_speeds(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
     """Speeds that are limited, each as its parts of v and of omega, and their limits.
 
     The larger of both directions, then those of each, forwards first.
@@ -98,13 +103,13 @@ def limited_speeds(scenario):
 
 
 def fastest(
-    scenario,
-    base,
-    trials=400,
-    samples=200,
-    seed=0,
-    sending=graphs,
-):
+    scenario: Scenario,
+    base: Base,
+    trials: int = 400,
+    samples: int = 200,
+    seed: int = 0,
+    sending: Callable[[Scenario, int], Sender] = graphs,
+) -> Floats:
     """Largest share of a limit in each trial, over all instants at which a piece ends.
 
     Each is after one of the speeds that are limited.
@@ -205,7 +210,7 @@ HEADINGS = ((1, 0), (0, 1), (1, 1), (5, 1), (1, 5))
 """Where commands may head, in sizes of v and l omega, besides along the speed that is sought."""
 
 
-def _heard(command, bands, drops):
+def _heard(command: Floats, bands: tuple[Floats, Floats], drops: Flags) -> Floats:
     """The commands (trials, 2) that act behind dead bands, in the trials that drop small ones."""
     rows, sizes = bands
     parts = command @ rows.T
@@ -220,12 +225,12 @@ EDGES = (-EDGE, EDGE, -0.5, 0.3, 1.5)
 
 
 def _on_the_edge(
-    scenario,
-    bands,
-    after,
-    side,
-    shares,
-):
+    scenario: Scenario,
+    bands: tuple[Floats, Floats],
+    after: NDArray[np.int64],
+    side: Floats,
+    shares: Floats,
+) -> Floats:
     """Commands (trials, 2) of which a part is within a dead band.
 
     Of a rim while the speed that is sought is as fast as the clip lets it; or such ``shares``.
@@ -243,24 +248,24 @@ def _on_the_edge(
     return np.where((each % 2 == 0)[:, None], pair / (1, l), both)
 
 
-def _newest(since):
+def _newest(since: Floats) -> Floats:
     """The last instant at which a command took over or will, of each axis."""
     return np.max(np.where(np.isfinite(since), since, LONG_AGO), axis=1)
 
 
-def _forward(motion, base):
+def _forward(motion: Floats, base: Base) -> Flags:
     """Where a motion of each loop, of both together if they are alike, is one forwards."""
     return (motion.sum(axis=1, keepdims=True) if base.loops == "alike" else motion) > 0
 
 
-def _ramped(now, wanted, base, time):
+def _ramped(now: Floats, wanted: Floats, base: Base, time: Floats) -> Floats:
     """Commands that near the ``wanted`` ones as fast as they may; they stop at 0 to turn round."""
     goal = np.where(now * wanted < 0, 0, wanted)
     most = np.where(np.abs(goal) < np.abs(now), base.decel, base.accel) * np.maximum(time, 1e-300)
     return now + np.clip(goal - now, -most, most)
 
 
-def _recorded(times, values, when):
+def _recorded(times: list[Floats], values: list[Floats], when: Floats) -> tuple[Floats, Floats]:
     """The first instants from ``when`` on at which a piece ended, and the speeds there."""
     t, v = np.array(times), np.array(values)
     place = np.argmax(t >= when - 1e-12, axis=0)
