@@ -48,12 +48,13 @@ from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.scenario import unknown_keys
 from wmr_ctrl.world.sight import WIDEST, free_ways
 from wmr_ctrl.world.speed_loop import EXERTED
-from wmr_ctrl.world.standstill import BRAKED, STANDSTILL
+from wmr_ctrl.world.standstill import BRAKED
 
 from .controller import watched_controller, wheel_limit
 from .filter.channels import FREE, FREE_AGE
 from .filter.stop_numbers import smallest_window, stopping
 from .laws.context import own_diagnostics
+from .outside import check_outside_plant
 from .setup import Setup
 from .sides import LIMITS, sides
 from .velocity import FREE_NARROW
@@ -144,11 +145,6 @@ class Graphs:
         """Create the plant and the wirings of both rates, with the sensors, which are returned."""
         self.parameters = Parameters(setup)
         sample = Wiring(setup, self.parameters, Rate.SAMPLE, {})
-        if external_plant and STANDSTILL in setup.effects:
-            raise ArgumentError(
-                f"base.rest = {setup.scenario.base.rest:g}: a plant outside of the loop has no "
-                "brake that could hold it. Leave it out, or run the plant ode."
-            )
         sensors = sample.effects(EffectRole.SENSOR)
         self.rolling = rolling_of(sensors)
         rolling = self.rolling if external_plant else self.rolling[:1]
@@ -228,6 +224,8 @@ class LoopGraphs(Graphs):
     """
 
     def __init__(self, setup: Setup, *, external_plant: bool = False) -> None:
+        if external_plant:
+            check_outside_plant(setup)
         self.setup = setup
         self.controller, self.reference = watched_controller(setup), reference(setup.scenario)
         sensors = self._join_sensors(setup, external_plant=external_plant)

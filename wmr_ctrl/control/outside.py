@@ -5,6 +5,7 @@ from wmr_ctrl.core.signals import TORQUE_NOISE
 from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Effect, EffectRole
 from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.standstill import STANDSTILL
 
 from .setup import Setup
 
@@ -28,6 +29,15 @@ def check_plain_loop(setup: Setup, holder: str) -> None:
             f"{holder} holds only reference, controller and plant, but the scenario "
             f"{scenario.name} also has: {', '.join(missed)}. Export the closed-loop FMU, which "
             "includes everything, or remove this from the scenario."
+        )
+
+
+def check_outside_plant(setup: Setup) -> None:
+    """Raise ArgumentError for what only the loop's own plant does."""
+    if STANDSTILL in setup.effects:
+        raise ArgumentError(
+            f"base.rest = {setup.scenario.base.rest:g}: a plant outside of the loop has no brake "
+            "that could hold it. Leave it out, or run the plant ode."
         )
 
 

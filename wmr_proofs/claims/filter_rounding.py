@@ -12,6 +12,7 @@ from wmr_ctrl.control.filter import governor
 from wmr_ctrl.control.filter.channels import ROUNDING, Channel
 from wmr_ctrl.control.filter.governor import FirstOrder, drive, largest_command, relaxed
 from wmr_ctrl.control.filter.governor_step import contradiction
+from wmr_ctrl.control.filter.ramp_stop import stopping_speed
 from wmr_ctrl.control.filter.ways import Reached, Stop, farthest
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
@@ -22,6 +23,7 @@ from wmr_proofs.relation import (
     at_least,
     between,
     nonnegative,
+    positive,
     when,
     within,
 )
@@ -331,3 +333,19 @@ def command(mutation: Mutation) -> Statement:
     )  # fmt: skip
     need = t.way + led + (t.K * t.u + t.push) * t.s
     return Statement(t, at_least(t.room + most, need), given, computed={"hi": made})
+
+
+@claim(
+    "filter.rounding.free.ramp",
+    given="0 < K, A, h; 0 <= room; 0 <= u <= hi; operations rounded by at most 2^-53",
+)
+def ramp(mutation: Mutation) -> Statement:
+    """w h + w^2/(2 A) <= (1 + 2^-48) room, w = K u.
+
+    A base that slows down by A stops within its room but for roundings of the command.
+    """
+    t = symbols("K A h room u hi")
+    w, most = t.K * t.u, 1 + mutation(1, 2.0**-5) * 2.0**-48
+    given = positive(t.K, t.A, t.h), at_least(t.room), between(0, t.u, t.hi)
+    goal = at_least(most * t.room, w * t.h + w * w / (2 * t.A))
+    return Statement(t, goal, given, computed={"hi": stopping_speed(t.room, t.h, t.A) / t.K})

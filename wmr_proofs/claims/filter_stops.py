@@ -281,7 +281,7 @@ def away(mutation: Mutation) -> Statement:
     return Statement(t, goals, given)
 
 
-@claim("filter.free.ramp", given="0 < A, 0 <= h, 0 <= room; 0 <= m <= stopping_speed(room)")
+@claim("filter.free.ramp", given="0 < A, h; 0 <= room; 0 <= m <= stopping_speed(room)")
 def ramp(mutation: Mutation) -> Statement:
     """m h + m^2/(2 A) <= room.
 
@@ -290,7 +290,7 @@ def ramp(mutation: Mutation) -> Statement:
     t = symbols("A h room m")
     most = mutation(1, 1.01) * stopping_speed(t.room, t.h, t.A)
     goal = at_least(t.room, t.m * t.h + t.m * t.m / (2 * t.A))
-    return Statement(t, goal, (above(t.A), nonnegative(t.h, t.room), between(0, t.m, most)))
+    return Statement(t, goal, (positive(t.A, t.h), at_least(t.room), between(0, t.m, most)))
 
 
 @claim(

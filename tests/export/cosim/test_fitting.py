@@ -9,6 +9,7 @@ from tests.commands import flat
 from tests.export.cosim.foreign import CONTROLLER, LOST, PLANT, PLANT_MAP
 from tests.export.cosim.test_run import SHORT
 from tests.export.fmi.raw import OK, REFUSED
+from tests.papers_robot import preset
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
@@ -41,6 +42,21 @@ def test_a_controller_of_another_structure_is_refused(exported, changes):
 def test_another_law_is_refused(exported):
     with pytest.raises(ArgumentError, match="not the mb of this scenario"):
         cosimulate(SHORT, "mb", controller=exported("nn", 2))
+
+
+@pytest.mark.parametrize("key", ["base.rest", "filter.free_error"])
+def test_what_no_part_does_is_refused_before_any_is_built(key, monkeypatch):
+    monkeypatch.delattr("wmr_ctrl.export.cosim.run.write_fmu")
+    cart = """
+        base.kind = velocity
+        limits.v_u1 = [1, 2]
+        filter.kind = governor
+        filter.tau = [0.1, 0.3]
+        filter.rest = 1
+        disturbance.std = 0
+    """
+    with pytest.raises(ArgumentError, match=key):
+        cosimulate(preset("paper-simulation", cart, {key: 0.5}), "kanayama")
 
 
 def test_a_foreign_fmu_needs_a_map(foreign):

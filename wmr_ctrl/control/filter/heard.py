@@ -114,6 +114,11 @@ class Watching(Heard):
         """Way from which on a free way limits no command."""
         raise NotImplementedError
 
+    def off(self, place: int, axis: int, time: ca.SX) -> ca.SX:
+        """Way [m, rad] by which roundings may exceed what is computed for a ``time`` [s]."""
+        V = self.channels[axis].sides[place].V
+        return ROUNDING * (V * time + 4 * ROUNDING * self.far(place, axis))
+
     @cached_property
     def is_fresh(self) -> ca.SX:
         """1 where the free ways are told, and not too old."""

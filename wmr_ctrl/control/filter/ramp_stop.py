@@ -44,8 +44,9 @@ from .stopping import TRACE
 
 
 def stopping_speed(room: ca.SX, h: ca.SX, A: ca.SX) -> ca.SX:
-    """Largest speed w for which w h + w^2/(2 A) is within ``room``."""
-    return A * (ca.sqrt(h * h + 2 * ca.fmax(room, 0) / A) - h)
+    """Largest speed w for which w h + w^2/(2 A) is within ``room``, without cancellation; h > 0."""
+    twice = 2 * ca.fmax(room, 0)
+    return twice / (h + ca.sqrt(h * h + twice / A))
 
 
 class RampStopper(Clip, Watching):
@@ -182,7 +183,8 @@ class RampStopper(Clip, Watching):
     def _free_following(self, place: int, axis: int) -> ca.SX:
         latest = (1 + self.plans[axis].jitter) * self.T
         speed = self.most[place][axis] + (0 if axis else self.nearing)
-        return self.free_now[place][axis] - speed * latest
+        gone = speed * latest + self.off(place, axis, latest)
+        return self.free_now[place][axis] - gone
 
     @property
     def system(self) -> System:

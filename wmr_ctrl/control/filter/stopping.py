@@ -33,7 +33,6 @@ from .channels import (
     AXES,
     NEAR_BY,
     NO_DISTANCE,
-    ROUNDING,
     SLOWING,
     WAYS,
     ends_of,
@@ -346,8 +345,7 @@ class StoppingGovernor(Watching, Governor):
         latest = (1 + motion.schedule.jitter) * self.T
         gone = motion.until_next(self.start[place][axis], targets)
         V, nears = motion.bounds.V, self.stops[axis].nearing * latest
-        kept = ROUNDING * (V * latest + 4 * ROUNDING * self.far(place, axis))
-        gone = ca.if_else(self.trusted, gone, V * latest) + kept
+        gone = ca.if_else(self.trusted, gone, V * latest) + self.off(place, axis, latest)
         return self.free_now[place][axis] - gone - nears
 
     @cached_property

@@ -8,6 +8,7 @@ from wmr_ctrl.codegen.build import first_step_at
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.outside import check_outside_plant
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import SENT_BEFORE, TAU_APPLIED
@@ -94,14 +95,20 @@ def _graph_in(path: str | Path) -> str:
         return archive.read(GRAPH).decode() if GRAPH in archive.namelist() else ""
 
 
-def check_parts(setup: Setup, plant: Part) -> None:
-    """Raise ArgumentError if a foreign plant replaces a part of the scenario."""
-    scenario = setup.scenario
-    if setup.takes_velocity and scenario.filter.is_told and scenario.filter.free_error is not None:
+def check_told(setup: Setup) -> None:
+    """Raise ArgumentError for a loop that needs what only our own loop measures or does."""
+    check_outside_plant(setup)
+    filtered = setup.scenario.filter
+    if setup.takes_velocity and filtered.is_told and filtered.free_error is not None:
         raise ArgumentError(
             "filter.free_error: nothing in a co-simulation measures free distances, without which "
             "the filter lets no command pass. Leave it out, or run the scenario natively."
         )
+
+
+def check_parts(setup: Setup, plant: Part) -> None:
+    """Raise ArgumentError if a foreign plant replaces a part of the scenario."""
+    scenario = setup.scenario
     if plant.is_base and not setup.takes_velocity:
         raise ArgumentError(
             f"the map gives velocities to {plant.slave.path}, and the scenario's robot takes "

@@ -185,6 +185,7 @@ def _cosim_setup(
         )
     case = scenario_given(scenario)
     setup = settle(case, law_of(case, law or within))
+    fitting.check_told(setup)
     if delay_known and setup.takes_velocity:
         raise ArgumentError(
             "delay_known is for robots that take torques. On a base that takes velocities state "
