@@ -131,6 +131,7 @@ def test_a_filter_that_stops_says_before_what():
 
     assert 0 < gap < 0.2
     assert place == 1
+    assert run.summary()["filter_share"][1] == 0  # turns of 1e-34 rad/s that it lets go are none
     assert told.startswith(f"The filter stopped the robot {length(gap)} before obstacle 1")
     assert f"It came within {length(gap)} of obstacle 1. But" in run.explanation
     assert dict(rows_of(run))["nearest obstacle"].startswith(f"{gap:.4g} m, obstacle 1 at ")

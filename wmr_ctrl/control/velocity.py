@@ -158,6 +158,8 @@ class SentVelocity:
         memory, following = self._remembering(sent)
         held = () if self.filter is None else self.filter.state
         changed = sent != self.asked
+        if self.told:  # where something is near, turns that are nothing but roundings are 0
+            changed = ca.fabs(sent - self.asked) > NEAR * self.p.take("limits.v_u1")
         agrees = ca.logic_not(has_bit(flags, BOUNDS_LEFT))
         watched = zip(signals.GUARD_DIAGNOSTICS, (changed, ca.SX.zeros(2), agrees), strict=True)
         shown = (Output(signals.ASKED, self.asked), Output(FLAGS, flags))

@@ -29,7 +29,7 @@ class SecondOrderGains(Section, key="base"):
 
     frequency: tuple[float, float] = quantity(
         derived((10.0, 10.0)), "rad/s", "natural frequencies of the second-order loop", above=0,
-        alike=True,
+        alike=True, usual=(0.1, 500),
     )  # fmt: skip
     damping: tuple[float, float] = quantity(
         derived((1.0, 1.0)), "1", "damping ratios of the second-order loop", above=0, alike=True

@@ -93,7 +93,7 @@ class Filter(Section, key="filter"):
     )
     frequency: Intervals | None = quantity(
         None, "rad/s", "bounds of a second-order loop's natural frequency", above=0, size=2,
-        by_axis=True,
+        by_axis=True, usual=(0.1, 500),
     )  # fmt: skip
     mass: tuple[float, float] | None = quantity(
         None, "kg", "bounds of the mass, for PI loops", above=0, size=2
