@@ -6,54 +6,7 @@ import re
 import pytest
 
 from tests.commands import flat
-
-RUN = "run paper-simulation --engine numpy"
-
-CASES = {
-    "command": ("rnu", "no command is named 'rnu' (near: run"),
-    "law": ("run --law mbb", "no law is named 'mbb' (near: mb"),
-    "scenario": ("run papersimulation", "near: paper-simulation"),
-    "law as a scenario": ("run prox", "wmr-ctrl run far-start --law prox"),
-    "engine": ("run --engine numpi", "no engine is named 'numpi' (near: numpy"),
-    "law of a page": ("page --out a.html --law mbb", "no law is named 'mbb' (near: mb"),
-    "page's scenario": ("page --out a.html --scenario far", "near: far-start"),
-    "page's argument": ("page --out a.html far-start", "is given by --scenario"),
-    "page's suffix": ("page --out a.png", "must end in .html"),
-    "page's folder": ("page --out none/a.html", "none' does not exist"),
-    "option": ("run --sed 1", "--seed"),
-    "option's value": ("run --seed one", "'one' is not a whole number from 0 up"),
-    "negative seed": ("run --seed -1", "'-1' is not a whole number from 0 up"),
-    "huge seed": (f"{RUN} --seed {2**70}", "is not a whole number from 0 up"),
-    "key": (f"{RUN} --set robot.mass=1", "robot.mass is not a key in robot"),
-    "gain": (f"{RUN} --set gains.mb.rhoo=1", "near: rho"),
-    "assignment": (f"{RUN} --set robot.m", "is not KEY=VALUE"),
-    "type": (f"{RUN} --set robot.m=heavy", 'robot.m = "heavy" must be a number'),
-    "thresholds": (f"{RUN} --set limits.v_u2[1]=1.6", "limits.v_u2[1] = 1.6 must be below"),
-    "missing file": ("run missing.toml", "missing.toml"),
-    "no seeds": ("reproduce --seeds 0", "0 is not in the range"),
-    "one run to compare": ("compare a.npz", "Missing argument 'RUN_B'"),
-    "runs to compare": ("compare a.npz b.npz", "cannot read 'a.npz'"),
-    "suffix to compare": ("compare a.txt b.txt", ".npz or .csv"),
-    "tolerance": ("compare --tolerance x a.npz b.npz", "'x' is not a valid float"),
-    "scenario to print": ("scenarios far", "near: far-start"),
-    "nothing to print": ("scenarios --toml", "need the NAME of a scenario"),
-    "nothing to complete": ("scenarios --complete", "need the NAME of a scenario"),
-    "two forms": ("scenarios far-start --toml --json", "either --toml or --json"),
-    "law to check": ("check far-start --law nm", "near: nn"),
-    "nothing to check": ("check", "Missing argument 'SCENARIO'"),
-    "suffix of measurements": ("bench --json a.txt", "must end in .json"),
-    "suffix of the run": (f"{RUN} --out a.txt", "--out 'a.txt' must end in .npz or .csv"),
-    "suffix of the plot": (f"{RUN} --plot a.npz", "--plot 'a.npz' must end in .png"),
-    "suffix of the film": (f"{RUN} --animate a.avi", "--animate 'a.avi' must end in .gif"),
-    "picture for a folder": (
-        "linearize paper-simulation --plot lin.png",
-        "Name the folder, such as 'lin'",
-    ),
-    "page for a folder": ("reproduce --out report.html", "is the name of a file"),
-    "no suffix": (f"{RUN} --out a", "must end in .npz or .csv"),
-    "folder of the run": (f"{RUN} --out no/a.npz", "Create the folder first"),
-    "folder of the measurements": ("bench --json no/a.json", "Create the folder first"),
-}
+from tests.tables import cases
 
 
 def assert_one_paragraph(found, words, code=2):
@@ -72,40 +25,78 @@ def assert_one_paragraph(found, words, code=2):
 
 @pytest.fixture(autouse=True)
 def empty_folder(tmp_path, monkeypatch):
+    """The working folder; nothing may run."""
+    monkeypatch.setattr("wmr_ctrl.api.simulate", lambda *_, **__: pytest.fail("ran"))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_bad_input_is_explained_in_one_paragraph(wmr, name, empty_folder):
-    arguments, words = CASES[name]
-
+@pytest.mark.parametrize(
+    "arguments, words",
+    cases("""
+    rnu | no command is named 'rnu' (near: run
+    run --law mbb | no law is named 'mbb' (near: mb
+    run papersimulation | near: paper-simulation
+    run prox | wmr-ctrl run far-start --law prox
+    run --engine numpi | no engine is named 'numpi' (near: numpy
+    page --out a.html --law mbb | no law is named 'mbb' (near: mb
+    page --out a.html --scenario far | near: far-start
+    page --out a.html far-start | is given by --scenario
+    page --out a.png | must end in .html
+    page --out none/a.html | none' does not exist
+    run --sed 1 | --seed
+    run --seed one | 'one' is not a whole number from 0 up
+    run --seed -1 | '-1' is not a whole number from 0 up
+    run --engine numpy --seed 1180591620717411303424 | is not a whole number from 0 up
+    run --engine numpy --set robot.mass=1 | robot.mass is not a key in robot
+    run --engine numpy --set gains.mb.rhoo=1 | near: rho
+    run --engine numpy --set robot.m | is not KEY=VALUE
+    run --engine numpy --set robot.m=heavy | robot.m = "heavy" must be a number
+    run --engine numpy --set limits.v_u2[1]=1.6 | limits.v_u2[1] = 1.6 must be below
+    run missing.toml | missing.toml
+    reproduce --seeds 0 | 0 is not in the range
+    compare a.npz | Missing argument 'RUN_B'
+    compare a.npz b.npz | cannot read 'a.npz'
+    compare a.txt b.txt | .npz or .csv
+    compare --tolerance x a.npz b.npz | 'x' is not a valid float
+    scenarios far | near: far-start
+    scenarios --toml | need the NAME of a scenario
+    scenarios --complete | need the NAME of a scenario
+    scenarios far-start --toml --json | either --toml or --json
+    check far-start --law nm | near: nn
+    check | Missing argument 'SCENARIO'
+    bench --json a.txt | must end in .json
+    run --engine numpy --out a.txt | --out 'a.txt' must end in .npz or .csv
+    run --engine numpy --plot a.npz | --plot 'a.npz' must end in .png
+    run --engine numpy --animate a.avi | --animate 'a.avi' must end in .gif
+    linearize paper-simulation --plot lin.png | Name the folder, such as 'lin'
+    reproduce --out report.html | is the name of a file
+    run --engine numpy --out a | must end in .npz or .csv
+    run --engine numpy --out no/a.npz | Create the folder first
+    bench --json no/a.json | Create the folder first
+    """),
+)
+def test_bad_input_is_explained_in_one_paragraph(wmr, arguments, words, empty_folder):
     assert_one_paragraph(wmr(arguments), words)
     assert list(empty_folder.iterdir()) == []
 
 
-def random_bytes():
-    return bytes(range(256)) * 4
-
-
-FILES = {
-    "random bytes": (random_bytes(), "not UTF-8"),
-    "half a table": (b"[robot\nm = 1", "is not valid TOML"),
-    "control characters": (b"[robot]\nm = \x1b[31m1", "is not valid TOML"),
-    "an unknown section": (b"[robbot]\nm = 1", "near: robot"),
-    "a list for a table": (b"robot = [1]", "must be a table"),
-    "a missing base": (b'extends = "papr-simulation"', "near: paper-simulation"),
-    "a missing list of points": (
-        b'[reference]\nkind = "waypoints"\nfile = "points.csv"', "points.csv"
-    ),
-}  # fmt: skip
-
-
 @pytest.mark.parametrize("command", ["run", "check", "scenarios"])
-@pytest.mark.parametrize("name", FILES)
-def test_bad_files_are_explained_in_one_paragraph(wmr, empty_folder, name, command):
-    content, words = FILES[name]
-    (empty_folder / "bad.toml").write_bytes(content)
+@pytest.mark.parametrize(
+    "content, words",
+    cases("""
+    ÿþ | not UTF-8
+    [robot;m = 1 | is not valid TOML
+    [robot];m = \x1b[31m1 | is not valid TOML
+    [robbot];m = 1 | near: robot
+    robot = [1] | must be a table
+    extends = "papr-simulation" | near: paper-simulation
+    [reference];kind = "waypoints";file = "points.csv" | points.csv
+    """),
+)
+def test_bad_files_are_explained_in_one_paragraph(wmr, empty_folder, content, words, command):
+    text = content.replace(";", "\n")
+    (empty_folder / "bad.toml").write_text(text, "latin-1")
 
     found = wmr(f"{command} ./bad.toml")
 
@@ -114,18 +105,9 @@ def test_bad_files_are_explained_in_one_paragraph(wmr, empty_folder, name, comma
 
 
 def test_foreign_file_is_no_run(wmr, empty_folder):
-    (empty_folder / "a.npz").write_bytes(random_bytes())
+    (empty_folder / "a.npz").write_bytes(bytes(range(256)) * 4)
 
     assert_one_paragraph(wmr("compare a.npz a.npz"), "is not a run")
-
-
-def test_outputs_are_checked_before_anything_runs(wmr, monkeypatch):
-    def never(*_args, **_options):
-        raise AssertionError("ran")
-
-    monkeypatch.setattr("wmr_ctrl.api.simulate", never)
-
-    assert_one_paragraph(wmr(f"{RUN} --out no/a.npz"), "Create the folder first")
 
 
 def test_results_folder_must_be_a_folder(wmr, empty_folder):
@@ -149,7 +131,7 @@ def test_system_errors_name_the_file(wmr, monkeypatch):
 
     monkeypatch.setattr("wmr_ctrl.api.simulate", full)
 
-    line = f"{RUN} --set disturbance.std=0 --law mb --set changes=[]"
+    line = "run --engine numpy --set disturbance.std=0 --law mb --set changes=[]"
     assert_one_paragraph(wmr(line), "a.npz: No space left on device.")
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from tests.commands import flat
+from tests.tables import cases, changes
 from wmr_ctrl.cli import check_answers
 from wmr_ctrl.cli.check_sentences import REMEDIES, idle_keys, remedies, remedy
-from wmr_ctrl.control.default_law import default_law
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import CompilerError
@@ -22,16 +22,13 @@ from wmr_ctrl.theory.checks.outlook import IN_PART, OF_THEORY
 from wmr_ctrl.world.scenario import load_scenario, preset_names
 
 
-def test_every_scenario_is_listed_with_its_title(wmr):
+def test_list_of_scenarios_as_json(wmr):
+    """Each has a title; as text the list is as narrow as a terminal."""
+    listed = json.loads(wmr("scenarios --json").stdout)
     found = wmr("scenarios").stdout
 
     assert all(f"{name} " in found for name in preset_names())
     assert max(map(len, found.splitlines())) <= 80
-
-
-def test_list_of_scenarios_as_json(wmr):
-    listed = json.loads(wmr("scenarios --json").stdout)
-
     assert [entry["name"] for entry in listed] == list(preset_names())
     assert all(entry["title"] for entry in listed)
 
@@ -116,32 +113,19 @@ def test_each_objection_is_shown_once_with_a_remedy(laws):
     assert "see --only" not in text
 
 
-def test_check_judges_the_scenarios_own_law(wmr):
-    document = json.loads(wmr("check", *SHORT_BURGER, "--json").stdout)
-    law = default_law(load_scenario("turtlebot3-burger")).name
-
-    assert list(document["verdict"]) == [law]
-    both = json.loads(wmr("check", *SHORT_BURGER, "--law", "pid,smc", "--json").stdout)
-    assert list(both["verdict"]) == ["pid", "smc"]
-
-
 @pytest.mark.parametrize(
     "asked, laws",
-    [
-        (("--law", "pid,smc"), None),
-        ((), None),
-        (("--law", "pid"), ["pid"]),
-        (("--law", "pid,smc", "--corridor"), ["pid", "smc"]),
-        (("--corridor",), ["kanayama"]),
-    ],
+    [("--law pid,smc", None), ("", None), ("--law pid", ["pid"]), ("--corridor", ["kanayama"])],
 )
 def test_check_computes_corridors_where_they_are_asked_for(wmr, asked, laws):
-    found = json.loads(wmr("check", *SHORT_BURGER, *asked, "--json").stdout)["corridor"]
+    told = json.loads(wmr(f"{SHORT_BURGER} {asked} --json").stdout)
 
-    assert (found and list(found)) == laws
+    assert (told["corridor"] and list(told["corridor"])) == laws
+    assert list(told["verdict"]) == (asked.removeprefix("--law ").split(",") if "law" in asked
+                                     else ["kanayama"])  # fmt: skip
 
 
-SHORT_BURGER = ("turtlebot3-burger", "--set", "clock.duration=0.2")
+SHORT_BURGER = "check turtlebot3-burger --set clock.duration=0.2"
 
 
 def test_only_filter_lists_what_is_asked_of_its_numbers(monkeypatch):
@@ -182,20 +166,19 @@ def test_check_without_a_compiler_says_so(wmr, monkeypatch):
 
 @pytest.mark.parametrize(
     "command",
-    [
-        ("run", "safe-simulation", "--engine", "numpy", "--set", "clock.duration=0.2"),
-        ("scenarios",),
-        ("scenarios", "--reference", "waypoints"),
-        ("laws",),
-    ],
+    cases("""
+    run safe-simulation --engine numpy --set clock.duration=0.2 | slow
+    scenarios
+    scenarios --reference waypoints
+    laws
+    """),
 )
-@pytest.mark.slow_but("command1", "command2", "command3")
 def test_no_width_loses_a_letter(wmr, monkeypatch, command):
-    letters = Counter(filter(str.isalnum, wmr(*command).stdout))
+    letters = Counter(filter(str.isalnum, wmr(command).stdout))
     for columns in ("20", "40", "60", "200"):
         monkeypatch.setenv("COLUMNS", columns)
 
-        assert Counter(filter(str.isalnum, wmr(*command).stdout)) == letters
+        assert Counter(filter(str.isalnum, wmr(command).stdout)) == letters
 
 
 @pytest.mark.parametrize("preset", preset_names())
@@ -205,32 +188,31 @@ def test_every_key_of_a_preset_does_something(preset):
 
 @pytest.mark.parametrize(
     "preset, idle, switch",
-    [
-        ("paper-simulation", {"gyro.noise": 0.1}, {"gyro.enabled": True}),
-        ("paper-simulation", {"slope.direction": 1.0}, {"slope.angle": 0.05}),
-        ("paper-simulation", {"encoder.window": 0.02}, {"encoder.counts": 1024.0}),
-        ("paper-simulation", {"actuator.lag_spread": 0.2}, {"actuator.lag": 0.02}),
-        ("paper-simulation", {"base.tau": [0.3, 0.3]}, {"base.kind": "velocity"}),
-        ("paper-simulation", {"filter.gain": [0.9, 1.1]}, {"base.kind": "velocity"}),
-        ("turtlebot3-burger", {"base.kp": 9.0}, {"base.loop": "pi", "filter.kind": "none"}),
-        ("turtlebot3-burger", {"guard.alpha": 3.0}, {}),
-    ],
+    cases("""
+    paper-simulation | gyro.noise = 0.1 | gyro.enabled = true
+    paper-simulation | slope.direction = 1.0 | slope.angle = 0.05
+    paper-simulation | encoder.window = 0.02 | encoder.counts = 1024.0
+    paper-simulation | actuator.lag_spread = 0.2 | actuator.lag = 0.02
+    paper-simulation | base.tau = [0.3, 0.3] | base.kind = "velocity"
+    paper-simulation | filter.gain = [0.9, 1.1] | base.kind = "velocity"
+    turtlebot3-burger | base.kp = 9.0 | base.loop = "pi"; filter.kind = "none"
+    turtlebot3-burger | guard.alpha = 3.0 | nothing
+    """),
 )
 def test_keys_of_what_is_switched_off_are_told(preset, idle, switch):
-    (key,) = idle
+    (key,) = stated = changes(idle)
 
-    assert idle_keys(load_scenario(preset, idle)) == (key,)
-    assert not switch or key not in idle_keys(load_scenario(preset, {**idle, **switch}))
+    assert idle_keys(load_scenario(preset, stated)) == (key,)
+    if switch != "nothing":
+        assert key not in idle_keys(load_scenario(preset, stated | changes(switch)))
 
 
 def test_check_tells_keys_without_effect(wmr):
     """Those of presets are nobody's fault: the Burger has a guard's masses, which it inherits."""
-    short = ("--law", "pid", "--set", "clock.duration=0.2", "--set", "changes=[]")
-    idle = ("--set", "gyro.noise=0.1", "--set", "metrics.rms_from=0.1", "--set", "gains.mb.rho=9,9")
-    found = wmr("check", "paper-simulation", *short, *idle)
-    only = wmr("check", "paper-simulation", *short, *idle, "--only", "corridor")
-
-    preset = wmr("check turtlebot3-burger --law pid --set clock.duration=0.2")
+    idle = "--set gyro.noise=0.1 --set metrics.rms_from=0.1 --set gains.mb.rho=9,9"
+    short = f"check paper-simulation --law pid --set clock.duration=0.2 --set changes=[] {idle}"
+    found, only = wmr(short), wmr(f"{short} --only corridor")
+    preset = wmr(f"{SHORT_BURGER} --law pid")
 
     assert all("here: gyro.noise, gains.mb.rho." in item.stderr for item in (found, only))
     assert "guard.M_" not in preset.stdout + preset.stderr
