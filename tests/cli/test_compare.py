@@ -5,6 +5,7 @@ import json
 import pytest
 
 from tests.commands import flat
+from tests.tables import cases
 
 
 @pytest.fixture
@@ -47,17 +48,17 @@ def test_more_than_two_runs_are_a_table(wmr, saved):
 
 
 @pytest.mark.parametrize(
-    "args, said",
-    [
-        (("--law", "pid,pif"), "near: pid"),
-        (("--law", ""), "law"),
-        (("far-start", "paper-simulation", "--law", "pid"), "runs one scenario"),
-        (("far-start",), "Missing option '--law'"),
-        ((), "Missing option '--law'"),
-    ],
+    "arguments, said",
+    cases("""
+    --law pid,pif | near: pid
+    --law "" | law
+    far-start paper-simulation --law pid | runs one scenario
+    far-start | Missing option '--law'
+    --json | Missing option '--law'
+    """),
 )
-def test_what_cannot_be_compared_is_told(wmr, args, said):
-    found = wmr("compare", *args)
+def test_what_cannot_be_compared_is_told(wmr, arguments, said):
+    found = wmr(f"compare {arguments}")
 
     assert found.exit_code == 2
     assert said in flat(found.stderr)

@@ -8,6 +8,7 @@ from tests.cli.conftest import SHORT
 from tests.commands import flat
 from tests.control.laws.toys import PLAIN
 from tests.docs.test_extending import FILES
+from tests.tables import cases
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError
 
@@ -28,37 +29,37 @@ def line_of(text, part):
     return next(k for k, line in enumerate(text.splitlines(), start=1) if part in line)
 
 
-WRONG = {
-    "a bracket": ("force = ", "force = (", "never closed", "force ="),
-    "a name": ("context.friction", "frction", "'frction' is not defined", "force ="),
-    "a shape": ('law", force)', 'law", context.pose)', "force has 3 elements", "return"),
-    "a choice": ("    force", "    assert context.v[0] > 0\n    force", "truth value", "assert"),
-    "a gain": ('gain("K")', 'gain("Q")', "known: K", "force ="),
-    "no system": ("return context.system", "context.system", "returns None", "def build"),
-    "another type": ("LAW = Law(", "LAW = dict(name=", "must be a Law", "LAW ="),
-    "an import": ('"""Prop', 'import nowhere\n"""Prop', "No module named 'nowhere'", "nowhere"),
-    "an option": ('unit="', 'unt="', "unexpected keyword", "K: tuple"),
-    "the end": ("LAW = ", "exit()\nLAW = ", "ends the program", None),
-    "no law": ("LAW = ", "law = ", "is called law: name it LAW", None),
-    "a law of ours": ('Law("my_law"', 'Law("pid"', "a law of wmr_ctrl", "LAW ="),
-    "a word of ours": ('Law("my_law"', 'Law("guard"', "cannot be called 'guard'", "LAW ="),
-    "an unknown gain": ("doc=__doc__", 'tuned=("Z",), doc=__doc__', "tuned names 'Z'", "LAW ="),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("fault", WRONG)
-def test_a_fault_names_file_and_line(fault, wmr, tmp_path):
-    old, new, said, line = WRONG[fault]
-    text = LAW.replace(old, new, 1)
+@pytest.mark.parametrize(
+    "old, new, said, line",
+    cases("""
+    force = | force = ( | never closed | force =
+    context.friction | frction | 'frction' is not defined | force =
+    law", force) | law", context.pose) | force has 3 elements | return
+    force = | assert context.v[0] > 0;    force = | truth value | assert
+    gain("K") | gain("Q") | known: K | force =
+    return context.system | context.system | returns None | def build
+    LAW = Law( | LAW = dict(name= | must be a Law | LAW =
+    LAW = | import nowhere;LAW = | No module named 'nowhere' | nowhere
+    unit=" | unt=" | unexpected keyword | K: tuple
+    LAW = | exit();LAW = | ends the program | mine.py
+    LAW = | law = | is called law: name it LAW | mine.py
+    Law("my_law" | Law("pid" | a law of wmr_ctrl | LAW =
+    Law("my_law" | Law("guard" | cannot be called 'guard' | LAW =
+    doc=__doc__ | tuned=("Z",), doc=__doc__ | tuned names 'Z' | LAW =
+    """),
+)
+def test_a_fault_names_file_and_line(old, new, said, line, wmr, tmp_path):
+    text = LAW.replace(old, new.replace(";", "\n"), 1)
     assert text != LAW
     (tmp_path / "mine.py").write_text(text)
 
     result = wmr("run", "paper-simulation-nominal", "--law", "mine.py", *SHORT)
 
     told = flat(result.stderr)
+    place = line if line == "mine.py" else f"mine.py, line {line_of(text, line)}"
     assert result.exit_code == 2
     assert said in told
-    assert "mine.py" in told if line is None else f"mine.py, line {line_of(text, line)}" in told
+    assert place in told
     assert "This should not happen" not in told
 
 
@@ -79,9 +80,8 @@ def test_laws_of_one_name_are_not_confused(tmp_path):
 
 
 def test_commands_take_files_among_names(wmr, tmp_path):
-    gains = "gains.my_law.K=300,30"
-    both = ("--law", "kanayama,my_law.py", "--set", "clock.duration=1", "--set", gains)
-    compared = wmr("compare", "paper-simulation-nominal", *both)
+    short = "--set clock.duration=1 --set gains.my_law.K=300,30"
+    compared = wmr(f"compare paper-simulation-nominal --law kanayama,my_law.py {short}")
     written = wmr("codegen my_law.py --out c")
     plan = tmp_path / "plans"
     plan.mkdir()

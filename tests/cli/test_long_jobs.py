@@ -34,13 +34,18 @@ def asked(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "options, seeds",
-    [((), 20), (("--quick",), "quick"), (("--seeds", 7), 7), (("--quick", "--seeds", 1), 1)],
-)
-def test_number_of_seeds(wmr, asked, tmp_path, options, seeds):
-    assert wmr("reproduce", "--out", tmp_path / "r", *options).exit_code == 0
+    "options, seeds, ours",
+    [
+        ("", 20, False), ("--quick", "quick", False), ("--seeds 7 --with-ours", 7, True),
+        ("--quick --seeds 1", 1, False),
+    ],
+)  # fmt: skip
+def test_number_of_seeds_and_whether_the_comparison_past_the_paper_is_asked_for(
+    wmr, asked, tmp_path, options, seeds, ours
+):
+    assert wmr(f"reproduce --out {tmp_path}/r {options}").exit_code == 0
     assert seeds == ("quick" if asked[0]["quick"] else asked[0]["seeds"])
-    assert asked[0]["jobs"] is None
+    assert (asked[0]["jobs"], asked[0]["with_ours"]) == (None, ours)
 
 
 def test_agreement_is_exit_code_0_and_a_difference_1(wmr, asked, tmp_path):
@@ -54,29 +59,13 @@ def test_agreement_is_exit_code_0_and_a_difference_1(wmr, asked, tmp_path):
     assert asked[0]["jobs"] == 2
 
 
-@pytest.mark.parametrize("options, wanted", [((), False), (("--with-ours",), True)])
-def test_the_comparison_past_the_paper_is_asked_for(wmr, asked, tmp_path, options, wanted):
-    assert wmr("reproduce", "--out", tmp_path / "r", *options).exit_code == 0
-    assert asked[0]["with_ours"] is wanted
-
-
-@pytest.fixture
-def measured(monkeypatch):
+def test_bench_prints_its_table_and_writes_all_measurements_as_strict_json(
+    wmr, tmp_path, monkeypatch
+):
     found = {"ratios": {"loop": 2.0}, "times": {"nn": float("nan")}, "text": "loop  2"}
-    monkeypatch.setattr(api, "bench", lambda progress: found, raising=False)
-
-
-@pytest.mark.usefixtures("measured")
-def test_bench_prints_its_table(wmr):
-    found = wmr("bench")
-
-    assert found.exit_code == 0, found.stderr
-    assert found.stdout == "loop  2\n"
-
-
-@pytest.mark.usefixtures("measured")
-def test_bench_writes_all_measurements_as_strict_json(wmr, tmp_path):
-    wmr(f"bench --json {tmp_path}/b.json")
+    monkeypatch.setattr(api, "bench", lambda progress: found)
+    done = wmr(f"bench --json {tmp_path}/b.json")
     document = json.loads((tmp_path / "b.json").read_text(), parse_constant=pytest.fail)
 
+    assert (done.exit_code, done.stdout) == (0, "loop  2\n")
     assert document["times"] == {"nn": None}

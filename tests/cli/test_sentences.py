@@ -13,9 +13,7 @@ from tests.papers_robot import paper
 from wmr_ctrl import api, simulate
 from wmr_ctrl.cli import check_sentences
 from wmr_ctrl.cli.console import short_number
-from wmr_ctrl.cli.options import _each_law
 from wmr_ctrl.control.guard.price import early_speed
-from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.results import outcome_of
@@ -108,8 +106,6 @@ def test_a_comparison_judges_the_drive_and_names_every_limit(run):
     assert "over the last quarter or drive (0.05 to 0.1 s) [mm]" in text
     assert "limits 1 m/s and 1.5 rad/s or 0.9 m/s and 1.4 rad/s." in text
     assert "over the last half or drive (0.05 to 0.1 s) [N m]" in text
-    judged = figures_of(stops)["tracking"]["drive"]["position_rms"]
-    assert compare._row("mb", stops)[1] == short_number(1e3 * judged)
     changed = dict(summary.rows_of(stops, verbose=True))["wheel torque, change"]
     assert changed.endswith("RMS per sample, drive (0.05 to 0.1 s)")
 
@@ -132,12 +128,9 @@ def test_what_all_of_several_laws_have_in_common_is_said_once():
 def test_stable_periods_delays_and_masses_are_told_as_they_were_found():
     limits = Stability(0.003, 0.04, 0.05, (0.5, 2.0), 1e-4)
     document = json.loads(json.dumps(check.document(answers(stable={"pid": limits}))))
-    told = {key: document[key]["pid"] for key in
-            ("min_period", "max_period", "max_delay", "mass_range")}  # fmt: skip
+    keys = "min_period", "max_period", "max_delay", "mass_range"
 
-    assert told == {
-        "min_period": 0.003, "max_period": 0.04, "max_delay": 0.05, "mass_range": [0.5, 2.0],
-    }  # fmt: skip
+    assert [document[key]["pid"] for key in keys] == [0.003, 0.04, 0.05, [0.5, 2.0]]
 
 
 @pytest.mark.parametrize(
@@ -218,8 +211,3 @@ def test_a_start_that_a_push_may_take_outside_has_to_come_back_first(room, said)
     assert gained[1] > 2e-3
     assert text.startswith("Guarded")
     assert ("once the speed is back from its start" in text) is said
-
-
-def test_laws_that_are_named_beside_all_are_kept():
-    """One that does not exist is refused later on."""
-    assert _each_law(None, None, ["mb", "typo, all"]) == tuple(dict.fromkeys(["mb", "typo", *LAWS]))

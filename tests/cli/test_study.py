@@ -6,6 +6,7 @@ import json
 import pytest
 
 from tests.commands import flat
+from tests.tables import cases
 
 PLAN = """\
 laws = ["mb"]
@@ -50,22 +51,24 @@ def test_who_interrupts_is_told_that_it_goes_on(wmr, plan, tmp_path, monkeypatch
 
 
 @pytest.mark.parametrize(
-    "text, options, words",
-    [
-        ('laws = ["nno"]', (), "no law is named 'nno'"),
-        ("seeds = ", (), "not valid TOML"),
-        ("[grid]\nrobot.mm = [1.0]", (), "robot.mm"),
-        ("", (), "is empty"),
-        ("seeds = 1", ("--executor", "spark"), "no executor is named 'spark'"),
-    ],
+    "text, words",
+    cases("""
+    laws = ["nno"] | no law is named 'nno'
+    seeds = | not valid TOML
+    grid.robot.mm = [1.0] | robot.mm
+    # nothing | is empty
+    seeds = 1 | no executor is named 'spark'
+    """),
 )
-def test_bad_input_is_one_paragraph(wmr, tmp_path, text, options, words):
+def test_bad_input_is_one_paragraph(wmr, tmp_path, text, words):
     (tmp_path / "plan.toml").write_text(text)
-    result = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s", *options)
+    more = "--executor spark" if "spark" in words else ""
+    result = wmr(f"study {tmp_path}/plan.toml --out {tmp_path}/s {more}")
 
     assert result.exit_code == 2
     assert words in flat(result.stderr)
     assert not (tmp_path / "s").exists()
+    assert wmr(f"study {tmp_path}/plan.toml").exit_code == 2
 
 
 ALL_REFUSED = """\
@@ -90,10 +93,6 @@ def test_a_study_of_which_the_guard_refuses_all_is_no_success(wmr, tmp_path):
     assert (found.exit_code, told.exit_code) == (1, 1)
     assert (count, reason.startswith("guard: no force can keep limits.v_u1[1]")) == (6, True)
     assert f"6 refused: {reason}" in flat(told.stdout)
-
-
-def test_a_study_needs_a_folder(wmr, plan):
-    assert wmr(f"study {plan}").exit_code == 2
 
 
 SOBOL = """\

@@ -6,7 +6,6 @@ import matplotlib as mpl
 import pytest
 
 from benchmarks.paper_figures import PANELS, all_drawings
-from wmr_ctrl.report.style import house_style
 
 EVIDENCE = ("measure", "limits_all_seeds", "stress_velocities")
 
@@ -31,11 +30,3 @@ def test_a_users_settings_neither_matter_nor_change(drawings, tmp_path):
 
         assert mpl.rcParams["font.size"] == 30
     assert after.read_bytes() == plain
-
-
-def test_the_house_style_is_left_again_after_an_error():
-    size = mpl.rcParams["font.size"]
-    with pytest.raises(RuntimeError), house_style():
-        raise RuntimeError
-
-    assert mpl.rcParams["font.size"] == size

@@ -24,7 +24,6 @@ from wmr_ctrl.world.scenario import override, to_toml
 def test_a_cell_has_its_range_only_where_numbers_differ():
     assert ranged(spread([0.5, 2.0, 1.0])) == "1.00 (0.500 … 2.00)"
     assert ranged(spread([1.0, 1.0])) == "1.00"
-    assert ranged(spread([1.0, 3.0, 1.0])) == "1.00 (1.00 … 3.00)"
     assert ranged(spread([0.001, 0.003]), 1e3) == "2.00 (1.00 … 3.00)"
     assert ranged(spread([None])) == "–"
 
@@ -73,8 +72,7 @@ def test_a_band_is_as_wide_on_both_sides_and_widest_where_the_path_rests():
     assert left[0] == pytest.approx([0.0, 1.0, 2.0, 3.0])
     assert left[1] == pytest.approx([0.1, 0.1, 0.4, 0.1])
     assert right[:, ::-1] == pytest.approx(np.array([left[0], -left[1]]))
-    up = band(path[::-1], width)
-    assert up[0, :4] == pytest.approx([-0.1, -0.1, -0.4, -0.1])
+    assert band(path[::-1], width)[0, :4] == pytest.approx([-0.1, -0.1, -0.4, -0.1])
     assert band(np.zeros((2, 3)), np.ones(3)).shape == (2, 0)
 
 

@@ -46,12 +46,7 @@ def test_places_that_cannot_be_written_are_refused_before_anything_runs(tmp_path
     with pytest.raises(ResultFileError):
         api.reproduce(tmp_path / place)
     assert (tmp_path / "file").read_text() == "mine"
-
-
-@pytest.mark.usefixtures("idle")
-def test_the_file_of_the_comparison_is_looked_at_where_it_is_wanted(tmp_path):
     (tmp_path / "ours.csv").mkdir()
-
     with pytest.raises(ResultFileError, match="ours"):
         api.reproduce(tmp_path, with_ours=True)
 
